@@ -210,7 +210,8 @@ endfunction()
 # under a sanitizer: one case for the program); TIMED: its tests whose names match hold promises
 # about time. It sees
 #   VDRIVE_SOURCE_DIR   the source tree, for tests/data and the scenarios
-#   VDRIVE_SERVICE, VDRIVE_TOOL   (label dds only) the programs vdrived and vdrive of this build
+#   VDRIVE_SERVICE, VDRIVE_TOOL   (label dds only) the programs vdrived and vdrive of this build; a test without
+#                       DDS that calls the tool is given to vdrive_call_tool (tests/CMakeLists.txt)
 # With VDRIVE_NIGHTLY=1 in the environment a test may run its long count. The target unit_tests
 # builds everything of that label.
 function(vdrive_add_test name)

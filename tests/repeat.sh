@@ -53,13 +53,16 @@ done
 # script is killed.
 loads=()
 stop_load() {
-  local group
+  local group tries
   for group in "${loads[@]}"; do
     kill -KILL -- "-$group" 2>/dev/null || true
   done
-  # On a busy machine what was killed runs for a moment.
+  # On a busy machine what was killed runs for a moment; where nobody collects it, it stays.
   for group in "${loads[@]}"; do
-    while kill -0 -- "-$group" 2>/dev/null; do sleep 0.01; done
+    for ((tries = 0; tries < 500; ++tries)); do
+      kill -0 -- "-$group" 2>/dev/null || break
+      sleep 0.01
+    done
   done
   loads=()
   rm -f "$work"/load-*.o

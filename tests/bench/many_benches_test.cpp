@@ -58,10 +58,10 @@ std::unique_ptr<Place> make_place(const BenchOptions& options) {
   return place;
 }
 
-/// The room of all queues is 28 MiB for each bench, whatever its axes: 1,024 frames of 256 commands
-/// wait, 2,048 answers are remembered. What counts is how much of it is used. Of a bench of two
-/// axes the largest parts are 256 answers with room for 64 objects (0.4 MiB) and 1,024 commands
-/// with room for 8 objects (0.2 MiB); the rest is a few pages of each queue.
+/// A bench reserves room for the largest messages, whatever its axes:
+/// docs/explanation/performance.md says how much. What counts is how much of it is used. Of a bench
+/// of two axes the largest part is 256 answers with room for 64 objects (0.4 MiB); the rest is a
+/// few pages of each queue.
 TEST(BenchOfTwoAxes, TakesAtMostOneMebibyte) {
   constexpr std::size_t kBenches = 100;  // so many that what the first one takes once is nothing
   make_place({.axes = 2});

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the benchmarks and runs all of them, some 7 minutes; prints one JSON line for each figure on
+# Builds the benchmarks and runs all of them, some 9 minutes; prints one JSON line for each figure on
 # standard output (figures.py table FILE makes a table of them):
 #   {"figure":"axis_tick_ns","axes":1024,"value":...}
 # Everything else goes to standard error. The figures of the network stand beside those of the DDS
@@ -21,10 +21,11 @@ rounds=21
 follow_seconds=20
 longest_seconds=60
 steps=3
+scenarios=5
 only=
 while (($#)); do
   case $1 in
-    --quick) rounds=5 follow_seconds=4 longest_seconds=10 steps=1 ;;
+    --quick) rounds=5 follow_seconds=4 longest_seconds=10 steps=1 scenarios=1 ;;
     --only)
       only=${2-} && shift
       if ! [[ $only =~ ^(core|service|steps|status|start|lateness)$ ]]; then
@@ -118,7 +119,7 @@ status() {
 # The time of `vdrive test` of the project's scenarios, in turns without and with DDS.
 measure_scenarios() {
   local wire attempt begin end
-  for attempt in 1 2 3 4 5; do
+  for ((attempt = 0; attempt < scenarios; ++attempt)); do
     for wire in local dds; do
       begin=$(date +%s%N)
       "$build/bin/vdrive" test --over $wire "$root"/clients/scenarios/*.scn >"$work/scenarios"

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 
 import numpy
 import pytest
@@ -240,7 +241,8 @@ def test_each_axis_has_its_model_and_all_have_the_parameters():
 
 
 def wait_for_a_step(bank):
-    while True:
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline:
         try:
             bank.read(0, 0x6041)
         except RuntimeError:
@@ -301,8 +303,12 @@ def test_a_forked_process_goes_on_with_its_own_copy():
     view = bank.status
     child = os.fork()
     if child == 0:
-        bank.step(1000)
-        os._exit(0 if view["load_position_actual_value"][0] == 10000 else 1)
+        code = 1  # also of an exception: nothing of the child returns into pytest
+        try:
+            bank.step(1000)
+            code = 0 if view["load_position_actual_value"][0] == 10000 else 1
+        finally:
+            os._exit(code)
     assert os.waitpid(child, 0)[1] == 0
     assert bank.tick == 100 and view["load_position_actual_value"][0] != 10000
 

@@ -111,3 +111,8 @@ def test_axes_replace_those_of_a_configuration(over, tmp_path):
     config.write_text("axes: [{number: 7, name: alone}]\n")
     with vdrive.Bench(3, config=config, over=over) as bench, bench.session() as session:
         assert [axis.id for axis in session.axes()] == ["1.1", "1.2", "1.3"]
+
+
+def test_no_bench_at_all_is_refused(vdrive_benches):
+    with pytest.raises(vdrive.ConfigurationError, match="count = 0: must be 1 or more"):
+        vdrive_benches(0)

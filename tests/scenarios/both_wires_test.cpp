@@ -64,12 +64,11 @@ class BothWires : public testing::Test {
     return path;
   }
 
-  Verdicts test(std::vector<std::string> files, const std::string& wire) {
+  Verdicts test(std::vector<std::string> words, const std::string& wire) {
     const std::string report = directory_.path() / (wire + ".xml");
-    files.insert(files.begin(), "test");
-    // Over DDS a bench that is not there is searched for as long.
-    files.insert(files.end(), {"--over", wire, "--json", "--junit", report, "--timeout", "5"});
-    const Finished finished = Process(VDRIVE_TOOL, std::move(files)).wait();
+    words.insert(words.begin(), "test");
+    words.insert(words.end(), {"--over", wire, "--json", "--junit", report});
+    const Finished finished = Process(VDRIVE_TOOL, std::move(words)).wait();
     Verdicts verdicts{.code = finished.code, .lines = {}, .report = {}};
     for (const std::string& line : lines_without_times(finished)) {
       verdicts.lines.push_back(without_place(line));
@@ -82,9 +81,9 @@ class BothWires : public testing::Test {
   }
 
   /// @return the verdicts, which are the same over both.
-  Verdicts test_over_both(const std::vector<std::string>& files) {
-    Verdicts local = test(files, "local");
-    const Verdicts dds = test(files, "dds");
+  Verdicts test_over_both(const std::vector<std::string>& words) {
+    Verdicts local = test(words, "local");
+    const Verdicts dds = test(words, "dds");
     EXPECT_EQ(local.code, dds.code);
     EXPECT_EQ(local.lines, dds.lines);
     EXPECT_EQ(local.report, dds.report);
@@ -116,7 +115,9 @@ TEST_F(BothWires, GiveTheSameMessagesOfScenariosThatFail) {
        file("late.scn", "wait 1.1 operation_enabled --timeout 5ms\n"),
        file("disabled.scn", "move 1.1 5\n"),
        file("restored.scn", "disturb 1.1 load_torque 100\nmove 1.1 5\nfinally\nstep 1\n"),
-       file("fault.scn", "enable 1.1\ndisturb 1.1 over_current\nstep 5\nenable 1.1\n")});
+       file("fault.scn", "enable 1.1\ndisturb 1.1 over_current\nstep 5\nenable 1.1\n"),
+       // Over DDS a bench that is not there is searched for as long.
+       "--timeout", "5"});
   EXPECT_THAT(verdicts.report, HasSubstr("failures=\"7\"")) << "those that are not below";
   EXPECT_THAT(verdicts.report, HasSubstr("errors=\"3\"")) << "axis, name and bench";
 }

@@ -20,7 +20,6 @@ namespace vdrive::bench {
 namespace {
 
 using service::Configuration;
-using service::ConfigurationError;
 
 static_assert(kMostAxes == service::kMaxAxes);
 static_assert(kHighestNumber == wire::kHighestBench);
@@ -63,7 +62,7 @@ void refuse_network(const Configuration& configuration) {
   if (network.domain != defaults.domain) refuse("network.domain");
 }
 
-Configuration configuration_of_service(const BenchOptions& options) {
+Configuration configuration_of(const BenchOptions& options) {
   Configuration configuration = read(options);
   refuse_network(configuration);
   if (options.axes) configuration.axes = service::default_axes(*options.axes);
@@ -74,11 +73,14 @@ Configuration configuration_of_service(const BenchOptions& options) {
   return configuration;
 }
 
-/// @throws BenchError
-Configuration configuration_of(const BenchOptions& options) {
+/// @throws BenchError instead of any other exception
+template <typename Function>
+auto with_bench_errors(Function function) {
   try {
-    return configuration_of_service(options);
-  } catch (const ConfigurationError& error) {
+    return function();
+  } catch (const BenchError&) {
+    throw;
+  } catch (const std::exception& error) {
     throw BenchError(error.what());
   }
 }
@@ -134,21 +136,18 @@ class Bench::Parts {
 };
 
 void check(const BenchOptions& options) {
-  static_cast<void>(configuration_of(options));
+  static_cast<void>(with_bench_errors([&] {
+    return configuration_of(options);
+  }));
 }
 
-Bench::Bench(const BenchOptions& options) {
-  try {
-    Configuration configuration = configuration_of(options);
-    auto store = store_of(options, configuration);
-    parts_ =
-        std::make_unique<Parts>(std::move(configuration), journal_of(options), std::move(store));
-  } catch (const BenchError&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw BenchError(error.what());
-  }
-}
+Bench::Bench(const BenchOptions& options)
+    : parts_(with_bench_errors([&] {
+        Configuration configuration = configuration_of(options);
+        auto store = store_of(options, configuration);
+        return std::make_unique<Parts>(std::move(configuration), journal_of(options),
+                                       std::move(store));
+      })) {}
 
 Bench::~Bench() = default;
 Bench::Bench(Bench&& other) noexcept = default;

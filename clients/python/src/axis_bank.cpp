@@ -397,13 +397,14 @@ py::object read_object(PyAxisBank& self, const py::object& axis, const py::objec
 /// The two words that a key of the model takes, as in a configuration of the service.
 template <typename Choice>
 Choice choice_of(const std::string& key, const py::handle& value,
-                 const std::array<std::pair<std::string_view, Choice>, 2>& choices) {
+                 const std::array<Choice, 2>& choices) {
   const auto text = value.cast<std::string>();
-  for (const auto& [word, choice] : choices) {
-    if (text == word) return choice;
+  for (const Choice choice : choices) {
+    if (text == to_string(choice)) return choice;
   }
   raise_configuration_error("model: " + key + " = " + in_quotes(text) + " must be " +
-                            std::string(choices[0].first) + " or " + std::string(choices[1].first));
+                            std::string(to_string(choices[0])) + " or " +
+                            std::string(to_string(choices[1])));
 }
 
 void set_number(AxisModel& model, const std::string& key, const py::handle& value) {
@@ -428,12 +429,10 @@ AxisModel model_of(const py::dict& keys) {
   for (const auto& [name, value] : keys) {
     const auto key = name.cast<std::string>();
     if (key == "coupling") {
-      model.coupling = choice_of<Coupling>(
-          key, value, {{{"rigid", Coupling::rigid}, {"two_inertia", Coupling::two_inertia}}});
+      model.coupling = choice_of<Coupling>(key, value, {Coupling::rigid, Coupling::two_inertia});
     } else if (key == "feedback") {
-      model.feedback = choice_of<Feedback>(key, value,
-                                           {{{"single_encoder", Feedback::single_encoder},
-                                             {"dual_encoder", Feedback::dual_encoder}}});
+      model.feedback =
+          choice_of<Feedback>(key, value, {Feedback::single_encoder, Feedback::dual_encoder});
     } else {
       set_number(model, key, value);
     }

@@ -14,7 +14,7 @@
 namespace vdrive::python {
 namespace {
 
-constexpr std::array kClockModes{ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun};
+constexpr std::array kDefaultFirst{ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun};
 
 ClockMode clock_of(const std::string& name) {
   if (const auto mode = clock_mode_named(name)) return *mode;
@@ -22,9 +22,9 @@ ClockMode clock_of(const std::string& name) {
 }
 
 py::tuple names_of_clock_modes() {
-  py::tuple names(kClockModes.size());
+  py::tuple names(kDefaultFirst.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
-    names[i] = std::string(to_string(kClockModes.at(i)));
+    names[i] = std::string(to_string(kDefaultFirst.at(i)));
   }
   return names;
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A private bench: in this process, or a service on a DDS domain that no other program uses."""
+"""A private bench: in this process, or a service over DDS, by default on a domain of its own."""
 import operator
 import os
 import weakref
@@ -78,8 +78,8 @@ class Bench:
     """A private bench, by default in this process, without a network. `with` ends it.
 
     The bench ends with this object and with this process, however it ends. Several benches do not
-    meet, but for those that are made beside each other: see `beside`. A program of its own, a child
-    process too, meets only a bench over DDS.
+    meet, but for those that are made beside each other (`beside`) or on one `domain`. A program of
+    its own, a child process too, meets only a bench over DDS.
     """
 
     def __init__(self, axes=None, *, config=None, clock="lockstep", over="local", number=None,

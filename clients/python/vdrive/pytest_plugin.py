@@ -85,6 +85,8 @@ def vdrive_benches(request, monkeypatch):
 
     with contextlib.ExitStack() as made:
         def make(count, **options):
+            if count < 1:
+                raise vdrive.ConfigurationError(f"count = {count}: must be 1 or more")
             options = {**_options_of(request), **options}
             benches = []
             for number in range(1, count + 1):

@@ -16,6 +16,8 @@ namespace vdrive {
 struct StatusDigest {
   std::uint64_t image = 0;                              ///< over everything, in axis order
   std::array<std::uint32_t, kStatusMembers> members{};  ///< each over all axes
+
+  friend bool operator==(const StatusDigest&, const StatusDigest&) = default;
 };
 
 /// @param axes_per_row at least 1

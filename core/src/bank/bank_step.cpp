@@ -20,9 +20,7 @@ std::uint64_t all_lanes(const Block& block) {
   return (std::uint64_t{1} << block.count) - 1U;
 }
 
-/// @return whether all axes of the block stand on their targets or have no power, and nothing
-/// shakes
-///         them.
+/// @return whether no axis of the block has noise, and all stand on their targets or have no power.
 bool rests(const Block& block) {
   const SteadyBlock& steady = block.state.steady;
   return block.state.noisy == 0 && (steady.standing | steady.unpowered) == all_lanes(block);

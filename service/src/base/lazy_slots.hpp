@@ -10,8 +10,9 @@
 namespace vdrive::service {
 
 /// A fixed number of slots, of which each is made when it is first reached. The memory of all of
-/// them is reserved at the beginning, so that nothing allocates later, but the kernel gives a page
-/// of it when it is first written: slots that are not used cost no memory. For one thread.
+/// them is reserved at the beginning, so that nothing allocates later, as far as making a slot does
+/// not, but the kernel gives a page of it when it is first written: slots that are not used cost no
+/// memory. For one thread.
 template <typename Slot>
 class LazySlots {
  public:

@@ -18,7 +18,8 @@ namespace vdrive::service {
 template <typename Item, std::size_t kMost>
 class StoredList {
  public:
-  StoredList() noexcept {}  // NOLINT(modernize-use-equals-default): it leaves the room as it is
+  // NOLINTNEXTLINE(modernize-use-equals-default,*-member-init): it leaves the room as it is
+  StoredList() noexcept {}
 
   ~StoredList() { std::destroy_n(room(), made_); }
 
@@ -50,35 +51,24 @@ class StoredList {
   }
 
  private:
-  /// Without items at the beginning.
-  union Room {
-    Room() noexcept {}  // NOLINT(modernize-use-equals-default): a union has no other way
-
-    ~Room() {}  // NOLINT(modernize-use-equals-default)
-
-    Room(const Room&) = delete;
-    Room& operator=(const Room&) = delete;
-
-    std::array<Item, kMost> items;
-  };
-
   [[nodiscard]] Item& next() {
     ensure(size_ < kMost, "a list of a message is within its bound");
     if (size_ == made_) std::construct_at(room() + made_++);
     return room()[size_++];
   }
 
-  // The one place that reads the union: it only says where the items are.
-  // NOLINTBEGIN(cppcoreguidelines-pro-type-union-access)
-  [[nodiscard]] Item* room() noexcept { return room_.items.data(); }
+  // NOLINTBEGIN(cppcoreguidelines-pro-type-reinterpret-cast): room for items, made one by one
+  [[nodiscard]] Item* room() noexcept { return reinterpret_cast<Item*>(room_.data()); }
 
-  [[nodiscard]] const Item* room() const noexcept { return room_.items.data(); }
+  [[nodiscard]] const Item* room() const noexcept {
+    return reinterpret_cast<const Item*>(room_.data());
+  }
 
-  // NOLINTEND(cppcoreguidelines-pro-type-union-access)
+  // NOLINTEND(cppcoreguidelines-pro-type-reinterpret-cast)
 
   std::size_t size_ = 0;
   std::size_t made_ = 0;  ///< items that exist; those behind `size_` keep their room
-  Room room_;
+  alignas(Item) std::array<std::byte, sizeof(Item) * kMost> room_;
 };
 
 }  // namespace vdrive::service

@@ -51,25 +51,24 @@ constexpr auto kModelRows = std::to_array<ConfigurationRow<AxisModel>>({
      .what = "rigid: one inertia; two_inertia: motor and load on an elastic shaft.",
      .read =
          [](const YamlValue& value, AxisModel& model) {
-           model.coupling = value.choice({"rigid", "two_inertia"}) == 0 ? Coupling::rigid
-                                                                        : Coupling::two_inertia;
+           constexpr std::array kAll{Coupling::rigid, Coupling::two_inertia};
+           model.coupling = kAll.at(value.choice({to_string(kAll[0]), to_string(kAll[1])}));
          },
      .write =
          [](YAML::Emitter& out, const AxisModel& model) {
-           out << (model.coupling == Coupling::rigid ? "rigid" : "two_inertia");
+           out << std::string(to_string(model.coupling));
          }},
     {.key = "feedback",
      .what = "The position loop uses the encoder of the motor (single_encoder) or of the load "
              "(dual_encoder).",
      .read =
          [](const YamlValue& value, AxisModel& model) {
-           model.feedback = value.choice({"single_encoder", "dual_encoder"}) == 0
-                                ? Feedback::single_encoder
-                                : Feedback::dual_encoder;
+           constexpr std::array kAll{Feedback::single_encoder, Feedback::dual_encoder};
+           model.feedback = kAll.at(value.choice({to_string(kAll[0]), to_string(kAll[1])}));
          },
      .write =
          [](YAML::Emitter& out, const AxisModel& model) {
-           out << (model.feedback == Feedback::single_encoder ? "single_encoder" : "dual_encoder");
+           out << std::string(to_string(model.feedback));
          }},
 });
 

@@ -9,6 +9,8 @@ FrameAnswers::FrameAnswers(const BenchIdentity& identity, const BenchClock& cloc
                            BenchEvents& events, Ring<StoredCommandReply>& queue, Counters& counters)
     : identity_(identity), clock_(clock), events_(events), queue_(queue), counters_(counters) {
   refusal_.refusals().resize(1);
+  repeated_.refusals().reserve(msg::MAX_AXES_PER_FRAME);
+  repeated_.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
 }
 
 bool FrameAnswers::is_of_this_run(const msg::CommandFrame& frame) const noexcept {
@@ -24,7 +26,8 @@ void FrameAnswers::take(const msg::CommandFrame& frame) {
 }
 
 void FrameAnswers::repeat(const msg::CommandFrame& frame) {
-  post(*memory_.answer_to(frame.session(), frame.sequence_number()));
+  memory_.answer_to(frame.session(), frame.sequence_number())->show(repeated_);
+  post(repeated_);
 }
 
 void FrameAnswers::send(const msg::CommandFrame& frame, msg::CommandReply& reply) {
@@ -63,8 +66,7 @@ std::uint64_t FrameAnswers::lateness(const msg::CommandFrame& frame) const noexc
   return std::max(past(frame.apply_at_tick()), past(frame.valid_until_tick()));
 }
 
-template <typename Reply>
-void FrameAnswers::post(const Reply& reply) {
+void FrameAnswers::post(const msg::CommandReply& reply) {
   StoredCommandReply* const slot = queue_.free_slot();
   if (slot == nullptr) {
     counters_.queue_overflows.add();

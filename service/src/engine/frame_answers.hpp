@@ -40,8 +40,7 @@ class FrameAnswers {
 
  private:
   [[nodiscard]] std::uint64_t lateness(const msg::CommandFrame& frame) const noexcept;
-  template <typename Reply>
-  void post(const Reply& reply);
+  void post(const msg::CommandReply& reply);
 
   BenchIdentity identity_;
   const BenchClock& clock_;
@@ -50,6 +49,7 @@ class FrameAnswers {
   Counters& counters_;
   AnswerMemory<StoredCommandReply> memory_;  ///< by session and sequence number
   msg::CommandReply refusal_;                ///< of a frame as a whole
+  msg::CommandReply repeated_;               ///< with room for the largest one
 };
 
 }  // namespace vdrive::service

@@ -62,6 +62,8 @@ struct JournalTick {
   std::uint64_t number = 0;
   StatusDigest digest{};
   std::vector<std::uint32_t> rows{};
+
+  friend bool operator==(const JournalTick&, const JournalTick&) = default;
 };
 
 /// The whole state of the axes after a tick.
@@ -72,6 +74,8 @@ struct JournalSnapshot {
   std::uint64_t tick = 0;  ///< the last completed one
   std::uint64_t lost = 0;  ///< resumed: how many ticks are missing before it
   std::vector<std::byte> state{};
+
+  friend bool operator==(const JournalSnapshot&, const JournalSnapshot&) = default;
 };
 
 /// What a journal that was ended properly holds.
@@ -79,6 +83,8 @@ struct JournalEnd {
   std::uint64_t ticks = 0;
   std::uint64_t changes = 0;
   std::uint64_t lost = 0;
+
+  friend bool operator==(const JournalEnd&, const JournalEnd&) = default;
 };
 
 using JournalRecord = std::variant<JournalChange, JournalTick, JournalSnapshot, JournalEnd>;

@@ -13,7 +13,6 @@
 #include "wire/wire_program.hpp"
 
 #include <chrono>
-#include <string>
 #include <utility>
 
 namespace vdrive::service {

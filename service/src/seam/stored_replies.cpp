@@ -4,6 +4,14 @@
 namespace vdrive::service {
 namespace {
 
+void copy_head(const msg::CommandReply& from, msg::CommandReply& to) {
+  to.bench(from.bench());
+  to.incarnation(from.incarnation());
+  to.session(from.session());
+  to.sequence_number(from.sequence_number());
+  to.tick(from.tick());
+}
+
 void copy_head(const msg::Reply& from, msg::Reply& to) {
   to.client(from.client());
   to.request_id(from.request_id());
@@ -22,31 +30,13 @@ void copy_head(const msg::Reply& from, msg::Reply& to) {
 }  // namespace
 
 void StoredCommandReply::keep(const msg::CommandReply& reply) {
-  bench_ = reply.bench();
-  incarnation_ = reply.incarnation();
-  session_ = reply.session();
-  sequence_number_ = reply.sequence_number();
-  tick_ = reply.tick();
+  copy_head(reply, head_);
   refusals_.assign(reply.refusals());
   ignored_set_points_.assign(reply.ignored_set_points());
 }
 
-void StoredCommandReply::keep(const StoredCommandReply& reply) {
-  bench_ = reply.bench_;
-  incarnation_ = reply.incarnation_;
-  session_ = reply.session_;
-  sequence_number_ = reply.sequence_number_;
-  tick_ = reply.tick_;
-  refusals_.assign(reply.refusals_.items());
-  ignored_set_points_.assign(reply.ignored_set_points_.items());
-}
-
 void StoredCommandReply::show(msg::CommandReply& reply) const {
-  reply.bench(bench_);
-  reply.incarnation(incarnation_);
-  reply.session(session_);
-  reply.sequence_number(sequence_number_);
-  reply.tick(tick_);
+  copy_head(head_, reply);
   reply.refusals().assign(refusals_.items().begin(), refusals_.items().end());
   const auto ignored = ignored_set_points_.items();
   reply.ignored_set_points().assign(ignored.begin(), ignored.end());

@@ -12,17 +12,12 @@ namespace vdrive::service {
 class StoredCommandReply {
  public:
   void keep(const msg::CommandReply& reply);
-  void keep(const StoredCommandReply& reply);
 
   /// Allocates nothing where `reply` has room for MAX_AXES_PER_FRAME refusals and set-points.
   void show(msg::CommandReply& reply) const;
 
  private:
-  std::uint32_t bench_ = 0;
-  std::uint64_t incarnation_ = 0;
-  std::uint64_t session_ = 0;
-  std::uint64_t sequence_number_ = 0;
-  std::uint64_t tick_ = 0;
+  msg::CommandReply head_;  ///< without its sequences
   StoredList<std::uint16_t, msg::MAX_AXES_PER_FRAME> ignored_set_points_;
   StoredList<msg::Refusal, msg::MAX_AXES_PER_FRAME> refusals_;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 namespace vdrive {
 
@@ -20,6 +21,16 @@ enum class Feedback : std::uint8_t {
   single_encoder,  ///< encoder 1 on the motor: 6064h = 3572h and 606Ch = 3574h
   dual_encoder,    ///< encoder 2 on the load: 6064h and 606Ch are the load's, through the gear
 };
+
+/// @return its word in a configuration: "rigid" or "two_inertia".
+[[nodiscard]] constexpr std::string_view to_string(Coupling coupling) noexcept {
+  return coupling == Coupling::rigid ? "rigid" : "two_inertia";
+}
+
+/// @return its word in a configuration: "single_encoder" or "dual_encoder".
+[[nodiscard]] constexpr std::string_view to_string(Feedback feedback) noexcept {
+  return feedback == Feedback::single_encoder ? "single_encoder" : "dual_encoder";
+}
 
 /// Physical parameters of one axis, in SI units. Member initialisers are the default axis: it holds
 /// the manual's examples to the unit at rest. Limits: vdrive/plant/model_parameters.hpp.
