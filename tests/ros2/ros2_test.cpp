@@ -243,6 +243,17 @@ TEST(Ros2, CommandsNothingUntilItIsEnabledAndDisablesAxesAtItsEnd) {
   EXPECT_EQ(bench.bridge().stop().code, 0);
 }
 
+TEST(Ros2, ShowsTheJointsToANodeThatStartsBetweenTwoSteps) {
+  LockStep bench("");
+  bench.stepper().step(10);
+  // All that follows is between two steps.
+  const RosPeer late;
+  EXPECT_TRUE(late.wait_for_stamp("x", 10 * kTick));
+  EXPECT_TRUE(late.wait([&] {
+    return late.clock() == 10 * kTick;
+  }));
+}
+
 TEST(Ros2, PublishesTheClockInLockStep) {
   LockStep bench("");
   bench.stepper().step(250);

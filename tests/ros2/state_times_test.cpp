@@ -45,11 +45,23 @@ TEST(StateTimes, KeepTheRateInWallTimeWithoutDrift) {
   EXPECT_TRUE(timed.take(65, 65ms));
 }
 
-TEST(StateTimes, PublishNoTickTwice) {
+TEST(StateTimes, PublishNoTickTwiceWithinASecond) {
   Timed timed(ClockMode::freerun);
   EXPECT_TRUE(timed.take(1, 0ms));
   EXPECT_FALSE(timed.take(1, 50ms));
   EXPECT_TRUE(timed.take(2, 50ms));
+}
+
+TEST(StateTimes, RepeatTheStateOnceASecondWhileNoTickPasses) {
+  for (const ClockMode clock : {ClockMode::lockstep, ClockMode::freerun, ClockMode::realtime}) {
+    Timed timed(clock);
+    EXPECT_TRUE(timed.take(1, 0ms));
+    EXPECT_FALSE(timed.take(1, 999ms));
+    EXPECT_TRUE(timed.take(1, 1'000ms)) << "a node that came meanwhile sees the joints";
+    EXPECT_FALSE(timed.take(1, 1'999ms));
+    EXPECT_TRUE(timed.take(1, 2'000ms));
+    EXPECT_TRUE(timed.take(11, 2'010ms)) << "the clock goes on";
+  }
 }
 
 TEST(StateTimes, KeepTheRateInDriveTimeInLockStep) {

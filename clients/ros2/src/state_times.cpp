@@ -12,6 +12,10 @@ using std::chrono::milliseconds;
 constexpr milliseconds kSilentTurn{10};
 constexpr milliseconds kEndOfStep{20};  // no further tick came: the step has ended
 
+// A node that joins while no tick passes has to see the joints, too: it may read best effort, and
+// its match tells nothing about the samples that reach it.
+constexpr std::chrono::seconds kRepeat{1};
+
 }  // namespace
 
 bool StateTimes::take(const client::BenchInfo& bench, std::uint64_t tick, Clock::time_point now) {
@@ -20,15 +24,21 @@ bool StateTimes::take(const client::BenchInfo& bench, std::uint64_t tick, Clock:
   if (published.incarnation != bench.incarnation) {
     published = {.incarnation = bench.incarnation, .tick = tick + 1, .due = now};
   }
-  if (tick == published.tick) return false;
-  const bool is_taken = bench.clock_mode == client::ClockMode::lockstep
-                            ? is_due_in_lockstep(published, bench, tick, now)
-                            : is_due(published, now);
-  if (is_taken) published.tick = tick;
-  return is_taken;
+  if (!is_due(published, bench, tick, now)) return false;
+  published.tick = tick;
+  published.taken = now;
+  return true;
 }
 
-bool StateTimes::is_due(Published& published, Clock::time_point now) const {
+bool StateTimes::is_due(Published& published, const client::BenchInfo& bench, std::uint64_t tick,
+                        Clock::time_point now) const {
+  if (tick == published.tick) return now - published.taken >= kRepeat;
+  return bench.clock_mode == client::ClockMode::lockstep
+             ? is_due_in_lockstep(published, bench, tick, now)
+             : is_due_at_rate(published, now);
+}
+
+bool StateTimes::is_due_at_rate(Published& published, Clock::time_point now) const {
   if (now < published.due) return false;
   // A late message does not shift those that follow, unless it is later than a whole period.
   published.due += period_;

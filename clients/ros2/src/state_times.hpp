@@ -10,7 +10,8 @@
 namespace vdrive::ros2 {
 
 /// When the joint states of benches are published. In lock-step a state is published after each
-/// period of drive time and where a step ends, else at the rate in wall time. Time is an argument.
+/// period of drive time and where a step ends, else at the rate in wall time. While no tick passes
+/// the state is repeated once a second. Time is an argument.
 class StateTimes {
  public:
   using Clock = std::chrono::steady_clock;
@@ -34,12 +35,15 @@ class StateTimes {
   struct Published {
     std::uint64_t incarnation = 0;
     std::uint64_t tick = 0;
+    Clock::time_point taken{};  ///< when it was published
     Clock::time_point due{};
     std::uint64_t waiting = 0;  ///< tick that was not published at once
     Clock::time_point waiting_since{};
   };
 
-  [[nodiscard]] bool is_due(Published& published, Clock::time_point now) const;
+  [[nodiscard]] bool is_due(Published& published, const client::BenchInfo& bench,
+                            std::uint64_t tick, Clock::time_point now) const;
+  [[nodiscard]] bool is_due_at_rate(Published& published, Clock::time_point now) const;
   [[nodiscard]] bool is_due_in_lockstep(Published& published, const client::BenchInfo& bench,
                                         std::uint64_t tick, Clock::time_point now) const;
 
