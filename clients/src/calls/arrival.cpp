@@ -60,7 +60,7 @@ Outcome goes_on_to_target(const AxisSnapshot& axis) {
 Outcome check_halt(AxesCall& call) {
   const auto word = controlword_of(call);
   if (!word) return word.outcome();
-  return outcome_of_halt(call.axis(), *word);
+  return outcome_of_halt(call.snapshot(), *word);
 }
 
 Outcome check_limit_switch(const AxisSnapshot& axis, std::int32_t target) {
@@ -75,11 +75,12 @@ Outcome await_target(AxesCall& call, const Wakeup& wakeup, std::optional<std::in
     limit_switch.note(axis, way_to(axis, target));
     return target_reached(axis) || limit_switch.has_ended(axis);
   });
-  if (reached && !target_reached(call.axis())) {
-    return limit_switch.outcome(call.axis(), target ? move_to(*target) : "the motion");
+  if (reached && !target_reached(call.snapshot())) {
+    return limit_switch.outcome(call.snapshot(), target ? move_to(*target) : "the motion");
   }
-  if (reached.kind() == OutcomeKind::failed && is_enabled(call.axis()) && wakeup.is_interrupted()) {
-    return goes_on_to_target(call.axis());
+  if (reached.kind() == OutcomeKind::failed && is_enabled(call.snapshot()) &&
+      wakeup.is_interrupted()) {
+    return goes_on_to_target(call.snapshot());
   }
   return reached ? check_halt(call) : reached;
 }

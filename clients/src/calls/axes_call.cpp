@@ -110,11 +110,12 @@ void AxesCall::set_timeout(std::chrono::nanoseconds timeout) {
 Outcome AxesCall::require(bool (*fulfils)(const AxisSnapshot& axis), std::string_view command,
                           std::string_view needs) {
   const auto offender = [&] {
-    return std::ranges::find_if_not(now(), fulfils);
+    return std::ranges::find_if_not(snapshots(), fulfils);
   };
-  if (offender() == now().end()) return {};
+  if (offender() == snapshots().end()) return {};
   if (Outcome seen = axes_.look_again(); !seen) return seen;
-  return offender() == now().end() ? Outcome() : refused_in_state(*offender(), command, needs);
+  return offender() == snapshots().end() ? Outcome()
+                                         : refused_in_state(*offender(), command, needs);
 }
 
 Outcome AxesCall::acquire(bool by_force) {
@@ -142,13 +143,13 @@ Outcome AxesCall::begin_control(std::chrono::nanoseconds timeout) {
 // ---- what is observed ------------------------------------------------------------------------
 
 std::string AxesCall::read_name(const BenchPart& part) const {
-  const bool is_one = axes_.caller() == Caller::axis && now().size() == 1;
-  return is_one ? "axis " + to_string(axis().id) : "axes of " + name_of(part.target);
+  const bool is_one = axes_.caller() == Caller::axis && snapshots().size() == 1;
+  return is_one ? "axis " + to_string(snapshot().id) : "axes of " + name_of(part.target);
 }
 
 Result<std::vector<std::vector<std::int64_t>>> AxesCall::read(
     std::span<const ObjectAddress> objects) {
-  std::vector<std::vector<std::int64_t>> values(now().size());
+  std::vector<std::vector<std::int64_t>> values(snapshots().size());
   for (BenchPart& part : axes_.parts()) {
     const auto replies = core_->requests.exchange_all(
         part.target, read_requests(*part.bench, objects), "read of " + read_name(part));
@@ -215,7 +216,7 @@ Outcome AxesCall::put_in_force(std::span<const Round> rounds) {
   Answers answers = collect(sent, std::move(outcome));
   if (!answers.outcome) return answers.outcome;
   if (!answers.ignored.empty()) {
-    return not_in_this_state("axis " + to_string(now()[answers.ignored.front()].id) +
+    return not_in_this_state("axis " + to_string(snapshots()[answers.ignored.front()].id) +
                              " ignored the set-point, its buffer is full");
   }
   return steps() ? Outcome() : await_tick("the command to be in force", answers.tick);
@@ -290,17 +291,18 @@ Outcome AxesCall::observe_next(std::string_view awaited, std::span<const std::si
     Outcome seen = axes_.advance(1, kStepperPatience);
     if (seen.kind() != OutcomeKind::timed_out) return seen;
     if (std::chrono::steady_clock::now() - begin >= timeout_) {
-      return Outcome::timed_out("axis " + to_string(axis().id) + ": timed out while waiting for " +
-                                std::string(awaited) + ", " + seen.message());
+      return Outcome::timed_out("axis " + to_string(snapshot().id) +
+                                ": timed out while waiting for " + std::string(awaited) + ", " +
+                                seen.message());
     }
   }
 }
 
 Outcome AxesCall::timed_out(std::string_view awaited, std::span<const std::size_t> late) const {
-  if (axes_.caller() == Caller::axis) return timed_out_for(awaited, axis());
+  if (axes_.caller() == Caller::axis) return timed_out_for(awaited, snapshot());
   std::string message = "timed out while waiting for " + std::string(awaited);
   for (std::size_t i = 0; i < std::min(late.size(), kMostNamed); ++i) {
-    const AxisSnapshot& axis = now()[late[i]];
+    const AxisSnapshot& axis = snapshots()[late[i]];
     message +=
         (i == 0 ? " of axis " : "; axis ") + to_string(axis.id) + ", which " + what_it_shows(axis);
   }
@@ -316,7 +318,7 @@ Outcome AxesCall::await_tick(std::string_view awaited, std::uint64_t tick) {
 
 Outcome AxesCall::await_quick_stops(std::string_view awaited) {
   using namespace literals;
-  const bool none = std::ranges::none_of(now(), [](const AxisSnapshot& axis) {
+  const bool none = std::ranges::none_of(snapshots(), [](const AxisSnapshot& axis) {
     return axis.state() == PowerState::quick_stop_active;
   });
   if (none) return {};
@@ -324,7 +326,7 @@ Outcome AxesCall::await_quick_stops(std::string_view awaited) {
   const auto options = read(option);
   if (!options) return options.outcome();
   return await(awaited, tick(), [&](std::size_t place) {
-    return quick_stop_ended(now()[place], (*options)[place].front());
+    return quick_stop_ended(snapshots()[place], (*options)[place].front());
   });
 }
 
@@ -332,7 +334,7 @@ Outcome AxesCall::await_quick_stops(std::string_view awaited) {
 
 Outcome AxesCall::check(std::string_view awaited, std::uint64_t from) {
   if (tick() < from) return {};
-  for (const AxisSnapshot& axis : now()) {
+  for (const AxisSnapshot& axis : snapshots()) {
     if (!is_enabled(axis)) return stop_others(failed_instead_of(awaited, axis));
   }
   return {};

@@ -93,10 +93,12 @@ class AxesCall {
   [[nodiscard]] const ObservedAxes& axes() const noexcept { return axes_; }
 
   /// The axes as they were observed last, in the order of the group.
-  [[nodiscard]] const std::vector<AxisSnapshot>& now() const noexcept { return axes_.now(); }
+  [[nodiscard]] const std::vector<AxisSnapshot>& snapshots() const noexcept {
+    return axes_.snapshots();
+  }
 
   /// The first axis, the only one of a call of an axis.
-  [[nodiscard]] const AxisSnapshot& axis() const { return axes_.now().front(); }
+  [[nodiscard]] const AxisSnapshot& snapshot() const { return axes_.snapshots().front(); }
 
   [[nodiscard]] std::uint64_t tick() const noexcept { return axes_.tick(); }
 
@@ -125,8 +127,8 @@ class AxesCall {
   template <typename Wanted>
   [[nodiscard]] Round round_to(const Wanted& wanted) const {
     Round round;
-    for (std::size_t place = 0; place < now().size(); ++place) {
-      if (wanted(now()[place])) round.entries.push_back({place, command_to(place)});
+    for (std::size_t place = 0; place < snapshots().size(); ++place) {
+      if (wanted(snapshots()[place])) round.entries.push_back({place, command_to(place)});
     }
     return round;
   }
@@ -194,7 +196,7 @@ class AxesCall {
   /// Lets the axes in Quick stop active come to rest.
   Outcome await_quick_stops(std::string_view awaited = "the end of the quick stop");
 
-  // ---- guarding
+  // ---- stopping
 
   /// Stops the others when an axis that was observed at `from` or later is not in Operation
   /// enabled.
@@ -215,7 +217,7 @@ class AxesCall {
   template <typename Done>
   [[nodiscard]] std::vector<std::size_t> late_places(std::uint64_t from, const Done& done) const {
     std::vector<std::size_t> places;
-    for (std::size_t place = 0; place < now().size(); ++place) {
+    for (std::size_t place = 0; place < snapshots().size(); ++place) {
       if (tick() < from || !holds(done, place)) places.push_back(place);
     }
     return places;
@@ -224,7 +226,7 @@ class AxesCall {
   template <typename Done>
   [[nodiscard]] bool holds(const Done& done, std::size_t place) const {
     if constexpr (std::is_invocable_v<const Done&, const AxisSnapshot&>) {
-      return done(now()[place]);
+      return done(snapshots()[place]);
     } else {
       return done(place);
     }

@@ -17,14 +17,14 @@ AxesStop::AxesStop(SessionCore& core, AxesCall& call)
 
 Outcome AxesStop::begin(std::chrono::nanoseconds timeout) {
   if (Outcome begun = call_.begin(timeout); !begun) return begun;
-  held_.assign(call_.now().size(), false);
+  held_.assign(call_.snapshots().size(), false);
   for (const BenchPart& part : call_.axes().parts()) {
     if (!core_.links.may_command()) return not_permitted(part.target);
     if (call_.axes().caller() == Caller::axis && core_.discovery.is_paused(part.target.key)) {
       return Outcome::failed(paused_text(part.target));
     }
     for (const std::size_t place : part.bench->places) {
-      const AxisSnapshot& axis = call_.now()[place];
+      const AxisSnapshot& axis = call_.snapshots()[place];
       held_[place] =
           axis.owner_session == core_.id && core_.control.holds(part.target, {&axis.id.axis, 1});
     }
@@ -43,12 +43,12 @@ Outcome AxesStop::acquire_free_of(BenchPart& part) {
   constexpr std::uint32_t kLocalControl = wire_code(AbortCode::refused_local_control);
   std::vector<std::size_t> free;
   std::ranges::copy_if(part.bench->places, std::back_inserter(free), [this](std::size_t place) {
-    return call_.now()[place].owner_session == 0;
+    return call_.snapshots()[place].owner_session == 0;
   });
   if (free.empty()) return {};
   std::vector<std::uint16_t> axes;
   axes.reserve(free.size());
-  for (const std::size_t place : free) axes.push_back(call_.now()[place].id.axis);
+  for (const std::size_t place : free) axes.push_back(call_.snapshots()[place].id.axis);
   Outcome taken = core_.control.acquire(part.target, axes);
   // Another session was faster: what it owns is stopped without control.
   if (taken.code() == kLocalControl) return {};

@@ -19,7 +19,7 @@ namespace {
 
 /// Sets profile position mode and waits until 6061h shows it.
 Outcome ensure_profile_position(AxesCall& call) {
-  if (call.axis().mode() == OperatingMode::profile_position) return {};
+  if (call.snapshot().mode() == OperatingMode::profile_position) return {};
   Round round = call.round_to(every_axis);
   msg::AxisCommand& command = round.entries.front().command;
   command.members(msg::HAS_OP_MODE_CMD);
@@ -118,9 +118,9 @@ Outcome Motion::wait(std::chrono::nanoseconds timeout) const {
 Result<bool> Motion::has_ended() const {
   AxesCall call(axis_.core_, layout_of(axis_.id_), Caller::axis);
   if (Outcome ready = call.begin(std::chrono::nanoseconds(0)); !ready) return ready;
-  if (!is_enabled(call.axis())) return failed_instead_of(kTargetReached, call.axis());
-  if (!target_reached(call.axis())) {
-    if (Outcome ended = check_limit_switch(call.axis(), target_); !ended) return ended;
+  if (!is_enabled(call.snapshot())) return failed_instead_of(kTargetReached, call.snapshot());
+  if (!target_reached(call.snapshot())) {
+    if (Outcome ended = check_limit_switch(call.snapshot(), target_); !ended) return ended;
     return false;
   }
   if (Outcome ended = check_halt(call); !ended) return ended;
@@ -236,7 +236,7 @@ Result<AxisSnapshot> Axis::wait_until(const std::function<bool(const AxisSnapsho
   AxesCall call(core_, layout_of(id_), Caller::axis);
   if (Outcome ready = call.begin(timeout); !ready) return ready;
   if (Outcome seen = call.await("the condition", call.tick(), condition); !seen) return seen;
-  return call.axis();
+  return call.snapshot();
 }
 
 }  // namespace vdrive::client

@@ -61,11 +61,11 @@ class EndlessMotion {
   EndlessMotion(SessionCore& core, const AxesCall& call)
       : holdings_(core.holdings),
         key_(call.axes().parts().front().target.key),
-        axis_(call.axis().id.axis) {}
+        axis_(call.snapshot().id.axis) {}
 
   /// Sends `round` and observes the tick in which it is in force.
   Outcome put_in_force(AxesCall& call, Round round) {
-    const bool was_running = !rests(call.axis()) || holdings_.is_running(key_, axis_);
+    const bool was_running = !rests(call.snapshot()) || holdings_.is_running(key_, axis_);
     round.is_endless = true;
     Outcome done = call.put_in_force({&round, 1});
     if (done.kind() == OutcomeKind::refused && !was_running) settle();  // it stands
@@ -103,9 +103,9 @@ Outcome enter(AxesCall& call, OperatingMode mode, std::span<const Setting> setti
 /// @return `seen`; when the wait was interrupted while the axis continues, that it does.
 Outcome explained(Outcome seen, const AxesCall& call, const Wakeup& wakeup, std::string_view what) {
   const bool goes_on =
-      seen.kind() == OutcomeKind::failed && is_enabled(call.axis()) && wakeup.is_interrupted();
+      seen.kind() == OutcomeKind::failed && is_enabled(call.snapshot()) && wakeup.is_interrupted();
   if (!goes_on) return seen;
-  return Outcome::failed("interrupted; axis " + to_string(call.axis().id) + " continues " +
+  return Outcome::failed("interrupted; axis " + to_string(call.snapshot().id) + " continues " +
                          std::string(what));
 }
 
@@ -119,7 +119,7 @@ bool is_homing(const AxisSnapshot& axis) {
 
 /// What the statusword shows at the end of a run.
 Outcome homing_result(AxesCall& call) {
-  const AxisSnapshot& axis = call.axis();
+  const AxisSnapshot& axis = call.snapshot();
   const std::string name = "axis " + to_string(axis.id);
   if (axis.shows(Statusword::kHomingError)) {
     const std::array method{vdrive::describe("homing_method"_object).address};
@@ -146,7 +146,7 @@ double units_a_second(std::int64_t rpm) {
 /// @return the refusal of a value that the drive would accept and never reach.
 Outcome above_limit(const AxesCall& call, std::string_view what, std::int64_t value,
                     ObjectRow limit, std::int64_t limit_value) {
-  return not_in_this_state("axis " + to_string(call.axis().id) + ": the " + std::string(what) +
+  return not_in_this_state("axis " + to_string(call.snapshot().id) + ": the " + std::string(what) +
                            " " + std::to_string(value) + " is above " +
                            object_text(vdrive::describe(limit).address) + " = " +
                            std::to_string(limit_value));
@@ -168,7 +168,7 @@ Outcome check_velocity(AxesCall& call, std::int32_t velocity, const VelocityOpti
   bounds[2] = options.deceleration.value_or(bounds[2]);
   slowest = std::min({bounds[1], bounds[2], bounds[4], bounds[5]});
   if (velocity == 0) return {};
-  if (Outcome good = check_bounds(call.axis().id, bounds); !good) return good;
+  if (Outcome good = check_bounds(call.snapshot().id, bounds); !good) return good;
   if (bounds[0] > bounds[3]) {
     return above_limit(call, "velocity", velocity, "app_speed_limit"_object, bounds[3]);
   }
@@ -232,8 +232,8 @@ struct Obstacles {
   [[nodiscard]] Outcome outcome(AxesCall& call, const std::string& what, std::int64_t demand,
                                 const std::string& limits) const {
     if (Outcome halted = check_halt(call); !halted) return halted;
-    if (Outcome ended = limit_switch.outcome(call.axis(), what); !ended) return ended;
-    return Outcome::failed("axis " + to_string(call.axis().id) + ": " + what + " stays at " +
+    if (Outcome ended = limit_switch.outcome(call.snapshot(), what); !ended) return ended;
+    return Outcome::failed("axis " + to_string(call.snapshot().id) + ": " + what + " stays at " +
                            std::to_string(demand) + ", limited by " + limits);
   }
 };
@@ -264,9 +264,10 @@ Outcome reach_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t veloc
         return has_velocity(axis) || (demand != velocity && obstacles.keep_back(axis));
       });
   if (!seen) return explained(std::move(seen), call, wakeup, "at its velocity");
-  if (has_velocity(call.axis())) return check_halt(call);
+  if (has_velocity(call.snapshot())) return check_halt(call);
   return obstacles.outcome(
-      call, "the velocity of " + std::to_string(velocity), call.axis().status.velocity_demand_value,
+      call, "the velocity of " + std::to_string(velocity),
+      call.snapshot().status.velocity_demand_value,
       "the app_speed_limit (607Fh) or the motor_max_speed_rpm (6080h) that the "
       "axis had when it was enabled");
 }
@@ -302,7 +303,7 @@ Outcome stop_instead(const std::shared_ptr<SessionCore>& core, const AxisId& id,
   AxesStop stop(*core, call);
   Outcome stopped = stop.begin(timeout);
   if (stopped) {
-    const std::string master = new_master(call.axis(), core->id);
+    const std::string master = new_master(call.snapshot(), core->id);
     if (!master.empty()) return cause.with_prefix(master);
     stopped = stop.quick_stop(Until::done);
   }
@@ -317,8 +318,8 @@ Outcome end_jog(const std::shared_ptr<SessionCore>& core, AxesCall& call,
                 std::chrono::nanoseconds timeout) {
   Outcome ended = end_velocity(call, core->wakeup, timeout);
   // A fault has its own reaction. Of a lost bench no stop would arrive: its watchdog acts.
-  if (ended || !is_enabled(call.axis()) || ended.kind() == OutcomeKind::lost) return ended;
-  return stop_instead(core, call.axis().id, ended, timeout);
+  if (ended || !is_enabled(call.snapshot()) || ended.kind() == OutcomeKind::lost) return ended;
+  return stop_instead(core, call.snapshot().id, ended, timeout);
 }
 
 // ---- torque ----------------------------------------------------------------------------------
@@ -372,9 +373,9 @@ Outcome reach_torque(AxesCall& call, EndlessMotion& motion, std::int16_t torque,
         return target_reached(axis) || (demand != torque && obstacles.keep_back(axis));
       });
   if (!seen) return explained(std::move(seen), call, wakeup, "with its torque");
-  if (target_reached(call.axis())) return check_halt(call);
+  if (target_reached(call.snapshot())) return check_halt(call);
   return obstacles.outcome(call, "the torque of " + std::to_string(torque),
-                           call.axis().status.torque_demand, torque_limits(torque));
+                           call.snapshot().status.torque_demand, torque_limits(torque));
 }
 
 }  // namespace
@@ -382,7 +383,7 @@ Outcome reach_torque(AxesCall& call, EndlessMotion& motion, std::int16_t torque,
 Outcome Axis::home(const HomingOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
   if (Outcome ready = begin_motion(call, options.call.timeout, "homing"); !ready) return ready;
-  if (is_homing(call.axis())) {
+  if (is_homing(call.snapshot())) {
     return not_in_this_state("axis " + to_string(id_) + ": a homing run is in progress");
   }
   Outcome ready = enter(call, OperatingMode::homing,
@@ -430,7 +431,7 @@ Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnap
   std::int64_t slowest = 0;
   if (Outcome started = start_velocity(call, motion, velocity, options, slowest); !started) {
     // What was sent may be in force although the wait for it has failed.
-    if (is_enabled(call.axis()) && started.kind() != OutcomeKind::refused) {
+    if (is_enabled(call.snapshot()) && started.kind() != OutcomeKind::refused) {
       (void)end_jog(core_, call, options.call.timeout);
     }
     return started;
@@ -447,7 +448,7 @@ Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnap
     (void)end_jog(core_, call, options.call.timeout);
     throw;
   }
-  if (!seen && !is_enabled(call.axis())) return seen;
+  if (!seen && !is_enabled(call.snapshot())) return seen;
   if (seen.kind() == OutcomeKind::lost) return seen;
   Outcome ended = end_jog(core_, call, options.call.timeout);
   if (ended) motion.settle();

@@ -183,7 +183,7 @@ Outcome EachAxis::acquire() {
   if (taken || taken.code() != kLocalControl || outcomes_.size() == 1) return taken;
   const BenchPart& part = call_.axes().parts().front();
   for (std::size_t place = 0; place < outcomes_.size(); ++place) {
-    Outcome own = core_->control.acquire(part.target, {&call_.now()[place].id.axis, 1});
+    Outcome own = core_->control.acquire(part.target, {&call_.snapshots()[place].id.axis, 1});
     if (!own) end(place, std::move(own));
   }
   return {};
@@ -191,7 +191,7 @@ Outcome EachAxis::acquire() {
 
 bool EachAxis::refuses_any() const {
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {
-    const PowerState state = call_.now()[place].state();
+    const PowerState state = call_.snapshots()[place].state();
     if (is_pending_[place] && !row_.is_at_end(state) && !row_.can_take(state)) return true;
   }
   return false;
@@ -202,7 +202,7 @@ void EachAxis::judge() {
     if (Outcome seen = call_.axes().look_again(); !seen) return end_all(seen);
   }
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {
-    const AxisSnapshot& axis = call_.now()[place];
+    const AxisSnapshot& axis = call_.snapshots()[place];
     if (!is_pending_[place]) continue;
     if (row_.is_at_end(axis.state())) {
       end(place, {});
@@ -217,7 +217,7 @@ void EachAxis::await_before() {
       row_.command == EachCommand::enable && options_.until == Until::in_force;
   if (row_.command == EachCommand::reset_fault) {
     await_each("the fault reaction to end", call_.tick(), [this](std::size_t place) {
-      return call_.now()[place].state() != PowerState::fault_reaction_active;
+      return call_.snapshots()[place].state() != PowerState::fault_reaction_active;
     });
   } else if (row_.command == EachCommand::disable ||
              (row_.command == EachCommand::enable && !enables_at_once)) {
@@ -235,7 +235,7 @@ std::vector<Round> EachAxis::rounds() const {
   std::vector<Round> rounds;
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {
     if (!is_pending_[place]) continue;
-    const auto words = words_of(row_.command, call_.now()[place].state());
+    const auto words = words_of(row_.command, call_.snapshots()[place].state());
     rounds.resize(std::max(rounds.size(), words.size()));
     for (std::size_t i = 0; i < words.size(); ++i) {
       msg::AxisCommand command = call_.command_to(place);
@@ -260,7 +260,7 @@ Outcome EachAxis::power_cycle() {
   const Target& target = call_.axes().parts().front().target;
   std::vector<std::uint16_t> axes;
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {
-    if (is_pending_[place]) axes.push_back(call_.now()[place].id.axis);
+    if (is_pending_[place]) axes.push_back(call_.snapshots()[place].id.axis);
   }
   const auto cycle = [&](const std::vector<std::uint16_t>& some) {
     msg::Request request;
@@ -280,7 +280,7 @@ Outcome EachAxis::power_cycle() {
   if (axes.size() == 1 || reply.outcome().kind() != OutcomeKind::refused) return reply.outcome();
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {
     if (!is_pending_[place]) continue;
-    const auto own = cycle({call_.now()[place].id.axis});
+    const auto own = cycle({call_.snapshots()[place].id.axis});
     if (own) {
       from_ = std::max({from_, own->tick(), call_.tick() + 1});
     } else {
@@ -294,7 +294,7 @@ Outcome EachAxis::power_cycle() {
 void EachAxis::judge_in_force() {
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {
     if (!is_pending_[place]) continue;
-    const AxisSnapshot& axis = call_.now()[place];
+    const AxisSnapshot& axis = call_.snapshots()[place];
     if (row_.command == EachCommand::enable) {
       end(place, is_enabled(axis) ? Outcome() : failed_instead_of(kOperationEnabled, axis));
     } else if (row_.command == EachCommand::reset_fault) {
@@ -316,19 +316,19 @@ void EachAxis::await_each(std::string_view awaited, std::uint64_t from, const Do
     if (has_come[place] || !is_pending_[place]) return true;
     if (call_.tick() < from || !done(place)) return false;
     has_come[place] = true;
-    at_end_[place] = call_.now()[place];
+    at_end_[place] = call_.snapshots()[place];
     return true;
   });
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {
     if (!is_pending_[place] || has_come[place]) continue;
     const bool is_late = seen.kind() == OutcomeKind::timed_out && outcomes_.size() > 1;
-    end(place, is_late ? timed_out_for(awaited, call_.now()[place]) : seen);
+    end(place, is_late ? timed_out_for(awaited, call_.snapshots()[place]) : seen);
   }
 }
 
 void EachAxis::await_state(PowerState state) {
   await_each(to_string(state), std::max(from_, call_.tick()), [this, state](std::size_t place) {
-    const PowerState present = call_.now()[place].state();
+    const PowerState present = call_.snapshots()[place].state();
     return present == state || is_fault(present);
   });
   fail_unless(to_string(state), has_no_fault);
@@ -336,7 +336,7 @@ void EachAxis::await_state(PowerState state) {
 
 void EachAxis::await_standstill() {
   await_each(kStandstill, call_.tick(), [this](std::size_t place) {
-    const AxisSnapshot& axis = call_.now()[place];
+    const AxisSnapshot& axis = call_.snapshots()[place];
     return !is_enabled(axis) || target_reached(axis);
   });
   fail_unless(kStandstill, is_enabled);
@@ -345,14 +345,14 @@ void EachAxis::await_standstill() {
 /// After a halt an axis continues to its target, or is halted again.
 void EachAxis::await_targets() {
   await_each(kTargetReached, call_.tick(), [this](std::size_t place) {
-    const AxisSnapshot& axis = call_.now()[place];
+    const AxisSnapshot& axis = call_.snapshots()[place];
     return !is_enabled(axis) || target_reached(axis);
   });
   const bool is_interrupted = core_->wakeup.is_interrupted();
   for (std::size_t place = 0; place < outcomes_.size(); ++place) {
     const bool goes_on = is_interrupted && outcomes_[place].kind() == OutcomeKind::failed;
-    if (goes_on && is_enabled(call_.now()[place])) {
-      outcomes_[place] = goes_on_to_target(call_.now()[place]);
+    if (goes_on && is_enabled(call_.snapshots()[place])) {
+      outcomes_[place] = goes_on_to_target(call_.snapshots()[place]);
     }
   }
   fail_unless(kTargetReached, is_enabled);
@@ -361,7 +361,7 @@ void EachAxis::await_targets() {
   if (!words) return end_all(words.outcome());
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {
     const auto word = static_cast<std::uint16_t>((*words)[place].front());
-    if (is_pending_[place]) end(place, outcome_of_halt(call_.now()[place], word));
+    if (is_pending_[place]) end(place, outcome_of_halt(call_.snapshots()[place], word));
   }
 }
 
@@ -370,7 +370,7 @@ void EachAxis::await_quick_stops() {
   using namespace literals;
   bool none = true;
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {
-    at_end_[place] = call_.now()[place];
+    at_end_[place] = call_.snapshots()[place];
     none = none && (!is_pending_[place] || at_end_[place].state() != PowerState::quick_stop_active);
   }
   if (none) return;
@@ -378,7 +378,7 @@ void EachAxis::await_quick_stops() {
   const auto options = call_.read(option);
   if (!options) return end_all(options.outcome());
   await_each(kQuickStopEnd, call_.tick(), [&](std::size_t place) {
-    return quick_stop_ended(call_.now()[place], (*options)[place].front());
+    return quick_stop_ended(call_.snapshots()[place], (*options)[place].front());
   });
 }
 

@@ -48,7 +48,7 @@ ObservedAxes::ObservedAxes(std::shared_ptr<SessionCore> core, GroupLayout layout
       layout_(std::make_shared<const GroupLayout>(std::move(layout))),
       caller_(caller),
       progress_(std::move(progress)),
-      now_(layout_->axes.size()) {}
+      snapshots_(layout_->axes.size()) {}
 
 Outcome ObservedAxes::connect() {
   for (const GroupLayout::Bench& bench : layout_->benches) {
@@ -222,7 +222,7 @@ void ObservedAxes::publish() {
   for (const BenchPart& part : parts_) {
     if (part.is_lost) continue;
     for (std::size_t i = 0; i < part.bench->places.size(); ++i) {
-      AxisSnapshot& axis = now_[part.bench->places[i]];
+      AxisSnapshot& axis = snapshots_[part.bench->places[i]];
       axis = part.seen.axes[i];
       axis.tick = part.seen.tick;
       axis.skipped = part.skipped;
@@ -233,7 +233,7 @@ void ObservedAxes::publish() {
     tick_ = present->seen.tick;
     driven_tick_ = tick_ - present->skipped;
   }
-  if (progress_) progress_(tick_, now_);
+  if (progress_) progress_(tick_, snapshots_);
 }
 
 bool ObservedAxes::is_present(const AxisSnapshot& axis) const {

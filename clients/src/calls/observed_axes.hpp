@@ -87,7 +87,7 @@ class ObservedAxes {
   Result<std::uint64_t> newest_tick();
 
   /// The axes as they were observed last, in the order of the group.
-  [[nodiscard]] const std::vector<AxisSnapshot>& now() const noexcept { return now_; }
+  [[nodiscard]] const std::vector<AxisSnapshot>& snapshots() const noexcept { return snapshots_; }
 
   /// Of the first bench that is not lost.
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
@@ -124,7 +124,7 @@ class ObservedAxes {
   Caller caller_;
   Progress progress_;
   std::vector<BenchPart> parts_;
-  std::vector<AxisSnapshot> now_;
+  std::vector<AxisSnapshot> snapshots_;
   std::uint64_t tick_ = 0;
   std::uint64_t driven_tick_ = 0;
   std::stop_token stop_;

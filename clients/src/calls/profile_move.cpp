@@ -50,7 +50,7 @@ Outcome ProfileMove::prepare() {
   in_force[velocity] = options_.velocity.value_or(bounds_[velocity]);
   in_force[acceleration] = options_.acceleration.value_or(bounds_[acceleration]);
   in_force[deceleration] = options_.deceleration.value_or(bounds_[deceleration]);
-  return check_bounds(call_.axis().id, in_force);
+  return check_bounds(call_.snapshot().id, in_force);
 }
 
 /// The edge of bit 4 with the set-point.
@@ -80,7 +80,7 @@ Round ProfileMove::set_point(std::int32_t target, bool relative) const {
 /// A relative target counts from the present demand position: exact for an axis at rest.
 std::int32_t ProfileMove::target_of(std::int32_t value, bool relative) const {
   if (!relative) return value;
-  const AxisStatus& status = call_.axis().status;
+  const AxisStatus& status = call_.snapshot().status;
   const std::int32_t base = positioning_option_ == kFromActualPosition
                                 ? status.load_position_actual_value
                                 : status.position_demand_value;
@@ -90,7 +90,7 @@ std::int32_t ProfileMove::target_of(std::int32_t value, bool relative) const {
 
 Outcome ProfileMove::start(std::int32_t target, bool relative) {
   target_ = target_of(target, relative);
-  const bool leads_up = target_ > call_.axis().status.position_demand_value;
+  const bool leads_up = target_ > call_.snapshot().status.position_demand_value;
   wraps_ = relative && target != 0 && leads_up != (target > 0);
   std::vector<Round> rounds;
   if ((controlword_ & Controlword::kNewSetPoint) != 0) {  // bit 4 has to drop before its edge
@@ -120,7 +120,7 @@ Outcome ProfileMove::await_target() {
   if (reached) return reached;
   // After a time-out the axis still moves, and after a halt it continues: the ramps are those of
   // its motion.
-  const AxisSnapshot& axis = call_.axis();
+  const AxisSnapshot& axis = call_.snapshot();
   const bool is_over = axis.status.velocity_demand_value == 0 && !target_reached(axis);
   if (!is_enabled(axis) || is_over) put_back_ramps();
   return reached;
@@ -147,7 +147,7 @@ void ProfileMove::put_back_ramps() {
 }
 
 Outcome ProfileMove::finish() {
-  const AxisSnapshot at_rest = call_.axis();
+  const AxisSnapshot at_rest = call_.snapshot();
   Round last = call_.round_of(kEnableOperation, every_axis);
   const bool waited = options_.call.until == Until::done;
   if (waited) add_old_ramps(last);

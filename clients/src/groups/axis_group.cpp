@@ -207,9 +207,9 @@ void AxisGroup::State::drop_all() {
 GroupStatus AxisGroup::State::status_of(const AxesCall& call) {
   const std::scoped_lock lock(mutex);
   GroupStatus status{.tick = call.tick(),
-                     .state = state_of(call.now()),
+                     .state = state_of(call.snapshots()),
                      .queued = queue.size(),
-                     .axes = call.now()};
+                     .axes = call.snapshots()};
   const bool is_due = line && call.tick() < line->start_tick;
   if (is_due && status.state == GroupState::standby) status.state = GroupState::moving;
   return status;
@@ -269,8 +269,8 @@ Outcome AxisGroup::enable_all(const GroupCallOptions& options) {
     if (Outcome rested = call.await_quick_stops(); !rested) return rested;
   }
   std::vector<Round> rounds;
-  for (std::size_t place = 0; place < call.now().size(); ++place) {
-    const std::span<const std::uint16_t> words = enabling_words(call.now()[place].state());
+  for (std::size_t place = 0; place < call.snapshots().size(); ++place) {
+    const std::span<const std::uint16_t> words = enabling_words(call.snapshots()[place].state());
     rounds.resize(std::max(rounds.size(), words.size()));
     for (std::size_t i = 0; i < words.size(); ++i) {
       msg::AxisCommand command = call.command_to(place);
@@ -339,10 +339,10 @@ Outcome AxisGroup::reset_all(const GroupCallOptions& options) {
   if (!answers.outcome) return answers.outcome;
   Outcome seen = call.await_tick("the fault reset", answers.tick);
   if (!seen) return seen;
-  const auto faulty = std::ranges::find_if(call.now(), [](const AxisSnapshot& axis) {
+  const auto faulty = std::ranges::find_if(call.snapshots(), [](const AxisSnapshot& axis) {
     return is_fault(axis.state());
   });
-  if (faulty == call.now().end()) return {};
+  if (faulty == call.snapshots().end()) return {};
   return not_in_this_state("axis " + to_string(faulty->id) + " " + what_it_shows(*faulty) +
                            ", the cause persists");
 }
@@ -353,11 +353,11 @@ Outcome AxisGroup::reset_all(const GroupCallOptions& options) {
 Outcome AxisGroup::State::watch(AxesCall& call) {
   const auto moving = line_in_hand();
   if (moving && call.tick() < moving->start_tick) return {};
-  const auto failed = std::ranges::find_if(call.now(), [&moving](const AxisSnapshot& axis) {
+  const auto failed = std::ranges::find_if(call.snapshots(), [&moving](const AxisSnapshot& axis) {
     return is_fault(axis.state()) || (moving && !is_enabled(axis));
   });
-  if (failed == call.now().end()) return {};
-  if (!moving && std::ranges::none_of(call.now(), is_enabled)) return {};
+  if (failed == call.snapshots().end()) return {};
+  if (!moving && std::ranges::none_of(call.snapshots(), is_enabled)) return {};
   drop_all();
   Answers stop;
   return call.send_stop(
@@ -369,8 +369,8 @@ Result<GroupStatus> AxisGroup::poll() {
   if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
   if (Outcome sound = state_->watch(call); !sound) return sound;
   const auto moving = state_->line_in_hand();
-  const bool at_rest =
-      !moving || (call.tick() >= moving->start_tick && state_->has_arrived(*moving, call.now()));
+  const bool at_rest = !moving || (call.tick() >= moving->start_tick &&
+                                   state_->has_arrived(*moving, call.snapshots()));
   if (at_rest) {
     state_->set_line(std::nullopt);
     if (const auto next = state_->next_request()) {

@@ -134,7 +134,8 @@ Result<LineTimes> AxisGroup::State::times_of(AxesCall& call, const LineRequest& 
     const auto bounds = std::span(values).first(kMoveBounds.size());
     if (Outcome moves = check_bounds(layout.axes[place], bounds); !moves) return moves;
     const MotionLimits own = limits_from(values, request);
-    const double way = static_cast<double>(target) - call.now()[place].status.position_demand_value;
+    const double way =
+        static_cast<double>(target) - call.snapshots()[place].status.position_demand_value;
     ways.push_back({.distance = std::abs(way) + kBesideDemand, .limits = own});
   }
   const auto times = plan_line(ways, call.period());
@@ -149,7 +150,7 @@ Result<LineTimes> AxisGroup::State::times_of(AxesCall& call, const LineRequest& 
 
 Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
   if (Outcome able = call.require(is_enabled, "a move", "Operation enabled"); !able) return able;
-  for (const AxisSnapshot& axis : call.now()) {
+  for (const AxisSnapshot& axis : call.snapshots()) {
     if (axis.status.velocity_demand_value != 0) {
       return not_in_this_state("axis " + to_string(axis.id) + " still moves");
     }
@@ -162,7 +163,7 @@ Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
                        .targets = request.targets,
                        .duration = times->duration,
                        .start_tick = answers.tick};
-    for (const AxisSnapshot& axis : call.now()) {
+    for (const AxisSnapshot& axis : call.snapshots()) {
       started.starts.push_back(axis.status.position_demand_value);
     }
     set_line(std::move(started));
@@ -189,7 +190,7 @@ void AxisGroup::State::withdraw(AxesCall& call) {
   std::array<Round, 2> rounds{call.round_of(kHalt, is_enabled),
                               call.round_of(kEnableOperation, is_enabled)};
   for (Round::Entry& entry : rounds[0].entries) {
-    add_target(entry.command, call.now()[entry.place].status.position_demand_value);
+    add_target(entry.command, call.snapshots()[entry.place].status.position_demand_value);
     add_word(entry.command, kHalt | Controlword::kNewSetPoint | Controlword::kChangeSetImmediately);
   }
   (void)call.exchange(rounds, Timing::at_once);  // what refused the start may refuse this too
@@ -211,7 +212,7 @@ Outcome AxisGroup::State::await_line(AxesCall& call, const GroupCallOptions& opt
   Outcome outcome =
       call.await_enabled(in_position ? "target reached, bit 10" : "the arrival of the demand",
                          moving->start_tick, [&](std::size_t place) {
-                           const AxisSnapshot& axis = call.now()[place];
+                           const AxisSnapshot& axis = call.snapshots()[place];
                            if (cut) cut = check_limit_switch(axis, moving->targets[place]);
                            return !cut || (demand_arrived(axis, moving->targets[place]) &&
                                            (!in_position || target_reached(axis)));
@@ -246,9 +247,9 @@ Outcome AxisGroup::move_by(const Eigen::VectorXd& displacements, const GroupMove
   AxesCall call = state_->call(options.call);
   if (Outcome ready = call.begin_control(timeout_of(options.call)); !ready) return ready;
   Eigen::VectorXd targets = displacements;
-  for (Eigen::Index i = 0; i < std::min<Eigen::Index>(targets.size(), std::ssize(call.now()));
+  for (Eigen::Index i = 0; i < std::min<Eigen::Index>(targets.size(), std::ssize(call.snapshots()));
        ++i) {
-    targets[i] += call.now()[static_cast<std::size_t>(i)].status.position_demand_value;
+    targets[i] += call.snapshots()[static_cast<std::size_t>(i)].status.position_demand_value;
   }
   const auto request = state_->request_of(targets, options);
   if (!request) return request.outcome();
@@ -286,12 +287,12 @@ Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
   AxesCall call = state_->call(options);
   AxesStop stop(*state_->core, call);
   if (Outcome ready = stop.begin(timeout_of(options)); !ready) return ready;
-  if (std::ranges::none_of(call.now(), is_enabled)) {
+  if (std::ranges::none_of(call.snapshots(), is_enabled)) {
     if (Outcome seen = call.axes().look_again(); !seen) return seen;
   }
   const Round halt = call.round_of(kHalt, is_enabled);
   if (halt.entries.empty())
-    return refused_in_state(call.now().front(), "a halt", "Operation enabled");
+    return refused_in_state(call.snapshots().front(), "a halt", "Operation enabled");
   if (Outcome taken = stop.acquire_free(); !taken) return taken;
   Answers answers = stop.exchange(halt, Timing::common_tick);
   if (!answers.outcome)
@@ -303,7 +304,7 @@ Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
   });
   if (!seen) return call.stop_if_lost(std::move(seen));
   // An axis that was to halt and failed instead stops the others as in a move.
-  const bool all = halt.entries.size() == call.now().size();
+  const bool all = halt.entries.size() == call.snapshots().size();
   return all ? call.check("standstill", answers.tick) : seen;
 }
 

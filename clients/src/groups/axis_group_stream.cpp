@@ -39,7 +39,7 @@ Outcome AxisGroup::start_streaming(const StreamOptions& options) {
   AxesCall call = state_->call({});
   if (Outcome ready = call.begin_control(kModeChange); !ready) return ready;
   if (Outcome able = call.require(is_enabled, "streaming", "Operation enabled"); !able) return able;
-  for (const AxisSnapshot& axis : call.now()) {
+  for (const AxisSnapshot& axis : call.snapshots()) {
     if (axis.status.velocity_demand_value != 0) {
       return not_in_this_state("axis " + to_string(axis.id) + " still moves");
     }
