@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "presence.hpp"
+#include "py_session.hpp"
 #include "python.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"

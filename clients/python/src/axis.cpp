@@ -42,11 +42,11 @@ constexpr std::array kCommandNames{
 };
 
 struct PyMotion {
-  PyMotion(client::Motion handle, SharedPresence keeper)
-      : motion(std::move(handle)), presence(std::move(keeper)) {}
+  PyMotion(client::Motion handle, SharedPySession keeper)
+      : motion(std::move(handle)), py_session(std::move(keeper)) {}
 
   ~PyMotion() {
-    if (presence && presence->is_inherited()) leave(std::move(motion));
+    if (py_session && py_session->is_inherited()) leave(std::move(motion));
   }
 
   PyMotion(const PyMotion&) = default;
@@ -55,7 +55,7 @@ struct PyMotion {
   PyMotion& operator=(PyMotion&&) noexcept = default;
 
   client::Motion motion;
-  SharedPresence presence;
+  SharedPySession py_session;
 };
 
 client::Disturbance disturbance_named(std::string_view name) {
@@ -70,7 +70,7 @@ client::Disturbance disturbance_named(std::string_view name) {
 /// Runs a call of the axis that ends with an outcome.
 template <typename Call>
 void run(PyAxis& self, const Call& call) {
-  check(waiting(self.presence, [&](Session& /*session*/) {
+  check(waiting(self.py_session, [&](Session& /*session*/) {
     return call(self.axis);
   }));
 }
@@ -78,7 +78,7 @@ void run(PyAxis& self, const Call& call) {
 /// Runs a call of the axis that gives a value.
 template <typename Call>
 auto get(PyAxis& self, const Call& call) {
-  return value_or_raise(waiting(self.presence, [&](Session& /*session*/) {
+  return value_or_raise(waiting(self.py_session, [&](Session& /*session*/) {
     return call(self.axis);
   }));
 }
@@ -156,7 +156,7 @@ void add_moves(AxisClass& axis) {
                             [&](Axis& moved) {
                               return moved.start_move(position, options);
                             }),
-                        self.presence};
+                        self.py_session};
       },
       py::arg("position"), py::kw_only(), py::arg("velocity") = py::none(),
       py::arg("acceleration") = py::none(), py::arg("deceleration") = py::none(),
@@ -226,7 +226,7 @@ void add_jog(AxisClass& axis) {
                                               .deceleration = deceleration,
                                               .call = call_options(timeout, "done")};
         KeptException kept;
-        const Outcome outcome = waiting(self.presence, [&](Session& /*session*/) {
+        const Outcome outcome = waiting(self.py_session, [&](Session& /*session*/) {
           return self.axis.jog(
               velocity,
               [&](const AxisSnapshot& status) {
@@ -335,7 +335,7 @@ void add_observing(AxisClass& axis) {
       [](PyAxis& self, const py::function& condition, double timeout) {
         const std::chrono::nanoseconds limit = nanoseconds_of(timeout);
         KeptException kept;
-        client::Result<AxisSnapshot> result = waiting(self.presence, [&](Session& /*session*/) {
+        client::Result<AxisSnapshot> result = waiting(self.py_session, [&](Session& /*session*/) {
           return self.axis.wait_until(
               [&](const AxisSnapshot& status) {
                 return kept.run(true, [&] {
@@ -358,7 +358,7 @@ void add_motion(py::module_& module) {
           "wait",
           [](PyMotion& self, double timeout) {
             const std::chrono::nanoseconds limit = nanoseconds_of(timeout);
-            check(waiting(self.presence, [&](Session& /*session*/) {
+            check(waiting(self.py_session, [&](Session& /*session*/) {
               return self.motion.wait(limit);
             }));
           },
@@ -367,35 +367,35 @@ void add_motion(py::module_& module) {
       .def(
           "has_ended",
           [](PyMotion& self) {
-            return value_or_raise(waiting(self.presence, [&](Session& /*session*/) {
+            return value_or_raise(waiting(self.py_session, [&](Session& /*session*/) {
               return self.motion.has_ended();
             }));
           },
           "Whether the axis is at its target. Does not wait.");
 }
 
-client::Axis axis_of(const SharedPresence& presence, const py::handle& axis) {
+client::Axis axis_of(const SharedPySession& py_session, const py::handle& axis) {
   if (py::isinstance<PyAxis>(axis)) return axis.cast<const PyAxis&>().axis;
   const auto text = axis.cast<std::string>();
-  return value_or_raise(waiting(presence, [&](Session& session) {
+  return value_or_raise(waiting(py_session, [&](Session& session) {
     return session.axis(text);
   }));
 }
 
 }  // namespace
 
-std::vector<Axis> axes_of(const SharedPresence& presence, const py::object& axes) {
+std::vector<Axis> axes_of(const SharedPySession& py_session, const py::object& axes) {
   if (axes.is_none()) {
-    return value_or_raise(waiting(presence, [](Session& session) {
+    return value_or_raise(waiting(py_session, [](Session& session) {
       return session.axes();
     }));
   }
   std::vector<Axis> found;
   if (py::isinstance<PyAxis>(axes) || py::isinstance<py::str>(axes)) {
-    found.push_back(axis_of(presence, axes));
+    found.push_back(axis_of(py_session, axes));
     return found;
   }
-  for (const py::handle axis : axes) found.push_back(axis_of(presence, axis));
+  for (const py::handle axis : axes) found.push_back(axis_of(py_session, axis));
   return found;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "presence.hpp"
+#include "py_session.hpp"
 #include "python.hpp"
 #include "vdrive/client/axis.hpp"
 
@@ -12,11 +12,11 @@ namespace vdrive::python {
 
 /// An axis, and what keeps its session.
 struct PyAxis {
-  PyAxis(client::Axis handle, SharedPresence keeper)
-      : axis(std::move(handle)), presence(std::move(keeper)) {}
+  PyAxis(client::Axis handle, SharedPySession keeper)
+      : axis(std::move(handle)), py_session(std::move(keeper)) {}
 
   ~PyAxis() {
-    if (presence && presence->is_inherited()) leave(std::move(axis));
+    if (py_session && py_session->is_inherited()) leave(std::move(axis));
   }
 
   PyAxis(const PyAxis&) = default;
@@ -25,13 +25,13 @@ struct PyAxis {
   PyAxis& operator=(PyAxis&&) noexcept = default;
 
   client::Axis axis;
-  SharedPresence presence;
+  SharedPySession py_session;
 };
 
 /// @param axes nothing, a text or an axis, or a sequence of these
 /// @return the axes; every one of the only bench where nothing was given.
 /// @throws py::error_already_set where one is not found
-[[nodiscard]] std::vector<client::Axis> axes_of(const SharedPresence& presence,
+[[nodiscard]] std::vector<client::Axis> axes_of(const SharedPySession& py_session,
                                                 const py::object& axes);
 
 /// @return their addresses.

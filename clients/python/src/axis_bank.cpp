@@ -5,7 +5,7 @@
 #include "arguments.hpp"
 #include "errors.hpp"
 #include "fork.hpp"
-#include "presence.hpp"
+#include "py_session.hpp"
 #include "python.hpp"
 #include "status.hpp"
 #include "vdrive/dictionary/object_text.hpp"

@@ -2,7 +2,7 @@
 // Axes that move together.
 #include "arguments.hpp"
 #include "axis.hpp"
-#include "presence.hpp"
+#include "py_session.hpp"
 #include "vdrive/client/axis_group.hpp"
 
 #include <pybind11/eigen.h>
@@ -26,11 +26,11 @@ using Progress = std::optional<py::function>;
 using Vector = Eigen::VectorXd;
 
 struct PyGroup {
-  PyGroup(AxisGroup handle, SharedPresence keeper)
-      : group(std::move(handle)), presence(std::move(keeper)) {}
+  PyGroup(AxisGroup handle, SharedPySession keeper)
+      : group(std::move(handle)), py_session(std::move(keeper)) {}
 
   ~PyGroup() {
-    if (presence && presence->is_inherited()) leave(std::move(group));
+    if (py_session && py_session->is_inherited()) leave(std::move(group));
   }
 
   PyGroup(const PyGroup&) = default;
@@ -39,7 +39,7 @@ struct PyGroup {
   PyGroup& operator=(PyGroup&&) noexcept = default;
 
   AxisGroup group;
-  SharedPresence presence;
+  SharedPySession py_session;
 };
 
 using GroupClass = py::class_<PyGroup>;
@@ -49,7 +49,7 @@ class GroupCall {
  public:
   GroupCall(const PyGroup& group, std::optional<double> timeout, const std::string& until,
             Progress progress)
-      : progress_(std::move(progress)), session_(group.presence->session()) {
+      : progress_(std::move(progress)), session_(group.py_session->session()) {
     if (timeout) options.timeout = nanoseconds_of(*timeout);
     options.until = until_of(until);
     if (!progress_) return;
@@ -64,7 +64,7 @@ class GroupCall {
   /// failed
   template <typename Call>
   void run(PyGroup& group, const Call& call) {
-    const Outcome outcome = waiting(group.presence, [&](Session& /*session*/) {
+    const Outcome outcome = waiting(group.py_session, [&](Session& /*session*/) {
       return call(group.group);
     });
     if (has_raised_) session_->end_interrupt();
@@ -89,13 +89,13 @@ class GroupCall {
   bool has_raised_ = false;
 };
 
-PyGroup open_group(const SharedPresence& presence, const py::object& axes) {
-  const std::vector<client::Axis> found = axes_of(presence, axes);
-  return {value_or_raise(waiting(presence,
+PyGroup open_group(const SharedPySession& py_session, const py::object& axes) {
+  const std::vector<client::Axis> found = axes_of(py_session, axes);
+  return {value_or_raise(waiting(py_session,
                                  [&](Session& session) {
                                    return AxisGroup::create(session, found);
                                  })),
-          presence};
+          py_session};
 }
 
 /// @throws py::value_error unless there is a number for each axis
@@ -163,7 +163,7 @@ void add_calls(GroupClass& group) {
   group.def(
       "take_over",
       [](PyGroup& self) {
-        check(waiting(self.presence, [&](Session& /*session*/) {
+        check(waiting(self.py_session, [&](Session& /*session*/) {
           return self.group.take_over();
         }));
       },
@@ -185,7 +185,7 @@ void add_group_moves(GroupClass& group) {
         const GroupMoveOptions options{.velocity_factor = velocity_factor,
                                        .acceleration_factor = acceleration_factor,
                                        .deceleration_factor = deceleration_factor};
-        check(waiting(self.presence, [&](Session& /*session*/) {
+        check(waiting(self.py_session, [&](Session& /*session*/) {
           return self.group.queue_move(targets, options);
         }));
       },
@@ -195,7 +195,7 @@ void add_group_moves(GroupClass& group) {
 }
 
 GroupStatus status_from(PyGroup& self, client::Result<GroupStatus> (*call)(AxisGroup&)) {
-  return value_or_raise(waiting(self.presence, [&](Session& /*session*/) {
+  return value_or_raise(waiting(self.py_session, [&](Session& /*session*/) {
     return call(self.group);
   }));
 }
@@ -220,7 +220,7 @@ void add_state(GroupClass& group) {
   group.def(
       "monitor",
       [](PyGroup& self, bool on) {
-        check(waiting(self.presence, [&](Session& /*session*/) {
+        check(waiting(self.py_session, [&](Session& /*session*/) {
           return self.group.monitor(on);
         }));
       },
@@ -232,7 +232,7 @@ void add_streaming(GroupClass& group) {
       "start_streaming",
       [](PyGroup& self, double lead, const std::string& pace) {
         const client::StreamOptions options{.lead = nanoseconds_of(lead), .pace = pace_of(pace)};
-        check(waiting(self.presence, [&](Session& /*session*/) {
+        check(waiting(self.py_session, [&](Session& /*session*/) {
           return self.group.start_streaming(options);
         }));
       },
@@ -242,7 +242,7 @@ void add_streaming(GroupClass& group) {
       "stream",
       [](PyGroup& self, const Vector& positions) {
         check_size(self, positions);
-        return value_or_raise(waiting(self.presence, [&](Session& /*session*/) {
+        return value_or_raise(waiting(self.py_session, [&](Session& /*session*/) {
           return self.group.stream(positions);
         }));
       },

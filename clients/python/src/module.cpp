@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fork.hpp"
-#include "presence.hpp"
+#include "py_session.hpp"
 #include "python.hpp"
 #include "vdrive/client/disturbance.hpp"
 #include "vdrive/client/session.hpp"

@@ -200,11 +200,11 @@ void StatusQueue::close() noexcept {
   queue_.end({});
 }
 
-ReportQueue::ReportQueue(const SharedPresence& presence, const std::vector<client::AxisId>& axes,
+ReportQueue::ReportQueue(const SharedPySession& py_session, const std::vector<client::AxisId>& axes,
                          std::chrono::milliseconds period)
     : queue_(std::make_shared<Queue<Observation>>(1)),
-      session_(presence->session()),
-      reports_(value_or_raise(waiting(presence, [&](Session& session) {
+      session_(py_session->session()),
+      reports_(value_or_raise(waiting(py_session, [&](Session& session) {
         return session.report_status(
             axes, period,
             [queue = queue_](const Observation& sample) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "arguments.hpp"
-#include "presence.hpp"
+#include "py_session.hpp"
 #include "python.hpp"
 #include "vdrive/client/event.hpp"
 #include "vdrive/client/session.hpp"
@@ -164,7 +164,7 @@ class StatusQueue final : public Dependent {
 class ReportQueue final : public Dependent {
  public:
   /// @throws py::error_already_set when an axis is not there
-  ReportQueue(const SharedPresence& presence, const std::vector<client::AxisId>& axes,
+  ReportQueue(const SharedPySession& py_session, const std::vector<client::AxisId>& axes,
               std::chrono::milliseconds period);
   ~ReportQueue() override;
   ReportQueue(const ReportQueue&) = delete;

@@ -19,7 +19,7 @@ namespace {
 
 using client::Outcome;
 using client::Session;
-using SessionClass = py::class_<Presence, SharedPresence>;
+using SessionClass = py::class_<PySession, SharedPySession>;
 
 client::KeepAlive keep_alive_of(const std::string& name) {
   if (name == "own_thread") return client::KeepAlive::own_thread;
@@ -27,12 +27,12 @@ client::KeepAlive keep_alive_of(const std::string& name) {
   throw py::value_error(R"(keep_alive is "own_thread" or "user_frames", not )" + in_quotes(name));
 }
 
-SharedPresence open_session(std::optional<std::uint32_t> domain,
-                            std::vector<std::string> interfaces, std::vector<std::string> peers,
-                            std::vector<std::string> discovery_servers, std::string security,
-                            std::optional<std::uint32_t> bench, const std::string& keep_alive,
-                            double find_timeout, double silence, double patience,
-                            const std::shared_ptr<LocalBench>& local) {
+SharedPySession open_session(std::optional<std::uint32_t> domain,
+                             std::vector<std::string> interfaces, std::vector<std::string> peers,
+                             std::vector<std::string> discovery_servers, std::string security,
+                             std::optional<std::uint32_t> bench, const std::string& keep_alive,
+                             double find_timeout, double silence, double patience,
+                             const std::shared_ptr<LocalBench>& local) {
   const client::SessionOptions options{.domain = domain,
                                        .interfaces = std::move(interfaces),
                                        .peers = std::move(peers),
@@ -47,20 +47,20 @@ SharedPresence open_session(std::optional<std::uint32_t> domain,
   try {
     if (!local) require_dds();
     const py::gil_scoped_release unlocked;
-    return open_presence(options);
+    return open_py_session(options);
   } catch (const std::runtime_error& error) {
     raise_configuration_error(error.what());
   }
 }
 
-void close_session(Presence& self) {
+void close_session(PySession& self) {
   const py::gil_scoped_release unlocked;
   self.close();
 }
 
 /// @return the bench of that number, or the only one: to find that it is the only one takes 150
 ///         ms, so it is done once.
-std::uint32_t bench_number(const SharedPresence& self, std::optional<std::uint32_t> bench) {
+std::uint32_t bench_number(const SharedPySession& self, std::optional<std::uint32_t> bench) {
   if (bench) return *bench;
   if (!self->only_bench) {
     self->only_bench = value_or_raise(waiting(self, [](Session& session) {
@@ -72,7 +72,7 @@ std::uint32_t bench_number(const SharedPresence& self, std::optional<std::uint32
 
 /// A call that gives a tick or a number of a bench.
 template <typename Call>
-auto of_bench(const SharedPresence& self, std::optional<std::uint32_t> bench, const Call& call) {
+auto of_bench(const SharedPySession& self, std::optional<std::uint32_t> bench, const Call& call) {
   const std::uint32_t number = bench_number(self, bench);
   return value_or_raise(waiting(self, [&](Session& session) {
     return call(session, number);
@@ -81,13 +81,13 @@ auto of_bench(const SharedPresence& self, std::optional<std::uint32_t> bench, co
 
 struct PyFollower {
   std::shared_ptr<StepFollower> follower;
-  SharedPresence presence;
+  SharedPySession py_session;
   std::chrono::milliseconds patience;
   std::optional<std::uint64_t> left;
 
   client::Observation next() {
     if (left && *left == 0) throw py::stop_iteration();
-    auto sample = value_or_raise(waiting(presence, [this](Session& /*session*/) {
+    auto sample = value_or_raise(waiting(py_session, [this](Session& /*session*/) {
       return follower->next(patience);
     }));
     if (left) --*left;
@@ -95,7 +95,7 @@ struct PyFollower {
   }
 };
 
-PyFollower follow(const SharedPresence& self, const py::object& axes, const std::string& pace,
+PyFollower follow(const SharedPySession& self, const py::object& axes, const std::string& pace,
                   double patience, std::optional<std::uint64_t> count) {
   const client::Pace chosen = pace_of(pace);
   const std::chrono::milliseconds longest = milliseconds_of(patience);
@@ -107,7 +107,7 @@ PyFollower follow(const SharedPresence& self, const py::object& axes, const std:
   return {std::move(follower), self, longest, count};
 }
 
-std::shared_ptr<StatusQueue> stream(const SharedPresence& self, const py::object& axes,
+std::shared_ptr<StatusQueue> stream(const SharedPySession& self, const py::object& axes,
                                     std::size_t capacity) {
   if (capacity == 0) throw py::value_error("a stream has a capacity of 1 or more");
   const std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
@@ -119,14 +119,15 @@ std::shared_ptr<StatusQueue> stream(const SharedPresence& self, const py::object
   return queue;
 }
 
-std::shared_ptr<ReportQueue> status_reports(const SharedPresence& self, const py::object& axes,
+std::shared_ptr<ReportQueue> status_reports(const SharedPySession& self, const py::object& axes,
                                             double period) {
   auto queue = made_here<ReportQueue>(self, ids_of(axes_of(self, axes)), milliseconds_of(period));
   self->adopt(queue);
   return queue;
 }
 
-std::shared_ptr<EventQueue> events(const SharedPresence& self, bool history, std::size_t capacity) {
+std::shared_ptr<EventQueue> events(const SharedPySession& self, bool history,
+                                   std::size_t capacity) {
   if (capacity == 0) throw py::value_error("a stream has a capacity of 1 or more");
   const std::shared_ptr<Session> session = self->session();
   auto queue = [&] {
@@ -137,7 +138,7 @@ std::shared_ptr<EventQueue> events(const SharedPresence& self, bool history, std
   return queue;
 }
 
-py::list command_each(const SharedPresence& self, const py::object& axes,
+py::list command_each(const SharedPySession& self, const py::object& axes,
                       const std::string& command, double timeout, const std::string& until) {
   const client::EachCommand chosen = each_command_of(command);
   const client::CallOptions options = call_options(timeout, until);
@@ -155,7 +156,7 @@ py::list command_each(const SharedPresence& self, const py::object& axes,
 void add_finding(SessionClass& session) {
   session.def(
       "find_benches",
-      [](const SharedPresence& self) {
+      [](const SharedPySession& self) {
         return waiting(self, [](Session& found) {
           return found.find_benches();
         });
@@ -163,13 +164,13 @@ void add_finding(SessionClass& session) {
       "Waits until a bench is found; the benches by number, none after `find_timeout`.");
   session.def(
       "present_benches",
-      [](const SharedPresence& self) {
+      [](const SharedPySession& self) {
         return self->session()->present_benches();
       },
       "The benches that are present now. Does not wait.");
   session.def(
       "find_bench",
-      [](const SharedPresence& self, std::optional<std::uint32_t> number) {
+      [](const SharedPySession& self, std::optional<std::uint32_t> number) {
         return value_or_raise(waiting(self, [&](Session& found) {
           return found.find_bench(number);
         }));
@@ -178,7 +179,7 @@ void add_finding(SessionClass& session) {
       "The bench of that number; without a number the only present one.");
   session.def(
       "axis",
-      [](const SharedPresence& self, const std::string& text) {
+      [](const SharedPySession& self, const std::string& text) {
         return PyAxis{value_or_raise(waiting(self,
                                              [&](Session& found) {
                                                return found.axis(text);
@@ -188,7 +189,7 @@ void add_finding(SessionClass& session) {
       py::arg("text"), R"(The axis of an address such as "1.2" or "1.lift", or of a name.)");
   session.def(
       "axes",
-      [](const SharedPresence& self, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, std::optional<std::uint32_t> bench) {
         const std::vector<client::Axis> found = value_or_raise(waiting(self, [&](Session& there) {
           return there.axes(bench);
         }));
@@ -203,7 +204,7 @@ void add_finding(SessionClass& session) {
 void add_clock(SessionClass& session) {
   session.def(
       "step",
-      [](const SharedPresence& self, std::uint64_t ticks, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, std::uint64_t ticks, std::optional<std::uint32_t> bench) {
         return of_bench(self, bench, [ticks](Session& stepped, std::uint32_t number) {
           return stepped.step(number, ticks);
         });
@@ -212,7 +213,7 @@ void add_clock(SessionClass& session) {
       "Steps a lock-step bench. Returns the tick reached.");
   session.def(
       "wait",
-      [](const SharedPresence& self, double duration, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, double duration, std::optional<std::uint32_t> bench) {
         const std::chrono::nanoseconds time = nanoseconds_of(duration);
         return of_bench(self, bench, [time](Session& waiter, std::uint32_t number) {
           return waiter.wait(number, time);
@@ -222,7 +223,7 @@ void add_clock(SessionClass& session) {
       "Waits for drive time, in s; in lock-step by steps. Returns the tick reached.");
   session.def(
       "wait_for_tick",
-      [](const SharedPresence& self, std::uint64_t tick, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, std::uint64_t tick, std::optional<std::uint32_t> bench) {
         return of_bench(self, bench, [tick](Session& waiter, std::uint32_t number) {
           return waiter.wait_for_tick(number, tick);
         });
@@ -231,7 +232,7 @@ void add_clock(SessionClass& session) {
       "Waits until the bench has reached a tick; in lock-step steps to it.");
   session.def(
       "set_rate",
-      [](const SharedPresence& self, double rate, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, double rate, std::optional<std::uint32_t> bench) {
         return of_bench(self, bench, [rate](Session& set, std::uint32_t number) {
           return set.set_rate(number, rate);
         });
@@ -243,7 +244,7 @@ void add_clock(SessionClass& session) {
 void add_snapshots(SessionClass& session) {
   session.def(
       "take_snapshot",
-      [](const SharedPresence& self, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, std::optional<std::uint32_t> bench) {
         return of_bench(self, bench, [](Session& taken, std::uint32_t number) {
           return taken.take_snapshot(number);
         });
@@ -252,7 +253,7 @@ void add_snapshots(SessionClass& session) {
       "Saves the state of all axes of a bench whose time stands still. Returns its number.");
   session.def(
       "restore_snapshot",
-      [](const SharedPresence& self, std::uint64_t snapshot, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, std::uint64_t snapshot, std::optional<std::uint32_t> bench) {
         return of_bench(self, bench, [snapshot](Session& restored, std::uint32_t number) {
           return restored.restore_snapshot(number, snapshot);
         });
@@ -261,7 +262,7 @@ void add_snapshots(SessionClass& session) {
       "Restores all axes to that state. Returns the tick, which continues.");
   session.def(
       "snapshots",
-      [](const SharedPresence& self, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, std::optional<std::uint32_t> bench) {
         const auto kept = of_bench(self, bench, [](Session& listed, std::uint32_t number) {
           return listed.snapshots(number);
         });
@@ -275,7 +276,7 @@ void add_snapshots(SessionClass& session) {
       "The snapshots that a bench keeps: {number: tick}.");
   session.def(
       "drop_snapshot",
-      [](const SharedPresence& self, std::uint64_t snapshot, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, std::uint64_t snapshot, std::optional<std::uint32_t> bench) {
         const std::uint32_t number = bench_number(self, bench);
         check(waiting(self, [&](Session& forgetting) {
           return forgetting.drop_snapshot(number, snapshot);
@@ -287,7 +288,7 @@ void add_snapshots(SessionClass& session) {
 void add_session_observing(SessionClass& session) {
   session.def(
       "observe",
-      [](const SharedPresence& self, const py::object& axes) {
+      [](const SharedPySession& self, const py::object& axes) {
         const std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
         return value_or_raise(waiting(self, [&](Session& observed) {
           return observed.observe(ids);
@@ -323,7 +324,7 @@ void add_control(SessionClass& session) {
       "power_cycle. Returns for each axis None or the exception with the reason.");
   session.def(
       "quick_stop",
-      [](const SharedPresence& self, std::optional<std::uint32_t> bench, double timeout,
+      [](const SharedPySession& self, std::optional<std::uint32_t> bench, double timeout,
          const std::string& until) {
         const client::CallOptions options = call_options(timeout, until);
         const std::uint32_t number = bench_number(self, bench);
@@ -336,7 +337,7 @@ void add_control(SessionClass& session) {
       "Quick stop of every axis of a bench that has no fault, also of other sessions.");
   session.def(
       "release",
-      [](const SharedPresence& self, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, std::optional<std::uint32_t> bench) {
         check(waiting(self, [bench](Session& releasing) {
           return bench ? releasing.release(*bench) : releasing.release();
         }));
@@ -345,7 +346,7 @@ void add_control(SessionClass& session) {
       "Releases all axes, or those of one bench. Their state does not change.");
   session.def(
       "acquire",
-      [](const SharedPresence& self, const py::object& axes) {
+      [](const SharedPySession& self, const py::object& axes) {
         const std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
         check(waiting(self, [&](Session& taking) {
           return taking.acquire(ids);
@@ -355,7 +356,7 @@ void add_control(SessionClass& session) {
       "Takes control of axes of one bench: of all of them, or of none when one is refused.");
   session.def(
       "send_set_points",
-      [](const SharedPresence& self, const py::dict& set_points, std::uint64_t tick,
+      [](const SharedPySession& self, const py::dict& set_points, std::uint64_t tick,
          bool drops_waiting, std::optional<std::uint32_t> bench) {
         client::SetPointFrame frame = frame_of(set_points);
         frame.tick = tick;
@@ -377,14 +378,14 @@ void add_control(SessionClass& session) {
 void add_ends(SessionClass& session) {
   session.def(
       "interrupt",
-      [](const Presence& self) {
+      [](const PySession& self) {
         self.session()->interrupt();
       },
       "Ends all waiting calls, now and later, with Failed, until end_interrupt(). From any "
       "thread.");
   session.def(
       "end_interrupt",
-      [](const Presence& self) {
+      [](const PySession& self) {
         self.session()->end_interrupt();
       },
       "Calls from now on wait again.");
@@ -434,20 +435,20 @@ void add_session(py::module_& module) {
   session
       .def_property_readonly(
           "id",
-          [](const Presence& self) {
+          [](const PySession& self) {
             return self.session()->id();
           },
           "Number of the session: the owner that an axis shows while this session holds it.")
-      .def_property_readonly("is_closed", &Presence::is_closed, "Whether close() was called.")
+      .def_property_readonly("is_closed", &PySession::is_closed, "Whether close() was called.")
       .def("__enter__",
            [](py::object self) {
              return self;
            })
       .def("__exit__",
-           [](Presence& self, const py::args& /*exception*/) {
+           [](PySession& self, const py::args& /*exception*/) {
              close_session(self);
            })
-      .def("__repr__", [](const Presence& self) {
+      .def("__repr__", [](const PySession& self) {
         return std::string(self.is_closed() ? "<vdrive.Session, closed>" : "<vdrive.Session>");
       });
   add_finding(session);

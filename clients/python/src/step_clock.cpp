@@ -2,7 +2,7 @@
 #include "vdrive/client/step_clock.hpp"
 
 #include "arguments.hpp"
-#include "presence.hpp"
+#include "py_session.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -23,8 +23,8 @@ constexpr std::chrono::milliseconds kSliceOfStep{100};
 
 class OwnClock final : public Dependent {
  public:
-  OwnClock(SharedPresence presence, StepClock clock)
-      : presence_(std::move(presence)), clock_(std::move(clock)) {}
+  OwnClock(SharedPySession py_session, StepClock clock)
+      : py_session_(std::move(py_session)), clock_(std::move(clock)) {}
 
   void close() noexcept override {
     if (origin.is_inherited()) return;
@@ -36,7 +36,7 @@ class OwnClock final : public Dependent {
   template <typename Step>
   std::vector<std::uint64_t> step(double patience, const Step& step) {
     const std::chrono::milliseconds limit = milliseconds_of(patience);
-    return value_or_raise(waiting(presence_, [&](Session& session) {
+    return value_or_raise(waiting(py_session_, [&](Session& session) {
       return steps(session, limit, step);
     }));
   }
@@ -65,18 +65,18 @@ class OwnClock final : public Dependent {
     }
   }
 
-  SharedPresence presence_;
+  SharedPySession py_session_;
   std::mutex mutex_;
   std::optional<StepClock> clock_;
 };
 
-std::shared_ptr<OwnClock> join(const SharedPresence& presence,
+std::shared_ptr<OwnClock> join(const SharedPySession& py_session,
                                const std::vector<std::uint32_t>& benches) {
   auto clock =
-      made_here<OwnClock>(presence, value_or_raise(waiting(presence, [&](Session& session) {
+      made_here<OwnClock>(py_session, value_or_raise(waiting(py_session, [&](Session& session) {
                             return StepClock::join(session, benches);
                           })));
-  presence->adopt(clock);
+  py_session->adopt(clock);
   return clock;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "presence.hpp"
+#include "py_session.hpp"
 
 #include <algorithm>
 
@@ -7,37 +7,37 @@ namespace vdrive::python {
 namespace {
 
 /// Every session that Python has. Guarded by the interpreter lock, which whoever forks holds.
-std::vector<std::weak_ptr<Presence>>& registry() {
-  static std::vector<std::weak_ptr<Presence>> presences;
-  return presences;
+std::vector<std::weak_ptr<PySession>>& registry() {
+  static std::vector<std::weak_ptr<PySession>> sessions;
+  return sessions;
 }
 
 }  // namespace
 
-SharedPresence open_presence(const client::SessionOptions& options) {
-  SharedPresence presence = made_here<Presence>(options);
+SharedPySession open_py_session(const client::SessionOptions& options) {
+  SharedPySession py_session = made_here<PySession>(options);
   const py::gil_scoped_acquire locked;
   std::erase_if(registry(), [](const auto& other) {
     return other.expired();
   });
-  registry().push_back(presence);
-  return presence;
+  registry().push_back(py_session);
+  return py_session;
 }
 
-std::shared_ptr<client::Session> Presence::session() const {
+std::shared_ptr<client::Session> PySession::session() const {
   origin_.require_own("the session");
   const std::scoped_lock lock(mutex_);
   if (!session_) raise(client::Outcome::failed("the session is closed"));
   return session_;
 }
 
-bool Presence::is_closed() const {
+bool PySession::is_closed() const {
   if (is_inherited()) return true;
   const std::scoped_lock lock(mutex_);
   return session_ == nullptr;
 }
 
-void Presence::adopt(const std::shared_ptr<Dependent>& dependent) {
+void PySession::adopt(const std::shared_ptr<Dependent>& dependent) {
   const std::scoped_lock lock(mutex_);
   std::erase_if(dependents_, [](const auto& other) {
     return other.expired();
@@ -45,7 +45,7 @@ void Presence::adopt(const std::shared_ptr<Dependent>& dependent) {
   dependents_.push_back(dependent);
 }
 
-void Presence::close() noexcept {
+void PySession::close() noexcept {
   if (is_inherited()) return;
   std::shared_ptr<client::Session> session;
   std::vector<std::weak_ptr<Dependent>> dependents;
@@ -65,12 +65,12 @@ void Presence::close() noexcept {
 }
 
 void close_all_sessions() {
-  std::vector<SharedPresence> presences;
+  std::vector<SharedPySession> sessions;
   for (const auto& weak : registry()) {
-    if (auto presence = weak.lock()) presences.push_back(std::move(presence));
+    if (auto py_session = weak.lock()) sessions.push_back(std::move(py_session));
   }
   const py::gil_scoped_release unlocked;
-  for (const SharedPresence& presence : presences) presence->close();
+  for (const SharedPySession& py_session : sessions) py_session->close();
 }
 
 }  // namespace vdrive::python

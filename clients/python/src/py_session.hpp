@@ -33,16 +33,16 @@ class Dependent {
 };
 
 /// A session as Python has it: every handle keeps it, close() ends it before they go.
-class Presence {
+class PySession {
  public:
   /// @throws std::runtime_error as client::Session does
-  explicit Presence(const client::SessionOptions& options)
+  explicit PySession(const client::SessionOptions& options)
       : session_(std::make_shared<client::Session>(options)) {}
 
-  ~Presence() { close(); }
+  ~PySession() { close(); }
 
-  Presence(const Presence&) = delete;
-  Presence& operator=(const Presence&) = delete;
+  PySession(const PySession&) = delete;
+  PySession& operator=(const PySession&) = delete;
 
   /// @return the session, which ends no earlier than what is returned.
   /// @throws py::error_already_set when it was closed, and in a forked process
@@ -71,10 +71,10 @@ class Presence {
   std::vector<std::weak_ptr<Dependent>> dependents_;
 };
 
-using SharedPresence = std::shared_ptr<Presence>;
+using SharedPySession = std::shared_ptr<PySession>;
 
-/// Without the interpreter lock, which it takes at its end. @throws what Presence throws
-[[nodiscard]] SharedPresence open_presence(const client::SessionOptions& options);
+/// Without the interpreter lock, which it takes at its end. @throws what PySession throws
+[[nodiscard]] SharedPySession open_py_session(const client::SessionOptions& options);
 
 /// Runs Python's handlers of the signals that have come.
 /// @throws py::error_already_set with what they raise, such as KeyboardInterrupt
@@ -102,8 +102,8 @@ auto interruptible(std::function<void()> end_wait, const std::function<void()>& 
 /// @throws py::error_already_set when the session was closed, and with what a handler of a signal
 ///         raises
 template <typename Call>
-auto waiting(const SharedPresence& presence, const Call& call) {
-  const std::shared_ptr<client::Session> session = presence->session();
+auto waiting(const SharedPySession& py_session, const Call& call) {
+  const std::shared_ptr<client::Session> session = py_session->session();
   return interruptible(
       [session] {
         session->interrupt();
