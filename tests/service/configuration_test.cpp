@@ -69,8 +69,8 @@ axes:
   EXPECT_EQ(read.clock, ClockMode::lockstep);
   EXPECT_EQ(read.period, 250us);
   EXPECT_EQ(read.rate, 2.5);
-  EXPECT_EQ(read.clock_step, ClockStep::jump);
-  EXPECT_EQ(parse(to_yaml(read)).clock_step, ClockStep::jump);
+  EXPECT_EQ(read.clock_step, WallStepPolicy::jump);
+  EXPECT_EQ(parse(to_yaml(read)).clock_step, WallStepPolicy::jump);
   EXPECT_EQ(read.threads, 3U);
   EXPECT_EQ(read.realtime_priority, 40);
   EXPECT_EQ(read.status_every, 5U);

@@ -135,7 +135,7 @@ TEST(RealtimeDriver, ReportsAStepOfTheWallClockAndCorrectsIt) {
 
 TEST(RealtimeDriver, JumpsWithTheWallClockWhereItIsConfigured) {
   auto configuration = realtime_configuration();
-  configuration.clock_step = service::ClockStep::jump;
+  configuration.clock_step = service::WallStepPolicy::jump;
   RealtimeBench bench(configuration);
   bench.write(kAlice, 1, 0x6040, 0x0F);
   bench.cycles(10);
@@ -152,7 +152,7 @@ TEST(RealtimeDriver, JumpsWithTheWallClockWhereItIsConfigured) {
 // A stall of 5 s at tick 10, and a step of 10 s: each image has what was skipped until its tick.
 TEST(RealtimeDriver, ShowsInEachStatusHowManyTicksTheNumberHasSkipped) {
   auto configuration = realtime_configuration();
-  configuration.clock_step = service::ClockStep::jump;
+  configuration.clock_step = service::WallStepPolicy::jump;
   RealtimeBench bench(configuration);
   bench.cycles(10);
   EXPECT_EQ(bench.skipped.back(), 0U);
@@ -170,7 +170,7 @@ TEST(RealtimeDriver, ShowsInEachStatusHowManyTicksTheNumberHasSkipped) {
 
 TEST(RealtimeDriver, RepeatsNoTickWhenTheWallClockGoesBack) {
   auto configuration = realtime_configuration();
-  configuration.clock_step = service::ClockStep::jump;
+  configuration.clock_step = service::WallStepPolicy::jump;
   RealtimeBench bench(configuration);
   bench.cycles(10);
   bench.timer.wall_step = -10s;

@@ -99,7 +99,7 @@ TEST(TickClock, IgnoresSmallStepsDriftAndASingleWrongReading) {
                 return 900ns * tick;
               }).empty());
   EXPECT_NEAR(static_cast<double>(drift.offset().count()), 40e6, 1e6);
-  TickClock wrong(kPeriod, 1.0, {kMonotonic, kWall}, ClockStep::jump);
+  TickClock wrong(kPeriod, 1.0, {kMonotonic, kWall}, WallStepPolicy::jump);
   EXPECT_TRUE(run(wrong, 1'000, [](int tick) {
                 return tick % 10 < 2 ? 1'000'000us : 0us;  // twice in a row
               }).empty());
@@ -117,7 +117,7 @@ TEST(TickClock, DetectsASecondStepDuringCorrectionOfTheFirst) {
 
 // 10.0004 s are 10,000 ticks; the rest is steered away.
 TEST(TickClock, JumpsToTheWallClockWhereConfigured) {
-  TickClock clock(kPeriod, 1.0, {kMonotonic, kWall}, ClockStep::jump);
+  TickClock clock(kPeriod, 1.0, {kMonotonic, kWall}, WallStepPolicy::jump);
   const auto steps = run(clock, 1'000, [](int tick) {
     return tick < 10 ? 0us : 10'000'400us;
   });
@@ -128,7 +128,7 @@ TEST(TickClock, JumpsToTheWallClockWhereConfigured) {
 }
 
 TEST(TickClock, NeverJumpsBack) {
-  TickClock clock(kPeriod, 1.0, {kMonotonic, kWall}, ClockStep::jump);
+  TickClock clock(kPeriod, 1.0, {kMonotonic, kWall}, WallStepPolicy::jump);
   const auto steps = run(clock, 1'000, [](int tick) {
     return tick < 10 ? 0s : -10s;
   });
@@ -138,7 +138,7 @@ TEST(TickClock, NeverJumpsBack) {
 }
 
 TEST(TickClock, DetectsNoStepAtAnotherRate) {
-  TickClock clock(kPeriod, 2.0, {kMonotonic, kWall}, ClockStep::jump);
+  TickClock clock(kPeriod, 2.0, {kMonotonic, kWall}, WallStepPolicy::jump);
   EXPECT_TRUE(run(clock, 100, [](int) {
                 return 10s;
               }).empty());

@@ -13,13 +13,13 @@ RealtimeDriver::RealtimeDriver(const Configuration& configuration, BenchEngine& 
       timer_(timer),
       period_(configuration.period),
       status_every_(configuration.status_every),
-      on_step_(configuration.clock_step),
+      wall_step_policy_(configuration.clock_step),
       rate_(configuration.rate) {
   const Instant now{timer.monotonic_now(), timer.wall_now()};
   engine_.start_at(
       static_cast<std::uint64_t>(now.wall / std::chrono::nanoseconds(configuration.period)));
   if (configuration.rate > 0.0) {
-    clock_.emplace(period_, configuration.rate, now, on_step_);
+    clock_.emplace(period_, configuration.rate, now, wall_step_policy_);
     next_cycle_ = clock_->deadline().count();
   } else {
     engine_.post_status();
@@ -50,7 +50,7 @@ void RealtimeDriver::change_rate() noexcept {
   } else if (clock_) {
     clock_->set_rate(rate_, now);
   } else {
-    clock_.emplace(period_, rate_, now, engine_.tick() + 1, on_step_);
+    clock_.emplace(period_, rate_, now, engine_.tick() + 1, wall_step_policy_);
   }
   counters_.wall_offset.store(0.0, std::memory_order_relaxed);
   const auto next = clock_ ? clock_->deadline() : now.monotonic + period_;

@@ -48,7 +48,7 @@ class RealtimeDriver {
   CycleTimer& timer_;
   std::chrono::microseconds period_;
   std::uint32_t status_every_;
-  ClockStep on_step_;
+  WallStepPolicy wall_step_policy_;
   double rate_;
   std::optional<TickClock> clock_;  ///< nothing = paused
   std::chrono::nanoseconds next_repeat_{0};

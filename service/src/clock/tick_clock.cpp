@@ -13,22 +13,22 @@ constexpr double kSteeringHorizon = 200.0;
 }  // namespace
 
 TickClock::TickClock(std::chrono::microseconds period, double rate, const Instant& now,
-                     ClockStep on_step) noexcept
+                     WallStepPolicy policy) noexcept
     : period_(static_cast<double>(std::chrono::nanoseconds(period).count())),
       interval_(period_ / rate),
       steered_(rate == 1.0),
-      on_step_(on_step),
+      wall_step_policy_(policy),
       next_tick_(static_cast<std::uint64_t>(now.wall / std::chrono::nanoseconds(period)) + 1) {
   const auto begin = std::chrono::nanoseconds(period) * static_cast<std::int64_t>(next_tick_);
   deadline_ = static_cast<double>((now.monotonic + (begin - now.wall)).count());
 }
 
 TickClock::TickClock(std::chrono::microseconds period, double rate, const Instant& now,
-                     std::uint64_t next_tick, ClockStep on_step) noexcept
+                     std::uint64_t next_tick, WallStepPolicy policy) noexcept
     : period_(static_cast<double>(std::chrono::nanoseconds(period).count())),
       interval_(period_ / rate),
       steered_(rate == 1.0),
-      on_step_(on_step),
+      wall_step_policy_(policy),
       next_tick_(next_tick),
       deadline_(static_cast<double>(now.monotonic.count()) + interval_) {
   rebase(now);
@@ -90,7 +90,7 @@ bool TickClock::sees_step() noexcept {
 std::optional<WallStep> TickClock::watch_wall_clock() noexcept {
   if (!sees_step()) return std::nullopt;
   WallStep step{.offset = offset()};
-  if (on_step_ == ClockStep::jump && offset_ > 0.0) {
+  if (wall_step_policy_ == WallStepPolicy::jump && offset_ > 0.0) {
     step.jumped = static_cast<std::uint64_t>(std::llround(offset_ / period_));
     next_tick_ += step.jumped;
     offset_ -= static_cast<double>(step.jumped) * period_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "configuration/clock_step.hpp"
+#include "configuration/wall_step_policy.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -45,11 +45,11 @@ class TickClock {
 
   /// @param rate above 0
   TickClock(std::chrono::microseconds period, double rate, const Instant& now,
-            ClockStep on_step = ClockStep::steer) noexcept;
+            WallStepPolicy policy = WallStepPolicy::steer) noexcept;
 
   /// After a pause: tick `next_tick` is due one interval from now.
   TickClock(std::chrono::microseconds period, double rate, const Instant& now,
-            std::uint64_t next_tick, ClockStep on_step = ClockStep::steer) noexcept;
+            std::uint64_t next_tick, WallStepPolicy policy = WallStepPolicy::steer) noexcept;
 
   /// From now on at another rate, above 0; the drive time that is left until the next tick stays.
   void set_rate(double rate, const Instant& now) noexcept;
@@ -85,7 +85,7 @@ class TickClock {
   double period_;    ///< [ns] of drive time
   double interval_;  ///< [ns] between deadlines before steering
   bool steered_;
-  ClockStep on_step_;
+  WallStepPolicy wall_step_policy_;
   std::uint64_t next_tick_;
   double deadline_;             ///< [ns] monotonic
   std::int64_t reference_ = 0;  ///< wall time of tick 0 [ns]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "configuration/clock_step.hpp"
+#include "configuration/wall_step_policy.hpp"
 #include "settings/configuration_error.hpp"
 #include "vdrive/axis_configuration.hpp"
 #include "vdrive/clock_mode.hpp"
@@ -59,8 +59,8 @@ struct Configuration {
   std::uint32_t bench = 1;  ///< 1 to wire::kHighestBench
   std::string name = "demo";
   ClockMode clock = ClockMode::realtime;
-  ClockStep clock_step = ClockStep::steer;  ///< realtime
-  std::chrono::microseconds period{1'000};  ///< kShortestPeriod to kLongestPeriod
+  WallStepPolicy clock_step = WallStepPolicy::steer;  ///< realtime
+  std::chrono::microseconds period{1'000};            ///< kShortestPeriod to kLongestPeriod
   double rate = 1.0;               ///< realtime: 0 = paused, or kLowestRate to kHighestRate
   std::uint32_t threads = 1;       ///< that step the bank
   int realtime_priority = 0;       ///< SCHED_FIFO of the tick thread, 0 = none

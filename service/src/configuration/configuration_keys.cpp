@@ -192,11 +192,12 @@ constexpr auto kClockRows = std::to_array<ConfigurationRow<Configuration>>({
              "jump (at once, forward only).",
      .read =
          [](const YamlValue& value, Configuration& c) {
-           c.clock_step = value.choice({"steer", "jump"}) == 0 ? ClockStep::steer : ClockStep::jump;
+           c.clock_step =
+               value.choice({"steer", "jump"}) == 0 ? WallStepPolicy::steer : WallStepPolicy::jump;
          },
      .write =
          [](YAML::Emitter& out, const Configuration& c) {
-           out << (c.clock_step == ClockStep::steer ? "steer" : "jump");
+           out << (c.clock_step == WallStepPolicy::steer ? "steer" : "jump");
          }},
     integer_row<Configuration, &Configuration::threads>(
         "threads", {1, kMaxThreads, ""},

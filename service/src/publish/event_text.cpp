@@ -2,7 +2,7 @@
 #include "publish/event_text.hpp"
 
 #include "base/event_codes.hpp"
-#include "configuration/clock_step.hpp"
+#include "configuration/wall_step_policy.hpp"
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/number_text.hpp"

@@ -6,7 +6,7 @@
 namespace vdrive::service {
 
 /// What a bench does when the wall clock was changed.
-enum class ClockStep : std::uint8_t {
+enum class WallStepPolicy : std::uint8_t {
   steer,  ///< drive time continues without a break and is adjusted, however long that takes
   jump,   ///< forward, the tick number jumps; backward as steer, since no number comes twice
 };
