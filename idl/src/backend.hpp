@@ -91,7 +91,7 @@ class Backend {
   [[nodiscard]] virtual bool knows_who_is_there() const noexcept = 0;
   [[nodiscard]] virtual bool has(const Source& source) const noexcept = 0;
   virtual bool run_local_work() = 0;
-  [[nodiscard]] virtual GuardCounts guarded() const = 0;
+  [[nodiscard]] virtual GuardCounts guard_counts() const = 0;
 };
 
 /// @throws what Participant throws

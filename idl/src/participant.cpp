@@ -35,8 +35,8 @@ bool Participant::run_local_work() {
   return backend_->run_local_work();
 }
 
-GuardCounts Participant::guarded() const {
-  return backend_->guarded();
+GuardCounts Participant::guard_counts() const {
+  return backend_->guard_counts();
 }
 
 }  // namespace vdrive::wire

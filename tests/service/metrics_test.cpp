@@ -76,7 +76,7 @@ TEST_F(MetricsTest, ShowTheStateOfTheNetworkProcess) {
   counters_.wire_starts.add(3);
   counters_.wire_is_up.set(1);
   counters_.wire_resident.set(50'000'000);
-  counters_.guarded.set(6);
+  counters_.datagrams_dropped.set(6);
   counters_.malformed.add(7);
   const std::string answer = http_get(sut_.port(), "/metrics");
   for (const char* const line :

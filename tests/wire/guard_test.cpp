@@ -146,7 +146,7 @@ TEST(GuardedParticipant, AcceptsEverythingFromParticipantsOfVdrive) {
   ASSERT_TRUE(requester.is_answered());
   const test::Finished finished = visitor.stop();
   EXPECT_EQ(finished.output.find("refused 0 "), 0U) << finished.output;
-  EXPECT_EQ(requester.participant.guarded().all_refused(), 0U);
+  EXPECT_EQ(requester.participant.guard_counts().all_refused(), 0U);
 }
 
 TEST(GuardedParticipant, CommunicatesThroughSharedMemory) {
@@ -155,7 +155,7 @@ TEST(GuardedParticipant, CommunicatesThroughSharedMemory) {
   Requester requester(with_shared_memory);
   Visitor visitor("visitor", {"shared_memory"});
   EXPECT_TRUE(requester.is_answered());
-  EXPECT_EQ(requester.participant.guarded().all_refused(), 0U);
+  EXPECT_EQ(requester.participant.guard_counts().all_refused(), 0U);
   // A process that is killed leaves its segment in /dev/shm; one that ends removes it.
   EXPECT_EQ(visitor.stop().code, 0);
 }
@@ -167,7 +167,7 @@ TEST(AClient, IgnoresOtherClients) {
   // It answers everyone that it knows; both have received its announcement once the other answers.
   ASSERT_TRUE(of_another.is_answered());
   EXPECT_TRUE(wait_until([&] {
-    return of_a_client.participant.guarded().ignored > 0;
+    return of_a_client.participant.guard_counts().ignored > 0;
   }));
   EXPECT_FALSE(of_a_client.requests.wait_for_match(source_of(client.prefix()), 500ms));
 }
@@ -242,7 +242,7 @@ TEST(KilledParticipant, IsForgottenWithinThreeSeconds) {
     return requester.requests.matched() == 0;
   }));
   EXPECT_LT(Clock::now() - killed, 3500ms);
-  EXPECT_EQ(requester.participant.guarded().judged, 1U);
+  EXPECT_EQ(requester.participant.guard_counts().judged, 1U);
 }
 
 TEST(LeavingParticipant, IsNotReportedSilent) {
@@ -253,8 +253,8 @@ TEST(LeavingParticipant, IsNotReportedSilent) {
   EXPECT_TRUE(wait_until([&] {
     return requester.requests.matched() == 0;
   }));
-  EXPECT_EQ(requester.participant.guarded().judged, 0U);
-  EXPECT_EQ(requester.participant.guarded().kept, 1U) << "itself alone";
+  EXPECT_EQ(requester.participant.guard_counts().judged, 0U);
+  EXPECT_EQ(requester.participant.guard_counts().kept, 1U) << "itself alone";
 }
 
 TEST(PausedParticipant, IsFoundAgain) {
@@ -265,7 +265,7 @@ TEST(PausedParticipant, IsFoundAgain) {
   ASSERT_TRUE(wait_until([&] {
     return requester.requests.matched() == 0;
   }));
-  EXPECT_EQ(requester.participant.guarded().judged, 1U);
+  EXPECT_EQ(requester.participant.guard_counts().judged, 1U);
   visitor.send(SIGCONT);
   EXPECT_TRUE(requester.is_answered());
 }

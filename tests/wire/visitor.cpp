@@ -124,7 +124,7 @@ int run(const std::vector<std::string>& words) {
                           words.at(1));
   print_prefix(participant);
   has("request") ? send_requests(participant) : answer(participant);
-  const GuardCounts counts = participant.guarded();
+  const GuardCounts counts = participant.guard_counts();
   std::cout << "refused " << counts.all_refused() << " ignored " << counts.ignored << " judged "
             << counts.judged << " kept " << counts.kept << " handed over " << counts.handed_over
             << std::endl;

@@ -54,7 +54,7 @@ Bridge::Bridge(const Settings& settings)
                        },
                    .guard_counts =
                        [this] {
-                         return participant_.guarded();
+                         return participant_.guard_counts();
                        }}),
       publisher_(participant_, settings, board_) {
   session_.on_event([this](const client::Event& event) {

@@ -251,7 +251,7 @@ class DdsBackend final : public Backend {
 
   bool run_local_work() override { return false; }
 
-  [[nodiscard]] GuardCounts guarded() const override;
+  [[nodiscard]] GuardCounts guard_counts() const override;
 
   [[nodiscard]] DdsEntities& entities() noexcept { return entities_; }
 
@@ -350,7 +350,7 @@ std::vector<OtherParticipant> DdsBackend::others(std::string_view beginning) con
   return entities_.others.named(beginning);
 }
 
-GuardCounts DdsBackend::guarded() const {
+GuardCounts DdsBackend::guard_counts() const {
   return guard_ == nullptr ? GuardCounts{} : guard_->counts();
 }
 

@@ -67,7 +67,7 @@ class LocalBackend final : public Backend {
 
   bool run_local_work() override { return bus_->run_work(); }
 
-  [[nodiscard]] GuardCounts guarded() const override { return {}; }
+  [[nodiscard]] GuardCounts guard_counts() const override { return {}; }
 
  private:
   std::shared_ptr<LocalBus> bus_;

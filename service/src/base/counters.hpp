@@ -131,8 +131,8 @@ struct Counters {
   Counter malformed;            ///< samples that arrived and could not be decoded
   Counter wire_starts;          ///< wires started, the first one included
   Counter wire_is_up;           ///< 1 while the wire runs
-  Counter wire_resident;  ///< memory of the wire's process [bytes], 0 = it has none of its own
-  Counter guarded;        ///< datagrams that the guard in front of the DDS library dropped
+  Counter wire_resident;      ///< memory of the wire's process [bytes], 0 = it has none of its own
+  Counter datagrams_dropped;  ///< datagrams that the guard in front of the DDS library dropped
   Counter master_losses;
   Counter longest_silence_us;            ///< of an owner of axes, in drive time
   Counter saves;                         ///< axes whose stored parameters became durable

@@ -136,7 +136,7 @@ void add_wire(Families& families, const Counters& counters) {
                  static_cast<double>(counters.wire_resident.get()));
   families.counter("vdrive_datagrams_dropped_total",
                    "Datagrams that were dropped because no conforming program sends them",
-                   counters.guarded.get());
+                   counters.datagrams_dropped.get());
   families.counter("vdrive_malformed_samples_total",
                    "Commands and requests that arrived and could not be decoded",
                    counters.malformed.get());

@@ -37,7 +37,7 @@ class ProcessWire final : public BenchWire {
   void start() override { supervisor_.start(); }
 
   [[nodiscard]] std::chrono::milliseconds time_to_meet_others() const noexcept override {
-    return BenchGuard::kReceiving;
+    return DuplicateNumberDetector::kReceiving;
   }
 
   void supervise() override { supervisor_.supervise(); }
@@ -46,7 +46,9 @@ class ProcessWire final : public BenchWire {
 
   [[nodiscard]] bool is_cut_off() const noexcept override { return supervisor_.is_cut_off(); }
 
-  [[nodiscard]] std::uint64_t guarded() const override { return link_.control().guarded.load(); }
+  [[nodiscard]] std::uint64_t datagrams_dropped() const override {
+    return link_.control().datagrams_dropped.load();
+  }
 
   void stop(std::chrono::milliseconds patience) override {
     supervisor_.stop(patience + kTimeToAnnounceEnd);
@@ -83,10 +85,12 @@ class ThreadWire final : public BenchWire {
   }
 
   [[nodiscard]] std::chrono::milliseconds time_to_meet_others() const noexcept override {
-    return BenchGuard::kReceiving;
+    return DuplicateNumberDetector::kReceiving;
   }
 
-  [[nodiscard]] std::uint64_t guarded() const override { return program_.guarded(); }
+  [[nodiscard]] std::uint64_t datagrams_dropped() const override {
+    return program_.datagrams_dropped();
+  }
 
   void stop(std::chrono::milliseconds patience) override {
     static_cast<void>(program_.wait_for_readers(patience));

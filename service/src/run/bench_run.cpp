@@ -61,7 +61,7 @@ BenchRun::BenchRun(Configuration configuration, JournalSink journal,
       parameters_(std::move(store), configuration_),
       identity_{configuration_.bench, static_cast<std::uint64_t>(timer_.wall_now().count())},
       wire_(make_wire(configuration_, counters_)),
-      guard_(wire_->region().ring(Lane::notices), identity_),
+      duplicates_(wire_->region().ring(Lane::notices), identity_),
       inbox_(configuration_.bench, wire_->region().ring(Lane::arrivals),
              wire_->region().ring(Lane::turned_away), counters_),
       outbox_(configuration_.axes.size(), status_depth(configuration_).images),
@@ -82,8 +82,8 @@ BenchRun::~BenchRun() {
 void BenchRun::start() {
   wire_->start();
   timer_.wait_until(timer_.monotonic_now() + wire_->time_to_meet_others());
-  guard_.receive();
-  if (const auto older = guard_.conflict()) {
+  duplicates_.receive();
+  if (const auto older = duplicates_.conflict()) {
     throw BenchNumberTaken("bench " + std::to_string(identity_.bench) +
                            " is already served in domain " +
                            std::to_string(configuration_.network.domain) + " (incarnation " +
@@ -246,7 +246,7 @@ void BenchRun::switch_off() noexcept {
 
 void BenchRun::report_once() {
   supervise_wire();
-  guard_.receive();
+  duplicates_.receive();
   if (!lockstep_) replies_.deliver(inbox_, outbox_);
   reports_.publish(inbox_, outbox_);
   report_beats_.add();
@@ -256,7 +256,7 @@ void BenchRun::report() {
   bool is_conflict_reported = false;
   while (!stop_) {
     report_once();
-    if (const auto older = guard_.conflict(); older && !is_conflict_reported) {
+    if (const auto older = duplicates_.conflict(); older && !is_conflict_reported) {
       is_conflict_reported = true;
       reports_.publish_event({{.kind = msg::EVENT_BENCH_CONFLICT,
                                .tick = counters_.tick.get(),
@@ -273,7 +273,7 @@ void BenchRun::supervise_wire() {
     news->tick = counters_.tick.get();
     reports_.publish_event({*news});
   }
-  counters_.guarded.set(wire_->guarded());
+  counters_.datagrams_dropped.set(wire_->datagrams_dropped());
   const WireControl& control = wire_->link().control();
   const std::uint64_t lost =
       control.overflows.load() + control.undelivered.load() + control.not_sent.load();

@@ -16,8 +16,8 @@
 #include "publish/reply_publisher.hpp"
 #include "publish/report_publisher.hpp"
 #include "publish/status_publisher.hpp"
-#include "run/bench_guard.hpp"
 #include "run/bench_wire.hpp"
+#include "run/duplicate_number_detector.hpp"
 #include "run/liveness.hpp"
 #include "seam/doorbell.hpp"
 #include "seam/queues.hpp"
@@ -107,7 +107,9 @@ class BenchRun {
   /// thread. Idempotent.
   void stop() noexcept;
 
-  [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept { return guard_.conflict(); }
+  [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept {
+    return duplicates_.conflict();
+  }
 
   [[nodiscard]] bool is_reachable() const noexcept { return counters_.wire_is_up.get() != 0; }
 
@@ -155,7 +157,7 @@ class BenchRun {
   BenchIdentity identity_;
   Counters counters_;
   std::unique_ptr<BenchWire> wire_;
-  BenchGuard guard_;
+  DuplicateNumberDetector duplicates_;
   Inbox inbox_;
   Outbox outbox_;
   std::optional<Journal> journal_;

@@ -41,7 +41,7 @@ class BenchWire {
   [[nodiscard]] virtual bool is_cut_off() const noexcept { return false; }
 
   /// @return datagrams that its guard has dropped.
-  [[nodiscard]] virtual std::uint64_t guarded() const { return 0; }
+  [[nodiscard]] virtual std::uint64_t datagrams_dropped() const { return 0; }
 
   /// Waits until the readers have what was reported, and announces the end.
   virtual void stop(std::chrono::milliseconds patience) = 0;

@@ -85,9 +85,10 @@ struct WireControl {
   std::atomic<std::uint64_t> sent{0};          ///< samples that the library took
   std::atomic<std::uint64_t> not_sent{0};      ///< samples that the library did not take
   std::atomic<std::uint64_t> undelivered{0};   ///< answers whose reader was not found in time
-  std::atomic<std::uint64_t> guarded{0};       ///< datagrams that the guards of all wires dropped
-  std::atomic<std::uint64_t> overflows{0};     ///< arrivals that found their ring full
-  std::atomic<std::uint32_t> finished{0};      ///< after `stop`: everything is out
+  std::atomic<std::uint64_t> datagrams_dropped{
+      0};                                   ///< datagrams that the guards of all wires dropped
+  std::atomic<std::uint64_t> overflows{0};  ///< arrivals that found their ring full
+  std::atomic<std::uint32_t> finished{0};   ///< after `stop`: everything is out
 
   BellState status_bell;   ///< wakes the pump of `status`
   BellState reports_bell;  ///< wakes the pump of `replies` and `reports`

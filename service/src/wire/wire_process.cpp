@@ -83,7 +83,7 @@ class WireProcess {
       : control_(region.control()),
         settings_(region.settings()),
         generation_(control_.generation.load()),
-        guarded_before_(control_.guarded.load()),
+        dropped_before_(control_.datagrams_dropped.load()),
         program_(region, settings_),
         probe_(settings_.network, program_) {}
 
@@ -109,7 +109,7 @@ class WireProcess {
     control_.state.store(WireState::running);
     while (control_.stop.load() == 0) {
       control_.resident.store(memory.resident());
-      control_.guarded.store(guarded_before_ + program_.guarded());
+      control_.datagrams_dropped.store(dropped_before_ + program_.datagrams_dropped());
       std::this_thread::sleep_for(100ms);
     }
     status.join();
@@ -171,7 +171,7 @@ class WireProcess {
   WireControl& control_;
   WireSettings settings_;
   std::uint32_t generation_;
-  std::uint64_t guarded_before_;  ///< dropped by the wires before this one
+  std::uint64_t dropped_before_;  ///< dropped by the wires before this one
   WireProgram program_;
   WireProbe probe_;
   std::atomic<std::uint64_t> status_rounds_{0};

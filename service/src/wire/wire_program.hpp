@@ -60,7 +60,9 @@ class WireProgram final : public LaneSender {
   [[nodiscard]] std::uint64_t probes_received() const noexcept { return probes_received_; }
 
   /// @return datagrams that the guard of the participant dropped.
-  [[nodiscard]] std::uint64_t guarded() const { return participant_.guarded().all_refused(); }
+  [[nodiscard]] std::uint64_t datagrams_dropped() const {
+    return participant_.guard_counts().all_refused();
+  }
 
  private:
   using Clock = std::chrono::steady_clock;

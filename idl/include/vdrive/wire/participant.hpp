@@ -103,7 +103,7 @@ class Participant {
   bool run_local_work();
 
   /// @return what the guard has done; all zero without a guard.
-  [[nodiscard]] GuardCounts guarded() const;
+  [[nodiscard]] GuardCounts guard_counts() const;
 
   [[nodiscard]] Backend& backend() noexcept { return *backend_; }
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "run/bench_guard.hpp"
+#include "run/duplicate_number_detector.hpp"
 
 #include "vdrive/wire/codec.hpp"
 
 namespace vdrive::service {
 
-BenchGuard::BenchGuard(ByteRing notices, const BenchIdentity& identity)
+DuplicateNumberDetector::DuplicateNumberDetector(ByteRing notices, const BenchIdentity& identity)
     : notices_(notices), identity_(identity) {}
 
-void BenchGuard::receive() {
+void DuplicateNumberDetector::receive() {
   constexpr int kMostAtOnce = 64;  // the calling thread has other work
   for (int count = 0; count < kMostAtOnce; ++count) {
     const auto record = notices_.front();
@@ -21,7 +21,7 @@ void BenchGuard::receive() {
   }
 }
 
-std::optional<std::uint64_t> BenchGuard::conflict() const noexcept {
+std::optional<std::uint64_t> DuplicateNumberDetector::conflict() const noexcept {
   const std::uint64_t older = older_;
   return older == 0 ? std::nullopt : std::optional(older);
 }

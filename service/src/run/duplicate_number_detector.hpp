@@ -14,13 +14,13 @@ namespace vdrive::service {
 
 /// Watches for another service with the same bench number. The one with the lower incarnation,
 /// which started first, keeps the number.
-class BenchGuard {
+class DuplicateNumberDetector {
  public:
   /// How long to receive before announcing; running services publish their state every 50 ms.
   static constexpr std::chrono::milliseconds kReceiving{300};
 
   /// @param notices where the wire puts the states of other services
-  BenchGuard(ByteRing notices, const BenchIdentity& identity);
+  DuplicateNumberDetector(ByteRing notices, const BenchIdentity& identity);
 
   /// Reads what has arrived. One thread at a time.
   void receive();
