@@ -21,19 +21,19 @@ constexpr WireJudge::Time kSpawned{1'000s};
 
 /// A wire that does all that it should.
 struct HealthyWire {
-  WireJudge::Sight sight{.is_running = true};
+  WireJudge::Health health{.is_running = true};
 
-  WireJudge::Sight next() {
-    ++sight.pump_beats;
-    ++sight.probe_beats;
-    return sight;
+  WireJudge::Health next() {
+    ++health.pump_beats;
+    ++health.probe_beats;
+    return health;
   }
 };
 
 TEST(WireJudge, KeepsAHealthyWire) {
   WireJudge judge(kLimit);
   HealthyWire wire;
-  judge.started(kSpawned);
+  judge.note_start(kSpawned);
   for (auto time = 0s; time < 60s; time += 1s) {
     ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned + time).has_value());
   }
@@ -41,7 +41,7 @@ TEST(WireJudge, KeepsAHealthyWire) {
 
 TEST(WireJudge, EndsAWireThatDoesNotStart) {
   WireJudge judge(kLimit);
-  judge.started(kSpawned);
+  judge.note_start(kSpawned);
   for (auto time = 0ms; time <= WireJudge::kLongestStart; time += 100ms) {
     ASSERT_FALSE(judge.reason_to_end({}, kSpawned + time).has_value());
   }
@@ -53,13 +53,13 @@ TEST(WireJudge, EndsAWireThatDoesNotStart) {
 TEST(WireJudge, EndsAWireWhosePumpsStandStill) {
   WireJudge judge(kLimit);
   HealthyWire wire;
-  judge.started(kSpawned);
+  judge.note_start(kSpawned);
   ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned).has_value());
-  ++wire.sight.probe_beats;
+  ++wire.health.probe_beats;
   for (auto time = 0ms; time <= WireJudge::kLongestRound; time += 100ms) {
-    ASSERT_FALSE(judge.reason_to_end(wire.sight, kSpawned + time).has_value());
+    ASSERT_FALSE(judge.reason_to_end(wire.health, kSpawned + time).has_value());
   }
-  const auto loss = judge.reason_to_end(wire.sight, kSpawned + WireJudge::kLongestRound + 1ms);
+  const auto loss = judge.reason_to_end(wire.health, kSpawned + WireJudge::kLongestRound + 1ms);
   ASSERT_TRUE(loss.has_value());
   EXPECT_EQ(loss->cause, Cause::hangs);
 }
@@ -67,14 +67,14 @@ TEST(WireJudge, EndsAWireWhosePumpsStandStill) {
 TEST(WireJudge, EndsAWireThatNoProbeReachesWithinFiveSeconds) {
   WireJudge judge(kLimit);
   HealthyWire wire;
-  judge.started(kSpawned);
+  judge.note_start(kSpawned);
   ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned).has_value());
   auto time = 0ms;
   std::optional<WireLoss> loss;
   while (!loss && time < 10s) {
     time += 10ms;
-    ++wire.sight.pump_beats;
-    loss = judge.reason_to_end(wire.sight, kSpawned + time);
+    ++wire.health.pump_beats;
+    loss = judge.reason_to_end(wire.health, kSpawned + time);
   }
   ASSERT_TRUE(loss.has_value());
   EXPECT_EQ(loss->cause, Cause::deaf);
@@ -84,10 +84,10 @@ TEST(WireJudge, EndsAWireThatNoProbeReachesWithinFiveSeconds) {
 TEST(WireJudge, EndsAWireThatUsesMoreThanItsMemory) {
   WireJudge judge(kLimit);
   HealthyWire wire;
-  judge.started(kSpawned);
-  wire.sight.resident = kLimit;
+  judge.note_start(kSpawned);
+  wire.health.resident = kLimit;
   ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned).has_value());
-  wire.sight.resident = kLimit + (1U << 20U);
+  wire.health.resident = kLimit + (1U << 20U);
   const auto loss = judge.reason_to_end(wire.next(), kSpawned);
   ASSERT_TRUE(loss.has_value());
   EXPECT_EQ(loss->cause, Cause::memory);
@@ -97,27 +97,27 @@ TEST(WireJudge, EndsAWireThatUsesMoreThanItsMemory) {
 TEST(WireJudge, WantsALookAtAProcessThatIsSilentAndAgainWhileItIs) {
   WireJudge judge(kLimit);
   HealthyWire wire;
-  judge.started(kSpawned);
+  judge.note_start(kSpawned);
   const auto looks_until = [&](std::chrono::milliseconds end) {
-    int looks = 0;
+    int examinations = 0;
     for (auto time = 0ms; time < end; time += 5ms) {
-      static_cast<void>(judge.reason_to_end(wire.sight, kSpawned + time));
-      looks += judge.wants_look(kSpawned + time) ? 1 : 0;
+      static_cast<void>(judge.reason_to_end(wire.health, kSpawned + time));
+      examinations += judge.needs_examination(kSpawned + time) ? 1 : 0;
     }
-    return looks;
+    return examinations;
   };
   EXPECT_EQ(looks_until(WireJudge::kLateRound), 0);
   EXPECT_NEAR(looks_until(1'000ms), 9, 1);
-  ++wire.sight.pump_beats;
-  static_cast<void>(judge.reason_to_end(wire.sight, kSpawned + 2s));
-  EXPECT_FALSE(judge.wants_look(kSpawned + 2s)) << "it was heard";
+  ++wire.health.pump_beats;
+  static_cast<void>(judge.reason_to_end(wire.health, kSpawned + 2s));
+  EXPECT_FALSE(judge.needs_examination(kSpawned + 2s)) << "it was heard";
 }
 
 TEST(WireJudge, WantsALookAtAProcessThatDoesNotStart) {
   WireJudge judge(kLimit);
-  judge.started(kSpawned);
-  EXPECT_FALSE(judge.wants_look(kSpawned + WireJudge::kLateRound));
-  EXPECT_TRUE(judge.wants_look(kSpawned + WireJudge::kLateRound + 1ms));
+  judge.note_start(kSpawned);
+  EXPECT_FALSE(judge.needs_examination(kSpawned + WireJudge::kLateRound));
+  EXPECT_TRUE(judge.needs_examination(kSpawned + WireJudge::kLateRound + 1ms));
 }
 
 // At once, then after 100, 200, 400 ms and so on, 5 s at most; a long run makes it forget.
@@ -125,16 +125,16 @@ TEST(WireJudge, WaitsLongerAfterEachFurtherEnd) {
   WireJudge judge(kLimit);
   std::vector<std::chrono::milliseconds> delays;
   for (int count = 0; count < 9; ++count) {
-    judge.started(kSpawned);
+    judge.note_start(kSpawned);
     delays.push_back(std::chrono::duration_cast<std::chrono::milliseconds>(
-        judge.ended(kSpawned, false) - kSpawned));
+        judge.note_end(kSpawned, false) - kSpawned));
   }
   EXPECT_EQ(delays,
             (std::vector{0ms, 100ms, 200ms, 400ms, 800ms, 1'600ms, 3'200ms, 5'000ms, 5'000ms}));
   HealthyWire wire;
-  judge.started(kSpawned);
+  judge.note_start(kSpawned);
   ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned).has_value());
-  EXPECT_EQ(judge.ended(kSpawned + WireJudge::kLongRun, false), kSpawned + WireJudge::kLongRun);
+  EXPECT_EQ(judge.note_end(kSpawned + WireJudge::kLongRun, false), kSpawned + WireJudge::kLongRun);
 }
 
 // A debugger, a terminal's stop, a machine that is suspended: the supervisor checked nothing
@@ -142,20 +142,20 @@ TEST(WireJudge, WaitsLongerAfterEachFurtherEnd) {
 TEST(WireJudge, AllowsAPauseOfTheWholeService) {
   WireJudge judge(kLimit);
   HealthyWire wire;
-  judge.started(kSpawned);
+  judge.note_start(kSpawned);
   ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned).has_value());
-  EXPECT_FALSE(judge.reason_to_end(wire.sight, kSpawned + 60s).has_value());
+  EXPECT_FALSE(judge.reason_to_end(wire.health, kSpawned + 60s).has_value());
 }
 
 TEST(WireJudge, WaitsAfterAWireThatItHadToEnd) {
   WireJudge judge(kLimit);
   HealthyWire wire;
-  judge.started(kSpawned);
+  judge.note_start(kSpawned);
   ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned).has_value());
-  EXPECT_EQ(judge.ended(kSpawned + 5s, true), kSpawned + 5s) << "the first time at once";
-  judge.started(kSpawned + 5s);
+  EXPECT_EQ(judge.note_end(kSpawned + 5s, true), kSpawned + 5s) << "the first time at once";
+  judge.note_start(kSpawned + 5s);
   ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned + 5s).has_value());
-  EXPECT_EQ(judge.ended(kSpawned + 10s, true), kSpawned + 10s + WireJudge::kFirstDelay);
+  EXPECT_EQ(judge.note_end(kSpawned + 10s, true), kSpawned + 10s + WireJudge::kFirstDelay);
 }
 
 TEST(WireLoss, DescribesItsCause) {

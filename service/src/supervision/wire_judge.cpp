@@ -13,13 +13,13 @@ constexpr std::uint64_t kBytesOfMebibyte = 1'024ULL * 1'024ULL;
 
 }  // namespace
 
-void WireJudge::started(Time now) noexcept {
+void WireJudge::note_start(Time now) noexcept {
   start_ = now;
   judged_ = now;
   running_since_.reset();
 }
 
-std::optional<WireLoss> WireJudge::reason_to_end(const Sight& sight, Time now) noexcept {
+std::optional<WireLoss> WireJudge::reason_to_end(const Health& health, Time now) noexcept {
   // A judge that was not called for long, because the whole service stood still, has seen no
   // silence.
   constexpr std::chrono::milliseconds kLongestPause{500};
@@ -28,7 +28,7 @@ std::optional<WireLoss> WireJudge::reason_to_end(const Sight& sight, Time now) n
     pumped_ = now;
     probed_ = now;
   }
-  if (!sight.is_running) {
+  if (!health.is_running) {
     return now - start_ > kLongestStart
                ? std::optional(WireLoss{.cause = WireLoss::Cause::no_start})
                : std::nullopt;
@@ -38,25 +38,25 @@ std::optional<WireLoss> WireJudge::reason_to_end(const Sight& sight, Time now) n
     pumped_ = now;
     probed_ = now;
   }
-  if (std::exchange(pump_beats_, sight.pump_beats) != sight.pump_beats) pumped_ = now;
-  if (std::exchange(probe_beats_, sight.probe_beats) != sight.probe_beats) probed_ = now;
+  if (std::exchange(pump_beats_, health.pump_beats) != health.pump_beats) pumped_ = now;
+  if (std::exchange(probe_beats_, health.probe_beats) != health.probe_beats) probed_ = now;
   if (now - pumped_ > kLongestRound) return WireLoss{.cause = WireLoss::Cause::hangs};
   if (now - probed_ > kLongestProbe) return WireLoss{.cause = WireLoss::Cause::deaf};
-  if (sight.resident > memory_limit_) {
+  if (health.resident > memory_limit_) {
     return WireLoss{.cause = WireLoss::Cause::memory,
-                    .value = static_cast<std::uint32_t>(sight.resident / kBytesOfMebibyte)};
+                    .value = static_cast<std::uint32_t>(health.resident / kBytesOfMebibyte)};
   }
   return std::nullopt;
 }
 
-bool WireJudge::wants_look(Time now) noexcept {
+bool WireJudge::needs_examination(Time now) noexcept {
   const Time heard = running_since_ ? pumped_ : start_;
-  if (now - std::max(heard, looked_) <= kLateRound) return false;
-  looked_ = now;
+  if (now - std::max(heard, examined_) <= kLateRound) return false;
+  examined_ = now;
   return true;
 }
 
-WireJudge::Time WireJudge::ended(Time now, bool was_judged) noexcept {
+WireJudge::Time WireJudge::note_end(Time now, bool was_judged) noexcept {
   const std::chrono::seconds long_run = was_judged ? kLongRunOfJudged : kLongRun;
   const bool was_long = running_since_ && now - *running_since_ >= long_run;
   const auto delay = was_long ? 0ms : delay_;

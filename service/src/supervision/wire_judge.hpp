@@ -32,7 +32,7 @@ class WireJudge {
   static constexpr std::chrono::milliseconds kLongestDelay{5'000};
 
   /// What is seen of a wire.
-  struct Sight {
+  struct Health {
     bool is_running = false;
     std::uint64_t pump_beats = 0;
     std::uint64_t probe_beats = 0;
@@ -41,17 +41,19 @@ class WireJudge {
 
   explicit WireJudge(std::uint64_t memory_limit) noexcept : memory_limit_(memory_limit) {}
 
-  void started(Time now) noexcept;
+  /// A wire is started.
+  void note_start(Time now) noexcept;
 
   /// @return why the wire has to be ended now; nothing = it may continue.
-  [[nodiscard]] std::optional<WireLoss> reason_to_end(const Sight& sight, Time now) noexcept;
+  [[nodiscard]] std::optional<WireLoss> reason_to_end(const Health& health, Time now) noexcept;
 
   /// @return whether its process has to be examined now, because nothing was heard of it.
-  [[nodiscard]] bool wants_look(Time now) noexcept;
+  [[nodiscard]] bool needs_examination(Time now) noexcept;
 
-  /// @return when the next one is to be started.
+  /// A wire has ended.
   /// @param was_judged it was ended by this judge
-  [[nodiscard]] Time ended(Time now, bool was_judged) noexcept;
+  /// @return when the next one is to be started.
+  [[nodiscard]] Time note_end(Time now, bool was_judged) noexcept;
 
  private:
   std::uint64_t memory_limit_;
@@ -61,7 +63,7 @@ class WireJudge {
   std::uint64_t pump_beats_ = 0;
   std::uint64_t probe_beats_ = 0;
   Time pumped_{};
-  Time looked_{};
+  Time examined_{};
   Time probed_{};
   std::chrono::milliseconds delay_{0};
 };

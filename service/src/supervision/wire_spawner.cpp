@@ -37,7 +37,7 @@ constexpr int kNotStarted = 127 << 8;
 /// How long either side waits for the process below it, which has been told to end.
 constexpr std::chrono::milliseconds kLongestEnd{100};
 
-/// Between two looks at processes that are not reaped yet.
+/// Between two examinations of processes that are not reaped yet.
 constexpr std::chrono::milliseconds kReapInterval{100};
 
 /// A process as /proc/PID/stat shows it; the members are fields of proc(5).
@@ -100,10 +100,10 @@ void await_end(int descriptor) {
   _exit(127);
 }
 
-/// The spawner's own process.
-class Nursery {
+/// What runs in the spawner's process: it forks wires as it is told.
+class ForkServer {
  public:
-  Nursery(int socket, int region) : socket_(socket), region_(region) {}
+  ForkServer(int socket, int region) : socket_(socket), region_(region) {}
 
   [[noreturn]] void run() {
     while (true) {
@@ -114,7 +114,7 @@ class Nursery {
       std::erase_if(leaving_, [](pid_t process) {
         return waitpid(process, nullptr, WNOHANG) != 0;
       });
-      if (watched[1].revents != 0) look();
+      if (watched[1].revents != 0) examine();
       if (watched[0].revents != 0) obey();
     }
   }
@@ -128,8 +128,8 @@ class Nursery {
     }
     if (order == Order::launch && child_ == 0) {
       start();
-    } else if (order == Order::look && child_ > 0) {
-      look();
+    } else if (order == Order::examine && child_ > 0) {
+      examine();
     } else if (order == Order::kill && child_ > 0) {
       ::kill(child_, SIGKILL);
     }
@@ -144,7 +144,7 @@ class Nursery {
       return;
     }
     child_descriptor_ = static_cast<int>(syscall(SYS_pidfd_open, child_, 0));
-    if (child_descriptor_ < 0) {  // only a look would notice its end
+    if (child_descriptor_ < 0) {  // only an examination would notice its end
       ::kill(child_, SIGKILL);
       leaving_.push_back(child_);
       report_end(SIGKILL);
@@ -152,7 +152,7 @@ class Nursery {
   }
 
   /// Reports the wire's end where it has ended, or can do nothing else.
-  void look() {
+  void examine() {
     int status = 0;
     const pid_t reaped = waitpid(child_, &status, WNOHANG);
     if (reaped != 0) {
@@ -211,7 +211,7 @@ WireSpawner::WireSpawner(int region) {
     std::signal(SIGINT, SIG_IGN);
     std::signal(SIGTERM, SIG_IGN);
     std::signal(SIGCHLD, SIG_DFL);  // where it is ignored, the kernel keeps no status for waitpid
-    Nursery(ends[1], region).run();
+    ForkServer(ends[1], region).run();
   }
   close(ends[1]);
   socket_ = ends[0];
@@ -232,8 +232,8 @@ bool WireSpawner::launch() noexcept {
   return !is_gone_;
 }
 
-void WireSpawner::look() const noexcept {
-  order(Order::look);
+void WireSpawner::examine() const noexcept {
+  order(Order::examine);
 }
 
 void WireSpawner::kill() const noexcept {

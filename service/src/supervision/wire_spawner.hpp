@@ -22,7 +22,7 @@ struct WireEnd {
 class WireSpawner {
  public:
   /// What the engine tells the spawner, one byte each.
-  enum class Order : std::uint8_t { launch, look, kill };
+  enum class Order : std::uint8_t { launch, examine, kill };
 
   /// @param region descriptor that wires inherit
   /// @throws std::system_error
@@ -36,7 +36,7 @@ class WireSpawner {
 
   /// Has the wire's process examined; `next_end` reports when it has ended or is dying. Its end is
   /// reported without this too, as soon as the kernel reports it.
-  void look() const noexcept;
+  void examine() const noexcept;
 
   /// Kills the wire; `next_end` reports its end.
   void kill() const noexcept;

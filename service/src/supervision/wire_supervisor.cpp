@@ -77,7 +77,7 @@ void WireSupervisor::launch(Clock::time_point now) {
   is_launched_ = spawner_.launch();
   is_up_ = false;
   reason_.reset();
-  judge_.started(now);
+  judge_.note_start(now);
   counters_.wire_starts.add();
 }
 
@@ -111,7 +111,7 @@ void WireSupervisor::lose(const WireLoss& loss, Clock::time_point now) {
 void WireSupervisor::finish(const WireEnd& end, Clock::time_point now) {
   is_launched_ = false;
   if (!reason_) lose(loss_of(end), now);
-  next_start_ = judge_.ended(now, reason_.has_value());
+  next_start_ = judge_.note_end(now, reason_.has_value());
   const auto delay = std::chrono::duration_cast<std::chrono::milliseconds>(*next_start_ - now);
   if (delay > 0ms) report(WireCode::kLater, delay);
 }
@@ -140,8 +140,8 @@ void WireSupervisor::judge(Clock::time_point now) {
   if (reason_) {
     lose(*reason_, now);
     spawner_.kill();
-  } else if (judge_.wants_look(now)) {
-    spawner_.look();
+  } else if (judge_.needs_examination(now)) {
+    spawner_.examine();
   }
 }
 
