@@ -54,7 +54,7 @@ TEST_F(MetricsTest, AreServedAsPrometheusText) {
   counters_.master_losses.add();
   counters_.longest_silence_us.set(112'000);
   counters_.wall_steps.add(3);
-  counters_.wall_offset = -1.5;
+  counters_.wall_offset.set(-1.5);
   const std::string answer = http_get(sut_.port(), "/metrics");
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 200 OK"));
   EXPECT_THAT(answer, HasSubstr("text/plain"));
@@ -76,7 +76,7 @@ TEST_F(MetricsTest, ShowTheStateOfTheNetworkProcess) {
   counters_.wire_starts.add(3);
   counters_.wire_is_up.set(1);
   counters_.wire_resident.set(50'000'000);
-  counters_.datagrams_dropped.set(6);
+  counters_.datagrams_dropped.add(6);
   counters_.malformed.add(7);
   const std::string answer = http_get(sut_.port(), "/metrics");
   for (const char* const line :

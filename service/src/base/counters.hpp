@@ -12,14 +12,12 @@
 
 namespace vdrive::service {
 
-/// A number that one thread counts up and others read.
+/// A number that only grows: any thread counts up, others read.
 class Counter {
  public:
   void add(std::uint64_t amount = 1) noexcept {
     value_.fetch_add(amount, std::memory_order_relaxed);
   }
-
-  void set(std::uint64_t value) noexcept { value_.store(value, std::memory_order_relaxed); }
 
   [[nodiscard]] std::uint64_t get() const noexcept {
     return value_.load(std::memory_order_relaxed);
@@ -29,9 +27,21 @@ class Counter {
   std::atomic<std::uint64_t> value_{0};
 };
 
+/// A number that rises and falls: one thread sets it, others read.
+template <typename Value = std::uint64_t>
+class Gauge {
+ public:
+  void set(Value value) noexcept { value_.store(value, std::memory_order_relaxed); }
+
+  [[nodiscard]] Value get() const noexcept { return value_.load(std::memory_order_relaxed); }
+
+ private:
+  std::atomic<Value> value_{};
+};
+
 /// The number of a tick and how many ticks the number has jumped over until then. One thread sets
 /// them, others read both as they belong together.
-class TickCounter {
+class TickNumber {
  public:
   struct Reading {
     std::uint64_t tick = 0;
@@ -104,17 +114,17 @@ class RefusalCounters {
   std::array<Slot, 64> slots_;
 };
 
-/// What a bench counts from its start on, and shows in bench_state.
+/// What a bench counts and measures from its start on, and shows in bench_state.
 struct Counters {
   static constexpr std::size_t kLatenessBins = 32;
 
-  TickCounter tick;  ///< last completed
+  TickNumber tick;  ///< last completed
   Counter ticks_run;
   Counter overruns;
   Counter jumps;
   std::array<Counter, kLatenessBins> lateness;  ///< bin i: below 2^i µs
   Counter lateness_sum_ns;
-  Counter pending_frames;
+  Gauge<> pending_frames;
   Counter frames_received;
   Counter frames_refused;
   Counter commands_applied;
@@ -130,21 +140,21 @@ struct Counters {
   Counter status_samples_lost;  ///< of `queue_overflows`: between engine and wire
   Counter malformed;            ///< samples that arrived and could not be decoded
   Counter wire_starts;          ///< wires started, the first one included
-  Counter wire_is_up;           ///< 1 while the wire runs
-  Counter wire_resident;      ///< memory of the wire's process [bytes], 0 = it has none of its own
-  Counter datagrams_dropped;  ///< datagrams that the guard in front of the DDS library dropped
+  Gauge<> wire_is_up;           ///< 1 while the wire runs
+  Gauge<> wire_resident;        ///< memory of its process [bytes], 0 = it has none of its own
+  Counter datagrams_dropped;    ///< datagrams that the guard in front of the DDS library dropped
   Counter master_losses;
-  Counter longest_silence_us;            ///< of an owner of axes, in drive time
-  Counter saves;                         ///< axes whose stored parameters became durable
-  Counter save_failures;                 ///< axes whose parameters could not be stored
-  Counter snapshots;                     ///< kept now
-  Counter journal_ticks;                 ///< written
-  Counter journal_losses;                ///< ticks that are missing in the journal
-  std::atomic<double> rate{0.0};         ///< realtime: drive time over wall time, 0 = paused
-  Counter steppers;                      ///< lock-step: sessions that joined the clock
-  Counter slowest_stepper;               ///< session that granted the fewest ticks, 0 = none
-  Counter wall_steps;                    ///< steps of the wall clock that were seen
-  std::atomic<double> wall_offset{0.0};  ///< of the wall clock ahead of drive time [s]
+  Gauge<> longest_silence_us;  ///< of an owner of axes, in drive time
+  Counter saves;               ///< axes whose stored parameters became durable
+  Counter save_failures;       ///< axes whose parameters could not be stored
+  Gauge<> snapshots;           ///< kept now
+  Counter journal_ticks;       ///< written
+  Counter journal_losses;      ///< ticks that are missing in the journal
+  Gauge<double> rate;          ///< realtime: drive time over wall time, 0 = paused
+  Gauge<> steppers;            ///< lock-step: sessions that joined the clock
+  Gauge<> slowest_stepper;     ///< session that granted the fewest ticks, 0 = none
+  Counter wall_steps;          ///< steps of the wall clock that were seen
+  Gauge<double> wall_offset;   ///< of the wall clock ahead of drive time [s]
 
   /// Counts a tick that started `late` after its time.
   void count_lateness(std::chrono::nanoseconds late) noexcept {

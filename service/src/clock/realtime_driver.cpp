@@ -52,7 +52,7 @@ void RealtimeDriver::change_rate() noexcept {
   } else {
     clock_.emplace(period_, rate_, now, engine_.tick() + 1, wall_step_policy_);
   }
-  counters_.wall_offset.store(0.0, std::memory_order_relaxed);
+  counters_.wall_offset.set(0.0);
   const auto next = clock_ ? clock_->deadline() : now.monotonic + period_;
   next_cycle_.store(next.count(), std::memory_order_relaxed);
 }
@@ -80,7 +80,7 @@ void RealtimeDriver::follow_wall_clock() noexcept {
                     .detail = offset});
   }
   const std::chrono::duration<double> offset = clock_->offset();
-  counters_.wall_offset.store(offset.count(), std::memory_order_relaxed);
+  counters_.wall_offset.set(offset.count());
 }
 
 /// While paused: clients that join later see the axes, too.

@@ -11,7 +11,7 @@ BenchClock::BenchClock(const Configuration& configuration, Counters& counters)
       mode_(configuration.clock),
       period_(configuration.period),
       rate_(mode_ == ClockMode::realtime ? configuration.rate : 0.0) {
-  counters_.rate = rate_;
+  counters_.rate.set(rate_);
 }
 
 void BenchClock::start_at(std::uint64_t last_tick) {
@@ -34,7 +34,7 @@ void BenchClock::jump(std::uint64_t ticks) {
 
 void BenchClock::set_rate(double rate) {
   rate_ = std::abs(rate);  // no negative zero
-  counters_.rate.store(rate_, std::memory_order_relaxed);
+  counters_.rate.set(rate_);
 }
 
 bool BenchClock::time_stands() const noexcept {

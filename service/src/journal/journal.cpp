@@ -309,7 +309,7 @@ void Journal::write_slot(Slot& slot) {
       break;
     case Slot::End::tick:
       writer_->write_tick(slot.tick, slot.digest, std::span(slot.rows).first(start_.rows));
-      counters_.journal_ticks.set(writer_->ticks());
+      counters_.journal_ticks.add();
       break;
     case Slot::End::restored:
       writer_->write(JournalSnapshot{.cause = JournalSnapshot::Cause::restored,

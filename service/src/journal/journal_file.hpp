@@ -105,8 +105,6 @@ class JournalWriter {
   /// The last record.
   void end();
 
-  [[nodiscard]] std::uint64_t ticks() const noexcept { return totals_.ticks; }
-
  private:
   void flush_if_large();
 

@@ -51,7 +51,7 @@ void add_ticks(Families& families, const Counters& counters) {
   families.gauge("vdrive_tick", "Number of the last tick",
                  static_cast<double>(counters.tick.get()));
   families.gauge("vdrive_rate", "Requested ratio of drive time to wall time, 0 = paused",
-                 counters.rate.load(std::memory_order_relaxed));
+                 counters.rate.get());
   families.counter("vdrive_ticks_total", "Ticks that were run", counters.ticks_run.get());
   families.counter("vdrive_tick_overruns_total", "Ticks that took longer than their period",
                    counters.overruns.get());
@@ -60,7 +60,7 @@ void add_ticks(Families& families, const Counters& counters) {
                    counters.tick.read().skipped);
   families.gauge("vdrive_wall_clock_offset_seconds",
                  "Wall clock minus drive time; 0 while drive time does not follow the wall clock",
-                 counters.wall_offset.load(std::memory_order_relaxed));
+                 counters.wall_offset.get());
   families.counter("vdrive_wall_clock_steps_total", "Changes of the wall clock that were detected",
                    counters.wall_steps.get());
 }

@@ -180,7 +180,7 @@ void ReportPublisher::publish_state(const Inbox& inbox, const Outbox& outbox,
   state_.tick(tick);
   state_.skipped_ticks(static_cast<std::uint32_t>(skipped));
   state_.time_ns(static_cast<std::int64_t>(tick) * period_.count());
-  state_.rate(counters_.rate.load(std::memory_order_relaxed));
+  state_.rate(counters_.rate.get());
   state_.measured_rate(measured_rate(tick, now));
   state_.steppers(static_cast<std::uint32_t>(counters_.steppers.get()));
   state_.slowest_stepper(counters_.slowest_stepper.get());

@@ -273,7 +273,8 @@ void BenchRun::supervise_wire() {
     news->tick = counters_.tick.get();
     reports_.publish_event({*news});
   }
-  counters_.datagrams_dropped.set(wire_->datagrams_dropped());
+  const std::uint64_t dropped = wire_->datagrams_dropped();
+  counters_.datagrams_dropped.add(dropped - std::exchange(dropped_by_wire_, dropped));
   const WireControl& control = wire_->link().control();
   const std::uint64_t lost =
       control.overflows.load() + control.undelivered.load() + control.not_sent.load();

@@ -169,7 +169,8 @@ class BenchRun {
   std::optional<LockstepDriver> lockstep_;
   std::optional<FreerunDriver> freerun_;
   Doorbell doorbell_;
-  std::uint64_t lost_in_wire_ = 0;
+  std::uint64_t lost_in_wire_ = 0;     ///< already counted as overflows
+  std::uint64_t dropped_by_wire_ = 0;  ///< already counted as dropped datagrams
   Shutdown shutdown_{engine_, timer_};
   Counter tick_beats_;    ///< ticks; while paused, passes over the inbox
   Counter status_beats_;  ///< published images
