@@ -45,7 +45,7 @@ class WriterEnd {
 
 /// Where a reader brings a sample: first into the memory of a message, or as bytes to a function;
 /// then it says who sent it. One sample at a time.
-struct Intake {
+struct SampleSink {
   void* message = nullptr;  ///< of the topic's type, or nullptr for bytes
   std::function<void(std::span<const std::byte> sample)> take;  ///< of bytes
   std::function<void(const Source& source)> deliver;
@@ -82,7 +82,7 @@ class Backend {
   [[nodiscard]] virtual std::unique_ptr<WriterEnd> make_writer(TopicId topic, Form form,
                                                                WriterEnd::Observer observer) = 0;
   /// @throws NetworkError as Subscription does
-  [[nodiscard]] virtual std::unique_ptr<ReaderEnd> make_reader(TopicId topic, Intake intake) = 0;
+  [[nodiscard]] virtual std::unique_ptr<ReaderEnd> make_reader(TopicId topic, SampleSink sink) = 0;
 
   // What Participant promises, by the same names.
   [[nodiscard]] virtual Source source() const noexcept = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "channel_table.hpp"
 
-#include "batch_intake.hpp"
+#include "batch_queue.hpp"
 #include "client_table.hpp"
 #include "gateway/recorded_server.hpp"
 #include "graph_feed.hpp"
@@ -210,33 +210,33 @@ TEST_F(GraphOfConnections, SendsAChangeOnceAndOnlyToThoseThatWantIt) {
 
 // ---- batches
 
-TEST(BatchIntake, TakesBatchesInTheThreadOfTheServer) {
+TEST(BatchQueue, TakesBatchesInTheThreadOfTheServer) {
   RecordedServer server;
   std::vector<std::uint64_t> taken;
-  BatchIntake intake(server.calls().post, [&](const Batch& batch) {
+  BatchQueue queue(server.calls().post, [&](const Batch& batch) {
     taken.push_back(batch.time);
   });
-  intake.put({.bench = 1, .time = 1});
-  intake.put({.bench = 1, .time = 2});
+  queue.put({.bench = 1, .time = 1});
+  queue.put({.bench = 1, .time = 2});
   EXPECT_THAT(taken, IsEmpty());
   ASSERT_TRUE(server.run(2));
   EXPECT_THAT(taken, ElementsAre(1, 2));
 }
 
-TEST(BatchIntake, LeavesNewBatchesOutAndCountsThemWhileTheServerIsLate) {
+TEST(BatchQueue, LeavesNewBatchesOutAndCountsThemWhileTheServerIsLate) {
   RecordedServer server;
   std::uint64_t newest = 0;
-  BatchIntake intake(server.calls().post, [&](const Batch& batch) {
+  BatchQueue queue(server.calls().post, [&](const Batch& batch) {
     newest = batch.time;
   });
-  for (std::uint64_t time = 1; time <= BatchIntake::kMost + 2; ++time) {
-    intake.put({.bench = 1, .time = time});
+  for (std::uint64_t time = 1; time <= BatchQueue::kMost + 2; ++time) {
+    queue.put({.bench = 1, .time = time});
   }
-  EXPECT_EQ(intake.lost(), 2U);
-  ASSERT_TRUE(server.run(BatchIntake::kMost));
-  EXPECT_EQ(newest, BatchIntake::kMost);
+  EXPECT_EQ(queue.lost(), 2U);
+  ASSERT_TRUE(server.run(BatchQueue::kMost));
+  EXPECT_EQ(newest, BatchQueue::kMost);
   EXPECT_EQ(server.waiting(), 0U);
-  intake.put({.bench = 1, .time = 1'000});
+  queue.put({.bench = 1, .time = 1'000});
   ASSERT_TRUE(server.run());
   EXPECT_EQ(newest, 1'000U) << "there is room again";
 }

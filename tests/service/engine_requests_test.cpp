@@ -387,7 +387,7 @@ TEST(Request, BeyondTheBoundsIsAnswered) {
 TEST(Inbox, RefusesMessagesAboveItsCapacityAndRemembersTheirSenders) {
   EngineUnderTest bench;
   const auto request = bench.make_request(msg::REQUEST_READ, kAlice);
-  for (std::size_t count = 0; count < service::ArrivalIntake::kCapacity + 3; ++count) {
+  for (std::size_t count = 0; count < service::InboxWriter::kCapacity + 3; ++count) {
     bench.inbox.receive(request, {});
   }
   EXPECT_EQ(bench.counters.queue_overflows.get(), 3U);

@@ -33,7 +33,7 @@ class LocalInbox : private InboxMemory, public service::Inbox {
  public:
   LocalInbox(std::uint32_t bench, service::Counters& counters)
       : service::Inbox(bench, arrivals(), turned_away(), counters),
-        intake_(arrivals(), turned_away()),
+        writer_(arrivals(), turned_away()),
         counters_of_test_(counters) {}
 
   /// May be called by any thread.
@@ -47,12 +47,12 @@ class LocalInbox : private InboxMemory, public service::Inbox {
 
   void receive_sample(wire::TopicId topic, std::span<const std::byte> sample,
                       const wire::Source& source) {
-    if (!intake_.put(topic, sample, source)) counters_of_test_.queue_overflows.add();
+    if (!writer_.put(topic, sample, source)) counters_of_test_.queue_overflows.add();
   }
 
  private:
   std::mutex producers_;
-  service::ArrivalIntake intake_;
+  service::InboxWriter writer_;
   service::Counters& counters_of_test_;
   std::vector<std::byte> sample_;
 };

@@ -107,7 +107,7 @@ BenchNews Hub::bench_news() {
               [this](std::uint32_t bench, const std::vector<ChannelPointer>& channels) {
                 server_.post(std::bind_front(&ChannelTable::remove, &channels_, bench, channels));
               },
-          .publish = std::bind_front(&BatchIntake::put, &batches_)};
+          .publish = std::bind_front(&BatchQueue::put, &batches_)};
 }
 
 WebEvents Hub::events() {

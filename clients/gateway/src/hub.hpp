@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "batch_intake.hpp"
+#include "batch_queue.hpp"
 #include "bench_watch.hpp"
 #include "channel_table.hpp"
 #include "client_table.hpp"
@@ -70,7 +70,7 @@ class Hub {
   ChannelPointer dictionary_channel_;
   ServiceCalls calls_;
   ParameterDesk parameters_;
-  BatchIntake batches_;
+  BatchQueue batches_;
   std::optional<BenchWatch> watch_;  ///< last: its threads use what is above
 };
 

@@ -239,7 +239,7 @@ class DdsBackend final : public Backend {
 
   std::unique_ptr<WriterEnd> make_writer(TopicId topic, Form form,
                                          WriterEnd::Observer observer) override;
-  std::unique_ptr<ReaderEnd> make_reader(TopicId topic, Intake intake) override;
+  std::unique_ptr<ReaderEnd> make_reader(TopicId topic, SampleSink sink) override;
 
   [[nodiscard]] Source source() const noexcept override;
   void announce_again() override;
@@ -321,12 +321,12 @@ std::unique_ptr<WriterEnd> DdsBackend::make_writer(TopicId topic, Form form,
   return std::make_unique<Writer>(entities_, topic, message_type_of(topic), std::move(observer));
 }
 
-std::unique_ptr<ReaderEnd> DdsBackend::make_reader(TopicId topic, Intake intake) {
-  if (intake.message == nullptr) {
-    return std::make_unique<BytesReader>(entities_, topic, std::move(intake));
+std::unique_ptr<ReaderEnd> DdsBackend::make_reader(TopicId topic, SampleSink sink) {
+  if (sink.message == nullptr) {
+    return std::make_unique<BytesReader>(entities_, topic, std::move(sink));
   }
-  return std::make_unique<Reader>(entities_, topic, message_type_of(topic), intake.message,
-                                  [deliver = std::move(intake.deliver)](const EndpointId& writer) {
+  return std::make_unique<Reader>(entities_, topic, message_type_of(topic), sink.message,
+                                  [deliver = std::move(sink.deliver)](const EndpointId& writer) {
                                     deliver(writer.source);
                                   });
 }

@@ -68,10 +68,10 @@ void Reader::on_sample_rejected(dds::DataReader* /*reader*/,
   lost_ += static_cast<std::size_t>(status.total_count_change);
 }
 
-BytesReader::BytesReader(DdsEntities& parent, TopicId topic, Intake intake)
-    : BytesIntake{.take = std::move(intake.take)},
+BytesReader::BytesReader(DdsEntities& parent, TopicId topic, SampleSink sink)
+    : BytesSink{.take = std::move(sink.take)},
       Reader(parent, topic, dds::TypeSupport(new BytesType(topic)), &sample,
-             [deliver = std::move(intake.deliver)](const EndpointId& writer) {
+             [deliver = std::move(sink.deliver)](const EndpointId& writer) {
                deliver(writer.source);
              }) {
   sample.take = &take;

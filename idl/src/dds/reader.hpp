@@ -60,15 +60,15 @@ class Reader : public ReaderEnd, public eprosima::fastdds::dds::DataReaderListen
 };
 
 /// What a reader of bytes fills; there before the reader is.
-struct BytesIntake {
+struct BytesSink {
   std::function<void(std::span<const std::byte>)> take;
   BytesSample sample{};
 };
 
 /// A reader that passes samples on as bytes.
-class BytesReader final : private BytesIntake, public Reader {
+class BytesReader final : private BytesSink, public Reader {
  public:
-  BytesReader(DdsEntities& parent, TopicId topic, Intake intake);
+  BytesReader(DdsEntities& parent, TopicId topic, SampleSink sink);
 };
 
 }  // namespace vdrive::wire

@@ -115,8 +115,8 @@ std::unique_ptr<WriterEnd> LocalBackend::make_writer(TopicId topic, Form form,
   return std::make_unique<LocalWriter>(bus_, source_, topic, form, std::move(observer));
 }
 
-std::unique_ptr<ReaderEnd> LocalBackend::make_reader(TopicId topic, Intake intake) {
-  return std::make_unique<LocalReader>(bus_, source_, topic, std::move(intake));
+std::unique_ptr<ReaderEnd> LocalBackend::make_reader(TopicId topic, SampleSink sink) {
+  return std::make_unique<LocalReader>(bus_, source_, topic, std::move(sink));
 }
 
 std::vector<OtherParticipant> LocalBackend::others(std::string_view beginning) const {
@@ -218,8 +218,8 @@ void LocalWriter::replay(LocalReader& reader) const {
 // ---- reader ------------------------------------------------------------------------------------
 
 LocalReader::LocalReader(std::shared_ptr<LocalBus> bus, const Source& source, TopicId topic,
-                         Intake intake)
-    : bus_(std::move(bus)), id_(new_endpoint(source)), topic_(topic), intake_(std::move(intake)) {
+                         SampleSink sink)
+    : bus_(std::move(bus)), id_(new_endpoint(source)), topic_(topic), sink_(std::move(sink)) {
   auto& parts = bus_->parts();
   const std::scoped_lock lock(parts.members);
   parts.readers[place_of(topic_)].push_back(this);
@@ -239,12 +239,12 @@ LocalReader::~LocalReader() {
 
 void LocalReader::take(std::span<const std::byte> sample, const Source& source) {
   const std::scoped_lock lock(taking_);
-  if (intake_.message == nullptr) {
-    intake_.take(sample);
-  } else if (!support_of(topic_).read(sample, intake_.message)) {
+  if (sink_.message == nullptr) {
+    sink_.take(sample);
+  } else if (!support_of(topic_).read(sample, sink_.message)) {
     return;
   }
-  intake_.deliver(source);
+  sink_.deliver(source);
 }
 
 }  // namespace vdrive::wire

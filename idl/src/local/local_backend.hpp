@@ -53,7 +53,7 @@ class LocalBackend final : public Backend {
 
   std::unique_ptr<WriterEnd> make_writer(TopicId topic, Form form,
                                          WriterEnd::Observer observer) override;
-  std::unique_ptr<ReaderEnd> make_reader(TopicId topic, Intake intake) override;
+  std::unique_ptr<ReaderEnd> make_reader(TopicId topic, SampleSink sink) override;
 
   [[nodiscard]] Source source() const noexcept override { return source_; }
 
@@ -113,7 +113,7 @@ class LocalWriter final : public WriterEnd {
 /// A reader on a local bus.
 class LocalReader final : public ReaderEnd {
  public:
-  LocalReader(std::shared_ptr<LocalBus> bus, const Source& source, TopicId topic, Intake intake);
+  LocalReader(std::shared_ptr<LocalBus> bus, const Source& source, TopicId topic, SampleSink sink);
   ~LocalReader() override;
   LocalReader(const LocalReader&) = delete;
   LocalReader& operator=(const LocalReader&) = delete;
@@ -128,7 +128,7 @@ class LocalReader final : public ReaderEnd {
   std::shared_ptr<LocalBus> bus_;
   EndpointId id_;
   TopicId topic_;
-  Intake intake_;
+  SampleSink sink_;
   std::mutex taking_;  ///< one sample at a time
 };
 

@@ -28,8 +28,8 @@ Reason refusal_of_decoding(wire::Decoding decoding) {
 
 }  // namespace
 
-bool ArrivalIntake::put(wire::TopicId topic, std::span<const std::byte> sample,
-                        const wire::Source& source) noexcept {
+bool InboxWriter::put(wire::TopicId topic, std::span<const std::byte> sample,
+                      const wire::Source& source) noexcept {
   const auto room = arrivals_.size() < kCapacity ? arrivals_.reserve(sample.size()) : std::nullopt;
   const bool fits = room.has_value();
   const std::size_t size = fits ? sample.size() : std::min(sample.size(), kBeginning);

@@ -46,12 +46,12 @@ struct TurnedAway {
 
 /// The producer's end of what clients send to one bench: samples as they came, in order of arrival.
 /// For one thread at a time.
-class ArrivalIntake {
+class InboxWriter {
  public:
   /// How many arrivals wait at most; fewer when they are large.
   static constexpr std::size_t kCapacity = 1024;
 
-  ArrivalIntake(ByteRing arrivals, ByteRing turned_away) noexcept
+  InboxWriter(ByteRing arrivals, ByteRing turned_away) noexcept
       : arrivals_(arrivals), turned_away_(turned_away) {}
 
   /// Takes a sample of `command` or `request`; of one that does not fit only the beginning, which

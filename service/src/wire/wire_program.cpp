@@ -87,47 +87,47 @@ WireProgram::WireProgram(const WireRegion& region, const WireSettings& settings)
 
 /// Nothing arrives any more before the rings go.
 WireProgram::~WireProgram() {
-  intakes_.clear();
+  subscriptions_.clear();
 }
 
 // ---- what arrives ------------------------------------------------------------------------------
 
 void WireProgram::subscribe(TopicId topic, Lane lane) {
-  auto& intake = *intakes_.emplace_back(std::make_unique<Intake>());
-  intake.topic = topic;
-  intake.lane = lane;
-  intake.subscription = std::make_unique<wire::BytesSubscription>(
+  auto& incoming = *subscriptions_.emplace_back(std::make_unique<LaneSubscription>());
+  incoming.topic = topic;
+  incoming.lane = lane;
+  incoming.subscription = std::make_unique<wire::BytesSubscription>(
       participant_, topic,
       wire::BytesSubscription::Handler{.take =
-                                           [&intake](std::span<const std::byte> sample) {
-                                             intake.sample.assign(sample.begin(), sample.end());
+                                           [&incoming](std::span<const std::byte> sample) {
+                                             incoming.sample.assign(sample.begin(), sample.end());
                                            },
                                        .deliver =
-                                           [this, &intake](const wire::Source& source) {
-                                             deliver(intake, source);
+                                           [this, &incoming](const wire::Source& source) {
+                                             deliver(incoming, source);
                                            }});
 }
 
-void WireProgram::deliver(Intake& intake, const wire::Source& source) {
+void WireProgram::deliver(LaneSubscription& incoming, const wire::Source& source) {
   const std::lock_guard lock(arriving_);
   if (source == prober_) {
     ++probes_received_;
     return;
   }
-  if (source == control_.source || bench_of(intake.sample, intake.topic) != bench_) return;
-  if (intake.lane == Lane::notices) {
-    if (const auto place = notices_.reserve(intake.sample.size())) {
-      std::ranges::copy(intake.sample, place->begin());
-      const auto size = static_cast<std::uint32_t>(intake.sample.size());
+  if (source == control_.source || bench_of(incoming.sample, incoming.topic) != bench_) return;
+  if (incoming.lane == Lane::notices) {
+    if (const auto place = notices_.reserve(incoming.sample.size())) {
+      std::ranges::copy(incoming.sample, place->begin());
+      const auto size = static_cast<std::uint32_t>(incoming.sample.size());
       notices_.commit({.size = size,
                        .full_size = size,
-                       .topic = static_cast<std::uint16_t>(intake.topic),
+                       .topic = static_cast<std::uint16_t>(incoming.topic),
                        .flags = 0,
                        .party = source});
     }
     return;
   }
-  if (!arrivals_.put(intake.topic, intake.sample, source)) {
+  if (!arrivals_.put(incoming.topic, incoming.sample, source)) {
     control_.overflows.fetch_add(1, std::memory_order_relaxed);
   }
   arrivals_bell_.ring();

@@ -75,7 +75,7 @@ class WireProgram final : public LaneSender {
   };
 
   /// Brings the samples of a topic into a ring.
-  struct Intake {
+  struct LaneSubscription {
     wire::TopicId topic{};
     Lane lane = Lane::arrivals;
     std::vector<std::byte> sample;  ///< between the two calls of the library; keeps its capacity
@@ -84,7 +84,7 @@ class WireProgram final : public LaneSender {
 
   void show(wire::TopicId topic, const std::vector<wire::Source>& readers);
   void subscribe(wire::TopicId topic, Lane lane);
-  void deliver(Intake& intake, const wire::Source& source);
+  void deliver(LaneSubscription& incoming, const wire::Source& source);
   void send(const ByteRing::Record& record);
   [[nodiscard]] bool try_send(const RecordHead& head, std::span<const std::byte> bytes);
   void hold(const ByteRing::Record& record);
@@ -103,12 +103,12 @@ class WireProgram final : public LaneSender {
   std::map<std::array<std::uint8_t, 12>, std::size_t> held_for_;
   RepeatLimiter drop_log_;
   std::mutex arriving_;  ///< the library has a receive thread for each interface
-  ArrivalIntake arrivals_;
+  InboxWriter arrivals_;
   ByteRing notices_;
   wire::Source prober_;
   std::atomic<std::uint64_t> probes_received_{0};
   Doorbell arrivals_bell_;
-  std::vector<std::unique_ptr<Intake>> intakes_;
+  std::vector<std::unique_ptr<LaneSubscription>> subscriptions_;
 };
 
 }  // namespace vdrive::service

@@ -13,7 +13,7 @@ namespace vdrive::gateway {
 
 /// Takes batches from the threads of the feeds over into the server's thread. When the server is
 /// late, new batches are left out and counted: what it cannot send now it does not need later.
-class BatchIntake {
+class BatchQueue {
  public:
   /// Batches that may be under way.
   static constexpr std::size_t kMost = 256;
@@ -23,7 +23,7 @@ class BatchIntake {
 
   /// @param post calls an action in the server's thread
   /// @param take receives the batches there
-  BatchIntake(Post post, Take take) : post_(std::move(post)), take_(std::move(take)) {}
+  BatchQueue(Post post, Take take) : post_(std::move(post)), take_(std::move(take)) {}
 
   /// Any thread; does not wait.
   void put(Batch batch);

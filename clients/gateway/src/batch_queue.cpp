@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch_intake.hpp"
+#include "batch_queue.hpp"
 
 namespace vdrive::gateway {
 
-void BatchIntake::put(Batch batch) {
+void BatchQueue::put(Batch batch) {
   if (under_way_ >= kMost) {
     ++lost_;
     return;
