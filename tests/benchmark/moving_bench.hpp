@@ -43,7 +43,7 @@ class MovingBench {
   /// One tick as in real time: a status image of every tick.
   void tick_with_status() {
     engine_.step();
-    engine_.post_status();
+    engine_.queue_status();
     empty();
   }
 

@@ -226,7 +226,7 @@ class Bench {
         }
         if (configuration_.clock == service::ClockMode::realtime) {
           engine_.step();
-          engine_.post_status();
+          engine_.queue_status();
         }
         if (wire_) {
           wire_->deliver(outbox_);

@@ -158,7 +158,7 @@ class Peers {
 
   void step(std::uint64_t ticks) {
     for (std::uint64_t tick = 0; tick < ticks; ++tick) engine_.step();
-    engine_.post_status();
+    engine_.queue_status();
     empty_outbox();
   }
 

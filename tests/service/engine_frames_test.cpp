@@ -454,7 +454,7 @@ TEST(CommandFrame, IsNumberedInTheStatusOfItsAxes) {
   set_controlword(add_command(frame, 2), 0x06);
   bench.receive(frame);
   bench.steps(1);
-  bench.engine.post_status();
+  bench.engine.queue_status();
   const auto* const image = bench.outbox.status.front();
   ASSERT_NE(image, nullptr);
   EXPECT_EQ(image->owners[1].last_sequence, frame.sequence_number());
@@ -486,7 +486,7 @@ TEST(CommandFrame, AllocatesNothingAfterTheFirstFrames) {
     bench.engine.handle(*bench.inbox.front());
     bench.inbox.pop();
     bench.engine.step();
-    bench.engine.post_status();
+    bench.engine.queue_status();
     bench.outbox.status.pop();
     while (bench.outbox.command_replies.front() != nullptr) bench.outbox.command_replies.pop();
     allocations += guard.count();

@@ -395,7 +395,7 @@ TEST(Parameters, WaitForRoomAndLoseNothing) {
 TEST(Outbox, ReportsTheCountOfDroppedImages) {
   EngineUnderTest bench;
   for (std::size_t count = 0; count < bench.outbox.status.capacity() + 5; ++count) {
-    bench.engine.post_status();
+    bench.engine.queue_status();
   }
   EXPECT_EQ(bench.counters.queue_overflows.get(), 5U);
   bench.steps(1);
@@ -469,7 +469,7 @@ TEST(BenchEngine, GivesTheSameReportsAndStatusForAnyNumberOfThreads) {
     bench.steps(1);
     std::vector<std::uint16_t> axes;
     for (const auto& event : bench.events(msg::EVENT_STATE_CHANGED)) axes.push_back(event.axis);
-    bench.engine.post_status();
+    bench.engine.queue_status();
     const auto* const image = bench.outbox.status.front();
     ASSERT_NE(image, nullptr);
     std::vector<std::uint16_t> words;

@@ -58,7 +58,7 @@ Bench::Bench(const service::Configuration& configuration, const std::vector<Axis
     watches_.emplace_back(static_cast<std::uint16_t>(axis + 1), limits[axis], configuration.period);
     watches_.back().begin(engine_.bank().status(axis), engine_.bank().power_state(axis));
   }
-  engine_.post_status();
+  engine_.queue_status();
   take_images();
 }
 
@@ -241,7 +241,7 @@ void Bench::step_by_request(service::Arrival& arrival) {
     steps.begin_tick();
     model_.note_message(request.session());
     engine_.step();
-    engine_.post_status();
+    engine_.queue_status();
     after_tick();
   }
   steps.answer_due(service::StepRequests::Time::max());  // nobody waits longer

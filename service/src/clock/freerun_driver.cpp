@@ -10,7 +10,7 @@ void FreerunDriver::cycle() noexcept {
   handle_arrivals();
   engine_.step();
   if (const auto now = timer_.monotonic_now(); now >= next_status_) {
-    if (outbox_.status.size() == 0) engine_.post_status();
+    if (outbox_.status.size() == 0) engine_.queue_status();
     next_status_ = now + kStatusInterval;
   }
 }

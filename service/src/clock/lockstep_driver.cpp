@@ -87,7 +87,7 @@ void LockstepDriver::handle(Arrival& arrival, Clock::time_point now) {
     steps_.handle(arrival, now);
   } else {
     engine_.handle(arrival);
-    engine_.post_parameters();
+    engine_.queue_changes();
   }
 }
 
@@ -158,7 +158,7 @@ bool LockstepDriver::may_publish() {
 }
 
 void LockstepDriver::publish_status(bool repeated) {
-  engine_.post_status(repeated);
+  engine_.queue_status(repeated);
   while (const StatusImage* const image = outbox_.status.front()) {
     status_.publish(*image);
     outbox_.status.pop();
@@ -167,7 +167,7 @@ void LockstepDriver::publish_status(bool repeated) {
 
 /// While nothing moves: clients that join later see the axes, too.
 void LockstepDriver::idle() {
-  engine_.post_parameters();
+  engine_.queue_changes();
   deliver();
   publish_status(true);
 }

@@ -22,7 +22,7 @@ RealtimeDriver::RealtimeDriver(const Configuration& configuration, BenchEngine& 
     clock_.emplace(period_, configuration.rate, now, wall_step_policy_);
     next_cycle_ = clock_->deadline().count();
   } else {
-    engine_.post_status();
+    engine_.queue_status();
     next_cycle_ = (now.monotonic + period_).count();
   }
 }
@@ -65,7 +65,7 @@ void RealtimeDriver::tick() noexcept {
   }
   counters_.count_lateness(begin - clock_->deadline());
   engine_.step();
-  if (engine_.tick() % status_every_ == 0) engine_.post_status();
+  if (engine_.tick() % status_every_ == 0) engine_.queue_status();
   follow_wall_clock();
   const auto late = timer_.monotonic_now() - clock_->deadline();
   if (late > std::chrono::nanoseconds::zero()) engine_.report_overrun(late);
@@ -86,10 +86,10 @@ void RealtimeDriver::follow_wall_clock() noexcept {
 /// While paused: clients that join later see the axes, too.
 void RealtimeDriver::idle() noexcept {
   static_cast<void>(engine_.answer_stores());
-  engine_.post_parameters();
+  engine_.queue_changes();
   const auto now = timer_.monotonic_now();
   if (now >= next_repeat_) {
-    engine_.post_status(true);
+    engine_.queue_status(true);
     next_repeat_ = now + kRepeatInterval;
   }
   next_cycle_.store((now + period_).count(), std::memory_order_relaxed);

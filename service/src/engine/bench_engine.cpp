@@ -55,7 +55,7 @@ void BenchEngine::step() {
   axes_.record_tick(clock_.tick());
   axis_events_.report_changes();
   stores_.answer();
-  output_.post_parameters();
+  output_.queue_changes();
 }
 
 void BenchEngine::jump(std::uint64_t ticks) {

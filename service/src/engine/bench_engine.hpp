@@ -82,11 +82,11 @@ class BenchEngine {
 
   /// Puts the status image of the last tick into the outbox.
   /// @param repeated the image was published before; it is sent again for clients that joined later
-  void post_status(bool repeated = false) { output_.post_status(repeated); }
+  void queue_status(bool repeated = false) { output_.queue_status(repeated); }
 
-  /// Moves as many changed parameter sets as fit into the outbox and reports full queues; also part
-  /// of every step.
-  void post_parameters() { output_.post_parameters(); }
+  /// Puts what has changed into the outbox: parameter sets, full queues, the state of the journal;
+  /// also part of every step.
+  void queue_changes() { output_.queue_changes(); }
 
   /// Gives the axes the parameters that have become durable and answers the requests that wait for
   /// them; also part of every step.

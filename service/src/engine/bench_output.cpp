@@ -25,7 +25,7 @@ BenchOutput::BenchOutput(const BenchIdentity& identity, const BenchClock& clock,
       outbox_(outbox),
       counters_(counters) {}
 
-void BenchOutput::post_status(bool repeated) {
+void BenchOutput::queue_status(bool repeated) {
   StatusImage* const image = outbox_.status.free_slot();
   if (image == nullptr) {
     counters_.queue_overflows.add();
@@ -43,7 +43,7 @@ void BenchOutput::post_status(bool repeated) {
   outbox_.status.push();
 }
 
-void BenchOutput::post_parameters() {
+void BenchOutput::queue_changes() {
   events_.report_overflows();
   report_journal();
   ChangedAxes& changed = axes_.changed();

@@ -20,11 +20,11 @@ class BenchOutput {
 
   /// Puts the status image of the last tick into the outbox.
   /// @param repeated the image was published before; it is sent again for clients that joined later
-  void post_status(bool repeated);
+  void queue_status(bool repeated);
 
-  /// Moves as many changed parameter sets as fit into the outbox, and reports full queues and the
-  /// state of the journal.
-  void post_parameters();
+  /// Puts what has changed into the outbox: as many changed parameter sets as fit, events about full
+  /// queues, and the state of the journal.
+  void queue_changes();
 
  private:
   void report_journal();

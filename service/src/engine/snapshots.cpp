@@ -38,7 +38,7 @@ Reason Snapshots::restore(const msg::Request& request, msg::Reply& reply) {
   if (const auto reason = check_owners(request, reply); reason != msg::REASON_NONE) return reason;
   schedule_.cancel_all();
   axes_.restore(kept->state, clock_.tick());
-  output_.post_status(false);
+  output_.queue_status(false);
   report(request, SnapshotCode::kRestored, request.snapshot());
   return msg::REASON_NONE;
 }

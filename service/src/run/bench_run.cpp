@@ -239,7 +239,7 @@ void BenchRun::switch_off() noexcept {
     engine_.step();
   }
   if (status_.last_tick() != engine_.tick()) {
-    engine_.post_status();
+    engine_.queue_status();
     publish_waiting_status();
   }
 }
