@@ -53,7 +53,7 @@ class Topics : public testing::Test {
 
   /// A batch of bench 4 with a message of its status.
   [[nodiscard]] Batch batch(std::uint64_t time) const {
-    return {.bench = 4, .time = time, .publications = {{status_, share("bytes")}}};
+    return {.bench = 4, .time = time, .messages = {{status_, share("bytes")}}};
   }
 
   RecordedServer server_;
@@ -86,7 +86,7 @@ TEST_F(Topics, TellsThePublisherWhetherATopicIsWantedAndThatAReceiverIsNew) {
   EXPECT_FALSE(status_->is_wanted());
   EXPECT_EQ(subscribe(kPage, 7, 10), "");
   EXPECT_TRUE(status_->is_wanted());
-  EXPECT_TRUE(status_->is_wanted_now);
+  EXPECT_TRUE(status_->has_new_receiver);
   EXPECT_EQ(table_.unsubscribe(kPage, 7), "");
   EXPECT_FALSE(status_->is_wanted());
 }

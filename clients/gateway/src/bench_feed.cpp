@@ -121,7 +121,7 @@ void BenchFeed::on_event(const client::Event& event) {
 void BenchFeed::send(const ChannelPointer& channel, std::uint64_t time, std::string message) const {
   publish_({.bench = bench_.info.number,
             .time = time,
-            .publications = {{channel, share(std::move(message))}}});
+            .messages = {{channel, share(std::move(message))}}});
 }
 
 void BenchFeed::run(const std::stop_token& stop) {
@@ -235,7 +235,7 @@ void BenchFeed::observe_once() {
 void BenchFeed::publish_axes() {
   if (!follower_.is_open()) return;
   const auto wants_now = [](const ChannelPointer& channel) {
-    return channel->is_wanted_now.load();
+    return channel->has_new_receiver.load();
   };
   const bool is_first = wants_now(channels_.status) || wants_now(channels_.joints) ||
                         std::ranges::any_of(channels_.axis_status, wants_now);
@@ -255,22 +255,22 @@ void BenchFeed::publish_axes() {
 void BenchFeed::add_axes(Batch& batch) {
   const auto wants = [this](const ChannelPointer& channel) {
     // The flag first: a subscription after it was read sets it again.
-    const bool is_first = channel->is_wanted_now.exchange(false);
+    const bool is_first = channel->has_new_receiver.exchange(false);
     return channel->is_wanted() && (is_new_ || is_first);
   };
   if (wants(channels_.status)) {
-    batch.publications.push_back(
+    batch.messages.push_back(
         {channels_.status, share(bridge::encode_bench_status(*newest_, batch.time))});
   }
   if (wants(channels_.joints)) {
     refresh_joints(Clock::now());
-    batch.publications.push_back(
+    batch.messages.push_back(
         {channels_.joints, share(bridge::encode_joint_states(*newest_, joints_, batch.time))});
   }
   for (std::size_t i = 0; i < channels_.axis_status.size(); ++i) {
     if (!wants(channels_.axis_status[i])) continue;
-    batch.publications.push_back({channels_.axis_status[i],
-                                  share(bridge::encode_axis_status(newest_->axes[i], batch.time))});
+    batch.messages.push_back({channels_.axis_status[i],
+                              share(bridge::encode_axis_status(newest_->axes[i], batch.time))});
   }
 }
 
@@ -295,14 +295,14 @@ void BenchFeed::add_traces(Batch& batch) {
     bridge::Trace& trace = traces_[place];
     if (trace.ticks.empty()) continue;
     trace.missed = missed_;
-    batch.publications.push_back(
+    batch.messages.push_back(
         {channels_.axis_trace[place], share(bridge::encode_axis_trace(trace, batch.time))});
   }
   choose_traces();
 }
 
 void BenchFeed::publish_description() {
-  const bool is_first = channels_.description->is_wanted_now.exchange(false);
+  const bool is_first = channels_.description->has_new_receiver.exchange(false);
   const bool is_renewed = is_renewed_.exchange(false);
   if (!channels_.description->is_wanted() || !(is_first || is_renewed)) return;
   auto record = presence_.find(bench_.info.number);
@@ -313,7 +313,7 @@ void BenchFeed::publish_description() {
 
 /// Also without a receiver, as the clock of the tools, and while the bench is silent.
 void BenchFeed::publish_state(Clock::time_point now) {
-  const bool is_first = channels_.state->is_wanted_now.exchange(false);
+  const bool is_first = channels_.state->has_new_receiver.exchange(false);
   if (!is_first && now < next_state_) return;
   next_state_ = now + kStatePeriod;
   presence_.refresh(session_.present_benches(), now);

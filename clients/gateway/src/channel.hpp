@@ -24,8 +24,8 @@ struct Channel {
 
   const ChannelInfo info;
   std::atomic<std::uint32_t> subscriptions = 0;
-  std::atomic<bool> is_wanted_now = false;  ///< a new receiver waits for its first message
-  std::vector<Receiver> receivers{};        ///< of the hub's thread
+  std::atomic<bool> has_new_receiver = false;  ///< and waits for its first message
+  std::vector<Receiver> receivers{};           ///< of the hub's thread
 
   /// @return whether a client receives it.
   [[nodiscard]] bool is_wanted() const noexcept { return subscriptions != 0; }
@@ -34,7 +34,7 @@ struct Channel {
 using ChannelPointer = std::shared_ptr<Channel>;
 
 /// A message for all who receive a channel.
-struct Publication {
+struct ChannelMessage {
   ChannelPointer channel;
   SharedBytes bytes;
 };
@@ -43,7 +43,7 @@ struct Publication {
 struct Batch {
   std::uint32_t bench = 0;
   std::uint64_t time = 0;  ///< drive time [ns]
-  std::vector<Publication> publications{};
+  std::vector<ChannelMessage> messages{};
 };
 
 using Publish = std::function<void(Batch batch)>;

@@ -86,7 +86,7 @@ ChannelTable::Problem ChannelTable::subscribe(ConnectionId id, const Subscriptio
   subscribed->receivers.push_back({id, wanted.id});
   ++subscribed->subscriptions;
   // After the count: a feed that takes the flag must see that the topic is wanted.
-  subscribed->is_wanted_now = true;
+  subscribed->has_new_receiver = true;
   has_changed_ = true;
   return {};
 }
@@ -108,10 +108,10 @@ void ChannelTable::end(ConnectionId id, std::uint32_t subscription, Channel& cha
 }
 
 void ChannelTable::publish(const Batch& batch, Clock::time_point now) {
-  for (const Publication& publication : batch.publications) {
-    for (const Receiver& receiver : publication.channel->receivers) {
+  for (const ChannelMessage& message : batch.messages) {
+    for (const Receiver& receiver : message.channel->receivers) {
       server_.send_data(receiver.connection,
-                        message_frame(receiver.subscription, batch.time, publication.bytes));
+                        message_frame(receiver.subscription, batch.time, message.bytes));
     }
   }
   send_time(batch, now);
