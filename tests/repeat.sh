@@ -14,7 +14,9 @@
 #
 # Nothing is tried twice. Each run leaves build/repeat/RUN.xml and RUN.log with the output of each test, and
 # build/repeat/table.txt says what failed, how often and how; tests/checks/failures.py has the kinds. The
-# load ends with this script, however that ends. Exit code 0: nothing failed.
+# first line says whether the machine stood still during the runs (tests/checks/standstill.py): then
+# deadlines fail that are none of ours. The load ends with this script, however that ends. Exit code 0:
+# nothing failed.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -102,6 +104,9 @@ rm -rf "$work"
 mkdir -p "$work"
 cd "$root"
 
+setpriv --pdeathsig KILL python3 -B "$root/tests/checks/standstill.py" watch >"$work/standstill.txt" &
+watch=$!
+
 case $load in
   compiler) begin_load "$(compile_command)" "$(nproc)" ;;
   spin:*) begin_load 'while :; do :; done' "${load#spin:}" ;;
@@ -116,9 +121,12 @@ for ((run = 1; run <= runs; ++run)); do
   printf '%s run %d of %d: %s\n' "$(date +%T)" $run "$runs" "$("$judge" table "$work/$run" | head --lines 1)" >&2
 done
 stop_load
+kill -TERM $watch
+wait $watch
 
 failed=0
 {
+  cat "$work/standstill.txt"
   echo "load: $load"
   "$judge" table "${table_options[@]}" "${done_runs[@]}"
 } >"$work/table.txt" || failed=1

@@ -47,7 +47,7 @@ class Scripts(unittest.TestCase):
         self.root = pathlib.Path(folder.name)
         (self.root / "tests/checks").mkdir(parents=True)
         (self.root / "deploy").mkdir()
-        for name in ("run.sh", "repeat.sh", "checks/failures.py"):
+        for name in ("run.sh", "repeat.sh", "checks/failures.py", "checks/standstill.py"):
             shutil.copy(TESTS / name, self.root / "tests" / name)
         for name in ("setup.sh", "build.sh"):
             (self.root / "deploy" / name).write_text("#!/bin/sh\n", encoding="utf-8")
@@ -94,6 +94,7 @@ class Scripts(unittest.TestCase):
         self.assertEqual(code, 1, text)
         self.assertIn("3 runs of 2 tests: 1 deadline", text)
         self.assertIn("1 of 3  deadline     A.Late", text)
+        self.assertIn("\nstandstills of the machine: ", text)
         self.assertNotIn(f"{self.root}/build/repeat/load", subprocess.check_output(["ps", "-eo", "args"], text=True))
 
     def test_a_repetition_without_a_failure_is_green(self):

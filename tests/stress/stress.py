@@ -3,8 +3,9 @@
 """Programs search for benches while services, tools and plain participants come, go and are killed.
 
 Ten programs make a session, search, read an object and close, again and again, in one domain with
-two benches that stay, on a loaded machine. No program may crash, and no search may miss a bench that
-stays. Part of tests/run.sh --full (60 s), nightly for an hour.
+two benches that stay, on a loaded machine. No program may crash, no search may miss a bench that
+stays, and each program ends when it is told to, unless the machine stood still meanwhile. Part of
+tests/run.sh --full (60 s), nightly for an hour.
 """
 
 import argparse
@@ -18,8 +19,10 @@ import sys
 import tempfile
 import threading
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "churn"))
+TESTS = pathlib.Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS / "churn"), str(TESTS / "checks")]
 import bench as benches  # pylint: disable=wrong-import-position
+import standstill  # pylint: disable=wrong-import-position
 from bench import Failure, now  # pylint: disable=wrong-import-position
 
 STAYING = (1, 2)
@@ -62,6 +65,7 @@ class Coming:
 
     def end(self, process, how):
         everybody = benches.descendants(process.pid) if how == signal.SIGKILL else []
+        told = now()
         process.send_signal(how)
         for pid in everybody:
             with contextlib.suppress(ProcessLookupError):
@@ -69,8 +73,8 @@ class Coming:
         try:
             process.wait(benches.PATIENCE)
         except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+            self.stress.kill_late(process, told)
+            return
         self.stress.judge(process, how)
 
 
@@ -83,6 +87,7 @@ class Stress:
         self.lock = threading.RLock()
         self.problems = []
         self.crashes = 0
+        self.late = []  # programs that were killed because they did not end, and when: (what, told, killed)
         self.missed = 0
         self.failed = 0
         self.calls = 0  # of the tool, to their end
@@ -105,6 +110,24 @@ class Stress:
             return
         self.crashes += 1
         self.report(f"{' '.join(map(str, process.args))} ended by {benches.how_it_ended(process)}")
+
+    def kill_late(self, process, told):
+        """A program that was told to end at `told` and did not. Whether the machine stood still is known
+        at the end of the run: the kernel reports it late."""
+        what = f"{' '.join(map(str, process.args))}, its threads: {threads_of(process.pid)}"
+        killed = now()
+        process.kill()
+        process.wait()
+        self.late.append((what, told, killed))
+
+    def report_late(self, watch):
+        """@return how many programs did not end in time though the machine ran."""
+        count = 0
+        for what, told, killed in self.late:
+            if not watch.stood_still(told, killed):
+                count += 1
+                self.report(f"did not end within {killed - told:.0f} s: {what}")
+        return count
 
     # ---- who is there
 
@@ -251,13 +274,15 @@ class Searcher:
 
     def end(self):
         had_ended = self.has_ended()
+        told = now()
         with contextlib.suppress(OSError):
             self.process.stdin.close()
         try:
             code = self.process.wait(TOOL_PATIENCE)
         except subprocess.TimeoutExpired:
-            self.process.kill()
-            code = self.process.wait()
+            self.stress.kill_late(self.process, told)
+            self.reader.join()
+            return
         self.reader.join()
         if code != 0 or had_ended:
             self.stress.crashes += 1
@@ -286,6 +311,7 @@ def arguments():
 def main():
     options = arguments()
     begin = now()
+    watch = standstill.Watch().start()
     problems = []
     with tempfile.TemporaryDirectory(prefix="vdrive-stress-") as directory, \
             benches.claimed_domain() as domain:
@@ -297,11 +323,16 @@ def main():
             problems.append(str(failure))
         finally:
             stress.clean_up()
+        watch.end()
+        late = stress.report_late(watch)
         problems += stress.problems
     starts = sum(one.starts for one in stress.coming)
     print(f"{stress.searches()} searches in {now() - begin:.0f} s, {stress.crashes} crashes, "
-          f"{stress.missed} misses, {stress.failed} failed reads; {starts} starts of services, tools "
+          f"{stress.missed} misses, {stress.failed} failed reads, "
+          f"{late} programs that did not end in time, {len(stress.late) - late} more while the machine "
+          f"stood still; {starts} starts of services, tools "
           f"and plain participants beside them; highest load {stress.highest_load:.1f}")
+    print(watch.report())
     if stress.searches() < FEWEST:
         problems.append(f"only {stress.searches()} searches")
     for problem in problems:

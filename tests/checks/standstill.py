@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Tells when the machine stood still: a host may leave a virtual machine without a processor for many
+seconds, and then every deadline in it fails.
+
+  standstill.py watch    observes until SIGTERM, then prints a report
+
+Two measures. A loop that sleeps 100 ms notes each gap above 2 s: it needs no rights, and sees a
+starved program as well. The kernel's watchdogs write into its log what they have missed, where the
+log may be read.
+"""
+
+import argparse
+import dataclasses
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+PERIOD = 0.1  # [s]
+LONGEST_SLEEP = 2.0  # [s] a busy machine delays a sleep of 100 ms by less
+
+# A stalled processor writes several lines, and the kernel writes some of them seconds later.
+SAME_STANDSTILL = 10.0  # [s]
+# A line about RCU counts jiffies of unknown length; the watchdog's default is 21 s.
+RCU_STALL = 21.0  # [s]
+
+KERNEL_LINE = re.compile(r"^\[\s*(?P<time>\d+\.\d+)\] (?P<text>.*)$", re.MULTILINE)
+WATCHDOG = re.compile(r"workqueue lockup|soft lockup|rcu\S*:? .*(detected stall|self-detected stall|kthread starved)"
+                      r"|rcu_\S+ .*stall")
+STUCK = re.compile(r"stuck for (\d+)s")
+
+
+@dataclasses.dataclass
+class Standstill:
+    """A time in which nothing ran, by the monotonic clock."""
+    begin: float  # [s]
+    end: float  # [s]
+    shown_by: str
+
+    def __str__(self):
+        began = time.localtime(time.time() - time.monotonic() + self.begin)
+        return f"{time.strftime('%T', began)} for {self.end - self.begin:.0f} s, by {self.shown_by}"
+
+
+def of_kernel(log, since):
+    """The standstills that the text of `dmesg` tells of, those after `since` [s since the start of the
+    machine]."""
+    found = []
+    for line in KERNEL_LINE.finditer(log):
+        end = float(line["time"])
+        if end <= since or not WATCHDOG.search(line["text"]):
+            continue
+        stuck = STUCK.search(line["text"])
+        begin = end - (float(stuck[1]) if stuck else RCU_STALL)
+        if found and begin - found[-1].end <= SAME_STANDSTILL:
+            found[-1].begin = min(found[-1].begin, begin)
+            found[-1].end = end
+        else:
+            found.append(Standstill(begin, end, f"the kernel: {line['text']}"))
+    return found
+
+
+def read_kernel_log():
+    """The kernel's log, and why it cannot be read."""
+    try:
+        done = subprocess.run(["dmesg"], check=False, capture_output=True, text=True, errors="replace")
+    except OSError as error:
+        return "", str(error)
+    return (done.stdout, "") if done.returncode == 0 else ("", done.stderr.strip())
+
+
+class Watch:
+    """Observes from its making to its end."""
+
+    def __init__(self, clock=time.monotonic, kernel_log=read_kernel_log):
+        self.clock = clock
+        self.kernel_log = kernel_log
+        self.lock = threading.Lock()
+        self.ends = threading.Event()
+        self.begin = self.last = clock()
+        self.gaps = []
+        self.thread = threading.Thread(target=self.run, daemon=True)
+
+    def start(self):
+        self.thread.start()
+        return self
+
+    def run(self):
+        while not self.ends.wait(PERIOD):
+            self.note()
+
+    def note(self):
+        """The program runs now."""
+        with self.lock:
+            present = self.clock()
+            if present - self.last > LONGEST_SLEEP:
+                self.gaps.append(Standstill(self.last, present, "a sleep of 100 ms"))
+            self.last = present
+
+    def end(self):
+        self.ends.set()
+        self.thread.join()
+        self.note()
+
+    def all(self):
+        """What was seen until now, and why the kernel's log cannot be read."""
+        self.note()
+        log, problem = self.kernel_log()
+        return self.gaps + of_kernel(log, self.begin), problem
+
+    def stood_still(self, begin, end):
+        """Whether the machine stood still between the two times of the clock."""
+        return any(one.begin < end and begin < one.end for one in self.all()[0])
+
+    def report(self):
+        found, problem = self.all()
+        found.sort(key=lambda one: one.begin)
+        lines = [f"standstills of the machine: {len(found)}"]
+        lines += [f"  {one}" for one in found]
+        if problem:
+            lines.append(f"  the kernel's log was not read: {problem}")
+        return "\n".join(lines)
+
+
+def watch():
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
+    observed = Watch().start()
+    signal.sigwait({signal.SIGTERM})
+    observed.end()
+    print(observed.report())
+    return 0
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("what", choices=["watch"])
+    parser.parse_args()
+    return watch()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
