@@ -1,23 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
-# The CMake package: find_package(vdrive REQUIRED), then link vdrive::client or vdrive::core.
+# The CMake package: find_package(vdrive REQUIRED COMPONENTS ...), then link the target of its name.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vdrive)
 
+# An export set for each part that a component needs or does not need. The static libraries of users
+# link the others, so their archives are in the package. Their headers are not: no public header
+# names what they have.
 install(
-  TARGETS vdrive_core vdrive_client
-  EXPORT vdrive-targets
+  TARGETS vdrive_core
+  EXPORT vdrive-core
   ARCHIVE COMPONENT development
   FILE_SET HEADERS COMPONENT development)
-# A static client links the wire, so its archive is in the package. Its headers are not: no public
-# header of the others names a DDS type.
-install(TARGETS vdrive_wire EXPORT vdrive-targets ARCHIVE COMPONENT development)
+install(
+  TARGETS vdrive_sessions
+  EXPORT vdrive-sessions
+  ARCHIVE COMPONENT development
+  FILE_SET HEADERS COMPONENT development)
+install(TARGETS vdrive_codec vdrive_wire EXPORT vdrive-sessions ARCHIVE COMPONENT development)
+install(
+  TARGETS vdrive_bench
+  EXPORT vdrive-bench
+  ARCHIVE COMPONENT development
+  FILE_SET HEADERS COMPONENT development)
+install(TARGETS vdrive_engine vdrive_settings vdrive_wire_program EXPORT vdrive-bench
+        ARCHIVE COMPONENT development)
+install(TARGETS vdrive_client vdrive_dds EXPORT vdrive-client ARCHIVE COMPONENT development)
+foreach(set core sessions bench client)
+  install(EXPORT vdrive-${set} NAMESPACE vdrive:: DESTINATION ${package_dir} COMPONENT development)
+endforeach()
 install(TARGETS vdrived COMPONENT service)
 install(TARGETS vdrive COMPONENT tool)
 install(TARGETS vdrive-gateway COMPONENT gateway)
 install(TARGETS vdrive-ros2 COMPONENT ros2)
-install(EXPORT vdrive-targets NAMESPACE vdrive:: DESTINATION ${package_dir} COMPONENT development)
 
 configure_package_config_file(
   ${PROJECT_SOURCE_DIR}/cmake/vdriveConfig.cmake.in ${PROJECT_BINARY_DIR}/vdriveConfig.cmake

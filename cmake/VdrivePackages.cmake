@@ -5,7 +5,7 @@
 #   vdrive          the tool, its completion, the scenarios
 #   vdrive-gateway  the gateway to browsers and dashboards, its unit, its completion
 #   vdrive-ros2     the bridge to ROS 2, its unit, its completion
-#   libvdrive-dev   the client library: archives, headers, CMake package
+#   libvdrive-dev   the libraries for programs in C++: archives, headers, CMake package
 #   python3-vdrive  the Python module, where it was built
 #   vdrive-doc      the documents, the IDL, the examples
 
@@ -60,10 +60,13 @@ set(CPACK_DEBIAN_ROS2_PACKAGE_CONTROL_EXTRA ${debian}/ros2/postinst ${debian}/ro
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libvdrive-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "The client library: archives, headers and the CMake package of vdrive::client
-and vdrive::core.")
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "The libraries for programs in C++: archives, headers and the CMake package of
+vdrive::client (sessions over DDS), vdrive::bench (a bench in the process of the
+program, without DDS) and vdrive::core (the drive alone).")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "libeigen3-dev (>= 3.4), libfastcdr-dev, libfastrtps-dev (>= 2.9), libssl-dev, libtinyxml2-dev")
+    "libeigen3-dev (>= 3.4), libfastcdr-dev, libspdlog-dev, libyaml-cpp-dev")
+# Of the component client: a program without DDS does not need them.
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libfastrtps-dev (>= 2.9), libssl-dev, libtinyxml2-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS vdrive-doc)
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-vdrive)

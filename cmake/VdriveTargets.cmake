@@ -48,11 +48,21 @@ if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
 endif()
 list(TRANSFORM vdrive_hardening_options REPLACE ".+" "$<${vdrive_optimised}:\\0>")
 
+# vdrive_list_links(<target> <property>)
+# Writes what the target links, one name a line: the architecture test has the table of what it may.
+function(vdrive_list_links target property)
+  if(NOT CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/tests")
+    file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/links/${target}.txt
+         CONTENT "$<JOIN:$<TARGET_PROPERTY:${target},${property}>,\n>\n")
+  endif()
+endfunction()
+
 # vdrive_target_defaults(<target> [GENERATED])
 # The language, the warnings and the sanitizers of one of our targets. All of it is PRIVATE: who
 # links us, in the tree or installed, gets none of it. GENERATED code gets no warnings and no lint.
 function(vdrive_target_defaults target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "GENERATED" "" "")
+  vdrive_list_links(${target} LINK_LIBRARIES)
   set_target_properties(${target} PROPERTIES CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_options(${target} PRIVATE ${vdrive_ccache_options})
@@ -103,8 +113,8 @@ endfunction()
 # header is compiled on its own by the target all_verify_interface_header_sets.
 # INTERNAL: the archive is installed because others link it, its headers are not. CMake exports no
 # target without its header sets, so the headers are then verified through a target of their own.
-# BESIDE: the library is never installed, so all of its headers are below src/, beside their
-# sources; who links it includes them as its own sources do.
+# BESIDE: no program outside of the tree includes its headers, so all of them are below src/, beside
+# their sources; who links it includes them as its own sources do.
 function(vdrive_add_library room)
   cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL;BESIDE" "" "HEADERS;SOURCES")
   if(arg_UNPARSED_ARGUMENTS)
@@ -128,12 +138,11 @@ function(vdrive_add_library room)
     target_link_libraries(${target}_headers INTERFACE ${target})
     target_sources(
       ${target}_headers INTERFACE FILE_SET HEADERS BASE_DIRS include FILES ${arg_HEADERS})
+  elseif(arg_BESIDE)
+    target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/src>)
+    target_sources(${target} PRIVATE FILE_SET HEADERS BASE_DIRS src FILES ${arg_HEADERS})
   else()
-    set(base include)
-    if(arg_BESIDE)
-      set(base src)
-    endif()
-    target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${base} FILES ${arg_HEADERS})
+    target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${arg_HEADERS})
   endif()
 endfunction()
 

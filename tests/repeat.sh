@@ -87,7 +87,7 @@ compile_command() {
   python3 - "$root/build/release/compile_commands.json" <<'PYTHON'
 import json, shlex, sys
 row = next(row for row in json.load(open(sys.argv[1]))
-           if "/vdrive_client.dir/" in row["command"] and "cmake_pch" not in row["file"])
+           if "/vdrive_sessions.dir/" in row["command"] and "cmake_pch" not in row["file"])
 words, kept = shlex.split(row["command"]), []
 while words:
     word = words.pop(0)

@@ -54,7 +54,8 @@ def _contents(package, work):
     files = {f"vdrive/{file.name}": file.read_bytes()
              for file in sorted((package / "vdrive").iterdir())
              if file.suffix in (".py", ".pyi", ".typed") or file.name == "py.typed"}
-    files[f"vdrive/{module.name}"] = _stripped(module, work)
+    for library in (module, package / "vdrive" / "libvdrive_dds.so"):
+        files[f"vdrive/{library.name}"] = _stripped(library, work)
     return files
 
 

@@ -95,8 +95,6 @@ class Backend {
 };
 
 /// @throws what Participant throws
-[[nodiscard]] std::unique_ptr<Backend> make_dds_backend(const NetworkSettings& settings,
-                                                        const std::string& name);
 [[nodiscard]] std::unique_ptr<Backend> make_local_backend(const NetworkSettings& settings,
                                                           const std::string& name);
 

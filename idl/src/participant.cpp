@@ -2,12 +2,13 @@
 #include "vdrive/wire/participant.hpp"
 
 #include "backend.hpp"
+#include "network_backend.hpp"
 
 namespace vdrive::wire {
 
 Participant::Participant(const NetworkSettings& settings, const std::string& name)
     : backend_(settings.bus != nullptr ? make_local_backend(settings, name)
-                                       : make_dds_backend(settings, name)) {}
+                                       : make_network_backend(settings, name)) {}
 
 Participant::~Participant() = default;
 

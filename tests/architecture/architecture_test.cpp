@@ -229,6 +229,81 @@ TEST(Architecture, UnnamedFunctionsOfSourcesThatAreCompiledTogetherHaveDifferent
   EXPECT_GT(targets, 10U) << "the lists are written by vdrive_compile_together";
 }
 
+/// What the targets of the tree link, by their names without "vdrive_": CMake writes a file for
+/// each.
+using LinkGraph = std::map<std::string, std::set<std::string>>;
+
+/// @return `name` as links know it: vdrive::core and vdrive_core are "core".
+std::string short_name(const std::string& name) {
+  static const std::regex parts(R"(^(?:\$<BUILD_INTERFACE:)?(?:vdrive(?:::|_))?(.*?)>?$)");
+  return std::regex_replace(name, parts, "$1");
+}
+
+LinkGraph link_graph() {
+  LinkGraph graph;
+  for (const fs::directory_entry& list :
+       fs::directory_iterator(fs::path(VDRIVE_BINARY_DIR) / "links")) {
+    std::set<std::string>& linked = graph[short_name(list.path().stem().string())];
+    std::istringstream names(read(list.path()));
+    for (std::string name; std::getline(names, name);) {
+      if (!name.empty()) linked.insert(short_name(name));
+    }
+  }
+  return graph;
+}
+
+// The rows of docs/architecture.md, "Who links what". A new target below the programs is a new row.
+TEST(Architecture, LibrariesLinkWhatTheirRowAllows) {
+  const std::map<std::string, std::set<std::string>> may_link{
+      {"core", {"Eigen3::Eigen"}},
+      {"codec", {"core", "fastcdr"}},
+      {"wire", {"codec", "Threads::Threads"}},
+      {"dds", {"wire", "fastrtps", "OpenSSL::Crypto", "tinyxml2::tinyxml2"}},
+      {"dds_loader", {"wire", "dl"}},
+      {"settings", {"core", "yaml-cpp"}},
+      {"engine",
+       {"core", "settings", "wire", "Threads::Threads", "nlohmann_json::nlohmann_json",
+        "spdlog::spdlog"}},
+      {"wire_program", {"engine", "spdlog::spdlog"}},
+      {"sessions", {"core", "wire", "Eigen3::Eigen", "Threads::Threads"}},
+      {"client", {"sessions", "dds"}},
+      {"bench", {"sessions", "wire_program", "engine", "wire"}},
+  };
+  const LinkGraph graph = link_graph();
+  for (const auto& [target, allowed] : may_link) {
+    ASSERT_TRUE(graph.contains(target)) << target << " has no list in " << VDRIVE_BINARY_DIR;
+    EXPECT_THAT(graph.at(target), testing::IsSubsetOf(allowed)) << target;
+  }
+}
+
+/// @return all that `target` links, also through others.
+std::set<std::string> reached_from(const std::string& target, const LinkGraph& graph) {
+  std::set<std::string> reached{target};
+  std::vector<std::string> open{target};
+  while (!open.empty()) {
+    const auto links = graph.find(open.back());
+    open.pop_back();
+    if (links == graph.end()) continue;
+    for (const std::string& name : links->second) {
+      if (reached.insert(name).second) open.push_back(name);
+    }
+  }
+  return reached;
+}
+
+TEST(Architecture, WhatWorksWithoutANetworkLinksNoLibraryOfIt) {
+  const LinkGraph graph = link_graph();
+  const std::set<std::string> of_the_network{
+      "fastrtps",           "OpenSSL::Crypto",    "tinyxml2::tinyxml2", "prometheus-cpp::core",
+      "PkgConfig::seccomp", "PkgConfig::systemd", "CLI11::CLI11"};
+  ASSERT_THAT(reached_from("service", graph), testing::IsSupersetOf(of_the_network));
+  for (const char* target : {"bench", "recording", "process", "python"}) {
+    for (const std::string& name : reached_from(target, graph)) {
+      EXPECT_FALSE(of_the_network.contains(name)) << target << " links " << name;
+    }
+  }
+}
+
 TEST(Architecture, TopLevelOfTheRepositoryHasTheRoomsAndNothingElse) {
   std::vector<std::string> names;
   for (const fs::directory_entry& entry : fs::directory_iterator(kRoot)) {

@@ -16,7 +16,8 @@ enum class Origin {
   standard,     ///< <vector>
   system,       ///< <unistd.h>, <sys/socket.h>, and C's own <math.h>
   eigen,        ///< <Eigen/Core>, <unsupported/Eigen/MatrixFunctions>
-  dds,          ///< Fast DDS, Fast CDR, any other DDS
+  dds,          ///< Fast DDS, any other DDS
+  cdr,          ///< Fast CDR, the encoding of samples
   python,       ///< <pybind11/pybind11.h>, <Python.h>
   third_party,  ///< any other library: <spdlog/spdlog.h>
   core,         ///< "vdrive/axis_bank.hpp"
@@ -50,7 +51,7 @@ constexpr std::array kPrefixes{
     PrefixRow{"unsupported/Eigen/", Origin::eigen},
     PrefixRow{"fastdds/", Origin::dds},
     PrefixRow{"fastrtps/", Origin::dds},
-    PrefixRow{"fastcdr/", Origin::dds},
+    PrefixRow{"fastcdr/", Origin::cdr},
     PrefixRow{"openssl/", Origin::dds},  // the cryptography of DDS Security
     PrefixRow{"dds/", Origin::dds},
     PrefixRow{"pybind11/", Origin::python},
@@ -93,8 +94,11 @@ struct RoomRow {
 };
 
 constexpr std::array kCoreMay{Origin::standard, Origin::eigen, Origin::core, Origin::beside};
-constexpr std::array kIdlMay{Origin::standard, Origin::system,   Origin::dds,   Origin::core,
+constexpr std::array kIdlMay{Origin::standard, Origin::system,   Origin::cdr,   Origin::core,
                              Origin::wire,     Origin::messages, Origin::beside};
+// The backend that reaches a network.
+constexpr std::array kDdsMay{Origin::standard, Origin::system, Origin::cdr,      Origin::dds,
+                             Origin::core,     Origin::wire,   Origin::messages, Origin::beside};
 constexpr std::array kServiceMay{Origin::standard,    Origin::system, Origin::eigen,
                                  Origin::third_party, Origin::core,   Origin::wire,
                                  Origin::messages,    Origin::beside, Origin::settings};
@@ -124,6 +128,7 @@ constexpr std::array kPythonMay{Origin::standard, Origin::system, Origin::eigen,
 constexpr std::array kBenchMay{Origin::standard, Origin::core,   Origin::wire,    Origin::client,
                                Origin::bench,    Origin::beside, Origin::settings};
 
+constexpr std::string_view kDdsReason = "idl/ knows DDS and core/ only";
 constexpr std::string_view kClientReason =
     "clients/ reaches DDS through vdrive/wire and no service";
 constexpr std::string_view kBridgeReason =
@@ -131,7 +136,10 @@ constexpr std::string_view kBridgeReason =
 
 constexpr std::array kRooms{
     RoomRow{"core/", kCoreMay, "core/ knows the standard library and Eigen only"},
-    RoomRow{"idl/", kIdlMay, "idl/ knows DDS and core/ only"},
+    RoomRow{"idl/src/dds/", kDdsMay, kDdsReason},
+    RoomRow{"idl/src/guard/", kDdsMay, kDdsReason},
+    RoomRow{"idl/src/ros/", kDdsMay, kDdsReason},
+    RoomRow{"idl/", kIdlMay, "of idl/ only src/dds, src/guard and src/ros know the DDS library"},
     RoomRow{"service/", kServiceMay, "service/ reaches DDS through vdrive/wire and no client"},
     RoomRow{"clients/include/", kClientHeaderMay, "a public client header names no DDS type"},
     RoomRow{"clients/examples/06_raw_dds/", kRawExampleMay,

@@ -2,6 +2,7 @@
 // A bench in the process of its user, over the local bus.
 #include "vdrive/bench/bench.hpp"
 
+#include "support/process_tree.hpp"
 #include "vdrive/client.hpp"
 
 #include <gmock/gmock.h>
@@ -13,6 +14,7 @@
 #include <filesystem>
 #include <future>
 #include <iterator>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -25,6 +27,7 @@ using client::Session;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 using testing::HasSubstr;
+using testing::Not;
 
 std::size_t count_entries(const char* directory) {
   return static_cast<std::size_t>(
@@ -157,6 +160,27 @@ TEST(Bench, RefusesKeysOfTheNetworkAndBadValuesWithTheirPlace) {
   EXPECT_THAT(message_of("metrics: {port: 9100}\n"), HasSubstr("metrics.port"));
   EXPECT_THAT(message_of("network: {peers: [10.0.0.9]}\n"), HasSubstr("network.peers"));
   EXPECT_THAT(message_of("clock: {period: 9 s}\n"), HasSubstr("configuration:1"));
+}
+
+// This program links vdrive::bench alone.
+TEST(ProgramOfABench, LoadsNoDdsLibrary) {
+  const Bench bench;
+  ASSERT_TRUE(bench.session().axis("1.1"));
+  const std::string maps = test::text_of("/proc/self/maps");
+  ASSERT_THAT(maps, HasSubstr("libstdc++"));
+  for (const char* library : {"libfastrtps", "libcrypto", "libtinyxml2"}) {
+    EXPECT_THAT(maps, Not(HasSubstr(library)));
+  }
+}
+
+TEST(ProgramOfABench, SaysWhatASessionOverDdsNeeds) {
+  try {
+    const Session session;
+    FAIL() << "a session over DDS was made";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no DDS library"));
+    EXPECT_THAT(error.what(), HasSubstr("link vdrive::client"));
+  }
 }
 
 }  // namespace

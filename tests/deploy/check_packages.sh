@@ -31,15 +31,19 @@ expected=(
   usr/bin/vdrive-gateway
   usr/bin/vdrive-ros2
   usr/bin/vdrived
+  usr/include/vdrive/bench/bench.hpp
   usr/include/vdrive/client/session.hpp
   usr/include/vdrive/dictionary/dictionary.hpp
   usr/lib/cmake/vdrive/vdriveConfig.cmake
-  usr/lib/libvdrive_client.a
+  usr/lib/libvdrive_bench.a
   usr/lib/libvdrive_core.a
+  usr/lib/libvdrive_dds.a
+  usr/lib/libvdrive_sessions.a
   usr/lib/libvdrive_wire.a
   usr/lib/python3/dist-packages/vdrive-*.dist-info/entry_points.txt
   usr/lib/python3/dist-packages/vdrive/__init__.py
   usr/lib/python3/dist-packages/vdrive/_vdrive.cpython-*.so
+  usr/lib/python3/dist-packages/vdrive/libvdrive_dds.so
   usr/lib/python3/dist-packages/vdrive/py.typed
   usr/lib/systemd/system/vdrive-gateway.service
   usr/lib/systemd/system/vdrive-ros2.service
@@ -96,6 +100,8 @@ control() {
 [[ $(control vdrived Depends) == *libfastrtps* ]] || fail "vdrived depends on no DDS"
 [[ $(control vdrived Depends) == *libseccomp2* ]] || fail "vdrived depends on no filter of system calls"
 [[ $(control libvdrive-dev Depends) == *libeigen3-dev* ]] || fail "libvdrive-dev needs Eigen"
+[[ $(control libvdrive-dev Depends) != *libfastrtps* ]] || fail "libvdrive-dev needs DDS for a program without DDS"
+[[ $(control libvdrive-dev Recommends) == *libfastrtps-dev* ]] || fail "libvdrive-dev recommends no DDS"
 [[ $(control python3-vdrive Depends) == *python3-numpy* ]] || fail "python3-vdrive needs numpy"
 [[ $(control python3-vdrive Depends) == *libfastrtps* ]] || fail "python3-vdrive depends on no DDS"
 dpkg-deb --ctrl-tarfile "$(package_of vdrived)" | tar -xO ./conffiles |
@@ -192,8 +198,8 @@ cmake -S "$unpacked/usr/share/doc/vdrive-doc/clients/examples" -B "$work/example
   -DCMAKE_PREFIX_PATH="$unpacked/usr" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
 cmake --build "$work/examples" --target 01_enable_and_move >"$work/log" 2>&1 || fail "$(cat "$work/log")"
 
-# An outside program.
+# Outside programs, one for each component.
 cmake -S "$root/tests/package/consumer" -B "$work/consumer" -G Ninja \
   -DCMAKE_PREFIX_PATH="$unpacked/usr" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
 cmake --build "$work/consumer" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
-"$work/consumer/consumer" >"$work/log" || fail "the consumer failed"
+ctest --test-dir "$work/consumer" --output-on-failure >"$work/log" 2>&1 || fail "$(cat "$work/log")"

@@ -21,15 +21,17 @@ def test_a_wheel_is_built_without_network_installed_and_used(tmp_path):
         "--disable-pip-version-check", "--wheel-dir", str(tmp_path), str(ROOT / "clients/python"))
     wheel, = tmp_path.glob("vdrive-*.whl")
     names = zipfile.ZipFile(wheel).namelist()
-    assert "vdrive/__init__.py" in names and "vdrive/_vdrive.pyi" in names and "vdrive/py.typed" in names
+    assert {"vdrive/__init__.py", "vdrive/_vdrive.pyi", "vdrive/py.typed", "vdrive/libvdrive_dds.so"} <= set(names)
     site = tmp_path / "site"
     run(sys.executable, "-m", "pip", "install", "--no-index", "--no-deps", "-q", "--target", str(site),
         "--disable-pip-version-check", "--root-user-action=ignore", str(wheel))
     test = tmp_path / "test_ten_lines.py"
     test.write_text("""
+import pytest
 import vdrive
 
-def test_it_gets_there(vdrive_session):
+@pytest.mark.parametrize("over", ["local", pytest.param("dds", marks=pytest.mark.vdrive(over="dds"))])
+def test_it_gets_there(vdrive_session, over):
     assert vdrive.__file__.startswith(%r)
     axis = vdrive_session.axis("1.1")
     axis.enable()
@@ -38,4 +40,4 @@ def test_it_gets_there(vdrive_session):
 """ % str(site))
     output = run(sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(test),
                  PYTHONPATH=str(site))
-    assert "1 passed" in output
+    assert "2 passed" in output

@@ -3,6 +3,7 @@
 #include "attacker.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
+#include "vdrive/wire/end_announcement.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
 #include "vdrive/wire/subscription.hpp"

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "backend.hpp"
+#include "dds/dds_participant.hpp"
+
 #include "dds/entities.hpp"
 #include "dds/message_type.hpp"
 #include "dds/reader.hpp"
 #include "dds/writer.hpp"
 #include "guard/guard_transport.hpp"
+#include "network_backend.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
 #include "vdrive/wire/participant.hpp"
@@ -356,3 +358,10 @@ GuardCounts DdsBackend::guard_counts() const {
 
 }  // namespace
 }  // namespace vdrive::wire
+
+// CMakeLists.txt of idl/ makes the linker take this function, and with it the backend, into every
+// program that links vdrive::dds.
+extern "C" [[gnu::constructor(vdrive::wire::kBeforeConstructors)]] void
+vdrive_dds_backend() noexcept {
+  vdrive::wire::provide_network_backend(&vdrive::wire::make_dds_backend);
+}

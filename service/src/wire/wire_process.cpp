@@ -3,6 +3,7 @@
 
 #include "base/log.hpp"
 #include "seam/wire_region.hpp"
+#include "vdrive/wire/end_announcement.hpp"
 #include "vdrive/wire/library_log.hpp"
 #include "wire/closed_check.hpp"
 #include "wire/confinement.hpp"

@@ -72,7 +72,8 @@ struct OtherParticipant {
 class Participant {
  public:
   /// @throws NetworkError when the domain is out of range, the security material is not in order,
-  ///         DDS refuses the participant, or another service on the local bus has this name.
+  ///         DDS refuses the participant, this program has no DDS library, or another service on
+  ///         the local bus has this name.
   Participant(const NetworkSettings& settings, const std::string& name);
   ~Participant();
   Participant(const Participant&) = delete;
@@ -110,14 +111,5 @@ class Participant {
  private:
   std::unique_ptr<Backend> backend_;
 };
-
-/// Announces the end of a participant that died without leaving, such as a network process that was
-/// killed: other participants remove it at once, not when its lease ends. Sends a few datagrams to
-/// the addresses where a participant with these settings would announce itself; waits for no
-/// answer. Sends nothing to discovery servers: they accept this from the participant itself only,
-/// and remove it after its lease of 2 s. The datagrams are not encrypted, in the closed mode
-/// neither, as announcements are not.
-/// @throws NetworkError when no socket can be made
-void announce_end(const NetworkSettings& settings, const Source& dead);
 
 }  // namespace vdrive::wire

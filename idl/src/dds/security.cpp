@@ -2,7 +2,7 @@
 // The documents of the closed mode (DDS Security 1.1, sections 9.4.1.2 and 9.4.1.3).
 #include "vdrive/wire/security.hpp"
 
-#include "credentials.hpp"
+#include "dds/credentials.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/topics.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "guard/announcement.hpp"
-#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/end_announcement.hpp"
+
+#include "announcement.hpp"
 #include "vdrive/wire/ports.hpp"
 
 #include <arpa/inet.h>

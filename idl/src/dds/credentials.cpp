@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Certificates, keys and signatures of the closed mode. The library reports only that it
 // refuses them: the reason is found here.
-#include "credentials.hpp"
+#include "dds/credentials.hpp"
 
 #include "vdrive/text.hpp"
 #include "vdrive/wire/participant.hpp"

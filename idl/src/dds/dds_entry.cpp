@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "loader/dds_entry.hpp"
+
+#include "dds/dds_participant.hpp"
+
+extern "C" [[gnu::visibility("default")]] vdrive::wire::DdsEntry vdrive_dds_entry;
+
+vdrive::wire::BackendMaker vdrive_dds_entry() noexcept {
+  return &vdrive::wire::make_dds_backend;
+}

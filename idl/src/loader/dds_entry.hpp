@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "network_backend.hpp"
+
+namespace vdrive::wire {
+
+/// The one function that the shared object of the DDS backend shows, by its name and its type.
+using DdsEntry = BackendMaker() noexcept;
+inline constexpr const char* kDdsEntry = "vdrive_dds_entry";
+
+}  // namespace vdrive::wire

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// The DDS backend of a module that must not load the DDS library before somebody needs it: a shared
+// object beside the module.
+#include "loader/dds_entry.hpp"
+#include "network_backend.hpp"
+#include "vdrive/text.hpp"
+
+#include <dlfcn.h>
+
+#include <filesystem>
+#include <string>
+
+extern "C" void vdrive_dds_loader() noexcept;
+
+namespace vdrive::wire {
+namespace {
+
+constexpr const char* kFile = "libvdrive_dds.so";
+
+/// @return the shared object or program that has this code.
+std::filesystem::path own_file() {
+  Dl_info info{};
+  // NOLINTNEXTLINE(*-reinterpret-cast): the function takes an address of any kind
+  if (dladdr(reinterpret_cast<const void*>(&vdrive_dds_loader), &info) == 0) return {};
+  return info.dli_fname;
+}
+
+[[noreturn]] void refuse(const std::string& reason) {
+  throw NetworkError("the DDS library cannot be loaded: " + reason + ". A session over DDS needs " +
+                     kFile + " beside " + own_file().filename().string() +
+                     " and the library Fast DDS (Debian: libfastrtps2.9); a bench in this process "
+                     "needs neither");
+}
+
+/// The objects of a backend and its exceptions cross the border between both files: both are of one
+/// build. Each has its own copy of what the other has too, and none of these copies has a state
+/// that both use. Never unloaded: the library has threads.
+BackendMaker load() {
+  const std::filesystem::path file = own_file().parent_path() / kFile;
+  void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  if (library == nullptr) refuse(dlerror());  // NOLINT(concurrency-mt-unsafe): of this thread
+  void* const entry = dlsym(library, kDdsEntry);
+  if (entry == nullptr) refuse(file.string() + " has no " + kDdsEntry);
+  // NOLINTNEXTLINE(*-reinterpret-cast): the type of what has this name
+  return reinterpret_cast<DdsEntry*>(entry)();
+}
+
+std::unique_ptr<Backend> make_loaded_backend(const NetworkSettings& settings,
+                                             const std::string& name) {
+  static const BackendMaker maker = load();  // tried again after an exception
+  return maker(settings, name);
+}
+
+}  // namespace
+}  // namespace vdrive::wire
+
+// As vdrive_dds_backend of dds/dds_participant.cpp.
+extern "C" [[gnu::constructor(vdrive::wire::kBeforeConstructors)]] void
+vdrive_dds_loader() noexcept {
+  vdrive::wire::provide_network_backend(&vdrive::wire::make_loaded_backend);
+}

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When the module loads the DDS library, and what it says where it cannot."""
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import textwrap
+
+import vdrive
+
+LIBRARY = "libvdrive_dds.so"
+OF_DDS = ("libfastrtps", "libtinyxml2", LIBRARY)  # numpy loads libcrypto
+
+
+def run(program, **environment):
+    """Run a Python program in a process of its own; return its output."""
+    finished = subprocess.run([sys.executable, "-c", textwrap.dedent(program)], timeout=120,
+                              capture_output=True, text=True, env={**os.environ, **environment})
+    assert finished.returncode == 0, finished.stderr
+    return finished.stdout
+
+
+def test_the_dds_library_is_loaded_when_a_session_over_dds_is_made():
+    run(f"""
+        import vdrive
+
+        def loaded():
+            with open("/proc/self/maps", encoding="utf-8") as maps:
+                text = maps.read()
+            assert "_vdrive" in text
+            return [name for name in {OF_DDS} if name in text]
+
+        assert not loaded()
+        with vdrive.Bench(axes=1) as bench, bench.session() as session:
+            session.axis("1.1").enable()
+        assert not loaded()
+        # Both in one process, and twice each: the second session finds the library loaded.
+        for _ in range(2):
+            with vdrive.Bench(axes=1, over="dds") as remote, remote.session() as over_dds, \\
+                    vdrive.Bench(axes=1) as bench, bench.session() as session:
+                for each in (over_dds, session):
+                    axis = each.axis("1.1")
+                    axis.enable()
+                    axis.move_to(1000)
+                    assert axis.status().position == 1000
+        assert loaded() == list({OF_DDS}), loaded()
+    """)
+
+
+def test_an_error_of_the_dds_library_keeps_its_text():
+    output = run("""
+        import vdrive
+        try:
+            vdrive.Session(domain=1, interfaces=["192.0.2.1"])
+        except vdrive.ConfigurationError as error:
+            print(error)
+    """)
+    assert "192.0.2.1" in output and "no interface that is up has this address" in output
+
+
+def test_a_module_without_the_library_has_benches_and_says_what_a_session_over_dds_needs(tmp_path):
+    package = pathlib.Path(vdrive.__file__).parent
+    shutil.copytree(package, tmp_path / "vdrive", ignore=shutil.ignore_patterns(LIBRARY, "__pycache__"))
+    output = run("""
+        import vdrive
+        with vdrive.Bench(axes=1) as bench, bench.session() as session:
+            session.axis("1.1").enable()
+        for _ in range(2):
+            try:
+                vdrive.Session(domain=1)
+            except vdrive.ConfigurationError as error:
+                print(error)
+    """, PYTHONPATH=str(tmp_path))
+    lines = output.splitlines()
+    assert len(lines) == 2 and lines[0] == lines[1]
+    assert str(tmp_path / "vdrive" / LIBRARY) in lines[0] and "libfastrtps" in lines[0]
