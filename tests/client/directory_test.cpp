@@ -43,6 +43,27 @@ TEST(Directory, ListsABenchAfterItsDescriptionAndItsState) {
   EXPECT_EQ(benches[0].info.axes[0].id, (AxisId{1, 1}));
 }
 
+// Only a state has the rate: a session that comes to a paused bench would take it for one that
+// runs.
+TEST(Directory, ListsABenchInRealTimeWhoseSenderIsKnownToBeThereAfterItsState) {
+  const auto is_there = [](const wire::Source& source) {
+    return source == kSource;
+  };
+  Directory sut;
+  sut.on_description(description(1, 10), kSource, kStart);
+  msg::BenchDescription in_real_time = description(2, 10);
+  in_real_time.clock_mode(msg::CLOCK_MODE_REALTIME);
+  sut.on_description(in_real_time, kSource, kStart);
+  sut.confirm(kStart, is_there);
+  ASSERT_THAT(sut.present(kStart), SizeIs(1)) << "the bench in lock-step";
+  msg::BenchState paused = state(2, 10);
+  paused.rate(0.0);
+  sut.on_state(paused, kStart);
+  sut.confirm(kStart + 10s, is_there);
+  ASSERT_THAT(sut.present(kStart + 10s), SizeIs(2));
+  EXPECT_EQ(sut.present(kStart + 10s)[1].info.rate, 0.0);
+}
+
 TEST(Directory, StoresTheUnitOfAnAxis) {
   msg::BenchDescription message = description(1, 10);
   message.axes().front().unit_kind(msg::UNIT_LINEAR);

@@ -61,11 +61,14 @@ class Directory {
   void on_state(const msg::BenchState& message, Clock::time_point now);
 
   /// Where it is known who is there, each run whose sender is there has a sample as young as `now`.
+  /// One in real time first has to send a state: only that has its rate.
   /// @param is_there called with the participant that sends for a run
   template <typename IsThere>
   void confirm(Clock::time_point now, const IsThere& is_there) {
     for (auto& [key, entry] : entries_) {
-      if (!entry.offline && is_there(entry.source)) entry.newest_sample = now;
+      const bool needs_state =
+          entry.info.clock_mode == ClockMode::realtime && !entry.rate_time.has_value();
+      if (!entry.offline && !needs_state && is_there(entry.source)) entry.newest_sample = now;
     }
   }
 
@@ -159,7 +162,7 @@ class Directory {
     bool offline = false;
     std::optional<Clock::time_point> newest_sample;
     Clock::time_point newest;  ///< message of any kind
-    Clock::time_point rate_time{};
+    std::optional<Clock::time_point> rate_time;
     std::uint64_t slowest_stepper = 0;
     std::optional<RunTime> time;  ///< newest
     std::uint64_t skipped = 0;    ///< ticks since the first one
