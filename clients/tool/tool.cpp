@@ -13,6 +13,7 @@
 
 #include <chrono>
 #include <exception>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -43,12 +44,14 @@ GlobalOptions network_of(const std::vector<std::string>& words) {
 }
 
 /// What the completion of a shell calls: a person waits for it, and no error is shown.
-ExitCode complete(const std::vector<std::string>& words, Terminal& terminal) {
+ExitCode complete(const std::vector<std::string>& words, const std::shared_ptr<wire::LocalBus>& bus,
+                  Terminal& terminal) {
   constexpr std::chrono::milliseconds kPatience{400};
   std::optional<client::Session> session;
   const auto names_in_session = [&] {
     if (!session) {
       GlobalOptions options = network_of(words);
+      options.bus = bus;
       options.timeout = kPatience;
       session.emplace(session_options(options));
     }
@@ -81,17 +84,19 @@ ExitCode run_in_session(const Command& command, const Program& program) {
   });
 }
 
-ExitCode run_command(std::vector<std::string> arguments, Terminal& terminal) {
+ExitCode run_command(std::vector<std::string> arguments, const std::shared_ptr<wire::LocalBus>& bus,
+                     Terminal& terminal) {
   if (!arguments.empty() && arguments.front() == "__complete") {
-    return complete({arguments.begin() + 1, arguments.end()}, terminal);
+    return complete({arguments.begin() + 1, arguments.end()}, bus, terminal);
   }
-  const Invocation invocation = parse_command_line(commands(), std::move(arguments));
+  Invocation invocation = parse_command_line(commands(), std::move(arguments));
   if (!invocation.command) {
     std::string text = invocation.text;
     while (text.ends_with('\n')) text.pop_back();
     terminal.print(text);
     return ExitCode::ok;
   }
+  invocation.options.bus = bus;
   const Command& command = *invocation.command;
   const Program program{invocation.options, commands(), terminal};
   if (command.row->start != nullptr) return command.row->start(command.arguments, program);
@@ -99,9 +104,10 @@ ExitCode run_command(std::vector<std::string> arguments, Terminal& terminal) {
 }
 
 /// @return the exit code; what went wrong is reported.
-ExitCode run_reported(std::vector<std::string> arguments, Terminal& terminal) {
+ExitCode run_reported(std::vector<std::string> arguments,
+                      const std::shared_ptr<wire::LocalBus>& bus, Terminal& terminal) {
   try {
-    return run_command(std::move(arguments), terminal);
+    return run_command(std::move(arguments), bus, terminal);
   } catch (const UsageError& error) {
     terminal.complain(std::string("vdrive: ") + error.what());
     return ExitCode::usage;
@@ -113,9 +119,9 @@ ExitCode run_reported(std::vector<std::string> arguments, Terminal& terminal) {
 
 }  // namespace
 
-ExitCode run_tool(std::vector<std::string> arguments) {
+ExitCode run_tool(std::vector<std::string> arguments, const std::shared_ptr<wire::LocalBus>& bus) {
   Terminal terminal;
-  const ExitCode code = run_reported(std::move(arguments), terminal);
+  const ExitCode code = run_reported(std::move(arguments), bus, terminal);
   const auto failure = terminal.write_failure();
   if (!failure) return code;
   terminal.complain("vdrive: " + *failure);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clocks of the client against the real service: steppers, restarts, pauses, freerun.
-#include "client/session_options.hpp"
-#include "support/test_domain.hpp"
-#include "tool/process.hpp"
+// Clocks of the client: steppers, pauses, freerun.
+#include "support/bench_on_wire.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/client/step_clock.hpp"
@@ -11,20 +9,17 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <csignal>
 #include <cstdio>
 #include <future>
-#include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 
 namespace vdrive::client {
 namespace {
 
 using namespace std::chrono_literals;
-using test::options;
-using test::RunningService;
+using test::BenchOnWire;
+using test::options_on_wire;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -40,17 +35,17 @@ std::string hex(std::uint64_t session) {
 }
 
 TEST(StepClock, RefusesABenchThatIsNotInLockStep) {
-  const RunningService service("--clock realtime");
-  Session session(options());
+  const BenchOnWire bench("--clock realtime");
+  Session session(options_on_wire());
   const auto clock = StepClock::join(session, kFirst);
   EXPECT_EQ(clock.outcome().kind(), OutcomeKind::refused);
   EXPECT_THAT(clock.outcome().message(), HasSubstr("bench 1 runs in realtime"));
 }
 
 TEST(StepClock, StepsBenchesWithEqualPeriodsByTicks) {
-  const RunningService first("--clock lockstep");
-  const RunningService second("--clock lockstep --bench 2");
-  Session session(options());
+  const BenchOnWire first("--clock lockstep");
+  const BenchOnWire second("--clock lockstep --bench 2");
+  Session session(options_on_wire());
   auto sut = StepClock::join(session, kBoth);
   ASSERT_TRUE(sut) << sut.outcome().message();
   EXPECT_THAT(*sut->step(5'000), ElementsAre(5'000, 5'000));
@@ -59,9 +54,9 @@ TEST(StepClock, StepsBenchesWithEqualPeriodsByTicks) {
 }
 
 TEST(StepClock, StepsBenchesWithDifferentPeriodsByDriveTime) {
-  const RunningService first("--clock lockstep");
-  const RunningService second("--clock lockstep --bench 2 --period 250");
-  Session session(options());
+  const BenchOnWire first("--clock lockstep");
+  const BenchOnWire second("--clock lockstep --bench 2 --period 250");
+  Session session(options_on_wire());
   auto sut = StepClock::join(session, kBoth);
   ASSERT_TRUE(sut) << sut.outcome().message();
   EXPECT_THAT(*sut->step_for(3ms), ElementsAre(3, 12));
@@ -73,9 +68,9 @@ TEST(StepClock, StepsBenchesWithDifferentPeriodsByDriveTime) {
 }
 
 TEST(StepClock, LeavesTheClockWhenItIsDestroyed) {
-  const RunningService service("--clock lockstep");
-  Session stepper(options());
-  Session other(options());
+  const BenchOnWire bench("--clock lockstep");
+  Session stepper(options_on_wire());
+  Session other(options_on_wire());
   {
     const auto sut = StepClock::join(stepper, kFirst);
     ASSERT_TRUE(sut);
@@ -87,10 +82,10 @@ TEST(StepClock, LeavesTheClockWhenItIsDestroyed) {
 }
 
 TEST(StepClock, NamesTheMissingStepperAndContinuesWithTheTicksItGranted) {
-  const RunningService first("--clock lockstep");
-  const RunningService second("--clock lockstep --bench 2");
-  Session alice(options());
-  Session bob(options());
+  const BenchOnWire first("--clock lockstep");
+  const BenchOnWire second("--clock lockstep --bench 2");
+  Session alice(options_on_wire());
+  Session bob(options_on_wire());
   auto alices = StepClock::join(alice, kBoth);
   ASSERT_TRUE(alices) << alices.outcome().message();
   constexpr std::array<std::uint32_t, 1> kSecond{2};
@@ -107,9 +102,9 @@ TEST(StepClock, NamesTheMissingStepperAndContinuesWithTheTicksItGranted) {
 
 // The calls of a session that has joined advance time as far as the other stepper allows.
 TEST(StepClock, MakesCallsOfItsSessionWaitForTheOtherSteppers) {
-  const RunningService service("--clock lockstep");
-  Session alice(options());
-  Session bob(options());
+  const BenchOnWire bench("--clock lockstep");
+  Session alice(options_on_wire());
+  Session bob(options_on_wire());
   auto axis = alice.axis("1.1");
   ASSERT_TRUE(axis) << axis.outcome().message();
   const auto alices = StepClock::join(alice, kFirst);
@@ -131,9 +126,9 @@ TEST(StepClock, MakesCallsOfItsSessionWaitForTheOtherSteppers) {
 }
 
 TEST(StepClock, ATimedOutCallNamesTheMissingStepper) {
-  const RunningService service("--clock lockstep");
-  Session alice(options());
-  Session bob(options());
+  const BenchOnWire bench("--clock lockstep");
+  Session alice(options_on_wire());
+  Session bob(options_on_wire());
   auto follower = alice.follow({{1, 1}}, Pace::drive);
   const auto alices = StepClock::join(alice, kFirst);
   const auto bobs = StepClock::join(bob, kFirst);
@@ -141,59 +136,6 @@ TEST(StepClock, ATimedOutCallNamesTheMissingStepper) {
   const auto late = follower->next(kSoon);
   EXPECT_EQ(late.outcome().kind(), OutcomeKind::timed_out);
   EXPECT_THAT(late.outcome().message(), HasSubstr(hex(bob.id())));
-}
-
-TEST(StepClock, DetectsARestartAndDoesNotStepTheNewService) {
-  const RunningService first("--clock lockstep");
-  auto second = std::make_unique<RunningService>("--clock lockstep --bench 2");
-  Session session(options());
-  auto sut = StepClock::join(session, kBoth);
-  ASSERT_TRUE(sut) << sut.outcome().message();
-  ASSERT_TRUE(sut->step(3));
-  second->kill();
-  second = std::make_unique<RunningService>("--clock lockstep --bench 2");
-  Session other(options());
-  ASSERT_TRUE(other.find_bench(2));
-  const auto lost = sut->step(3);
-  EXPECT_EQ(lost.outcome().kind(), OutcomeKind::lost);
-  EXPECT_THAT(lost.outcome().message(), HasSubstr("bench 2 restarted"));
-  EXPECT_EQ(sut->step(3).outcome().kind(), OutcomeKind::lost);
-  EXPECT_EQ(*other.step(2, 0), 0U);
-}
-
-/// Another program that joins the clock of a bench, and then does nothing.
-class IdleStepper {
- public:
-  explicit IdleStepper(std::uint32_t bench)
-      : process_(VDRIVE_IDLE_STEPPER, {std::to_string(test::test_domain()), std::to_string(bench)}),
-        session_(process_.read_line()) {}
-
-  /// Its session as messages write it; empty when it could not join.
-  [[nodiscard]] const std::string& session() const { return session_; }
-
-  void kill() const { process_.send(SIGKILL); }
-
- private:
-  test::Process process_;
-  std::string session_;
-};
-
-// Its participant is lost after its lease of 2 s, which removes it from the clock.
-TEST(StepClock, NamesAKilledProgramAndContinuesAfterItsRemovalFromTheClock) {
-  const RunningService first("--clock lockstep");
-  const RunningService second("--clock lockstep --bench 2");
-  Session session(options());
-  auto sut = StepClock::join(session, kBoth);
-  ASSERT_TRUE(sut) << sut.outcome().message();
-  const IdleStepper other(2);
-  ASSERT_THAT(other.session(), HasSubstr("0x"));
-  other.kill();
-  const auto late = sut->step(10, kSoon);
-  EXPECT_EQ(late.outcome().kind(), OutcomeKind::timed_out);
-  EXPECT_THAT(late.outcome().message(), HasSubstr("bench 2 waits for stepper " + other.session()));
-  const auto reached = sut->step(10, 20s);
-  ASSERT_TRUE(reached) << reached.outcome().message();
-  EXPECT_THAT(*reached, ElementsAre(10, 10));
 }
 
 class PausedBench : public testing::Test {
@@ -210,8 +152,8 @@ class PausedBench : public testing::Test {
     EXPECT_THAT(outcome.message(), HasSubstr("bench 1 is paused: rate 0"));
   }
 
-  RunningService service_{"--clock realtime"};
-  Session sut_{options()};
+  BenchOnWire bench_{"--clock realtime"};
+  Session sut_{options_on_wire()};
   std::optional<Axis> axis_;
 };
 
@@ -240,8 +182,8 @@ TEST_F(PausedBench, AnswersRequestsAndRunsAgainAtTheNextRate) {
 }
 
 TEST(RealtimeSession, FailsAMoveWhenTheBenchIsPaused) {
-  const RunningService service("--clock realtime");
-  Session sut(options());
+  const BenchOnWire bench("--clock realtime");
+  Session sut(options_on_wire());
   auto axis = sut.axis("1.1");
   ASSERT_TRUE(axis->enable());
   auto moving = std::async(std::launch::async, [&] {
@@ -259,105 +201,16 @@ TEST(RealtimeSession, FailsAMoveWhenTheBenchIsPaused) {
 }
 
 TEST(RealtimeSession, RefusesARateOutOfRange) {
-  const RunningService service("--clock realtime");
-  Session sut(options());
+  const BenchOnWire bench("--clock realtime");
+  Session sut(options_on_wire());
   EXPECT_EQ(sut.set_rate(1, 1'000.0).outcome().kind(), OutcomeKind::refused);
   EXPECT_EQ(sut.set_rate(1, -1.0).outcome().code(), 24U);
 }
 
 // Drive time runs a thousand times as fast as the wall clock: the deadline allows for that.
-/// A bench in real time whose tick number jumps over more than a second.
-class JumpingBench : public testing::Test {
- protected:
-  /// Freezes the service until it was silent for a second, then lets it continue.
-  void let_the_tick_jump() {
-    service_.freeze();
-    const auto end = std::chrono::steady_clock::now() + 20s;
-    while (age_of_samples() < 1s) ASSERT_LT(std::chrono::steady_clock::now(), end);
-    service_.thaw();
-  }
-
-  /// @return the numbers that a session shows at once, from the same sample.
-  [[nodiscard]] AxisSnapshot now(Session& session) {
-    return session.axis("1.1").value().status().value();
-  }
-
-  RunningService service_{"--axes 1"};
-  Session session_{options()};
-
- private:
-  /// A bench that is not present any more is older than that.
-  std::chrono::nanoseconds age_of_samples() {
-    const auto benches = session_.present_benches();
-    if (!benches.empty()) silent_since_ = std::chrono::steady_clock::now();
-    return std::chrono::steady_clock::now() - silent_since_;
-  }
-
-  std::chrono::steady_clock::time_point silent_since_ = std::chrono::steady_clock::now();
-};
-
-// Each call is given 2 s of drive time, and the number jumps over one of them.
-TEST_F(JumpingBench, UsesUpNoTimeOutOfACallThatWaits) {
-  auto follower = session_.follow({{1, 1}}, Pace::observe);
-  ASSERT_TRUE(follower);
-  const auto first = follower->next(20s);
-  ASSERT_TRUE(first);
-  Axis axis = session_.axis("1.1").value();
-  std::promise<std::uint64_t> has_begun;
-  std::uint64_t begin = 0;
-  AxisSnapshot last;
-  auto ended = std::async(std::launch::async, [&] {
-    return axis.wait_until(
-        [&](const AxisSnapshot& seen) {
-          if (std::exchange(begin, begin == 0 ? seen.tick : begin) == 0)
-            has_begun.set_value(seen.tick);
-          last = seen;
-          return false;
-        },
-        2s);
-  });
-  has_begun.get_future().wait();
-  let_the_tick_jump();
-  EXPECT_EQ(ended.get().outcome().kind(), OutcomeKind::timed_out);
-  EXPECT_GE(last.skipped, 500U);
-  EXPECT_GE(last.tick - begin, 2'000U + last.skipped - 10U);
-  EXPECT_GE(last.driven_tick() - begin, 1'990U);
-  std::uint64_t skipped = 0;
-  while (const auto sample = follower->next(0ms)) skipped += sample->skipped;
-  EXPECT_EQ(skipped, last.skipped) << "a follower counts the same";
-}
-
-TEST_F(JumpingBench, MakesAWaitAsLongAsItsDriveTime) {
-  const std::uint64_t begin = now(session_).tick;
-  auto follower = session_.follow({{1, 1}}, Pace::observe);
-  ASSERT_TRUE(follower && follower->next(20s));
-  auto reached = std::async(std::launch::async, [&] {
-    return session_.wait(1, 2s);
-  });
-  let_the_tick_jump();
-  const auto tick = reached.get();
-  ASSERT_TRUE(tick) << tick.outcome().message();
-  std::uint64_t skipped = 0;
-  while (const auto sample = follower->next(0ms)) skipped += sample->skipped;
-  EXPECT_GE(skipped, 500U);
-  EXPECT_GE(*tick, begin + 2'000U + skipped - 50U);
-}
-
-// A tick number that is awaited is reached by a jump over it.
-TEST_F(JumpingBench, ReachesATickNumberThatItJumpsOver) {
-  const std::uint64_t aim = now(session_).tick + 1'000;
-  auto reached = std::async(std::launch::async, [&] {
-    return session_.wait_for_tick(1, aim);
-  });
-  let_the_tick_jump();
-  const auto tick = reached.get();
-  ASSERT_TRUE(tick) << tick.outcome().message();
-  EXPECT_GE(*tick, aim);
-}
-
 TEST(FreerunSession, MovesAndWaits) {
-  const RunningService service("--clock freerun");
-  Session sut(options());
+  const BenchOnWire bench("--clock freerun");
+  Session sut(options_on_wire());
   auto axis = sut.axis("1.1");
   ASSERT_TRUE(axis) << axis.outcome().message();
   const CallOptions patient{.timeout = 24h};

@@ -234,22 +234,6 @@ TEST(OldMaster, ChangesNothingAfterARestartOfTheService) {
   EXPECT_EQ(statusword->objects()[0].value(), 0x250) << "after a restart axes are disabled";
 }
 
-TEST(LeavingMaster, CausesNoReactionAfterItReleasedItsAxis) {
-  const RunningService service("--clock realtime --axes 1");
-  Session observer(options());
-  Axis seen = *observer.axis("1.1");
-  {
-    Session leaving(options());
-    Axis axis = *leaving.axis("1.1");
-    ASSERT_TRUE(axis.enable());
-  }                                       // the end of a session releases what it has
-  ASSERT_TRUE(observer.wait(1, 1500ms));  // three times the watchdog's patience
-  const auto status = seen.status();
-  EXPECT_EQ(status->state(), PowerState::operation_enabled);
-  EXPECT_EQ(status->status.error_code, 0);
-  EXPECT_EQ(status->owner_session, 0U);
-}
-
 /// The changes of services that a session reports, in order.
 class News {
  public:
@@ -306,62 +290,6 @@ TEST(WatchedService, IsReportedLostWithin100MillisecondsAndFoundAgainWithin2Seco
   EXPECT_TRUE(in_time) << "reported late in five of five attempts";
   service->stop();
   EXPECT_TRUE(news.next(ServiceNews::went_offline));
-}
-
-TEST(SessionOptions, RefuseATooShortSilenceTime) {
-  SessionOptions hasty = options();
-  hasty.silence = 49ms;
-  EXPECT_THROW(Session{hasty}, std::runtime_error);
-}
-
-TEST(Abandon, StopsAllSendingSoThatTheBenchDetectsALostMaster) {
-  const RunningService service("--clock realtime");
-  Session other(options());
-  auto axis = other.axis("1.1");
-  ASSERT_TRUE(axis);
-  {
-    Session sut(options());
-    auto own = sut.axis("1.1");
-    ASSERT_TRUE(own);
-    ASSERT_TRUE(own->enable());
-    sut.abandon();
-    EXPECT_FALSE(own->halt());
-    EXPECT_FALSE(own->acquire());
-    const auto fault = axis->wait_until(in_fault, 10s);
-    ASSERT_TRUE(fault) << fault.outcome().message();
-    EXPECT_EQ(fault->status.error_code, 0x8130);
-  }
-  EXPECT_TRUE(axis->reset_fault()) << "the bench took the axis from the session that was abandoned";
-}
-
-TEST(SessionAcquire, TakesAllAxesOrNone) {
-  const RunningService service("--clock lockstep");
-  Session owner(options());
-  Session sut(options());
-  ASSERT_TRUE(owner.axis("1.2")->acquire());
-  const std::array axes{AxisId{1, 1}, AxisId{1, 2}};
-  const Outcome refused = sut.acquire(axes);
-  EXPECT_EQ(refused.kind(), OutcomeKind::refused);
-  EXPECT_EQ(refused.code(), 0x08000021U) << refused.message();
-  EXPECT_EQ(sut.axis("1.1")->status()->owner_session, 0U);
-  ASSERT_TRUE(owner.release(1));
-  ASSERT_TRUE(sut.acquire(axes));
-  for (const char* const name : {"1.1", "1.2"}) {
-    EXPECT_EQ(sut.axis(name)->status()->owner_session, sut.id()) << name;
-  }
-}
-
-TEST(SessionRelease, OfOneBenchKeepsTheAxesOfTheOtherBenches) {
-  const RunningService first("--clock lockstep --bench 1");
-  const RunningService second("--clock lockstep --bench 2");
-  Session sut(options());
-  ASSERT_TRUE(sut.axis("1.1")->acquire());
-  ASSERT_TRUE(sut.axis("2.1")->acquire());
-  EXPECT_TRUE(sut.release(3)) << "of a bench that it has nothing of";
-  ASSERT_TRUE(sut.release(1));
-  EXPECT_EQ(sut.axis("1.1")->status()->owner_session, 0U);
-  EXPECT_EQ(sut.axis("2.1")->status()->owner_session, sut.id());
-  EXPECT_TRUE(sut.axis("1.1")->acquire()) << "it can be taken again";
 }
 
 }  // namespace

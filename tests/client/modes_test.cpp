@@ -1,27 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // Axis::home, run_at, apply_torque and jog; a stream of one axis; Session::on_status.
 #include "client/objects.hpp"
-#include "client/session_options.hpp"
-#include "support/test_domain.hpp"
-#include "tool/process.hpp"
+#include "client/reports.hpp"
+#include "support/bench_on_wire.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/client.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cstdint>
-#include <cstdlib>
-#include <mutex>
-#include <thread>
 #include <vector>
 
 namespace vdrive::client {
 namespace {
 
 using namespace std::chrono_literals;
-using test::options;
+using test::options_on_wire;
 using testing::AllOf;
 using testing::HasSubstr;
 
@@ -43,10 +38,10 @@ class Modes : public testing::Test {
   [[nodiscard]] AxisSnapshot now() const { return axis_.status().value(); }
 
  private:
-  test::RunningService service_{"--clock lockstep"};
+  test::BenchOnWire bench_{"--clock lockstep"};
 
  protected:
-  Session session_{options()};
+  Session session_{options_on_wire()};
   Axis axis_ = *session_.axis("1.1");
 };
 
@@ -210,7 +205,7 @@ TEST_F(Modes, JogStopsAfterAnInterrupt) {
     return true;
   });
   EXPECT_TRUE(jogged) << jogged.message();
-  Session other(options());
+  Session other(options_on_wire());
   const auto status = other.axis("1.1")->status();
   ASSERT_TRUE(status);
   EXPECT_EQ(status->status.velocity_demand_value, 0);
@@ -221,7 +216,7 @@ TEST_F(Modes, JogStopsAfterAnInterrupt) {
 TEST_F(Modes, JogWhoseLastCommandIsRefusedStopsItsAxisByAQuickStop) {
   const Outcome jogged = axis_.jog(10'000, [&](const AxisSnapshot& axis) {
     if (axis.status.velocity_demand_value == 10'000) {
-      Session other(options());
+      Session other(options_on_wire());
       EXPECT_TRUE(other.axis("1.1").value().take_over());
     }
     return true;  // nobody lets go
@@ -235,7 +230,7 @@ TEST_F(Modes, JogWhoseLastCommandIsRefusedStopsItsAxisByAQuickStop) {
 
 // A program that takes an axis over and ends without a command leaves it running, too.
 TEST_F(Modes, JogStopsAnAxisThatAnotherSessionHasTakenAndNotCommanded) {
-  Session other(options());
+  Session other(options_on_wire());
   const Outcome jogged = axis_.jog(10'000, [&](const AxisSnapshot& axis) {
     if (axis.status.velocity_demand_value == 10'000) {
       EXPECT_TRUE(other.axis("1.1").value().take_over());
@@ -249,7 +244,7 @@ TEST_F(Modes, JogStopsAnAxisThatAnotherSessionHasTakenAndNotCommanded) {
 }
 
 TEST_F(Modes, JogLeavesAnAxisThatAnotherSessionCommandsToThatSession) {
-  Session other(options());
+  Session other(options_on_wire());
   const Outcome jogged = axis_.jog(10'000, [&](const AxisSnapshot& axis) {
     if (axis.status.velocity_demand_value == 10'000) {
       Axis taken = other.axis("1.1").value();
@@ -281,7 +276,7 @@ class EndOfAProgram : public testing::Test {
   /// A program of its own, whose axis is enabled.
   template <typename Call>
   std::uint64_t run(const Call& call) {
-    Session session(options());
+    Session session(options_on_wire());
     Axis axis = session.axis("1.1").value();
     EXPECT_TRUE(axis.enable());
     call(session, axis);
@@ -300,8 +295,8 @@ class EndOfAProgram : public testing::Test {
     EXPECT_EQ(now().status.velocity_demand_value, 0);
   }
 
-  test::RunningService service_{"--clock lockstep"};
-  Session watcher_{options()};
+  test::BenchOnWire bench_{"--clock lockstep"};
+  Session watcher_{options_on_wire()};
   Axis axis_ = watcher_.axis("1.1").value();
 };
 
@@ -397,29 +392,6 @@ TEST_F(EndOfAProgram, GivesAnAxisBackThatHasReachedTheVelocityItWasToKeep) {
   EXPECT_EQ(now().status.velocity_demand_value, 5'000);
 }
 
-// The service freezes during the jog, and the program ends before it continues.
-TEST(EndOfAJog, OfALostBenchLeavesTheAxisToTheWatchdog) {
-  const test::RunningService service("");
-  {
-    Session session(options());
-    Axis axis = session.axis("1.1").value();
-    ASSERT_TRUE(axis.enable());
-    const Outcome lost = axis.jog(10'000, [&](const AxisSnapshot& seen) {
-      if (seen.status.velocity_demand_value == 10'000) service.freeze();
-      return true;
-    });
-    EXPECT_EQ(lost.kind(), OutcomeKind::lost) << lost.message();
-  }
-  service.thaw();
-  Session watcher(options());
-  const auto stopped = watcher.axis("1.1").value().wait_until(
-      [](const AxisSnapshot& seen) {
-        return seen.state() == PowerState::fault && seen.status.velocity_demand_value == 0;
-      },
-      20s);
-  EXPECT_TRUE(stopped) << stopped.outcome().message();
-}
-
 TEST_F(Modes, JogEndsWithTheFaultThatStopsTheAxis) {
   int ticks = 0;
   const Outcome failed = axis_.jog(10'000, [&](const AxisSnapshot&) {
@@ -446,35 +418,10 @@ TEST_F(Modes, AGroupOfOneStreamsAnAxis) {
   EXPECT_TRUE(group->stop_streaming());
 }
 
-/// The reports that a program with its own loop keeps.
-struct Reports {
-  std::mutex mutex;
-  std::vector<Observation> seen;  ///< guarded by the mutex
-
-  [[nodiscard]] std::size_t count() {
-    const std::scoped_lock lock(mutex);
-    return seen.size();
-  }
-
-  /// @return whether that many arrive within 20 s.
-  bool wait_for(std::size_t many) {
-    const auto deadline = std::chrono::steady_clock::now() + 20s;
-    while (count() < many && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
-    return count() >= many;
-  }
-
-  [[nodiscard]] std::function<void(const Observation&)> keeper() {
-    return [this](const Observation& observation) {
-      const std::scoped_lock lock(mutex);
-      seen.push_back(observation);
-    };
-  }
-};
-
 TEST(OnStatus, ReportsNewerTicksOfTheAxesUntilItIsEnded) {
-  const test::RunningService service("");
-  Session session(options());
-  Reports reports;
+  const test::BenchOnWire bench("");
+  Session session(options_on_wire());
+  test::Reports reports;
   const std::vector<AxisId> axes{{1, 2}, {1, 1}};
   ASSERT_TRUE(session.on_status(axes, 20ms, reports.keeper()));
   ASSERT_TRUE(reports.wait_for(5));
@@ -491,23 +438,9 @@ TEST(OnStatus, ReportsNewerTicksOfTheAxesUntilItIsEnded) {
   EXPECT_EQ(reports.count(), count) << "nothing comes after its end";
 }
 
-TEST(OnStatus, ContinuesAfterARestartOfTheService) {
-  test::RunningService service("");
-  Session session(options());
-  Reports reports;
-  const std::vector<AxisId> axes{{1, 1}};
-  ASSERT_TRUE(session.on_status(axes, 5ms, reports.keeper()));
-  ASSERT_TRUE(reports.wait_for(3));
-  service.kill();
-  const std::size_t before = reports.count();
-  const test::RunningService again("");
-  // At most one report of the first run may still have been on its way.
-  EXPECT_TRUE(reports.wait_for(before + 5));
-}
-
 TEST(OnStatus, OfAMissingAxisIsNotFound) {
-  const test::RunningService service("");
-  Session session(options());
+  const test::BenchOnWire bench("");
+  Session session(options_on_wire());
   const std::vector<AxisId> axes{{1, 1}, {1, 9}};
   EXPECT_EQ(session.on_status(axes, 20ms, [](const Observation&) {}).kind(),
             OutcomeKind::not_found);
@@ -523,10 +456,10 @@ class CommandEach : public testing::Test {
   [[nodiscard]] std::uint64_t tick() const { return axes_.front().status()->tick; }
 
  private:
-  test::RunningService service_{"--clock lockstep --axes 3"};
+  test::BenchOnWire bench_{"--clock lockstep --axes 3"};
 
  protected:
-  Session session_{options()};
+  Session session_{options_on_wire()};
   std::vector<Axis> axes_ = *session_.axes(1);
 };
 
@@ -549,7 +482,7 @@ TEST_F(CommandEach, TakesTheSameTicksForManyAxesAsForOne) {
 TEST_F(CommandEach, GivesEveryAxisAnOutcomeOfItsOwn) {
   ASSERT_TRUE(axes_[1].disturb(Disturbance::over_current));
   ASSERT_TRUE(session_.step(1, 2));
-  Session other(options());
+  Session other(options_on_wire());
   ASSERT_TRUE(other.axis("1.3")->enable());
   const std::vector<Outcome> outcomes = command(EachCommand::enable);
   ASSERT_EQ(outcomes.size(), 3U);

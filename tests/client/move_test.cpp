@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Axis::move_to and move_by: parameters for one move, impossible moves, software limits.
 #include "client/objects.hpp"
-#include "client/session_options.hpp"
-#include "tool/process.hpp"
+#include "support/bench_on_wire.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
@@ -17,7 +16,7 @@ namespace vdrive::client {
 namespace {
 
 using namespace std::chrono_literals;
-using test::options;
+using test::options_on_wire;
 using testing::AllOf;
 using testing::HasSubstr;
 
@@ -60,10 +59,10 @@ class Move : public testing::Test {
   }
 
  private:
-  test::RunningService service_{"--clock lockstep"};
+  test::BenchOnWire bench_{"--clock lockstep"};
 
  protected:
-  Session session_{options()};
+  Session session_{options_on_wire()};
   Axis axis_ = *session_.axis("1.1");
 };
 

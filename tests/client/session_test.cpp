@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Session and Axis against the real service.
+// Session and Axis.
 #include "vdrive/client/session.hpp"
 
 #include "client/objects.hpp"
 #include "client/session_options.hpp"
-#include "tool/process.hpp"
+#include "support/bench_on_wire.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/object_table.hpp"
@@ -24,132 +24,14 @@ namespace vdrive::client {
 namespace {
 
 using namespace std::chrono_literals;
-using test::options;
+using test::BenchOnWire;
+using test::options_on_wire;
 using test::patient;
-using test::RunningService;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::SizeIs;
-
-SessionOptions hasty() {
-  SessionOptions hasty = options();
-  hasty.find_timeout = 300ms;
-  return hasty;
-}
 
 MoveOptions slow() {
   return {.velocity = 1000, .acceleration = 6000, .deceleration = 6000, .queue = false, .call = {}};
-}
-
-TEST(Discovery, FindsNoBenchWithinItsTime) {
-  Session sut(hasty());
-  EXPECT_THAT(sut.find_benches(), IsEmpty());
-  EXPECT_THAT(sut.no_bench_found().message(), HasSubstr("seen: no other participant"));
-  const auto axis = sut.axis("1.1");
-  EXPECT_EQ(axis.outcome().kind(), OutcomeKind::not_found);
-  EXPECT_THAT(axis.outcome().message(), HasSubstr("1.1"));
-  EXPECT_THAT(axis.outcome().message(), HasSubstr("no bench was found"));
-}
-
-/// A participant of a service, without a bench until it gets SIGUSR1.
-class MuteService {
- public:
-  MuteService()
-      : process_(VDRIVE_WIRE_DOUBLE,
-                 {std::to_string(test::test_domain()), "1000", "0", "vdrived 1"}) {
-    EXPECT_EQ(process_.read_line(), "ready");
-  }
-
-  void describe() const { process_.send(SIGUSR1); }
-
- private:
-  test::Process process_;
-};
-
-TEST(Discovery, WaitsForAServiceThatHasAnnouncedItself) {
-  const MuteService service;
-  SessionOptions brief = options();
-  brief.find_timeout = 2s;
-  Session sut(brief);
-  auto found = std::async(std::launch::async, [&] {
-    return sut.find_bench(1);
-  });
-  EXPECT_EQ(found.wait_for(brief.find_timeout + 500ms), std::future_status::timeout);
-  service.describe();
-  const auto bench = found.get();
-  EXPECT_TRUE(bench) << bench.outcome().message();
-}
-
-TEST(Discovery, SaysWhatItSawWhenNoBenchIsFound) {
-  const MuteService service;
-  SessionOptions brief = options();
-  brief.find_timeout = 1s;
-  Session sut(brief);
-  const auto seen =
-      HasSubstr("seen: 1 other participant, 1 service that has not described its bench");
-  EXPECT_THAT(sut.find_bench().outcome().message(), seen);
-  EXPECT_THAT(sut.no_bench_found().message(), seen);
-  EXPECT_THAT(sut.find_bench(1).outcome().message(), seen);
-  EXPECT_THAT(sut.axis("some").outcome().message(), seen);
-  EXPECT_THAT(sut.find_bench(2).outcome().message(), HasSubstr("seen: 1 other participant"));
-}
-
-TEST(Discovery, RefusesADomainOutOfRange) {
-  SessionOptions wrong;
-  wrong.domain = 233;
-  EXPECT_THROW(Session{wrong}, std::runtime_error);
-}
-
-TEST(Discovery, FindsBenchesAxesAndNames) {
-  const RunningService first("--clock lockstep");
-  const RunningService second("--clock realtime --bench 7 --axes 3");
-  Session sut(options());
-  const auto deadline = std::chrono::steady_clock::now() + 10s;
-  auto benches = sut.find_benches();
-  while (benches.size() < 2 && std::chrono::steady_clock::now() < deadline) {
-    benches = sut.find_benches();
-  }
-  ASSERT_THAT(benches, SizeIs(2));
-  EXPECT_EQ(benches[0].clock_mode, ClockMode::lockstep);
-  EXPECT_EQ(benches[1].number, 7U);
-  EXPECT_THAT(benches[1].axes, SizeIs(3));
-  EXPECT_EQ(sut.axis("7.3")->id(), (AxisId{7, 3}));
-  const std::string name = benches[0].axes[0].name;
-  EXPECT_EQ(sut.axis(name).outcome().message(), "") << name;
-  EXPECT_THAT(sut.axis("7.4").outcome().message(), HasSubstr("bench 7"));
-  EXPECT_EQ(sut.axis("nobody").outcome().kind(), OutcomeKind::not_found);
-  EXPECT_EQ(sut.find_bench().outcome().kind(), OutcomeKind::not_found) << "several are there";
-  EXPECT_TRUE(sut.find_bench(7));
-}
-
-// A search for further benches takes 150 ms.
-TEST(Discovery, FindsANameAsSoonAsItsBenchAnswers) {
-  const RunningService service("--clock lockstep");
-  std::string name;
-  {
-    Session known(options());
-    name = known.find_bench()->axes[0].name;
-  }
-  const auto deadline = std::chrono::steady_clock::now() + 30s;
-  auto shortest = std::chrono::steady_clock::duration::max();
-  while (shortest >= 150ms) {  // the machine may be busy
-    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
-    Session sut(options());
-    const auto begin = std::chrono::steady_clock::now();
-    ASSERT_TRUE(sut.axis(name));
-    shortest = std::min(shortest, std::chrono::steady_clock::now() - begin);
-  }
-}
-
-TEST(Discovery, DropsAKilledServiceFromTheList) {
-  RunningService service("--clock lockstep");
-  SessionOptions patient = options();
-  patient.find_timeout = 3s;
-  Session sut(patient);
-  ASSERT_THAT(sut.find_benches(), SizeIs(1));
-  service.kill();
-  const auto gone = std::chrono::steady_clock::now() + 10s;
-  while (!sut.find_benches().empty()) ASSERT_LT(std::chrono::steady_clock::now(), gone);
 }
 
 class LockStep : public testing::Test {
@@ -160,8 +42,8 @@ class LockStep : public testing::Test {
     axis_.emplace(*found);
   }
 
-  RunningService service_{"--clock lockstep"};
-  Session sut_{options()};
+  BenchOnWire bench_{"--clock lockstep"};
+  Session sut_{options_on_wire()};
   std::optional<Axis> axis_;
 };
 
@@ -336,10 +218,10 @@ TEST_F(LockStep, SendsNoSetPointWithMoreObjectsThanAFrameCarries) {
 }
 
 TEST_F(LockStep, HoldsItsAxisExclusivelyAndReleasesItAtTheEnd) {
-  Session other(options());
+  Session other(options_on_wire());
   auto theirs = other.axis("1.1");
   {
-    Session owner(options());
+    Session owner(options_on_wire());
     auto ours = owner.axis("1.1");
     ASSERT_TRUE(ours->enable());
     EXPECT_EQ(theirs->status()->owner_session, owner.id());
@@ -367,9 +249,9 @@ class AxisOfAnotherSession : public testing::Test {
     ASSERT_TRUE(sut_.step(1, 500));
   }
 
-  RunningService service_{patient("--clock lockstep --axes 2")};
-  Session sut_{options()};
-  Session owner_{options()};
+  BenchOnWire bench_{patient("--clock lockstep --axes 2")};
+  Session sut_{options_on_wire()};
+  Session owner_{options_on_wire()};
   std::optional<Axis> axis_;
   std::optional<Axis> theirs_;
 };
@@ -552,7 +434,7 @@ TEST_F(LockStep, AllowsStopsAfterAnInterrupt) {
 TEST_F(LockStep, AnAxisObjectCommandsNothingAfterItsSessionEnded) {
   std::optional<Axis> left;
   {
-    Session ended(options());
+    Session ended(options_on_wire());
     left.emplace(*ended.axis("1.2"));
     ASSERT_TRUE(left->enable());
   }
@@ -577,7 +459,7 @@ TEST_F(LockStep, ObservesSeveralAxesInOneCall) {
 TEST_F(LockStep, ReceivesStatusWhileAnotherSessionSteps) {
   auto follower = sut_.follow({{1, 1}}, Pace::observe);
   ASSERT_TRUE(follower);
-  Session stepper(options());
+  Session stepper(options_on_wire());
   // Matching takes some time: step until a sample arrives, then none may be missing.
   Result<Observation> sample = Outcome::timed_out("");
   const auto deadline = std::chrono::steady_clock::now() + 10s;
@@ -623,41 +505,9 @@ TEST_F(LockStep, AnInterruptEndsAWaitingCall) {
   EXPECT_EQ(moving.get().kind(), OutcomeKind::failed);
 }
 
-TEST(LostService, EndsAWaitingCall) {
-  RunningService service("--clock realtime");
-  Session sut(test::options_of_a_loss());
-  auto axis = sut.axis("1.1");
-  ASSERT_TRUE(axis->enable());
-  auto moving = std::async(std::launch::async, [&] {
-    MoveOptions move = slow();
-    move.velocity = 1;
-    return axis->move_to(1'000'000, move);
-  });
-  ASSERT_TRUE(axis->wait_until(
-      [](const AxisSnapshot& seen) {
-        return seen.status.velocity_demand_value != 0;
-      },
-      20s));
-  service.kill();
-  EXPECT_EQ(moving.get().kind(), OutcomeKind::lost);
-}
-
-TEST(RestartedService, IsADifferentServiceToTheSession) {
-  auto service = std::make_unique<RunningService>("--clock lockstep");
-  Session sut(options());
-  auto axis = sut.axis("1.1");
-  ASSERT_TRUE(axis->enable());
-  service->stop();
-  service = std::make_unique<RunningService>("--clock lockstep");
-  const auto status = axis->status();
-  ASSERT_TRUE(status) << status.outcome().message();
-  EXPECT_EQ(status->state(), PowerState::switch_on_disabled);
-  EXPECT_TRUE(axis->enable()) << "control is taken anew";
-}
-
 TEST(RealtimeSession, MovesHaltsAndKeepsControlOfItsAxis) {
-  const RunningService service("--clock realtime");
-  Session sut(options());
+  const BenchOnWire bench("--clock realtime");
+  Session sut(options_on_wire());
   auto axis = sut.axis("1.1");
   ASSERT_TRUE(axis) << axis.outcome().message();
   ASSERT_TRUE(axis->enable());
@@ -672,9 +522,9 @@ TEST(RealtimeSession, MovesHaltsAndKeepsControlOfItsAxis) {
 }
 
 TEST(RealtimeSession, AMoveFailsWhenAnotherSessionHaltsTheAxis) {
-  const RunningService service(patient("--clock realtime --axes 2"));
-  Session owner(options());
-  Session other(options());
+  const BenchOnWire bench(patient("--clock realtime --axes 2"));
+  Session owner(options_on_wire());
+  Session other(options_on_wire());
   auto ours = owner.axis("1.1");
   auto theirs = other.axis("1.1");
   ASSERT_TRUE(ours->enable());
@@ -695,8 +545,8 @@ TEST(RealtimeSession, AMoveFailsWhenAnotherSessionHaltsTheAxis) {
 }
 
 TEST(RealtimeSession, AnInterruptedMoveReportsThatTheAxisStillMoves) {
-  const RunningService service(patient("--clock realtime --axes 2"));
-  Session sut(options());
+  const BenchOnWire bench(patient("--clock realtime --axes 2"));
+  Session sut(options_on_wire());
   auto axis = sut.axis("1.1");
   ASSERT_TRUE(axis->enable());
   auto moving = std::async(std::launch::async, [&] {
@@ -712,8 +562,8 @@ TEST(RealtimeSession, AnInterruptedMoveReportsThatTheAxisStillMoves) {
 }
 
 TEST(RealtimeSession, WithoutAutomaticKeepAliveLosesItsAxisWhenTheProgramSendsNothing) {
-  const RunningService service("--clock realtime");
-  SessionOptions streaming = options();
+  const BenchOnWire bench("--clock realtime");
+  SessionOptions streaming = options_on_wire();
   streaming.keep_alive = KeepAlive::user_frames;
   Session sut(streaming);
   auto axis = sut.axis("1.1");
@@ -730,8 +580,8 @@ TEST(RealtimeSession, WithoutAutomaticKeepAliveLosesItsAxisWhenTheProgramSendsNo
 }
 
 TEST(RealtimeSession, ReachesATargetWhereTheAxisAlreadyIs) {
-  const RunningService service("--clock realtime");
-  Session sut(options());
+  const BenchOnWire bench("--clock realtime");
+  Session sut(options_on_wire());
   auto axis = sut.axis("1.1");
   ASSERT_TRUE(axis->enable());
   ASSERT_TRUE(axis->move_to(300));

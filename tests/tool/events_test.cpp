@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// `vdrive events`: the history of a bench, then new events.
-#include "tool/process.hpp"
+// `vdrive events`: the history of a bench.
+#include "support/bench_on_wire.hpp"
+#include "tool/call.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <csignal>
 #include <string>
 
 namespace vdrive::test {
@@ -22,24 +22,24 @@ using Json = nlohmann::ordered_json;
 
 class Events : public testing::Test {
  protected:
-  Events() { EXPECT_EQ(tool("run -", "enable 1.1\ndisturb 1.1 over_current\nwait 5ms\n").code, 0); }
+  Events() { EXPECT_EQ(call("run -", "enable 1.1\ndisturb 1.1 over_current\nwait 5ms\n").code, 0); }
 
-  RunningService service_{"--clock lockstep"};
+  BenchOnWire bench_{"--clock lockstep"};
 };
 
 // 2310h: continuous over current.
 TEST_F(Events, AreShownFromTheHistoryOfTheBench) {
-  const Finished finished = tool("events");
+  const Finished finished = call("events");
   EXPECT_EQ(finished.code, 0) << finished.errors;
   EXPECT_THAT(finished.output, AllOf(HasSubstr("  1.1  Operation enabled\n"),
                                      HasSubstr("  1.1  fault 0x"), HasSubstr("controlled by")));
-  EXPECT_THAT(tool("events 1.2").output, Not(HasSubstr("1.1")));
-  EXPECT_THAT(tool("events x").output, HasSubstr("fault"));
-  EXPECT_THAT(tool("events 1").output, HasSubstr("fault"));
+  EXPECT_THAT(call("events 1.2").output, Not(HasSubstr("1.1")));
+  EXPECT_THAT(call("events x").output, HasSubstr("fault"));
+  EXPECT_THAT(call("events 1").output, HasSubstr("fault"));
 }
 
 TEST_F(Events, AreJsonAsDocumented) {
-  const Finished finished = tool("events x --json");
+  const Finished finished = call("events x --json");
   ASSERT_EQ(finished.code, 0) << finished.errors;
   ASSERT_THAT(finished.lines(), Not(IsEmpty()));
   const Json event = Json::parse(finished.lines().front());
@@ -50,28 +50,9 @@ TEST_F(Events, AreJsonAsDocumented) {
   EXPECT_EQ(event["axis"], "1.1");
 }
 
-TEST_F(Events, AreFollowedAsTheyArrive) {
-  Process events(VDRIVE_TOOL, tool_arguments("events x --follow"));
-  std::string line;
-  do {
-    line = events.read_line();
-  } while (!line.empty() && line.find("fault 0x") == std::string::npos);
-  EXPECT_EQ(tool("run -", "disturb 1.1 none\nreset 1.1\n").code, 0);
-  do {
-    line = events.read_line();
-  } while (!line.empty() && line.find(" reset") == std::string::npos);
-  EXPECT_THAT(line, HasSubstr("fault 0x"));
-  events.send(SIGINT);
-  EXPECT_EQ(events.wait().code, 130);
-}
-
 TEST_F(Events, OfAMissingBenchOrAxisAreNotFound) {
-  EXPECT_EQ(tool("events 7 --timeout 0.2").code, 3);
-  EXPECT_EQ(tool("events 1.7").code, 3);
-}
-
-TEST(EventsWithoutABench, AreNotFound) {
-  EXPECT_EQ(tool("events --timeout 0.2").code, 3);
+  EXPECT_EQ(call("events 7 --timeout 0.2").code, 3);
+  EXPECT_EQ(call("events 1.7").code, 3);
 }
 
 }  // namespace

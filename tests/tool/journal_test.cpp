@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Journals and snapshots of the real service, commanded by the real tool.
+// Journals of the real service, commanded by the real tool.
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 
@@ -146,41 +146,6 @@ TEST(JournalOfTheService, IsRefusedForAnUnwritableFile) {
     EXPECT_THAT(finished.errors, HasSubstr(file));
   }
   EXPECT_EQ(Process(VDRIVE_SERVICE, {"--replay", "/nonexistent/journal"}).wait().code, 2);
-}
-
-TEST(SnapshotByTool, MakesABranchWithTheSameResult) {
-  const RunningService service("--clock lockstep");
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  EXPECT_EQ(tool("snapshot take").output, "bench 1 snapshot 1\n");
-  const auto branch = [](const std::string& move) {
-    EXPECT_EQ(tool("snapshot restore 1").code, 0);
-    EXPECT_EQ(tool(move).code, 0);
-    std::string status = tool("read 1.1 0x6064 0x6062 0x3572 0x6077 0x606C 0x6041").output;
-    return status;
-  };
-  const std::string first = branch("move 1.1 70 --velocity 1000");
-  EXPECT_NE(branch("move 1.1 -30 --velocity 1000"), first);
-  EXPECT_EQ(branch("move 1.1 70 --velocity 1000"), first);
-  EXPECT_EQ(tool("snapshot drop 1 --json").output,
-            "{\"bench\":1,\"action\":\"drop\",\"snapshot\":1}\n");
-  const Finished gone = tool("snapshot restore 1");
-  EXPECT_EQ(gone.code, 5);
-  EXPECT_THAT(gone.errors, HasSubstr("no such snapshot"));
-}
-
-TEST(SnapshotByTool, IsRefusedWhileTimePasses) {
-  const RunningService service("");
-  const Finished refused = tool("snapshot take");
-  EXPECT_EQ(refused.code, 5);
-  EXPECT_THAT(refused.errors, HasSubstr("only while time stands still"));
-}
-
-TEST(SnapshotByTool, WorksOnAPausedBench) {
-  const RunningService service("--rate 0");
-  EXPECT_EQ(tool("snapshot take").code, 0);
-  EXPECT_EQ(tool("write 1.1 profile_velocity 4321").code, 0);
-  EXPECT_EQ(tool("snapshot restore 1").code, 0);
-  EXPECT_THAT(tool("read 1.1 profile_velocity").output, Not(HasSubstr("4321")));
 }
 
 }  // namespace

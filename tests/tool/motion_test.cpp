@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// home, velocity, torque, jog and commands to several axes, against the real service.
+// home, velocity, torque, jog and commands to several axes.
+#include "support/bench_on_wire.hpp"
 #include "support/temporary_directory.hpp"
-#include "tool/process.hpp"
+#include "tool/call.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <chrono>
-#include <csignal>
 #include <fstream>
 #include <string>
 
@@ -23,47 +22,47 @@ using testing::SizeIs;
 using testing::StartsWith;
 
 std::string value_of(const std::string& axis, const std::string& object) {
-  return nlohmann::json::parse(tool("read " + axis + " " + object + " --json").output)["value"]
+  return nlohmann::json::parse(call("read " + axis + " " + object + " --json").output)["value"]
       .dump();
 }
 
 class MotionInLockStep : public testing::Test {
  protected:
-  RunningService service_{"--clock lockstep --axes 3"};
+  BenchOnWire bench_{"--clock lockstep --axes 3"};
 };
 
 TEST_F(MotionInLockStep, HomeSetsTheHomePositionAndReportsAHomingError) {
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  const Finished homed = tool("home 1.1 --method 37 --offset -90deg");
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  const Finished homed = call("home 1.1 --method 37 --offset -90deg");
   ASSERT_EQ(homed.code, 0) << homed.errors;
   EXPECT_THAT(homed.output, HasSubstr("homing attained"));
   EXPECT_EQ(value_of("1.1", "0x6062"), "-1024");
-  const Finished failed = tool("home 1.1 --method 0");
+  const Finished failed = call("home 1.1 --method 0");
   EXPECT_EQ(failed.code, 1);
   EXPECT_THAT(failed.errors, HasSubstr("homing error, bit 13, with homing_method (6098h) = 0"));
-  EXPECT_EQ(tool("home 1.2").code, 5) << "not enabled";
+  EXPECT_EQ(call("home 1.2").code, 5) << "not enabled";
 }
 
 // 180 deg/s are 2048 UU/s.
 TEST_F(MotionInLockStep, VelocityRunsUntilAVelocityOfZero) {
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  const Finished runs = tool("velocity 1.1 180deg/s");
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  const Finished runs = call("velocity 1.1 180deg/s");
   ASSERT_EQ(runs.code, 0) << runs.errors;
   EXPECT_EQ(value_of("1.1", "0x606B"), "2048");
-  ASSERT_EQ(tool("velocity 1.1 0").code, 0);
+  ASSERT_EQ(call("velocity 1.1 0").code, 0);
   EXPECT_EQ(value_of("1.1", "0x606B"), "0");
 }
 
 TEST_F(MotionInLockStep, TorqueIsAppliedInPercent) {
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  const Finished applied = tool("torque 1.1 3% --slope 1000");
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  const Finished applied = call("torque 1.1 3% --slope 1000");
   ASSERT_EQ(applied.code, 0) << applied.errors;
   EXPECT_EQ(value_of("1.1", "0x6074"), "30");
 }
 
 TEST_F(MotionInLockStep, JogForATimeStopsAfterIt) {
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  const Finished jogged = tool("jog 1.1 10000 --for 100ms --json");
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  const Finished jogged = call("jog 1.1 10000 --for 100ms --json");
   ASSERT_EQ(jogged.code, 0) << jogged.errors;
   EXPECT_EQ(value_of("1.1", "0x60FF"), "0");
   EXPECT_EQ(value_of("1.1", "0x606B"), "0");
@@ -71,15 +70,15 @@ TEST_F(MotionInLockStep, JogForATimeStopsAfterIt) {
 }
 
 TEST_F(MotionInLockStep, ALimitThatClampsIsReportedAtOnce) {
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  const Finished fast = tool("velocity 1.1 140000");
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  const Finished fast = call("velocity 1.1 140000");
   EXPECT_EQ(fast.code, 5);
   EXPECT_THAT(fast.errors, HasSubstr("is above app_speed_limit (607Fh) = 136533"));
-  const Finished strong = tool("torque 1.1 3001");
+  const Finished strong = call("torque 1.1 3001");
   EXPECT_EQ(strong.code, 5);
   EXPECT_THAT(strong.errors, HasSubstr("is above max_torque (6072h) = 3000"));
-  ASSERT_EQ(tool("disturb 1.1 positive_limit").code, 0);
-  const Finished moved = tool("move 1.1 1000");
+  ASSERT_EQ(call("disturb 1.1 positive_limit").code, 0);
+  const Finished moved = call("move 1.1 1000");
   EXPECT_EQ(moved.code, 1);
   EXPECT_THAT(moved.errors, HasSubstr("the positive limit switch (60FDh bit 1) has ended"));
 }
@@ -90,38 +89,38 @@ TEST_F(MotionInLockStep, TheCommandsAreAcceptedInAScenario) {
   std::ofstream(file) << "enable 1.*\nhome 1.1 --method 35\nvelocity 1.1 90deg/s\n"
                          "expect 1.1 velocity_demand_value 1024\nvelocity 1.1 0\n"
                          "jog 1.2 1000 --for 20ms\ntorque 1.3 10\n";
-  const Finished passed = tool("run " + file);
+  const Finished passed = call("run " + file);
   EXPECT_EQ(passed.code, 0) << passed.errors;
 }
 
 TEST_F(MotionInLockStep, OneCommandAcceptsSeveralAxes) {
-  const Finished some = tool("enable 1.1 axis3 1.1");
+  const Finished some = call("enable 1.1 axis3 1.1");
   ASSERT_EQ(some.code, 0) << some.errors;
   EXPECT_THAT(some.lines(), ElementsAre(StartsWith("1.1 "), StartsWith("axis3 ")));
-  const Finished rest = tool("enable 1.*");
+  const Finished rest = call("enable 1.*");
   ASSERT_EQ(rest.code, 0) << rest.errors;
   EXPECT_THAT(rest.lines(), SizeIs(3));
-  EXPECT_THAT(tool("quick-stop --all").lines(), SizeIs(3));
-  EXPECT_EQ(tool("status 1.axis2").code, 0);
+  EXPECT_THAT(call("quick-stop --all").lines(), SizeIs(3));
+  EXPECT_EQ(call("status 1.axis2").code, 0);
 }
 
 TEST_F(MotionInLockStep, AFailingAxisDoesNotPreventTheOthers) {
-  ASSERT_EQ(tool("disturb 1.2 over_current").code, 0);
-  ASSERT_EQ(tool("step 2").code, 0);
-  const Finished mixed = tool("enable 1.*");
+  ASSERT_EQ(call("disturb 1.2 over_current").code, 0);
+  ASSERT_EQ(call("step 2").code, 0);
+  const Finished mixed = call("enable 1.*");
   EXPECT_EQ(mixed.code, 5);
   EXPECT_THAT(mixed.errors, AllOf(HasSubstr("axis 1.2"), HasSubstr("vdrive reset 1.2")));
   EXPECT_THAT(mixed.lines(), ElementsAre(StartsWith("1.1 "), StartsWith("1.3 ")));
 }
 
 TEST(ManyAxes, TakeAsManyTicksAsOne) {
-  const RunningService service("--clock lockstep --axes 64");
+  const BenchOnWire bench("--clock lockstep --axes 64");
   const auto tick = [] {
-    return nlohmann::json::parse(tool("status 1.1 --json").output)["tick"].get<int>();
+    return nlohmann::json::parse(call("status 1.1 --json").output)["tick"].get<int>();
   };
   for (const char* const word : {"enable", "halt", "resume", "quick-stop --no-wait"}) {
     const int before = tick();
-    const Finished finished = tool(std::string(word) + " --all");
+    const Finished finished = call(std::string(word) + " --all");
     EXPECT_EQ(finished.code, 0) << word << ": " << finished.errors;
     EXPECT_THAT(finished.lines(), SizeIs(64)) << word;
     EXPECT_EQ(tick(), before + 1) << word;
@@ -129,57 +128,43 @@ TEST(ManyAxes, TakeAsManyTicksAsOne) {
 }
 
 TEST(ManyAxes, ReportTheLossOfTheirBenchOnce) {
-  const RunningService service("--rate 0 --axes 3");
-  const Finished paused = tool("enable --all");
+  const BenchOnWire bench("--rate 0 --axes 3");
+  const Finished paused = call("enable --all");
   EXPECT_EQ(paused.code, 1);
   EXPECT_THAT(paused.lines(), SizeIs(0));
   EXPECT_EQ(std::ranges::count(paused.errors, '\n'), 1) << paused.errors;
 }
 
 TEST_F(MotionInLockStep, StatusWithoutAnAxisShowsEveryAxisOnALine) {
-  const Finished status = tool("status");
+  const Finished status = call("status");
   ASSERT_EQ(status.code, 0) << status.errors;
   EXPECT_THAT(status.lines(), ElementsAre(AllOf(StartsWith("1.1 "), HasSubstr("axis1")),
                                           AllOf(StartsWith("1.2 "), HasSubstr("axis2")),
                                           AllOf(StartsWith("1.3 "), HasSubstr("axis3"))));
-  EXPECT_THAT(tool("status --json").lines(), SizeIs(3));
+  EXPECT_THAT(call("status --json").lines(), SizeIs(3));
 }
 
 TEST_F(MotionInLockStep, AnUnknownAxisNameGetsASuggestion) {
-  const Finished missing = tool("status 1.axs2");
+  const Finished missing = call("status 1.axs2");
   EXPECT_EQ(missing.code, 3);
   EXPECT_THAT(missing.errors, HasSubstr("did you mean 'axis2'?"));
-  EXPECT_EQ(tool("enable 9.* --timeout 0.2").code, 3);
-  EXPECT_THAT(tool("enable axis*").errors, HasSubstr("'7.*'"));
+  EXPECT_EQ(call("enable 9.* --timeout 0.2").code, 3);
+  EXPECT_THAT(call("enable axis*").errors, HasSubstr("'7.*'"));
 }
 
 TEST(SeveralBenches, CanShareTheNameOfAnAxis) {
-  const RunningService first("--clock lockstep --bench 1");
-  const RunningService second("--clock lockstep --bench 2");
-  const Finished one = tool("status 2.x");
+  const BenchOnWire first("--clock lockstep --bench 1");
+  const BenchOnWire second("--clock lockstep --bench 2");
+  const Finished one = call("status 2.x");
   ASSERT_EQ(one.code, 0) << one.errors;
   EXPECT_THAT(one.output, StartsWith("2.1 x"));
-  EXPECT_THAT(tool("enable --all").lines(), SizeIs(4));
-}
-
-TEST(Jog, StopsTheAxisOnCtrlC) {
-  const RunningService service("");
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  Process jog(VDRIVE_TOOL, tool_arguments("jog 1.1 10000 --for 60s"));
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (value_of("1.1", "0x606B") != "10000") {
-    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
-  }
-  jog.send(SIGINT);
-  EXPECT_EQ(jog.wait().code, 130);
-  EXPECT_EQ(value_of("1.1", "0x60FF"), "0");
-  EXPECT_EQ(value_of("1.1", "0x606B"), "0");
+  EXPECT_THAT(call("enable --all").lines(), SizeIs(4));
 }
 
 TEST(Jog, EndsAtTheEndOfStandardInput) {
-  const RunningService service("--clock lockstep");
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  const Finished jogged = tool("jog 1.1 10000", "\n");
+  const BenchOnWire bench("--clock lockstep");
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  const Finished jogged = call("jog 1.1 10000", "\n");
   EXPECT_EQ(jogged.code, 0) << jogged.errors;
   EXPECT_THAT(jogged.errors, HasSubstr("Enter or Ctrl-C stops the axis"));
   EXPECT_EQ(value_of("1.1", "0x60FF"), "0");

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// `vdrive shell`: from a pipe, and on a terminal.
+// `vdrive shell` from a pipe.
+#include "support/bench_on_wire.hpp"
 #include "support/temporary_directory.hpp"
-#include "support/test_domain.hpp"
-#include "tool/process.hpp"
-#include "tool/pseudo_terminal.hpp"
+#include "tool/call.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <fstream>
-#include <sstream>
 #include <string>
 
 namespace vdrive::test {
@@ -21,11 +18,11 @@ using testing::HasSubstr;
 
 class Shell : public testing::Test {
  protected:
-  RunningService service_{"--clock lockstep"};
+  BenchOnWire bench_{"--clock lockstep"};
 };
 
 TEST_F(Shell, ExecutesPipedLinesInOneSessionAndContinuesAfterErrors) {
-  const Finished finished = tool("shell",
+  const Finished finished = call("shell",
                                  "enable 1.1   # a comment\n"
                                  "\n"
                                  "move 1.1 100\n"
@@ -40,26 +37,19 @@ TEST_F(Shell, ExecutesPipedLinesInOneSessionAndContinuesAfterErrors) {
               AllOf(HasSubstr("did you mean 'enable'?"), HasSubstr("expected 5, actual 100")));
   EXPECT_THAT(finished.output, AllOf(HasSubstr("100 UU"), HasSubstr("\"value\":100")));
   EXPECT_EQ(finished.output.find("\"owner\":null"), std::string::npos) << "the session keeps it";
-  EXPECT_THAT(tool("status 1.1 --json").output,
+  EXPECT_THAT(call("status 1.1 --json").output,
               AllOf(HasSubstr("Operation enabled"), HasSubstr("\"owner\":null")));
 }
 
 TEST_F(Shell, AcceptsALastLineWithoutALineEnd) {
-  const Finished finished = tool("shell", "help\nread 1.1 position");
+  const Finished finished = call("shell", "help\nread 1.1 position");
   EXPECT_EQ(finished.code, 2) << "help is no command";
   EXPECT_THAT(finished.output, HasSubstr("1.1 position load_position_actual_value = 0"));
 }
 
-TEST_F(Shell, EndsAtOnceWhenItsStandardInputIsClosed) {
-  const std::string command =
-      std::string(VDRIVE_TOOL) + " --domain " + std::to_string(test_domain()) + " shell <&-";
-  const Finished finished = Process("/bin/sh", {"-c", "exec timeout 60 " + command}).wait();
-  EXPECT_EQ(finished.code, 0) << finished.errors;
-}
-
 TEST_F(Shell, RefusesALineBeyondTheLimitAndContinues) {
   const Finished finished =
-      tool("shell", "enable " + std::string(60'000, 'x') + "\nread 1.1 position\n");
+      call("shell", "enable " + std::string(60'000, 'x') + "\nread 1.1 position\n");
   EXPECT_EQ(finished.code, 2);
   EXPECT_THAT(finished.errors, HasSubstr("the line has more than 32768 bytes"));
   EXPECT_THAT(finished.output, HasSubstr("= 0"));
@@ -69,87 +59,7 @@ TEST_F(Shell, RunsAScenario) {
   const TemporaryDirectory directory;
   const std::string file = directory.path() / "a.scn";
   std::ofstream(file) << "enable 1.1\n";
-  EXPECT_THAT(tool("shell", "run " + file + "\n").output, HasSubstr("passed  " + file));
-}
-
-class ShellOnATerminal : public Shell {
- protected:
-  ShellOnATerminal()
-      : terminal_(24, 80, "shell", {"XDG_STATE_HOME=" + directory_.path().string()}) {}
-
-  bool shows(const std::string& text) {
-    return terminal_.wait_until([&](const Screen& /*screen*/) {
-      return terminal_.output().find(text) != std::string::npos;
-    });
-  }
-
-  /// Keys that are typed while a command runs are for the command.
-  bool shows_and_awaits_a_line(const std::string& text) {
-    return terminal_.wait_until([&](const Screen& /*screen*/) {
-      const std::size_t place = terminal_.output().rfind(text);
-      const std::size_t prompt = terminal_.output().rfind("vdrive> ");
-      return place != std::string::npos && prompt != std::string::npos && prompt > place;
-    });
-  }
-
-  TemporaryDirectory directory_;
-  PseudoTerminal terminal_;
-};
-
-TEST_F(ShellOnATerminal, CompletesWordsKeepsAHistoryAndDropsALineOnCtrlC) {
-  ASSERT_TRUE(shows("vdrive> "));
-  terminal_.type("ena\t1.1\n");
-  ASSERT_TRUE(shows_and_awaits_a_line("Operation enabled")) << terminal_.output();
-  terminal_.type("move 1.1 999999");
-  ASSERT_TRUE(shows("999999"));
-  terminal_.type("\x03");
-  ASSERT_TRUE(shows_and_awaits_a_line("^C")) << terminal_.output();
-  terminal_.type("read 1.1 profile_vel\t\n");
-  ASSERT_TRUE(shows_and_awaits_a_line("profile_velocity = ")) << terminal_.output();
-  terminal_.type("\x04");
-  EXPECT_EQ(terminal_.wait(), 0);
-  std::ifstream file(directory_.path() / "vdrive" / "history");
-  std::stringstream history;
-  history << file.rdbuf();
-  EXPECT_THAT(history.str(), HasSubstr("enable"));
-  EXPECT_THAT(tool("status 1.1").output, HasSubstr("demand 0")) << "the move was dropped";
-}
-
-TEST_F(ShellOnATerminal, ContinuesAfterAnInterruptedCommand) {
-  ASSERT_TRUE(shows("vdrive> "));
-  terminal_.type("enable 1.1\n");
-  ASSERT_TRUE(shows_and_awaits_a_line("Operation enabled")) << terminal_.output();
-  terminal_.type("move 1.1 1000000 --velocity 1 --timeout 3600000\n");
-  // The line is read, and the axis moves.
-  while (tool("status 1.1 --json").output.find("set-point acknowledge") == std::string::npos) {
-  }
-  terminal_.interrupt();
-  ASSERT_TRUE(shows_and_awaits_a_line("interrupted")) << terminal_.output();
-  terminal_.type("read 1.1 target_position\n");
-  ASSERT_TRUE(shows_and_awaits_a_line("position_user_target_value = 1000000"))
-      << terminal_.output();
-  terminal_.type("exit\n");
-  EXPECT_EQ(terminal_.wait(), 0);
-}
-
-// In lock-step the jog itself advances time. 13 is the code of the key.
-TEST(JogOnATerminal, StopsTheAxisOnEnter) {
-  const RunningService service("--clock lockstep");
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  PseudoTerminal jog(24, 80, "jog 1.1 10000");
-  const auto shows = [](const std::string& text) {
-    return tool("status 1.1 --json").output.find(text) != std::string::npos;
-  };
-  ASSERT_TRUE(jog.wait_until([&](const Screen& /*screen*/) {
-    return jog.output().find("Enter or Ctrl-C stops the axis") != std::string::npos;
-  })) << jog.output();
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!shows("\"velocity_demand_value\":10000,")) {
-    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
-  }
-  jog.type("\r");
-  EXPECT_EQ(jog.wait(), 0) << jog.output();
-  EXPECT_TRUE(shows("\"velocity_demand_value\":0,"));
+  EXPECT_THAT(call("shell", "run " + file + "\n").output, HasSubstr("passed  " + file));
 }
 
 }  // namespace

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program vdrive against the real service: exit codes, JSON, streams, signals.
-#include "support/test_domain.hpp"
-#include "tool/process.hpp"
+// The commands of vdrive: exit codes, JSON, streams.
+#include "support/bench_on_wire.hpp"
+#include "support/temporary_directory.hpp"
+#include "tool/call.hpp"
+#include "tool/json_lines.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <unistd.h>
-
-#include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <sstream>
 
 namespace vdrive::test {
@@ -26,60 +24,25 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::SizeIs;
 
-using Json = nlohmann::ordered_json;
-
-/// The output's lines, each of which has to be JSON.
-std::vector<Json> json_of(const Finished& finished) {
-  std::vector<Json> objects;
-  for (const std::string& line : finished.lines()) {
-    EXPECT_TRUE(Json::accept(line)) << line;
-    if (Json::accept(line)) objects.push_back(Json::parse(line));
-  }
-  return objects;
-}
-
-std::vector<std::string> keys(const Json& json) {
-  std::vector<std::string> names;
-  for (const auto& [key, value] : json.items()) names.push_back(key);
-  return names;
-}
-
-TEST(Tool, WithoutAServiceExitsThreeWithinTheTimeoutWithAnError) {
-  for (const char* const words :
-       {"list", "status 1.1", "read x 0x6041", "enable 1.1", "step 1", "watch 1.1"}) {
-    const Finished finished = tool(std::string(words) + " --timeout 0.2");
-    EXPECT_EQ(finished.code, 3) << words;
-    EXPECT_THAT(finished.output, IsEmpty()) << words;
-    EXPECT_THAT(finished.errors, HasSubstr("no ")) << words;
-    EXPECT_LT(finished.duration, 5s) << words;
-  }
-}
-
 TEST(Tool, ShowsTheDictionaryWithoutAService) {
-  EXPECT_THAT(tool("dictionary").output, HasSubstr("ds402_statusword"));
-  EXPECT_THAT(tool("dictionary --format csv --language zh").output, HasSubstr("402 状态字"));
-  EXPECT_FALSE(json_of(tool("dictionary --json")).empty());
+  EXPECT_THAT(call("dictionary").output, HasSubstr("ds402_statusword"));
+  EXPECT_THAT(call("dictionary --format csv --language zh").output, HasSubstr("402 状态字"));
+  EXPECT_FALSE(json_of(call("dictionary --json")).empty());
 }
 
 TEST(Tool, ExitsTwoOnAUsageErrorAndNamesIt) {
   for (const char* const words : {"", "dance", "move 1.1", "write 1.1 0x6060 300",
                                   "read 1.1 statuswort!", "run /no/such/file.scn"}) {
-    const Finished finished = tool(words);
+    const Finished finished = call(words);
     EXPECT_EQ(finished.code, 2) << words;
     EXPECT_THAT(finished.errors, HasSubstr("vdrive: ")) << words;
     EXPECT_THAT(finished.output, IsEmpty()) << words;
   }
 }
 
-TEST(Tool, TakesTheDomainFromTheEnvironment) {
-  const RunningService service("--clock lockstep");
-  setenv("VDRIVE_DOMAIN", std::to_string(test_domain()).c_str(), 1);  // NOLINT(*-mt-unsafe)
-  EXPECT_EQ(Process(VDRIVE_TOOL, {"list"}).wait().code, 0);
-}
-
 class ToolInLockStep : public testing::Test {
  protected:
-  RunningService service_{"--clock lockstep"};
+  BenchOnWire bench_{"--clock lockstep"};
 };
 
 TEST_F(ToolInLockStep, DrivesAnAxisFromEnableToDisable) {
@@ -88,14 +51,14 @@ TEST_F(ToolInLockStep, DrivesAnAxisFromEnableToDisable) {
         "move 1.1 5000 --velocity 1000 --no-wait", "step 100", "halt 1.1", "resume 1.1",
         "quick-stop 1.1", "enable 1.1", "disable 1.1", "disturb 1.1 over_current", "step 2",
         "disturb 1.1 none", "reset 1.1", "power-cycle 1.1", "watch 1.1 1.2 --count 1"}) {
-    const Finished finished = tool(words);
+    const Finished finished = call(words);
     EXPECT_EQ(finished.code, 0) << words << ": " << finished.errors;
     EXPECT_THAT(finished.output, Not(IsEmpty())) << words;
   }
 }
 
 TEST_F(ToolInLockStep, ReadPrintsTheDocumentedJson) {
-  const Finished finished = tool("read 1.1 0x6041 0x607D:1 --json");
+  const Finished finished = call("read 1.1 0x6041 0x607D:1 --json");
   ASSERT_EQ(finished.code, 0) << finished.errors;
   EXPECT_EQ(finished.output,
             R"({"axis":"1.1","index":"0x6041","subindex":0,"name":"ds402_statusword","value":592,)"
@@ -108,7 +71,7 @@ TEST_F(ToolInLockStep, ReadPrintsTheDocumentedJson) {
 
 TEST_F(ToolInLockStep, EveryCommandPrintsTheDocumentedJson) {
   const auto fields = [](const std::string& words) {
-    const auto objects = json_of(tool(words + " --json"));
+    const auto objects = json_of(call(words + " --json"));
     return objects.empty() ? std::vector<std::string>{} : keys(objects.front());
   };
   EXPECT_THAT(fields("list"), ElementsAre("axis", "bench", "bench_name", "clock", "period_us",
@@ -130,15 +93,15 @@ TEST_F(ToolInLockStep, EveryCommandPrintsTheDocumentedJson) {
 
 // Taken in ticks 0 and 7.
 TEST_F(ToolInLockStep, SnapshotListShowsTheKeptSnapshots) {
-  EXPECT_EQ(tool("snapshot list").output, "bench 1 keeps no snapshot\n");
-  ASSERT_EQ(tool("snapshot take").code, 0);
-  ASSERT_EQ(tool("step 7").code, 0);
-  ASSERT_EQ(tool("snapshot take").code, 0);
-  EXPECT_THAT(tool("snapshot list --bench 1").lines(),
+  EXPECT_EQ(call("snapshot list").output, "bench 1 keeps no snapshot\n");
+  ASSERT_EQ(call("snapshot take").code, 0);
+  ASSERT_EQ(call("step 7").code, 0);
+  ASSERT_EQ(call("snapshot take").code, 0);
+  EXPECT_THAT(call("snapshot list --bench 1").lines(),
               ElementsAre("bench 1 snapshot 1, taken at tick 0, 2 axes",
                           "bench 1 snapshot 2, taken at tick 7, 2 axes"));
-  ASSERT_EQ(tool("snapshot drop 1").code, 0);
-  EXPECT_THAT(tool("snapshot list --json").lines(),
+  ASSERT_EQ(call("snapshot drop 1").code, 0);
+  EXPECT_THAT(call("snapshot list --json").lines(),
               ElementsAre(R"({"bench":1,"action":"list","snapshot":2,"tick":7})"));
 }
 
@@ -153,11 +116,11 @@ TEST_F(ToolInLockStep, ARefusalExitsFiveWithItsCodeAndMeaning) {
         Row{"read 1.1 0x6041:7", "0x06090011"}, Row{"write 1.1 0x6041 0", "0x06010002"},
         Row{"write 1.1 0x60F2 3", "0x06090030"}, Row{"write 1.1 0x6080 0", "0x06090032"},
         Row{"move 1.1 100", "0x08000022"}, Row{"halt 1.1", "0x08000022"}}) {
-    const Finished text = tool(row.words);
+    const Finished text = call(row.words);
     EXPECT_EQ(text.code, 5) << row.words;
     EXPECT_THAT(text.errors, HasSubstr(row.code)) << row.words;
     EXPECT_THAT(text.output, IsEmpty()) << row.words;
-    const auto objects = json_of(tool(std::string(row.words) + " --json"));
+    const auto objects = json_of(call(std::string(row.words) + " --json"));
     ASSERT_THAT(objects, SizeIs(1)) << row.words;
     EXPECT_EQ(objects[0]["code"], row.code) << row.words;
     EXPECT_FALSE(objects[0]["message"].get<std::string>().empty()) << row.words;
@@ -165,7 +128,7 @@ TEST_F(ToolInLockStep, ARefusalExitsFiveWithItsCodeAndMeaning) {
 }
 
 TEST_F(ToolInLockStep, ReadPrintsEveryObjectEvenWhenOneIsRefused) {
-  const Finished finished = tool("read 1.1 0x6041 0x9999 no_such 0x6061 --json");
+  const Finished finished = call("read 1.1 0x6041 0x9999 no_such 0x6061 --json");
   EXPECT_EQ(finished.code, 5);
   const auto objects = json_of(finished);
   ASSERT_THAT(objects, SizeIs(4));
@@ -176,17 +139,17 @@ TEST_F(ToolInLockStep, ReadPrintsEveryObjectEvenWhenOneIsRefused) {
 }
 
 TEST_F(ToolInLockStep, AnUnknownAxisExitsThreeAndListsThePresentOnes) {
-  const Finished number = tool("status 1.9");
+  const Finished number = call("status 1.9");
   EXPECT_EQ(number.code, 3);
   EXPECT_THAT(number.errors, AllOf(HasSubstr("1.9"), HasSubstr("bench 1")));
-  const Finished name = tool("status nobody");
+  const Finished name = call("status nobody");
   EXPECT_EQ(name.code, 3);
   EXPECT_THAT(name.errors, AllOf(HasSubstr("nobody"), HasSubstr("bench 1")));
-  EXPECT_EQ(tool("status 2.1 --timeout 0.2").code, 3);
+  EXPECT_EQ(call("status 2.1 --timeout 0.2").code, 3);
 }
 
 TEST_F(ToolInLockStep, ANotFoundErrorIsOneJsonObject) {
-  const Finished finished = tool("status 1.9 --json");
+  const Finished finished = call("status 1.9 --json");
   EXPECT_EQ(finished.code, 3);
   const auto objects = json_of(finished);
   ASSERT_THAT(objects, SizeIs(1));
@@ -194,98 +157,98 @@ TEST_F(ToolInLockStep, ANotFoundErrorIsOneJsonObject) {
 }
 
 TEST_F(ToolInLockStep, ADirectoryIsRefusedAsAScenario) {
-  const Finished finished = tool("run .");
+  const Finished finished = call("run .");
   EXPECT_EQ(finished.code, 2);
   EXPECT_THAT(finished.errors, HasSubstr("cannot read '.'"));
 }
 
 TEST_F(ToolInLockStep, AMoveThatTakesTooLongExitsFour) {
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  const Finished finished = tool("move 1.1 100000 --velocity 10 --timeout 1");
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  const Finished finished = call("move 1.1 100000 --velocity 10 --timeout 1");
   EXPECT_EQ(finished.code, 4);
   EXPECT_THAT(finished.errors, HasSubstr("target reached"));
 }
 
 TEST_F(ToolInLockStep, AMoveEndedByAFaultExitsOne) {
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  ASSERT_EQ(tool("disturb 1.1 blocked_load").code, 0);
-  const Finished finished = tool("move 1.1 1000000");
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  ASSERT_EQ(call("disturb 1.1 blocked_load").code, 0);
+  const Finished finished = call("move 1.1 1000000");
   EXPECT_EQ(finished.code, 1);
   EXPECT_THAT(finished.errors, HasSubstr("0x8611"));
 }
 
 TEST_F(ToolInLockStep, AClampedMoveExitsOneAndLimitsWithoutEffectAreReported) {
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  EXPECT_THAT(tool("write 1.1 0x607D:2 1000").errors,
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  EXPECT_THAT(call("write 1.1 0x607D:2 1000").errors,
               HasSubstr("app_position_limit_switch (3535h)"));
-  EXPECT_EQ(tool("move 1.1 8000").code, 0) << "3535h is 0";
-  ASSERT_EQ(tool("move 1.1 0").code, 0);
-  EXPECT_THAT(tool("write 1.1 0x3535 1").errors, IsEmpty());
-  ASSERT_EQ(tool("step 1").code, 0);
-  const Finished cut = tool("move 1.1 8000");
+  EXPECT_EQ(call("move 1.1 8000").code, 0) << "3535h is 0";
+  ASSERT_EQ(call("move 1.1 0").code, 0);
+  EXPECT_THAT(call("write 1.1 0x3535 1").errors, IsEmpty());
+  ASSERT_EQ(call("step 1").code, 0);
+  const Finished cut = call("move 1.1 8000");
   EXPECT_EQ(cut.code, 1);
   EXPECT_THAT(cut.errors, HasSubstr("user_position_upper_limit (607Dh:2) = 1000"));
-  EXPECT_THAT(tool("write 1.1 0x607D:1 1000").errors,
+  EXPECT_THAT(call("write 1.1 0x607D:1 1000").errors,
               HasSubstr("607Dh:1) = 1000 is not below user_position_upper_limit (607Dh:2) = 1000"));
 }
 
 TEST_F(ToolInLockStep, AMoveWithoutSpeedIsRefusedAtOnce) {
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  const Finished refused = tool("move 1.1 1000 --velocity 0");
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  const Finished refused = call("move 1.1 1000 --velocity 0");
   EXPECT_EQ(refused.code, 5);
   EXPECT_THAT(refused.errors, HasSubstr("profile_velocity (6081h) is 0: the axis cannot move"));
-  EXPECT_EQ(tool("run -", "refused 0x08000022 move 1.1 1000 --acceleration 0\nmove 1.1 9\n").code,
+  EXPECT_EQ(call("run -", "refused 0x08000022 move 1.1 1000 --acceleration 0\nmove 1.1 9\n").code,
             0);
-  EXPECT_THAT(tool("move 1.1 0 --deceleration 9000 --no-wait").errors, HasSubstr("6084h"));
+  EXPECT_THAT(call("move 1.1 0 --deceleration 9000 --no-wait").errors, HasSubstr("6084h"));
 }
 
 TEST_F(ToolInLockStep, ADisturbanceForATimeIsClearedAfterIt) {
-  ASSERT_EQ(tool("disturb 1.1 load_torque -100 --for 20ms").code, 0);
-  const auto objects = json_of(tool("read 1.1 0x5E00 --json"));
+  ASSERT_EQ(call("disturb 1.1 load_torque -100 --for 20ms").code, 0);
+  const auto objects = json_of(call("read 1.1 0x5E00 --json"));
   EXPECT_EQ(objects.at(0)["value"], 0);
   EXPECT_EQ(objects.at(0)["tick"], 20);
 }
 
 TEST_F(ToolInLockStep, AStepNeedsABenchNumberWithTwoBenches) {
-  const RunningService other("--clock lockstep --bench 2");
-  const Finished finished = tool("step 1");
+  const BenchOnWire other("--clock lockstep --bench 2");
+  const Finished finished = call("step 1");
   EXPECT_EQ(finished.code, 3);
   EXPECT_THAT(finished.errors,
               AllOf(HasSubstr("bench 1"), HasSubstr("bench 2"), HasSubstr("step 1000 --bench 2")));
-  EXPECT_EQ(tool("step 1 --bench 2").code, 0);
-  EXPECT_THAT(tool("rate 1").errors, HasSubstr("rate 2 0.5"));
-  EXPECT_THAT(tool("record -").errors, HasSubstr("record out.csv 2.1 2.2"));
+  EXPECT_EQ(call("step 1 --bench 2").code, 0);
+  EXPECT_THAT(call("rate 1").errors, HasSubstr("rate 2 0.5"));
+  EXPECT_THAT(call("record -").errors, HasSubstr("record out.csv 2.1 2.2"));
 }
 
 TEST_F(ToolInLockStep, NamesAnAxisAsItWasTyped) {
-  EXPECT_THAT(tool("halt x").errors, HasSubstr("axis x (1.1) is in Switch on disabled"));
-  EXPECT_THAT(tool("halt 1.1").errors, HasSubstr("axis 1.1 is in Switch on disabled"));
-  EXPECT_THAT(json_of(tool("halt x --json")).at(0)["message"].get<std::string>(),
+  EXPECT_THAT(call("halt x").errors, HasSubstr("axis x (1.1) is in Switch on disabled"));
+  EXPECT_THAT(call("halt 1.1").errors, HasSubstr("axis 1.1 is in Switch on disabled"));
+  EXPECT_THAT(json_of(call("halt x --json")).at(0)["message"].get<std::string>(),
               HasSubstr("axis x (1.1)"));
-  EXPECT_THAT(tool("enable x").output, testing::StartsWith("x    "));
-  EXPECT_THAT(tool("read x 0x6061").output, testing::StartsWith("x 0x6061"));
-  EXPECT_THAT(tool("write x 0x6041 1").errors, HasSubstr("axis x (1.1)"));
+  EXPECT_THAT(call("enable x").output, testing::StartsWith("x    "));
+  EXPECT_THAT(call("read x 0x6061").output, testing::StartsWith("x 0x6061"));
+  EXPECT_THAT(call("write x 0x6041 1").errors, HasSubstr("axis x (1.1)"));
 }
 
 TEST_F(ToolInLockStep, ARefusalNamesTheNextStepAndAMistypedNameGetsASuggestion) {
-  EXPECT_THAT(tool("move x 100").errors, HasSubstr("; enable it first: vdrive enable x"));
-  ASSERT_EQ(tool("disturb 1.1 over_current").code, 0);
-  ASSERT_EQ(tool("step 2").code, 0);
-  EXPECT_THAT(tool("enable 1.1").errors, HasSubstr("; reset it first: vdrive reset 1.1"));
-  EXPECT_THAT(tool("read 1.1 statusward").errors, HasSubstr("(did you mean 'statusword'?)"));
-  const RunningService other("--clock lockstep --bench 2 --axes 3");
-  EXPECT_THAT(tool("status axs3").errors, HasSubstr("'axs3' (did you mean 'axis3'?)"));
+  EXPECT_THAT(call("move x 100").errors, HasSubstr("; enable it first: vdrive enable x"));
+  ASSERT_EQ(call("disturb 1.1 over_current").code, 0);
+  ASSERT_EQ(call("step 2").code, 0);
+  EXPECT_THAT(call("enable 1.1").errors, HasSubstr("; reset it first: vdrive reset 1.1"));
+  EXPECT_THAT(call("read 1.1 statusward").errors, HasSubstr("(did you mean 'statusword'?)"));
+  const BenchOnWire other("--clock lockstep --bench 2 --axes 3");
+  EXPECT_THAT(call("status axs3").errors, HasSubstr("'axs3' (did you mean 'axis3'?)"));
 }
 
 TEST_F(ToolInLockStep, AFinishedMoveShowsNoSpeed) {
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  EXPECT_THAT(tool("move 1.1 1000").output,
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  EXPECT_THAT(call("move 1.1 1000").output,
               AllOf(HasSubstr("1000 UU    87.89 deg  0x637"), Not(HasSubstr("UU/s"))));
-  EXPECT_THAT(tool("move 1.1 0 --no-wait").output, HasSubstr("UU/s"));
+  EXPECT_THAT(call("move 1.1 0 --no-wait").output, HasSubstr("UU/s"));
 }
 
 TEST_F(ToolInLockStep, AScenarioThatFailsLeavesNoDisturbance) {
-  const Finished finished = tool("run -",
+  const Finished finished = call("run -",
                                  "disturb 1.1 blocked_load\n"
                                  "write y 0x5E00 500\n"
                                  "disturb 1.2 over_current\n"
@@ -295,36 +258,23 @@ TEST_F(ToolInLockStep, AScenarioThatFailsLeavesNoDisturbance) {
   EXPECT_THAT(finished.errors, AllOf(HasSubstr("restored: test_blocked_load of 1.1 is 0"),
                                      HasSubstr("restored: test_load_torque of y is 0"),
                                      Not(HasSubstr("test_over_current"))));
-  EXPECT_THAT(tool("read 1.1 0x5E01").output, HasSubstr("= 0"));
-  EXPECT_THAT(tool("read 1.2 0x5E00").output, HasSubstr("= 0"));
-  EXPECT_EQ(tool("run -", "disturb 1.1 blocked_load\n").code, 0);
-  EXPECT_THAT(tool("read 1.1 0x5E01").output, HasSubstr("= 1"))
+  EXPECT_THAT(call("read 1.1 0x5E01").output, HasSubstr("= 0"));
+  EXPECT_THAT(call("read 1.2 0x5E00").output, HasSubstr("= 0"));
+  EXPECT_EQ(call("run -", "disturb 1.1 blocked_load\n").code, 0);
+  EXPECT_THAT(call("read 1.1 0x5E01").output, HasSubstr("= 1"))
       << "the drive time that it prints has passed";
 }
 
 TEST_F(ToolInLockStep, StoreWithoutAStateDirectoryNamesIt) {
-  const Finished finished = tool("store 1.1");
+  const Finished finished = call("store 1.1");
   EXPECT_EQ(finished.code, 5);
   EXPECT_THAT(finished.errors, AllOf(HasSubstr("0x08000020"), HasSubstr("vdrived --state DIR")));
 }
 
-TEST_F(ToolInLockStep, WatchEndsOnAnInterruptWith130) {
-  Process watch(VDRIVE_TOOL, tool_arguments("watch 1.1"));
-  EXPECT_THAT(watch.read_line(), HasSubstr("Switch on disabled"));
-  watch.send(SIGINT);
-  const Finished finished = watch.wait();
-  EXPECT_EQ(finished.code, 130);
-  EXPECT_THAT(finished.errors, IsEmpty());
-}
-
-/// A service in real time, and a place for a recording.
+/// A bench in real time, and a place for a recording.
 class Recording : public testing::Test {
  protected:
-  Recording() { std::filesystem::create_directory(folder_); }
-
-  ~Recording() override { std::filesystem::remove_all(folder_); }
-
-  [[nodiscard]] std::string file(const std::string& name) const { return folder_ / name; }
+  [[nodiscard]] std::string file(const std::string& name) const { return directory_.path() / name; }
 
   [[nodiscard]] static std::vector<std::string> lines_of(const std::string& path) {
     std::ifstream file(path);
@@ -341,14 +291,13 @@ class Recording : public testing::Test {
   }
 
  private:
-  RunningService service_{"--axes 2"};
-  std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("vdrive-recording-" + std::to_string(::getpid()));
+  BenchOnWire bench_{"--axes 2"};
+  TemporaryDirectory directory_;
 };
 
 TEST_F(Recording, HasARowForEachAxisAndTickAndCountsMissingOnes) {
   const std::string path = file("both.csv");
-  const Finished finished = tool("record " + path + " --count 100 --json");
+  const Finished finished = call("record " + path + " --count 100 --json");
   ASSERT_EQ(finished.code, 0) << finished.errors;
   const std::vector<std::string> lines = lines_of(path);
   ASSERT_THAT(lines, SizeIs(1 + 2 * 100));
@@ -383,7 +332,7 @@ TEST_F(Recording, HasARowForEachAxisAndTickAndCountsMissingOnes) {
 
 TEST_F(Recording, LastsTheGivenDriveTime) {
   const std::string path = file("one.jsonl");
-  ASSERT_EQ(tool("record " + path + " 1.2 --for 50ms").code, 0);
+  ASSERT_EQ(call("record " + path + " 1.2 --for 50ms").code, 0);
   std::uint64_t ticks = 0;
   for (const std::string& line : lines_of(path)) {
     const Json row = Json::parse(line);
@@ -396,68 +345,16 @@ TEST_F(Recording, LastsTheGivenDriveTime) {
   EXPECT_GE(ticks, 40U);
 }
 
-TEST_F(Recording, IsCompleteAfterAnInterruptAndExitsWith130) {
-  Process recorder(VDRIVE_TOOL, tool_arguments("record - 1.1"));
-  EXPECT_THAT(recorder.read_line(), HasSubstr("axis,name,tick"));
-  EXPECT_THAT(recorder.read_line(), HasSubstr("1.1,"));
-  recorder.send(SIGINT);
-  const Finished finished = recorder.wait();
-  EXPECT_EQ(finished.code, 130);
-  EXPECT_THAT(finished.errors, HasSubstr("recorded "));
-}
-
 TEST_F(Recording, NamesAnUnwritablePath) {
-  const Finished finished = tool("record " + file("no/such/folder.csv") + " 1.1");
+  const Finished finished = call("record " + file("no/such/folder.csv") + " 1.1");
   EXPECT_EQ(finished.code, 1);
   EXPECT_THAT(finished.errors, AllOf(HasSubstr("no/such/folder.csv"), HasSubstr("No such file"),
                                      Not(HasSubstr("recorded"))));
-  EXPECT_THAT(tool("record - 1.1 --count 1").errors, HasSubstr("recorded 1 sample of 1 axis,"));
-}
-
-TEST_F(ToolInLockStep, AnInterruptedRunExitsWith130AndReleasesItsAxes) {
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  Process move(VDRIVE_TOOL, tool_arguments("run - --json"),
-               "step 1\nmove 1.1 1000000 --velocity 1 --timeout 3600000\n");
-  EXPECT_THAT(move.read_line(), HasSubstr("step 1"));
-  move.send(SIGINT);
-  EXPECT_EQ(move.wait().code, 130);
-  EXPECT_TRUE(json_of(tool("status 1.1 --json")).at(0)["owner"].is_null());
-}
-
-TEST_F(ToolInLockStep, AClosedOutputPipeIsNotAnError) {
-  Process watch(VDRIVE_TOOL, tool_arguments("watch 1.1 --json --count 3"));
-  watch.stop_reading();
-  EXPECT_EQ(tool("step 5000").code, 0);  // the run has something to print
-  const Finished finished = watch.wait();
-  EXPECT_EQ(finished.code, 0);
-  EXPECT_THAT(finished.errors, IsEmpty());
-}
-
-/// Runs the tool on a standard output whose writes fail as on a full disk.
-Finished tool_on_full_disk(const std::string& words) {
-  return Process("/bin/sh", {"-c", VDRIVE_TOOL " --domain " + std::to_string(test_domain()) + " " +
-                                       words + " > /dev/full"})
-      .wait();
-}
-
-TEST_F(ToolInLockStep, EveryCommandFailsWhoseOutputCouldNotBeWritten) {
-  for (const char* const words :
-       {"list", "--json list", "status 1.1", "read 1.1 0x6041", "step 1", "watch 1.1 --count 1",
-        "record - 1.1 --count 1", "dictionary", "completion bash", "--help", "--version"}) {
-    const Finished finished = tool_on_full_disk(words);
-    EXPECT_EQ(finished.code, 1) << words;
-    EXPECT_THAT(finished.errors,
-                HasSubstr("vdrive: standard output could not be written: No space left"))
-        << words;
-  }
-}
-
-TEST_F(ToolInLockStep, ARefusalKeepsItsExitCodeWhereTheOutputCouldNotBeWritten) {
-  EXPECT_EQ(tool_on_full_disk("--json write 1.1 0x6041 1").code, 5);
+  EXPECT_THAT(call("record - 1.1 --count 1").errors, HasSubstr("recorded 1 sample of 1 axis,"));
 }
 
 TEST_F(ToolInLockStep, AScenarioFromStandardInputRunsAsOneSession) {
-  const Finished finished = tool("run -",
+  const Finished finished = call("run -",
                                  "enable 1.1\r\n"
                                  "write 1.1 0x607A 100   # a comment\r\n"
                                  "\r\n"
@@ -471,9 +368,9 @@ TEST_F(ToolInLockStep, AScenarioFromStandardInputRunsAsOneSession) {
 }
 
 TEST_F(ToolInLockStep, AScenarioEndsAtItsFirstFailureWithPlaceAndValues) {
-  const auto junit = std::filesystem::temp_directory_path() /
-                     ("vdrive-junit-" + std::to_string(test_domain()) + ".xml");
-  const Finished finished = tool({"run", "-", "--junit", junit.string()},
+  const TemporaryDirectory directory;
+  const auto junit = directory.path() / "out.xml";
+  const Finished finished = call({"run", "-", "--junit", junit.string()},
                                  "# title\n"
                                  "expect 1.1 0x6041 0x250\n"
                                  "expect 1.1 0x6041 0x231 --within 5ms\n"
@@ -485,16 +382,15 @@ TEST_F(ToolInLockStep, AScenarioEndsAtItsFirstFailureWithPlaceAndValues) {
   std::stringstream xml;
   xml << file.rdbuf();
   EXPECT_THAT(xml.str(), HasSubstr("tests=\"3\" failures=\"1\" skipped=\"1\""));
-  std::filesystem::remove(junit);
-  EXPECT_EQ(json_of(tool("status 1.1 --json")).at(0)["ds402_statusword"], 0x250) << "not enabled";
+  EXPECT_EQ(json_of(call("status 1.1 --json")).at(0)["ds402_statusword"], 0x250) << "not enabled";
 }
 
 // What ends a scenario before its first line, with the exit code: usage 2, not found 3.
 TEST_F(ToolInLockStep, AReportNamesTheReasonWhyAScenarioDidNotBegin) {
-  const auto junit = std::filesystem::temp_directory_path() /
-                     ("vdrive-junit-" + std::to_string(test_domain()) + ".xml");
+  const TemporaryDirectory directory;
+  const auto junit = directory.path() / "out.xml";
   const auto report_of = [&](const std::string& lines, int code) {
-    EXPECT_EQ(tool({"run", "-", "--junit", junit.string()}, lines).code, code);
+    EXPECT_EQ(call({"run", "-", "--junit", junit.string()}, lines).code, code);
     std::ifstream file(junit);
     std::stringstream xml;
     xml << file.rdbuf();
@@ -504,42 +400,41 @@ TEST_F(ToolInLockStep, AReportNamesTheReasonWhyAScenarioDidNotBegin) {
               AllOf(HasSubstr("errors=\"1\""), HasSubstr("&lt;stdin&gt;:1:"), HasSubstr("enabel")));
   EXPECT_THAT(report_of("enable 1.77\n", 3),
               AllOf(HasSubstr("errors=\"1\""), HasSubstr("<error message="), HasSubstr("1.77")));
-  std::filesystem::remove(junit);
 }
 
 TEST_F(ToolInLockStep, AnUnwritableReportIsRefusedBeforeTheFirstCommand) {
-  const Finished finished = tool({"run", "-", "--junit", "/nonexistent/x.xml"}, "enable 1.1\n");
+  const Finished finished = call({"run", "-", "--junit", "/nonexistent/x.xml"}, "enable 1.1\n");
   EXPECT_EQ(finished.code, 2);
   EXPECT_THAT(finished.errors,
               AllOf(HasSubstr("/nonexistent/x.xml"), HasSubstr("No such file or directory")));
-  EXPECT_EQ(json_of(tool("status 1.1 --json")).at(0)["ds402_statusword"], 0x250) << "not enabled";
+  EXPECT_EQ(json_of(call("status 1.1 --json")).at(0)["ds402_statusword"], 0x250) << "not enabled";
 }
 
 TEST_F(ToolInLockStep, AnUnexpectedRefusalEndsTheScenario) {
-  const Finished other = tool("run -", "refused 0x06010002 write 1.1 0x60F2 3\n");
+  const Finished other = call("run -", "refused 0x06010002 write 1.1 0x60F2 3\n");
   EXPECT_EQ(other.code, 1);
   EXPECT_THAT(other.errors, AllOf(HasSubstr("0x06010002"), HasSubstr("0x06090030")));
-  EXPECT_EQ(tool("run -", "refused 0x06010002 write 1.1 0x60F2 1\n").code, 1) << "accepted";
-  EXPECT_EQ(tool("run -", "write 1.1 0x60F2 3\n").code, 1);
+  EXPECT_EQ(call("run -", "refused 0x06010002 write 1.1 0x60F2 1\n").code, 1) << "accepted";
+  EXPECT_EQ(call("run -", "write 1.1 0x60F2 3\n").code, 1);
 }
 
 TEST_F(ToolInLockStep, AScenarioIsParsedBeforeItsFirstCommand) {
-  const Finished finished = tool("run -", "enable 1.1\ndance\n");
+  const Finished finished = call("run -", "enable 1.1\ndance\n");
   EXPECT_EQ(finished.code, 2);
   EXPECT_THAT(finished.errors, HasSubstr("<stdin>:2:"));
-  EXPECT_EQ(tool("run -", "enable 1.1\nenable 1.9\n").code, 3) << "an axis that is not there";
-  const Finished no_bench = tool("run - --timeout 0.2", "enable 1.1\nstep 1 --bench 9\n");
+  EXPECT_EQ(call("run -", "enable 1.1\nenable 1.9\n").code, 3) << "an axis that is not there";
+  const Finished no_bench = call("run - --timeout 0.2", "enable 1.1\nstep 1 --bench 9\n");
   EXPECT_EQ(no_bench.code, 3);
   EXPECT_THAT(no_bench.errors, HasSubstr("<stdin>:2: no bench 9"));
-  const Finished no_object = tool("run -", "enable 1.1\nexpect 1.1 profile_velocty 1\n");
+  const Finished no_object = call("run -", "enable 1.1\nexpect 1.1 profile_velocty 1\n");
   EXPECT_EQ(no_object.code, 2);
   EXPECT_THAT(no_object.errors, HasSubstr("<stdin>:2: 'profile_velocty' is not an object"));
-  EXPECT_EQ(json_of(tool("status 1.1 --json")).at(0)["ds402_statusword"], 0x250);
+  EXPECT_EQ(json_of(call("status 1.1 --json")).at(0)["ds402_statusword"], 0x250);
 }
 
 TEST_F(ToolInLockStep, AScenarioPrintsItsLinesInJson) {
   const Finished finished =
-      tool("run - --json", "wait 3ms\nread 1.1 0x6041\nexpect 1.1 0x6041 0\n");
+      call("run - --json", "wait 3ms\nread 1.1 0x6041\nexpect 1.1 0x6041 0\n");
   EXPECT_EQ(finished.code, 1);
   const auto objects = json_of(finished);
   ASSERT_THAT(objects, SizeIs(5));
@@ -552,7 +447,7 @@ TEST_F(ToolInLockStep, AScenarioPrintsItsLinesInJson) {
 }
 
 TEST_F(ToolInLockStep, ThroughoutDetectsASingleDifferentTick) {
-  const Finished finished = tool("run -",
+  const Finished finished = call("run -",
                                  "enable 1.1\n"
                                  "write 1.1 0x6060 1\n"
                                  "step 1\n"
@@ -563,158 +458,49 @@ TEST_F(ToolInLockStep, ThroughoutDetectsASingleDifferentTick) {
   EXPECT_THAT(finished.errors, HasSubstr("actual 0x1637"));
 }
 
-TEST(ToolInRealtime, CommandsWithinHalfASecond) {
-  const RunningService service("--clock realtime");
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  const Finished moved = tool("move 1.1 1000 --json");
-  EXPECT_EQ(moved.code, 0) << moved.errors;
-  EXPECT_EQ(tool("step 1").code, 5);
-  // The median, because the machine may be busy with other tests.
-  std::vector<std::chrono::milliseconds> durations;
-  for (int i = 0; i < 7; ++i) durations.push_back(tool("read 1.1 0x6041").duration);
-  std::ranges::sort(durations);
-  EXPECT_LT(durations[3], 500ms);
-}
-
-TEST(ToolInRealtime, WatchStreamsWhileAnotherCallMoves) {
-  const RunningService service("--clock realtime");
-  ASSERT_EQ(tool("enable 1.1").code, 0);
-  Process watch(VDRIVE_TOOL, tool_arguments("watch 1.1 --json --count 15"));
-  ASSERT_EQ(tool("move 1.1 5000 --velocity 5000").code, 0);
-  const Finished finished = watch.wait();
-  EXPECT_EQ(finished.code, 0);
-  const auto samples = json_of(finished);
-  ASSERT_THAT(samples, SizeIs(15));
-  EXPECT_NE(samples.front()["load_position_actual_value"],
-            samples.back()["load_position_actual_value"]);
-}
-
-/// A service in real time and another terminal, in which axis 1.1 moves to a far target.
-class MoveOfAnotherProgram : public testing::Test {
- protected:
-  /// @param words options of the move
-  void begin(const std::string& words = "") {
-    ASSERT_EQ(tool("enable 1.1").code, 0);
-    move_.emplace(VDRIVE_TOOL, tool_arguments("move 1.1 10000000 --velocity 1000 " + words));
-    const auto deadline = std::chrono::steady_clock::now() + 20s;
-    while (speed() == 0) ASSERT_LT(std::chrono::steady_clock::now(), deadline);
-  }
-
-  static std::int64_t speed() { return status()["velocity_demand_value"].get<std::int64_t>(); }
-
-  static Json status() { return json_of(tool("status 1.1 --json")).at(0); }
-
-  // With a long watchdog time: the machine may be busy.
-  RunningService service_{"--clock realtime --axes 2 --config " VDRIVE_SOURCE_DIR
-                          "/tests/data/patient.yaml"};
-  std::optional<Process> move_;
-};
-
-TEST_F(MoveOfAnotherProgram, IsHaltedFromThisTerminal) {
-  begin();
-  const Finished halted = tool("halt 1.1 --wait");
-  EXPECT_EQ(halted.code, 0) << halted.errors;
-  const Finished moved = move_->wait();
-  EXPECT_EQ(moved.code, 1);
-  EXPECT_THAT(moved.errors, HasSubstr("axis 1.1 was halted before it reached its target"));
-  EXPECT_EQ(speed(), 0);
-}
-
-TEST_F(MoveOfAnotherProgram, IsQuickStoppedFromThisTerminal) {
-  begin();
-  EXPECT_EQ(tool("quick-stop 1.1").code, 0);
-  EXPECT_EQ(move_->wait().code, 1);
-  EXPECT_EQ(status()["state"], "Switch on disabled");
-}
-
-TEST_F(MoveOfAnotherProgram, IsStoppedByAWriteOfTheControlword) {
-  begin();
-  EXPECT_EQ(tool("write 1.1 0x6040 0x06").code, 5) << "no stop";
-  EXPECT_EQ(tool("write 1.1 0x6040 0x02").code, 0);
-  EXPECT_EQ(move_->wait().code, 1);
-}
-
-TEST_F(MoveOfAnotherProgram, IsStoppedWithItsBench) {
-  begin();
-  const Finished stopped = tool("stop --json");
-  EXPECT_EQ(stopped.code, 0) << stopped.errors;
-  const Json stopped_json = json_of(stopped).at(0);
-  EXPECT_THAT(keys(stopped_json), ElementsAre("bench", "command", "axes", "outcome"));
-  EXPECT_EQ(stopped_json["axes"], 2);
-  EXPECT_EQ(move_->wait().code, 1);
-  EXPECT_EQ(status()["state"], "Switch on disabled");
-  EXPECT_EQ(tool("stop 1").output, "bench 1: quick stop of 2 axes\n");
-  EXPECT_EQ(tool("stop 7 --timeout 0.3").code, 3);
-}
-
-TEST_F(MoveOfAnotherProgram, IsTakenOver) {
-  begin();
-  EXPECT_EQ(tool("disable 1.1").code, 5);
-  EXPECT_EQ(tool("disable 1.1 --take-over").code, 0);
-  EXPECT_EQ(move_->wait().code, 1);
-}
-
-TEST_F(MoveOfAnotherProgram, ReportsOnAnInterruptThatTheAxisStillMoves) {
-  begin();
-  move_->send(SIGINT);
-  const Finished moved = move_->wait();
-  EXPECT_EQ(moved.code, 130);
-  EXPECT_EQ(moved.errors, "vdrive: interrupted; axis 1.1 continues to its target\n");
-  EXPECT_NE(speed(), 0);
-}
-
-TEST_F(MoveOfAnotherProgram, HaltsTheAxisOnAnInterruptWithItsOption) {
-  begin("--stop-on-interrupt");
-  move_->send(SIGINT);
-  const Finished moved = move_->wait();
-  EXPECT_EQ(moved.code, 130);
-  EXPECT_EQ(moved.errors, "vdrive: interrupted; axis 1.1 is halted\n");
-  EXPECT_EQ(speed(), 0);
-}
-
 TEST(ToolInRealtime, ShowsABenchThatIsPaused) {
-  const RunningService service("--clock realtime --rate 0");
-  EXPECT_EQ(tool("list").code, 0);
-  EXPECT_EQ(json_of(tool("status 1.1 --json")).at(0)["ds402_statusword"], 0x250);
-  EXPECT_EQ(json_of(tool("watch 1.1 --json --count 1")).at(0)["state"], "Switch on disabled");
-  EXPECT_EQ(tool("read 1.1 0x6041").code, 0);
+  const BenchOnWire bench("--clock realtime --rate 0");
+  EXPECT_EQ(call("list").code, 0);
+  EXPECT_EQ(json_of(call("status 1.1 --json")).at(0)["ds402_statusword"], 0x250);
+  EXPECT_EQ(json_of(call("watch 1.1 --json --count 1")).at(0)["state"], "Switch on disabled");
+  EXPECT_EQ(call("read 1.1 0x6041").code, 0);
 }
 
 TEST(ToolInRealtime, PausesAndContinues) {
-  const RunningService service("--clock realtime");
-  const Finished paused = tool("rate 0 --json");
+  const BenchOnWire bench("--clock realtime");
+  const Finished paused = call("rate 0 --json");
   EXPECT_EQ(paused.code, 0) << paused.errors;
   ASSERT_THAT(json_of(paused), SizeIs(1));
   EXPECT_THAT(keys(json_of(paused).front()), ElementsAre("bench", "rate", "outcome", "tick"));
-  const Finished enable = tool("enable 1.1");
+  const Finished enable = call("enable 1.1");
   EXPECT_EQ(enable.code, 1) << "at once, not at the end of drive time that never comes";
   EXPECT_THAT(enable.errors, HasSubstr("bench 1 is paused: rate 0"));
   EXPECT_LT(enable.duration, 10s);
-  EXPECT_THAT(tool("list").output, HasSubstr(" us, paused\n"));
-  EXPECT_EQ(tool("rate").output, "bench 1 realtime rate 0\n");
-  EXPECT_EQ(tool("rate 1 0.5").output.substr(0, 21), "bench 1 rate 0.5 tick");
-  EXPECT_THAT(tool("list").output, HasSubstr(" us, rate 0.5\n"));
-  EXPECT_EQ(tool("rate --json").output, "{\"bench\":1,\"clock\":\"realtime\",\"rate\":0.5}\n");
-  const Finished enabled = tool("enable 1.1");
+  EXPECT_THAT(call("list").output, HasSubstr(" us, paused\n"));
+  EXPECT_EQ(call("rate").output, "bench 1 realtime rate 0\n");
+  EXPECT_EQ(call("rate 1 0.5").output.substr(0, 21), "bench 1 rate 0.5 tick");
+  EXPECT_THAT(call("list").output, HasSubstr(" us, rate 0.5\n"));
+  EXPECT_EQ(call("rate --json").output, "{\"bench\":1,\"clock\":\"realtime\",\"rate\":0.5}\n");
+  const Finished enabled = call("enable 1.1");
   EXPECT_EQ(enabled.code, 0) << enabled.errors;
 }
 
 TEST(ToolInRealtime, ARateOutOfRangeIsRefusedAndTextIsAUsageError) {
-  const RunningService service("--clock realtime");
-  const Finished refused = tool("rate 101 --json");
+  const BenchOnWire bench("--clock realtime");
+  const Finished refused = call("rate 101 --json");
   EXPECT_EQ(refused.code, 5);
   ASSERT_THAT(json_of(refused), SizeIs(1));
   EXPECT_EQ(json_of(refused).front()["outcome"], "refused");
   EXPECT_EQ(json_of(refused).front()["code"], "0x00000018");
-  EXPECT_EQ(tool("rate -1").code, 5);
-  EXPECT_EQ(tool("rate fast").code, 2);
-  EXPECT_EQ(tool("rate nan").code, 2);
-  EXPECT_EQ(tool("rate 1 2 3").code, 2);
+  EXPECT_EQ(call("rate -1").code, 5);
+  EXPECT_EQ(call("rate fast").code, 2);
+  EXPECT_EQ(call("rate nan").code, 2);
+  EXPECT_EQ(call("rate 1 2 3").code, 2);
 }
 
 TEST(ToolInRealtime, ARefusedStepIsOneJsonObject) {
-  const RunningService service("--clock realtime");
-  const Finished refused = tool("step 1 --json");
+  const BenchOnWire bench("--clock realtime");
+  const Finished refused = call("step 1 --json");
   EXPECT_EQ(refused.code, 5);
   ASSERT_THAT(json_of(refused), SizeIs(1));
   EXPECT_THAT(keys(json_of(refused).front()),
@@ -722,8 +508,8 @@ TEST(ToolInRealtime, ARefusedStepIsOneJsonObject) {
 }
 
 TEST(ToolInRealtime, RunsAScenarioOfWaitsOnly) {
-  const RunningService service("--clock realtime");
-  const Finished finished = tool("run -",
+  const BenchOnWire bench("--clock realtime");
+  const Finished finished = call("run -",
                                  "enable 1.1\n"
                                  "write 1.1 0x6060 1\n"
                                  "wait 20ms\n"
@@ -740,8 +526,8 @@ TEST(ToolInRealtime, RunsAScenarioOfWaitsOnly) {
 }
 
 TEST(ToolInRealtime, ThroughoutNeedsAnObjectOfTheStatusStream) {
-  const RunningService service("--clock realtime");
-  const Finished finished = tool("run -", "expect 1.1 0x607A 0 --throughout 5ms\n");
+  const BenchOnWire bench("--clock realtime");
+  const Finished finished = call("run -", "expect 1.1 0x607A 0 --throughout 5ms\n");
   EXPECT_EQ(finished.code, 1);
   EXPECT_THAT(finished.errors, HasSubstr("status stream"));
 }

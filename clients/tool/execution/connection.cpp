@@ -15,6 +15,7 @@ client::SessionOptions session_options(const GlobalOptions& options) {
   session.peers = options.peers;
   session.discovery_servers = options.discovery_servers;
   session.security = options.security;
+  session.bus = options.bus;
   if (options.timeout) {
     session.find_timeout = std::chrono::ceil<std::chrono::milliseconds>(*options.timeout);
   } else if (!options.security.empty()) {

@@ -4,9 +4,16 @@
 #include "values/value.hpp"
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
+
+namespace vdrive::wire {
+
+class LocalBus;
+
+}  // namespace vdrive::wire
 
 namespace vdrive::tool {
 
@@ -19,7 +26,8 @@ struct GlobalOptions {
   std::string security;                        ///< directory of the closed mode; empty = open
   std::vector<std::string> network_given;      ///< names of those above in the command line
   bool json = false;
-  std::optional<Duration> timeout;  ///< wall time to find a service, drive time of motion
+  std::shared_ptr<wire::LocalBus> bus{};  ///< of the benches of this process, instead of a network
+  std::optional<Duration> timeout;        ///< wall time to find a service, drive time of motion
 };
 
 }  // namespace vdrive::tool

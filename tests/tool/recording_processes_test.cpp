@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+// `vdrive record` beside other programs, and of services that end, freeze or stand still.
+#include "convert.hpp"
+#include "support/temporary_directory.hpp"
+#include "tool/process.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <thread>
+
+namespace vdrive::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::chrono::seconds kDeadline{60};
+
+/// A service, and a place for recordings.
+class McapRecordingOf {
+ public:
+  explicit McapRecordingOf(const std::string& words) : service_(words) {}
+
+  [[nodiscard]] std::string file(const std::string& name) const { return directory_.path() / name; }
+
+ private:
+  TemporaryDirectory directory_;
+  RunningService service_;
+};
+
+std::vector<std::string> lines_of(const std::string& path) {
+  std::ifstream file(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+/// The rows of a CSV recording by axis and tick, without what was missed before them.
+std::map<std::string, std::string> rows_of(const std::string& path) {
+  std::map<std::string, std::string> rows;
+  const auto lines = lines_of(path);
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    std::istringstream text(lines[i]);
+    std::string axis;
+    std::string name;
+    std::string tick;
+    std::string missed;
+    std::string values;
+    std::getline(text, axis, ',');
+    std::getline(text, name, ',');
+    std::getline(text, tick, ',');
+    std::getline(text, missed, ',');
+    std::getline(text, values);
+    rows[axis.append(" ").append(tick)] = name.append(",").append(values);
+  }
+  return rows;
+}
+
+/// Waits some ticks until both files have data: then their recorders follow the stream.
+void step_until_written(const std::vector<std::string>& files) {
+  const auto end = std::chrono::steady_clock::now() + kDeadline;
+  for (const std::string& file : files) {
+    while (!std::filesystem::exists(file) || std::filesystem::file_size(file) == 0) {
+      ASSERT_LT(std::chrono::steady_clock::now(), end) << file;
+      ASSERT_EQ(tool("step 1").code, 0);
+    }
+  }
+}
+
+std::size_t samples_in(const std::string& path) {
+  std::size_t samples = 0;
+  (void)recording::read_recording(path, [&](const client::Observation&) {
+    ++samples;
+  });
+  return samples;
+}
+
+TEST(McapRecording, HasTheValuesOfTheCsvOfTheSameRun) {
+  const McapRecordingOf bench("--clock lockstep --axes 2");
+  const std::string csv = bench.file("run.csv");
+  const std::string mcap = bench.file("run.mcap");
+  Process text(VDRIVE_TOOL, tool_arguments("record " + csv));
+  Process recorder(VDRIVE_TOOL, tool_arguments("record " + mcap + " --json"));
+  step_until_written({csv, mcap});
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  ASSERT_EQ(tool("move 1.1 200 --no-wait").code, 0);
+  for (int i = 0; i < 20; ++i) ASSERT_EQ(tool("step 20").code, 0);
+  for (Process* process : {&text, &recorder}) process->send(SIGINT);
+  EXPECT_EQ(text.wait().code, 130);
+  const Finished finished = recorder.wait();
+  EXPECT_EQ(finished.code, 130);
+  const Json summary = Json::parse(finished.output);
+  EXPECT_GT(summary["events"], 0);
+
+  const std::string back = bench.file("back.csv");
+  const Finished converted = tool("convert " + mcap + " " + back + " --json");
+  ASSERT_EQ(converted.code, 0) << converted.errors;
+  const Json contents = Json::parse(converted.output);
+  EXPECT_EQ(contents["samples"], summary["samples"]);
+  EXPECT_EQ(contents["rows"], 2 * summary["samples"].get<std::uint64_t>());
+  EXPECT_EQ(contents["events_left_out"], summary["events"]);
+  EXPECT_EQ(contents["parameters_left_out"], 2);
+  EXPECT_TRUE(contents["cut"].is_null());
+  // The stream is best effort: each recorder may have lost some, and reports it.
+  const auto direct = rows_of(csv);
+  const auto through = rows_of(back);
+  std::size_t common = 0;
+  for (const auto& [key, values] : through) {
+    const auto other = direct.find(key);
+    if (other == direct.end()) continue;
+    EXPECT_EQ(values, other->second) << key;
+    ++common;
+  }
+  EXPECT_GE(common, 400U) << "of 2 axes in some 440 ticks";
+  EXPECT_EQ(lines_of(back).front(), lines_of(csv).front());
+
+  // Converted and converted back: the text does not change.
+  const std::string again = bench.file("again.mcap");
+  const std::string last = bench.file("last.csv");
+  ASSERT_EQ(tool("convert " + csv + " " + again).code, 0);
+  ASSERT_EQ(tool("convert " + again + " " + last).code, 0);
+  EXPECT_EQ(lines_of(last), lines_of(csv));
+}
+
+TEST(McapRecording, OfAKilledRecorderIsReadableUpToItsEnd) {
+  const McapRecordingOf bench("--axes 2");
+  const std::string mcap = bench.file("run.mcap");
+  Process recorder(VDRIVE_TOOL, tool_arguments("record " + mcap));
+  // What was recorded is in the file a second later: then there are samples in it.
+  const auto end = std::chrono::steady_clock::now() + kDeadline;
+  const auto has_samples = [&] {
+    return std::filesystem::exists(mcap) && std::filesystem::file_size(mcap) != 0 &&
+           samples_in(mcap) != 0;
+  };
+  while (!has_samples() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+  recorder.send(SIGKILL);
+  EXPECT_EQ(recorder.wait().code, -SIGKILL);
+  const std::string csv = bench.file("run.csv");
+  const Finished converted = tool("convert " + mcap + " " + csv);
+  EXPECT_EQ(converted.code, 0) << converted.errors;
+  EXPECT_THAT(converted.errors, AllOf(HasSubstr("is incomplete"), HasSubstr("at byte ")));
+  const std::size_t samples = samples_in(mcap);
+  EXPECT_GT(samples, 0U);
+  EXPECT_EQ(lines_of(csv).size(), 1 + 2 * samples);
+}
+
+// ---- a bench that sends nothing ----------------------------------------------------------------
+
+/// Reads the errors of a recorder up to a line with `part`. @return that line.
+std::string awaited_line(Process& recorder, const std::string& part) {
+  std::string line = recorder.read_error_line();
+  while (!line.empty() && line.find(part) == std::string::npos) line = recorder.read_error_line();
+  return line;
+}
+
+TEST(Recorder, WaitsForABenchWhoseTimeStandsStill) {
+  const McapRecordingOf bench("--clock lockstep --axes 1");
+  const std::string file = bench.file("still.csv");
+  Process recorder(VDRIVE_TOOL, tool_arguments("record " + file + " --count 5 --lost-after 1s"));
+  step_until_written({file});
+  // Three seconds of wall time pass: no session steps, and a search for another bench times out.
+  EXPECT_EQ(tool("status 9.1 --timeout 3").code, 3);
+  for (int i = 0; i < 5; ++i) ASSERT_EQ(tool("step 1").code, 0);
+  const Finished finished = recorder.wait();
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+  EXPECT_THAT(finished.errors, Not(HasSubstr("sends nothing")));
+  EXPECT_EQ(samples_in(file), 5U);
+}
+
+TEST(Recorder, WaitsForASilentBenchAndCountsMissingSamples) {
+  const RunningService service("--clock lockstep --axes 1");
+  const TemporaryDirectory directory;
+  const std::string file = directory.path() / "frozen.csv";
+  Process recorder(VDRIVE_TOOL, tool_arguments("record " + file));
+  step_until_written({file});
+  service.freeze();
+  EXPECT_THAT(awaited_line(recorder, "sends nothing"),
+              HasSubstr("bench 1 sends nothing: waiting 60 s for it"));
+  service.thaw();
+  // It reports the next sample: the tool can step the service only after it is back.
+  ASSERT_EQ(tool("step 3 --timeout 20").code, 0);
+  EXPECT_THAT(awaited_line(recorder, "sends again"), HasSubstr("bench 1 sends again"));
+  recorder.send(SIGINT);
+  const Finished finished = recorder.wait();
+  EXPECT_EQ(finished.code, 130) << finished.errors;
+}
+
+/// Freezes the service until the recorder misses it: the tick number jumps over that time.
+void let_the_tick_jump(const RunningService& service, Process& recorder, const std::string& file) {
+  const auto end = std::chrono::steady_clock::now() + kDeadline;
+  while (!std::filesystem::exists(file) || std::filesystem::file_size(file) == 0) {
+    ASSERT_LT(std::chrono::steady_clock::now(), end);
+    ASSERT_EQ(tool("list").code, 0);
+  }
+  service.freeze();
+  EXPECT_THAT(awaited_line(recorder, "sends nothing"), HasSubstr("bench 1 sends nothing"));
+  service.thaw();
+}
+
+// The service is away for 1.5 s of these 3 s of drive time, and adds them at the end.
+TEST(Recorder, LastsItsDriveTimeAcrossAJumpOfTheTickNumberAndNamesIt) {
+  const RunningService service("--axes 1");
+  const TemporaryDirectory directory;
+  const std::string file = directory.path() / "jump.csv";
+  Process recorder(VDRIVE_TOOL, tool_arguments("record " + file + " --for 3s --json"));
+  let_the_tick_jump(service, recorder, file);
+  const Finished finished = recorder.wait();
+  ASSERT_EQ(finished.code, 0) << finished.errors;
+  const Json summary = Json::parse(finished.lines().back());
+  EXPECT_GE(summary["skipped"], 1'000) << finished.output;
+  // What was lost at the very end is not counted.
+  EXPECT_GE(summary["samples"].get<int>() + summary["lost"].get<int>(), 2'900) << finished.output;
+  EXPECT_LE(summary["samples"].get<int>() + summary["lost"].get<int>(), 3'001) << finished.output;
+  ASSERT_FALSE(summary["jumps"].empty());
+  const Json& jump = summary["jumps"].front();
+  EXPECT_EQ(jump["bench"], 1);
+  EXPECT_GT(jump["before"], jump["after"]);
+  EXPECT_GE(jump["skipped"], 100);
+  EXPECT_EQ(summary["jumps_left_out"], 0);
+}
+
+// The first sample after the pause may still be one of before the jump: the recording goes on for a
+// second of drive time, which has both.
+TEST(Recorder, SaysInItsLastLineWhatAJumpSkipped) {
+  const RunningService service("--axes 1");
+  const TemporaryDirectory directory;
+  const std::string file = directory.path() / "jump.mcap";
+  Process recorder(VDRIVE_TOOL, tool_arguments("record " + file + " --for 1s"));
+  let_the_tick_jump(service, recorder, file);
+  EXPECT_THAT(awaited_line(recorder, "sends again"), HasSubstr("bench 1 sends again"));
+  EXPECT_THAT(recorder.wait().errors,
+              HasSubstr("ticks skipped by a jump of the tick number between the ticks "));
+}
+
+TEST(Recorder, EndsWhenABenchHasSentNothingForTooLong) {
+  RunningService service("--axes 1");
+  const TemporaryDirectory directory;
+  const std::string file = directory.path() / "killed.csv";
+  Process recorder(VDRIVE_TOOL, tool_arguments("record " + file + " --lost-after 500ms"));
+  const auto end = std::chrono::steady_clock::now() + kDeadline;
+  while (!std::filesystem::exists(file) || std::filesystem::file_size(file) == 0) {
+    ASSERT_LT(std::chrono::steady_clock::now(), end);
+    ASSERT_EQ(tool("list").code, 0);
+  }
+  service.kill();
+  const Finished finished = recorder.wait();
+  EXPECT_EQ(finished.code, 1) << finished.errors;
+  EXPECT_THAT(finished.errors, HasSubstr("bench 1 sends nothing: waiting 0.5 s for it"));
+  EXPECT_THAT(finished.errors, HasSubstr("the recording ends: bench 1 has sent nothing for 0.5 s"));
+  EXPECT_THAT(finished.errors, HasSubstr("recorded "));
+}
+
+TEST(Recorder, EndsAtOnceWhenTheServiceEndsOrRestarts) {
+  auto service = std::make_unique<RunningService>("--clock lockstep --axes 1");
+  const TemporaryDirectory directory;
+  const auto record = [&](const std::string& name) {
+    const std::string file = directory.path() / name;
+    auto recorder = std::make_unique<Process>(VDRIVE_TOOL, tool_arguments("record " + file));
+    step_until_written({file});
+    return recorder;
+  };
+  auto recorder = record("ended.csv");
+  (void)service->stop();
+  Finished finished = recorder->wait();
+  EXPECT_EQ(finished.code, 1) << finished.errors;
+  EXPECT_THAT(finished.errors, HasSubstr("the recording ends: bench 1"));
+  service = std::make_unique<RunningService>("--clock lockstep --axes 1");
+  recorder = record("restarted.csv");
+  service->kill();
+  service = std::make_unique<RunningService>("--clock lockstep --axes 1");
+  finished = recorder->wait();
+  EXPECT_EQ(finished.code, 1) << finished.errors;
+  EXPECT_THAT(finished.errors, HasSubstr("the recording ends: bench 1"));
+}
+
+}  // namespace
+}  // namespace vdrive::test

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program vdrive as a process: signals, pipes, full disks, two programs, no service.
+#include "support/test_domain.hpp"
+#include "tool/json_lines.hpp"
+#include "tool/process.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdrive::test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+TEST(Tool, WithoutAServiceExitsThreeWithinTheTimeoutWithAnError) {
+  for (const char* const words :
+       {"list", "status 1.1", "read x 0x6041", "enable 1.1", "step 1", "watch 1.1"}) {
+    const Finished finished = tool(std::string(words) + " --timeout 0.2");
+    EXPECT_EQ(finished.code, 3) << words;
+    EXPECT_THAT(finished.output, IsEmpty()) << words;
+    EXPECT_THAT(finished.errors, HasSubstr("no ")) << words;
+    EXPECT_LT(finished.duration, 5s) << words;
+  }
+}
+
+TEST(Tool, TakesTheDomainFromTheEnvironment) {
+  const RunningService service("--clock lockstep");
+  setenv("VDRIVE_DOMAIN", std::to_string(test_domain()).c_str(), 1);  // NOLINT(*-mt-unsafe)
+  EXPECT_EQ(Process(VDRIVE_TOOL, {"list"}).wait().code, 0);
+}
+
+class ToolInLockStep : public testing::Test {
+ protected:
+  RunningService service_{"--clock lockstep"};
+};
+
+TEST_F(ToolInLockStep, WatchEndsOnAnInterruptWith130) {
+  Process watch(VDRIVE_TOOL, tool_arguments("watch 1.1"));
+  EXPECT_THAT(watch.read_line(), HasSubstr("Switch on disabled"));
+  watch.send(SIGINT);
+  const Finished finished = watch.wait();
+  EXPECT_EQ(finished.code, 130);
+  EXPECT_THAT(finished.errors, IsEmpty());
+}
+
+TEST(Recording, IsCompleteAfterAnInterruptAndExitsWith130) {
+  const RunningService service("--axes 2");
+  Process recorder(VDRIVE_TOOL, tool_arguments("record - 1.1"));
+  EXPECT_THAT(recorder.read_line(), HasSubstr("axis,name,tick"));
+  EXPECT_THAT(recorder.read_line(), HasSubstr("1.1,"));
+  recorder.send(SIGINT);
+  const Finished finished = recorder.wait();
+  EXPECT_EQ(finished.code, 130);
+  EXPECT_THAT(finished.errors, HasSubstr("recorded "));
+}
+
+TEST_F(ToolInLockStep, AnInterruptedRunExitsWith130AndReleasesItsAxes) {
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  Process move(VDRIVE_TOOL, tool_arguments("run - --json"),
+               "step 1\nmove 1.1 1000000 --velocity 1 --timeout 3600000\n");
+  EXPECT_THAT(move.read_line(), HasSubstr("step 1"));
+  move.send(SIGINT);
+  EXPECT_EQ(move.wait().code, 130);
+  EXPECT_TRUE(json_of(tool("status 1.1 --json")).at(0)["owner"].is_null());
+}
+
+TEST_F(ToolInLockStep, AClosedOutputPipeIsNotAnError) {
+  Process watch(VDRIVE_TOOL, tool_arguments("watch 1.1 --json --count 3"));
+  watch.stop_reading();
+  EXPECT_EQ(tool("step 5000").code, 0);  // the run has something to print
+  const Finished finished = watch.wait();
+  EXPECT_EQ(finished.code, 0);
+  EXPECT_THAT(finished.errors, IsEmpty());
+}
+
+/// Runs the tool on a standard output whose writes fail as on a full disk.
+Finished tool_on_full_disk(const std::string& words) {
+  return Process("/bin/sh", {"-c", VDRIVE_TOOL " --domain " + std::to_string(test_domain()) + " " +
+                                       words + " > /dev/full"})
+      .wait();
+}
+
+TEST_F(ToolInLockStep, EveryCommandFailsWhoseOutputCouldNotBeWritten) {
+  for (const char* const words :
+       {"list", "--json list", "status 1.1", "read 1.1 0x6041", "step 1", "watch 1.1 --count 1",
+        "record - 1.1 --count 1", "dictionary", "completion bash", "--help", "--version"}) {
+    const Finished finished = tool_on_full_disk(words);
+    EXPECT_EQ(finished.code, 1) << words;
+    EXPECT_THAT(finished.errors,
+                HasSubstr("vdrive: standard output could not be written: No space left"))
+        << words;
+  }
+}
+
+TEST_F(ToolInLockStep, ARefusalKeepsItsExitCodeWhereTheOutputCouldNotBeWritten) {
+  EXPECT_EQ(tool_on_full_disk("--json write 1.1 0x6041 1").code, 5);
+}
+
+TEST(ToolInRealtime, CommandsWithinHalfASecond) {
+  const RunningService service("--clock realtime");
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  const Finished moved = tool("move 1.1 1000 --json");
+  EXPECT_EQ(moved.code, 0) << moved.errors;
+  EXPECT_EQ(tool("step 1").code, 5);
+  // The median, because the machine may be busy with other tests.
+  std::vector<std::chrono::milliseconds> durations;
+  for (int i = 0; i < 7; ++i) durations.push_back(tool("read 1.1 0x6041").duration);
+  std::ranges::sort(durations);
+  EXPECT_LT(durations[3], 500ms);
+}
+
+TEST(ToolInRealtime, WatchStreamsWhileAnotherCallMoves) {
+  const RunningService service("--clock realtime");
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  Process watch(VDRIVE_TOOL, tool_arguments("watch 1.1 --json --count 15"));
+  ASSERT_EQ(tool("move 1.1 5000 --velocity 5000").code, 0);
+  const Finished finished = watch.wait();
+  EXPECT_EQ(finished.code, 0);
+  const auto samples = json_of(finished);
+  ASSERT_THAT(samples, SizeIs(15));
+  EXPECT_NE(samples.front()["load_position_actual_value"],
+            samples.back()["load_position_actual_value"]);
+}
+
+/// A service in real time and another terminal, in which axis 1.1 moves to a far target.
+class MoveOfAnotherProgram : public testing::Test {
+ protected:
+  /// @param words options of the move
+  void begin(const std::string& words = "") {
+    ASSERT_EQ(tool("enable 1.1").code, 0);
+    move_.emplace(VDRIVE_TOOL, tool_arguments("move 1.1 10000000 --velocity 1000 " + words));
+    const auto deadline = std::chrono::steady_clock::now() + 20s;
+    while (speed() == 0) ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+  }
+
+  static std::int64_t speed() { return status()["velocity_demand_value"].get<std::int64_t>(); }
+
+  static Json status() { return json_of(tool("status 1.1 --json")).at(0); }
+
+  // With a long watchdog time: the machine may be busy.
+  RunningService service_{"--clock realtime --axes 2 --config " VDRIVE_SOURCE_DIR
+                          "/tests/data/patient.yaml"};
+  std::optional<Process> move_;
+};
+
+TEST_F(MoveOfAnotherProgram, IsHaltedFromThisTerminal) {
+  begin();
+  const Finished halted = tool("halt 1.1 --wait");
+  EXPECT_EQ(halted.code, 0) << halted.errors;
+  const Finished moved = move_->wait();
+  EXPECT_EQ(moved.code, 1);
+  EXPECT_THAT(moved.errors, HasSubstr("axis 1.1 was halted before it reached its target"));
+  EXPECT_EQ(speed(), 0);
+}
+
+TEST_F(MoveOfAnotherProgram, IsQuickStoppedFromThisTerminal) {
+  begin();
+  EXPECT_EQ(tool("quick-stop 1.1").code, 0);
+  EXPECT_EQ(move_->wait().code, 1);
+  EXPECT_EQ(status()["state"], "Switch on disabled");
+}
+
+TEST_F(MoveOfAnotherProgram, IsStoppedByAWriteOfTheControlword) {
+  begin();
+  EXPECT_EQ(tool("write 1.1 0x6040 0x06").code, 5) << "no stop";
+  EXPECT_EQ(tool("write 1.1 0x6040 0x02").code, 0);
+  EXPECT_EQ(move_->wait().code, 1);
+}
+
+TEST_F(MoveOfAnotherProgram, IsStoppedWithItsBench) {
+  begin();
+  const Finished stopped = tool("stop --json");
+  EXPECT_EQ(stopped.code, 0) << stopped.errors;
+  const Json stopped_json = json_of(stopped).at(0);
+  EXPECT_THAT(keys(stopped_json), ElementsAre("bench", "command", "axes", "outcome"));
+  EXPECT_EQ(stopped_json["axes"], 2);
+  EXPECT_EQ(move_->wait().code, 1);
+  EXPECT_EQ(status()["state"], "Switch on disabled");
+  EXPECT_EQ(tool("stop 1").output, "bench 1: quick stop of 2 axes\n");
+  EXPECT_EQ(tool("stop 7 --timeout 0.3").code, 3);
+}
+
+TEST_F(MoveOfAnotherProgram, IsTakenOver) {
+  begin();
+  EXPECT_EQ(tool("disable 1.1").code, 5);
+  EXPECT_EQ(tool("disable 1.1 --take-over").code, 0);
+  EXPECT_EQ(move_->wait().code, 1);
+}
+
+TEST_F(MoveOfAnotherProgram, ReportsOnAnInterruptThatTheAxisStillMoves) {
+  begin();
+  move_->send(SIGINT);
+  const Finished moved = move_->wait();
+  EXPECT_EQ(moved.code, 130);
+  EXPECT_EQ(moved.errors, "vdrive: interrupted; axis 1.1 continues to its target\n");
+  EXPECT_NE(speed(), 0);
+}
+
+TEST_F(MoveOfAnotherProgram, HaltsTheAxisOnAnInterruptWithItsOption) {
+  begin("--stop-on-interrupt");
+  move_->send(SIGINT);
+  const Finished moved = move_->wait();
+  EXPECT_EQ(moved.code, 130);
+  EXPECT_EQ(moved.errors, "vdrive: interrupted; axis 1.1 is halted\n");
+  EXPECT_EQ(speed(), 0);
+}
+
+std::string value_of(const std::string& axis, const std::string& object) {
+  return nlohmann::json::parse(tool("read " + axis + " " + object + " --json").output)["value"]
+      .dump();
+}
+
+TEST(Jog, StopsTheAxisOnCtrlC) {
+  const RunningService service("");
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  Process jog(VDRIVE_TOOL, tool_arguments("jog 1.1 10000 --for 60s"));
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (value_of("1.1", "0x606B") != "10000") {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+  }
+  jog.send(SIGINT);
+  EXPECT_EQ(jog.wait().code, 130);
+  EXPECT_EQ(value_of("1.1", "0x60FF"), "0");
+  EXPECT_EQ(value_of("1.1", "0x606B"), "0");
+}
+
+class Events : public testing::Test {
+ protected:
+  Events() { EXPECT_EQ(tool("run -", "enable 1.1\ndisturb 1.1 over_current\nwait 5ms\n").code, 0); }
+
+  RunningService service_{"--clock lockstep"};
+};
+
+TEST_F(Events, AreFollowedAsTheyArrive) {
+  Process events(VDRIVE_TOOL, tool_arguments("events x --follow"));
+  std::string line;
+  do {
+    line = events.read_line();
+  } while (!line.empty() && line.find("fault 0x") == std::string::npos);
+  EXPECT_EQ(tool("run -", "disturb 1.1 none\nreset 1.1\n").code, 0);
+  do {
+    line = events.read_line();
+  } while (!line.empty() && line.find(" reset") == std::string::npos);
+  EXPECT_THAT(line, HasSubstr("fault 0x"));
+  events.send(SIGINT);
+  EXPECT_EQ(events.wait().code, 130);
+}
+
+TEST(EventsWithoutABench, AreNotFound) {
+  EXPECT_EQ(tool("events --timeout 0.2").code, 3);
+}
+
+}  // namespace
+}  // namespace vdrive::test
