@@ -194,10 +194,14 @@ function(vdrive_add_executable target)
 endfunction()
 
 # A test that holds a promise about wall time has the label timed beside its own, and these
-# properties: three of them run at a time, of the nine jobs of the preset release, nothing else
-# meanwhile, and before all others. A machine without a free processor cannot keep such a promise:
-# .ci/run repeats a test with this label that failed by a deadline.
+# properties: three of them run at a time, of the ten jobs of the preset release, and before all
+# others. Beside them runs one test that only calculates, with the lowest priority (CALCULATES). A
+# machine without a free processor cannot keep such a promise: .ci/run repeats a test with this
+# label that failed by a deadline.
 set(VDRIVE_TIMED_TEST PROCESSORS 3 COST 900)
+# Before what takes long, for the place beside timed tests.
+set(VDRIVE_CALCULATING_TEST COST 500)
+find_program(VDRIVE_NICE nice)
 
 # Makes those tests of a GoogleTest program timed whose names match the regular expression. Only
 # ctest knows these names, and gtest_discover_tests cannot pass a list of labels on.
@@ -214,17 +218,18 @@ endforeach()
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
 endfunction()
 
-# vdrive_add_test(<name> LABEL unit|dds SOURCES <file>... [LIBRARIES <target>...] [TIMED <regex>])
+# vdrive_add_test(<name> LABEL unit|dds SOURCES <file>... [LIBRARIES <target>...] [TIMED <regex>]
+#                 [CALCULATES])
 # A GoogleTest program with one ctest case per test, run each in a process of its own (unit tests
 # under a sanitizer: one case for the program); TIMED: its tests whose names match hold promises
-# about time. It sees
+# about time; CALCULATES: its tests wait for nothing, and run with the lowest priority. It sees
 #   VDRIVE_SOURCE_DIR   the source tree, for tests/data and the scenarios
 #   VDRIVE_SERVICE, VDRIVE_TOOL   (label dds only) the programs vdrived and vdrive of this build; a test without
 #                       DDS that calls the tool is given to vdrive_call_tool (tests/CMakeLists.txt)
 # With VDRIVE_NIGHTLY=1 in the environment a test may run its long count. The target unit_tests
 # builds everything of that label.
 function(vdrive_add_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL;TIMED" "SOURCES;LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "CALCULATES" "LABEL;TIMED" "SOURCES;LIBRARIES")
   if(NOT arg_LABEL MATCHES "^(unit|dds)$" OR NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "vdrive_add_test(${name} LABEL unit|dds SOURCES ... [LIBRARIES ...])")
   endif()
@@ -252,11 +257,18 @@ function(vdrive_add_test name)
     set_tests_properties(${name} PROPERTIES LABELS unit TIMEOUT 1800)
     return()
   endif()
+  set(order)
+  if(arg_CALCULATES)
+    set(order ${VDRIVE_CALCULATING_TEST})
+    if(VDRIVE_NICE)
+      set_target_properties(${name} PROPERTIES CROSSCOMPILING_EMULATOR "${VDRIVE_NICE};-n;19")
+    endif()
+  endif()
   gtest_discover_tests(
     ${name}
     NO_PRETTY_VALUES # rows of a table have names; their bytes help no reader
     DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS ${arg_LABEL})
+    PROPERTIES LABELS ${arg_LABEL} ${order})
   if(arg_TIMED)
     vdrive_set_timed_tests(${name} ${arg_LABEL} ${arg_TIMED})
   endif()

@@ -559,7 +559,7 @@ class BigGroup : public Group {
 
 TEST_F(BigGroup, KeepsAStraightLineAndArrivesTogetherInRandomMovesOf2To64Axes) {
   const bool nightly = std::getenv("VDRIVE_NIGHTLY") != nullptr;
-  const int moves = nightly ? 200'000 : 200;
+  const int moves = nightly ? 200'000 : 400;
   std::mt19937_64 random(11);
   prepare(random);
   const auto uniform = [&](std::int64_t low, std::int64_t high) {
