@@ -340,6 +340,7 @@ std::vector<std::string> split_lines(std::string_view text) {
 }
 
 std::optional<Include> parse_include(const std::string& line) {
+  if (line.find("include") == std::string::npos) return std::nullopt;  // most lines, without a regex
   static const std::regex pattern(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"])");
   std::smatch match;
   if (!std::regex_search(line, match, pattern)) return std::nullopt;
@@ -350,7 +351,8 @@ std::optional<Include> parse_include(const std::string& line) {
 /// the style has none.
 std::string code_of(const std::string& line) {
   static const std::regex literal(R"("([^"\\]|\\.)*")");
-  const std::string code = std::regex_replace(line, literal, "\"\"");
+  const bool has_literal = line.find('"') != std::string::npos;
+  const std::string code = has_literal ? std::regex_replace(line, literal, "\"\"") : line;
   return code.substr(0, code.find("//"));
 }
 
