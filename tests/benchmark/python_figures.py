@@ -3,22 +3,25 @@
 """The cost of the Python module beside the C++ library, in the same run.
 
   python_figures.py [--build build/release] [--rounds 9] [--steps 2000] [--axes 256] [--seconds 20] [--runs 1]
-                    [--only bank|steps|stream]
+                    [--only bank|steps|bench|stream]
 
 Bank: ticks of 4,096 moving axes of the drive alone, in C++ (axis_tick_ns of vdrive_core_benchmark) and from
 Python in turn; in Python also with a look at every status, and a write to each axis.
 Steps: rounds of one-tick steps of a private bench in lock-step, C++ and Python in turn; the medians of
-the rounds and the median of the ratios of neighbours. Stream: every status of a bench in real time
+the rounds and the median of the ratios of neighbours. Bench: 64 axes in motion, in the process and over
+DDS in turn: a step, a step that shows all axes, and 10 s of drive time recorded. Stream: every status of a bench in real time
 at 1 kHz, taken as numpy arrays; samples that were lost on the way or dropped. One JSON line a
 figure. Needs the targets vdrived, vdrive_python, vdrive_core_benchmark and vdrive_step_benchmark, and Debian's python3.
 """
 import argparse
+import contextlib
 import json
 import os
 import pathlib
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 
 from hops import Hops, free_port
@@ -115,6 +118,53 @@ def measure_bank(vdrive, options):
            looking=round(looking, 1), write=round(median_us(write, 100), 1))
 
 
+BENCH_AXES = 64
+RECORDED = 10_000  # ticks
+
+
+def times_of(session, options):
+    """Return the times of a step and of an observation in us, and of a recording in ms."""
+    followed = session.follow()
+    followed_us = median_us(followed.__next__, options.steps)
+    followed.close()
+    begin = time.perf_counter()
+    recording = session.record(ticks=RECORDED)
+    recorded_ms = 1000 * (time.perf_counter() - begin)
+    if not recording["velocity"][-1].all():
+        raise RuntimeError("an axis stopped moving")
+    return steps_in_python(session, options.steps), followed_us, recorded_ms
+
+
+def measure_bench(vdrive, options):
+    program = options.build / "tests/benchmark/vdrive_step_benchmark"
+    rounds = {"local": [], "dds": []}
+    in_cpp = []
+    with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as benches:
+        # Without the watchdog the axes go on while a session that does not own them steps.
+        config = pathlib.Path(folder) / "bench.yaml"
+        config.write_text("watchdog: {timeout_ms: off}\n", encoding="utf-8")
+        local, remote = (benches.enter_context(vdrive.Bench(BENCH_AXES, config=config, over=over))
+                         for over in rounds)
+        near, far = (benches.enter_context(bench.session()) for bench in (local, remote))
+        for session in (near, far):
+            for number, axis in enumerate(session.axes()):
+                axis.enable()
+                axis.move_to(1_000_000_000 + 1000 * number, velocity=40_000, until="in_force")
+        for _ in range(options.rounds):
+            for over, session in (("local", near), ("dds", far)):
+                rounds[over].append(times_of(session, options))
+            output = subprocess.run([program, str(remote.domain), str(options.steps)], check=True,
+                                    capture_output=True, text=True).stdout
+            in_cpp.append([float(line.split()[0]) for line in output.splitlines()])
+    for over, times in rounds.items():
+        step, follow, record = (statistics.median(column) for column in zip(*times))
+        figure("python_bench", over=over, axes=BENCH_AXES, step_us=round(step, 2), follow_us=round(follow, 2),
+               record_10s_ms=round(record, 1))
+    bare, shown = (statistics.median(column) for column in zip(*in_cpp))
+    figure("cpp_step_over_dds_us", axes=BENCH_AXES, bare=round(bare, 1), shown=round(shown, 1),
+           difference=round(statistics.median(both[1] - both[0] for both in in_cpp), 1))
+
+
 def measure_stream(vdrive, options):
     metrics = free_port()
     with vdrive.Bench(options.axes, clock="realtime", over="dds",
@@ -146,7 +196,7 @@ def main():
     parser.add_argument("--axes", type=int, default=256)
     parser.add_argument("--seconds", type=float, default=20)
     parser.add_argument("--runs", type=int, default=1, help="of the stream")
-    parser.add_argument("--only", choices=("bank", "steps", "stream"))
+    parser.add_argument("--only", choices=("bank", "steps", "bench", "stream"))
     options = parser.parse_args()
     sys.path.insert(0, str(options.build / "python"))
     os.environ.setdefault("VDRIVE_SERVICE", str(options.build / "bin/vdrived"))
@@ -156,6 +206,8 @@ def main():
         measure_bank(vdrive, options)
     if options.rounds and options.only in (None, "steps"):
         measure_steps(vdrive, options)
+    if options.rounds and options.only in (None, "bench"):
+        measure_bench(vdrive, options)
     for _ in range(options.runs if options.only in (None, "stream") else 0):
         measure_stream(vdrive, options)
 

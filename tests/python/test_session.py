@@ -121,6 +121,25 @@ def test_following_in_lockstep_steps_one_tick_for_each_sample(vdrive_session):
     assert samples[0][0].id == "1.1" and len(samples[0]) == 1
 
 
+def test_a_follower_takes_samples_as_one_array_and_no_more_than_its_count(vdrive_session):
+    axis = vdrive_session.axis("1.2")
+    axis.enable()
+    axis.start_move(3000)
+    begin = vdrive_session.step()
+    follower = vdrive_session.follow(["1.2", "1.1"], count=5)
+    first = next(follower)
+    frames = follower.take(3)
+    assert first.tick == begin + 1
+    assert frames["tick"].tolist() == [[begin + number] * 2 for number in (2, 3, 4)]
+    last = follower.take(9)
+    assert last.shape == (1, 2)
+    status = vdrive_session.axis("1.2").status()
+    assert all(last[name][0, 0] == getattr(status, name) for name in last.dtype.names
+               if hasattr(status, name))
+    with pytest.raises(StopIteration):
+        next(follower)
+
+
 def test_a_recording_has_the_values_of_each_sample(vdrive_session):
     axis = vdrive_session.axis("1.2")
     axis.enable()

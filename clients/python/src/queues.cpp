@@ -256,10 +256,10 @@ void StepFollower::close() noexcept {
   follower_.reset();
 }
 
-client::Result<Observation> StepFollower::next(std::chrono::milliseconds patience) {
+Outcome StepFollower::next(std::chrono::milliseconds patience, Observation& sample) {
   const std::scoped_lock lock(mutex_);
   if (!follower_) return Outcome::failed("the follower is closed");
-  return follower_->next(patience);
+  return follower_->next(patience, sample);
 }
 
 void add_queues(py::module_& module) {

@@ -214,8 +214,8 @@ class StepFollower final : public Dependent {
 
   void close() noexcept override;
 
-  /// @return failed after close()
-  client::Result<client::Observation> next(std::chrono::milliseconds patience);
+  /// As client::Follower. @return failed after close()
+  client::Outcome next(std::chrono::milliseconds patience, client::Observation& sample);
 
  private:
   std::mutex mutex_;

@@ -5,8 +5,11 @@
 #include "axis.hpp"
 #include "local_bench.hpp"
 #include "queues.hpp"
+#include "status.hpp"
 #include "vdrive/text.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <memory>
@@ -84,14 +87,32 @@ struct PyFollower {
   SharedPySession py_session;
   std::chrono::milliseconds patience;
   std::optional<std::uint64_t> left;
+  std::size_t axes;
 
   client::Observation next() {
     if (left && *left == 0) throw py::stop_iteration();
-    auto sample = value_or_raise(waiting(py_session, [this](Session& /*session*/) {
-      return follower->next(patience);
+    client::Observation sample;
+    check(waiting(py_session, [this, &sample](Session& /*session*/) {
+      return follower->next(patience, sample);
     }));
     if (left) --*left;
     return sample;
+  }
+
+  /// The interpreter is not asked between the samples: a signal ends the wait for one of them.
+  py::array take(std::uint64_t most) {
+    const std::uint64_t count = std::min(most, left.value_or(most));
+    Frames frames(count, axes);
+    check(waiting(py_session, [&](Session& /*session*/) {
+      client::Observation sample;
+      for (std::uint64_t place = 0; place < count; ++place) {
+        if (Outcome seen = follower->next(patience, sample); !seen) return seen;
+        frames.add(sample);
+      }
+      return Outcome();
+    }));
+    if (left) *left -= count;
+    return frames.array();
   }
 };
 
@@ -104,7 +125,7 @@ PyFollower follow(const SharedPySession& self, const py::object& axes, const std
     return session.follow(ids, chosen);
   })));
   self->adopt(follower);
-  return {std::move(follower), self, longest, count};
+  return {std::move(follower), self, longest, count, ids.size()};
 }
 
 std::shared_ptr<StatusQueue> stream(const SharedPySession& self, const py::object& axes,
@@ -400,6 +421,10 @@ void add_follower(py::module_& module) {
              return self;
            })
       .def("__next__", &PyFollower::next)
+      .def("take", &PyFollower::take, py::arg("count"),
+           "Waits for that many observations, or for those that are left of the count of follow(): "
+           "a "
+           "numpy array of records, a row per sample, a column per axis.")
       .def(
           "close",
           [](PyFollower& self) {

@@ -93,49 +93,64 @@ std::vector<const StatusMember*> published_members() {
   return members;
 }
 
-/// Writes one number after the other.
-class RecordWriter {
- public:
-  explicit RecordWriter(std::byte* place) : place_(place) {}
-
-  /// The least significant bytes come first, as on every machine that runs this.
-  void put(const void* number, std::size_t size) {
-    std::memcpy(place_, number, size);
-    place_ += size;  // NOLINT(*-pointer-arithmetic): the records lie behind each other
-  }
-
- private:
-  std::byte* place_;
-};
+/// Copies `size` bytes, the least significant of each number first, as on every machine that runs
+/// this. @return the place behind them.
+std::byte* put(std::byte* place, const void* bytes, std::size_t size) {
+  std::memcpy(place, bytes, size);
+  return place + size;  // NOLINT(*-pointer-arithmetic): the records lie behind each other
+}
 
 /// The records of an array: tick and missed samples, the members of the status, the owner.
 class RecordLayout {
  public:
-  RecordLayout() : members_(published_members()) {
+  RecordLayout() {
     add({"tick", "<u8", sizeof(std::uint64_t)});
     add({"missed", "<u8", sizeof(std::uint64_t)});
-    for (const StatusMember* const member : members_) add(field_of(*member));
+    add_members();
     add({"owner", "<u8", sizeof(std::uint64_t)});
     add({"owner_epoch", "<u4", sizeof(std::uint32_t)});
   }
 
   [[nodiscard]] py::dtype type() const { return type_of(fields_); }
 
-  void write(const AxisSnapshot& axis, std::uint64_t missed, RecordWriter& record) const {
-    record.put(&axis.tick, sizeof axis.tick);
-    record.put(&missed, sizeof missed);
-    for (const StatusMember* const member : members_) {
-      const std::int64_t value = member->value(axis.status);
-      record.put(&value, size_of(member->data_type));
+  /// @return the place behind the record.
+  std::byte* write(const AxisSnapshot& axis, std::uint64_t missed, std::byte* place) const {
+    const auto image = std::as_bytes(std::span(&axis.status, 1));
+    place = put(place, &axis.tick, sizeof axis.tick);
+    place = put(place, &missed, sizeof missed);
+    for (const auto& [offset, size] : published_) {
+      place = put(place, image.subspan(offset, size).data(), size);
     }
-    record.put(&axis.owner_session, sizeof axis.owner_session);
-    record.put(&axis.owner_epoch, sizeof axis.owner_epoch);
+    place = put(place, &axis.owner_session, sizeof axis.owner_session);
+    return put(place, &axis.owner_epoch, sizeof axis.owner_epoch);
   }
 
  private:
+  /// Members of an AxisStatus that lie behind each other.
+  struct Run {
+    std::size_t offset;
+    std::size_t size;
+  };
+
   void add(Field field) { fields_.push_back(std::move(field)); }
 
-  std::vector<const StatusMember*> members_;
+  /// The table is in the order of the members, which have no gaps: a run is copied at once.
+  void add_members() {
+    std::size_t offset = 0;
+    for (const StatusMember& member : status_members()) {
+      const std::size_t size = size_of(member.data_type);
+      if (member.is_published) {
+        const bool continues =
+            !published_.empty() && published_.back().offset + published_.back().size == offset;
+        if (!continues) published_.push_back({offset, 0});
+        published_.back().size += size;
+        add(field_of(member));
+      }
+      offset += size;
+    }
+  }
+
+  std::vector<Run> published_;
   std::vector<Field> fields_;
 };
 
@@ -238,8 +253,9 @@ void add_observation(py::module_& module) {
       .def(
           "array",
           [](const Observation& sample) {
-            const py::object frames = frames_of({sample}, sample.axes.size());
-            return py::object(frames[py::int_(0)]);
+            Frames frames(1, sample.axes.size());
+            frames.add(sample);
+            return py::object(frames.array()[py::int_(0)]);
           },
           "The axes as a numpy array of records, a field for each member of the status.")
       .def("__len__",
@@ -261,16 +277,28 @@ void add_observation(py::module_& module) {
 
 }  // namespace
 
-py::object frames_of(const std::deque<Observation>& samples, std::size_t axes) {
-  py::array frames(layout().type(),
-                   std::vector<py::ssize_t>{static_cast<py::ssize_t>(samples.size()),
-                                            static_cast<py::ssize_t>(axes)});
-  RecordWriter record(static_cast<std::byte*>(frames.mutable_data()));
-  for (const Observation& sample : samples) {
-    if (sample.axes.size() != axes) throw std::logic_error("a sample has other axes");
-    for (const AxisSnapshot& axis : sample.axes) layout().write(axis, sample.missed, record);
+Frames::Frames(std::size_t samples, std::size_t axes)
+    : array_(layout().type(), std::vector<py::ssize_t>{static_cast<py::ssize_t>(samples),
+                                                       static_cast<py::ssize_t>(axes)}),
+      place_(static_cast<std::byte*>(array_.mutable_data())),
+      samples_(samples),
+      axes_(axes) {}
+
+void Frames::add(const Observation& sample) {
+  if (samples_ == 0 || sample.axes.size() != axes_) {
+    throw std::logic_error("a sample has other axes, or is one too many");
   }
-  return frames;
+  --samples_;
+  const RecordLayout& records = layout();
+  for (const AxisSnapshot& axis : sample.axes) {
+    place_ = records.write(axis, sample.missed, place_);
+  }
+}
+
+py::array frames_of(const std::deque<Observation>& samples, std::size_t axes) {
+  Frames frames(samples.size(), axes);
+  for (const Observation& sample : samples) frames.add(sample);
+  return frames.array();
 }
 
 py::dtype status_image_type() {

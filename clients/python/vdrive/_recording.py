@@ -81,11 +81,8 @@ def record(self, axes=None, *, ticks, pace="drive"):
     With pace "drive" each sample of a lock-step bench is a step of one tick.
     """
     handles = _axes_of(self, axes)
-    samples = self.follow(handles, pace=pace, count=ticks)
-    frames = [sample.array() for sample in samples]
-    kind = _vdrive.record_type()
-    table = numpy.stack(frames) if frames else numpy.zeros((0, len(handles)), kind)
-    return Recording([axis.id for axis in handles], [axis.name for axis in handles], table)
+    frames = self.follow(handles, pace=pace).take(ticks)
+    return Recording([axis.id for axis in handles], [axis.name for axis in handles], frames)
 
 
 def _axes_of(session, axes):

@@ -208,10 +208,20 @@ Result<RequestAnswer> BenchClocks::step_once(const Target& target, msg::Request 
 Result<Observation> BenchClocks::step(const Target& target, std::uint64_t ticks,
                                       std::span<const std::uint16_t> axes, milliseconds patience,
                                       Silence silence) {
+  Observation observation;
+  if (Outcome stepped = step(target, ticks, axes, patience, silence, observation); !stepped) {
+    return stepped;
+  }
+  return observation;
+}
+
+Outcome BenchClocks::step(const Target& target, std::uint64_t ticks,
+                          std::span<const std::uint16_t> axes, milliseconds patience,
+                          Silence silence, Observation& sample) {
   std::uint64_t left = ticks;
   std::size_t shown = 0;
-  Observation observation;
-  observation.axes.reserve(axes.size());
+  std::vector<AxisSnapshot> earlier;  // of all replies but the last: until then a step may fail
+  bool is_last = false;
   do {
     if (left != 0 && wakeup_.is_interrupted()) return Outcome::failed("interrupted");
     msg::Request request;
@@ -230,12 +240,17 @@ Result<Observation> BenchClocks::step(const Target& target, std::uint64_t ticks,
     if (reply->axes.size() != wanted) {
       return Outcome::failed(name_of(target) + " did not send the status of the requested axes");
     }
-    observation.tick = reply->tick();
-    for (const wire::ReceivedStatus& axis : reply->axes) {
-      observation.axes.push_back(sample_of(axis));
+    is_last = left == 0 && shown == axes.size();
+    if (is_last) {
+      sample = {.tick = reply->tick(), .axes = std::move(sample.axes)};
+      sample.axes.reserve(axes.size());
+      sample.axes.assign(earlier.begin(), earlier.end());
     }
-  } while (left != 0 || shown < axes.size());
-  return observation;
+    for (const wire::ReceivedStatus& axis : reply->axes) {
+      (is_last ? sample.axes : earlier).push_back(sample_of(axis));
+    }
+  } while (!is_last);
+  return {};
 }
 
 }  // namespace vdrive::client

@@ -49,6 +49,11 @@ class BenchClocks {
                            std::chrono::milliseconds patience = kStepPatience,
                            Silence silence = Silence::ends_call);
 
+  /// The same, with the memory of an earlier sample.
+  /// @param sample what is shown on success, else as it was
+  Outcome step(const Target& target, std::uint64_t ticks, std::span<const std::uint16_t> axes,
+               std::chrono::milliseconds patience, Silence silence, Observation& sample);
+
   /// Makes this session a stepper of the bench. @return the present tick.
   Result<std::uint64_t> join(const Target& target);
 

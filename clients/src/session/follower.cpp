@@ -32,12 +32,10 @@ Result<Observation> Follower::next(std::chrono::milliseconds patience) {
 
 Outcome Follower::next(std::chrono::milliseconds patience, Observation& sample) {
   if (!state_->feed) {
-    auto stepped =
-        state_->core->clocks.step(state_->target, 1, state_->axes, patience, Silence::is_bridged);
-    if (!stepped) return stepped.outcome();
-    sample = std::move(*stepped);
-    state_->note_seen(sample);
-    return {};
+    Outcome stepped = state_->core->clocks.step(state_->target, 1, state_->axes, patience,
+                                                Silence::is_bridged, sample);
+    if (stepped) state_->note_seen(sample);
+    return stepped;
   }
   Outcome seen = state_->core->stream.next(
       state_->target, *state_->feed,

@@ -19,11 +19,6 @@ void BenchAxes::record_to(Journal& journal, std::uint64_t tick) {
   journal_ = &journal;
 }
 
-std::optional<std::size_t> BenchAxes::index_of(std::uint16_t number) const noexcept {
-  if (number >= indices_.size() || indices_[number] == kMaxAxes) return std::nullopt;
-  return indices_[number];
-}
-
 AbortCode BenchAxes::write(std::size_t axis, ObjectRow row, std::int64_t value) {
   const AbortCode code = bank_.write(axis, row, value);
   if (code == AbortCode::none) {

@@ -38,7 +38,10 @@ class BenchAxes {
   }
 
   /// @return the index of the axis with this number, if there is one.
-  [[nodiscard]] std::optional<std::size_t> index_of(std::uint16_t number) const noexcept;
+  [[nodiscard]] std::optional<std::size_t> index_of(std::uint16_t number) const noexcept {
+    if (number >= indices_.size() || indices_[number] == kMaxAxes) return std::nullopt;
+    return indices_[number];
+  }
 
   /// @return the index of an axis that the bench has: the message that names it was checked.
   [[nodiscard]] std::size_t index_of_checked(std::uint16_t number) const noexcept {
