@@ -22,8 +22,8 @@ class BenchOutput {
   /// @param repeated the image was published before; it is sent again for clients that joined later
   void queue_status(bool repeated);
 
-  /// Puts what has changed into the outbox: as many changed parameter sets as fit, events about full
-  /// queues, and the state of the journal.
+  /// Puts what has changed into the outbox: as many changed parameter sets as fit, events about
+  /// full queues, and the state of the journal.
   void queue_changes();
 
  private:
