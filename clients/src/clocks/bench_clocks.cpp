@@ -241,13 +241,13 @@ Outcome BenchClocks::step(const Target& target, std::uint64_t ticks,
       return Outcome::failed(name_of(target) + " did not send the status of the requested axes");
     }
     is_last = left == 0 && shown == axes.size();
+    const std::size_t first = earlier.size();
+    std::vector<AxisSnapshot>& snapshots = is_last ? sample.axes : earlier;
+    snapshots.resize(first + wanted);
+    for (std::size_t i = 0; i < wanted; ++i) show(reply->axes[i], snapshots[first + i]);
     if (is_last) {
+      std::ranges::copy(earlier, sample.axes.begin());
       sample = {.tick = reply->tick(), .axes = std::move(sample.axes)};
-      sample.axes.reserve(axes.size());
-      sample.axes.assign(earlier.begin(), earlier.end());
-    }
-    for (const wire::ReceivedStatus& axis : reply->axes) {
-      (is_last ? sample.axes : earlier).push_back(sample_of(axis));
     }
   } while (!is_last);
   return {};

@@ -26,13 +26,14 @@ AxisSnapshot sample_of(const msg::AxisStatus& message) {
           .last_sequence = message.last_sequence()};
 }
 
-AxisSnapshot sample_of(const wire::ReceivedStatus& received) {
-  return {.id = {received.address.bench, received.address.axis},
-          .tick = received.tick,
-          .status = received.status,
-          .owner_session = received.owner.session,
-          .owner_epoch = received.owner.epoch,
-          .last_sequence = received.owner.last_sequence};
+void show(const wire::ReceivedStatus& received, AxisSnapshot& sample) {
+  sample.id = {received.address.bench, received.address.axis};
+  sample.tick = received.tick;
+  sample.status = received.status;
+  sample.owner_session = received.owner.session;
+  sample.owner_epoch = received.owner.epoch;
+  sample.last_sequence = received.owner.last_sequence;
+  sample.skipped = 0;
 }
 
 StatusFeed::StatusFeed(BenchKey key, std::vector<std::uint16_t> axes,
@@ -57,7 +58,7 @@ bool StatusFeed::on_frame(const wire::StatusFrameView& frame) {
     const std::size_t number = frame.number(position);
     const std::size_t place = number < places_.size() ? places_[number] : count_;
     if (place == count_ || seen_[place]) continue;
-    growing_.axes[place] = sample_of(frame.axis(position));
+    show(frame.axis(position), growing_.axes[place]);
     seen_[place] = true;
     ++seen_count_;
   }

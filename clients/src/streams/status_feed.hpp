@@ -16,7 +16,9 @@ namespace vdrive::client {
 
 /// @return a message as a sample of its axis.
 [[nodiscard]] AxisSnapshot sample_of(const msg::AxisStatus& message);
-[[nodiscard]] AxisSnapshot sample_of(const wire::ReceivedStatus& received);
+
+/// The same of a frame or a reply, into the memory of an earlier sample.
+void show(const wire::ReceivedStatus& received, AxisSnapshot& sample);
 
 /// Puts the status frames of a bench together into samples that show all wanted axes after one
 /// tick, and counts the ticks that went missing and, apart from them, those that the number jumped
