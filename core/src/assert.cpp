@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/assert.hpp"
 
+#include "vdrive/worked_for.hpp"
+
 // The standard's assert reports what broke and where on standard error: the core itself writes
 // nothing. It is needed in optimised builds too.
 #undef NDEBUG
@@ -9,7 +11,7 @@
 namespace vdrive {
 
 void abort_broken_invariant(const char* invariant, const char* file, unsigned line) noexcept {
-  __assert_fail(invariant, file, line, "vdrive");
+  __assert_fail(invariant, file, line, &worked_for == nullptr ? "vdrive" : worked_for());
 }
 
 }  // namespace vdrive

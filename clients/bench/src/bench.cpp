@@ -10,6 +10,7 @@
 #include "store/parameter_store.hpp"
 #include "vdrive/wire/bench_number.hpp"
 #include "vdrive/wire/local_bus.hpp"
+#include "vdrive/wire/origin.hpp"
 #include "vdrive/wire/participant.hpp"
 
 #include <exception>
@@ -125,11 +126,14 @@ class Bench::Parts {
   Parts(const Parts&) = delete;
   Parts& operator=(const Parts&) = delete;
 
+  [[nodiscard]] const wire::Origin& origin() const noexcept { return origin_; }
+
   [[nodiscard]] const std::shared_ptr<wire::LocalBus>& bus() const noexcept { return bus_; }
 
   [[nodiscard]] std::uint32_t number() const noexcept { return run_.identity().bench; }
 
  private:
+  const wire::Origin origin_;
   std::shared_ptr<wire::LocalBus> bus_;
   service::BenchRun run_;
   std::optional<wire::LocalBus::WorkPlace> work_;
@@ -144,20 +148,37 @@ void check(const BenchOptions& options) {
 Bench::Bench(const BenchOptions& options)
     : parts_(with_bench_errors([&] {
         Configuration configuration = configuration_of(options);
+        const std::string number = std::to_string(configuration.bench);
         auto store = store_of(options, configuration);
-        return std::make_unique<Parts>(std::move(configuration), journal_of(options),
-                                       std::move(store));
+        try {
+          return std::unique_ptr<Parts, End>(
+              new Parts(std::move(configuration), journal_of(options), std::move(store)));
+        } catch (const wire::NameTaken&) {
+          throw BenchError("number = " + number + ": bench " + number +
+                           " is on this bus already; give each bench of a bus a number of its own");
+        }
       })) {}
+
+void Bench::End::operator()(Parts* parts) const noexcept {
+  // NOLINTNEXTLINE(*-owning-memory): a deleter
+  if (!parts->origin().is_inherited()) delete parts;
+}
+
+void Bench::require_own_process() const {
+  if (parts_->origin().is_inherited()) throw BenchError(parts_->origin().problem("the bench"));
+}
 
 Bench::~Bench() = default;
 Bench::Bench(Bench&& other) noexcept = default;
 Bench& Bench::operator=(Bench&& other) noexcept = default;
 
 std::shared_ptr<wire::LocalBus> Bench::bus() const {
+  require_own_process();
   return parts_->bus();
 }
 
 client::Session Bench::session(client::SessionOptions options) const {
+  require_own_process();
   options.bus = parts_->bus();
   return client::Session(options);
 }

@@ -22,6 +22,7 @@ Survived& survived() {
 
 Wakeup::StopInProgress::StopInProgress(const Wakeup& wakeup)
     : outer_wakeup_(survived().wakeup), outer_interrupts_(survived().interrupts) {
+  if (wakeup.origin_.is_inherited()) return;
   const std::scoped_lock lock(wakeup.mutex_);
   survived() = {.wakeup = &wakeup, .interrupts = wakeup.interrupts_};
 }
@@ -40,6 +41,7 @@ void Wakeup::notify() {
 }
 
 void Wakeup::interrupt() noexcept {
+  if (origin_.is_inherited()) return;
   const std::scoped_lock lock(mutex_);
   ++interrupts_;
   ++changes_;
@@ -47,11 +49,13 @@ void Wakeup::interrupt() noexcept {
 }
 
 void Wakeup::end_interrupt() noexcept {
+  if (origin_.is_inherited()) return;
   const std::scoped_lock lock(mutex_);
   ended_interrupts_ = interrupts_;
 }
 
 bool Wakeup::is_interrupted() const {
+  if (origin_.is_inherited()) return false;
   const std::scoped_lock lock(mutex_);
   const std::uint64_t survived_here = survived().wakeup == this ? survived().interrupts : 0;
   return interrupts_ > std::max(survived_here, ended_interrupts_);

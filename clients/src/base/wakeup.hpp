@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/wire/origin.hpp"
+
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -12,7 +14,8 @@ namespace vdrive::client {
 
 /// Wakes the calls that wait when something may have changed, and ends them on an interrupt. Holds
 /// nothing of what they wait for: each condition locks the state that it reads, and no call holds a
-/// lock of a state while it waits. Thread-safe.
+/// lock of a state while it waits. In a forked process it does nothing: another thread of the
+/// parent may have had the lock. Thread-safe.
 class Wakeup {
  public:
   using Clock = std::chrono::steady_clock;
@@ -55,6 +58,7 @@ class Wakeup {
   void wait_until(std::uint64_t changes, Clock::time_point deadline);
 
  private:
+  const wire::Origin origin_;
   std::function<bool()> work_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;

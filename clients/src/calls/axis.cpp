@@ -163,9 +163,12 @@ Outcome Axis::request_memory(std::uint32_t kind, const std::string& what) {
   request.axes().push_back(id_.axis);
   Outcome outcome = core_->requests.exchange(*target, std::move(request), what).outcome();
   if (outcome.code() != wire_code(AbortCode::cannot_store_or_transfer)) return outcome;
-  return Outcome::refused(outcome.code(), what +
-                                              " refused, the bench has no state directory (vdrived "
-                                              "--state DIR; a bench in a process has the option)");
+  return Outcome::refused(
+      outcome.code(),
+      what + " refused, the bench has no state directory (" +
+          (core_->discovery.is_on_bus() ? "state_directory of its BenchOptions, state= in Python"
+                                        : "vdrived --state DIR") +
+          ")");
 }
 
 Result<Readings> Axis::read(std::span<const ObjectAddress> objects) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "clocks/bench_clocks.hpp"
 
+#include "clocks/joined_threads.hpp"
 #include "streams/status_feed.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -63,11 +64,17 @@ Result<std::uint64_t> BenchClocks::join(const Target& target) {
   if (grant_of(target.key)) {
     return Outcome::failed("this session has joined the clock of " + name_of(target) + " already");
   }
+  if (discovery_.is_on_bus()) {
+    if (Outcome free = joined_threads().join(target, session_); !free) return free;
+  }
   msg::Request request;
   request.kind(msg::REQUEST_JOIN_CLOCK);
   const auto reply =
       requests_.exchange(target, std::move(request), "joining the clock of " + name_of(target));
-  if (!reply) return reply.outcome();
+  if (!reply) {
+    joined_threads().leave(target.key, session_);
+    return reply.outcome();
+  }
   const std::scoped_lock lock(mutex_);
   grants_[target.key] = {.granted = reply->tick(), .reached = reply->tick()};
   return reply->tick();
@@ -79,6 +86,7 @@ void BenchClocks::leave(const Target& target) {
     const std::scoped_lock lock(mutex_);
     grants_.erase(target.key);
   }
+  joined_threads().leave(target.key, session_);
   msg::Request request;
   request.kind(msg::REQUEST_LEAVE_CLOCK);
   const auto number = requests_.send(target, std::move(request));
@@ -92,6 +100,14 @@ void BenchClocks::leave_all() {
     for (const auto& [key, grant] : grants_) joined.push_back(key);
   }
   for (const BenchKey& key : joined) leave({.key = key});
+}
+
+std::unique_lock<std::mutex> BenchClocks::lock_steps(const BenchKey& key) {
+  std::unique_lock state(mutex_);
+  if (!grants_.contains(key)) return {};
+  std::mutex& steps = steps_[key];
+  state.unlock();  // the order of steps comes before the state
+  return std::unique_lock(steps);
 }
 
 std::optional<Grant> BenchClocks::grant_of(const BenchKey& key) const {
@@ -133,6 +149,7 @@ void BenchClocks::note_reply(const BenchKey& key, const PendingStep& step,
     grant->second.reached = std::max(grant->second.reached, reply.tick());
   } else if (reply.reason() == msg::REASON_NOT_A_STEPPER) {  // taken off the clock
     grants_.erase(grant);
+    joined_threads().leave(key, session_);
   } else {
     grant->second.granted -= step.ticks;
   }
@@ -198,6 +215,9 @@ Result<RequestAnswer> BenchClocks::step_as_stepper(const Target& target, const G
 
 Result<RequestAnswer> BenchClocks::step_once(const Target& target, msg::Request request,
                                              milliseconds patience, Silence silence) {
+  // A call that only observes waits for nobody.
+  std::unique_lock<std::mutex> steps;
+  if (request.ticks() > 0) steps = lock_steps(target.key);
   if (const auto grant = grant_of(target.key)) {
     return step_as_stepper(target, *grant, request, patience, silence);
   }

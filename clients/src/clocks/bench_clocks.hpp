@@ -33,8 +33,8 @@ struct PendingStep {
   std::uint64_t ticks = 0;    ///< that it grants
 };
 
-/// The clocks of benches: steps, alone or as one of several steppers, and rates. Thread-safe, but
-/// each lock-step bench is to be stepped by one thread at a time.
+/// The clocks of benches: steps, alone or as one of several steppers, and rates. Thread-safe: of
+/// the steps that several threads ask for on one bench one follows the other.
 class BenchClocks {
  public:
   BenchClocks(std::uint64_t session, Requests& requests, Holdings& holdings, Discovery& discovery,
@@ -54,7 +54,8 @@ class BenchClocks {
   Outcome step(const Target& target, std::uint64_t ticks, std::span<const std::uint16_t> axes,
                std::chrono::milliseconds patience, Silence silence, Observation& sample);
 
-  /// Makes this session a stepper of the bench. @return the present tick.
+  /// Makes this session a stepper of the bench. @return the present tick; refused where a step
+  /// would wait for ever: on a bus, where this thread has joined the clock with another session.
   Result<std::uint64_t> join(const Target& target);
 
   /// Ends that, if the service still answers.
@@ -62,6 +63,10 @@ class BenchClocks {
 
   /// Leaves the clock of every bench.
   void leave_all();
+
+  /// Before a step of a joined clock, for as long as it takes: of two at once each has its own
+  /// ticks. Not locked when this session has not joined the clock.
+  [[nodiscard]] std::unique_lock<std::mutex> lock_steps(const BenchKey& key);
 
   /// What this session granted; nothing when it has not joined the clock.
   [[nodiscard]] std::optional<Grant> grant_of(const BenchKey& key) const;
@@ -92,8 +97,9 @@ class BenchClocks {
   Holdings& holdings_;
   Discovery& discovery_;
   const Wakeup& wakeup_;
-  mutable std::mutex mutex_;          ///< guards the grants
-  std::map<BenchKey, Grant> grants_;  ///< of the clocks that this session has joined
+  mutable std::mutex mutex_;              ///< guards the grants
+  std::map<BenchKey, Grant> grants_;      ///< of the clocks that this session has joined
+  std::map<BenchKey, std::mutex> steps_;  ///< stay where they are; each orders the steps of a clock
 };
 
 }  // namespace vdrive::client

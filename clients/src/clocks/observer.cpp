@@ -123,6 +123,13 @@ Result<std::uint64_t> Observer::completed_tick(const Target& target, std::uint16
   return reply->tick();
 }
 
+std::uint64_t Observer::first_tick_of_stream(const Target& target, std::uint16_t axis) {
+  if (discovery_.is_on_bus()) {
+    if (const auto tick = completed_tick(target, axis)) return *tick;
+  }
+  return discovery_.tick(target.key);
+}
+
 Result<std::uint64_t> Observer::wait_for_tick(const Target& target, std::uint64_t tick) {
   if (target.steps()) {
     auto present = present_tick(target, Silence::is_bridged);

@@ -41,12 +41,14 @@ std::unique_ptr<wire::Publication<Message>> publication_if_permitted(
 }  // namespace
 
 BenchLinks::BenchLinks(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
-                       Holdings& holdings, UnansweredMessages& unanswered, Wakeup& wakeup)
+                       Holdings& holdings, UnansweredMessages& unanswered, Wakeup& wakeup,
+                       ObserverFailure& failure)
     : session_(session),
       discovery_(discovery),
       holdings_(holdings),
       unanswered_(unanswered),
       wakeup_(wakeup),
+      failure_(failure),
       request_publication_(publication_if_permitted<msg::Request>(participant)),
       command_publication_(publication_if_permitted<msg::CommandFrame>(participant)),
       reply_subscription_(
@@ -88,8 +90,8 @@ void BenchLinks::on_command_reply(const msg::CommandReply& message, const wire::
 Result<Target> BenchLinks::connect(std::uint32_t number) {
   if (is_closed_) return Outcome::failed(kSessionEnded);
   const auto bench = discovery_.find_bench(number);
-  // A bench that this session has met and that has ended is lost, not unknown.
-  if (!bench) return discovery_.has_ended(number) ? discovery_.loss_of(number) : bench.outcome();
+  if (!bench) return bench.outcome();
+  failure_.rethrow();
   const Target target = target_of(*bench);
   if (!may_command()) return target;  // sees what is published
   if (const auto link = open(target, "requests"); !link) return link.outcome();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/observer_failure.hpp"
 #include "base/wakeup.hpp"
 #include "exchange/holdings.hpp"
 #include "exchange/unanswered.hpp"
@@ -48,7 +49,8 @@ struct OpenLink {
 class BenchLinks {
  public:
   BenchLinks(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
-             Holdings& holdings, UnansweredMessages& unanswered, Wakeup& wakeup);
+             Holdings& holdings, UnansweredMessages& unanswered, Wakeup& wakeup,
+             ObserverFailure& failure);
 
   /// Whether this session's permissions let it send requests and commands to benches.
   [[nodiscard]] bool may_command() const noexcept {
@@ -108,6 +110,7 @@ class BenchLinks {
   Holdings& holdings_;
   UnansweredMessages& unanswered_;
   Wakeup& wakeup_;
+  ObserverFailure& failure_;
   mutable std::mutex mutex_;        ///< guards the map of links and their sources
   std::map<BenchKey, Link> links_;  ///< stay where they are when one is added
   std::unique_ptr<wire::Publication<msg::Request>> request_publication_;  ///< none for a viewer

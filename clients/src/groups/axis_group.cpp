@@ -6,6 +6,7 @@
 #include "calls/axes_stop.hpp"
 #include "groups/group_state.hpp"
 #include "vdrive/client/session.hpp"
+#include "vdrive/wire/origin.hpp"
 
 #include <algorithm>
 #include <array>
@@ -240,7 +241,7 @@ Result<AxisGroup> AxisGroup::create(Session& session, std::span<const Axis> axes
   }
   auto layout = layout_of(std::move(ids));
   if (!layout) return layout.outcome();
-  auto state = std::make_shared<State>();
+  auto state = wire::made_here<State>();
   state->core = session.core_;
   state->layout = std::move(*layout);
   AxisGroup group(std::move(state));
@@ -386,6 +387,7 @@ Result<GroupStatus> AxisGroup::poll() {
 }
 
 Outcome AxisGroup::monitor(bool on) {
+  if (Outcome here = state_->core->discovery.check_process(); !here) return here;
   state_->monitor = {};
   if (!on) return {};
   AxesCall call = state_->call({});
@@ -394,16 +396,15 @@ Outcome AxisGroup::monitor(bool on) {
     return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
                             "a monitor needs a clock that runs by itself");
   }
-  state_->monitor = std::jthread([state = state_.get()](const std::stop_token& stop) {
-    state->monitor_loop(stop);
-  });
+  state_->monitor = std::jthread(
+      [state = state_.get(), watched = std::move(call)](const std::stop_token& stop) mutable {
+        state->monitor_loop(stop, watched);
+      });
   return {};
 }
 
-void AxisGroup::State::monitor_loop(const std::stop_token& stop) {
-  AxesCall call = this->call({});
+void AxisGroup::State::monitor_loop(const std::stop_token& stop, AxesCall& call) {
   call.axes().stop_by(stop);
-  if (!call.begin(kUsualTimeout)) return;
   while (!stop.stop_requested()) {
     (void)watch(call);
     if (Outcome seen = call.axes().advance(1); !seen) {

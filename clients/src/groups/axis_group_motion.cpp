@@ -257,6 +257,11 @@ Outcome AxisGroup::move_by(const Eigen::VectorXd& displacements, const GroupMove
 }
 
 Outcome AxisGroup::queue_move(const Eigen::VectorXd& targets, const GroupMoveOptions& options) {
+  for (const GroupLayout::Bench& bench : state_->layout.benches) {
+    if (const auto target = state_->core->links.connect(bench.number); !target) {
+      return target.outcome();
+    }
+  }
   auto request = state_->request_of(targets, options);
   if (!request) return request.outcome();
   const std::scoped_lock lock(state_->mutex);

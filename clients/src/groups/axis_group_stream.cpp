@@ -59,6 +59,7 @@ Outcome AxisGroup::start_streaming(const StreamOptions& options) {
 }
 
 Result<GroupStatus> AxisGroup::stream(const Eigen::VectorXd& positions) {
+  if (Outcome here = state_->core->discovery.check_process(); !here) return here;
   if (!state_->stream) return not_in_this_state("streaming was not started");
   const auto whole = state_->positions_of(positions);
   if (!whole) return whole.outcome();
@@ -123,6 +124,7 @@ void AxisGroup::State::collect_rest() const {
 }
 
 Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
+  if (Outcome here = state_->core->discovery.check_process(); !here) return here;
   if (!state_->stream) return not_in_this_state("streaming was not started");
   Outcome rest;
   while (rest && !state_->stream->in_flight.empty()) rest = state_->collect_oldest();

@@ -83,7 +83,7 @@ struct AxisGroup::State {
 
   /// One turn of poll().
   Outcome watch(AxesCall& call);
-  void monitor_loop(const std::stop_token& stop);
+  void monitor_loop(const std::stop_token& stop, AxesCall& call);
 
   /// What stream() does in lock-step and in real time.
   Outcome stream_stepping(const Round& round) const;

@@ -262,6 +262,17 @@ BenchKey Directory::newest_run(std::uint32_t number) const {
   return newest;
 }
 
+std::optional<std::uint32_t> Directory::ended_bench() const {
+  std::optional<std::uint32_t> bench;
+  Clock::time_point heard;
+  for (const auto& [key, entry] : entries_) {
+    if (!entry.offline || (bench && entry.newest <= heard)) continue;
+    bench = key.number;
+    heard = entry.newest;
+  }
+  return bench;
+}
+
 bool Directory::is_offline(const BenchKey& key) const {
   const auto entry = entries_.find(key);
   return entry != entries_.end() && entry->second.offline;

@@ -121,6 +121,9 @@ class Directory {
   /// @return the run of the bench that was heard last; one without an incarnation when none was.
   [[nodiscard]] BenchKey newest_run(std::uint32_t number) const;
 
+  /// @return the bench whose run has announced its end, of several the last; nothing when none has.
+  [[nodiscard]] std::optional<std::uint32_t> ended_bench() const;
+
   /// @return whether this run has announced its end.
   [[nodiscard]] bool is_offline(const BenchKey& key) const;
 

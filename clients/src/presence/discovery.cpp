@@ -98,6 +98,10 @@ Discovery::Clock::time_point Discovery::running_time() const {
   return now;
 }
 
+Outcome Discovery::check_process() const {
+  return origin_.is_inherited() ? Outcome::lost(origin_.problem("the session")) : Outcome();
+}
+
 // ---- waiting for a bench ---------------------------------------------------------------------
 
 template <typename Condition>
@@ -150,6 +154,7 @@ Sight Discovery::look(std::optional<std::uint32_t> number) const {
 }
 
 std::vector<PresentBench> Discovery::find_benches() {
+  if (origin_.is_inherited()) return {};
   Settling settling(Clock::now());
   std::optional<std::vector<PresentBench>> found;
   search(options_.bench, [&](const Sight& sight) {
@@ -161,6 +166,7 @@ std::vector<PresentBench> Discovery::find_benches() {
 }
 
 Outcome Discovery::no_bench_found() const {
+  if (Outcome here = check_process(); !here) return here;
   return Outcome::not_found("no bench was found" + place() + " (" + seen() + ")");
 }
 
@@ -174,10 +180,11 @@ std::string Discovery::seen() const {
 }
 
 Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) {
+  if (Outcome here = check_process(); !here) return here;
   if (!number && !options_.bench) {
     std::vector<PresentBench> benches = find_benches();
     if (benches.size() == 1) return std::move(benches.front());
-    if (benches.empty()) return no_bench_found();
+    if (benches.empty()) return not_found(std::nullopt, no_bench_found().message());
     return Outcome::not_found("several benches, name one: " + list_of(benches) + place());
   }
   const std::uint32_t wanted = number.value_or(options_.bench.value_or(0));
@@ -194,12 +201,22 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
     });
   }
   if (found) return std::move(*found);
-  return Outcome::not_found("no bench " + std::to_string(wanted) + place() + ", " +
-                            list_of(present()) + " (" + seen() + ")");
+  return not_found(wanted, "no bench " + std::to_string(wanted) + place() + ", " +
+                               list_of(present()) + " (" + seen() + ")");
+}
+
+Outcome Discovery::not_found(std::optional<std::uint32_t> bench, std::string text) const {
+  const std::scoped_lock lock(mutex_);
+  if (!bench) bench = directory_.ended_bench();
+  if (!bench || !directory_.is_offline(directory_.newest_run(*bench))) {
+    return Outcome::not_found(std::move(text));
+  }
+  return lost_in_silence({.key = directory_.newest_run(*bench)}, running_time(), patience());
 }
 
 /// The name of an axis does not begin with a digit: what begins so is an address.
 Result<AxisInfo> Discovery::find_axis(std::string_view text) {
+  if (Outcome here = check_process(); !here) return here;
   const std::size_t dot = std::min(text.find('.'), text.size());
   const auto bench = parse_digits<std::uint32_t>(text.substr(0, dot));
   return bench && dot < text.size() ? find_on_bench(*bench, text.substr(dot + 1)) : find_name(text);
@@ -209,7 +226,7 @@ Result<AxisInfo> Discovery::find_axis(std::string_view text) {
 Result<AxisInfo> Discovery::find_on_bench(std::uint32_t bench, std::string_view axis) {
   const std::string what = "no axis " + std::to_string(bench) + "." + escaped(axis);
   const auto found = find_bench(bench);
-  if (!found) return Outcome::not_found(what + ": " + found.outcome().message());
+  if (!found) return found.outcome().with_prefix(what + ": ");
   const auto number = parse_digits<std::uint16_t>(axis);
   std::vector<std::string> names;
   for (const AxisInfo& info : found->info.axes) {
@@ -237,9 +254,10 @@ Result<AxisInfo> Discovery::find_name(std::string_view name) {
     for (const PresentBench& bench : benches) {
       for (const AxisInfo& axis : bench.info.axes) names.push_back(axis.name);
     }
-    return Outcome::not_found("no axis is named " + in_quotes(name) + suggestion(name, names) +
-                              place() + ", " + list_of(benches) +
-                              (benches.empty() ? " (" + seen() + ")" : ""));
+    std::string text = "no axis is named " + in_quotes(name) + suggestion(name, names) + place() +
+                       ", " + list_of(benches);
+    if (!benches.empty()) return Outcome::not_found(std::move(text));
+    return not_found(std::nullopt, text + " (" + seen() + ")");
   }
   return Outcome::not_found("several axes are named " + in_quotes(name) + ": " +
                             to_string(matches[0].id) + ", " + to_string(matches[1].id));
@@ -305,6 +323,7 @@ void Discovery::set_rate(const BenchKey& key, double rate) {
 // ---- questions -------------------------------------------------------------------------------
 
 std::vector<PresentBench> Discovery::present() const {
+  if (origin_.is_inherited()) return {};
   const std::scoped_lock lock(mutex_);
   return directory_.present(running_time());
 }
@@ -363,11 +382,6 @@ Outcome Discovery::loss_of(std::uint32_t bench) const {
   const std::scoped_lock lock(mutex_);
   const auto key = directory_.newest_run(bench);
   return lost_in_silence({.key = key}, running_time(), patience());
-}
-
-bool Discovery::has_ended(std::uint32_t bench) const {
-  const std::scoped_lock lock(mutex_);
-  return directory_.is_offline(directory_.newest_run(bench));
 }
 
 Discovery::Clock::duration Discovery::own_pauses() const {

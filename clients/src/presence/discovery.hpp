@@ -9,6 +9,7 @@
 #include "presence/service_watch.hpp"
 #include "presence/target.hpp"
 #include "vdrive/client/session.hpp"
+#include "vdrive/wire/origin.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/subscription.hpp"
 #include "vdrive_messages.h"
@@ -39,6 +40,13 @@ class Discovery {
   using Clock = Directory::Clock;
 
   Discovery(wire::Participant& participant, SessionOptions options, Wakeup& wakeup);
+
+  /// Before any lock of the session is taken.
+  /// @return lost in a process that was forked from the one of this session.
+  [[nodiscard]] Outcome check_process() const;
+
+  /// @return whether this session meets the benches of its process, not those of a network.
+  [[nodiscard]] bool is_on_bus() const noexcept { return participant_.knows_who_is_there(); }
 
   // ---- waiting for a bench
 
@@ -92,9 +100,6 @@ class Discovery {
   /// @return why nothing comes from a bench that has no run now.
   [[nodiscard]] Outcome loss_of(std::uint32_t bench) const;
 
-  /// @return whether the newest run of the bench has announced its end.
-  [[nodiscard]] bool has_ended(std::uint32_t bench) const;
-
   /// @return for how long this program did not run since it has this object.
   [[nodiscard]] Clock::duration own_pauses() const;
 
@@ -125,6 +130,9 @@ class Discovery {
  private:
   void on_description(const msg::BenchDescription& message, const wire::Source& source);
   void on_state(const msg::BenchState& message, const wire::Source& source);
+  /// What is not found is lost when it was there: this session has met it, and it has ended.
+  /// @param bench none = any
+  [[nodiscard]] Outcome not_found(std::optional<std::uint32_t> bench, std::string text) const;
   Result<AxisInfo> find_name(std::string_view name);
   Result<AxisInfo> find_on_bench(std::uint32_t bench, std::string_view axis);
   [[nodiscard]] bool expects_more() const;
@@ -143,6 +151,7 @@ class Discovery {
   /// With the lock. @return the time, after a pause of this program was discounted.
   Clock::time_point running_time() const;
 
+  const wire::Origin origin_;
   wire::Participant& participant_;
   const SessionOptions options_;
   Wakeup& wakeup_;

@@ -31,6 +31,7 @@ Result<Observation> Follower::next(std::chrono::milliseconds patience) {
 }
 
 Outcome Follower::next(std::chrono::milliseconds patience, Observation& sample) {
+  if (Outcome here = state_->core->discovery.check_process(); !here) return here;
   if (!state_->feed) {
     Outcome stepped = state_->core->clocks.step(state_->target, 1, state_->axes, patience,
                                                 Silence::is_bridged, sample);
@@ -49,7 +50,10 @@ Follower SessionCore::follow(const Target& target, std::vector<std::uint16_t> ax
   state->core = shared_from_this();
   state->target = target;
   state->pace = pace;
-  if (pace == Pace::observe || !target.steps()) state->feed = stream.open_feed(target, axes);
+  if (pace == Pace::observe || !target.steps()) {
+    state->feed =
+        stream.open_feed(target, axes, observer.first_tick_of_stream(target, axes.front()));
+  }
   state->axes = std::move(axes);
   return Follower(std::move(state));
 }

@@ -5,6 +5,7 @@
 #include "session/session_core.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/wire/origin.hpp"
 
 #include <algorithm>
 #include <array>
@@ -21,6 +22,10 @@ std::vector<BenchInfo> infos_of(std::vector<PresentBench>&& benches) {
   infos.reserve(benches.size());
   for (PresentBench& bench : benches) infos.push_back(std::move(bench.info));
   return infos;
+}
+
+void require_own_process(const SessionCore& core) {
+  if (Outcome here = core.discovery.check_process(); !here) throw OutcomeError(here);
 }
 
 /// The numbers of axes that share a bench.
@@ -153,19 +158,24 @@ Outcome check_objects(std::span<const SetPointFrame> frames) {
 
 struct StatusReports::State {
   explicit State(std::shared_ptr<SessionCore> shared)
-      : core(std::move(shared)), watcher(core->discovery, core->stream) {}
+      : core(std::move(shared)),
+        watcher(core->discovery, core->stream, core->failure, core->look()) {}
 
   std::shared_ptr<SessionCore> core;
   StatusWatcher watcher;
 };
 
-StatusReports::StatusReports(std::unique_ptr<State> state) : state_(std::move(state)) {}
+StatusReports::StatusReports(std::unique_ptr<State, End> state) : state_(std::move(state)) {}
+
+void StatusReports::End::operator()(State* state) const noexcept {
+  if (state->core->discovery.check_process()) delete state;  // NOLINT(*-owning-memory): a deleter
+}
 
 StatusReports::~StatusReports() = default;
 StatusReports::StatusReports(StatusReports&&) noexcept = default;
 StatusReports& StatusReports::operator=(StatusReports&&) noexcept = default;
 
-Session::Session(const SessionOptions& options) : core_(std::make_shared<SessionCore>(options)) {}
+Session::Session(const SessionOptions& options) : core_(wire::made_here<SessionCore>(options)) {}
 
 Session::~Session() {
   core_->end();
@@ -305,12 +315,14 @@ Result<Follower> Session::follow(std::vector<AxisId> axes, Pace pace) {
 }
 
 void Session::on_event(std::function<void(const Event&)> observer, EventHistory history) {
+  require_own_process(*core_);
   core_->events.watch(std::move(observer), history);
 }
 
 Outcome Session::on_status(std::span<const AxisId> axes, std::chrono::milliseconds period,
                            std::function<void(const Observation&)> observer,
                            std::function<void(const Outcome&)> ended) {
+  if (Outcome here = core_->discovery.check_process(); !here) return here;
   core_->statuses.stop();
   if (!observer) return {};
   const auto numbers = find_by_bench(*core_, axes);
@@ -325,20 +337,23 @@ Result<StatusReports> Session::report_status(std::span<const AxisId> axes,
                                              std::function<void(const Outcome&)> ended) {
   const auto numbers = find_by_bench(*core_, axes);
   if (!numbers) return numbers.outcome();
-  auto state = std::make_unique<StatusReports::State>(core_);
+  std::unique_ptr<StatusReports::State, StatusReports::End> state(new StatusReports::State(core_));
   state->watcher.watch(*numbers, period, std::move(observer), std::move(ended));
   return StatusReports(std::move(state));
 }
 
 void Session::watch_services(std::function<void(const ServiceChange&)> observer) {
+  require_own_process(*core_);
   core_->watcher.watch(std::move(observer));
 }
 
 Outcome Session::release(std::uint32_t bench) {
+  if (Outcome here = core_->discovery.check_process(); !here) return here;
   return core_->control.release(bench);
 }
 
 Outcome Session::release() {
+  if (Outcome here = core_->discovery.check_process(); !here) return here;
   return core_->control.release();
 }
 

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <random>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -52,7 +53,7 @@ SessionCore::SessionCore(const SessionOptions& chosen)
       holdings(id),
       participant(settings_of(options), "vdrive client"),
       discovery(participant, options, wakeup),
-      links(participant, id, discovery, holdings, unanswered, wakeup),
+      links(participant, id, discovery, holdings, unanswered, wakeup, failure),
       waiter(wakeup, discovery, links),
       requests(id, links, unanswered.requests, waiter),
       commands(links, holdings, unanswered.frames, waiter),
@@ -60,15 +61,26 @@ SessionCore::SessionCore(const SessionOptions& chosen)
       clocks(id, requests, holdings, discovery, wakeup),
       stream(participant, discovery, waiter, wakeup),
       observer(discovery, links, requests, clocks, stream, waiter),
-      watcher(discovery, stream),
-      events(participant, discovery),
-      statuses(discovery, stream) {
+      watcher(discovery, stream, failure),
+      events(participant, discovery, failure,
+             [this](const PresentBench& bench) {
+               return observer.first_tick_of_stream(target_of(bench),
+                                                    bench.info.axes.front().id.axis);
+             }),
+      statuses(discovery, stream, failure, look()) {
   wakeup.work_with([this] {
     return participant.run_local_work();
   });
 }
 
+StatusWatcher::Look SessionCore::look() {
+  return [this](const Target& target, std::span<const std::uint16_t> axes) {
+    return observer.observe(target, axes);
+  };
+}
+
 void SessionCore::end() {
+  if (!discovery.check_process()) return;
   // What reports to the program ends first, then what sends: a report may begin a call, and the
   // release needs the links.
   watcher.watch({});

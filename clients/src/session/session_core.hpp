@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/observer_failure.hpp"
 #include "base/wakeup.hpp"
 #include "clocks/bench_clocks.hpp"
 #include "clocks/observer.hpp"
@@ -32,11 +33,15 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   /// @throws what Session throws
   explicit SessionCore(const SessionOptions& chosen);
 
-  /// The session ends: gives all axes back, and no handle that is left sends anything.
+  /// The session ends: gives all axes back, and no handle that is left sends anything. In a forked
+  /// process nothing ends: the session is its parent's.
   void end();
 
   /// The session ends as if its program were killed: it sends nothing more and gives nothing back.
   void abandon() noexcept;
+
+  /// For reports of the status.
+  [[nodiscard]] StatusWatcher::Look look();
 
   /// Observes `axes` tick by tick.
   Follower follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace);
@@ -45,6 +50,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   const std::uint64_t id;  ///< of the session
 
   Wakeup wakeup;
+  ObserverFailure failure;
   Holdings holdings;
   UnansweredMessages unanswered;
   wire::Participant participant;

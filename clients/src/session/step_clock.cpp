@@ -4,6 +4,8 @@
 #include "session/session_core.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <mutex>
 #include <string>
 #include <utility>
 
@@ -32,12 +34,14 @@ std::string period_of(const Member& member) {
 struct StepClock::State {
   std::shared_ptr<SessionCore> core;
   std::vector<Member> members;
-  nanoseconds now{0};
-  bool is_unfinished = false;
+  std::atomic<nanoseconds::rep> now = 0;
+  std::mutex steps;            ///< orders the steps of threads; guards the ticks of the members
+  bool is_unfinished = false;  ///< likewise
 
   explicit State(std::shared_ptr<SessionCore> session) : core(std::move(session)) {}
 
   ~State() {
+    if (!core->discovery.check_process()) return;
     for (const Member& member : members) core->clocks.leave(member.target);
   }
 
@@ -102,9 +106,14 @@ Outcome StepClock::State::round(std::uint64_t ticks, Clock::time_point deadline)
 
 Result<std::vector<std::uint64_t>> StepClock::State::run(nanoseconds duration,
                                                          Clock::time_point deadline) {
+  if (Outcome here = core->discovery.check_process(); !here) return here;
   for (const Member& member : members) {
     if (Outcome there = core->discovery.check_presence(member.target); !there) return there;
   }
+  const std::scoped_lock lock(steps);
+  // Calls of the session step the same clocks.
+  std::vector<std::unique_lock<std::mutex>> clocks;
+  for (const Member& member : members) clocks.push_back(core->clocks.lock_steps(member.target.key));
   begin_step();
   std::uint64_t rounds = 1;
   for (Member& member : members) {
@@ -121,7 +130,7 @@ Result<std::vector<std::uint64_t>> StepClock::State::run(nanoseconds duration,
     reached.push_back(grant ? grant->reached : member.aim);
   }
   is_unfinished = false;
-  now += duration;
+  now += duration.count();
   return reached;
 }
 
@@ -166,7 +175,7 @@ Result<std::vector<std::uint64_t>> StepClock::step_for(nanoseconds duration,
 }
 
 nanoseconds StepClock::now() const noexcept {
-  return state_->now;
+  return nanoseconds(state_->now);
 }
 
 }  // namespace vdrive::client

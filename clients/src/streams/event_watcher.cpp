@@ -30,16 +30,23 @@ Event event_of(const msg::Event& message) {
 
 void EventWatcher::watch(std::function<void(const Event&)> observer, EventHistory history) {
   subscription_.reset();  // no handler runs after this
-  thread_ = {};           // ends the last watch
-  queue_.clear();
+  thread_.stop();         // ends the last watch
+  {
+    const std::scoped_lock lock(mutex_);
+    queue_.clear();
+  }
   if (!observer) return;
   history_ = history;
   EventFilter filter;
-  for (const PresentBench& bench : discovery_.present()) begin(bench.key(), filter);
+  for (const PresentBench& bench : discovery_.present()) {
+    filter.begin(bench.key(), history == EventHistory::kept ? 0 : present_tick_(bench));
+  }
   // Before the subscription, whose history arrives at once.
-  thread_ = std::jthread([this, filter = std::move(filter),
-                          observe = std::move(observer)](const std::stop_token& stop) mutable {
-    run(stop, filter, observe);
+  thread_.start([this, filter = std::move(filter),
+                 observe = std::move(observer)](const std::stop_token& stop) mutable {
+    failure_.run([&] {
+      run(stop, filter, observe);
+    });
   });
   subscription_ = std::make_unique<wire::Subscription<msg::Event>>(
       participant_, [this](const msg::Event& message, const wire::Source& /*source*/) {
@@ -72,7 +79,7 @@ std::optional<msg::Event> EventWatcher::next(const std::stop_token& stop) {
   const bool has_one = arrived_.wait(lock, stop, [this] {
     return !queue_.empty();
   });
-  if (!has_one) return std::nullopt;
+  if (!has_one || stop.stop_requested()) return std::nullopt;
   msg::Event message = std::move(queue_.front());
   queue_.pop_front();
   return message;
@@ -89,12 +96,8 @@ bool EventWatcher::meet(const BenchKey& key, EventFilter& filter, const std::sto
       return false;
     });
   }
-  begin(key, filter);
-  return true;
-}
-
-void EventWatcher::begin(const BenchKey& key, EventFilter& filter) const {
   filter.begin(key, history_ == EventHistory::kept ? 0 : discovery_.tick(key));
+  return true;
 }
 
 }  // namespace vdrive::client

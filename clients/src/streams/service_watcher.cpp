@@ -2,6 +2,7 @@
 #include "streams/service_watcher.hpp"
 
 #include <chrono>
+#include <optional>
 #include <utility>
 
 namespace vdrive::client {
@@ -16,9 +17,12 @@ void ServiceWatcher::watch(std::function<void(const ServiceChange&)> observer) {
   thread_.stop();
   if (!observer) return;
   stream_.subscribe();
-  thread_.start([this, observe = std::move(observer), watch = ServiceWatch()]() mutable {
-    for (const ServiceChange& change : discovery_.changes(watch)) observe(change);
-    return kWatchPeriod;
+  thread_.start([this, observe = std::move(observer),
+                 watch = ServiceWatch()]() mutable -> std::optional<std::chrono::milliseconds> {
+    const bool continues = failure_.run([&] {
+      for (const ServiceChange& change : discovery_.changes(watch)) observe(change);
+    });
+    return continues ? std::optional(kWatchPeriod) : std::nullopt;
   });
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/observer_failure.hpp"
 #include "base/periodic_thread.hpp"
 #include "presence/discovery.hpp"
 #include "streams/status_stream.hpp"
@@ -13,8 +14,8 @@ namespace vdrive::client {
 /// Reports to the program, in a thread of its own, what becomes of services. Not thread-safe.
 class ServiceWatcher {
  public:
-  ServiceWatcher(const Discovery& discovery, StatusStream& stream)
-      : discovery_(discovery), stream_(stream) {}
+  ServiceWatcher(const Discovery& discovery, StatusStream& stream, ObserverFailure& failure)
+      : discovery_(discovery), stream_(stream), failure_(failure) {}
 
   /// Session::watch_services.
   void watch(std::function<void(const ServiceChange&)> observer);
@@ -22,6 +23,7 @@ class ServiceWatcher {
  private:
   const Discovery& discovery_;
   StatusStream& stream_;
+  ObserverFailure& failure_;
   PeriodicThread thread_;
 };
 

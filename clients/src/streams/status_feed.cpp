@@ -37,13 +37,14 @@ void show(const wire::ReceivedStatus& received, AxisSnapshot& sample) {
 }
 
 StatusFeed::StatusFeed(BenchKey key, std::vector<std::uint16_t> axes,
-                       std::uint32_t status_every_ticks)
+                       std::uint32_t status_every_ticks, std::uint64_t first_tick)
     : key_(key),
       count_(axes.size()),
       places_(axes.empty() ? std::size_t{0} : *std::ranges::max_element(axes) + std::size_t{1},
               axes.size()),
       status_every_ticks_(status_every_ticks),
       seen_(axes.size()) {
+  growing_.tick = first_tick;
   for (std::size_t place = 0; place < axes.size(); ++place) places_[axes[place]] = place;
 }
 

@@ -27,7 +27,9 @@ void show(const wire::ReceivedStatus& received, AxisSnapshot& sample);
 class StatusFeed {
  public:
   /// @param axes none of them twice; samples have this order
-  StatusFeed(BenchKey key, std::vector<std::uint16_t> axes, std::uint32_t status_every_ticks);
+  /// @param first_tick frames of earlier ticks are left out
+  StatusFeed(BenchKey key, std::vector<std::uint16_t> axes, std::uint32_t status_every_ticks,
+             std::uint64_t first_tick = 0);
 
   /// Takes one frame; others' benches are ignored.
   /// @return whether it completed a sample.

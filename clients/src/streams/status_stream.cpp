@@ -58,8 +58,10 @@ void StatusStream::deliver(const wire::Source& source) {
 }
 
 std::shared_ptr<StatusFeed> StatusStream::open_feed(const Target& target,
-                                                    std::vector<std::uint16_t> axes) {
-  auto feed = std::make_shared<StatusFeed>(target.key, std::move(axes), target.status_every_ticks);
+                                                    std::vector<std::uint16_t> axes,
+                                                    std::uint64_t first_tick) {
+  auto feed = std::make_shared<StatusFeed>(target.key, std::move(axes), target.status_every_ticks,
+                                           first_tick);
   {
     const std::scoped_lock lock(mutex_);
     std::erase_if(feeds_, [](const auto& weak) {

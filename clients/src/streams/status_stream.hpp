@@ -31,7 +31,9 @@ class StatusStream {
   void subscribe();
 
   /// Starts to collect the status stream for `axes`; ends with the last pointer to it.
-  std::shared_ptr<StatusFeed> open_feed(const Target& target, std::vector<std::uint16_t> axes);
+  /// @param first_tick frames of earlier ticks are left out
+  std::shared_ptr<StatusFeed> open_feed(const Target& target, std::vector<std::uint16_t> axes,
+                                        std::uint64_t first_tick = 0);
 
   /// Waits for the next sample of a feed, which takes the memory of `sample` in return.
   Outcome next(const Target& target, StatusFeed& feed, const Patience& patience,

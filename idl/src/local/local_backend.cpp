@@ -93,12 +93,13 @@ std::unique_ptr<Backend> make_local_backend(const NetworkSettings& settings,
 LocalBackend::LocalBackend(std::shared_ptr<LocalBus> bus, Role role, std::string name)
     : bus_(std::move(bus)), role_(role), name_(std::move(name)), source_(new_source()) {
   auto& parts = bus_->parts();
+  if (parts.origin.is_inherited()) throw NetworkError(parts.origin.problem("the local bus"));
   const std::scoped_lock lock(parts.counting);
   const bool is_taken =
       role_ == Role::service && std::ranges::any_of(parts.participants, [this](const auto* other) {
         return other->role_ == Role::service && other->name_ == name_;
       });
-  if (is_taken) throw NetworkError(in_quotes(name_) + " is on this bus already");
+  if (is_taken) throw NameTaken(in_quotes(name_) + " is on this bus already");
   parts.participants.push_back(this);
   const SourceKey key = as_numbers(source_);
   parts.sources.insert(std::ranges::lower_bound(parts.sources, key), key);

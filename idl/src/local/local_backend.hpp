@@ -3,6 +3,7 @@
 
 #include "backend.hpp"
 #include "vdrive/wire/local_bus.hpp"
+#include "vdrive/wire/origin.hpp"
 
 #include <array>
 #include <cstddef>
@@ -29,6 +30,8 @@ using SourceKey = std::pair<std::uint64_t, std::uint32_t>;
 /// Who is on a bus. A thread that delivers a sample has `members` shared; a reader or writer that
 /// comes or goes has it alone, so that nothing is delivered to what has gone.
 struct LocalBus::Parts {
+  const Origin origin;
+
   std::mutex counting;  ///< no other lock is taken with it: handlers ask who is there
   std::vector<const LocalBackend*> participants;
   /// Theirs: each call of a session asks for every bench that it knows.
@@ -45,7 +48,7 @@ struct LocalBus::Parts {
 /// A participant on a local bus.
 class LocalBackend final : public Backend {
  public:
-  /// @throws NetworkError when a service on the bus has this name.
+  /// @throws NameTaken when a service on the bus has this name; NetworkError in a forked process
   LocalBackend(std::shared_ptr<LocalBus> bus, Role role, std::string name);
   ~LocalBackend() override;
   LocalBackend(const LocalBackend&) = delete;

@@ -44,7 +44,11 @@ class File {
  public:
   File(int descriptor, std::string name) : descriptor_(descriptor), name_(std::move(name)) {}
 
-  ~File() { ::close(descriptor_); }
+  /// A process that was forked from this one would keep the lock.
+  ~File() {
+    static_cast<void>(::flock(descriptor_, LOCK_UN));
+    ::close(descriptor_);
+  }
 
   File(const File&) = delete;
   File& operator=(const File&) = delete;

@@ -2,6 +2,7 @@
 #include "run/bench_run.hpp"
 
 #include "base/log.hpp"
+#include "base/works_for.hpp"
 #include "configuration/configuration_warnings.hpp"
 #include "publish/status_depth.hpp"
 
@@ -29,6 +30,18 @@ constexpr std::chrono::milliseconds kTimeOfLastSamples = 200ms;
 /// The same where no axis had to brake: of the 2 s that an end may take more is left, and a client
 /// on a busy machine waits for the reason of its step.
 constexpr std::chrono::milliseconds kTimeOfLastSamplesInLockstep = 1s;
+
+/// Later than those of all benches that this process has made, also where the wall clock is coarse
+/// or was set back.
+std::uint64_t new_incarnation(std::chrono::nanoseconds now) noexcept {
+  static std::atomic<std::uint64_t> last{0};
+  std::uint64_t before = last;
+  std::uint64_t mine = 0;
+  do {
+    mine = std::max(static_cast<std::uint64_t>(now.count()), before + 1);
+  } while (!last.compare_exchange_weak(before, mine));
+  return mine;
+}
 
 void prepare_tick_thread(int priority) {
   prctl(PR_SET_TIMERSLACK, 1UL);  // the default lets the kernel wake it 50 us late
@@ -59,7 +72,8 @@ BenchRun::BenchRun(Configuration configuration, JournalSink journal,
     : configuration_(std::move(configuration)),
       lockstep_threads_(lockstep_threads),
       parameters_(std::move(store), configuration_),
-      identity_{configuration_.bench, static_cast<std::uint64_t>(timer_.wall_now().count())},
+      identity_{configuration_.bench, new_incarnation(timer_.wall_now())},
+      name_("bench " + std::to_string(identity_.bench)),
       wire_(make_wire(configuration_, counters_)),
       duplicates_(wire_->region().ring(Lane::notices), identity_),
       inbox_(configuration_.bench, wire_->region().ring(Lane::arrivals),
@@ -80,6 +94,7 @@ BenchRun::~BenchRun() {
 }
 
 void BenchRun::start() {
+  const WorksFor bench(name_.c_str());
   wire_->start();
   timer_.wait_until(timer_.monotonic_now() + wire_->time_to_meet_others());
   duplicates_.receive();
@@ -93,7 +108,7 @@ void BenchRun::start() {
   if (parameters_.saver) {
     parameters_.saver->start([this] {
       doorbell_.ring();
-      if (lockstep_threads_ == LockstepThreads::callers) static_cast<void>(work());
+      if (works_in_callers()) static_cast<void>(work());
     });
   }
   reports_.announce(true);
@@ -125,12 +140,14 @@ void BenchRun::run() {
 
 void BenchRun::stop() noexcept {
   if (!std::exchange(is_running_, false)) return;
+  const WorksFor bench(name_.c_str());
   stop_ = true;
   doorbell_.ring();
   for (auto& thread : threads_) thread.join();
   threads_.clear();
   const std::scoped_lock lock(working_);  // a caller that runs the bench leaves it at the next tick
-  if (lockstep_) lockstep_->end();
+  // Of a bench in a process a step that waits is lost with the bench, as every other call is.
+  if (lockstep_ && !works_in_callers()) lockstep_->end();
   switch_off();
   finish_stores();
   journal_.reset();  // writes its end; the engine is not used any more
@@ -145,6 +162,14 @@ void BenchRun::stop() noexcept {
 void BenchRun::finish_stores() noexcept {
   if (parameters_.saver) parameters_.saver->close();
   while (engine_.answer_stores()) replies_.deliver(inbox_, outbox_);
+}
+
+template <typename Function>
+void BenchRun::start_thread(Function function) {
+  threads_.emplace_back([this, function] {
+    const WorksFor bench(name_.c_str());
+    function();
+  });
 }
 
 void BenchRun::start_realtime() {
@@ -168,7 +193,7 @@ void BenchRun::start_freerun() {
 /// @param cycle runs one cycle of the driver; @return whether it did what it should
 template <typename Cycle>
 void BenchRun::start_ticking(int priority, Cycle cycle) {
-  threads_.emplace_back([this, priority, cycle] {
+  start_thread([this, priority, cycle] {
     prepare_tick_thread(priority);
     engine_.schedule_as_caller();
     while (!stop_) {
@@ -176,10 +201,10 @@ void BenchRun::start_ticking(int priority, Cycle cycle) {
       if (cycle()) tick_beats_.add();
     }
   });
-  threads_.emplace_back([this] {
+  start_thread([this] {
     publish_status();
   });
-  threads_.emplace_back([this] {
+  start_thread([this] {
     report();
   });
 }
@@ -187,20 +212,21 @@ void BenchRun::start_ticking(int priority, Cycle cycle) {
 void BenchRun::start_lockstep() {
   lockstep_.emplace(configuration_, engine_, inbox_, outbox_, status_, replies_, stop_, doorbell_);
   liveness_ = Liveness({&lockstep_->beats(), &report_beats_});
-  if (lockstep_threads_ == LockstepThreads::callers) {
+  if (works_in_callers()) {
     lockstep_->begin();
     static_cast<void>(work());
     return;
   }
-  threads_.emplace_back([this] {
+  start_thread([this] {
     lockstep_->run();
   });
-  threads_.emplace_back([this] {
+  start_thread([this] {
     report();
   });
 }
 
 bool BenchRun::work() {
+  const WorksFor bench(name_.c_str());
   bool has_worked = false;
   is_work_wanted_ = true;
   // Whoever finds the lock taken leaves: the thread that has it looks again after it has given it

@@ -33,6 +33,7 @@
 #include <mutex>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -134,8 +135,15 @@ class BenchRun {
     std::optional<ParameterSaver> saver;
   };
 
+  [[nodiscard]] bool works_in_callers() const noexcept {
+    return configuration_.clock == ClockMode::lockstep &&
+           lockstep_threads_ == LockstepThreads::callers;
+  }
+
   void run();
   void finish_stores() noexcept;
+  template <typename Function>
+  void start_thread(Function function);
   void start_realtime();
   void start_freerun();
   template <typename Cycle>
@@ -155,6 +163,7 @@ class BenchRun {
   StoredParameters parameters_;
   SystemCycleTimer timer_;
   BenchIdentity identity_;
+  const std::string name_;  ///< in messages of asserts
   Counters counters_;
   std::unique_ptr<BenchWire> wire_;
   DuplicateNumberDetector duplicates_;

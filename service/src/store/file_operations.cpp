@@ -123,7 +123,10 @@ class SystemFiles final : public FileOperations {
     return result == 0;
   }
 
+  /// The lock of a file belongs to all processes that have it open: one that was forked from this
+  /// one would keep it.
   void close(int file) override {
+    static_cast<void>(::flock(file, LOCK_UN));  // a file without a lock stays as it is
     if (::close(file) != 0) fail("close");
   }
 

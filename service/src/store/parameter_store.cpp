@@ -99,7 +99,9 @@ ParameterStore::ParameterStore(std::filesystem::path directory, std::uint32_t be
                                   : "cannot be used: " + error.code().message());
   }
   if (!lock()) {
-    refuse("the parameters of bench " + std::to_string(bench) + " are in use by another vdrived");
+    refuse("the parameters of bench " + std::to_string(bench) +
+           " are in use by another vdrived, or by a bench in a process: give each a directory of "
+           "its own");
   }
 }
 

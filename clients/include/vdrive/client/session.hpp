@@ -172,8 +172,13 @@ class StatusReports {
  private:
   friend class Session;
   struct State;
-  explicit StatusReports(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+
+  struct End {
+    void operator()(State* state) const noexcept;
+  };
+
+  explicit StatusReports(std::unique_ptr<State, End> state);
+  std::unique_ptr<State, End> state_;
 };
 
 /// A program's presence on a domain: finds benches, reads, writes, commands their axes.
@@ -198,7 +203,16 @@ class StatusReports {
 /// by themselves: what was not answered is sent again, and acts once. Axes that the bench took away
 /// meanwhile are not taken again.
 ///
-/// Calls may come from several threads; those that step one lock-step bench from one at a time.
+/// Calls may come from several threads. Of steps of one lock-step bench that several threads ask
+/// for at once one follows the other; each is answered with the tick that it reached.
+///
+/// Observers (watch_services, on_event, on_status) run in threads of the session, never in a call
+/// of the program. They may call the session, wait, and end or replace their own reports. An
+/// exception that leaves an observer ends its reports; the next call of the session that needs a
+/// bench throws it.
+///
+/// A process that was forked cannot use the session of its parent: calls return lost there, those
+/// without an outcome throw OutcomeError or do nothing, and nothing ends.
 class Session {
  public:
   /// @throws std::runtime_error when the domain or `silence` is out of range, VDRIVE_DOMAIN is
@@ -331,7 +345,8 @@ class Session {
 
   /// Calls `observer`, in a thread of the session, with the newest state of these axes: for each of
   /// their benches at most once in `period`, when a tick later than the one before has come. For a
-  /// program with a loop of its own. While drive time stands still nothing comes; see observe().
+  /// program with a loop of its own. In lock-step the present state comes first; while drive time
+  /// stands still nothing comes after it.
   /// A service that restarts is followed. The reports of a bench that has sent nothing for
   /// SessionOptions::patience have ended.
   /// @param period wall time, 1 ms or more

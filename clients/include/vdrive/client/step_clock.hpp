@@ -21,7 +21,10 @@ class Session;
 /// steppers of that bench let it. A stepper that is silent for 10 s of wall time while others wait
 /// for it, or whose program is gone, is taken off the clock by the service.
 ///
-/// Not thread-safe, as all that steps.
+/// With a bench in this process (vdrive::bench) the thread that grants last runs the step. There a
+/// thread joins a clock with one session only: with a second one it would wait for its own grant.
+///
+/// Of steps that several threads ask for at once one follows the other.
 class StepClock {
  public:
   /// Wall time that a step may take.
@@ -29,7 +32,8 @@ class StepClock {
 
   /// Joins the clock of each bench.
   /// @param benches by number, each in lock-step; their periods may differ
-  /// @return not_found or refused, naming the bench; then no clock was joined.
+  /// @return not_found or refused, naming the bench; then no clock was joined. Refused also where
+  ///         this thread has joined the clock of a bench in this process with another session.
   static Result<StepClock> join(Session& session, std::span<const std::uint32_t> benches);
 
   /// Leaves the clock of each bench.

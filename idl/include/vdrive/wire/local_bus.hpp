@@ -9,7 +9,8 @@ namespace vdrive::wire {
 /// The place where participants of one process exchange samples by function calls: no socket, no
 /// thread, no file. A sample is delivered in the thread that writes it, before `write` returns, to
 /// each subscription of its topic; none is lost. Topics keep what they keep over DDS for
-/// subscriptions that come later. Lives as long as its participants do. Thread-safe.
+/// subscriptions that come later. Lives as long as its participants do. A process that was forked
+/// cannot use the bus of its parent. Thread-safe.
 class LocalBus {
  public:
   /// Runs what waits, as far as another thread does not run it already; does not wait itself.

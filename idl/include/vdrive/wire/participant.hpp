@@ -51,6 +51,12 @@ class NetworkError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Another service on the local bus has this name.
+class NameTaken : public NetworkError {
+ public:
+  using NetworkError::NetworkError;
+};
+
 /// The permissions of this participant's identity do not include what was asked for.
 class NotPermitted : public NetworkError {
  public:
@@ -72,8 +78,8 @@ struct OtherParticipant {
 class Participant {
  public:
   /// @throws NetworkError when the domain is out of range, the security material is not in order,
-  ///         DDS refuses the participant, this program has no DDS library, or another service on
-  ///         the local bus has this name.
+  ///         DDS refuses the participant, this program has no DDS library, or the local bus belongs
+  ///         to the process from which this one was forked; NameTaken.
   Participant(const NetworkSettings& settings, const std::string& name);
   ~Participant();
   Participant(const Participant&) = delete;
@@ -98,7 +104,7 @@ class Participant {
   /// false.
   [[nodiscard]] bool has(const Source& source) const noexcept;
 
-  /// Runs what benches of this process leave to the threads of their clients (LocalBus::add_work).
+  /// Runs what benches of this process leave to the threads of their clients (LocalBus::WorkPlace).
   /// Over DDS there is nothing. The caller holds no lock that a handler of a subscription takes.
   /// @return whether there was anything.
   bool run_local_work();

@@ -58,11 +58,14 @@ void check(const BenchOptions& options);
 /// journal it opens no file.
 ///
 /// Thread-safe but for construction and destruction. It ends when it is destroyed, also while axes
-/// move and while sessions wait: their calls then return Lost.
+/// move and while sessions wait: their calls then return Lost, at once.
+///
+/// A process that was forked leaves the bench to its parent: sessions return Lost there, and
+/// nothing is destroyed. It may make benches of its own.
 class Bench {
  public:
-  /// @throws BenchError when an option is bad, a file cannot be read, or another bench on the bus
-  ///         has this number.
+  /// @throws BenchError when an option is bad, a file cannot be read, another bench on the bus has
+  ///         this number, or another bench uses the state directory or the journal.
   explicit Bench(const BenchOptions& options = {});
   ~Bench();
   Bench(Bench&& other) noexcept;
@@ -71,17 +74,25 @@ class Bench {
   Bench& operator=(const Bench&) = delete;
 
   /// What sessions and further benches need to meet this one.
+  /// @throws BenchError in a forked process
   [[nodiscard]] std::shared_ptr<wire::LocalBus> bus() const;
 
   /// @return a session on the bus of this bench.
-  /// @throws what Session throws
+  /// @throws what Session throws, BenchError in a forked process
   [[nodiscard]] client::Session session(client::SessionOptions options = {}) const;
 
   [[nodiscard]] std::uint32_t number() const noexcept;
 
  private:
   class Parts;
-  std::unique_ptr<Parts> parts_;
+
+  struct End {
+    void operator()(Parts* parts) const noexcept;
+  };
+
+  void require_own_process() const;
+
+  std::unique_ptr<Parts, End> parts_;
 };
 
 }  // namespace vdrive::bench

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/wire/origin.hpp"
+
+#include <pthread.h>
+#include <unistd.h>
+
+#include <atomic>
+
+namespace vdrive::wire {
+namespace {
+
+/// Forks between the first process that had an object with an origin and this one.
+std::atomic<unsigned>& forks() noexcept {
+  static std::atomic<unsigned> count{0};
+  return count;
+}
+
+extern "C" void count_fork() {
+  forks().fetch_add(1, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+Origin::Origin() : process_(getpid()) {
+  static const int is_watched = pthread_atfork(nullptr, nullptr, &count_fork);
+  static_cast<void>(is_watched);  // without memory a fork is not seen
+  forks_ = forks().load(std::memory_order_relaxed);
+}
+
+bool Origin::is_inherited() const noexcept {
+  return forks_ != forks().load(std::memory_order_relaxed);
+}
+
+std::string Origin::problem(std::string_view what) const {
+  return std::string(what) + " belongs to process " + std::to_string(process_) +
+         ", from which this one was forked: a forked process cannot use what it inherits. Make the "
+         "bench and its sessions in the process that uses them";
+}
+
+}  // namespace vdrive::wire

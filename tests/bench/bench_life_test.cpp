@@ -1,0 +1,779 @@
+// SPDX-License-Identifier: Apache-2.0
+// What becomes of threads, callbacks, ends and forks of a bench in the process of its user.
+#include "base/works_for.hpp"
+#include "support/temporary_directory.hpp"
+#include "vdrive/assert.hpp"
+#include "vdrive/bench/bench.hpp"
+#include "vdrive/client.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <future>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace vdrive::bench {
+namespace {
+
+using client::Axis;
+using client::Event;
+using client::EventHistory;
+using client::Observation;
+using client::Outcome;
+using client::OutcomeKind;
+using client::Session;
+using client::StepClock;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+constexpr std::array<std::uint32_t, 1> kFirst{1};
+constexpr milliseconds kLong{20'000};
+
+/// @return the tick that the bench has reached.
+std::uint64_t tick_of(Session& session) {
+  return session.step(1, 0).value();
+}
+
+// ---- who steps ---------------------------------------------------------------------------------
+
+TEST(JoinedClocks, OfOneThreadAreRefusedAtOnce) {
+  const Bench bench;
+  Session first = bench.session();
+  Session second = bench.session();
+  auto clock = StepClock::join(first, kFirst);
+  ASSERT_TRUE(clock) << clock.outcome().message();
+  const auto refused = StepClock::join(second, kFirst).outcome();
+  EXPECT_EQ(refused.kind(), OutcomeKind::refused);
+  EXPECT_THAT(refused.message(), HasSubstr("this thread has joined the clock of bench 1 already"));
+  EXPECT_TRUE(clock->step(5)) << "the refused one is no stepper";
+}
+
+TEST(JoinedClocks, AreFreeAgainWhenTheClockOrItsSessionHasEnded) {
+  const Bench bench;
+  Session second = bench.session();
+  {
+    Session first = bench.session();
+    { ASSERT_TRUE(StepClock::join(first, kFirst)); }
+    ASSERT_TRUE(StepClock::join(second, kFirst));
+    auto kept = StepClock::join(first, kFirst);
+    ASSERT_TRUE(kept);
+  }
+  EXPECT_TRUE(StepClock::join(second, kFirst));
+}
+
+TEST(JoinedClocks, OfTwoThreadsStepTogetherInTheThreadsThatGrant) {
+  constexpr std::uint64_t kSteps = 300;
+  const Bench bench({.axes = 2});
+  const auto run = [&bench] {
+    Session session = bench.session();
+    auto clock = StepClock::join(session, kFirst);
+    if (!clock) return clock.outcome();
+    for (std::uint64_t step = 1; step <= kSteps; ++step) {
+      if (const auto reached = clock->step(1, kLong); !reached) return reached.outcome();
+    }
+    return Outcome();
+  };
+  // A stepper that has joined holds the time for the other until it has joined, too.
+  Session holder = bench.session();
+  auto hold = StepClock::join(holder, kFirst);
+  ASSERT_TRUE(hold);
+  auto one = std::async(std::launch::async, run);
+  auto two = std::async(std::launch::async, run);
+  const auto reached = hold->step(kSteps, kLong);
+  EXPECT_TRUE(reached) << reached.outcome().message();
+  hold = Outcome::failed("left");
+  EXPECT_TRUE(one.get());
+  EXPECT_TRUE(two.get());
+}
+
+TEST(Steps, OfTwoThreadsFollowEachOther) {
+  constexpr std::uint64_t kSteps = 500;
+  const Bench bench({.axes = 2});
+  Session session = bench.session();
+  Session other = bench.session();
+  const std::uint64_t begin = tick_of(session);
+  const auto run = [](Session& stepped) {
+    std::vector<std::uint64_t> reached;
+    for (std::uint64_t step = 0; step < kSteps; ++step) {
+      reached.push_back(stepped.step(1, 3).value());
+    }
+    return reached;
+  };
+  auto one = std::async(std::launch::async, run, std::ref(session));
+  auto two = std::async(std::launch::async, run, std::ref(session));
+  auto three = std::async(std::launch::async, run, std::ref(other));
+  std::vector<std::uint64_t> all = one.get();
+  for (auto* const steps : {&two, &three}) {
+    const auto reached = steps->get();
+    all.insert(all.end(), reached.begin(), reached.end());
+  }
+  std::ranges::sort(all);
+  EXPECT_EQ(std::ranges::adjacent_find(all), all.end()) << "each step has ticks of its own";
+  EXPECT_EQ(all.back() - begin, 3U * 3U * kSteps);
+}
+
+TEST(Steps, OfTwoThreadsThroughOneJoinedClockFollowEachOther) {
+  constexpr std::uint64_t kSteps = 200;
+  const Bench bench;
+  Session session = bench.session();
+  auto clock = StepClock::join(session, kFirst);
+  ASSERT_TRUE(clock);
+  const std::uint64_t begin = tick_of(session);
+  const auto run = [&] {
+    for (std::uint64_t step = 0; step < kSteps; ++step) {
+      if (!clock->step(2) || !session.step(1, 1)) return false;
+    }
+    return true;
+  };
+  auto one = std::async(std::launch::async, run);
+  EXPECT_TRUE(run());
+  EXPECT_TRUE(one.get());
+  EXPECT_EQ(tick_of(session) - begin, 2U * 3U * kSteps);
+}
+
+// ---- callbacks ---------------------------------------------------------------------------------
+
+/// An event that every session sees: a state that has changed.
+Outcome cause_an_event(Session& session) {
+  auto axis = session.axis("1.1");
+  if (!axis) return axis.outcome();
+  if (Outcome enabled = axis->enable(); !enabled) return enabled;
+  return axis->disable();
+}
+
+TEST(Observer, MayCallTheBench) {
+  const Bench bench;
+  Session session = bench.session();
+  std::promise<Outcome> moved;
+  bool has_moved = false;
+  session.on_event([&](const Event&) {
+    if (std::exchange(has_moved, true)) return;
+    auto axis = session.axis("1.2");
+    Outcome outcome = axis ? axis->enable() : axis.outcome();
+    if (outcome) outcome = axis->move_to(500);
+    moved.set_value(outcome);
+  });
+  ASSERT_TRUE(cause_an_event(session));
+  auto ended = moved.get_future();
+  ASSERT_EQ(ended.wait_for(kLong), std::future_status::ready);
+  const Outcome outcome = ended.get();
+  EXPECT_TRUE(outcome) << outcome.message();
+}
+
+TEST(Observer, ThatBlocksHoldsUpNoCall) {
+  const Bench bench;
+  Session session = bench.session();
+  std::promise<void> begun;
+  std::promise<void> released;
+  bool has_begun = false;
+  session.on_event([&](const Event&) {
+    if (std::exchange(has_begun, true)) return;
+    begun.set_value();
+    released.get_future().wait();
+  });
+  ASSERT_TRUE(cause_an_event(session));
+  ASSERT_EQ(begun.get_future().wait_for(kLong), std::future_status::ready);
+  auto axis = session.axis("1.1");
+  ASSERT_TRUE(axis->enable());
+  EXPECT_TRUE(axis->move_to(1'000));
+  released.set_value();
+}
+
+TEST(Observer, MayEndItsOwnReports) {
+  const Bench bench;
+  Session session = bench.session();
+  std::promise<void> first;
+  std::promise<void> second;
+  bool has_begun = false;
+  session.on_event([&](const Event&) {
+    session.on_event([&](const Event&) {
+      session.on_event({});
+      if (!std::exchange(has_begun, true)) second.set_value();
+    });
+    first.set_value();
+  });
+  ASSERT_TRUE(cause_an_event(session));
+  ASSERT_EQ(first.get_future().wait_for(kLong), std::future_status::ready);
+  ASSERT_TRUE(cause_an_event(session));
+  EXPECT_EQ(second.get_future().wait_for(kLong), std::future_status::ready);
+  session.on_event({});
+}
+
+/// Calls until one throws. @return what was thrown.
+std::string thrown_by_calls(Session& session) {
+  const auto end = std::chrono::steady_clock::now() + kLong;
+  while (std::chrono::steady_clock::now() < end) {
+    try {
+      static_cast<void>(session.step(1, 0));
+    } catch (const std::domain_error& error) {
+      return error.what();
+    }
+  }
+  return "nothing";
+}
+
+TEST(Observer, ThatThrowsReachesTheNextCallOnce) {
+  const Bench bench;
+  Session session = bench.session();
+  session.on_event([](const Event&) {
+    throw std::domain_error("of the observer of events");
+  });
+  {
+    Session other = bench.session();
+    ASSERT_TRUE(cause_an_event(other));
+  }
+  EXPECT_EQ(thrown_by_calls(session), "of the observer of events");
+  EXPECT_TRUE(cause_an_event(session)) << "its reports have ended";
+}
+
+TEST(StatusReports, ThatThrowReachTheNextCall) {
+  const Bench bench;
+  Session session = bench.session();
+  const std::array<client::AxisId, 1> axes{{{1, 1}}};
+  const auto reports = session.report_status(axes, milliseconds(1), [](const Observation&) {
+    throw std::domain_error("of the observer of axes");
+  });
+  ASSERT_TRUE(reports);
+  EXPECT_EQ(thrown_by_calls(session), "of the observer of axes");
+}
+
+// ---- what is reported from now on --------------------------------------------------------------
+
+TEST(Events, WithoutHistoryBeginWithTheCall) {
+  const Bench bench;
+  Session first = bench.session();
+  ASSERT_TRUE(cause_an_event(first));
+  ASSERT_TRUE(first.step(1, 10));
+  const std::uint64_t begin = tick_of(first);
+  Session late = bench.session();
+  std::promise<std::uint64_t> seen;
+  bool has_seen = false;
+  late.on_event([&](const Event& event) {
+    if (!std::exchange(has_seen, true)) seen.set_value(event.tick);
+  });
+  ASSERT_TRUE(cause_an_event(first));
+  auto tick = seen.get_future();
+  ASSERT_EQ(tick.wait_for(kLong), std::future_status::ready);
+  EXPECT_GE(tick.get(), begin);
+}
+
+TEST(StatusReports, InLockStepShowTheNewestStateToWhoComesAfterTheLastStep) {
+  const Bench bench;
+  Session session = bench.session();
+  const std::uint64_t last = session.step(1, 7).value();
+  Session late = bench.session();
+  std::promise<std::uint64_t> seen;
+  bool has_seen = false;
+  const std::array<client::AxisId, 1> axes{{{1, 1}}};
+  const auto reports = late.report_status(axes, milliseconds(1), [&](const Observation& shown) {
+    if (!std::exchange(has_seen, true)) seen.set_value(shown.tick);
+  });
+  ASSERT_TRUE(reports);
+  auto tick = seen.get_future();
+  ASSERT_EQ(tick.wait_for(kLong), std::future_status::ready);
+  EXPECT_EQ(tick.get(), last);
+}
+
+// ---- ends --------------------------------------------------------------------------------------
+
+/// What a session says after its bench has ended, by call.
+using Calls = std::vector<std::pair<std::string, std::function<Outcome()>>>;
+
+Calls calls_of_session(Session& session) {
+  return {{"find_bench",
+           [&] {
+             return session.find_bench().outcome();
+           }},
+          {"find_bench(1)",
+           [&] {
+             return session.find_bench(1).outcome();
+           }},
+          {"axis",
+           [&] {
+             return session.axis("1.1").outcome();
+           }},
+          {"axis by name",
+           [&] {
+             return session.axis("lift").outcome();
+           }},
+          {"axes",
+           [&] {
+             return session.axes().outcome();
+           }},
+          {"acquire",
+           [&] {
+             const std::array<client::AxisId, 1> axes{{{1, 1}}};
+             return session.acquire(axes);
+           }},
+          {"step",
+           [&] {
+             return session.step(1, 1).outcome();
+           }},
+          {"set_rate",
+           [&] {
+             return session.set_rate(1, 1.0).outcome();
+           }},
+          {"wait",
+           [&] {
+             return session.wait(1, seconds(1)).outcome();
+           }},
+          {"wait_for_tick",
+           [&] {
+             return session.wait_for_tick(1, 1'000'000).outcome();
+           }},
+          {"take_snapshot",
+           [&] {
+             return session.take_snapshot(1).outcome();
+           }},
+          {"restore_snapshot",
+           [&] {
+             return session.restore_snapshot(1, 1).outcome();
+           }},
+          {"snapshots",
+           [&] {
+             return session.snapshots(1).outcome();
+           }},
+          {"drop_snapshot",
+           [&] {
+             return session.drop_snapshot(1, 1);
+           }},
+          {"send_set_points",
+           [&] {
+             const std::array<client::SetPointFrame, 1> frames{};
+             return session.send_set_points(1, frames);
+           }},
+          {"observe",
+           [&] {
+             const std::array<client::AxisId, 1> axes{{{1, 1}}};
+             return session.observe(axes).outcome();
+           }},
+          {"follow",
+           [&] {
+             return session.follow({{1, 1}}, client::Pace::drive).outcome();
+           }},
+          {"on_status",
+           [&] {
+             const std::array<client::AxisId, 1> axes{{{1, 1}}};
+             return session.on_status(axes, milliseconds(1), [](const Observation&) {});
+           }},
+          {"quick_stop",
+           [&] {
+             return session.quick_stop(1);
+           }},
+          {"join",
+           [&] {
+             return StepClock::join(session, kFirst).outcome();
+           }},
+          {"group", [&] {
+             const std::array<std::string, 2> axes{"1.1", "1.2"};
+             return client::AxisGroup::create(session, axes).outcome();
+           }}};
+}
+
+Calls calls_of_axis(Axis& axis) {
+  return {{"enable",
+           [&] {
+             return axis.enable();
+           }},
+          {"disable",
+           [&] {
+             return axis.disable();
+           }},
+          {"move_to",
+           [&] {
+             return axis.move_to(5);
+           }},
+          {"start_move",
+           [&] {
+             return axis.start_move(5).outcome();
+           }},
+          {"halt",
+           [&] {
+             return axis.halt();
+           }},
+          {"resume",
+           [&] {
+             return axis.resume();
+           }},
+          {"axis.quick_stop",
+           [&] {
+             return axis.quick_stop();
+           }},
+          {"reset_fault",
+           [&] {
+             return axis.reset_fault();
+           }},
+          {"status",
+           [&] {
+             return axis.status().outcome();
+           }},
+          {"read",
+           [&] {
+             return axis.read({0x6041, 0}).outcome();
+           }},
+          {"write",
+           [&] {
+             return axis.write({0x6067, 0}, 9).outcome();
+           }},
+          {"axis.acquire",
+           [&] {
+             return axis.acquire();
+           }},
+          {"take_over", [&] {
+             return axis.take_over();
+           }}};
+}
+
+Calls calls_of_group(client::AxisGroup& group) {
+  const Eigen::VectorXd targets = Eigen::VectorXd::Constant(2, 7.0);
+  return {{"group.status",
+           [&] {
+             return group.status().outcome();
+           }},
+          {"enable_all",
+           [&] {
+             return group.enable_all();
+           }},
+          {"disable_all",
+           [&] {
+             return group.disable_all();
+           }},
+          {"move_together",
+           [&, targets] {
+             return group.move_together(targets);
+           }},
+          {"queue_move",
+           [&, targets] {
+             return group.queue_move(targets);
+           }},
+          {"wait_all",
+           [&] {
+             return group.wait_all();
+           }},
+          {"halt_all",
+           [&] {
+             return group.halt_all();
+           }},
+          {"resume_all",
+           [&] {
+             return group.resume_all();
+           }},
+          {"quick_stop_all",
+           [&] {
+             return group.quick_stop_all();
+           }},
+          {"reset_all",
+           [&] {
+             return group.reset_all();
+           }},
+          {"poll",
+           [&] {
+             return group.poll().outcome();
+           }},
+          {"monitor",
+           [&] {
+             return group.monitor(true);
+           }},
+          {"start_streaming", [&] {
+             return group.start_streaming({});
+           }}};
+}
+
+/// Everything that a program has of a bench.
+struct Handles {
+  explicit Handles(const Bench& bench)
+      : session(bench.session()),
+        axis(session.axis("1.1").value()),
+        group(group_of(session)),
+        follower(session.follow({{1, 1}}, client::Pace::drive).value()) {}
+
+  static client::AxisGroup group_of(Session& session) {
+    const std::array<std::string, 2> axes{"1.1", "1.2"};
+    return client::AxisGroup::create(session, axes).value();
+  }
+
+  [[nodiscard]] Calls calls() {
+    Calls all = calls_of_session(session);
+    for (auto& call : calls_of_axis(axis)) all.push_back(std::move(call));
+    for (auto& call : calls_of_group(group)) all.push_back(std::move(call));
+    all.emplace_back("next", [this] {
+      return follower.next(milliseconds(5)).outcome();
+    });
+    return all;
+  }
+
+  Session session;
+  Axis axis;
+  client::AxisGroup group;
+  client::Follower follower;
+};
+
+TEST(Session, ThatOutlivesItsBenchIsLostInEveryCall) {
+  std::optional<Bench> bench(std::in_place);
+  Handles handles(*bench);
+  auto clock = StepClock::join(handles.session, kFirst);
+  ASSERT_TRUE(clock);
+  bench.reset();
+  for (const auto& [name, call] : handles.calls()) {
+    const Outcome outcome = call();
+    EXPECT_EQ(outcome.kind(), OutcomeKind::lost) << name << ": " << outcome.message();
+  }
+  EXPECT_EQ(clock->step(1).outcome().kind(), OutcomeKind::lost);
+}
+
+/// @return the outcome of a wait in another thread that began before the bench ended.
+template <typename Wait>
+OutcomeKind end_during(const BenchOptions& options, const Wait& wait) {
+  std::optional<Bench> bench(std::in_place, options);
+  Session session = bench->session();
+  std::promise<void> begins;
+  auto ended = std::async(std::launch::async, [&] {
+    begins.set_value();
+    return wait(session).kind();
+  });
+  begins.get_future().wait();
+  bench.reset();
+  if (ended.wait_for(seconds(5)) != std::future_status::ready) {
+    session.interrupt();
+    return OutcomeKind::timed_out;
+  }
+  return ended.get();
+}
+
+TEST(Bench, ThatEndsEndsTheWaitsOfOtherThreadsAtOnce) {
+  const auto forever = [](Session& session) {
+    return session.wait(1, std::chrono::hours(24 * 365)).outcome();
+  };
+  const auto follow = [](Session& session) {
+    auto follower = session.follow({{1, 1}}, client::Pace::observe);
+    if (!follower) return follower.outcome();
+    while (true) {
+      const auto seen = follower->next(kLong);
+      if (!seen) return seen.outcome();
+    }
+  };
+  for (const ClockMode clock : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
+    EXPECT_EQ(end_during({.clock = clock}, forever), OutcomeKind::lost) << to_string(clock);
+    EXPECT_EQ(end_during({.clock = clock}, follow), OutcomeKind::lost) << to_string(clock);
+  }
+}
+
+TEST(Bench, ThatEndsEndsTheWaitForAnotherStepper) {
+  std::optional<Bench> bench(std::in_place);
+  Session slow = bench->session();
+  const auto other = StepClock::join(slow, kFirst);
+  ASSERT_TRUE(other);
+  Session session = bench->session();
+  std::promise<void> begins;
+  auto ended = std::async(std::launch::async, [&] {
+    auto clock = StepClock::join(session, kFirst);
+    begins.set_value();
+    return clock ? clock->step(1, kLong).outcome().kind() : clock.outcome().kind();
+  });
+  begins.get_future().wait();
+  bench.reset();
+  ASSERT_EQ(ended.wait_for(seconds(5)), std::future_status::ready);
+  EXPECT_EQ(ended.get(), OutcomeKind::lost);
+}
+
+// ---- what a bench has of its own ---------------------------------------------------------------
+
+std::string message_of(const BenchOptions& options) {
+  try {
+    const Bench bench(options);
+  } catch (const BenchError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Bench, WithAStateDirectoryInUseIsRefusedByName) {
+  const test::TemporaryDirectory directory;
+  const BenchOptions options{.state_directory = directory.path()};
+  {
+    const Bench bench(options);
+    EXPECT_THAT(message_of(options),
+                testing::AllOf(HasSubstr(directory.path().string()),
+                               HasSubstr("the parameters of bench 1 are in use"),
+                               HasSubstr("a bench in a process")));
+  }
+  EXPECT_EQ(message_of(options), "accepted");
+}
+
+TEST(Bench, WithoutAStateDirectorySaysWhichOptionIsMissing) {
+  const Bench bench;
+  Session session = bench.session();
+  auto axis = session.axis("1.1");
+  const Outcome refused = axis->store();
+  EXPECT_EQ(refused.kind(), OutcomeKind::refused);
+  EXPECT_THAT(refused.message(), HasSubstr("state_directory of its BenchOptions"));
+  EXPECT_THAT(refused.message(), testing::Not(HasSubstr("--state")));
+}
+
+TEST(Bench, HasAnIncarnationOfItsOwn) {
+  std::vector<std::uint64_t> incarnations;
+  for (int count = 0; count < 20; ++count) {
+    const Bench bench;
+    incarnations.push_back(bench.session().find_bench().value().incarnation);
+  }
+  EXPECT_TRUE(std::ranges::is_sorted(incarnations, std::less_equal<>()));
+}
+
+TEST(Assert, NamesTheBenchThatTheThreadWorksFor) {
+  if (!kChecksInvariants) GTEST_SKIP() << "this build has no asserts";
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_DEATH(
+      {
+        const service::WorksFor bench("bench 3");
+        ensure(false, "the index is inside the table");
+      },
+      "bench 3.*the index is inside the table");
+}
+
+// ---- fork --------------------------------------------------------------------------------------
+
+/// Runs `child` in a forked process. @return its exit code; 128 + the signal that ended it.
+template <typename Child>
+int exit_code_of(const Child& child) {
+  const pid_t process = fork();
+  if (process == 0) {
+    alarm(20);  // a child that hangs ends by a signal
+    _exit(child());
+  }
+  int status = 0;
+  waitpid(process, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+template <typename Call>
+bool throws_the_origin(const Call& call) {
+  try {
+    call();
+  } catch (const std::exception& error) {
+    return std::string(error.what()).find("from which this one was forked") != std::string::npos;
+  }
+  return false;
+}
+
+class ForkInAnyClock : public testing::TestWithParam<ClockMode> {};
+
+TEST_P(ForkInAnyClock, GivesTheChildAClearErrorFromEachCallAndTheParentGoesOn) {
+  const test::TemporaryDirectory directory;
+  std::optional<Bench> bench(std::in_place,
+                             BenchOptions{.clock = GetParam(),
+                                          .state_directory = directory.path() / "state",
+                                          .journal = directory.path() / "journal"});
+  std::optional<Handles> handles(std::in_place, *bench);
+  auto reports = handles->session.report_status(std::array<client::AxisId, 1>{{{1, 1}}},
+                                                milliseconds(1), [](const Observation&) {});
+  ASSERT_TRUE(reports);
+  handles->session.on_event([](const Event&) {});
+  ASSERT_TRUE(handles->axis.enable());
+  const int code = exit_code_of([&] {
+    int wrong = 0;
+    for (const auto& [name, call] : handles->calls()) {
+      const Outcome outcome = call();
+      if (outcome.kind() == OutcomeKind::lost &&
+          outcome.message().find("from which this one was forked") != std::string::npos) {
+        continue;
+      }
+      std::fprintf(stderr, "%s: %s\n", name.c_str(), outcome.message().c_str());
+      ++wrong;
+    }
+    wrong += throws_the_origin([&] {
+      static_cast<void>(bench->session());
+    })
+                 ? 0
+                 : 1;
+    wrong += throws_the_origin([&] {
+      static_cast<void>(bench->bus());
+    })
+                 ? 0
+                 : 1;
+    wrong += throws_the_origin([&] {
+      handles->session.on_event({});
+    })
+                 ? 0
+                 : 1;
+    handles->session.interrupt();
+    reports = Outcome::failed("ended");
+    handles.reset();
+    bench.reset();
+    return wrong;
+  });
+  EXPECT_EQ(code, 0);
+  const Outcome moved = handles->axis.move_to(1'000);
+  EXPECT_TRUE(moved) << moved.message();
+  EXPECT_TRUE(handles->axis.store());
+}
+
+INSTANTIATE_TEST_SUITE_P(EachClock, ForkInAnyClock,
+                         testing::Values(ClockMode::lockstep, ClockMode::realtime),
+                         [](const auto& clock) {
+                           return std::string(to_string(clock.param));
+                         });
+
+TEST(Fork, LeavesTheChildFreeToMakeABenchOfItsOwn) {
+  const Bench bench;
+  Session session = bench.session();
+  ASSERT_TRUE(session.step(1, 3));
+  EXPECT_EQ(exit_code_of([] {
+              const Bench own;
+              Session its = own.session();
+              auto axis = its.axis("1.1");
+              return axis && axis->enable() && axis->move_to(100) ? 0 : 1;
+            }),
+            0);
+  EXPECT_TRUE(session.step(1, 3));
+}
+
+TEST(Fork, RefusesABenchOfTheChildOnTheBusOfTheParent) {
+  const Bench bench;
+  const auto bus = bench.bus();
+  EXPECT_EQ(exit_code_of([&] {
+              return message_of({.number = 2, .bus = bus}).find("from which this one was forked") !=
+                             std::string::npos
+                         ? 0
+                         : 1;
+            }),
+            0);
+}
+
+TEST(Fork, LeavesTheLocksOfTheParentToTheParent) {
+  const test::TemporaryDirectory directory;
+  const BenchOptions options{.state_directory = directory.path()};
+  std::optional<Bench> bench(std::in_place, options);
+  std::array<int, 2> gate{};
+  ASSERT_EQ(pipe(gate.data()), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    close(gate[1]);
+    char byte = 0;
+    _exit(read(gate[0], &byte, 1) == 0 ? 0 : 1);  // lives until the parent closes its end
+  }
+  bench.reset();
+  EXPECT_EQ(message_of(options), "accepted") << "the child still has the file open";
+  close(gate[1]);
+  close(gate[0]);
+  waitpid(child, nullptr, 0);
+}
+
+}  // namespace
+}  // namespace vdrive::bench
