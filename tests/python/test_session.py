@@ -2,6 +2,7 @@
 """Sessions, clocks, groups and streams."""
 import asyncio
 import gc
+import queue
 import threading
 
 import numpy
@@ -303,8 +304,9 @@ def test_an_observer_that_raises_is_called_again(vdrive_session, monkeypatch):
 
 def test_an_observer_ends_with_its_session_and_may_end_itself(vdrive_bench):
     observed = Observed()
+    itself = queue.SimpleQueue()  # the first sample may come before on_status returns
     with vdrive_bench.session() as session:
-        observer = session.on_status(lambda sample: (observed(sample), observer.close()), "1.1")
+        itself.put(session.on_status(lambda sample: (observed(sample), itself.get().close()), "1.1"))
         while not observed.items:
             session.step()
         forgotten = session.on_event(observed, history=True)
