@@ -19,6 +19,7 @@
 #include <cstdio>
 #include <functional>
 #include <future>
+#include <latch>
 #include <memory>
 #include <optional>
 #include <span>
@@ -130,13 +131,15 @@ TEST(Steps, OfTwoThreadsFollowEachOther) {
 }
 
 TEST(Steps, OfTwoThreadsThroughOneJoinedClockFollowEachOther) {
-  constexpr std::uint64_t kSteps = 200;
+  constexpr std::uint64_t kSteps = 2'000;
   const Bench bench;
   Session session = bench.session();
   auto clock = StepClock::join(session, kFirst);
   ASSERT_TRUE(clock);
   const std::uint64_t begin = tick_of(session);
+  std::latch both_are_here(2);
   const auto run = [&] {
+    both_are_here.arrive_and_wait();
     for (std::uint64_t step = 0; step < kSteps; ++step) {
       if (!clock->step(2) || !session.step(1, 1)) return false;
     }
