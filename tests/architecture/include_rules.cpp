@@ -340,7 +340,8 @@ std::vector<std::string> split_lines(std::string_view text) {
 }
 
 std::optional<Include> parse_include(const std::string& line) {
-  if (line.find("include") == std::string::npos) return std::nullopt;  // most lines, without a regex
+  if (line.find("include") == std::string::npos)
+    return std::nullopt;  // most lines, without a regex
   static const std::regex pattern(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"])");
   std::smatch match;
   if (!std::regex_search(line, match, pattern)) return std::nullopt;

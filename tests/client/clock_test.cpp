@@ -81,6 +81,16 @@ TEST(StepClock, LeavesTheClockWhenItIsDestroyed) {
   EXPECT_EQ(*other.step(1, 1), 1U);
 }
 
+/// A thread that has joined a clock cannot join it with another session: a second master has its
+/// own.
+Result<StepClock> join_in_another_thread(Session& session, std::span<const std::uint32_t> benches) {
+  return std::async(std::launch::async,
+                    [&] {
+                      return StepClock::join(session, benches);
+                    })
+      .get();
+}
+
 TEST(StepClock, NamesTheMissingStepperAndContinuesWithTheTicksItGranted) {
   const BenchOnWire first("--clock lockstep");
   const BenchOnWire second("--clock lockstep --bench 2");
@@ -89,7 +99,7 @@ TEST(StepClock, NamesTheMissingStepperAndContinuesWithTheTicksItGranted) {
   auto alices = StepClock::join(alice, kBoth);
   ASSERT_TRUE(alices) << alices.outcome().message();
   constexpr std::array<std::uint32_t, 1> kSecond{2};
-  auto bobs = StepClock::join(bob, kSecond);
+  auto bobs = join_in_another_thread(bob, kSecond);
   ASSERT_TRUE(bobs) << bobs.outcome().message();
   const auto late = alices->step(10, kSoon);
   EXPECT_EQ(late.outcome().kind(), OutcomeKind::timed_out);
@@ -108,7 +118,7 @@ TEST(StepClock, MakesCallsOfItsSessionWaitForTheOtherSteppers) {
   auto axis = alice.axis("1.1");
   ASSERT_TRUE(axis) << axis.outcome().message();
   const auto alices = StepClock::join(alice, kFirst);
-  auto bobs = StepClock::join(bob, kFirst);
+  auto bobs = join_in_another_thread(bob, kFirst);
   ASSERT_TRUE(alices && bobs);
   auto moving = std::async(std::launch::async, [&] {
     if (Outcome enabled = axis->enable(); !enabled) return enabled;
@@ -131,7 +141,7 @@ TEST(StepClock, ATimedOutCallNamesTheMissingStepper) {
   Session bob(options_on_wire());
   auto follower = alice.follow({{1, 1}}, Pace::drive);
   const auto alices = StepClock::join(alice, kFirst);
-  const auto bobs = StepClock::join(bob, kFirst);
+  const auto bobs = join_in_another_thread(bob, kFirst);
   ASSERT_TRUE(follower && alices && bobs);
   const auto late = follower->next(kSoon);
   EXPECT_EQ(late.outcome().kind(), OutcomeKind::timed_out);

@@ -164,11 +164,9 @@ Outcome Axis::request_memory(std::uint32_t kind, const std::string& what) {
   Outcome outcome = core_->requests.exchange(*target, std::move(request), what).outcome();
   if (outcome.code() != wire_code(AbortCode::cannot_store_or_transfer)) return outcome;
   return Outcome::refused(
-      outcome.code(),
-      what + " refused, the bench has no state directory (" +
-          (core_->discovery.is_on_bus() ? "state_directory of its BenchOptions, state= in Python"
-                                        : "vdrived --state DIR") +
-          ")");
+      outcome.code(), what +
+                          " refused, the bench has no state directory: vdrived --state DIR; for a "
+                          "bench in a process BenchOptions::state_directory, in Python state=");
 }
 
 Result<Readings> Axis::read(std::span<const ObjectAddress> objects) const {
