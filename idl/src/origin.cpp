@@ -19,13 +19,15 @@ extern "C" void count_fork() {
   forks().fetch_add(1, std::memory_order_relaxed);
 }
 
-}  // namespace
-
-Origin::Origin() : process_(getpid()) {
+unsigned watched_forks() noexcept {
   static const int is_watched = pthread_atfork(nullptr, nullptr, &count_fork);
   static_cast<void>(is_watched);  // without memory a fork is not seen
-  forks_ = forks().load(std::memory_order_relaxed);
+  return forks().load(std::memory_order_relaxed);
 }
+
+}  // namespace
+
+Origin::Origin() : forks_(watched_forks()), process_(getpid()) {}
 
 bool Origin::is_inherited() const noexcept {
   return forks_ != forks().load(std::memory_order_relaxed);
