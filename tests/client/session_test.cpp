@@ -558,7 +558,9 @@ TEST(RealtimeSession, AnInterruptedMoveReportsThatTheAxisStillMoves) {
       },
       20s));
   sut.interrupt();
-  EXPECT_EQ(moving.get().message(), "interrupted; axis 1.1 continues to its target");
+  EXPECT_EQ(moving.get().message(),
+            "interrupted; axis 1.1 was not stopped: it continues to its target while its bench "
+            "runs");
 }
 
 TEST(RealtimeSession, WithoutAutomaticKeepAliveLosesItsAxisWhenTheProgramSendsNothing) {

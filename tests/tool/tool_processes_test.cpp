@@ -206,7 +206,9 @@ TEST_F(MoveOfAnotherProgram, ReportsOnAnInterruptThatTheAxisStillMoves) {
   move_->send(SIGINT);
   const Finished moved = move_->wait();
   EXPECT_EQ(moved.code, 130);
-  EXPECT_EQ(moved.errors, "vdrive: interrupted; axis 1.1 continues to its target\n");
+  EXPECT_EQ(moved.errors,
+            "vdrive: interrupted; axis 1.1 was not stopped: it continues to its target while its "
+            "bench runs\n");
   EXPECT_NE(speed(), 0);
 }
 

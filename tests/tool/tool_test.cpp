@@ -458,6 +458,28 @@ TEST_F(ToolInLockStep, ThroughoutDetectsASingleDifferentTick) {
   EXPECT_THAT(finished.errors, HasSubstr("actual 0x1637"));
 }
 
+TEST_F(ToolInLockStep, AWatchOfSeveralSamplesEndsWhereNobodySteps) {
+  const auto says_how_to_step =
+      testing::AllOf(HasSubstr("no tick has passed within 200 ms; bench 1 is in lock-step, where "
+                               "the clock stands until a program steps it"),
+                     HasSubstr("'vdrive step'"), HasSubstr("watch --count 1"));
+  const Finished alone = call("watch 1.1 --count 2 --timeout 0.2");
+  EXPECT_EQ(alone.code, 4);
+  EXPECT_THAT(alone.output, HasSubstr("1.1")) << "it shows the present state first";
+  EXPECT_THAT(alone.errors, says_how_to_step);
+  const Finished in_scenario = call("run -", "watch 1.1 --count 2 --timeout 0.2\n");
+  EXPECT_EQ(in_scenario.code, 1);
+  EXPECT_THAT(in_scenario.errors, says_how_to_step);
+}
+
+TEST(ToolInRealtime, AWatchOfABenchThatIsPausedSaysHowTimePasses) {
+  const BenchOnWire bench("--clock realtime --rate 0");
+  const Finished finished = call("watch 1.1 --count 2 --timeout 0.2");
+  EXPECT_EQ(finished.code, 4);
+  EXPECT_THAT(finished.errors, HasSubstr("no tick has passed within 200 ms; bench 1 is paused: "
+                                         "'rate 1' lets its time pass"));
+}
+
 TEST(ToolInRealtime, ShowsABenchThatIsPaused) {
   const BenchOnWire bench("--clock realtime --rate 0");
   EXPECT_EQ(call("list").code, 0);

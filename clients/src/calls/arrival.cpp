@@ -54,7 +54,8 @@ Outcome outcome_of_halt(const AxisSnapshot& axis, std::uint16_t word) {
 }
 
 Outcome goes_on_to_target(const AxisSnapshot& axis) {
-  return Outcome::failed("interrupted; axis " + to_string(axis.id) + " continues to its target");
+  return Outcome::failed("interrupted; axis " + to_string(axis.id) +
+                         " was not stopped: it continues to its target while its bench runs");
 }
 
 Outcome check_halt(AxesCall& call) {

@@ -27,7 +27,8 @@ inline constexpr std::array kControlwordObject = [] {
 /// @return failed when 6040h = `word` halts the axis.
 [[nodiscard]] Outcome outcome_of_halt(const AxisSnapshot& axis, std::uint16_t word);
 
-/// @return the outcome of an interrupted wait: the axis continues to its target.
+/// @return the outcome of an interrupted wait: the axis continues to its target, unless its bench
+/// ends with the program.
 [[nodiscard]] Outcome goes_on_to_target(const AxisSnapshot& axis);
 
 /// Bit 10 also shows that an axis which was halted, by this session or another one, stands still:

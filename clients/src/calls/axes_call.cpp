@@ -107,6 +107,11 @@ void AxesCall::set_timeout(std::chrono::nanoseconds timeout) {
   deadline_ = driven_tick() + ticks_of(timeout, period());
 }
 
+void AxesCall::note_in_force(std::uint64_t tick) {
+  if (axes_.parts().front().target.clock_mode != ClockMode::freerun) return;
+  deadline_ = std::max(deadline_, tick + ticks_of(timeout_, period()));
+}
+
 Outcome AxesCall::require(bool (*fulfils)(const AxisSnapshot& axis), std::string_view command,
                           std::string_view needs) {
   const auto offender = [&] {
@@ -276,6 +281,7 @@ Answers AxesCall::collect(std::span<const SentFrames> sent, Outcome outcome) {
     answers.tick = std::max(answers.tick, applied.tick);
     note_ignored(*part.bench, applied.ignored_set_points, answers);
   }
+  note_in_force(answers.tick);
   return answers;
 }
 
@@ -360,6 +366,7 @@ Outcome AxesCall::stop_others(Outcome cause) {
   cause = send_stop(std::move(cause), stop);
   if (!stop.outcome || stop.tick == 0) return cause;
   set_timeout(kStopTime);
+  note_in_force(stop.tick);
   const Outcome rested = await("rest", stop.tick, [this](const AxisSnapshot& axis) {
     const bool stops = axis.state() == PowerState::quick_stop_active ||
                        axis.state() == PowerState::fault_reaction_active;

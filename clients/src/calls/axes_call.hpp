@@ -86,6 +86,10 @@ class AxesCall {
   /// Counts the time-out anew from the present tick.
   void set_timeout(std::chrono::nanoseconds timeout);
 
+  /// Commands of this call are in force at `tick`. In freerun the time-out counts from there: until
+  /// a command arrives, such a bench may run minutes of drive time.
+  void note_in_force(std::uint64_t tick);
+
   // ---- what is observed
 
   [[nodiscard]] ObservedAxes& axes() noexcept { return axes_; }

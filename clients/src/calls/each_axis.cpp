@@ -275,6 +275,7 @@ Outcome EachAxis::power_cycle() {
   if (reply) {
     // The tick of this call still shows the axes before it.
     from_ = std::max(reply->tick(), call_.tick() + 1);
+    call_.note_in_force(from_);
     return {};
   }
   if (axes.size() == 1 || reply.outcome().kind() != OutcomeKind::refused) return reply.outcome();
@@ -283,6 +284,7 @@ Outcome EachAxis::power_cycle() {
     const auto own = cycle({call_.snapshots()[place].id.axis});
     if (own) {
       from_ = std::max({from_, own->tick(), call_.tick() + 1});
+      call_.note_in_force(from_);
     } else {
       end(place, own.outcome());
     }

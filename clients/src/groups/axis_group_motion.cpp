@@ -208,6 +208,7 @@ Outcome AxisGroup::State::await_line(AxesCall& call, const GroupCallOptions& opt
   const auto moving = line_in_hand();
   if (!moving) return {};
   call.set_timeout(options.timeout.value_or(moving->duration + kBeyondDuration));
+  call.note_in_force(moving->start_tick);
   Outcome cut;
   Outcome outcome =
       call.await_enabled(in_position ? "target reached, bit 10" : "the arrival of the demand",

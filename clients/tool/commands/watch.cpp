@@ -6,10 +6,12 @@
 #include "output/watch_view.hpp"
 #include "terminal/keys.hpp"
 #include "vdrive/assert.hpp"
+#include "vdrive/client/step_clock.hpp"
 
 #include <chrono>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace vdrive::tool {
@@ -21,19 +23,51 @@ using AxesOfBenches = std::map<std::uint32_t, std::vector<client::AxisId>>;
 
 constexpr std::chrono::milliseconds kPatienceOfWatch{100};
 
+/// Wall time without a tick that ends a watch of a number of samples, as it ends a step.
+constexpr std::chrono::milliseconds kLongestStandstill = client::StepClock::kPatience;
+
 /// Takes what each bench has sent since the last call; waits for a while where nothing has come.
-Outcome take_samples(std::vector<client::Follower>& followers, WatchView& view) {
+/// @return whether anything has come.
+client::Result<bool> take_samples(std::vector<client::Follower>& followers, WatchView& view) {
   ensure(!followers.empty(), "a watch has at least one bench");
   const auto patience = kPatienceOfWatch / followers.size();
+  bool has_come = false;
   for (client::Follower& follower : followers) {
     auto sample = follower.next(patience);
     // A bench whose time stands still must not hold up what the others send.
     for (; sample; sample = follower.next(std::chrono::milliseconds(0))) {
       view.take(std::move(*sample));
+      has_come = true;
     }
     if (sample.outcome().kind() != OutcomeKind::timed_out) return sample.outcome();
   }
-  return {};
+  return has_come;
+}
+
+/// @return why a bench shows no tick, and what lets its time pass.
+std::string why_it_stands(const client::BenchInfo& bench) {
+  const std::string name = "bench " + std::to_string(bench.number);
+  if (bench.clock_mode == client::ClockMode::lockstep) {
+    return name +
+           " is in lock-step, where the clock stands until a program steps it: let another program "
+           "step it ('vdrive step'), or show the present state with 'watch --count 1'";
+  }
+  if (bench.clock_mode == client::ClockMode::realtime && bench.rate == 0.0) {
+    return name + " is paused: 'rate 1' lets its time pass";
+  }
+  return name + " sends no status stream";
+}
+
+/// @return timed_out, with the reason of each bench.
+Outcome no_tick_has_come(const AxesOfBenches& benches, Duration limit, client::Session& session) {
+  const auto wall = std::chrono::ceil<std::chrono::milliseconds>(limit);
+  std::string text = "no tick has passed within " + std::to_string(wall.count()) + " ms";
+  for (const auto& [number, axes] : benches) {
+    const auto bench = session.find_bench(number);
+    if (!bench) return bench.outcome();
+    text += "; " + why_it_stands(*bench);
+  }
+  return Outcome::timed_out(std::move(text));
 }
 
 /// @return whether no key ends the view.
@@ -68,13 +102,22 @@ Outcome watch(const AxesOfBenches& benches, WatchView& view, std::uint64_t count
   auto followers = follow(benches, view, context.session);
   if (!followers) return followers.outcome();
   const Terminal& terminal = context.output.terminal;
+  const Duration limit = context.timeout.value_or(kLongestStandstill);
   std::uint64_t shown = 0;
+  auto last_tick = std::chrono::steady_clock::now();
   std::optional<KeyInput> keys;
   if (terminal.is_interactive() && count == 0) keys.emplace();
   while (terminal.is_open()) {
     if (keys && !press_all(*keys, view)) return {};
     if (view.refresh() && ++shown == count) return {};
-    if (Outcome seen = take_samples(*followers, view); !seen) return seen;
+    const auto has_come = take_samples(*followers, view);
+    if (!has_come) return has_come.outcome();
+    const auto now = std::chrono::steady_clock::now();
+    if (*has_come) last_tick = now;
+    // Without a number the user ends the view.
+    if (count != 0 && now - last_tick >= limit) {
+      return no_tick_has_come(benches, limit, context.session);
+    }
   }
   return {};
 }
@@ -84,7 +127,10 @@ Outcome watch(const AxesOfBenches& benches, WatchView& view, std::uint64_t count
 void WatchCommand::declare(Arguments& arguments) {
   arguments.axes(axes, "default: every axis of every bench");
   Argument samples =
-      arguments.option("--count", "N", count, "Stop after N samples of each axis", parse_count);
+      arguments.option("--count", "N", count,
+                       "Stop after N samples of each axis; exit code 4 when no tick passes within "
+                       "--timeout (wall time, default 10)",
+                       parse_count);
   if (arguments.place() == Place::scenario) samples.required();
 }
 

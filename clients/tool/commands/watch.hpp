@@ -13,6 +13,9 @@ struct WatchCommand {
   std::vector<std::string> axes{};  ///< none = all of all benches
   std::uint64_t count = 0;          ///< samples an axis; 0 = until interrupted
 
+  /// --timeout limits the wait for a tick.
+  [[nodiscard]] bool limits_itself() const { return count != 0; }
+
   void declare(Arguments& arguments);
   client::Outcome run(CommandContext& context) const;
 };

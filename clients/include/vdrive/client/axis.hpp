@@ -29,7 +29,7 @@ enum class Until : std::uint8_t {
 
 /// How long a call may take and what it waits for.
 struct CallOptions {
-  std::chrono::nanoseconds timeout = std::chrono::seconds(60);  ///< drive time
+  std::chrono::nanoseconds timeout = std::chrono::seconds(60);  ///< drive time: see Session
   Until until = Until::done;
 };
 

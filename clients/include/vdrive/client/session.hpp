@@ -191,10 +191,12 @@ class StatusReports {
 /// when the session is silent. A call that has reached the velocity or the torque that it was to
 /// leave has done so on purpose: its axis is released.
 /// Deadlines of motion are drive time, the ticks that are run: a jump of the tick number uses up
-/// none of it. Finding a service and noticing its silence are wall
-/// time. A call that waits for drive time fails once its bench is paused. In lock-step, calls that
-/// wait step the clock themselves; while the session has joined the clock (StepClock) they grant
-/// their ticks and wait for the other steppers, up to 10 s of wall time for the next tick.
+/// none of it. In freerun they count from the tick in which the last command of the call came into
+/// force: until it arrives, such a bench may run minutes of drive time. Finding a service and
+/// noticing its silence are wall time. A call that waits for drive time fails once its bench is
+/// paused. In lock-step, calls that wait step the clock themselves; while the session has joined
+/// the clock (StepClock) they grant their ticks and wait for the other steppers, up to 10 s of wall
+/// time for the next tick.
 ///
 /// In the closed mode the identity may be a viewer's: then what is published can be seen, and every
 /// call that would have to send something to a bench is refused with kNotPermitted.
