@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // What becomes of threads, callbacks, ends and forks of a bench in the process of its user.
 #include "base/works_for.hpp"
+#include "configuration/configuration_file.hpp"
+#include "configuration/configuration_help.hpp"
+#include "settings/configuration_error.hpp"
 #include "support/temporary_directory.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/bench/bench.hpp"
 #include "vdrive/client.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/subscription.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,6 +19,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -292,6 +298,74 @@ TEST(StatusReports, InLockStepShowTheNewestStateToWhoComesAfterTheLastStep) {
   auto tick = seen.get_future();
   ASSERT_EQ(tick.wait_for(kLong), std::future_status::ready);
   EXPECT_EQ(tick.get(), last);
+}
+
+// A session waits for a state of a bench in real time: only that has its rate.
+TEST(BenchState, IsThereForEachReaderThatComes) {
+  const Bench bench;
+  Session session = bench.session();
+  for (int reader = 1; reader <= 5; ++reader) {
+    ASSERT_TRUE(session.step(1, 1));
+    wire::Participant participant({.role = wire::Role::client, .bus = bench.bus()},
+                                  "vdrive client");
+    std::atomic<int> states{0};
+    const wire::Subscription<msg::BenchState> subscription(
+        participant, [&](const msg::BenchState& /*state*/, const wire::Source& /*source*/) {
+          ++states;
+        });
+    ASSERT_TRUE(session.step(1, 1));  // much earlier than 50 ms after the last state
+    EXPECT_GE(states, 1) << "reader " << reader;
+  }
+}
+
+TEST(Follow, OnABusBeginsWithTheCall) {
+  for (const ClockMode clock : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
+    const Bench bench({.clock = clock});
+    Session session = bench.session();
+    Session stepper = bench.session();
+    auto axis = session.axis("1.1");
+    ASSERT_TRUE(axis) << axis.outcome().message();
+    // Often: a sample from before the call is under way at some times only.
+    for (int round = 1; round <= 50; ++round) {
+      const auto written = axis->write({0x6067, 0}, round);
+      ASSERT_TRUE(written) << to_string(clock);
+      auto follower = session.follow({{1, 1}}, client::Pace::observe);
+      ASSERT_TRUE(follower) << to_string(clock);
+      if (clock == ClockMode::lockstep) {
+        ASSERT_TRUE(stepper.step(1, 1));
+      }
+      const auto first = follower->next(kLong);
+      ASSERT_TRUE(first) << to_string(clock) << first.outcome().message();
+      ASSERT_GE(first->tick, *written) << to_string(clock) << " round " << round;
+    }
+  }
+}
+
+TEST(StatusReports, OfABenchThatEndsAreEndedAtOnce) {
+  for (const ClockMode clock : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
+    std::optional<Bench> bench(std::in_place, BenchOptions{.clock = clock});
+    Session session = bench->session();
+    const std::array<client::AxisId, 1> axes{{{1, 1}}};
+    std::promise<void> seen;
+    std::promise<Outcome> ended;
+    bool has_seen = false;
+    const Outcome begun = session.on_status(
+        axes, milliseconds(1),
+        [&](const Observation&) {
+          if (!std::exchange(has_seen, true)) seen.set_value();
+        },
+        [&](const Outcome& outcome) {
+          ended.set_value(outcome);
+        });
+    ASSERT_TRUE(begun);
+    ASSERT_EQ(seen.get_future().wait_for(kLong), std::future_status::ready) << to_string(clock);
+    bench.reset();
+    auto outcome = ended.get_future();
+    // Over DDS it takes the patience of the session, 10 s.
+    ASSERT_EQ(outcome.wait_for(seconds(5)), std::future_status::ready) << to_string(clock);
+    EXPECT_EQ(outcome.get().kind(), OutcomeKind::lost);
+    EXPECT_TRUE(session.on_status(axes, milliseconds(1), {}));
+  }
 }
 
 // ---- ends --------------------------------------------------------------------------------------
@@ -615,9 +689,53 @@ TEST(Bench, WithAStateDirectoryInUseIsRefusedByName) {
     EXPECT_THAT(message_of(options),
                 testing::AllOf(HasSubstr(directory.path().string()),
                                HasSubstr("the parameters of bench 1 are in use"),
-                               HasSubstr("a bench in a process")));
+                               HasSubstr("another bench, of a vdrived or in a process"),
+                               testing::Not(HasSubstr("another vdrived"))));
   }
   EXPECT_EQ(message_of(options), "accepted");
+}
+
+bool is_of_a_network(const std::string& path) {
+  return path.starts_with("network.") || path.starts_with("metrics.") || path.starts_with("wire.");
+}
+
+/// @return one line that chooses the value of a key of a section; empty when the configuration
+/// refuses the value, or the value is the default.
+std::string line_that_chooses(const std::string& path, const std::string& value) {
+  const auto dot = path.find('.');
+  std::string line = path.substr(0, dot) + ": {" + path.substr(dot + 1) + ": " + value + "}\n";
+  const auto text_of = [](const std::string& configuration) {
+    return service::to_yaml(service::parse_configuration(configuration, "test"));
+  };
+  try {
+    return text_of(line) == text_of("") ? "" : line;
+  } catch (const settings::ConfigurationError&) {
+    return "";
+  }
+}
+
+TEST(Bench, RefusesEachKeyAboutANetworkWithItsReason) {
+  // A value for each type of a key. A key of another type needs one here.
+  const std::array<std::string, 6> values{"1",      "65",         "true",
+                                          "thread", "[10.0.0.9]", "[\"10.0.0.9:11811\"]"};
+  std::size_t keys = 0;
+  for (const service::ConfigurationKey& key : service::configuration_keys()) {
+    if (!is_of_a_network(key.path)) continue;
+    ++keys;
+    std::size_t chosen = 0;
+    for (const std::string& value : values) {
+      const std::string line = line_that_chooses(key.path, value);
+      if (line.empty()) continue;
+      ++chosen;
+      EXPECT_EQ(message_of({.configuration = line}),
+                key.path +
+                    " is for a bench on the network: a bench in this process has none; leave it "
+                    "out, or start vdrived")
+          << line;
+    }
+    EXPECT_GE(chosen, 1U) << "no value of the test is one of " << key.path;
+  }
+  EXPECT_GE(keys, 9U) << "all keys of the three sections";
 }
 
 TEST(Bench, WithoutAStateDirectorySaysWhichOptionIsMissing) {

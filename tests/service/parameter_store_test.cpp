@@ -218,7 +218,7 @@ TEST_F(StateDirectory, BelongsToOneServiceForEachBench) {
     const auto second = open();
     ADD_FAILURE() << "two services would write one file";
   } catch (const ConfigurationError& error) {
-    EXPECT_NE(std::string(error.what()).find("bench 7 are in use by another vdrived"),
+    EXPECT_NE(std::string(error.what()).find("bench 7 are in use by another bench"),
               std::string::npos)
         << error.what();
   }

@@ -57,7 +57,7 @@ void refuse_network(const Configuration& configuration) {
   }
   if (!network.interfaces.empty()) refuse("network.interfaces");
   if (!network.peers.empty()) refuse("network.peers");
-  if (!network.discovery_servers.empty()) refuse("network.discovery_servers");
+  if (!network.discovery_servers.empty()) refuse("network.discovery_server");
   if (network.shared_memory != defaults.shared_memory) refuse("network.shared_memory");
   if (!network.security.empty()) refuse("network.security");
   if (network.domain != defaults.domain) refuse("network.domain");

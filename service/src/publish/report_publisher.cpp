@@ -120,7 +120,7 @@ void ReportPublisher::publish(Inbox& inbox, Outbox& outbox) {
   meet_wire();
   publish_events(outbox);
   publish_parameters(outbox);
-  if (const auto now = Clock::now(); now >= next_state_) {
+  if (const auto now = Clock::now(); link_.take_wish_for_state() || now >= next_state_) {
     publish_state(inbox, outbox, now);
     next_state_ = now + kStateInterval;
   }

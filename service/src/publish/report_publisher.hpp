@@ -36,8 +36,9 @@ class ReportPublisher {
   /// Announces this bench, or its end.
   void announce(bool alive);
 
-  /// Publishes what waits, and the bench's state every 50 ms of wall time. A wire that is new gets
-  /// the history first: descriptions, parameters of all axes, the last events.
+  /// Publishes what waits, and the bench's state every 50 ms of wall time and when the wire knows
+  /// of a new reader. A wire that is new gets the history first: descriptions, parameters of all
+  /// axes, the last events.
   void publish(Inbox& inbox, Outbox& outbox);
 
   /// Publishes one event past the queue.

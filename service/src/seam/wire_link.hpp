@@ -50,6 +50,13 @@ class WireLink {
   /// @return how many subscriptions match a topic; 0 while no wire runs.
   [[nodiscard]] std::uint32_t matched(wire::TopicId topic) const noexcept;
 
+  /// @return whether a reader of bench_state has come since the last call, where it is known at
+  ///         once who comes.
+  [[nodiscard]] bool take_wish_for_state() noexcept {
+    return control_.is_state_wanted.load(std::memory_order_relaxed) &&
+           control_.is_state_wanted.exchange(false);
+  }
+
   /// @return whether the participant reads replies now.
   [[nodiscard]] bool is_matched(const wire::Source& source) const noexcept {
     return control_.readers.may_contain(source);

@@ -78,6 +78,7 @@ struct WireControl {
   std::array<char, 2'048> error{};
   std::array<std::atomic<std::uint32_t>, wire::kTopics.size()> matched{};
   SharedSources readers;                       ///< of `reply`
+  std::atomic<bool> is_state_wanted{false};    ///< a reader has come that waits for a bench_state
   std::atomic<std::int64_t> running_since{0};  ///< monotonic [ns]
   std::atomic<std::uint64_t> pump_beats{0};    ///< rounds of every pump
   std::atomic<std::uint64_t> probe_beats{0};   ///< probes that came through

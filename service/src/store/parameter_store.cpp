@@ -100,7 +100,7 @@ ParameterStore::ParameterStore(std::filesystem::path directory, std::uint32_t be
   }
   if (!lock()) {
     refuse("the parameters of bench " + std::to_string(bench) +
-           " are in use by another vdrived, or by a bench in a process: give each a directory of "
+           " are in use by another bench, of a vdrived or in a process: give each a directory of "
            "its own");
   }
 }

@@ -136,6 +136,10 @@ void WireProgram::deliver(LaneSubscription& incoming, const wire::Source& source
 void WireProgram::show(TopicId topic, const std::vector<wire::Source>& readers) {
   control_.matched[static_cast<std::size_t>(topic)].store(
       static_cast<std::uint32_t>(readers.size()), std::memory_order_relaxed);
+  // Over a network a state comes soon enough, and each one more goes to every reader.
+  if (topic == Topic<msg::BenchState>::kId && participant_.knows_who_is_there()) {
+    control_.is_state_wanted = true;
+  }
   if (topic == Topic<msg::Reply>::kId) {
     const std::lock_guard lock(showing_);
     control_.readers.show(readers);

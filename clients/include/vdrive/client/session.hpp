@@ -350,7 +350,7 @@ class Session {
   /// program with a loop of its own. In lock-step the present state comes first; while drive time
   /// stands still nothing comes after it.
   /// A service that restarts is followed. The reports of a bench that has sent nothing for
-  /// SessionOptions::patience have ended.
+  /// SessionOptions::patience have ended; those of a bench in this process end with it.
   /// @param period wall time, 1 ms or more
   /// @param observer must not end the session; an empty one ends the reports. It replaces the last.
   /// @param ended called with lost, and its reason, when the reports of a bench have ended
