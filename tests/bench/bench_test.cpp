@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -16,7 +16,6 @@
 #include <iterator>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 namespace vdrive::bench {
@@ -132,20 +131,72 @@ TEST(Bench, OfFreerunPassesDriveTimeByItself) {
   ASSERT_TRUE(reached) << reached.outcome().message();
 }
 
-TEST(Bench, ServesSessionsOfSeveralThreads) {
-  const Bench bench({.axes = 4});
-  std::vector<std::thread> threads;
-  std::atomic<int> arrived{0};
+/// Enables the axis and moves it. @return an empty text, or what failed.
+std::string enable_and_move(Session& session, int number) {
+  auto axis = session.axis("1." + std::to_string(number));
+  if (!axis) return axis.outcome().message();
+  if (const auto enabled = axis->enable(); !enabled) return enabled.message();
+  const auto moved = axis->move_to(1'000 * number);
+  return moved ? "" : moved.message();
+}
+
+/// Runs `work(number)` for the axes 1 to 4, each in a thread of its own. @return what it returned.
+template <typename Work>
+std::vector<std::string> in_four_threads(const Work& work) {
+  std::vector<std::future<std::string>> running;
   for (int number = 1; number <= 4; ++number) {
-    threads.emplace_back([&bench, &arrived, number] {
-      Session session = bench.session();
-      auto axis = session.axis("1." + std::to_string(number));
-      if (!axis || !axis->enable()) return;
-      if (axis->move_to(1'000 * number)) ++arrived;
-    });
+    running.push_back(std::async(std::launch::async, work, number));
   }
-  for (auto& thread : threads) thread.join();
-  EXPECT_EQ(arrived, 4);
+  std::vector<std::string> results;
+  for (auto& result : running) results.push_back(result.get());
+  return results;
+}
+
+// Drive time waits for each of them, also for a thread that the system does not run.
+TEST(Bench, ServesSessionsOfSeveralThreadsThatJoinItsClock) {
+  const Bench bench({.axes = 4});
+  const auto failures = in_four_threads([&bench](int number) -> std::string {
+    Session session = bench.session();
+    const std::array<std::uint32_t, 1> benches{1};
+    const auto clock = client::StepClock::join(session, benches);
+    return clock ? enable_and_move(session, number) : clock.outcome().message();
+  });
+  EXPECT_THAT(failures, testing::Each(""));
+}
+
+// Each step of the session is a sign of life for all its axes.
+TEST(Bench, ServesSeveralThreadsOfOneSession) {
+  const Bench bench({.axes = 4});
+  Session session = bench.session();
+  const auto failures = in_four_threads([&session](int number) {
+    return enable_and_move(session, number);
+  });
+  EXPECT_THAT(failures, testing::Each(""));
+}
+
+TEST(Bench, WithoutAWatchdogServesSessionsOfSeveralThreads) {
+  const Bench bench(
+      {.configuration = "watchdog: {timeout_ms: off}\nclock: {mode: lockstep}\n", .axes = 4});
+  const auto failures = in_four_threads([&bench](int number) {
+    Session session = bench.session();
+    return enable_and_move(session, number);
+  });
+  EXPECT_THAT(failures, testing::Each(""));
+}
+
+// The watchdog counts drive time: 500 ms.
+TEST(Bench, TakesAnAxisFromASessionThatIsSilentWhileAnotherOneSteps) {
+  const Bench bench;
+  Session silent = bench.session();
+  auto axis = silent.axis("1.1");
+  ASSERT_TRUE(axis->enable());
+  Session other = bench.session();
+  ASSERT_TRUE(other.step(1, 490));
+  EXPECT_EQ(axis->status()->status.error_code, 0U);
+  ASSERT_TRUE(other.step(1, 510));
+  const auto lost = axis->status();
+  EXPECT_EQ(lost->status.error_code, 0x8130U);
+  EXPECT_THAT(client::what_it_shows(*lost), HasSubstr("join the clock that others step"));
 }
 
 TEST(Bench, RefusesKeysOfTheNetworkAndBadValuesWithTheirPlace) {

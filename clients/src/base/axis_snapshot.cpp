@@ -48,7 +48,7 @@ std::string what_it_shows(const AxisSnapshot& axis) {
   if (static_cast<ErrorCode>(axis.status.error_code) == ErrorCode::life_guard_or_heartbeat) {
     text +=
         ": the bench received nothing from the owner of the axis in time; raise its "
-        "watchdog.timeout_ms, or use lock-step";
+        "watchdog.timeout_ms, or use lock-step and join the clock that others step";
   }
   return text;
 }
