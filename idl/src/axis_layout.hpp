@@ -141,22 +141,23 @@ void put_axis(const AxisStatus& status, const AxisAddress& address, std::uint64_
   });
 }
 
+/// Straight to its place, as put_axis. What a sample does not have stays as it is.
 template <typename Head>
-ReceivedStatus axis_at(const std::byte* place) noexcept {
-  Head head{};
-  std::memcpy(&head, place, sizeof head);
-  ReceivedStatus received{.address = {.bench = head.bench, .axis = head.axis},
-                          .tick = head.tick,
-                          .owner = {.session = head.owner_session,
-                                    .epoch = head.owner_epoch,
-                                    .last_sequence = head.last_sequence},
-                          .status = {}};
+void get_axis(const std::byte* place, ReceivedStatus& received) noexcept {
+  const auto get = [place](std::size_t offset, auto& value) {
+    std::memcpy(&value, place + offset, sizeof value);
+  };
+  get(offsetof(Head, bench), received.address.bench);
+  get(offsetof(Head, axis), received.address.axis);
+  get(offsetof(Head, tick), received.tick);
+  get(offsetof(Head, owner_session), received.owner.session);
+  get(offsetof(Head, owner_epoch), received.owner.epoch);
+  get(offsetof(Head, last_sequence), received.owner.last_sequence);
   std::byte* const image = std::as_writable_bytes(std::span(&received.status, 1)).data();
   for_each_piece([&](auto index) {
     constexpr Piece kPiece = kMembers.pieces[index];
     std::memcpy(image + kPiece.in_image, place + sizeof(Head) + kPiece.in_sample, kPiece.size);
   });
-  return received;
 }
 
 /// Axes of a sequence that follow each other.
@@ -174,13 +175,22 @@ class AxisSequence {
 
   void put(std::size_t position, const AxisStatus& status, const AxisAddress& address,
            std::uint64_t tick, const Ownership& owner, std::byte* first) const noexcept {
-    const auto put_there = is_first(position) ? put_axis<FirstAxis> : put_axis<FurtherAxis>;
-    put_there(status, address, tick, owner, first + place_of(position));
+    std::byte* const place = first + place_of(position);
+    if (is_first(position)) {
+      put_axis<FirstAxis>(status, address, tick, owner, place);
+    } else {
+      put_axis<FurtherAxis>(status, address, tick, owner, place);
+    }
   }
 
-  [[nodiscard]] ReceivedStatus get(std::size_t position, const std::byte* first) const noexcept {
+  /// What a sample does not have of the status stays as it is.
+  void get(std::size_t position, const std::byte* first, ReceivedStatus& received) const noexcept {
     const std::byte* const place = first + place_of(position);
-    return is_first(position) ? axis_at<FirstAxis>(place) : axis_at<FurtherAxis>(place);
+    if (is_first(position)) {
+      get_axis<FirstAxis>(place, received);
+    } else {
+      get_axis<FurtherAxis>(place, received);
+    }
   }
 
  private:

@@ -98,10 +98,9 @@ bool decode_reply(std::span<const std::byte> sample, msg::Reply& reply,
       sample.size() < begin + sequence.place_of(count)) {
     return false;
   }
-  axes.clear();
-  axes.reserve(count);
+  axes.resize(count);
   for (std::uint32_t position = 0; position < count; ++position) {
-    axes.push_back(sequence.get(position, sample.data() + begin));
+    sequence.get(position, sample.data() + begin, axes[position]);
   }
   return true;
 }

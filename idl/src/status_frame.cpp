@@ -110,7 +110,9 @@ std::uint16_t StatusFrameView::number(std::size_t position) const noexcept {
 
 ReceivedStatus StatusFrameView::axis(std::size_t position) const noexcept {
   ensure(position < size_, "the frame has that many axes");
-  return kAxes.get(position, axes_.data());
+  ReceivedStatus received;
+  kAxes.get(position, axes_.data(), received);
+  return received;
 }
 
 }  // namespace vdrive::wire

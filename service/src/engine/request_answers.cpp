@@ -110,12 +110,15 @@ void RequestAnswers::repeat(const Arrival& arrival) {
 }
 
 void RequestAnswers::add_statuses(const msg::Request& request, OutgoingReply& outgoing) const {
-  for (const std::uint16_t number : request.axes()) {
-    const std::size_t axis = axes_.index_of_checked(number);
-    outgoing.axes.push_back({.number = number,
-                             .tick = clock_.tick(),
-                             .owner = masters_.owner(axis),
-                             .status = axes_.bank().status(axis)});
+  const auto& numbers = request.axes();
+  outgoing.axes.resize(numbers.size());
+  for (std::size_t place = 0; place < numbers.size(); ++place) {
+    const std::size_t axis = axes_.index_of_checked(numbers[place]);
+    wire::ShownAxis& shown = outgoing.axes[place];  // in place: a copy would wait for its writes
+    shown.number = numbers[place];
+    shown.tick = clock_.tick();
+    shown.owner = masters_.owner(axis);
+    shown.status = axes_.bank().status(axis);
   }
 }
 
