@@ -158,7 +158,11 @@ bool LockstepDriver::may_publish() {
 }
 
 void LockstepDriver::publish_status(bool repeated) {
-  engine_.queue_status(repeated);
+  if (status_.has_readers()) {
+    engine_.queue_status(repeated);
+  } else {
+    status_.leave_out(engine_.tick());
+  }
   while (const StatusImage* const image = outbox_.status.front()) {
     status_.publish(*image);
     outbox_.status.pop();

@@ -29,6 +29,11 @@ void StatusPublisher::publish(const StatusImage& image) {
   link_.flush(Lane::status);
 }
 
+bool StatusPublisher::has_readers() const noexcept {
+  return link_.matched(wire::Topic<msg::StatusFrame>::kId) > 0 ||
+         link_.matched(wire::Topic<msg::AxisStatus>::kId) > 0;
+}
+
 void StatusPublisher::publish_frames(const StatusImage& image) {
   constexpr std::size_t kPartSize = msg::MAX_AXES_PER_FRAME;
   const std::size_t parts = (numbers_.size() + kPartSize - 1) / kPartSize;

@@ -32,6 +32,12 @@ class StatusPublisher {
   /// changed state since their last one, then those that are due.
   void publish(const StatusImage& image);
 
+  /// @return whether a tick that is published has a reader now.
+  [[nodiscard]] bool has_readers() const noexcept;
+
+  /// A tick without readers: it counts as published.
+  void leave_out(std::uint64_t tick) noexcept { last_tick_ = tick; }
+
   /// @return the tick that was published last, 0 = none.
   [[nodiscard]] std::uint64_t last_tick() const noexcept { return last_tick_; }
 
