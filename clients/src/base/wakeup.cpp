@@ -66,10 +66,15 @@ std::uint64_t Wakeup::changes() const {
   return changes_;
 }
 
-void Wakeup::wait_until(std::uint64_t changes, Clock::time_point deadline) {
+bool Wakeup::work(std::uint64_t changes) {
+  bool has_worked = false;
   // Without the lock, which what it changes takes.
-  while (work_ && this->changes() == changes && work_()) {
-  }
+  while (work_ && this->changes() == changes && work_()) has_worked = true;
+  return has_worked;
+}
+
+void Wakeup::wait_until(std::uint64_t changes, Clock::time_point deadline) {
+  static_cast<void>(work(changes));
   std::unique_lock lock(mutex_);
   changed_.wait_until(lock, deadline, [&] {
     return changes_ != changes;

@@ -20,8 +20,8 @@ class Wakeup {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Before the first wait: a thread that is about to wait first runs `work`, as long as there is
-  /// some and nothing has changed (wire::Participant::run_local_work).
+  /// Before the first wait: `work` is what a thread that is about to wait does first
+  /// (wire::Participant::run_local_work). It returns whether there was some.
   void work_with(std::function<bool()> work) { work_ = std::move(work); }
 
   /// Something has changed. To be called after the change.
@@ -54,7 +54,11 @@ class Wakeup {
   ///         no change after it.
   [[nodiscard]] std::uint64_t changes() const;
 
-  /// Waits until there were more than `changes`, or for the deadline.
+  /// Works as long as there is some work and there were no more than `changes`.
+  /// @return whether there was some.
+  bool work(std::uint64_t changes);
+
+  /// Works, then waits until there were more than `changes`, or for the deadline.
   void wait_until(std::uint64_t changes, Clock::time_point deadline);
 
  private:

@@ -42,6 +42,8 @@ class Waiter {
       // Before the condition: what changes after it ends the wait at once.
       const std::uint64_t changes = wakeup_.changes();
       if (condition()) return {};
+      // On the local bus most waits need no more: the answer comes with the work.
+      if (wakeup_.work(changes) && condition()) return {};
       const auto now = Wakeup::Clock::now();
       const bool is_broken = links_.repair(target.key);
       // Again, before any reason to give up: the answer may have arrived during the repair.
