@@ -3,6 +3,7 @@
 
 #include "vdrive/wire/codec.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <concepts>
@@ -10,7 +11,6 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
-#include <utility>
 
 namespace vdrive::wire {
 
@@ -28,21 +28,30 @@ class CdrReader {
   /// Alignment counts from the end of the encapsulation.
   template <std::integral Number>
   Number next() noexcept {
+    Number number = 0;
+    next(std::span(&number, 1));
+    return number;
+  }
+
+  /// Numbers that follow each other, as those of a sequence.
+  template <std::integral Number>
+  void next(std::span<Number> numbers) noexcept {
     constexpr std::size_t kSize = sizeof(Number);
+    if (numbers.empty()) return;
     position_ = (position_ - kEncapsulation + kSize - 1) / kSize * kSize + kEncapsulation;
-    if (!is_good_ || position_ + kSize > sample_.size()) {
+    if (!is_good_ || position_ + numbers.size_bytes() > sample_.size()) {
       is_good_ = false;
-      return 0;
+      std::ranges::fill(numbers, Number{0});
+      return;
     }
-    std::array<std::byte, kSize> bytes{};
-    std::memcpy(bytes.data(), &sample_[position_], kSize);
-    position_ += kSize;
-    if (swaps_) {
-      for (std::size_t low = 0, high = kSize - 1; low < high; ++low, --high) {
-        std::swap(bytes[low], bytes[high]);
-      }
+    std::memcpy(numbers.data(), &sample_[position_], numbers.size_bytes());
+    position_ += numbers.size_bytes();
+    if (!swaps_) return;
+    for (Number& number : numbers) {
+      auto bytes = std::bit_cast<std::array<std::byte, kSize>>(number);
+      std::ranges::reverse(bytes);
+      number = std::bit_cast<Number>(bytes);
     }
-    return std::bit_cast<Number>(bytes);
   }
 
   double next_double() noexcept { return std::bit_cast<double>(next<std::uint64_t>()); }

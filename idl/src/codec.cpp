@@ -111,9 +111,8 @@ Decoding CommandDecoder::decode(std::span<const std::byte> sample, msg::Request&
   request.objects().clear();
   const auto axes = reader.next<std::uint32_t>();
   if (axes > msg::MAX_AXES_PER_FRAME) return Decoding::too_many_axes;
-  for (std::uint32_t count = 0; count < axes; ++count) {
-    request.axes().push_back(reader.next<std::uint16_t>());
-  }
+  request.axes().resize(axes);
+  reader.next(std::span(request.axes()));
   const auto objects = reader.next<std::uint32_t>();
   if (objects > msg::MAX_OBJECTS_PER_REQUEST) {
     request.axes().clear();

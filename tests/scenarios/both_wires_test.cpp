@@ -97,7 +97,8 @@ class BothWires : public testing::Test {
 const std::filesystem::path kScenarios =
     std::filesystem::path(VDRIVE_SOURCE_DIR) / "clients" / "scenarios";
 
-/// @return every scenario of the project with VDRIVE_EVERY_SCENARIO=1 in the environment, which takes
+/// @return every scenario of the project with VDRIVE_EVERY_SCENARIO=1 in the environment, which
+/// takes
 ///         half a minute of a processor; else one of each kind, of those that take the least drive
 ///         time.
 std::vector<std::string> scenarios_of_the_project() {
