@@ -255,7 +255,7 @@ Outcome BenchClocks::step(const Target& target, std::uint64_t ticks,
       shown += count;
     }
     const std::size_t wanted = request.axes().size();
-    const auto reply = step_once(target, std::move(request), patience, silence);
+    auto reply = step_once(target, std::move(request), patience, silence);
     if (!reply) return reply.outcome();
     if (reply->axes.size() != wanted) {
       return Outcome::failed(name_of(target) + " did not send the status of the requested axes");
@@ -265,6 +265,7 @@ Outcome BenchClocks::step(const Target& target, std::uint64_t ticks,
     std::vector<AxisSnapshot>& snapshots = is_last ? sample.axes : earlier;
     snapshots.resize(first + wanted);
     for (std::size_t i = 0; i < wanted; ++i) show(reply->axes[i], snapshots[first + i]);
+    if (wanted != 0) requests_.reuse(*reply);
     if (is_last) {
       std::ranges::copy(earlier, sample.axes.begin());
       sample = {.tick = reply->tick(), .axes = std::move(sample.axes)};

@@ -55,8 +55,7 @@ BenchLinks::BenchLinks(wire::Participant& participant, std::uint64_t session, Di
           participant, wire::Topic<msg::Reply>::kId,
           wire::BytesSubscription::Handler{.take =
                                                [this](std::span<const std::byte> sample) {
-                                                 is_received_ = wire::decode_reply(
-                                                     sample, received_, received_.axes);
+                                                 take_reply(sample);
                                                },
                                            .deliver =
                                                [this](const wire::Source& source) {
@@ -68,6 +67,19 @@ BenchLinks::BenchLinks(wire::Participant& participant, std::uint64_t session, Di
           }) {}
 
 // ---- what arrives ----------------------------------------------------------------------------
+
+void BenchLinks::take_reply(std::span<const std::byte> sample) {
+  if (received_.axes.capacity() == 0) {
+    const std::scoped_lock lock(mutex_);
+    received_.axes.swap(spare_);
+  }
+  is_received_ = wire::decode_reply(sample, received_, received_.axes);
+}
+
+void BenchLinks::reuse(std::vector<wire::ReceivedStatus> axes) {
+  const std::scoped_lock lock(mutex_);
+  spare_.swap(axes);
+}
 
 void BenchLinks::on_reply(const wire::Source& source) {
   if (received_.client() != session_) return;

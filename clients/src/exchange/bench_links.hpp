@@ -10,6 +10,7 @@
 #include "vdrive/wire/bytes_subscription.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
+#include "vdrive/wire/status_frame.hpp"
 #include "vdrive/wire/subscription.hpp"
 #include "vdrive_messages.h"
 
@@ -19,7 +20,9 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string_view>
+#include <vector>
 
 namespace vdrive::client {
 
@@ -83,6 +86,10 @@ class BenchLinks {
   /// @return whether it was broken.
   bool repair(const BenchKey& key);
 
+  /// Gives the axes of an answer back that was read: a next one takes their memory, which is
+  /// neither allocated nor cleared again.
+  void reuse(std::vector<wire::ReceivedStatus> axes);
+
  private:
   /// The link to one run of a service.
   struct Link {
@@ -90,6 +97,7 @@ class BenchLinks {
     wire::Source source;  ///< participant that has what was sent; guarded by the mutex of the links
   };
 
+  void take_reply(std::span<const std::byte> sample);
   void on_reply(const wire::Source& source);
   void on_command_reply(const msg::CommandReply& message, const wire::Source& source);
 
@@ -111,8 +119,9 @@ class BenchLinks {
   UnansweredMessages& unanswered_;
   Wakeup& wakeup_;
   ObserverFailure& failure_;
-  mutable std::mutex mutex_;        ///< guards the map of links and their sources
+  mutable std::mutex mutex_;        ///< guards the map of links, their sources and `spare_`
   std::map<BenchKey, Link> links_;  ///< stay where they are when one is added
+  std::vector<wire::ReceivedStatus> spare_;
   std::unique_ptr<wire::Publication<msg::Request>> request_publication_;  ///< none for a viewer
   std::unique_ptr<wire::Publication<msg::CommandFrame>> command_publication_;  ///< the same
   RequestAnswer received_;    ///< the newest reply, of the thread that receives

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace vdrive::client {
@@ -38,6 +39,9 @@ class Requests {
 
   /// Awaits the reply to a request, also a refusal.
   Result<RequestAnswer> await(const Target& target, std::uint64_t number, const Patience& patience);
+
+  /// The axes that an answer shows were read: a next answer takes their memory.
+  void reuse(RequestAnswer& answer) { links_.reuse(std::move(answer.axes)); }
 
  private:
   const std::uint64_t session_;
