@@ -67,6 +67,25 @@ TEST(Wakeup, WakesACallInAnotherThread) {
   begun.notify_one();
 }
 
+TEST(Wakeup, WorksUntilSomethingHasChangedAndTellsWhetherItWorked) {
+  Wakeup sut;
+  EXPECT_FALSE(sut.work(sut.changes()));  // there is no work
+  int left = 5;
+  sut.work_with([&] {
+    if (left == 0) return false;
+    if (--left == 2) sut.notify();
+    return true;
+  });
+  const std::uint64_t changes = sut.changes();
+  EXPECT_TRUE(sut.work(changes));
+  EXPECT_EQ(left, 2);
+  EXPECT_FALSE(sut.work(changes)) << "it has changed";
+  EXPECT_EQ(left, 2);
+  EXPECT_TRUE(sut.work(sut.changes()));
+  EXPECT_EQ(left, 0);
+  EXPECT_FALSE(sut.work(sut.changes()));
+}
+
 TEST(Wakeup, WaitsNoLongerThanItsDeadline) {
   Wakeup sut;
   const auto deadline = Wakeup::Clock::now() + 20ms;
