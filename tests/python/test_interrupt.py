@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ctrl-C, other signals, and processes that are killed."""
+import contextlib
 import os
 import pathlib
 import select
@@ -121,21 +122,55 @@ def test_a_service_that_does_not_start_reports_its_reason():
         vdrive.Bench(over="dds", service="/nowhere/vdrived")
 
 
-def test_a_handler_that_raises_ends_a_wait_with_its_exception(vdrive_session):
-    class Alarm(Exception):
-        pass
+class Alarm(Exception):
+    pass
 
+
+@contextlib.contextmanager
+def alarm_in(seconds):
+    """A timer whose signal raises Alarm in the main thread."""
     def ring(number, frame):
         raise Alarm
 
     before = signal.signal(signal.SIGALRM, ring)
     try:
-        signal.setitimer(signal.ITIMER_REAL, 0.2)
-        with pytest.raises(Alarm):
-            vdrive_session.events().next()
-        assert vdrive_session.step() > 0
+        signal.setitimer(signal.ITIMER_REAL, seconds)
+        yield
     finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
+
+
+def test_a_handler_that_raises_ends_a_wait_with_its_exception(vdrive_session):
+    with alarm_in(0.2), pytest.raises(Alarm):
+        vdrive_session.events().next()
+    assert vdrive_session.step() > 0
+
+
+def test_an_interrupted_take_loses_no_sample_and_counts_each_once(vdrive_session):
+    begin = vdrive_session.step()
+    count = 300_000  # ticks, of some microseconds each
+    follower = vdrive_session.follow("1.1", count=count)
+    with alarm_in(0.2), pytest.raises(Alarm):
+        follower.take(2**60)
+    ticks = follower.take(2)["tick"][:, 0].tolist()
+    assert ticks == [begin + 1, begin + 2]
+    ticks += follower.take(count)["tick"][:, 0].tolist()  # what else it had received
+    assert len(ticks) < count
+    while (more := follower.take(count)).size:
+        ticks += more["tick"][:, 0].tolist()
+    assert ticks == list(range(begin + 1, begin + count + 1))
+    with pytest.raises(StopIteration):
+        next(follower)
+
+
+def test_a_take_that_fails_at_once_needs_no_memory_for_its_count(vdrive_session):
+    follower = vdrive_session.follow("1.1")
+    vdrive_session.interrupt()
+    with pytest.raises(vdrive.Failed):
+        follower.take(2**60)
+    vdrive_session.end_interrupt()
+    assert follower.take(1).shape == (1, 1)
 
 
 def test_the_wakeup_file_of_a_loop_is_restored(vdrive_session):

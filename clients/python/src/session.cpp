@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdrive::python {
@@ -87,7 +88,7 @@ struct PyFollower {
   SharedPySession py_session;
   std::chrono::milliseconds patience;
   std::optional<std::uint64_t> left;
-  std::size_t axes;
+  Frames kept;  ///< what a take() had received when it raised
 
   client::Observation next() {
     if (left && *left == 0) throw py::stop_iteration();
@@ -101,18 +102,27 @@ struct PyFollower {
 
   /// The interpreter is not asked between the samples: a signal ends the wait for one of them.
   py::array take(std::uint64_t most) {
+    if (kept.size() > 0) return kept.take(most);
     const std::uint64_t count = std::min(most, left.value_or(most));
-    Frames frames(count, axes);
-    check(waiting(py_session, [&](Session& /*session*/) {
+    Frames frames(kept.axes());
+    frames.expect(count);
+    const auto receive = [&](Session& /*session*/) {
       client::Observation sample;
-      for (std::uint64_t place = 0; place < count; ++place) {
+      while (frames.size() < count) {
         if (Outcome seen = follower->next(patience, sample); !seen) return seen;
         frames.add(sample);
       }
       return Outcome();
-    }));
-    if (left) *left -= count;
-    return frames.array();
+    };
+    try {
+      check(waiting(py_session, receive));
+    } catch (...) {
+      if (left) *left -= frames.size();
+      kept = std::move(frames);
+      throw;
+    }
+    if (left) *left -= frames.size();
+    return frames.take(count);
   }
 };
 
@@ -125,7 +135,7 @@ PyFollower follow(const SharedPySession& self, const py::object& axes, const std
     return session.follow(ids, chosen);
   })));
   self->adopt(follower);
-  return {std::move(follower), self, longest, count, ids.size()};
+  return {std::move(follower), self, longest, count, Frames(ids.size())};
 }
 
 std::shared_ptr<StatusQueue> stream(const SharedPySession& self, const py::object& axes,
@@ -423,8 +433,9 @@ void add_follower(py::module_& module) {
       .def("__next__", &PyFollower::next)
       .def("take", &PyFollower::take, py::arg("count"),
            "Waits for that many observations, or for those that are left of the count of follow(): "
-           "a "
-           "numpy array of records, a row per sample, a column per axis.")
+           "a numpy array of records, a row per sample, a column per axis. What it had received "
+           "when "
+           "it raised is what the next call returns, at once.")
       .def(
           "close",
           [](PyFollower& self) {

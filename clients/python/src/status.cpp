@@ -9,11 +9,13 @@
 
 #include <pybind11/numpy.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <deque>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -109,6 +111,13 @@ class RecordLayout {
     add_members();
     add({"owner", "<u8", sizeof(std::uint64_t)});
     add({"owner_epoch", "<u4", sizeof(std::uint32_t)});
+  }
+
+  /// @return the bytes of a record.
+  [[nodiscard]] std::size_t size() const {
+    std::size_t size = 0;
+    for (const Field& field : fields_) size += field.size;
+    return size;
   }
 
   [[nodiscard]] py::dtype type() const { return type_of(fields_); }
@@ -249,9 +258,9 @@ void add_observation(py::module_& module) {
       .def(
           "array",
           [](const Observation& sample) {
-            Frames frames(1, sample.axes.size());
+            Frames frames(sample.axes.size());
             frames.add(sample);
-            return py::object(frames.array()[py::int_(0)]);
+            return py::object(frames.take(1)[py::int_(0)]);
           },
           "The axes as a numpy array of records, a field for each member of the status.")
       .def("__len__",
@@ -273,27 +282,52 @@ void add_observation(py::module_& module) {
 
 }  // namespace
 
-Frames::Frames(std::size_t samples, std::size_t axes)
-    : array_(layout().type(), std::vector<py::ssize_t>{static_cast<py::ssize_t>(samples),
-                                                       static_cast<py::ssize_t>(axes)}),
-      place_(static_cast<std::byte*>(array_.mutable_data())),
-      samples_(samples),
-      axes_(axes) {}
+Frames::Frames(std::size_t axes) : axes_(axes), row_(axes * layout().size()) {}
+
+void Frames::expect(std::size_t samples) {
+  // More grows with the samples: a count that is too large has to fail at none of them.
+  constexpr std::size_t kMostAtFirst = std::size_t{1} << 28U;  // [bytes]
+  records_.reserve(std::min(samples, kMostAtFirst / std::max<std::size_t>(row_, 1)) * row_);
+}
 
 void Frames::add(const Observation& sample) {
-  if (samples_ == 0 || sample.axes.size() != axes_) {
-    throw std::logic_error("a sample has other axes, or is one too many");
-  }
-  --samples_;
+  if (sample.axes.size() != axes_) throw std::logic_error("a sample has other axes");
+  const std::size_t begin = records_.size();
+  records_.resize(begin + row_);
+  std::byte* place = std::span(records_).subspan(begin).data();
   for (const AxisSnapshot& axis : sample.axes) {
-    place_ = RecordLayout::write(axis, sample.missed, place_);
+    place = RecordLayout::write(axis, sample.missed, place);
   }
+  ++samples_;
+}
+
+py::array Frames::take(std::size_t most) {
+  const std::size_t count = std::min(most, samples_);
+  auto taken = std::make_unique<std::vector<std::byte>>();
+  taken->swap(records_);
+  if (count < samples_) {
+    const auto end = taken->begin() + static_cast<std::ptrdiff_t>(count * row_);
+    records_.assign(end, taken->end());
+    taken->erase(end, taken->end());
+  }
+  samples_ -= count;
+  const std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(count),
+                                       static_cast<py::ssize_t>(axes_)};
+  // The array has the records where they lie, and ends them.
+  const std::byte* const first = taken->data();
+  const py::capsule owner(taken.get(), [](void* records) {
+    // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): released below
+    delete static_cast<std::vector<std::byte>*>(records);
+  });
+  static_cast<void>(taken.release());
+  return {layout().type(), shape, first, owner};
 }
 
 py::array frames_of(const std::deque<Observation>& samples, std::size_t axes) {
-  Frames frames(samples.size(), axes);
+  Frames frames(axes);
+  frames.expect(samples.size());
   for (const Observation& sample : samples) frames.add(sample);
-  return frames.array();
+  return frames.take(samples.size());
 }
 
 py::dtype status_image_type() {

@@ -8,28 +8,37 @@
 
 #include <cstddef>
 #include <deque>
+#include <vector>
 
 namespace vdrive::python {
 
-/// An array of numpy with a record for each axis of each sample, its fields named after the members
-/// of the status. Made and destroyed with the interpreter lock.
+/// Samples of `axes` axes each, with a record for each axis of each sample.
 class Frames {
  public:
-  /// @param samples how many come, of `axes` axes each
-  Frames(std::size_t samples, std::size_t axes);
+  explicit Frames(std::size_t axes);
 
-  /// Writes the next sample. Needs no interpreter lock.
-  /// @throws std::logic_error when it has another number of axes, or is one too many
+  [[nodiscard]] std::size_t axes() const noexcept { return axes_; }
+
+  /// @return how many samples it has.
+  [[nodiscard]] std::size_t size() const noexcept { return samples_; }
+
+  /// Sets memory aside for so many samples, as far as that is reasonable.
+  void expect(std::size_t samples);
+
+  /// Adds a sample. Needs no interpreter lock.
+  /// @throws std::logic_error when it has another number of axes
   void add(const client::Observation& sample);
 
-  /// @return the array, whole once every sample was added.
-  [[nodiscard]] const py::array& array() const noexcept { return array_; }
+  /// Gives the oldest `most` samples up. With the interpreter lock.
+  /// @return an array of numpy, a row per sample, a column per axis; the fields of a record are
+  ///         named after the members of the status.
+  [[nodiscard]] py::array take(std::size_t most);
 
  private:
-  py::array array_;
-  std::byte* place_;  ///< of the next record
-  std::size_t samples_;
+  std::vector<std::byte> records_;
+  std::size_t samples_ = 0;
   std::size_t axes_;
+  std::size_t row_;  ///< bytes of one sample
 };
 
 /// @return the samples, of `axes` axes each, as one array.
