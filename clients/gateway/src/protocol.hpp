@@ -62,7 +62,7 @@ template <typename Read>
 
 /// What a client may send.
 
-/// What the protocol calls so: the wish of a client to receive a channel.
+/// A client's wish to receive a channel; the protocol's term.
 struct Subscription {
   std::uint32_t id = 0;  ///< chosen by the client
   std::uint32_t channel = 0;

@@ -105,7 +105,8 @@ def on_event(self, observer, *, history=False):
 def on_status(self, observer, axes=None, *, period=0.1, on_end=None):
     """Call `observer(observation)` with the newest state of axes; return the Observer.
 
-    For each bench at most once in `period` s of wall time, when a later tick has come. A service
+    For each bench at most once in `period` s of wall time, when a later tick has come. In lock-step
+    the present state comes first; while drive time stands still nothing comes after it. A service
     that restarts is followed. The calls for a bench end when it has sent nothing for the `patience`
     of the session: then `on_end(error)` is called, with the Lost that says why.
     """

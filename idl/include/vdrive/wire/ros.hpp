@@ -12,8 +12,8 @@
 #include <string_view>
 
 /// Topics of ROS 2 on plain DDS. Each type has the quality of service that its readers and writers
-/// in ROS expect; the hash of the type is in USER_DATA. Publication and Subscription are what
-/// wire::Publication and wire::Subscription are: the end of a topic, here of a topic of ROS.
+/// in ROS expect; the hash of the type is in USER_DATA. Publication and Subscription are
+/// as in wire: the ends of a topic, here of ROS.
 namespace vdrive::ros {
 
 /// @param name as ROS writes it, such as "/cell1/joint_states"
