@@ -744,7 +744,7 @@ TEST(Bench, WithoutAStateDirectorySaysWhichOptionIsMissing) {
   auto axis = session.axis("1.1");
   const Outcome refused = axis->store();
   EXPECT_EQ(refused.kind(), OutcomeKind::refused);
-  EXPECT_THAT(refused.message(), HasSubstr("state_directory of its BenchOptions"));
+  EXPECT_THAT(refused.message(), HasSubstr("BenchOptions::state_directory"));
   EXPECT_THAT(refused.message(), testing::Not(HasSubstr("--state")));
 }
 
