@@ -318,26 +318,27 @@ TEST(BenchState, IsThereForEachReaderThatComes) {
   }
 }
 
+// Ten benches of each clock: only the first call of a session meets a sample from before it, at
+// some times.
 TEST(Follow, OnABusBeginsWithTheCall) {
-  for (const ClockMode clock : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
+  for (std::size_t round = 0; round < 30; ++round) {
+    const ClockMode clock =
+        std::array{ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}.at(round % 3);
     const Bench bench({.clock = clock});
     Session session = bench.session();
     Session stepper = bench.session();
     auto axis = session.axis("1.1");
     ASSERT_TRUE(axis) << axis.outcome().message();
-    // Often: a sample from before the call is under way at some times only.
-    for (int round = 1; round <= 50; ++round) {
-      const auto written = axis->write({0x6067, 0}, round);
-      ASSERT_TRUE(written) << to_string(clock);
-      auto follower = session.follow({{1, 1}}, client::Pace::observe);
-      ASSERT_TRUE(follower) << to_string(clock);
-      if (clock == ClockMode::lockstep) {
-        ASSERT_TRUE(stepper.step(1, 1));
-      }
-      const auto first = follower->next(kLong);
-      ASSERT_TRUE(first) << to_string(clock) << first.outcome().message();
-      ASSERT_GE(first->tick, *written) << to_string(clock) << " round " << round;
+    const auto written = axis->write({0x6067, 0}, 77);
+    ASSERT_TRUE(written) << to_string(clock);
+    auto follower = session.follow({{1, 1}}, client::Pace::observe);
+    ASSERT_TRUE(follower) << to_string(clock);
+    if (clock == ClockMode::lockstep) {
+      ASSERT_TRUE(stepper.step(1, 1));
     }
+    const auto first = follower->next(kLong);
+    ASSERT_TRUE(first) << to_string(clock) << first.outcome().message();
+    EXPECT_GE(first->tick, *written) << to_string(clock);
   }
 }
 
@@ -744,8 +745,8 @@ TEST(Bench, WithoutAStateDirectorySaysWhichOptionIsMissing) {
   auto axis = session.axis("1.1");
   const Outcome refused = axis->store();
   EXPECT_EQ(refused.kind(), OutcomeKind::refused);
-  EXPECT_THAT(refused.message(), HasSubstr("BenchOptions::state_directory"));
-  EXPECT_THAT(refused.message(), testing::Not(HasSubstr("--state")));
+  EXPECT_THAT(refused.message(),
+              HasSubstr("for a bench in a process BenchOptions::state_directory"));
 }
 
 TEST(Bench, HasAnIncarnationOfItsOwn) {
