@@ -34,8 +34,9 @@ msg::StatusFrame frame(std::uint64_t tick, std::initializer_list<std::uint16_t> 
 /// The frame as it arrives from the network.
 class Feed {
  public:
-  Feed(std::vector<std::uint16_t> axes, std::uint32_t status_every_ticks)
-      : feed_(kBench, std::move(axes), status_every_ticks) {}
+  Feed(std::vector<std::uint16_t> axes, std::uint32_t status_every_ticks,
+       std::uint64_t first_tick = 0)
+      : feed_(kBench, std::move(axes), status_every_ticks, first_tick) {}
 
   bool on_frame(const msg::StatusFrame& message) {
     std::vector<std::byte> sample(wire::encoded_size(message));
@@ -70,6 +71,17 @@ TEST(StatusFeed, BeginsWithTick0) {
   const auto sample = sut.take();
   ASSERT_TRUE(sample.has_value());
   EXPECT_EQ(sample->tick, 0U);
+}
+
+// A frame of before the call may be on its way to the reader.
+TEST(StatusFeed, LeavesOutFramesOfBeforeItsFirstTick) {
+  Feed sut({1}, 1, 5);
+  EXPECT_FALSE(sut.on_frame(frame(4, {1})));
+  EXPECT_TRUE(sut.on_frame(frame(5, {1})));
+  const auto sample = sut.take();
+  ASSERT_TRUE(sample.has_value());
+  EXPECT_EQ(sample->tick, 5U);
+  EXPECT_EQ(sample->missed, 0U) << "tick 4 was not asked for";
 }
 
 TEST(StatusFeed, CombinesThePartsOfATick) {
