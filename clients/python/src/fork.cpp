@@ -11,12 +11,6 @@
 namespace vdrive::python {
 namespace {
 
-/// Forks between the first process that had this module and this one.
-std::atomic<int>& generation() {
-  static std::atomic<int> forks = 0;
-  return forks;
-}
-
 /// The process that opened the first session. Guarded by the interpreter lock.
 std::optional<Origin>& first_session() {
   static std::optional<Origin> origin;
@@ -38,24 +32,16 @@ void end_without_statics(int status, void* /*unused*/) {
 }
 
 void begin_child() {
-  ++generation();
   if (first_session()) on_exit(&end_without_statics, nullptr);
 }
 
 }  // namespace
 
-Origin::Origin() : generation_(generation()), process_(getpid()) {}
-
-bool Origin::is_inherited() const noexcept {
-  return generation_ != generation();
-}
-
 void Origin::require_own(const char* what) const {
   if (!is_inherited()) return;
-  raise_forked(std::string(what) + " belongs to process " + std::to_string(process_) +
-               ", from which this one was forked: a forked process cannot use what it inherits. "
-               "Open a session in the process that uses it, and start that with "
-               "multiprocessing.get_context(\"spawn\") or \"forkserver\"");
+  raise_forked(problem(what) +
+               ", and start that with multiprocessing.get_context(\"spawn\") or "
+               "\"forkserver\"");
 }
 
 void require_dds() {
