@@ -2,6 +2,7 @@
 """When the module loads the DDS library, and what it says where it cannot."""
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -57,6 +58,33 @@ def test_an_error_of_the_dds_library_keeps_its_text():
             print(error)
     """)
     assert "192.0.2.1" in output and "no interface that is up has this address" in output
+
+
+def test_a_library_of_another_build_is_refused_by_name(tmp_path):
+    package = tmp_path / "vdrive"
+    shutil.copytree(pathlib.Path(vdrive.__file__).parent, package,
+                    ignore=shutil.ignore_patterns("__pycache__"))
+    library = package / LIBRARY
+    build = re.compile(rb"vdrive \d+\.\d+\.\d+ build [0-9a-f]{16}(?=\0)")
+    own = build.findall(library.read_bytes())
+    assert len(own) == 1
+    other = own[0][:-16] + b"0123456789abcdef"
+    library.write_bytes(library.read_bytes().replace(own[0], other))
+    output = run("""
+        import vdrive
+        with vdrive.Bench(axes=1) as bench, bench.session() as session:
+            session.axis("1.1").enable()
+        for _ in range(2):
+            try:
+                vdrive.Session(domain=1)
+            except vdrive.ConfigurationError as error:
+                print(error)
+    """, PYTHONPATH=str(tmp_path))
+    lines = output.splitlines()
+    assert len(lines) == 2 and lines[0] == lines[1]
+    assert f'{library} is of "{other.decode()}"' in lines[0]
+    assert f'{package / "_vdrive"}' in lines[0] and own[0].decode() in lines[0]
+    assert "Install both from one build" in lines[0]
 
 
 def test_a_module_without_the_library_has_benches_and_says_what_a_session_over_dds_needs(tmp_path):

@@ -9,4 +9,8 @@ namespace vdrive::wire {
 using DdsEntry = BackendMaker() noexcept;
 inline constexpr const char* kDdsEntry = "vdrive_dds_entry";
 
+/// The one text that it shows, a const char*: its build. Who loads it compares the text with its
+/// own, VDRIVE_DDS_BUILD, before it calls anything.
+inline constexpr const char* kDdsBuild = "vdrive_dds_build";
+
 }  // namespace vdrive::wire

@@ -32,13 +32,25 @@ std::filesystem::path own_file() {
                      "needs neither");
 }
 
-/// The objects of a backend and its exceptions cross the border between both files: both are of one
-/// build. Each has its own copy of what the other has too, and none of these copies has a state
+/// The objects of a backend and its exceptions cross the border between both files.
+/// @throws NetworkError when they are of different builds
+void require_same_build(void* library, const std::filesystem::path& file) {
+  const void* const found = dlsym(library, kDdsBuild);
+  const std::string build =
+      found == nullptr ? "an older version" : *static_cast<const char* const*>(found);
+  if (build == VDRIVE_DDS_BUILD) return;
+  throw NetworkError("the DDS library cannot be used: " + file.string() + " is of \"" + build +
+                     "\", and " + own_file().string() + " of \"" + VDRIVE_DDS_BUILD +
+                     "\". Install both from one build; a bench in this process needs no DDS");
+}
+
+/// Each file has its own copy of what the other has too, and none of these copies has a state
 /// that both use. Never unloaded: the library has threads.
 BackendMaker load() {
   const std::filesystem::path file = own_file().parent_path() / kFile;
   void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (library == nullptr) refuse(dlerror());  // NOLINT(concurrency-mt-unsafe): of this thread
+  require_same_build(library, file);
   void* const entry = dlsym(library, kDdsEntry);
   if (entry == nullptr) refuse(file.string() + " has no " + kDdsEntry);
   // NOLINTNEXTLINE(*-reinterpret-cast): the type of what has this name
