@@ -8,6 +8,11 @@ seconds, and then every deadline in it fails.
 Two measures. A loop that sleeps 100 ms notes each gap above 2 s: it needs no rights, and sees a
 starved program as well. The kernel's watchdogs write into its log what they have missed, where the
 log may be read.
+
+The stamps of the log are no CLOCK_MONOTONIC: nobody corrects their clock, so both are apart by some
+seconds after a week. CLOCK_MONOTONIC_RAW is not corrected either, and counts by the same counter of the
+processor: its difference to CLOCK_MONOTONIC is taken off the stamps. What remains is a part in a million,
+1 s in 11 days; no program can read the clock of the log.
 """
 
 import argparse
@@ -45,12 +50,12 @@ class Standstill:
         return f"{time.strftime('%T', began)} for {self.end - self.begin:.0f} s, by {self.shown_by}"
 
 
-def of_kernel(log, since):
-    """The standstills that the text of `dmesg` tells of, those after `since` [s since the start of the
-    machine]."""
+def of_kernel(log, since, ahead=0.0):
+    """The standstills that the text of `dmesg` tells of, those after `since` by the monotonic clock. The
+    clock of the log is `ahead` [s] of it."""
     found = []
     for line in KERNEL_LINE.finditer(log):
-        end = float(line["time"])
+        end = float(line["time"]) - ahead
         if end <= since or not WATCHDOG.search(line["text"]):
             continue
         stuck = STUCK.search(line["text"])
@@ -72,12 +77,17 @@ def read_kernel_log():
     return (done.stdout, "") if done.returncode == 0 else ("", done.stderr.strip())
 
 
+def uncorrected():
+    return time.clock_gettime(time.CLOCK_MONOTONIC_RAW)
+
+
 class Watch:
     """Observes from its making to its end."""
 
-    def __init__(self, clock=time.monotonic, kernel_log=read_kernel_log):
+    def __init__(self, clock=time.monotonic, kernel_log=read_kernel_log, kernel_clock=uncorrected):
         self.clock = clock
         self.kernel_log = kernel_log
+        self.kernel_ahead = kernel_clock() - clock()
         self.lock = threading.Lock()
         self.ends = threading.Event()
         self.begin = self.last = clock()
@@ -109,11 +119,29 @@ class Watch:
         """What was seen until now, and why the kernel's log cannot be read."""
         self.note()
         log, problem = self.kernel_log()
-        return self.gaps + of_kernel(log, self.begin), problem
+        return self.gaps + of_kernel(log, self.begin, self.kernel_ahead), problem
 
-    def stood_still(self, begin, end):
-        """Whether the machine stood still between the two times of the clock."""
-        return any(one.begin < end and begin < one.end for one in self.all()[0])
+    def ran(self, begin, end):
+        """How long [s] the machine ran between the two times of the clock."""
+        ran = 0.0
+        counted = begin  # until here
+        for one in sorted(self.all()[0], key=lambda each: each.begin):
+            ran += max(0.0, min(one.begin, end) - counted)
+            counted = max(counted, one.end)
+        return ran + max(0.0, end - counted)
+
+    def has_ended(self, process, patience):
+        """Wait for the end of a process while the machine runs for `patience` [s]. The kernel may report
+        a standstill later than that: see ran()."""
+        begin = self.clock()
+        left = patience
+        while left > 0.0:
+            try:
+                process.wait(left)
+                return True
+            except subprocess.TimeoutExpired:
+                left = patience - self.ran(begin, self.clock())
+        return False
 
     def report(self):
         found, problem = self.all()

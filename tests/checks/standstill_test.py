@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import unittest
+import unittest.mock
 
 import standstill
 
@@ -33,7 +34,11 @@ class Standstills(unittest.TestCase):
     def setUp(self):
         self.clock = FakeClock()
         self.log = ("", "")
-        self.watch = standstill.Watch(self.clock, lambda: self.log)
+        self.kernel_ahead = 0.0
+        self.watch = self.new_watch()
+
+    def new_watch(self):
+        return standstill.Watch(self.clock, lambda: self.log, lambda: self.clock() + self.kernel_ahead)
 
     def pass_time(self, seconds):
         self.clock.time += seconds
@@ -54,15 +59,50 @@ class Standstills(unittest.TestCase):
         self.pass_time(0.1)
         self.assertEqual([(one.begin, one.end) for one in self.watch.all()[0]], [(1002.1, 1033.1)])
 
-    def test_a_time_without_a_standstill_is_told_from_one_with_it(self):
+    def test_a_standstill_is_no_part_of_the_time_that_the_machine_ran(self):
         self.pass_time(31.0)
         self.pass_time(1.0)
-        self.assertTrue(self.watch.stood_still(1030.0, 1050.0))
-        self.assertFalse(self.watch.stood_still(1031.5, 1050.0))
+        self.assertEqual(self.watch.ran(1030.0, 1050.0), 19.0)
+        self.assertEqual(self.watch.ran(1031.5, 1050.0), 18.5)
+        self.assertEqual(self.watch.ran(990.0, 1050.0), 29.0)
+        self.assertEqual(self.watch.ran(1005.0, 1006.0), 0.0)
+
+    def test_a_standstill_that_both_measures_saw_counts_once(self):
+        self.pass_time(30.0)
+        self.log = ("[ 1025.0] BUG: soft lockup - CPU#0 stuck for 15s!\n"
+                    "[ 1047.0] BUG: soft lockup - CPU#1 stuck for 10s!", "")
+        self.assertEqual(self.watch.ran(1000.0, 1050.0), 10.0)
 
     def test_a_standstill_that_no_note_has_seen_yet_counts(self):
         self.clock.time += 31.0
-        self.assertTrue(self.watch.stood_still(1005.0, 1031.0))
+        self.assertEqual(self.watch.ran(1005.0, 1031.0), 0.0)
+
+    def test_the_stamps_of_the_kernel_are_times_of_the_monotonic_clock(self):
+        self.kernel_ahead = 50.0
+        self.watch = self.new_watch()
+        self.log = ("[ 1100.0] BUG: soft lockup - CPU#0 stuck for 22s!", "")
+        self.assertEqual([(one.begin, one.end) for one in self.watch.all()[0]], [(1028.0, 1050.0)])
+        self.log = ("[ 1040.0] BUG: soft lockup - CPU#0 stuck for 22s!", "")  # before the watch
+        self.assertEqual(self.watch.all()[0], [])
+
+    def test_a_gap_of_two_seconds_excuses_no_program_that_hangs(self):
+        waits = []
+
+        def hang(timeout):
+            waits.append(timeout)
+            end = self.clock() + timeout
+            if len(waits) == 1:
+                self.pass_time(standstill.LONGEST_SLEEP + 0.5)
+            while self.clock() < end:
+                self.pass_time(0.5)
+            raise subprocess.TimeoutExpired("hanging", timeout)
+
+        hanging = unittest.mock.Mock(wait=hang)
+        told = self.clock()
+        self.assertFalse(self.watch.has_ended(hanging, 20.0))
+        self.assertEqual(waits, [20.0, 2.5])
+        self.assertEqual(self.watch.ran(told, self.clock()), 20.0)
+        self.assertTrue(self.watch.has_ended(unittest.mock.Mock(), 20.0))
 
     def test_the_report_says_how_often_how_long_and_what_was_not_read(self):
         self.assertEqual(self.watch.report(), "standstills of the machine: 0")
