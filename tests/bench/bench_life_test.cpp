@@ -252,14 +252,151 @@ TEST(Observer, ThatThrowsReachesTheNextCallOnce) {
   EXPECT_TRUE(cause_an_event(session)) << "its reports have ended";
 }
 
-TEST(StatusReports, ThatThrowReachTheNextCall) {
+constexpr std::array<client::AxisId, 1> kFirstAxis{{{1, 1}}};
+
+/// An observer of the status throws. @return whether its reports have ended in time.
+bool fail_an_observer(Session& session) {
+  std::promise<void> ended;
+  auto end = ended.get_future();
+  // Owned by the observer alone, which goes when its thread has ended.
+  std::shared_ptr<void> observed(nullptr, [&ended](void*) {
+    ended.set_value();
+  });
+  const auto reports = session.report_status(kFirstAxis, milliseconds(1),
+                                             [observed = std::move(observed)](const Observation&) {
+                                               throw std::domain_error("of the observer of axes");
+                                             });
+  return reports && end.wait_for(kLong) == std::future_status::ready;
+}
+
+/// @return what the call throws.
+template <typename Call>
+std::string thrown_by(const Call& call) {
+  try {
+    call();
+  } catch (const std::domain_error& error) {
+    return error.what();
+  }
+  return "nothing";
+}
+
+TEST(Observer, ThatThrowsReachesEachCallThatNeedsABench) {
   const Bench bench;
   Session session = bench.session();
-  const std::array<client::AxisId, 1> axes{{{1, 1}}};
-  const auto reports = session.report_status(axes, milliseconds(1), [](const Observation&) {
-    throw std::domain_error("of the observer of axes");
+  auto follower = session.follow({{1, 1}}, client::Pace::drive);
+  auto clock = StepClock::join(session, kFirst);
+  ASSERT_TRUE(clock) << clock.outcome().message();
+  const std::vector<std::pair<std::string, std::function<void()>>> calls{
+      {"find_benches",
+       [&] {
+         static_cast<void>(session.find_benches());
+       }},
+      {"find_bench",
+       [&] {
+         static_cast<void>(session.find_bench());
+       }},
+      {"axis",
+       [&] {
+         static_cast<void>(session.axis("1.1"));
+       }},
+      {"axes",
+       [&] {
+         static_cast<void>(session.axes());
+       }},
+      {"on_status",
+       [&] {
+         static_cast<void>(
+             session.on_status(kFirstAxis, milliseconds(1), [](const Observation&) {}));
+       }},
+      {"group",
+       [&] {
+         static_cast<void>(
+             client::AxisGroup::create(session, std::array<std::string, 2>{"1.1", "1.2"}));
+       }},
+      {"next",
+       [&] {
+         static_cast<void>(follower->next(kLong));
+       }},
+      {"step",
+       [&] {
+         static_cast<void>(clock->step(1, kLong));
+       }},
+      {"step_for", [&] {
+         static_cast<void>(clock->step_for(milliseconds(1), kLong));
+       }}};
+  for (const auto& [name, call] : calls) {
+    ASSERT_TRUE(fail_an_observer(session)) << name;
+    EXPECT_EQ(thrown_by(call), "of the observer of axes") << name;
+    EXPECT_EQ(thrown_by(call), "nothing") << name << ", the second time";
+  }
+}
+
+TEST(Observer, ThatThrowsKeepsNoStopFromItsAxes) {
+  const Bench bench;
+  Session session = bench.session();
+  auto axis = session.axis("1.1").value();
+  auto group = client::AxisGroup::create(session, std::array<std::string, 2>{"1.1", "1.2"}).value();
+  const std::vector<std::pair<std::string, std::function<Outcome()>>> stops{
+      {"halt",
+       [&] {
+         return axis.halt();
+       }},
+      {"quick_stop",
+       [&] {
+         return axis.quick_stop();
+       }},
+      {"quick_stop of the bench",
+       [&] {
+         return session.quick_stop(1);
+       }},
+      {"halt_all",
+       [&] {
+         return group.halt_all();
+       }},
+      {"quick_stop_all", [&] {
+         return group.quick_stop_all();
+       }}};
+  for (const auto& [name, stop] : stops) {
+    ASSERT_TRUE(group.enable_all()) << name;
+    ASSERT_TRUE(axis.start_move(1'000'000)) << name;
+    ASSERT_TRUE(session.axis("1.2")->start_move(1'000'000)) << name;
+    ASSERT_TRUE(fail_an_observer(session)) << name;
+    Outcome stopped;
+    EXPECT_EQ(thrown_by([&] {
+                stopped = stop();
+              }),
+              "nothing")
+        << name;
+    EXPECT_TRUE(stopped) << name << ": " << stopped.message();
+    EXPECT_EQ(thrown_by([&] {
+                static_cast<void>(session.step(1, 0));
+              }),
+              "of the observer of axes")
+        << name;
+    ASSERT_TRUE(session.quick_stop(1)) << name;
+  }
+  ASSERT_TRUE(fail_an_observer(session));
+  EXPECT_EQ(thrown_by([&] {
+              EXPECT_TRUE(session.release());
+            }),
+            "nothing");
+}
+
+TEST(Observer, DoesNotGetWhatAnotherOneHasThrown) {
+  const Bench bench;
+  std::promise<bool> called;
+  bool has_called = false;
+  Session session = bench.session();
+  ASSERT_TRUE(fail_an_observer(session));
+  session.on_event([&](const Event&) {
+    if (std::exchange(has_called, true)) return;
+    called.set_value(session.step(1, 0) && session.axis("1.1"));
   });
-  ASSERT_TRUE(reports);
+  Session other = bench.session();
+  ASSERT_TRUE(cause_an_event(other));
+  auto result = called.get_future();
+  ASSERT_EQ(result.wait_for(kLong), std::future_status::ready);
+  EXPECT_TRUE(result.get());
   EXPECT_EQ(thrown_by_calls(session), "of the observer of axes");
 }
 

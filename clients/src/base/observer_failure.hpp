@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/wakeup.hpp"
+#include "vdrive/wire/origin.hpp"
+
 #include <exception>
 #include <mutex>
 #include <utility>
@@ -11,21 +14,29 @@ namespace vdrive::client {
 /// session throws it to the program. Thread-safe.
 class ObserverFailure {
  public:
+  explicit ObserverFailure(const Wakeup& wakeup) : wakeup_(wakeup) {}
+
   /// Calls `report`. @return false when it threw.
   template <typename Report>
   bool run(const Report& report) {
+    const ObserverFailure* const outer = std::exchange(reporting(), this);
+    bool has_returned = false;
     try {
       report();
-      return true;
+      has_returned = true;
     } catch (...) {
       const std::scoped_lock lock(mutex_);
       if (!thrown_) thrown_ = std::current_exception();
-      return false;
     }
+    reporting() = outer;
+    return has_returned;
   }
 
-  /// Throws the first exception that was not thrown yet, once.
+  /// Throws the first exception that was not thrown yet, once. Throws nothing in a call that stops
+  /// axes: it has to stop them. Nothing either in a call of another observer, whose failure it is
+  /// not, or in a forked process.
   void rethrow() {
+    if (origin_.is_inherited() || reporting() == this || wakeup_.is_stopping()) return;
     std::exception_ptr thrown;
     {
       const std::scoped_lock lock(mutex_);
@@ -35,6 +46,14 @@ class ObserverFailure {
   }
 
  private:
+  /// Whose report this thread runs.
+  static const ObserverFailure*& reporting() noexcept {
+    thread_local const ObserverFailure* failure = nullptr;
+    return failure;
+  }
+
+  const wire::Origin origin_;
+  const Wakeup& wakeup_;
   std::mutex mutex_;
   std::exception_ptr thrown_;
 };

@@ -61,6 +61,10 @@ bool Wakeup::is_interrupted() const {
   return interrupts_ > std::max(survived_here, ended_interrupts_);
 }
 
+bool Wakeup::is_stopping() const noexcept {
+  return survived().wakeup == this;
+}
+
 std::uint64_t Wakeup::changes() const {
   const std::scoped_lock lock(mutex_);
   return changes_;

@@ -14,8 +14,9 @@ namespace vdrive::client {
 
 /// Wakes the calls that wait when something may have changed, and ends them on an interrupt. Holds
 /// nothing of what they wait for: each condition locks the state that it reads, and no call holds a
-/// lock of a state while it waits. In a forked process it does nothing: another thread of the
-/// parent may have had the lock. Thread-safe.
+/// lock of a state while it waits. In a forked process interrupts do nothing, since another thread
+/// of the parent may have had the lock; no call gets as far as a wait there, see
+/// Discovery::check_process. Thread-safe.
 class Wakeup {
  public:
   using Clock = std::chrono::steady_clock;
@@ -35,6 +36,9 @@ class Wakeup {
 
   /// @return whether the call of this thread is to end.
   [[nodiscard]] bool is_interrupted() const;
+
+  /// @return whether a call of this thread stops axes.
+  [[nodiscard]] bool is_stopping() const noexcept;
 
   /// A call of this thread that stops axes, while it lives. A program that was interrupted can
   /// still stop what moves: only a later interrupt ends the call.

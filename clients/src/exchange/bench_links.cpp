@@ -101,9 +101,9 @@ void BenchLinks::on_command_reply(const msg::CommandReply& message, const wire::
 
 Result<Target> BenchLinks::connect(std::uint32_t number) {
   if (is_closed_) return Outcome::failed(kSessionEnded);
+  failure_.rethrow();
   const auto bench = discovery_.find_bench(number);
   if (!bench) return bench.outcome();
-  failure_.rethrow();
   const Target target = target_of(*bench);
   if (!may_command()) return target;  // sees what is published
   if (const auto link = open(target, "requests"); !link) return link.outcome();

@@ -221,6 +221,7 @@ GroupStatus AxisGroup::State::status_of(const AxesCall& call) {
 AxisGroup::AxisGroup(std::shared_ptr<State> state) : state_(std::move(state)) {}
 
 Result<AxisGroup> AxisGroup::create(Session& session, std::span<const std::string> axes) {
+  session.core_->failure.rethrow();
   std::vector<Axis> found;
   for (const std::string& text : axes) {
     auto info = session.core_->discovery.find_axis(text);

@@ -61,6 +61,7 @@ Outcome AxisGroup::start_streaming(const StreamOptions& options) {
 Result<GroupStatus> AxisGroup::stream(const Eigen::VectorXd& positions) {
   if (Outcome here = state_->core->discovery.check_process(); !here) return here;
   if (!state_->stream) return not_in_this_state("streaming was not started");
+  state_->core->failure.rethrow();
   const auto whole = state_->positions_of(positions);
   if (!whole) return whole.outcome();
   AxesCall& call = state_->stream->call;
@@ -126,6 +127,7 @@ void AxisGroup::State::collect_rest() const {
 Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
   if (Outcome here = state_->core->discovery.check_process(); !here) return here;
   if (!state_->stream) return not_in_this_state("streaming was not started");
+  state_->core->failure.rethrow();  // first: the same call again ends the streaming
   Outcome rest;
   while (rest && !state_->stream->in_flight.empty()) rest = state_->collect_oldest();
   state_->collect_rest();

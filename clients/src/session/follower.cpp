@@ -32,6 +32,7 @@ Result<Observation> Follower::next(std::chrono::milliseconds patience) {
 
 Outcome Follower::next(std::chrono::milliseconds patience, Observation& sample) {
   if (Outcome here = state_->core->discovery.check_process(); !here) return here;
+  state_->core->failure.rethrow();
   if (!state_->feed) {
     Outcome stepped = state_->core->clocks.step(state_->target, 1, state_->axes, patience,
                                                 Silence::is_bridged, sample);

@@ -45,6 +45,7 @@ Result<std::vector<std::uint16_t>> numbers_of(std::span<const AxisId> axes) {
 /// The numbers of axes by bench, each once. @return not_found when one is not there.
 Result<std::map<std::uint32_t, std::vector<std::uint16_t>>> find_by_bench(
     SessionCore& core, std::span<const AxisId> axes) {
+  core.failure.rethrow();
   std::map<std::uint32_t, std::vector<std::uint16_t>> numbers;
   for (const AxisId& axis : axes) {
     if (const auto found = core.discovery.find_axis(to_string(axis)); !found) {
@@ -186,6 +187,7 @@ std::uint64_t Session::id() const noexcept {
 }
 
 std::vector<BenchInfo> Session::find_benches() {
+  core_->failure.rethrow();
   return infos_of(core_->discovery.find_benches());
 }
 
@@ -198,18 +200,21 @@ std::vector<BenchInfo> Session::present_benches() const {
 }
 
 Result<BenchInfo> Session::find_bench(std::optional<std::uint32_t> number) {
+  core_->failure.rethrow();
   auto bench = core_->discovery.find_bench(number);
   if (!bench) return bench.outcome();
   return std::move(bench->info);
 }
 
 Result<Axis> Session::axis(std::string_view text) {
+  core_->failure.rethrow();
   auto axis = core_->discovery.find_axis(text);
   if (!axis) return axis.outcome();
   return Axis(core_, std::move(*axis));
 }
 
 Result<std::vector<Axis>> Session::axes(std::optional<std::uint32_t> bench) {
+  core_->failure.rethrow();
   auto found = core_->discovery.find_bench(bench);
   if (!found) return found.outcome();
   std::vector<Axis> axes;

@@ -50,7 +50,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   const std::uint64_t id;  ///< of the session
 
   Wakeup wakeup;
-  ObserverFailure failure;
+  ObserverFailure failure{wakeup};
   Holdings holdings;
   UnansweredMessages unanswered;
   wire::Participant participant;

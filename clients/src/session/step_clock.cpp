@@ -107,6 +107,7 @@ Outcome StepClock::State::round(std::uint64_t ticks, Clock::time_point deadline)
 Result<std::vector<std::uint64_t>> StepClock::State::run(nanoseconds duration,
                                                          Clock::time_point deadline) {
   if (Outcome here = core->discovery.check_process(); !here) return here;
+  core->failure.rethrow();
   for (const Member& member : members) {
     if (Outcome there = core->discovery.check_presence(member.target); !there) return there;
   }
