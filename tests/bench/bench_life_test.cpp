@@ -27,6 +27,7 @@
 #include <future>
 #include <latch>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -398,6 +399,98 @@ TEST(Observer, DoesNotGetWhatAnotherOneHasThrown) {
   ASSERT_EQ(result.wait_for(kLong), std::future_status::ready);
   EXPECT_TRUE(result.get());
   EXPECT_EQ(thrown_by_calls(session), "of the observer of axes");
+}
+
+TEST(Observer, ThatReplacesItsReportsEndsWithItsSession) {
+  constexpr int kRounds = 100;
+  const Bench bench;
+  for (int round = 0; round < kRounds; ++round) {
+    std::atomic<bool> has_ended = false;
+    std::atomic<bool> is_late = false;
+    std::promise<void> begun;
+    std::once_flag begins;
+    Session* its = nullptr;
+    std::function<void(const Observation&)> observer = [&](const Observation&) {
+      if (has_ended) is_late = true;
+      std::call_once(begins, [&] {
+        begun.set_value();
+      });
+      static_cast<void>(its->on_status(kFirstAxis, milliseconds(1), observer));
+    };
+    {
+      Session session = bench.session();
+      its = &session;
+      ASSERT_TRUE(session.on_status(kFirstAxis, milliseconds(1), observer));
+      ASSERT_EQ(begun.get_future().wait_for(kLong), std::future_status::ready);
+    }
+    has_ended = true;
+    ASSERT_FALSE(is_late) << "round " << round;
+  }
+}
+
+TEST(Observer, MayBeReplacedByTwoThreadsAtOnce) {
+  constexpr int kRounds = 200;
+  const Bench bench;
+  Session session = bench.session();
+  const auto replace = [&session] {
+    for (int round = 0; round < kRounds; ++round) {
+      session.on_event([](const Event&) {});
+      session.watch_services([](const client::ServiceChange&) {});
+      if (!session.on_status(kFirstAxis, milliseconds(1), [](const Observation&) {})) return false;
+    }
+    return true;
+  };
+  auto other = std::async(std::launch::async, replace);
+  EXPECT_TRUE(replace());
+  EXPECT_TRUE(other.get());
+}
+
+TEST(Observer, GetsNothingAfterItHasEndedItsReports) {
+  const Bench first;
+  const Bench second({.number = 2, .bus = first.bus()});
+  std::atomic<int> states = 0;
+  std::atomic<int> changes = 0;
+  std::promise<void> both_ended;
+  Session session = first.session();
+  // Owned by the observers alone, which go when their threads have ended.
+  std::shared_ptr<void> observed(nullptr, [&both_ended](void*) {
+    both_ended.set_value();
+  });
+  const std::array<client::AxisId, 2> axes{{{1, 1}, {2, 1}}};
+  ASSERT_TRUE(session.on_status(axes, milliseconds(1), [&, observed](const Observation&) {
+    ++states;
+    static_cast<void>(session.on_status({}, milliseconds(1), {}));
+  }));
+  session.watch_services([&, observed = std::move(observed)](const client::ServiceChange&) {
+    ++changes;
+    session.watch_services({});
+  });
+  ASSERT_EQ(both_ended.get_future().wait_for(kLong), std::future_status::ready);
+  EXPECT_EQ(states, 1) << "both benches have a state";
+  EXPECT_EQ(changes, 1) << "both services are found";
+}
+
+TEST(StatusReports, MayBeDestroyedByTheirObserver) {
+  const Bench bench;
+  std::promise<void> destroyed;
+  std::mutex mutex;
+  std::optional<client::StatusReports> reports;
+  Session session = bench.session();
+  {
+    const std::scoped_lock lock(mutex);
+    reports.emplace(session
+                        .report_status(kFirstAxis, milliseconds(1),
+                                       [&](const Observation&) {
+                                         {
+                                           const std::scoped_lock own(mutex);
+                                           reports.reset();
+                                         }
+                                         destroyed.set_value();  // throws when it comes again
+                                       })
+                        .value());
+  }
+  ASSERT_EQ(destroyed.get_future().wait_for(kLong), std::future_status::ready);
+  EXPECT_TRUE(session.step(1, 3)) << "no second report has thrown";
 }
 
 // ---- what is reported from now on --------------------------------------------------------------

@@ -159,11 +159,10 @@ Outcome check_objects(std::span<const SetPointFrame> frames) {
 
 struct StatusReports::State {
   explicit State(std::shared_ptr<SessionCore> shared)
-      : core(std::move(shared)),
-        watcher(core->discovery, core->stream, core->failure, core->look()) {}
+      : core(std::move(shared)), thread(core->reports) {}
 
   std::shared_ptr<SessionCore> core;
-  StatusWatcher watcher;
+  ReportThread thread;
 };
 
 StatusReports::StatusReports(std::unique_ptr<State, End> state) : state_(std::move(state)) {}
@@ -328,11 +327,12 @@ Outcome Session::on_status(std::span<const AxisId> axes, std::chrono::millisecon
                            std::function<void(const Observation&)> observer,
                            std::function<void(const Outcome&)> ended) {
   if (Outcome here = core_->discovery.check_process(); !here) return here;
-  core_->statuses.stop();
+  core_->status_reports.stop();
   if (!observer) return {};
   const auto numbers = find_by_bench(*core_, axes);
   if (!numbers) return numbers.outcome();
-  core_->statuses.watch(*numbers, period, std::move(observer), std::move(ended));
+  core_->statuses.watch(core_->status_reports, *numbers, period, std::move(observer),
+                        std::move(ended));
   return {};
 }
 
@@ -343,7 +343,7 @@ Result<StatusReports> Session::report_status(std::span<const AxisId> axes,
   const auto numbers = find_by_bench(*core_, axes);
   if (!numbers) return numbers.outcome();
   std::unique_ptr<StatusReports::State, StatusReports::End> state(new StatusReports::State(core_));
-  state->watcher.watch(*numbers, period, std::move(observer), std::move(ended));
+  core_->statuses.watch(state->thread, *numbers, period, std::move(observer), std::move(ended));
   return StatusReports(std::move(state));
 }
 

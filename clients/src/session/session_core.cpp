@@ -61,31 +61,27 @@ SessionCore::SessionCore(const SessionOptions& chosen)
       clocks(id, requests, holdings, discovery, wakeup),
       stream(participant, discovery, waiter, wakeup),
       observer(discovery, links, requests, clocks, stream, waiter),
-      watcher(discovery, stream, failure),
-      events(participant, discovery, failure,
+      watcher(discovery, stream, failure, reports),
+      events(participant, discovery, failure, reports,
              [this](const PresentBench& bench) {
                return observer.first_tick_of_stream(target_of(bench),
                                                     bench.info.axes.front().id.axis);
              }),
-      statuses(discovery, stream, failure, look()) {
+      statuses(discovery, stream, failure,
+               [this](const Target& target, std::span<const std::uint16_t> axes) {
+                 return observer.observe(target, axes);
+               }),
+      status_reports(reports) {
   wakeup.work_with([this] {
     return participant.run_local_work();
   });
-}
-
-StatusWatcher::Look SessionCore::look() {
-  return [this](const Target& target, std::span<const std::uint16_t> axes) {
-    return observer.observe(target, axes);
-  };
 }
 
 void SessionCore::end() {
   if (!discovery.check_process()) return;
   // What reports to the program ends first, then what sends: a report may begin a call, and the
   // release needs the links.
-  watcher.watch({});
-  events.watch({}, EventHistory::left_out);
-  statuses.stop();
+  reports.end();
   clocks.leave_all();
   control.end();
   links.close();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/observer_failure.hpp"
+#include "base/report_thread.hpp"
 #include "base/wakeup.hpp"
 #include "clocks/bench_clocks.hpp"
 #include "clocks/observer.hpp"
@@ -40,9 +41,6 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   /// The session ends as if its program were killed: it sends nothing more and gives nothing back.
   void abandon() noexcept;
 
-  /// For reports of the status.
-  [[nodiscard]] StatusWatcher::Look look();
-
   /// Observes `axes` tick by tick.
   Follower follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace);
 
@@ -51,6 +49,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
 
   Wakeup wakeup;
   ObserverFailure failure{wakeup};
+  ReportThreads reports;
   Holdings holdings;
   UnansweredMessages unanswered;
   wire::Participant participant;
@@ -66,6 +65,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   ServiceWatcher watcher;
   EventWatcher events;
   StatusWatcher statuses;
+  ReportThread status_reports;  ///< of Session::on_status
 };
 
 }  // namespace vdrive::client

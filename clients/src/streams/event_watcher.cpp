@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "streams/event_watcher.hpp"
 
+#include "streams/event_filter.hpp"
+#include "vdrive/wire/subscription.hpp"
+
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
+#include <deque>
+#include <memory>
+#include <mutex>
 #include <utility>
 
 namespace vdrive::client {
@@ -28,75 +35,82 @@ Event event_of(const msg::Event& message) {
 
 }  // namespace
 
+/// What one thread reports; it and the call that starts it own it.
+struct EventWatcher::Watch {
+  EventHistory history = EventHistory::left_out;
+  EventFilter filter;  ///< of the thread
+  std::mutex mutex;    ///< guards the queue
+  std::deque<msg::Event> queue;
+  std::condition_variable_any arrived;
+  /// Declared last: its end waits for the handler, which uses the queue.
+  std::unique_ptr<wire::Subscription<msg::Event>> subscription;
+};
+
 void EventWatcher::watch(std::function<void(const Event&)> observer, EventHistory history) {
-  subscription_.reset();  // no handler runs after this
-  thread_.stop();         // ends the last watch
-  {
-    const std::scoped_lock lock(mutex_);
-    queue_.clear();
-  }
+  thread_.stop();  // ends the last watch
   if (!observer) return;
-  history_ = history;
-  EventFilter filter;
+  const auto watch = std::make_shared<Watch>();
+  watch->history = history;
   for (const PresentBench& bench : discovery_.present()) {
-    filter.begin(bench.key(), history == EventHistory::kept ? 0 : present_tick_(bench));
+    watch->filter.begin(bench.key(), history == EventHistory::kept ? 0 : present_tick_(bench));
   }
   // Before the subscription, whose history arrives at once.
-  thread_.start([this, filter = std::move(filter),
-                 observe = std::move(observer)](const std::stop_token& stop) mutable {
+  thread_.start([this, watch, observe = std::move(observer)](const std::stop_token& stop) {
     failure_.run([&] {
-      run(stop, filter, observe);
+      run(*watch, stop, observe);
     });
   });
-  subscription_ = std::make_unique<wire::Subscription<msg::Event>>(
-      participant_, [this](const msg::Event& message, const wire::Source& /*source*/) {
-        on_event(message);
+  // Ends with this call, when the thread has not started or is over already.
+  watch->subscription = std::make_unique<wire::Subscription<msg::Event>>(
+      participant_,
+      [this, its = watch.get()](const msg::Event& message, const wire::Source& /*source*/) {
+        on_event(*its, message);
       });
 }
 
-void EventWatcher::on_event(const msg::Event& message) {
+void EventWatcher::on_event(Watch& watch, const msg::Event& message) const {
   if (!discovery_.sees(message.bench())) return;
   {
-    const std::scoped_lock lock(mutex_);
-    if (queue_.size() == kMostWaiting) queue_.pop_front();
-    queue_.push_back(message);
+    const std::scoped_lock lock(watch.mutex);
+    if (watch.queue.size() == kMostWaiting) watch.queue.pop_front();
+    watch.queue.push_back(message);
   }
-  arrived_.notify_all();
+  watch.arrived.notify_all();
 }
 
-void EventWatcher::run(const std::stop_token& stop, EventFilter& filter,
-                       const std::function<void(const Event&)>& observe) {
-  while (const auto message = next(stop)) {
+void EventWatcher::run(Watch& watch, const std::stop_token& stop,
+                       const std::function<void(const Event&)>& observe) const {
+  while (const auto message = next(watch, stop)) {
     const BenchKey key{message->bench(), message->incarnation()};
-    if (!filter.knows(key) && !meet(key, filter, stop)) continue;
-    if (filter.passes(*message)) observe(event_of(*message));
+    if (!watch.filter.knows(key) && !meet(key, watch, stop)) continue;
+    if (watch.filter.passes(*message)) observe(event_of(*message));
   }
 }
 
 /// @return the oldest event that waits; nothing when the watch ends.
-std::optional<msg::Event> EventWatcher::next(const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
-  const bool has_one = arrived_.wait(lock, stop, [this] {
-    return !queue_.empty();
+std::optional<msg::Event> EventWatcher::next(Watch& watch, const std::stop_token& stop) {
+  std::unique_lock lock(watch.mutex);
+  const bool has_one = watch.arrived.wait(lock, stop, [&watch] {
+    return !watch.queue.empty();
   });
   if (!has_one || stop.stop_requested()) return std::nullopt;
-  msg::Event message = std::move(queue_.front());
-  queue_.pop_front();
+  msg::Event message = std::move(watch.queue.front());
+  watch.queue.pop_front();
   return message;
 }
 
 /// Events of a bench that is met now begin at its present tick, which a sample of it has.
 /// @return false when no sample comes: the run has ended.
-bool EventWatcher::meet(const BenchKey& key, EventFilter& filter, const std::stop_token& stop) {
+bool EventWatcher::meet(const BenchKey& key, Watch& watch, const std::stop_token& stop) const {
   const auto deadline = Discovery::Clock::now() + kPresence;
-  std::unique_lock lock(mutex_);
+  std::unique_lock lock(watch.mutex);
   while (!discovery_.is_alive(key, kPresence)) {
     if (stop.stop_requested() || Discovery::Clock::now() >= deadline) return false;
-    (void)arrived_.wait_for(lock, stop, kMeetPeriod, [] {
+    (void)watch.arrived.wait_for(lock, stop, kMeetPeriod, [] {
       return false;
     });
   }
-  filter.begin(key, history_ == EventHistory::kept ? 0 : discovery_.tick(key));
+  watch.filter.begin(key, watch.history == EventHistory::kept ? 0 : discovery_.tick(key));
   return true;
 }
 

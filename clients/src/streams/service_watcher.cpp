@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "streams/service_watcher.hpp"
 
+#include "base/periodic_thread.hpp"
+
 #include <chrono>
 #include <optional>
 #include <utility>
@@ -18,11 +20,16 @@ void ServiceWatcher::watch(std::function<void(const ServiceChange&)> observer) {
   if (!observer) return;
   stream_.subscribe();
   thread_.start([this, observe = std::move(observer),
-                 watch = ServiceWatch()]() mutable -> std::optional<std::chrono::milliseconds> {
-    const bool continues = failure_.run([&] {
-      for (const ServiceChange& change : discovery_.changes(watch)) observe(change);
+                 watch = ServiceWatch()](const std::stop_token& stop) mutable {
+    work_periodically(stop, [&]() -> std::optional<std::chrono::milliseconds> {
+      const bool continues = failure_.run([&] {
+        for (const ServiceChange& change : discovery_.changes(watch)) {
+          if (stop.stop_requested()) return;
+          observe(change);
+        }
+      });
+      return continues ? std::optional(kWatchPeriod) : std::nullopt;
     });
-    return continues ? std::optional(kWatchPeriod) : std::nullopt;
   });
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/observer_failure.hpp"
-#include "base/periodic_thread.hpp"
+#include "base/report_thread.hpp"
 #include "presence/discovery.hpp"
 #include "streams/status_stream.hpp"
 #include "vdrive/client/session.hpp"
@@ -11,11 +11,12 @@
 
 namespace vdrive::client {
 
-/// Reports to the program, in a thread of its own, what becomes of services. Not thread-safe.
+/// Reports to the program, in a thread of its own, what becomes of services. Thread-safe.
 class ServiceWatcher {
  public:
-  ServiceWatcher(const Discovery& discovery, StatusStream& stream, ObserverFailure& failure)
-      : discovery_(discovery), stream_(stream), failure_(failure) {}
+  ServiceWatcher(const Discovery& discovery, StatusStream& stream, ObserverFailure& failure,
+                 ReportThreads& threads)
+      : discovery_(discovery), stream_(stream), failure_(failure), thread_(threads) {}
 
   /// Session::watch_services.
   void watch(std::function<void(const ServiceChange&)> observer);
@@ -24,7 +25,7 @@ class ServiceWatcher {
   const Discovery& discovery_;
   StatusStream& stream_;
   ObserverFailure& failure_;
-  PeriodicThread thread_;
+  ReportThread thread_;
 };
 
 }  // namespace vdrive::client

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "streams/status_watcher.hpp"
 
+#include "base/periodic_thread.hpp"
 #include "presence/target.hpp"
 
 #include <algorithm>
@@ -27,19 +28,28 @@ struct StatusWatcher::Bench {
   std::optional<std::uint64_t> shown_tick;  ///< of this run
 };
 
+/// What one thread reports.
+struct StatusWatcher::Watch {
+  std::chrono::milliseconds period;
+  Report report;
+  Ended ended;
+  std::vector<Bench> benches;
+};
+
 /// Follows the run of the service that is there now: a service that restarts is another run.
-bool StatusWatcher::follow(Bench& bench, const Report& report, const Ended& ended) const {
+bool StatusWatcher::follow(Bench& bench, const Watch& watch, const std::stop_token& stop) const {
   const std::optional<Target> target = discovery_.present_target(bench.number);
   if (target) {
     bench.absent_since.reset();
     if (!bench.feed || bench.key != target->key) {
-      if (const auto first = begin(bench, *target)) show(bench, *first, report);
+      if (const auto first = begin(bench, *target)) show(bench, *first, watch.report);
     }
-    if (const auto newest = stream_.take_newest(*bench.feed)) show(bench, *newest, report);
+    if (stop.stop_requested()) return true;
+    if (const auto newest = stream_.take_newest(*bench.feed)) show(bench, *newest, watch.report);
     return true;
   }
   if (!is_absent_for_good(bench)) return true;
-  if (ended) ended(discovery_.loss_of(bench.number));
+  if (watch.ended) watch.ended(discovery_.loss_of(bench.number));
   return false;
 }
 
@@ -70,25 +80,34 @@ bool StatusWatcher::is_absent_for_good(Bench& bench) const {
   return now - *bench.absent_since >= discovery_.patience();
 }
 
-void StatusWatcher::watch(const std::map<std::uint32_t, std::vector<std::uint16_t>>& axes,
-                          std::chrono::milliseconds period, Report report, Ended ended) {
+void StatusWatcher::run(Watch& watch, const std::stop_token& stop) const {
+  work_periodically(stop, [&]() -> std::optional<std::chrono::milliseconds> {
+    const bool continues = failure_.run([&] {
+      std::erase_if(watch.benches, [&](Bench& bench) {
+        // A report may end its reports: none of another bench comes after it.
+        return !stop.stop_requested() && !follow(bench, watch, stop);
+      });
+    });
+    if (!continues || watch.benches.empty()) return std::nullopt;
+    return watch.period;
+  });
+}
+
+void StatusWatcher::watch(ReportThread& thread,
+                          const std::map<std::uint32_t, std::vector<std::uint16_t>>& axes,
+                          std::chrono::milliseconds period, Report report, Ended ended) const {
   std::vector<Bench> benches;
   for (const auto& [number, numbers] : axes) {
     Bench& bench = benches.emplace_back();
     bench.number = number;
     bench.axes = numbers;
   }
-  thread_.start(
-      [this, period = std::max(period, kShortestPeriod), report = std::move(report),
-       ended = std::move(ended),
-       benches = std::move(benches)]() mutable -> std::optional<std::chrono::milliseconds> {
-        const bool continues = failure_.run([&] {
-          std::erase_if(benches, [&](Bench& bench) {
-            return !follow(bench, report, ended);
-          });
-        });
-        if (!continues || benches.empty()) return std::nullopt;
-        return period;
+  thread.start(
+      [this, watch = Watch{.period = std::max(period, kShortestPeriod),
+                           .report = std::move(report),
+                           .ended = std::move(ended),
+                           .benches = std::move(benches)}](const std::stop_token& stop) mutable {
+        run(watch, stop);
       });
 }
 

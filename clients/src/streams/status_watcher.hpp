@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/observer_failure.hpp"
-#include "base/periodic_thread.hpp"
+#include "base/report_thread.hpp"
 #include "presence/discovery.hpp"
 #include "streams/status_stream.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
@@ -15,13 +15,14 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <utility>
 #include <vector>
 
 namespace vdrive::client {
 
-/// Reports what axes show to the program, in a thread of its own and at a rate of its own. Not
-/// thread-safe.
+/// Reports what axes show to the program, in threads of their own and at rates of their own.
+/// Thread-safe.
 class StatusWatcher {
  public:
   using Report = std::function<void(const Observation&)>;
@@ -35,19 +36,18 @@ class StatusWatcher {
                 Look look)
       : discovery_(discovery), stream_(stream), failure_(failure), look_(std::move(look)) {}
 
-  /// Session::on_status.
+  /// Session::on_status, in this thread.
   /// @param axes by bench
-  void watch(const std::map<std::uint32_t, std::vector<std::uint16_t>>& axes,
-             std::chrono::milliseconds period, Report report, Ended ended);
-
-  /// Ends the reports.
-  void stop() { thread_.stop(); }
+  void watch(ReportThread& thread, const std::map<std::uint32_t, std::vector<std::uint16_t>>& axes,
+             std::chrono::milliseconds period, Report report, Ended ended) const;
 
  private:
   struct Bench;
+  struct Watch;
 
+  void run(Watch& watch, const std::stop_token& stop) const;
   /// @return whether the reports of the bench continue.
-  bool follow(Bench& bench, const Report& report, const Ended& ended) const;
+  bool follow(Bench& bench, const Watch& watch, const std::stop_token& stop) const;
   static void show(Bench& bench, const Observation& seen, const Report& report);
   [[nodiscard]] std::optional<Observation> begin(Bench& bench, const Target& target) const;
   [[nodiscard]] bool is_absent_for_good(Bench& bench) const;
@@ -56,7 +56,6 @@ class StatusWatcher {
   StatusStream& stream_;
   ObserverFailure& failure_;
   Look look_;
-  PeriodicThread thread_;
 };
 
 }  // namespace vdrive::client

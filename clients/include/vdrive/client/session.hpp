@@ -162,7 +162,8 @@ class Follower {
 /// Session::report_status; must not outlive the session.
 class StatusReports {
  public:
-  /// Waits for a report that is under way.
+  /// Waits for a report that is under way. Its own observer may destroy it, too: then the report
+  /// that is under way is the last one.
   ~StatusReports();
   StatusReports(const StatusReports&) = delete;
   StatusReports& operator=(const StatusReports&) = delete;

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+namespace vdrive::client {
+
+/// The threads of a session that report to the program. Thread-safe.
+class ReportThreads {
+ public:
+  ReportThreads();
+  ~ReportThreads();
+  ReportThreads(const ReportThreads&) = delete;
+  ReportThreads& operator=(const ReportThreads&) = delete;
+
+  /// Ends every thread, and waits for reports that are under way. From now on none starts.
+  void end();
+
+ private:
+  friend class ReportThread;
+  struct Run;
+
+  /// @param reporter nothing = of all
+  void end_runs(std::optional<std::uint64_t> reporter);
+
+  std::mutex mutex_;  ///< guards what follows; nobody waits for a thread with it
+  std::vector<std::shared_ptr<Run>> runs_;
+  bool is_ended_ = false;
+};
+
+/// One thread of a session that reports to the program. A report may end or replace its own thread
+/// and may destroy this object: the thread then ends after that report. In every other thread the
+/// end waits for a report that is under way. Thread-safe.
+class ReportThread {
+ public:
+  /// Has to make no report after a stop was requested: its own report may request it.
+  using Work = std::function<void(const std::stop_token&)>;
+
+  explicit ReportThread(ReportThreads& threads);
+
+  ~ReportThread() { stop(); }
+
+  ReportThread(const ReportThread&) = delete;
+  ReportThread& operator=(const ReportThread&) = delete;
+
+  /// Starts the thread; one that runs already ends first. Of two calls at once one thread remains;
+  /// after the end of the session none starts.
+  void start(Work work);
+
+  /// Ends the thread, if it runs.
+  void stop();
+
+ private:
+  ReportThreads& threads_;
+  const std::uint64_t number_;  ///< unique in the process
+};
+
+}  // namespace vdrive::client
