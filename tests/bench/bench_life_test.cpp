@@ -86,6 +86,40 @@ TEST(JoinedClocks, AreFreeAgainWhenTheClockOrItsSessionHasEnded) {
   EXPECT_TRUE(StepClock::join(second, kFirst));
 }
 
+TEST(JoinedClocks, AreFreeAgainWhenTheirSessionWasAbandoned) {
+  const Bench bench;
+  Session first = bench.session();
+  Session second = bench.session();
+  const auto kept = StepClock::join(first, kFirst);
+  ASSERT_TRUE(kept);
+  ASSERT_FALSE(StepClock::join(second, kFirst));
+  first.abandon();
+  const auto joined = StepClock::join(second, kFirst).outcome();
+  EXPECT_TRUE(joined) << joined.message();
+}
+
+TEST(JoinedClocks, EndAStepAtItsDeadlineWhileAnotherThreadSteps) {
+  const Bench bench;
+  Session session = bench.session();
+  auto clock = std::async(std::launch::async, [&session] {
+                 return StepClock::join(session, kFirst);
+               }).get();
+  ASSERT_TRUE(clock);
+  Session holder = bench.session();
+  auto hold = StepClock::join(holder, kFirst);
+  ASSERT_TRUE(hold);
+  auto other = std::async(std::launch::async, [&clock] {
+    return clock->step(2, kLong).outcome();
+  });
+  // The first of its two ticks has passed: the other thread is inside its step.
+  ASSERT_TRUE(hold->step(1, kLong));
+  const Outcome late = clock->step(1, milliseconds(100)).outcome();
+  EXPECT_EQ(late.kind(), OutcomeKind::timed_out);
+  EXPECT_THAT(late.message(), HasSubstr("another thread steps this clock"));
+  ASSERT_TRUE(hold->step(1, kLong));
+  EXPECT_TRUE(other.get());
+}
+
 TEST(JoinedClocks, OfTwoThreadsStepTogetherInTheThreadsThatGrant) {
   constexpr std::uint64_t kSteps = 300;
   const Bench bench({.axes = 2});

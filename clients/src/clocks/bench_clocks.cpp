@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "clocks/bench_clocks.hpp"
 
-#include "clocks/joined_threads.hpp"
 #include "streams/status_feed.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -33,6 +32,10 @@ std::string step_of(const Target& target) {
   return "step of " + name_of(target);
 }
 
+wire::LocalBus::BenchClock clock_of(const BenchKey& key) {
+  return {.bench = key.number, .incarnation = key.incarnation};
+}
+
 /// Whether a step was accepted: it ended, or waits for another stepper.
 bool is_accepted(const msg::Reply& reply) {
   return reply.reason() == msg::REASON_NONE || reply.reason() == msg::REASON_MISSING_STEPPER;
@@ -41,12 +44,14 @@ bool is_accepted(const msg::Reply& reply) {
 }  // namespace
 
 BenchClocks::BenchClocks(std::uint64_t session, Requests& requests, Holdings& holdings,
-                         Discovery& discovery, const Wakeup& wakeup)
+                         Discovery& discovery, const Wakeup& wakeup,
+                         std::shared_ptr<wire::LocalBus> bus)
     : session_(session),
       requests_(requests),
       holdings_(holdings),
       discovery_(discovery),
-      wakeup_(wakeup) {}
+      wakeup_(wakeup),
+      bus_(std::move(bus)) {}
 
 Result<std::uint64_t> BenchClocks::set_rate(const Target& target, double rate) {
   msg::Request request;
@@ -64,15 +69,13 @@ Result<std::uint64_t> BenchClocks::join(const Target& target) {
   if (grant_of(target.key)) {
     return Outcome::failed("this session has joined the clock of " + name_of(target) + " already");
   }
-  if (discovery_.is_on_bus()) {
-    if (Outcome free = joined_threads().join(target, session_); !free) return free;
-  }
+  if (Outcome free = note_thread(target); !free) return free;
   msg::Request request;
   request.kind(msg::REQUEST_JOIN_CLOCK);
   const auto reply =
       requests_.exchange(target, std::move(request), "joining the clock of " + name_of(target));
   if (!reply) {
-    joined_threads().leave(target.key, session_);
+    forget_thread(target.key);
     return reply.outcome();
   }
   const std::scoped_lock lock(mutex_);
@@ -86,7 +89,7 @@ void BenchClocks::leave(const Target& target) {
     const std::scoped_lock lock(mutex_);
     grants_.erase(target.key);
   }
-  joined_threads().leave(target.key, session_);
+  forget_thread(target.key);
   msg::Request request;
   request.kind(msg::REQUEST_LEAVE_CLOCK);
   const auto number = requests_.send(target, std::move(request));
@@ -102,12 +105,36 @@ void BenchClocks::leave_all() {
   for (const BenchKey& key : joined) leave({.key = key});
 }
 
-std::unique_lock<std::mutex> BenchClocks::lock_steps(const BenchKey& key) {
+void BenchClocks::abandon() noexcept {
+  if (bus_) bus_->leave_clocks(session_);
+}
+
+Outcome BenchClocks::note_thread(const Target& target) {
+  const std::uint64_t other = bus_ ? bus_->join_clock(clock_of(target.key), session_) : 0;
+  if (other == 0) return {};
+  return Outcome::refused(
+      msg::REASON_MISSING_STEPPER,
+      "this thread has joined the clock of " + name_of(target) + " already, with session " +
+          session_text(other) +
+          ": a step of one of the two would wait for the other for ever; join the clock in the "
+          "thread that steps it, or step all benches with one session");
+}
+
+void BenchClocks::forget_thread(const BenchKey& key) {
+  if (bus_) bus_->leave_clock(clock_of(key), session_);
+}
+
+Result<StepLock> BenchClocks::lock_steps(const Target& target, Clock::time_point deadline) {
   std::unique_lock state(mutex_);
-  if (!grants_.contains(key)) return {};
-  std::mutex& steps = steps_[key];
+  if (!grants_.contains(target.key)) return StepLock();
+  std::timed_mutex& steps = steps_[target.key];
   state.unlock();  // the order of steps comes before the state
-  return std::unique_lock(steps);
+  StepLock lock(steps, deadline);
+  if (!lock) {
+    return Outcome::timed_out("another thread of this session steps " + name_of(target) +
+                              ", and its step has not ended");
+  }
+  return lock;
 }
 
 std::optional<Grant> BenchClocks::grant_of(const BenchKey& key) const {
@@ -149,7 +176,7 @@ void BenchClocks::note_reply(const BenchKey& key, const PendingStep& step,
     grant->second.reached = std::max(grant->second.reached, reply.tick());
   } else if (reply.reason() == msg::REASON_NOT_A_STEPPER) {  // taken off the clock
     grants_.erase(grant);
-    joined_threads().leave(key, session_);
+    forget_thread(key);
   } else {
     grant->second.granted -= step.ticks;
   }
@@ -216,8 +243,9 @@ Result<RequestAnswer> BenchClocks::step_as_stepper(const Target& target, const G
 Result<RequestAnswer> BenchClocks::step_once(const Target& target, msg::Request request,
                                              milliseconds patience, Silence silence) {
   // A call that only observes waits for nobody.
-  std::unique_lock<std::mutex> steps;
-  if (request.ticks() > 0) steps = lock_steps(target.key);
+  Result<StepLock> steps = StepLock();
+  if (request.ticks() > 0) steps = lock_steps(target, Clock::now() + patience);
+  if (!steps) return steps.outcome();
   if (const auto grant = grant_of(target.key)) {
     return step_as_stepper(target, *grant, request, patience, silence);
   }

@@ -7,11 +7,13 @@
 #include "presence/discovery.hpp"
 #include "presence/target.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/wire/local_bus.hpp"
 #include "vdrive_messages.h"
 
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -33,12 +35,16 @@ struct PendingStep {
   std::uint64_t ticks = 0;    ///< that it grants
 };
 
-/// The clocks of benches: steps, alone or as one of several steppers, and rates. Thread-safe: of
-/// the steps that several threads ask for on one bench one follows the other.
+/// The right to step a joined clock: no other thread of the session steps it while this lives.
+using StepLock = std::unique_lock<std::timed_mutex>;
+
+/// The clocks of benches: steps, alone or as one of several steppers, and rates. Thread-safe:
+/// steps that several threads ask for at once follow each other.
 class BenchClocks {
  public:
+  /// @param bus that the session is on; none = a network
   BenchClocks(std::uint64_t session, Requests& requests, Holdings& holdings, Discovery& discovery,
-              const Wakeup& wakeup);
+              const Wakeup& wakeup, std::shared_ptr<wire::LocalBus> bus);
 
   Result<std::uint64_t> set_rate(const Target& target, double rate);
 
@@ -64,9 +70,14 @@ class BenchClocks {
   /// Leaves the clock of every bench.
   void leave_all();
 
-  /// Before a step of a joined clock, for as long as it takes: of two at once each has its own
-  /// ticks. Not locked when this session has not joined the clock.
-  [[nodiscard]] std::unique_lock<std::mutex> lock_steps(const BenchKey& key);
+  /// The session grants and leaves nothing any more; its threads may join with other sessions.
+  void abandon() noexcept;
+
+  /// Before a step of a joined clock, for as long as it takes: steps that several threads ask for
+  /// at once follow each other, and each has ticks of its own.
+  /// @return not locked when this session has not joined the clock; timed_out at the deadline.
+  [[nodiscard]] Result<StepLock> lock_steps(const Target& target,
+                                            Wakeup::Clock::time_point deadline);
 
   /// What this session granted; nothing when it has not joined the clock.
   [[nodiscard]] std::optional<Grant> grant_of(const BenchKey& key) const;
@@ -90,6 +101,8 @@ class BenchClocks {
   Result<RequestAnswer> conclude_step(const Target& target, const PendingStep& step,
                                       Wakeup::Clock::time_point deadline, Silence silence);
   void note_reply(const BenchKey& key, const PendingStep& step, const msg::Reply& reply);
+  [[nodiscard]] Outcome note_thread(const Target& target);
+  void forget_thread(const BenchKey& key);
   [[nodiscard]] Outcome missing_stepper(const Target& target, std::uint64_t session) const;
 
   const std::uint64_t session_;
@@ -97,9 +110,10 @@ class BenchClocks {
   Holdings& holdings_;
   Discovery& discovery_;
   const Wakeup& wakeup_;
-  mutable std::mutex mutex_;              ///< guards the grants
-  std::map<BenchKey, Grant> grants_;      ///< of the clocks that this session has joined
-  std::map<BenchKey, std::mutex> steps_;  ///< stay where they are; each orders the steps of a clock
+  const std::shared_ptr<wire::LocalBus> bus_;   ///< knows which threads have joined clocks
+  mutable std::mutex mutex_;                    ///< guards the grants
+  std::map<BenchKey, Grant> grants_;            ///< of the clocks that this session has joined
+  std::map<BenchKey, std::timed_mutex> steps_;  ///< each orders the steps of a clock
 };
 
 }  // namespace vdrive::client

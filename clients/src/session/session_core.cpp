@@ -58,7 +58,7 @@ SessionCore::SessionCore(const SessionOptions& chosen)
       requests(id, links, unanswered.requests, waiter),
       commands(links, holdings, unanswered.frames, waiter),
       control(options.keep_alive, requests, holdings, links),
-      clocks(id, requests, holdings, discovery, wakeup),
+      clocks(id, requests, holdings, discovery, wakeup, options.bus),
       stream(participant, discovery, waiter, wakeup),
       observer(discovery, links, requests, clocks, stream, waiter),
       watcher(discovery, stream, failure, reports),
@@ -90,6 +90,7 @@ void SessionCore::end() {
 void SessionCore::abandon() noexcept {
   // In this order: a call that waits must not send again what was not answered.
   links.close();
+  clocks.abandon();
   wakeup.interrupt();
 }
 

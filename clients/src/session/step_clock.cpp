@@ -35,7 +35,7 @@ struct StepClock::State {
   std::shared_ptr<SessionCore> core;
   std::vector<Member> members;
   std::atomic<nanoseconds::rep> now = 0;
-  std::mutex steps;            ///< orders the steps of threads; guards the ticks of the members
+  std::timed_mutex steps;      ///< orders the steps of threads; guards the ticks of the members
   bool is_unfinished = false;  ///< likewise
 
   explicit State(std::shared_ptr<SessionCore> session) : core(std::move(session)) {}
@@ -111,10 +111,17 @@ Result<std::vector<std::uint64_t>> StepClock::State::run(nanoseconds duration,
   for (const Member& member : members) {
     if (Outcome there = core->discovery.check_presence(member.target); !there) return there;
   }
-  const std::scoped_lock lock(steps);
+  const StepLock lock(steps, deadline);
+  if (!lock) {
+    return Outcome::timed_out("another thread steps this clock, and its step has not ended");
+  }
   // Calls of the session step the same clocks.
-  std::vector<std::unique_lock<std::mutex>> clocks;
-  for (const Member& member : members) clocks.push_back(core->clocks.lock_steps(member.target.key));
+  std::vector<StepLock> clocks;
+  for (const Member& member : members) {
+    auto its = core->clocks.lock_steps(member.target, deadline);
+    if (!its) return its.outcome();
+    clocks.push_back(*std::move(its));
+  }
   begin_step();
   std::uint64_t rounds = 1;
   for (Member& member : members) {

@@ -57,6 +57,13 @@ std::size_t place_of(TopicId topic) noexcept {
   return static_cast<std::size_t>(topic);
 }
 
+/// The system gives the id of a thread that has ended to a later one.
+std::uint64_t number_of_this_thread() noexcept {
+  static std::atomic<std::uint64_t> last{0};
+  thread_local const std::uint64_t number = ++last;
+  return number;
+}
+
 }  // namespace
 
 // ---- bus ---------------------------------------------------------------------------------------
@@ -81,6 +88,29 @@ bool LocalBus::run_work() {
   bool has_worked = false;
   for (const Work* const work : parts_->work) has_worked |= (*work)();
   return has_worked;
+}
+
+std::uint64_t LocalBus::join_clock(const BenchClock& clock, std::uint64_t session) {
+  const std::uint64_t thread = number_of_this_thread();
+  const std::scoped_lock lock(parts_->joining);
+  for (const auto& [joined, its_thread] : parts_->joined_threads) {
+    const auto& [its_clock, other] = joined;
+    if (its_thread == thread && its_clock == clock && other != session) return other;
+  }
+  parts_->joined_threads[{clock, session}] = thread;
+  return 0;
+}
+
+void LocalBus::leave_clock(const BenchClock& clock, std::uint64_t session) noexcept {
+  const std::scoped_lock lock(parts_->joining);
+  parts_->joined_threads.erase({clock, session});
+}
+
+void LocalBus::leave_clocks(std::uint64_t session) noexcept {
+  const std::scoped_lock lock(parts_->joining);
+  std::erase_if(parts_->joined_threads, [session](const auto& joined) {
+    return joined.first.second == session;
+  });
 }
 
 // ---- participant -------------------------------------------------------------------------------

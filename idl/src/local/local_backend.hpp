@@ -41,6 +41,10 @@ struct LocalBus::Parts {
   std::array<std::vector<LocalReader*>, kTopics.size()> readers;
   std::array<std::vector<LocalWriter*>, kTopics.size()> writers;
 
+  std::mutex joining;  ///< no other lock is taken with it
+  std::map<std::pair<BenchClock, std::uint64_t>, std::uint64_t>
+      joined_threads;  ///< by clock and session
+
   std::shared_mutex working;  ///< shared by threads that run work
   std::vector<const Work*> work;
 };

@@ -206,8 +206,8 @@ class StatusReports {
 /// by themselves: what was not answered is sent again, and acts once. Axes that the bench took away
 /// meanwhile are not taken again.
 ///
-/// Calls may come from several threads. Of steps of one lock-step bench that several threads ask
-/// for at once one follows the other; each is answered with the tick that it reached.
+/// Calls may come from several threads. Steps of a lock-step bench that several threads ask for at
+/// once follow each other; each is answered with the tick that it reached.
 ///
 /// Observers (watch_services, on_event, on_status, report_status) run in threads of the session,
 /// never in a call of the program. They may call the session, wait, and end or replace their own

@@ -22,9 +22,10 @@ class Session;
 /// for it, or whose program is gone, is taken off the clock by the service.
 ///
 /// With a bench in this process (vdrive::bench) the thread that grants last runs the step. There a
-/// thread joins a clock with one session only: with a second one it would wait for its own grant.
+/// thread joins a clock with one session only: a thread that has joined a clock with two sessions
+/// waits for ever, since the step of one needs the grant of the other.
 ///
-/// Of steps that several threads ask for at once one follows the other.
+/// Steps that several threads ask for at once follow each other.
 class StepClock {
  public:
   /// Wall time that a step may take.
@@ -48,6 +49,7 @@ class StepClock {
   /// @return the tick that each bench has reached, in the order of `join`;
   ///         timed_out, naming the benches that have not got there and the session each waits for:
   ///         what was granted stays granted, and the same call again continues with it;
+  ///         timed_out, with nothing granted, when another thread has stepped this clock since;
   ///         lost, naming the bench, when its service fell silent or was restarted: the new one is
   ///         never stepped, and the others no more, until its clock is joined anew;
   ///         failed when the periods differ.
