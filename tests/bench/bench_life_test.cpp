@@ -412,6 +412,7 @@ TEST(Observer, ThatThrowsKeepsNoStopFromItsAxes) {
   }
   ASSERT_TRUE(fail_an_observer(session));
   EXPECT_EQ(thrown_by([&] {
+              EXPECT_TRUE(group.queue_move(Eigen::VectorXd::Constant(2, 5.0)));
               EXPECT_TRUE(session.release());
             }),
             "nothing");

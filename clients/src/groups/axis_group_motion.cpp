@@ -258,10 +258,11 @@ Outcome AxisGroup::move_by(const Eigen::VectorXd& displacements, const GroupMove
 }
 
 Outcome AxisGroup::queue_move(const Eigen::VectorXd& targets, const GroupMoveOptions& options) {
+  const Discovery& discovery = state_->core->discovery;
+  if (Outcome here = discovery.check_process(); !here) return here;
+  // Nothing is sent: a bench that is silent for a moment may still take the line later.
   for (const GroupLayout::Bench& bench : state_->layout.benches) {
-    if (const auto target = state_->core->links.connect(bench.number); !target) {
-      return target.outcome();
-    }
+    if (Outcome there = discovery.check_last_run(bench.number); !there) return there;
   }
   auto request = state_->request_of(targets, options);
   if (!request) return request.outcome();

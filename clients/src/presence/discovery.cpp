@@ -347,6 +347,15 @@ Outcome Discovery::check_presence(const Target& target) const {
   return lost_in_silence(target, now, options_.silence);
 }
 
+Outcome Discovery::check_last_run(std::uint32_t bench) const {
+  BenchKey key;
+  {
+    const std::scoped_lock lock(mutex_);
+    key = directory_.newest_run(bench);
+  }
+  return check_presence({.key = key});
+}
+
 Outcome Discovery::check_samples(const Target& target, Silence silence) const {
   const std::scoped_lock lock(mutex_);
   const auto now = running_time();

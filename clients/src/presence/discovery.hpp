@@ -94,6 +94,9 @@ class Discovery {
   ///         its samples arrive, and `silence` may be bridged.
   [[nodiscard]] Outcome check_samples(const Target& target, Silence silence) const;
 
+  /// @return the same for the run of the bench that was seen last.
+  [[nodiscard]] Outcome check_last_run(std::uint32_t bench) const;
+
   /// @return the run of the bench that is there now; nothing when none is.
   [[nodiscard]] std::optional<Target> present_target(std::uint32_t bench) const;
 
