@@ -41,6 +41,22 @@ bool is_accepted(const msg::Reply& reply) {
   return reply.reason() == msg::REASON_NONE || reply.reason() == msg::REASON_MISSING_STEPPER;
 }
 
+/// @return the next request of a step, taken off what is left of it. The axes are shown once time
+/// has
+///         passed.
+msg::Request next_request(std::uint64_t& ticks, std::span<const std::uint16_t>& axes) {
+  msg::Request request;
+  request.kind(msg::REQUEST_STEP);
+  request.ticks(std::min(ticks, kTicksPerRequest));
+  ticks -= request.ticks();
+  if (ticks == 0) {
+    const auto shown = axes.first(std::min(axes.size(), kAxesPerRequest));
+    request.axes().assign(shown.begin(), shown.end());
+    axes = axes.subspan(shown.size());
+  }
+  return request;
+}
+
 }  // namespace
 
 BenchClocks::BenchClocks(std::uint64_t session, Requests& requests, Holdings& holdings,
@@ -267,28 +283,18 @@ Outcome BenchClocks::step(const Target& target, std::uint64_t ticks,
                           std::span<const std::uint16_t> axes, milliseconds patience,
                           Silence silence, Observation& sample) {
   std::uint64_t left = ticks;
-  std::size_t shown = 0;
   std::vector<AxisSnapshot> earlier;  // of all replies but the last: until then a step may fail
   bool is_last = false;
   do {
     if (left != 0 && wakeup_.is_interrupted()) return Outcome::failed("interrupted");
-    msg::Request request;
-    request.kind(msg::REQUEST_STEP);
-    request.ticks(std::min(left, kTicksPerRequest));
-    left -= request.ticks();
-    if (left == 0) {  // the axes are shown once time has passed
-      const std::size_t count = std::min(axes.size() - shown, kAxesPerRequest);
-      request.axes().assign(axes.begin() + static_cast<std::ptrdiff_t>(shown),
-                            axes.begin() + static_cast<std::ptrdiff_t>(shown + count));
-      shown += count;
-    }
+    msg::Request request = next_request(left, axes);
     const std::size_t wanted = request.axes().size();
     auto reply = step_once(target, std::move(request), patience, silence);
     if (!reply) return reply.outcome();
     if (reply->axes.size() != wanted) {
       return Outcome::failed(name_of(target) + " did not send the status of the requested axes");
     }
-    is_last = left == 0 && shown == axes.size();
+    is_last = left == 0 && axes.empty();
     const std::size_t first = earlier.size();
     std::vector<AxisSnapshot>& snapshots = is_last ? sample.axes : earlier;
     snapshots.resize(first + wanted);
