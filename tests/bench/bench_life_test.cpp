@@ -204,9 +204,9 @@ Outcome cause_an_event(Session& session) {
 
 TEST(Observer, MayCallTheBench) {
   const Bench bench;
-  Session session = bench.session();
   std::promise<Outcome> moved;
   bool has_moved = false;
+  Session session = bench.session();
   session.on_event([&](const Event&) {
     if (std::exchange(has_moved, true)) return;
     auto axis = session.axis("1.2");
@@ -223,10 +223,10 @@ TEST(Observer, MayCallTheBench) {
 
 TEST(Observer, ThatBlocksHoldsUpNoCall) {
   const Bench bench;
-  Session session = bench.session();
   std::promise<void> begun;
   std::promise<void> released;
   bool has_begun = false;
+  Session session = bench.session();
   session.on_event([&](const Event&) {
     if (std::exchange(has_begun, true)) return;
     begun.set_value();
@@ -242,10 +242,10 @@ TEST(Observer, ThatBlocksHoldsUpNoCall) {
 
 TEST(Observer, MayEndItsOwnReports) {
   const Bench bench;
-  Session session = bench.session();
   std::promise<void> first;
   std::promise<void> second;
   bool has_begun = false;
+  Session session = bench.session();
   session.on_event([&](const Event&) {
     session.on_event([&](const Event&) {
       session.on_event({});
@@ -536,9 +536,9 @@ TEST(Events, WithoutHistoryBeginWithTheCall) {
   ASSERT_TRUE(cause_an_event(first));
   ASSERT_TRUE(first.step(1, 10));
   const std::uint64_t begin = tick_of(first);
-  Session late = bench.session();
   std::promise<std::uint64_t> seen;
   bool has_seen = false;
+  Session late = bench.session();
   late.on_event([&](const Event& event) {
     if (!std::exchange(has_seen, true)) seen.set_value(event.tick);
   });
@@ -552,9 +552,9 @@ TEST(StatusReports, InLockStepShowTheNewestStateToWhoComesAfterTheLastStep) {
   const Bench bench;
   Session session = bench.session();
   const std::uint64_t last = session.step(1, 7).value();
-  Session late = bench.session();
   std::promise<std::uint64_t> seen;
   bool has_seen = false;
+  Session late = bench.session();
   const std::array<client::AxisId, 1> axes{{{1, 1}}};
   const auto reports = late.report_status(axes, milliseconds(1), [&](const Observation& shown) {
     if (!std::exchange(has_seen, true)) seen.set_value(shown.tick);
