@@ -634,6 +634,31 @@ TEST(StatusReports, OfABenchThatEndsAreEndedAtOnce) {
   }
 }
 
+TEST(StatusReports, ShowAStateThatIsRestoredInTheSameTick) {
+  const Bench bench;
+  std::promise<void> enabled;
+  std::promise<std::uint64_t> restored;
+  bool was_enabled = false;
+  bool was_restored = false;
+  Session session = bench.session();
+  const auto snapshot = session.take_snapshot(1);
+  ASSERT_TRUE(snapshot);
+  ASSERT_TRUE(session.axis("1.1")->enable());
+  const std::uint64_t tick = tick_of(session);
+  const auto reports =
+      session.report_status(kFirstAxis, milliseconds(1), [&](const Observation& shown) {
+        const bool is_enabled = shown.axes.front().state() == PowerState::operation_enabled;
+        if (is_enabled && !std::exchange(was_enabled, true)) enabled.set_value();
+        if (!is_enabled && !std::exchange(was_restored, true)) restored.set_value(shown.tick);
+      });
+  ASSERT_TRUE(reports);
+  ASSERT_EQ(enabled.get_future().wait_for(kLong), std::future_status::ready);
+  ASSERT_TRUE(session.restore_snapshot(1, *snapshot));
+  auto seen = restored.get_future();
+  ASSERT_EQ(seen.wait_for(seconds(5)), std::future_status::ready);
+  EXPECT_EQ(seen.get(), tick);
+}
+
 // ---- ends --------------------------------------------------------------------------------------
 
 /// What a session says after its bench has ended, by call.
@@ -881,17 +906,19 @@ TEST(Session, ThatOutlivesItsBenchIsLostInEveryCall) {
   EXPECT_EQ(clock->step(1).outcome().kind(), OutcomeKind::lost);
 }
 
-/// @return the outcome of a wait in another thread that began before the bench ended.
-template <typename Wait>
-OutcomeKind end_during(const BenchOptions& options, const Wait& wait) {
+/// @param is_waiting asked with another session of the bench until it is true: the wait has begun
+/// @return the outcome of a wait in another thread, during which the bench ended.
+template <typename Wait, typename IsWaiting>
+OutcomeKind end_during(const BenchOptions& options, const Wait& wait, const IsWaiting& is_waiting) {
   std::optional<Bench> bench(std::in_place, options);
   Session session = bench->session();
-  std::promise<void> begins;
+  Session other = bench->session();
   auto ended = std::async(std::launch::async, [&] {
-    begins.set_value();
     return wait(session).kind();
   });
-  begins.get_future().wait();
+  while (!is_waiting(other) && ended.wait_for(seconds(0)) != std::future_status::ready) {
+    std::this_thread::yield();
+  }
   bench.reset();
   if (ended.wait_for(seconds(5)) != std::future_status::ready) {
     session.interrupt();
@@ -904,17 +931,29 @@ TEST(Bench, ThatEndsEndsTheWaitsOfOtherThreadsAtOnce) {
   const auto forever = [](Session& session) {
     return session.wait(1, std::chrono::hours(24 * 365)).outcome();
   };
-  const auto follow = [](Session& session) {
-    auto follower = session.follow({{1, 1}}, client::Pace::observe);
-    if (!follower) return follower.outcome();
-    while (true) {
-      const auto seen = follower->next(kLong);
-      if (!seen) return seen.outcome();
-    }
+  // In lock-step nothing but the wait lets time pass.
+  const auto time_passes = [](Session& other) {
+    const auto seen = other.observe(kFirstAxis);
+    return seen && seen->tick > 10;
   };
   for (const ClockMode clock : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
-    EXPECT_EQ(end_during({.clock = clock}, forever), OutcomeKind::lost) << to_string(clock);
-    EXPECT_EQ(end_during({.clock = clock}, follow), OutcomeKind::lost) << to_string(clock);
+    EXPECT_EQ(end_during({.clock = clock}, forever, time_passes), OutcomeKind::lost)
+        << to_string(clock);
+    std::atomic<bool> has_seen = false;
+    const auto follow = [&has_seen](Session& session) {
+      auto follower = session.follow({{1, 1}}, client::Pace::observe);
+      if (!follower) return follower.outcome();
+      while (true) {
+        const auto seen = follower->next(kLong);
+        if (!seen) return seen.outcome();
+        has_seen = true;
+      }
+    };
+    const auto follows = [&has_seen, clock](Session& other) {
+      if (clock == ClockMode::lockstep) static_cast<void>(other.step(1, 1));
+      return has_seen.load();
+    };
+    EXPECT_EQ(end_during({.clock = clock}, follow, follows), OutcomeKind::lost) << to_string(clock);
   }
 }
 

@@ -16,6 +16,14 @@ using Clock = Discovery::Clock;
 // A period of 0 would keep a processor busy.
 constexpr std::chrono::milliseconds kShortestPeriod{1};
 
+bool shows_the_same(const AxisSnapshot& one, const AxisSnapshot& other) {
+  return one.id == other.id && one.owner_session == other.owner_session &&
+         one.owner_epoch == other.owner_epoch && one.last_sequence == other.last_sequence &&
+         std::ranges::all_of(status_members(), [&](const StatusMember& member) {
+           return member.value(one.status) == member.value(other.status);
+         });
+}
+
 }  // namespace
 
 /// The axes of one bench.
@@ -25,7 +33,7 @@ struct StatusWatcher::Bench {
   BenchKey key;
   std::shared_ptr<StatusFeed> feed;  ///< none until the bench is there
   std::optional<Clock::time_point> absent_since;
-  std::optional<std::uint64_t> shown_tick;  ///< of this run
+  std::optional<Observation> shown;  ///< of this run
 };
 
 /// What one thread reports.
@@ -53,17 +61,22 @@ bool StatusWatcher::follow(Bench& bench, const Watch& watch, const std::stop_tok
   return false;
 }
 
-/// A bench whose time stands repeats its state.
+/// A bench whose time stands repeats its state. It shows another one in the same tick when a
+/// snapshot was restored or an axis has another owner.
 void StatusWatcher::show(Bench& bench, const Observation& seen, const Report& report) {
-  if (bench.shown_tick && seen.tick <= *bench.shown_tick) return;
-  bench.shown_tick = seen.tick;
+  if (bench.shown && seen.tick < bench.shown->tick) return;
+  if (bench.shown && seen.tick == bench.shown->tick &&
+      std::ranges::equal(seen.axes, bench.shown->axes, shows_the_same)) {
+    return;
+  }
+  bench.shown = seen;
   report(seen);
 }
 
 /// @return what the axes show now, in lock-step: while nobody steps no frame comes.
 std::optional<Observation> StatusWatcher::begin(Bench& bench, const Target& target) const {
   bench.key = target.key;
-  bench.shown_tick.reset();
+  bench.shown.reset();
   bench.feed = stream_.open_feed(target, bench.axes);  // first: no tick is missed
   if (!target.steps()) return std::nullopt;
   auto shown = look_(target, bench.axes);

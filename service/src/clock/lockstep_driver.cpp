@@ -88,6 +88,7 @@ void LockstepDriver::handle(Arrival& arrival, Clock::time_point now) {
   } else {
     engine_.handle(arrival);
     engine_.queue_changes();
+    publish_queued();  // a restored state: no step may follow
   }
 }
 
@@ -163,6 +164,10 @@ void LockstepDriver::publish_status(bool repeated) {
   } else {
     status_.leave_out(engine_.tick());
   }
+  publish_queued();
+}
+
+void LockstepDriver::publish_queued() {
   while (const StatusImage* const image = outbox_.status.front()) {
     status_.publish(*image);
     outbox_.status.pop();

@@ -72,6 +72,7 @@ class LockstepDriver {
 
   [[nodiscard]] bool may_publish();
   void publish_status(bool repeated = false);
+  void publish_queued();
   void idle();
 
   BenchEngine& engine_;
