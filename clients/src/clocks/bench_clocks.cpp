@@ -298,7 +298,7 @@ Outcome BenchClocks::step(const Target& target, std::uint64_t ticks,
     const std::size_t first = earlier.size();
     std::vector<AxisSnapshot>& snapshots = is_last ? sample.axes : earlier;
     snapshots.resize(first + wanted);
-    for (std::size_t i = 0; i < wanted; ++i) show(reply->axes[i], snapshots[first + i]);
+    for (std::size_t i = 0; i < wanted; ++i) fill_sample(reply->axes[i], snapshots[first + i]);
     if (wanted != 0) requests_.reuse(*reply);
     if (is_last) {
       std::ranges::copy(earlier, sample.axes.begin());

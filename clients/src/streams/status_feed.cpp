@@ -26,7 +26,7 @@ AxisSnapshot sample_of(const msg::AxisStatus& message) {
           .last_sequence = message.last_sequence()};
 }
 
-void show(const wire::ReceivedStatus& received, AxisSnapshot& sample) {
+void fill_sample(const wire::ReceivedStatus& received, AxisSnapshot& sample) {
   sample.id = {received.address.bench, received.address.axis};
   sample.tick = received.tick;
   sample.status = received.status;
@@ -59,7 +59,7 @@ bool StatusFeed::on_frame(const wire::StatusFrameView& frame) {
     const std::size_t number = frame.number(position);
     const std::size_t place = number < places_.size() ? places_[number] : count_;
     if (place == count_ || seen_[place]) continue;
-    show(frame.axis(position), growing_.axes[place]);
+    fill_sample(frame.axis(position), growing_.axes[place]);
     seen_[place] = true;
     ++seen_count_;
   }

@@ -17,8 +17,8 @@ namespace vdrive::client {
 /// @return a message as a sample of its axis.
 [[nodiscard]] AxisSnapshot sample_of(const msg::AxisStatus& message);
 
-/// The same of a frame or a reply, into the memory of an earlier sample.
-void show(const wire::ReceivedStatus& received, AxisSnapshot& sample);
+/// Fills a sample, which may have been one before, with an axis of a frame or of a reply.
+void fill_sample(const wire::ReceivedStatus& received, AxisSnapshot& sample);
 
 /// Puts the status frames of a bench together into samples that show all wanted axes after one
 /// tick, and counts the ticks that went missing and, apart from them, those that the number jumped

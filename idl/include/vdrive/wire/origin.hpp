@@ -22,8 +22,6 @@ class Origin {
   ///         system call.
   [[nodiscard]] bool is_inherited() const noexcept;
 
-  [[nodiscard]] pid_t process() const noexcept { return process_; }
-
   /// @return why the object cannot be used, when it is inherited.
   /// @param what the object, such as "the bench"
   [[nodiscard]] std::string problem(std::string_view what) const;
