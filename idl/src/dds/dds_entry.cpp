@@ -4,9 +4,12 @@
 #include "dds/dds_participant.hpp"
 
 extern "C" [[gnu::visibility("default")]] vdrive::wire::DdsEntry vdrive_dds_entry;
+// NOLINTBEGIN(readability-identifier-naming): names of symbols
 extern "C" [[gnu::visibility("default")]] const char* const vdrive_dds_build;
 
 const char* const vdrive_dds_build = VDRIVE_DDS_BUILD;
+
+// NOLINTEND(readability-identifier-naming)
 
 vdrive::wire::BackendMaker vdrive_dds_entry() noexcept {
   return &vdrive::wire::make_dds_backend;
