@@ -108,15 +108,15 @@ void for_each_piece(const Visit& visit) noexcept {
 template <typename Head>
 constexpr std::size_t kSizeWith = sizeof(Head) + kMembers.size;
 
-// An axis that begins at a multiple of 8, and one that begins where an axis ends.
-using FirstAxis = AxisHead<2>;
-inline constexpr std::size_t kEnd = kSizeWith<FirstAxis> % 8;
+// An axis that begins at a multiple of 8, and one that begins 4 bytes behind one. Both end alike:
+// the head ends at a multiple of 8.
+using AlignedAxis = AxisHead<2>;
+using ShiftedAxis = AxisHead<6>;
+inline constexpr std::size_t kEnd = kSizeWith<AlignedAxis> % 8;
 static_assert(kEnd % 4 == 0, "the member `bench` of the next axis follows without a gap");
-using FurtherAxis = AxisHead<kEnd == 4 ? 6 : 2>;
-static_assert(offsetof(FirstAxis, tick) % 8 == 0 && sizeof(FirstAxis) % 8 == 0 &&
-              (kEnd + offsetof(FurtherAxis, tick)) % 8 == 0 &&
-              (kEnd + kSizeWith<FurtherAxis>) % 8 == kEnd);
-static_assert(kEncapsulation + kSizeWith<FirstAxis> == kAxisStatusSize);
+static_assert(offsetof(AlignedAxis, tick) % 8 == 0 && sizeof(AlignedAxis) % 8 == 0 &&
+              (4 + offsetof(ShiftedAxis, tick)) % 8 == 0 && (4 + sizeof(ShiftedAxis)) % 8 == 0);
+static_assert(kEncapsulation + kSizeWith<AlignedAxis> == kAxisStatusSize);
 
 /// Straight to its place: a copy of what was just written in small pieces would have to wait.
 template <typename Head>
@@ -169,38 +169,41 @@ class AxisSequence {
   /// @return where axis `position` begins, from the beginning of the first one; that of the last
   ///         one plus 1 is the size of all.
   [[nodiscard]] constexpr std::size_t place_of(std::size_t position) const noexcept {
-    if (!is_aligned_) return position * kSizeWith<FurtherAxis>;
-    return position == 0 ? 0 : kSizeWith<FirstAxis> + (position - 1) * kSizeWith<FurtherAxis>;
+    if (position == 0) return 0;
+    return size_of(is_aligned_) + (position - 1) * size_of(kEnd == 0);
   }
 
   void put(std::size_t position, const AxisStatus& status, const AxisAddress& address,
            std::uint64_t tick, const Ownership& owner, std::byte* first) const noexcept {
     std::byte* const place = first + place_of(position);
-    if (is_first(position)) {
-      put_axis<FirstAxis>(status, address, tick, owner, place);
+    if (is_aligned(position)) {
+      put_axis<AlignedAxis>(status, address, tick, owner, place);
     } else {
-      put_axis<FurtherAxis>(status, address, tick, owner, place);
+      put_axis<ShiftedAxis>(status, address, tick, owner, place);
     }
   }
 
   /// What a sample does not have of the status stays as it is.
   void get(std::size_t position, const std::byte* first, ReceivedStatus& received) const noexcept {
     const std::byte* const place = first + place_of(position);
-    if (is_first(position)) {
-      get_axis<FirstAxis>(place, received);
+    if (is_aligned(position)) {
+      get_axis<AlignedAxis>(place, received);
     } else {
-      get_axis<FurtherAxis>(place, received);
+      get_axis<ShiftedAxis>(place, received);
     }
   }
 
  private:
-  [[nodiscard]] constexpr bool is_first(std::size_t position) const noexcept {
-    return is_aligned_ && position == 0;
+  static constexpr std::size_t size_of(bool is_aligned) noexcept {
+    return is_aligned ? kSizeWith<AlignedAxis> : kSizeWith<ShiftedAxis>;
   }
 
-  bool is_aligned_;
-};
+  /// The first axis begins where the sequence does, each other one where an axis ends.
+  [[nodiscard]] constexpr bool is_aligned(std::size_t position) const noexcept {
+    return position == 0 ? is_aligned_ : kEnd == 0;
+  }
 
-static_assert(kEnd == 4, "an axis that begins at an odd multiple of 4 is a further one");
+  bool is_aligned_;  ///< the sequence, to 8
+};
 
 }  // namespace vdrive::wire

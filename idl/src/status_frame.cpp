@@ -71,7 +71,7 @@ std::size_t encode_axis_status(const AxisStatus& status, const AxisAddress& addr
                                std::span<std::byte> output) noexcept {
   if (output.size() < kAxisStatusSize) return 0;
   std::memcpy(output.data(), kLittleEndian.data(), kEncapsulation);
-  put_axis<FirstAxis>(status, address, tick, owner, &output[kEncapsulation]);
+  put_axis<AlignedAxis>(status, address, tick, owner, &output[kEncapsulation]);
   return kAxisStatusSize;
 }
 
@@ -101,10 +101,11 @@ std::optional<StatusFrameView> StatusFrameView::of(std::span<const std::byte> sa
 }
 
 std::uint16_t StatusFrameView::number(std::size_t position) const noexcept {
-  static_assert(offsetof(FirstAxis, axis) == offsetof(FurtherAxis, axis));
+  static_assert(offsetof(AlignedAxis, axis) == offsetof(ShiftedAxis, axis));
   ensure(position < size_, "the frame has that many axes");
   std::uint16_t number = 0;
-  std::memcpy(&number, &axes_[kAxes.place_of(position) + offsetof(FirstAxis, axis)], sizeof number);
+  std::memcpy(&number, &axes_[kAxes.place_of(position) + offsetof(AlignedAxis, axis)],
+              sizeof number);
   return number;
 }
 
