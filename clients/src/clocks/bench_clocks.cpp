@@ -57,6 +57,15 @@ msg::Request next_request(std::uint64_t& ticks, std::span<const std::uint16_t>& 
   return request;
 }
 
+/// Fills the samples from place `first` on with the axes of an answer, which are the last ones.
+void fill_samples(const RequestAnswer& answer, std::size_t first,
+                  std::vector<AxisSnapshot>& samples) {
+  samples.resize(first + answer.axes.size());
+  for (std::size_t i = 0; i < answer.axes.size(); ++i) {
+    fill_sample(answer.axes[i], samples[first + i]);
+  }
+}
+
 }  // namespace
 
 BenchClocks::BenchClocks(std::uint64_t session, Requests& requests, Holdings& holdings,
@@ -295,10 +304,7 @@ Outcome BenchClocks::step(const Target& target, std::uint64_t ticks,
       return Outcome::failed(name_of(target) + " did not send the status of the requested axes");
     }
     is_last = left == 0 && axes.empty();
-    const std::size_t first = earlier.size();
-    std::vector<AxisSnapshot>& snapshots = is_last ? sample.axes : earlier;
-    snapshots.resize(first + wanted);
-    for (std::size_t i = 0; i < wanted; ++i) fill_sample(reply->axes[i], snapshots[first + i]);
+    fill_samples(*reply, earlier.size(), is_last ? sample.axes : earlier);
     if (wanted != 0) requests_.reuse(*reply);
     if (is_last) {
       std::ranges::copy(earlier, sample.axes.begin());

@@ -70,12 +70,20 @@ Outcome no_tick_has_come(const AxesOfBenches& benches, Duration limit, client::S
   return Outcome::timed_out(std::move(text));
 }
 
+/// @param keys none where no keys are read
 /// @return whether no key ends the view.
-bool press_all(KeyInput& keys, WatchView& view) {
-  while (const auto key = keys.next()) {
+bool press_all(std::optional<KeyInput>& keys, WatchView& view) {
+  while (const auto key = keys ? keys->next() : std::nullopt) {
     if (!view.press(*key)) return false;
   }
   return true;
+}
+
+/// Notes whether a tick has come. @return whether none has for so long.
+bool stands(bool has_come, Duration limit, std::chrono::steady_clock::time_point& last_tick) {
+  const auto now = std::chrono::steady_clock::now();
+  if (has_come) last_tick = now;
+  return now - last_tick >= limit;
 }
 
 client::Result<std::vector<client::Follower>> follow(const AxesOfBenches& benches, WatchView& view,
@@ -108,14 +116,12 @@ Outcome watch(const AxesOfBenches& benches, WatchView& view, std::uint64_t count
   std::optional<KeyInput> keys;
   if (terminal.is_interactive() && count == 0) keys.emplace();
   while (terminal.is_open()) {
-    if (keys && !press_all(*keys, view)) return {};
+    if (!press_all(keys, view)) return {};
     if (view.refresh() && ++shown == count) return {};
     const auto has_come = take_samples(*followers, view);
     if (!has_come) return has_come.outcome();
-    const auto now = std::chrono::steady_clock::now();
-    if (*has_come) last_tick = now;
     // Without a number the user ends the view.
-    if (count != 0 && now - last_tick >= limit) {
+    if (stands(*has_come, limit, last_tick) && count != 0) {
       return no_tick_has_come(benches, limit, context.session);
     }
   }
