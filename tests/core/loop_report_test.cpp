@@ -19,7 +19,7 @@ namespace {
 
 using test::AxisUnderTest;
 
-constexpr std::chrono::milliseconds kPeriod{1};
+constexpr std::chrono::milliseconds kLoopPeriod{1};
 
 AxisConfiguration geared(std::int64_t numerator, std::int64_t denominator) {
   AxisConfiguration configuration;
@@ -39,7 +39,7 @@ AxisConfiguration lift() {
 }
 
 TEST(LoopReport, OfTheDefaultAxisHasTheConfiguredBandwidthsAndNoRinging) {
-  const LoopReport report = examine_loops({}, kPeriod);
+  const LoopReport report = examine_loops({}, kLoopPeriod);
   EXPECT_DOUBLE_EQ(report.gear_ratio, 1.0);
   EXPECT_DOUBLE_EQ(report.inertia_ratio, 2.0);
   EXPECT_EQ(report.load_resonance, 0.0);
@@ -54,17 +54,17 @@ TEST(LoopReport, OfTheDefaultAxisHasTheConfiguredBandwidthsAndNoRinging) {
 TEST(LoopReport, HasTheReflectedInertiaOfTheGear) {
   // 3e-4 kg.m2 at the load: a hundredth of it behind a reducing gear, a hundred times the other
   // way.
-  EXPECT_NEAR(examine_loops(geared(1, 10), kPeriod).inertia_ratio, 1.01, 1e-9);
-  EXPECT_NEAR(examine_loops(geared(10, 1), kPeriod).inertia_ratio, 101.0, 1e-9);
+  EXPECT_NEAR(examine_loops(geared(1, 10), kLoopPeriod).inertia_ratio, 1.01, 1e-9);
+  EXPECT_NEAR(examine_loops(geared(10, 1), kLoopPeriod).inertia_ratio, 101.0, 1e-9);
   // The motor turns ten times as fast as the load: 2000π rad/s² on 3.03e-4 kg.m2.
-  EXPECT_NEAR(examine_loops(geared(1, 10), kPeriod).torque_needed,
+  EXPECT_NEAR(examine_loops(geared(1, 10), kLoopPeriod).torque_needed,
               2'000.0 * std::numbers::pi * 3.03e-4, 1e-9);
 }
 
 TEST(LoopReport, ShowsTheReducedBandwidthsOfAHeavyElasticLoad) {
   AxisConfiguration configuration = geared(10, 1);
   configuration.model.coupling = Coupling::two_inertia;
-  const LoopReport report = examine_loops(configuration, kPeriod);
+  const LoopReport report = examine_loops(configuration, kLoopPeriod);
   // sqrt(2000 / 3e-4) = 2582 rad/s.
   EXPECT_NEAR(report.load_resonance, 410.9, 0.1);
   // Against the motor alone the loop is as fast as the current loop of 1000 Hz; with 101 times its
@@ -77,7 +77,7 @@ TEST(LoopReport, FindsTheRingingOfALightlyDampedLoad) {
   AxisConfiguration configuration = geared(1, 10);
   configuration.model.coupling = Coupling::two_inertia;
   configuration.model.load_inertia = 3.0e-3;
-  const LoopReport report = examine_loops(configuration, kPeriod);
+  const LoopReport report = examine_loops(configuration, kLoopPeriod);
   // 3e-3 kg.m2 on 2000 N.m/rad: 816 rad/s = 130 Hz; its own damping is 0.05 / 2 / 2.45 = 0.01, four
   // time constants of which are 0.48 s. The loops add to that.
   EXPECT_NEAR(report.ringing, 130.0, 3.0);
@@ -86,7 +86,7 @@ TEST(LoopReport, FindsTheRingingOfALightlyDampedLoad) {
 }
 
 TEST(Loops, OfALiftHaveTheBandwidthOfItsShaft) {
-  const LoopReport report = examine_loops(lift(), kPeriod);
+  const LoopReport report = examine_loops(lift(), kLoopPeriod);
   // The damper of the velocity loop is matched to the spring: r² sqrt(k J) / Jm = 0.01 · 14.14 /
   // 3e-4 = 471 1/s, over 4.33 times the motor's inertia 17.3 Hz; the position loop in
   // proportion 2.8 Hz.

@@ -152,7 +152,7 @@ void BenchClocks::forget_thread(const BenchKey& key) {
 Result<StepLock> BenchClocks::lock_steps(const Target& target, Clock::time_point deadline) {
   std::unique_lock state(mutex_);
   if (!grants_.contains(target.key)) return StepLock();
-  std::timed_mutex& steps = steps_[target.key];
+  TurnMutex& steps = steps_[target.key];
   state.unlock();  // the order of steps comes before the state
   StepLock lock(steps, deadline);
   if (!lock) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/turn_mutex.hpp"
 #include "base/wakeup.hpp"
 #include "exchange/holdings.hpp"
 #include "exchange/requests.hpp"
@@ -36,7 +37,7 @@ struct PendingStep {
 };
 
 /// The right to step a joined clock: no other thread of the session steps it while this lives.
-using StepLock = std::unique_lock<std::timed_mutex>;
+using StepLock = std::unique_lock<TurnMutex>;
 
 /// The clocks of benches: steps, alone or as one of several steppers, and rates. Thread-safe:
 /// steps that several threads ask for at once follow each other.
@@ -110,10 +111,10 @@ class BenchClocks {
   Holdings& holdings_;
   Discovery& discovery_;
   const Wakeup& wakeup_;
-  const std::shared_ptr<wire::LocalBus> bus_;   ///< knows which threads have joined clocks
-  mutable std::mutex mutex_;                    ///< guards the grants
-  std::map<BenchKey, Grant> grants_;            ///< of the clocks that this session has joined
-  std::map<BenchKey, std::timed_mutex> steps_;  ///< each orders the steps of a clock
+  const std::shared_ptr<wire::LocalBus> bus_;  ///< knows which threads have joined clocks
+  mutable std::mutex mutex_;                   ///< guards the grants
+  std::map<BenchKey, Grant> grants_;           ///< of the clocks that this session has joined
+  std::map<BenchKey, TurnMutex> steps_;        ///< each orders the steps of a clock
 };
 
 }  // namespace vdrive::client

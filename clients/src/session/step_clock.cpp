@@ -35,7 +35,7 @@ struct StepClock::State {
   std::shared_ptr<SessionCore> core;
   std::vector<Member> members;
   std::atomic<nanoseconds::rep> now = 0;
-  std::timed_mutex steps;      ///< orders the steps of threads; guards the ticks of the members
+  TurnMutex steps;             ///< orders the steps of threads; guards the ticks of the members
   bool is_unfinished = false;  ///< likewise
 
   explicit State(std::shared_ptr<SessionCore> session) : core(std::move(session)) {}
