@@ -10,10 +10,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <malloc.h>
+
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -269,6 +273,51 @@ TEST(AxisBank, ContinuesFromTheBytesOfASnapshotLikeTheBankThatWroteIt) {
     ASSERT_EQ(other.status_hash(), bank.status_hash()) << "tick " << tick;
   }
 }
+
+#ifdef __GLIBC__
+/// Allocated memory, and the stack below this frame, hold this byte before their owner writes to
+/// them.
+class MemoryFilledWith {
+ public:
+  explicit MemoryFilledWith(int byte) {
+    mallopt(M_PERTURB, 0xFF ^ byte);
+    fill_stack(byte);
+  }
+
+  MemoryFilledWith(const MemoryFilledWith&) = delete;
+  MemoryFilledWith& operator=(const MemoryFilledWith&) = delete;
+  MemoryFilledWith(MemoryFilledWith&&) = delete;
+  MemoryFilledWith& operator=(MemoryFilledWith&&) = delete;
+
+  ~MemoryFilledWith() { mallopt(M_PERTURB, 0); }
+
+ private:
+  [[gnu::noinline]] static void fill_stack(int byte) {
+    std::array<char, 65'536> frame;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    std::memset(frame.data(), byte, frame.size());
+    asm volatile("" : : "r"(frame.data()) : "memory");  // NOLINT(hicpp-no-assembler)
+  }
+};
+
+// A journal would hold memory of the process, and two journals of one program would differ.
+TEST(AxisBank, WritesTheSameBytesOfASnapshotWhateverWasInTheMemoryBefore) {
+  const auto bytes_after_writes = [](int byte) {
+    const MemoryFilledWith filled(byte);
+    Random random(18);
+    AxisBank bank(mixed_axes(13), microseconds{1000});
+    for (int tick = 0; tick < 100; ++tick) {
+      write_randomly(bank, random);
+      bank.step();
+    }
+    return bank.snapshot().bytes();
+  };
+  const auto one = bytes_after_writes(0x55);
+  const auto other = bytes_after_writes(0xAA);
+  ASSERT_EQ(one.size(), other.size());
+  const auto difference = std::ranges::mismatch(one, other).in1;
+  EXPECT_EQ(difference, one.end()) << "first at byte " << difference - one.begin();
+}
+#endif
 
 // ---- noise of the load -------------------------------------------------------------------------
 

@@ -18,6 +18,10 @@
 
 namespace vdrive {
 
+// State goes into snapshots as it lies in memory. `unused` stands where a compiler would leave
+// bytes without a value: equal states are equal bytes, and no file has what was in the memory
+// before (tests/core/state_padding_test.cpp).
+
 /// Ticks of a bank, as the drive needs them.
 struct TickTiming {
   std::uint32_t period_us = 1000;
@@ -35,6 +39,7 @@ struct MotionRequest {
 
   Kind kind = Kind::hold;
   ControlLoop control = ControlLoop::position;  // the loop that has to be the outermost one
+  std::array<std::uint8_t, 6> unused{};
   double target = 0.0;  // moves, follow [UU]; velocity [UU/s]; torque [‰ of rated]
   MotionLimits limits;  // stop: the deceleration; torque: the acceleration is the slope [‰/s]
   MoveTimes times{};    // synchronous move
@@ -52,6 +57,7 @@ struct DemandState {
   ControlLoop control = ControlLoop::position;
   bool moving = false;     // the profile has not ended
   bool following = false;  // the demand of this tick goes to the streamed one
+  std::array<std::uint8_t, 5> unused{};
 };
 
 /// Where the present motion is to end.
@@ -62,6 +68,7 @@ struct TargetState {
   bool arrived = false;    // the demand rests on the target
   bool fresh = false;      // a set-point was taken in this tick
   bool unplanned = false;  // no plan was made since the target was given
+  std::array<std::uint8_t, 3> unused{};
 };
 
 /// What 6041h needs to have lasted: registers, and the ticks so far.
@@ -83,6 +90,7 @@ struct FollowingErrorState {
   std::uint32_t ticks = 0;   // 6066h
   std::uint32_t count = 0;   // ticks outside the window
   bool shown = false;        // statusword bit 13
+  std::array<std::uint8_t, 3> unused{};
 };
 
 /// What bounds the position.
@@ -92,6 +100,7 @@ struct LimitState {
   bool enabled = false;     // 3535h
   bool homed = false;       // a homing run found home since power-up
   std::uint8_t inputs = 0;  // 60FDh
+  std::array<std::uint8_t, 5> unused{};
 };
 
 /// Faults: those that are present, and what they mean.
@@ -102,6 +111,7 @@ struct FaultState {
   std::uint8_t causes = 0;  // fault causes present in the last tick
   bool coasting = false;    // the fault allows no braking
   bool dc_link = true;
+  std::array<std::uint8_t, 2> unused{};
 };
 
 /// Power stage.
@@ -110,6 +120,7 @@ struct PowerStageState {
   std::uint32_t stop_ticks = 0;      // since the demand of a stop ended
   PowerStateMachine machine;
   bool on = false;
+  std::array<std::uint8_t, 1> unused{};
 };
 
 /// Operating mode.
@@ -123,6 +134,7 @@ struct ModeStates {
   SetPointState position;
   HomingState homing;
   CyclicState cyclic;
+  std::array<std::uint8_t, 1> unused{};
 };
 
 /// What every tick touches of an axis.
@@ -135,6 +147,7 @@ struct DriveState {
   PowerStageState power;
   FaultState faults;
   ModeState mode;
+  std::array<std::uint8_t, 2> unused{};
   ModeStates modes;
   bool attention = true;  // something beside the motion is going on
   bool plan_due = true;   // the motion request may have changed
@@ -154,12 +167,14 @@ struct IndexPulse {
   double offset = 0.0;   // of the pulses in the motor's frame [UU]
   double reading = 0.0;  // of encoder 1 in the last tick of a homing run [UU]
   bool input = false;    // 5E09h as it was in the last tick
+  std::array<std::uint8_t, 7> unused{};
 };
 
 /// 1003h.
 struct ErrorHistory {
   std::array<std::uint32_t, 8> codes{};  // the latest first
   std::uint8_t count = 0;
+  std::array<std::uint8_t, 7> unused{};
 };
 
 /// What only writes and plans touch.
@@ -192,6 +207,7 @@ struct alignas(64) SteadyBlock {
   std::uint64_t lanes;          // all that are steady
   std::uint64_t standing;       // of these, on the target; DemandBlock::plan_ticks counts how long
   std::uint64_t unpowered;      // of these, without power; only a write ends that
+  std::array<std::uint64_t, 5> unused;
 };
 
 /// What every tick touches of the axes of a block, side by side.
@@ -201,6 +217,7 @@ struct BlockState {
   UnitBlock units;
   SteadyBlock steady;
   std::uint64_t noisy;  // lanes whose load torque has noise
+  std::array<std::uint64_t, 7> unused;
 };
 
 /// One axis: its state, its lane of the block, its status image. Questions take a

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 namespace vdrive {
@@ -13,6 +14,7 @@ struct SetPoint {
   std::uint32_t synchronous_move_acceleration_time = 0;  ///< 5E10h:02 [us]
   std::uint32_t synchronous_move_deceleration_time = 0;  ///< 5E10h:03 [us]
   bool relative = false;                                 ///< controlword bit 6
+  std::array<std::uint8_t, 3> unused{};  ///< no byte without a value: snapshots have this
 };
 
 /// What became of a written controlword.
@@ -57,6 +59,7 @@ class SetPointQueue {
   SetPoint buffered_;
   bool full_ = false;
   bool acknowledge_ = false;
+  std::array<std::uint8_t, 2> unused_{};
 };
 
 }  // namespace vdrive

@@ -3,12 +3,16 @@
 
 #include "vdrive/motion/set_point_queue.hpp"
 
+#include <array>
+#include <cstdint>
+
 namespace vdrive {
 
 /// Profile position: the set-points that were accepted.
 struct SetPointState {
   SetPointQueue queue;
   bool active = false;  // the active set-point is not reached yet
+  std::array<std::uint8_t, 3> unused{};
 };
 
 }  // namespace vdrive
