@@ -30,6 +30,7 @@ FIRST_OF_COMING = 11
 KEPT_PROBLEMS = 20
 NICENESS = 5
 TOOL_PATIENCE = 120.0  # [s]
+LINE_PERIOD = 60.0  # [s] a long run says how far it is
 FEWEST = 50  # searches; less shows nothing
 
 
@@ -215,12 +216,17 @@ class Stress:
 
     def watch(self):
         begin = now()
+        next_line = LINE_PERIOD
         while not self.ends.is_set() and not self.is_done(now() - begin):
             for bench in self.staying:
                 bench.check_alive()
             if any(searcher.has_ended() for searcher in self.searchers):
                 return
             self.highest_load = max(self.highest_load, os.getloadavg()[0])
+            if now() - begin >= next_line:
+                next_line += LINE_PERIOD
+                print(f"after {now() - begin:.0f} s: {self.searches()} searches, {self.missed} misses, "
+                      f"{self.failed} failed reads, load {os.getloadavg()[0]:.1f}", flush=True)
             self.ends.wait(0.5)
 
     def is_done(self, seconds):

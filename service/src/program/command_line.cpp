@@ -281,10 +281,11 @@ void watch(Service& service, const ServiceManager& manager, const sigset_t& sign
 /// The axes have 1.5 s to come to rest. After that only the DDS library can hang, where it runs in
 /// this process: in threads that end only with the process.
 void end_in_time(int exit_code) {
-  std::thread([exit_code] {
+  // The thread keeps the logger: main() may have returned, and then the default logger is gone.
+  std::thread([exit_code, log = spdlog::default_logger()] {
     constexpr std::chrono::milliseconds kLongest{1'950};  // of the 2 s that a service has to end
     std::this_thread::sleep_for(kLongest);
-    log_warning("text=\"the DDS library did not end in time\"");
+    log->warn("text=\"the DDS library did not end in time\"");
     _exit(exit_code);
   }).detach();
 }
