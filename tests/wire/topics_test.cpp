@@ -13,6 +13,8 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <filesystem>
 #include <fstream>
@@ -106,6 +108,52 @@ TYPED_TEST(EveryTopic, CarriesItsMessageToAnotherParticipant) {
   EXPECT_EQ(received.messages().front().bench(), 77U);
   EXPECT_EQ(subscription.malformed(), 0U);
   EXPECT_TRUE(subscription.wait_for_match(received.source(), 0ms));
+}
+
+// The library keeps some samples for good that were acknowledged while a reader joined. A later
+// reader got a gap of all numbers since then, and a guard refuses one that is wider than 65,536.
+TEST(LateReader, GetsTheNextReplyOfAWriterThatSentManyWhileOthersJoined) {
+  constexpr std::uint64_t kReplies = 70'000;
+  constexpr int kJoins = 60;
+  const auto nothing = [](const msg::Reply& /*reply*/, const Source& /*source*/) {};
+  Participant service(loopback(), "service");
+  Participant client(loopback(), "client");
+  Publication<msg::Reply> replies(service);
+  const Subscription<msg::Reply> stays(client, nothing);
+  ASSERT_TRUE(replies.wait_for_matched(1, kPatience));
+  std::atomic<bool> joined{false};
+  std::thread joins([&] {
+    for (int join = 0; join < kJoins; ++join) {
+      Participant other(loopback(), "other");
+      Subscription<msg::Reply> reader(other, nothing);
+      EXPECT_TRUE(reader.wait_for_matched(1, kPatience));
+    }
+    joined = true;
+  });
+  const msg::Reply reply;
+  std::uint64_t sent = 0;
+  while (!joined || sent < kReplies) {
+    EXPECT_TRUE(replies.write(reply));
+    ++sent;
+    // As clients ask. A full history would lose its oldest sample.
+    if (!joined) {
+      std::this_thread::sleep_for(1ms);
+    } else if (sent % 512 == 0) {
+      EXPECT_TRUE(replies.wait_for_acknowledged(kPatience));
+    }
+  }
+  joins.join();
+
+  Participant late(loopback(), "late");
+  Received<msg::Reply> received;
+  const Subscription<msg::Reply> reader(late, received.handler());
+  ASSERT_TRUE(replies.wait_for_matched(2, kPatience));
+  const auto deadline = std::chrono::steady_clock::now() + 10s;
+  while (received.messages().empty() && std::chrono::steady_clock::now() < deadline) {
+    EXPECT_TRUE(replies.write(reply));
+    std::this_thread::sleep_for(20ms);
+  }
+  EXPECT_FALSE(received.messages().empty()) << "[deadline] after " << sent << " replies";
 }
 
 TEST(Participant, KnowsOtherParticipantsByTheBeginningOfTheirNames) {

@@ -13,6 +13,15 @@ namespace vdrive::wire {
 
 namespace dds = eprosima::fastdds::dds;
 
+namespace {
+
+// Where samples are on their way in every moment, a removal waits after so many tries: longer than
+// the period of the heartbeat, and long before a gap is as wide as a guard refuses.
+constexpr std::uint32_t kTriesBeforeWait = 8'192;
+constexpr std::chrono::milliseconds kLongestWait{20};
+
+}  // namespace
+
 Writer::Writer(DdsEntities& parent, TopicId topic, const dds::TypeSupport& type, Observer observer)
     : Writer(parent, std::string(kTopicPrefix) + std::string(traits_of(topic).name), type,
              writer_qos(traits_of(topic)), std::move(observer)) {}
@@ -30,6 +39,8 @@ Writer::Writer(DdsEntities& parent, const std::string& name, const dds::TypeSupp
         publisher_->create_datawriter(topic, qos, this, dds::StatusMask::publication_matched());
   }
   if (writer_ == nullptr) throw NetworkError("DDS refuses a writer on topic " + name);
+  forgets_ = qos.reliability().kind == dds::RELIABLE_RELIABILITY_QOS &&
+             qos.durability().kind == dds::VOLATILE_DURABILITY_QOS;
 }
 
 Writer::~Writer() {
@@ -43,11 +54,34 @@ Writer::~Writer() {
 
 bool Writer::write(const void* data) noexcept {
   try {
+    std::unique_lock lock(writing_, std::defer_lock);
+    if (forgets_) {
+      lock.lock();
+      remove_acknowledged();
+    }
     // The library takes a mutable pointer and does not change the message.
     return writer_->write(const_cast<void*>(data));  // NOLINT(*-const-cast)
   } catch (...) {
     return false;
   }
+}
+
+/// The library removes a sample when all readers have acknowledged it. While a reader has joined
+/// and has not spoken yet it notes samples as removed that it keeps
+/// (StatefulWriter::check_acked_status): they stay. Whoever joins then gets a gap of all numbers
+/// since the oldest of them, again with each heartbeat, and takes a step for each number; a guard
+/// refuses wide gaps. Nobody needs samples that all have acknowledged.
+void Writer::remove_acknowledged() {
+  const auto spoken = joined_.load(std::memory_order_relaxed) + kLongestSilence;
+  if (removed_ >= spoken) return;
+  const auto now = Clock::now();
+  const bool waits = ++tries_ >= kTriesBeforeWait && now >= spoken;
+  if (waits) tries_ = 0;
+  if (!wait_for_acknowledged(waits ? kLongestWait : std::chrono::milliseconds{0})) return;
+  std::size_t count = 0;
+  writer_->clear_history(&count);
+  tries_ = 0;
+  removed_ = now;
 }
 
 bool Writer::wait_for_acknowledged(std::chrono::milliseconds timeout) {
@@ -66,6 +100,7 @@ void Writer::on_publication_matched(dds::DataWriter* /*writer*/,
   const std::lock_guard lock(observing_);
   const EndpointId reader = endpoint_of(status.last_subscription_handle);
   if (status.current_count_change > 0) {
+    joined_.store(Clock::now(), std::memory_order_relaxed);
     matches_.add(reader);
   } else {
     matches_.remove(reader);

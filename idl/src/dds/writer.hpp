@@ -7,7 +7,9 @@
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
 
+#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -41,9 +43,22 @@ class Writer : public WriterEnd, public eprosima::fastdds::dds::DataWriterListen
       const eprosima::fastdds::dds::PublicationMatchedStatus& status) override;
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  /// After this a reader that has joined has acknowledged something, or is gone.
+  static constexpr std::chrono::seconds kLongestSilence{5};
+
+  void remove_acknowledged();
+
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::DataWriter* writer_ = nullptr;
-  std::mutex observing_;  ///< the newest list is reported last
+  bool forgets_ = false;       ///< reliable, and no later reader gets what was sent
+  std::mutex writing_;         ///< of one that forgets: no write between the check and the removal
+  std::uint32_t tries_ = 0;    ///< of a removal, since the last one
+  Clock::time_point removed_;  ///< when all were acknowledged, and the history was made empty
+  std::atomic<Clock::time_point> joined_{Clock::time_point{} -
+                                         kLongestSilence};  ///< the last reader
+  std::mutex observing_;                                    ///< the newest list is reported last
   Observer observer_;
 };
 
