@@ -85,8 +85,9 @@ void await_end(int descriptor) {
   static_cast<void>(poll(&ended, 1, static_cast<int>(kLongestEnd.count())));
 }
 
-[[noreturn]] void become_wire(int region) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // no wire without a spawner
+[[noreturn]] void become_wire(int region, pid_t spawner) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);      // no wire without a spawner
+  if (getppid() != spawner) _exit(127);  // it was killed between the fork and that call
   const int descriptor = region == kRegionOfWire ? region : dup2(region, kRegionOfWire);
   fcntl(descriptor, F_SETFD, 0);
   close_range(kRegionOfWire + 1, ~0U, 0);
@@ -136,8 +137,9 @@ class ForkServer {
   }
 
   void start() {
+    const pid_t spawner = getpid();
     child_ = fork();
-    if (child_ == 0) become_wire(region_);
+    if (child_ == 0) become_wire(region_, spawner);
     if (child_ < 0) {
       child_ = 0;
       send_end({.process = 0, .status = kNotStarted});
