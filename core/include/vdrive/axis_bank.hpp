@@ -152,7 +152,7 @@ class AxisBank::Snapshot {
   ~Snapshot();
 
   /// @return the state as bytes, for a file on this kind of machine. What follows from the bank's
-  ///         configuration is not part of them. Equal states are equal bytes (built by GCC).
+  ///         configuration is not part of them. Equal states are equal bytes.
   [[nodiscard]] std::vector<std::byte> bytes() const;
 
  private:

@@ -54,11 +54,13 @@ class Writer : public WriterEnd, public eprosima::fastdds::dds::DataWriterListen
   eprosima::fastdds::dds::DataWriter* writer_ = nullptr;
   bool forgets_ = false;       ///< reliable, and no later reader gets what was sent
   std::mutex writing_;         ///< of one that forgets: no write between the check and the removal
-  std::uint32_t tries_ = 0;    ///< of a removal, since the last one
-  Clock::time_point removed_;  ///< when all were acknowledged, and the history was made empty
-  std::atomic<Clock::time_point> joined_{Clock::time_point{} -
-                                         kLongestSilence};  ///< the last reader
-  std::mutex observing_;                                    ///< the newest list is reported last
+  std::uint32_t writes_ = 0;   ///< since the last removal, while one is due
+  Clock::time_point written_;  ///< the last of them
+  Clock::time_point removed_;  ///< the last time at which all were acknowledged
+  /// When the last reader joined.
+  std::atomic<Clock::time_point> joined_{Clock::time_point{} - kLongestSilence};
+
+  std::mutex observing_;  ///< the newest list is reported last
   Observer observer_;
 };
 
