@@ -300,7 +300,10 @@ DdsBackend::DdsBackend(const NetworkSettings& settings, const std::string& name)
              ? ": check that the network interface is up and that the UDP ports are free"
              : ": check that the security material in " + settings.security + " is complete"));
   }
-  if (guard_ != nullptr) guard_->begin();
+  if (guard_ != nullptr) {
+    entities_.deletions = &guard_->deletions();
+    guard_->begin();
+  }
   entities_.publisher = entities_.participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
   entities_.subscriber = entities_.participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
   if (entities_.publisher == nullptr || entities_.subscriber == nullptr) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dds/others.hpp"
+#include "guard/deletion_gate.hpp"
 #include "matches.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/security.hpp"
@@ -15,6 +16,7 @@
 
 #include <mutex>
 #include <optional>
+#include <shared_mutex>
 #include <string>
 
 namespace vdrive::wire {
@@ -30,6 +32,13 @@ struct DdsEntities {
   /// The library replaces lists of addresses of the participant without a lock when its
   /// announcement changes, and reads them when it makes an endpoint: one of these at a time.
   std::mutex changing;
+
+  DeletionGate* deletions = nullptr;  ///< of the guard; none without
+
+  /// @return what lives while a reader or a writer is deleted.
+  [[nodiscard]] std::unique_lock<std::shared_mutex> erase() const {
+    return deletions == nullptr ? std::unique_lock<std::shared_mutex>() : deletions->erase();
+  }
 
   /// @return the topic `name`, in full, with the type `type`, made at its first use.
   /// @throws NetworkError

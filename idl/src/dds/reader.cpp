@@ -17,7 +17,7 @@ Reader::Reader(DdsEntities& parent, TopicId topic, const dds::TypeSupport& type,
 
 Reader::Reader(DdsEntities& parent, const std::string& topic, const dds::TypeSupport& type,
                const dds::DataReaderQos& qos, void* data, Deliver deliver)
-    : data_(data), deliver_(std::move(deliver)), subscriber_(parent.subscriber) {
+    : entities_(parent), data_(data), deliver_(std::move(deliver)), subscriber_(parent.subscriber) {
   auto* const its_topic = parent.topic(topic, type);
   {
     const std::scoped_lock lock(parent.changing);
@@ -36,6 +36,7 @@ Reader::~Reader() {
     closed_ = true;
   }
   reader_->set_listener(nullptr);
+  const auto deletion = entities_.erase();
   subscriber_->delete_datareader(reader_);
 }
 

@@ -50,6 +50,7 @@ class Reader : public ReaderEnd, public eprosima::fastdds::dds::DataReaderListen
                           const eprosima::fastdds::dds::SampleRejectedStatus& status) override;
 
  private:
+  const DdsEntities& entities_;
   void* data_;
   Deliver deliver_;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;

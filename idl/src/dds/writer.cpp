@@ -31,7 +31,7 @@ Writer::Writer(DdsEntities& parent, TopicId topic, const dds::TypeSupport& type,
 
 Writer::Writer(DdsEntities& parent, const std::string& name, const dds::TypeSupport& type,
                const dds::DataWriterQos& qos, Observer observer)
-    : publisher_(parent.publisher), observer_(std::move(observer)) {
+    : entities_(parent), publisher_(parent.publisher), observer_(std::move(observer)) {
   if (parent.permissions && !parent.permissions->may_publish(name)) {
     throw NotPermitted("the permissions of this identity do not allow publishing " + name);
   }
@@ -51,6 +51,7 @@ Writer::~Writer() {
   // in the history, and its heartbeat timer, which still runs, reads their numbers there. It then
   // counts a gap of up to 2^63 samples, and the deletion never ends. An empty history has no gap.
   std::size_t removed = 0;
+  const auto deletion = entities_.erase();
   writer_->clear_history(&removed);
   publisher_->delete_datawriter(writer_);
 }

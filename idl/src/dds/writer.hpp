@@ -50,6 +50,7 @@ class Writer : public WriterEnd, public eprosima::fastdds::dds::DataWriterListen
 
   void remove_acknowledged();
 
+  const DdsEntities& entities_;
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::DataWriter* writer_ = nullptr;
   bool forgets_ = false;       ///< reliable, and no later reader gets what was sent

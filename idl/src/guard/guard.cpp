@@ -100,6 +100,7 @@ void Guard::receive(Receiver& channel, ByteView datagram, const Locator& local,
     }
   }
   const ByteView readable = datagram.first(report.length);
+  const auto receiving = deletions_.receive();
   if (report.announces) {
     pass_discovery(channel, readable, local, remote);
   } else {
@@ -263,6 +264,7 @@ void Guard::judge() {
 /// Gives the library the departure of the participant, on the channel of its announcement, as if
 /// the participant had sent it: the only removal that does not meet a timer of the library.
 void Guard::remove(const Keeper::Silent& silent) {
+  const auto receiving = deletions_.receive();  // before the others, as in receive()
   const std::scoped_lock lock(announcing_, handing_over_);
   Locator local;
   {

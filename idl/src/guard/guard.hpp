@@ -3,6 +3,7 @@
 
 #include "announcement.hpp"
 #include "datagram_check.hpp"
+#include "deletion_gate.hpp"
 #include "lease_keeper.hpp"
 #include "returned_participants.hpp"
 #include "vdrive/wire/guard.hpp"
@@ -51,6 +52,9 @@ class Guard {
   /// The library sends a datagram.
   void sends(ByteView datagram);
 
+  /// What is received waits while a reader or a writer is deleted.
+  [[nodiscard]] DeletionGate& deletions() noexcept { return deletions_; }
+
   [[nodiscard]] GuardCounts counts() const;
 
  private:
@@ -95,6 +99,7 @@ class Guard {
   /// after it has released its lock: a removal waits for that.
   std::mutex announcing_;
 
+  DeletionGate deletions_;   ///< before all locks of this class but `keeper_mutex_`
   std::mutex handing_over_;  ///< a removal is on its way through a channel
   std::mutex channels_mutex_;
   std::map<Locator, Receiver*> channels_;
