@@ -276,9 +276,9 @@ void Guard::remove(const Keeper::Silent& silent) {
     local = found->first;
   }
   const auto datagram = end_datagram(silent.participant);
+  ++judged_;  // before the library reports the departure to a program that reads the counts
   silent.channel->OnDataReceived(datagram.data(), static_cast<std::uint32_t>(datagram.size()),
                                  local, local);
-  ++judged_;
 }
 
 }  // namespace vdrive::wire
