@@ -43,11 +43,11 @@ void WireLink::flush(Lane lane) {
   if (sender_ != nullptr) {
     while (sender_->drain(lane)) {
     }
-  } else if (lane == Lane::status) {
-    status_bell_.ring();
-  } else {
-    reports_bell_.ring();
+    return;
   }
+  // The engine flushes in every tick: a wire that has nothing to send sleeps on.
+  if (ring(lane).size() == 0) return;
+  (lane == Lane::status ? status_bell_ : reports_bell_).ring();
 }
 
 std::uint32_t WireLink::matched(wire::TopicId topic) const noexcept {
