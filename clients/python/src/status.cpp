@@ -9,6 +9,8 @@
 
 #include <pybind11/numpy.h>
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -16,6 +18,7 @@
 #include <cstring>
 #include <deque>
 #include <memory>
+#include <new>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -280,7 +283,29 @@ void add_observation(py::module_& module) {
       });
 }
 
+constexpr std::align_val_t kHugePage{std::size_t{1} << 21U};
+
+bool has_huge_pages(std::size_t bytes) noexcept {
+  return bytes >= 2 * static_cast<std::size_t>(kHugePage);
+}
+
 }  // namespace
+
+// Of a recording of 60 MB the kernel would clear 15,000 pages of 4 kB: a quarter of its time.
+std::byte* RecordAllocator::allocate(std::size_t bytes) {
+  if (!has_huge_pages(bytes)) return static_cast<std::byte*>(::operator new(bytes));
+  auto* const memory = static_cast<std::byte*>(::operator new(bytes, kHugePage));
+  static_cast<void>(madvise(memory, bytes, MADV_HUGEPAGE));  // a kernel without them clears pages
+  return memory;
+}
+
+void RecordAllocator::deallocate(std::byte* memory, std::size_t bytes) noexcept {
+  if (has_huge_pages(bytes)) {
+    ::operator delete(memory, kHugePage);
+  } else {
+    ::operator delete(memory);
+  }
+}
 
 Frames::Frames(std::size_t axes) : axes_(axes), row_(axes * layout().size()) {}
 
@@ -303,7 +328,7 @@ void Frames::add(const Observation& sample) {
 
 py::array Frames::take(std::size_t most) {
   const std::size_t count = std::min(most, samples_);
-  auto taken = std::make_unique<std::vector<std::byte>>();
+  auto taken = std::make_unique<Records>();
   taken->swap(records_);
   if (count < samples_) {
     const auto end = taken->begin() + static_cast<std::ptrdiff_t>(count * row_);
@@ -317,7 +342,7 @@ py::array Frames::take(std::size_t most) {
   const std::byte* const first = taken->data();
   const py::capsule owner(taken.get(), [](void* records) {
     // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): released below
-    delete static_cast<std::vector<std::byte>*>(records);
+    delete static_cast<Records*>(records);
   });
   static_cast<void>(taken.release());
   return {layout().type(), shape, first, owner};

@@ -12,6 +12,27 @@
 
 namespace vdrive::python {
 
+/// Memory of records. New bytes have no value until they are written.
+struct RecordAllocator {
+  using value_type = std::byte;
+
+  template <typename /*Byte*/>
+  struct rebind {  // NOLINT(readability-identifier-naming): the name is the standard's
+    using other = RecordAllocator;
+  };
+
+  /// Asks for huge pages, as numpy does, where the memory is some of them.
+  /// @throws std::bad_alloc
+  [[nodiscard]] static std::byte* allocate(std::size_t bytes);
+  static void deallocate(std::byte* memory, std::size_t bytes) noexcept;
+
+  static void construct(std::byte* /*place*/) noexcept {}
+
+  friend bool operator==(const RecordAllocator&, const RecordAllocator&) = default;
+};
+
+using Records = std::vector<std::byte, RecordAllocator>;
+
 /// Samples of `axes` axes each, with a record for each axis of each sample.
 class Frames {
  public:
@@ -35,7 +56,7 @@ class Frames {
   [[nodiscard]] py::array take(std::size_t most);
 
  private:
-  std::vector<std::byte> records_;
+  Records records_;
   std::size_t samples_ = 0;
   std::size_t axes_;
   std::size_t row_;  ///< bytes of one sample
