@@ -411,7 +411,9 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
   const ConnectionId id_;
   const Use use_;
   Phase phase_ = Phase::http;
-  websocket::stream<beast::tcp_stream> socket_;
+  /// Without compression, which the gateway does not offer: its code would be a tenth of this
+  /// object.
+  websocket::stream<beast::tcp_stream, false> socket_;
   beast::flat_buffer buffer_{kLongestMessage};
   std::optional<http::request_parser<http::string_body>> parser_;
   Response response_;
