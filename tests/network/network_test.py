@@ -23,6 +23,7 @@ import traceback
 
 import hosts
 
+HANDED_OVER = 25  # [ticks] for which a datagram may be on its way through a busy machine
 WATCHDOG = 200  # [ticks] of 1 ms: a busy machine lets a client stand still for 100 ms
 START = 30  # [s] for a program to start and to be found, on a busy machine
 PATIENCE = 15  # [s] for what promises no time: moves go on, what was sent is answered
@@ -74,13 +75,13 @@ class Lateness(threading.Thread):
 class Bench:
     """A service on a host of its own, with an observer beside it that no link can cut off."""
 
-    def __init__(self, case, host, number, network=""):
+    def __init__(self, case, host, number, network="", watchdog=WATCHDOG):
         self.number = number
         self.host = host
         file = case.directory / f"bench{number}.yaml"
         file.write_text(
             f"bench: {{number: {number}, name: bench{number}}}\n"
-            f"watchdog: {{timeout_ms: {WATCHDOG}}}\n"
+            f"watchdog: {{timeout_ms: {watchdog}}}\n"
             f"network: {{interfaces: [{host.address}]{network}}}\n", encoding="utf-8")
         self.service = host.start(f"service{number}", case.programs.service, "--config", file,
                                   "--log-level", "debug")
@@ -337,9 +338,11 @@ def expect_story(events, axis, what):
 
 def expect_safe_stop(case, bench, events, axis, tick, what):
     """The axis stopped by its watchdog, in time, and came to rest. Returns its times [ticks]."""
-    lost = next((t for t, text in events
-                 if "nothing was received" in text and f"axis {axis}:" in text), None)
-    expect(lost is not None, f"{what}: bench {bench.number} did not lose its master: {events}")
+    silences = (re.match(rf"axis {axis}: nothing was received from .* for (\d+) ms", text)
+                for _, text in events)
+    silence = next((int(match[1]) for match in silences if match), None)
+    expect(silence is not None, f"{what}: bench {bench.number} did not lose its master: {events}")
+    expect(silence <= WATCHDOG + 2, f"{what}: its master was silent for {silence} ms")
     faults = [t for t, text in events if f"axis {axis}: fault 0x{CONNECTION_LOST:04X}" == text]
     expect(faults, f"{what}: no fault 0x8130: {events}")
     # The last word of the master came before the link was down; then time-out and 2 ticks of drive
@@ -347,9 +350,10 @@ def expect_safe_stop(case, bench, events, axis, tick, what):
     jumps = (re.match(r"tick number jumped by (\d+)", text) for t, text in events if t <= faults[0])
     jumped = sum(int(match[1]) for match in jumps if match)
     # What arrives between two ticks is received in the next one; a machine that lets a thread wait
-    # hands it over, and takes the time of this test, as much later.
+    # hands it over, and takes the time of this test, as much later. The threads of the wire have more
+    # to do than the one that measures this, and wait longer.
     late = math.ceil(case.lateness.longest(time.monotonic() - time.time() + tick / TICKS_PER_SECOND - 0.5))
-    expect_in_time(faults[0] - jumped - math.ceil(tick), WATCHDOG + 2 + late,
+    expect_in_time(faults[0] - jumped - math.ceil(tick), WATCHDOG + 2 + HANDED_OVER + 2 * late,
                    f"{what}: fault {faults[0] - tick} ticks after the link was down, {jumped} jumped")
     name = f"{bench.number}.{axis}"
     at_rest = next((x for x in bench.seen(name) if x["tick"] >= faults[0] and
@@ -451,7 +455,9 @@ def cut_off_bench_2(case):
         return False
     expect(noticed["outcome"] == "lost", noticed)
     print(f"bench 2 {noticed['outcome']} after {noticed['time'] - began:.2f} s")
-    expect_in_time(noticed["time"] - began, SILENCE + 0.3, f"noticed late: {noticed}")
+    # A client discounts the time in which it was stopped.
+    late = case.lateness.longest(began) / TICKS_PER_SECOND
+    expect_in_time(noticed["time"] - began, SILENCE + 0.3 + late, f"noticed late: {noticed}")
     time.sleep(max(0.0, began + 3 - time.monotonic()))  # beyond the participants' lease
     case.b.ip("link", "set", "net", "up")
     back = time.monotonic()
@@ -653,7 +659,8 @@ def PacketLossLosesNoCommandOrEndsInASafeStop(case):
 
 
 def AGatewayClientWithACutCableIsALostMaster(case):
-    bench = Bench(case, case.a, 1)
+    # The gateway alone is to judge its client: a busy machine may hold it up for 200 ms.
+    bench = Bench(case, case.a, 1, watchdog=1000)
     hosts.wait_for("start of the service",
                    lambda: any("incarnation=" in line for line in bench.service.lines()), START)
     bench.observe(case, "1.1")
