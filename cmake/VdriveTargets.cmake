@@ -156,10 +156,9 @@ function(vdrive_precompile target)
 endfunction()
 
 # vdrive_compile_together(<target> [APART <file>...] [FOR_LINT])
-# With VDRIVE_UNITY_BUILD up to eight sources of the target are compiled at once: they share the
+# With VDRIVE_UNITY_BUILD up to sixteen sources of the target are compiled at once: they share the
 # reading of their headers and their templates. Names in their unnamed namespaces must differ: the
 # wrong one of two functions may fit a call. The architecture test reads the list written here.
-# clang-tidy goes through all headers of what it reads: there it is up to sixteen sources.
 # APART: sources whose names cannot differ. FOR_LINT: only clang-tidy reads them at once; each is
 # compiled by itself, as it is measured.
 function(vdrive_compile_together target)
@@ -170,14 +169,11 @@ function(vdrive_compile_together target)
   list(TRANSFORM together PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
   list(JOIN together "\n" together)
   file(WRITE ${PROJECT_BINARY_DIR}/compiled_together/${target}.txt "${together}\n")
-  set(batch 8)
-  if(CMAKE_CXX_CLANG_TIDY)
-    set(batch 16)
-  elseif(arg_FOR_LINT)
+  if(arg_FOR_LINT AND NOT CMAKE_CXX_CLANG_TIDY)
     return()
   endif()
   if(VDRIVE_UNITY_BUILD)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
     set_source_files_properties(${arg_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     # A source that is included is no header: its unnamed namespace belongs to one object.
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)

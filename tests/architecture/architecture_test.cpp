@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The rules of the project, checked on the source tree itself.
 #include "architecture/include_rules.hpp"
+#include "architecture/pattern.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +11,6 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <regex>
 #include <set>
 #include <sstream>
 #include <string>
@@ -33,8 +33,10 @@ struct SourceFile {
 };
 
 std::string read(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  std::string text(fs::file_size(path), '\0');
+  std::ifstream(path, std::ios::binary)
+      .read(text.data(), static_cast<std::streamsize>(text.size()));
+  return text;
 }
 
 bool is_source(const fs::path& path) {
@@ -64,10 +66,11 @@ TEST(Architecture, RoomsIncludeOnlyWhatTheirRowOfTheTableAllows) {
 
 /// Our own headers, as a file names them, such as "byte_ring.hpp" and "vdrive/axis_bank.hpp".
 std::vector<std::string> own_includes(const std::string& text) {
-  static const std::regex pattern(R"re(\n#include "([^"]+)")re");
+  constexpr std::string_view kBefore = "\n#include \"";
   std::vector<std::string> names;
-  for (std::sregex_iterator match(text.begin(), text.end(), pattern), end; match != end; ++match) {
-    const std::string name = (*match)[1];
+  for (std::size_t at = text.find(kBefore); at != std::string::npos; at = text.find(kBefore, at)) {
+    at += kBefore.size();
+    const std::string name = text.substr(at, text.find('"', at) - at);
     if (!name.starts_with("vdrive_messages") && !name.starts_with("ros_messages"))
       names.push_back(name);
   }
@@ -82,11 +85,17 @@ std::string room_of(const std::string& path) {
   return path.substr(0, path.find('/') + 1);
 }
 
+std::string last_part(const std::string& path) {
+  return path.substr(path.rfind('/') + 1);
+}
+
 // The path of a header of the service does not show its owner.
 TEST(Architecture, PrivateHeadersAreIncludedInTheirOwnRoomOnly) {
   const std::vector<SourceFile> files = sources();
   std::vector<std::string> paths;
-  for (const SourceFile& file : files) paths.push_back(file.path);
+  for (const SourceFile& file : files) {
+    if (file.path.ends_with(".hpp")) paths.push_back(file.path);
+  }
   for (const SourceFile& file : files) {
     if (file.path.starts_with("tests/")) continue;
     for (const std::string& name : own_includes(file.text)) {
@@ -100,14 +109,19 @@ TEST(Architecture, PrivateHeadersAreIncludedInTheirOwnRoomOnly) {
 using IncludeGraph = std::map<std::string, std::vector<std::string>>;
 
 IncludeGraph include_graph(const std::vector<SourceFile>& files) {
+  // Headers by the last part of their path: few have one name.
+  std::multimap<std::string, const SourceFile*> headers;
+  for (const SourceFile& file : files) headers.emplace(last_part(file.path), &file);
   IncludeGraph graph;
   for (const SourceFile& file : files) {
     if (!file.path.ends_with(".hpp") || file.path.starts_with("tests/")) continue;
     auto& included = graph[file.path];
     for (const std::string& name : own_includes(file.text)) {
-      for (const SourceFile& header : files) {
-        const bool is_meant = is_public(name) || room_of(header.path) == room_of(file.path);
-        if (is_meant && header.path.ends_with("/" + name)) included.push_back(header.path);
+      const auto [begin, end] = headers.equal_range(last_part(name));
+      for (auto header = begin; header != end; ++header) {
+        const std::string& path = header->second->path;
+        const bool is_meant = is_public(name) || room_of(path) == room_of(file.path);
+        if (is_meant && path.ends_with("/" + name)) included.push_back(path);
       }
     }
   }
@@ -196,15 +210,16 @@ TEST(Modules, FormACircleAlsoThroughTheirSources) {
 /// Names of the functions in the unnamed namespaces of a source: definitions that begin in
 /// column 1.
 std::set<std::string> own_functions(const std::string& text) {
-  static const std::regex function(R"re(^[A-Za-z_][^(=;]*[ &*>](\w+)\()re");
+  static const Pattern function(R"re(^[A-Za-z_][^(=;]*[ &*>](\w+)\()re");
   std::set<std::string> names;
   std::istringstream lines(text);
   bool is_inside = false;
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("namespace {")) is_inside = true;
     if (line.starts_with("}  // namespace")) is_inside = false;
-    std::smatch match;
-    if (is_inside && std::regex_search(line, match, function)) names.insert(match[1]);
+    if (!is_inside) continue;
+    const std::vector<std::string> match = function.search(line);
+    if (!match.empty()) names.insert(match[1]);
   }
   return names;
 }
@@ -235,8 +250,9 @@ using LinkGraph = std::map<std::string, std::set<std::string>>;
 
 /// @return `name` as links know it: vdrive::core and vdrive_core are "core".
 std::string short_name(const std::string& name) {
-  static const std::regex parts(R"(^(?:\$<BUILD_INTERFACE:)?(?:vdrive(?:::|_))?(.*?)>?$)");
-  return std::regex_replace(name, parts, "$1");
+  static const Pattern parts(R"(^(\$<BUILD_INTERFACE:)?(vdrive(::|_))?)");
+  const std::string rest = name.substr(parts.search(name).at(0).size());
+  return rest.ends_with('>') ? rest.substr(0, rest.size() - 1) : rest;
 }
 
 LinkGraph link_graph() {
@@ -254,20 +270,19 @@ LinkGraph link_graph() {
 
 /// The table of docs/architecture.md, "Who links what".
 LinkGraph documented_links() {
-  static const std::regex row(R"(^\| `([^`]+)` \|[^|]*\| ([^|]+) \|$)");
-  static const std::regex separator(", ");
+  static const Pattern row(R"(^\| `([^`]+)` \|[^|]*\| ([^|]+) \|$)");
   LinkGraph graph;
   std::istringstream lines(read(kRoot / "docs/architecture.md"));
   bool is_inside = false;
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("| target | has | links |")) is_inside = true;
     if (line.empty()) is_inside = false;
-    std::smatch match;
-    if (!is_inside || !std::regex_match(line, match, row)) continue;
-    const std::string names = match[2];
-    for (std::sregex_token_iterator name(names.begin(), names.end(), separator, -1), end;
-         name != end; ++name) {
-      graph[short_name(match[1])].insert(*name);
+    const std::vector<std::string> match =
+        is_inside ? row.search(line) : std::vector<std::string>{};
+    if (match.empty()) continue;
+    std::istringstream names(match[2]);
+    for (std::string name; std::getline(names >> std::ws, name, ',');) {
+      graph[short_name(match[1])].insert(name);
     }
   }
   return graph;

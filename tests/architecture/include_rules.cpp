@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "architecture/include_rules.hpp"
 
+#include "architecture/pattern.hpp"
+
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <regex>
 #include <span>
 #include <vector>
 
@@ -286,7 +287,7 @@ constexpr std::array<std::string_view, 6> kKnowTheEngine{
 /// Text that is forbidden in a folder ("" is all of them), as a regular expression.
 struct TextRule {
   std::string_view folder;
-  std::regex pattern;
+  Pattern pattern;
   std::string_view reason;
 };
 
@@ -294,36 +295,36 @@ struct TextRule {
 const std::vector<TextRule>& forbidden_headers() {
   static const std::vector<TextRule> rules{
       {"core/",
-       std::regex("thread|stop_token|mutex|shared_mutex|condition_variable|future|atomic|semaphore|"
-                  "barrier|latch"),
+       Pattern("thread|stop_token|mutex|shared_mutex|condition_variable|future|atomic|semaphore|"
+               "barrier|latch"),
        "core/ has no threads and no locks"},
-      {"core/", std::regex("fstream|istream|ostream|filesystem|cstdio|syncstream"),
+      {"core/", Pattern("fstream|istream|ostream|filesystem|cstdio|syncstream"),
        "core/ touches no file and writes no log"},
-      {"core/", std::regex("random"), "noise is a hash of seed, axis and tick"},
-      {"core/", std::regex("ctime|csignal"), "core/ has no clock and no signals"},
-      {"core/", std::regex("iostream"), "core/ writes no log"},
+      {"core/", Pattern("random"), "noise is a hash of seed, axis and tick"},
+      {"core/", Pattern("ctime|csignal"), "core/ has no clock and no signals"},
+      {"core/", Pattern("iostream"), "core/ writes no log"},
   };
   return rules;
 }
 
 /// Code, searched with comments and string literals taken out.
 const std::vector<TextRule>& forbidden_code() {
-  static const std::regex dds(R"(\b(eprosima|fastdds|fastrtps|fastcdr)\b)");
+  static const Pattern dds(R"(\b(eprosima|fastdds|fastrtps|fastcdr)\b)");
   static const std::vector<TextRule> rules{
-      {"core/", std::regex(R"(\b(system|steady|high_resolution|utc|tai|gps|file)_clock\b)"),
+      {"core/", Pattern(R"(\b(system|steady|high_resolution|utc|tai|gps|file)_clock\b)"),
        "time is an argument"},
-      {"core/", std::regex(R"(\b(getenv|secure_getenv|rand|srand|printf|fopen)\s*\()"),
+      {"core/", Pattern(R"(\b(getenv|secure_getenv|rand|srand|printf|fopen)\s*\()"),
        "core/ has no environment, random source or file"},
-      {"core/", std::regex(R"(\bthread_local\b)"), "core/ has no global state"},
+      {"core/", Pattern(R"(\bthread_local\b)"), "core/ has no global state"},
       // The results of these differ in the last bit between libraries and vector widths. What is
       // left of <cmath> (abs, floor, round, sqrt, copysign, isfinite ...) is exact everywhere.
       {"core/",
-       std::regex(R"(\bstd::(a?(sin|cos|tan)h?|atan2|exp2?|expm1|log(2|10|1p|b)?|pow|cbrt|hypot|)"
-                  R"(fma|[lt]gamma|erfc?)\s*\()"),
+       Pattern(R"(\bstd::(a?(sin|cos|tan)h?|atan2|exp2?|expm1|log(2|10|1p|b)?|pow|cbrt|hypot|)"
+               R"(fma|[lt]gamma|erfc?)\s*\()"),
        "step and plan use + - * / sqrt and comparisons only"},
       {"core/", dds, "only idl/ names the DDS library"},
       {"service/", dds, "only idl/ names the DDS library"},
-      {"", std::regex(R"(^namespace \w+::\w+::\w)"), "namespaces have two levels at most"},
+      {"", Pattern(R"(^namespace \w+::\w+::\w)"), "namespaces have two levels at most"},
       {"clients/", dds, "only idl/ names the DDS library"},
   };
   return rules;
@@ -342,18 +343,26 @@ std::vector<std::string> split_lines(std::string_view text) {
 std::optional<Include> parse_include(const std::string& line) {
   if (line.find("include") == std::string::npos)
     return std::nullopt;  // most lines, without a regex
-  static const std::regex pattern(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"])");
-  std::smatch match;
-  if (!std::regex_search(line, match, pattern)) return std::nullopt;
-  return Include{match[2].str(), match[1].str() == "\""};
+  static const Pattern pattern(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"])");
+  const std::vector<std::string> parts = pattern.search(line);
+  if (parts.empty()) return std::nullopt;
+  return Include{parts[2], parts[1] == "\""};
 }
 
 /// The line without string literals and the comment at its end. A block comment is not recognised:
 /// the style has none.
 std::string code_of(const std::string& line) {
-  static const std::regex literal(R"("([^"\\]|\\.)*")");
-  const bool has_literal = line.find('"') != std::string::npos;
-  const std::string code = has_literal ? std::regex_replace(line, literal, "\"\"") : line;
+  static const Pattern literal(R"("([^"\\]|\\.)*")");
+  std::string code;
+  std::string rest = line;
+  while (rest.find('"') != std::string::npos) {
+    const std::vector<std::string> found = literal.search(rest);
+    if (found.empty()) break;
+    const std::size_t place = rest.find(found[0]);
+    code += rest.substr(0, place) + "\"\"";
+    rest.erase(0, place + found[0].size());
+  }
+  code += rest;
   return code.substr(0, code.find("//"));
 }
 
@@ -370,7 +379,7 @@ std::optional<std::string_view> refuse_include(std::string_view path, const Room
   if (std::ranges::find(room.may_include, origin) == room.may_include.end()) return room.reason;
   if (origin != Origin::standard) return std::nullopt;
   for (const TextRule& rule : forbidden_headers()) {
-    if (path.starts_with(rule.folder) && std::regex_match(include.name, rule.pattern)) {
+    if (path.starts_with(rule.folder) && rule.pattern.is_all_of(include.name)) {
       return rule.reason;
     }
   }
@@ -479,7 +488,7 @@ std::optional<std::string_view> refuse_tool_room(std::string_view path, const In
 
 std::optional<std::string_view> refuse_code(std::string_view path, const std::string& code) {
   for (const TextRule& rule : forbidden_code()) {
-    if (path.starts_with(rule.folder) && std::regex_search(code, rule.pattern)) return rule.reason;
+    if (path.starts_with(rule.folder) && rule.pattern.is_in(code)) return rule.reason;
   }
   return std::nullopt;
 }
@@ -512,11 +521,12 @@ bool reaches_private_header(std::string_view path, std::string_view included,
                             const std::vector<std::string>& headers) {
   const std::string ending = "/" + std::string(included);
   return std::ranges::any_of(headers, [&](const std::string& header) {
+    if (!header.ends_with(ending)) return false;
     const bool is_shared = header.starts_with("service/src/settings/");
     const bool is_in_room = first_folder(header) == first_folder(path);
     // The engine in a user's process: the one place beside the service that knows its rooms.
     const bool is_bench = path.starts_with("clients/bench/") && header.starts_with("service/src/");
-    return (is_in_room || is_shared || is_bench) && header.ends_with(ending);
+    return is_in_room || is_shared || is_bench;
   });
 }
 

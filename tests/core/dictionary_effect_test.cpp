@@ -33,8 +33,6 @@ struct EffectRow {
   double tolerance = 0.0;
 };
 
-constexpr double kUnitsPerRadian = 4096.0 / 6.283185307179586;
-
 // ---- situations
 // -------------------------------------------------------------------------------------
 
@@ -290,7 +288,7 @@ std::vector<EffectRow> bench_rows() {
   };
   return {
       // 1 N.m less 0.05 N.m of friction on 6e-4 kg.m2; 606Ch lags half a tick of the ten.
-      {"test_load_torque", 1'000, 0.0, 0.95 / 6.0e-4 * kUnitsPerRadian, nothing, acceleration,
+      {"test_load_torque", 1'000, 0.0, 0.95 / 6.0e-4 * test::kUnitsPerRadian, nothing, acceleration,
        70'000.0},
       {"test_blocked_load", 1, 1.0, 0.0, moving, blocked_speed},
       {"test_over_current", 1, 0.0, 0x2310, enabled, fault_code},

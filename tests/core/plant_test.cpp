@@ -21,8 +21,7 @@ namespace {
 
 using std::chrono::microseconds;
 using test::AxisUnderTest;
-
-constexpr double kUnitsPerRadian = 4096.0 / (2.0 * std::numbers::pi);
+using test::kUnitsPerRadian;
 
 /// Without friction: motor and load of 3e-4 kg.m2 each, rigid.
 AxisConfiguration frictionless() {

@@ -541,20 +541,20 @@ TEST(ProfileProperties, NoErrorGrowsWithTheLengthOfTheMove) {
 // ---- the ends of every register, all with all
 // ---------------------------------------------------------
 
-constexpr double kLowest = -2147483648.0;
-constexpr double kHighest = 2147483647.0;
+constexpr double kLowestRegister = -2147483648.0;
+constexpr double kHighestRegister = 2147483647.0;
 constexpr double kWholeRange = 4294967295.0;
 
 /// Starts and targets: int32 ends, neighbours, one unit and the whole range apart, relative targets
 /// that leave the range.
 std::vector<Case> extreme_ways() {
   std::vector<Case> ways;
-  for (const double from : {kLowest, -1.0, 0.0, kHighest}) {
+  for (const double from : {kLowestRegister, -1.0, 0.0, kHighestRegister}) {
     for (const double way : {1.0, 2.0, 100.0, 2147483648.0, kWholeRange}) {
       ways.push_back({{from, 0.0}, from + way, {}});
       ways.push_back({{from, 0.0}, from - way, {}});
     }
-    for (const double to : {kLowest, kHighest}) {
+    for (const double to : {kLowestRegister, kHighestRegister}) {
       ways.push_back({{from, 0.0}, to, {}});
     }
   }
@@ -643,7 +643,8 @@ void expect_demand_on_the_profile(const AxisCase& c, int ticks) {
     const MotionSample expected = profile.at(tick * 1.0e-3);
     ASSERT_EQ(axis.demand(), std::llrint(expected.position)) << "tick " << tick;
     // 606Bh is an INTEGER32: it stays at its end.
-    ASSERT_NEAR(axis.demand_velocity(), std::clamp(expected.velocity, kLowest, kHighest), 0.51)
+    ASSERT_NEAR(axis.demand_velocity(),
+                std::clamp(expected.velocity, kLowestRegister, kHighestRegister), 0.51)
         << "tick " << tick;
   }
   const bool over = profile.duration() < ticks * 1.0e-3 && c.speed != 0;
@@ -769,7 +770,7 @@ TEST(Uptime, AMoveAcrossTheWholeRangeIsExactAfter24And49Days) {
   drive.write("profile_acc", 999);
   drive.write("profile_dec", 999);
   drive.write("ds402_controlword", 0x0F);
-  drive.set_demand_position(kLowest);
+  drive.set_demand_position(kLowestRegister);
   drive.write("position_user_target_value", 2147483647);
   drive.write("ds402_controlword", 0x1F);
   drive.tick();

@@ -10,7 +10,7 @@
 namespace vdrive::service {
 namespace {
 
-void put_number(Ring<int>& ring, int value) {
+void put_in_ring(Ring<int>& ring, int value) {
   int* const slot = ring.free_slot();
   ASSERT_NE(slot, nullptr);
   *slot = value;
@@ -20,8 +20,8 @@ void put_number(Ring<int>& ring, int value) {
 TEST(Ring, ReturnsMessagesInTheirOrder) {
   Ring<int> ring(3);
   for (int round = 0; round < 5; ++round) {
-    put_number(ring, round);
-    put_number(ring, round + 100);
+    put_in_ring(ring, round);
+    put_in_ring(ring, round + 100);
     EXPECT_EQ(*ring.front(), round);
     ring.pop();
     EXPECT_EQ(*ring.front(), round + 100);
@@ -32,8 +32,8 @@ TEST(Ring, ReturnsMessagesInTheirOrder) {
 
 TEST(Ring, HoldsExactlyItsCapacity) {
   Ring<int> ring(2);
-  put_number(ring, 1);
-  put_number(ring, 2);
+  put_in_ring(ring, 1);
+  put_in_ring(ring, 2);
   EXPECT_EQ(ring.free_slot(), nullptr);
   EXPECT_EQ(ring.size(), 2U);
   ring.pop();
@@ -46,9 +46,9 @@ TEST(Ring, RestartsWithItsFirstSlotWhenItIsEmpty) {
   const int* const first = ring.free_slot();
   for (int round = 0; round < 25; ++round) {
     ASSERT_EQ(ring.free_slot(), first);
-    put_number(ring, round);
-    put_number(ring, round + 100);
-    put_number(ring, round + 200);
+    put_in_ring(ring, round);
+    put_in_ring(ring, round + 100);
+    put_in_ring(ring, round + 200);
     for (int place = 0; place < 3; ++place) {
       EXPECT_EQ(ring.front(), first + place);
       EXPECT_EQ(*ring.front(), round + 100 * place);
@@ -62,16 +62,16 @@ TEST(Ring, RestartsWithItsFirstSlotWhenItIsEmpty) {
 TEST(Ring, HasItsWholeCapacityFromAnyPosition) {
   Ring<int> ring(10);
   for (int round = 0; round < 20; ++round) {
-    for (int count = 0; count < 1 + round % 10; ++count) put_number(ring, count);
+    for (int count = 0; count < 1 + round % 10; ++count) put_in_ring(ring, count);
     while (ring.front() != nullptr) ring.pop();
-    for (int count = 0; count < 10; ++count) put_number(ring, count);
+    for (int count = 0; count < 10; ++count) put_in_ring(ring, count);
     EXPECT_EQ(ring.free_slot(), nullptr);
     EXPECT_EQ(ring.size(), 10U);
     for (int count = 0; count < 9; ++count) {
       EXPECT_EQ(*ring.front(), count);
       ring.pop();
     }
-    put_number(ring, 10);
+    put_in_ring(ring, 10);
     EXPECT_EQ(*ring.front(), 9);
     ring.pop();
     EXPECT_EQ(*ring.front(), 10);

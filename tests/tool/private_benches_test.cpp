@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `vdrive test` and `vdrive run --private`: a bench for each file, one report, nothing left behind.
-// Two programs are made of this source: one of benches in the process, one of benches over DDS.
+// The benches are in the processes of the files, or services (vdrive_run_over_dds).
+#include "support/bench_on_wire.hpp"
 #include "tool/marked_calls.hpp"
 
 #include <gmock/gmock.h>
@@ -11,9 +12,9 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <string>
-#include <tuple>
 #include <vector>
 
 namespace vdrive::test {
@@ -26,13 +27,11 @@ using testing::SizeIs;
 
 using Json = nlohmann::ordered_json;
 
-const std::string kWire = VDRIVE_TEST_WIRE;
-
-/// On the wire of this program.
-class PrivateBenchCalls : public MarkedCalls {
+/// On the wire of this run.
+class PrivateBenches : public MarkedCalls {
  protected:
   static Process start_on_wire(const std::string& command, std::vector<std::string> arguments) {
-    arguments.insert(arguments.end(), {"--over", kWire});
+    arguments.insert(arguments.end(), {"--over", runs_over_dds() ? "dds" : "local"});
     return start(command, std::move(arguments));
   }
 
@@ -46,9 +45,7 @@ class PrivateBenchCalls : public MarkedCalls {
   }
 };
 
-class PrivateBenches : public PrivateBenchCalls, public testing::WithParamInterface<std::string> {};
-
-TEST_P(PrivateBenches, RunEachFileOnANewBenchAndWriteOneReport) {
+TEST_F(PrivateBenches, RunEachFileOnANewBenchAndWriteOneReport) {
   const std::string same = "expect 1.1 position 0\nenable 1.1\nmove 1.1 500\n";
   const Finished finished =
       test({file("a.scn", same), file("b.scn", same + "expect 1.1 position < 100\n"),
@@ -64,7 +61,7 @@ TEST_P(PrivateBenches, RunEachFileOnANewBenchAndWriteOneReport) {
   EXPECT_TRUE(all_have_ended());
 }
 
-TEST_P(PrivateBenches, HaveTheAxesOfTheConfigurationAndAreInLockStep) {
+TEST_F(PrivateBenches, HaveTheAxesOfTheConfigurationAndAreInLockStep) {
   const std::string configuration =
       file("bench.yaml", "clock: {mode: realtime}\naxes:\n  - {number: 3, name: lift}\n");
   const Finished finished = test({file("a.scn", "let axis = nobody\nenable ${axis}\nstep 10\n"),
@@ -75,7 +72,7 @@ TEST_P(PrivateBenches, HaveTheAxesOfTheConfigurationAndAreInLockStep) {
   EXPECT_EQ(Json::parse(finished.lines()[1])["files"], 1);
 }
 
-TEST_P(PrivateBenches, DoNotStartAfterAUsageError) {
+TEST_F(PrivateBenches, DoNotStartAfterAUsageError) {
   const std::string good = file("a.scn", "enable 1.1\n");
   const Finished mistake = test({good, file("b.scn", "enabel 1.1\n"), "--junit", report()});
   EXPECT_EQ(mistake.code, 2);
@@ -85,7 +82,7 @@ TEST_P(PrivateBenches, DoNotStartAfterAUsageError) {
   EXPECT_EQ(test({"-"}).code, 2);
 }
 
-TEST_P(PrivateBenches, AreNotStartedWithABadConfiguration) {
+TEST_F(PrivateBenches, AreNotStartedWithABadConfiguration) {
   const std::string good = file("a.scn", "enable 1.1\n");
   const std::string bad = file("bad.yaml", "axis: 5\n");
   const Finished tested = test({good, "--config", bad, "--junit", report()});
@@ -97,14 +94,14 @@ TEST_P(PrivateBenches, AreNotStartedWithABadConfiguration) {
   EXPECT_EQ(run.errors, tested.errors);
 }
 
-TEST_P(PrivateBenches, NameAMissingAxis) {
+TEST_F(PrivateBenches, NameAMissingAxis) {
   const Finished finished = test({file("a.scn", "enable 1.9\n"), "--timeout", "1"});
   EXPECT_EQ(finished.code, 3);
   EXPECT_THAT(finished.errors, HasSubstr("a.scn:1: "));
 }
 
 // A service manager gives its services this directory: it is not one of a bench of a test.
-TEST_P(PrivateBenches, KeepNoParameters) {
+TEST_F(PrivateBenches, KeepNoParameters) {
   const std::string directory = file("state", "");
   std::filesystem::remove(directory);
   std::filesystem::create_directory(directory);
@@ -115,7 +112,7 @@ TEST_P(PrivateBenches, KeepNoParameters) {
   EXPECT_TRUE(std::filesystem::is_empty(directory));
 }
 
-TEST_P(PrivateBenches, OfRunAreNewForEachFile) {
+TEST_F(PrivateBenches, OfRunAreNewForEachFile) {
   const std::string same = "expect 1.1 position 0\nenable 1.1\nmove 1.1 500\n";
   const Finished finished =
       run_privately({file("a.scn", same), file("b.scn", same), "--junit", report()});
@@ -124,14 +121,14 @@ TEST_P(PrivateBenches, OfRunAreNewForEachFile) {
   EXPECT_THAT(text_of(report()), HasSubstr("<testsuites tests=\"6\" failures=\"0\""));
 }
 
-TEST_P(PrivateBenches, OfRunContinueAfterAFileThatFailed) {
+TEST_F(PrivateBenches, OfRunContinueAfterAFileThatFailed) {
   const Finished finished = run_privately(
       {file("a.scn", "expect 1.1 position 1\n"), file("b.scn", "expect 1.1 position 0\n")});
   EXPECT_EQ(finished.code, 1);
   EXPECT_THAT(finished.errors, AllOf(HasSubstr("a.scn:1: "), HasSubstr("1 of 2 files passed")));
 }
 
-TEST_P(PrivateBenches, OfRunHaveTheAxesOfAllFilesBeforeTheFirstCommand) {
+TEST_F(PrivateBenches, OfRunHaveTheAxesOfAllFilesBeforeTheFirstCommand) {
   const Finished finished =
       run_privately({file("a.scn", "enable 1.1\n"), file("b.scn", "enable 1.9\n"), "--json"});
   EXPECT_EQ(finished.code, 3);
@@ -143,7 +140,7 @@ TEST_P(PrivateBenches, OfRunHaveTheAxesOfAllFilesBeforeTheFirstCommand) {
 constexpr const char* kLong =
     "enable 1.1\nmove 1.1 1000000 --velocity 1 --timeout 3600000\nfinally\ndisable 1.1\n";
 
-TEST_P(PrivateBenches, ThatCrashFailTheirFileAlone) {
+TEST_F(PrivateBenches, ThatCrashFailTheirFileAlone) {
   Process call = start_on_wire("test", {file("long.scn", kLong), file("good.scn", "enable 1.1\n"),
                                         "--jobs", "1", "--junit", report()});
   const auto run = wait_for_process({"--private", "long.scn"});
@@ -157,16 +154,11 @@ TEST_P(PrivateBenches, ThatCrashFailTheirFileAlone) {
   EXPECT_TRUE(all_have_ended());
 }
 
-INSTANTIATE_TEST_SUITE_P(Wire, PrivateBenches, testing::Values(kWire), [](const auto& wire) {
-  return wire.param;
-});
-
 /// Ends a call by a signal once its scenario runs.
-class TestRunEndedBy : public PrivateBenchCalls,
-                       public testing::WithParamInterface<std::tuple<std::string, int>> {};
+class TestRunEndedBy : public PrivateBenches, public testing::WithParamInterface<int> {};
 
 TEST_P(TestRunEndedBy, ASignalLeavesNoProcessBehind) {
-  const int signal = std::get<1>(GetParam());
+  const int signal = GetParam();
   Process call =
       start_on_wire("test", {file("a.scn", kLong), file("b.scn", kLong), "--junit", report()});
   ASSERT_TRUE(wait_for_process({"a.scn", "--private"}));
@@ -182,7 +174,7 @@ TEST_P(TestRunEndedBy, ASignalLeavesNoProcessBehind) {
 class PrivateRunEndedBy : public TestRunEndedBy {};
 
 TEST_P(PrivateRunEndedBy, ASignalRunsTheFinalLines) {
-  const int signal = std::get<1>(GetParam());
+  const int signal = GetParam();
   Process call = start_on_wire("run", {file("a.scn", kLong), "--private"});
   ASSERT_THAT(call.read_line(), HasSubstr("enable"));
   ASSERT_THAT(call.read_line(), HasSubstr("move"));
@@ -193,17 +185,14 @@ TEST_P(PrivateRunEndedBy, ASignalRunsTheFinalLines) {
   EXPECT_TRUE(all_have_ended());
 }
 
-std::string name_of_row(const testing::TestParamInfo<std::tuple<std::string, int>>& row) {
-  return std::get<0>(row.param) + "_" + std::to_string(std::get<1>(row.param));
+std::string name_of_signal(const testing::TestParamInfo<int>& signal) {
+  return sigabbrev_np(signal.param);
 }
 
-INSTANTIATE_TEST_SUITE_P(Signals, TestRunEndedBy,
-                         testing::Combine(testing::Values(kWire),
-                                          testing::Values(SIGINT, SIGTERM, SIGKILL)),
-                         name_of_row);
-INSTANTIATE_TEST_SUITE_P(Signals, PrivateRunEndedBy,
-                         testing::Combine(testing::Values(kWire), testing::Values(SIGINT, SIGTERM)),
-                         name_of_row);
+INSTANTIATE_TEST_SUITE_P(Signals, TestRunEndedBy, testing::Values(SIGINT, SIGTERM, SIGKILL),
+                         name_of_signal);
+INSTANTIATE_TEST_SUITE_P(Signals, PrivateRunEndedBy, testing::Values(SIGINT, SIGTERM),
+                         name_of_signal);
 
 }  // namespace
 }  // namespace vdrive::test

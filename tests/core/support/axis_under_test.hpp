@@ -7,11 +7,15 @@
 #include <chrono>
 #include <concepts>
 #include <cstdint>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
 namespace vdrive::test {
+
+/// Of the encoders of an axis by default.
+inline constexpr double kUnitsPerRadian = 4096.0 / (2.0 * std::numbers::pi);
 
 /// One axis with access by variable_name and a drive clock: the common part of the tests of the
 /// bank's behaviour. A refused write or read is an error of the test unless the test reads the
