@@ -7,14 +7,15 @@
 # Without an option: every unit test, every test over DDS and every scenario, in some 9 minutes on
 # two cores from nothing.
 #
-#   --full      also what continuous integration checks, in 40 minutes: the sanitizers, clang-tidy,
+#   --full      also what continuous integration checks, in 35 minutes: the sanitizers, clang-tidy,
 #               the format, the fuzzers, the coverage, the packages, the sandbox, the conformance
 #               document, clients that come and go, benchmarks that still compile, the page of the
-#               gateway in a browser
+#               gateway in a browser; and the full counts of property tests and of the fuzzers that
+#               are tests (VDRIVE_FULL=1)
 #   --presets-until MINUTES
 #               begins the build of no preset later than that after the start, and skips its test:
 #               where a run is ended from outside, a slow machine shows less rather than nothing
-#   --nightly   --full with the long counts of property, fuzz and soak tests (VDRIVE_NIGHTLY=1)
+#   --nightly   --full with their long counts (VDRIVE_NIGHTLY=1)
 #   --retry-deadlines
 #               runs a test once more, alone, when it promises something about wall time (label
 #               timed) and failed by a deadline; never after a signal, a report of a sanitizer, an
@@ -59,6 +60,7 @@ presets=()
 setup_options=(--tests)
 options=(-D VDRIVE_CHECK_PRESETS=OFF)
 if $full; then
+  export VDRIVE_FULL=1
   setup_options+=(--page --browser)
   presets=(fuzz asan tidy tsan coverage) # what is skipped first comes last
   steps=$((3 + ${#presets[@]}))

@@ -5,6 +5,7 @@
 #include "client/objects.hpp"
 #include "client/session_options.hpp"
 #include "support/bench_on_wire.hpp"
+#include "support/effort.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
 #include <gmock/gmock.h>
@@ -565,8 +566,8 @@ class BigGroup : public Group {
 };
 
 TEST_F(BigGroup, KeepsAStraightLineAndArrivesTogetherInRandomMovesOf2To64Axes) {
-  const bool nightly = std::getenv("VDRIVE_NIGHTLY") != nullptr;
-  const int moves = nightly ? 500 * kRandomMoves : kRandomMoves;
+  const int moves = test::number_of<int>(
+      {.usual = kRandomMoves, .full = kRandomMoves, .nightly = 500 * kRandomMoves});
   std::mt19937_64 random(11);
   prepare(random);
   const auto uniform = [&](std::int64_t low, std::int64_t high) {

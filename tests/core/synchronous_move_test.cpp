@@ -2,6 +2,7 @@
 //
 // Synchronous move 5E10h: axes that start on one tick with the same times keep the proportions of
 // their displacements and arrive on one tick.
+#include "support/effort.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
@@ -112,7 +113,7 @@ std::uint32_t shortest_us(double way) {
 }
 
 #ifdef NDEBUG
-constexpr int kMovesOfABank = 250;
+const int kMovesOfABank = test::number_of<int>({.usual = 60, .full = 250, .nightly = 2'500});
 #else
 constexpr int kMovesOfABank = 4;
 #endif

@@ -5,6 +5,7 @@
 #include "guard/datagram_check.hpp"
 #include "guard/rtps.hpp"
 #include "security/material.hpp"
+#include "support/effort.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "wire/datagrams.hpp"
@@ -439,8 +440,8 @@ class FuzzedBench : public testing::Test {
 };
 
 TEST_F(FuzzedBench, SurvivesItsOwnDatagramsWithOtherClearFields) {
-  const bool is_nightly = std::getenv("VDRIVE_NIGHTLY") != nullptr;
-  const bool lives = attack(is_nightly ? 1'000'000 : 50'000);
+  const bool lives =
+      attack(number_of<std::uint64_t>({.usual = 15'000, .full = 50'000, .nightly = 1'000'000}));
   print();
   ASSERT_TRUE(lives);
   EXPECT_EQ(as_controller("read 1.1 0x6041").code, 0) << "no new client is served";

@@ -5,6 +5,7 @@
 #include "base/event_codes.hpp"
 #include "service/failing_files.hpp"
 #include "store/parameter_file.hpp"
+#include "support/effort.hpp"
 #include "support/temporary_directory.hpp"
 
 #include <gtest/gtest.h>
@@ -583,8 +584,7 @@ INSTANTIATE_TEST_SUITE_P(Parameters, FailingOperation, testing::Bool(), [](const
 }
 
 TEST_F(StateDirectory, SurvivesAServiceThatIsKilledAtAnyStepOfASave) {
-  const bool is_nightly = std::getenv("VDRIVE_NIGHTLY") != nullptr;
-  const std::uint64_t kills = is_nightly ? 1'000 : 100;
+  const auto kills = number_of<std::uint64_t>({.usual = 100, .full = 100, .nightly = 1'000});
   std::int64_t saved = 0;
   std::int64_t found = 0;
   for (std::uint64_t round = 0; round < kills; ++round) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A thousand axes that are killed again and again: 20 times, with VDRIVE_NIGHTLY 200 times.
+// A thousand axes that are killed again and again: 20 times, with more effort (support/effort.hpp)
+// 200 times.
 #include "service/probe.hpp"
+#include "support/effort.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 
@@ -104,7 +106,7 @@ class KilledService : public testing::Test {
 };
 
 TEST_F(KilledService, RestartsWithinASecondWithDisabledAxesAndLeaksNothing) {
-  const int rounds = std::getenv("VDRIVE_NIGHTLY") != nullptr ? 200 : 20;
+  const int rounds = number_of<int>({.usual = 8, .full = 20, .nightly = 200});
   std::optional<Resources> first;
   for (int round = 0; round <= rounds; ++round) {
     SCOPED_TRACE("round " + std::to_string(round));

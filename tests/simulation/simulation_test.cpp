@@ -4,13 +4,13 @@
 #include "simulation/simulation.hpp"
 
 #include "support/axis_invariants.hpp"
+#include "support/effort.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <ostream>
 #include <sstream>
 #include <string>
@@ -25,17 +25,17 @@ const bool kIsQuiet = [] {
   return true;
 }();
 
-/// Sanitizers and debug builds are slow: they run fewer seeds.
-std::uint64_t count_of(std::uint64_t optimised, std::uint64_t debug) {
+/// How many seeds: `full` of an optimised build with --full, a third of them in a usual run. Builds
+/// of sanitizers and without optimisation are slow: `debug`. By night 20 times as many.
+std::uint64_t count_of(std::uint64_t full, std::uint64_t debug) {
 #if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   static_cast<void>(debug);
-  const std::uint64_t count = optimised;
+  const std::uint64_t usual = full / 3;
 #else
-  static_cast<void>(optimised);
-  const std::uint64_t count = debug;
+  full = debug;
+  const std::uint64_t usual = debug;
 #endif
-  const char* const nightly = std::getenv("VDRIVE_NIGHTLY");
-  return nightly != nullptr && std::string(nightly) == "1" ? count * 20 : count;
+  return test::number_of<std::uint64_t>({.usual = usual, .full = full, .nightly = 20 * full});
 }
 
 std::string words_of(const Report& report) {

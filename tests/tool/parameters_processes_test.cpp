@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stored parameters of a service over kills and restarts, in a journal, and with two services.
+#include "support/effort.hpp"
 #include "support/temporary_directory.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -121,7 +122,7 @@ int shown_velocity() {
 }
 
 TEST_F(StoredParameters, SurviveAKillOfTheServiceDuringASave) {
-  const int kills = std::getenv("VDRIVE_NIGHTLY") == nullptr ? 3 : 60;
+  const int kills = number_of<int>({.usual = 3, .full = 3, .nightly = 60});
   int saved = 68'267;
   for (int round = 1; round <= kills; ++round) {
     RunningService service(flags("realtime"));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Guarded participants against datagrams that end, block or fill an unguarded one.
 #include "attacker.hpp"
+#include "support/effort.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "vdrive/wire/end_announcement.hpp"
@@ -22,7 +23,6 @@
 #include <bit>
 #include <charconv>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -288,7 +288,7 @@ TEST(AnnouncedEnd, RemovesADeadParticipantEverywhereAtOnce) {
 
 // Each takes one of the 256 places that a participant has for others until it is judged.
 TEST(AParticipant, ServesTheNextClientAfterAThousandKilledOnes) {
-  const int deaths = std::getenv("VDRIVE_NIGHTLY") != nullptr ? 1'000 : 60;
+  const int deaths = test::number_of<int>({.usual = 60, .full = 60, .nightly = 1'000});
   Requester requester(settings(Role::service));
   for (int death = 0; death < deaths; ++death) {
     Visitor visitor("vdrive client", {"client"});
@@ -498,8 +498,8 @@ class Mutator {
 };
 
 TEST(GuardedParticipant, SurvivesMutatedDatagrams) {
-  const bool is_nightly = std::getenv("VDRIVE_NIGHTLY") != nullptr;
-  const std::uint64_t count = is_nightly ? 10'000'000 : 100'000;
+  const auto count =
+      test::number_of<std::uint64_t>({.usual = 30'000, .full = 100'000, .nightly = 10'000'000});
   Visitor visitor("visitor");
   Requester known;
   ASSERT_TRUE(known.is_answered());

@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "support/effort.hpp"
+
 #include <cstdint>
-#include <cstdlib>
-#include <string_view>
 
 namespace vdrive::test {
 
-/// Number of random cases: `usual`, a tenth of it in a build without optimisation, or, with
-/// VDRIVE_NIGHTLY=1 in the environment, `nightly`.
-inline std::uint64_t case_count(std::uint64_t usual, std::uint64_t nightly) {
-  const char* const variable = std::getenv("VDRIVE_NIGHTLY");
-  if (variable != nullptr && std::string_view(variable) == "1") return nightly;
-#ifdef __OPTIMIZE__
-  return usual;
-#else
-  return usual / 10;
+/// Number of random cases; by day a tenth of it in a build without optimisation.
+inline std::uint64_t case_count(std::uint64_t by_day, std::uint64_t nightly) {
+#ifndef __OPTIMIZE__
+  by_day /= 10;
 #endif
+  return number_of<std::uint64_t>({.usual = by_day, .full = by_day, .nightly = nightly});
 }
 
 /// SplitMix64: the same numbers on every machine.
