@@ -14,12 +14,15 @@ namespace vdrive::python {
 
 /// Memory of records. New bytes have no value until they are written.
 struct RecordAllocator {
+  // NOLINTBEGIN(readability-identifier-naming): names of the standard
   using value_type = std::byte;
 
   template <typename /*Byte*/>
-  struct rebind {  // NOLINT(readability-identifier-naming): the name is the standard's
+  struct rebind {
     using other = RecordAllocator;
   };
+
+  // NOLINTEND(readability-identifier-naming)
 
   /// Asks for huge pages, as numpy does, where the memory is some of them.
   /// @throws std::bad_alloc
