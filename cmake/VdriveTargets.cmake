@@ -190,14 +190,14 @@ function(vdrive_add_executable target)
 endfunction()
 
 # A test that holds a promise about wall time has the label timed beside its own, and these
-# properties: three of them run at a time, of the ten jobs of the preset release, and before all
-# others. Beside them runs one test that only calculates, with the lowest priority (CALCULATES). A
+# properties: three of them run at a time, of the eleven jobs of the preset release, and before all
+# others. Beside them run two tests that only calculate, with the lowest priority (CALCULATES). A
 # machine without a free processor cannot keep such a promise: .ci/run repeats a test with this
 # label that failed by a deadline.
 set(VDRIVE_TIMED_TEST PROCESSORS 3 COST 900)
 # Before what takes long, for the place beside timed tests.
 set(VDRIVE_CALCULATING_TEST COST 500)
-find_program(VDRIVE_NICE nice)
+find_program(VDRIVE_CHRT chrt)
 
 # Makes those tests of a GoogleTest program timed whose names match the regular expression. Only
 # ctest knows these names, and gtest_discover_tests cannot pass a list of labels on.
@@ -256,8 +256,8 @@ function(vdrive_add_test name)
   set(order)
   if(arg_CALCULATES)
     set(order ${VDRIVE_CALCULATING_TEST})
-    if(VDRIVE_NICE)
-      set_target_properties(${name} PROPERTIES CROSSCOMPILING_EMULATOR "${VDRIVE_NICE};-n;19")
+    if(VDRIVE_CHRT)
+      set_target_properties(${name} PROPERTIES CROSSCOMPILING_EMULATOR "${VDRIVE_CHRT};--idle;0")
     endif()
   endif()
   gtest_discover_tests(

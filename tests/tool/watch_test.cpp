@@ -92,7 +92,9 @@ TEST_F(WatchOnATerminal, FollowsTheSizeOfTheTerminal) {
              has_demand == (columns >= 160);
     })) << columns
         << error_of(watch.screen());
-    // A table that was on its way at the old width wraps; what follows does not.
+    // A table that was on its way at the old width wraps, and a part of it may have looked like the
+    // new one; what begins after a step does not.
+    ASSERT_TRUE(see_another_tick(watch)) << columns << error_of(watch.screen());
     const std::size_t wrapped = watch.screen().wrapped();
     ASSERT_TRUE(see_another_tick(watch)) << columns << error_of(watch.screen());
     EXPECT_EQ(watch.screen().wrapped(), wrapped) << columns << error_of(watch.screen());
