@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The same program over the local bus and over DDS: the same answers, the same axes in every tick
 // that is seen, and the same journal, which has every tick.
-//
-//   VDRIVE_SEQUENCES=1000 both_wires_test     as many random sequences of commands; 60 by default
 #include "bench/random_program.hpp"
 #include "client/session_options.hpp"
+#include "support/effort.hpp"
 #include "support/temporary_directory.hpp"
 #include "tool/process.hpp"
 #include "vdrive/bench/bench.hpp"
@@ -14,7 +13,6 @@
 
 #include <array>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -26,12 +24,6 @@ using client::Session;
 constexpr int kAxes = 3;
 constexpr const char* kConfiguration = VDRIVE_SOURCE_DIR "/tests/data/patient.yaml";
 
-std::size_t number_of_sequences() {
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): before the first thread
-  const char* const chosen = std::getenv("VDRIVE_SEQUENCES");
-  return chosen == nullptr ? 60 : std::stoul(chosen);
-}
-
 /// The same bench over both wires, each with a journal.
 class BothWires : public testing::Test {
  protected:
@@ -41,7 +33,8 @@ class BothWires : public testing::Test {
     for (std::size_t wire = 0; wire < sessions.size(); ++wire) {
       begins[wire] = sessions[wire]->take_snapshot(1).value();
     }
-    const std::size_t sequences = number_of_sequences();
+    const auto sequences =
+        test::number_of<std::uint32_t>({.usual = 60, .full = 1'000, .nightly = 10'000});
     for (std::uint32_t seed = 1; seed <= sequences; ++seed) {
       std::array<std::string, 2> logs;
       for (std::size_t wire = 0; wire < sessions.size(); ++wire) {
