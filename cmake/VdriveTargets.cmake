@@ -66,6 +66,9 @@ function(vdrive_target_defaults target)
   set_target_properties(${target} PROPERTIES CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_options(${target} PRIVATE ${vdrive_ccache_options})
+  # The compiler looks for garbage in its memory again and again; with less than 512 MiB it need not.
+  target_compile_options(
+    ${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=524288>)
   target_compile_definitions(${target} PRIVATE $<$<CONFIG:Debug>:_GLIBCXX_ASSERTIONS>
                                                $<${vdrive_optimised}:_FORTIFY_SOURCE=2>
                                                $<${vdrive_asserts}:VDRIVE_ASSERTS>)

@@ -23,6 +23,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <fstream>
 #include <functional>
 #include <future>
 #include <latch>
@@ -957,19 +958,34 @@ TEST(Bench, ThatEndsEndsTheWaitsOfOtherThreadsAtOnce) {
   }
 }
 
+/// @return whether a thread of this process waits in the kernel.
+bool is_asleep(pid_t thread) {
+  std::ifstream stat("/proc/self/task/" + std::to_string(thread) + "/stat");
+  std::string text;
+  std::getline(stat, text);
+  const std::size_t name_end = text.rfind(')');  // the state follows the name
+  return name_end != std::string::npos && text.substr(name_end, 3).ends_with('S');
+}
+
 TEST(Bench, ThatEndsEndsTheWaitForAnotherStepper) {
   std::optional<Bench> bench(std::in_place);
   Session slow = bench->session();
   const auto other = StepClock::join(slow, kFirst);
   ASSERT_TRUE(other);
   Session session = bench->session();
-  std::promise<void> begins;
+  std::promise<pid_t> begins;
   auto ended = std::async(std::launch::async, [&] {
     auto clock = StepClock::join(session, kFirst);
-    begins.set_value();
+    begins.set_value(gettid());
     return clock ? clock->step(1, kLong).outcome().kind() : clock.outcome().kind();
   });
-  begins.get_future().wait();
+  // It sleeps in the step: the other one never grants it.
+  const pid_t thread = begins.get_future().get();
+  const auto deadline = std::chrono::steady_clock::now() + kLong;
+  while (!is_asleep(thread)) {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    std::this_thread::yield();
+  }
   bench.reset();
   ASSERT_EQ(ended.wait_for(seconds(5)), std::future_status::ready);
   EXPECT_EQ(ended.get(), OutcomeKind::lost);
