@@ -22,6 +22,8 @@ namespace {
 using client::Session;
 
 constexpr int kAxes = 3;
+const auto kSequences =
+    test::number_of<std::uint32_t>({.usual = 60, .full = 1'000, .nightly = 10'000});
 constexpr const char* kConfiguration = VDRIVE_SOURCE_DIR "/tests/data/patient.yaml";
 
 /// The same bench over both wires, each with a journal.
@@ -33,9 +35,7 @@ class BothWires : public testing::Test {
     for (std::size_t wire = 0; wire < sessions.size(); ++wire) {
       begins[wire] = sessions[wire]->take_snapshot(1).value();
     }
-    const auto sequences =
-        test::number_of<std::uint32_t>({.usual = 60, .full = 1'000, .nightly = 10'000});
-    for (std::uint32_t seed = 1; seed <= sequences; ++seed) {
+    for (std::uint32_t seed = 1; seed <= kSequences; ++seed) {
       std::array<std::string, 2> logs;
       for (std::size_t wire = 0; wire < sessions.size(); ++wire) {
         ASSERT_TRUE(sessions[wire]->release(1));
@@ -73,7 +73,7 @@ TEST_F(BothWires, GiveARandomProgramTheSameAnswersTheSameAxesAndTheSameJournal) 
   const auto local = records_of(path("journal.local"));
   const auto over_dds = records_of(path("journal.dds"));
   ASSERT_EQ(local.size(), over_dds.size());
-  EXPECT_GT(local.size(), number_of_sequences());  // a snapshot each
+  EXPECT_GT(local.size(), kSequences);  // a snapshot each
   for (std::size_t i = 0; i < local.size(); ++i) {
     ASSERT_TRUE(local[i] == over_dds[i])
         << "record " << i << " of " << local.size() << ", of kind " << local[i].index();
