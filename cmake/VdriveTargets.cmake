@@ -193,8 +193,8 @@ function(vdrive_add_executable target)
 endfunction()
 
 # A test that holds a promise about wall time has the label timed beside its own, and these
-# properties: three of them run at a time, of the eleven jobs of the preset release, and before all
-# others. Beside them run two tests that only calculate, with the lowest priority (CALCULATES). A
+# properties: three of them run at a time, of the ten jobs of the preset release, and before all
+# others. Beside them runs one test that only calculates, with the lowest priority (CALCULATES). A
 # machine without a free processor cannot keep such a promise: .ci/run repeats a test with this
 # label that failed by a deadline.
 set(VDRIVE_TIMED_TEST PROCESSORS 3 COST 900)

@@ -4,7 +4,7 @@
 #
 #   tests/run.sh [--full] [--presets-until MINUTES] [--nightly] [--retry-deadlines] [ctest arguments...]
 #
-# Without an option: every unit test, every test over DDS and every scenario, in some 9 minutes on
+# Without an option: every unit test, every test over DDS and every scenario, in some 8 minutes on
 # two cores from nothing.
 #
 #   --full      also what continuous integration checks, in 35 minutes: the sanitizers, clang-tidy,

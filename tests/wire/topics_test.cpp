@@ -136,7 +136,9 @@ TEST(LateReader, GetsTheNextReplyOfAWriterThatSentManyWhileOthersJoined) {
     ++sent;
     // As clients ask: one reply after the other while others join. A full history would lose its
     // oldest sample, so it never fills.
-    if (!joined || sent % 512 == 0) EXPECT_TRUE(replies.wait_for_acknowledged(kPatience));
+    if (!joined || sent % 512 == 0) {
+      EXPECT_TRUE(replies.wait_for_acknowledged(kPatience));
+    }
   }
   joins.join();
 
