@@ -2,6 +2,7 @@
 // `vdrive test` over both wires: every scenario of the project, scenarios that fail, and one with
 // every command that a scenario may have give the same verdicts, cases and messages.
 #include "command_table.hpp"
+#include "support/effort.hpp"
 #include "support/temporary_directory.hpp"
 #include "tool/process.hpp"
 
@@ -10,7 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -97,13 +97,12 @@ class BothWires : public testing::Test {
 const std::filesystem::path kScenarios =
     std::filesystem::path(VDRIVE_SOURCE_DIR) / "clients" / "scenarios";
 
-/// @return every scenario of the project with VDRIVE_EVERY_SCENARIO=1 in the environment, which
-/// takes
-///         half a minute of a processor; else one of each kind, of those that take the least drive
-///         time.
+/// @return every scenario of the project with --full, which takes half a minute of a processor;
+/// else
+///         one of each kind, of those that take the least drive time.
 std::vector<std::string> scenarios_of_the_project() {
   std::vector<std::string> files;
-  if (std::getenv("VDRIVE_EVERY_SCENARIO") == nullptr) {
+  if (!number_of<bool>({.usual = false, .full = true, .nightly = true})) {
     for (const char* const name : {"blocked_axis", "fault_reset", "homing", "quick_stop",
                                    "refusals", "software_limits", "speed_limit"}) {
       files.push_back(kScenarios / (std::string(name) + ".scn"));

@@ -411,8 +411,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
   const ConnectionId id_;
   const Use use_;
   Phase phase_ = Phase::http;
-  /// Without compression, which the gateway does not offer: its code would be a tenth of this
-  /// object.
+  /// Without compression, which the gateway does not offer.
   websocket::stream<beast::tcp_stream, false> socket_;
   beast::flat_buffer buffer_{kLongestMessage};
   std::optional<http::request_parser<http::string_body>> parser_;

@@ -18,7 +18,6 @@
 #include <cstring>
 #include <deque>
 #include <memory>
-#include <new>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -283,29 +282,7 @@ void add_observation(py::module_& module) {
       });
 }
 
-constexpr std::align_val_t kHugePage{std::size_t{1} << 21U};
-
-bool has_huge_pages(std::size_t bytes) noexcept {
-  return bytes >= 2 * static_cast<std::size_t>(kHugePage);
-}
-
 }  // namespace
-
-// Of a recording of 60 MB the kernel would clear 15,000 pages of 4 kB: a quarter of its time.
-std::byte* RecordAllocator::allocate(std::size_t bytes) {
-  if (!has_huge_pages(bytes)) return static_cast<std::byte*>(::operator new(bytes));
-  auto* const memory = static_cast<std::byte*>(::operator new(bytes, kHugePage));
-  static_cast<void>(madvise(memory, bytes, MADV_HUGEPAGE));  // a kernel without them clears pages
-  return memory;
-}
-
-void RecordAllocator::deallocate(std::byte* memory, std::size_t bytes) noexcept {
-  if (has_huge_pages(bytes)) {
-    ::operator delete(memory, kHugePage);
-  } else {
-    ::operator delete(memory);
-  }
-}
 
 Frames::Frames(std::size_t axes) : axes_(axes), row_(axes * layout().size()) {}
 
@@ -313,6 +290,14 @@ void Frames::expect(std::size_t samples) {
   // More grows with the samples: a count that is too large has to fail at none of them.
   constexpr std::size_t kMostAtFirst = std::size_t{1} << 28U;  // [bytes]
   records_.reserve(std::min(samples, kMostAtFirst / std::max<std::size_t>(row_, 1)) * row_);
+  // Of a recording of 60 MB the kernel would clear 15,000 pages of 4 kB: a quarter of its time.
+  // Where it has no huge pages it refuses, and clears them.
+  constexpr std::size_t kHugePage = std::size_t{1} << 21U;
+  void* place = records_.data();
+  std::size_t room = records_.capacity();
+  if (std::align(kHugePage, kHugePage, place, room) != nullptr) {
+    static_cast<void>(madvise(place, room, MADV_HUGEPAGE));
+  }
 }
 
 void Frames::add(const Observation& sample) {
@@ -328,7 +313,7 @@ void Frames::add(const Observation& sample) {
 
 py::array Frames::take(std::size_t most) {
   const std::size_t count = std::min(most, samples_);
-  auto taken = std::make_unique<Records>();
+  auto taken = std::make_unique<std::vector<std::byte>>();
   taken->swap(records_);
   if (count < samples_) {
     const auto end = taken->begin() + static_cast<std::ptrdiff_t>(count * row_);
@@ -342,7 +327,7 @@ py::array Frames::take(std::size_t most) {
   const std::byte* const first = taken->data();
   const py::capsule owner(taken.get(), [](void* records) {
     // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): released below
-    delete static_cast<Records*>(records);
+    delete static_cast<std::vector<std::byte>*>(records);
   });
   static_cast<void>(taken.release());
   return {layout().type(), shape, first, owner};

@@ -12,30 +12,6 @@
 
 namespace vdrive::python {
 
-/// Memory of records. New bytes have no value until they are written.
-struct RecordAllocator {
-  // NOLINTBEGIN(readability-identifier-naming): names of the standard
-  using value_type = std::byte;
-
-  template <typename /*Byte*/>
-  struct rebind {
-    using other = RecordAllocator;
-  };
-
-  // NOLINTEND(readability-identifier-naming)
-
-  /// Asks for huge pages, as numpy does, where the memory is some of them.
-  /// @throws std::bad_alloc
-  [[nodiscard]] static std::byte* allocate(std::size_t bytes);
-  static void deallocate(std::byte* memory, std::size_t bytes) noexcept;
-
-  static void construct(std::byte* /*place*/) noexcept {}
-
-  friend bool operator==(const RecordAllocator&, const RecordAllocator&) = default;
-};
-
-using Records = std::vector<std::byte, RecordAllocator>;
-
 /// Samples of `axes` axes each, with a record for each axis of each sample.
 class Frames {
  public:
@@ -46,7 +22,8 @@ class Frames {
   /// @return how many samples it has.
   [[nodiscard]] std::size_t size() const noexcept { return samples_; }
 
-  /// Sets memory aside for so many samples, as far as that is reasonable.
+  /// Sets memory aside for so many samples, as far as that is reasonable; on huge pages where the
+  /// kernel has them, as numpy does.
   void expect(std::size_t samples);
 
   /// Adds a sample. Needs no interpreter lock.
@@ -59,7 +36,7 @@ class Frames {
   [[nodiscard]] py::array take(std::size_t most);
 
  private:
-  Records records_;
+  std::vector<std::byte> records_;
   std::size_t samples_ = 0;
   std::size_t axes_;
   std::size_t row_;  ///< bytes of one sample
