@@ -360,5 +360,18 @@ TEST(Architecture, EachHeaderIsGuardedByPragmaOnce) {
   }
 }
 
+// Process 0 of kill(2) is the group of the caller: a number that was not found would stop or end
+// ctest and what started it.
+TEST(Architecture, TestsSendSignalsOnlyThroughTheFunctionThatRefusesGroupsOfProcesses) {
+  static const Pattern call(R"((^|[^A-Za-z0-9_.>])kill\([^)]+,)");
+  for (const SourceFile& file : sources()) {
+    if (!file.path.starts_with("tests/") || file.path == "tests/support/signals.hpp") continue;
+    std::istringstream lines(file.text);
+    for (std::string line; std::getline(lines, line);) {
+      EXPECT_FALSE(call.is_in(line)) << file.path << ": " << line;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vdrive::architecture

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "support/signals.hpp"
+
 #include <fastdds/dds/core/condition/StatusCondition.hpp>
 #include <fastdds/dds/core/condition/WaitSet.hpp>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -235,7 +237,8 @@ class Partner {
   }
 
   ~Partner() {
-    kill(process_, SIGKILL);
+    if (process_ < 0) return;
+    test::send_signal(process_, SIGKILL);
     waitpid(process_, nullptr, 0);
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "support/signals.hpp"
 #include "support/test_domain.hpp"
 
 #include <sys/types.h>
@@ -37,7 +38,8 @@ class ServiceProcess {
   }
 
   ~ServiceProcess() {
-    kill(process_, SIGTERM);
+    if (process_ < 0) return;
+    send_signal(process_, SIGTERM);
     waitpid(process_, nullptr, 0);
   }
 

@@ -10,6 +10,7 @@
 // Prints JSON lines, medians of the rounds: {"figure":"threads_speedup","axes":16384,"value":...}.
 #include "base/step_pool.hpp"
 #include "moving_bench.hpp"
+#include "support/signals.hpp"
 
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -68,7 +69,7 @@ class Neighbour {
   }
 
   ~Neighbour() {
-    kill(process_, SIGKILL);
+    vdrive::test::send_signal(process_, SIGKILL);
     waitpid(process_, nullptr, 0);
     for (const int end : {orders_[0], orders_[1], answers_[0], answers_[1]}) close(end);
   }

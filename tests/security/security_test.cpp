@@ -4,6 +4,7 @@
 
 #include "security/material.hpp"
 #include "support/process_tree.hpp"
+#include "support/signals.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "vdrive/client/axis.hpp"
@@ -125,7 +126,7 @@ TEST_F(ClosedBench, StepsInLockStepByAProcessThatMayBeKilled) {
         << kills;
     const pid_t wire = wire_of(service_->id());
     EXPECT_NE(wire, 0) << "by default the wire of a closed bench is a process";
-    if (wire != 0) kill(wire, SIGKILL);
+    if (wire != 0) send_signal(wire, SIGKILL);
     EXPECT_TRUE(holds_soon([&] {
       const pid_t next = wire_of(service_->id());
       return next != 0 && next != wire;

@@ -572,7 +572,7 @@ INSTANTIATE_TEST_SUITE_P(Parameters, FailingOperation, testing::Bool(), [](const
 [[noreturn]] void save_until_killed(const fs::path& directory, std::uint64_t last, int pipe_end) {
   FilePlan plan;
   plan.set([last](std::uint64_t number) {
-    if (number == last) kill(getpid(), SIGKILL);
+    if (number == last) std::raise(SIGKILL);
   });
   ParameterStore store(directory, kBenchOfStore, std::make_unique<FailingFiles>(plan));
   std::int64_t generation = generation_of(store.load().table).value_or(0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program vdrived: processes, signals, exit codes.
 #include "service/probe.hpp"
+#include "support/signals.hpp"
 #include "support/test_domain.hpp"
 
 #include <gtest/gtest.h>
@@ -55,7 +56,7 @@ class Process {
 
   ~Process() {
     if (child_ > 0) {
-      kill(child_, SIGKILL);
+      send_signal(child_, SIGKILL);
       waitpid(child_, nullptr, 0);
     }
     std::fclose(output_);
@@ -64,7 +65,7 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  void send(int signal) const { kill(child_, signal); }
+  void send(int signal) const { send_signal(child_, signal); }
 
   /// Reads to the end of the output and waits. @return the exit code, or -signal.
   int wait() {

@@ -3,6 +3,8 @@
 // when it has to end, and that it restarts after any failure.
 #include "service/probe.hpp"
 #include "support/deadline.hpp"
+#include "support/process_tree.hpp"
+#include "support/signals.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 
@@ -267,28 +269,20 @@ TEST(ServiceManager, IsNotifiedAfterTheServiceHasCheckedItsBenchNumber) {
   EXPECT_EQ(service->wait().code, 0);
 }
 
-/// @return the only child of a process, or nothing when it has none.
-std::optional<pid_t> child_of(pid_t process) {
-  const std::string id = std::to_string(process);
-  std::ifstream file("/proc/" + id + "/task/" + id + "/children");
-  pid_t child = 0;
-  return file >> child ? std::optional(child) : std::nullopt;
-}
-
 TEST(ServiceManager, IsNotifiedOfTheLossAndReturnOfTheNetworkProcess) {
   NotifySocket socket;
   const auto service = serve({"--wire", "process"});
   const std::string good = "STATUS=bench 1, 2 axes, realtime, DDS domain " +  //
                            std::to_string(test_domain());
   ASSERT_TRUE(socket.wait_for(good));
-  const auto spawner = child_of(service->id());
-  ASSERT_TRUE(spawner);
+  const pid_t spawner = child_of(service->id());
+  ASSERT_NE(spawner, 0);
   // The first one that ends is replaced at once, within the 50 ms after which the program looks
   // again; each further one after twice the time: 100 ms, 200 ms...
   std::optional<std::string> message;
   const auto deadline = Clock::now() + 10s;
   while (!message && Clock::now() < deadline) {
-    if (const auto wire = child_of(*spawner)) kill(*wire, SIGKILL);
+    if (const pid_t wire = child_of(spawner); wire != 0) send_signal(wire, SIGKILL);
     message = socket.next(20ms);
   }
   EXPECT_EQ(message, good + ", no network: the network process is down");
@@ -302,9 +296,9 @@ TEST(ServiceManager, RestartsAServiceThatCannotStartANetworkProcess) {
   NotifySocket socket;
   const auto service = serve({"--wire", "process"});
   ASSERT_TRUE(socket.wait_for("READY=1"));
-  const auto spawner = child_of(service->id());
-  ASSERT_TRUE(spawner);
-  kill(*spawner, SIGKILL);
+  const pid_t spawner = child_of(service->id());
+  ASSERT_NE(spawner, 0);
+  send_signal(spawner, SIGKILL);
   EXPECT_TRUE(socket.wait_for("STOPPING=1"));
   const Finished finished = service->wait();
   EXPECT_EQ(finished.code, 1);

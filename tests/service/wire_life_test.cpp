@@ -5,6 +5,7 @@
 #include "support/dropped_by_sockets.hpp"
 #include "support/local_http.hpp"
 #include "support/process_tree.hpp"
+#include "support/signals.hpp"
 #include "support/temporary_directory.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -16,6 +17,7 @@
 #include <sys/ptrace.h>
 #include <sys/types.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -27,6 +29,7 @@
 #include <mutex>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -81,6 +84,15 @@ class Bench {
   Process process_;
 };
 
+// A wire that is looked for too early is process 0: every process of the group of this run.
+TEST(Signals, AreSentToNoGroupOfProcesses) {
+  for (const pid_t group : {0, -1, -getpgrp()}) {
+    EXPECT_THROW(send_signal(group, 0), std::invalid_argument) << group;
+    EXPECT_THROW(static_cast<void>(exists(group)), std::invalid_argument) << group;
+  }
+  EXPECT_TRUE(send_signal(getpid(), 0));
+}
+
 bool is_restart(const msg::Event& event) {
   return event.kind() == msg::EVENT_WIRE && event.code() == 2;
 }
@@ -108,7 +120,7 @@ TEST(Engine, SurvivesTheEndOfItsWireAndStartsAnother) {
   for (std::uint64_t count = 1; count <= 3; ++count) {
     const pid_t wire = bench.wire();
     ASSERT_NE(wire, 0);
-    ::kill(wire, count == 2 ? SIGABRT : SIGKILL);
+    send_signal(wire, count == 2 ? SIGABRT : SIGKILL);
     EXPECT_LT(time_to_next_status(probe), 5s);
     ASSERT_TRUE(probe.event(is_restart).has_value());
     ASSERT_TRUE(probe.wait_until([&] {
@@ -131,7 +143,7 @@ TEST(Engine, RepublishesEarlierEventsThroughANewWire) {
     ASSERT_TRUE(probe.find_bench());
     ASSERT_TRUE(probe.acquire({1}).has_value());
   }
-  ::kill(bench.wire(), SIGKILL);
+  send_signal(bench.wire(), SIGKILL);
   Probe late(test_domain());
   ASSERT_TRUE(late.find_bench());
   EXPECT_TRUE(late.event(is_restart).has_value());
@@ -155,7 +167,7 @@ TEST(Engine, EndsAWireThatHangs) {
     return probe.seen_status().has_value();
   }));
   const pid_t wire = bench.wire();
-  ::kill(wire, SIGSTOP);
+  send_signal(wire, SIGSTOP);
   EXPECT_LT(time_to_next_status(probe), 5s);
   EXPECT_TRUE(holds_soon([&] {
     return !exists(wire);
@@ -176,7 +188,7 @@ TEST(Engine, ReplacesAKilledWireAtOnceWhileItsProcessIsStillThere) {
   if (ptrace(PTRACE_SEIZE, wire, nullptr, PTRACE_O_TRACEEXIT) != 0) {
     GTEST_SKIP() << "this user may not hold a process of his";
   }
-  ::kill(wire, SIGKILL);
+  send_signal(wire, SIGKILL);
   int status = 0;
   ASSERT_EQ(waitpid(wire, &status, __WALL), wire);
   ASSERT_EQ(status >> 8, SIGTRAP | (PTRACE_EVENT_EXIT << 8));
@@ -203,9 +215,11 @@ std::size_t count_of(const std::string& part, const std::string& text) {
 class StoppedProcesses : public testing::Test {
  protected:
   StoppedProcesses() {
-    EXPECT_TRUE(probe_.find_bench());
-    for (const pid_t process : {bench_.engine(), spawner_, wire_}) ::kill(process, SIGSTOP);
-    ::kill(bench_.engine(), SIGCONT);
+    EXPECT_TRUE(probe_.find_bench());  // its wire runs from here on, not before
+    spawner_ = bench_.spawner();
+    wire_ = bench_.wire();
+    for (const pid_t process : {bench_.engine(), spawner_, wire_}) send_signal(process, SIGSTOP);
+    send_signal(bench_.engine(), SIGCONT);
   }
 
   [[nodiscard]] bool is_down() const {
@@ -216,8 +230,8 @@ class StoppedProcesses : public testing::Test {
   Bench bench_{{"--metrics", "0", "--log-level", "info"}};
   int port_ = bench_.metrics_port();
   Probe probe_{test_domain()};
-  pid_t spawner_ = bench_.spawner();
-  pid_t wire_ = bench_.wire();
+  pid_t spawner_ = 0;
+  pid_t wire_ = 0;
 };
 
 TEST_F(StoppedProcesses, DoNotKeepTheServiceFromEnding) {
@@ -237,7 +251,7 @@ TEST_F(StoppedProcesses, AreReportedOnceAndReplacedWhenTheSpawnerGoesOn) {
   EXPECT_TRUE(holds_soon([&] {
     return is_down();
   }));
-  ::kill(spawner_, SIGCONT);
+  send_signal(spawner_, SIGCONT);
   EXPECT_TRUE(probe_.event(is_restart).has_value());
   EXPECT_TRUE(holds_soon([&] {
     return !is_down() && !exists(wire_);
@@ -321,11 +335,11 @@ void let_it_stand(pid_t wire) {
   std::mutex mutex;
   std::unique_lock lock(mutex);
   std::condition_variable never;
-  ::kill(wire, SIGSTOP);
+  send_signal(wire, SIGSTOP);
   static_cast<void>(never.wait_until(lock, Clock::now() + 150ms, [] {
     return false;
   }));
-  ::kill(wire, SIGCONT);
+  send_signal(wire, SIGCONT);
 }
 
 // 150 ticks of 512 axes are 300 frames of 28.7 kB, 8.6 MB: the engine keeps 250 ms of them. A
@@ -438,7 +452,7 @@ TEST(Engine, StepsThroughANewWireInLockStep) {
   Probe probe(test_domain());
   ASSERT_TRUE(probe.find_bench());
   ASSERT_TRUE(probe.step(5).has_value());
-  ::kill(bench.wire(), SIGKILL);
+  send_signal(bench.wire(), SIGKILL);
   ASSERT_TRUE(probe.event(is_restart).has_value());
   ASSERT_TRUE(probe.find_bench());
   const auto reply = probe.step(1);
@@ -465,7 +479,7 @@ TEST(Engine, LeavesNoProcessBehindAndEndsInTimeWhenItsWireHangs) {
   ASSERT_TRUE(probe.find_bench());
   const pid_t spawner = bench.spawner();
   const pid_t wire = bench.wire();
-  ::kill(wire, SIGSTOP);
+  send_signal(wire, SIGSTOP);
   const auto [finished, time] = bench.end();
   EXPECT_EQ(finished.code, 0) << finished.errors;
   EXPECT_LE(time, 2s);

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "support/deadline.hpp"
+#include "support/signals.hpp"
 
 #include <sys/types.h>
 
 #include <chrono>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -42,8 +42,9 @@ inline pid_t wire_of(pid_t service) {
   return spawner == 0 ? 0 : child_of(spawner);
 }
 
+/// @throws std::invalid_argument for 0, which stands for no process here.
 inline bool exists(pid_t process) {
-  return ::kill(process, 0) == 0;
+  return send_signal(process, 0);
 }
 
 /// Repeats the check until it holds. @return false after 40 s.

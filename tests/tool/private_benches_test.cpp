@@ -2,6 +2,7 @@
 // `vdrive test` and `vdrive run --private`: a bench for each file, one report, nothing left behind.
 // The benches are in the processes of the files, or services (vdrive_run_over_dds).
 #include "support/bench_on_wire.hpp"
+#include "support/signals.hpp"
 #include "tool/marked_calls.hpp"
 
 #include <gmock/gmock.h>
@@ -145,7 +146,7 @@ TEST_F(PrivateBenches, ThatCrashFailTheirFileAlone) {
                                         "--jobs", "1", "--junit", report()});
   const auto run = wait_for_process({"--private", "long.scn"});
   ASSERT_TRUE(run);
-  kill(*run, SIGSEGV);
+  send_signal(*run, SIGSEGV);
   const Finished finished = call.wait();
   EXPECT_EQ(finished.code, 1);
   EXPECT_THAT(finished.output, AllOf(HasSubstr("failed  "), HasSubstr("1 of 2 files passed")));

@@ -3,6 +3,7 @@
 // its own: the domains of other tests stay free.
 #include "private_domain.hpp"
 
+#include "support/signals.hpp"
 #include "support/temporary_directory.hpp"
 #include "vdrive/wire/ports.hpp"
 
@@ -66,6 +67,7 @@ class Stranger {
     std::array<int, 2> pipe{};
     if (::pipe(pipe.data()) != 0) throw std::runtime_error("pipe");
     child_ = fork();
+    if (child_ < 0) throw std::runtime_error("fork");
     if (child_ == 0) live(act, pipe[1]);
     close(pipe[1]);
     std::uint32_t domain = 0;
@@ -76,7 +78,7 @@ class Stranger {
   }
 
   ~Stranger() {
-    kill(child_, SIGKILL);
+    test::send_signal(child_, SIGKILL);
     waitpid(child_, nullptr, 0);
   }
 

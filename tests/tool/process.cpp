@@ -2,6 +2,7 @@
 #include "tool/process.hpp"
 
 #include "support/deadline.hpp"
+#include "support/signals.hpp"
 #include "support/test_domain.hpp"
 #include "vdrive/client/session.hpp"
 
@@ -122,7 +123,7 @@ Process::Process(const std::string& program, std::vector<std::string> arguments,
 
 Process::~Process() {
   if (child_ > 0) {
-    ::kill(child_, SIGKILL);
+    send_signal(child_, SIGKILL);
     int status = 0;
     waitpid(child_, &status, 0);
     report_crash(program_, status);
@@ -132,7 +133,7 @@ Process::~Process() {
 }
 
 void Process::send(int signal) const {
-  if (child_ > 0) ::kill(child_, signal);  // 0 would be every process of our group
+  if (child_ > 0) send_signal(child_, signal);
 }
 
 std::string Process::read_line() {

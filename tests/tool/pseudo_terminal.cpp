@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool/pseudo_terminal.hpp"
 
+#include "support/signals.hpp"
 #include "tool/process.hpp"
 
 #include <fcntl.h>
@@ -59,7 +60,7 @@ PseudoTerminal::PseudoTerminal(std::size_t rows, std::size_t columns, const std:
 
 PseudoTerminal::~PseudoTerminal() {
   if (child_ > 0) {
-    ::kill(child_, SIGKILL);
+    send_signal(child_, SIGKILL);
     waitpid(child_, nullptr, 0);
   }
   close(terminal_);
@@ -105,7 +106,7 @@ void PseudoTerminal::interrupt() {
 int PseudoTerminal::wait() {
   const auto deadline = std::chrono::steady_clock::now() + kPatience;
   while (read_some()) {
-    if (std::chrono::steady_clock::now() > deadline) ::kill(child_, SIGKILL);
+    if (std::chrono::steady_clock::now() > deadline) send_signal(child_, SIGKILL);
   }
   int status = 0;
   waitpid(std::exchange(child_, 0), &status, 0);
