@@ -19,11 +19,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A thread that follows the tick thread wakes this long after the tick is due, and then again at
+/// The thread that publishes the status wakes this long after the tick is due, and then again at
 /// this distance.
 constexpr std::chrono::microseconds kAfterTick = 60us;
-/// While time stands no tick is due, and answers and reports still leave.
+/// While time stands no tick is due, and the last status still leaves.
 constexpr std::chrono::milliseconds kLongestNap = 5ms;
+/// No bell rings for what the wire has to say, and for what is due by time.
+constexpr std::chrono::milliseconds kLongestReportNap = 5ms;
+/// In freerun there may be an answer in each of 100,000 ticks a second: they leave together.
 constexpr std::chrono::microseconds kReportNap = 500us;
 /// The wire sends what is in its lanes, such as the last states and the end of the bench.
 constexpr std::chrono::milliseconds kTimeOfLastSamples = 200ms;
@@ -83,7 +86,8 @@ BenchRun::BenchRun(Configuration configuration, JournalSink journal,
       replies_(wire_->link(), identity_, counters_),
       status_(wire_->link(), configuration_, identity_, counters_),
       reports_(wire_->link(), configuration_, identity_, engine_.bank(), counters_),
-      doorbell_(wire_->link().control().arrivals_bell, Doorbell::Waiting::quick) {
+      doorbell_(wire_->link().control().arrivals_bell, Doorbell::Waiting::quick),
+      reports_doorbell_(reports_bell_) {
   if (journal) journal_.emplace(configuration_, std::move(journal), counters_);
   for (const EventRecord& event : parameters_.news) engine_.report(event);
   if (parameters_.saver) engine_.store_with(*parameters_.saver);
@@ -143,6 +147,7 @@ void BenchRun::stop() noexcept {
   const WorksFor bench(name_.c_str());
   stop_ = true;
   doorbell_.ring();
+  reports_doorbell_.ring();
   for (auto& thread : threads_) thread.join();
   threads_.clear();
   const std::scoped_lock lock(working_);  // a caller that runs the bench leaves it at the next tick
@@ -199,6 +204,7 @@ void BenchRun::start_ticking(int priority, Cycle cycle) {
     while (!stop_) {
       shutdown_.advance();
       if (cycle()) tick_beats_.add();
+      if (outbox_.has_news()) reports_doorbell_.ring();
     }
   });
   start_thread([this] {
@@ -244,7 +250,7 @@ bool BenchRun::work() {
 void BenchRun::publish_status() {
   while (!stop_) {
     publish_waiting_status();
-    nap(kAfterTick);
+    wait_for_status();
   }
 }
 
@@ -288,7 +294,8 @@ void BenchRun::report() {
                                .tick = counters_.tick.get(),
                                .detail = Label{*older}}});
     }
-    nap(kReportNap);
+    if (freerun_) timer_.wait_until(timer_.monotonic_now() + kReportNap);
+    static_cast<void>(reports_doorbell_.wait_for(kLongestReportNap));
   }
 }
 
@@ -307,13 +314,13 @@ void BenchRun::supervise_wire() {
   counters_.queue_overflows.add(lost - std::exchange(lost_in_wire_, lost));
 }
 
-/// Sleeps until shortly after the next tick, `shortest` to 5 ms.
-void BenchRun::nap(std::chrono::nanoseconds shortest) {
+/// Sleeps until shortly after the next tick, for 60 us to 5 ms.
+void BenchRun::wait_for_status() {
   const auto now = timer_.monotonic_now();
-  auto wanted = now + std::chrono::nanoseconds(lockstep_ ? kLongestNap : kReportNap);
-  if (realtime_) wanted = realtime_->next_cycle() + kAfterTick;
-  timer_.wait_until(
-      std::clamp(wanted, now + shortest, now + std::chrono::nanoseconds(kLongestNap)));
+  const auto wanted =
+      realtime_ ? realtime_->next_cycle() + kAfterTick : now + std::chrono::nanoseconds(kReportNap);
+  timer_.wait_until(std::clamp(wanted, now + std::chrono::nanoseconds(kAfterTick),
+                               now + std::chrono::nanoseconds(kLongestNap)));
 }
 
 }  // namespace vdrive::service

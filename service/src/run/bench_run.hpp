@@ -155,7 +155,7 @@ class BenchRun {
   void report_once();
   void report();
   void supervise_wire();
-  void nap(std::chrono::nanoseconds shortest);
+  void wait_for_status();
 
   // In the order of construction; everything the threads use outlives them.
   Configuration configuration_;
@@ -178,7 +178,9 @@ class BenchRun {
   std::optional<LockstepDriver> lockstep_;
   std::optional<FreerunDriver> freerun_;
   Doorbell doorbell_;
-  std::uint64_t lost_in_wire_ = 0;     ///< already counted as overflows
+  BellState reports_bell_;
+  Doorbell reports_doorbell_;       ///< the tick thread rings it for what reports and replies leave
+  std::uint64_t lost_in_wire_ = 0;  ///< already counted as overflows
   std::uint64_t dropped_by_wire_ = 0;  ///< already counted as dropped datagrams
   Shutdown shutdown_{engine_, timer_};
   Counter tick_beats_;    ///< ticks; while paused, passes over the inbox

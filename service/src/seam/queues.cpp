@@ -134,4 +134,9 @@ std::size_t Outbox::size() const noexcept {
          status.size();
 }
 
+bool Outbox::has_news() const noexcept {
+  return command_replies.size() > 0 || replies.size() > 0 || events.size() > 0 ||
+         parameters.size() > 0;
+}
+
 }  // namespace vdrive::service

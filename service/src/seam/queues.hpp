@@ -132,6 +132,9 @@ struct Outbox {
   Ring<StatusImage> status;
 
   [[nodiscard]] std::size_t size() const noexcept;
+
+  /// @return whether anything but status waits.
+  [[nodiscard]] bool has_news() const noexcept;
 };
 
 }  // namespace vdrive::service
