@@ -3,15 +3,10 @@
 #include "streams/event_filter.hpp"
 
 #include "vdrive/client/event.hpp"
-#include "vdrive/wire/event_name.hpp"
 
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
-#include <string_view>
-#include <utility>
 
 namespace vdrive::client {
 namespace {
@@ -72,33 +67,6 @@ TEST(EventFilter, ForgetsThePreviousRun) {
   EXPECT_FALSE(sut.knows(kRun));
   EXPECT_TRUE(sut.knows(other)) << "another bench";
   EXPECT_TRUE(sut.passes(event(1, 1, next)));
-}
-
-TEST(EventKind, HasTheNameThatTheLogUses) {
-  EXPECT_EQ(to_string(EventKind::fault_reset), "fault_reset");
-  EXPECT_EQ(to_string(EventKind::stopped), "stopped");
-  EXPECT_EQ(to_string(static_cast<EventKind>(9'999)), "unknown");
-}
-
-/// @return the name of the enumerator, as the compiler writes it.
-template <EventKind kKind>
-std::string_view enumerator() {
-  std::string_view text = __PRETTY_FUNCTION__;
-  text.remove_prefix(text.rfind("EventKind::") + std::string_view("EventKind::").size());
-  return text.substr(0, text.find_first_of(";]"));
-}
-
-template <std::size_t... kPlaces>
-auto enumerators(std::index_sequence<kPlaces...> /*places*/) {
-  return std::array{enumerator<static_cast<EventKind>(kPlaces + 1)>()...};
-}
-
-TEST(EventKinds, AreCalledAsInTheWireContract) {
-  const auto names = enumerators(std::make_index_sequence<wire::kEventKinds.size()>());
-  for (std::size_t place = 0; place < names.size(); ++place) {
-    EXPECT_EQ(names[place], wire::kEventKinds[place].name);
-    EXPECT_EQ(wire::kEventKinds[place].kind, place + 1);
-  }
 }
 
 }  // namespace

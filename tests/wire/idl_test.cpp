@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The contract mirrors the dictionary: the IDL has the manual's objects.
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/event_kind.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <map>
 #include <regex>
@@ -75,6 +78,24 @@ TEST(Idl, GivesNoMemberTheNameOfAnObjectOfAnotherType) {
       }
     }
   }
+}
+
+TEST(Idl, HasAConstantForEachKindOfEvent) {
+  const std::string idl = idl_text();
+  std::map<std::string, unsigned long> constants;
+  const std::regex constant("const uint32 EVENT_(\\w+) = (\\d+);");
+  for (std::sregex_iterator found(idl.begin(), idl.end(), constant), end; found != end; ++found) {
+    std::string name = (*found)[1];
+    std::ranges::transform(name, name.begin(), [](unsigned char letter) {
+      return static_cast<char>(std::tolower(letter));
+    });
+    constants[name] = std::stoul((*found)[2]);
+  }
+  std::map<std::string, unsigned long> kinds;
+  for (const EventKindRow& row : kEventKinds) {
+    kinds[std::string(row.name)] = static_cast<unsigned long>(row.kind);
+  }
+  EXPECT_EQ(constants, kinds);
 }
 
 TEST(Idl, UsesOnlyConstructsThatTwoVendorsReadTheSame) {

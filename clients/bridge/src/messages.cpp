@@ -69,27 +69,17 @@ struct TimedMessage {
   }
 };
 
+/// @return LogLevel of foxglove.Log
 std::uint8_t level_of(client::EventKind kind) {
-  constexpr std::uint8_t kInfo = 2;
-  constexpr std::uint8_t kWarning = 3;
-  constexpr std::uint8_t kError = 4;
-  switch (kind) {
-    case client::EventKind::fault:
-    case client::EventKind::bench_conflict:
-      return kError;
-    case client::EventKind::refused:
-    case client::EventKind::set_point_ignored:
-    case client::EventKind::master_lost:
-    case client::EventKind::tick_overrun:
-    case client::EventKind::tick_jumped:
-    case client::EventKind::queue_overflow:
-    case client::EventKind::journal:
-    case client::EventKind::wire:
-    case client::EventKind::stopped:
-      return kWarning;
-    default:
-      return kInfo;
+  switch (severity_of(kind)) {
+    case client::EventSeverity::error:
+      return 4;
+    case client::EventSeverity::warning:
+      return 3;
+    case client::EventSeverity::info:
+      break;
   }
+  return 2;
 }
 
 }  // namespace

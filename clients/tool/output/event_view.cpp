@@ -17,6 +17,7 @@ namespace {
 
 using client::Event;
 using client::EventKind;
+using client::EventSeverity;
 using Clock = std::chrono::steady_clock;
 
 // What a bench keeps arrives in one go, once the reader is matched; nothing marks its end.
@@ -63,23 +64,16 @@ Json event_json(const Event& event) {
           {"text", event.text}};
 }
 
-std::optional<Color> color_of_kind(EventKind kind) {
-  switch (kind) {
-    case EventKind::fault:
-    case EventKind::master_lost:
-    case EventKind::bench_conflict:
+std::optional<Color> color_of(EventKind kind) {
+  switch (severity_of(kind)) {
+    case EventSeverity::error:
       return Color::red;
-    case EventKind::refused:
-    case EventKind::set_point_ignored:
-    case EventKind::stopped:
-    case EventKind::tick_overrun:
-    case EventKind::tick_jumped:
-    case EventKind::queue_overflow:
-    case EventKind::wire:
+    case EventSeverity::warning:
       return Color::yellow;
-    default:
-      return std::nullopt;
+    case EventSeverity::info:
+      break;
   }
+  return std::nullopt;
 }
 
 bool is_chosen(const EventChoice& choice, const Event& event) {
@@ -92,7 +86,7 @@ void print(const Event& event, bool is_json, Terminal& terminal) {
     terminal.print(to_line(event_json(event)));
     return;
   }
-  const auto color = color_of_kind(event.kind);
+  const auto color = color_of(event.kind);
   const std::string text = event_text(event);
   terminal.print(color ? colored(terminal, *color, text) : text);
 }

@@ -5,9 +5,9 @@
 #include "configuration/wall_step_policy.hpp"
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/power_state.hpp"
+#include "vdrive/event_kind.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/wire/conversion.hpp"
-#include "vdrive/wire/event_name.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
@@ -190,7 +190,7 @@ std::string shutdown_text(const EventRecord& /*event*/) {
 
 /// What the service says about a kind of event, in words and in its log.
 struct EventRow {
-  std::uint32_t kind = 0;  ///< EVENT_...
+  EventKind kind{};
   spdlog::level::level_enum level = spdlog::level::debug;
   std::string (*text)(const EventRecord& event) = nullptr;  ///< without the axis
 };
@@ -201,33 +201,32 @@ constexpr auto kWarn = spdlog::level::warn;
 
 /// In the order of their numbers.
 constexpr auto kEventRows = std::to_array<EventRow>({
-    {msg::EVENT_STATE_CHANGED, kDebug, state_text},
-    {msg::EVENT_FAULT, kInfo, fault_text},
-    {msg::EVENT_FAULT_RESET, kInfo, reset_text},
-    {msg::EVENT_REFUSED, kInfo, refusal_text},
-    {msg::EVENT_SET_POINT_IGNORED, kDebug, ignored_text},
-    {msg::EVENT_CONTROL_CHANGED, kDebug, control_text},
-    {msg::EVENT_MASTER_LOST, kWarn, lost_text},
-    {msg::EVENT_TICK_OVERRUN, kDebug, overrun_text},
-    {msg::EVENT_TICK_JUMPED, kWarn, jump_text},
-    {msg::EVENT_QUEUE_OVERFLOW, kWarn, overflow_text},
-    {msg::EVENT_BENCH_CONFLICT, spdlog::level::err, conflict_text},
-    {msg::EVENT_CLOCK_CHANGED, kInfo, clock_text},
-    {msg::EVENT_SNAPSHOT, kInfo, snapshot_text},
-    {msg::EVENT_JOURNAL, kWarn, journal_text},
-    {msg::EVENT_SHUTDOWN, kInfo, shutdown_text},
-    {msg::EVENT_PARAMETERS, kWarn, parameters_text},
-    {msg::EVENT_WALL_CLOCK, kWarn, wall_clock_text},
-    {msg::EVENT_WIRE, kWarn, wire_text},
-    {msg::EVENT_STOPPED, kInfo, stop_text},
+    {EventKind::state_changed, kDebug, state_text},
+    {EventKind::fault, kInfo, fault_text},
+    {EventKind::fault_reset, kInfo, reset_text},
+    {EventKind::refused, kInfo, refusal_text},
+    {EventKind::set_point_ignored, kDebug, ignored_text},
+    {EventKind::control_changed, kDebug, control_text},
+    {EventKind::master_lost, kWarn, lost_text},
+    {EventKind::tick_overrun, kDebug, overrun_text},
+    {EventKind::tick_jumped, kWarn, jump_text},
+    {EventKind::queue_overflow, kWarn, overflow_text},
+    {EventKind::bench_conflict, spdlog::level::err, conflict_text},
+    {EventKind::clock_changed, kInfo, clock_text},
+    {EventKind::snapshot, kInfo, snapshot_text},
+    {EventKind::journal, kWarn, journal_text},
+    {EventKind::shutdown, kInfo, shutdown_text},
+    {EventKind::parameters, kWarn, parameters_text},
+    {EventKind::wall_clock, kWarn, wall_clock_text},
+    {EventKind::wire, kWarn, wire_text},
+    {EventKind::stopped, kInfo, stop_text},
 });
 
-static_assert(std::ranges::equal(kEventRows, wire::kEventKinds, {}, &EventRow::kind,
-                                 &wire::EventKindRow::kind),
-              "a row for each kind of event of the wire contract");
+static_assert(std::ranges::equal(kEventRows, kEventKinds, {}, &EventRow::kind, &EventKindRow::kind),
+              "a row for each kind of event");
 
 /// @return the row of the event, or nullptr for a number that is no kind.
-const EventRow* row_of(const EventRecord& event) {
+const EventRow* event_row_of(const EventRecord& event) {
   const bool is_known = event.kind >= 1 && event.kind <= kEventRows.size();
   return is_known ? &kEventRows[event.kind - 1] : nullptr;
 }
@@ -235,7 +234,7 @@ const EventRow* row_of(const EventRecord& event) {
 }  // namespace
 
 std::string log_line(std::uint32_t bench, const EventRecord& event, std::uint32_t suppressed) {
-  std::string line = "event=" + std::string(wire::event_name(event.kind)) +
+  std::string line = "event=" + std::string(to_string(static_cast<EventKind>(event.kind))) +
                      " bench=" + std::to_string(bench) + " tick=" + std::to_string(event.tick);
   if (event.axis != 0) line += " axis=" + std::to_string(event.axis);
   if (event.session != 0) line += " session=" + hex(event.session, 16);
@@ -244,7 +243,7 @@ std::string log_line(std::uint32_t bench, const EventRecord& event, std::uint32_
 }
 
 std::string words_of(const EventRecord& event) {
-  const EventRow* const row = row_of(event);
+  const EventRow* const row = event_row_of(event);
   const std::string text =
       row == nullptr ? "event " + std::to_string(event.kind) : row->text(event);
   return (who(event) + text).substr(0, kLongestText);
@@ -252,7 +251,7 @@ std::string words_of(const EventRecord& event) {
 
 spdlog::level::level_enum level_of(const EventRecord& event) {
   if (event.kind == msg::EVENT_PARAMETERS && event.code == ParameterCode::kLoaded) return kInfo;
-  const EventRow* const row = row_of(event);
+  const EventRow* const row = event_row_of(event);
   return row == nullptr ? kDebug : row->level;
 }
 
