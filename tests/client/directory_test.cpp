@@ -54,12 +54,14 @@ TEST(Directory, ListsABenchInRealTimeWhoseSenderIsKnownToBeThereAfterItsState) {
   msg::BenchDescription in_real_time = description(2, 10);
   in_real_time.clock_mode(msg::CLOCK_MODE_REALTIME);
   sut.on_description(in_real_time, kSource, kStart);
-  sut.confirm(kStart, is_there);
+  sut.confirm(kStart, std::nullopt, is_there);
   ASSERT_THAT(sut.present(kStart), SizeIs(1)) << "the bench in lock-step";
   msg::BenchState paused = state(2, 10);
   paused.rate(0.0);
   sut.on_state(paused, kStart);
-  sut.confirm(kStart + 10s, is_there);
+  sut.confirm(kStart + 10s, 1, is_there);
+  ASSERT_THAT(sut.present(kStart + 10s), SizeIs(1)) << "only the first was asked for";
+  sut.confirm(kStart + 10s, std::nullopt, is_there);
   ASSERT_THAT(sut.present(kStart + 10s), SizeIs(2));
   EXPECT_EQ(sut.present(kStart + 10s)[1].info.rate, 0.0);
 }

@@ -198,11 +198,11 @@ std::size_t Directory::count_present(Clock::time_point now) const {
 
 const std::pair<const BenchKey, Directory::Entry>* Directory::find_run(
     std::uint32_t number, Clock::time_point now) const {
-  const std::pair<const BenchKey, Entry>* found = nullptr;
-  for_each_present(now, [&](const auto& run) {
-    if (run.first.number == number) found = &run;
-  });
-  return found;
+  for (auto run = entries_.lower_bound({.number = number});
+       run != entries_.end() && run->first.number == number; ++run) {
+    if (run->second.is_present(now)) return &*run;
+  }
+  return nullptr;
 }
 
 std::optional<PresentBench> Directory::find(std::uint32_t number, Clock::time_point now) const {

@@ -62,10 +62,15 @@ class Directory {
 
   /// Where it is known who is there, each run whose sender is there has a sample as young as `now`.
   /// One in real time first has to send a state: only that has its rate.
+  /// @param bench whose runs; nothing = those of every bench
   /// @param is_there called with the participant that sends for a run
   template <typename IsThere>
-  void confirm(Clock::time_point now, const IsThere& is_there) {
-    for (auto& [key, entry] : entries_) {
+  void confirm(Clock::time_point now, std::optional<std::uint32_t> bench,
+               const IsThere& is_there) {
+    const auto begin = bench ? entries_.lower_bound({.number = *bench}) : entries_.begin();
+    for (auto run = begin; run != entries_.end(); ++run) {
+      auto& [key, entry] = *run;
+      if (bench && key.number != *bench) return;
       const bool needs_state =
           entry.info.clock_mode == ClockMode::realtime && !entry.rate_time.has_value();
       if (!entry.offline && !needs_state && is_there(entry.source)) entry.newest_sample = now;

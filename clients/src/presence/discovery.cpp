@@ -84,16 +84,22 @@ Discovery::Discovery(wire::Participant& participant, SessionOptions options, Wak
 
 Discovery::Clock::time_point Discovery::running_time() const {
   const auto now = Clock::now();
-  if (participant_.knows_who_is_there()) {
-    directory_.confirm(now, [this](const wire::Source& source) {
-      return participant_.has(source);
-    });
-    return now;
-  }
+  if (participant_.knows_who_is_there()) return now;
   const auto pause = own_pauses_.note(now);
   if (pause != Clock::duration::zero()) {
     directory_.discount(pause);
     if (pause >= kForgottenAfter) directory_.excuse_silence_until(now + kTimeToBeFoundAgain);
+  }
+  return now;
+}
+
+Discovery::Clock::time_point Discovery::time_of_judgement(
+    std::optional<std::uint32_t> bench) const {
+  const auto now = running_time();
+  if (participant_.knows_who_is_there()) {
+    directory_.confirm(now, bench, [this](const wire::Source& source) {
+      return participant_.has(source);
+    });
   }
   return now;
 }
@@ -138,7 +144,7 @@ Sight Discovery::look(std::optional<std::uint32_t> number) const {
   Sight sight{.participants = others.size()};
   const bool is_closed = !options_.security.empty();
   const std::scoped_lock lock(mutex_);
-  const auto now = running_time();
+  const auto now = time_of_judgement(number);
   sight.present = number ? (directory_.find(*number, now) ? 1 : 0) : directory_.count_present(now);
   for (const wire::OtherParticipant& other : others) {
     if (!is_service(other.name, number)) continue;
@@ -191,7 +197,7 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
   std::optional<PresentBench> found;
   const auto find = [&] {
     const std::scoped_lock lock(mutex_);
-    found = directory_.find(wanted, running_time());
+    found = directory_.find(wanted, time_of_judgement(wanted));
     return found.has_value();
   };
   // First without a search: most calls are for a bench that is there.
@@ -211,7 +217,8 @@ Outcome Discovery::not_found(std::optional<std::uint32_t> bench, std::string tex
   if (!bench || !directory_.is_offline(directory_.newest_run(*bench))) {
     return Outcome::not_found(std::move(text));
   }
-  return lost_in_silence({.key = directory_.newest_run(*bench)}, running_time(), patience());
+  return lost_in_silence({.key = directory_.newest_run(*bench)}, time_of_judgement(*bench),
+                         patience());
 }
 
 /// The name of an axis does not begin with a digit: what begins so is an address.
@@ -268,7 +275,7 @@ bool Discovery::expects_more() const {
   if (options_.bench) return false;
   const std::size_t matched = description_subscription_.matched();
   const std::scoped_lock lock(mutex_);
-  return matched > directory_.described() || directory_.expects_more(running_time());
+  return matched > directory_.described() || directory_.expects_more(time_of_judgement());
 }
 
 // ---- what arrives ----------------------------------------------------------------------------
@@ -325,7 +332,7 @@ void Discovery::set_rate(const BenchKey& key, double rate) {
 std::vector<PresentBench> Discovery::present() const {
   if (origin_.is_inherited()) return {};
   const std::scoped_lock lock(mutex_);
-  return directory_.present(running_time());
+  return directory_.present(time_of_judgement());
 }
 
 std::optional<wire::Source> Discovery::source_of(const BenchKey& key) const {
@@ -335,12 +342,12 @@ std::optional<wire::Source> Discovery::source_of(const BenchKey& key) const {
 
 bool Discovery::is_alive(const BenchKey& key, milliseconds patience) const {
   const std::scoped_lock lock(mutex_);
-  return directory_.is_alive(key, patience, running_time());
+  return directory_.is_alive(key, patience, time_of_judgement(key.number));
 }
 
 Outcome Discovery::check_presence(const Target& target) const {
   const std::scoped_lock lock(mutex_);
-  const auto now = running_time();
+  const auto now = time_of_judgement(target.key.number);
   // First: of a service that was restarted at once, samples of the old run are still young.
   if (directory_.is_restarted(target.key, now)) return Outcome::lost(restarted_text(target));
   if (directory_.is_alive(target.key, options_.silence, now)) return {};
@@ -358,7 +365,7 @@ Outcome Discovery::check_last_run(std::uint32_t bench) const {
 
 Outcome Discovery::check_samples(const Target& target, Silence silence) const {
   const std::scoped_lock lock(mutex_);
-  const auto now = running_time();
+  const auto now = time_of_judgement(target.key.number);
   // First: samples that have arrived count, whatever has begun since.
   if (directory_.is_alive(target.key, options_.silence, now)) return {};
   if (directory_.is_restarted(target.key, now)) return Outcome::lost(restarted_text(target));
@@ -383,14 +390,14 @@ Outcome Discovery::lost_in_silence(const Target& target, Clock::time_point now,
 
 std::optional<Target> Discovery::present_target(std::uint32_t bench) const {
   const std::scoped_lock lock(mutex_);
-  const auto present = directory_.find_without_axes(bench, running_time());
+  const auto present = directory_.find_without_axes(bench, time_of_judgement(bench));
   return present ? std::optional(target_of(*present)) : std::nullopt;
 }
 
 Outcome Discovery::loss_of(std::uint32_t bench) const {
   const std::scoped_lock lock(mutex_);
   const auto key = directory_.newest_run(bench);
-  return lost_in_silence({.key = key}, running_time(), patience());
+  return lost_in_silence({.key = key}, time_of_judgement(bench), patience());
 }
 
 Discovery::Clock::duration Discovery::own_pauses() const {
@@ -420,7 +427,7 @@ std::optional<std::uint64_t> Discovery::driven_tick(const BenchKey& key) const {
 
 std::vector<ServiceChange> Discovery::changes(ServiceWatch& watch) const {
   const std::scoped_lock lock(mutex_);
-  return watch.changes(directory_, running_time());
+  return watch.changes(directory_, time_of_judgement());
 }
 
 }  // namespace vdrive::client
