@@ -49,6 +49,28 @@ def test_the_dds_library_is_loaded_when_a_session_over_dds_is_made():
     """)
 
 
+def test_numpy_and_asyncio_are_loaded_when_they_are_used():
+    """They take most of the time that a short program lasts."""
+    run("""
+        import sys
+        import vdrive
+
+        def is_loaded(name):
+            return name in sys.modules
+
+        with vdrive.Bench(axes=1) as bench, bench.session() as session:
+            axis = session.axis("1.1")
+            axis.enable()
+            axis.move_to(1000)
+            assert not is_loaded("numpy") and not is_loaded("asyncio")
+            assert session.record(ticks=3)["position"].shape == (3, 1)
+            assert is_loaded("numpy") and not is_loaded("asyncio")
+            stream = session.follow_async()
+            assert not is_loaded("asyncio"), "it is loaded by who awaits"
+            stream.close()
+    """)
+
+
 def test_an_error_of_the_dds_library_keeps_its_text():
     output = run("""
         import vdrive

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """Streams as iterators of asyncio."""
-import asyncio
 
 
 class AsyncStream:
@@ -32,6 +31,7 @@ class AsyncStream:
             await self._readable()
 
     async def _readable(self):
+        import asyncio  # here: it takes a third of the time of `import vdrive`
         loop = asyncio.get_running_loop()
         ready = loop.create_future()
         file = self._stream.fileno()

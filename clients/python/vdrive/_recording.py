@@ -2,8 +2,6 @@
 """Recordings as numpy arrays."""
 import os
 
-import numpy
-
 from . import _vdrive
 
 _ALIASES = {
@@ -70,6 +68,8 @@ def load(path, *, bench=None):
     if len(chosen) > 1:
         raise ValueError(f"{path}: several benches, choose one by its number: bench=...")
     if not chosen:
+        import numpy  # here: it takes half of the time of `import vdrive`; the first array has it
+
         return Recording([], [], numpy.zeros((0, 0), _vdrive.record_type()), cut)
     _, axes, names, frames = chosen[0]
     return Recording(axes, names, frames, cut)
