@@ -65,8 +65,7 @@ class Directory {
   /// @param bench whose runs; nothing = those of every bench
   /// @param is_there called with the participant that sends for a run
   template <typename IsThere>
-  void confirm(Clock::time_point now, std::optional<std::uint32_t> bench,
-               const IsThere& is_there) {
+  void confirm(Clock::time_point now, std::optional<std::uint32_t> bench, const IsThere& is_there) {
     const auto begin = bench ? entries_.lower_bound({.number = *bench}) : entries_.begin();
     for (auto run = begin; run != entries_.end(); ++run) {
       auto& [key, entry] = *run;

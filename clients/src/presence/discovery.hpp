@@ -153,8 +153,8 @@ class Discovery {
                                         std::chrono::milliseconds limit) const;
   /// With the lock. @return the time, after a pause of this program was discounted.
   Clock::time_point running_time() const;
-  /// With the lock. @return the same, for the question who is there; where that is known, the runs
-  ///         of this bench, or of all, have been asked for.
+  /// With the lock, for the question who is there. Where the participant knows that, the runs of
+  /// this bench, or of all, are confirmed first. @return the time.
   Clock::time_point time_of_judgement(std::optional<std::uint32_t> bench = {}) const;
 
   const wire::Origin origin_;

@@ -34,9 +34,9 @@ enum class EventKind : std::uint32_t {
 
 /// How a person is told about it, in a terminal or in the log panel of a viewer.
 enum class EventSeverity : std::uint8_t {
-  info,     ///< as it was commanded
+  info,     ///< as it was commanded or configured
   warning,  ///< something was not done, was lost, or came from elsewhere
-  error,    ///< axes stop because of it, or nobody can trust what the bench says
+  error,    ///< axes stop because of it, or another bench sends under the same number
 };
 
 struct EventKindRow {
@@ -63,7 +63,7 @@ inline constexpr auto kEventKinds = std::to_array<EventKindRow>({
     {EventKind::journal, "journal", EventSeverity::warning},
     {EventKind::shutdown, "shutdown", EventSeverity::info},
     {EventKind::parameters, "parameters", EventSeverity::info},
-    {EventKind::wall_clock, "wall_clock", EventSeverity::info},
+    {EventKind::wall_clock, "wall_clock", EventSeverity::warning},
     {EventKind::wire, "wire", EventSeverity::warning},
     {EventKind::stopped, "stopped", EventSeverity::warning},
 });
