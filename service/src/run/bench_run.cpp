@@ -24,9 +24,12 @@ using namespace std::chrono_literals;
 constexpr std::chrono::microseconds kAfterTick = 60us;
 /// While time stands no tick is due, and the last status still leaves.
 constexpr std::chrono::milliseconds kLongestNap = 5ms;
-/// No bell rings for what the wire has to say, and for what is due by time.
+/// News of the wire, and reports that are due by time, ring no bell.
 constexpr std::chrono::milliseconds kLongestReportNap = 5ms;
-/// In freerun there may be an answer in each of 100,000 ticks a second: they leave together.
+/// No bell rings either when the reader of a held answer is there.
+constexpr std::chrono::milliseconds kHeldReplyNap = 1ms;
+/// The least time between two rounds of the reports, and in freerun between two of the status. In
+/// freerun each of 100,000 ticks a second may leave an answer: what came meanwhile leaves together.
 constexpr std::chrono::microseconds kReportNap = 500us;
 /// The wire sends what is in its lanes, such as the last states and the end of the bench.
 constexpr std::chrono::milliseconds kTimeOfLastSamples = 200ms;
@@ -204,7 +207,7 @@ void BenchRun::start_ticking(int priority, Cycle cycle) {
     while (!stop_) {
       shutdown_.advance();
       if (cycle()) tick_beats_.add();
-      if (outbox_.has_news()) reports_doorbell_.ring();
+      if (outbox_.has_news() || inbox_.has_turned_away()) reports_doorbell_.ring();
     }
   });
   start_thread([this] {
@@ -287,6 +290,7 @@ void BenchRun::report_once() {
 void BenchRun::report() {
   bool is_conflict_reported = false;
   while (!stop_) {
+    const auto earliest = timer_.monotonic_now() + kReportNap;
     report_once();
     if (const auto older = duplicates_.conflict(); older && !is_conflict_reported) {
       is_conflict_reported = true;
@@ -294,8 +298,11 @@ void BenchRun::report() {
                                .tick = counters_.tick.get(),
                                .detail = Label{*older}}});
     }
-    if (freerun_) timer_.wait_until(timer_.monotonic_now() + kReportNap);
-    static_cast<void>(reports_doorbell_.wait_for(kLongestReportNap));
+    // In lock-step another thread answers.
+    const bool holds_reply = !lockstep_ && replies_.is_waiting();
+    if (reports_doorbell_.wait_for(holds_reply ? kHeldReplyNap : kLongestReportNap)) {
+      timer_.wait_until(earliest);
+    }
   }
 }
 

@@ -13,8 +13,8 @@ struct BellState {
   std::atomic<std::uint32_t> waiting{0};
 };
 
-/// Wakes the one thread that waits for arrivals, in this process or in another. A ring while no
-/// thread waits is remembered and costs no system call.
+/// Wakes the one thread that waits, for arrivals or for records, in this process or in another. A
+/// ring while no thread waits is remembered and costs no system call.
 class Doorbell {
  public:
   /// How the waiting thread waits. A thread that sleeps takes some 10 us to wake, and a system call

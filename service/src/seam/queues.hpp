@@ -82,6 +82,9 @@ class Inbox {
   /// @return what did not fit, oldest first.
   std::optional<TurnedAway> next_turned_away();
 
+  /// @return whether there is any of that. Any thread.
+  [[nodiscard]] bool has_turned_away() const noexcept { return turned_away_.size() > 0; }
+
  private:
   [[nodiscard]] bool decode(const ByteRing::Record& record);
 

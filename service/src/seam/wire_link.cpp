@@ -45,7 +45,7 @@ void WireLink::flush(Lane lane) {
     }
     return;
   }
-  // The engine flushes in every tick: a wire that has nothing to send sleeps on.
+  // The engine flushes whether it has written or not: a wire that has nothing to send sleeps on.
   if (ring(lane).size() == 0) return;
   (lane == Lane::status ? status_bell_ : reports_bell_).ring();
 }
