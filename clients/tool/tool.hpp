@@ -15,7 +15,7 @@ class LocalBus;
 
 namespace vdrive::tool {
 
-/// The whole tool. Takes SIGINT, SIGTERM and SIGPIPE for the process.
+/// The whole tool. Takes SIGINT, SIGTERM, SIGHUP and SIGPIPE for the process.
 /// @param arguments without the program's name
 /// @param bus of the benches of this process; nothing = the benches of the network
 [[nodiscard]] ExitCode run_tool(std::vector<std::string> arguments,

@@ -190,9 +190,9 @@ std::string name_of_signal(const testing::TestParamInfo<int>& signal) {
   return sigabbrev_np(signal.param);
 }
 
-INSTANTIATE_TEST_SUITE_P(Signals, TestRunEndedBy, testing::Values(SIGINT, SIGTERM, SIGKILL),
+INSTANTIATE_TEST_SUITE_P(Signals, TestRunEndedBy, testing::Values(SIGINT, SIGTERM, SIGHUP, SIGKILL),
                          name_of_signal);
-INSTANTIATE_TEST_SUITE_P(Signals, PrivateRunEndedBy, testing::Values(SIGINT, SIGTERM),
+INSTANTIATE_TEST_SUITE_P(Signals, PrivateRunEndedBy, testing::Values(SIGINT, SIGTERM, SIGHUP),
                          name_of_signal);
 
 }  // namespace

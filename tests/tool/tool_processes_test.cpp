@@ -226,7 +226,9 @@ std::string value_of(const std::string& axis, const std::string& object) {
       .dump();
 }
 
-TEST(Jog, StopsTheAxisOnCtrlC) {
+class JogEndedBy : public testing::TestWithParam<int> {};
+
+TEST_P(JogEndedBy, ASignalStopsAndReleasesTheAxis) {
   const RunningService service("");
   ASSERT_EQ(tool("enable 1.1").code, 0);
   Process jog(VDRIVE_TOOL, tool_arguments("jog 1.1 10000 --for 60s"));
@@ -234,10 +236,30 @@ TEST(Jog, StopsTheAxisOnCtrlC) {
   while (value_of("1.1", "0x606B") != "10000") {
     ASSERT_LT(std::chrono::steady_clock::now(), deadline);
   }
-  jog.send(SIGINT);
+  jog.send(GetParam());
   EXPECT_EQ(jog.wait().code, 130);
   EXPECT_EQ(value_of("1.1", "0x60FF"), "0");
   EXPECT_EQ(value_of("1.1", "0x606B"), "0");
+  EXPECT_EQ(value_of("1.1", "0x603F"), "0") << "its watchdog would be a fault";
+}
+
+// SIGHUP is what a program receives when its terminal is closed.
+INSTANTIATE_TEST_SUITE_P(Signals, JogEndedBy, testing::Values(SIGINT, SIGTERM, SIGHUP),
+                         [](const testing::TestParamInfo<int>& signal) -> std::string {
+                           return sigabbrev_np(signal.param);
+                         });
+
+TEST(Nohup, KeepsAProgramWhoseTerminalIsClosed) {
+  const RunningService service("--clock lockstep");
+  Process watch("/usr/bin/nohup", {VDRIVE_TOOL, "--domain", std::to_string(test_domain()), "--json",
+                                   "events", "--follow"});
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  ASSERT_NE(watch.read_line(), "");
+  watch.send(SIGHUP);
+  ASSERT_EQ(tool("disable 1.1").code, 0);
+  EXPECT_NE(watch.read_line(), "");
+  watch.send(SIGINT);
+  EXPECT_EQ(watch.wait().code, 130);
 }
 
 class Events : public testing::Test {

@@ -10,12 +10,19 @@ namespace {
 
 constexpr int kInterrupted = 130;
 
+bool is_ignored(int signal) {
+  struct sigaction action {};
+
+  return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 }  // namespace
 
 Interrupt::Interrupt() {
   sigemptyset(&signals_);
   sigaddset(&signals_, SIGINT);
   sigaddset(&signals_, SIGTERM);
+  if (!is_ignored(SIGHUP)) sigaddset(&signals_, SIGHUP);
   sigaddset(&signals_, SIGUSR1);  // ends our own wait
   pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
   (void)std::signal(SIGPIPE, SIG_IGN);
@@ -51,7 +58,7 @@ void Interrupt::wait(const std::stop_token& stop) {
   while (sigwait(&signals_, &signal) == 0 && !stop.stop_requested()) {
     if (signal == SIGUSR1) continue;
     const std::scoped_lock lock(mutex_);
-    if (signal == SIGTERM) is_termination_ = true;
+    if (signal == SIGTERM || signal == SIGHUP) is_termination_ = true;
     if (happened_.exchange(true)) {
       if (last_action_) last_action_();
       _exit(kInterrupted);

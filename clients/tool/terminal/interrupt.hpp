@@ -10,9 +10,10 @@
 
 namespace vdrive::tool {
 
-/// Turns SIGINT and SIGTERM into a call. Blocks them in the calling thread, whose later threads
-/// inherit that, and waits for them in a thread of its own; ignores SIGPIPE. A second signal ends
-/// the process. To be made before the first thread.
+/// Turns SIGINT, SIGTERM and SIGHUP (its terminal was closed) into a call; SIGHUP not where it is
+/// ignored, as under nohup(1). Blocks them in the calling thread, whose later threads inherit that,
+/// and waits for them in a thread of its own; ignores SIGPIPE. A second signal ends the process. To
+/// be made before the first thread.
 class Interrupt {
  public:
   Interrupt();
@@ -31,7 +32,7 @@ class Interrupt {
 
   [[nodiscard]] bool happened() const noexcept { return happened_; }
 
-  /// @return whether SIGTERM has come.
+  /// @return whether SIGTERM or SIGHUP has come: nobody types any more.
   [[nodiscard]] bool is_termination() const noexcept { return is_termination_; }
 
   /// @return whether a signal has come since the last call. The next one is a first one again.
