@@ -154,7 +154,9 @@ def test_the_end_of_a_bench_for_longer_than_the_patience_ends_what_follows_it(vd
         next(follower)
         wire = wire_of(vdrive_bench.domain)
         service = processes()[processes()[wire][0]][0]
-        for process in (service, processes()[wire][0], wire):  # nobody is left to replace the wire
+        spawner = processes()[wire][0]
+        assert min(service, spawner) > 1, "0 would be every process of the group of this run"
+        for process in (service, spawner, wire):  # nobody is left to replace the wire
             os.kill(process, signal.SIGSTOP)
         try:
             reason = "bench 1 stopped sending or ended: .* the limit is 2000 ms"

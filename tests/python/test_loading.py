@@ -71,6 +71,32 @@ def test_numpy_and_asyncio_are_loaded_when_they_are_used():
     """)
 
 
+def test_threads_may_meet_in_their_first_array():
+    """pybind11 imports numpy under a guard: two threads once could wait for each other for ever."""
+    run("""
+        import sys
+        import threading
+        import vdrive
+
+        THREADS = 4
+        together = threading.Barrier(THREADS)
+        shapes = []
+
+        def first_array():
+            with vdrive.Bench(axes=1) as bench, bench.session() as session:
+                together.wait()
+                shapes.append(session.record(ticks=2)["position"].shape)
+
+        sys.setswitchinterval(1e-6)
+        threads = [threading.Thread(target=first_array) for _ in range(THREADS)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert shapes == [(2, 1)] * THREADS, shapes
+    """)
+
+
 def test_an_error_of_the_dds_library_keeps_its_text():
     output = run("""
         import vdrive

@@ -4,13 +4,16 @@
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace vdrive::python {
 namespace {
@@ -43,6 +46,12 @@ Member member_of(ObjectRow row, std::int64_t value) {
                         std::to_string(Limits::max()));
 }
 
+std::vector<std::string> names_of_objects() {
+  std::vector<std::string> names;
+  for (const auto& object : kObjectTable) names.emplace_back(object.variable_name);
+  return names;
+}
+
 /// Mode, target position and controlword have members of their own in a frame.
 void add_value(client::SetPoint& point, ObjectAddress object, std::int64_t value) {
   using namespace literals;
@@ -57,7 +66,70 @@ void add_value(client::SetPoint& point, ObjectAddress object, std::int64_t value
   }
 }
 
+std::string shown(const py::handle& value) {
+  constexpr std::size_t kLongest = 40;
+  auto text = py::repr(value).cast<std::string>();
+  if (text.size() > kLongest) text = text.substr(0, kLongest - 3) + "...";
+  return text;
+}
+
+Number number_of(const py::handle& value) {
+  return {py::reinterpret_borrow<py::object>(value)};
+}
+
+std::string with_unit(const std::string& text, const std::string& unit) {
+  return unit.empty() ? text : text + " " + unit;
+}
+
+/// numpy has its own kind of truth, and arrays of one number, which are numbers by mistake.
+bool is_number_of_python(const py::handle& value) {
+  if (PyBool_Check(value.ptr()) != 0 || py::hasattr(value, "__len__")) return false;
+  const std::string_view type = Py_TYPE(value.ptr())->tp_name;
+  if (type == "numpy.bool_" || type == "numpy.bool") return false;
+  return PyIndex_Check(value.ptr()) != 0 || py::hasattr(value, "__float__");
+}
+
 }  // namespace
+
+std::int64_t whole_of(const Number& number, const Meaning& meaning, std::int64_t lowest,
+                      std::int64_t highest, const std::optional<GivenUnit>& unit) {
+  const py::object& value = number.value;
+  const std::string what = meaning.name;
+  if (!is_number_of_python(value)) {
+    throw py::type_error(what + " is a " + (unit ? "number" : "whole number") + ", not " +
+                         shown(value));
+  }
+  const std::string limits = what + " is from " + std::to_string(lowest) + " to " +
+                             with_unit(std::to_string(highest), meaning.unit) + ", not " +
+                             shown(value) + (unit ? " " + unit->name : "");
+  if (!unit && PyIndex_Check(value.ptr()) != 0) {
+    const auto integer = py::reinterpret_steal<py::int_>(PyNumber_Index(value.ptr()));
+    if (!integer) throw py::error_already_set();
+    int overflow = 0;
+    const std::int64_t whole = PyLong_AsLongLongAndOverflow(integer.ptr(), &overflow);
+    if (overflow != 0 || whole < lowest || whole > highest) throw py::value_error(limits);
+    return whole;
+  }
+  const double given = py::float_(value);
+  const double scaled = unit ? std::round(given * unit->size) : given;
+  if (!unit && std::isfinite(given) && std::trunc(given) != given) {
+    throw py::value_error(what + " is a whole number" +
+                          (*meaning.unit == '\0' ? "" : std::string(" of ") + meaning.unit) +
+                          ", not " + shown(value));
+  }
+  // A double has no 2^63 - 1: the next one is 2^63, which is too large.
+  constexpr double kTooLarge = 9223372036854775808.0;
+  const bool fits = scaled >= -kTooLarge && scaled < kTooLarge &&  // false of a NaN
+                    static_cast<std::int64_t>(scaled) >= lowest &&
+                    static_cast<std::int64_t>(scaled) <= highest;
+  if (!fits) throw py::value_error(limits);
+  return static_cast<std::int64_t>(scaled);
+}
+
+std::uint64_t count_of(const Number& number, const char* name, std::int64_t lowest) {
+  constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
+  return static_cast<std::uint64_t>(whole_of(number, {name}, lowest, kMost));
+}
 
 nanoseconds nanoseconds_of(double seconds) {
   if (!(seconds >= 0.0) || seconds > kLongest) {
@@ -94,24 +166,30 @@ ObjectAddress object_of(const py::object& object) {
   if (py::isinstance<py::str>(object)) {
     const auto name = object.cast<std::string>();
     const auto named = parse_object(name);
-    if (!named) throw py::key_error("the dictionary has no object " + in_quotes(name));
+    if (!named) {
+      throw py::key_error("the dictionary has no object " + in_quotes(name) +
+                          suggestion(name, names_of_objects()));
+    }
     return *named;
   }
   if (py::isinstance<py::tuple>(object)) {
-    const auto [index, subindex] = object.cast<std::tuple<std::int64_t, std::int64_t>>();
-    return address_of(index, subindex);
+    const auto parts = object.cast<py::tuple>();
+    if (parts.size() != 2)
+      throw py::value_error("an object is (index, subindex), not " + shown(object));
+    return address_of(whole<std::int64_t>(number_of(parts[0]), {"index"}),
+                      whole<std::int64_t>(number_of(parts[1]), {"sub-index"}));
   }
-  return address_of(object.cast<std::int64_t>(), 0);
+  return address_of(whole<std::int64_t>(number_of(object), {"index"}), 0);
 }
 
 client::SetPointFrame frame_of(const py::dict& set_points) {
   client::SetPointFrame frame;
   for (const auto& [axis, values] : set_points) {
     client::SetPoint& point = frame.axes.emplace_back();
-    point.axis = axis.cast<std::uint16_t>();
+    point.axis = whole<std::uint16_t>(number_of(axis), {"axis"});
     for (const auto& [object, value] : values.cast<py::dict>()) {
       add_value(point, object_of(py::reinterpret_borrow<py::object>(object)),
-                value.cast<std::int64_t>());
+                whole<std::int64_t>(number_of(value), {"value"}));
     }
   }
   return frame;

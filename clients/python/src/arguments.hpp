@@ -7,11 +7,60 @@
 #include "vdrive/client/session.hpp"
 
 #include <chrono>
+#include <cstdint>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 /// Arguments of Python as the client library takes them.
 namespace vdrive::python {
+
+/// A number as a program gives it: an int, a float, or one of numpy.
+struct Number {
+  py::object value;
+};
+
+/// What a number stands for, in the messages of errors.
+struct Meaning {
+  const char* name;       ///< of the argument
+  const char* unit = "";  ///< in which it is without another one
+};
+
+/// A unit in which a program gives its numbers.
+struct GivenUnit {
+  std::string name;
+  double size = 1.0;  ///< [UU] of one
+};
+
+/// @return the number; one in a unit is rounded to the nearest UU
+/// @throws py::type_error where it is no number, or True or False; py::value_error where it has a
+///         fraction and no unit, is not finite, or is not from `lowest` to `highest`: with name,
+///         value and limits
+[[nodiscard]] std::int64_t whole_of(const Number& number, const Meaning& meaning,
+                                    std::int64_t lowest, std::int64_t highest,
+                                    const std::optional<GivenUnit>& unit = {});
+
+/// The same, with the limits of the type.
+template <typename Whole>
+[[nodiscard]] Whole whole(const Number& number, const Meaning& meaning,
+                          const std::optional<GivenUnit>& unit = {}) {
+  using Limits = std::numeric_limits<Whole>;
+  return static_cast<Whole>(whole_of(number, meaning, Limits::min(), Limits::max(), unit));
+}
+
+/// The same, or nothing where the program gave nothing.
+template <typename Whole>
+[[nodiscard]] std::optional<Whole> whole(const std::optional<Number>& number,
+                                         const Meaning& meaning,
+                                         const std::optional<GivenUnit>& unit = {}) {
+  if (!number) return std::nullopt;
+  return whole<Whole>(*number, meaning, unit);
+}
+
+/// @return how many; `lowest` to 2^63 - 1. @throws as `whole_of`
+[[nodiscard]] std::uint64_t count_of(const Number& number, const char* name,
+                                     std::int64_t lowest = 0);
 
 /// @param seconds [s] finite, 0 or more. @throws py::value_error
 [[nodiscard]] std::chrono::nanoseconds nanoseconds_of(double seconds);
@@ -43,3 +92,20 @@ namespace vdrive::python {
 [[nodiscard]] client::SetPointFrame frame_of(const py::dict& set_points);
 
 }  // namespace vdrive::python
+
+namespace pybind11::detail {
+
+/// Takes any object: `vdrive::python::whole` says what is wrong with it, by the name of the
+/// argument.
+template <>
+struct type_caster<vdrive::python::Number> {
+  PYBIND11_TYPE_CASTER(vdrive::python::Number, const_name("int"));
+
+  bool load(handle source, bool /*convert*/) {
+    if (!source) return false;
+    value.value = reinterpret_borrow<object>(source);
+    return true;
+  }
+};
+
+}  // namespace pybind11::detail

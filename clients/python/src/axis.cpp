@@ -5,6 +5,7 @@
 #include "vdrive/client/disturbance.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/unit.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,6 +15,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace vdrive::python {
@@ -24,7 +26,7 @@ using client::AxisSnapshot;
 using client::EachCommand;
 using client::Outcome;
 using client::Session;
-using OptionalU32 = std::optional<std::uint32_t>;
+using OptionalNumber = std::optional<Number>;
 
 struct CommandName {
   std::string_view name;
@@ -83,6 +85,10 @@ auto get(PyAxis& self, const Call& call) {
   }));
 }
 
+bool are_the_same(const PyAxis& axis, const PyAxis& other) {
+  return axis.py_session == other.py_session && axis.axis.id() == other.axis.id();
+}
+
 using AxisClass = py::class_<PyAxis>;
 
 /// A command that has nothing but a time-out and what it waits for.
@@ -114,101 +120,171 @@ void add_commands(AxisClass& axis) {
   add_command(axis, "power_cycle", &Axis::power_cycle, "Switches the axis off and on again.");
 }
 
-client::MoveOptions move_options(OptionalU32 velocity, OptionalU32 acceleration,
-                                 OptionalU32 deceleration, bool queue,
-                                 const client::CallOptions& call) {
-  return {.velocity = velocity,
-          .acceleration = acceleration,
-          .deceleration = deceleration,
-          .queue = queue,
-          .call = call};
+/// @return the unit of that name; nothing where the program names none. @throws py::value_error
+std::optional<GivenUnit> unit_named(const PyAxis& self, const std::optional<std::string>& name) {
+  if (!name) return std::nullopt;
+  const Unit unit = self.axis.unit();
+  if (const auto size = user_units_in(unit, *name)) return GivenUnit{*name, *size};
+  std::string known = "UU";
+  for (const std::string& other : units_of(unit)) known += ", " + other;
+  throw py::value_error("axis " + to_string(self.axis.id()) + " has no unit " + in_quotes(*name) +
+                        ": " + known);
 }
+
+/// The speeds and ramps of a call, in UU or in the unit of the call, per s and s^2.
+class Speeds {
+ public:
+  explicit Speeds(std::optional<GivenUnit> unit) : unit_(std::move(unit)) {}
+
+  [[nodiscard]] std::optional<std::uint32_t> speed(const OptionalNumber& number,
+                                                   const char* name) const {
+    return whole<std::uint32_t>(number, {name, "UU/s"}, per(" per s"));
+  }
+
+  [[nodiscard]] std::optional<std::uint32_t> ramp(const OptionalNumber& number,
+                                                  const char* name) const {
+    return whole<std::uint32_t>(number, {name, "UU/s^2"}, per(" per s^2"));
+  }
+
+  [[nodiscard]] std::int32_t velocity(const Number& number) const {
+    return whole<std::int32_t>(number, {"velocity", "UU/s"}, per(" per s"));
+  }
+
+ private:
+  [[nodiscard]] std::optional<GivenUnit> per(const char* time) const {
+    if (!unit_) return std::nullopt;
+    return GivenUnit{unit_->name + time, unit_->size};
+  }
+
+  std::optional<GivenUnit> unit_;
+};
+
+/// The numbers of a move, as a program gives them.
+struct GivenMove {
+  OptionalNumber velocity;
+  OptionalNumber acceleration;
+  OptionalNumber deceleration;
+  bool queue = false;
+
+  [[nodiscard]] client::MoveOptions options(const std::optional<GivenUnit>& unit,
+                                            const client::CallOptions& call) const {
+    const Speeds speeds(unit);
+    return {.velocity = speeds.speed(velocity, "velocity"),
+            .acceleration = speeds.ramp(acceleration, "acceleration"),
+            .deceleration = speeds.ramp(deceleration, "deceleration"),
+            .queue = queue,
+            .call = call};
+  }
+};
 
 void add_move(AxisClass& axis, const char* name, const char* target,
               Outcome (Axis::*move)(std::int32_t, const client::MoveOptions&), const char* text) {
   axis.def(
       name,
-      [move](PyAxis& self, std::int32_t aim, OptionalU32 velocity, OptionalU32 acceleration,
-             OptionalU32 deceleration, bool queue, double timeout, const std::string& until) {
+      [move, target](PyAxis& self, const Number& aim, const OptionalNumber& velocity,
+                     const OptionalNumber& acceleration, const OptionalNumber& deceleration,
+                     const std::optional<std::string>& unit, bool queue, double timeout,
+                     const std::string& until) {
+        const auto given = unit_named(self, unit);
         const client::MoveOptions options =
-            move_options(velocity, acceleration, deceleration, queue, call_options(timeout, until));
+            GivenMove{velocity, acceleration, deceleration, queue}.options(
+                given, call_options(timeout, until));
+        const auto place = whole<std::int32_t>(aim, {target, "UU"}, given);
         run(self, [&](Axis& moved) {
-          return (moved.*move)(aim, options);
+          return (moved.*move)(place, options);
         });
       },
       py::arg(target), py::kw_only(), py::arg("velocity") = py::none(),
       py::arg("acceleration") = py::none(), py::arg("deceleration") = py::none(),
-      py::arg("queue") = false, py::arg("timeout") = 60.0, py::arg("until") = "done", text);
+      py::arg("unit") = py::none(), py::arg("queue") = false, py::arg("timeout") = 60.0,
+      py::arg("until") = "done", text);
 }
 
 void add_moves(AxisClass& axis) {
   add_move(axis, "move_to", "position", &Axis::move_to,
-           "Moves to a position in UU. Speed (UU/s) and ramps (UU/s^2) are for this move.");
+           "Moves to a position in UU. Speed (UU/s) and ramps (UU/s^2) are for this move. With "
+           R"(`unit`, such as "deg", all of them are in it, and rounded to UU.)");
   add_move(axis, "move_by", "distance", &Axis::move_by,
-           "Moves by a distance in UU, from the base that 60F2h chooses.");
+           "Moves by a distance in UU, from the base that 60F2h chooses. `unit` as in move_to().");
   axis.def(
       "start_move",
-      [](PyAxis& self, std::int32_t position, OptionalU32 velocity, OptionalU32 acceleration,
-         OptionalU32 deceleration, bool queue) {
+      [](PyAxis& self, const Number& position, const OptionalNumber& velocity,
+         const OptionalNumber& acceleration, const OptionalNumber& deceleration,
+         const std::optional<std::string>& unit, bool queue) {
+        const auto given = unit_named(self, unit);
         const client::MoveOptions options =
-            move_options(velocity, acceleration, deceleration, queue, {});
+            GivenMove{velocity, acceleration, deceleration, queue}.options(given, {});
+        const auto place = whole<std::int32_t>(position, {"position", "UU"}, given);
         return PyMotion{get(self,
                             [&](Axis& moved) {
-                              return moved.start_move(position, options);
+                              return moved.start_move(place, options);
                             }),
                         self.py_session};
       },
       py::arg("position"), py::kw_only(), py::arg("velocity") = py::none(),
       py::arg("acceleration") = py::none(), py::arg("deceleration") = py::none(),
-      py::arg("queue") = false,
+      py::arg("unit") = py::none(), py::arg("queue") = false,
       "Starts move_to() and returns when the drive has acknowledged the set-point.");
 }
 
 void add_homing(AxisClass& axis) {
   axis.def(
       "home",
-      [](PyAxis& self, std::optional<std::int8_t> method, std::optional<std::int32_t> offset,
-         OptionalU32 search_speed, OptionalU32 creep_speed, OptionalU32 acceleration,
-         double timeout, const std::string& until) {
-        const client::HomingOptions options{.method = method,
-                                            .offset = offset,
-                                            .search_speed = search_speed,
-                                            .creep_speed = creep_speed,
-                                            .acceleration = acceleration,
-                                            .call = call_options(timeout, until)};
+      [](PyAxis& self, const OptionalNumber& method, const OptionalNumber& offset,
+         const OptionalNumber& search_speed, const OptionalNumber& creep_speed,
+         const OptionalNumber& acceleration, const std::optional<std::string>& unit, double timeout,
+         const std::string& until) {
+        const auto given = unit_named(self, unit);
+        const Speeds speeds(given);
+        const client::HomingOptions options{
+            .method = whole<std::int8_t>(method, {"method"}),
+            .offset = whole<std::int32_t>(offset, {"offset", "UU"}, given),
+            .search_speed = speeds.speed(search_speed, "search_speed"),
+            .creep_speed = speeds.speed(creep_speed, "creep_speed"),
+            .acceleration = speeds.ramp(acceleration, "acceleration"),
+            .call = call_options(timeout, until)};
         run(self, [&](Axis& homed) {
           return homed.home(options);
         });
       },
       py::kw_only(), py::arg("method") = py::none(), py::arg("offset") = py::none(),
       py::arg("search_speed") = py::none(), py::arg("creep_speed") = py::none(),
-      py::arg("acceleration") = py::none(), py::arg("timeout") = 60.0, py::arg("until") = "done",
-      "A homing run: waits until the axis is homed.");
+      py::arg("acceleration") = py::none(), py::arg("unit") = py::none(), py::arg("timeout") = 60.0,
+      py::arg("until") = "done",
+      "A homing run: waits until the axis is homed. `unit` as in move_to(), not for the method.");
 }
 
 void add_velocity_and_torque(AxisClass& axis) {
   axis.def(
       "run_at",
-      [](PyAxis& self, std::int32_t velocity, OptionalU32 acceleration, OptionalU32 deceleration,
-         double timeout, const std::string& until) {
-        const client::VelocityOptions options{.acceleration = acceleration,
-                                              .deceleration = deceleration,
-                                              .call = call_options(timeout, until)};
+      [](PyAxis& self, const Number& velocity, const OptionalNumber& acceleration,
+         const OptionalNumber& deceleration, const std::optional<std::string>& unit, double timeout,
+         const std::string& until) {
+        const Speeds speeds(unit_named(self, unit));
+        const client::VelocityOptions options{
+            .acceleration = speeds.ramp(acceleration, "acceleration"),
+            .deceleration = speeds.ramp(deceleration, "deceleration"),
+            .call = call_options(timeout, until)};
+        const std::int32_t speed = speeds.velocity(velocity);
         run(self, [&](Axis& target) {
-          return target.run_at(velocity, options);
+          return target.run_at(speed, options);
         });
       },
       py::arg("velocity"), py::kw_only(), py::arg("acceleration") = py::none(),
-      py::arg("deceleration") = py::none(), py::arg("timeout") = 60.0, py::arg("until") = "done",
+      py::arg("deceleration") = py::none(), py::arg("unit") = py::none(), py::arg("timeout") = 60.0,
+      py::arg("until") = "done",
       "Profile velocity mode: waits until `velocity` (UU/s) is reached. The axis continues to "
-      "run.");
+      "run. `unit` as in move_to().");
   axis.def(
       "apply_torque",
-      [](PyAxis& self, std::int16_t torque, OptionalU32 slope, double timeout,
+      [](PyAxis& self, const Number& torque, const OptionalNumber& slope, double timeout,
          const std::string& until) {
-        const client::TorqueOptions options{.slope = slope, .call = call_options(timeout, until)};
+        const client::TorqueOptions options{
+            .slope = whole<std::uint32_t>(slope, {"slope", "parts of 1,000 per s"}),
+            .call = call_options(timeout, until)};
+        const auto aim = whole<std::int16_t>(torque, {"torque", "parts of 1,000"});
         run(self, [&](Axis& target) {
-          return target.apply_torque(torque, options);
+          return target.apply_torque(aim, options);
         });
       },
       py::arg("torque"), py::kw_only(), py::arg("slope") = py::none(), py::arg("timeout") = 60.0,
@@ -220,15 +296,19 @@ void add_velocity_and_torque(AxisClass& axis) {
 void add_jog(AxisClass& axis) {
   axis.def(
       "jog",
-      [](PyAxis& self, std::int32_t velocity, const py::function& held, OptionalU32 acceleration,
-         OptionalU32 deceleration, double timeout) {
-        const client::VelocityOptions options{.acceleration = acceleration,
-                                              .deceleration = deceleration,
-                                              .call = call_options(timeout, "done")};
+      [](PyAxis& self, const Number& velocity, const py::function& held,
+         const OptionalNumber& acceleration, const OptionalNumber& deceleration,
+         const std::optional<std::string>& unit, double timeout) {
+        const Speeds speeds(unit_named(self, unit));
+        const client::VelocityOptions options{
+            .acceleration = speeds.ramp(acceleration, "acceleration"),
+            .deceleration = speeds.ramp(deceleration, "deceleration"),
+            .call = call_options(timeout, "done")};
+        const std::int32_t speed = speeds.velocity(velocity);
         KeptException kept;
         const Outcome outcome = waiting(self.py_session, [&](Session& /*session*/) {
           return self.axis.jog(
-              velocity,
+              speed,
               [&](const AxisSnapshot& status) {
                 return kept.run(false, [&] {
                   return held(status).cast<bool>();
@@ -240,7 +320,7 @@ void add_jog(AxisClass& axis) {
         check(outcome);
       },
       py::arg("velocity"), py::arg("held"), py::kw_only(), py::arg("acceleration") = py::none(),
-      py::arg("deceleration") = py::none(), py::arg("timeout") = 60.0,
+      py::arg("deceleration") = py::none(), py::arg("unit") = py::none(), py::arg("timeout") = 60.0,
       "Runs at `velocity` (UU/s) while `held(status)` is true, called every tick, then brakes.");
 }
 
@@ -299,20 +379,25 @@ void add_objects(AxisClass& axis) {
            "Reads up to 64 objects in one tick. One that is refused is an exception in the list.");
   axis.def(
       "write",
-      [](PyAxis& self, const py::object& object, std::int64_t value) {
+      [](PyAxis& self, const py::object& object, const Number& value) {
         const ObjectAddress address = object_of(object);
+        const auto number = whole<std::int64_t>(value, {"value"});
         return get(self, [&](Axis& written) {
-          return written.write(address, value);
+          return written.write(address, number);
         });
       },
       py::arg("object"), py::arg("value"),
       "Writes an object. Returns the tick in which the value is in force.");
   axis.def(
       "disturb",
-      [](PyAxis& self, const std::string& disturbance, std::int64_t value) {
+      [](PyAxis& self, const std::string& disturbance, const py::object& value) {
         const client::Disturbance chosen = disturbance_named(disturbance);
+        // True and False are what most of the inputs are.
+        const auto number = py::isinstance<py::bool_>(value)
+                                ? std::int64_t{value.cast<bool>()}
+                                : whole<std::int64_t>(Number{value}, {"value"});
         return get(self, [&](Axis& disturbed) {
-          return disturbed.disturb(chosen, value);
+          return disturbed.disturb(chosen, number);
         });
       },
       py::arg("disturbance"), py::arg("value") = 1,
@@ -447,6 +532,16 @@ void add_axis(py::module_& module) {
             return self.axis.unit();
           },
           "The unit of its user units.")
+      .def(
+          "__eq__",
+          [](const PyAxis& self, const py::object& other) {
+            return py::isinstance<PyAxis>(other) && are_the_same(self, other.cast<const PyAxis&>());
+          },
+          "Whether both handles are of one session and mean the same axis.")
+      .def("__hash__",
+           [](const PyAxis& self) {
+             return py::hash(py::make_tuple(self.axis.id().bench, self.axis.id().axis));
+           })
       .def("__repr__", [](const PyAxis& self) {
         return "<vdrive.Axis " + to_string(self.axis.id()) + " " + self.axis.name() + ">";
       });

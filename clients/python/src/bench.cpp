@@ -114,12 +114,13 @@ void add_unit(py::module_& module) {
       .def_readonly("size", &Unit::size, "UU of a revolution; linear: of one `name`.")
       .def(
           "to_user_units",
-          [](const Unit& unit, double value) {
-            return to_user_units(value, unit);
+          [](const Unit& unit, const Number& value) {
+            return whole<std::int64_t>(value, {"value", "UU"},
+                                       GivenUnit{unit.name, to_user_units(1.0, unit)});
           },
           py::arg("value"),
-          "A position in `name`, or a speed or acceleration in it per s or s^2, in UU, not "
-          "rounded.")
+          "A position in `name`, or a speed or acceleration in it per s or s^2, in UU: rounded to "
+          "the nearest.")
       .def(
           "from_user_units",
           [](const Unit& unit, double user_units) {

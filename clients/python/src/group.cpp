@@ -90,6 +90,7 @@ class GroupCall {
 };
 
 PyGroup open_group(const SharedPySession& py_session, const py::object& axes) {
+  load_numpy();
   const std::vector<client::Axis> found = axes_of(py_session, axes);
   return {value_or_raise(waiting(py_session,
                                  [&](Session& session) {

@@ -9,6 +9,16 @@ namespace vdrive::python {
 
 namespace py = pybind11;
 
+/// Imports numpy where it is not imported yet: at the begin of each call whose result may give
+/// arrays, and not with the module, because numpy takes most of the time of its import. pybind11
+/// would import it at the first array, under the guard of a static variable: of two threads with
+/// their first array one would wait for the guard with the interpreter's lock, and the other for
+/// that lock.
+/// @throws py::error_already_set also with what a signal handler raised
+inline void load_numpy() {
+  py::module_::import("numpy.core.multiarray");
+}
+
 // Each adds the classes of its topic to the module.
 void add_bench(py::module_& module);
 void add_local_bench(py::module_& module);

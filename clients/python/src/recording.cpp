@@ -57,6 +57,7 @@ py::tuple bench_of(const std::string& path, std::uint32_t number,
 }
 
 py::tuple read_recording(const std::string& path) {
+  load_numpy();
   Loaded loaded;
   std::string problem;
   {

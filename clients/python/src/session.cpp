@@ -128,6 +128,7 @@ struct PyFollower {
 
 PyFollower follow(const SharedPySession& self, const py::object& axes, const std::string& pace,
                   double patience, std::optional<std::uint64_t> count) {
+  load_numpy();
   const client::Pace chosen = pace_of(pace);
   const std::chrono::milliseconds longest = milliseconds_of(patience);
   std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
@@ -140,6 +141,7 @@ PyFollower follow(const SharedPySession& self, const py::object& axes, const std
 
 std::shared_ptr<StatusQueue> stream(const SharedPySession& self, const py::object& axes,
                                     std::size_t capacity) {
+  load_numpy();
   if (capacity == 0) throw py::value_error("a stream has a capacity of 1 or more");
   const std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
   auto follower = value_or_raise(waiting(self, [&](Session& session) {
@@ -152,6 +154,7 @@ std::shared_ptr<StatusQueue> stream(const SharedPySession& self, const py::objec
 
 std::shared_ptr<ReportQueue> status_reports(const SharedPySession& self, const py::object& axes,
                                             double period) {
+  load_numpy();
   auto queue = made_here<ReportQueue>(self, ids_of(axes_of(self, axes)), milliseconds_of(period));
   self->adopt(queue);
   return queue;
@@ -235,9 +238,10 @@ void add_finding(SessionClass& session) {
 void add_clock(SessionClass& session) {
   session.def(
       "step",
-      [](const SharedPySession& self, std::uint64_t ticks, std::optional<std::uint32_t> bench) {
-        return of_bench(self, bench, [ticks](Session& stepped, std::uint32_t number) {
-          return stepped.step(number, ticks);
+      [](const SharedPySession& self, const Number& ticks, std::optional<std::uint32_t> bench) {
+        const std::uint64_t count = count_of(ticks, "ticks");
+        return of_bench(self, bench, [count](Session& stepped, std::uint32_t number) {
+          return stepped.step(number, count);
         });
       },
       py::arg("ticks") = 1, py::kw_only(), py::arg("bench") = py::none(),
@@ -431,11 +435,16 @@ void add_follower(py::module_& module) {
              return self;
            })
       .def("__next__", &PyFollower::next)
-      .def("take", &PyFollower::take, py::arg("count"),
-           "Waits for that many observations, or for those that are left of the count of follow(): "
-           "a numpy array of records, a row per sample, a column per axis. What it had received "
-           "when "
-           "it raised is what the next call returns, at once.")
+      .def(
+          "take",
+          [](PyFollower& self, const Number& count) {
+            return self.take(count_of(count, "count"));
+          },
+          py::arg("count"),
+          "Waits for that many observations, or for those that are left of the count of follow(): "
+          "a numpy array of records, a row per sample, a column per axis. What it had received "
+          "when "
+          "it raised is what the next call returns, at once.")
       .def(
           "close",
           [](PyFollower& self) {

@@ -22,6 +22,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 namespace vdrive::python {
@@ -341,11 +342,54 @@ py::array frames_of(const std::deque<Observation>& samples, std::size_t axes) {
 }
 
 py::dtype status_image_type() {
+  load_numpy();
   std::vector<Field> fields;
   fields.reserve(kStatusMembers);
   for (const StatusMember& member : status_members()) fields.push_back(field_of(member));
   return type_of(fields);  // the table is in the order of the members, which have no gaps
 }
+
+namespace {
+
+/// Everything of a snapshot but the status, as a tuple for pickle; the status is its bytes.
+py::tuple state_of(const AxisSnapshot& axis) {
+  const auto image = std::as_bytes(std::span(&axis.status, 1));
+  const py::bytes status(reinterpret_cast<const char*>(image.data()),  // NOLINT(*-reinterpret-cast)
+                         image.size());
+  return py::make_tuple(axis.id.bench, axis.id.axis, axis.tick, axis.owner_session,
+                        axis.owner_epoch, axis.last_sequence, axis.skipped, status);
+}
+
+/// @throws py::value_error where another version of vdrive wrote it
+AxisSnapshot snapshot_of(const py::tuple& state) {
+  constexpr std::size_t kParts = 8;
+  if (state.size() != kParts) throw py::value_error("the status is of another version of vdrive");
+  AxisSnapshot axis;
+  axis.id = {state[0].cast<std::uint32_t>(), state[1].cast<std::uint16_t>()};
+  axis.tick = state[2].cast<std::uint64_t>();
+  axis.owner_session = state[3].cast<std::uint64_t>();
+  axis.owner_epoch = state[4].cast<std::uint32_t>();
+  axis.last_sequence = state[5].cast<std::uint64_t>();
+  axis.skipped = state[6].cast<std::uint64_t>();
+  const auto status = state[7].cast<std::string_view>();
+  const auto image = std::as_writable_bytes(std::span(&axis.status, 1));
+  if (status.size() != image.size()) {
+    throw py::value_error("the status is of another version of vdrive");
+  }
+  std::memcpy(image.data(), status.data(), image.size());
+  return axis;
+}
+
+bool is_equal(const AxisSnapshot& axis, const AxisSnapshot& other) {
+  const auto parts = [](const AxisSnapshot& of) {
+    return std::tie(of.id.bench, of.id.axis, of.tick, of.owner_session, of.owner_epoch,
+                    of.last_sequence, of.skipped);
+  };
+  return parts(axis) == parts(other) &&
+         std::memcmp(&axis.status, &other.status, sizeof(AxisStatus)) == 0;
+}
+
+}  // namespace
 
 void add_status(py::module_& module) {
   py::class_<AxisSnapshot> status(module, "Status", "One axis after a tick. UU: user units.");
@@ -356,6 +400,18 @@ void add_status(py::module_& module) {
             return to_string(axis.id);
           },
           R"(Address of the axis, such as "1.2".)")
+      .def(
+          "__eq__",
+          [](const AxisSnapshot& axis, const py::object& other) {
+            return py::isinstance<AxisSnapshot>(other) &&
+                   is_equal(axis, other.cast<const AxisSnapshot&>());
+          },
+          "Whether it is the same axis with the same values in the same tick.")
+      .def("__hash__",
+           [](const AxisSnapshot& axis) {
+             return py::hash(py::make_tuple(axis.id.bench, axis.id.axis, axis.tick));
+           })
+      .def(py::pickle(&state_of, &snapshot_of))
       .def_readonly("tick", &AxisSnapshot::tick, "The tick.")
       .def_readonly("owner", &AxisSnapshot::owner_session, "Session that holds the axis, 0 = none.")
       .def_readonly("owner_epoch", &AxisSnapshot::owner_epoch, "Epoch of that session.")
@@ -366,6 +422,7 @@ void add_status(py::module_& module) {
   module.def(
       "record_type",
       [] {
+        load_numpy();
         return layout().type();
       },
       "The numpy dtype of the records of recordings and observations.");

@@ -43,7 +43,15 @@ class Recording:
         return len(self.frames)
 
     def __getitem__(self, field):
-        return self.frames[_ALIASES.get(field, field)]
+        try:
+            return self.frames[_ALIASES.get(field, field)]
+        except ValueError:
+            import difflib
+
+            names = [*_ALIASES, *(self.frames.dtype.names or ())]
+            near = difflib.get_close_matches(str(field), names, n=1, cutoff=0.5)
+            hint = f" (did you mean {near[0]!r}?)" if near else ""
+            raise KeyError(f"a recording has no field {field!r}{hint}") from None
 
     def axis(self, axis):
         """Return the records of one axis, by its address or name."""
@@ -68,7 +76,7 @@ def load(path, *, bench=None):
     if len(chosen) > 1:
         raise ValueError(f"{path}: several benches, choose one by its number: bench=...")
     if not chosen:
-        import numpy  # here: it takes half of the time of `import vdrive`; the first array has it
+        import numpy  # Here, because it takes most of the time of `import vdrive`.
 
         return Recording([], [], numpy.zeros((0, 0), _vdrive.record_type()), cut)
     _, axes, names, frames = chosen[0]

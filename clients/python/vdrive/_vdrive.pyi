@@ -1,7 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-from typing import Any, Callable, Iterable, Iterator, Literal, Mapping, Sequence, overload
+from typing import (
+    Any,
+    Callable,
+    Iterable,
+    Iterator,
+    Literal,
+    Mapping,
+    Sequence,
+    SupportsFloat,
+    SupportsIndex,
+    overload,
+)
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +22,7 @@ from ._errors import Error
 from ._observers import Observer
 from ._recording import Recording
 
+NumberSpec = SupportsIndex | SupportsFloat  # whole, unless it has a unit
 ObjectSpec = int | tuple[int, int] | str
 AxesSpec = str | "Axis" | Sequence[str | "Axis"] | None
 ModelSpec = Mapping[str, str | float]
@@ -54,7 +66,7 @@ class Unit:
     def name(self) -> str: ...
     @property
     def size(self) -> float: ...
-    def to_user_units(self, value: float) -> float: ...
+    def to_user_units(self, value: SupportsFloat) -> int: ...
     def from_user_units(self, user_units: float) -> float: ...
 
 class AxisInfo:
@@ -249,76 +261,82 @@ class Axis:
     def power_cycle(self, *, timeout: float = 60.0, until: UntilSpec = "done") -> None: ...
     def move_to(
         self,
-        position: int,
+        position: NumberSpec,
         *,
-        velocity: int | None = None,
-        acceleration: int | None = None,
-        deceleration: int | None = None,
+        velocity: NumberSpec | None = None,
+        acceleration: NumberSpec | None = None,
+        deceleration: NumberSpec | None = None,
+        unit: str | None = None,
         queue: bool = False,
         timeout: float = 60.0,
         until: UntilSpec = "done",
     ) -> None: ...
     def move_by(
         self,
-        distance: int,
+        distance: NumberSpec,
         *,
-        velocity: int | None = None,
-        acceleration: int | None = None,
-        deceleration: int | None = None,
+        velocity: NumberSpec | None = None,
+        acceleration: NumberSpec | None = None,
+        deceleration: NumberSpec | None = None,
+        unit: str | None = None,
         queue: bool = False,
         timeout: float = 60.0,
         until: UntilSpec = "done",
     ) -> None: ...
     def start_move(
         self,
-        position: int,
+        position: NumberSpec,
         *,
-        velocity: int | None = None,
-        acceleration: int | None = None,
-        deceleration: int | None = None,
+        velocity: NumberSpec | None = None,
+        acceleration: NumberSpec | None = None,
+        deceleration: NumberSpec | None = None,
+        unit: str | None = None,
         queue: bool = False,
     ) -> Motion: ...
     def home(
         self,
         *,
-        method: int | None = None,
-        offset: int | None = None,
-        search_speed: int | None = None,
-        creep_speed: int | None = None,
-        acceleration: int | None = None,
+        method: NumberSpec | None = None,
+        offset: NumberSpec | None = None,
+        search_speed: NumberSpec | None = None,
+        creep_speed: NumberSpec | None = None,
+        acceleration: NumberSpec | None = None,
+        unit: str | None = None,
         timeout: float = 60.0,
         until: UntilSpec = "done",
     ) -> None: ...
     def run_at(
         self,
-        velocity: int,
+        velocity: NumberSpec,
         *,
-        acceleration: int | None = None,
-        deceleration: int | None = None,
+        acceleration: NumberSpec | None = None,
+        deceleration: NumberSpec | None = None,
+        unit: str | None = None,
         timeout: float = 60.0,
         until: UntilSpec = "done",
     ) -> None: ...
     def apply_torque(
         self,
-        torque: int,
+        torque: NumberSpec,
         *,
-        slope: int | None = None,
+        slope: NumberSpec | None = None,
         timeout: float = 60.0,
         until: UntilSpec = "done",
     ) -> None: ...
     def jog(
         self,
-        velocity: int,
+        velocity: NumberSpec,
         held: Callable[[Status], bool],
         *,
-        acceleration: int | None = None,
-        deceleration: int | None = None,
+        acceleration: NumberSpec | None = None,
+        deceleration: NumberSpec | None = None,
+        unit: str | None = None,
         timeout: float = 60.0,
     ) -> None: ...
     def read(self, object: ObjectSpec) -> int: ...
     def read_many(self, objects: Iterable[ObjectSpec]) -> list[int | Error]: ...
-    def write(self, object: ObjectSpec, value: int) -> int: ...
-    def disturb(self, disturbance: DisturbanceSpec, value: int = 1) -> int: ...
+    def write(self, object: ObjectSpec, value: NumberSpec) -> int: ...
+    def disturb(self, disturbance: DisturbanceSpec, value: NumberSpec = 1) -> int: ...
     def status(self) -> Status: ...
     def wait_until(
         self, condition: Callable[[Status], bool], timeout: float = 60.0
@@ -409,7 +427,7 @@ class EventStream:
     def __exit__(self, *exception: object) -> None: ...
 
 class Follower:
-    def take(self, count: int) -> NDArray[Any]: ...
+    def take(self, count: NumberSpec) -> NDArray[Any]: ...
     def close(self) -> None: ...
     def __iter__(self) -> Iterator[Observation]: ...
     def __next__(self) -> Observation: ...
@@ -463,7 +481,7 @@ class Session:
     def interrupt(self) -> None: ...
     def end_interrupt(self) -> None: ...
     def close(self) -> None: ...
-    def step(self, ticks: int = 1, *, bench: int | None = None) -> int: ...
+    def step(self, ticks: NumberSpec = 1, *, bench: int | None = None) -> int: ...
     def wait(self, duration: float, *, bench: int | None = None) -> int: ...
     def wait_for_tick(self, tick: int, *, bench: int | None = None) -> int: ...
     def set_rate(self, rate: float, *, bench: int | None = None) -> int: ...
@@ -496,7 +514,7 @@ class Session:
     ) -> Observer: ...
     def follow_async(self, axes: AxesSpec = None, *, capacity: int = 10000) -> AsyncStream: ...
     def events_async(self, *, history: bool = False, capacity: int = 10000) -> AsyncStream: ...
-    def record(self, axes: AxesSpec = None, *, ticks: int, pace: PaceSpec = "drive") -> Recording: ...
+    def record(self, axes: AxesSpec = None, *, ticks: NumberSpec, pace: PaceSpec = "drive") -> Recording: ...
     def __enter__(self) -> Session: ...
     def __exit__(self, *exception: object) -> None: ...
 

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Numbers as programs give them, the errors of bad ones, and values that are compared and stored."""
+import pickle
+
+import numpy
+import pytest
+import vdrive
+
+HIGHEST_SPEED = 2**32 - 1
+
+
+@pytest.fixture
+def axis(vdrive_session):
+    axis = vdrive_session.axis("1.1")
+    axis.enable()
+    return axis
+
+
+@pytest.mark.parametrize("position", [90, 90.0, numpy.int16(90), numpy.float64(90), numpy.float32(90)])
+def test_a_whole_number_of_any_type_is_taken(axis, position):
+    axis.move_to(position)
+    assert axis.status().demand == 90
+
+
+@pytest.mark.parametrize("unit, value, demand", [
+    ("deg", 90, 1024), ("deg", 33.3, 379),  # 33.3 * 4096 / 360 = 378.88
+    ("rev", 0.5, 2048), ("UU", 7, 7), ("rad", -1, -652),  # 4096 / (2 pi) = 651.9
+])
+def test_a_number_with_a_unit_is_rounded_to_user_units(axis, unit, value, demand):
+    axis.move_to(value, unit=unit)
+    assert axis.status().demand == demand
+    if unit == "deg":
+        axis.move_to(axis.unit.to_user_units(value))
+        assert axis.status().demand == demand
+
+
+def test_speeds_and_ramps_have_the_unit_of_their_call(vdrive_session, axis):
+    axis.start_move(360, velocity=90, acceleration=180, deceleration=180.5, unit="deg")
+    speed = vdrive_session.record(axis, ticks=1500).frames["velocity_demand_value"][:, 0]
+    # 90 deg/s are 1024 UU/s; 180 deg/s^2 are 2.048 UU/s in each tick.
+    assert speed.max() == 1024
+    assert abs(speed[400] - speed[0] - 400 * 2.048) <= 1
+    axis.run_at(-45, unit="deg")
+    assert axis.read(0x60FF) == -512
+
+
+@pytest.mark.parametrize("error, message, call", [
+    (ValueError, "position is a whole number of UU, not 90.5", lambda a: a.move_to(90.5)),
+    (ValueError, "position is from -2147483648 to 2147483647 UU, not 1099511627776", lambda a: a.move_to(2**40)),
+    (ValueError, "position is from -2147483648 to 2147483647 UU, not nan", lambda a: a.move_to(float("nan"))),
+    (ValueError, "position is from -2147483648 to 2147483647 UU, not 1e[+]30 rev",
+     lambda a: a.move_to(1e30, unit="rev")),
+    (ValueError, f"velocity is from 0 to {HIGHEST_SPEED} UU/s, not -5", lambda a: a.move_to(1, velocity=-5)),
+    (ValueError, f"acceleration is from 0 to {HIGHEST_SPEED} UU/s.2, not {2**70}",
+     lambda a: a.move_by(1, acceleration=2**70)),
+    (ValueError, "torque is from -32768 to 32767 parts of 1,000, not 40000", lambda a: a.apply_torque(40000)),
+    (ValueError, "axis 1.1 has no unit 'mm': UU, deg, rad, rev", lambda a: a.move_to(1, unit="mm")),
+    (TypeError, "position is a whole number, not True", lambda a: a.move_to(True)),
+    (TypeError, "position is a whole number, not .*True", lambda a: a.move_to(numpy.bool_(True))),
+    (TypeError, "position is a whole number, not '1000'", lambda a: a.move_to("1000")),
+    (TypeError, "position is a whole number, not None", lambda a: a.move_to(None)),
+    (TypeError, r"position is a whole number, not array\(\[1\]\)", lambda a: a.move_to(numpy.array([1]))),
+    (TypeError, "value is a whole number, not 'x'", lambda a: a.write(0x6081, "x")),
+    (KeyError, "did you mean 'profile_velocity'", lambda a: a.read("profile_velocty")),
+])
+def test_a_bad_number_is_named_with_its_limits(axis, error, message, call):
+    with pytest.raises(error, match=message):
+        call(axis)
+    assert axis.status().demand == 0
+
+
+def test_counts_are_checked_before_anything_happens(vdrive_session):
+    with pytest.raises(ValueError, match="ticks is from 0 to 9223372036854775807, not -1"):
+        vdrive_session.step(-1)
+    with pytest.raises(ValueError, match="count is from 0 to 9223372036854775807, not -1"):
+        vdrive_session.record(ticks=-1)
+    assert vdrive_session.step(0) == 0
+
+
+def test_handles_of_one_axis_are_equal(vdrive_bench, vdrive_session):
+    axis = vdrive_session.axis("1.1")
+    assert axis == vdrive_session.axis(axis.name) and hash(axis) == hash(vdrive_session.axis("1.1"))
+    assert axis != vdrive_session.axis("1.2") and axis != "1.1"
+    with vdrive_bench.session() as other:
+        assert axis != other.axis("1.1"), "commands of the other session are of another owner"
+
+
+def test_a_status_is_compared_by_its_values_and_can_be_stored(axis):
+    first = axis.status()
+    assert first == axis.status() and hash(first) == hash(axis.status()), "no tick has passed"
+    stored = pickle.loads(pickle.dumps(first))
+    assert stored == first and stored.owner == first.owner and stored.state == first.state
+    axis.move_to(10)
+    assert axis.status() != first and first != 1
+
+
+def test_a_wrong_field_of_a_recording_names_the_nearest(vdrive_session):
+    recording = vdrive_session.record(ticks=2)
+    with pytest.raises(KeyError, match="no field 'positon' .did you mean 'position'"):
+        recording["positon"]
+    with pytest.raises(KeyError, match="no field 'zzzzzz'\""):
+        recording["zzzzzz"]
