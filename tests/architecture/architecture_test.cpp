@@ -363,7 +363,7 @@ TEST(Architecture, EachHeaderIsGuardedByPragmaOnce) {
 // Process 0 of kill(2) is the group of the caller: a number that was not found would stop or end
 // ctest and what started it.
 TEST(Architecture, TestsSendSignalsOnlyThroughTheFunctionThatRefusesGroupsOfProcesses) {
-  static const Pattern call(R"((^|[^A-Za-z0-9_.>])kill\([^)]+,)");
+  static const Pattern call(R"((^|[^A-Za-z0-9_.>])(kill|killpg)\(([^)2]|2[^)]|$))");
   for (const SourceFile& file : sources()) {
     if (!file.path.starts_with("tests/") || file.path == "tests/support/signals.hpp") continue;
     std::istringstream lines(file.text);

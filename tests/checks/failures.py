@@ -64,6 +64,7 @@ GTEST_BLOCK = re.compile(r"^(?P<place>\S+:\d+|unknown file): Failure\n(?P<body>.
 # Durations are printed with their unit, points of time as their bytes.
 TOO_LONG = re.compile(r"Expected: \(.*\) <=? \(.*\), actual: (8-byte object|\d+(ns|us|µs|ms|s|min|h) vs )")
 CLOCK = re.compile(r"Expected: \(.*(steady_clock|\bClock)::now\(\).*\) <=? \(")
+FUTURE = re.compile(r"\.wait_for\(.*\n(?:.*\n)*?\s*(std::)?future_status::ready")
 TIMED_OUT = re.compile(r"timed out while waiting|did not answer")  # Outcome::timed_out
 THROWN = re.compile(r"^C\+\+ exception|^Unknown C\+\+ exception")
 
@@ -102,7 +103,7 @@ def line_with(pattern, output):
 def is_late(block, before):
     """Whether an expectation of GoogleTest failed by a deadline. A wait that fails writes its mark
     before the expectation that sees it."""
-    return any(pattern.search(block) for pattern in (TOO_LONG, CLOCK, TIMED_OUT)) or \
+    return any(pattern.search(block) for pattern in (TOO_LONG, CLOCK, FUTURE, TIMED_OUT)) or \
         MARK in block or MARK in before
 
 

@@ -87,6 +87,12 @@ class Kinds(unittest.TestCase):
         block = "a.cpp:1: Failure\nValue of: moved\n  Actual: false\nExpected: true\naxis 1.1: timed out while waiting for 'x'\n"
         self.assertEqual(kind(gtest(block)), "deadline")
 
+    def test_a_future_that_is_not_ready_in_time_is_a_deadline(self):
+        block = ("a.cpp:1: Failure\nExpected equality of these values:\n  ended.wait_for(kLong)\n"
+                 "    Which is: 4-byte object <01-00 00-00>\n  std::future_status::ready\n"
+                 "    Which is: 4-byte object <00-00 00-00>\n")
+        self.assertEqual(kind(gtest(block)), "deadline")
+
     def test_another_expectation_is_a_wrong_value(self):
         for block in (WRONG, TICKS, EARLY):
             self.assertEqual(kind(gtest(block)), "wrong value", block)

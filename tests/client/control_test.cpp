@@ -2,6 +2,7 @@
 // Which session has control when programs end, hang or continue late: real services, real clients.
 #include "client/session_options.hpp"
 #include "service/probe.hpp"
+#include "support/deadline.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "vdrive/client/axis.hpp"
@@ -246,12 +247,16 @@ class News {
   /// Waits for that news, from now on. @return nothing after 10 s.
   std::optional<ServiceChange> next(ServiceNews wanted) {
     std::unique_lock lock(mutex_);
-    const auto deadline = std::chrono::steady_clock::now() + 10s;
+    constexpr auto kPatience = 10s;
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
     while (true) {
       for (; looked_ < told_.size(); ++looked_) {
         if (told_[looked_].news == wanted) return told_[looked_++];
       }
-      if (changed_.wait_until(lock, deadline) == std::cv_status::timeout) return std::nullopt;
+      if (changed_.wait_until(lock, deadline) == std::cv_status::timeout) {
+        test::report_missed_deadline("the news did not come", kPatience);
+        return std::nullopt;
+      }
     }
   }
 

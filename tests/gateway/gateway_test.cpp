@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program vdrive-gateway between a service and WebSocket clients.
 #include "gateway/tool_client.hpp"
+#include "support/deadline.hpp"
 #include "support/temporary_directory.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -37,10 +38,12 @@ client::SessionOptions options() {
 /// @return whether the condition holds within 10 s of wall time.
 template <typename Condition>
 bool soon(const Condition& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + 10s;
+  constexpr auto kPatience = 10s;
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
   while (std::chrono::steady_clock::now() < deadline) {
     if (condition()) return true;
   }
+  report_missed_deadline("the condition did not hold", kPatience);
   return false;
 }
 

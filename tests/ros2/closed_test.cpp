@@ -80,7 +80,9 @@ TEST_F(ClosedRosBench, OnlyShowsItsStateToTheIdentityOfAViewer) {
   const auto state = peer.state("x");
   EXPECT_THAT(state->position(), SizeIs(2));
   EXPECT_THAT(state->effort(), IsEmpty()) << "the rated torque cannot be read";
-  EXPECT_EQ(peer.diagnosis("joint x"), "1 Switch on disabled");
+  EXPECT_TRUE(peer.wait([&] {
+    return peer.diagnosis("joint x") == "1 Switch on disabled";
+  })) << peer.diagnosis("joint x");
 }
 
 TEST_F(ClosedRosBench, IsNotFoundWithoutCredentials) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ros2/ros_peer.hpp"
 
+#include "support/deadline.hpp"
 #include "support/test_domain.hpp"
 
 #include <gtest/gtest.h>
@@ -112,10 +113,10 @@ bool RosPeer::wait_for_bridge() {
     if (is_matched && !states_.empty()) return true;
     changed_.wait_for(lock, 20ms);
   }
-  std::cerr << "no bridge was found: it reads " << commands_->matched() << " "
-            << trajectories_.matched() << " " << enable_.matched() << " of ours, we read "
-            << log_reader_.matched() << " " << state_reader_.matched() << " of its topics and "
-            << states_.size() << " states\n";
+  report_missed_deadline("no bridge was found", kPatience);
+  std::cerr << "it reads " << commands_->matched() << " " << trajectories_.matched() << " "
+            << enable_.matched() << " of ours, we read " << log_reader_.matched() << " "
+            << state_reader_.matched() << " of its topics and " << states_.size() << " states\n";
   return false;
 }
 
@@ -202,7 +203,10 @@ bool RosPeer::wait(const std::function<bool()>& condition) const {
   const auto deadline = std::chrono::steady_clock::now() + kPatience;
   while (true) {
     if (condition()) return true;
-    if (std::chrono::steady_clock::now() >= deadline) return false;
+    if (std::chrono::steady_clock::now() >= deadline) {
+      report_missed_deadline("the condition did not hold", kPatience);
+      return false;
+    }
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, 20ms);
   }

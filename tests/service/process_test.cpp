@@ -37,6 +37,7 @@ class Process {
     std::array<int, 2> ends{};
     if (pipe(ends.data()) != 0) throw std::runtime_error("no pipe");
     child_ = fork();
+    if (child_ < 0) throw std::runtime_error("fork");
     if (child_ == 0) {
       dup2(ends[1], STDOUT_FILENO);
       dup2(ends[1], STDERR_FILENO);

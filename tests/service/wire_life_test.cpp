@@ -86,7 +86,7 @@ class Bench {
 
 // A wire that is looked for too early is process 0: every process of the group of this run.
 TEST(Signals, AreSentToNoGroupOfProcesses) {
-  for (const pid_t group : {0, -1, -getpgrp()}) {
+  for (const pid_t group : {1, 0, -1, -getpgrp()}) {
     EXPECT_THROW(send_signal(group, 0), std::invalid_argument) << group;
     EXPECT_THROW(static_cast<void>(exists(group)), std::invalid_argument) << group;
   }
@@ -185,6 +185,7 @@ TEST(Engine, ReplacesAKilledWireAtOnceWhileItsProcessIsStillThere) {
   Probe probe(test_domain());
   ASSERT_TRUE(probe.find_bench());
   const pid_t wire = bench.wire();
+  ASSERT_NE(wire, 0);
   if (ptrace(PTRACE_SEIZE, wire, nullptr, PTRACE_O_TRACEEXIT) != 0) {
     GTEST_SKIP() << "this user may not hold a process of his";
   }

@@ -27,6 +27,7 @@ inline std::string text_of(const std::filesystem::path& file) {
 
 /// @return the process whose parent is `parent`, or 0.
 inline pid_t child_of(pid_t parent) {
+  if (parent <= 1) return 0;  // a program that has ended, or one whose parent has
   const std::string wanted = "PPid:\t" + std::to_string(parent) + "\n";
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
     if (text_of(entry.path() / "status").find(wanted) != std::string::npos) {

@@ -100,6 +100,7 @@ Process::Process(const std::string& program, std::vector<std::string> arguments,
   const auto out = make_pipe();
   const auto err = make_pipe();
   child_ = fork();
+  if (child_ < 0) throw std::runtime_error("fork");
   if (child_ == 0) {
     // A test that is killed, as by its time limit, ends the program: one that continued in
     // the test's domain would disturb the next test there.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool/pseudo_terminal.hpp"
 
+#include "support/deadline.hpp"
 #include "support/signals.hpp"
 #include "tool/process.hpp"
 
@@ -82,7 +83,11 @@ bool PseudoTerminal::read_some() {
 bool PseudoTerminal::wait_until(const std::function<bool(const Screen&)>& is_wanted) {
   const auto deadline = std::chrono::steady_clock::now() + kPatience;
   while (!is_wanted(screen_)) {
-    if (std::chrono::steady_clock::now() > deadline || !read_some()) return false;
+    if (!read_some()) return false;
+    if (std::chrono::steady_clock::now() > deadline) {
+      report_missed_deadline("the screen did not show it", kPatience);
+      return false;
+    }
   }
   return true;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Guarded participants against datagrams that end, block or fill an unguarded one.
 #include "attacker.hpp"
+#include "support/deadline.hpp"
 #include "support/effort.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -52,7 +53,11 @@ bool wait_until(const std::function<bool()>& is_so, std::chrono::milliseconds wi
                 std::chrono::microseconds period = 5ms) {
   const auto deadline = Clock::now() + within;
   while (!is_so()) {
-    if (Clock::now() > deadline) return false;
+    if (Clock::now() > deadline) {
+      // A shorter wait may be expected to end so.
+      if (within == kDeadline) test::report_missed_deadline("the condition did not hold", within);
+      return false;
+    }
     std::this_thread::sleep_for(period);
   }
   return true;
