@@ -18,6 +18,7 @@
 #include <future>
 #include <mutex>
 #include <optional>
+#include <ranges>
 #include <vector>
 
 namespace vdrive::client {
@@ -409,6 +410,58 @@ TEST_F(LockStep, DisturbsAnAxisAndRemovesTheDisturbance) {
   for (std::uint16_t index = 0x5E00; index <= 0x5E09; ++index) {
     EXPECT_EQ(*axis_->read({index, 0}), 0) << std::hex << index;
   }
+}
+
+TEST_F(LockStep, EachDisturbanceCausesTheFaultThatItsRowNames) {
+  ASSERT_TRUE(axis_->write({0x6065, 0}, 1'000)) << "following error window [UU]";
+  ASSERT_TRUE(axis_->write({0x6066, 0}, 1)) << "following error time-out [ms]";
+  // In reverse: after a load torque, which is the first one, the axis runs on for a long time.
+  for (const DisturbanceRow& row : kDisturbances | std::views::reverse) {
+    SCOPED_TRACE(row.name);
+    ASSERT_TRUE(axis_->enable());
+    const bool is_load = row.disturbance == Disturbance::load_torque;
+    ASSERT_TRUE(axis_->disturb(row.disturbance, is_load ? 50'000 : 1));
+    const bool is_blocked = row.disturbance == Disturbance::blocked_load;
+    if (is_blocked) {
+      const auto motion = axis_->start_move(1'000'000, slow());
+      ASSERT_TRUE(motion) << motion.outcome().message();
+    }
+    ASSERT_TRUE(sut_.step(1, 2'000));
+    EXPECT_EQ(axis_->status()->status.error_code, static_cast<std::uint16_t>(row.fault));
+    ASSERT_TRUE(axis_->end_disturbances());
+    if (row.fault != ErrorCode::none) {
+      ASSERT_TRUE(axis_->reset_fault());
+    }
+    ASSERT_TRUE(axis_->disable());
+  }
+}
+
+TEST_F(LockStep, ABlockedLoadCausesNoFaultInAMoveShorterThanTheWindow) {
+  ASSERT_TRUE(axis_->write({0x6065, 0}, 1'000));
+  ASSERT_TRUE(axis_->write({0x6066, 0}, 1));
+  ASSERT_TRUE(axis_->enable());
+  ASSERT_TRUE(axis_->disturb(Disturbance::blocked_load));
+  ASSERT_TRUE(axis_->start_move(900, slow()));
+  ASSERT_TRUE(sut_.step(1, 5'000));
+  EXPECT_EQ(axis_->status()->status.error_code, 0);
+}
+
+TEST_F(LockStep, AFaultOfTheDriveNeedsNoPower) {
+  for (const Disturbance disturbance :
+       {Disturbance::over_current, Disturbance::over_temperature, Disturbance::encoder_failure}) {
+    ASSERT_TRUE(axis_->disturb(disturbance));
+    ASSERT_TRUE(sut_.step(1, 10));
+    EXPECT_EQ(axis_->status()->state(), PowerState::fault);
+    ASSERT_TRUE(axis_->end_disturbances());
+    ASSERT_TRUE(axis_->reset_fault());
+  }
+}
+
+TEST_F(LockStep, ADcLinkLossWithoutPowerIsNoFault) {
+  ASSERT_TRUE(axis_->disturb(Disturbance::dc_link_loss));
+  ASSERT_TRUE(sut_.step(1, 10));
+  EXPECT_EQ(axis_->status()->status.error_code, 0);
+  EXPECT_EQ(axis_->status()->state(), PowerState::switch_on_disabled);
 }
 
 TEST_F(LockStep, AQuickStopAcquiresNothing) {

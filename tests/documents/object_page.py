@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/reference/objects.md from the dictionary that the tool prints.
+"""Writes docs/reference/objects.md from the dictionary and the disturbances that the tool prints.
 
   object_page.py VDRIVE [--check]
 
@@ -25,6 +25,29 @@ is the only definition of an object; `tests/documents/object_page.py` writes thi
 """
 
 
+DISTURBANCES = """
+## Disturbances
+
+What the inputs of the test bench do to an axis, as `vdrive disturb --help` prints it. A row of
+`clients/include/vdrive/client/disturbance.hpp` is the only definition. 605Eh chooses how the axis stops in a fault; the fault can be reset once its input is 0.
+
+| `vdrive disturb` | what becomes of the axis |
+| --- | --- |
+"""
+
+
+def disturbances_of(help_text):
+    """The rows of the kinds: a line with the name, and one with what it does."""
+    begin = help_text.index("load_torque")
+    lines = [line.strip() for line in help_text[begin:].splitlines()]
+    rows = []
+    for name, effect in zip(lines[::2], lines[1::2]):
+        if name == "none":
+            return "".join(rows)
+        rows.append(f"| `{name.split(' ')[0]}`{name[len(name.split(' ')[0]):]} | {effect} |\n")
+    raise ValueError("the help of disturb has no kind 'none'")
+
+
 def row_of(row):
     address = f"{int(row['index'], 16):04X}h:{row['subindex']:02X}"
     return (f"| {address} | `{row['variable_name'] if 'variable_name' in row else row['name']}` | "
@@ -38,7 +61,10 @@ def main():
         sys.exit(__doc__)
     output = subprocess.run([sys.argv[1], "dictionary", "--json"], check=True, capture_output=True,
                             text=True).stdout
-    text = HEAD + "".join(row_of(json.loads(line)) for line in output.splitlines())
+    help_text = subprocess.run([sys.argv[1], "disturb", "--help"], check=True, capture_output=True,
+                               text=True).stdout
+    text = HEAD + "".join(row_of(json.loads(line)) for line in output.splitlines()) + DISTURBANCES + \
+        disturbances_of(help_text)
     if len(sys.argv) == 2:
         PAGE.write_text(text, encoding="utf-8")
         return 0

@@ -343,6 +343,16 @@ void add_ownership(AxisClass& axis) {
   add("end_disturbances", &Axis::end_disturbances, "Ends every disturbance of the axis.");
 }
 
+std::string help_of_disturbances() {
+  std::string help =
+      "Sets an input of the test bench: 1 = on, 0 = off; load_torque in mN.m. Returns the tick in "
+      "which it is in force.\n";
+  for (const client::DisturbanceRow& row : client::kDisturbances) {
+    help.append("\n").append(row.name).append("\n    ").append(text_of(row));
+  }
+  return help;
+}
+
 py::list read_many(PyAxis& self, const py::iterable& objects) {
   std::vector<ObjectAddress> addresses;
   for (const py::handle object : objects) {
@@ -400,10 +410,7 @@ void add_objects(AxisClass& axis) {
           return disturbed.disturb(chosen, number);
         });
       },
-      py::arg("disturbance"), py::arg("value") = 1,
-      R"(Sets an input of the test bench, such as "blocked_load": 1 = on, 0 = off; "load_torque" )"
-      "in "
-      "mN.m. Returns the tick in which it is in force.");
+      py::arg("disturbance"), py::arg("value") = 1, help_of_disturbances().c_str());
 }
 
 void add_observing(AxisClass& axis) {

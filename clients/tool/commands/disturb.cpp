@@ -30,9 +30,9 @@ std::string help_of_kinds() {
     const std::string_view units = describe(*find_object(row.variable_name)).units;
     help.append(row.name);
     if (units != "-") help.append(" [").append(units).append("]");
-    help += ", ";
+    help.append("\n    ").append(text_of(row)).append("\n");
   }
-  return help + "or none: clears all";
+  return help + "none\n    clears all of them";
 }
 
 std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& value) {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/cia402/error_code.hpp"
+
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace vdrive::client {
@@ -21,25 +24,45 @@ enum class Disturbance : std::uint8_t {
   index_pulse,
 };
 
-/// A disturbance, its word in the tool and the object that it writes.
+/// A disturbance: its word in the tool, the object that it writes, and what becomes of the axis.
 struct DisturbanceRow {
   Disturbance disturbance;
   std::string_view name;
   std::string_view variable_name;
+  ErrorCode fault = ErrorCode::none;  ///< 603Fh of the fault that it causes
+  std::string_view effect;            ///< when that is, or what it does
 };
 
 /// Every disturbance, in the order of its objects.
 inline constexpr std::array kDisturbances{
-    DisturbanceRow{Disturbance::load_torque, "load_torque", "test_load_torque"},
-    DisturbanceRow{Disturbance::blocked_load, "blocked_load", "test_blocked_load"},
-    DisturbanceRow{Disturbance::over_current, "over_current", "test_over_current"},
-    DisturbanceRow{Disturbance::over_temperature, "over_temperature", "test_over_temperature"},
-    DisturbanceRow{Disturbance::encoder_failure, "encoder_failure", "test_encoder_failure"},
-    DisturbanceRow{Disturbance::dc_link_loss, "dc_link_loss", "test_dc_link_loss"},
-    DisturbanceRow{Disturbance::positive_limit, "positive_limit", "test_positive_limit_input"},
-    DisturbanceRow{Disturbance::negative_limit, "negative_limit", "test_negative_limit_input"},
-    DisturbanceRow{Disturbance::home_switch, "home_switch", "test_home_input"},
-    DisturbanceRow{Disturbance::index_pulse, "index_pulse", "test_index_pulse_input"},
+    DisturbanceRow{Disturbance::load_torque, "load_torque", "test_load_torque",
+                   ErrorCode::following_error,
+                   "acts on the load; once the deviation is above 6065h for 6066h"},
+    DisturbanceRow{
+        Disturbance::blocked_load, "blocked_load", "test_blocked_load", ErrorCode::following_error,
+        "holds the load; once the deviation is above 6065h for 6066h, so never in a move "
+        "shorter than 6065h"},
+    DisturbanceRow{Disturbance::over_current, "over_current", "test_over_current",
+                   ErrorCode::continuous_over_current, "at once, in every state"},
+    DisturbanceRow{Disturbance::over_temperature, "over_temperature", "test_over_temperature",
+                   ErrorCode::excess_temperature_drive, "at once, in every state"},
+    DisturbanceRow{Disturbance::encoder_failure, "encoder_failure", "test_encoder_failure",
+                   ErrorCode::incremental_sensor_1_fault,
+                   "at once, in every state; the axis coasts, whatever 605Eh says"},
+    DisturbanceRow{Disturbance::dc_link_loss, "dc_link_loss", "test_dc_link_loss",
+                   ErrorCode::dc_link_under_voltage,
+                   "at once where the motor has power; else the axis goes to Switch on disabled"},
+    DisturbanceRow{Disturbance::positive_limit, "positive_limit", "test_positive_limit_input",
+                   ErrorCode::none, "stops a motion in positive direction; bit 1 of 60FDh"},
+    DisturbanceRow{Disturbance::negative_limit, "negative_limit", "test_negative_limit_input",
+                   ErrorCode::none, "stops a motion in negative direction; bit 0 of 60FDh"},
+    DisturbanceRow{Disturbance::home_switch, "home_switch", "test_home_input", ErrorCode::none,
+                   "the switch that homing looks for; bit 2 of 60FDh"},
+    DisturbanceRow{Disturbance::index_pulse, "index_pulse", "test_index_pulse_input",
+                   ErrorCode::none, "a rising edge is an index mark for homing"},
 };
+
+/// @return such as "fault 2310h, continuous over-current: at once, in every state".
+[[nodiscard]] std::string text_of(const DisturbanceRow& row);
 
 }  // namespace vdrive::client
