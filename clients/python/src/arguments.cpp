@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -48,6 +49,7 @@ Member member_of(ObjectRow row, std::int64_t value) {
 
 std::vector<std::string> names_of_objects() {
   std::vector<std::string> names;
+  names.reserve(kObjectTable.size());
   for (const auto& object : kObjectTable) names.emplace_back(object.variable_name);
   return names;
 }
@@ -67,9 +69,9 @@ void add_value(client::SetPoint& point, ObjectAddress object, std::int64_t value
 }
 
 std::string shown(const py::handle& value) {
-  constexpr std::size_t kLongest = 40;
+  constexpr std::size_t kMostBytes = 40;
   auto text = py::repr(value).cast<std::string>();
-  if (text.size() > kLongest) text = text.substr(0, kLongest - 3) + "...";
+  if (text.size() > kMostBytes) text = text.substr(0, kMostBytes - 3) + "...";
   return text;
 }
 
@@ -89,6 +91,32 @@ bool is_number_of_python(const py::handle& value) {
   return PyIndex_Check(value.ptr()) != 0 || py::hasattr(value, "__float__");
 }
 
+/// @return the nearest whole number; nothing where 64 bits do not hold it.
+std::optional<std::int64_t> rounded(double number) {
+  // A double has no 2^63 - 1: the next one is 2^63, which is too large.
+  constexpr double kTooLarge = 9223372036854775808.0;
+  const double whole = std::round(number);
+  const bool fits = whole >= -kTooLarge && whole < kTooLarge;  // false of what is not a number
+  return fits ? std::optional(static_cast<std::int64_t>(whole)) : std::nullopt;
+}
+
+/// @param value a number without a fraction
+/// @return nothing where 64 bits do not hold it.
+std::optional<std::int64_t> whole_value_of(const py::object& value) {
+  if (PyIndex_Check(value.ptr()) == 0) return rounded(py::float_(value));
+  const auto integer = py::reinterpret_steal<py::int_>(PyNumber_Index(value.ptr()));
+  if (!integer) throw py::error_already_set();
+  int overflow = 0;
+  const std::int64_t whole = PyLong_AsLongLongAndOverflow(integer.ptr(), &overflow);
+  return overflow == 0 ? std::optional(whole) : std::nullopt;
+}
+
+bool has_fraction(const py::object& value) {
+  if (PyIndex_Check(value.ptr()) != 0) return false;
+  const double number = py::float_(value);
+  return std::isfinite(number) && std::trunc(number) != number;
+}
+
 }  // namespace
 
 std::int64_t whole_of(const Number& number, const Meaning& meaning, std::int64_t lowest,
@@ -99,31 +127,18 @@ std::int64_t whole_of(const Number& number, const Meaning& meaning, std::int64_t
     throw py::type_error(what + " is a " + (unit ? "number" : "whole number") + ", not " +
                          shown(value));
   }
-  const std::string limits = what + " is from " + std::to_string(lowest) + " to " +
-                             with_unit(std::to_string(highest), meaning.unit) + ", not " +
-                             shown(value) + (unit ? " " + unit->name : "");
-  if (!unit && PyIndex_Check(value.ptr()) != 0) {
-    const auto integer = py::reinterpret_steal<py::int_>(PyNumber_Index(value.ptr()));
-    if (!integer) throw py::error_already_set();
-    int overflow = 0;
-    const std::int64_t whole = PyLong_AsLongLongAndOverflow(integer.ptr(), &overflow);
-    if (overflow != 0 || whole < lowest || whole > highest) throw py::value_error(limits);
-    return whole;
+  if (!unit && has_fraction(value)) {
+    throw py::value_error(what + " is a whole number" + with_unit(" of", meaning.unit) + ", not " +
+                          shown(value));
   }
-  const double given = py::float_(value);
-  const double scaled = unit ? std::round(given * unit->size) : given;
-  if (!unit && std::isfinite(given) && std::trunc(given) != given) {
-    throw py::value_error(what + " is a whole number" +
-                          (*meaning.unit == '\0' ? "" : std::string(" of ") + meaning.unit) +
-                          ", not " + shown(value));
+  const auto whole =
+      unit ? rounded(static_cast<double>(py::float_(value)) * unit->size) : whole_value_of(value);
+  if (!whole || *whole < lowest || *whole > highest) {
+    throw py::value_error(what + " is from " + std::to_string(lowest) + " to " +
+                          with_unit(std::to_string(highest), meaning.unit) + ", not " +
+                          shown(value) + (unit ? " " + unit->name : ""));
   }
-  // A double has no 2^63 - 1: the next one is 2^63, which is too large.
-  constexpr double kTooLarge = 9223372036854775808.0;
-  const bool fits = scaled >= -kTooLarge && scaled < kTooLarge &&  // false of a NaN
-                    static_cast<std::int64_t>(scaled) >= lowest &&
-                    static_cast<std::int64_t>(scaled) <= highest;
-  if (!fits) throw py::value_error(limits);
-  return static_cast<std::int64_t>(scaled);
+  return *whole;
 }
 
 std::uint64_t count_of(const Number& number, const char* name, std::int64_t lowest) {

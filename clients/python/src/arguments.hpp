@@ -23,7 +23,7 @@ struct Number {
 
 /// What a number stands for, in the messages of errors.
 struct Meaning {
-  const char* name;       ///< of the argument
+  const char* name = "";  ///< of the argument
   const char* unit = "";  ///< in which it is without another one
 };
 
