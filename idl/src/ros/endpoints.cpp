@@ -83,10 +83,12 @@ dds::DataWriterQos writer_qos(const Traits& traits) {
 
 dds::DataReaderQos reader_qos(const Traits& traits) {
   dds::DataReaderQos qos;
-  apply(traits, kDepth, qos);
+  apply(traits, traits.kept_for_late ? kDepthForLate : kDepth, qos);
   qos.reliability().kind =
       traits.takes_any_writer ? dds::BEST_EFFORT_RELIABILITY_QOS : dds::RELIABLE_RELIABILITY_QOS;
-  qos.durability().kind = dds::VOLATILE_DURABILITY_QOS;
+  // Of what is kept for late nodes, the lines before the two have met are wanted, too.
+  qos.durability().kind =
+      traits.kept_for_late ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
   // A sample that claims to be larger than the type allows is dropped. The kernel gives the pages
   // that are written to.
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
