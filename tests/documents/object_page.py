@@ -41,10 +41,11 @@ def disturbances_of(help_text):
     begin = help_text.index("load_torque")
     lines = [line.strip() for line in help_text[begin:].splitlines()]
     rows = []
-    for name, effect in zip(lines[::2], lines[1::2]):
-        if name == "none":
+    for kind, effect in zip(lines[::2], lines[1::2]):
+        if kind == "none":
             return "".join(rows)
-        rows.append(f"| `{name.split(' ')[0]}`{name[len(name.split(' ')[0]):]} | {effect} |\n")
+        name, _, unit = kind.partition(" ")
+        rows.append(f"| `{name}`{' ' + unit if unit else ''} | {effect} |\n")
     raise ValueError("the help of disturb has no kind 'none'")
 
 

@@ -12,7 +12,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -68,11 +67,9 @@ void add_value(client::SetPoint& point, ObjectAddress object, std::int64_t value
   }
 }
 
+/// @return the value as a program writes it, shortened.
 std::string shown(const py::handle& value) {
-  constexpr std::size_t kMostBytes = 40;
-  auto text = py::repr(value).cast<std::string>();
-  if (text.size() > kMostBytes) text = text.substr(0, kMostBytes - 3) + "...";
-  return text;
+  return escaped(py::repr(value).cast<std::string>());
 }
 
 Number number_of(const py::handle& value) {
@@ -83,7 +80,8 @@ std::string with_unit(const std::string& text, const std::string& unit) {
   return unit.empty() ? text : text + " " + unit;
 }
 
-/// numpy has its own kind of truth, and arrays of one number, which are numbers by mistake.
+/// @return false for True and False, of numpy too, and for arrays: one with a single number passes
+///         for a number.
 bool is_number_of_python(const py::handle& value) {
   if (PyBool_Check(value.ptr()) != 0 || py::hasattr(value, "__len__")) return false;
   const std::string_view type = Py_TYPE(value.ptr())->tp_name;
@@ -111,6 +109,15 @@ std::optional<std::int64_t> whole_value_of(const py::object& value) {
   return overflow == 0 ? std::optional(whole) : std::nullopt;
 }
 
+/// @return infinity for an int that no float holds.
+double float_of(const py::object& value) {
+  const double number = PyFloat_AsDouble(value.ptr());
+  if (PyErr_Occurred() == nullptr) return number;
+  if (PyErr_ExceptionMatches(PyExc_OverflowError) == 0) throw py::error_already_set();
+  PyErr_Clear();
+  return std::numeric_limits<double>::infinity();
+}
+
 bool has_fraction(const py::object& value) {
   if (PyIndex_Check(value.ptr()) != 0) return false;
   const double number = py::float_(value);
@@ -131,8 +138,7 @@ std::int64_t whole_of(const Number& number, const Meaning& meaning, std::int64_t
     throw py::value_error(what + " is a whole number" + with_unit(" of", meaning.unit) + ", not " +
                           shown(value));
   }
-  const auto whole =
-      unit ? rounded(static_cast<double>(py::float_(value)) * unit->size) : whole_value_of(value);
+  const auto whole = unit ? rounded(float_of(value) * unit->size) : whole_value_of(value);
   if (!whole || *whole < lowest || *whole > highest) {
     throw py::value_error(what + " is from " + std::to_string(lowest) + " to " +
                           with_unit(std::to_string(highest), meaning.unit) + ", not " +
@@ -141,9 +147,9 @@ std::int64_t whole_of(const Number& number, const Meaning& meaning, std::int64_t
   return *whole;
 }
 
-std::uint64_t count_of(const Number& number, const char* name, std::int64_t lowest) {
+std::uint64_t count_of(const Number& number, const char* name) {
   constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
-  return static_cast<std::uint64_t>(whole_of(number, {name}, lowest, kMost));
+  return static_cast<std::uint64_t>(whole_of(number, {name}, 0, kMost));
 }
 
 nanoseconds nanoseconds_of(double seconds) {

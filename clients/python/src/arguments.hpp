@@ -33,10 +33,11 @@ struct GivenUnit {
   double size = 1.0;  ///< [UU] of one
 };
 
-/// @return the number; one in a unit is rounded to the nearest UU
-/// @throws py::type_error where it is no number, or True or False; py::value_error where it has a
-///         fraction and no unit, is not finite, or is not from `lowest` to `highest`: with name,
-///         value and limits
+/// @return the number. With a unit it is rounded to the nearest UU.
+/// @throws py::type_error for what is no number; True and False are none.
+/// @throws py::value_error for a fraction without a unit, and for a number that is not from
+/// `lowest`
+///         to `highest`. The message has name, value and limits.
 [[nodiscard]] std::int64_t whole_of(const Number& number, const Meaning& meaning,
                                     std::int64_t lowest, std::int64_t highest,
                                     const std::optional<GivenUnit>& unit = {});
@@ -58,9 +59,8 @@ template <typename Whole>
   return whole<Whole>(*number, meaning, unit);
 }
 
-/// @return how many; `lowest` to 2^63 - 1. @throws as `whole_of`
-[[nodiscard]] std::uint64_t count_of(const Number& number, const char* name,
-                                     std::int64_t lowest = 0);
+/// @return how many, 0 to 2^63 - 1. @throws as `whole_of`
+[[nodiscard]] std::uint64_t count_of(const Number& number, const char* name);
 
 /// @param seconds [s] finite, 0 or more. @throws py::value_error
 [[nodiscard]] std::chrono::nanoseconds nanoseconds_of(double seconds);

@@ -9,11 +9,11 @@ namespace vdrive::python {
 
 namespace py = pybind11;
 
-/// Imports numpy where it is not imported yet: at the begin of each call whose result may give
-/// arrays, and not with the module, because numpy takes most of the time of its import. pybind11
-/// would import it at the first array, under the guard of a static variable: of two threads with
-/// their first array one would wait for the guard with the interpreter's lock, and the other for
-/// that lock.
+/// Imports numpy, unless it is imported. Each call whose result may give arrays begins with it. The
+/// module does not import numpy: that takes most of the time of `import vdrive`.
+/// pybind11 would import numpy at the first array, under the guard of a static variable. Then two
+/// threads can stop each other: one waits for the guard and holds the interpreter's lock, the other
+/// holds the guard and waits for that lock.
 /// @throws py::error_already_set also with what a signal handler raised
 inline void load_numpy() {
   py::module_::import("numpy.core.multiarray");
