@@ -9,7 +9,6 @@
 #include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
-#include "vdrive/number_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -218,12 +217,6 @@ Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
     if (result.abort_code() != 0) return Outcome::refused(result.abort_code(), what + " refused");
   }
   return reply->tick();
-}
-
-std::string text_of(const DisturbanceRow& row) {
-  if (row.fault == ErrorCode::none) return "no fault: " + std::string(row.effect);
-  return "fault " + hex(static_cast<std::uint64_t>(row.fault), 4).substr(2) + "h, " +
-         std::string(vdrive::describe(row.fault)) + ": " + std::string(row.effect);
 }
 
 Result<std::uint64_t> Axis::disturb(Disturbance disturbance, std::int64_t value) {
