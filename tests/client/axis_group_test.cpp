@@ -721,7 +721,9 @@ class Jumps {
   int count_ = 0;
 };
 
-// Equal axes with equal ways have equal demands in each tick, or they did not start in one.
+// Equal axes with equal ways have equal demands in each tick, or they did not start in one. A machine
+// that stands still for longer than the frames are sent ahead lets one bench refuse its frame after
+// the other has taken its own: the start is withdrawn, and the next move brings both to one place.
 TEST(TwoServices, StartInTheSameTickInRealTime) {
   const BenchOnWire left(patient("--clock realtime --axes 1"));
   const BenchOnWire right(patient("--clock realtime --bench 2 --axes 1"));
@@ -732,13 +734,19 @@ TEST(TwoServices, StartInTheSameTickInRealTime) {
   const Outcome enabled = group->enable_all();
   ASSERT_TRUE(enabled) << enabled.message();
   int judged = 0;
+  bool is_from_one_place = true;
   for (int move = 0; move < 40 && judged < 3; ++move) {
     const double target = move % 2 == 0 ? 20'000.0 : 0.0;
     const int before = jumps.count();
     DemandByTick seen;
     const Outcome moved = group->move_together(vector({target, target}), {.call = seen.options()});
+    if (moved.code() == msg::REASON_TOO_LATE) {
+      is_from_one_place = false;
+      continue;
+    }
     ASSERT_TRUE(moved) << moved.message();
     EXPECT_EQ(group->status()->demand(), vector({target, target}));
+    if (!std::exchange(is_from_one_place, true)) continue;
     const auto pairs = seen.in_both();
     const bool is_moving_seen = std::ranges::any_of(pairs, [](const auto& pair) {
       return pair.first > 0 && pair.first < 20'000;

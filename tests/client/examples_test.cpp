@@ -59,11 +59,14 @@ TEST(Examples, ThreeAxisFigure) {
 }
 
 /// Runs the example of two services. @return whether the machine kept up: a bench that had to skip
-/// ticks reports it; the other axis is behind.
+/// ticks reports it; the other axis is behind. A frame that came too late ends the example.
 bool draw_gantry() {
   RunningService left(patient("--clock realtime --axes 1 --log-level debug"));
   RunningService right(patient("--clock realtime --bench 2 --axes 1 --log-level debug"));
   const Finished ended = run("03_two_services_one_group");
+  if (ended.code != 0 && (ended.output + ended.errors).find("too late") != std::string::npos) {
+    return false;
+  }
   EXPECT_EQ(ended.code, 0) << ended.output << ended.errors;
   EXPECT_EQ(position("1.1"), 1000);
   EXPECT_EQ(position("2.1"), 1000);
