@@ -44,6 +44,14 @@ async function waitForText(locator, pattern, patience = PATIENCE_MS) {
   return assert.fail(`[deadline] "${text}" does not match ${pattern}; ${await page.locator("footer").textContent()}`);
 }
 
+/** Waits until the field has this value: it is filled in with the next frame. */
+async function waitForValue(selector, value) {
+  const deadline = Date.now() + PATIENCE_MS;
+  while ((await page.inputValue(selector)) !== value) {
+    assert.ok(Date.now() < deadline, `[deadline] "${await page.inputValue(selector)}" is not "${value}"`);
+  }
+}
+
 async function waitForNone(locator) {
   const deadline = Date.now() + PATIENCE_MS;
   while ((await locator.count()) !== 0) assert.ok(Date.now() < deadline, `[deadline] there is still ${locator}`);
@@ -76,6 +84,9 @@ async function keepTexts(locator) {
   });
   return () => locator.evaluate((element) => element.keptTexts);
 }
+
+/** Half a turn a second, 2,048 UU/s, and the ripple of the loop. */
+const JOGS = /^(1.9\d\d|2.[01]\d\d) UU\/s/;
 
 const numberIn = (text) => Number(text.replace("−", "-").replace(/[^\d.-]/g, ""));
 
@@ -178,11 +189,49 @@ test("a paused plot stands still and its samples are saved as CSV", async () => 
   await command("pause").click();
 });
 
+/** The first and the last time that the plots show [s]. */
+const shownTimes = async () => {
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("text=CSV")]);
+  const lines = (await readFile(await download.path(), "utf8")).trimEnd().split("\n");
+  return [lines[1], lines.at(-1)].map((line) => Number(line.split(",")[1]));
+};
+
+test("the wheel over a plot scrolls, with Ctrl it zooms; a drag moves in time", async () => {
+  const plot = page.locator(".plot .u-over").first();
+  const reset = page.locator("text=Reset zoom");
+  const scrolled = () => page.locator("main").evaluate((main) => main.scrollTop);
+  await plot.hover();
+  await page.mouse.wheel(0, 200);
+  const deadline = Date.now() + PATIENCE_MS;
+  while ((await scrolled()) === 0) assert.ok(Date.now() < deadline, "[deadline] it is not scrolled");
+  assert.ok(await reset.isDisabled());
+  await page.locator("main").evaluate((main) => main.scrollTo(0, 0));
+
+  await plot.hover();
+  await page.keyboard.down("Control");
+  await page.mouse.wheel(0, -200);
+  await page.keyboard.up("Control");
+  await page.locator("button:enabled", { hasText: "Reset zoom" }).waitFor();
+  assert.equal(await scrolled(), 0);
+  const [, last] = await shownTimes();
+
+  const box = await plot.boundingBox();
+  await page.mouse.move(box.x + 100, box.y + 40);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 300, box.y + 40, { steps: 5 });
+  await page.mouse.up();
+  const [, moved] = await shownTimes();
+  assert.ok(moved < last, `dragged to the right the plot shows what was before: ${moved}, ${last}`);
+  await plot.dblclick();
+  await page.locator("button:disabled", { hasText: "Reset zoom" }).waitFor();
+  await command("pause").click();
+});
+
 test("an axis jogs while the button is pressed", async () => {
   const box = await command("jog-plus").boundingBox();
   await page.mouse.move(box.x + 5, box.y + 5);
   await page.mouse.down();
-  await waitForText(figure("velocity"), /^(3[89]\d|4[0-4]\d) UU\/s/);
+  await waitForText(figure("velocity"), JOGS);
   await waitForText(figure("mode"), /profile velocity/);
   await page.mouse.up();
   await waitForText(figure("velocity"), /^−?\d UU\/s/);
@@ -192,7 +241,7 @@ test("a jogged axis stops when its window loses the focus", async () => {
   const box = await command("jog-plus").boundingBox();
   await page.mouse.move(box.x + 5, box.y + 5);
   await page.mouse.down();
-  await waitForText(figure("velocity"), /^(3[89]\d|4[0-4]\d) UU\/s/);
+  await waitForText(figure("velocity"), JOGS);
   // As a browser reports it; the mouse button stays pressed.
   await page.evaluate(() => window.dispatchEvent(new Event("blur")));
   await waitForText(figure("velocity"), /^−?\d UU\/s/);
@@ -254,17 +303,94 @@ test("reading objects causes no refusal", async () => {
   assert.doesNotMatch((await page.locator(".events").textContent()) ?? "", /0x08000024/);
 });
 
-test("Escape stops every axis", async () => {
+test("Escape ends an edit and leaves the axes alone, Ctrl+. stops every axis", async () => {
   await command("enable").click();
   await waitForText(figure("state"), /Operation enabled/);
   await page.fill("#move-target", "-2000000");
   await command("move").click();
-  const at = (text) => Math.abs(numberIn(text)) > 5_000;
-  await waitForText(figure("velocity"), /−/);
-  assert.ok(at(await waitForText(figure("velocity"), /−\d\d.\d{3}/)));
+  await waitForText(figure("velocity"), /−\d\d.\d{3}/);
+  await page.fill(".objects .search", "6081");
+  const row = page.locator('[data-object="0x6081"]');
+  await row.locator("button.edit").click();
+  await row.locator("input").fill("1");
   await page.keyboard.press("Escape");
+  await waitForNone(row.locator("input"));
+  await page.keyboard.press("Escape");
+  await waitForText(row.locator(".value .number"), /^12.345$/);
+  assert.match((await figure("state").textContent()) ?? "", /Operation enabled/);
+  await page.fill(".objects .search", "");
+  await page.keyboard.press("Control+.");
   await waitForText(figure("velocity"), /^−?\d UU\/s/);
   await waitForText(figure("state"), /Switch on disabled|Quick stop active/);
+});
+
+const unitSelect = () => page.locator(".settings select").first();
+
+test("a target stays in another view, and is converted with the unit", async () => {
+  await page.fill("#move-target", "100000");
+  await page.locator("label", { hasText: "relative" }).locator("input").check();
+  await page.click("nav a >> nth=0");
+  await page.click('[data-address="1.1"]');
+  await waitForValue("#move-target", "100000");
+  assert.ok(await page.locator("label", { hasText: "relative" }).locator("input").isChecked());
+  await page.locator("label", { hasText: "relative" }).locator("input").uncheck();
+  await unitSelect().selectOption("axis");
+  // 100,000 UU of 4,096 a turn of 360 degrees.
+  await waitForValue("#move-target", "8789.06");
+  await unitSelect().selectOption("user");
+  await waitForValue("#move-target", "100000");
+  await page.click("nav a >> nth=0");
+  await page.click('[data-address="1.2"]');
+  await waitForValue("#move-target", "");
+  await page.click("nav a >> nth=0");
+  await page.click('[data-address="1.1"]');
+});
+
+test("a fraction of a user unit is refused, a value with a unit is rounded and shown", async () => {
+  await command("enable").click();
+  await waitForText(figure("state"), /Operation enabled/);
+  const before = numberIn((await figure("position").textContent()) ?? "");
+  await page.fill("#move-target", "1.6");
+  await command("move").click();
+  await waitForText(page.locator("footer"), /"1.6" is a fraction/);
+  assert.equal(await page.getAttribute("#move-target", "aria-invalid"), "true");
+  assert.equal(numberIn((await figure("position").textContent()) ?? ""), before);
+  await page.fill("#move-target", "-90deg");
+  await command("move").click();
+  await waitForText(page.locator("footer"), /Move: done, \d+ ms: -90deg = −1.024 UU/);
+  await waitForText(figure("position"), /^−1.02\d UU/);
+  await page.fill(".objects .search", "6081");
+  const row = page.locator('[data-object="0x6081"]');
+  await row.locator("button.edit").click();
+  await row.locator("input").fill("12.5");
+  await row.locator("input").press("Enter");
+  await waitForText(page.locator("footer"), /0x6081: "12.5" is a fraction/);
+  await row.locator("text=Cancel").click();
+  await page.fill(".objects .search", "");
+});
+
+test("a double click moves once, and answers no question", async () => {
+  await waitForText(figure("velocity"), /^−?\d UU\/s/);
+  const relative = page.locator("label", { hasText: "relative" }).locator("input");
+  await relative.check();
+  await page.fill("#move-target", "1024");
+  await command("move").dblclick();
+  await waitForText(figure("position"), /^−?\d UU/);
+  await page.fill("#move-target", "2048");
+  await page.locator("#move-target").press("Enter");
+  await page.locator("#move-target").press("Enter");
+  await waitForText(figure("position"), /^2.0[45]\d UU/);
+  await waitForText(figure("velocity"), /^−?\d UU\/s/);
+  await relative.uncheck();
+
+  const state = (await figure("state").textContent()) ?? "";
+  await command("power_cycle").dblclick();
+  await command("power_cycle-confirm").waitFor();
+  assert.equal(await figure("state").textContent(), state);
+  assert.match((await page.locator(".asking", { hasText: "?" }).textContent()) ?? "", /Power cycle: 1.1\?/);
+  await page.keyboard.press("Escape");
+  await command("power_cycle").waitFor();
+  assert.equal(await figure("state").textContent(), state);
 });
 
 test("chosen axes move together", async () => {
@@ -292,6 +418,47 @@ test("the clock of the bench is paused and runs again", async () => {
   await page.click("nav a >> nth=2");
   await page.click("text=Run");
   await waitForText(page.locator(".clock-text"), /realtime, × 1/);
+});
+
+// 512x384 is 1024x768 at 200 %, 390x400 is 780x800 at 200 %.
+const SIZES = [[1440, 900], [1180, 800], [1140, 800], [1024, 768], [780, 800], [390, 844], [512, 384], [390, 400]];
+
+/** What is wrong with the place of STOP, nothing when a pointer reaches the whole of it. */
+const stopProblem = (shown) =>
+  shown.locator('[data-test="stop"]').evaluate((stop) => {
+    const { left, top, right, bottom } = stop.getBoundingClientRect();
+    const inside = left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight;
+    const corners = [[left + 4, top + 4], [right - 4, top + 4], [left + 4, bottom - 4], [right - 4, bottom - 4]];
+    const free = corners.every(([x, y]) => stop.contains(document.elementFromPoint(x, y)));
+    const { scrollHeight, scrollWidth } = document.documentElement;
+    const scrolls = scrollHeight > innerHeight || scrollWidth > innerWidth;
+    const place = `${left}..${right} x ${top}..${bottom} in ${innerWidth}x${innerHeight}`;
+    return inside && free && !scrolls ? "" : `inside ${inside}, free ${free}, document ${scrollWidth}x${scrollHeight}: ${place}`;
+  });
+
+test("STOP is whole in every view, size, zoom and language, also while another page holds control", async () => {
+  const other = await openOther("#/");
+  await waitForText(other.locator('[data-test="take"]'), /Take control from/);
+  for (const language of ["en", "zh"]) {
+    await other.selectOption(".settings select >> nth=1", language);
+    for (const [width, height] of SIZES) {
+      await other.setViewportSize({ width, height });
+      for (const view of ["#/", "#/axis/1.1", "#/control"]) {
+        await other.goto(`${gateway.address}${view}`);
+        await other.locator("main > *").first().waitFor();
+        await other.locator("main").evaluate((main) => main.scrollTo(0, main.scrollHeight));
+        await other.evaluate(() => window.scrollTo(0, 10_000));
+        assert.equal(await stopProblem(other), "", `${view} ${language} at ${width}x${height}`);
+      }
+    }
+  }
+  await other.context().close();
+});
+
+test("an axis that is not there is named", async () => {
+  await page.goto(`${gateway.address}#/axis/1.99`);
+  await waitForText(page.locator("main"), /There is no axis 1.99/);
+  await page.goto(`${gateway.address}#/control`);
 });
 
 test("a second page shows the holder of control, takes control, and stops all by keyboard", async () => {
@@ -330,7 +497,7 @@ test("a jogged axis stops and stays enabled when its tab is closed", async () =>
   const box = await other.locator('[data-test="jog-plus"]').boundingBox();
   await other.mouse.move(box.x + 5, box.y + 5);
   await other.mouse.down();
-  await waitForText(figure("velocity"), /^(3[89]\d|4[0-4]\d) UU\/s/);
+  await waitForText(figure("velocity"), JOGS);
   await other.close();
   await waitForText(figure("velocity"), /^−?\d UU\/s/);
   await waitForText(page.locator(".holder"), /Nobody has control/);
@@ -357,9 +524,15 @@ test("a page that stands still permanently is a lost master", async () => {
 test("a killed service is reported lost, and found again", async () => {
   await service.stop("SIGKILL");
   await waitForText(page.locator(".banner"), /has sent nothing for \d+ s/);
+  await waitForText(page.locator(".need"), /sends nothing: its axes cannot be commanded|There is no axis/);
+  assert.ok(await command("enable").isDisabled());
+  assert.ok(await command("stop").isEnabled());
   service = startPatientService();
   await page.locator(".banner").waitFor({ state: "hidden", timeout: PATIENCE_MS });
   await waitForText(figure("state"), /Switch on disabled/);
+  await waitForText(page.locator(".notices"), /another run of this bench since \d\d:\d\d/);
+  await page.locator(".notices button").click();
+  await waitForNone(page.locator(".notices button"));
 });
 
 test("a killed gateway is reported lost, and found again", async () => {

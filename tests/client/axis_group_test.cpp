@@ -7,6 +7,7 @@
 #include "support/bench_on_wire.hpp"
 #include "support/effort.hpp"
 #include "vdrive/cia402/statusword.hpp"
+#include "vdrive_messages.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -4,7 +4,7 @@
 import { BENCH_DESCRIPTION, BENCH_STATE, CONTROL, DICTIONARY } from "./data/tables";
 import type { Scale } from "./data/units";
 import { scaleOf, USER_UNITS } from "./data/units";
-import { serviceName, t, type Language } from "./i18n";
+import { language, serviceName, t, type Language } from "./i18n";
 import type { Message, NumberArray } from "./protocol/cdr";
 import { checked, type Of } from "./protocol/checked";
 import { Connection, type Answer, type ServerStatus } from "./protocol/connection";
@@ -31,6 +31,20 @@ export interface LogEvent {
 export const TREND_LENGTH = 100;
 const TREND_EVERY_MS = 100;
 const MOST_EVENTS = 1_000;
+const MOST_NOTES = 4;
+const MOST_NOTICES = 5;
+const SILENT_FROM_MS = 1_000;
+const GONE_FROM_MS = 3_000;
+
+/** A second press of the same control with the same values within this time is a double click. */
+export const SECOND_PRESS_MS = 500;
+const NEVER_LEFT_OUT: ReadonlySet<string> = new Set(["/quick_stop", "/halt", "/jog"]);
+
+interface Press {
+  values: string;
+  /** [ms] */
+  at: number;
+}
 
 /** One frame of the status of all axes of a bench; arrays by the names of the core. */
 export class Bench {
@@ -137,6 +151,13 @@ function loadSettings(): Settings {
   }
 }
 
+/** What was typed into a field: it outlives the view that has the field. */
+export interface Typed {
+  text: string;
+  /** of the unit in force then */
+  scale: Scale;
+}
+
 /** What a command did, for the line under the controls. */
 export interface Outcome {
   text: string;
@@ -154,11 +175,18 @@ export class Model {
   control: ControlState = { enabled: false, holder: "", you: false, name: "", session: "", taken_at_ns: "0" };
   dictionary?: Dictionary;
   outcome?: Outcome;
+  /** by the name of the field, such as "move 1.1 target" */
+  readonly typed = new Map<string, Typed>();
+  readonly ticked = new Map<string, boolean>();
+  /** What happened while somebody may have looked away; a person removes it. */
+  readonly notices: string[] = [];
   /** Grows when benches, axes, control or the dictionary change: views build themselves again. */
   version = 0;
   eventCount = 0;
   private statusWanted = false;
   private readonly ends = new Map<string, () => void>();
+  private readonly incarnations = new Map<number, string>();
+  private readonly presses = new Map<string, Press>();
 
   constructor(url: string) {
     this.connection = new Connection(url, {
@@ -224,6 +252,16 @@ export class Model {
     return this.settings.axisUnits ? scaleOf(axis.unit) : USER_UNITS;
   }
 
+  /** @return whether the bench has ended, or sends nothing. */
+  isSilent(bench: Bench, now: number): boolean {
+    return bench.state !== undefined && (!bench.state.alive || this.age(bench, now) > SILENT_FROM_MS);
+  }
+
+  /** @return whether its axes cannot be commanded: a service that is replaced is not that. */
+  isGone(bench: Bench, now: number): boolean {
+    return bench.state === undefined || !bench.state.alive || this.age(bench, now) > GONE_FROM_MS;
+  }
+
   /** @return the age of what the page shows of the bench [ms]. */
   age(bench: Bench, now: number): number {
     const state = bench.state;
@@ -244,15 +282,33 @@ export class Model {
     return row?.name ?? "";
   }
 
-  /** Calls a service and keeps what it answered for the line under the controls. */
-  async command(service: string, request: object): Promise<Answer> {
+  /** Calls a service and keeps what it answered for the line under the controls.
+   *  @param notes what the typed values became */
+  async command(service: string, request: object, notes: string[] = []): Promise<Answer> {
+    const what = serviceName(service);
     const began = performance.now();
+    if (this.isSecondPress(service, request, began)) {
+      this.outcome = { ok: true, text: `${what}: ${t("second_press")}` };
+      return { ok: false, outcome: "", message: "", code: 0 };
+    }
     const answer = await this.connection.call(service, request);
     const took = (performance.now() - began).toFixed(0);
-    const what = serviceName(service);
     const why = answer.message === "" ? answer.outcome : answer.message;
-    this.outcome = { ok: answer.ok, text: answer.ok ? `${what}: ${t("done")}, ${took} ms` : `${what}: ${why}` };
+    const became = notes.length === 0 ? "" : `: ${notes.slice(0, MOST_NOTES).join(", ")}${notes.length > MOST_NOTES ? ", …" : ""}`;
+    this.outcome = { ok: answer.ok, text: answer.ok ? `${what}: ${t("done")}, ${took} ms${became}` : `${what}: ${why}` };
     return answer;
+  }
+
+  /** A double click is one wish. What stops an axis is never left out. */
+  private isSecondPress(service: string, request: object, now: number): boolean {
+    if (NEVER_LEFT_OUT.has(service)) return false;
+    const { axis, axes, bench, name } = request as Record<string, unknown>;
+    const control = JSON.stringify([service, axis, axes, bench, name]);
+    const values = JSON.stringify(request);
+    const before = this.presses.get(control);
+    for (const [other, { at }] of this.presses) if (now - at >= SECOND_PRESS_MS) this.presses.delete(other);
+    this.presses.set(control, { values, at: now });
+    return before !== undefined && before.values === values && now - before.at < SECOND_PRESS_MS;
   }
 
   private onStatus(status: ServerStatus): void {
@@ -296,6 +352,7 @@ export class Model {
       case "description":
         return this.connection.subscribe(topic, (message) => {
           bench.description = checked(BENCH_DESCRIPTION, message, topic);
+          this.noteRun(bench);
           this.changed();
         });
       case "state":
@@ -310,6 +367,17 @@ export class Model {
       default:
         return this.connection.subscribe(topic, (message) => this.addEvent(message));
     }
+  }
+
+  /** A bench that started again has forgotten what was set. */
+  private noteRun(bench: Bench): void {
+    const { incarnation = "", name = "" } = bench.description ?? {};
+    const before = this.incarnations.get(bench.number);
+    this.incarnations.set(bench.number, String(incarnation));
+    if (before === undefined || before === String(incarnation)) return;
+    const since = new Date().toLocaleTimeString(language() === "zh" ? "zh-CN" : "en-GB", { hour: "2-digit", minute: "2-digit" });
+    this.notices.push(`${name} (${bench.number}): ${t("another_run")} ${since}`);
+    if (this.notices.length > MOST_NOTICES) this.notices.shift();
   }
 
   private addEvent(message: Message): void {

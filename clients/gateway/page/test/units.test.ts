@@ -2,7 +2,20 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { formatAge, formatHex, formatNumber, formatPermille, formatUnits, parseNumber, scaleOf, toUserUnits, USER_UNITS } from "../src/data/units";
+import {
+  formatAge,
+  formatHex,
+  formatNumber,
+  formatPermille,
+  formatUnits,
+  parseNumber,
+  parseQuantity,
+  retyped,
+  scaleOf,
+  toUserUnits,
+  USER_UNITS,
+  wholeUserUnits,
+} from "../src/data/units";
 
 test("a rotary axis is shown in degrees with decimals that resolve one user unit", () => {
   const scale = scaleOf({ kind: "rotary", name: "deg", per: 4096 });
@@ -41,6 +54,41 @@ test("formatted numbers can be typed again", () => {
   assert.equal(parseNumber(" 0x6041 "), 0x6041);
   assert.equal(parseNumber("12a"), undefined);
   assert.equal(parseNumber(""), undefined);
+});
+
+const ROTARY = { kind: "rotary", name: "deg", per: 4096 };
+const LINEAR = { kind: "linear", name: "mm", per: 1000 };
+
+/** @return the user units of what was typed where the page shows user units. */
+const typed = (text: string, unit: typeof ROTARY) => {
+  const found = parseQuantity(text, USER_UNITS, unit);
+  return found === undefined ? "no number" : (wholeUserUnits(found) ?? "a fraction");
+};
+
+test("a value with a unit becomes the nearest user units, a fraction of a bare one is refused", () => {
+  assert.equal(typed("90deg", ROTARY), 1024);
+  assert.equal(typed("-90 °", ROTARY), -1024);
+  assert.equal(typed("0.5 rev", ROTARY), 2048);
+  assert.equal(typed("0.05deg", ROTARY), 1); // 0.57 of a unit
+  assert.equal(typed("-0.0005mm", LINEAR), -1); // half a unit, away from 0
+  assert.equal(typed("1.5", ROTARY), "a fraction");
+  assert.equal(typed("1.6 UU", ROTARY), "a fraction");
+  assert.equal(typed("0x10", ROTARY), 16);
+  assert.equal(typed("1e6", ROTARY), 1_000_000);
+});
+
+test("a unit that the axis does not have is no number", () => {
+  for (const text of ["90mm", "deg", "9O", "1.5.5deg", "90deg/s", ""]) assert.equal(typed(text, ROTARY), "no number");
+  assert.equal(typed("90deg", LINEAR), "no number");
+});
+
+test("what was typed is converted with the unit, and back without loss", () => {
+  const degrees = scaleOf(ROTARY);
+  assert.equal(retyped("100000", USER_UNITS, degrees), "8789.06");
+  assert.equal(retyped("8789.06", degrees, USER_UNITS), "100000");
+  assert.equal(retyped("100000", USER_UNITS, USER_UNITS), "100000");
+  assert.equal(retyped("90deg", USER_UNITS, degrees), "90deg");
+  assert.equal(retyped("", USER_UNITS, degrees), "");
 });
 
 test("ages are rounded", () => {

@@ -37,7 +37,48 @@ export function toShown(userUnits: number, scale: Scale): number {
 
 /** @return whole user units, the nearest to what was typed. */
 export function toUserUnits(shown: number, scale: Scale): number {
-  return Math.round(shown / scale.factor);
+  const userUnits = shown / scale.factor;
+  return Math.sign(userUnits) * Math.round(Math.abs(userUnits));
+}
+
+/** What was typed, and the unit that it counts. */
+export interface Quantity {
+  value: number;
+  scale: Scale;
+}
+
+/** @return the scale of a unit that a person may type for an axis of `unit`. */
+function scaleNamed(name: string, unit: AxisUnit | undefined): Scale | undefined {
+  if (name.toLowerCase() === "uu") return USER_UNITS;
+  if (unit === undefined) return undefined;
+  const wanted = name === "°" ? "deg" : name;
+  const scale = unit.kind === "rotary" || wanted === unit.name ? scaleOf({ ...unit, name: wanted }) : USER_UNITS;
+  return scale === USER_UNITS ? undefined : scale;
+}
+
+/** @param text a number in the unit of `scale`, or with a unit of the axis: 90deg, 1.5 mm
+ *  @return nothing when the text is neither. */
+export function parseQuantity(text: string, scale: Scale, unit: AxisUnit | undefined): Quantity | undefined {
+  const bare = parseNumber(text);
+  if (bare !== undefined) return { value: bare, scale };
+  const [, number = "", name = ""] = /^(.*?)\s*([a-zµ°]+)$/i.exec(text.trim()) ?? [];
+  const value = parseNumber(number);
+  const named = scaleNamed(name, unit);
+  return value === undefined || named === undefined ? undefined : { value, scale: named };
+}
+
+/** @return the nearest user units of a value with a unit; nothing for a fraction of a bare user unit. */
+export function wholeUserUnits({ value, scale }: Quantity): number | undefined {
+  if (scale === USER_UNITS && !Number.isInteger(value)) return undefined;
+  return toUserUnits(value, scale);
+}
+
+/** @return a text that was typed for one scale as it is typed for another. */
+export function retyped(text: string, from: Scale, to: Scale): string {
+  const value = parseNumber(text);
+  const same = from.name === to.name && from.factor === to.factor;
+  if (value === undefined || same) return text; // a text with its own unit stays what it is
+  return String(Number((value * (to.factor / from.factor)).toFixed(to.decimals)));
 }
 
 const NARROW_SPACE = "\u202f";

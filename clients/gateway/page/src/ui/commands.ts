@@ -2,13 +2,16 @@
 // The controls of axes. Each is a service of the gateway; its answer is shown at the foot of the page.
 
 import { nameMatches } from "../data/rows";
-import { parseNumber, toUserUnits, type Scale } from "../data/units";
+import { parseNumber } from "../data/units";
 import { clockName, isTextKey, t, type TextKey } from "../i18n";
-import { addressOf, type AxisRef, type Disturbance, type Model } from "../model";
+import { addressOf, SECOND_PRESS_MS, type AxisRef, type Disturbance, type Model } from "../model";
 import { button, field, h, put, select, type View } from "./dom";
+import { KeptCheckbox, QuantityField } from "./quantity";
 
 const JOG_EVERY_MS = 100;
-const CONFIRM_MS = 3_000;
+const NAMED_AXES = 4;
+/** [1/s] units of a linear axis */
+const LINEAR_JOG = 5;
 const INPUTS_EVERY_MS = 1_000;
 
 type Axes = () => AxisRef[];
@@ -17,35 +20,53 @@ function addresses(axes: Axes): string[] {
   return axes().map(addressOf);
 }
 
-/** A button that wants a second press, for what cannot be taken back. */
-function carefulButton(label: string, press: () => void): HTMLButtonElement {
-  let armed = 0;
-  const made = button(label, () => {
-    if (armed !== 0) {
-      window.clearTimeout(armed);
-      armed = 0;
-      put(made, label);
-      press();
-      return;
-    }
-    put(made, t("again"));
-    armed = window.setTimeout(() => {
-      armed = 0;
-      put(made, label);
-    }, CONFIRM_MS);
-  });
-  return made;
+/**
+ * A button that asks before it does what cannot be taken back. The question stands in its place, so
+ * that STOP stays in reach; the second click of a double click answers nothing.
+ */
+function askingButton(label: string, name: string, axes: Axes, press: (axes: string[]) => void): HTMLElement {
+  const place = h("span", { class: "asking" });
+  const ask = () => {
+    const asked = addresses(axes);
+    const since = performance.now();
+    const named = asked.slice(0, NAMED_AXES).join(", ") + (asked.length > NAMED_AXES ? `, … (${asked.length})` : "");
+    const confirm = () => {
+      if (performance.now() - since < SECOND_PRESS_MS) return;
+      leave();
+      press(asked);
+    };
+    const cancel = button(t("cancel"), leave, { attributes: { "data-test": `${name}-cancel` } });
+    place.replaceChildren(
+      h("span", {}, `${label}: ${named}?`),
+      cancel,
+      button(label, confirm, { class: "primary", attributes: { "data-test": `${name}-confirm` } }),
+    );
+    cancel.focus();
+    document.addEventListener("keydown", escape);
+  };
+  const first = button(label, ask, { attributes: { "data-test": name } });
+  const leave = () => {
+    document.removeEventListener("keydown", escape);
+    place.replaceChildren(first);
+    if (place.isConnected) first.focus();
+  };
+  // The second click of a double click has moved the focus away.
+  const escape = (event: KeyboardEvent) => {
+    if (event.key === "Escape" || !place.isConnected) leave();
+  };
+  place.append(first);
+  return place;
 }
 
 function group(title: TextKey, ...children: Node[]): HTMLFieldSetElement {
   return h("fieldset", {}, h("legend", {}, t(title)), ...children);
 }
 
-function serviceButton(model: Model, axes: Axes, service: string, text: TextKey, careful = false): HTMLButtonElement {
-  const press = () => void model.command(service, { axes: addresses(axes) });
-  const made = careful ? carefulButton(t(text), press) : button(t(text), press);
-  made.dataset["test"] = service.slice(1);
-  return made;
+function serviceButton(model: Model, axes: Axes, service: string, text: TextKey, asks = false): HTMLElement {
+  const name = service.slice(1);
+  const press = (chosen: string[]) => void model.command(service, { axes: chosen });
+  if (asks) return askingButton(t(text), name, axes, press);
+  return button(t(text), () => press(addresses(axes)), { attributes: { "data-test": name } });
 }
 
 /** @return the typed number, nothing for an empty field.
@@ -57,9 +78,11 @@ function typed(input: HTMLInputElement): number | undefined {
   return value;
 }
 
-function inUserUnits(input: HTMLInputElement, scale: Scale): number | undefined {
+/** @throws Error when the text is not a whole number. */
+function typedWhole(input: HTMLInputElement): number | undefined {
   const value = typed(input);
-  return value === undefined ? undefined : toUserUnits(value, scale);
+  if (value !== undefined && !Number.isInteger(value)) throw new Error(`"${input.value}" ${t("fraction")}`);
+  return value;
 }
 
 function attempt(model: Model, act: () => void): void {
@@ -70,44 +93,45 @@ function attempt(model: Model, act: () => void): void {
   }
 }
 
-function checkbox(text: TextKey): { root: HTMLElement; input: HTMLInputElement } {
-  const input = h("input", { attributes: { type: "checkbox" } });
-  return { root: h("label", { class: "check" }, input, t(text)), input };
-}
-
 class Ramps {
-  readonly velocity = field(t("velocity"), { placeholder: t("as_set") });
-  readonly acceleration = field(t("acceleration"), { placeholder: t("as_set") });
-  readonly deceleration = field(t("deceleration"), { placeholder: t("as_set") });
-  readonly root = h("div", { class: "fields" }, this.velocity.root, this.acceleration.root, this.deceleration.root);
+  readonly root: HTMLElement;
+  private readonly fields: [name: string, field: QuantityField][];
 
-  showUnits(scale: Scale): void {
-    put(this.velocity.unit, `${scale.name}/s`);
-    put(this.acceleration.unit, `${scale.name}/s²`);
-    put(this.deceleration.unit, `${scale.name}/s²`);
+  constructor(model: Model) {
+    const as_set = { placeholder: t("as_set") };
+    this.fields = [
+      ["velocity", new QuantityField(model, t("velocity"), "/s", as_set)],
+      ["acceleration", new QuantityField(model, t("acceleration"), "/s²", as_set)],
+      ["deceleration", new QuantityField(model, t("deceleration"), "/s²", as_set)],
+    ];
+    this.root = h("div", { class: "fields" }, ...this.fields.map(([, made]) => made.root));
   }
 
-  read(scale: Scale): object {
-    return {
-      velocity: inUserUnits(this.velocity.input, scale),
-      acceleration: inUserUnits(this.acceleration.input, scale),
-      deceleration: inUserUnits(this.deceleration.input, scale),
-    };
+  bind(key: string, ref: AxisRef): void {
+    for (const [name, made] of this.fields) made.bind(`${key} ${name}`, ref);
+  }
+
+  read(notes: string[]): object {
+    return Object.fromEntries(this.fields.map(([name, made]) => [name, made.read(notes)]));
   }
 }
 
 /** Moves one axis. */
 class MoveForm {
   readonly root: HTMLElement;
-  private readonly target = field(t("target"), { value: "0", id: "move-target" });
-  private readonly ramps = new Ramps();
-  private readonly relative = checkbox("relative");
-  private readonly queue = checkbox("queue");
+  private readonly target: QuantityField;
+  private readonly ramps: Ramps;
+  private readonly relative: KeptCheckbox;
+  private readonly queue: KeptCheckbox;
 
   constructor(
     private readonly model: Model,
     private readonly axis: () => AxisRef | undefined,
   ) {
+    this.target = new QuantityField(model, t("target"), "", { id: "move-target" });
+    this.ramps = new Ramps(model);
+    this.relative = new KeptCheckbox(model, t("relative"));
+    this.queue = new KeptCheckbox(model, t("queue"));
     const form = h("form", {}, h("div", { class: "fields" }, this.target.root), this.ramps.root);
     form.append(
       h("div", { class: "line" }, this.relative.root, this.queue.root, h("button", { class: "primary", attributes: { "data-test": "move" } }, t("move"))),
@@ -122,39 +146,42 @@ class MoveForm {
   update(): void {
     const ref = this.axis();
     if (ref === undefined) return;
-    const scale = this.model.scale(ref.axis);
-    put(this.target.unit, scale.name);
-    this.ramps.showUnits(scale);
+    const key = `move ${addressOf(ref)}`;
+    this.target.bind(`${key} target`, ref);
+    this.ramps.bind(key, ref);
+    this.relative.bind(`${key} relative`);
+    this.queue.bind(`${key} queue`);
   }
 
   private move(): void {
     const ref = this.axis();
     if (ref === undefined) return;
-    const scale = this.model.scale(ref.axis);
-    const position = inUserUnits(this.target.input, scale);
+    const notes: string[] = [];
+    const position = this.target.read(notes);
     if (position === undefined) throw new Error(t("no_target"));
-    void this.model.command("/move", {
+    const request = {
       axis: addressOf(ref),
       position,
       relative: this.relative.input.checked,
       queue: this.queue.input.checked,
-      ...this.ramps.read(scale),
-    });
+      ...this.ramps.read(notes),
+    };
+    void this.model.command("/move", request, notes);
   }
 }
 
 /** Two buttons that move an axis while they are pressed. */
 class Jog {
   readonly root: HTMLElement;
-  private readonly speed = field(t("velocity"), { value: "" });
+  private readonly speed: QuantityField;
   private timer = 0;
   private jogged = "";
-  private scaleName = "";
 
   constructor(
     private readonly model: Model,
     private readonly axis: () => AxisRef | undefined,
   ) {
+    this.speed = new QuantityField(model, t("velocity"), "/s");
     const buttons = ([-1, 1] as const).map((sign) => {
       const made = h("button", {
         class: "jog",
@@ -193,17 +220,15 @@ class Jog {
   update(): void {
     const ref = this.axis();
     if (ref === undefined) return;
-    const scale = this.model.scale(ref.axis);
-    if (scale.name !== this.scaleName) {
-      // A tenth of a turn a second is slow enough for a first try.
-      const slow = (ref.axis.unit?.per ?? 4096) / 10;
-      this.speed.input.value = String(Number((slow * scale.factor).toFixed(scale.decimals)));
-      this.scaleName = scale.name;
-    }
-    put(this.speed.unit, `${scale.name}/s`);
+    this.speed.bind(`jog ${addressOf(ref)}`, ref, (scale) => {
+      // Half a turn a second is seen, and slow enough for a first try.
+      const { kind, per } = ref.axis.unit ?? { kind: "rotary", per: 4096 };
+      const slow = kind === "rotary" ? per / 2 : per * LINEAR_JOG;
+      return String(Number((slow * scale.factor).toFixed(scale.decimals)));
+    });
   }
 
-  private end(): void {
+  end(): void {
     if (this.timer === 0) return;
     window.clearInterval(this.timer);
     this.timer = 0;
@@ -214,7 +239,7 @@ class Jog {
     const ref = this.axis();
     if (ref === undefined || this.timer !== 0) return;
     attempt(this.model, () => {
-      const speed = inUserUnits(this.speed.input, this.model.scale(ref.axis)) ?? 0;
+      const speed = this.speed.read([]) ?? 0;
       const velocity = sign * Math.abs(speed);
       const axis = addressOf(ref);
       this.jogged = axis;
@@ -364,8 +389,8 @@ export class Commands implements View {
     this.move = new MoveForm(model, one);
     this.jog = new Jog(model, one);
     this.inputs = new TestInputs(model, axes);
-    const services = (names: [string, TextKey][], careful = false) =>
-      h("div", { class: "line" }, ...names.map(([service, text]) => serviceButton(model, axes, service, text, careful)));
+    const services = (names: [string, TextKey][], asks = false) =>
+      h("div", { class: "line" }, ...names.map(([service, text]) => serviceButton(model, axes, service, text, asks)));
     const home = button(t("home"), () => void this.home());
     const motion = services([["/halt", "halt"], ["/resume", "resume"], ["/quick_stop", "quick_stop"]]);
     motion.append(home);
@@ -383,10 +408,15 @@ export class Commands implements View {
   update(now: number): void {
     const { control, connected } = this.model;
     const may = control.enabled && control.you && connected;
-    const count = this.axes().length;
-    const able = may && count > 0;
+    const axes = this.axes();
+    const count = axes.length;
+    const gone = axes.find(({ bench }) => this.model.isGone(bench, now));
+    const able = may && count > 0 && gone === undefined;
+    // A disabled button reports no release.
+    if (!able) this.jog.end();
     for (const group of this.groups) if (group.disabled === able) group.disabled = !able;
-    put(this.need, able ? "" : may ? t("none_chosen") : control.enabled ? t("need_control") : t("view_only"));
+    const lost = gone === undefined ? "" : `${gone.bench.description?.name ?? ""} (${gone.bench.number}) ${t("bench_gone")}`;
+    put(this.need, able ? "" : !may ? (control.enabled ? t("need_control") : t("view_only")) : count === 0 ? t("none_chosen") : lost);
     const single = count === 1; // several axes move as a group
     this.move.root.hidden = !single;
     this.jogGroup.hidden = !single;
@@ -408,8 +438,8 @@ export class Commands implements View {
 export class GroupMove implements View {
   readonly root: HTMLElement;
   private readonly list = h("div", { class: "targets" });
-  private readonly ramps = new Ramps();
-  private readonly fields = new Map<string, ReturnType<typeof field>>();
+  private readonly ramps: Ramps;
+  private readonly fields = new Map<string, QuantityField>();
   private readonly fieldset: HTMLFieldSetElement;
   private shownAxes: AxisRef[] = [];
   private shown = "";
@@ -419,6 +449,7 @@ export class GroupMove implements View {
     private readonly model: Model,
     private readonly axes: Axes,
   ) {
+    this.ramps = new Ramps(model);
     const form = h(
       "form",
       {},
@@ -434,11 +465,11 @@ export class GroupMove implements View {
     this.root = h("section", { class: "panel" }, this.fieldset);
   }
 
-  update(): void {
+  update(now: number): void {
     const { control, connected } = this.model;
     const axes = this.axes();
     this.root.hidden = axes.length < 2;
-    const may = control.enabled && control.you && connected;
+    const may = control.enabled && control.you && connected && !axes.some(({ bench }) => this.model.isGone(bench, now));
     if (this.fieldset.disabled === may) this.fieldset.disabled = !may;
     const wanted = axes.map(addressOf).join(" ");
     if (wanted !== this.shown) this.build(axes, wanted);
@@ -450,7 +481,7 @@ export class GroupMove implements View {
     for (const ref of this.shownAxes) {
       const made = this.fields.get(addressOf(ref));
       if (made === undefined) continue;
-      made.root.hidden = made.input.value.trim() === "" && !nameMatches(addressOf(ref), ref.axis.name, words);
+      made.root.hidden = made.isEmpty() && !nameMatches(addressOf(ref), ref.axis.name, words);
     }
   }
 
@@ -462,24 +493,23 @@ export class GroupMove implements View {
     this.fields.clear();
     for (const ref of axes) {
       const address = addressOf(ref);
-      const made = before.get(address) ?? field(`${address} ${ref.axis.name}`, { unit: () => this.model.scale(ref.axis).name });
+      const made = before.get(address) ?? new QuantityField(this.model, `${address} ${ref.axis.name}`);
+      made.bind(`group ${address} target`, ref);
       this.fields.set(address, made);
     }
-    if (axes.length > 0) this.ramps.showUnits(this.model.scale(axes[0].axis));
+    if (axes.length > 0) this.ramps.bind("group", axes[0]);
     this.list.replaceChildren(...[...this.fields.values()].map((made) => made.root));
     this.filter(this.words);
   }
 
   private go(): void {
-    const axes = this.axes();
-    const moves = axes.flatMap((ref) => {
-      const made = this.fields.get(addressOf(ref));
-      const position = made === undefined ? undefined : inUserUnits(made.input, this.model.scale(ref.axis));
+    const notes: string[] = [];
+    const moves = this.axes().flatMap((ref) => {
+      const position = this.fields.get(addressOf(ref))?.read(notes);
       return position === undefined ? [] : [{ axis: addressOf(ref), position }];
     });
     if (moves.length === 0) throw new Error(t("no_target"));
-    const scale = this.model.scale(axes[0].axis);
-    void this.model.command("/move_group", { moves, ...this.ramps.read(scale) });
+    void this.model.command("/move_group", { moves, ...this.ramps.read(notes) }, notes);
   }
 }
 
@@ -504,7 +534,7 @@ export class BenchClock implements View {
       "div",
       { class: "line", title: t("step_hint") },
       ticks.root,
-      button(t("step"), () => attempt(model, () => call("/step", { ticks: typed(ticks.input) ?? 1 })), { attributes: { "data-test": "step" } }),
+      button(t("step"), () => attempt(model, () => call("/step", { ticks: typedWhole(ticks.input) ?? 1 })), { attributes: { "data-test": "step" } }),
     );
     this.rateLine = h(
       "div",

@@ -112,10 +112,18 @@ class ObjectLine {
     const input = h("input", { attributes: { type: "text", inputmode: "decimal", "aria-label": this.row.title } });
     input.value = this.latest === undefined ? "" : String(this.latest);
     const leave = () => this.valueCell.replaceChildren(this.value, this.editButton());
+    const refuse = (reason: string) => {
+      input.setAttribute("aria-invalid", "true");
+      this.model.outcome = { ok: false, text: `${this.address}: ${reason}` };
+    };
     const write = async () => {
       const value = parseNumber(input.value);
       if (value === undefined) {
-        this.model.outcome = { ok: false, text: `"${input.value}" ${t("not_a_number")}` };
+        refuse(`"${input.value}" ${t("not_a_number")}`);
+        return;
+      }
+      if (!Number.isInteger(value)) {
+        refuse(`"${input.value}" ${t("fraction")}`);
         return;
       }
       const answer = await this.model.command("/write", { axis: this.axis, object: this.address, value });
@@ -125,6 +133,10 @@ class ObjectLine {
     form.addEventListener("submit", (event) => {
       event.preventDefault();
       void write();
+    });
+    form.addEventListener("keydown", (event) => {
+      // Escape also ends a composition of Chinese characters.
+      if (event.key === "Escape" && !event.isComposing) leave();
     });
     this.valueCell.replaceChildren(form);
     input.select();

@@ -74,6 +74,8 @@ const BITS: { series: Series; text: TextKey }[] = [
 const STRIP_ROW = 20;
 const PERMILLE: Scale = { name: "%", factor: 0.1, decimals: 1 };
 const SYNC = "axis";
+/** [px] a shorter way is a click */
+const LEAST_DRAG = 4;
 
 function windowText(seconds: number): string {
   return seconds < 60 ? `${seconds} s` : `${seconds / 60} min`;
@@ -189,7 +191,8 @@ export class Plots implements View {
   }
 
   private makeHost(kind: PlotKind) {
-    const canvas = h("div", { class: "canvas" });
+    const what = `${t(kind.text)}: ${kind.lines.map((line) => t(line.part)).join(", ")}`;
+    const canvas = h("div", { class: "canvas", attributes: { role: "img", "aria-label": what } });
     const readings: HTMLElement[] = [];
     const unit = h("span", { class: "unit" });
     const head = h("div", { class: "plot-head" }, h("b", {}, t(kind.text)), unit);
@@ -223,7 +226,12 @@ export class Plots implements View {
       height: 120,
       padding: [5, RIGHT_MARGIN, isLast ? 0 : 5, 0],
       legend: { show: false },
-      cursor: { sync: { key: SYNC }, drag: { x: true, y: false, setScale: false }, points: { show: false } },
+      cursor: {
+        sync: { key: SYNC },
+        drag: { x: true, y: false, setScale: false },
+        points: { show: false },
+        bind: { mousedown: (_plot, _target, select) => (event) => (event.shiftKey ? select(event) : null) },
+      },
       scales: { x: { time: false, auto: false }, y: { auto: false } },
       axes: [
         {
@@ -251,6 +259,7 @@ export class Plots implements View {
     const plot = new uPlot(options, empty, host);
     plot.over.addEventListener("dblclick", () => this.zoom(undefined));
     plot.over.addEventListener("wheel", (event) => this.onWheel(plot, event), { passive: false });
+    plot.over.addEventListener("pointerdown", (event) => this.beginPan(plot, event));
     return plot;
   }
 
@@ -288,12 +297,34 @@ export class Plots implements View {
 
   private onSelect(plot: uPlot): void {
     const { left, width } = plot.select;
-    if (width < 4) return;
+    if (width < LEAST_DRAG) return;
     this.zoom([plot.posToVal(left, "x"), plot.posToVal(left + width, "x")]);
     plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
   }
 
+  /** Shows earlier and later times while the plot is dragged. A touch upwards scrolls the page. */
+  private beginPan(plot: uPlot, down: PointerEvent): void {
+    if (down.button !== 0 || down.shiftKey) return;
+    const [from, to] = this.range();
+    const perPixel = (to - from) / plot.over.clientWidth;
+    let moves = false;
+    const move = (event: PointerEvent) => {
+      const way = event.clientX - down.clientX;
+      moves ||= Math.abs(way) >= LEAST_DRAG;
+      if (moves) this.zoom([from - way * perPixel, to - way * perPixel]);
+    };
+    const end = () => {
+      plot.over.removeEventListener("pointermove", move);
+      plot.over.removeEventListener("lostpointercapture", end);
+    };
+    plot.over.setPointerCapture(down.pointerId);
+    plot.over.addEventListener("pointermove", move);
+    plot.over.addEventListener("lostpointercapture", end);
+  }
+
+  /** Without Ctrl the wheel scrolls the page, as everywhere. */
   private onWheel(plot: uPlot, event: WheelEvent): void {
+    if (!event.ctrlKey) return;
     event.preventDefault();
     const [from, to] = this.range();
     const middle = plot.posToVal(event.offsetX, "x");

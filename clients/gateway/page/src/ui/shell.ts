@@ -2,14 +2,12 @@
 // The frame of every view: which view, who has control, the stop.
 
 import { setLanguage, t } from "../i18n";
-import { addressOf, type AxisRef, type Model, type Theme } from "../model";
+import { addressOf, SECOND_PRESS_MS, type AxisRef, type Model, type Theme } from "../model";
 import { Trace } from "../trace";
 import { AxisView } from "./axis";
 import { ControlView } from "./control";
 import { button, h, mark, put, select, type View } from "./dom";
 import { Overview, overviewMemory } from "./overview";
-
-const SILENT_FROM_MS = 1_000;
 
 const LIGHT_FRAME_MS = 12;
 const LONGEST_REST_MS = 500;
@@ -50,6 +48,9 @@ export class Shell {
   private readonly link = h("span");
   private readonly clock = h("span", { class: "number bench-clock" });
   private readonly banner = h("p", { class: "banner", attributes: { role: "alert" } });
+  private readonly notices = h("div", { class: "notices", attributes: { role: "status" } });
+  private shownNotices = "";
+  private tookAt = -Infinity;
   private readonly holder = h("span", { class: "holder" });
   private readonly takeButton = button("", () => this.take(), { class: "take", attributes: { "data-test": "take" } });
   private readonly stopButton = button("", () => this.stop(), { class: "stop", attributes: { "data-test": "stop" } });
@@ -77,7 +78,7 @@ export class Shell {
       this.links.set(key, link);
       nav.append(link);
     }
-    put(this.stopButton, t("stop"));
+    this.stopButton.replaceChildren(h("b", {}, t("stop")), h("kbd", {}, "Ctrl + ."));
     this.stopButton.title = t("stop_hint");
     this.stopButton.setAttribute("aria-label", `${t("stop")}: ${t("stop_hint")}`);
     const { settings } = this.model;
@@ -110,17 +111,18 @@ export class Shell {
         this.settingsChanged();
       },
     );
-    const header = h(
-      "header",
-      {},
+    const frame = h(
+      "div",
+      { class: "frame" },
       h("h1", {}, "vdrive"),
       nav,
       h("div", { class: "link" }, this.lamp, this.link, this.clock),
       h("div", { class: "settings" }, units, language, theme),
       h("div", { class: "holding" }, this.holder, this.takeButton),
-      this.stopButton,
     );
-    this.app.replaceChildren(header, this.banner, this.main, h("footer", {}, this.outcome));
+    // STOP has a column of its own: whatever else the header shows, it stays where it is.
+    const header = h("header", {}, frame, this.stopButton);
+    this.app.replaceChildren(header, this.banner, this.notices, this.main, h("footer", {}, this.outcome));
     this.viewKey = "";
     this.version = -1;
     this.route();
@@ -174,7 +176,9 @@ export class Shell {
     if (name === "control") return new ControlView(this.model);
     if (name === "overview") return new Overview(this.model, this.memory);
     if (this.trace !== undefined) return new AxisView(this.model, this.trace);
-    return { root: h("p", { class: "nothing" }, t("choose_axis")), update: () => undefined };
+    const [, , asked = ""] = location.hash.split("/");
+    const text = asked === "" ? t("choose_axis") : `${t("no_axis")} ${asked}. ${t("choose_axis")}`;
+    return { root: h("p", { class: "nothing" }, text), update: () => undefined };
   }
 
   private update(now: number): void {
@@ -184,6 +188,7 @@ export class Shell {
       this.showControl();
     }
     this.showLink(now);
+    this.showNotices();
     this.showOutcome();
     this.view?.update(now);
   }
@@ -191,7 +196,7 @@ export class Shell {
   private showLink(now: number): void {
     const { connected } = this.model;
     const benches = this.model.sortedBenches();
-    const silent = benches.filter((b) => b.state !== undefined && (!b.state.alive || this.model.age(b, now) > SILENT_FROM_MS));
+    const silent = benches.filter((b) => this.model.isSilent(b, now));
     const lamp = `lamp ${connected ? (silent.length > 0 ? "quick_stop_active" : "operation_enabled") : "fault"}`;
     if (this.lamp.className !== lamp) this.lamp.className = lamp;
     put(this.link, connected ? t("connected") : t("connecting"));
@@ -223,6 +228,17 @@ export class Shell {
     put(this.takeButton, control.you ? t("release") : held ? `${t("take_by_force")} ${control.holder}` : t("take"));
   }
 
+  private showNotices(): void {
+    const { notices } = this.model;
+    const wanted = notices.join("\n");
+    if (wanted === this.shownNotices) return;
+    this.shownNotices = wanted;
+    const lines = notices.map((text, i) =>
+      h("p", {}, text, button("×", () => notices.splice(i, 1), { class: "quiet", attributes: { "aria-label": t("remove") } })),
+    );
+    this.notices.replaceChildren(...lines);
+  }
+
   private showOutcome(): void {
     const { outcome } = this.model;
     put(this.outcome, outcome?.text ?? "");
@@ -232,6 +248,11 @@ export class Shell {
 
   private take(): void {
     const { control } = this.model;
+    // The button takes and gives back: the second click of a double click would undo the first.
+    const now = performance.now();
+    const isSecond = now - this.tookAt < SECOND_PRESS_MS;
+    this.tookAt = now;
+    if (isSecond) return;
     if (control.you) void this.model.command("/release_control", {});
     else void this.model.command("/take_control", { name: "page", force: control.holder !== "" });
   }
@@ -240,10 +261,8 @@ export class Shell {
     void this.model.command("/quick_stop", {});
   }
 
-  /** Escape ends a composition of Chinese characters too: that one does not stop the axes. */
   private key(event: KeyboardEvent): void {
-    const escape = event.key === "Escape" && !event.isComposing && this.model.control.you;
-    if (!escape && !(event.ctrlKey && event.key === ".")) return;
+    if (!event.ctrlKey || event.key !== ".") return;
     event.preventDefault();
     this.stop();
   }

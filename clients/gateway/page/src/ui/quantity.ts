@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fields for numbers in the unit that the page shows. What was typed stays when a view is built
+// again, and is converted when the unit changes: a target never becomes another one by itself.
+
+import { formatNumber, parseQuantity, retyped, USER_UNITS, wholeUserUnits, type Scale } from "../data/units";
+import { t } from "../i18n";
+import type { AxisRef, Model } from "../model";
+import { field, h, put } from "./dom";
+
+/** What follows the unit of a position: of a velocity and of an acceleration. */
+type Suffix = "" | "/s" | "/s²";
+
+const ENDINGS: Record<Suffix, RegExp> = { "": /$/, "/s": /\s*\/\s*s$/, "/s²": /\s*\/\s*s(²|\^?2)$/ };
+
+export class QuantityField {
+  readonly root: HTMLElement;
+  readonly input: HTMLInputElement;
+  private readonly unit: HTMLElement;
+  private key = "";
+  private ref?: AxisRef;
+  private scale?: Scale;
+
+  constructor(
+    private readonly model: Model,
+    label: string,
+    private readonly suffix: Suffix = "",
+    properties: { placeholder?: string; id?: string } = {},
+  ) {
+    const made = field(label, properties);
+    this.root = made.root;
+    this.input = made.input;
+    this.unit = made.unit;
+    this.input.addEventListener("input", () => this.keep());
+  }
+
+  /** Shows what was typed under this key before, in the unit in force now.
+   *  @param initial what the field shows before anything was typed */
+  bind(key: string, ref: AxisRef, initial: (scale: Scale) => string = () => ""): void {
+    const scale = this.model.scale(ref.axis);
+    const same = key === this.key && scale.name === this.scale?.name && scale.factor === this.scale.factor;
+    this.ref = ref;
+    if (same) return;
+    this.key = key;
+    this.scale = scale;
+    const typed = this.model.typed.get(key);
+    this.input.value = typed === undefined ? initial(scale) : retyped(typed.text, typed.scale, scale);
+    this.accept();
+    put(this.unit, scale.name + this.suffix);
+  }
+
+  isEmpty(): boolean {
+    return this.input.value.trim() === "";
+  }
+
+  /** @param notes gets what a value with a unit became
+   *  @return whole user units; nothing for an empty field
+   *  @throws Error with the reason when the text is no number of the drive */
+  read(notes: string[]): number | undefined {
+    const text = this.input.value.trim();
+    if (text === "" || this.scale === undefined) return undefined;
+    const found = parseQuantity(text.replace(ENDINGS[this.suffix], ""), this.scale, this.ref?.axis.unit);
+    if (found === undefined) return this.refuse(`"${text}" ${t("not_a_number")}`);
+    const whole = wholeUserUnits(found);
+    if (whole === undefined) return this.refuse(`"${text}" ${t("fraction")}`);
+    if (found.scale !== USER_UNITS) {
+      const unit = found.scale === this.scale && !text.endsWith(found.scale.name + this.suffix) ? ` ${found.scale.name}${this.suffix}` : "";
+      notes.push(`${text}${unit} = ${formatNumber(whole, 0)} UU${this.suffix}`);
+    }
+    this.accept();
+    return whole;
+  }
+
+  private keep(): void {
+    if (this.scale !== undefined) this.model.typed.set(this.key, { text: this.input.value, scale: this.scale });
+    this.accept();
+  }
+
+  private accept(): void {
+    this.input.removeAttribute("aria-invalid");
+    this.input.title = "";
+  }
+
+  private refuse(reason: string): never {
+    this.input.setAttribute("aria-invalid", "true");
+    this.input.title = reason;
+    throw new Error(reason);
+  }
+}
+
+/** A box that stays ticked when its view is built again. */
+export class KeptCheckbox {
+  readonly input = h("input", { attributes: { type: "checkbox" } });
+  readonly root: HTMLElement;
+  private key = "";
+
+  constructor(
+    private readonly model: Model,
+    text: string,
+  ) {
+    this.root = h("label", { class: "check" }, this.input, text);
+    this.input.addEventListener("change", () => this.model.ticked.set(this.key, this.input.checked));
+  }
+
+  bind(key: string): void {
+    if (key === this.key) return;
+    this.key = key;
+    this.input.checked = this.model.ticked.get(key) ?? false;
+  }
+}
