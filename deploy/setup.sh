@@ -56,6 +56,7 @@ test_packages=(
   libgtest-dev
   librapidcheck-dev
   man-db
+  mypy # the types of the Python module
   nftables # loss and blocked multicast in the network tests
   openssl # makes the material of the closed mode
   python3 # the conformance and mutation checks, the list of the IDL's fields

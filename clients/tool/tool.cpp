@@ -5,12 +5,14 @@
 #include "command_table.hpp"
 #include "execution/command_context.hpp"
 #include "execution/connection.hpp"
+#include "execution/output.hpp"
 #include "language/bench_names.hpp"
 #include "language/command_line.hpp"
 #include "terminal/terminal.hpp"
 #include "values/value.hpp"
 #include "vdrive/wire/ports.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <memory>
@@ -106,10 +108,12 @@ ExitCode run_command(std::vector<std::string> arguments, const std::shared_ptr<w
 /// @return the exit code; what went wrong is reported.
 ExitCode run_reported(std::vector<std::string> arguments,
                       const std::shared_ptr<wire::LocalBus>& bus, Terminal& terminal) {
+  // A command line with a mistake has no options yet.
+  const bool is_json = std::ranges::find(arguments, "--json") != arguments.end();
   try {
     return run_command(std::move(arguments), bus, terminal);
   } catch (const UsageError& error) {
-    terminal.complain(std::string("vdrive: ") + error.what());
+    report_usage({terminal, is_json, false}, error.what());
     return ExitCode::usage;
   } catch (const std::exception& error) {
     terminal.complain(std::string("vdrive: ") + error.what());

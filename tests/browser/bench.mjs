@@ -29,6 +29,14 @@ class Program {
   }
 }
 
+/** Runs the tool to its end. @return its exit code. */
+export async function runTool(...words) {
+  const tool = new Program("vdrive", words);
+  const code = await tool.ended;
+  programs.delete(tool);
+  return code;
+}
+
 export function startService(...options) {
   return new Program("vdrived", ["--log-level", "warn", ...options]);
 }

@@ -6,7 +6,7 @@ import { readFile } from "node:fs/promises";
 import { after, before, test as nodeTest } from "node:test";
 import { isDeepStrictEqual } from "node:util";
 
-import { callService, PATIENCE_MS, startBrowser, startGateway, startPatientService, stopAll } from "./bench.mjs";
+import { callService, PATIENCE_MS, runTool, startBrowser, startGateway, startPatientService, stopAll } from "./bench.mjs";
 
 let service;
 let gateway;
@@ -117,6 +117,16 @@ test("the search shows the named axes", async () => {
   assert.ok(await page.locator('[data-address="1.2"]').isVisible());
   await page.fill(".search", "");
   await page.locator('[data-address="1.1"]').waitFor();
+});
+
+test("Shift-click chooses every axis between two", async () => {
+  const box = (address) => page.locator(`[data-address="${address}"] input`);
+  await box("1.1").click();
+  await box("1.2").click({ modifiers: ["Shift"] });
+  await waitForText(page.locator(".count"), /2 axes, 2 chosen/);
+  await box("1.1").click();
+  await box("1.2").click({ modifiers: ["Shift"] });
+  await waitForText(page.locator(".count"), /^2 axes$/);
 });
 
 test("a page without control cannot command, and the gateway refuses commands that bypass the page", async () => {
@@ -393,6 +403,38 @@ test("a double click moves once, and answers no question", async () => {
   assert.equal(await figure("state").textContent(), state);
 });
 
+const leavingAsks = () =>
+  page.evaluate(() => {
+    const leaving = new Event("beforeunload", { cancelable: true });
+    window.dispatchEvent(leaving);
+    return leaving.defaultPrevented;
+  });
+
+test("while an axis moves the page says that it goes on without the page, and leaving asks", async () => {
+  await waitForText(figure("velocity"), /^−?\d UU\/s/);
+  assert.equal(await leavingAsks(), false);
+  await page.fill("#move-target", "200000");
+  await command("move").click();
+  await waitForText(page.locator(".motion"), /^1.1 moves under the control of this page, and goes on/);
+  assert.equal(await leavingAsks(), true);
+});
+
+test("an axis that a terminal takes over is named, and the page does not take it back by itself", async () => {
+  assert.equal(await runTool("enable", "1.1", "--take-over"), 0);
+  await waitForText(page.locator(".notices"), /^\d\d:\d\d: 1.1 is no longer controlled by this page/);
+  await page.fill("#move-target", "0");
+  await command("move").click();
+  await waitForText(page.locator("footer"), /Move: 1.1 was taken from this page/);
+  await waitForText(figure("owner"), /free/);
+  await command("act").click();
+  await waitForNone(page.locator(".notices p"));
+  await command("move").click();
+  await waitForText(figure("owner"), /this page/);
+  await command("quick_stop").click();
+  await waitForText(figure("velocity"), /^−?\d UU\/s/);
+  await waitForText(page.locator(".motion"), /^$/);
+});
+
 test("chosen axes move together", async () => {
   await page.click("nav a >> nth=0");
   for (const address of ["1.1", "1.2"]) await page.check(`[data-address="${address}"] input`);
@@ -503,6 +545,20 @@ test("a jogged axis stops and stays enabled when its tab is closed", async () =>
   await waitForText(page.locator(".holder"), /Nobody has control/);
   await waitForText(figure("owner"), /free/);
   assert.match((await figure("state").textContent()) ?? "", /Operation enabled/);
+});
+
+test("an axis that moves on without its page is named to the next one", async () => {
+  const other = await openOther("#/axis/1.1");
+  await other.click('[data-test="take"]');
+  await other.click('[data-test="enable"]');
+  await waitForText(figure("state"), /Operation enabled/);
+  await other.fill("#move-target", "-900000");
+  await other.click('[data-test="move"]');
+  await waitForText(figure("velocity"), /−\d\d.\d{3}/);
+  await other.close();
+  await waitForText(page.locator(".motion"), /^1.1 moves, and nobody controls it: take control, or STOP/);
+  await command("stop").click();
+  await waitForText(page.locator(".motion"), /^$/);
 });
 
 test("a page that stands still permanently is a lost master", async () => {

@@ -722,9 +722,10 @@ class Jumps {
   int count_ = 0;
 };
 
-// Equal axes with equal ways have equal demands in each tick, or they did not start in one. A machine
-// that stands still for longer than the frames are sent ahead lets one bench refuse its frame after
-// the other has taken its own: the start is withdrawn, and the next move brings both to one place.
+// Equal axes with equal ways have equal demands in each tick, or they did not start in one. A
+// machine that stands still for longer than the frames are sent ahead lets one bench refuse its
+// frame after the other has taken its own: the start is withdrawn, and the next move brings both to
+// one place.
 TEST(TwoServices, StartInTheSameTickInRealTime) {
   const BenchOnWire left(patient("--clock realtime --axes 1"));
   const BenchOnWire right(patient("--clock realtime --bench 2 --axes 1"));

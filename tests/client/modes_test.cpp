@@ -96,6 +96,18 @@ TEST_F(Modes, RunAtAnUnreachableVelocityIsRefused) {
   EXPECT_EQ(axis_.run_at(100).code(), kRefusedInState);
 }
 
+// Of its own 6081h the drive takes what 607Fh allows: only what the call gives is refused.
+TEST_F(Modes, AMoveWithAnUnreachableVelocityIsRefusedAsWell) {
+  ASSERT_TRUE(axis_.write(kSpeedLimit, 5'000));
+  const Outcome refused = axis_.move_to(100, {.velocity = 5'001});
+  EXPECT_EQ(refused.code(), kRefusedInState);
+  EXPECT_THAT(refused.message(),
+              HasSubstr("the velocity 5001 is above app_speed_limit (607Fh) = 5000"));
+  EXPECT_EQ(now().mode(), OperatingMode::none) << "nothing was changed";
+  EXPECT_TRUE(axis_.move_to(100, {.velocity = 5'000}));
+  EXPECT_TRUE(axis_.move_to(0)) << "6081h = 68267 is cut to 607Fh, as in the manual";
+}
+
 // 60 rpm are 4096 UU/s.
 TEST_F(Modes, RunAtAboveTheSpeedOfTheMotorIsRefused) {
   ASSERT_TRUE(axis_.disable());

@@ -28,8 +28,8 @@ def test_two_benches_in_one_clock_move_together_and_stop_together(over):
     assert run("two_benches.py", over).splitlines() == [
         "ticks of the benches after 10 ms: [10, 10]",
         "positions: [8192.0, 8192.0] widest gap of the demands: 0.0",
-        "stopped: axis 2.1: waited for target reached, bit 10, shows 0x21F Fault reaction active: "
-        "voltage enabled, remote, error 0x2310 continuous over-current",
+        "stopped: axis 2.1 shows error 0x2310 continuous over-current, 0x21F Fault reaction active: "
+        "voltage enabled, remote; waited for target reached, bit 10",
         "state of the group: error_stop"]
 
 

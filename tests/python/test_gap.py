@@ -185,7 +185,7 @@ def test_an_end_that_nobody_asks_for_is_reported(vdrive_bench, monkeypatch):
         received = Received()
         observer = session.on_status(received, "1.1", period=0.01)
         assert received.wait(lambda sample: sample.tick > 0)
-        vdrive_bench._bench.close()
+        (vdrive_bench._local or vdrive_bench._private).close()
         assert reported.wait(lambda error: isinstance(error, vdrive.Lost))
         assert "went offline: its service has ended" in str(observer.error)
 

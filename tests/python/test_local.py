@@ -67,7 +67,7 @@ def test_benches_beside_each_other_are_met_by_one_session_and_step_together():
 
 def test_a_session_that_outlives_its_bench_is_lost():
     bench = vdrive.Bench(axes=1)
-    with vdrive.Session(local=bench._bench) as session:
+    with vdrive.Session(local=bench._local) as session:
         axis = session.axis("1.1")
         bench.close()
         for call in (axis.enable, axis.status, lambda: session.step(1, bench=1)):

@@ -148,6 +148,7 @@ def test_a_recording_has_the_values_of_each_sample(vdrive_session):
     recording = vdrive_session.record(["1.1", "1.2"], ticks=50)
     assert recording["position"].shape == (50, 2)
     assert numpy.diff(recording.ticks).tolist() == [1] * 49
+    assert numpy.allclose(recording.time, numpy.arange(50) * vdrive_session.find_bench().period)
     assert recording["demand"][-1, 1] == axis.status().demand > 0
     assert recording.axis("1.2")["owner"].tolist() == [vdrive_session.id] * 50
     assert recording["load_position_actual_value"] is not None and recording.missed == 0

@@ -121,7 +121,7 @@ def test_an_axis_that_a_session_of_no_bench_owns_is_free_again(pytester, over):
 def test_leaves(vdrive_shared_bench):
     bench = vdrive_shared_bench
     place = ({"domain": bench.domain, "find_timeout": 30} if "VDRIVE_DOMAIN" in os.environ
-             else {"local": bench._bench})
+             else {"local": bench._local})
     other = vdrive.Session(**place)
     other.axis("1.2").enable()
     KEPT.extend([bench, other])

@@ -69,11 +69,26 @@ TEST_F(MotionInLockStep, JogForATimeStopsAfterIt) {
   EXPECT_GT(nlohmann::json::parse(jogged.output)["position"], 500);
 }
 
+// 100,000 UU at 100 UU/s take 1000 s, of which 1 s is over.
+TEST_F(MotionInLockStep, ATimeoutSaysWhereTheAxisIsAndThatItGoesOn) {
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  const Finished late = call("move 1.1 100000 --velocity 100 --timeout 1s");
+  EXPECT_EQ(late.code, 4);
+  EXPECT_THAT(late.errors,
+              AllOf(HasSubstr(" of 100000, still moving at 100 UU/s, some 1000 s more"),
+                    HasSubstr("; to stop it: vdrive halt 1.1")));
+  EXPECT_EQ(call("halt 1.1").code, 0);
+}
+
 TEST_F(MotionInLockStep, ALimitThatClampsIsReportedAtOnce) {
   ASSERT_EQ(call("enable 1.1").code, 0);
   const Finished fast = call("velocity 1.1 140000");
   EXPECT_EQ(fast.code, 5);
   EXPECT_THAT(fast.errors, HasSubstr("is above app_speed_limit (607Fh) = 136533"));
+  const Finished move = call("move 1.1 1000 --velocity 1e6");
+  EXPECT_EQ(move.code, 5);
+  EXPECT_THAT(move.errors,
+              HasSubstr("the velocity 1000000 is above app_speed_limit (607Fh) = 136533"));
   const Finished strong = call("torque 1.1 3001");
   EXPECT_EQ(strong.code, 5);
   EXPECT_THAT(strong.errors, HasSubstr("is above max_torque (6072h) = 3000"));

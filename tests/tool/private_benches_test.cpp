@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -73,12 +74,36 @@ TEST_F(PrivateBenches, HaveTheAxesOfTheConfigurationAndAreInLockStep) {
   EXPECT_EQ(Json::parse(finished.lines()[1])["files"], 1);
 }
 
+TEST_F(PrivateBenches, OfAFileWithAMistakeAreOneFailedCaseAmongOthers) {
+  const std::string good = file("a.scn", "enable 1.1\n");
+  const Finished mistake =
+      test({file("b.scn", "enabel 1.1\n"), good, "/nonexistent.scn", "--junit", report()});
+  EXPECT_EQ(mistake.code, 2);
+  EXPECT_THAT(mistake.errors, AllOf(HasSubstr("b.scn:1: 'enabel' is not a command"),
+                                    HasSubstr("cannot read '/nonexistent.scn'")));
+  EXPECT_THAT(mistake.output, HasSubstr("1 of 3 files passed"));
+  EXPECT_THAT(text_of(report()),
+              AllOf(HasSubstr("tests=\"3\""), HasSubstr("errors=\"2\""), HasSubstr("b.scn:1: ")));
+}
+
+TEST_F(PrivateBenches, AreMadeForEachScenarioOfADirectory) {
+  const std::filesystem::path some = std::filesystem::path(file("x", "")).parent_path() / "some";
+  std::filesystem::create_directories(some / "deeper");
+  std::ofstream(some / "b.scn") << "enable 1.1\n";
+  std::ofstream(some / "deeper" / "a.scn") << "expect 1.1 position 0\n";
+  std::ofstream(some / "notes.txt") << "no scenario\n";
+  const Finished finished = test({some.string(), "--jobs", "1"});
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+  EXPECT_THAT(finished.output,
+              AllOf(HasSubstr("2 of 2 files passed"), HasSubstr("deeper/a.scn, 1 line")));
+  std::filesystem::create_directory(some / "empty");
+  const Finished none = test({(some / "empty").string()});
+  EXPECT_EQ(none.code, 2);
+  EXPECT_THAT(none.errors, HasSubstr("empty' has no scenario, *.scn"));
+}
+
 TEST_F(PrivateBenches, DoNotStartAfterAUsageError) {
   const std::string good = file("a.scn", "enable 1.1\n");
-  const Finished mistake = test({good, file("b.scn", "enabel 1.1\n"), "--junit", report()});
-  EXPECT_EQ(mistake.code, 2);
-  EXPECT_THAT(mistake.errors, HasSubstr("b.scn:1: 'enabel' is not a command"));
-  EXPECT_THAT(text_of(report()), HasSubstr("errors=\"1\""));
   EXPECT_EQ(test({good, "--jobs", "0"}).code, 2);
   EXPECT_EQ(test({"-"}).code, 2);
 }

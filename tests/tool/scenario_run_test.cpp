@@ -149,6 +149,48 @@ TEST_F(WaitAndExpect, PassOrReportTheValuesOfTheAxis) {
   EXPECT_THAT(call("wait 1.1 target_reachd").errors, HasSubstr("did you mean 'target_reached'?"));
 }
 
+/// The drive time of the bench so far, in ticks of 1 ms.
+std::uint64_t tick_now() {
+  return nlohmann::json::parse(call("status 1.1 --json").output).at("tick").get<std::uint64_t>();
+}
+
+// 4310h disables the axis at once; it stands still, and 100 ms later nothing can come any more.
+TEST_F(WaitAndExpect, EndAtOnceOnAnAxisThatStaysInFault) {
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  ASSERT_EQ(call("disturb 1.1 over_temperature").code, 0);
+  ASSERT_EQ(call("wait 1.1 fault").code, 0);
+  const std::uint64_t before = tick_now();
+  const Finished waited = call("wait 1.1 target_reached --timeout 30s");
+  EXPECT_EQ(waited.code, 1);
+  EXPECT_THAT(waited.errors, AllOf(HasSubstr("axis 1.1 is in Fault 0x4310"),
+                                   HasSubstr("since tick"), HasSubstr("waited for target_reached"),
+                                   HasSubstr("; reset it first: vdrive reset 1.1")));
+  const Finished value = call("expect 1.1 position 1000 --within 30s --json");
+  EXPECT_EQ(value.code, 1);
+  EXPECT_THAT(value.output, AllOf(HasSubstr("\"actual\":0"), HasSubstr("\"error_code\":17168")));
+  EXPECT_EQ(call("expect 1.1 statusword 0x637 --within 30s").code, 1);
+  EXPECT_EQ(call("wait 1.1 position 1000 --timeout 30s").code, 1);
+  EXPECT_LE(tick_now() - before, 4 * 110) << "each of the four ended after 100 ms";
+}
+
+TEST_F(WaitAndExpect, GoOnInFaultForWhatTheFaultOrAResetBrings) {
+  ASSERT_EQ(call("disturb 1.1 over_temperature").code, 0);
+  EXPECT_EQ(call("wait 1.1 fault --timeout 1s").code, 0);
+  EXPECT_EQ(call("wait 1.1 switch_on_disabled --timeout 300ms").code, 4);
+  EXPECT_EQ(call("wait 1.1 statusword 0x40 --timeout 300ms").code, 4);
+  EXPECT_EQ(call("wait 1.1 profile_velocity 7 --timeout 300ms").code, 4);
+}
+
+TEST_F(WaitAndExpect, NameTheFaultOfAMotionFirst) {
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  ASSERT_EQ(call("disturb 1.1 blocked_load").code, 0);
+  const Finished moved = call("move 1.1 100000");
+  EXPECT_EQ(moved.code, 1);
+  EXPECT_THAT(moved.errors, AllOf(HasSubstr("axis 1.1 shows error 0x8611 following error, "),
+                                  HasSubstr("; waited for target reached, bit 10"),
+                                  HasSubstr("; reset it first: vdrive reset 1.1")));
+}
+
 TEST_F(WaitAndExpect, ObserveAMotionThatAnotherProgramStarted) {
   ASSERT_EQ(call("enable 1.1").code, 0);
   ASSERT_EQ(call("move 1.1 1000 --velocity 1000 --no-wait").code, 0);

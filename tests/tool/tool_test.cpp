@@ -30,6 +30,18 @@ TEST(Tool, ShowsTheDictionaryWithoutAService) {
   EXPECT_FALSE(json_of(call("dictionary --json")).empty());
 }
 
+TEST(Tool, PrintsAUsageErrorAsAnObjectWithJson) {
+  for (const char* const words :
+       {"enabel 1.1 --json", "--json move 1.1 ten", "status --json --x"}) {
+    const Finished finished = call(words);
+    EXPECT_EQ(finished.code, 2) << words;
+    const auto objects = json_of(finished);
+    ASSERT_EQ(objects.size(), 1) << words;
+    EXPECT_EQ(objects[0]["outcome"], "usage");
+    EXPECT_EQ("vdrive: " + objects[0]["message"].get<std::string>() + "\n", finished.errors);
+  }
+}
+
 TEST(Tool, ExitsTwoOnAUsageErrorAndNamesIt) {
   for (const char* const words : {"", "dance", "move 1.1", "write 1.1 0x6060 300",
                                   "read 1.1 statuswort!", "run /no/such/file.scn"}) {
@@ -156,10 +168,10 @@ TEST_F(ToolInLockStep, ANotFoundErrorIsOneJsonObject) {
   EXPECT_EQ(objects[0]["outcome"], "not_found");
 }
 
-TEST_F(ToolInLockStep, ADirectoryIsRefusedAsAScenario) {
+TEST_F(ToolInLockStep, ADirectoryWithoutAScenarioIsRefused) {
   const Finished finished = call("run .");
   EXPECT_EQ(finished.code, 2);
-  EXPECT_THAT(finished.errors, HasSubstr("cannot read '.'"));
+  EXPECT_THAT(finished.errors, HasSubstr("the directory '.' has no scenario, *.scn"));
 }
 
 TEST_F(ToolInLockStep, AMoveThatTakesTooLongExitsFour) {

@@ -70,7 +70,24 @@ TEST(Quantity, IsRoundedToTheNearestUserUnit) {
   EXPECT_EQ(position("0.044deg", kTurning), 1);
   EXPECT_EQ(position("0.0439deg", kTurning), 0);
   EXPECT_EQ(position("-0.044deg", kTurning), -1);
-  EXPECT_EQ(position("1.5", kTurning), 2);
+}
+
+// 6081h = 12.5 became 13 in silence.
+TEST(Quantity, OfAFractionOfAUserUnitIsRefused) {
+  for (const char* const text : {"1.5", "-0.5", "1.6UU", "1e-3"}) {
+    EXPECT_THAT(refusal_of_quantity([&] {
+                  return position(text, kTurning);
+                }),
+                HasSubstr("is a fraction: user units are whole numbers"))
+        << text;
+  }
+  EXPECT_EQ(position("2.0", kTurning), 2);
+  EXPECT_EQ(position("1e3", kTurning), 1'000);
+  EXPECT_THAT(refusal_of_quantity([] {
+                return parse_torque("12.5");
+              }),
+              HasSubstr("'12.5' is a fraction"));
+  EXPECT_EQ(parse_torque("1.25%"), 13);  // 12.5 per mille
 }
 
 TEST(Quantity, OfAnotherUnitIsRefusedWithTheUnitsOfTheAxis) {

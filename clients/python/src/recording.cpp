@@ -7,6 +7,7 @@
 #include "status.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -38,7 +39,16 @@ bool have_same_axes(const Observation& one, const Observation& other) {
                             &client::AxisSnapshot::id);
 }
 
-py::tuple bench_of(const std::string& path, std::uint32_t number,
+/// @return the period of the bench [s]; None of a format that does not have it.
+py::object tick_period_of(const std::string& path, std::uint32_t number,
+                          const recording::Contents& contents) {
+  if (recording::format_of(path) != recording::Format::mcap) return py::none();
+  const auto bench = std::ranges::find(contents.benches, number, &recording::RecordedBench::number);
+  if (bench == contents.benches.end()) return py::none();
+  return py::float_(std::chrono::duration<double>(bench->period).count());
+}
+
+py::tuple bench_of(const std::string& path, std::uint32_t number, const py::object& period,
                    const std::deque<Observation>& samples,
                    const std::map<client::AxisId, std::string>& known) {
   py::list axes;
@@ -53,7 +63,8 @@ py::tuple bench_of(const std::string& path, std::uint32_t number,
       throw py::value_error(path + ": its axes have different ticks");
     }
   }
-  return py::make_tuple(number, axes, names, frames_of(samples, samples.front().axes.size()));
+  return py::make_tuple(number, period, axes, names,
+                        frames_of(samples, samples.front().axes.size()));
 }
 
 py::tuple read_recording(const std::string& path) {
@@ -72,7 +83,8 @@ py::tuple read_recording(const std::string& path) {
   const auto names = recording::names_of(loaded.contents.benches);
   py::list benches;
   for (const auto& [number, samples] : loaded.samples) {
-    benches.append(bench_of(path, number, samples, names));
+    benches.append(
+        bench_of(path, number, tick_period_of(path, number, loaded.contents), samples, names));
   }
   return py::make_tuple(loaded.contents.cut, benches);
 }
@@ -82,8 +94,8 @@ py::tuple read_recording(const std::string& path) {
 void add_recording(py::module_& module) {
   module.def("read_recording", &read_recording, py::arg("path"),
              "Reads a recording; its ending is its format. Returns where the file ends before its "
-             "end, empty for a whole one, and for each bench its number, axes, names of the axes "
-             "and array of records.");
+             "end, empty for a whole one, and for each bench its number, period [s] where the "
+             "format has it, axes, names of the axes and array of records.");
 }
 
 }  // namespace vdrive::python

@@ -41,11 +41,10 @@ from ._vdrive import (
     record_type,
 )
 
-Session.follow_async = _asynchronous.follow_async
-Session.events_async = _asynchronous.events_async
-Session.on_event = _observers.on_event
-Session.on_status = _observers.on_status
-Session.record = _recording.record
+for _function in (_asynchronous.follow_async, _asynchronous.events_async, _observers.on_event,
+                  _observers.on_status, _recording.record):
+    setattr(Session, _function.__name__, _function)
+del _function
 
 __all__ = [
     "DISTURBANCES",

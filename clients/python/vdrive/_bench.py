@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A private bench: in this process, or a service over DDS, by default on a domain of its own."""
+from __future__ import annotations
+
 import operator
 import os
 import weakref
@@ -7,8 +9,14 @@ import weakref
 from . import _vdrive
 from ._errors import ConfigurationError, NotFound
 
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+if TYPE_CHECKING:
+    from typing import Any, Iterable, Literal, SupportsIndex
 
-def find_service():
+    Path = str | bytes | os.PathLike[str] | os.PathLike[bytes]
+
+
+def find_service() -> str:
     """Return the path of vdrived: VDRIVE_SERVICE, else beside the interpreter, else in PATH."""
     path = os.environ.get("VDRIVE_SERVICE") or _vdrive.find_service()
     if path is None:
@@ -16,18 +24,19 @@ def find_service():
     return path
 
 
-def _only_over_dds(what):
+def _only_over_dds(what: str) -> ConfigurationError:
     return ConfigurationError(f'{what} is of a bench over DDS: vdrive.Bench(..., over="dds")')
 
 
-def _whole(name, value, lowest, highest):
+def _whole(name: str, value: SupportsIndex | None, lowest: int, highest: int) -> int | None:
     """Return the value as an int of this range, None as it is."""
     if value is None:
         return None
+    number = None
     try:
         number = operator.index(value)
     except TypeError:
-        number = None
+        pass
     if number is None or isinstance(value, bool):
         raise TypeError(f"{name} = {value!r}: must be a whole number from {lowest} to {highest}")
     if not lowest <= number <= highest:
@@ -35,13 +44,13 @@ def _whole(name, value, lowest, highest):
     return number
 
 
-def _one_of(name, value, words):
+def _one_of(name: str, value: Any, words: tuple[str, ...]) -> Any:
     if value not in words:
         raise ConfigurationError(f"{name} = {value!r}: must be one of {', '.join(words)}")
     return value
 
 
-def _path(name, value):
+def _path(name: str, value: Path | None) -> str:
     """Return the path as a text, empty for none."""
     if value is None:
         return ""
@@ -54,7 +63,7 @@ def _path(name, value):
     return path
 
 
-def _configuration(value):
+def _configuration(value: Path | None) -> str:
     """Return the path of a configuration, which is there."""
     path = _path("config", value)
     if path:
@@ -66,7 +75,7 @@ def _configuration(value):
     return path
 
 
-def _words(arguments):
+def _words(arguments: Iterable[object]) -> list[str]:
     """Return the arguments of vdrived as texts. A text alone would be taken letter by letter."""
     if isinstance(arguments, (str, bytes)):
         raise TypeError(f'arguments = {arguments!r}: must be a list of words, such as '
@@ -82,8 +91,12 @@ class Bench:
     its own, a child process too, meets only a bench over DDS.
     """
 
-    def __init__(self, axes=None, *, config=None, clock="lockstep", over="local", number=None,
-                 state=None, journal=None, beside=None, arguments=(), service=None, domain=None):
+    def __init__(self, axes: SupportsIndex | None = None, *, config: Path | None = None,
+                 clock: Literal["lockstep", "realtime", "freerun"] = "lockstep",
+                 over: Literal["local", "dds"] = "local", number: SupportsIndex | None = None,
+                 state: Path | None = None, journal: Path | None = None,
+                 beside: Bench | None = None, arguments: Iterable[object] = (),
+                 service: Path | None = None, domain: SupportsIndex | None = None) -> None:
         """Make the bench.
 
         axes: number of default axes, 1 to 16384; without it and without `config` the demo bench with
@@ -98,13 +111,15 @@ class Bench:
         A value that is out of range, unknown or contradicts another one raises ConfigurationError,
         one of a wrong type TypeError; both name the argument.
         """
-        self._sessions = weakref.WeakSet()
+        self._sessions: weakref.WeakSet[_vdrive.Session] = weakref.WeakSet()
+        self._local: _vdrive.LocalBench | None = None
+        self._private: _vdrive.PrivateBench | None = None
         self._is_local = _one_of("over", over, ("local", "dds")) == "local"
         axes = _whole("axes", axes, 1, _vdrive.MOST_AXES)
         number = _whole("number", number, 1, _vdrive.HIGHEST_BENCH)
         domain = _whole("domain", domain, 0, _vdrive.HIGHEST_DOMAIN)
         self._check_beside(beside)
-        of_both = {"clock": _one_of("clock", clock, _vdrive.CLOCK_MODES),
+        of_both: dict[str, Any] = {"clock": _one_of("clock", clock, _vdrive.CLOCK_MODES),
                    "config": _configuration(config),
                    "state": _path("state", state), "journal": _path("journal", journal)}
         if self._is_local:
@@ -112,12 +127,12 @@ class Bench:
                                 ("domain=", domain is not None)):
                 if given:
                     raise _only_over_dds(name)
-            self._bench = _vdrive.LocalBench(axes=axes, number=number, **of_both,
-                                             beside=None if beside is None else beside._bench)
+            self._local = _vdrive.LocalBench(axes=axes, number=number, **of_both,
+                                             beside=None if beside is None else beside._local)
         else:
-            self._bench = self._service(axes, number, of_both, beside, arguments, service, domain)
+            self._private = self._service(axes, number, of_both, beside, arguments, service, domain)
 
-    def _check_beside(self, beside):
+    def _check_beside(self, beside: Bench | None) -> None:
         if beside is None:
             return
         if not isinstance(beside, Bench):
@@ -126,15 +141,17 @@ class Bench:
             raise ConfigurationError(f"beside= is a bench {beside._place()}, and this one is "
                                      f"{self._place()}: they cannot meet")
 
-    def _place(self):
+    def _place(self) -> str:
         return "in this process" if self._is_local else "over DDS"
 
     @staticmethod
-    def _service(axes, number, of_both, beside, arguments, service, domain):
+    def _service(axes: int | None, number: int | None, of_both: dict[str, Any],
+                 beside: Bench | None, arguments: Iterable[object], service: Path | None,
+                 domain: int | None) -> _vdrive.PrivateBench:
         if beside is not None and domain is not None:
             raise ConfigurationError("beside= and domain= both say which benches to meet: leave one "
                                      "of them out")
-        options = []
+        options: list[str] = []
         for name, value in (("axes", axes), ("bench", number), *of_both.items()):
             options += [] if value in (None, "") else [f"--{name}", str(value)]
         return _vdrive.PrivateBench(_path("service", service) or find_service(),
@@ -142,34 +159,36 @@ class Bench:
                                     beside.domain if beside is not None else domain)
 
     @property
-    def domain(self):
+    def domain(self) -> int:
         """The DDS domain of a bench over DDS."""
-        if self._is_local:
+        if self._private is None:
             raise _only_over_dds("domain")
-        return self._bench.domain
+        return self._private.domain
 
-    def session(self, **options):
+    def session(self, **options: Any) -> _vdrive.Session:
         """Return a new Session with the bench, which close() closes, too."""
-        if self._is_local:
-            session = _vdrive.Session(local=self._bench, **options)
+        if self._local is not None:
+            session = _vdrive.Session(local=self._local, **options)
         else:
             options.setdefault("find_timeout", 30.0)
             session = _vdrive.Session(domain=self.domain, **options)
         self._sessions.add(session)
         return session
 
-    def _close_sessions(self, but=None):
+    def _close_sessions(self, but: _vdrive.Session | None = None) -> None:
         for session in list(self._sessions):
             if session is not but:
                 session.close()
 
-    def close(self):
+    def close(self) -> None:
         """Close the sessions that session() gave, and end the bench."""
         self._close_sessions()
-        self._bench.close()
+        for bench in (self._local, self._private):
+            if bench is not None:
+                bench.close()
 
-    def __enter__(self):
+    def __enter__(self) -> Bench:
         return self
 
-    def __exit__(self, *exception):
+    def __exit__(self, *exception: object) -> None:
         self.close()

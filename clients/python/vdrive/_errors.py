@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The exceptions of the library: why a call failed."""
+from __future__ import annotations
 
 
 class Error(Exception):
@@ -9,11 +10,11 @@ class Error(Exception):
     0x05000000); 0 for every other error. The text is `str(error)`.
     """
 
-    def __init__(self, message: str, code: int = 0):
+    def __init__(self, message: str, code: int = 0) -> None:
         super().__init__(message)
         self.code = code
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[type[Error], tuple[str, int]]:
         return type(self), (str(self), self.code)
 
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Functions that are called with events and states of axes."""
+from __future__ import annotations
+
 import atexit
 import os
 import sys
@@ -7,8 +9,19 @@ import threading
 import weakref
 
 from . import _vdrive  # noqa: F401  It registers the end of the sessions, which ours comes before.
+from ._recording import axes_of
 
-_running = weakref.WeakSet()
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+if TYPE_CHECKING:
+    from typing import Any, Callable, Iterator, Protocol, Sequence
+
+    class Stream(Protocol):
+        """What an Observer takes its items from."""
+
+        def __iter__(self) -> Iterator[Any]: ...
+        def close(self) -> None: ...
+
+_running: weakref.WeakSet[Observer] = weakref.WeakSet()
 
 
 class Observer:
@@ -19,12 +32,13 @@ class Observer:
     without `on_end` the exception is reported by `threading.excepthook`.
     """
 
-    def __init__(self, function, streams, on_end=None):
+    def __init__(self, function: Callable[[Any], object], streams: Sequence[Stream],
+                 on_end: Callable[[Exception], object] | None = None) -> None:
         self._process = os.getpid()
         self._function = function
         self._streams = streams
         self._on_end = on_end
-        self._error = None
+        self._error: Exception | None = None
         self._closed = threading.Event()
         self._threads = [threading.Thread(target=self._run, args=(stream,), daemon=True,
                                           name="vdrive observer") for stream in streams]
@@ -33,11 +47,11 @@ class Observer:
             thread.start()
 
     @property
-    def error(self):
+    def error(self) -> Exception | None:
         """The exception that ended the calls, of several benches the last; None while they run."""
         return self._error
 
-    def close(self):
+    def close(self) -> None:
         """End the calls; one that runs ends first, unless it is the caller.
 
         It does nothing in a forked process: the threads are its parent's.
@@ -51,7 +65,7 @@ class Observer:
             if thread is not threading.current_thread():
                 thread.join()
 
-    def _run(self, stream):
+    def _run(self, stream: Stream) -> None:
         try:
             for item in stream:
                 if self._closed.is_set():
@@ -64,24 +78,24 @@ class Observer:
             else:
                 self._call(self._on_end, error)
 
-    def _call(self, function, argument):
+    def _call(self, function: Callable[[Any], object], argument: Any) -> None:
         try:
             function(argument)
         except Exception:
             self._report()
 
     @staticmethod
-    def _report():
+    def _report() -> None:
         threading.excepthook(threading.ExceptHookArgs((*sys.exc_info(), threading.current_thread())))
 
-    def __enter__(self):
+    def __enter__(self) -> Observer:
         return self
 
-    def __exit__(self, *exception):
+    def __exit__(self, *exception: object) -> None:
         self.close()
 
 
-def _close_all():
+def _close_all() -> None:
     for observer in list(_running):
         observer.close()
 
@@ -92,7 +106,8 @@ os.register_at_fork(after_in_child=_running.clear)
 atexit.register(_close_all)
 
 
-def on_event(self, observer, *, history=False):
+def on_event(self: _vdrive.Session, observer: Callable[[_vdrive.Event], object], *,
+             history: bool = False) -> Observer:
     """Call `observer(event)` for each event, from now on; return the Observer.
 
     With `history` from the oldest event on that each bench still has; without it, of benches that
@@ -102,7 +117,9 @@ def on_event(self, observer, *, history=False):
     return Observer(observer, [self.events(history=history)])
 
 
-def on_status(self, observer, axes=None, *, period=0.1, on_end=None):
+def on_status(self: _vdrive.Session, observer: Callable[[_vdrive.Observation], object],
+              axes: _vdrive.AxesSpec = None, *, period: float = 0.1,
+              on_end: Callable[[Exception], object] | None = None) -> Observer:
     """Call `observer(observation)` with the newest state of axes; return the Observer.
 
     For each bench at most once in `period` s of wall time, when a later tick has come. In lock-step
@@ -112,10 +129,8 @@ def on_status(self, observer, axes=None, *, period=0.1, on_end=None):
     """
     if not period > 0.0:
         raise ValueError("the period is above 0 s")
-    handles = self.axes() if axes is None else [axes] if not isinstance(axes, (list, tuple)) else axes
-    benches = {}
-    for axis in handles:
-        handle = self.axis(axis) if isinstance(axis, str) else axis
+    benches: dict[int, list[_vdrive.Axis]] = {}
+    for handle in axes_of(self, axes):
         benches.setdefault(handle.bench, []).append(handle)
     return Observer(observer, [self._status_reports(each, period) for each in benches.values()],
                     on_end)

@@ -1,8 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recordings as numpy arrays."""
+from __future__ import annotations
+
 import os
 
 from . import _vdrive
+
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+if TYPE_CHECKING:
+    from typing import Any, Iterable
+
+    from numpy import float64, uint64
+    from numpy.typing import NDArray
 
 _ALIASES = {
     "position": "load_position_actual_value",
@@ -20,31 +29,45 @@ class Recording:
     `frames` is a numpy array of records, a row a sample, a column an axis; its fields are named
     after the members of the status (`recording.frames.dtype.names`). `recording["position"]` is
     one of them, an array of numbers of the same shape; the short names of Status are known, too.
-    `cut` is the place where a file was cut off; empty for a whole one.
+    `cut` is the place where a file was cut off; empty for a whole one. `period` is the time of a tick
+    [s], None of a file that does not say it.
     """
 
-    def __init__(self, axes, names, frames, cut=""):
+    def __init__(self, axes: Iterable[str], names: Iterable[str], frames: NDArray[Any],
+                 cut: str = "", period: float | None = None) -> None:
         self.cut = cut
+        self.period = period
         self.axes = list(axes)
         self.names = list(names)
         self.frames = frames
 
     @property
-    def ticks(self):
+    def ticks(self) -> NDArray[uint64]:
         """The tick of each sample."""
-        return self.frames["tick"][:, 0]
+        ticks: NDArray[uint64] = self.frames["tick"][:, 0]
+        return ticks
 
     @property
-    def missed(self):
+    def time(self) -> NDArray[float64]:
+        """The drive time of each sample since the first one [s]."""
+        if self.period is None:
+            raise ValueError("the file does not say how long a tick is: load(..., period=0.001)")
+        ticks = self.ticks
+        since: NDArray[float64] = (ticks - ticks[:1]) * self.period if len(ticks) else ticks * 0.0
+        return since
+
+    @property
+    def missed(self) -> int:
         """Samples that were lost, in all."""
         return int(self.frames["missed"][:, 0].sum())
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.frames)
 
-    def __getitem__(self, field):
+    def __getitem__(self, field: str) -> NDArray[Any]:
         try:
-            return self.frames[_ALIASES.get(field, field)]
+            numbers: NDArray[Any] = self.frames[_ALIASES.get(field, field)]
+            return numbers
         except ValueError:
             import difflib
 
@@ -53,21 +76,24 @@ class Recording:
             hint = f" (did you mean {near[0]!r}?)" if near else ""
             raise KeyError(f"a recording has no field {field!r}{hint}") from None
 
-    def axis(self, axis):
+    def axis(self, axis: str) -> NDArray[Any]:
         """Return the records of one axis, by its address or name."""
         for column, known in enumerate(zip(self.axes, self.names)):
             if axis in known:
-                return self.frames[:, column]
+                records: NDArray[Any] = self.frames[:, column]
+                return records
         raise KeyError(f"the recording has no axis {axis!r}: {', '.join(self.axes)}")
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<vdrive.Recording of {len(self.axes)} axes, {len(self)} samples>"
 
 
-def load(path, *, bench=None):
+def load(path: str | os.PathLike[str], *, bench: int | None = None,
+         period: float | None = None) -> Recording:
     """Read a recording of `vdrive record FILE`: .csv, .jsonl or .mcap.
 
-    bench: its number, where the recording has several. Raises ValueError when the file is not a
+    bench: its number, where the recording has several. period: the time of a tick [s], of a file that
+    does not say it: .csv and .jsonl. Raises ValueError when the file is not a
     recording, or is damaged. Of an MCAP file that was cut off it reads the whole part; `cut` of the
     recording is the place where it ends.
     """
@@ -78,22 +104,25 @@ def load(path, *, bench=None):
     if not chosen:
         import numpy  # Here, because it takes most of the time of `import vdrive`.
 
-        return Recording([], [], numpy.zeros((0, 0), _vdrive.record_type()), cut)
-    _, axes, names, frames = chosen[0]
-    return Recording(axes, names, frames, cut)
+        return Recording([], [], numpy.zeros((0, 0), _vdrive.record_type()), cut, period)
+    _, recorded_period, axes, names, frames = chosen[0]
+    return Recording(axes, names, frames, cut, recorded_period or period)
 
 
-def record(self, axes=None, *, ticks, pace="drive"):
+def record(self: _vdrive.Session, axes: _vdrive.AxesSpec = None, *, ticks: _vdrive.NumberSpec,
+           pace: _vdrive.PaceSpec = "drive") -> Recording:
     """Record that many samples of axes of one bench; return a Recording.
 
     With pace "drive" each sample of a lock-step bench is a step of one tick.
     """
-    handles = _axes_of(self, axes)
+    handles = axes_of(self, axes)
     frames = self.follow(handles, pace=pace).take(ticks)
-    return Recording([axis.id for axis in handles], [axis.name for axis in handles], frames)
+    period = self.find_bench(handles[0].bench).period
+    return Recording([axis.id for axis in handles], [axis.name for axis in handles], frames,
+                     period=period)
 
 
-def _axes_of(session, axes):
+def axes_of(session: _vdrive.Session, axes: _vdrive.AxesSpec) -> list[_vdrive.Axis]:
     if axes is None:
         return session.axes()
     if isinstance(axes, (str, _vdrive.Axis)):

@@ -19,39 +19,51 @@ The bench is in the process of the test. `--vdrive-over=dds` runs the same tests
 DDS; a test that starts programs of its own, which have to meet the bench, asks for it by
 `@pytest.mark.vdrive(over="dds")`.
 """
+from __future__ import annotations
+
 import contextlib
 
 import pytest
 
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+if TYPE_CHECKING:
+    from typing import Any, Callable, Iterator
 
-def pytest_addoption(parser):
+    import vdrive
+
+    Options = dict[str, Any]
+    Start = Callable[[vdrive.Session], object]
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
     parser.getgroup("vdrive").addoption(
         "--vdrive-over", choices=("local", "dds"), default="local",
         help="where the benches of the fixtures are, unless their marker says it: in this process "
         "(local, the default), or a service over DDS (dds)")
 
 
-def pytest_configure(config):
+def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line(
         "markers", "vdrive(axes=None, config=None, clock='lockstep', over='local', ...): "
         "the private bench of this test, with the arguments of vdrive.Bench")
 
 
-def _options_of(request):
-    options = {"over": request.config.getoption("--vdrive-over")}
+def _options_of(request: pytest.FixtureRequest) -> Options:
+    options: Options = {"over": request.config.getoption("--vdrive-over")}
     for marker in reversed(list(request.node.iter_markers("vdrive"))):  # the closest one last
         options.update(marker.kwargs)
     return options
 
 
-def _name_domain(monkeypatch, options, bench):
+def _name_domain(monkeypatch: pytest.MonkeyPatch, options: Options, bench: vdrive.Bench) -> None:
     """Make VDRIVE_DOMAIN name the domain of a bench over DDS, for programs of the test."""
     if options["over"] == "dds":
         monkeypatch.setenv("VDRIVE_DOMAIN", str(bench.domain))
 
 
 @pytest.fixture
-def vdrive_bench(request, monkeypatch):
+def vdrive_bench(request: pytest.FixtureRequest,
+                 monkeypatch: pytest.MonkeyPatch) -> Iterator[vdrive.Bench]:
     """A private bench, in lock-step. Over DDS VDRIVE_DOMAIN names its domain."""
     import vdrive  # not for tests that have no bench: reading it takes time
 
@@ -62,20 +74,21 @@ def vdrive_bench(request, monkeypatch):
 
 
 @pytest.fixture
-def bench(vdrive_bench):
+def bench(vdrive_bench: vdrive.Bench) -> vdrive.Bench:
     """The same as vdrive_bench."""
     return vdrive_bench
 
 
 @pytest.fixture
-def vdrive_session(vdrive_bench):
+def vdrive_session(vdrive_bench: vdrive.Bench) -> Iterator[vdrive.Session]:
     """A session on the private bench of this test."""
     with vdrive_bench.session() as session:
         yield session
 
 
 @pytest.fixture
-def vdrive_benches(request, monkeypatch):
+def vdrive_benches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch,
+                   ) -> Iterator[Callable[..., list[vdrive.Bench]]]:
     """A function that makes private benches which meet each other: `vdrive_benches(2, axes=1)`.
 
     It returns a list of so many benches, with the numbers from 1 on. Their options are those of the
@@ -84,11 +97,11 @@ def vdrive_benches(request, monkeypatch):
     import vdrive
 
     with contextlib.ExitStack() as made:
-        def make(count, **options):
+        def make(count: int, **options: Any) -> list[vdrive.Bench]:
             if count < 1:
                 raise vdrive.ConfigurationError(f"count = {count}: must be 1 or more")
             options = {**_options_of(request), **options}
-            benches = []
+            benches: list[vdrive.Bench] = []
             for number in range(1, count + 1):
                 beside = benches[0] if benches else None
                 benches.append(made.enter_context(
@@ -105,7 +118,7 @@ class _SharedBench:
     # 0x08000021: another session is in control.
     _IS_OWNED = 0x08000021
 
-    def __init__(self, options, start):
+    def __init__(self, options: Options, start: Start | None) -> None:
         import vdrive
 
         self._refused = vdrive.Refused
@@ -118,12 +131,14 @@ class _SharedBench:
         self.options, self.start = options, start
         self.bench = vdrive.Bench(**options)
         try:
-            self._begin(vdrive)
+            self._begin()
         except BaseException:
             self.bench.close()
             raise
 
-    def _begin(self, vdrive):
+    def _begin(self) -> None:
+        import vdrive
+
         # It stays open: over DDS each session searches the bench anew.
         self._keeper = self.bench.session()
         found = self._keeper.find_bench()
@@ -139,14 +154,14 @@ class _SharedBench:
             self._snapshot = self._keeper.take_snapshot()
 
     @contextlib.contextmanager
-    def _time_stands(self):
+    def _time_stands(self) -> Iterator[None]:
         if self._rate is not None:
             self._keeper.set_rate(0)
         yield
         if self._rate is not None:
             self._keeper.set_rate(self._rate)
 
-    def restore(self):
+    def restore(self) -> None:
         """Give all axes the state of the snapshot, and no owner."""
         with self._time_stands():
             for number in self._keeper.snapshots():  # a bench keeps 16
@@ -163,7 +178,7 @@ class _SharedBench:
                 self._keeper.restore_snapshot(self._snapshot)
         self._keeper.release()
 
-    def end_test(self):
+    def end_test(self) -> None:
         """Close the sessions of the test: a callback or a stepper must not act in the next one."""
         self.bench._close_sessions(but=self._keeper)
 
@@ -171,10 +186,10 @@ class _SharedBench:
 class _SharedBenches:
     """The shared benches of a run of pytest: one for each choice of options."""
 
-    def __init__(self):
-        self._benches = []
+    def __init__(self) -> None:
+        self._benches: list[_SharedBench] = []
 
-    def get(self, options, start):
+    def get(self, options: Options, start: Start | None) -> _SharedBench:
         """Return the shared bench with these options, in its state of before the first test."""
         import vdrive
 
@@ -191,20 +206,20 @@ class _SharedBenches:
         self._benches.append(_SharedBench(options, start))
         return self._benches[-1]
 
-    def close(self):
+    def close(self) -> None:
         for shared in self._benches:
             shared.bench.close()
 
 
 @pytest.fixture(scope="session")
-def _vdrive_shared_benches():
+def _vdrive_shared_benches() -> Iterator[_SharedBenches]:
     benches = _SharedBenches()
     yield benches
     benches.close()
 
 
 @pytest.fixture(scope="session")
-def vdrive_shared_start():
+def vdrive_shared_start() -> Start | None:
     """What a shared bench does before its first test: a function of a session. None: nothing.
 
     A project overrides it, with the scope of the session or of a module.
@@ -213,7 +228,9 @@ def vdrive_shared_start():
 
 
 @pytest.fixture
-def vdrive_shared_bench(request, monkeypatch, _vdrive_shared_benches, vdrive_shared_start):
+def vdrive_shared_bench(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch,
+                        _vdrive_shared_benches: _SharedBenches,
+                        vdrive_shared_start: Start | None) -> Iterator[vdrive.Bench]:
     """A bench that all tests with these options share, each from its state of before the first one.
 
     Its axes have no owner. What passes on is the tick number, the history of events, and the numbers
@@ -227,7 +244,7 @@ def vdrive_shared_bench(request, monkeypatch, _vdrive_shared_benches, vdrive_sha
 
 
 @pytest.fixture
-def vdrive_shared_session(vdrive_shared_bench):
+def vdrive_shared_session(vdrive_shared_bench: vdrive.Bench) -> Iterator[vdrive.Session]:
     """A session on the shared bench."""
     with vdrive_shared_bench.session() as session:
         yield session

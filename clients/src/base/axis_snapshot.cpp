@@ -40,14 +40,15 @@ std::string describe_statusword(std::uint16_t statusword, OperatingMode mode) {
 }
 
 std::string what_it_shows(const AxisSnapshot& axis) {
-  std::string text = "shows " + describe_statusword(axis.status.ds402_statusword, axis.mode());
+  std::string text = "shows ";
   if (axis.status.error_code != 0) {
-    text += ", error " + hex(axis.status.error_code, 4) + " " +
-            std::string(describe(static_cast<ErrorCode>(axis.status.error_code)));
+    text += "error " + hex(axis.status.error_code, 4) + " " +
+            std::string(describe(static_cast<ErrorCode>(axis.status.error_code))) + ", ";
   }
+  text += describe_statusword(axis.status.ds402_statusword, axis.mode());
   if (static_cast<ErrorCode>(axis.status.error_code) == ErrorCode::life_guard_or_heartbeat) {
     text +=
-        ": the bench received nothing from the owner of the axis in time; raise its "
+        "; the bench received nothing from the owner of the axis in time; raise its "
         "watchdog.timeout_ms, or use lock-step and join the clock that others step";
   }
   return text;

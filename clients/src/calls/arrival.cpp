@@ -18,6 +18,25 @@ std::int64_t way_to(const AxisSnapshot& axis, std::optional<std::int32_t> target
   return std::int64_t{*target} - axis.status.position_demand_value;
 }
 
+bool is_on_its_way(const AxisSnapshot& axis) {
+  return is_enabled(axis) && axis.status.velocity_demand_value != 0;
+}
+
+/// @return timed_out, with where the axis is and how long its way still takes at this speed.
+Outcome still_moving(const AxisSnapshot& axis, std::int32_t target) {
+  const std::int64_t speed = axis.status.velocity_demand_value;
+  const std::int64_t way = way_to(axis, target);
+  std::string message =
+      "axis " + to_string(axis.id) + ": timed out while waiting for " +
+      std::string(kTargetReached) + ", at " + std::to_string(axis.status.position_demand_value) +
+      " of " + std::to_string(target) + ", still moving at " + std::to_string(speed) + " UU/s";
+  const bool leads_there = (way > 0) == (speed > 0);
+  if (way != 0 && leads_there) {
+    message += ", some " + std::to_string(1 + way / speed) + " s more at this speed";
+  }
+  return Outcome::timed_out(std::move(message));
+}
+
 std::string move_to(std::int32_t target) {
   return "the move to " + std::to_string(target);
 }
@@ -78,6 +97,9 @@ Outcome await_target(AxesCall& call, const Wakeup& wakeup, std::optional<std::in
   });
   if (reached && !target_reached(call.snapshot())) {
     return limit_switch.outcome(call.snapshot(), target ? move_to(*target) : "the motion");
+  }
+  if (reached.kind() == OutcomeKind::timed_out && target && is_on_its_way(call.snapshot())) {
+    return still_moving(call.snapshot(), *target);
   }
   if (reached.kind() == OutcomeKind::failed && is_enabled(call.snapshot()) &&
       wakeup.is_interrupted()) {

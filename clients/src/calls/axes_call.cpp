@@ -81,8 +81,8 @@ Outcome refused_in_state(const AxisSnapshot& axis, std::string_view command,
 }
 
 Outcome failed_instead_of(std::string_view awaited, const AxisSnapshot& axis) {
-  return Outcome::failed("axis " + to_string(axis.id) + ": waited for " + std::string(awaited) +
-                         ", " + what_it_shows(axis));
+  return Outcome::failed("axis " + to_string(axis.id) + " " + what_it_shows(axis) +
+                         "; waited for " + std::string(awaited));
 }
 
 Outcome timed_out_for(std::string_view awaited, const AxisSnapshot& axis) {

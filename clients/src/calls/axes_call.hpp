@@ -35,7 +35,7 @@ namespace vdrive::client {
 [[nodiscard]] Outcome refused_in_state(const AxisSnapshot& axis, std::string_view command,
                                        std::string_view hint);
 
-/// @return failed, with what the axis shows instead of what was awaited.
+/// @return failed, with what the axis shows instead of what was awaited: the cause first.
 [[nodiscard]] Outcome failed_instead_of(std::string_view awaited, const AxisSnapshot& axis);
 
 /// @return timed_out, with what the axis shows instead of what was awaited.

@@ -10,7 +10,6 @@
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
-#include "vdrive/plant/axis_model.hpp"
 
 #include <algorithm>
 #include <array>
@@ -138,20 +137,6 @@ bool has_velocity(const AxisSnapshot& axis) {
   return axis.mode() == OperatingMode::profile_velocity && target_reached(axis);
 }
 
-/// 6080h bounds the same speed in other units.
-double units_a_second(std::int64_t rpm) {
-  return static_cast<double>(rpm) * kUserUnitsPerRevolution / 60.0;
-}
-
-/// @return the refusal of a value that the drive would accept and never reach.
-Outcome above_limit(const AxesCall& call, std::string_view what, std::int64_t value,
-                    ObjectRow limit, std::int64_t limit_value) {
-  return not_in_this_state("axis " + to_string(call.snapshot().id) + ": the " + std::string(what) +
-                           " " + std::to_string(value) + " is above " +
-                           object_text(vdrive::describe(limit).address) + " = " +
-                           std::to_string(limit_value));
-}
-
 /// @param slowest receives the slowest ramp that the drive may use [UU/s²]
 /// @return refused where the drive would accept the velocity and never reach it.
 Outcome check_velocity(AxesCall& call, std::int32_t velocity, const VelocityOptions& options,
@@ -169,13 +154,8 @@ Outcome check_velocity(AxesCall& call, std::int32_t velocity, const VelocityOpti
   slowest = std::min({bounds[1], bounds[2], bounds[4], bounds[5]});
   if (velocity == 0) return {};
   if (Outcome good = check_bounds(call.snapshot().id, bounds); !good) return good;
-  if (bounds[0] > bounds[3]) {
-    return above_limit(call, "velocity", velocity, "app_speed_limit"_object, bounds[3]);
-  }
-  if (static_cast<double>(bounds[0]) > units_a_second(highest_rpm)) {
-    return above_limit(call, "velocity", velocity, "motor_max_speed_rpm"_object, highest_rpm);
-  }
-  return {};
+  return check_speed(call.snapshot().id, velocity,
+                     {.app_speed_limit = bounds[3], .motor_max_speed_rpm = highest_rpm});
 }
 
 /// Notices a demand that does not change any more although it goes along a ramp.
@@ -348,10 +328,11 @@ Outcome check_torque(AxesCall& call, std::int16_t torque, const TorqueOptions& o
   const std::vector<std::int64_t>& read = values->front();
   slope = options.slope.value_or(read[0]);
   const std::int64_t wanted = std::abs(std::int64_t{torque});
-  if (wanted > read[1]) return above_limit(call, "torque", torque, "max_torque"_object, read[1]);
+  const AxisId& axis = call.snapshot().id;
+  if (wanted > read[1]) return above_limit(axis, "torque", torque, "max_torque"_object, read[1]);
   // 0 switches the relative limit off.
   if (read[2] != 0 && wanted > read[2])
-    return above_limit(call, "torque", torque, relative, read[2]);
+    return above_limit(axis, "torque", torque, relative, read[2]);
   return {};
 }
 

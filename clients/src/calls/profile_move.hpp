@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::client {
@@ -28,6 +29,21 @@ inline constexpr std::array kMoveBounds = [] {
 /// @param values of kMoveBounds, in this order
 /// @return refused, naming the first of them that is 0.
 [[nodiscard]] Outcome check_bounds(const AxisId& axis, std::span<const std::int64_t> values);
+
+/// @return the refusal of a value that the drive would accept and never reach.
+[[nodiscard]] Outcome above_limit(const AxisId& axis, std::string_view what, std::int64_t value,
+                                  ObjectRow limit, std::int64_t limit_value);
+
+/// What a speed that a call gives is compared with.
+struct SpeedLimits {
+  std::int64_t app_speed_limit;      ///< 607Fh [UU/s]
+  std::int64_t motor_max_speed_rpm;  ///< 6080h [rpm]
+};
+
+/// @param velocity [UU/s]
+/// @return refused where the drive would accept the speed and never reach it, naming the limit.
+[[nodiscard]] Outcome check_speed(const AxisId& axis, std::int64_t velocity,
+                                  const SpeedLimits& limits);
 
 /// One move of the only axis of a call, with the speed and the ramps that the options give for it.
 class ProfileMove {

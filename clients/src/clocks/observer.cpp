@@ -23,6 +23,9 @@ constexpr Patience kFirstSample{std::chrono::milliseconds(5000), true, true};
 // wait.
 constexpr Patience kAnyTick{std::chrono::hours(24 * 365), true, true, Silence::is_bridged};
 
+// Requests on the way at a time: their answers take one after the other, and no queue overflows.
+constexpr std::size_t kReadsAtOnce = 16;
+
 constexpr ObjectAddress kStatusword = vdrive::describe("ds402_statusword"_object).address;
 
 /// Members of the status image that can be read as objects.
@@ -32,6 +35,19 @@ std::vector<StatusMember> readable_members() {
     return member.is_published && member.address.index != 0;
   });
   return members;
+}
+
+msg::Request read_request(std::uint16_t axis, const std::vector<StatusMember>& members) {
+  msg::Request request;
+  request.kind(msg::REQUEST_READ);
+  request.objects().reserve(members.size());
+  for (const StatusMember& member : members) {
+    msg::ObjectAccess& access = request.objects().emplace_back();
+    access.axis(axis);
+    access.index(member.address.index);
+    access.subindex(member.address.subindex);
+  }
+  return request;
 }
 
 }  // namespace
@@ -72,28 +88,27 @@ Result<Observation> Observer::observe_at_rest(const Target& target,
 Result<Observation> Observer::read_status(const Target& target,
                                           std::span<const std::uint16_t> axes) {
   Observation observation;
+  observation.axes.reserve(axes.size());
   const std::vector<StatusMember> members = readable_members();
-  for (const std::uint16_t axis : axes) {
-    msg::Request request;
-    request.kind(msg::REQUEST_READ);
-    for (const StatusMember& member : members) {
-      msg::ObjectAccess access;
-      access.axis(axis);
-      access.index(member.address.index);
-      access.subindex(member.address.subindex);
-      request.objects().push_back(access);
+  for (auto left = axes; !left.empty();) {
+    const auto some = left.first(std::min(left.size(), kReadsAtOnce));
+    left = left.subspan(some.size());
+    std::vector<msg::Request> requests;
+    requests.reserve(some.size());
+    for (const std::uint16_t axis : some) requests.push_back(read_request(axis, members));
+    const auto replies = requests_.exchange_all(target, std::move(requests),
+                                                "status of " + name_of(target, some.front()));
+    if (!replies) return replies.outcome();
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const RequestAnswer& reply = (*replies)[i];
+      AxisSnapshot& sample = observation.axes.emplace_back();
+      sample.id = {target.key.number, some[i]};
+      sample.tick = reply.tick();
+      for (std::size_t at = 0; at < std::min(reply.objects().size(), members.size()); ++at) {
+        members[at].set(sample.status, reply.objects()[at].value());
+      }
+      observation.tick = reply.tick();
     }
-    const auto reply =
-        requests_.exchange(target, std::move(request), "status of " + name_of(target, axis));
-    if (!reply) return reply.outcome();
-    AxisSnapshot sample;
-    sample.id = {target.key.number, axis};
-    sample.tick = reply->tick();
-    for (std::size_t i = 0; i < std::min(reply->objects().size(), members.size()); ++i) {
-      members[i].set(sample.status, reply->objects()[i].value());
-    }
-    observation.tick = reply->tick();
-    observation.axes.push_back(sample);
   }
   return observation;
 }

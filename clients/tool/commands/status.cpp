@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "execution/axis_states.hpp"
 #include "execution/command_context.hpp"
 #include "language/arguments.hpp"
 #include "language/command.hpp"
@@ -6,6 +7,7 @@
 #include "vdrive/text.hpp"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdrive::tool {
@@ -21,20 +23,18 @@ std::string short_line(const client::Axis& axis, const client::AxisSnapshot& sta
 }
 
 /// @param is_only_one in full, else on one line
-Outcome show_status(const client::Axis& axis, bool is_only_one, const Output& output) {
-  const auto status = axis.status();
-  if (!status) return status.outcome();
+void show_status(const client::Axis& axis, const client::AxisSnapshot& status, bool is_only_one,
+                 const Output& output) {
   const AxisFace face{axis.name(), axis.unit()};
   if (output.is_json) {
-    output.terminal.print(to_line(status_json(*status, face)));
+    output.terminal.print(to_line(status_json(status, face)));
   } else if (is_only_one) {
-    for (const std::string& line : status_text(*status, face)) output.terminal.print(line);
+    for (const std::string& line : status_text(status, face)) output.terminal.print(line);
   } else {
-    const std::string line = short_line(axis, *status);
-    const auto color = color_of(*status);
+    const std::string line = short_line(axis, status);
+    const auto color = color_of(status);
     output.terminal.print(color ? colored(output.terminal, *color, line) : line);
   }
-  return {};
 }
 
 struct StatusCommand {
@@ -45,11 +45,13 @@ struct StatusCommand {
   Outcome run(CommandContext& context) const {
     const auto found = axes.empty() ? context.axes.axes_of_all_benches() : context.axes.axes(axes);
     if (!found) return found.outcome();
+    AxisStates shown = states_of(context.session, *found);
     for (const client::Axis& axis : *found) {
-      const bool is_only_one = found->size() == 1;
-      if (Outcome shown = show_status(axis, is_only_one, context.output); !shown) return shown;
+      const auto state = shown.states.find(axis.id());
+      if (state == shown.states.end()) continue;
+      show_status(axis, state->second, found->size() == 1, context.output);
     }
-    return {};
+    return std::move(shown.outcome);
   }
 };
 

@@ -3,8 +3,8 @@
 
 #include "base/usage_error.hpp"
 #include "execution/axis_report.hpp"
+#include "execution/axis_states.hpp"
 
-#include <map>
 #include <set>
 #include <utility>
 
@@ -12,7 +12,6 @@ namespace vdrive::tool {
 namespace {
 
 using client::Outcome;
-using Statuses = std::map<client::AxisId, client::AxisSnapshot>;
 
 Outcome take_over_all(std::vector<client::Axis>& axes) {
   for (client::Axis& axis : axes) {
@@ -32,19 +31,6 @@ std::vector<Outcome> command_all(std::vector<client::Axis>& axes, const AxisActi
   outcomes.reserve(axes.size());
   for (client::Axis& axis : axes) outcomes.push_back(action.each(axis));
   return outcomes;
-}
-
-/// @return what the axes show, without those of a bench that does not answer.
-Statuses statuses_of(const std::vector<client::Axis>& axes, client::Session& session) {
-  std::map<std::uint32_t, std::vector<client::AxisId>> benches;
-  for (const client::Axis& axis : axes) benches[axis.id().bench].push_back(axis.id());
-  Statuses shown;
-  for (const auto& [bench, ids] : benches) {
-    const auto seen = session.observe(ids);
-    if (!seen) continue;
-    for (const client::AxisSnapshot& axis : seen->axes) shown.emplace(axis.id, axis);
-  }
-  return shown;
 }
 
 /// Keeps the first failure for the caller, who prints it; prints each further one once: the loss of
@@ -96,16 +82,16 @@ Outcome AxisActionCommand::run(CommandContext& context) const {
     if (Outcome taken = take_over_all(*found); !taken) return taken;
   }
   std::vector<Outcome> outcomes = command_all(*found, *this, context);
-  const auto shown = context.output.is_quiet ? Statuses() : statuses_of(*found, context.session);
+  const auto shown = context.output.is_quiet ? AxisStates() : states_of(context.session, *found);
   Failures failures;
   for (std::size_t i = 0; i < found->size(); ++i) {
     const client::Axis& axis = (*found)[i];
-    const auto status = shown.find(axis.id());
+    const auto status = shown.states.find(axis.id());
     Outcome reported = report_axis(context, axis,
                                    {.command = action->name,
                                     .outcome = std::move(outcomes[i]),
                                     .names_next_step = action->names_next_step},
-                                   status == shown.end() ? nullptr : &status->second);
+                                   status == shown.states.end() ? nullptr : &status->second);
     if (reported && action->gains_control) context.judge.note_control(axis.id());
     failures.take(std::move(reported), context);
   }

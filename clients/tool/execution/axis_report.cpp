@@ -42,9 +42,18 @@ Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisRepor
   const std::string label = context.axes.label_of(axis.id());
   const bool is_refused_by_state =
       report.outcome.code() == wire_code(AbortCode::refused_in_present_device_state);
-  if (is_refused_by_state && report.names_next_step && status != nullptr) {
+  const bool has_faulted = report.outcome.kind() == client::OutcomeKind::failed &&
+                           status != nullptr && is_fault(status->state());
+  if ((is_refused_by_state || has_faulted) && report.names_next_step && status != nullptr) {
     report.outcome = reworded(report.outcome, [&](const std::string& message) {
       return message + next_step(label, status->state());
+    });
+  }
+  const bool goes_on = report.outcome.kind() == client::OutcomeKind::timed_out &&
+                       status != nullptr && status->status.velocity_demand_value != 0;
+  if (goes_on) {
+    report.outcome = reworded(report.outcome, [&](const std::string& message) {
+      return message + "; to stop it: vdrive halt " + label;
     });
   }
   if (context.output.is_json) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "execution/expectation_judge.hpp"
 
+#include "execution/fault_watch.hpp"
 #include "output/report.hpp"
 #include "values/condition.hpp"
 #include "vdrive/assert.hpp"
@@ -36,11 +37,16 @@ Outcome ExpectationJudge::judge(client::Axis& axis, const Expectation& expectati
 
 Outcome ExpectationJudge::await(const client::Axis& axis, const std::string& condition,
                                 Duration limit) {
+  const auto bench = session_.find_bench(axis.id().bench);
+  if (!bench) return bench.outcome();
+  FaultWatch fault(bench->period);
+  const bool ends_in_fault = is_out_of_reach_in_fault(condition);
   Outcome held;
   const auto shown = axis.wait_until(
       [&](const client::AxisSnapshot& now) {
         if (tool::shows(now, condition)) return true;
         held = check_control(now);
+        if (held && ends_in_fault) held = fault.note(now, condition);
         return !held;
       },
       limit);
@@ -76,8 +82,18 @@ Outcome ExpectationJudge::within(ValueObserver& observer, const client::BenchInf
                                  const Expectation& expectation) {
   const std::uint64_t last =
       observer.driven_tick() + client::ticks_of(*expectation.within, bench.period);
+  FaultWatch fault(bench.period);
+  const bool ends_in_fault = is_out_of_reach_in_fault(expectation);
   while (!expectation.accepts(observer.value())) {
     if (Outcome held = check_control(observer.shown()); !held) return held;
+    if (ends_in_fault) {
+      const std::string awaited = expectation.object.text + " " + expected_text(expectation);
+      if (Outcome sound = fault.note(observer.shown(), awaited); !sound) {
+        static_cast<void>(differs(expectation, observer.value(), observer.tick()));
+        found_->emplace("error_code", observer.shown().status.error_code);
+        return sound;
+      }
+    }
     if (observer.driven_tick() >= last) {
       return differs(expectation, observer.value(), observer.tick());
     }

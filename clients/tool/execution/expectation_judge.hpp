@@ -29,10 +29,12 @@ class ExpectationJudge {
 
   /// @param expectation in user units
   /// @return failed, with found(), where the axis shows another value: at once, at the end of
-  ///         `within`, or in any tick of `throughout`.
+  ///         `within`, or in any tick of `throughout`; found() has `error_code` where a fault ended
+  ///         `within`, see FaultWatch.
   client::Outcome judge(client::Axis& axis, const Expectation& expectation);
 
   /// Waits until the axis shows a condition of condition_names(). @param limit drive time
+  /// @return failed for an axis that stays in Fault, see FaultWatch
   client::Outcome await(const client::Axis& axis, const std::string& condition, Duration limit);
 
   /// What the last judge() found that differs; none for other failures.

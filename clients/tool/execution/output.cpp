@@ -3,6 +3,11 @@
 
 namespace vdrive::tool {
 
+void report_usage(const Output& output, const std::string& message) {
+  if (output.is_json) output.terminal.print(to_line({{"outcome", "usage"}, {"message", message}}));
+  output.terminal.complain("vdrive: " + message);
+}
+
 client::Outcome report_clock(const Output& output, Json json, const std::string& text,
                              const client::Result<std::uint64_t>& tick) {
   if (output.is_quiet) return tick.outcome();

@@ -17,6 +17,9 @@ struct Output {
   const bool is_quiet;  ///< only commands that read print; the others print nothing
 };
 
+/// A mistake in the command line, which has no command yet.
+void report_usage(const Output& output, const std::string& message);
+
 /// What a command about a bench's clock came to, and at which tick.
 client::Outcome report_clock(const Output& output, Json json, const std::string& text,
                              const client::Result<std::uint64_t>& tick);

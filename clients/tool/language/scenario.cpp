@@ -224,10 +224,22 @@ std::string name_of_scenario(const std::string& file) {
 }
 
 std::vector<Scenario> load_scenarios(CommandTable commands, const std::vector<std::string>& names,
-                                     const Variables::Values& settings) {
+                                     const Variables::Values& settings, Mistake mistake) {
   std::vector<Scenario> scenarios;
   scenarios.reserve(names.size());
-  for (const std::string& name : names) scenarios.push_back(load(commands, name, settings));
+  for (const std::string& name : names) {
+    try {
+      scenarios.push_back(load(commands, name, settings));
+    } catch (const UsageError& error) {
+      if (mistake == Mistake::refuses_all) throw;
+      scenarios.push_back({.file = name_of_scenario(name), .mistake = error.what()});
+    }
+  }
+  // A file that was not read to its end may use any variable.
+  const bool are_whole = std::ranges::all_of(scenarios, [](const Scenario& one) {
+    return one.mistake.empty();
+  });
+  if (!are_whole) return scenarios;
   for (const auto& [variable, value] : settings) {
     const bool is_used = std::ranges::any_of(scenarios, [&name = variable](const Scenario& one) {
       return one.variables.contains(name);

@@ -5,6 +5,7 @@
 #include "language/variables.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <iosfwd>
 #include <optional>
 #include <set>
@@ -25,8 +26,15 @@ struct ScenarioLine {
 
 struct Scenario {
   std::string file;
-  std::vector<ScenarioLine> lines;
-  std::set<std::string> variables;  ///< that it uses
+  std::vector<ScenarioLine> lines{};
+  std::set<std::string> variables{};  ///< that it uses
+  std::string mistake{};              ///< why it cannot be carried out; empty = it can
+};
+
+/// What becomes of a file with a mistake among others.
+enum class Mistake : std::uint8_t {
+  refuses_all,  ///< nothing is carried out
+  is_kept,      ///< Scenario::mistake: the others can be carried out
 };
 
 /// Takes a line apart at blanks. A # outside of quotes starts a comment; single and double quotes
@@ -48,8 +56,10 @@ struct Scenario {
 
 /// Reads some scenarios. @param names of files; - is standard input
 /// @throws UsageError also for a file that cannot be read, and for a variable that no file uses.
+///         With Mistake::is_kept for the latter only, and when no file has a mistake.
 [[nodiscard]] std::vector<Scenario> load_scenarios(CommandTable commands,
                                                    const std::vector<std::string>& names,
-                                                   const Variables::Values& settings);
+                                                   const Variables::Values& settings,
+                                                   Mistake mistake = Mistake::refuses_all);
 
 }  // namespace vdrive::tool

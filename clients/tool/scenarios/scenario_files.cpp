@@ -1,20 +1,63 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenarios/scenario_files.hpp"
 
+#include "base/usage_error.hpp"
 #include "language/arguments.hpp"
 #include "language/variables.hpp"
+#include "vdrive/text.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <system_error>
 
 namespace vdrive::tool {
+namespace {
+
+constexpr const char* kEnding = ".scn";
+
+/// @return the scenarios below a directory, in the order of their names.
+std::vector<std::string> files_below(const std::string& directory) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (std::filesystem::recursive_directory_iterator at(directory, error), end; !error && at != end;
+       at.increment(error)) {
+    std::error_code unreadable;
+    if (at->path().extension() == kEnding && at->is_regular_file(unreadable)) {
+      files.push_back(at->path().string());
+    }
+  }
+  if (error) {
+    throw UsageError("cannot read the directory " + in_quotes(directory) + ": " + error.message());
+  }
+  if (files.empty()) {
+    throw UsageError("the directory " + in_quotes(directory) + " has no scenario, *" + kEnding);
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+}  // namespace
 
 void ScenarioFiles::declare(Arguments& arguments, const std::string& help) {
-  arguments.positional("FILE", files, help).required();
+  arguments.positional("FILE", files, help + "; a directory stands for every *.scn below it")
+      .required();
   arguments.option("--set", "NAME=VALUE", settings,
                    "Value of the variable ${NAME}; may be repeated");
   arguments.option("--junit", "OUT.xml", junit, "Write a JUnit report");
 }
 
-std::vector<Scenario> ScenarioFiles::load(CommandTable commands) const {
-  return load_scenarios(commands, files, settings_of(settings));
+std::vector<Scenario> ScenarioFiles::load(CommandTable commands, Mistake mistake) const {
+  std::vector<std::string> names;
+  for (const std::string& file : files) {
+    std::error_code unreadable;  // such a file is refused by name when it is opened
+    if (std::filesystem::is_directory(file, unreadable)) {
+      std::ranges::move(files_below(file), std::back_inserter(names));
+    } else {
+      names.push_back(file);
+    }
+  }
+  return load_scenarios(commands, names, settings_of(settings), mistake);
 }
 
 }  // namespace vdrive::tool

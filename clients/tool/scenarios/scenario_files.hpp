@@ -11,15 +11,16 @@ namespace vdrive::tool {
 
 /// The arguments of a command that runs scenarios.
 struct ScenarioFiles {
-  std::vector<std::string> files{};     ///< - is standard input
+  std::vector<std::string> files{};     ///< - is standard input, a directory all of its scenarios
   std::vector<std::string> settings{};  ///< of variables, such as axis=7.1
   std::string junit{};                  ///< file of the report; empty = none
 
   /// @param help of FILE
   void declare(Arguments& arguments, const std::string& help);
 
-  /// @throws UsageError for a mistake in a file or in a setting.
-  [[nodiscard]] std::vector<Scenario> load(CommandTable commands) const;
+  /// @throws UsageError for a mistake in a file or in a setting, and for a directory without one.
+  [[nodiscard]] std::vector<Scenario> load(CommandTable commands,
+                                           Mistake mistake = Mistake::refuses_all) const;
 };
 
 }  // namespace vdrive::tool

@@ -94,7 +94,10 @@ class ScenarioTests {
       const Scenario& scenario = scenarios_[*place];
       ScenarioVerdict& verdict = verdicts_[*place];
       try {
-        verdict = test(*place);
+        verdict =
+            scenario.mistake.empty()
+                ? test(*place)
+                : failed_to_start(scenario, static_cast<int>(ExitCode::usage), scenario.mistake);
       } catch (const std::exception& error) {
         verdict = failed_to_start(scenario, static_cast<int>(ExitCode::failed), error.what());
       }
@@ -212,7 +215,7 @@ std::vector<Scenario> load_files(const ScenarioFiles& scenarios, CommandTable co
   if (std::ranges::find(scenarios.files, "-") != scenarios.files.end()) {
     throw UsageError("test reads files only: write 'vdrive run -' for standard input");
   }
-  return scenarios.load(commands);
+  return scenarios.load(commands, Mistake::is_kept);
 }
 
 }  // namespace

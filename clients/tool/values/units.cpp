@@ -44,6 +44,14 @@ const DimensionWords& words_of(Dimension dimension) {
                    ": write for example " + std::string(words.example));
 }
 
+/// A drive has no half of a user unit: it would do something else than was written.
+[[noreturn]] void refuse_fraction(std::string_view text, Dimension dimension) {
+  throw UsageError(in_quotes(text) +
+                   " is a fraction: user units are whole numbers; a value with a unit of the axis, "
+                   "for example " +
+                   std::string(words_of(dimension).example) + ", is rounded to them");
+}
+
 /// @return the unit of the position behind the number.
 std::string unit_of(std::string_view suffix, std::string_view text, Dimension dimension) {
   suffix.remove_prefix(std::min(suffix.find_first_not_of(' '), suffix.size()));
@@ -104,8 +112,9 @@ Quantity parse_quantity(std::string_view text, Dimension dimension, DataType typ
   // from_chars takes "inf" and "nan" too, and what no double holds is none of these quantities.
   if (error != std::errc{} || !std::isfinite(quantity.value)) refuse_text(text, dimension);
   quantity.unit = unit_of({stop, static_cast<std::size_t>(end - stop)}, text, dimension);
-  if (quantity.is_in_user_units())
-    static_cast<void>(rounded_quantity(quantity, quantity.value, ""));
+  if (!quantity.is_in_user_units()) return quantity;
+  if (quantity.value != std::trunc(quantity.value)) refuse_fraction(text, dimension);
+  static_cast<void>(rounded_quantity(quantity, quantity.value, ""));
   return quantity;
 }
 
@@ -142,6 +151,11 @@ std::int16_t parse_torque(std::string_view text) {
   if (!number) {
     throw UsageError(in_quotes(text) +
                      " is not a torque: write per mille of the rated torque such as 100, or 10%");
+  }
+  if (!is_percent && *number != std::trunc(*number)) {
+    throw UsageError(in_quotes(text) +
+                     " is a fraction: per mille of the rated torque are whole numbers; a value in "
+                     "per cent such as 1.25% is rounded to them");
   }
   const double torque = std::round(*number * (is_percent ? kPerMilleAPercent : 1.0));
   const TypeRange range = range_of(DataType::integer16);

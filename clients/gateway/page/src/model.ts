@@ -33,12 +33,29 @@ const TREND_EVERY_MS = 100;
 const MOST_EVENTS = 1_000;
 const MOST_NOTES = 4;
 const MOST_NOTICES = 5;
+const MOST_LISTED = 4;
+/** axes of a bench whose status costs next to nothing */
+const SMALL_BENCH = 256;
 const SILENT_FROM_MS = 1_000;
 const GONE_FROM_MS = 3_000;
 
 /** A second press of the same control with the same values within this time is a double click. */
 export const SECOND_PRESS_MS = 500;
 const NEVER_LEFT_OUT: ReadonlySet<string> = new Set(["/quick_stop", "/halt", "/jog"]);
+
+/** @return the axes that a request is for. */
+function addressesIn(request: object): string[] {
+  const { axis, axes = [], moves = [] } = request as { axis?: string; axes?: string[]; moves?: { axis: string }[] };
+  return [...(axis === undefined ? [] : [axis]), ...axes, ...moves.map((move) => move.axis)];
+}
+
+export function listed(addresses: string[]): string {
+  return addresses.slice(0, MOST_LISTED).join(", ") + (addresses.length > MOST_LISTED ? `, … (${addresses.length})` : "");
+}
+
+function timeOfDay(): string {
+  return new Date().toLocaleTimeString(language() === "zh" ? "zh-CN" : "en-GB", { hour: "2-digit", minute: "2-digit" });
+}
 
 interface Press {
   values: string;
@@ -158,6 +175,20 @@ export interface Typed {
   scale: Scale;
 }
 
+export interface Notice {
+  text: string;
+  /** what a button beside it does, before the notice goes */
+  act?: { text: string; press: () => void };
+}
+
+/** Axes that move now, by their addresses. */
+export interface Moving {
+  /** of this page */
+  own: string[];
+  /** of nobody */
+  free: string[];
+}
+
 /** What a command did, for the line under the controls. */
 export interface Outcome {
   text: string;
@@ -179,13 +210,18 @@ export class Model {
   readonly typed = new Map<string, Typed>();
   readonly ticked = new Map<string, boolean>();
   /** What happened while somebody may have looked away; a person removes it. */
-  readonly notices: string[] = [];
+  readonly notices: Notice[] = [];
   /** Grows when benches, axes, control or the dictionary change: views build themselves again. */
   version = 0;
   eventCount = 0;
   private statusWanted = false;
   private readonly ends = new Map<string, () => void>();
   private readonly incarnations = new Map<number, string>();
+  /** axes that this page controls */
+  private readonly owned = new Set<string>();
+  /** axes that this page controlled until another session took them: a person has to want them back */
+  private readonly taken = new Set<string>();
+  private takenNotice?: Notice;
   private readonly presses = new Map<string, Press>();
 
   constructor(url: string) {
@@ -199,6 +235,7 @@ export class Model {
         this.connected = false;
         if (this.control.you) this.outcome = { ok: false, text: t("control_lost") };
         this.control = { ...this.control, holder: "", you: false };
+        this.forgetOwned();
         this.changed();
       },
       topicsChanged: () => this.follow(),
@@ -210,6 +247,7 @@ export class Model {
     });
     this.connection.subscribe("/gateway/control", (message) => {
       this.control = checked(CONTROL, message, "control");
+      if (!this.control.you) this.forgetOwned();
       this.changed();
     });
     this.connection.subscribe("/gateway/dictionary", (message) => {
@@ -219,7 +257,25 @@ export class Model {
     this.connection.open();
   }
 
-  /** The status of all axes is only asked for while a view shows it. */
+  /** @return the axes that move under the control of this page, or under nobody's. */
+  moving(): Moving {
+    const moving: Moving = { own: [], free: [] };
+    const own = this.ownSession();
+    for (const bench of this.sortedBenches()) {
+      const speeds = bench.numbers("velocity_demand_value");
+      const owners = bench.numbers("owner_session");
+      if (speeds === undefined || owners === undefined) continue;
+      for (const [axis, place] of bench.places) {
+        if (Number(speeds[place]) === 0) continue;
+        const owner = BigInt(owners[place]);
+        if (owner === own) moving.own.push(`${bench.number}.${axis}`);
+        else if (owner === 0n) moving.free.push(`${bench.number}.${axis}`);
+      }
+    }
+    return moving;
+  }
+
+  /** The status of all axes of a large bench is only asked for while a view shows it. */
   wantStatus(wanted: boolean): void {
     this.statusWanted = wanted;
     this.follow();
@@ -287,6 +343,11 @@ export class Model {
   async command(service: string, request: object, notes: string[] = []): Promise<Answer> {
     const what = serviceName(service);
     const began = performance.now();
+    const taken = NEVER_LEFT_OUT.has(service) ? [] : addressesIn(request).filter((address) => this.taken.has(address));
+    if (taken.length > 0) {
+      this.outcome = { ok: false, text: `${what}: ${listed(taken)} ${t("was_taken")}` };
+      return { ok: false, outcome: "", message: "", code: 0 };
+    }
     if (this.isSecondPress(service, request, began)) {
       this.outcome = { ok: true, text: `${what}: ${t("second_press")}` };
       return { ok: false, outcome: "", message: "", code: 0 };
@@ -332,7 +393,8 @@ export class Model {
         bench = new Bench(number, `/bench${number}`);
         this.benches.set(number, bench);
       }
-      if (match[2] === "status" && !this.statusWanted) continue;
+      const isSmall = (bench.description?.axes.length ?? Infinity) <= SMALL_BENCH;
+      if (match[2] === "status" && !this.statusWanted && !isSmall) continue;
       topics.add(topic);
       if (!this.ends.has(topic)) this.ends.set(topic, this.subscribe(bench, topic, match[2]));
     }
@@ -353,7 +415,7 @@ export class Model {
         return this.connection.subscribe(topic, (message) => {
           bench.description = checked(BENCH_DESCRIPTION, message, topic);
           this.noteRun(bench);
-          this.changed();
+          this.follow(); // of a small bench the status, too
         });
       case "state":
         return this.connection.subscribe(topic, (message) => {
@@ -363,7 +425,10 @@ export class Model {
           if (before !== bench.state.alive) this.changed();
         });
       case "status":
-        return this.connection.subscribe(topic, (message) => bench.take(message));
+        return this.connection.subscribe(topic, (message) => {
+          bench.take(message);
+          if (this.control.you) this.watchOwners(bench);
+        });
       default:
         return this.connection.subscribe(topic, (message) => this.addEvent(message));
     }
@@ -375,9 +440,59 @@ export class Model {
     const before = this.incarnations.get(bench.number);
     this.incarnations.set(bench.number, String(incarnation));
     if (before === undefined || before === String(incarnation)) return;
-    const since = new Date().toLocaleTimeString(language() === "zh" ? "zh-CN" : "en-GB", { hour: "2-digit", minute: "2-digit" });
-    this.notices.push(`${name} (${bench.number}): ${t("another_run")} ${since}`);
+    for (const address of this.owned) if (address.startsWith(`${bench.number}.`)) this.owned.delete(address);
+    this.notice({ text: `${name} (${bench.number}): ${t("another_run")} ${timeOfDay()}` });
+  }
+
+  private notice(notice: Notice): void {
+    this.notices.push(notice);
     if (this.notices.length > MOST_NOTICES) this.notices.shift();
+  }
+
+  private ownSession(): bigint {
+    const { you, session } = this.control;
+    return you && session !== undefined && session !== "" ? BigInt(`0x${session.replace(/^0x/, "")}`) : -1n;
+  }
+
+  /** Another session has taken an axis: the page must not take it back by its next command. */
+  private watchOwners(bench: Bench): void {
+    const owners = bench.numbers("owner_session");
+    if (owners === undefined) return;
+    const own = this.ownSession();
+    const gone: string[] = [];
+    let by = "";
+    for (const [axis, place] of bench.places) {
+      const owner = BigInt(owners[place]);
+      const address = `${bench.number}.${axis}`;
+      if (owner === own) {
+        this.owned.add(address);
+      } else if (this.owned.delete(address)) {
+        gone.push(address);
+        if (owner !== 0n) by = this.ownerName(owner);
+      }
+    }
+    if (gone.length > 0) this.noteTaken(gone, by);
+  }
+
+  private noteTaken(gone: string[], by: string): void {
+    for (const address of gone) this.taken.add(address);
+    const before = this.takenNotice === undefined ? -1 : this.notices.indexOf(this.takenNotice);
+    if (before >= 0) this.notices.splice(before, 1);
+    const who = by === "" ? "" : ` (${t("session")} ${by})`;
+    this.takenNotice = {
+      text: `${timeOfDay()}: ${listed([...this.taken])} ${t("taken_away")}${who}`,
+      act: { text: t("take_back"), press: () => this.taken.clear() },
+    };
+    this.notice(this.takenNotice);
+    this.outcome = { ok: false, text: this.takenNotice.text };
+  }
+
+  private forgetOwned(): void {
+    this.owned.clear();
+    this.taken.clear();
+    const place = this.takenNotice === undefined ? -1 : this.notices.indexOf(this.takenNotice);
+    if (place >= 0) this.notices.splice(place, 1);
+    this.takenNotice = undefined;
   }
 
   private addEvent(message: Message): void {

@@ -129,8 +129,9 @@ class Axis {
   Outcome disable(const CallOptions& options = {});
 
   /// Moves to a position [UU]: sets profile position mode if needed, sends the set-point and waits
-  /// for bit 10. @return refused when not enabled, when the drive ignores the set-point, and where
-  ///         a speed or a ramp of 0 allows no motion; failed when a software limit (607Dh) has cut
+  /// for bit 10. @return refused when not enabled, when the drive ignores the set-point, where a
+  ///         speed or a ramp of 0 allows no motion, and where the given velocity is above 607Fh or
+  ///         6080h, as in run_at(); failed when a software limit (607Dh) has cut
   ///         the move off, when a limit switch (60FDh) has ended it, when the axis was halted on
   ///         the way, or when the wait was interrupted: then it continues.
   Outcome move_to(std::int32_t position, const MoveOptions& options = {});

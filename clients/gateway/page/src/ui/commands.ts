@@ -4,12 +4,11 @@
 import { nameMatches } from "../data/rows";
 import { parseNumber } from "../data/units";
 import { clockName, isTextKey, t, type TextKey } from "../i18n";
-import { addressOf, SECOND_PRESS_MS, type AxisRef, type Disturbance, type Model } from "../model";
+import { addressOf, listed, SECOND_PRESS_MS, type AxisRef, type Disturbance, type Model } from "../model";
 import { button, field, h, put, select, type View } from "./dom";
 import { KeptCheckbox, QuantityField } from "./quantity";
 
 const JOG_EVERY_MS = 100;
-const NAMED_AXES = 4;
 /** [1/s] units of a linear axis */
 const LINEAR_JOG = 5;
 const INPUTS_EVERY_MS = 1_000;
@@ -29,7 +28,6 @@ function askingButton(label: string, name: string, axes: Axes, press: (axes: str
   const ask = () => {
     const asked = addresses(axes);
     const since = performance.now();
-    const named = asked.slice(0, NAMED_AXES).join(", ") + (asked.length > NAMED_AXES ? `, … (${asked.length})` : "");
     const confirm = () => {
       if (performance.now() - since < SECOND_PRESS_MS) return;
       leave();
@@ -37,7 +35,7 @@ function askingButton(label: string, name: string, axes: Axes, press: (axes: str
     };
     const cancel = button(t("cancel"), leave, { attributes: { "data-test": `${name}-cancel` } });
     place.replaceChildren(
-      h("span", {}, `${label}: ${named}?`),
+      h("span", {}, `${label}: ${listed(asked)}?`),
       cancel,
       button(label, confirm, { class: "primary", attributes: { "data-test": `${name}-confirm` } }),
     );

@@ -76,10 +76,16 @@ class RowElements {
   private readonly canvas: HTMLCanvasElement;
   row?: TableRow;
 
-  constructor(private readonly model: Model) {
+  /** @param choose called with the row and whether the range from the row before belongs to it */
+  constructor(
+    private readonly model: Model,
+    choose: (row: TableRow, on: boolean, isRange: boolean) => void,
+  ) {
     this.root = h("div", { class: "row", attributes: { role: "row", tabindex: "-1" } });
     this.box = h("input", { attributes: { type: "checkbox" } });
-    this.box.addEventListener("change", () => this.choose(this.box.checked));
+    this.box.addEventListener("click", (event) => {
+      if (this.row !== undefined) choose(this.row, this.box.checked, event.shiftKey);
+    });
     this.root.append(h("div", { class: "cell choose", attributes: { role: "cell" } }, this.box));
     for (const column of COLUMNS) {
       const cell = h("div", { class: `cell ${column.class}`, attributes: { role: "cell" } });
@@ -101,13 +107,6 @@ class RowElements {
 
   private cell(name: string): HTMLElement {
     return this.cells.get(name) as HTMLElement;
-  }
-
-  private choose(on: boolean): void {
-    if (this.row === undefined) return;
-    const address = addressOf(this.row.ref);
-    if (on) this.model.chosen.add(address);
-    else this.model.chosen.delete(address);
   }
 
   hide(): void {
@@ -228,6 +227,7 @@ export class Overview implements View {
   private scrolledTo = -1;
   private height = 28;
   private selected = 0;
+  private chosenLast = "";
 
   constructor(
     private readonly model: Model,
@@ -408,7 +408,7 @@ export class Overview implements View {
     const visible = Math.ceil(this.scroller.clientHeight / this.height) + SPARE_ROWS;
     const first = Math.max(0, Math.min(Math.floor(top / this.height) - SPARE_ROWS / 2, this.shown.length - visible));
     while (this.pool.length < visible) {
-      const made = new RowElements(this.model);
+      const made = new RowElements(this.model, (row, on, isRange) => this.choose(row, on, isRange));
       this.pool.push(made);
       this.space.append(made.root);
     }
@@ -420,6 +420,19 @@ export class Overview implements View {
       elements.show(this.shown[place], place, this.height, now);
       mark(elements.root, "selected", place === this.selected && this.scroller.matches(":focus-visible"));
     }
+  }
+
+  /** With Shift every row from the one that was pressed before, in the order shown. */
+  private choose(row: TableRow, on: boolean, isRange: boolean): void {
+    const place = this.shown.indexOf(row);
+    const before = isRange ? this.shown.findIndex((shown) => addressOf(shown.ref) === this.chosenLast) : -1;
+    const first = before < 0 ? place : Math.min(before, place);
+    for (const { ref } of this.shown.slice(first, Math.max(before, place) + 1)) {
+      if (on) this.model.chosen.add(addressOf(ref));
+      else this.model.chosen.delete(addressOf(ref));
+    }
+    this.chosenLast = addressOf(row.ref);
+    this.orderedAt = 0;
   }
 
   private key(event: KeyboardEvent): void {

@@ -2,13 +2,14 @@
 // The frame of every view: which view, who has control, the stop.
 
 import { setLanguage, t } from "../i18n";
-import { addressOf, SECOND_PRESS_MS, type AxisRef, type Model, type Theme } from "../model";
+import { addressOf, listed, SECOND_PRESS_MS, type AxisRef, type Model, type Notice, type Theme } from "../model";
 import { Trace } from "../trace";
 import { AxisView } from "./axis";
 import { ControlView } from "./control";
 import { button, h, mark, put, select, type View } from "./dom";
 import { Overview, overviewMemory } from "./overview";
 
+const MOTION_EVERY_MS = 250;
 const LIGHT_FRAME_MS = 12;
 const LONGEST_REST_MS = 500;
 
@@ -55,6 +56,8 @@ export class Shell {
   private readonly takeButton = button("", () => this.take(), { class: "take", attributes: { "data-test": "take" } });
   private readonly stopButton = button("", () => this.stop(), { class: "stop", attributes: { "data-test": "stop" } });
   private readonly outcome = h("p", { class: "outcome", attributes: { role: "status" } });
+  private readonly motion = h("p", { class: "motion", attributes: { role: "status" } });
+  private motionAt = -Infinity;
   private readonly prefersDark = window.matchMedia("(prefers-color-scheme: dark)");
   private version = -1;
 
@@ -67,6 +70,9 @@ export class Shell {
     this.prefersDark.addEventListener("change", () => this.applyTheme());
     this.build();
     window.addEventListener("hashchange", () => this.route());
+    window.addEventListener("beforeunload", (event) => {
+      if (this.model.moving().own.length > 0) event.preventDefault();
+    });
     document.addEventListener("keydown", (event) => this.key(event), { capture: true });
     drawFrames((now) => this.update(now));
   }
@@ -122,7 +128,7 @@ export class Shell {
     );
     // STOP has a column of its own: whatever else the header shows, it stays where it is.
     const header = h("header", {}, frame, this.stopButton);
-    this.app.replaceChildren(header, this.banner, this.notices, this.main, h("footer", {}, this.outcome));
+    this.app.replaceChildren(header, this.banner, this.notices, this.main, h("footer", {}, this.outcome, this.motion));
     this.viewKey = "";
     this.version = -1;
     this.route();
@@ -189,6 +195,7 @@ export class Shell {
     }
     this.showLink(now);
     this.showNotices();
+    this.showMotion(now);
     this.showOutcome();
     this.view?.update(now);
   }
@@ -230,13 +237,31 @@ export class Shell {
 
   private showNotices(): void {
     const { notices } = this.model;
-    const wanted = notices.join("\n");
+    const wanted = notices.map(({ text }) => text).join("\n");
     if (wanted === this.shownNotices) return;
     this.shownNotices = wanted;
-    const lines = notices.map((text, i) =>
-      h("p", {}, text, button("×", () => notices.splice(i, 1), { class: "quiet", attributes: { "aria-label": t("remove") } })),
-    );
+    const remove = (notice: Notice) => notices.splice(notices.indexOf(notice), 1);
+    const lines = notices.map((notice) => {
+      const { text, act } = notice;
+      const press = () => {
+        act?.press();
+        remove(notice);
+      };
+      const acting = act !== undefined && button(act.text, press, { attributes: { "data-test": "act" } });
+      const closing = act === undefined && button("×", () => remove(notice), { class: "quiet", attributes: { "aria-label": t("remove") } });
+      return h("p", {}, h("span", {}, text), acting, closing);
+    });
     this.notices.replaceChildren(...lines);
+  }
+
+  /** What becomes of axes that move when this page goes, or moved on when it had gone. */
+  private showMotion(now: number): void {
+    if (now - this.motionAt < MOTION_EVERY_MS) return;
+    this.motionAt = now;
+    const { own, free } = this.model.moving();
+    const { control } = this.model;
+    const isFree = free.length > 0 && control.enabled && !control.you;
+    put(this.motion, own.length > 0 ? `${listed(own)} ${t("moves_on")}` : isFree ? `${listed(free)} ${t("moves_free")}` : "");
   }
 
   private showOutcome(): void {

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The types of the module, as `mypy --strict` sees them in the tests of a user."""
+import os
+import pathlib
+import subprocess
+import sys
+import textwrap
+
+import pytest
+import vdrive
+
+PACKAGES = pathlib.Path(vdrive.__file__).parent.parent
+
+
+@pytest.fixture(scope="module")
+def checked(tmp_path_factory):
+    """A function that checks a program of a user, and the module with it; it returns the errors."""
+    directory = tmp_path_factory.mktemp("typed")
+
+    def check(text):
+        program = directory / "test_of_a_user.py"
+        program.write_text(textwrap.dedent(text))
+        done = subprocess.run(
+            [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", "--cache-dir",
+             str(directory / "cache"), str(program)], env={**os.environ, "MYPYPATH": str(PACKAGES)},
+            cwd=directory, capture_output=True, text=True, timeout=200, check=False)
+        assert done.stderr == ""
+        assert (done.returncode == 0) == (done.stdout == "")
+        return done.stdout.splitlines()
+
+    return check
+
+
+def test_a_test_suite_of_a_user_has_no_error(checked):
+    assert checked("""\
+        import asyncio
+        from typing import Callable
+
+        import numpy
+        import pytest
+        import vdrive
+
+
+        @pytest.mark.vdrive(axes=4)
+        def test_it_gets_there(vdrive_session: vdrive.Session) -> None:
+            axis = vdrive_session.axis("1.1")
+            axis.enable()
+            axis.move_to(numpy.int64(1000), velocity=2e4)
+            axis.move_to(90, unit="deg")
+            status = axis.status()
+            assert abs(status.position - 1024) <= 1
+
+
+        def test_two(vdrive_benches: Callable[..., list[vdrive.Bench]]) -> None:
+            first, second = vdrive_benches(2, axes=1)
+            with first.session() as session:
+                recording = session.record("1.1", ticks=100)
+                peak: float = recording["velocity"].max()
+                assert peak <= recording.time[-1] + recording.missed
+
+
+        async def follow(session: vdrive.Session) -> int:
+            async for observation in session.follow_async():
+                return observation.tick
+            return 0
+
+
+        def main() -> None:
+            with vdrive.Bench(axes=2, clock="realtime") as bench, bench.session() as session:
+                seen: list[vdrive.Event] = []
+                observer = session.on_event(seen.append, history=True)
+                session.on_status(lambda observation: print(observation.tick), period=0.1)
+                print(asyncio.run(follow(session)), seen, observer.error)
+                try:
+                    session.axis("1.3")
+                except vdrive.NotFound as error:
+                    print(error.code)
+            print(vdrive.load("run.csv", period=0.001).axis("1.1")["tick"])
+        """) == []
+
+
+@pytest.mark.parametrize("wrong, says", [
+    ('axis.move_to("1000")', 'Argument 1 to "move_to" of "Axis" has incompatible type "str"'),
+    ('bench.session().axis(1)', 'Argument 1 to "axis" of "Session" has incompatible type "int"'),
+    ('vdrive.Bench(clock="lockstp")', 'Argument "clock" to "Bench" has incompatible type'),
+    ('vdrive.load("a.csv")["position"].foo()', 'has no attribute "foo"'),
+    ("axis.status().postion", '"Status" has no attribute "postion"'),
+])
+def test_a_mistake_of_a_user_is_found(checked, wrong, says):
+    errors = checked(f"""\
+        import vdrive
+
+        with vdrive.Bench() as bench, bench.session() as session:
+            axis = session.axis("1.1")
+            {wrong}
+        """)
+    assert len(errors) >= 1 and errors[0].startswith("test_of_a_user.py:5: error: ")
+    assert says in errors[0]
