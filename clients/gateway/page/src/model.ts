@@ -440,7 +440,11 @@ export class Model {
     const before = this.incarnations.get(bench.number);
     this.incarnations.set(bench.number, String(incarnation));
     if (before === undefined || before === String(incarnation)) return;
-    for (const address of this.owned) if (address.startsWith(`${bench.number}.`)) this.owned.delete(address);
+    // Its axes have no owner. A frame of the new run may have come before its description.
+    for (const axes of [this.owned, this.taken]) {
+      for (const address of axes) if (address.startsWith(`${bench.number}.`)) axes.delete(address);
+    }
+    if (this.taken.size === 0) this.removeTakenNotice();
     this.notice({ text: `${name} (${bench.number}): ${t("another_run")} ${timeOfDay()}` });
   }
 
@@ -476,8 +480,7 @@ export class Model {
 
   private noteTaken(gone: string[], by: string): void {
     for (const address of gone) this.taken.add(address);
-    const before = this.takenNotice === undefined ? -1 : this.notices.indexOf(this.takenNotice);
-    if (before >= 0) this.notices.splice(before, 1);
+    this.removeTakenNotice();
     const who = by === "" ? "" : ` (${t("session")} ${by})`;
     this.takenNotice = {
       text: `${timeOfDay()}: ${listed([...this.taken])} ${t("taken_away")}${who}`,
@@ -490,6 +493,10 @@ export class Model {
   private forgetOwned(): void {
     this.owned.clear();
     this.taken.clear();
+    this.removeTakenNotice();
+  }
+
+  private removeTakenNotice(): void {
     const place = this.takenNotice === undefined ? -1 : this.notices.indexOf(this.takenNotice);
     if (place >= 0) this.notices.splice(place, 1);
     this.takenNotice = undefined;
