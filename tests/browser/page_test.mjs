@@ -415,16 +415,19 @@ test("while an axis moves the page says that it goes on without the page, and le
   assert.equal(await leavingAsks(), false);
   await page.fill("#move-target", "200000");
   await command("move").click();
-  await waitForText(page.locator(".motion"), /^1.1 moves under the control of this page, and goes on/);
+  await waitForText(page.locator(".motion"), /^Moving under the control of this page, also when it is closed: 1.1$/);
   assert.equal(await leavingAsks(), true);
 });
 
 test("an axis that a terminal takes over is named, and the page does not take it back by itself", async () => {
   assert.equal(await runTool("enable", "1.1", "--take-over"), 0);
-  await waitForText(page.locator(".notices"), /^\d\d:\d\d: 1.1 is no longer controlled by this page/);
+  await waitForText(page.locator(".notices"), /^\d\d:\d\d: no longer controlled by this page.*: 1.1/);
   await page.fill("#move-target", "0");
   await command("move").click();
-  await waitForText(page.locator("footer"), /Move: 1.1 was taken from this page/);
+  await waitForText(page.locator("footer"), /Move: taken from this page, .*: 1.1/);
+  await command("jog-plus").focus();
+  await page.keyboard.press("Enter");
+  await waitForText(page.locator("footer"), /Jog: taken from this page, .*: 1.1/);
   await waitForText(figure("owner"), /free/);
   await command("act").click();
   await waitForNone(page.locator(".notices p"));
@@ -556,7 +559,7 @@ test("an axis that moves on without its page is named to the next one", async ()
   await other.click('[data-test="move"]');
   await waitForText(figure("velocity"), /−\d\d.\d{3}/);
   await other.close();
-  await waitForText(page.locator(".motion"), /^1.1 moves, and nobody controls it: take control, or STOP/);
+  await waitForText(page.locator(".motion"), /^Moving, and controlled by nobody .take control, or STOP.: 1.1$/);
   await command("stop").click();
   await waitForText(page.locator(".motion"), /^$/);
 });

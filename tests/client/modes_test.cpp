@@ -105,6 +105,8 @@ TEST_F(Modes, AMoveWithAnUnreachableVelocityIsRefusedAsWell) {
               HasSubstr("the velocity 5001 is above app_speed_limit (607Fh) = 5000"));
   EXPECT_EQ(now().mode(), OperatingMode::none) << "nothing was changed";
   EXPECT_TRUE(axis_.move_to(100, {.velocity = 5'000}));
+  ASSERT_TRUE(axis_.disable());
+  ASSERT_TRUE(axis_.enable());  // 607Fh acts from here on
   EXPECT_TRUE(axis_.move_to(0)) << "6081h = 68267 is cut to 607Fh, as in the manual";
 }
 

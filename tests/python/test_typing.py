@@ -9,6 +9,7 @@ import textwrap
 import pytest
 import vdrive
 
+pytest.importorskip("mypy")
 PACKAGES = pathlib.Path(vdrive.__file__).parent.parent
 
 

@@ -177,6 +177,7 @@ TEST_F(WaitAndExpect, GoOnInFaultForWhatTheFaultOrAResetBrings) {
   ASSERT_EQ(call("disturb 1.1 over_temperature").code, 0);
   EXPECT_EQ(call("wait 1.1 fault --timeout 1s").code, 0);
   EXPECT_EQ(call("wait 1.1 switch_on_disabled --timeout 300ms").code, 4);
+  EXPECT_EQ(call("wait 1.1 internal_limit_active --timeout 300ms").code, 4);
   EXPECT_EQ(call("wait 1.1 statusword 0x40 --timeout 300ms").code, 4);
   EXPECT_EQ(call("wait 1.1 profile_velocity 7 --timeout 300ms").code, 4);
 }

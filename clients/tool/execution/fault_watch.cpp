@@ -6,6 +6,8 @@
 #include "vdrive/client/session.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <string>
 
@@ -47,7 +49,9 @@ client::Outcome FaultWatch::note(const client::AxisSnapshot& axis, std::string_v
 }
 
 bool is_out_of_reach_in_fault(std::string_view condition) noexcept {
-  return condition != "switch_on_disabled";  // what another program's reset leads to
+  constexpr std::array<std::string_view, 5> kComeInFault{
+      "switch_on_disabled", "voltage_enabled", "internal_limit_active", "warning", "remote"};
+  return std::ranges::find(kComeInFault, condition) == kComeInFault.end();
 }
 
 bool is_out_of_reach_in_fault(const Expectation& expectation) {

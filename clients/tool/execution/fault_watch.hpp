@@ -3,6 +3,7 @@
 
 #include "values/expectation.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/client/outcome.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -31,8 +32,8 @@ class FaultWatch {
   std::optional<std::uint64_t> since_;  ///< driven tick: from then on in Fault and at rest
 };
 
-/// @return whether a drive in Fault can show the condition (condition_names()) only after a person
-///         has ended the fault and more.
+/// @return whether a drive in Fault can show the condition (condition_names()) only after a reset
+///         and more. Not so: what a reset leads to, and what follows the supply and the limits.
 [[nodiscard]] bool is_out_of_reach_in_fault(std::string_view condition) noexcept;
 
 /// @return the same of a value: a position, a speed, or a statusword without the fault.

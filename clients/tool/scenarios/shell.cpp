@@ -3,6 +3,7 @@
 
 #include "base/usage_error.hpp"
 #include "execution/command_context.hpp"
+#include "execution/output.hpp"
 #include "language/bench_names.hpp"
 #include "language/command_line.hpp"
 #include "language/scenario.hpp"
@@ -71,7 +72,7 @@ class Shell {
       if (is_told) terminal_.complain("vdrive: " + outcome.message());
       code = exit_code_of(outcome.kind());
     } catch (const UsageError& error) {
-      terminal_.complain(std::string("vdrive: ") + error.what());
+      report_usage({terminal_, program_.options.json, false}, error.what());
       code = ExitCode::usage;
     } catch (const std::exception& error) {
       terminal_.complain(std::string("vdrive: ") + error.what());

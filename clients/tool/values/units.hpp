@@ -27,7 +27,7 @@ struct Quantity {
   [[nodiscard]] bool is_in_user_units() const { return unit == "UU"; }
 };
 
-/// @param text a number such as -500, 12.5, 1e4, 0xFFFFD8F0 (two's complement of `type`), with or
+/// @param text a number such as -500, 1e4, 0xFFFFD8F0 (two's complement of `type`), with or
 ///        without a unit: 90deg, 180deg/s, 900deg/s2, 300rpm
 /// @throws UsageError for anything else, and for user units that `type` does not hold.
 [[nodiscard]] Quantity parse_quantity(std::string_view text, Dimension dimension, DataType type);

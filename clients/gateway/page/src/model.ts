@@ -264,7 +264,9 @@ export class Model {
     for (const bench of this.sortedBenches()) {
       const speeds = bench.numbers("velocity_demand_value");
       const owners = bench.numbers("owner_session");
-      if (speeds === undefined || owners === undefined) continue;
+      // The last frame stays when a bench ends, and when the view that showed its status is left.
+      const isOld = this.isGone(bench, performance.now()) || !this.ends.has(`${bench.topic}/status`);
+      if (speeds === undefined || owners === undefined || isOld) continue;
       for (const [axis, place] of bench.places) {
         if (Number(speeds[place]) === 0) continue;
         const owner = BigInt(owners[place]);
@@ -338,14 +340,20 @@ export class Model {
     return row?.name ?? "";
   }
 
+  /** @return why the page does not command these axes, nothing when it may. */
+  whyTaken(addresses: string[]): string | undefined {
+    const taken = addresses.filter((address) => this.taken.has(address));
+    return taken.length === 0 ? undefined : `${t("was_taken")}: ${listed(taken)}`;
+  }
+
   /** Calls a service and keeps what it answered for the line under the controls.
    *  @param notes what the typed values became */
   async command(service: string, request: object, notes: string[] = []): Promise<Answer> {
     const what = serviceName(service);
     const began = performance.now();
-    const taken = NEVER_LEFT_OUT.has(service) ? [] : addressesIn(request).filter((address) => this.taken.has(address));
-    if (taken.length > 0) {
-      this.outcome = { ok: false, text: `${what}: ${listed(taken)} ${t("was_taken")}` };
+    const taken = NEVER_LEFT_OUT.has(service) ? undefined : this.whyTaken(addressesIn(request));
+    if (taken !== undefined) {
+      this.outcome = { ok: false, text: `${what}: ${taken}` };
       return { ok: false, outcome: "", message: "", code: 0 };
     }
     if (this.isSecondPress(service, request, began)) {
@@ -368,8 +376,9 @@ export class Model {
     const values = JSON.stringify(request);
     const before = this.presses.get(control);
     for (const [other, { at }] of this.presses) if (now - at >= SECOND_PRESS_MS) this.presses.delete(other);
-    this.presses.set(control, { values, at: now });
-    return before !== undefined && before.values === values && now - before.at < SECOND_PRESS_MS;
+    const isSecond = before !== undefined && before.values === values && now - before.at < SECOND_PRESS_MS;
+    if (!isSecond) this.presses.set(control, { values, at: now }); // who presses on and on is heard
+    return isSecond;
   }
 
   private onStatus(status: ServerStatus): void {
@@ -445,12 +454,15 @@ export class Model {
       for (const address of axes) if (address.startsWith(`${bench.number}.`)) axes.delete(address);
     }
     if (this.taken.size === 0) this.removeTakenNotice();
+    else if (this.takenNotice !== undefined) this.noteTaken([], "");
     this.notice({ text: `${name} (${bench.number}): ${t("another_run")} ${timeOfDay()}` });
   }
 
   private notice(notice: Notice): void {
     this.notices.push(notice);
-    if (this.notices.length > MOST_NOTICES) this.notices.shift();
+    // One with a button is the only place of it.
+    const oldest = this.notices.findIndex(({ act }) => act === undefined);
+    if (this.notices.length > MOST_NOTICES && oldest >= 0) this.notices.splice(oldest, 1);
   }
 
   private ownSession(): bigint {
@@ -483,7 +495,7 @@ export class Model {
     this.removeTakenNotice();
     const who = by === "" ? "" : ` (${t("session")} ${by})`;
     this.takenNotice = {
-      text: `${timeOfDay()}: ${listed([...this.taken])} ${t("taken_away")}${who}`,
+      text: `${timeOfDay()}: ${t("taken_away")}${who}: ${listed([...this.taken])}`,
       act: { text: t("take_back"), press: () => this.taken.clear() },
     };
     this.notice(this.takenNotice);

@@ -68,8 +68,8 @@ struct Observation {
 /// @return such as "0x1637 Operation enabled: remote, target reached, set-point acknowledge".
 [[nodiscard]] std::string describe_statusword(std::uint16_t statusword, OperatingMode mode);
 
-/// @return what an axis shows, for a message: such as "shows 0x218 Fault, error 0x8611 following
-///         error". For error 8130h it ends with what to change.
+/// @return what an axis shows, for a message: such as "shows error 0x8611 following error,
+///         0x218 Fault". For error 8130h it ends with what to change.
 [[nodiscard]] std::string what_it_shows(const AxisSnapshot& axis);
 
 }  // namespace vdrive::client

@@ -241,7 +241,14 @@ class Jog {
       const velocity = sign * Math.abs(speed);
       const axis = addressOf(ref);
       this.jogged = axis;
+      const taken = this.model.whyTaken([axis]);
+      if (taken !== undefined) throw new Error(`${t("jog")}: ${taken}`);
       const send = async () => {
+        if (this.model.whyTaken([axis]) !== undefined) {
+          window.clearInterval(this.timer); // the session that has the axis now has ended the motion
+          this.timer = 0;
+          return;
+        }
         const answer = await this.model.connection.call("/jog", { axis, velocity });
         if (answer.ok || this.timer === 0) return;
         window.clearInterval(this.timer);

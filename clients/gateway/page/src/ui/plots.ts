@@ -230,7 +230,7 @@ export class Plots implements View {
         sync: { key: SYNC },
         drag: { x: true, y: false, setScale: false },
         points: { show: false },
-        bind: { mousedown: (_plot, _target, select) => (event) => (event.shiftKey ? select(event) : null) },
+        bind: { mousedown: (_plot, _target, select) => (event) => (event.button === 0 && event.shiftKey ? select(event) : null) },
       },
       scales: { x: { time: false, auto: false }, y: { auto: false } },
       axes: [

@@ -261,7 +261,7 @@ export class Shell {
     const { own, free } = this.model.moving();
     const { control } = this.model;
     const isFree = free.length > 0 && control.enabled && !control.you;
-    put(this.motion, own.length > 0 ? `${listed(own)} ${t("moves_on")}` : isFree ? `${listed(free)} ${t("moves_free")}` : "");
+    put(this.motion, own.length > 0 ? `${t("moves_on")}: ${listed(own)}` : isFree ? `${t("moves_free")}: ${listed(free)}` : "");
   }
 
   private showOutcome(): void {
