@@ -78,7 +78,7 @@ begin() {
 begin "packages of the system"
 "$root/deploy/setup.sh" "${setup_options[@]}"
 
-begin "build of the release and its tests, 6 minutes on two cores from nothing"
+begin "build of the release and its tests, some 10 minutes on two cores from nothing"
 "$root/deploy/build.sh" --tests "${options[@]}"
 
 export VDRIVE_SKIPPED_PRESETS=

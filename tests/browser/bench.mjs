@@ -41,9 +41,9 @@ export function startService(...options) {
   return new Program("vdrived", ["--log-level", "warn", ...options]);
 }
 
-/** Two axes that wait long for a silent owner: a busy machine may let the gateway stand still. */
+/** Three axes that wait long for a silent owner: a busy machine may let the gateway stand still. */
 export function startPatientService() {
-  return startService("--config", `${process.env.VDRIVE_ROOT}/tests/data/patient.yaml`, "--axes", "2");
+  return startService("--config", `${process.env.VDRIVE_ROOT}/tests/data/patient.yaml`, "--axes", "3");
 }
 
 /** @param port 0 = any free one. @return the program; `address` is where its page is. */

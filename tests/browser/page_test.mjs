@@ -122,11 +122,11 @@ test("the search shows the named axes", async () => {
 test("Shift-click chooses every axis between two", async () => {
   const box = (address) => page.locator(`[data-address="${address}"] input`);
   await box("1.1").click();
-  await box("1.2").click({ modifiers: ["Shift"] });
-  await waitForText(page.locator(".count"), /2 axes, 2 chosen/);
-  await box("1.1").click();
-  await box("1.2").click({ modifiers: ["Shift"] });
-  await waitForText(page.locator(".count"), /^2 axes$/);
+  await box("1.3").click({ modifiers: ["Shift"] });
+  await waitForText(page.locator(".count"), /3 axes, 3 chosen/);
+  await box("1.3").click();
+  await box("1.1").click({ modifiers: ["Shift"] });
+  await waitForText(page.locator(".count"), /^3 axes$/);
 });
 
 test("a page without control cannot command, and the gateway refuses commands that bypass the page", async () => {
@@ -429,7 +429,7 @@ test("an axis that a terminal takes over is named, and the page does not take it
   await page.keyboard.press("Enter");
   await waitForText(page.locator("footer"), /Jog: taken from this page, .*: 1.1/);
   await waitForText(figure("owner"), /free/);
-  await command("act").click();
+  await page.click("text=Take it back");
   await waitForNone(page.locator(".notices p"));
   await command("move").click();
   await waitForText(figure("owner"), /this page/);

@@ -34,7 +34,7 @@ struct GivenUnit {
 };
 
 /// @return the number. With a unit it is rounded to the nearest UU.
-/// @throws py::type_error for what is no number; True and False are none.
+/// @throws py::type_error for a value that is not a number, such as True and False.
 /// @throws py::value_error for a fraction without a unit, and for a number that is not from
 /// `lowest`
 ///         to `highest`. The message has name, value and limits.

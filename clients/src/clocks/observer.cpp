@@ -7,6 +7,7 @@
 #include <chrono>
 #include <iterator>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -96,8 +97,9 @@ Result<Observation> Observer::read_status(const Target& target,
     std::vector<msg::Request> requests;
     requests.reserve(some.size());
     for (const std::uint16_t axis : some) requests.push_back(read_request(axis, members));
-    const auto replies = requests_.exchange_all(target, std::move(requests),
-                                                "status of " + name_of(target, some.front()));
+    const std::string whose =
+        axes.size() == 1 ? name_of(target, some.front()) : "axes of " + name_of(target);
+    const auto replies = requests_.exchange_all(target, std::move(requests), "status of " + whose);
     if (!replies) return replies.outcome();
     for (std::size_t i = 0; i < some.size(); ++i) {
       const RequestAnswer& reply = (*replies)[i];

@@ -30,10 +30,8 @@ FaultWatch::FaultWatch(std::chrono::microseconds period)
     : patience_(client::ticks_of(kStandstill, period)) {}
 
 client::Outcome FaultWatch::note(const client::AxisSnapshot& axis, std::string_view awaited) {
-  const bool is_in_fault = axis.state() == PowerState::fault;
-  if (is_first_) was_before_ = is_in_fault;
-  is_first_ = false;
-  if (!is_in_fault) {
+  if (axis.state() != PowerState::fault) {
+    was_sound_ = true;
     fault_tick_ = 0;
     since_.reset();
     return {};
@@ -44,7 +42,7 @@ client::Outcome FaultWatch::note(const client::AxisSnapshot& axis, std::string_v
   if (!since_ || axis.driven_tick() - *since_ < patience_) return {};
   return client::Outcome::failed("axis " + to_string(axis.id) + " is in " + state_text(axis) +
                                  ", since tick " + std::to_string(fault_tick_) +
-                                 (was_before_ ? " or before" : "") + "; waited for " +
+                                 (was_sound_ ? "" : " or before") + "; waited for " +
                                  std::string(awaited));
 }
 

@@ -25,9 +25,8 @@ class FaultWatch {
   [[nodiscard]] client::Outcome note(const client::AxisSnapshot& axis, std::string_view awaited);
 
  private:
-  std::uint64_t patience_;  ///< [ticks]
-  bool is_first_ = true;
-  bool was_before_ = false;             ///< it was in Fault when it was first observed
+  std::uint64_t patience_;              ///< [ticks]
+  bool was_sound_ = false;              ///< it was observed before the fault
   std::uint64_t fault_tick_ = 0;        ///< in which it was first seen in Fault
   std::optional<std::uint64_t> since_;  ///< driven tick: from then on in Fault and at rest
 };

@@ -32,7 +32,7 @@ export const TREND_LENGTH = 100;
 const TREND_EVERY_MS = 100;
 const MOST_EVENTS = 1_000;
 const MOST_NOTES = 4;
-const MOST_NOTICES = 5;
+const MOST_RUNS = 5;
 const MOST_LISTED = 4;
 /** axes of a bench whose status costs next to nothing */
 const SMALL_BENCH = 256;
@@ -41,6 +41,7 @@ const GONE_FROM_MS = 3_000;
 
 /** A second press of the same control with the same values within this time is a double click. */
 export const SECOND_PRESS_MS = 500;
+/** What stops an axis, and what moves it only while a button is held. */
 const NEVER_LEFT_OUT: ReadonlySet<string> = new Set(["/quick_stop", "/halt", "/jog"]);
 
 /** @return the axes that a request is for. */
@@ -56,6 +57,8 @@ export function listed(addresses: string[]): string {
 function timeOfDay(): string {
   return new Date().toLocaleTimeString(language() === "zh" ? "zh-CN" : "en-GB", { hour: "2-digit", minute: "2-digit" });
 }
+
+const NOT_SENT: Answer = { ok: false, outcome: "", message: "", code: 0 };
 
 interface Press {
   values: string;
@@ -175,10 +178,11 @@ export interface Typed {
   scale: Scale;
 }
 
+/** A line about what happened, and what its button does. */
 export interface Notice {
   text: string;
-  /** what a button beside it does, before the notice goes */
-  act?: { text: string; press: () => void };
+  button: string;
+  press: () => void;
 }
 
 /** Axes that move now, by their addresses. */
@@ -209,8 +213,6 @@ export class Model {
   /** by the name of the field, such as "move 1.1 target" */
   readonly typed = new Map<string, Typed>();
   readonly ticked = new Map<string, boolean>();
-  /** What happened while somebody may have looked away; a person removes it. */
-  readonly notices: Notice[] = [];
   /** Grows when benches, axes, control or the dictionary change: views build themselves again. */
   version = 0;
   eventCount = 0;
@@ -221,7 +223,10 @@ export class Model {
   private readonly owned = new Set<string>();
   /** axes that this page controlled until another session took them: a person has to want them back */
   private readonly taken = new Set<string>();
-  private takenNotice?: Notice;
+  /** when and by whom the last of them was taken */
+  private takenHow = "";
+  /** what happened to benches while somebody may have looked away */
+  private readonly runs: string[] = [];
   private readonly presses = new Map<string, Press>();
 
   constructor(url: string) {
@@ -340,6 +345,14 @@ export class Model {
     return row?.name ?? "";
   }
 
+  /** @return what a person has to answer or to remove. */
+  notices(): Notice[] {
+    const runs = this.runs.map((text) => ({ text, button: t("remove"), press: () => void this.runs.splice(this.runs.indexOf(text), 1) }));
+    if (this.taken.size === 0) return runs;
+    const text = `${this.takenHow}: ${listed([...this.taken])}`;
+    return [{ text, button: t("take_back"), press: () => this.taken.clear() }, ...runs];
+  }
+
   /** @return why the page does not command these axes, nothing when it may. */
   whyTaken(addresses: string[]): string | undefined {
     const taken = addresses.filter((address) => this.taken.has(address));
@@ -351,14 +364,12 @@ export class Model {
   async command(service: string, request: object, notes: string[] = []): Promise<Answer> {
     const what = serviceName(service);
     const began = performance.now();
-    const taken = NEVER_LEFT_OUT.has(service) ? undefined : this.whyTaken(addressesIn(request));
-    if (taken !== undefined) {
-      this.outcome = { ok: false, text: `${what}: ${taken}` };
-      return { ok: false, outcome: "", message: "", code: 0 };
-    }
-    if (this.isSecondPress(service, request, began)) {
-      this.outcome = { ok: true, text: `${what}: ${t("second_press")}` };
-      return { ok: false, outcome: "", message: "", code: 0 };
+    if (!NEVER_LEFT_OUT.has(service)) {
+      const taken = this.whyTaken(addressesIn(request));
+      const isSecond = taken === undefined && this.isSecondPress(service, request, began);
+      if (taken !== undefined) this.outcome = { ok: false, text: `${what}: ${taken}` };
+      if (isSecond) this.outcome = { ok: true, text: `${what}: ${t("second_press")}` };
+      if (taken !== undefined || isSecond) return NOT_SENT;
     }
     const answer = await this.connection.call(service, request);
     const took = (performance.now() - began).toFixed(0);
@@ -368,9 +379,8 @@ export class Model {
     return answer;
   }
 
-  /** A double click is one wish. What stops an axis is never left out. */
+  /** A double click is one wish. */
   private isSecondPress(service: string, request: object, now: number): boolean {
-    if (NEVER_LEFT_OUT.has(service)) return false;
     const { axis, axes, bench, name } = request as Record<string, unknown>;
     const control = JSON.stringify([service, axis, axes, bench, name]);
     const values = JSON.stringify(request);
@@ -453,16 +463,8 @@ export class Model {
     for (const axes of [this.owned, this.taken]) {
       for (const address of axes) if (address.startsWith(`${bench.number}.`)) axes.delete(address);
     }
-    if (this.taken.size === 0) this.removeTakenNotice();
-    else if (this.takenNotice !== undefined) this.noteTaken([], "");
-    this.notice({ text: `${name} (${bench.number}): ${t("another_run")} ${timeOfDay()}` });
-  }
-
-  private notice(notice: Notice): void {
-    this.notices.push(notice);
-    // One with a button is the only place of it.
-    const oldest = this.notices.findIndex(({ act }) => act === undefined);
-    if (this.notices.length > MOST_NOTICES && oldest >= 0) this.notices.splice(oldest, 1);
+    this.runs.push(`${name} (${bench.number}): ${t("another_run")} ${timeOfDay()}`);
+    if (this.runs.length > MOST_RUNS) this.runs.shift();
   }
 
   private ownSession(): bigint {
@@ -492,26 +494,14 @@ export class Model {
 
   private noteTaken(gone: string[], by: string): void {
     for (const address of gone) this.taken.add(address);
-    this.removeTakenNotice();
     const who = by === "" ? "" : ` (${t("session")} ${by})`;
-    this.takenNotice = {
-      text: `${timeOfDay()}: ${t("taken_away")}${who}: ${listed([...this.taken])}`,
-      act: { text: t("take_back"), press: () => this.taken.clear() },
-    };
-    this.notice(this.takenNotice);
-    this.outcome = { ok: false, text: this.takenNotice.text };
+    this.takenHow = `${timeOfDay()}: ${t("taken_away")}${who}`;
+    this.outcome = { ok: false, text: `${this.takenHow}: ${listed([...this.taken])}` };
   }
 
   private forgetOwned(): void {
     this.owned.clear();
     this.taken.clear();
-    this.removeTakenNotice();
-  }
-
-  private removeTakenNotice(): void {
-    const place = this.takenNotice === undefined ? -1 : this.notices.indexOf(this.takenNotice);
-    if (place >= 0) this.notices.splice(place, 1);
-    this.takenNotice = undefined;
   }
 
   private addEvent(message: Message): void {

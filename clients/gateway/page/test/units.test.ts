@@ -77,7 +77,7 @@ test("a value with a unit becomes the nearest user units, a fraction of a bare o
   assert.equal(typed("1e6", ROTARY), 1_000_000);
 });
 
-test("a unit that the axis does not have is no number", () => {
+test("a number with a unit that the axis does not have is refused", () => {
   for (const text of ["90mm", "deg", "9O", "1.5.5deg", "90deg/s", ""]) assert.equal(typed(text, ROTARY), "no number");
   assert.equal(typed("90deg", LINEAR), "no number");
 });

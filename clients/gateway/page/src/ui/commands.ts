@@ -379,7 +379,7 @@ class TestInputs {
 /** Every control of some axes; those that move one axis, when there is one. */
 export class Commands implements View {
   readonly root: HTMLElement;
-  private readonly need = h("p", { class: "need" });
+  private readonly needText = h("p", { class: "need" });
   private readonly move: MoveForm;
   private readonly jog: Jog;
   private readonly inputs: TestInputs;
@@ -407,22 +407,17 @@ export class Commands implements View {
       group("test_inputs", this.inputs.root),
       group("memory", services([["/store", "store"], ["/restore", "restore"], ["/power_cycle", "power_cycle"]], true)),
     ];
-    this.root = h("section", { class: "panel commands" }, h("h3", {}, t("control")), this.need, ...this.groups);
+    this.root = h("section", { class: "panel commands" }, h("h3", {}, t("control")), this.needText, ...this.groups);
   }
 
   update(now: number): void {
-    const { control, connected } = this.model;
-    const may = control.enabled && control.you && connected;
-    const axes = this.axes();
-    const count = axes.length;
-    const gone = axes.find(({ bench }) => this.model.isGone(bench, now));
-    const able = may && count > 0 && gone === undefined;
+    const need = this.need(now);
+    const able = need === "";
     // A disabled button reports no release.
     if (!able) this.jog.end();
     for (const group of this.groups) if (group.disabled === able) group.disabled = !able;
-    const lost = gone === undefined ? "" : `${gone.bench.description?.name ?? ""} (${gone.bench.number}) ${t("bench_gone")}`;
-    put(this.need, able ? "" : !may ? (control.enabled ? t("need_control") : t("view_only")) : count === 0 ? t("none_chosen") : lost);
-    const single = count === 1; // several axes move as a group
+    put(this.needText, need);
+    const single = this.axes().length === 1; // several axes move as a group
     this.move.root.hidden = !single;
     this.jogGroup.hidden = !single;
     this.move.update();
@@ -432,6 +427,17 @@ export class Commands implements View {
 
   close(): void {
     this.jog.close();
+  }
+
+  /** @return what a person needs first, empty when the axes can be commanded. */
+  private need(now: number): string {
+    const { control, connected } = this.model;
+    if (!control.enabled) return t("view_only");
+    if (!control.you || !connected) return t("need_control");
+    const axes = this.axes();
+    if (axes.length === 0) return t("none_chosen");
+    const gone = axes.find(({ bench }) => this.model.isGone(bench, now))?.bench;
+    return gone === undefined ? "" : `${gone.description?.name ?? ""} (${gone.number}) ${t("bench_gone")}`;
   }
 
   private async home(): Promise<void> {

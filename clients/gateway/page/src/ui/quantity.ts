@@ -54,7 +54,7 @@ export class QuantityField {
 
   /** @param notes gets what a value with a unit became
    *  @return whole user units; nothing for an empty field
-   *  @throws Error with the reason when the text is no number of the drive */
+   *  @throws Error with the reason when the drive cannot take what the text says */
   read(notes: string[]): number | undefined {
     const text = this.input.value.trim();
     if (text === "" || this.scale === undefined) return undefined;

@@ -2,7 +2,7 @@
 // The frame of every view: which view, who has control, the stop.
 
 import { setLanguage, t } from "../i18n";
-import { addressOf, listed, SECOND_PRESS_MS, type AxisRef, type Model, type Notice, type Theme } from "../model";
+import { addressOf, listed, SECOND_PRESS_MS, type AxisRef, type Model, type Theme } from "../model";
 import { Trace } from "../trace";
 import { AxisView } from "./axis";
 import { ControlView } from "./control";
@@ -236,21 +236,11 @@ export class Shell {
   }
 
   private showNotices(): void {
-    const { notices } = this.model;
+    const notices = this.model.notices();
     const wanted = notices.map(({ text }) => text).join("\n");
     if (wanted === this.shownNotices) return;
     this.shownNotices = wanted;
-    const remove = (notice: Notice) => notices.splice(notices.indexOf(notice), 1);
-    const lines = notices.map((notice) => {
-      const { text, act } = notice;
-      const press = () => {
-        act?.press();
-        remove(notice);
-      };
-      const acting = act !== undefined && button(act.text, press, { attributes: { "data-test": "act" } });
-      const closing = act === undefined && button("×", () => remove(notice), { class: "quiet", attributes: { "aria-label": t("remove") } });
-      return h("p", {}, h("span", {}, text), acting, closing);
-    });
+    const lines = notices.map(({ text, button: label, press }) => h("p", {}, h("span", {}, text), button(label, press)));
     this.notices.replaceChildren(...lines);
   }
 
