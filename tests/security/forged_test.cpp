@@ -130,7 +130,9 @@ class AttackedBench {
         is_ready_(tool("list --timeout 20 --security " + controller_.string()).code == 0),
         probe_({.domain = test_domain(), .security = controller_.string()}, 1),
         watcher_({.domain = test_domain(), .security = controller_.string()}, "watcher"),
-        states_(watcher_, [this](const msg::BenchState&, const wire::Source& source) {
+        states_(watcher_, [this](const msg::BenchState& state, const wire::Source& source) {
+          // The network process probes itself with a state of no bench, from a further participant.
+          if (state.bench() != 1) return;
           const std::scoped_lock lock(mutex_);
           bench_ = source.participant;
         }) {}
