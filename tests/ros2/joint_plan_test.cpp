@@ -155,6 +155,7 @@ TEST(JointPlan, GetsItsLastSetPointAgainUpToEightTimes) {
     if (expected == JointPlan::End::refused) joint.plan.repeat_end(joint.now());
   }
   EXPECT_EQ(joint.plan.check_end(joint.now()), JointPlan::End::open) << "it is said once";
+  EXPECT_TRUE(joint.plan.go_to(joint.now(), 0.1)) << "a command that is repeated is tried again";
 }
 
 TEST(JointPlan, ThatReachedItsEndIsChecked) {

@@ -157,7 +157,10 @@ JointPlan::End JointPlan::check_end(const JointNow& now) {
   const bool is_there = now.axis.status.position_demand_value == now.user_units(position_);
   if (!is_there && ++repeats_ <= kMostRepeats) return End::refused;
   repeats_ = 0;
-  return is_there ? End::reached : End::given_up;
+  if (is_there) return End::reached;
+  // It holds where the drive stands: the next command for the same position is a motion again.
+  position_ = now.demand().position;
+  return End::given_up;
 }
 
 void JointPlan::repeat_end(const JointNow& now) {
