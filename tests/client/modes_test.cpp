@@ -117,8 +117,10 @@ TEST_F(Modes, RunAtAboveTheSpeedOfTheMotorIsRefused) {
   ASSERT_TRUE(axis_.enable());
   const Outcome refused = axis_.run_at(-4'097);
   EXPECT_EQ(refused.code(), kRefusedInState);
-  EXPECT_THAT(refused.message(),
-              HasSubstr("the velocity -4097 is above motor_max_speed_rpm (6080h) = 60"));
+  EXPECT_THAT(
+      refused.message(),
+      HasSubstr("the velocity -4097 is above motor_speed_limit (5E11h) = 4096, which follows "
+                "from motor_max_speed_rpm (6080h) and the gear"));
   EXPECT_EQ(now().mode(), OperatingMode::none) << "nothing was changed";
   EXPECT_TRUE(axis_.run_at(-4'096));
 }

@@ -129,7 +129,7 @@ std::uint32_t dictionary_check() {
 }
 
 TEST(ObjectTable, HasANewVersionWhenItsRowsChange) {
-  constexpr std::string_view kVersion = "1.0";
+  constexpr std::string_view kVersion = "1.1";
   constexpr std::uint32_t kCheck = 0xEAD30AC4;  // of the rows of that version
   EXPECT_EQ(kDictionaryVersion, kVersion);
   EXPECT_EQ(dictionary_check(), kCheck)

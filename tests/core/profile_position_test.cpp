@@ -11,6 +11,8 @@
 #include <cstdlib>
 #include <limits>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 namespace vdrive {
 namespace {
@@ -1137,6 +1139,67 @@ TEST_F(ProfilePosition, TheMotorSpeedBoundsTheSpeedLimit) {
   start(1'000'000);
   axis.step(100);
   EXPECT_EQ(axis.demand_velocity(), 68'267);  // 1000·4096/60 = 68266.67
+}
+
+/// An axis with a gear that reduces ten to one and a motor that may turn at 60 rpm.
+AxisConfiguration slow_motor_behind_a_gear(Feedback feedback) {
+  AxisConfiguration configuration;
+  configuration.model.feedback = feedback;
+  configuration.parameters = {{AxisUnderTest::address_of("gear_ratio_numerator"), 1},
+                              {AxisUnderTest::address_of("gear_ratio_denominator"), 10},
+                              {AxisUnderTest::address_of("motor_max_speed_rpm"), 60},
+                              {AxisUnderTest::address_of("profile_acc"), 10'000'000}};
+  return configuration;
+}
+
+/// Starts a move that is longer than each of these tests.
+void start_long_move(AxisUnderTest& axis) {
+  axis.write("position_user_target_value", 1'000'000);
+  axis.command(0x003F);
+}
+
+// Two encoders: 6064h counts at the load, which turns a tenth of 60 rpm: 6 x 4096 / 60 = 409.6
+// UU/s. One encoder: 6064h counts at the motor: 60 x 4096 / 60 = 4096 UU/s.
+TEST(MotorSpeed, BoundsTheMotorNotTheLoad) {
+  const std::vector<std::pair<Feedback, std::int32_t>> rows{{Feedback::dual_encoder, 410},
+                                                            {Feedback::single_encoder, 4'096}};
+  for (const auto& [feedback, speed] : rows) {
+    SCOPED_TRACE(to_string(feedback));
+    AxisUnderTest axis(slow_motor_behind_a_gear(feedback));
+    axis.enable();
+    start_long_move(axis);
+    axis.step(2'000);
+    EXPECT_EQ(axis.demand_velocity(), speed);
+    // 3574h counts 4096 UU a revolution of the motor: 60 rpm.
+    EXPECT_NEAR(static_cast<double>(axis.read("motor_velocity_actual_value")), 4'096.0, 60.0);
+  }
+}
+
+// The gear acts at once, 6080h since the enabling. 1:5 of 4096 UU/s at the motor: 819.2 UU/s.
+TEST(MotorSpeed, HoldsWhenTheGearChangesInMotion) {
+  AxisUnderTest axis(slow_motor_behind_a_gear(Feedback::dual_encoder));
+  axis.enable();
+  axis.write("motor_max_speed_rpm", 2'000);
+  start_long_move(axis);
+  axis.step(2'000);
+  EXPECT_EQ(axis.demand_velocity(), 410);
+  axis.write("gear_ratio_denominator", 5);
+  axis.step(1'000);
+  EXPECT_EQ(axis.demand_velocity(), 819);
+}
+
+// 5E11h follows 6080h and the gear at once, as the next enabling will use them.
+TEST(MotorSpeed, IsReadInTheUnitsOfThePosition) {
+  AxisUnderTest plain;
+  EXPECT_EQ(plain.read("motor_speed_limit"), 136'533);  // 2000 x 4096 / 60 = 136533.33
+  plain.write("motor_max_speed_rpm", 4'294'967'295);
+  EXPECT_EQ(plain.read("motor_speed_limit"), 4'294'967'295) << "as much as the object can show";
+  AxisUnderTest axis(slow_motor_behind_a_gear(Feedback::dual_encoder));
+  EXPECT_EQ(axis.read("motor_speed_limit"), 409);
+  axis.write("gear_ratio_denominator", 20);
+  EXPECT_EQ(axis.read("motor_speed_limit"), 204);  // 204.8
+  AxisUnderTest single(slow_motor_behind_a_gear(Feedback::single_encoder));
+  EXPECT_EQ(single.read("motor_speed_limit"), 4'096);
 }
 
 TEST_F(ProfilePosition, ANewSpeedLimitTakesEffectOnlyAtTheNextEnabling) {

@@ -12,7 +12,7 @@ struct JointLimits {
 
   double lower = -kNone;            ///< 607Dh:1 where 3535h switches it on, else what 607Ah holds
   double upper = kNone;             ///< 607Dh:2
-  double velocity = kNone;          ///< the lower one of 607Fh and 6080h
+  double velocity = kNone;          ///< the lower one of 607Fh and 5E11h, which follows from 6080h
   double acceleration = kNone;      ///< 60C5h
   double deceleration = kNone;      ///< 60C6h
   double ramp = kNone;              ///< the lowest of 6083h, 6084h, 60C5h and 60C6h

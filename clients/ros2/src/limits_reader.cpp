@@ -19,7 +19,7 @@ constexpr double kLowestPosition = std::numeric_limits<std::int32_t>::min();
 constexpr double kHighestPosition = std::numeric_limits<std::int32_t>::max();
 
 constexpr std::array kLimitObjects{"app_speed_limit"_object,
-                                   "motor_max_speed_rpm"_object,
+                                   "motor_speed_limit"_object,
                                    "app_position_limit_switch"_object,
                                    "user_position_lower_limit"_object,
                                    "user_position_upper_limit"_object,
@@ -49,10 +49,8 @@ std::optional<JointLimits> limits_of(const client::Axis& axis, const ServedJoint
   };
   const double unit = joint.si_per_user_unit;
   JointLimits limits;
-  // 6080h counts the revolutions of a minute, 607Fh user units of a second.
-  limits.velocity = std::min(real("app_speed_limit"_object),
-                             real("motor_max_speed_rpm"_object) * kUserUnitsPerRevolution / 60.0) *
-                    unit;
+  limits.velocity =
+      std::min(real("app_speed_limit"_object), real("motor_speed_limit"_object)) * unit;
   limits.acceleration = real("app_acc_limit"_object) * unit;
   limits.deceleration = real("app_dec_limit"_object) * unit;
   limits.ramp = std::min({real("profile_acc"_object) * unit, real("profile_dec"_object) * unit,

@@ -142,11 +142,11 @@ bool has_velocity(const AxisSnapshot& axis) {
 Outcome check_velocity(AxesCall& call, std::int32_t velocity, const VelocityOptions& options,
                        std::int64_t& slowest) {
   std::vector<ObjectAddress> objects(kMoveBounds.begin(), kMoveBounds.end());
-  objects.push_back(vdrive::describe("motor_max_speed_rpm"_object).address);
+  objects.push_back(vdrive::describe("motor_speed_limit"_object).address);
   auto values = call.read(objects);
   if (!values) return values.outcome();
   std::vector<std::int64_t>& bounds = values->front();
-  const std::int64_t highest_rpm = bounds.back();
+  const std::int64_t motor_speed = bounds.back();
   bounds.pop_back();
   bounds[0] = std::abs(std::int64_t{velocity});  // 6081h is of profile position mode
   bounds[1] = options.acceleration.value_or(bounds[1]);
@@ -155,7 +155,7 @@ Outcome check_velocity(AxesCall& call, std::int32_t velocity, const VelocityOpti
   if (velocity == 0) return {};
   if (Outcome good = check_bounds(call.snapshot().id, bounds); !good) return good;
   return check_speed(call.snapshot().id, velocity,
-                     {.app_speed_limit = bounds[3], .motor_max_speed_rpm = highest_rpm});
+                     {.app_speed_limit = bounds[3], .motor_speed_limit = motor_speed});
 }
 
 /// Notices a demand that does not change any more although it goes along a ramp.

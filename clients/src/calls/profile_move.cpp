@@ -51,20 +51,19 @@ Outcome check_speed(const AxisId& axis, std::int64_t velocity, const SpeedLimits
     return above_limit(axis, "velocity", velocity, "app_speed_limit"_object,
                        limits.app_speed_limit);
   }
-  // 6080h bounds the same speed in other units.
-  constexpr double kSecondsAMinute = 60.0;
-  const double highest =
-      static_cast<double>(limits.motor_max_speed_rpm) * kUserUnitsPerRevolution / kSecondsAMinute;
-  if (static_cast<double>(speed) > highest) {
-    return above_limit(axis, "velocity", velocity, "motor_max_speed_rpm"_object,
-                       limits.motor_max_speed_rpm);
+  if (speed > limits.motor_speed_limit) {
+    const Outcome above = above_limit(axis, "velocity", velocity, "motor_speed_limit"_object,
+                                      limits.motor_speed_limit);
+    return not_in_this_state(above.message() + ", which follows from " +
+                             object_text(vdrive::describe("motor_max_speed_rpm"_object).address) +
+                             " and the gear");
   }
   return {};
 }
 
 Outcome ProfileMove::prepare() {
   std::vector<ObjectAddress> objects(kMoveBounds.begin(), kMoveBounds.end());
-  objects.push_back(vdrive::describe("motor_max_speed_rpm"_object).address);
+  objects.push_back(vdrive::describe("motor_speed_limit"_object).address);
   objects.push_back(vdrive::describe("ds402_controlword"_object).address);
   objects.push_back(vdrive::describe("positioning_option_code"_object).address);
   auto values = call_.read(objects);
@@ -74,7 +73,7 @@ Outcome ProfileMove::prepare() {
   bounds_.pop_back();
   controlword_ = static_cast<std::uint16_t>(bounds_.back());
   bounds_.pop_back();
-  const std::int64_t highest_rpm = bounds_.back();
+  const std::int64_t motor_speed = bounds_.back();
   bounds_.pop_back();
   std::vector<std::int64_t> in_force = bounds_;
   in_force[velocity] = options_.velocity.value_or(bounds_[velocity]);
@@ -83,9 +82,8 @@ Outcome ProfileMove::prepare() {
   const AxisId& axis = call_.snapshot().id;
   if (Outcome good = check_bounds(axis, in_force); !good || !options_.velocity) return good;
   // Of its own 6081h the drive takes as much as 607Fh allows; what a call gives is meant.
-  return check_speed(
-      axis, *options_.velocity,
-      {.app_speed_limit = bounds_[highest_speed], .motor_max_speed_rpm = highest_rpm});
+  return check_speed(axis, *options_.velocity,
+                     {.app_speed_limit = bounds_[highest_speed], .motor_speed_limit = motor_speed});
 }
 
 /// The edge of bit 4 with the set-point.

@@ -36,8 +36,8 @@ inline constexpr std::array kMoveBounds = [] {
 
 /// What a speed that a call gives is compared with.
 struct SpeedLimits {
-  std::int64_t app_speed_limit;      ///< 607Fh [UU/s]
-  std::int64_t motor_max_speed_rpm;  ///< 6080h [rpm]
+  std::int64_t app_speed_limit;    ///< 607Fh [UU/s]
+  std::int64_t motor_speed_limit;  ///< 5E11h: 6080h in the same units [UU/s]
 };
 
 /// @param velocity [UU/s]

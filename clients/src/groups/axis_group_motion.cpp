@@ -35,7 +35,7 @@ constexpr ObjectAddress kDecelerationTime =
     vdrive::describe("synchronous_move_deceleration_time"_object).address;
 
 /// What the times of a line depend on, in the order of LimitObject: kMoveBounds, then the others.
-constexpr std::array kOtherLimits{vdrive::describe("motor_max_speed_rpm"_object).address,
+constexpr std::array kOtherLimits{vdrive::describe("motor_speed_limit"_object).address,
                                   vdrive::describe("app_position_limit_switch"_object).address,
                                   vdrive::describe("user_position_lower_limit"_object).address,
                                   vdrive::describe("user_position_upper_limit"_object).address};
@@ -54,7 +54,7 @@ enum LimitObject : std::size_t {
   speed_limit,
   acceleration_limit,
   deceleration_limit,
-  motor_speed_rpm,
+  motor_speed_limit,
   position_limit_switch,
   lower_limit,
   upper_limit,
@@ -65,13 +65,12 @@ MotionLimits limits_from(const std::vector<std::int64_t>& values, const LineRequ
   const auto real = [&values](LimitObject object) {
     return static_cast<double>(values[object]);
   };
-  const double motor_speed = real(motor_speed_rpm) * kUserUnitsPerRevolution / 60.0;
   const auto ramp = [&](LimitObject profile, LimitObject cap) {
     return std::min(real(profile), real(cap));
   };
   return {
       .velocity = request.velocity_factor *
-                  std::min({real(profile_velocity), real(speed_limit), motor_speed}),
+                  std::min({real(profile_velocity), real(speed_limit), real(motor_speed_limit)}),
       .acceleration = request.acceleration_factor * ramp(profile_acceleration, acceleration_limit),
       .deceleration = request.deceleration_factor * ramp(profile_deceleration, deceleration_limit)};
 }

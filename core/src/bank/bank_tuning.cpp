@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bank/bank_state.hpp"
+#include "drive/registers.hpp"
 #include "plant/servo_design.hpp"
 #include "torque_limit.hpp"
 #include "vdrive/plant/model_parameters.hpp"
@@ -44,6 +45,7 @@ void AxisBank::State::apply_gear(std::size_t axis) {
     servo.load_offset[drive.lane()] +=
         (registers.gear_ratio - ratio) * servo.position[drive.lane()];
     registers.gear_ratio = ratio;
+    update_velocity_cap(drive);
     const Block& block = blocks[places[axis].block];
     if (block.coupling == Coupling::rigid) {
       design_lane(model, gear, timing.substep, drive.lane(), rigid.change(block.pool_index));

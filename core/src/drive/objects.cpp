@@ -7,7 +7,9 @@
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 namespace vdrive {
 namespace {
@@ -74,6 +76,13 @@ AbortCode check_value(ObjectRow row, std::int64_t value) {
   }
 }
 
+/// 5E11h: 6080h in the units of 6064h, as far as the object can show it.
+std::int64_t motor_speed_limit(const Drive& drive) {
+  const double limit = velocity_of_motor(drive, real(drive, "motor_max_speed_rpm"_object));
+  const auto highest = static_cast<double>(describe("motor_speed_limit"_object).upper_limit);
+  return static_cast<std::int64_t>(std::min(limit, highest));
+}
+
 }  // namespace
 
 AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept {
@@ -134,6 +143,8 @@ std::int64_t read_object(const Drive& drive, ObjectRow row, AbortCode& code) noe
       return registers.history.count;
     case "dc_link_circuit_voltage"_object:
       return drive.state().faults.dc_link ? registers.values[row] : 0;
+    case "motor_speed_limit"_object:
+      return motor_speed_limit(drive);
     default:
       break;
   }

@@ -43,12 +43,12 @@ void take_control(Drive& drive) {
   seed_target(drive);
 }
 
-/// Transition 4: caps of 607Fh and 6080h come into force, set-points are cleared.
+/// Transition 4: 607Fh and 6080h come into force, set-points are cleared.
 void enable(Drive& drive) {
-  const double motor_cap =
-      real(drive, "motor_max_speed_rpm"_object) * kUserUnitsPerRevolution / 60.0;
-  drive.registers().velocity_cap = std::min(real(drive, "app_speed_limit"_object), motor_cap);
-  drive.servo().speed_limit[drive.lane()] = drive.registers().velocity_cap;
+  drive.registers().speed_limits = {
+      .app_speed_limit = real(drive, "app_speed_limit"_object),
+      .motor_max_speed_rpm = real(drive, "motor_max_speed_rpm"_object)};
+  update_velocity_cap(drive);
   take_control(drive);
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/registers.hpp"
 
+#include <algorithm>
+
 namespace vdrive {
 namespace {
 
@@ -46,6 +48,14 @@ void update_derived(Drive& drive) noexcept {
   drive.servo().blocked[drive.lane()] = reg(drive, "test_blocked_load"_object) != 0 ? 1.0 : 0.0;
   s.attention = true;
   s.plan_due = true;
+}
+
+void update_velocity_cap(Drive& drive) noexcept {
+  DriveRegisters& registers = drive.registers();
+  registers.velocity_cap =
+      std::min(registers.speed_limits.app_speed_limit,
+               velocity_of_motor(drive, registers.speed_limits.motor_max_speed_rpm));
+  drive.servo().speed_limit[drive.lane()] = registers.velocity_cap;
 }
 
 }  // namespace vdrive

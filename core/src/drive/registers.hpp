@@ -74,4 +74,15 @@ inline constexpr std::uint8_t kHomeInput = 1U << 2U;
 /// Puts registers into the form in which the tick uses them; after they were written.
 void update_derived(Drive& drive) noexcept;
 
+/// @return the velocity of 6064h [UU/s] at which the motor turns at `rpm`, not rounded.
+[[nodiscard]] inline double velocity_of_motor(const Drive& drive, double rpm) noexcept {
+  const DriveRegisters& registers = drive.registers();
+  return velocity_of_motor(
+      rpm, registers.single_encoder ? Feedback::single_encoder : Feedback::dual_encoder,
+      registers.gear_ratio);
+}
+
+/// Applies the speed limits in force with the gear in force; after either has changed.
+void update_velocity_cap(Drive& drive) noexcept;
+
 }  // namespace vdrive

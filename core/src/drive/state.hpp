@@ -177,6 +177,12 @@ struct ErrorHistory {
   std::array<std::uint8_t, 7> unused{};
 };
 
+/// The speed limits in force.
+struct SpeedLimits {
+  double app_speed_limit = 0.0;      // 607Fh [UU/s]
+  double motor_max_speed_rpm = 0.0;  // 6080h [rpm]
+};
+
 /// What only writes and plans touch.
 struct DriveRegisters {
   std::array<std::int64_t, kObjectCount> values{};
@@ -185,8 +191,9 @@ struct DriveRegisters {
   ActiveSetPoint set_point;
   IndexPulse index;
   ErrorHistory history;
-  double gear_ratio = 1.0;    // 3576h over 3577h
-  double velocity_cap = 0.0;  // 607Fh and 6080h as they were at transition 4 [UU/s]
+  double gear_ratio = 1.0;     // 3576h over 3577h
+  SpeedLimits speed_limits{};  // as they were at transition 4
+  double velocity_cap = 0.0;   // that follows from them with the gear [UU/s]
   AxisSettings settings;
   bool memory_error = false;    // what was stored cannot be used: fault 5530h at power-up
   bool single_encoder = false;  // 6064h is encoder 1's: both readings share one frame

@@ -10,11 +10,11 @@ namespace vdrive {
 
 /// The object dictionary: each object stands here once. Rows of the manual first name their
 /// category as the manual does; companion rows are those that the drive needs beside them
-/// (CiA 301 communication objects, CiA 402 objects, the test-bench inputs 5E00h..5E09h and the
-/// synchronous move 5E10h).
+/// (CiA 301 communication objects, CiA 402 objects, the test-bench inputs 5E00h..5E09h, the
+/// synchronous move 5E10h and the speed limit of the motor 5E11h).
 /// Sorted by index and sub-index.
 // clang-format off
-inline constexpr std::array<ObjectDescription, 96> kObjectTable{{
+inline constexpr std::array<ObjectDescription, 97> kObjectTable{{
     {{0x1000, 0x00}, "Device Type", "设备类型", "Device", "device_type",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 131474, "-", Origin::companion},
     {{0x1001, 0x00}, "Error Register", "错误寄存器", "Device", "error_register",
@@ -95,6 +95,8 @@ inline constexpr std::array<ObjectDescription, 96> kObjectTable{{
      DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "us", Origin::companion, Role::parameter, Change::nothing},
     {{0x5E10, 0x03}, "Synchronous Move Deceleration Time", "同步移动减速时间", "Service", "synchronous_move_deceleration_time",
      DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "us", Origin::companion, Role::parameter, Change::nothing},
+    {{0x5E11, 0x00}, "Motor Speed Limit", "电机速度限制", "Motor", "motor_speed_limit",
+     DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 136533, "VelUU", Origin::companion},
     {{0x6007, 0x00}, "Abort Connection Option Code", "通信中断选项码", "Service", "abort_connection_option_code",
      DataType::integer16, Access::read_write, Storage::flash, Effective::immediately, 0, 3, 1, "-", Origin::companion},
     {{0x603F, 0x00}, "Error Code", "错误码", "Service", "error_code",

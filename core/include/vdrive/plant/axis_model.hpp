@@ -32,6 +32,18 @@ enum class Feedback : std::uint8_t {
   return feedback == Feedback::single_encoder ? "single_encoder" : "dual_encoder";
 }
 
+/// @param rpm [revolutions of the motor a minute]
+/// @param gear_ratio 3576h over 3577h: turns of the load for one of the motor
+/// @return the same as a velocity of 6064h [UU/s], not rounded. 4096 UU are a revolution of the
+///         shaft whose encoder 6064h reads: with one encoder the motor's, with two the load's (the
+///         manual: load velocity = motor velocity x gear ratio).
+[[nodiscard]] constexpr double velocity_of_motor(double rpm, Feedback feedback,
+                                                 double gear_ratio) noexcept {
+  constexpr double kSecondsAMinute = 60.0;
+  const double ratio = feedback == Feedback::single_encoder ? 1.0 : gear_ratio;
+  return rpm * kUserUnitsPerRevolution / kSecondsAMinute * ratio;
+}
+
 /// Physical parameters of one axis, in SI units. Member initialisers are the default axis: it holds
 /// the manual's examples to the unit at rest. Limits: vdrive/plant/model_parameters.hpp.
 struct AxisModel {
