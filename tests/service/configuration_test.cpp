@@ -491,15 +491,15 @@ TEST(Configuration, RefusesALowerLimitThatIsNotBelowTheUpperOne) {
 
 TEST(Configuration, WarnsOfLimitsThatAreOff) {
   const std::string limit = std::string(kAxisWith) + "      \"0x607D:2\": 200\n";
-  const std::vector<std::string> warnings = limit_warnings(parse(limit));
+  const std::vector<std::string> warnings = start_warnings(parse(limit));
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_EQ(
       warnings[0],
       "axis 1 axis1: user_position_upper_limit = 200 has no effect: app_position_limit_switch "
       "(3535h) is 0");
-  EXPECT_EQ(limit_warnings(parse(limit + "      app_position_limit_switch: 0\n")).size(), 1U);
-  EXPECT_TRUE(limit_warnings(parse(limit + "      app_position_limit_switch: 1\n")).empty());
-  EXPECT_TRUE(limit_warnings(demo_configuration()).empty());
+  EXPECT_EQ(start_warnings(parse(limit + "      app_position_limit_switch: 0\n")).size(), 1U);
+  EXPECT_TRUE(start_warnings(parse(limit + "      app_position_limit_switch: 1\n")).empty());
+  EXPECT_TRUE(start_warnings(demo_configuration()).empty());
 }
 
 /// @return the example of docs/guides/configuration.md: its first block of YAML.
@@ -517,7 +517,7 @@ std::string documented_example() {
 
 TEST(Configuration, OfTheGuideHasNoWarningAndItsLimitsAreInForce) {
   const Configuration example = parse(documented_example());
-  EXPECT_TRUE(limit_warnings(example).empty());
+  EXPECT_TRUE(start_warnings(example).empty());
   const std::vector<AxisConfiguration> axes = bank_axes(example);
   AxisBank bank(axes, example.period);
   EXPECT_EQ(bank.read(0, {0x3535, 0}).value, 1);

@@ -4,6 +4,7 @@
 #include "values/value.hpp"
 #include "vdrive/client/bench.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/quantity.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -12,19 +13,15 @@
 
 namespace vdrive::tool {
 
-/// What a quantity measures.
-enum class Dimension : std::uint8_t { position, velocity, acceleration };
-
 /// A position, a speed or a ramp as it was typed. The unit of its axis converts it to user units.
 struct Quantity {
   std::string text;
   Dimension dimension = Dimension::position;
   DataType type = DataType::integer32;  ///< that has to hold it
-  double value = 0.0;
-  std::string unit;  ///< of the position, without "/s" or "/s2"; "UU" where none was typed
+  WrittenQuantity written;
 
   /// @return whether every axis takes it for the same number: in user units.
-  [[nodiscard]] bool is_in_user_units() const { return unit == "UU"; }
+  [[nodiscard]] bool is_in_user_units() const { return written.is_in_user_units(); }
 };
 
 /// @param text a number such as -500, 1e4, 0xFFFFD8F0 (two's complement of `type`), with or
@@ -56,8 +53,5 @@ struct Quantity {
 ///         does not hold the value.
 [[nodiscard]] std::int64_t user_units_of(const Quantity& quantity, const client::Unit& unit,
                                          std::string_view axis);
-
-/// @return what the object measures; nothing where it is no position, speed or ramp.
-[[nodiscard]] std::optional<Dimension> dimension_of(ObjectRow row);
 
 }  // namespace vdrive::tool

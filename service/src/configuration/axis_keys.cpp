@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The keys of an axis: `axes[]` of a configuration.
+#include "configuration/axis_units.hpp"
 #include "configuration/configuration_keys.hpp"
+#include "configuration/mechanics.hpp"
 #include "settings/unit_settings.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
@@ -20,6 +22,8 @@ using settings::write_unit;
 
 constexpr std::int64_t kHighestAxisNumber = kAxisNumbers - 1;
 constexpr std::int64_t kLongestDwell = 65'535;
+constexpr IntegerLimits kPositions{std::numeric_limits<std::int32_t>::min(),
+                                   std::numeric_limits<std::int32_t>::max(), "user units"};
 
 // ---- settings ----------------------------------------------------------------------------------
 
@@ -160,15 +164,36 @@ void check_is_parameter(const ObjectDescription& object, const YamlValue& value)
                "inputs, such as test_load_torque");
 }
 
-void read_parameters(const YamlValue& value, std::vector<InitialValue>& parameters) {
+/// @return [units of the object] a number within its limits; positions, speeds and ramps may have a
+///         unit of the axis.
+std::int64_t read_value(const ObjectDescription& object, ObjectRow row, const YamlValue& value,
+                        const Unit& unit) {
+  const std::string units = object.units == "-" ? std::string() : english_units(object);
+  const settings::IntegerLimits limits{object.lower_limit, object.upper_limit, units};
+  const auto dimension = dimension_of(row);
+  return dimension ? read_user_units(value, *dimension, unit, limits) : value.integer(limits);
+}
+
+/// What `mechanics` decides stands there, or is the same in both places.
+void check_against_mechanics(const ObjectDescription& object, std::int64_t value,
+                             const YamlValue& place, std::span<const InitialValue> decided) {
+  const auto other = std::ranges::find(decided, object.address, &InitialValue::address);
+  if (other == decided.end() || other->value == value) return;
+  place.refuse("contradicts mechanics, from which " + std::string(object.variable_name) + " = " +
+               std::to_string(other->value) + " follows");
+}
+
+/// @param axis has its unit and what `mechanics` decides
+void read_parameters(const YamlValue& value, NamedAxis& axis) {
+  std::vector<InitialValue>& parameters = axis.configuration.parameters;
+  const std::vector<InitialValue> decided = parameters;
   std::map<ObjectAddress, PlacedValue> values;
   value.for_each_entry({}, [&](const auto& key, const YamlValue& entry) {
     const auto row = find_row(key);
     if (!row) entry.refuse(R"(no such object; write its variable_name, "0x6081" or "0x607D:1")");
     const ObjectDescription& object = describe(*row);
     check_is_parameter(object, entry);
-    const std::string units = object.units == "-" ? std::string() : english_units(object);
-    const std::int64_t number = entry.integer({object.lower_limit, object.upper_limit, units});
+    const std::int64_t number = read_value(object, *row, entry, axis.unit);
     if (const AbortCode code = check_write(*row, number); code != AbortCode::none) {
       entry.refuse(std::string(describe(code)));
     }
@@ -178,6 +203,7 @@ void read_parameters(const YamlValue& value, std::vector<InitialValue>& paramete
                    std::to_string(first->second.value) + " in line " +
                    std::to_string(first->second.place.line()));
     }
+    check_against_mechanics(object, number, entry, decided);
     parameters.push_back({object.address, number});
   });
   check_software_limits(values);
@@ -243,13 +269,24 @@ constexpr auto kAxisRows = std::to_array<ConfigurationRow<NamedAxis>>({
            write_unit(out, axis.unit);
          },
      .describe = describe_unit},
+    {.key = "mechanics",
+     .read =
+         [](const YamlValue& value, NamedAxis& axis) {
+           read_mechanics(value, axis);
+         },
+     .write = [](YAML::Emitter& /*out*/, const NamedAxis& /*axis*/) {},
+     .is_printed =
+         [](const NamedAxis& /*axis*/) {
+           return false;  // what follows from it is printed
+         },
+     .describe = describe_mechanics},
     {.key = "initial_position",
-     .what = "At the first power-up, in user units.",
-     .limits = IntegerLimits{std::numeric_limits<std::int32_t>::min(),
-                             std::numeric_limits<std::int32_t>::max(), "user units"},
-     .set =
-         [](NamedAxis& axis, std::int64_t value) {
-           axis.configuration.initial_position = static_cast<std::int32_t>(value);
+     .what = "At the first power-up, {} user units, or with a unit of the axis, such as 25mm.",
+     .limits = kPositions,
+     .read =
+         [](const YamlValue& value, NamedAxis& axis) {
+           axis.configuration.initial_position = static_cast<std::int32_t>(
+               read_user_units(value, Dimension::position, axis.unit, kPositions));
          },
      .write =
          [](YAML::Emitter& out, const NamedAxis& axis) {
@@ -282,14 +319,14 @@ constexpr auto kAxisRows = std::to_array<ConfigurationRow<NamedAxis>>({
            describe_model(prefix + ".", keys);
          }},
     {.key = "parameters",
-     .what =
-         "Map of objects to the values that they have from power-up on, by variable_name, name "
-         "in CiA 402 or address, such as profile_velocity: 68267 and \"0x607D:1\": -100000. The "
-         "gear is load turns over motor turns: gear_ratio_numerator: 1 with "
-         "gear_ratio_denominator: 10 is a gear that reduces ten to one.",
+     .what = "Map of objects to the values that they have from power-up on, by variable_name, name "
+             "in CiA 402 or address, such as profile_velocity: 68267 and \"0x607D:1\": -100000. "
+             "Positions, speeds and ramps may have a unit of the axis: 250mm/s. The "
+             "gear is load turns over motor turns: gear_ratio_numerator: 1 with "
+             "gear_ratio_denominator: 10 is a gear that reduces ten to one.",
      .read =
          [](const YamlValue& value, NamedAxis& axis) {
-           read_parameters(value, axis.configuration.parameters);
+           read_parameters(value, axis);
          },
      .write =
          [](YAML::Emitter& out, const NamedAxis& axis) {

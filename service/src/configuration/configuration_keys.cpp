@@ -2,6 +2,7 @@
 // The keys of a configuration, section by section.
 #include "configuration/configuration_keys.hpp"
 
+#include "configuration/mechanics.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
@@ -11,7 +12,11 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <optional>
 #include <set>
+#include <string>
+#include <string_view>
 
 namespace vdrive::service {
 namespace {
@@ -99,9 +104,40 @@ void describe_rows(const std::string& prefix, std::vector<ConfigurationKey>& key
   describe_section<Owner>(prefix + ".", kRows, keys);
 }
 
+/// Keys of an axis that are read last, in this order: what `mechanics` gives depends on the model,
+/// and the others may be written in the unit that follows from it.
+constexpr std::array<std::string_view, 3> kLastKeys{"mechanics", "initial_position", "parameters"};
+
+/// `mechanics` decides the unit of its axis.
+void check_unit(const YamlValue& place, const Unit& written, const Unit& unit) {
+  if (written == unit) return;
+  place.refuse("contradicts mechanics, from which {kind: " + std::string(to_string(unit.kind)) +
+               ", name: " + unit.name +
+               (unit.kind == UnitKind::linear ? ", per_unit: " : ", per_revolution: ") +
+               to_text(unit.size) + "} follows; leave it out");
+}
+
 NamedAxis read_axis(const YamlValue& value) {
   NamedAxis axis;
-  read_section(value, axis_rows(), axis);
+  std::map<std::string, YamlValue> last;
+  std::optional<YamlValue> unit;
+  value.for_each_entry(keys_of(axis_rows()), [&](const std::string& key, const YamlValue& entry) {
+    if (key == "unit") unit.emplace(entry);
+    if (std::ranges::find(kLastKeys, key) != kLastKeys.end()) {
+      last.emplace(key, entry);
+    } else {
+      read_key(row_of_known(axis_rows(), key), entry, axis);
+    }
+  });
+  const Unit written = axis.unit;
+  for (const std::string_view key : kLastKeys) {
+    const auto entry = last.find(std::string(key));
+    if (entry != last.end()) read_key(row_of_known(axis_rows(), key), entry->second, axis);
+  }
+  if (last.contains("mechanics")) {
+    if (unit) check_unit(*unit, written, axis.unit);
+    complete_speeds(axis.configuration);
+  }
   if (axis.number == 0) value.refuse("an axis needs a number");
   if (axis.name.empty()) axis.name = "axis" + std::to_string(axis.number);
   return axis;

@@ -5,6 +5,7 @@
 #include "configuration/configuration_file.hpp"
 #include "configuration/configuration_help.hpp"
 #include "configuration/configuration_warnings.hpp"
+#include "configuration/mechanics.hpp"
 #include "journal/journal.hpp"
 #include "journal/replay.hpp"
 #include "program/service.hpp"
@@ -366,10 +367,11 @@ int carry_out(const Arguments& arguments) {
     for (const std::string& warning : loop_warnings(*arguments.check)) {
       std::cerr << "vdrived: warning: " << warning << '\n';
     }
-    for (const std::string& warning : limit_warnings(configuration)) {
+    for (const std::string& warning : start_warnings(configuration)) {
       std::cerr << "vdrived: warning: " << escaped(*arguments.check, kShownOfMessage) << ": "
                 << warning << '\n';
     }
+    for (const std::string& line : mechanics_table(configuration)) std::cout << line << '\n';
     std::cout << escaped(*arguments.check, kShownOfMessage) << ": good\n";
     return kDone;
   }

@@ -125,7 +125,7 @@ void BenchRun::start() {
            to_string(configuration_.clock), configuration_.period.count(),
            configuration_.network.domain,
            configuration_.network.security.empty() ? "open" : "closed", identity_.incarnation);
-  for (const std::string& warning : limit_warnings(configuration_)) {
+  for (const std::string& warning : start_warnings(configuration_)) {
     log_warning("bench={} configuration=\"{}\"", identity_.bench, warning);
   }
 }

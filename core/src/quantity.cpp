@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/quantity.hpp"
+
+#include "vdrive/assert.hpp"
+#include "vdrive/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <stdexcept>
+#include <system_error>
+
+namespace vdrive {
+namespace {
+
+constexpr double kSecondsAMinute = 60.0;
+constexpr std::string_view kUserUnit = "UU";
+constexpr std::string_view kTurnsAMinute = "rpm";
+
+/// How a dimension is called and written.
+struct DimensionWords {
+  std::string_view name;
+  std::string_view units;                   ///< the prefixes of ObjectDescription::units
+  std::array<std::string_view, 3> endings;  ///< behind the unit of a position; the first is shown
+  std::string_view example;
+};
+
+constexpr std::array kDimensions{
+    DimensionWords{"position", "Pos", {"", "", ""}, "1024, 90deg or 12.5mm"},
+    DimensionWords{"speed", "Vel", {"/s", "/s", "/s"}, "1000, 180deg/s or 5mm/s"},
+    DimensionWords{"ramp", "Acc", {"/s2", "/s^2", "/s\u00B2"}, "6000, 900deg/s2 or 50mm/s2"}};
+
+const DimensionWords& words_of(Dimension dimension) {
+  const auto row = static_cast<std::size_t>(dimension);
+  ensure(row < kDimensions.size(), "each dimension has a row");
+  return kDimensions[row];
+}
+
+[[noreturn]] void refuse_text(std::string_view text, Dimension dimension) {
+  const DimensionWords& words = words_of(dimension);
+  throw std::invalid_argument(in_quotes(text) + " is not a " + std::string(words.name) +
+                              ": write for example " + std::string(words.example));
+}
+
+/// A drive has no half of a user unit: it would do something else than was written.
+[[noreturn]] void refuse_fraction(std::string_view text, Dimension dimension) {
+  throw std::invalid_argument(
+      in_quotes(text) +
+      " is a fraction: user units are whole numbers; a value with a unit of the axis, "
+      "for example " +
+      std::string(words_of(dimension).example) + ", is rounded to them");
+}
+
+/// @return the unit of the position behind the number.
+std::string unit_of(std::string_view suffix, std::string_view text, Dimension dimension) {
+  suffix.remove_prefix(std::min(suffix.find_first_not_of(' '), suffix.size()));
+  if (suffix.empty()) return std::string(kUserUnit);
+  if (dimension == Dimension::velocity && suffix == kTurnsAMinute) return std::string(suffix);
+  const auto& endings = words_of(dimension).endings;
+  const auto ending = std::ranges::find_if(endings, [suffix](std::string_view each) {
+    return suffix.ends_with(each);
+  });
+  if (ending == endings.end()) refuse_text(text, dimension);
+  suffix.remove_suffix(ending->size());
+  if (suffix.empty() || suffix.find('/') != std::string_view::npos) refuse_text(text, dimension);
+  return std::string(suffix);
+}
+
+}  // namespace
+
+WrittenQuantity read_quantity(std::string_view text, Dimension dimension) {
+  WrittenQuantity quantity;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, quantity.value);
+  // from_chars takes "inf" and "nan" too, and what no double holds is none of these quantities.
+  if (error != std::errc{} || !std::isfinite(quantity.value)) refuse_text(text, dimension);
+  quantity.unit = unit_of({stop, static_cast<std::size_t>(end - stop)}, text, dimension);
+  const bool is_fraction = quantity.value != std::trunc(quantity.value);
+  if (quantity.is_in_user_units() && is_fraction) refuse_fraction(text, dimension);
+  return quantity;
+}
+
+std::optional<double> to_user_units(const WrittenQuantity& quantity, const Unit& unit) {
+  const bool counts_turns = quantity.unit == kTurnsAMinute;
+  const auto size = user_units_in(unit, counts_turns ? "rev" : std::string_view(quantity.unit));
+  if (!size) return std::nullopt;
+  return quantity.value * (counts_turns ? *size / kSecondsAMinute : *size);
+}
+
+std::string list_of_units(Dimension dimension, const Unit& unit) {
+  const std::string ending(unit_ending(dimension));
+  std::string list;
+  for (const std::string& name : units_of(unit)) list += escaped(name) + ending + ", ";
+  const bool has_turns = dimension == Dimension::velocity && unit.kind == UnitKind::rotary;
+  if (has_turns) list.append(kTurnsAMinute).append(", ");
+  return list.append(kUserUnit).append(ending);
+}
+
+std::string_view unit_ending(Dimension dimension) noexcept {
+  return words_of(dimension).endings.front();
+}
+
+std::optional<Dimension> dimension_of(ObjectRow row) noexcept {
+  const std::string_view units = describe(row).units;
+  if (units == "p") return Dimension::position;  // 607Dh, as the manual has it
+  for (const Dimension dimension :
+       {Dimension::position, Dimension::velocity, Dimension::acceleration}) {
+    if (units.starts_with(words_of(dimension).units)) return dimension;
+  }
+  return std::nullopt;
+}
+
+}  // namespace vdrive

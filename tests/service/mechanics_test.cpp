@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "configuration/mechanics.hpp"
+
+#include "configuration/axis_units.hpp"
+#include "configuration/configuration_file.hpp"
+#include "configuration/configuration_warnings.hpp"
+#include "vdrive/axis_bank.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace vdrive::service {
+namespace {
+
+using namespace vdrive::literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Configuration parse(const std::string& text) {
+  return parse_configuration(text, "bench.yaml");
+}
+
+/// @return the axis of a bench with one; `rest` has its other keys.
+NamedAxis axis_with(const std::string& mechanics, const std::string& rest = "") {
+  return parse("axes:\n  - number: 1\n    mechanics: " + mechanics + "\n" + rest).axes.front();
+}
+
+std::string refusal_of(const std::string& mechanics, const std::string& rest = "") {
+  try {
+    static_cast<void>(axis_with(mechanics, rest));
+  } catch (const ConfigurationError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+// 4096 UU a turn of the load over 5 mm are 819.2 UU/mm. 2000 rpm of the motor are 200 rpm of the
+// screw: 200 x 4096 / 60 = 13653.3 UU/s. The ramps of the default axis, a tenth of them.
+TEST(Mechanics, OfAScrewGiveUnitGearAndSpeeds) {
+  const NamedAxis axis = axis_with("{screw: {pitch: 5mm}, gear: 10:1}");
+  EXPECT_EQ(axis.unit, (Unit{.kind = UnitKind::linear, .name = "mm", .size = 819.2}));
+  const AxisConfiguration& configuration = axis.configuration;
+  EXPECT_EQ(value_at_start(configuration, "gear_ratio_numerator"_object), 1);
+  EXPECT_EQ(value_at_start(configuration, "gear_ratio_denominator"_object), 10);
+  EXPECT_EQ(value_at_start(configuration, "app_speed_limit"_object), 13'653);
+  EXPECT_EQ(value_at_start(configuration, "profile_velocity"_object), 6'826);
+  EXPECT_EQ(value_at_start(configuration, "profile_acc"_object), 40'960);
+  EXPECT_EQ(value_at_start(configuration, "quick_stop_deceleration"_object), 204'800);
+  EXPECT_EQ(value_at_start(configuration, "homing_speed_search"_object), 3'413);
+  const AxisBank bank(std::span(&configuration, 1), std::chrono::microseconds{1'000});
+  EXPECT_EQ(bank.read(0, {0x5E11, 0}).value, 13'653) << "what the drive makes of it";
+}
+
+// 6064h counts at the motor: 40960 UU a turn of the screw, and the motor's speeds are as ever.
+TEST(Mechanics, OfAnAxisWithOneEncoderCountAtItsMotor) {
+  const NamedAxis axis = axis_with("{screw: {pitch: 5mm, starts: 2}, gear: 10:1}",
+                                   "    model: {feedback: single_encoder}\n");
+  EXPECT_DOUBLE_EQ(axis.unit.size, 4'096.0);  // 40960 UU over 10 mm
+  EXPECT_EQ(value_at_start(axis.configuration, "app_speed_limit"_object), 136'533);
+  EXPECT_EQ(value_at_start(axis.configuration, "profile_acc"_object), 409'600);
+}
+
+TEST(Mechanics, OfBeltRackAndTableFollowTheirCircumference) {
+  EXPECT_DOUBLE_EQ(axis_with("{belt: {teeth: 20, pitch: 5mm}}").unit.size, 40.96);
+  EXPECT_DOUBLE_EQ(axis_with("{rack: {diameter: 4cm}}").unit.size,
+                   4'096.0 / 4.0 / std::numbers::pi);
+  EXPECT_EQ(axis_with("{rack: {diameter: 4cm}}").unit.name, "cm");
+  EXPECT_EQ(axis_with("{rotary_table: deg, gear: 50:1}").unit, Unit());
+}
+
+// 10 mm are 8192 UU, 300 mm are 245760 UU.
+TEST(Mechanics, MayHaveSoftwareLimitsInUnits) {
+  const NamedAxis axis = axis_with("{screw: {pitch: 5mm}, software_limit: [-10mm, 0.3m]}");
+  EXPECT_EQ(value_at_start(axis.configuration, "user_position_lower_limit"_object), -8'192);
+  EXPECT_EQ(value_at_start(axis.configuration, "user_position_upper_limit"_object), 245'760);
+  EXPECT_EQ(value_at_start(axis.configuration, "app_position_limit_switch"_object), 1);
+}
+
+// 5 mm/s are a turn a second, 4096 UU/s.
+TEST(Mechanics, LetParametersBeWrittenInUnits) {
+  const NamedAxis axis =
+      axis_with("{screw: {pitch: 5mm}}",
+                "    initial_position: 10mm\n"
+                "    parameters: {profile_velocity: 5mm/s, profile_acc: 0.05m/s2, "
+                "app_speed_limit: 8192}\n");
+  EXPECT_EQ(axis.configuration.initial_position, 8'192);
+  EXPECT_EQ(value_at_start(axis.configuration, "profile_velocity"_object), 4'096);
+  EXPECT_EQ(value_at_start(axis.configuration, "profile_acc"_object), 40'960);
+  EXPECT_EQ(value_at_start(axis.configuration, "app_speed_limit"_object), 8'192);
+}
+
+TEST(Mechanics, ReadTheirKeysInAnyOrder) {
+  const NamedAxis axis = parse(
+                             "axes:\n"
+                             "  - parameters: {profile_velocity: 5mm/s}\n"
+                             "    initial_position: 5mm\n"
+                             "    mechanics: {software_limit: [0mm, 5mm], screw: {pitch: 5mm}}\n"
+                             "    model: {feedback: single_encoder}\n"
+                             "    number: 3\n")
+                             .axes.front();
+  EXPECT_EQ(axis.configuration.initial_position, 4'096);
+  EXPECT_EQ(value_at_start(axis.configuration, "profile_velocity"_object), 4'096);
+}
+
+TEST(Mechanics, ArePrintedAsWhatFollowsFromThem) {
+  const Configuration read =
+      parse("axes: [{number: 1, mechanics: {belt: {diameter: 40mm}, gear: 3:1}}]");
+  const Configuration again = parse(to_yaml(read));
+  EXPECT_EQ(again.axes[0].unit, read.axes[0].unit);
+  EXPECT_EQ(to_yaml(again), to_yaml(read));
+  EXPECT_EQ(value_at_start(again.axes[0].configuration, "app_speed_limit"_object), 45'511);
+}
+
+TEST(Mechanics, ThatAreNoMechanicsAreRefusedWithLineValueAndExample) {
+  const std::string place = "bench.yaml:3: axes[0].mechanics";
+  EXPECT_THAT(refusal_of("{gear: 2:1}"), HasSubstr(place + ": must have exactly one of screw"));
+  EXPECT_THAT(refusal_of("{screw: {pitch: 5mm}, rotary_table: deg}"), HasSubstr("exactly one"));
+  EXPECT_EQ(refusal_of("{screw: {}}"),
+            place + ".screw: a screw needs its pitch, such as {pitch: 5mm}");
+  for (const char* const pitch : {"5", "0mm", "-5mm", "5deg", "mm", "1e400mm"}) {
+    EXPECT_EQ(refusal_of(std::string("{screw: {pitch: ") + pitch + "}}"),
+              place + ".screw.pitch = " + pitch +
+                  ": must be a length above 0 with its unit, such as 5mm (m, cm, mm, um)");
+  }
+  for (const char* const gear : {"10", "0:1", "1:0", "10:1:1", "2.5:1", "4294967296:1"}) {
+    EXPECT_THAT(refusal_of(std::string("{rotary_table: deg, gear: \"") + gear + "\"}"),
+                HasSubstr(place + ".gear = " + gear + ": must be turns of the motor"));
+  }
+  EXPECT_THAT(refusal_of("{belt: {teeth: 20}}"), HasSubstr("needs either the diameter"));
+  EXPECT_THAT(refusal_of("{belt: {diameter: 4cm, teeth: 20, pitch: 5mm}}"),
+              HasSubstr("needs either the diameter"));
+  EXPECT_THAT(refusal_of("{rotary_table: mm}"), HasSubstr("deg, rad or rev"));
+  EXPECT_THAT(refusal_of("{screw: {pitch: 1e12m}}"), HasSubstr("would have 4.096e-09 user units"));
+}
+
+TEST(Mechanics, RefuseWhatContradictsThemWithBothValues) {
+  EXPECT_EQ(
+      refusal_of("{screw: {pitch: 5mm}}", "    unit: {kind: linear, name: mm, per_unit: 1000}\n"),
+      "bench.yaml:4: axes[0].unit: contradicts mechanics, from which {kind: linear, name: mm, "
+      "per_unit: 819.2} follows; leave it out");
+  EXPECT_EQ(refusal_of("{screw: {pitch: 5mm}, gear: 10:1}",
+                       "    parameters: {gear_ratio_denominator: 5}\n"),
+            "bench.yaml:4: axes[0].parameters.gear_ratio_denominator = 5: contradicts mechanics, "
+            "from which gear_ratio_denominator = 10 follows");
+  EXPECT_EQ(
+      refusal_of("{screw: {pitch: 5mm}}", "    unit: {kind: linear, name: mm, per_unit: 819.2}\n"),
+      "accepted");
+  EXPECT_THAT(refusal_of("{screw: {pitch: 5mm}, software_limit: [3mm, 2mm]}"),
+              HasSubstr("the lower limit, 2458 UU, must be below the upper one, 1638 UU"));
+  EXPECT_THAT(refusal_of("{screw: {pitch: 5mm}, software_limit: [3mm]}"),
+              HasSubstr("such as [-10mm, 300mm]"));
+}
+
+// 5 mm over 4096 are 1.2207 um.
+TEST(Mechanics, RefuseAFinerResolutionThanThatOfAUserUnit) {
+  EXPECT_EQ(refusal_of("{screw: {pitch: 5mm}, resolution: 1um}"),
+            "bench.yaml:3: axes[0].mechanics.resolution = 1um: is finer than a user unit, which is "
+            "1.2207 um: a turn of the load has 4096 user units");
+  EXPECT_EQ(refusal_of("{screw: {pitch: 5mm}, resolution: 1.3um}"), "accepted");
+  EXPECT_THAT(refusal_of("{screw: {pitch: 5mm}, resolution: 2}"), HasSubstr("with its unit"));
+  EXPECT_THAT(refusal_of("{rotary_table: deg, resolution: 1um}"), HasSubstr("the axis has deg"));
+}
+
+TEST(Mechanics, NameTheUnitsOfTheAxisWhereAnotherOneIsWritten) {
+  EXPECT_EQ(
+      refusal_of("{screw: {pitch: 5mm}}", "    parameters: {profile_velocity: 5deg/s}\n"),
+      "bench.yaml:4: axes[0].parameters.profile_velocity = 5deg/s: the axis has no such unit; "
+      "it has mm/s, m/s, cm/s, um/s, UU/s");
+  EXPECT_EQ(
+      refusal_of("{screw: {pitch: 5mm}}", "    parameters: {profile_velocity: fast}\n"),
+      "bench.yaml:4: axes[0].parameters.profile_velocity = fast: must be a whole number from 0 "
+      "to 4294967295 UU/s, or a value with a unit of the axis: mm/s, m/s, cm/s, um/s, UU/s");
+  EXPECT_THAT(refusal_of("{screw: {pitch: 5mm}}", "    initial_position: 5km\n"),
+              HasSubstr("the axis has no such unit; it has mm, m, cm, um, UU"));
+  EXPECT_THAT(refusal_of("{screw: {pitch: 5mm}}", "    initial_position: 1e9mm\n"),
+              HasSubstr("is 819200000000 UU: must be from -2147483648 to 2147483647 UU"));
+}
+
+// The default axis: 2000 rpm are 12000 deg/s, but 607Fh = 136533 UU/s cuts the last 0.03 deg/s.
+TEST(Mechanics, AreATableWithALineForAxesThatAreAlike) {
+  const Configuration bench = parse(
+      "axes:\n"
+      "  - {number: 1, mechanics: &screw {screw: {pitch: 5mm}, gear: 10:1, software_limit: [-10mm, "
+      "300mm]}}\n"
+      "  - {number: 2, mechanics: *screw}\n"
+      "  - {number: 3}\n"
+      "  - {number: 4, mechanics: *screw}\n"
+      "  - {number: 5, mechanics: *screw}\n");
+  EXPECT_THAT(
+      mechanics_table(bench),
+      ElementsAre(
+          "axes      a turn of the load  a user unit    highest speed  gear  software limits",
+          "1-2, 4-5  5 mm                1.2207 um      16.6663 mm/s   10:1  -10.000 mm to 300.000 "
+          "mm",
+          "3         360 deg             0.0878906 deg  12000 deg/s    1:1   none"));
+}
+
+TEST(Mechanics, AreAdvisedWhereAUnitContradictsTheDrive) {
+  EXPECT_THAT(
+      start_warnings(parse("axes: [{number: 1, unit: {kind: rotary, per_revolution: 36000}}]")),
+      ElementsAre(
+          "axis 1 axis1: unit says per_revolution = 36000, but a revolution of the load has "
+          "4096 user units: every angle is shown wrong; write mechanics: {rotary_table: "
+          "deg} instead of unit"));
+  EXPECT_THAT(start_warnings(parse("axes: [{number: 1, mechanics: {rotary_table: deg}}]")),
+              IsEmpty());
+  EXPECT_THAT(
+      start_warnings(parse("axes: [{number: 1, mechanics: {rotary_table: rev, gear: 5:1}, model: "
+                           "{feedback: single_encoder}}]")),
+      IsEmpty());
+}
+
+// 2000 rpm behind a gear of ten to one: 13653.3 UU/s.
+TEST(Mechanics, WarnOfASpeedLimitThatTheMotorDoesNotReach) {
+  const std::string axis =
+      "axes: [{number: 1, parameters: {gear_ratio_denominator: 10, app_speed_limit: ";
+  EXPECT_THAT(start_warnings(parse(axis + "13654}}]")),
+              ElementsAre("axis 1 axis1: app_speed_limit = 13654 is above the 13653 UU/s at which "
+                          "the motor turns at motor_max_speed_rpm (6080h) = 2000: the lower one "
+                          "holds"));
+  EXPECT_THAT(start_warnings(parse(axis + "13653}}]")), IsEmpty());
+}
+
+}  // namespace
+}  // namespace vdrive::service
