@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clients in other languages are written from docs/reference/wire.md: its bytes are
 // those of the real encoder, and no constant or topic of the contract is left out.
+#include "vdrive/event_kind.hpp"
 #include "vdrive/wire/topics.hpp"
 #include "vdrive_messages.h"
 
@@ -8,6 +9,10 @@
 #include <fastcdr/FastBuffer.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <iomanip>
@@ -199,6 +204,21 @@ TEST(NetworkInterfacePage, HasARowForEveryTopic) {
     ++topics;
   }
   EXPECT_GE(topics, 10U);
+}
+
+TEST(NetworkInterfacePage, HasTheSeverityOfEveryKindOfEvent) {
+  constexpr std::array kWords{"info", "warning", "error"};  // in the order of EventSeverity
+  const std::string text = page();
+  for (const EventKindRow& row : kEventKinds) {
+    std::string name(row.name);
+    std::ranges::transform(name, name.begin(), [](unsigned char letter) {
+      return static_cast<char>(std::toupper(letter));
+    });
+    const std::string cells = "| " + std::to_string(static_cast<std::uint32_t>(row.kind)) +
+                              " | `EVENT_" + name + "` | " +
+                              kWords.at(static_cast<std::size_t>(row.severity)) + " |";
+    EXPECT_NE(text.find(cells), std::string::npos) << cells;
+  }
 }
 
 }  // namespace
