@@ -67,12 +67,12 @@ TEST(EventWords, NameTheSessionThatStoppedAnAxisAndItsOwner) {
                    .code = 0x0002,
                    .detail = Label{0xA11CE}};
   EXPECT_EQ(words_of(stop),
-            "axis 2: quick stop by session 0x0000000000000B0B; session 0x00000000000A11CE stays in "
+            "axis 2: quick stop by session 0x0000000000000b0b; session 0x00000000000a11ce stays in "
             "control");
   stop.code = 0x013F;  // bit 8
   stop.session = 0;
   EXPECT_EQ(words_of(stop),
-            "axis 2: halted by a client without a session; session 0x00000000000A11CE stays in "
+            "axis 2: halted by a client without a session; session 0x00000000000a11ce stays in "
             "control");
 }
 

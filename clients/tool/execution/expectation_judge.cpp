@@ -111,7 +111,7 @@ Outcome ExpectationJudge::check_control(const client::AxisSnapshot& axis) {
   if (!held_.contains(axis.id)) return {};
   const std::string owner = axis.owner_session == 0
                                 ? "no session controls it"
-                                : "session " + hex(axis.owner_session, 16) + " controls it";
+                                : "session " + session_text(axis.owner_session) + " controls it";
   return Outcome::lost("axis " + to_string(axis.id) + " was lost: " + owner + " at tick " +
                        std::to_string(axis.tick) + ", it " + client::what_it_shows(axis));
 }

@@ -59,7 +59,7 @@ Json event_json(const Event& event) {
           {"kind", to_string(event.kind)},
           {"code", event.code},
           {"error_register", event.error_register},
-          {"session", event.session == 0 ? Json(nullptr) : Json(hex(event.session, 16))},
+          {"session", event.session == 0 ? Json(nullptr) : Json(session_text(event.session))},
           {"suppressed", event.suppressed},
           {"text", event.text}};
 }

@@ -44,14 +44,14 @@ std::string who(const EventRecord& event) {
 
 std::string control_text(const EventRecord& event) {
   const std::string axes = event.axis != 0 ? "" : counted(event, "axis ", "axes ");
-  if (event.code == 0) return axes + "released by session " + hex(event.session, 16);
-  return axes + "controlled by session " + hex(event.session, 16) + " in epoch " +
+  if (event.code == 0) return axes + "released by session " + session_text(event.session);
+  return axes + "controlled by session " + session_text(event.session) + " in epoch " +
          std::to_string(event.code);
 }
 
 std::string lost_text(const EventRecord& event) {
   const auto [count, silence_ms] = detail_of<LostAxes>(event);
-  return "nothing was received from session " + hex(event.session, 16) + " for " +
+  return "nothing was received from session " + session_text(event.session) + " for " +
          std::to_string(silence_ms) + " ms; " +
          vdrive::counted(count, "axis lost its", "axes lost their") + " master";
 }
@@ -60,11 +60,11 @@ std::string refusal_text(const EventRecord& event) {
   const auto [number, late_by] = detail_of<RefusedMessage>(event);
   const std::string late = late_by == 0 ? "" : ", late by " + std::to_string(late_by) + " ticks";
   return "refused: " + wire::describe_reason(event.code) + late + " (session " +
-         hex(event.session, 16) + ", number " + std::to_string(number) + ")";
+         session_text(event.session) + ", number " + std::to_string(number) + ")";
 }
 
 std::string clock_text(const EventRecord& event) {
-  const std::string session = "session " + hex(event.session, 16);
+  const std::string session = "session " + session_text(event.session);
   switch (event.code) {
     case msg::REQUEST_SET_RATE: {
       const double rate = detail_of<NewRate>(event).value;
@@ -98,8 +98,8 @@ std::string wall_clock_text(const EventRecord& event) {
 std::string stop_text(const EventRecord& event) {
   const std::string how = (event.code & Controlword::kHalt) != 0 ? "halted" : "quick stop";
   const std::string by =
-      event.session == 0 ? "a client without a session" : "session " + hex(event.session, 16);
-  return how + " by " + by + "; session " + hex(detail_of<Label>(event).value, 16) +
+      event.session == 0 ? "a client without a session" : "session " + session_text(event.session);
+  return how + " by " + by + "; session " + session_text(detail_of<Label>(event).value) +
          " stays in control";
 }
 
@@ -237,7 +237,7 @@ std::string log_line(std::uint32_t bench, const EventRecord& event, std::uint32_
   std::string line = "event=" + std::string(to_string(static_cast<EventKind>(event.kind))) +
                      " bench=" + std::to_string(bench) + " tick=" + std::to_string(event.tick);
   if (event.axis != 0) line += " axis=" + std::to_string(event.axis);
-  if (event.session != 0) line += " session=" + hex(event.session, 16);
+  if (event.session != 0) line += " session=" + session_text(event.session);
   if (event.code != 0) line += " code=" + hex(event.code, 4);
   return line + " suppressed=" + std::to_string(suppressed) + " text=\"" + words_of(event) + "\"";
 }
