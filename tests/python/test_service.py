@@ -48,3 +48,12 @@ session.on_status(lambda sample: None, period=0.001)
 session.step(20)
 """
     assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 0
+
+
+# 2 s, and at most three times as long where the machine is late: far below the 30 s of a test that hangs.
+def test_a_wrong_number_of_a_bench_costs_the_time_of_every_session(vdrive_session):
+    assert vdrive_session.find_bench().number == 1
+    begin = time.monotonic()
+    with pytest.raises(vdrive.NotFound, match="no bench 9 on domain"):
+        vdrive_session.axis("9.1")
+    assert time.monotonic() - begin < 20

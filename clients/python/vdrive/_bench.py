@@ -166,11 +166,13 @@ class Bench:
         return self._private.domain
 
     def session(self, **options: Any) -> _vdrive.Session:
-        """Return a new Session with the bench, which close() closes, too."""
+        """Return a new Session with the bench, which close() closes, too.
+
+        options: those of Session, with its defaults.
+        """
         if self._local is not None:
             session = _vdrive.Session(local=self._local, **options)
         else:
-            options.setdefault("find_timeout", 30.0)
             session = _vdrive.Session(domain=self.domain, **options)
         self._sessions.add(session)
         return session
