@@ -34,8 +34,11 @@ namespace ros = vdrive::ros;
 constexpr std::size_t kJoints = 4;
 
 /// Joints a, b, c and d; the configuration gives d to velocities.
-std::optional<JointPlace> find_joint(const std::string& name) {
-  if (name.size() != 1 || name < "a" || name > "d") return std::nullopt;
+std::optional<JointPlace> find_joint(const std::string& name, std::string& problem) {
+  if (name.size() != 1 || name < "a" || name > "d") {
+    problem = "is unknown";
+    return std::nullopt;
+  }
   JointPlace joint{.bench = 1, .place = static_cast<std::size_t>(name[0] - 'a')};
   if (name == "d") joint.interface = CommandInterface::velocity;
   return joint;

@@ -133,9 +133,10 @@ void Controller::handle_messages() {
 }
 
 void Controller::handle(const ros::JointState& message, const wire::WriterId& writer) {
-  const JointCommands read = read_commands(message, [this](const std::string& name) {
-    return benches_.find_joint(name);
-  });
+  const JointCommands read =
+      read_commands(message, [this](const std::string& name, std::string& problem) {
+        return benches_.find_joint(name, problem);
+      });
   for (const std::string& problem : read.problems) {
     reports_.report(Severity::warning, "joint commands", problem);
   }

@@ -2,11 +2,18 @@
 #include "joints.hpp"
 
 #include "joint_values.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace vdrive::ros2 {
 namespace {
+
+constexpr std::size_t kMostNamed = 8;       // known joints in a message
+constexpr std::size_t kMostCompared = 256;  // known joints, with one that is unknown
+constexpr std::size_t kMostUnknown = 256;   // names whose text is kept
 
 /// @return whether `text` of the configuration names this axis.
 bool names(const std::string& text, const client::AxisInfo& axis) {
@@ -52,10 +59,12 @@ std::optional<std::string> JointDirectory::add(std::uint32_t bench,
     }
   }
   places_ = std::move(places);
+  unknown_.clear();
   return std::nullopt;
 }
 
 void JointDirectory::remove(std::uint32_t bench) {
+  unknown_.clear();
   std::erase_if(places_, [bench](const auto& entry) {
     return entry.second.bench == bench;
   });
@@ -65,6 +74,33 @@ std::optional<JointPlace> JointDirectory::find(std::string_view name) const {
   const auto found = places_.find(name);
   if (found == places_.end()) return std::nullopt;
   return found->second;
+}
+
+std::string JointDirectory::unknown(std::string_view name) const {
+  const auto known = unknown_.find(name);
+  if (known != unknown_.end()) return known->second;
+  // Any program may send any number of names.
+  if (unknown_.size() >= kMostUnknown) unknown_.clear();
+  return unknown_.emplace(name, describe_unknown(name)).first->second;
+}
+
+std::string JointDirectory::describe_unknown(std::string_view name) const {
+  if (places_.empty()) return "is unknown, no bench is served yet";
+  // A name with an error behind its first characters stands beside the right one.
+  auto near = places_.lower_bound(name);
+  for (std::size_t i = 0; i < kMostCompared / 2 && near != places_.begin(); ++i) --near;
+  std::vector<std::string> candidates;
+  for (; near != places_.end() && candidates.size() < kMostCompared; ++near) {
+    candidates.push_back(near->first);
+  }
+  std::string text = "is unknown" + suggestion(name, candidates) + ", known are";
+  std::size_t named = 0;
+  for (const auto& [joint, place] : places_) {
+    if (named == kMostNamed) break;
+    text += (named++ == 0 ? " " : ", ") + escaped(joint);
+  }
+  const std::size_t more = places_.size() - named;
+  return more == 0 ? text : text + " and " + std::to_string(more) + " more";
 }
 
 }  // namespace vdrive::ros2

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -58,8 +59,21 @@ class JointDirectory {
 
   [[nodiscard]] std::optional<JointPlace> find(std::string_view name) const;
 
+  /// @param name of no joint
+  /// @return what follows the name in a message: that it is unknown, the nearest name, and the
+  /// first
+  ///         of the known ones.
+  [[nodiscard]] std::string unknown(std::string_view name) const;
+
  private:
+  using Texts = std::map<std::string, std::string, std::less<>>;
+
+  [[nodiscard]] std::string describe_unknown(std::string_view name) const;
+
   std::map<std::string, JointPlace, std::less<>> places_;
+  /// A robot may command a joint that no bench has a thousand times a second: the nearest name is
+  /// looked for once.
+  mutable Texts unknown_;
 };
 
 }  // namespace vdrive::ros2

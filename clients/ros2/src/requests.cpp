@@ -35,9 +35,10 @@ class CommandReader {
     std::set<std::string> seen;
     joints_.reserve(names_.size());
     for (const std::string& name : names_) {
-      joints_.push_back(find(name));
+      std::string reason;
+      joints_.push_back(find(name, reason));
       // The other joints of the message move: a robot has joints that no bench has.
-      if (!joints_.back()) problem("joint " + in_quotes(name) + " is unknown: ignored");
+      if (!joints_.back()) problem("joint " + in_quotes(name) + " " + reason + ": ignored");
       if (!seen.insert(name).second) {
         problem("joint " + in_quotes(name) + " is named twice: ignored");
         joints_.back().reset();
@@ -126,9 +127,10 @@ bool find_joints(const ros::JointTrajectory& message, const FindJoint& find, Tra
                  std::string& problem) {
   std::set<std::string> seen;
   for (const std::string& name : message.joint_names()) {
-    const auto joint = find(name);
+    std::string reason;
+    const auto joint = find(name, reason);
     const std::string text = "joint " + in_quotes(name);
-    if (!joint) problem = text + " is unknown";
+    if (!joint) problem = text + " " + reason;
     if (joint &&
         joint->interface.value_or(CommandInterface::position) != CommandInterface::position) {
       problem = text + " is commanded by " + std::string(to_string(*joint->interface));

@@ -25,8 +25,10 @@ struct JointCommands {
   std::vector<std::string> problems;  ///< a sentence each, without a full stop
 };
 
-/// Finds a joint by its name, as it is at the time of the message.
-using FindJoint = std::function<std::optional<JointPlace>(const std::string& name)>;
+/// Finds a joint by its name, as it is at the time of the message. Where there is none, `problem`
+/// gets the reason: words that follow the name.
+using FindJoint =
+    std::function<std::optional<JointPlace>(const std::string& name, std::string& problem)>;
 
 /// Reads a JointState that commands. A value that is not finite is skipped: ros2_control sends such
 /// before its first command. An array that is shorter than `name` holds the joints that the

@@ -57,6 +57,14 @@ class ServedBenches {
     return directory_.find(name);
   }
 
+  /// The same, as FindJoint. @param problem gets what the directory has instead
+  [[nodiscard]] std::optional<JointPlace> find_joint(const std::string& name,
+                                                     std::string& problem) const {
+    const auto joint = directory_.find(name);
+    if (!joint) problem = directory_.unknown(name);
+    return joint;
+  }
+
   /// @param bench one of all(), such as that of a joint that was found in this turn
   [[nodiscard]] BenchMotion& motion_of(std::uint32_t bench) const;
 

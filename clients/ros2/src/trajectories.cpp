@@ -77,8 +77,8 @@ void Trajectories::take(const ros::JointTrajectory& message, const wire::WriterI
   std::string problem;
   auto trajectory = read_trajectory(
       message,
-      [this](const std::string& name) {
-        return benches_.find_joint(name);
+      [this](const std::string& name, std::string& unknown) {
+        return benches_.find_joint(name, unknown);
       },
       problem);
   if (trajectory) problem = problem_of(*trajectory, writer);
