@@ -21,9 +21,12 @@ namespace {
 using namespace std::chrono_literals;
 using test::options;
 using test::RunningService;
+using testing::AllOf;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
+using testing::StartsWith;
 
 SessionOptions hasty() {
   SessionOptions hasty = options();
@@ -34,11 +37,33 @@ SessionOptions hasty() {
 TEST(Discovery, FindsNoBenchWithinItsTime) {
   Session sut(hasty());
   EXPECT_THAT(sut.find_benches(), IsEmpty());
-  EXPECT_THAT(sut.no_bench_found().message(), HasSubstr("seen: no other participant"));
+  const std::string domain = std::to_string(test::test_domain());
+  const std::string place = " on domain " + domain + ", loopback only";
+  const std::string advice = "; next step: vdrive --domain " + domain + " doctor";
+  EXPECT_THAT(sut.no_bench_found().message(),
+              AllOf(StartsWith("no bench was found" + place + " (seen: no other participant"),
+                    EndsWith(advice)));
+  EXPECT_THAT(sut.find_bench(7).outcome().message(),
+              AllOf(StartsWith("no bench 7" + place), EndsWith(advice)));
+  EXPECT_THAT(sut.axis("some").outcome().message(), AllOf(HasSubstr(place), EndsWith(advice)));
   const auto axis = sut.axis("1.1");
   EXPECT_EQ(axis.outcome().kind(), OutcomeKind::not_found);
   EXPECT_THAT(axis.outcome().message(), HasSubstr("1.1"));
   EXPECT_THAT(axis.outcome().message(), HasSubstr("no bench was found"));
+}
+
+TEST(Discovery, NamesTheBenchAndTheInterfacesThatItLookedFor) {
+  SessionOptions one = hasty();
+  one.bench = 7;
+  one.interfaces = {"127.0.0.1"};
+  Session sut(one);
+  EXPECT_THAT(sut.find_benches(), IsEmpty());
+  const std::string domain = std::to_string(test::test_domain());
+  EXPECT_THAT(
+      sut.no_bench_found().message(),
+      AllOf(StartsWith("bench 7 was not found on domain " + domain +
+                       ", interfaces 127.0.0.1 (seen: "),
+            EndsWith("; next step: vdrive --domain " + domain + " --interface 127.0.0.1 doctor")));
 }
 
 /// A participant of a service, without a bench until it gets SIGUSR1.

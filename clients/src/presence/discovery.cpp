@@ -39,6 +39,13 @@ bool is_service(std::string_view name, std::optional<std::uint32_t> number) {
   return its_number && (!number || its_number == number);
 }
 
+/// @return the texts, with `mark` in front of each.
+std::string marked(std::string_view mark, std::span<const std::string> texts) {
+  std::string all;
+  for (const std::string& text : texts) all.append(mark).append(text);
+  return all;
+}
+
 std::string list_of(std::span<const PresentBench> benches) {
   if (benches.empty()) return "no bench was found";
   std::string text = "found";
@@ -173,16 +180,32 @@ std::vector<PresentBench> Discovery::find_benches() {
 
 Outcome Discovery::no_bench_found() const {
   if (Outcome here = check_process(); !here) return here;
-  return Outcome::not_found("no bench was found" + place() + " (" + seen() + ")");
+  const std::string what =
+      options_.bench ? "bench " + std::to_string(*options_.bench) + " was" : "no bench was";
+  return Outcome::not_found(what + (options_.bench ? " not found" : " found") + place() + seen() +
+                            advice());
 }
 
+/// @return where this session looks: the bus, or the domain and the interfaces.
 std::string Discovery::place() const {
-  return options_.bus ? " on this bus" : " on domain " + std::to_string(*options_.domain);
+  if (options_.bus) return " on this bus";
+  const std::string interfaces = options_.interfaces.empty()
+                                     ? ", loopback only"
+                                     : ", interfaces" + marked(" ", options_.interfaces);
+  return " on domain " + std::to_string(*options_.domain) + interfaces;
+}
+
+/// @return the next step of a person whose session found no bench; nothing on a bus, which has no
+///         tool.
+std::string Discovery::advice() const {
+  if (options_.bus) return {};
+  return "; next step: vdrive --domain " + std::to_string(*options_.domain) +
+         marked(" --interface ", options_.interfaces) + " doctor";
 }
 
 std::string Discovery::seen() const {
   const std::scoped_lock lock(mutex_);
-  return seen_;
+  return " (" + seen_ + ")";
 }
 
 Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) {
@@ -207,8 +230,9 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
     });
   }
   if (found) return std::move(*found);
-  return not_found(wanted, "no bench " + std::to_string(wanted) + place() + ", " +
-                               list_of(present()) + " (" + seen() + ")");
+  const std::vector<PresentBench> others = present();
+  return not_found(wanted, "no bench " + std::to_string(wanted) + place() + ", " + list_of(others) +
+                               seen() + (others.empty() ? advice() : ""));
 }
 
 Outcome Discovery::not_found(std::optional<std::uint32_t> bench, std::string text) const {
@@ -264,7 +288,7 @@ Result<AxisInfo> Discovery::find_name(std::string_view name) {
     std::string text = "no axis is named " + in_quotes(name) + suggestion(name, names) + place() +
                        ", " + list_of(benches);
     if (!benches.empty()) return Outcome::not_found(std::move(text));
-    return not_found(std::nullopt, text + " (" + seen() + ")");
+    return not_found(std::nullopt, text + seen() + advice());
   }
   return Outcome::not_found("several axes are named " + in_quotes(name) + ": " +
                             to_string(matches[0].id) + ", " + to_string(matches[1].id));

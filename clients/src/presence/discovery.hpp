@@ -142,8 +142,9 @@ class Discovery {
   [[nodiscard]] Sight look(std::optional<std::uint32_t> number) const;
   /// @return where this session looks, such as " on domain 3".
   [[nodiscard]] std::string place() const;
-  /// @return what the newest search has seen.
+  /// @return what the newest search has seen, in brackets.
   [[nodiscard]] std::string seen() const;
+  [[nodiscard]] std::string advice() const;
   /// Until `condition` holds, called with what is seen, or for the time of a search.
   /// @param number of the only bench that is looked for
   template <typename Condition>
