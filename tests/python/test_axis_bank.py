@@ -193,7 +193,7 @@ def test_several_axes_are_written_and_read_at_once():
 def test_bad_arguments_are_refused():
     bank = vdrive.AxisBank(4)
     for axis in (-1, 4, [0, 4]):
-        with pytest.raises(IndexError, match="axis (-1|4) is not from 0 to 3"):
+        with pytest.raises(IndexError, match="axis = (-1|4): must be from 0 to 3"):
             bank.write(axis, 0x607A, 0)
     with pytest.raises(ValueError, match="3 values for 4 axes"):
         bank.write(None, 0x607A, [1, 2, 3])
@@ -201,19 +201,29 @@ def test_bad_arguments_are_refused():
                   numpy.full(4, 2**63, dtype=numpy.uint64)):
         with pytest.raises(TypeError):
             bank.write(None, 0x607A, value)
-    for value in (1.5, "1", None, [1]):
-        with pytest.raises(TypeError, match="value is a whole number"):
+    for value in ("1", None, [1], True):
+        with pytest.raises(TypeError, match="value = .*: must be a whole number from -9"):
             bank.write(0, 0x607A, value)
-    with pytest.raises(OverflowError):
+    with pytest.raises(ValueError, match="value = 1.5: must be a whole number from -9"):
+        bank.write(0, 0x607A, 1.5)
+    with pytest.raises(ValueError, match=f"value = {2**63}: must be from -{2**63} to {2**63 - 1}"):
         bank.write(0, 0x607A, 2**63)
-    with pytest.raises(ValueError, match="ticks = -1 must be 0 or more"):
+    with pytest.raises(TypeError, match="axis = '0': must be a whole number or one row of whole numbers"):
+        bank.read("0", 0x607A)
+    with pytest.raises(ValueError, match=f"ticks = -1: must be from 0 to {2**63 - 1}"):
         bank.step(-1)
+    with pytest.raises(TypeError, match="ticks = '1': must be a whole number"):
+        bank.step("1")
+    with pytest.raises(IndexError, match="axis = 4: must be from 0 to 3"):
+        bank.power_cycle(4)
+    with pytest.raises(ValueError, match="index = 65536: must be from 0 to 65535"):
+        bank.read(0, 65536)
     assert bank.step(0) == 0
 
 
 @pytest.mark.parametrize("arguments, options, reason", [
-    ((0,), {}, "axes = 0 must be from 1 to 1000000"),
-    ((1000001,), {}, "axes = 1000001 must be"),
+    ((0,), {}, "axes = 0: must be from 1 to 1000000"),
+    ((1000001,), {}, "axes = 1000001: must be"),
     ((1,), {"period": 0.02}, "20000 us must be 125 us to 10000 us"),
     ((1,), {"model": {"load_inertia": -1.0}}, "load_inertia = -1: must be from 0 to 10000 kg.m2"),
     ((1,), {"model": {"inertia": 1.0}}, "unknown key 'inertia', known are coupling.*backlash"),

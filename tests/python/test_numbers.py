@@ -45,25 +45,26 @@ def test_speeds_and_ramps_have_the_unit_of_their_call(vdrive_session, axis):
 
 
 @pytest.mark.parametrize("error, message, call", [
-    (ValueError, "position is a whole number of UU, not 90.5", lambda a: a.move_to(90.5)),
-    (ValueError, "position is from -2147483648 to 2147483647 UU, not 1099511627776", lambda a: a.move_to(2**40)),
-    (ValueError, "position is from -2147483648 to 2147483647 UU, not nan", lambda a: a.move_to(float("nan"))),
-    (ValueError, "position is from -2147483648 to 2147483647 UU, not 1e[+]30 rev",
+    (ValueError, "position = 90.5: must be a whole number from -2147483648 to 2147483647 UU", lambda a: a.move_to(90.5)),
+    (ValueError, "position = 1099511627776: must be from -2147483648 to 2147483647 UU", lambda a: a.move_to(2**40)),
+    (ValueError, "position = nan: must be from -2147483648 to 2147483647 UU", lambda a: a.move_to(float("nan"))),
+    (ValueError, "position = 1e[+]30 rev: must be from -2147483648 to 2147483647 UU",
      lambda a: a.move_to(1e30, unit="rev")),
-    (ValueError, f"velocity is from 0 to {HIGHEST_SPEED} UU/s, not -5", lambda a: a.move_to(1, velocity=-5)),
-    (ValueError, f"acceleration is from 0 to {HIGHEST_SPEED} UU/s.2, not {2**70}",
+    (ValueError, f"velocity = -5: must be from 0 to {HIGHEST_SPEED} UU/s", lambda a: a.move_to(1, velocity=-5)),
+    (ValueError, f"acceleration = {2**70}: must be from 0 to {HIGHEST_SPEED} UU/s.2",
      lambda a: a.move_by(1, acceleration=2**70)),
-    (ValueError, "torque is from -32768 to 32767 parts of 1,000, not 40000", lambda a: a.apply_torque(40000)),
+    (ValueError, "torque = 40000: must be from -32768 to 32767 parts of 1,000", lambda a: a.apply_torque(40000)),
+    (TypeError, "position = '1': must be a number$", lambda a: a.move_to("1", unit="deg")),
     (ValueError, "axis 1.1 has no unit 'mm': UU, deg, rad, rev", lambda a: a.move_to(1, unit="mm")),
-    (TypeError, "position is a whole number, not True", lambda a: a.move_to(True)),
-    (TypeError, "position is a whole number, not .*True", lambda a: a.move_to(numpy.bool_(True))),
-    (ValueError, "position is from -2147483648 to 2147483647 UU, not 1000.*000 deg",
+    (TypeError, "position = True: must be a whole number", lambda a: a.move_to(True)),
+    (TypeError, "position = .*True: must be a whole number", lambda a: a.move_to(numpy.bool_(True))),
+    (ValueError, "position = 1000.*000 deg: must be from -2147483648 to 2147483647 UU",
      lambda a: a.move_to(10**400, unit="deg")),
-    (TypeError, "position is a whole number, not '\u00fc", lambda a: a.move_to("\u00fc" * 100)),
-    (TypeError, "position is a whole number, not '1000'", lambda a: a.move_to("1000")),
-    (TypeError, "position is a whole number, not None", lambda a: a.move_to(None)),
-    (TypeError, r"position is a whole number, not array\(\[1\]\)", lambda a: a.move_to(numpy.array([1]))),
-    (TypeError, "value is a whole number, not 'x'", lambda a: a.write(0x6081, "x")),
+    (TypeError, "position = '\u00fc.*: must be a whole number", lambda a: a.move_to("\u00fc" * 100)),
+    (TypeError, "position = '1000': must be a whole number", lambda a: a.move_to("1000")),
+    (TypeError, "position = None: must be a whole number", lambda a: a.move_to(None)),
+    (TypeError, r"position = array\(\[1\]\): must be a whole number", lambda a: a.move_to(numpy.array([1]))),
+    (TypeError, "value = 'x': must be a whole number", lambda a: a.write(0x6081, "x")),
     (KeyError, "did you mean 'profile_velocity'", lambda a: a.read("profile_velocty")),
 ])
 def test_a_bad_number_is_named_with_its_limits(axis, error, message, call):
@@ -73,10 +74,12 @@ def test_a_bad_number_is_named_with_its_limits(axis, error, message, call):
 
 
 def test_counts_are_checked_before_anything_happens(vdrive_session):
-    with pytest.raises(ValueError, match="ticks is from 0 to 9223372036854775807, not -1"):
+    with pytest.raises(ValueError, match="ticks = -1: must be from 0 to 9223372036854775807"):
         vdrive_session.step(-1)
-    with pytest.raises(ValueError, match="count is from 0 to 9223372036854775807, not -1"):
+    with pytest.raises(ValueError, match="ticks = -1: must be from 0 to 9223372036854775807"):
         vdrive_session.record(ticks=-1)
+    with pytest.raises(ValueError, match="count = -1: must be from 0 to 9223372036854775807"):
+        vdrive_session.follow().take(-1)
     assert vdrive_session.step(0) == 0
 
 

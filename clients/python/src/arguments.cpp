@@ -23,19 +23,6 @@ using std::chrono::nanoseconds;
 // 100 years: more than any wait, less than nanoseconds hold.
 constexpr double kLongest = 3.2e9;
 
-std::int64_t in_range(std::int64_t value, std::int64_t highest, const char* what) {
-  if (value >= 0 && value <= highest) return value;
-  throw py::value_error(std::string(what) + " " + std::to_string(value) + " is not from 0 to " +
-                        std::to_string(highest));
-}
-
-ObjectAddress address_of(std::int64_t index, std::int64_t subindex) {
-  constexpr auto kLastIndex = std::numeric_limits<std::uint16_t>::max();
-  constexpr auto kLastSubindex = std::numeric_limits<std::uint8_t>::max();
-  return {.index = static_cast<std::uint16_t>(in_range(index, kLastIndex, "index")),
-          .subindex = static_cast<std::uint8_t>(in_range(subindex, kLastSubindex, "sub-index"))};
-}
-
 /// @throws py::value_error when the member of a frame does not hold the value
 template <typename Member>
 Member member_of(ObjectRow row, std::int64_t value) {
@@ -76,8 +63,10 @@ Number number_of(const py::handle& value) {
   return {py::reinterpret_borrow<py::object>(value)};
 }
 
-std::string with_unit(const std::string& text, const std::string& unit) {
-  return unit.empty() ? text : text + " " + unit;
+/// @return such as "from 0 to 65535" and the unit.
+std::string limits_text(std::int64_t lowest, std::int64_t highest, const char* unit) {
+  const std::string text = "from " + std::to_string(lowest) + " to " + std::to_string(highest);
+  return *unit == '\0' ? text : text + " " + unit;
 }
 
 /// @return false for True and False, of numpy too, and for arrays: one with a single number passes
@@ -129,27 +118,28 @@ bool has_fraction(const py::object& value) {
 std::int64_t whole_of(const Number& number, const Meaning& meaning, std::int64_t lowest,
                       std::int64_t highest, const std::optional<GivenUnit>& unit) {
   const py::object& value = number.value;
-  const std::string what = meaning.name;
+  const auto problem = [&](const std::string& expected) {
+    return std::string(meaning.name) + " = " + shown(value) + expected;
+  };
+  const auto limits = [&] {
+    return limits_text(lowest, highest, meaning.unit);
+  };
   if (!is_number_of_python(value)) {
-    throw py::type_error(what + " is a " + (unit ? "number" : "whole number") + ", not " +
-                         shown(value));
+    throw py::type_error(
+        problem(unit ? ": must be a number" : ": must be a whole number " + limits()));
   }
   if (!unit && has_fraction(value)) {
-    throw py::value_error(what + " is a whole number" + with_unit(" of", meaning.unit) + ", not " +
-                          shown(value));
+    throw py::value_error(problem(": must be a whole number " + limits()));
   }
   const auto whole = unit ? rounded(float_of(value) * unit->size) : whole_value_of(value);
   if (!whole || *whole < lowest || *whole > highest) {
-    throw py::value_error(what + " is from " + std::to_string(lowest) + " to " +
-                          with_unit(std::to_string(highest), meaning.unit) + ", not " +
-                          shown(value) + (unit ? " " + unit->name : ""));
+    throw py::value_error(problem((unit ? " " + unit->name : "") + ": must be " + limits()));
   }
   return *whole;
 }
 
 std::uint64_t count_of(const Number& number, const char* name) {
-  constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
-  return static_cast<std::uint64_t>(whole_of(number, {name}, 0, kMost));
+  return static_cast<std::uint64_t>(whole_of(number, {name}, 0, kMostCounted));
 }
 
 nanoseconds nanoseconds_of(double seconds) {
@@ -197,10 +187,21 @@ ObjectAddress object_of(const py::object& object) {
     const auto parts = object.cast<py::tuple>();
     if (parts.size() != 2)
       throw py::value_error("an object is (index, subindex), not " + shown(object));
-    return address_of(whole<std::int64_t>(number_of(parts[0]), {"index"}),
-                      whole<std::int64_t>(number_of(parts[1]), {"sub-index"}));
+    return {.index = whole<std::uint16_t>(number_of(parts[0]), {"index"}),
+            .subindex = whole<std::uint8_t>(number_of(parts[1]), {"sub-index"})};
   }
-  return address_of(whole<std::int64_t>(number_of(object), {"index"}), 0);
+  return {.index = whole<std::uint16_t>(number_of(object), {"index"}), .subindex = 0};
+}
+
+void add_arguments(py::module_& module) {
+  module.def(
+      "whole_number",
+      [](const std::string& name, const Number& value, std::int64_t lowest, std::int64_t highest) {
+        return whole_of(value, {name.c_str()}, lowest, highest);
+      },
+      py::arg("name"), py::arg("value"), py::arg("lowest") = 0, py::arg("highest") = kMostCounted,
+      "The value of the argument `name` as an int. TypeError for what is no number, ValueError for "
+      "a fraction and outside of the range; both name all of it.");
 }
 
 client::SetPointFrame frame_of(const py::dict& set_points) {

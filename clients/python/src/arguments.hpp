@@ -59,7 +59,10 @@ template <typename Whole>
   return whole<Whole>(*number, meaning, unit);
 }
 
-/// @return how many, 0 to 2^63 - 1. @throws as `whole_of`
+/// The most of what is counted.
+inline constexpr std::int64_t kMostCounted = std::numeric_limits<std::int64_t>::max();
+
+/// @return how many, 0 to kMostCounted. @throws as `whole_of`
 [[nodiscard]] std::uint64_t count_of(const Number& number, const char* name);
 
 /// @param seconds [s] finite, 0 or more. @throws py::value_error

@@ -59,10 +59,10 @@ std::uint64_t check_of(const py::bytes& content) {
   return py::module_::import("zlib").attr("crc32")(content).cast<std::uint64_t>();
 }
 
-template <typename Number>
-void append(std::string& content, Number number) {
-  std::array<char, sizeof(Number)> bytes{};
-  std::memcpy(bytes.data(), &number, sizeof(Number));
+template <typename Plain>
+void append(std::string& content, const Plain& plain) {
+  std::array<char, sizeof(Plain)> bytes{};
+  std::memcpy(bytes.data(), &plain, sizeof(Plain));
   content.append(bytes.data(), bytes.size());
 }
 
@@ -165,7 +165,7 @@ class PyAxisBank {
   [[nodiscard]] py::array status(const py::object& self) const;
 
   /// @return the tick.
-  std::uint64_t step(std::int64_t ticks);
+  std::uint64_t step(const Number& count);
 
   [[nodiscard]] py::bytes snapshot();
 
@@ -192,8 +192,8 @@ py::array PyAxisBank::status(const py::object& self) const {
   return view;
 }
 
-std::uint64_t PyAxisBank::step(std::int64_t ticks) {
-  if (ticks < 0) throw py::value_error("ticks = " + std::to_string(ticks) + " must be 0 or more");
+std::uint64_t PyAxisBank::step(const Number& count) {
+  std::int64_t ticks = whole_of(count, {"ticks"}, 0, kMostCounted);
   const Use use(*this);
   const auto most = std::max<std::int64_t>(1, kAxisTicksAtOnce / static_cast<std::int64_t>(size()));
   while (ticks > 0) {
@@ -261,17 +261,6 @@ bool is_number(const py::object& value) {
   return PyIndex_Check(value.ptr()) != 0 && !py::isinstance<py::array>(value);
 }
 
-/// @throws py::type_error where it is none, py::error_already_set with an OverflowError where it
-/// has
-///         more than 64 bits
-std::int64_t integer_of(const py::object& value, const char* what) {
-  if (!is_number(value)) throw py::type_error(std::string(what) + " is a whole number");
-  const std::int64_t number =
-      PyLong_AsLongLong(py::reinterpret_steal<py::int_>(PyNumber_Index(value.ptr())).ptr());
-  if (PyErr_Occurred() != nullptr) throw py::error_already_set();
-  return number;
-}
-
 /// @throws py::type_error where they are not whole numbers
 Integers integers_of(const py::object& values, const char* what) {
   // As what it is first: numpy would cut the fraction off.
@@ -282,15 +271,20 @@ Integers integers_of(const py::object& values, const char* what) {
   Integers integers = is_whole ? Integers::ensure(row) : Integers();
   if (!is_whole || !integers) {
     PyErr_Clear();
-    throw py::type_error(std::string(what) + " is a whole number or one row of whole numbers");
+    throw py::type_error(std::string(what) + " = " + escaped(py::repr(values).cast<std::string>()) +
+                         ": must be a whole number or one row of whole numbers");
   }
   return integers;
 }
 
 std::size_t checked_axis(const AxisBank& bank, std::int64_t axis) {
   if (axis >= 0 && std::cmp_less(axis, bank.size())) return static_cast<std::size_t>(axis);
-  throw py::index_error("axis " + std::to_string(axis) + " is not from 0 to " +
+  throw py::index_error("axis = " + std::to_string(axis) + ": must be from 0 to " +
                         std::to_string(bank.size() - 1));
+}
+
+std::size_t checked_axis(const AxisBank& bank, const Number& axis) {
+  return checked_axis(bank, whole<std::int64_t>(axis, {"axis"}));
 }
 
 /// @param axes numbers, or None: all
@@ -356,8 +350,8 @@ void write_object(PyAxisBank& self, const py::object& axis, const py::object& ob
   const PyAxisBank::Use use(self);
   AxisBank& bank = use.bank();
   if (is_number(axis)) {
-    write_one(bank, checked_axis(bank, integer_of(axis, "axis")), address,
-              integer_of(value, "value"));
+    write_one(bank, checked_axis(bank, Number{axis}), address,
+              whole<std::int64_t>(Number{value}, {"value"}));
   } else {
     write_each(bank, axes_in(bank, axis), address, integers_of(value, "value"));
   }
@@ -371,7 +365,7 @@ void set_load_noise(PyAxisBank& self, const py::object& axis, double rms, std::u
   const PyAxisBank::Use use(self);
   AxisBank& bank = use.bank();
   if (is_number(axis)) {
-    bank.set_load_noise(checked_axis(bank, integer_of(axis, "axis")), rms, seed);
+    bank.set_load_noise(checked_axis(bank, Number{axis}), rms, seed);
   } else {
     for (const std::size_t each : axes_in(bank, axis)) bank.set_load_noise(each, rms, seed);
   }
@@ -382,7 +376,7 @@ py::object read_object(PyAxisBank& self, const py::object& axis, const py::objec
   const PyAxisBank::Use use(self);
   const AxisBank& bank = use.bank();
   if (is_number(axis)) {
-    return py::int_(read_one(bank, checked_axis(bank, integer_of(axis, "axis")), address));
+    return py::int_(read_one(bank, checked_axis(bank, Number{axis}), address));
   }
   const std::vector<std::size_t> axes = axes_in(bank, axis);
   py::array_t<std::int64_t> values(static_cast<py::ssize_t>(axes.size()));
@@ -461,18 +455,25 @@ std::chrono::microseconds period_of(double seconds) {
   return std::chrono::round<std::chrono::microseconds>(nanoseconds_of(seconds));
 }
 
-std::unique_ptr<PyAxisBank> make_bank(std::int64_t axes, double period, const py::object& model,
-                                      const py::dict& parameters) {
-  if (axes < 1 || axes > kMostBankAxes) {
-    raise_configuration_error("axes = " + std::to_string(axes) + " must be from 1 to " +
-                              std::to_string(kMostBankAxes));
+/// @throws py::error_already_set with a ConfigurationError outside of the range
+std::size_t count_of_axes(const Number& axes) {
+  try {
+    return static_cast<std::size_t>(whole_of(axes, {"axes"}, 1, kMostBankAxes));
+  } catch (const py::value_error& error) {
+    raise_configuration_error(error.what());
   }
+}
+
+std::unique_ptr<PyAxisBank> make_bank(const Number& axes, double period, const py::object& model,
+                                      const py::dict& parameters) {
+  const std::size_t count = count_of_axes(axes);
   AxisConfiguration common;
   for (const auto& [object, value] : parameters) {
-    common.parameters.push_back(
-        {object_of(py::reinterpret_borrow<py::object>(object)), value.cast<std::int64_t>()});
+    const Number number{py::reinterpret_borrow<py::object>(value)};
+    common.parameters.push_back({object_of(py::reinterpret_borrow<py::object>(object)),
+                                 whole<std::int64_t>(number, {"value"})});
   }
-  std::vector<AxisConfiguration> configurations(static_cast<std::size_t>(axes), common);
+  std::vector<AxisConfiguration> configurations(count, common);
   set_models(configurations, model);
   try {
     return std::make_unique<PyAxisBank>(configurations, period_of(period));
@@ -523,7 +524,7 @@ void add_access(BankClass& bank) {
            "each axis its own. Part of a snapshot.")
       .def(
           "power_cycle",
-          [](PyAxisBank& self, std::int64_t axis) {
+          [](PyAxisBank& self, const Number& axis) {
             AxisBank& cycled = PyAxisBank::Use(self).bank();
             cycled.power_cycle(checked_axis(cycled, axis));
           },

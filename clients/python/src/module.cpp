@@ -11,6 +11,7 @@ PYBIND11_MODULE(_vdrive, module) {
   namespace py = pybind11;
   module.doc() = "The C++ part of `import vdrive`: the client library of vdrive.";
   module.attr("__version__") = VDRIVE_VERSION;
+  vdrive::python::add_arguments(module);
   vdrive::python::add_bench(module);
   vdrive::python::add_local_bench(module);
   vdrive::python::add_status(module);

@@ -2,7 +2,6 @@
 """A private bench: in this process, or a service over DDS, by default on a domain of its own."""
 from __future__ import annotations
 
-import operator
 import os
 import weakref
 
@@ -11,7 +10,7 @@ from ._errors import ConfigurationError, NotFound
 
 TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
 if TYPE_CHECKING:
-    from typing import Any, Iterable, Literal, SupportsIndex
+    from typing import Any, Iterable, Literal
 
     Path = str | bytes | os.PathLike[str] | os.PathLike[bytes]
 
@@ -28,20 +27,14 @@ def _only_over_dds(what: str) -> ConfigurationError:
     return ConfigurationError(f'{what} is of a bench over DDS: vdrive.Bench(..., over="dds")')
 
 
-def _whole(name: str, value: SupportsIndex | None, lowest: int, highest: int) -> int | None:
+def _whole(name: str, value: _vdrive.NumberSpec | None, lowest: int, highest: int) -> int | None:
     """Return the value as an int of this range, None as it is."""
     if value is None:
         return None
-    number = None
     try:
-        number = operator.index(value)
-    except TypeError:
-        pass
-    if number is None or isinstance(value, bool):
-        raise TypeError(f"{name} = {value!r}: must be a whole number from {lowest} to {highest}")
-    if not lowest <= number <= highest:
-        raise ConfigurationError(f"{name} = {number}: must be from {lowest} to {highest}")
-    return number
+        return _vdrive.whole_number(name, value, lowest, highest)
+    except ValueError as error:
+        raise ConfigurationError(str(error)) from None
 
 
 def _one_of(name: str, value: Any, words: tuple[str, ...]) -> Any:
@@ -91,12 +84,12 @@ class Bench:
     its own, a child process too, meets only a bench over DDS.
     """
 
-    def __init__(self, axes: SupportsIndex | None = None, *, config: Path | None = None,
+    def __init__(self, axes: _vdrive.NumberSpec | None = None, *, config: Path | None = None,
                  clock: Literal["lockstep", "realtime", "freerun"] = "lockstep",
-                 over: Literal["local", "dds"] = "local", number: SupportsIndex | None = None,
+                 over: Literal["local", "dds"] = "local", number: _vdrive.NumberSpec | None = None,
                  state: Path | None = None, journal: Path | None = None,
                  beside: Bench | None = None, arguments: Iterable[object] = (),
-                 service: Path | None = None, domain: SupportsIndex | None = None) -> None:
+                 service: Path | None = None, domain: _vdrive.NumberSpec | None = None) -> None:
         """Make the bench.
 
         axes: number of default axes, 1 to 16384; without it and without `config` the demo bench with

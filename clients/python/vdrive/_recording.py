@@ -115,8 +115,9 @@ def record(self: _vdrive.Session, axes: _vdrive.AxesSpec = None, *, ticks: _vdri
 
     With pace "drive" each sample of a lock-step bench is a step of one tick.
     """
+    count = _vdrive.whole_number("ticks", ticks)
     handles = axes_of(self, axes)
-    frames = self.follow(handles, pace=pace).take(ticks)
+    frames = self.follow(handles, pace=pace).take(count)
     period = self.find_bench(handles[0].bench).period
     return Recording([axis.id for axis in handles], [axis.name for axis in handles], frames,
                      period=period)
