@@ -24,21 +24,24 @@ std::int64_t rounded_quantity(const Quantity& quantity, double user_units, std::
                    std::to_string(range.highest) + " UU" + ending);
 }
 
-}  // namespace
-
-Quantity parse_quantity(std::string_view text, Dimension dimension, DataType type) {
-  Quantity quantity{.text = std::string(text), .dimension = dimension, .type = type, .written = {}};
+/// Hexadecimal is the two's complement of the type.
+WrittenQuantity as_written(std::string_view text, Dimension dimension, DataType type) {
   if (text.starts_with("0x") || text.starts_with("0X")) {
-    quantity.written = {static_cast<double>(parse_value(text, type)), "UU"};
-    return quantity;
+    return {static_cast<double>(parse_value(text, type)), "UU"};
   }
   try {
-    quantity.written = read_quantity(text, dimension);
+    return read_quantity(text, dimension);
   } catch (const std::invalid_argument& refusal) {
     throw UsageError(refusal.what());
   }
+}
+
+}  // namespace
+
+Quantity parse_quantity(std::string_view text, Dimension dimension, DataType type) {
+  Quantity quantity{as_written(text, dimension, type), std::string(text), dimension, type};
   if (quantity.is_in_user_units()) {
-    static_cast<void>(rounded_quantity(quantity, quantity.written.value, ""));
+    static_cast<void>(rounded_quantity(quantity, quantity.value, ""));
   }
   return quantity;
 }
@@ -94,10 +97,10 @@ std::int16_t parse_torque(std::string_view text) {
 
 std::int64_t user_units_of(const Quantity& quantity, const client::Unit& unit,
                            std::string_view axis) {
-  const auto user_units = to_user_units(quantity.written, unit);
+  const auto user_units = to_user_units(quantity, unit);
   if (!user_units) {
     throw UsageError(in_quotes(quantity.text) + ": axis " + std::string(axis) + " has no unit " +
-                     in_quotes(quantity.written.unit) + "; it has " +
+                     in_quotes(quantity.unit) + "; it has " +
                      list_of_units(quantity.dimension, unit));
   }
   return rounded_quantity(quantity, *user_units, " of axis " + std::string(axis));

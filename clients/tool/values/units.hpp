@@ -14,14 +14,10 @@
 namespace vdrive::tool {
 
 /// A position, a speed or a ramp as it was typed. The unit of its axis converts it to user units.
-struct Quantity {
+struct Quantity : WrittenQuantity {
   std::string text;
   Dimension dimension = Dimension::position;
   DataType type = DataType::integer32;  ///< that has to hold it
-  WrittenQuantity written;
-
-  /// @return whether every axis takes it for the same number: in user units.
-  [[nodiscard]] bool is_in_user_units() const { return written.is_in_user_units(); }
 };
 
 /// @param text a number such as -500, 1e4, 0xFFFFD8F0 (two's complement of `type`), with or
