@@ -2,15 +2,14 @@
 #include "vdrive/quantity.hpp"
 
 #include "vdrive/assert.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
-#include <system_error>
 
 namespace vdrive {
 namespace {
@@ -72,11 +71,11 @@ std::string unit_of(std::string_view suffix, std::string_view text, Dimension di
 
 WrittenQuantity read_quantity(std::string_view text, Dimension dimension) {
   WrittenQuantity quantity;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, quantity.value);
-  // from_chars takes "inf" and "nan" too, and what no double holds is none of these quantities.
-  if (error != std::errc{} || !std::isfinite(quantity.value)) refuse_text(text, dimension);
-  quantity.unit = unit_of({stop, static_cast<std::size_t>(end - stop)}, text, dimension);
+  const std::size_t length = decimal_length(text);
+  const auto value = parse_number(text.substr(0, length));
+  if (!value) refuse_text(text, dimension);
+  quantity.value = *value;
+  quantity.unit = unit_of(text.substr(length), text, dimension);
   const bool is_fraction = quantity.value != std::trunc(quantity.value);
   if (quantity.is_in_user_units() && is_fraction) refuse_fraction(text, dimension);
   return quantity;

@@ -106,6 +106,12 @@ axes:
   EXPECT_EQ(lift.parameters[2].value, 17) << "by its name in CiA 402";
 }
 
+TEST(Configuration, ReadsNumbersByTheGrammarOfTheTool) {
+  const Configuration read = parse("bench: {number: 0x10}\nclock: {period_us: 1e3}\n");
+  EXPECT_EQ(read.bench, 16U);
+  EXPECT_EQ(read.period, std::chrono::milliseconds(1));
+}
+
 TEST(Configuration, OfAnEmptyFileIsTheDefault) {
   EXPECT_EQ(to_yaml(parse("")), to_yaml(demo_configuration()));
   EXPECT_EQ(to_yaml(parse("# only a comment\n")), to_yaml(demo_configuration()));
@@ -296,6 +302,13 @@ INSTANTIATE_TEST_SUITE_P(
             "bench.yaml:4: axes[0].model.load_inertia = 0: must be from 1e-08 to 10000 kg.m2"},
         Refused{"unknown_object", "axes:\n  - number: 1\n    parameters: {speed: 1}",
                 "bench.yaml:3: axes[0].parameters.speed = 1: no such object"},
+        Refused{"index_without_the_mark_of_hex", "axes:\n  - number: 1\n    parameters: {6081: 1}",
+                "bench.yaml:3: axes[0].parameters.6081 = 1: no such object (did you mean 0x6081 or "
+                "6081h?)"},
+        Refused{"fraction_of_an_object",
+                "axes:\n  - number: 1\n    parameters: {profile_velocity: 12.5}",
+                "bench.yaml:3: axes[0].parameters.profile_velocity = 12.5: must be a whole number "
+                "from 0 to 4294967295"},
         Refused{"unknown_index", "axes:\n  - number: 1\n    parameters: {\"0x6FFF\": 1}",
                 "bench.yaml:3: axes[0].parameters.0x6FFF = 1: no such object"},
         Refused{"parameter_range", "axes:\n  - number: 1\n    parameters: {motor_max_speed_rpm: 0}",

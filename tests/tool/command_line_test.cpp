@@ -462,6 +462,28 @@ TEST(ScenarioCommand, WaitAndRefusedAreParsed) {
   EXPECT_THAT(refused.axes, ElementsAre("1.1"));
 }
 
+TEST(ScenarioCommand, HasOneGrammarForEveryDurationAndNumber) {
+  for (const char* const text : {"5", "5s", "5 s", "5e3ms", "5000ms"}) {
+    const std::string option = std::string("--for=") + text;
+    const Command disturbed =
+        parse_scenario_command(commands(), {"disturb", "1.1", "load_torque", "1e3", option})
+            .command;
+    const auto& given = std::any_cast<const DisturbCommand&>(disturbed.arguments);
+    EXPECT_EQ(given.duration, Duration(5s)) << text;
+    EXPECT_EQ(given.inputs.front().value, 1'000) << text;
+    EXPECT_EQ(parse_scenario_command(commands(), {"wait", text}).command.row->face.name, "wait");
+    EXPECT_EQ(parse_scenario_command(commands(), {"enable", "1.1", "--timeout", text}).timeout,
+              Duration(5s))
+        << text;
+  }
+  EXPECT_EQ(scenario_command<StepCommand>("step 1e3").ticks, 1'000U);
+}
+
+TEST(CommandLine, ReadsADomainByTheGrammarOfAllNumbers) {
+  EXPECT_EQ(parse("--domain 0x10 list").options.domain, 16U);
+  EXPECT_EQ(parse("--domain 010 list").options.domain, 10U);
+}
+
 TEST(ScenarioCommand, AcceptsATimeoutForTheLine) {
   EXPECT_EQ(parse_scenario_command(commands(), split("move 1.1 5 --timeout 9")).timeout,
             Duration(9s));
@@ -479,18 +501,22 @@ TEST_P(BadScenarioCommand, IsAUsageErrorWithItsReason) {
 
 INSTANTIATE_TEST_SUITE_P(
     Lines, BadScenarioCommand,
-    testing::Values(BadRow{"mask_and_tolerance", "expect 1.1 0x6041 0 --mask 1 --tolerance 1",
-                           "--mask"},
-                    BadRow{"within_and_throughout",
-                           "expect 1.1 0x6041 0 --within 1s --throughout 1s", "--within"},
-                    BadRow{"a_run_in_a_run", "run other.scn", "run"},
-                    BadRow{"help", "--help", "help"},
-                    BadRow{"help_of_a_word", "move --help", "help"},
-                    BadRow{"a_domain", "--domain 3 status 1.1", "--domain"},
-                    BadRow{"an_endless_watch", "watch 1.1", "--count"},
-                    BadRow{"a_wait_without_unit", "wait 5", "'5'"},
-                    BadRow{"a_refusal_of_nothing", "refused 0x06010002", "command"},
-                    BadRow{"a_refusal_without_code", "refused write 1.1 0x6041 0", "'write'"}),
+    testing::Values(
+        BadRow{"mask_and_tolerance", "expect 1.1 0x6041 0 --mask 1 --tolerance 1", "--mask"},
+        BadRow{"within_and_throughout", "expect 1.1 0x6041 0 --within 1s --throughout 1s",
+               "--within"},
+        BadRow{"a_run_in_a_run", "run other.scn", "run"}, BadRow{"help", "--help", "help"},
+        BadRow{"help_of_a_word", "move --help", "help"},
+        BadRow{"a_domain", "--domain 3 status 1.1", "--domain"},
+        BadRow{"an_endless_watch", "watch 1.1", "--count"},
+        BadRow{"a_wait_for_an_axis_without_a_condition", "wait 1.1",
+               "'1.1' is an axis: write what to wait for, such as 'wait 1.1 "
+               "target_reached', or the unit of a time, such as 'wait 1.1s'"},
+        BadRow{"a_fraction_of_an_object", "write 1.1 0x6073 12.5", "'12.5' is a fraction"},
+        BadRow{"a_fraction_of_a_speed", "write 1.1 0x6081 12.5", "'12.5' is a fraction"},
+        BadRow{"an_index_in_decimal", "read 1.1 6041", "did you mean 0x6041 or 6041h"},
+        BadRow{"a_refusal_of_nothing", "refused 0x06010002", "command"},
+        BadRow{"a_refusal_without_code", "refused write 1.1 0x6041 0", "'write'"}),
     [](const auto& row) {
       return row.param.name;
     });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdrive/client/session.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/wire/ports.hpp"
 
 #include <CLI/CLI.hpp>
@@ -22,6 +23,11 @@ inline CLI::Option* add_domain_option(CLI::App& app, std::optional<std::uint32_t
   return app
       .add_option("--domain", domain,
                   "DDS domain, 0 to " + std::to_string(wire::kHighestDomain) + further)
+      // CLI11 alone would read 010 as an octal number.
+      ->transform([](const std::string& text) {
+        const auto number = parse_integer(text);
+        return number ? std::to_string(*number) : text;
+      })
       ->check(CLI::Range(0, static_cast<int>(wire::kHighestDomain)))
       ->type_name("N");
 }

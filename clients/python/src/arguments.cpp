@@ -178,8 +178,9 @@ ObjectAddress object_of(const py::object& object) {
     const auto name = object.cast<std::string>();
     const auto named = parse_object(name);
     if (!named) {
+      const std::string meant = address_suggestion(name);
       throw py::key_error("the dictionary has no object " + in_quotes(name) +
-                          suggestion(name, names_of_objects()));
+                          (meant.empty() ? suggestion(name, names_of_objects()) : meant));
     }
     return *named;
   }

@@ -33,7 +33,7 @@ std::uint64_t parse_snapshot(Action action, const std::string& number) {
     throw UsageError("'snapshot " + std::string(to_string(action)) + "' takes " +
                      (number.empty() ? "the number of a snapshot" : "no number"));
   }
-  constexpr auto kHighest = std::numeric_limits<std::uint64_t>::max();
+  constexpr auto kHighest = std::numeric_limits<std::int64_t>::max();
   return number.empty() ? 0 : parse_number(number, "snapshot number", kHighest);
 }
 

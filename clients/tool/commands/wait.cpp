@@ -20,10 +20,17 @@ namespace {
 
 using client::Outcome;
 
+/// @throws UsageError for 1.1, which is an axis without a condition more often than 1.1 s.
+Duration parse_time(const std::string& text) {
+  if (!client::parse_axis_id(text)) return parse_duration(text);
+  throw UsageError(in_quotes(text) + " is an axis: write what to wait for, such as 'wait " + text +
+                   " target_reached', or the unit of a time, such as 'wait " + text + "s'");
+}
+
 WaitCommand parse_wait(const std::vector<std::string>& what) {
   WaitCommand wait;
   if (what.size() == 1) {
-    wait.duration = parse_duration(what.front());
+    wait.duration = parse_time(what.front());
     return wait;
   }
   wait.axis = what[0];

@@ -166,7 +166,7 @@ class CommandLine {
   /// @throws UsageError
   [[nodiscard]] GlobalOptions options() const {
     GlobalOptions options = options_;
-    if (!timeout_.empty()) options.timeout = parse_seconds(timeout_);
+    if (!timeout_.empty()) options.timeout = parse_duration(timeout_);
     options.network_given = network_given();
     return options;
   }
@@ -177,9 +177,10 @@ class CommandLine {
  private:
   void add_options(Place place) {
     app_.add_option("--timeout", timeout_,
-                    "Limit [s]: wall time to find a service (default 2, in the closed mode 5), "
+                    "Limit such as 500ms or 5 (seconds): wall time to find a service (default 2, "
+                    "in the closed mode 5), "
                     "drive time of a motion (default 60)")
-        ->type_name("S");
+        ->type_name("T");
     if (place == Place::command_line) add_network();
     if (place != Place::scenario) {
       app_.add_flag("--json", options_.json, "One JSON object per line on standard output");

@@ -26,7 +26,7 @@ std::int64_t rounded_quantity(const Quantity& quantity, double user_units, std::
 
 /// Hexadecimal is the two's complement of the type.
 WrittenQuantity as_written(std::string_view text, Dimension dimension, DataType type) {
-  if (text.starts_with("0x") || text.starts_with("0X")) {
+  if (has_hex_prefix(text)) {
     return {static_cast<double>(parse_value(text, type)), "UU"};
   }
   try {

@@ -10,8 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <limits>
 #include <vector>
 
 namespace vdrive::tool {
@@ -19,9 +17,6 @@ namespace {
 
 /// Objects whose bits matter more than their value.
 constexpr std::array<std::uint16_t, 4> kWords{0x6040, 0x6041, 0x603F, 0x1000};
-
-constexpr std::int64_t kHighestHours = 1000;
-constexpr std::int64_t kHighestNanoseconds = kHighestHours * 3600 * 1'000'000'000;
 
 /// What people call the values of a moving axis.
 constexpr std::array kShortNames{
@@ -38,15 +33,6 @@ std::optional<ObjectRow> row_named(std::string_view name) {
   return found == kShortNames.end() ? std::nullopt : find_object(found->variable_name);
 }
 
-bool is_hexadecimal(std::string_view text) {
-  return text.size() > 2 && text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
-}
-
-std::optional<std::uint64_t> unsigned_number(std::string_view text) {
-  return is_hexadecimal(text) ? parse_digits<std::uint64_t>(text.substr(2), 16)
-                              : parse_digits<std::uint64_t>(text);
-}
-
 bool looks_like_name(std::string_view text) {
   const auto is_name_character = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
@@ -61,66 +47,33 @@ std::int64_t sign_extended(std::uint64_t bits, std::uint8_t width) {
   return static_cast<std::int64_t>(bits << shift) >> shift;
 }
 
-[[noreturn]] void throw_too_wide(std::string_view text, DataType type) {
+std::string range_of_type(DataType type) {
   const TypeRange range = range_of(type);
+  return std::to_string(range.lowest) + " to " + std::to_string(range.highest);
+}
+
+[[noreturn]] void refuse_too_wide(std::string_view text, DataType type) {
   std::string message = in_quotes(text) + " does not fit " + std::string(to_string(type)) + ": " +
-                        std::to_string(range.lowest) + " to " + std::to_string(range.highest);
-  if (is_hexadecimal(text))
+                        range_of_type(type);
+  if (has_hex_prefix(text)) {
     message += ", at most " + std::to_string(2 * size_of(type)) + " hex digits";
+  }
   throw UsageError(message);
 }
 
-std::int64_t decimal_value(std::string_view text) {
-  std::int64_t value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (stop == end && error == std::errc::result_out_of_range) {
-    return text[0] == '-' ? std::numeric_limits<std::int64_t>::min()
-                          : std::numeric_limits<std::int64_t>::max();
-  }
-  if (error != std::errc{} || stop != end) {
+/// @param kind of a text that is no whole number of the type
+[[noreturn]] void refuse_value(std::string_view text, IntegerKind kind, DataType type) {
+  if (kind == IntegerKind::no_number) {
     throw UsageError(in_quotes(text) +
-                     " is not a value: write a decimal number or hex such as 0x1F");
+                     " is not a value: write a decimal number such as 1000 or 1e3, or hex such as "
+                     "0x1F");
   }
-  return value;
-}
-
-/// Decimal digits with an optional fraction, times `unit`, exactly; a fraction of 1 ns is rounded
-/// up.
-std::optional<std::chrono::nanoseconds> scaled(std::string_view text, std::int64_t unit) {
-  const std::size_t dot = std::min(text.find('.'), text.size());
-  const auto whole = parse_digits<std::uint64_t>(text.substr(0, dot));
-  if (!whole || *whole > static_cast<std::uint64_t>(kHighestNanoseconds / unit))
-    return std::nullopt;
-  std::int64_t nanoseconds = static_cast<std::int64_t>(*whole) * unit;
-  if (dot == text.size()) return std::chrono::nanoseconds(nanoseconds);
-  const std::string_view fraction = text.substr(dot + 1);
-  const auto numerator = parse_digits<std::uint64_t>(fraction);
-  if (!numerator || fraction.size() > 9) return std::nullopt;
-  std::int64_t denominator = 1;
-  for (std::size_t i = 0; i < fraction.size(); ++i) denominator *= 10;
-  const std::int64_t product = static_cast<std::int64_t>(*numerator) * (unit / 1000);
-  // unit is a multiple of 1000 and the fraction has at most nine digits: no overflow.
-  nanoseconds += (product * 1000 / denominator) + (product * 1000 % denominator != 0 ? 1 : 0);
-  return std::chrono::nanoseconds(nanoseconds);
-}
-
-struct Unit {
-  std::string_view suffix;
-  std::int64_t nanoseconds;
-};
-
-constexpr std::array kUnits{Unit{"us", 1000}, Unit{"ms", 1'000'000}, Unit{"s", 1'000'000'000}};
-
-std::optional<std::chrono::nanoseconds> duration_of(std::string_view text) {
-  for (const Unit& unit : kUnits) {
-    if (!text.ends_with(unit.suffix)) continue;
-    text.remove_suffix(unit.suffix.size());
-    const auto duration = scaled(text, unit.nanoseconds);
-    if (duration && *duration <= std::chrono::hours(kHighestHours)) return duration;
-    return std::nullopt;
+  if (kind == IntegerKind::fraction) {
+    throw UsageError(in_quotes(text) + " is a fraction: the object is " +
+                     std::string(to_string(type)) + " and takes whole numbers from " +
+                     range_of_type(type));
   }
-  return std::nullopt;
+  refuse_too_wide(text, type);
 }
 
 }  // namespace
@@ -143,9 +96,8 @@ ObjectName parse_object(std::string_view text) {
     if (!row) return {std::string(text), std::nullopt};
     return {std::string(text), describe(*row).address};
   }
-  throw UsageError(in_quotes(text) +
-                   " is not an object: write 0x6041, 0x607D:1 or a variable_name such as "
-                   "ds402_statusword");
+  throw UsageError(in_quotes(text) + " is not an object" + address_suggestion(text) +
+                   ": write 0x6041, 0x607D:1 or a variable_name such as ds402_statusword");
 }
 
 std::vector<ObjectName> parse_objects(const std::vector<std::string>& texts) {
@@ -166,27 +118,22 @@ std::string object_suggestion(std::string_view name) {
 
 std::int64_t parse_value(std::string_view text, DataType type) {
   const TypeRange range = range_of(type);
-  if (is_hexadecimal(text)) {
-    const auto bits = unsigned_number(text);
-    if (!bits && text.find_first_not_of("0123456789abcdefABCDEF", 2) != std::string_view::npos) {
-      throw UsageError(in_quotes(text) +
-                       " is not a value: write a decimal number or hex such as 0x1F");
-    }
+  const IntegerReading number = read_integer(text);
+  if (number.kind != IntegerKind::whole) refuse_value(text, number.kind, type);
+  if (has_hex_prefix(text)) {
+    const auto bits = static_cast<std::uint64_t>(number.value);
     const std::uint64_t highest = (std::uint64_t{1} << (8U * size_of(type))) - 1;
-    if (!bits || *bits > highest) throw_too_wide(text, type);
-    return range.lowest < 0 ? sign_extended(*bits, size_of(type))
-                            : static_cast<std::int64_t>(*bits);
+    if (bits > highest) refuse_too_wide(text, type);
+    return range.lowest < 0 ? sign_extended(bits, size_of(type)) : number.value;
   }
-  const std::int64_t value = decimal_value(text);
-  if (value < range.lowest || value > range.highest) throw_too_wide(text, type);
-  return value;
+  if (number.value < range.lowest || number.value > range.highest) refuse_too_wide(text, type);
+  return number.value;
 }
 
 std::int64_t parse_value(std::string_view text, const ObjectName& object) {
   const auto row = object.row();
   if (row) return parse_value(text, describe(*row).data_type);
-  const bool is_negative = !text.empty() && text[0] == '-';
-  return parse_value(text, is_negative ? DataType::integer32 : DataType::unsigned32);
+  return parse_value(text, text.starts_with('-') ? DataType::integer32 : DataType::unsigned32);
 }
 
 std::string value_text(const ObjectName& object, std::int64_t value) {
@@ -197,29 +144,21 @@ std::string value_text(const ObjectName& object, std::int64_t value) {
 }
 
 std::uint64_t parse_number(std::string_view text, std::string_view what, std::uint64_t highest) {
-  const auto number = unsigned_number(text);
-  if (!number || *number > highest) {
+  const auto number = parse_integer(text);
+  if (!number || *number < 0 || static_cast<std::uint64_t>(*number) > highest) {
     throw UsageError(in_quotes(text) + " is not a valid " + std::string(what) +
-                     ": write a number from 0 to " + std::to_string(highest));
+                     ": write a whole number from 0 to " + std::to_string(highest));
   }
-  return *number;
+  return static_cast<std::uint64_t>(*number);
 }
 
-std::chrono::nanoseconds parse_duration(std::string_view text) {
-  const auto duration = duration_of(text);
+Duration parse_duration(std::string_view text) {
+  const auto duration = vdrive::parse_duration(text);
   if (!duration) {
     throw UsageError(in_quotes(text) +
-                     " is not a duration: write for example 500us, 20ms or 1.5s, at most " +
-                     std::to_string(kHighestHours) + " hours");
-  }
-  return *duration;
-}
-
-std::chrono::nanoseconds parse_seconds(std::string_view text) {
-  auto duration = duration_of(text);
-  if (!duration) duration = duration_of(std::string(text) + "s");
-  if (!duration) {
-    throw UsageError(in_quotes(text) + " is not a time: write seconds such as 2 or 0.5, or 500ms");
+                     " is not a duration: write for example 500us, 20ms, 1.5s or 2min, at most " +
+                     std::to_string(kLongestDuration.count()) +
+                     " hours; a number without a unit is in seconds");
   }
   return *duration;
 }

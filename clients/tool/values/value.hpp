@@ -40,9 +40,12 @@ struct ObjectName {
 ///         or nothing.
 [[nodiscard]] std::string object_suggestion(std::string_view name);
 
+/// Numbers and durations are those of vdrive/number_text.hpp; what follows adds the limits, and the
+/// errors for a person.
+
 /// @param text decimal, negative, or hexadecimal as the two's complement of `type`: 0xFFFFD8F0 is
 ///        -10000 as INTEGER32
-/// @throws UsageError naming text and limits when it is not a number or too wide for `type`.
+/// @throws UsageError naming text and limits when it is no whole number or too wide for `type`.
 [[nodiscard]] std::int64_t parse_value(std::string_view text, DataType type);
 
 /// The value of an object: by its type, else (the object does not exist) any 32-bit number.
@@ -51,19 +54,16 @@ struct ObjectName {
 /// @return a value as it is shown: words in hex beside the decimal number.
 [[nodiscard]] std::string value_text(const ObjectName& object, std::int64_t value);
 
-/// @param text decimal or hexadecimal
-/// @throws UsageError naming `what` when it is not a number from 0 to `highest`.
+/// @param highest at most that of std::int64_t
+/// @throws UsageError naming `what` when it is not a whole number from 0 to `highest`.
 [[nodiscard]] std::uint64_t parse_number(std::string_view text, std::string_view what,
                                          std::uint64_t highest);
 
-/// @param text such as 500us, 20ms, 1.5s
-/// @throws UsageError for anything else, and for more than 1000 hours.
+/// @param text such as 500us, 20ms, 1.5s or 2min; without a unit it is in seconds
+/// @throws UsageError for anything else, and for more than kLongestDuration.
 [[nodiscard]] Duration parse_duration(std::string_view text);
 
-/// @param text seconds such as 2 or 0.5, or a duration
-[[nodiscard]] Duration parse_seconds(std::string_view text);
-
-/// @throws UsageError naming `what` when it is no finite decimal number.
+/// @throws UsageError naming `what` when it is no finite number.
 [[nodiscard]] double parse_real(std::string_view text, std::string_view what);
 
 }  // namespace vdrive::tool

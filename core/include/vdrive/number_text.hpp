@@ -2,6 +2,7 @@
 #pragma once
 
 #include <charconv>
+#include <chrono>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -22,11 +23,53 @@ template <std::integral Number>
   return error == std::errc{} && stop == end ? std::optional(number) : std::nullopt;
 }
 
-/// @return the whole number that `text` spells, decimal or 0x..., or nothing.
+/// Every program, file and language of vdrive reads the numbers and durations that a person writes
+/// by this grammar (docs/reference/numbers.md):
+///
+///     number   = decimal | "0x" 1*hex-digit             such as -500, 12.5, 1e6 or 0x1F
+///     decimal  = ["-"] digits ["e" ["-" | "+"] 1*digit]
+///     digits   = 1*digit ["." *digit] | "." 1*digit
+///     duration = digits ["e" ["-" | "+"] 1*digit] [*" " unit]   such as 20ms, 1.5 s or 5
+///     unit     = "us" | "ms" | "s" | "min" | "h"        without one: seconds
+///
+/// Small and capital letters of "0x", of "e" and of hex digits are equal.
+
+/// @return whether `text` begins with 0x.
+[[nodiscard]] bool has_hex_prefix(std::string_view text) noexcept;
+
+/// What a text is that should be a whole number.
+enum class IntegerKind : std::uint8_t {
+  whole,
+  fraction,   ///< a number such as 12.5
+  too_large,  ///< a whole number that 64 bits with a sign do not hold
+  no_number,
+};
+
+/// A text, read as a whole number.
+struct IntegerReading {
+  IntegerKind kind = IntegerKind::no_number;
+  std::int64_t value = 0;  ///< where it is whole
+};
+
+/// Reads a number that has to be whole, exactly: 1e6 and 2.0 are whole, 12.5 is not.
+[[nodiscard]] IntegerReading read_integer(std::string_view text);
+
+/// @return the whole number that `text` spells, or nothing.
 [[nodiscard]] std::optional<std::int64_t> parse_integer(std::string_view text);
 
 /// @return the finite number that `text` spells, or nothing.
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
+
+/// @return how many characters of `text` are the decimal number that it begins with; 0 = none. Its
+///         unit follows.
+[[nodiscard]] std::size_t decimal_length(std::string_view text) noexcept;
+
+/// The longest duration that can be written.
+inline constexpr std::chrono::hours kLongestDuration{1000};
+
+/// @return the duration that `text` spells; a fraction of 1 ns is rounded up. Nothing for any other
+///         text, and for more than kLongestDuration.
+[[nodiscard]] std::optional<std::chrono::nanoseconds> parse_duration(std::string_view text);
 
 /// @return the shortest text that reads back to the same number.
 [[nodiscard]] std::string to_text(double number);

@@ -5,15 +5,13 @@
 #include "vdrive/dictionary/standard_names.hpp"
 #include "vdrive/number_text.hpp"
 
+#include <algorithm>
+
 namespace vdrive {
 namespace {
 
 constexpr int kHex = 16;
 constexpr std::size_t kDigitsOfIndex = 4;  // of the form 6081h
-
-bool has_hex_prefix(std::string_view text) noexcept {
-  return text.starts_with("0x") || text.starts_with("0X");
-}
 
 std::optional<std::uint16_t> parse_index(std::string_view text) noexcept {
   if (has_hex_prefix(text)) return parse_digits<std::uint16_t>(text.substr(2), kHex);
@@ -56,6 +54,15 @@ std::optional<ObjectAddress> parse_object(std::string_view text) noexcept {
   if (const auto row = find_named(text)) return describe(*row).address;
   const auto spelled = parse_address(text);
   return spelled ? std::optional(spelled->address()) : std::nullopt;
+}
+
+std::string address_suggestion(std::string_view text) {
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const std::string_view index = text.substr(0, colon);
+  const std::string_view rest = text.substr(colon);
+  const std::string meant = std::string(index).append("h").append(rest);
+  if (index.size() != kDigitsOfIndex || !parse_address(meant)) return {};
+  return " (did you mean 0x" + std::string(text) + " or " + meant + "?)";
 }
 
 }  // namespace vdrive

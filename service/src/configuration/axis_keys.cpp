@@ -190,7 +190,10 @@ void read_parameters(const YamlValue& value, NamedAxis& axis) {
   std::map<ObjectAddress, PlacedValue> values;
   value.for_each_entry({}, [&](const auto& key, const YamlValue& entry) {
     const auto row = find_row(key);
-    if (!row) entry.refuse(R"(no such object; write its variable_name, "0x6081" or "0x607D:1")");
+    if (!row) {
+      entry.refuse("no such object" + address_suggestion(key) +
+                   R"(; write its variable_name, "0x6081" or "0x607D:1")");
+    }
     const ObjectDescription& object = describe(*row);
     check_is_parameter(object, entry);
     const std::int64_t number = read_value(object, *row, entry, axis.unit);
