@@ -59,7 +59,11 @@ TEST_F(PrivateBenches, RunEachFileOnANewBenchAndWriteOneReport) {
   EXPECT_THAT(xml, AllOf(HasSubstr("<testsuites tests=\"10\" failures=\"1\""),
                          HasSubstr("a.scn\" tests=\"3\" failures=\"0\""),
                          HasSubstr("b.scn\" tests=\"4\" failures=\"1\""),
-                         HasSubstr("line 4: expect 1.1 position &lt; 100")));
+                         HasSubstr("line 4: expect 1.1 position &lt; 100"),
+                         HasSubstr("b.scn\" line=\"4\"><failure message=\"position: expected"),
+                         HasSubstr("type=\"expectation\">"), HasSubstr("\n  axis 1.1 at tick "),
+                         HasSubstr("\n  next: ")));
+  EXPECT_THAT(finished.errors, AllOf(HasSubstr("\n  axis 1.1 at tick "), HasSubstr("\n  next: ")));
   EXPECT_TRUE(all_have_ended());
 }
 

@@ -126,6 +126,71 @@ TEST_F(SeveralFiles, ShareTheVariablesOfTheCommandLine) {
   EXPECT_THAT(unknown.errors, HasSubstr("no file has a variable 'axes' (did you mean 'axis'?)"));
 }
 
+// The second of four lines fails; the last one is below `finally`. The axis stands at 0, enabled.
+TEST_F(SeveralFiles, ReportTheTickTheAxisAndTheNextStepOfAFailure) {
+  const std::string failing =
+      file("a.scn", "enable 1.1\nexpect 1.1 statusword 8 --mask 8\nmove 1.1 5\nfinally\nstep 1\n");
+  const Finished finished = run({failing});
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_THAT(finished.output, HasSubstr("failed  " + failing + ", 3 of 4 lines done"));
+  EXPECT_THAT(finished.errors,
+              AllOf(HasSubstr("a.scn:2: expect 1.1 statusword 8 --mask 8: statusword: "
+                              "expected 0x008 (8) under mask 0x00000008, actual 0x"),
+                    HasSubstr(": Operation enabled, bit 3 fault is 0\n"),
+                    testing::ContainsRegex("\n  axis 1.1 at tick [0-9]+: 0x[0-9A-F]+ Operation "
+                                           "enabled.*; position 0 UU \\(0.00 deg\\), velocity"),
+                    HasSubstr("\n  next: where the value comes later add --within")));
+  EXPECT_THAT(report(), AllOf(HasSubstr("file=\"" + failing + "\" line=\"2\"><failure message="),
+                              HasSubstr("type=\"expectation\">" + failing + ":2: expect"),
+                              HasSubstr("\n  next: where the value comes later"),
+                              HasSubstr("line=\"3\"><skipped/>")));
+}
+
+struct AdviceRow {
+  const char* name;
+  const char* lines;
+  const char* advice;
+};
+
+class AdviceOfAFailure : public testing::TestWithParam<AdviceRow> {
+ protected:
+  BenchOnWire bench_{"--clock lockstep"};
+};
+
+TEST_P(AdviceOfAFailure, IsTheNextStep) {
+  const Finished finished = call("run - --json", GetParam().lines);
+  EXPECT_EQ(finished.code, 1) << finished.errors;
+  EXPECT_THAT(finished.errors, HasSubstr(std::string("  next: ") + GetParam().advice));
+  const std::vector<std::string> lines = finished.lines();
+  ASSERT_GE(lines.size(), 2U);
+  const Json failed = Json::parse(lines[lines.size() - 2]);
+  EXPECT_TRUE(failed.contains("tick")) << failed;
+  EXPECT_THAT(failed["advice"].get<std::string>(), testing::StartsWith(GetParam().advice));
+  EXPECT_THAT(failed["details"][0].get<std::string>(), testing::StartsWith("axis 1.1 at tick "));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Lines, AdviceOfAFailure,
+    testing::Values(
+        AdviceRow{"not_enabled", "move 1.1 100\n", "write 'enable 1.1' in front of this line"},
+        AdviceRow{"in_fault", "disturb 1.1 over_temperature\nwait 1.1 fault\nmove 1.1 5\n",
+                  "'vdrive events 1.1' shows the cause of the fault; 'reset 1.1' in front"},
+        AdviceRow{"refused", "store 1.1\n",  // the bench has no state directory
+                  "change what the line asks for, or write 'refused 0x08000020' in front"},
+        AdviceRow{"not_refused", "enable 1.1\nrefused 0x08000022 move 1.1 5\n",
+                  "remove 'refused' from this line"},
+        AdviceRow{"moving",
+                  "enable 1.1\nmove 1.1 100000 --velocity 1000 --no-wait\nexpect 1.1 position 9\n",
+                  "the axis is moving: write 'wait 1.1 target_reached'"},
+        AdviceRow{"too_slow", "enable 1.1\nmove 1.1 100000 --velocity 100 --timeout 1\n",
+                  "the axis is moving: give this line more time with --timeout"},
+        AdviceRow{"still", "enable 1.1\nwait 1.1 position 5 --timeout 10ms\n",
+                  "the axis stands: find what it waits for"},
+        AdviceRow{"of_the_axes_before", "enable 1.1\nrate 0.5\n", ""}),
+    [](const auto& row) {
+      return row.param.name;
+    });
+
 class WaitAndExpect : public testing::Test {
  protected:
   BenchOnWire bench_{"--clock lockstep"};

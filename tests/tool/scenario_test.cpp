@@ -282,5 +282,48 @@ TEST(Junit, CountsAndEscapes) {
   EXPECT_THAT(xml, HasSubstr("<error message=\"no bench\"/>"));
 }
 
+TEST(Junit, HasThePlaceTheKindAndTheTextOfAFailureAndWhatALinePrinted) {
+  const std::vector<JunitCase> cases{{.name = "line 7: expect 1.1 mode 3",
+                                      .failure = "mode: expected 3, actual 1",
+                                      .line = 7,
+                                      .type = "expectation",
+                                      .text = "lift.scn:7: mode <> 3\n  next: look",
+                                      .output = "1.1 mode = 1\n"},
+                                     {.name = "start", .error = "no bench", .type = "failed"}};
+  const std::string xml = junit_xml({{"lift.scn", cases}});
+  EXPECT_THAT(xml, HasSubstr("<testcase classname=\"lift.scn\" name=\"line 7: expect 1.1 mode 3\" "
+                             "time=\"0.000000\" file=\"lift.scn\" line=\"7\">"
+                             "<failure message=\"mode: expected 3, actual 1\" "
+                             "type=\"expectation\">lift.scn:7: mode &lt;&gt; 3\n  next: look"
+                             "</failure><system-out>1.1 mode = 1\n</system-out></testcase>"));
+  EXPECT_THAT(xml, HasSubstr("file=\"lift.scn\"><error message=\"no bench\" type=\"failed\"/>"));
+}
+
+Expectation expectation_of(const std::string& object, const std::string& value) {
+  return parse_expectation(object, std::vector<std::string>{value});
+}
+
+// 0x1637: Operation enabled, bits 4, 9, 10 and 12; 0x637 has bit 12 = 0. 0x218: Fault, 0x237:
+// enabled.
+TEST(ExpectationOfAWord, NamesTheStateAndTheBitsThatDiffer) {
+  const auto position = OperatingMode::profile_position;
+  EXPECT_EQ(decoded_text(expectation_of("statusword", "0x637"), 0x1637, position),
+            "Operation enabled, bit 12 set-point acknowledge is 1");
+  Expectation masked = expectation_of("statusword", "0x400");
+  masked.mask = 0x400;
+  EXPECT_EQ(decoded_text(masked, 0x237, position), "Operation enabled, bit 10 target reached is 0");
+  EXPECT_EQ(decoded_text(expectation_of("statusword", "0x2218"), 0x218, position),
+            "Fault, bit 13 following error is 0");
+  EXPECT_EQ(decoded_text(expectation_of("controlword", "0x0F"), 0x10F, position),
+            "bit 8 halt is 1");
+}
+
+TEST(ExpectationOfAWord, HasTheStateAloneWhereNoBitIsExpected) {
+  Expectation other = expectation_of("statusword", "0x637");
+  other.comparison = Comparison::not_equal;
+  EXPECT_EQ(decoded_text(other, 0x637, OperatingMode::profile_position), "Operation enabled");
+  EXPECT_EQ(decoded_text(expectation_of("position", "5"), 4, OperatingMode::profile_position), "");
+}
+
 }  // namespace
 }  // namespace vdrive::tool

@@ -54,6 +54,50 @@ TEST(ScenarioVerdict, SkipsTheLinesBehindAFailure) {
   EXPECT_TRUE(sut.suite.cases[1].is_skipped);
 }
 
+TEST(ScenarioVerdict, HasEverythingThatIsKnownOfAFailure) {
+  const ScenarioVerdict sut = verdict_of(
+      scenario_of_two_lines(),
+      {.code = 1,
+       .output =
+           "1.1 mode = 1\n"
+           R"({"line":2,"outcome":"ok","seconds":0.5})"
+           "\n"
+           R"({"line":4,"outcome":"failed","message":"expected 1","type":"expectation","tick":9,)"
+           R"("details":["axis 1.1 at tick 9: 0x637"],"advice":"look"})",
+       .errors = ""});
+
+  ASSERT_EQ(sut.suite.cases.size(), 2U);
+  EXPECT_EQ(sut.suite.cases[0].line, 2U);
+  EXPECT_EQ(sut.suite.cases[0].output, "1.1 mode = 1\n");
+  EXPECT_EQ(sut.suite.cases[1].line, 4U);
+  EXPECT_EQ(sut.suite.cases[1].type, "expectation");
+  EXPECT_EQ(sut.suite.cases[1].failure, "expected 1");
+  EXPECT_EQ(sut.suite.cases[1].text,
+            "lift.scn:4: move 1.1 100: expected 1\n  axis 1.1 at tick 9: 0x637\n  next: look");
+  EXPECT_EQ(sut.suite.cases[1].output, "");
+}
+
+TEST(ScenarioVerdict, CountsTheLinesThatWereDone) {
+  const ScenarioVerdict sut = verdict_of(
+      scenario_of_two_lines(),
+      {.code = 1, .output = R"({"line":2,"outcome":"failed","message":"no"})", .errors = ""});
+  EXPECT_EQ(sut.done, 1U);
+  EXPECT_EQ(lines_text(sut.done, 2), "1 of 2 lines done");
+  EXPECT_EQ(lines_text(2, 2), "2 lines");
+  EXPECT_EQ(lines_text(0, 1), "0 of 1 line done");
+}
+
+TEST(ScenarioVerdict, KeepsTheEndOfWhatAStreamPrinted) {
+  std::string output;
+  for (int i = 0; i < 102; ++i) output += "sample " + std::to_string(i) + "\n";
+  const ScenarioVerdict sut =
+      verdict_of(scenario_of_two_lines(),
+                 {.code = 0, .output = output + R"({"line":2,"outcome":"ok"})", .errors = ""});
+  EXPECT_THAT(sut.suite.cases[0].output,
+              testing::AllOf(testing::StartsWith("(2 lines left out)\nsample 2\n"),
+                             testing::EndsWith("sample 101\n")));
+}
+
 TEST(ScenarioVerdict, TakesNoOutputOfACommandForAResult) {
   const ScenarioVerdict sut = verdict_of(
       scenario_of_two_lines(),

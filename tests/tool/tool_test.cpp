@@ -453,10 +453,14 @@ TEST_F(ToolInLockStep, AScenarioPrintsItsLinesInJson) {
   ASSERT_THAT(objects, SizeIs(5));
   EXPECT_THAT(keys(objects[0]), ElementsAre("file", "line", "command", "outcome", "seconds"));
   EXPECT_EQ(objects[1]["tick"], 3) << "what a word answers comes before its line";
-  EXPECT_THAT(keys(objects[3]), ElementsAre("file", "line", "command", "outcome", "message",
-                                            "expected", "actual", "tick", "seconds"));
+  EXPECT_THAT(keys(objects[3]),
+              ElementsAre("file", "line", "command", "outcome", "message", "expected", "actual",
+                          "tick", "type", "details", "advice", "seconds"));
   EXPECT_EQ(objects[3]["actual"], 0x250);
+  EXPECT_EQ(objects[3]["type"], "expectation");
   EXPECT_EQ(objects[4]["passed"], false);
+  EXPECT_EQ(objects[4]["lines"], 3);
+  EXPECT_EQ(objects[4]["done"], 3);
 }
 
 TEST_F(ToolInLockStep, ThroughoutDetectsASingleDifferentTick) {

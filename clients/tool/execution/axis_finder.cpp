@@ -100,6 +100,15 @@ client::Result<std::vector<client::Axis>> AxisFinder::axes_of_all_benches() {
   return all;
 }
 
+std::vector<client::Axis> AxisFinder::known() const {
+  std::map<client::AxisId, client::Axis> known;
+  for (const auto& [name, axis] : axes_) known.emplace(axis.id(), axis);
+  std::vector<client::Axis> axes;
+  axes.reserve(known.size());
+  for (const auto& [id, axis] : known) axes.push_back(axis);
+  return axes;
+}
+
 std::string AxisFinder::label_of(const client::AxisId& axis) const {
   const auto typed = typed_names_.find(axis);
   return typed == typed_names_.end() ? to_string(axis) : escaped(typed->second);

@@ -42,6 +42,9 @@ class AxisFinder {
   /// them.
   [[nodiscard]] const std::set<std::uint32_t>& benches() const noexcept { return benches_; }
 
+  /// @return the axes that were called one by one, each once.
+  [[nodiscard]] std::vector<client::Axis> known() const;
+
   /// @return an axis as the user calls it.
   [[nodiscard]] std::string label_of(const client::AxisId& axis) const;
 

@@ -10,9 +10,8 @@ using client::Outcome;
 
 /// @return what to do first where the power state has refused a command, or nothing.
 std::string next_step(const std::string& label, PowerState state) {
-  if (is_fault(state)) return "; reset it first: vdrive reset " + label;
-  if (state == PowerState::operation_enabled) return {};
-  return "; enable it first: vdrive enable " + label;
+  const std::string first(command_before_motion(state));
+  return first.empty() ? first : "; " + first + " it first: vdrive " + first + " " + label;
 }
 
 Json json_of_report(const CommandContext& context, const client::Axis& axis,
@@ -29,6 +28,11 @@ Json json_of_report(const CommandContext& context, const client::Axis& axis,
 }
 
 }  // namespace
+
+std::string_view command_before_motion(PowerState state) noexcept {
+  if (is_fault(state)) return "reset";
+  return state == PowerState::operation_enabled ? "" : "enable";
+}
 
 Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisReport report) {
   if (context.output.is_quiet) return std::move(report.outcome);

@@ -16,6 +16,10 @@ struct AxisReport {
   bool names_next_step = true;  ///< a refusal by the power state names the command to call first
 };
 
+/// @return the command that an axis in this state needs before it can move, such as "enable"; empty
+///         in Operation enabled.
+[[nodiscard]] std::string_view command_before_motion(PowerState state) noexcept;
+
 /// Prints the report and what the axis shows now.
 /// @return the outcome, in the words of the report.
 client::Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisReport report);

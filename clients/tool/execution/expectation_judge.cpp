@@ -75,7 +75,9 @@ Outcome ExpectationJudge::compare(client::Axis& axis, const Expectation& expecta
                             "read of " + expectation.object.text + " refused");
   }
   if (expectation.accepts(reading.value)) return {};
-  return differs(expectation, reading.value, readings->tick);
+  const auto shown = axis.status();
+  return differs(expectation, reading.value, readings->tick,
+                 shown ? shown->mode() : OperatingMode::none);
 }
 
 Outcome ExpectationJudge::within(ValueObserver& observer, const client::BenchInfo& bench,
@@ -89,13 +91,14 @@ Outcome ExpectationJudge::within(ValueObserver& observer, const client::BenchInf
     if (ends_in_fault) {
       const std::string awaited = expectation.object.text + " " + expected_text(expectation);
       if (Outcome sound = fault.note(observer.shown(), awaited); !sound) {
-        static_cast<void>(differs(expectation, observer.value(), observer.tick()));
+        static_cast<void>(
+            differs(expectation, observer.value(), observer.tick(), observer.shown().mode()));
         found_->emplace("error_code", observer.shown().status.error_code);
         return sound;
       }
     }
     if (observer.driven_tick() >= last) {
-      return differs(expectation, observer.value(), observer.tick());
+      return differs(expectation, observer.value(), observer.tick(), observer.shown().mode());
     }
     if (Outcome seen = observer.next(); !seen) return seen;
   }
@@ -128,7 +131,7 @@ Outcome ExpectationJudge::throughout(ValueObserver& observer, const client::Benc
   while (true) {
     if (Outcome held = check_control(observer.shown()); !held) return held;
     if (!expectation.accepts(observer.value())) {
-      return differs(expectation, observer.value(), observer.tick());
+      return differs(expectation, observer.value(), observer.tick(), observer.shown().mode());
     }
     if (observer.missed() != 0) return not_every_tick(observer);
     if (observer.driven_tick() >= last) return {};
@@ -137,11 +140,13 @@ Outcome ExpectationJudge::throughout(ValueObserver& observer, const client::Benc
 }
 
 Outcome ExpectationJudge::differs(const Expectation& expectation, std::int64_t actual,
-                                  std::uint64_t tick) {
+                                  std::uint64_t tick, OperatingMode mode) {
   found_ = Json{{"expected", expectation.value}, {"actual", actual}, {"tick", tick}};
   std::string message = expectation.object.text + ": expected " + expected_text(expectation) +
                         ", actual " + value_text(expectation.object, actual) + " at tick " +
                         std::to_string(tick);
+  const std::string decoded = decoded_text(expectation, actual, mode);
+  if (!decoded.empty()) message += ": " + decoded;
   return Outcome::failed(std::move(message));
 }
 

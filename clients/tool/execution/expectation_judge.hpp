@@ -52,7 +52,9 @@ class ExpectationJudge {
   client::Outcome throughout(ValueObserver& observer, const client::BenchInfo& bench,
                              const Expectation& expectation);
   client::Outcome check_control(const client::AxisSnapshot& axis);
-  client::Outcome differs(const Expectation& expectation, std::int64_t actual, std::uint64_t tick);
+  /// @param mode of the axis, which gives bits their names
+  client::Outcome differs(const Expectation& expectation, std::int64_t actual, std::uint64_t tick,
+                          OperatingMode mode);
 
   client::Session& session_;
   std::map<client::AxisId, std::uint64_t> in_force_;  ///< tick of the last write

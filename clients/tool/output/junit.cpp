@@ -4,9 +4,11 @@
 #include "base/usage_error.hpp"
 #include "vdrive/text.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
+#include <string_view>
 #include <system_error>
 
 namespace vdrive::tool {
@@ -30,7 +32,7 @@ std::string xml_escaped(const std::string& text) {
         break;
       default:
         // XML 1.0 has no other control characters.
-        result += static_cast<unsigned char>(c) < 0x20 && c != '\t' ? '?' : c;
+        result += static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\n' ? '?' : c;
     }
   }
   return result;
@@ -42,14 +44,38 @@ std::string seconds(std::chrono::nanoseconds duration) {
   return text.data();
 }
 
+/// @return ` name="value"`. A reader of XML would make a blank of a line break.
+std::string attribute(std::string_view name, const std::string& value) {
+  std::string escaped_value = xml_escaped(value);
+  std::ranges::replace(escaped_value, '\n', ' ');
+  return " " + std::string(name) + "=\"" + escaped_value + "\"";
+}
+
+/// @param element failure or error
+std::string verdict_xml(const std::string& element, const std::string& message,
+                        const JunitCase& test) {
+  std::string xml = "<" + element + attribute("message", message);
+  if (!test.type.empty()) xml += attribute("type", test.type);
+  if (test.text.empty()) return xml + "/>";
+  return xml + ">" + xml_escaped(test.text) + "</" + element + ">";
+}
+
 std::string case_xml(const std::string& suite, const JunitCase& test) {
-  std::string xml = "    <testcase classname=\"" + xml_escaped(suite) + "\" name=\"" +
-                    xml_escaped(test.name) + "\" time=\"" + seconds(test.duration) + "\"";
-  if (test.is_skipped) return xml + "><skipped/></testcase>\n";
-  if (test.error)
-    return xml + "><error message=\"" + xml_escaped(*test.error) + "\"/></testcase>\n";
-  if (!test.failure) return xml + "/>\n";
-  return xml + "><failure message=\"" + xml_escaped(*test.failure) + "\"/></testcase>\n";
+  std::string xml = "    <testcase" + attribute("classname", suite) + attribute("name", test.name) +
+                    " time=\"" + seconds(test.duration) + "\"" + attribute("file", suite);
+  if (test.line != 0) xml += attribute("line", std::to_string(test.line));
+  std::string content;
+  if (test.is_skipped) {
+    content = "<skipped/>";
+  } else if (test.error) {
+    content = verdict_xml("error", *test.error, test);
+  } else if (test.failure) {
+    content = verdict_xml("failure", *test.failure, test);
+  }
+  if (!test.output.empty()) {
+    content += "<system-out>" + xml_escaped(test.output) + "</system-out>";
+  }
+  return content.empty() ? xml + "/>\n" : xml + ">" + content + "</testcase>\n";
 }
 
 /// How many cases there are, and what became of them.

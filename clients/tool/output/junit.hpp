@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <fstream>
 #include <optional>
 #include <string>
@@ -16,11 +17,19 @@ struct JunitCase {
   std::optional<std::string> failure = std::nullopt;  ///< what was not as expected; none = passed
   std::optional<std::string> error = std::nullopt;    ///< why it could not be judged at all
   bool is_skipped = false;
+  std::size_t line = 0;  ///< of the file of its suite; 0 = of none
+
+  /// Of a failure or an error: what kind it is, such as "expectation", and all that is known of it,
+  /// with its place; empty = the message alone.
+  std::string type{};
+  std::string text{};
+
+  std::string output{};  ///< what it printed
 };
 
 /// A scenario.
 struct JunitSuite {
-  std::string name;
+  std::string name;  ///< the file
   std::vector<JunitCase> cases;
 };
 

@@ -3,7 +3,10 @@
 
 #include "base/usage_error.hpp"
 #include "execution/command_context.hpp"
+#include "execution/failure_report.hpp"
 #include "output/live_view.hpp"
+#include "output/report.hpp"
+#include "scenarios/scenario_verdict.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 
@@ -56,7 +59,7 @@ class ScenarioRun {
       if (outcome) {
         outcome = run_line(line);
       } else {
-        cases_.push_back({.name = name_of(line), .is_skipped = true});
+        add_case(line).is_skipped = true;
       }
     }
     was_interrupted_ = session_.is_interrupted();
@@ -82,8 +85,8 @@ class ScenarioRun {
     return escaped(scenario_.file, kShownOfMessage) + ":" + std::to_string(line.number);
   }
 
-  static std::string name_of(const ScenarioLine& line) {
-    return "line " + std::to_string(line.number) + ": " + line.text;
+  JunitCase& add_case(const ScenarioLine& line) {
+    return cases_.emplace_back(JunitCase{.name = name_of_line(line), .line = line.number});
   }
 
   /// Each of them is tried, also after an interrupt: they put things in order.
@@ -130,14 +133,22 @@ class ScenarioRun {
     const auto start = Clock::now();
     Outcome outcome =
         execute(line.command, context_, line.timeout ? line.timeout : options_.timeout);
-    JunitCase& test = cases_.emplace_back();
-    test.name = name_of(line);
+    JunitCase& test = add_case(line);
     test.duration = Clock::now() - start;
-    if (!outcome) test.failure = outcome.message();
-    if (options_.is_json) print_json(line, outcome, test.duration);
-    if (outcome) return outcome;
-    return Outcome::failed(place_of(line) + ": " + escaped(line.text, kShownOfMessage) + ": " +
-                           outcome.message());
+    ++done_;
+    if (outcome) {
+      if (options_.is_json) print_json(line, outcome, test.duration);
+      return outcome;
+    }
+    FailureReport report = report_failure(line.command, outcome, context_);
+    if (options_.is_json) print_json(line, outcome, test.duration, report);
+    test.failure = outcome.message();
+    test.type = failure_type(outcome, context_.judge.found());
+    test.text = failure_text(scenario_, line,
+                             {.message = outcome.message(),
+                              .details = std::move(report.axes),
+                              .advice = std::move(report.advice)});
+    return Outcome::failed(test.text);
   }
 
   /// The next scenario finds the bench without the faults of this one.
@@ -155,10 +166,18 @@ class ScenarioRun {
                     escaped(line.text, kShownOfMessage));
   }
 
-  void print_json(const ScenarioLine& line, const Outcome& outcome, Clock::duration duration) {
+  /// @param failure of an outcome that is none: nothing
+  void print_json(const ScenarioLine& line, const Outcome& outcome, Clock::duration duration,
+                  const FailureReport& failure = {}) {
     Json json{{"file", scenario_.file}, {"line", line.number}, {"command", line.text}};
     add_outcome(json, outcome);
     if (context_.judge.found()) json.update(*context_.judge.found());
+    if (!outcome) {
+      json["type"] = failure_type(outcome, context_.judge.found());
+      if (failure.tick) json["tick"] = *failure.tick;
+      json["details"] = failure.axes;
+      json["advice"] = failure.advice;
+    }
     json["seconds"] = std::chrono::duration<double>(duration).count();
     terminal_.print(to_line(json));
   }
@@ -167,10 +186,14 @@ class ScenarioRun {
     if (options_.is_json) {
       terminal_.print(to_line({{"file", scenario_.file},
                                {"passed", static_cast<bool>(outcome)},
-                               {"lines", scenario_.lines.size()}}));
-    } else if (outcome) {
-      terminal_.print(colored(terminal_, Color::green, "passed") + "  " + scenario_.file + ", " +
-                      counted(scenario_.lines.size(), "line", "lines"));
+                               {"lines", scenario_.lines.size()},
+                               {"done", done_}}));
+    } else {
+      const bool passed = static_cast<bool>(outcome);
+      terminal_.print(
+          colored(terminal_, passed ? Color::green : Color::red, passed ? "passed" : "failed") +
+          "  " + escaped(scenario_.file, kShownOfMessage) + ", " +
+          lines_text(done_, scenario_.lines.size()));
     }
   }
 
@@ -182,6 +205,7 @@ class ScenarioRun {
   std::vector<client::AxisId> axes_;
   std::unique_ptr<LiveView> live_view_;
   std::vector<JunitCase> cases_;
+  std::size_t done_ = 0;  ///< lines that were carried out
   bool was_interrupted_ = false;
 };
 

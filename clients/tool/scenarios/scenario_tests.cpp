@@ -185,6 +185,7 @@ class ScenarioTests {
       Json json{{"file", scenario.file},
                 {"passed", verdict.code == 0},
                 {"lines", scenario.lines.size()},
+                {"done", verdict.done},
                 {"seconds", static_cast<double>(milliseconds.count()) / 1000.0}};
       if (verdict.code != 0) json["messages"] = verdict.messages;
       terminal_.print(to_line(json));
@@ -194,7 +195,7 @@ class ScenarioTests {
     terminal_.print(
         colored(terminal_, passed ? Color::green : Color::red, passed ? "passed" : "failed") +
         "  " + escaped(scenario.file, kShownOfMessage) + ", " +
-        counted(scenario.lines.size(), "line", "lines") + ", " +
+        lines_text(verdict.done, scenario.lines.size()) + ", " +
         std::to_string(milliseconds.count()) + " ms");
     if (passed) return;
     for (const std::string& message : verdict.messages) terminal_.complain(message);

@@ -2,9 +2,13 @@
 #include "scenarios/scenario_verdict.hpp"
 
 #include "output/report.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <deque>
 #include <map>
 #include <sstream>
 #include <utility>
@@ -26,23 +30,93 @@ JunitCase skipped_case(const std::string& name) {
   return test;
 }
 
+/// What a line printed: its end, where it is a stream.
+class LineOutput {
+ public:
+  void take(const std::string& line) {
+    constexpr std::size_t kMostLines = 100;
+    if (lines_.size() == kMostLines) {
+      lines_.pop_front();
+      ++left_out_;
+    }
+    lines_.push_back(line);
+  }
+
+  /// Leaves nothing.
+  std::string finish() {
+    std::string text;
+    if (left_out_ != 0) text = "(" + counted(left_out_, "line", "lines") + " left out)\n";
+    for (const std::string& line : lines_) text.append(line).append("\n");
+    *this = {};
+    return text;
+  }
+
+ private:
+  std::deque<std::string> lines_;
+  std::size_t left_out_ = 0;
+};
+
 /// What `vdrive run --json` has written about each line.
-std::map<std::size_t, JunitCase> cases_of(const std::string& output) {
-  std::map<std::size_t, JunitCase> cases;
+using LineResults = std::map<std::size_t, JunitCase>;
+
+/// @return the failure that a result has, with all that is known of it.
+LineFailure failure_of(const Json& result) {
+  return {.message = result.value("message", ""),
+          .details = result.value("details", std::vector<std::string>()),
+          .advice = result.value("advice", "")};
+}
+
+JunitCase case_of(const Scenario& scenario, const ScenarioLine& line, const Json& result) {
+  JunitCase test;
+  test.duration = std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double>(result.value("seconds", 0.0)));
+  if (result["outcome"] == "ok") return test;
+  const LineFailure failure = failure_of(result);
+  test.failure = failure.message;
+  test.type = result.value("type", result.value("outcome", ""));
+  test.text = failure_text(scenario, line, failure);
+  return test;
+}
+
+LineResults results_of(const Scenario& scenario, const std::string& output) {
+  LineResults results;
+  LineOutput printed;
   for (const std::string& text : lines_of(output)) {
     const Json json = Json::parse(text, nullptr, false);
-    // What a command of the scenario reads is no verdict.
-    if (!json.is_object() || !json.contains("line") || !json.contains("outcome")) continue;
-    JunitCase test;
-    test.duration = std::chrono::duration_cast<std::chrono::nanoseconds>(
-        std::chrono::duration<double>(json.value("seconds", 0.0)));
-    if (json["outcome"] != "ok") test.failure = json.value("message", "");
-    cases.emplace(json["line"].get<std::size_t>(), std::move(test));
+    const bool is_result = json.is_object() && json.contains("line") && json.contains("outcome");
+    const auto line = std::ranges::find_if(scenario.lines, [&](const ScenarioLine& each) {
+      return is_result && each.number == json["line"];
+    });
+    if (line == scenario.lines.end()) {  // what a command of the scenario reads is no verdict
+      printed.take(text);
+      continue;
+    }
+    JunitCase test = case_of(scenario, *line, json);
+    test.output = printed.finish();
+    results.emplace(line->number, std::move(test));
   }
-  return cases;
+  return results;
 }
 
 }  // namespace
+
+std::string failure_text(const Scenario& scenario, const ScenarioLine& line,
+                         const LineFailure& failure) {
+  std::string text = escaped(scenario.file, kShownOfMessage) + ":" + std::to_string(line.number) +
+                     ": " + escaped(line.text, kShownOfMessage) + ": " + failure.message;
+  for (const std::string& detail : failure.details) text.append("\n  ").append(detail);
+  if (!failure.advice.empty()) text.append("\n  next: ").append(failure.advice);
+  return text;
+}
+
+std::string name_of_line(const ScenarioLine& line) {
+  return "line " + std::to_string(line.number) + ": " + line.text;
+}
+
+std::string lines_text(std::size_t done, std::size_t all) {
+  const std::string text = counted(all, "line", "lines");
+  return done == all ? text : std::to_string(done) + " of " + text + " done";
+}
 
 ScenarioVerdict not_started(const Scenario& scenario) {
   ScenarioVerdict verdict;
@@ -54,6 +128,7 @@ ScenarioVerdict failed_to_start(const Scenario& scenario, int code, const std::s
   JunitCase error;
   error.name = "start";
   error.error = message;
+  error.type = std::string(code == static_cast<int>(ExitCode::usage) ? "usage" : "failed");
   return {.code = code, .messages = {message}, .suite = {scenario.file, {std::move(error)}}};
 }
 
@@ -61,21 +136,24 @@ ScenarioVerdict verdict_of(const Scenario& scenario, const EndedRun& run) {
   const int code = run.code >= 0 ? run.code : static_cast<int>(ExitCode::failed);
   std::vector<std::string> messages = lines_of(run.errors);
   if (run.code < 0) messages.push_back("ended by signal " + std::to_string(-run.code));
-  auto cases = cases_of(run.output);
-  if (code != 0 && cases.empty()) {
+  LineResults results = results_of(scenario, run.output);
+  if (code != 0 && results.empty()) {
     ScenarioVerdict verdict =
         failed_to_start(scenario, code, messages.empty() ? "interrupted" : messages.back());
     verdict.messages = std::move(messages);
     return verdict;
   }
-  ScenarioVerdict verdict{
-      .code = code, .messages = std::move(messages), .suite = {scenario.file, {}}};
+  ScenarioVerdict verdict{.code = code,
+                          .messages = std::move(messages),
+                          .suite = {scenario.file, {}},
+                          .done = results.size()};
   for (const ScenarioLine& line : scenario.lines) {
-    const std::string name = "line " + std::to_string(line.number) + ": " + line.text;
-    const auto found = cases.find(line.number);
+    const std::string name = name_of_line(line);
+    const auto found = results.find(line.number);
     JunitCase& test = verdict.suite.cases.emplace_back(
-        found == cases.end() ? skipped_case(name) : std::move(found->second));
+        found == results.end() ? skipped_case(name) : std::move(found->second));
     test.name = name;
+    test.line = line.number;
   }
   return verdict;
 }

@@ -5,16 +5,35 @@
 #include "language/scenario.hpp"
 #include "output/junit.hpp"
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 namespace vdrive::tool {
+
+/// Why a line of a scenario failed, and what helps to go on.
+struct LineFailure {
+  std::string message;
+  std::vector<std::string> details;  ///< what the axes show, one line each
+  std::string advice;                ///< the next step; may be empty
+};
+
+/// @return the failure with file and line, and below it, indented, the details and the next step.
+[[nodiscard]] std::string failure_text(const Scenario& scenario, const ScenarioLine& line,
+                                       const LineFailure& failure);
+
+/// @return the name of a line in a report, such as "line 2: enable 1.1".
+[[nodiscard]] std::string name_of_line(const ScenarioLine& line);
+
+/// @return such as "32 lines", or "11 of 32 lines done" where not all of them were carried out.
+[[nodiscard]] std::string lines_text(std::size_t done, std::size_t all);
 
 /// What became of a scenario that a process of its own carries out.
 struct ScenarioVerdict {
   int code = static_cast<int>(ExitCode::interrupted);  ///< 0 = passed
   std::vector<std::string> messages;                   ///< of a failure
   JunitSuite suite;
+  std::size_t done = 0;  ///< lines that were carried out, with the one that failed
 };
 
 /// How the process `vdrive run --json` ended.

@@ -3,6 +3,9 @@
 
 #include "base/usage_error.hpp"
 #include "values/object_check.hpp"
+#include "vdrive/cia402/bit_names.hpp"
+#include "vdrive/cia402/power_state_machine.hpp"
+#include "vdrive/cia402/statusword.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
@@ -35,6 +38,34 @@ bool is_possible(const Expectation& expectation, const ObjectDescription& object
          expectation.accepts(object.lower_limit) || expectation.accepts(object.upper_limit) ||
          (expectation.comparison == Comparison::equal && expectation.value >= object.lower_limit &&
           expectation.value <= object.upper_limit);
+}
+
+constexpr std::uint16_t kIndexOfControlword = 0x6040;
+constexpr std::uint16_t kIndexOfStatusword = 0x6041;
+constexpr unsigned kBitsOfWord = 16;
+
+/// A statusword or a controlword whose bits are named.
+struct ShownWord {
+  bool is_statusword;
+  std::uint16_t value;
+  OperatingMode mode;
+};
+
+std::string_view bit_name(const ShownWord& word, std::uint16_t bit) {
+  if (!word.is_statusword) return controlword_bit_name(bit, word.mode);
+  // Outside Operation enabled bit 13 is the fault's, whatever the mode makes of it.
+  const bool is_of_fault = bit == Statusword::kFollowingError &&
+                           decode_power_state(word.value) != PowerState::operation_enabled;
+  return statusword_bit_name(bit, is_of_fault ? OperatingMode::none : word.mode);
+}
+
+/// @return such as "bit 10 target reached is 0".
+std::string bit_text(const ShownWord& word, unsigned number) {
+  const auto bit = static_cast<std::uint16_t>(1U << number);
+  const std::string_view name = bit_name(word, bit);
+  std::string text = "bit " + std::to_string(number);
+  if (!name.empty() && name != text) text.append(" ").append(name);
+  return text + ((word.value & bit) != 0 ? " is 1" : " is 0");
 }
 
 }  // namespace
@@ -96,6 +127,25 @@ std::string expected_text(const Expectation& expectation) {
   if (expectation.tolerance) text += " +- " + std::to_string(*expectation.tolerance);
   if (expectation.comparison == Comparison::equal) return text;
   return std::string(to_string(expectation.comparison)) + " " + text;
+}
+
+std::string decoded_text(const Expectation& expectation, std::int64_t actual, OperatingMode mode) {
+  const auto index = expectation.object.address ? expectation.object.address->index : 0;
+  const ShownWord word{.is_statusword = index == kIndexOfStatusword,
+                       .value = static_cast<std::uint16_t>(actual),
+                       .mode = mode};
+  if (!word.is_statusword && index != kIndexOfControlword) return {};
+  std::string text;
+  if (word.is_statusword) text = to_string(decode_power_state(word.value));
+  if (expectation.comparison != Comparison::equal || expectation.tolerance) return text;
+  const std::uint64_t differing =
+      (static_cast<std::uint64_t>(actual) ^ static_cast<std::uint64_t>(expectation.value)) &
+      expectation.mask.value_or(~std::uint64_t{0});
+  for (unsigned number = 0; number < kBitsOfWord; ++number) {
+    if (((differing >> number) & 1U) == 0) continue;
+    text.append(text.empty() ? "" : ", ").append(bit_text(word, number));
+  }
+  return text;
 }
 
 void check_expectation(const Expectation& expectation) {

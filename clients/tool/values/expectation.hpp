@@ -3,6 +3,7 @@
 
 #include "values/units.hpp"
 #include "values/value.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -41,6 +42,13 @@ struct Expectation {
 
 /// @return such as "0x1237 (4663) under mask 0x00001000", with the comparison where it is not "==".
 [[nodiscard]] std::string expected_text(const Expectation& expectation);
+
+/// @param mode of the axis (6061h): it gives bits 12 and 13 of the statusword their names
+/// @return of the statusword (6041h) and the controlword (6040h) what the actual value says beside
+///         its number: the power state, and each bit that differs from an expected value, such as
+///         "Operation enabled, bit 10 target reached is 0"; empty for other objects.
+[[nodiscard]] std::string decoded_text(const Expectation& expectation, std::int64_t actual,
+                                       OperatingMode mode);
 
 /// @throws UsageError for an object that does not exist, and for what its range never fulfils.
 void check_expectation(const Expectation& expectation);

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "execution/failure_report.hpp"
+
+#include "execution/axis_report.hpp"
+#include "execution/axis_states.hpp"
+#include "output/report.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/unit.hpp"
+#include "vdrive/wording.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <string_view>
+#include <utility>
+
+namespace vdrive::tool {
+namespace {
+
+using client::Outcome;
+using client::OutcomeKind;
+
+// A failed command to every axis of a large bench is not about each of them.
+constexpr std::size_t kMostAxes = 4;
+
+/// @return one line, such as "axis 1.1 at tick 42: 0x637 Operation enabled: target reached; ...".
+std::string axis_text(const client::Axis& axis, const client::AxisSnapshot& shown,
+                      const std::string& label) {
+  const AxisStatus& status = shown.status;
+  return "axis " + label + " at tick " + std::to_string(shown.tick) + ": " +
+         hex(status.ds402_statusword, 3) + " " + state_text(shown) + "; position " +
+         std::to_string(status.load_position_actual_value) + " UU (" +
+         escaped(position_text(status.load_position_actual_value, axis.unit())) + "), velocity " +
+         std::to_string(status.load_velocity_actual_value) + " UU/s, torque " +
+         per_mille_text(status.torque_actual_value) + ", mode " +
+         std::to_string(status.op_mode_actual) + " " + std::string(to_string(shown.mode()));
+}
+
+/// What is known when the next step is chosen.
+struct Finding {
+  const Outcome& outcome;
+  const std::optional<Json>& found;  ///< of the judge of expectations
+  const client::AxisSnapshot* axis;  ///< the first one, none where it is not known
+  std::string label;                 ///< what the user calls it
+};
+
+/// A wait that ends at its limit is late, whatever it waits for.
+bool is_other_value(const Outcome& outcome, const std::optional<Json>& found) {
+  return found && found->contains("expected") && outcome.kind() != OutcomeKind::timed_out;
+}
+
+std::string advice_of_refusal(const Finding& finding) {
+  if (finding.outcome.code() == wire_code(AbortCode::refused_local_control)) {
+    return "another session controls the axis: end it, or add --take-over to this line";
+  }
+  return "change what the line asks for, or write 'refused " + hex(finding.outcome.code(), 8) +
+         "' in front of it where the refusal is meant";
+}
+
+bool is_moving(const client::AxisSnapshot* axis) {
+  return axis != nullptr && axis->status.velocity_demand_value != 0;
+}
+
+std::string advice_of_expectation(const Finding& finding) {
+  if ((*finding.found)["expected"].is_string()) {
+    return "remove 'refused' from this line, or write the code of the refusal that is meant";
+  }
+  if (is_moving(finding.axis)) {
+    return "the axis is moving: write 'wait " + finding.label +
+           " target_reached' in front of this line, or add --within to it";
+  }
+  return "where the value comes later add --within, where it may be near add --tolerance to this "
+         "line; else look at what the lines above it command";
+}
+
+std::string advice_of(const Finding& finding) {
+  const PowerState state =
+      finding.axis == nullptr ? PowerState::operation_enabled : finding.axis->state();
+  const bool is_refused_by_state =
+      finding.outcome.code() == wire_code(AbortCode::refused_in_present_device_state);
+  const std::string_view first = command_before_motion(state);
+  if (is_fault(state)) {
+    return "'vdrive events " + finding.label + "' shows the cause of the fault; '" +
+           std::string(first) + " " + finding.label + "' in front of this line ends it";
+  }
+  if (is_refused_by_state && !first.empty()) {
+    return "write '" + std::string(first) + " " + finding.label + "' in front of this line";
+  }
+  if (is_other_value(finding.outcome, finding.found)) return advice_of_expectation(finding);
+  switch (finding.outcome.kind()) {
+    case OutcomeKind::refused:
+      return advice_of_refusal(finding);
+    case OutcomeKind::timed_out:
+      return is_moving(finding.axis)
+                 ? "the axis is moving: give this line more time with --timeout"
+                 : "the axis stands: find what it waits for in its statusword, or give this line "
+                   "more time with --timeout";
+    case OutcomeKind::lost:
+      return "'vdrive events' shows who took control or what ended; 'vdrive run --private' gives "
+             "the file a bench that no other program reaches";
+    case OutcomeKind::not_found:
+      return "'vdrive list' shows the benches and axes that are there";
+    default:
+      return "'vdrive events' shows what led to it; 'vdrive run --live' shows the axes while the "
+             "file runs";
+  }
+}
+
+/// @return the axes to look at.
+std::vector<client::Axis> axes_of_failure(const Command& command, CommandContext& context) {
+  if (command.axes.empty()) return context.axes.known();
+  auto named = context.axes.axes(command.axes);
+  return named ? std::move(*named) : std::vector<client::Axis>();
+}
+
+}  // namespace
+
+FailureReport report_failure(const Command& command, const Outcome& outcome,
+                             CommandContext& context) {
+  FailureReport report;
+  if (context.session.is_interrupted()) return report;
+  // Where a bench is lost, nothing can be asked of it.
+  std::vector<client::Axis> axes = outcome.kind() == OutcomeKind::lost
+                                       ? std::vector<client::Axis>()
+                                       : axes_of_failure(command, context);
+  const std::size_t left_out = axes.size() - std::min(axes.size(), kMostAxes);
+  axes.erase(axes.end() - static_cast<std::ptrdiff_t>(left_out), axes.end());
+  const AxisStates shown = states_of(context.session, axes);
+  Finding finding{.outcome = outcome, .found = context.judge.found(), .axis = nullptr, .label = {}};
+  for (const client::Axis& axis : axes) {
+    const auto state = shown.states.find(axis.id());
+    if (state == shown.states.end()) continue;
+    const std::string label = context.axes.label_of(axis.id());
+    report.axes.push_back(axis_text(axis, state->second, label));
+    if (finding.axis != nullptr) continue;
+    finding.axis = &state->second;
+    finding.label = label;
+    report.tick = state->second.tick;
+  }
+  if (left_out != 0)
+    report.axes.push_back("and " + counted(left_out, "further axis", "further axes"));
+  if (finding.found && finding.found->contains("tick")) {
+    report.tick = (*finding.found)["tick"].get<std::uint64_t>();
+  }
+  report.advice = advice_of(finding);
+  return report;
+}
+
+std::string failure_type(const Outcome& outcome, const std::optional<Json>& found) {
+  return is_other_value(outcome, found) ? "expectation" : std::string(to_string(outcome.kind()));
+}
+
+}  // namespace vdrive::tool
