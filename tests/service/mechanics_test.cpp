@@ -22,16 +22,16 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-Configuration parse(const std::string& text) {
+Configuration bench_of(const std::string& text) {
   return parse_configuration(text, "bench.yaml");
 }
 
 /// @return the axis of a bench with one; `rest` has its other keys.
 NamedAxis axis_with(const std::string& mechanics, const std::string& rest = "") {
-  return parse("axes:\n  - number: 1\n    mechanics: " + mechanics + "\n" + rest).axes.front();
+  return bench_of("axes:\n  - number: 1\n    mechanics: " + mechanics + "\n" + rest).axes.front();
 }
 
-std::string refusal_of(const std::string& mechanics, const std::string& rest = "") {
+std::string refusal_of_mechanics(const std::string& mechanics, const std::string& rest = "") {
   try {
     static_cast<void>(axis_with(mechanics, rest));
   } catch (const ConfigurationError& error) {
@@ -96,7 +96,7 @@ TEST(Mechanics, LetParametersBeWrittenInUnits) {
 }
 
 TEST(Mechanics, ReadTheirKeysInAnyOrder) {
-  const NamedAxis axis = parse(
+  const NamedAxis axis = bench_of(
                              "axes:\n"
                              "  - parameters: {profile_velocity: 5mm/s}\n"
                              "    initial_position: 5mm\n"
@@ -110,8 +110,8 @@ TEST(Mechanics, ReadTheirKeysInAnyOrder) {
 
 TEST(Mechanics, ArePrintedAsWhatFollowsFromThem) {
   const Configuration read =
-      parse("axes: [{number: 1, mechanics: {belt: {diameter: 40mm}, gear: 3:1}}]");
-  const Configuration again = parse(to_yaml(read));
+      bench_of("axes: [{number: 1, mechanics: {belt: {diameter: 40mm}, gear: 3:1}}]");
+  const Configuration again = bench_of(to_yaml(read));
   EXPECT_EQ(again.axes[0].unit, read.axes[0].unit);
   EXPECT_EQ(to_yaml(again), to_yaml(read));
   EXPECT_EQ(value_at_start(again.axes[0].configuration, "app_speed_limit"_object), 45'511);
@@ -119,72 +119,78 @@ TEST(Mechanics, ArePrintedAsWhatFollowsFromThem) {
 
 TEST(Mechanics, ThatAreNoMechanicsAreRefusedWithLineValueAndExample) {
   const std::string place = "bench.yaml:3: axes[0].mechanics";
-  EXPECT_THAT(refusal_of("{gear: 2:1}"), HasSubstr(place + ": must have exactly one of screw"));
-  EXPECT_THAT(refusal_of("{screw: {pitch: 5mm}, rotary_table: deg}"), HasSubstr("exactly one"));
-  EXPECT_EQ(refusal_of("{screw: {}}"),
+  EXPECT_THAT(refusal_of_mechanics("{gear: 2:1}"),
+              HasSubstr(place + ": must have exactly one of screw"));
+  EXPECT_THAT(refusal_of_mechanics("{screw: {pitch: 5mm}, rotary_table: deg}"),
+              HasSubstr("exactly one"));
+  EXPECT_EQ(refusal_of_mechanics("{screw: {}}"),
             place + ".screw: a screw needs its pitch, such as {pitch: 5mm}");
   for (const char* const pitch : {"5", "0mm", "-5mm", "5deg", "mm", "1e400mm"}) {
-    EXPECT_EQ(refusal_of(std::string("{screw: {pitch: ") + pitch + "}}"),
+    EXPECT_EQ(refusal_of_mechanics(std::string("{screw: {pitch: ") + pitch + "}}"),
               place + ".screw.pitch = " + pitch +
                   ": must be a length above 0 with its unit, such as 5mm (m, cm, mm, um)");
   }
   for (const char* const gear : {"10", "0:1", "1:0", "10:1:1", "2.5:1", "4294967296:1"}) {
-    EXPECT_THAT(refusal_of(std::string("{rotary_table: deg, gear: \"") + gear + "\"}"),
+    EXPECT_THAT(refusal_of_mechanics(std::string("{rotary_table: deg, gear: \"") + gear + "\"}"),
                 HasSubstr(place + ".gear = " + gear + ": must be turns of the motor"));
   }
-  EXPECT_THAT(refusal_of("{belt: {teeth: 20}}"), HasSubstr("needs either the diameter"));
-  EXPECT_THAT(refusal_of("{belt: {diameter: 4cm, teeth: 20, pitch: 5mm}}"),
+  EXPECT_THAT(refusal_of_mechanics("{belt: {teeth: 20}}"), HasSubstr("needs either the diameter"));
+  EXPECT_THAT(refusal_of_mechanics("{belt: {diameter: 4cm, teeth: 20, pitch: 5mm}}"),
               HasSubstr("needs either the diameter"));
-  EXPECT_THAT(refusal_of("{rotary_table: mm}"), HasSubstr("deg, rad or rev"));
-  EXPECT_THAT(refusal_of("{screw: {pitch: 1e12m}}"), HasSubstr("would have 4.096e-09 user units"));
+  EXPECT_THAT(refusal_of_mechanics("{rotary_table: mm}"), HasSubstr("deg, rad or rev"));
+  EXPECT_THAT(refusal_of_mechanics("{screw: {pitch: 1e12m}}"),
+              HasSubstr("would have 4.096e-09 user units"));
 }
 
 TEST(Mechanics, RefuseWhatContradictsThemWithBothValues) {
   EXPECT_EQ(
-      refusal_of("{screw: {pitch: 5mm}}", "    unit: {kind: linear, name: mm, per_unit: 1000}\n"),
+      refusal_of_mechanics("{screw: {pitch: 5mm}}",
+                           "    unit: {kind: linear, name: mm, per_unit: 1000}\n"),
       "bench.yaml:4: axes[0].unit: contradicts mechanics, from which {kind: linear, name: mm, "
       "per_unit: 819.2} follows; leave it out");
-  EXPECT_EQ(refusal_of("{screw: {pitch: 5mm}, gear: 10:1}",
-                       "    parameters: {gear_ratio_denominator: 5}\n"),
+  EXPECT_EQ(refusal_of_mechanics("{screw: {pitch: 5mm}, gear: 10:1}",
+                                 "    parameters: {gear_ratio_denominator: 5}\n"),
             "bench.yaml:4: axes[0].parameters.gear_ratio_denominator = 5: contradicts mechanics, "
             "from which gear_ratio_denominator = 10 follows");
-  EXPECT_EQ(
-      refusal_of("{screw: {pitch: 5mm}}", "    unit: {kind: linear, name: mm, per_unit: 819.2}\n"),
-      "accepted");
-  EXPECT_THAT(refusal_of("{screw: {pitch: 5mm}, software_limit: [3mm, 2mm]}"),
+  EXPECT_EQ(refusal_of_mechanics("{screw: {pitch: 5mm}}",
+                                 "    unit: {kind: linear, name: mm, per_unit: 819.2}\n"),
+            "accepted");
+  EXPECT_THAT(refusal_of_mechanics("{screw: {pitch: 5mm}, software_limit: [3mm, 2mm]}"),
               HasSubstr("the lower limit, 2458 UU, must be below the upper one, 1638 UU"));
-  EXPECT_THAT(refusal_of("{screw: {pitch: 5mm}, software_limit: [3mm]}"),
+  EXPECT_THAT(refusal_of_mechanics("{screw: {pitch: 5mm}, software_limit: [3mm]}"),
               HasSubstr("such as [-10mm, 300mm]"));
 }
 
 // 5 mm over 4096 are 1.2207 um.
 TEST(Mechanics, RefuseAFinerResolutionThanThatOfAUserUnit) {
-  EXPECT_EQ(refusal_of("{screw: {pitch: 5mm}, resolution: 1um}"),
+  EXPECT_EQ(refusal_of_mechanics("{screw: {pitch: 5mm}, resolution: 1um}"),
             "bench.yaml:3: axes[0].mechanics.resolution = 1um: is finer than a user unit, which is "
             "1.2207 um: a turn of the load has 4096 user units");
-  EXPECT_EQ(refusal_of("{screw: {pitch: 5mm}, resolution: 1.3um}"), "accepted");
-  EXPECT_THAT(refusal_of("{screw: {pitch: 5mm}, resolution: 2}"), HasSubstr("with its unit"));
-  EXPECT_THAT(refusal_of("{rotary_table: deg, resolution: 1um}"), HasSubstr("the axis has deg"));
+  EXPECT_EQ(refusal_of_mechanics("{screw: {pitch: 5mm}, resolution: 1.3um}"), "accepted");
+  EXPECT_THAT(refusal_of_mechanics("{screw: {pitch: 5mm}, resolution: 2}"),
+              HasSubstr("with its unit"));
+  EXPECT_THAT(refusal_of_mechanics("{rotary_table: deg, resolution: 1um}"),
+              HasSubstr("the axis has deg"));
 }
 
 TEST(Mechanics, NameTheUnitsOfTheAxisWhereAnotherOneIsWritten) {
   EXPECT_EQ(
-      refusal_of("{screw: {pitch: 5mm}}", "    parameters: {profile_velocity: 5deg/s}\n"),
+      refusal_of_mechanics("{screw: {pitch: 5mm}}", "    parameters: {profile_velocity: 5deg/s}\n"),
       "bench.yaml:4: axes[0].parameters.profile_velocity = 5deg/s: the axis has no such unit; "
       "it has mm/s, m/s, cm/s, um/s, UU/s");
   EXPECT_EQ(
-      refusal_of("{screw: {pitch: 5mm}}", "    parameters: {profile_velocity: fast}\n"),
+      refusal_of_mechanics("{screw: {pitch: 5mm}}", "    parameters: {profile_velocity: fast}\n"),
       "bench.yaml:4: axes[0].parameters.profile_velocity = fast: must be a whole number from 0 "
       "to 4294967295 UU/s, or a value with a unit of the axis: mm/s, m/s, cm/s, um/s, UU/s");
-  EXPECT_THAT(refusal_of("{screw: {pitch: 5mm}}", "    initial_position: 5km\n"),
+  EXPECT_THAT(refusal_of_mechanics("{screw: {pitch: 5mm}}", "    initial_position: 5km\n"),
               HasSubstr("the axis has no such unit; it has mm, m, cm, um, UU"));
-  EXPECT_THAT(refusal_of("{screw: {pitch: 5mm}}", "    initial_position: 1e9mm\n"),
-              HasSubstr("is 819200000000 UU: must be from -2147483648 to 2147483647 UU"));
+  EXPECT_THAT(refusal_of_mechanics("{screw: {pitch: 5mm}}", "    initial_position: 1e9mm\n"),
+              HasSubstr("is 8.192e+11 UU: must be from -2147483648 to 2147483647 UU"));
 }
 
 // The default axis: 2000 rpm are 12000 deg/s, but 607Fh = 136533 UU/s cuts the last 0.03 deg/s.
 TEST(Mechanics, AreATableWithALineForAxesThatAreAlike) {
-  const Configuration bench = parse(
+  const Configuration bench = bench_of(
       "axes:\n"
       "  - {number: 1, mechanics: &screw {screw: {pitch: 5mm}, gear: 10:1, software_limit: [-10mm, "
       "300mm]}}\n"
@@ -203,28 +209,28 @@ TEST(Mechanics, AreATableWithALineForAxesThatAreAlike) {
 
 TEST(Mechanics, AreAdvisedWhereAUnitContradictsTheDrive) {
   EXPECT_THAT(
-      start_warnings(parse("axes: [{number: 1, unit: {kind: rotary, per_revolution: 36000}}]")),
+      start_warnings(bench_of("axes: [{number: 1, unit: {kind: rotary, per_revolution: 36000}}]")),
       ElementsAre(
           "axis 1 axis1: unit says per_revolution = 36000, but a revolution of the load has "
           "4096 user units: every angle is shown wrong; write mechanics: {rotary_table: "
           "deg} instead of unit"));
-  EXPECT_THAT(start_warnings(parse("axes: [{number: 1, mechanics: {rotary_table: deg}}]")),
+  EXPECT_THAT(start_warnings(bench_of("axes: [{number: 1, mechanics: {rotary_table: deg}}]")),
               IsEmpty());
-  EXPECT_THAT(
-      start_warnings(parse("axes: [{number: 1, mechanics: {rotary_table: rev, gear: 5:1}, model: "
+  EXPECT_THAT(start_warnings(
+                  bench_of("axes: [{number: 1, mechanics: {rotary_table: rev, gear: 5:1}, model: "
                            "{feedback: single_encoder}}]")),
-      IsEmpty());
+              IsEmpty());
 }
 
 // 2000 rpm behind a gear of ten to one: 13653.3 UU/s.
 TEST(Mechanics, WarnOfASpeedLimitThatTheMotorDoesNotReach) {
   const std::string axis =
       "axes: [{number: 1, parameters: {gear_ratio_denominator: 10, app_speed_limit: ";
-  EXPECT_THAT(start_warnings(parse(axis + "13654}}]")),
+  EXPECT_THAT(start_warnings(bench_of(axis + "13654}}]")),
               ElementsAre("axis 1 axis1: app_speed_limit = 13654 is above the 13653 UU/s at which "
                           "the motor turns at motor_max_speed_rpm (6080h) = 2000: the lower one "
                           "holds"));
-  EXPECT_THAT(start_warnings(parse(axis + "13653}}]")), IsEmpty());
+  EXPECT_THAT(start_warnings(bench_of(axis + "13653}}]")), IsEmpty());
 }
 
 }  // namespace

@@ -38,11 +38,11 @@ Outcome check_bounds(const AxisId& axis, std::span<const std::int64_t> values) {
 }
 
 Outcome above_limit(const AxisId& axis, std::string_view what, std::int64_t value, ObjectRow limit,
-                    std::int64_t limit_value) {
+                    std::int64_t limit_value, std::string_view remark) {
   return not_in_this_state("axis " + to_string(axis) + ": the " + std::string(what) + " " +
                            std::to_string(value) + " is above " +
                            object_text(vdrive::describe(limit).address) + " = " +
-                           std::to_string(limit_value));
+                           std::to_string(limit_value) + std::string(remark));
 }
 
 Outcome check_speed(const AxisId& axis, std::int64_t velocity, const SpeedLimits& limits) {
@@ -52,11 +52,9 @@ Outcome check_speed(const AxisId& axis, std::int64_t velocity, const SpeedLimits
                        limits.app_speed_limit);
   }
   if (speed > limits.motor_speed_limit) {
-    const Outcome above = above_limit(axis, "velocity", velocity, "motor_speed_limit"_object,
-                                      limits.motor_speed_limit);
-    return not_in_this_state(above.message() + ", which follows from " +
-                             object_text(vdrive::describe("motor_max_speed_rpm"_object).address) +
-                             " and the gear");
+    return above_limit(axis, "velocity", velocity, "motor_speed_limit"_object,
+                       limits.motor_speed_limit,
+                       ", which follows from motor_max_speed_rpm (6080h) and the gear");
   }
   return {};
 }

@@ -32,7 +32,8 @@ inline constexpr std::array kMoveBounds = [] {
 
 /// @return the refusal of a value that the drive would accept and never reach.
 [[nodiscard]] Outcome above_limit(const AxisId& axis, std::string_view what, std::int64_t value,
-                                  ObjectRow limit, std::int64_t limit_value);
+                                  ObjectRow limit, std::int64_t limit_value,
+                                  std::string_view remark = {});
 
 /// What a speed that a call gives is compared with.
 struct SpeedLimits {

@@ -182,17 +182,19 @@ Outcome Discovery::no_bench_found() const {
   if (Outcome here = check_process(); !here) return here;
   const std::string what =
       options_.bench ? "bench " + std::to_string(*options_.bench) + " was" : "no bench was";
-  return Outcome::not_found(what + (options_.bench ? " not found" : " found") + place() + seen() +
-                            advice());
+  return Outcome::not_found(what + (options_.bench ? " not found" : " found") + place() +
+                            interfaces() + seen() + advice());
 }
 
-/// @return where this session looks: the bus, or the domain and the interfaces.
 std::string Discovery::place() const {
-  if (options_.bus) return " on this bus";
-  const std::string interfaces = options_.interfaces.empty()
-                                     ? ", loopback only"
+  return options_.bus ? " on this bus" : " on domain " + std::to_string(*options_.domain);
+}
+
+/// @return through which interfaces this session looks, which matters where it sees nothing.
+std::string Discovery::interfaces() const {
+  if (options_.bus) return {};
+  return options_.interfaces.empty() ? ", loopback only"
                                      : ", interfaces" + marked(" ", options_.interfaces);
-  return " on domain " + std::to_string(*options_.domain) + interfaces;
 }
 
 /// @return the next step of a person whose session found no bench; nothing on a bus, which has no
@@ -231,7 +233,8 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
   }
   if (found) return std::move(*found);
   const std::vector<PresentBench> others = present();
-  return not_found(wanted, "no bench " + std::to_string(wanted) + place() + ", " + list_of(others) +
+  return not_found(wanted, "no bench " + std::to_string(wanted) + place() +
+                               (others.empty() ? interfaces() : "") + ", " + list_of(others) +
                                seen() + (others.empty() ? advice() : ""));
 }
 
@@ -286,7 +289,7 @@ Result<AxisInfo> Discovery::find_name(std::string_view name) {
       for (const AxisInfo& axis : bench.info.axes) names.push_back(axis.name);
     }
     std::string text = "no axis is named " + in_quotes(name) + suggestion(name, names) + place() +
-                       ", " + list_of(benches);
+                       (benches.empty() ? interfaces() : "") + ", " + list_of(benches);
     if (!benches.empty()) return Outcome::not_found(std::move(text));
     return not_found(std::nullopt, text + seen() + advice());
   }

@@ -144,6 +144,7 @@ class Discovery {
   [[nodiscard]] std::string place() const;
   /// @return what the newest search has seen, in brackets.
   [[nodiscard]] std::string seen() const;
+  [[nodiscard]] std::string interfaces() const;
   [[nodiscard]] std::string advice() const;
   /// Until `condition` holds, called with what is seen, or for the time of a search.
   /// @param number of the only bench that is looked for

@@ -66,7 +66,7 @@ std::optional<Quantity> parse_quantity(const std::string& text, const ObjectName
   const auto row = object.row();
   const auto dimension = row ? dimension_of(*row) : std::nullopt;
   const bool is_plain = text.find_first_not_of("-0123456789") == std::string::npos;
-  if (!dimension || is_plain || text.starts_with("0x") || text.starts_with("0X")) {
+  if (!dimension || is_plain || has_hex_prefix(text)) {
     return std::nullopt;
   }
   return parse_quantity(text, *dimension, describe(*row).data_type);
