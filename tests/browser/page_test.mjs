@@ -580,6 +580,32 @@ test("a page that stands still permanently is a lost master", async () => {
   await waitForText(figure("fault"), /^–$/);
 });
 
+test("a page that stands still is lost after the limit that it chose, and what its axes do then stands beside it", async () => {
+  const silence = '[data-test="silence"]';
+  const other = await openOther("#/axis/1.1");
+  await waitForText(other.locator('[data-test="take"]'), /Take control from/);
+  await other.click('[data-test="take"]');
+  await waitForText(other.locator(".holder"), /You have control/);
+  assert.equal(await other.inputValue(silence), "10");
+  await waitForText(other.locator('[data-test="on_loss"]'), /^then 6007h = 1: fault 8130h$/);
+  await other.selectOption(silence, "1");
+  await waitForText(other.locator("footer"), /Take control: done, \d+ ms: Lost after a silence of 1 s/);
+  assert.equal(await other.inputValue(silence), "1");
+  await waitForText(page.locator(".silence"), /page: Limit of its silence 1 s/);
+  await other.click('[data-test="enable"]');
+  await waitForText(figure("state"), /Operation enabled/);
+  const began = Date.now();
+  void blockThread(other, 120_000).catch(() => undefined);
+  await waitForText(page.locator(".holder"), /Nobody has control/);
+  // 1 s, and up to 0.5 s until the worker of that page sees it; the rest is for a busy machine.
+  assert.ok(Date.now() - began < 8_000, `lost after ${Date.now() - began} ms, not the 10 s at first`);
+  await waitForText(figure("fault"), /8130h/);
+  void other.context().close().catch(() => undefined);
+  await command("take").click();
+  await command("reset").click();
+  await waitForText(figure("fault"), /^–$/);
+});
+
 test("a killed service is reported lost, and found again", async () => {
   await service.stop("SIGKILL");
   await waitForText(page.locator(".banner"), /has sent nothing for \d+ s/);

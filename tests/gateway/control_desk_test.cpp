@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <future>
 #include <memory>
@@ -191,6 +192,43 @@ TEST_F(ControlOfAGateway, ExpectsAHolderToBeReachableSooner) {
   EXPECT_EQ(server_.patience().at(kFirst).program, WebServer::kPatience.program);
   desk_.release(kFirst);
   EXPECT_EQ(server_.patience().at(kFirst).machine, WebServer::kPatience.machine);
+}
+
+TEST_F(ControlOfAGateway, LetsTheHolderChooseHowLongItMayBeSilent) {
+  EXPECT_EQ(take(kFirst, {{"silence_ms", 1'500}}), "");
+  EXPECT_EQ(server_.patience().at(kFirst).program, std::chrono::milliseconds(1'500));
+  EXPECT_EQ(server_.patience().at(kFirst).machine, std::chrono::milliseconds(1'500))
+      << "a cut network is noticed no later than a program that stands still";
+  EXPECT_EQ(shown(kSecond)["silence_ms"], 1'500);
+  EXPECT_EQ(take(kFirst, {{"silence_ms", 5'000}}), "");
+  EXPECT_EQ(server_.patience().at(kFirst).program, std::chrono::milliseconds(5'000));
+  EXPECT_EQ(server_.patience().at(kFirst).machine, std::chrono::milliseconds(2'000));
+  EXPECT_EQ(shown(kSecond)["silence_ms"], 5'000);
+  EXPECT_EQ(take(kFirst, {{"name", "lab"}}), "");
+  EXPECT_EQ(shown(kSecond)["silence_ms"], 5'000) << "another name leaves the limit";
+  EXPECT_EQ(next_session_, 101U) << "it keeps its session";
+  desk_.release(kFirst);
+  EXPECT_EQ(server_.patience().at(kFirst).program, WebServer::kPatience.program);
+  EXPECT_EQ(shown(kSecond)["silence_ms"], 0);
+}
+
+TEST_F(ControlOfAGateway, RefusesALimitOfSilenceThatIsTooShortOrTooLong) {
+  EXPECT_EQ(take(kFirst), "");
+  for (const int silence : {999, 10'001, 0, -1}) {
+    try {
+      (void)take(kFirst, {{"silence_ms", silence}});
+      FAIL() << silence;
+    } catch (const ProtocolError& error) {
+      EXPECT_THAT(error.what(),
+                  HasSubstr("'silence_ms' must be a number from 1000 to 10000, not '" +
+                            std::to_string(silence) + "'"));
+    }
+  }
+  EXPECT_EQ(server_.patience().at(kFirst).program, WebServer::kPatience.program);
+  for (const int silence : {1'000, 10'000}) {
+    EXPECT_EQ(take(kFirst, {{"silence_ms", silence}}), "");
+    EXPECT_EQ(server_.patience().at(kFirst).program, std::chrono::milliseconds(silence));
+  }
 }
 
 // ---- calls of services

@@ -735,6 +735,23 @@ TEST(GatewayControl, IsLostWithASilentConnection) {
   expect_lost_master(*axis);
 }
 
+TEST(GatewayControl, IsLostSoonerAfterAShorterSilenceThatTheHolderChose) {
+  const RunningService service("--clock realtime");
+  const RunningGateway gateway("--control");
+  Session session(options());
+  auto axis = session.axis("1.1");
+  ASSERT_TRUE(axis);
+  ToolClient client(gateway.port());
+  command(client);
+  EXPECT_THAT(client.call("/take_control", {{"silence_ms", 500}})["failure"],
+              HasSubstr("from 1000 to 10000"));
+  ASSERT_EQ(client.call("/take_control", {{"silence_ms", 1'000}})["ok"], true);
+  const auto begin = std::chrono::steady_clock::now();
+  expect_lost_master(*axis);
+  // 1 s, a quarter of a second until the gateway looks, and 0.5 s of the watchdog of the bench.
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 8s) << "not the 10 s of a holder by default";
+}
+
 TEST(GatewayControl, IsLostWithABrokenConnection) {
   const RunningService service("--clock realtime");
   const RunningGateway gateway("--control");

@@ -5,8 +5,8 @@
 #include "vdrive/assert.hpp"
 #include "vdrive/text.hpp"
 #include "wall_time.hpp"
-#include "web_server.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <memory>
 #include <utility>
@@ -17,13 +17,17 @@ namespace {
 using client::Outcome;
 
 // A lost network is noticed early: axes must not run on for 10 s without the one who commands them.
-// A program may be late: on a busy machine all of a browser may stand still for some seconds.
-constexpr Patience kPatienceOfHolder{.program = WebServer::kPatience.program,
-                                     .machine = std::chrono::milliseconds(2000)};
+constexpr std::chrono::milliseconds kMachineOfHolder{2000};
 // All clients see the name, on a line.
 constexpr std::size_t kLongestName = 64;  // [characters]
 // The code of a drive when another session holds an axis.
 constexpr std::uint32_t kControlled = wire_code(AbortCode::refused_local_control);
+
+// A program may be late: on a busy machine all of a browser may stand still for some seconds, and
+// so may a tab that nobody sees. How long that may take is the choice of who commands.
+Patience patience_of_holder(std::chrono::milliseconds silence) {
+  return {.program = silence, .machine = std::min(kMachineOfHolder, silence)};
+}
 
 }  // namespace
 
@@ -66,13 +70,21 @@ void ControlDesk::jog(const JogRequest& request, Jogs::Clock::time_point now,
   holder_->session.jogs->request(request, now, answer);
 }
 
-void ControlDesk::take(ConnectionId id, const Json& request, const Answer& answer) {
+ControlDesk::Taking ControlDesk::taking_of(const Json& request) {
   Taking taking{.name = escaped(optional_text(request, "name").value_or(""), kLongestName),
                 .by_force = flag_of(request, "force")};
+  const auto silence =
+      optional_integer(request, "silence_ms",
+                       {.lowest = kShortestSilence.count(), .highest = kLongestSilence.count()});
+  if (silence) taking.silence = std::chrono::milliseconds(*silence);
+  return taking;
+}
+
+void ControlDesk::take(ConnectionId id, const Json& request, const Answer& answer) {
+  Taking taking = taking_of(request);
   if (is_other_holder(id) && !taking.by_force) return answer({.outcome = held_outcome()});
   if (is_holder(id)) {
-    if (!taking.name.empty()) clients_.rename(id, std::move(taking.name));
-    send_to_all();
+    change(std::move(taking));
     return answer({});
   }
   const bool is_posted = clients_.post(id, [this, id, taking = std::move(taking), answer] {
@@ -93,6 +105,14 @@ void ControlDesk::take(ConnectionId id, const Json& request, const Answer& answe
   if (!is_posted) answer({.outcome = Outcome::failed("too many calls wait")});
 }
 
+void ControlDesk::change(Taking taking) {
+  ensure(holder_.has_value(), "only a holder changes its name and its limit");
+  if (!taking.name.empty()) clients_.rename(holder_->id, std::move(taking.name));
+  holder_->silence = taking.silence.value_or(holder_->silence);
+  server_.set_patience(holder_->id, patience_of_holder(holder_->silence));
+  send_to_all();
+}
+
 void ControlDesk::on_session(ConnectionId id, const Taking& taking, const HeldSession& session) {
   if (is_other_holder(id)) {
     server_.set_patience(holder_->id, WebServer::kPatience);
@@ -101,9 +121,11 @@ void ControlDesk::on_session(ConnectionId id, const Taking& taking, const HeldSe
   if (!taking.name.empty()) clients_.rename(id, taking.name);
   // One session at a time: the axes of the holder before become free for this one.
   end(true);
-  holder_ = Holder{
-      .id = id, .taken_at = static_cast<std::uint64_t>(bridge::wall_time()), .session = session};
-  server_.set_patience(id, kPatienceOfHolder);
+  holder_ = Holder{.id = id,
+                   .taken_at = static_cast<std::uint64_t>(bridge::wall_time()),
+                   .silence = taking.silence.value_or(kLongestSilence),
+                   .session = session};
+  server_.set_patience(id, patience_of_holder(holder_->silence));
   send_to_all();
 }
 
@@ -139,6 +161,7 @@ void ControlDesk::send_to(ConnectionId id, std::uint32_t subscription) const {
     state.holder = clients_.name(holder_->id);
     state.session = holder_->session.id;
     state.taken_at = holder_->taken_at;
+    state.silence = holder_->silence;
   }
   const auto now = static_cast<std::uint64_t>(bridge::wall_time());
   const std::string text = control_text(state, clients_.name(id), is_holder(id));

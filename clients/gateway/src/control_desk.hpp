@@ -6,7 +6,9 @@
 #include "held_session.hpp"
 #include "server_calls.hpp"
 #include "services.hpp"
+#include "web_server.hpp"
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -19,6 +21,11 @@ namespace vdrive::gateway {
 /// thread; a session is opened in the thread of its connection.
 class ControlDesk {
  public:
+  /// How long the program of the holder may be silent before it is a lost master: what it may
+  /// choose. At first it is the longest, which is that of every connection.
+  static constexpr std::chrono::milliseconds kShortestSilence{1'000};
+  static constexpr std::chrono::milliseconds kLongestSilence = WebServer::kPatience.program;
+
   /// What it does with the session of a holder.
   struct Calls {
     std::function<HeldSession()> open;                            ///< waits; throws std::exception
@@ -50,8 +57,8 @@ class ControlDesk {
   /// The connection, which is open and holds control, jogs an axis: see Jogs::request().
   void jog(const JogRequest& request, Jogs::Clock::time_point now, const Answer& answer);
 
-  /// The connection, which is open, wants control or another name. Control that another one holds
-  /// is taken over when the request has force.
+  /// The connection, which is open, wants control, another name or another limit of its silence.
+  /// Control that another one holds is taken over when the request has force.
   /// @param answer is called in the server's thread
   /// @throws ProtocolError when the request is wrong
   void take(ConnectionId id, const Json& request, const Answer& answer);
@@ -71,7 +78,8 @@ class ControlDesk {
  private:
   struct Holder {
     ConnectionId id = 0;
-    std::uint64_t taken_at = 0;  ///< [ns since 1970]
+    std::uint64_t taken_at = 0;           ///< [ns since 1970]
+    std::chrono::milliseconds silence{};  ///< its limit
     HeldSession session;
   };
 
@@ -79,12 +87,16 @@ class ControlDesk {
   struct Taking {
     std::string name;  ///< empty = as it is called already
     bool by_force = false;
+    std::optional<std::chrono::milliseconds> silence{};  ///< none = as it is
   };
+
+  [[nodiscard]] static Taking taking_of(const Json& request);
 
   [[nodiscard]] bool is_holder(ConnectionId id) const { return holder_ && holder_->id == id; }
 
   [[nodiscard]] bool is_other_holder(ConnectionId id) const { return holder_ && holder_->id != id; }
 
+  void change(Taking taking);
   void on_session(ConnectionId id, const Taking& taking, const HeldSession& session);
   void end(bool is_graceful);
   void send_to_all() const;

@@ -157,7 +157,7 @@ std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
 ChannelInfo control_channel() {
   return json_channel("/gateway/control", "vdrive.Control",
                       object_schema("enabled:boolean holder:string you:boolean name:string "
-                                    "session:string taken_at_ns:string"));
+                                    "session:string taken_at_ns:string silence_ms:integer"));
 }
 
 std::string control_text(const ControlState& control, const std::string& name, bool is_holder) {
@@ -167,7 +167,8 @@ std::string control_text(const ControlState& control, const std::string& name, b
                   {"name", name},
                   // As texts: a double of JavaScript does not hold 64 bits.
                   {"session", control.session == 0 ? "" : session_text(control.session)},
-                  {"taken_at_ns", std::to_string(control.taken_at)}});
+                  {"taken_at_ns", std::to_string(control.taken_at)},
+                  {"silence_ms", control.silence.count()}});
 }
 
 ChannelInfo dictionary_channel() {

@@ -27,7 +27,8 @@ struct ControlState {
   bool is_enabled = false;  ///< the gateway lets clients command
   std::string holder{};     ///< name of the connection that does; empty = none
   std::uint64_t session = 0;
-  std::uint64_t taken_at = 0;  ///< [ns since the epoch]
+  std::uint64_t taken_at = 0;           ///< [ns since the epoch]
+  std::chrono::milliseconds silence{};  ///< after it the holder is a lost master; 0 = no holder
 };
 
 [[nodiscard]] ChannelInfo control_channel();

@@ -35,8 +35,7 @@ constexpr std::chrono::seconds kCallTime{10};
 
 // ---- requests
 
-std::int64_t integer_of(const Json& request, const char* key, std::int64_t lowest,
-                        std::int64_t highest) {
+std::int64_t integer_of(const Json& request, const char* key, const NumberRange& range) {
   const Json& value = member(request, key);
   std::optional<std::int64_t> number;
   if (value.is_number_integer()) {
@@ -46,15 +45,16 @@ std::int64_t integer_of(const Json& request, const char* key, std::int64_t lowes
     const auto real = value.get<double>();
     if (std::isfinite(real) && std::abs(real) <= kLargestExact) number = std::llround(real);
   }
-  if (number && *number >= lowest && *number <= highest) return *number;
-  throw ProtocolError(in_quotes(key) + " must be a number from " + std::to_string(lowest) + " to " +
-                      std::to_string(highest) + ", not " + in_quotes(value.dump()));
+  if (number && *number >= range.lowest && *number <= range.highest) return *number;
+  throw ProtocolError(in_quotes(key) + " must be a number from " + std::to_string(range.lowest) +
+                      " to " + std::to_string(range.highest) + ", not " + in_quotes(value.dump()));
 }
 
 template <typename Number>
 Number number_of(const Json& request, const char* key) {
   using Limits = std::numeric_limits<Number>;
-  return static_cast<Number>(integer_of(request, key, Limits::min(), Limits::max()));
+  return static_cast<Number>(
+      integer_of(request, key, {.lowest = Limits::min(), .highest = Limits::max()}));
 }
 
 template <typename Number>
@@ -288,7 +288,8 @@ CallAnswer call_rate(Session& session, const Json& request) {
 
 CallAnswer call_step(Session& session, const Json& request) {
   constexpr std::int64_t kMostTicks = 1'000'000;  // as the service allows in one request
-  const auto ticks = static_cast<std::uint64_t>(integer_of(request, "ticks", 1, kMostTicks));
+  const auto ticks = static_cast<std::uint64_t>(
+      integer_of(request, "ticks", {.lowest = 1, .highest = kMostTicks}));
   return with_tick(session.step(number_of<std::uint32_t>(request, "bench"), ticks));
 }
 
@@ -339,7 +340,7 @@ constexpr std::string_view kAxes = "axes:string[]";
 
 constexpr std::array kServices{
     ServiceRow{"/take_control", "vdrive.TakeControl", Right::take_control,
-               "name?:string force?:boolean", nullptr},
+               "name?:string force?:boolean silence_ms?:integer", nullptr},
     ServiceRow{"/release_control", "vdrive.ReleaseControl", Right::release_control, "", nullptr},
     ServiceRow{"/enable", "vdrive.Enable", Right::command, kAxes,
                call_axes<&Axis::enable, Until::done, &AxisGroup::enable_all>},
@@ -413,6 +414,12 @@ bool flag_of(const Json& request, const char* key) {
   const Json& value = member(request, key);
   if (!value.is_boolean()) throw ProtocolError(in_quotes(key) + " must be true or false");
   return value.get<bool>();
+}
+
+std::optional<std::int64_t> optional_integer(const Json& request, const char* key,
+                                             const NumberRange& range) {
+  if (is_absent(request, key)) return std::nullopt;
+  return integer_of(request, key, range);
 }
 
 JogRequest jog_of(const Json& request) {

@@ -5,6 +5,8 @@
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -51,6 +53,17 @@ struct ServiceRow {
 /// @return the member `key` of a request, false without it.
 /// @throws ProtocolError when it is neither true nor false.
 [[nodiscard]] bool flag_of(const Json& request, const char* key);
+
+/// What a whole number in a request may be, both ends included.
+struct NumberRange {
+  std::int64_t lowest = 0;
+  std::int64_t highest = 0;
+};
+
+/// @return the member `key` of a request, nothing without it.
+/// @throws ProtocolError when it is no number, or outside of the range; it names both.
+[[nodiscard]] std::optional<std::int64_t> optional_integer(const Json& request, const char* key,
+                                                           const NumberRange& range);
 
 /// A call of /jog.
 struct JogRequest {

@@ -38,6 +38,10 @@ const MOST_LISTED = 4;
 const SMALL_BENCH = 256;
 const SILENT_FROM_MS = 1_000;
 const GONE_FROM_MS = 3_000;
+/** How long the page may be silent while it holds control, that a person may choose [s]. Hidden tabs
+ *  may stand still for some seconds: the longest one is what a person gets who chooses none. */
+export const SILENCES_S = [1, 2, 3, 5, 10];
+const LONGEST_SILENCE_MS = 10_000;
 
 /** A second press of the same control with the same values within this time is a double click. */
 export const SECOND_PRESS_MS = 500;
@@ -152,6 +156,8 @@ export interface Settings {
   theme: Theme;
   axisUnits: boolean;
   window: number;
+  /** see SILENCES_S */
+  silence: number;
 }
 
 const SETTINGS_KEY = "vdrive";
@@ -160,12 +166,15 @@ const DEFAULTS: Settings = {
   theme: "auto",
   axisUnits: false,
   window: 10,
+  silence: LONGEST_SILENCE_MS / 1000,
 };
 
 function loadSettings(): Settings {
   try {
     const kept = JSON.parse(localStorage.getItem(SETTINGS_KEY) ?? "{}") as Partial<Settings>;
-    return { ...DEFAULTS, ...kept };
+    const settings = { ...DEFAULTS, ...kept };
+    if (!SILENCES_S.includes(settings.silence)) settings.silence = DEFAULTS.silence;
+    return settings;
   } catch {
     return { ...DEFAULTS };
   }
@@ -207,7 +216,7 @@ export class Model {
   readonly events: LogEvent[] = [];
   connected = false;
   server = "";
-  control: ControlState = { enabled: false, holder: "", you: false, name: "", session: "", taken_at_ns: "0" };
+  control: ControlState = { enabled: false, holder: "", you: false, name: "", session: "", taken_at_ns: "0", silence_ms: 0 };
   dictionary?: Dictionary;
   outcome?: Outcome;
   /** by the name of the field, such as "move 1.1 target" */
@@ -253,6 +262,7 @@ export class Model {
     this.connection.subscribe("/gateway/control", (message) => {
       this.control = checked(CONTROL, message, "control");
       if (!this.control.you) this.forgetOwned();
+      this.connection.setPatience(this.control.you ? this.control.silence_ms : LONGEST_SILENCE_MS);
       this.changed();
     });
     this.connection.subscribe("/gateway/dictionary", (message) => {
@@ -357,6 +367,20 @@ export class Model {
   whyTaken(addresses: string[]): string | undefined {
     const taken = addresses.filter((address) => this.taken.has(address));
     return taken.length === 0 ? undefined : `${t("was_taken")}: ${listed(taken)}`;
+  }
+
+  /** Takes control with the limit of silence that was chosen. */
+  takeControl(): void {
+    const force = this.control.holder !== "";
+    void this.command("/take_control", { name: "page", force, silence_ms: this.settings.silence * 1000 });
+  }
+
+  /** How long the page may be silent while it holds control: from now on, and the next time.
+   *  @param seconds one of SILENCES_S */
+  async chooseSilence(seconds: number): Promise<void> {
+    this.settings.silence = seconds;
+    this.saveSettings();
+    if (this.control.you) await this.command("/take_control", { silence_ms: seconds * 1000 }, [`${t("silence")} ${seconds} s`]);
   }
 
   /** Calls a service and keeps what it answered for the line under the controls.

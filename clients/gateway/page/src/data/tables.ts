@@ -155,6 +155,9 @@ export const CONTROL = {
     "session": {
       "type": "string"
     },
+    "silence_ms": {
+      "type": "integer"
+    },
     "taken_at_ns": {
       "type": "string"
     },
@@ -168,7 +171,8 @@ export const CONTROL = {
     "you",
     "name",
     "session",
-    "taken_at_ns"
+    "taken_at_ns",
+    "silence_ms"
   ],
   "type": "object"
 } as const;

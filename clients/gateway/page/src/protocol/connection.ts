@@ -162,6 +162,12 @@ export class Connection {
     };
   }
 
+  /** @param milliseconds how long the thread of the page may take nothing before the connection ends
+   *         as a lost one; 10 s again after the connection has ended */
+  setPatience(milliseconds: number): void {
+    this.order({ kind: "patience", milliseconds });
+  }
+
   /** Never rejects: a call that cannot be made has the outcome "lost" or "timed_out". */
   call(service: string, request: object): Promise<Answer> {
     const id = this.services.get(service);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Holds the WebSocket to the gateway in a thread of its own. A page that holds control has to send
-// something every 2 s, and a thread that draws on a busy machine may be later than that.
+// something within the limit of its silence, 1 s to 10 s, and a thread that draws on a busy machine
+// may be later than that.
 
 import { Mailbox, type Batch, type Packet } from "./mailbox";
 
@@ -9,16 +10,18 @@ export type Order =
   | { kind: "open"; url: string; protocols: string[] }
   | { kind: "send"; packet: Packet }
   | { kind: "taken" }
+  | { kind: "patience"; milliseconds: number }
   | { kind: "close" };
 
 /** To the page. */
 export type Report = { kind: "batch"; batch: Batch } | { kind: "opened" } | { kind: "closed" };
 
-const SIGN_OF_LIFE_MS = 500;
+const SIGN_OF_LIFE_MS = 250;
 const SIGN_OF_LIFE = JSON.stringify({ op: "unsubscribe", subscriptionIds: [] });
-// A page that takes nothing for 10 s is lost, however well this thread works: no user can stop an
-// axis with it. The gateway takes a connection that ends with this code for a lost one.
-const MOST_UNANSWERED = 20;
+// A page that takes nothing for that long is lost, however well this thread works: no user can stop
+// an axis with it. Who holds control may choose a shorter time. The gateway takes a connection that
+// ends with this code for a lost one.
+const LONGEST_SILENCE_MS = 10_000;
 const PAGE_STANDS_STILL = 4000;
 const NORMAL_CLOSURE = 1000;
 
@@ -30,6 +33,7 @@ const mailbox = new Mailbox((batch) => {
   report({ kind: "batch", batch }, batch.packets.filter((packet) => typeof packet !== "string"));
 });
 let socket: WebSocket | undefined;
+let patience = LONGEST_SILENCE_MS;
 
 function open(url: string, protocols: string[]): void {
   const opened = new WebSocket(url, protocols);
@@ -38,6 +42,7 @@ function open(url: string, protocols: string[]): void {
   opened.onmessage = (event: MessageEvent<Packet>) => mailbox.put(event.data);
   opened.onclose = () => {
     socket = undefined;
+    patience = LONGEST_SILENCE_MS;
     mailbox.clear();
     report({ kind: "closed" });
   };
@@ -47,12 +52,13 @@ function open(url: string, protocols: string[]): void {
 self.onmessage = ({ data: order }: MessageEvent<Order>) => {
   if (order.kind === "open") open(order.url, order.protocols);
   else if (order.kind === "taken") mailbox.taken();
+  else if (order.kind === "patience") patience = order.milliseconds;
   else if (order.kind === "close") socket?.close(NORMAL_CLOSURE);
   else if (socket?.readyState === WebSocket.OPEN) socket.send(order.packet);
 };
 
 setInterval(() => {
   if (socket?.readyState !== WebSocket.OPEN) return;
-  if (mailbox.ask() > MOST_UNANSWERED) socket.close(PAGE_STANDS_STILL, "the page stands still");
+  if (mailbox.ask() > patience / SIGN_OF_LIFE_MS) socket.close(PAGE_STANDS_STILL, "the page stands still");
   else socket.send(SIGN_OF_LIFE);
 }, SIGN_OF_LIFE_MS);

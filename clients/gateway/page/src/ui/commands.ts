@@ -7,6 +7,7 @@ import { clockName, isTextKey, t, type TextKey } from "../i18n";
 import { addressOf, listed, SECOND_PRESS_MS, type AxisRef, type Disturbance, type Model } from "../model";
 import { button, field, h, put, select, type View } from "./dom";
 import { KeptCheckbox, QuantityField } from "./quantity";
+import { Silence } from "./silence";
 
 const JOG_EVERY_MS = 100;
 /** [1/s] units of a linear axis */
@@ -380,6 +381,7 @@ class TestInputs {
 export class Commands implements View {
   readonly root: HTMLElement;
   private readonly needText = h("p", { class: "need" });
+  private readonly silence: Silence;
   private readonly move: MoveForm;
   private readonly jog: Jog;
   private readonly inputs: TestInputs;
@@ -391,6 +393,7 @@ export class Commands implements View {
     private readonly axes: Axes,
   ) {
     const one = () => axes()[0];
+    this.silence = new Silence(model, axes);
     this.move = new MoveForm(model, one);
     this.jog = new Jog(model, one);
     this.inputs = new TestInputs(model, axes);
@@ -407,7 +410,7 @@ export class Commands implements View {
       group("test_inputs", this.inputs.root),
       group("memory", services([["/store", "store"], ["/restore", "restore"], ["/power_cycle", "power_cycle"]], true)),
     ];
-    this.root = h("section", { class: "panel commands" }, h("h3", {}, t("control")), this.needText, ...this.groups);
+    this.root = h("section", { class: "panel commands" }, h("h3", {}, t("control")), this.needText, this.silence.root, ...this.groups);
   }
 
   update(now: number): void {
@@ -423,6 +426,7 @@ export class Commands implements View {
     this.move.update();
     this.jog.update();
     this.inputs.update(now);
+    this.silence.update(now);
   }
 
   close(): void {

@@ -269,7 +269,7 @@ export class Shell {
     this.tookAt = now;
     if (isSecond) return;
     if (control.you) void this.model.command("/release_control", {});
-    else void this.model.command("/take_control", { name: "page", force: control.holder !== "" });
+    else this.model.takeControl();
   }
 
   private stop(): void {
