@@ -3,6 +3,7 @@
 // each starts where the one before it ended.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
+import { createRequire } from "node:module";
 import { after, before, test as nodeTest } from "node:test";
 import { isDeepStrictEqual } from "node:util";
 
@@ -64,10 +65,18 @@ const blockThread = (blocked, milliseconds) =>
     while (performance.now() < end);
   }, milliseconds);
 
+/** A window with axe in each of its documents, past the policy of the page. */
+async function openPage() {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, locale: "en-US" });
+  await context.addInitScript({ path: createRequire(import.meta.url).resolve("axe-core/axe.min.js") });
+  const opened = await context.newPage();
+  opened.setDefaultTimeout(PATIENCE_MS);
+  return opened;
+}
+
 /** Another browser window, with a process of its own. */
 async function openOther(hash) {
-  const other = await (await browser.newContext({ viewport: { width: 1280, height: 900 }, locale: "en-US" })).newPage();
-  other.setDefaultTimeout(PATIENCE_MS);
+  const other = await openPage();
   await other.goto(`${gateway.address}${hash}`);
   return other;
 }
@@ -94,8 +103,7 @@ before(async () => {
   service = startPatientService();
   gateway = await startGateway(0, "--control");
   browser = await startBrowser();
-  page = await (await browser.newContext({ viewport: { width: 1280, height: 900 }, locale: "en-US" })).newPage();
-  page.setDefaultTimeout(PATIENCE_MS);
+  page = await openPage();
   page.on("pageerror", (error) => assert.fail(`the page threw: ${error.stack}`));
   await page.goto(gateway.address);
 });
@@ -138,6 +146,15 @@ test("a page without control cannot command, and the gateway refuses commands th
   assert.match(answer.message, /control/);
 });
 
+test("a page without control has no button to edit an object, and shows why", async () => {
+  await page.locator('[data-object="0x6081"]').waitFor();
+  const buttons = page.locator("button.edit");
+  assert.ok((await buttons.count()) > 50, "they are there for who takes control");
+  await waitForText(page.locator(".objects .need"), /^Take control to command axes.$/);
+  assert.equal(await page.locator("button.edit:visible").count(), 0);
+  assert.equal(await page.locator('[data-test="new_window"]:visible').count(), 0);
+});
+
 test("after taking control the page enables an axis", async () => {
   await command("take").click();
   await command("enable").click();
@@ -145,6 +162,31 @@ test("after taking control the page enables an axis", async () => {
   assert.equal(await page.locator(".box.lit text").textContent(), "Operation enabled");
   // Transitions 2, 3 and 4 happen in one tick, or in ticks of their own.
   await waitForText(page.locator(".way"), /\b4\), tick \d+/);
+});
+
+test("Home stands beside its method, and runs by the chosen one", async () => {
+  const method = command("homing_method");
+  await waitForText(method.locator("option").first(), /^as set: 35$/);
+  await waitForText(method.locator("option").nth(3), /^17: − limit switch$/);
+  await method.selectOption("37");
+  await command("home").click();
+  await waitForText(figure("mode"), /homing/);
+  await waitForText(page.locator('[data-object="0x6098"] .value .number'), /^37$/);
+  await waitForText(method.locator("option").first(), /^as set: 37$/);
+  assert.equal(await method.inputValue(), "37");
+  await method.selectOption("");
+});
+
+test("the window of the following error stands beside its plot, and is written there", async () => {
+  const shown = command("error_window");
+  await waitForText(shown, /^20.480 UU$/);
+  await page.fill('[data-test="new_window"]', "30000");
+  await page.locator('[data-test="new_window"]').press("Enter");
+  await waitForText(shown, /^30.000 UU$/);
+  await waitForValue('[data-test="new_window"]', "");
+  await page.fill('[data-test="new_window"]', "20480");
+  await page.locator('[data-test="new_window"]').press("Enter");
+  await waitForText(shown, /^20.480 UU$/);
 });
 
 test("a move is visible in the figures and in the plot", async () => {
@@ -500,6 +542,55 @@ test("STOP is whole in every view, size, zoom and language, also while another p
   await other.context().close();
 });
 
+/** What axe finds in the document that is shown: rule and elements. */
+const findings = (shown) =>
+  shown.evaluate(async () => {
+    const { violations } = await globalThis.axe.run(document, { resultTypes: ["violations"] });
+    return violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ target }) => target.join(" ")).join(", ")}`);
+  });
+
+const VIEWS = [["#/", '[data-address="1.1"]'], ["#/axis/1.1", '[data-object="0x6081"]'], ["#/control", ".clock-text"]];
+
+test("every view is accessible, in both themes, wide and narrow, with and without control", async () => {
+  const other = await openOther("#/");
+  for (const shown of [page, other]) {
+    for (const [view, content] of VIEWS) {
+      await shown.goto(`${gateway.address}${view}`);
+      await shown.locator(content).waitFor();
+      for (const width of [1280, 390]) {
+        await shown.setViewportSize({ width, height: 900 });
+        for (const theme of ["dark", "light"]) {
+          await shown.selectOption(".settings select >> nth=2", theme);
+          assert.deepEqual(await findings(shown), [], `${view} ${theme}, ${width} pixels, ${shown === page ? "with" : "without"} control`);
+        }
+      }
+    }
+    await shown.setViewportSize({ width: 1280, height: 900 });
+  }
+  await page.selectOption(".settings select >> nth=2", "auto");
+  await other.context().close();
+});
+
+test("on a phone each number has its label, and the controls stand above the plots", async () => {
+  const other = await openOther("#/");
+  await other.setViewportSize({ width: 390, height: 844 });
+  await other.locator('[data-address="1.1"]').waitFor();
+  const labels = await other.locator('[data-address="1.1"]').evaluate((row) =>
+    ["position", "velocity", "torque", "error", "fault"].map((name) => getComputedStyle(row.querySelector(`.${name}`), "::before").content),
+  );
+  assert.deepEqual(labels, ['"Position"', '"Velocity"', '"Torque"', '"Foll. error"', '"Fault"']);
+  await other.goto(`${gateway.address}#/axis/1.1`);
+  const top = async (selector) => (await other.locator(selector).boundingBox()).y;
+  assert.ok((await top(".commands")) < (await top(".plots")));
+  const order = await other.locator(".axis-view").evaluate((view) => {
+    const focusable = [...view.querySelectorAll("button, input, select, a, [tabindex='0']")];
+    const first = (selector) => focusable.findIndex((element) => element.closest(selector) !== null);
+    return [first(".commands"), first(".plots")];
+  });
+  assert.ok(order[0] < order[1], "the keyboard goes the same way");
+  await other.context().close();
+});
+
 test("an axis that is not there is named", async () => {
   await page.goto(`${gateway.address}#/axis/1.99`);
   await waitForText(page.locator("main"), /There is no axis 1.99/);
@@ -507,8 +598,7 @@ test("an axis that is not there is named", async () => {
 });
 
 test("a second page shows the holder of control, takes control, and stops all by keyboard", async () => {
-  const other = await (await browser.newContext({ locale: "en-US" })).newPage();
-  await other.goto(gateway.address);
+  const other = await openOther("#/");
   const take = other.locator('[data-test="take"]');
   await waitForText(take, /Take control from/);
   await take.click();

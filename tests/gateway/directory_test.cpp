@@ -86,6 +86,9 @@ TEST(Dictionary, HasEveryObjectAndTheNamesOfBits) {
   EXPECT_EQ(bits("controlword_bits", 3)[4], "");
   EXPECT_EQ(dictionary["disturbances"][0]["kind"], "value");
   EXPECT_EQ(dictionary["disturbances"][1]["kind"], "switch");
+  EXPECT_EQ(
+      dictionary["homing_methods"][2],
+      Json({{"method", 17}, {"direction", -1}, {"limit_switch", true}, {"index_pulse", false}}));
 }
 
 TEST(Schemas, ReadMembersTheirTypesListsAndThoseThatMayBeLeftOut) {

@@ -605,6 +605,8 @@ TEST(GatewayServices, ServeTheButtonsOfADashboard) {
       20s));
   EXPECT_EQ(*axis->read({0x6083, 0}), 1'000'000);
   EXPECT_EQ(is_done("/home", {{"axis", "1.1"}}), "");
+  EXPECT_EQ(is_done("/home", {{"axis", "1.1"}, {"method", 37}}), "");
+  EXPECT_EQ(*axis->read({0x6098, 0}), 37);
   EXPECT_EQ(is_done("/disturb", {{"axis", "1.1"}, {"name", "over_current"}, {"value", 1}}), "");
   EXPECT_TRUE(axis->wait_until(
       [](const auto& status) {

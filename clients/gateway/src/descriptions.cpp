@@ -5,6 +5,7 @@
 #include "schemas.hpp"
 #include "vdrive/cia402/bit_names.hpp"
 #include "vdrive/cia402/error_code.hpp"
+#include "vdrive/cia402/homing_method.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/client/disturbance.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
@@ -77,6 +78,17 @@ Json bits_json(NameOfBit name_of) {
       names.push_back(name_of(static_cast<std::uint16_t>(1U << bit), row.mode));
     }
     list.push_back({{"mode", static_cast<int>(row.mode)}, {"bits", std::move(names)}});
+  }
+  return list;
+}
+
+Json homing_methods_json() {
+  Json list = Json::array();
+  for (const HomingMethod& method : kHomingMethods) {
+    list.push_back({{"method", method.number},
+                    {"direction", method.direction},
+                    {"limit_switch", method.limit_switch},
+                    {"index_pulse", method.index_pulse}});
   }
   return list;
 }
@@ -180,12 +192,15 @@ ChannelInfo dictionary_channel() {
       {"mode", object_schema("mode:integer name:string")},
       {"error", object_schema("code:integer name:string")},
       {"bits", object_schema("mode:integer bits:string[]")},
+      {"homing_method", object_schema("method:integer direction:integer limit_switch:boolean "
+                                      "index_pulse:boolean")},
       {"disturbance", object_schema("name:string object:string kind:string minimum:integer "
                                     "maximum:integer")}};
   return json_channel("/gateway/dictionary", "vdrive.Dictionary",
                       object_schema("version:string objects:object[] modes:mode[] "
                                     "error_codes:error[] statusword_bits:bits[] "
-                                    "controlword_bits:bits[] disturbances:disturbance[]",
+                                    "controlword_bits:bits[] disturbances:disturbance[] "
+                                    "homing_methods:homing_method[]",
                                     types));
 }
 
@@ -198,7 +213,8 @@ std::string dictionary_text() {
                   {"error_codes", error_codes_json()},
                   {"statusword_bits", bits_json(statusword_bit_name)},
                   {"controlword_bits", bits_json(controlword_bit_name)},
-                  {"disturbances", disturbances_json()}});
+                  {"disturbances", disturbances_json()},
+                  {"homing_methods", homing_methods_json()}});
 }
 
 }  // namespace vdrive::gateway

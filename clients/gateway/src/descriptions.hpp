@@ -40,7 +40,9 @@ struct ControlState {
 
 [[nodiscard]] ChannelInfo dictionary_channel();
 
-/// @return objects, modes, errors, bits and test-bench inputs, from the tables of the core.
+/// @return objects, modes, errors, bits, test-bench inputs and homing methods, from the tables of
+/// the
+///         core.
 [[nodiscard]] std::string dictionary_text();
 
 }  // namespace vdrive::gateway

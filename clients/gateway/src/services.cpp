@@ -252,10 +252,11 @@ CallAnswer call_move_group(Session& session, const Json& request) {
 }
 
 CallAnswer call_home(Session& session, const Json& request) {
+  client::HomingOptions homing;
+  homing.method = optional_number<std::int8_t>(request, "method");
+  homing.call = options(Until::in_force);
   auto axis = session.axis(axis_text_of(request));
   if (!axis) return {.outcome = axis.outcome()};
-  client::HomingOptions homing;
-  homing.call = options(Until::in_force);
   return {.outcome = axis->home(homing)};
 }
 
@@ -361,7 +362,7 @@ constexpr std::array kServices{
     ServiceRow{"/move_group", "vdrive.MoveGroup", Right::command,
                "moves:move[] velocity?:integer acceleration?:integer deceleration?:integer",
                call_move_group},
-    ServiceRow{"/home", "vdrive.Home", Right::command, "axis:string", call_home},
+    ServiceRow{"/home", "vdrive.Home", Right::command, "axis:string method?:integer", call_home},
     ServiceRow{"/jog", "vdrive.Jog", Right::jog, "axis:string velocity:integer", nullptr},
     ServiceRow{"/disturb", "vdrive.Disturb", Right::command,
                "axis:string name:string value:integer", call_disturb},

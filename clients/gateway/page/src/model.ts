@@ -222,6 +222,8 @@ export class Model {
   /** by the name of the field, such as "move 1.1 target" */
   readonly typed = new Map<string, Typed>();
   readonly ticked = new Map<string, boolean>();
+  /** methods of homing that were chosen, by the addresses of their axes */
+  readonly homing = new Map<string, string>();
   /** Grows when benches, axes, control or the dictionary change: views build themselves again. */
   version = 0;
   eventCount = 0;
@@ -361,6 +363,15 @@ export class Model {
     if (this.taken.size === 0) return runs;
     const text = `${this.takenHow}: ${listed([...this.taken])}`;
     return [{ text, button: t("take_back"), press: () => this.taken.clear() }, ...runs];
+  }
+
+  /** @return what a person needs first, empty when the axes can be commanded. */
+  whyDisabled(axes: AxisRef[], now: number): string {
+    if (!this.control.enabled) return t("view_only");
+    if (!this.control.you || !this.connected) return t("need_control");
+    if (axes.length === 0) return t("none_chosen");
+    const gone = axes.find(({ bench }) => this.isGone(bench, now))?.bench;
+    return gone === undefined ? "" : `${gone.description?.name ?? ""} (${gone.number}) ${t("bench_gone")}`;
   }
 
   /** @return why the page does not command these axes, nothing when it may. */

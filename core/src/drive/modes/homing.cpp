@@ -7,45 +7,24 @@
 #include "drive/window.hpp"
 #include "rounding.hpp"
 #include "vdrive/assert.hpp"
+#include "vdrive/cia402/homing_method.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace vdrive {
 namespace {
 
 using namespace vdrive::literals;
 
-/// One method of 6098h.
-struct Method {
-  std::int8_t number;
-  std::int8_t direction;  // of the first movement; 0 = none
-  bool limit;             // home lies where the limit switch in that direction is left
-  bool index;             // home is the next index pulse
-};
-
-constexpr std::array<Method, 8> kMethods{{
-    {1, -1, true, true},
-    {2, +1, true, true},
-    {17, -1, true, false},
-    {18, +1, true, false},
-    {33, -1, false, true},
-    {34, +1, false, true},
-    {35, 0, false, false},
-    {37, 0, false, false},
-}};
-
-const Method* find_method(std::int64_t number) {
-  const auto* const method = std::ranges::find_if(kMethods, [number](const Method& m) {
-    return m.number == number;
-  });
-  return method == kMethods.end() ? nullptr : method;
+const HomingMethod* find_method(std::int64_t number) {
+  const auto* const method = std::ranges::find(kHomingMethods, number, &HomingMethod::number);
+  return method == kHomingMethods.end() ? nullptr : method;
 }
 
 /// The method of the present run; a run has one.
-const Method& method_of(const Drive& drive) {
-  const Method* const method = find_method(drive.state().modes.homing.method);
+const HomingMethod& method_of(const Drive& drive) {
+  const HomingMethod* const method = find_method(drive.state().modes.homing.method);
   ensure(method != nullptr, "a homing run that travels has a method");
   return *method;
 }
@@ -63,8 +42,8 @@ double direction_of(const Drive& drive) {
     case HomingStage::leave:
       return -method_of(drive).direction;
     case HomingStage::index: {
-      const Method& method = method_of(drive);
-      return method.limit ? -method.direction : method.direction;
+      const HomingMethod& method = method_of(drive);
+      return method.limit_switch ? -method.direction : method.direction;
     }
     default:
       return 0.0;
@@ -124,7 +103,7 @@ void leave_limit(Drive& drive) {
   if (at_limit_switch(drive, direction)) {
     s.modes.homing.stage = HomingStage::failed;
   } else if (!at_limit_switch(drive, -direction) && direction * demand_velocity(drive) > 0.0) {
-    if (method_of(drive).index) {
+    if (method_of(drive).index_pulse) {
       s.modes.homing.stage = HomingStage::index;
     } else {
       attain(drive, actual_position(drive));
@@ -144,14 +123,14 @@ bool start(Drive& drive) {
   s.modes.homing.method = static_cast<std::int8_t>(reg(drive, "homing_method"_object));
   r.index.input = reg(drive, "test_index_pulse_input"_object) != 0;
   r.index.reading = drive.servo().motor_reading[drive.lane()];
-  const Method* const method = find_method(s.modes.homing.method);
+  const HomingMethod* const method = find_method(s.modes.homing.method);
   const bool has_speeds =
       reg(drive, "homing_speed_search"_object) != 0 && reg(drive, "homing_speed_creep"_object) != 0;
   if (method == nullptr || (method->direction != 0 && !has_speeds)) {
     s.modes.homing.stage = HomingStage::failed;
   } else if (method->direction == 0) {
     s.modes.homing.stage = HomingStage::present;
-  } else if (method->limit) {
+  } else if (method->limit_switch) {
     s.modes.homing.stage =
         at_limit_switch(drive, method->direction) ? HomingStage::leave : HomingStage::search;
   } else {

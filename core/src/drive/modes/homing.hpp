@@ -7,7 +7,7 @@
 
 namespace vdrive {
 
-/// Homing (6061h = 6): methods 1, 2, 17, 18, 33, 34, 35 and 37 of 6098h.
+/// Homing (6061h = 6) by the methods of kHomingMethods.
 extern const Mode kHoming;
 
 /// @return whether 6098h takes `value`: 0 (no method) or a supported method.

@@ -248,6 +248,32 @@ export const DICTIONARY = {
       },
       "type": "array"
     },
+    "homing_methods": {
+      "items": {
+        "properties": {
+          "direction": {
+            "type": "integer"
+          },
+          "index_pulse": {
+            "type": "boolean"
+          },
+          "limit_switch": {
+            "type": "boolean"
+          },
+          "method": {
+            "type": "integer"
+          }
+        },
+        "required": [
+          "method",
+          "direction",
+          "limit_switch",
+          "index_pulse"
+        ],
+        "type": "object"
+      },
+      "type": "array"
+    },
     "modes": {
       "items": {
         "properties": {
@@ -364,7 +390,8 @@ export const DICTIONARY = {
     "error_codes",
     "statusword_bits",
     "controlword_bits",
-    "disturbances"
+    "disturbances",
+    "homing_methods"
   ],
   "type": "object"
 } as const;

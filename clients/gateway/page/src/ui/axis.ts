@@ -95,22 +95,23 @@ export class AxisView implements View {
     const machine = new PowerMachine(this.trace);
     const words = new Words(model, this.trace);
     const events = new Events(model, (e) => e.name === name || e.name === `bench${ref.bench.number}/${ref.axis.axis}`);
-    const objects = new Objects(model, address);
+    const objects = new Objects(model, ref);
     this.parts = [figures, plots, commands, machine, words, events, objects];
     const title = h(
-      "h2",
-      {},
+      "div",
+      { class: "title" },
       h("a", { attributes: { href: "#/", "aria-label": t("back") } }, "‹"),
-      ` ${address} `,
-      h("span", { class: "axis-name" }, ref.axis.name),
+      h("h2", {}, `${address} `, h("span", { class: "axis-name" }, ref.axis.name)),
     );
     this.root = h(
       "div",
       { class: "axis-view" },
       title,
       figures.root,
+      // The order of the keyboard is that of a narrow screen: controls stand above the plots.
+      h("div", { class: "control-column" }, commands.root),
       h("div", { class: "main-column" }, plots.root, objects.root),
-      h("div", { class: "side-column" }, commands.root, machine.root, words.root, events.root),
+      h("div", { class: "side-column" }, machine.root, words.root, events.root),
     );
   }
 

@@ -5,9 +5,11 @@ import { nameMatches } from "../data/rows";
 import { parseNumber } from "../data/units";
 import { clockName, isTextKey, t, type TextKey } from "../i18n";
 import { addressOf, listed, SECOND_PRESS_MS, type AxisRef, type Disturbance, type Model } from "../model";
-import { button, field, h, put, select, type View } from "./dom";
+import { attempt, button, field, h, put, select, type View } from "./dom";
+import { Homing, HOMING_METHOD } from "./homing";
+import { PolledObjects } from "./polled";
 import { KeptCheckbox, QuantityField } from "./quantity";
-import { Silence } from "./silence";
+import { ABORT_OPTION_CODE, Silence } from "./silence";
 
 const JOG_EVERY_MS = 100;
 /** [1/s] units of a linear axis */
@@ -82,14 +84,6 @@ function typedWhole(input: HTMLInputElement): number | undefined {
   const value = typed(input);
   if (value !== undefined && !Number.isInteger(value)) throw new Error(`"${input.value}" ${t("fraction")}`);
   return value;
-}
-
-function attempt(model: Model, act: () => void): void {
-  try {
-    act();
-  } catch (error) {
-    model.outcome = { ok: false, text: (error as Error).message };
-  }
 }
 
 class Ramps {
@@ -381,7 +375,9 @@ class TestInputs {
 export class Commands implements View {
   readonly root: HTMLElement;
   private readonly needText = h("p", { class: "need" });
+  private readonly read: PolledObjects;
   private readonly silence: Silence;
+  private readonly homing: Homing;
   private readonly move: MoveForm;
   private readonly jog: Jog;
   private readonly inputs: TestInputs;
@@ -393,19 +389,19 @@ export class Commands implements View {
     private readonly axes: Axes,
   ) {
     const one = () => axes()[0];
-    this.silence = new Silence(model, axes);
+    this.read = new PolledObjects(model, axes, [ABORT_OPTION_CODE, HOMING_METHOD]);
+    this.silence = new Silence(model, axes, this.read);
+    this.homing = new Homing(model, axes, this.read);
     this.move = new MoveForm(model, one);
     this.jog = new Jog(model, one);
     this.inputs = new TestInputs(model, axes);
     const services = (names: [string, TextKey][], asks = false) =>
       h("div", { class: "line" }, ...names.map(([service, text]) => serviceButton(model, axes, service, text, asks)));
-    const home = button(t("home"), () => void this.home());
     const motion = services([["/halt", "halt"], ["/resume", "resume"], ["/quick_stop", "quick_stop"]]);
-    motion.append(home);
     this.jogGroup = group("jog", this.jog.root);
     this.groups = [
       group("power", services([["/enable", "enable"], ["/disable", "disable"], ["/reset", "reset"]])),
-      group("motion", this.move.root, motion),
+      group("motion", this.move.root, motion, this.homing.root),
       this.jogGroup,
       group("test_inputs", this.inputs.root),
       group("memory", services([["/store", "store"], ["/restore", "restore"], ["/power_cycle", "power_cycle"]], true)),
@@ -414,7 +410,7 @@ export class Commands implements View {
   }
 
   update(now: number): void {
-    const need = this.need(now);
+    const need = this.model.whyDisabled(this.axes(), now);
     const able = need === "";
     // A disabled button reports no release.
     if (!able) this.jog.end();
@@ -426,26 +422,13 @@ export class Commands implements View {
     this.move.update();
     this.jog.update();
     this.inputs.update(now);
-    this.silence.update(now);
+    this.read.update(now, this.root);
+    this.silence.update();
+    this.homing.update();
   }
 
   close(): void {
     this.jog.close();
-  }
-
-  /** @return what a person needs first, empty when the axes can be commanded. */
-  private need(now: number): string {
-    const { control, connected } = this.model;
-    if (!control.enabled) return t("view_only");
-    if (!control.you || !connected) return t("need_control");
-    const axes = this.axes();
-    if (axes.length === 0) return t("none_chosen");
-    const gone = axes.find(({ bench }) => this.model.isGone(bench, now))?.bench;
-    return gone === undefined ? "" : `${gone.description?.name ?? ""} (${gone.number}) ${t("bench_gone")}`;
-  }
-
-  private async home(): Promise<void> {
-    for (const axis of addresses(this.axes)) await this.model.command("/home", { axis });
   }
 }
 
@@ -481,10 +464,9 @@ export class GroupMove implements View {
   }
 
   update(now: number): void {
-    const { control, connected } = this.model;
     const axes = this.axes();
     this.root.hidden = axes.length < 2;
-    const may = control.enabled && control.you && connected && !axes.some(({ bench }) => this.model.isGone(bench, now));
+    const may = this.model.whyDisabled(axes, now) === "";
     if (this.fieldset.disabled === may) this.fieldset.disabled = !may;
     const wanted = axes.map(addressOf).join(" ");
     if (wanted !== this.shown) this.build(axes, wanted);

@@ -48,6 +48,7 @@ export class ControlView implements View {
     this.root = h(
       "div",
       { class: "control-view" },
+      h("h2", { class: "only-heard" }, t("control")),
       h("div", { class: "main-column" }, chosen, groupMove.root, this.clockPlace, events.root),
       h("div", { class: "side-column" }, commands.root),
     );

@@ -51,6 +51,20 @@ export function button(label: string, press: () => void, properties: Properties 
   return made;
 }
 
+/** Where an error is shown. */
+export interface Outcomes {
+  outcome?: { text: string; ok: boolean };
+}
+
+/** Does what a person asked for; an error is shown at the foot of the page. */
+export function attempt(outcomes: Outcomes, act: () => void): void {
+  try {
+    act();
+  } catch (error) {
+    outcomes.outcome = { ok: false, text: (error as Error).message };
+  }
+}
+
 export function put(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }

@@ -41,7 +41,6 @@ class Word {
       put(lamp, word === undefined ? "–" : on ? "1" : "0");
       put(name, bitName(names[bit] ?? ""));
       mark(root, "on", on);
-      mark(root, "reserved", (names[bit] ?? "") === "");
     });
   }
 }

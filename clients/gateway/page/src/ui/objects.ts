@@ -3,7 +3,7 @@
 
 import { formatHex, formatNumber, parseNumber } from "../data/units";
 import { language, t } from "../i18n";
-import type { Model, ObjectRow } from "../model";
+import { addressOf, type AxisRef, type Model, type ObjectRow } from "../model";
 import { button, h, mark, put, type View } from "./dom";
 
 const READ_EVERY_MS = 1_000;
@@ -146,16 +146,19 @@ class ObjectLine {
 export class Objects implements View {
   readonly root: HTMLElement;
   private readonly body = h("tbody");
+  private readonly needText = h("span", { class: "need" });
   private lines: ObjectLine[] = [];
   private readAt = 0;
   private reading = false;
   private built?: unknown;
   private words: string[] = [];
+  private readonly axis: string;
 
   constructor(
     private readonly model: Model,
-    private readonly axis: string,
+    private readonly ref: AxisRef,
   ) {
+    this.axis = addressOf(ref);
     const search = h("input", {
       class: "search",
       attributes: { type: "search", placeholder: t("search_objects"), "aria-label": t("search_objects") },
@@ -168,13 +171,17 @@ export class Objects implements View {
     this.root = h(
       "section",
       { class: "panel objects" },
-      h("div", { class: "tools" }, h("h3", {}, t("objects")), search),
-      h("div", { class: "table-scroller", attributes: { tabindex: "0" } }, h("table", {}, h("thead", {}, h("tr", {}, ...heads)), this.body)),
+      h("div", { class: "tools" }, h("h3", {}, t("objects")), this.needText, search),
+      h("div", { class: "table-scroller", attributes: { tabindex: "0", role: "region", "aria-label": t("objects") } }, h("table", {}, h("thead", {}, h("tr", {}, ...heads)), this.body)),
     );
   }
 
   update(now: number): void {
     if (this.model.dictionary !== undefined && this.built !== this.model.dictionary) this.build();
+    // Who only looks has no button that would be refused, and reads why.
+    const need = this.model.whyDisabled([this.ref], now);
+    put(this.needText, need);
+    mark(this.root, "looking", need !== "");
     const visible = this.root.getClientRects().length > 0;
     if (visible && !this.reading && now - this.readAt > READ_EVERY_MS && this.model.connected) {
       this.readAt = now;

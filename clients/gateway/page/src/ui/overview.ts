@@ -39,6 +39,7 @@ const ORDER_EVERY_MS = 500;
 const TREND_EVERY_MS = 100;
 const MOVING_FROM = 10; // [UU/s]: less is noise of a standing axis
 const OLD_FROM_MS = 500;
+const NARROW_ROW = 84; // [px] as in the style sheet
 
 function at(bench: Bench, member: string, place: number): number {
   return Number(bench.numbers(member)?.[place] ?? 0);
@@ -88,7 +89,9 @@ class RowElements {
     });
     this.root.append(h("div", { class: "cell choose", attributes: { role: "cell" } }, this.box));
     for (const column of COLUMNS) {
-      const cell = h("div", { class: `cell ${column.class}`, attributes: { role: "cell" } });
+      // A narrow screen has no line of heads: its cells name themselves.
+      const attributes = { role: "cell", "data-label": t(column.text) };
+      const cell = h("div", { class: `cell ${column.class}`, attributes });
       this.cells.set(column.class, cell);
       this.root.append(cell);
     }
@@ -247,7 +250,7 @@ export class Overview implements View {
       this.head,
       this.space,
     );
-    this.root = h("section", { class: "overview" }, this.makeTools(), this.scroller, this.nothing);
+    this.root = h("section", { class: "overview" }, h("h2", { class: "only-heard" }, t("overview")), this.makeTools(), this.scroller, this.nothing);
     model.wantStatus(true);
     requestAnimationFrame(() => (this.scroller.scrollTop = memory.scrolled));
   }
@@ -402,7 +405,7 @@ export class Overview implements View {
   }
 
   private draw(top: number, now: number): void {
-    this.height = this.head.offsetHeight > 0 ? 28 : 64; // without a head the screen is narrow
+    this.height = this.head.offsetHeight > 0 ? 28 : NARROW_ROW; // without a head the screen is narrow
     const total = `${this.shown.length * this.height}px`;
     if (this.space.style.height !== total) this.space.style.height = total;
     const visible = Math.ceil(this.scroller.clientHeight / this.height) + SPARE_ROWS;

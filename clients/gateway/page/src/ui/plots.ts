@@ -7,6 +7,7 @@ import { formatNumber, toShown, type Scale } from "../data/units";
 import { t, type TextKey } from "../i18n";
 import { addressOf, type Model } from "../model";
 import { LONGEST_WINDOW_S, MEMBERS, seriesAt, type Series, type Trace } from "../trace";
+import { ErrorWindow } from "./error_window";
 import { button, colour, download, fit, h, mark, put, select, type View } from "./dom";
 
 interface Line {
@@ -100,6 +101,7 @@ export class Plots implements View {
   private readonly pauseButton: HTMLButtonElement;
   private readonly resetButton: HTMLButtonElement;
   private readonly observer: ResizeObserver;
+  private readonly errorWindow: ErrorWindow;
   private width = 0;
   private paused = false;
   /** [s] shown instead of the newest window */
@@ -115,6 +117,7 @@ export class Plots implements View {
     private readonly model: Model,
     private readonly trace: Trace,
   ) {
+    this.errorWindow = new ErrorWindow(model, trace.ref);
     this.cursorText = h("span", { class: "cursor-text" });
     this.lostText = h("span", { class: "lost-text" });
     this.pauseButton = button(t("pause_plots"), () => this.pause(!this.paused), {
@@ -128,7 +131,7 @@ export class Plots implements View {
     const stripHost = h("div", { class: "plot strip-host" }, this.stripHead(), this.strip);
     this.root = h(
       "section",
-      { class: "plots panel", title: "" },
+      { class: "plots panel" },
       this.tools(),
       ...hosts.map((host) => host.host),
       stripHost,
@@ -164,6 +167,7 @@ export class Plots implements View {
       this.drawStrip(from, to);
     }
     this.showReadings();
+    this.errorWindow.update(now);
   }
 
   private readonly onKey = (event: KeyboardEvent): void => {
@@ -202,6 +206,7 @@ export class Plots implements View {
       const sample = h("i", { class: `sample ${line.colour}${line.dashed === true ? " dashed" : ""}` });
       head.append(h("span", { class: "reading" }, sample, t(line.part).toLowerCase(), value));
     }
+    if (kind.text === "following_error") head.append(this.errorWindow.root);
     const host = h("div", { class: "plot" }, head, canvas);
     return { kind, host, canvas, readings, unit, range: [0, 0] as [number, number] };
   }

@@ -52,6 +52,13 @@ export class QuantityField {
     return this.input.value.trim() === "";
   }
 
+  /** What was typed has become a value of the drive. */
+  clear(): void {
+    this.input.value = "";
+    this.model.typed.delete(this.key);
+    this.accept();
+  }
+
   /** @param notes gets what a value with a unit became
    *  @return whole user units; nothing for an empty field
    *  @throws Error with the reason when the drive cannot take what the text says */

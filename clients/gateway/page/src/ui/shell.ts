@@ -84,9 +84,8 @@ export class Shell {
       this.links.set(key, link);
       nav.append(link);
     }
-    this.stopButton.replaceChildren(h("b", {}, t("stop")), h("kbd", {}, "Ctrl + ."));
+    this.stopButton.replaceChildren(h("b", {}, t("stop")), " ", h("kbd", {}, "Ctrl + ."));
     this.stopButton.title = t("stop_hint");
-    this.stopButton.setAttribute("aria-label", `${t("stop")}: ${t("stop_hint")}`);
     const { settings } = this.model;
     const theme = select(
       t("theme"),

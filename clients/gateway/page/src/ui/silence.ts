@@ -4,26 +4,24 @@
 
 import { isTextKey, t } from "../i18n";
 import { addressOf, listed, SILENCES_S, type AxisRef, type Model } from "../model";
-import { h, put, select, type View } from "./dom";
+import { h, put, select } from "./dom";
+import type { PolledObjects } from "./polled";
 
-const OPTION_CODE = "0x6007";
-const READ_EVERY_MS = 1_000;
+export const ABORT_OPTION_CODE = "0x6007";
 
-export class Silence implements View {
+export class Silence {
   readonly root: HTMLElement;
   private readonly choice: HTMLSelectElement;
-  private readonly holders = h("span");
+  private readonly holder = h("span");
   private readonly reaction = h("span", { attributes: { "data-test": "on_loss" } });
-  /** 6007h by the address of the axis, as it was read last */
-  private readonly codes = new Map<string, number>();
-  private next = 0;
-  private readAt = -Infinity;
-  private reading = false;
-  private isChosen = false;
+  /** The gateway has not answered yet. */
+  private isUnderWay = false;
 
+  /** @param read has ABORT_OPTION_CODE of the axes */
   constructor(
     private readonly model: Model,
     private readonly axes: () => AxisRef[],
+    private readonly read: PolledObjects,
   ) {
     this.choice = select(
       t("silence"),
@@ -34,43 +32,24 @@ export class Silence implements View {
     this.choice.dataset["test"] = "silence";
     this.choice.title = t("silence_hint");
     const label = h("label", { class: "choice", title: t("silence_hint") }, t("silence"), this.choice);
-    this.root = h("p", { class: "silence" }, label, this.holders, this.reaction);
+    this.root = h("p", { class: "silence" }, label, this.holder, this.reaction);
   }
 
-  update(now: number): void {
+  update(): void {
     const { control } = this.model;
     this.root.hidden = !control.enabled;
     // What is in force: the gateway may have refused a choice.
     const shown = String(control.you ? control.silence_ms / 1000 : this.model.settings.silence);
-    if (!this.isChosen && this.choice.value !== shown) this.choice.value = shown;
+    if (!this.isUnderWay && this.choice.value !== shown) this.choice.value = shown;
     const isOthers = control.holder !== "" && !control.you;
-    put(this.holders, isOthers ? `${control.holder}: ${t("silence_of_holder")} ${control.silence_ms / 1000} s` : "");
+    put(this.holder, isOthers ? `${control.holder}: ${t("silence_of_holder")} ${control.silence_ms / 1000} s` : "");
     this.showReaction();
-    const visible = this.root.getClientRects().length > 0;
-    if (visible && !this.reading && this.model.connected && now - this.readAt >= READ_EVERY_MS) {
-      this.readAt = now;
-      void this.read();
-    }
   }
 
   private async choose(seconds: number): Promise<void> {
-    this.isChosen = true;
+    this.isUnderWay = true;
     await this.model.chooseSilence(seconds);
-    this.isChosen = false;
-  }
-
-  /** One axis at a time: each read is a request to its bench. */
-  private async read(): Promise<void> {
-    const axes = this.axes();
-    if (axes.length === 0) return;
-    // First what is not known yet.
-    const unknown = axes.find((ref) => !this.codes.has(addressOf(ref)));
-    const address = addressOf(unknown ?? axes[this.next++ % axes.length]);
-    this.reading = true;
-    const answer = await this.model.connection.call("/read", { axis: address, objects: [OPTION_CODE] });
-    this.reading = false;
-    const [value] = (answer["values"] ?? []) as { value?: number }[];
-    if (value?.value !== undefined) this.codes.set(address, value.value);
+    this.isUnderWay = false;
   }
 
   /** Axes with the same option stand together; with one option there is nothing to tell apart. */
@@ -78,7 +57,7 @@ export class Silence implements View {
     const groups = new Map<number, string[]>();
     for (const ref of this.axes()) {
       const address = addressOf(ref);
-      const code = this.codes.get(address);
+      const code = this.read.value(address, ABORT_OPTION_CODE);
       if (code !== undefined) groups.set(code, [...(groups.get(code) ?? []), address]);
     }
     const parts = [...groups].map(([code, addresses]) => {

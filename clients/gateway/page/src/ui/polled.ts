@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Objects of axes that a view shows beside its controls, read again and again.
+
+import { addressOf, type AxisRef, type Model } from "../model";
+
+const READ_EVERY_MS = 1_000;
+
+export class PolledObjects {
+  /** by the address of the axis, then of the object */
+  private readonly values = new Map<string, Map<string, number>>();
+  private next = 0;
+  private readAt = -Infinity;
+  private reading = false;
+  /** Grows with each command: what was read before it is old. */
+  private commands = 0;
+
+  /** @param objects such as "0x6098" */
+  constructor(
+    private readonly model: Model,
+    private readonly axes: () => AxisRef[],
+    private readonly objects: string[],
+  ) {}
+
+  /** @return the value that was read last; nothing before, or where the drive does not give it. */
+  value(address: string, object: string): number | undefined {
+    return this.values.get(address)?.get(object);
+  }
+
+  /** One axis a second, because each read is a request to its bench: those first that were not read.
+   *  @param root of the view: what nobody sees is not read */
+  update(now: number, root: HTMLElement): void {
+    if (this.reading || !this.model.connected || now - this.readAt < READ_EVERY_MS) return;
+    const axes = this.axes();
+    if (axes.length === 0 || root.getClientRects().length === 0) return;
+    this.readAt = now;
+    const unknown = axes.find((ref) => !this.values.has(addressOf(ref)));
+    void this.read(addressOf(unknown ?? axes[this.next++ % axes.length]));
+  }
+
+  /** A command has written such an object. */
+  readAgain(): void {
+    ++this.commands;
+    this.readAt = -Infinity;
+  }
+
+  private async read(address: string): Promise<void> {
+    const { commands } = this;
+    this.reading = true;
+    const answer = await this.model.connection.call("/read", { axis: address, objects: this.objects });
+    this.reading = false;
+    if (commands !== this.commands) return;
+    const values = new Map<string, number>();
+    const read = (answer["values"] ?? []) as { value?: number; code?: number }[];
+    read.forEach(({ value, code }, i) => {
+      if (value !== undefined && (code ?? 0) === 0) values.set(this.objects[i], value);
+    });
+    this.values.set(address, values);
+  }
+}
