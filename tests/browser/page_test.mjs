@@ -232,7 +232,16 @@ test("a paused plot stands still and its samples are saved as CSV", async () => 
   const [download] = await Promise.all([page.waitForEvent("download"), page.click("text=CSV")]);
   const text = await readFile(await download.path(), "utf8");
   const lines = text.trimEnd().split("\n");
-  assert.match(lines[0], /^tick,time_s,position_demand_value,load_position_actual_value/);
+  assert.match(download.suggestedFilename(), /^1\.1_[^_]+_\d{4}-\d\d-\d\dT\d\d_\d\d_\d\d\.csv$/);
+  assert.match(lines[0], /^tick,time \[s\],date,position_demand_value \[UU\],load_position_actual_value \[UU\],/);
+  assert.match(lines[0], /,current_actual_value \[permille of rated current\],ds402_statusword,error_code$/);
+  const [tick, time, date, ...values] = lines.at(-1).split(",");
+  // A bench in real time: its ticks of a millisecond count from the epoch.
+  assert.equal(Number(time), Number(tick) / 1000);
+  assert.equal(Date.parse(date), Number(tick));
+  const [word, error] = values.slice(-2).map(Number);
+  assert.equal(word & 0x6f, 0x27, "Operation enabled");
+  assert.equal(error, 0);
   const ticks = lines.slice(1).map((line) => Number(line.split(",")[0]));
   assert.ok(ticks.length > 100);
   // Every tick or a gap, never twice the same.
@@ -247,6 +256,62 @@ const shownTimes = async () => {
   const lines = (await readFile(await download.path(), "utf8")).trimEnd().split("\n");
   return [lines[1], lines.at(-1)].map((line) => Number(line.split(",")[1]));
 };
+
+/** Every tick that the page has of the axis that is shown. */
+const keptTicks = async () => {
+  const window = page.locator(".plots .tools select");
+  await window.selectOption("600");
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("text=CSV")]);
+  const lines = (await readFile(await download.path(), "utf8")).trimEnd().split("\n").slice(1);
+  await window.selectOption("10");
+  return lines.map((line) => Number(line.split(",")[0]));
+};
+
+test("what the page has received of an axis stays in other views and units, with a gap for another axis", async () => {
+  const before = await keptTicks();
+  await page.click("nav a >> nth=0");
+  await page.click('[data-address="1.2"]');
+  await waitForText(page.locator("h2"), /^1\.2/);
+  await waitForText(figure("state"), /Switch on disabled/);
+  const leftAt = Number(/\d+$/.exec(await waitForText(page.locator(".cursor-text"), /tick \d{9,}/))[0]);
+  await page.selectOption(".settings select >> nth=0", "axis");
+  await page.click("nav a >> nth=0");
+  await page.click('[data-address="1.1"]');
+  await waitForText(figure("position"), /°/);
+  await page.selectOption(".settings select >> nth=0", "user");
+  await waitForText(figure("position"), /UU/);
+  const back = await keptTicks();
+  assert.equal(back[0], before[0], "the first one is still there");
+  const gap = back.findIndex((tick, i) => i > 0 && back[i - 1] < leftAt && tick > leftAt);
+  assert.ok(gap > 0, "before and after the other axis");
+  assert.ok(back.length > before.length);
+});
+
+test("two cursors show the samples under them and their differences", async () => {
+  await command("two_cursors").click();
+  const row = (name) => page.locator(".cursor-table tr", { has: page.locator(`th:text-is("${name}")`) }).locator("td.number");
+  const differs = async (name) => {
+    const [a, b, difference] = (await row(name).allTextContents()).map(numberIn);
+    assert.equal(b - a, difference, name);
+    return difference;
+  };
+  // A third of the window of 10 s, and a tick at each end.
+  assert.ok(Math.abs(numberIn(await waitForText(row("Time").nth(2), /^3\.33/)) - 10 / 3) < 0.003);
+  await differs("Position, actual");
+  const handle = command("cursor-B");
+  await handle.focus();
+  const value = async () => Number(await handle.getAttribute("aria-valuenow"));
+  const start = await value();
+  await page.keyboard.press("PageDown");
+  const deadline = Date.now() + PATIENCE_MS;
+  while ((await value()) >= start) assert.ok(Date.now() < deadline, "[deadline] the cursor has not moved");
+  await waitForText(row("Time").nth(2), /^[12]\.|^3\.[012]/);
+  const box = await page.locator(".plot .u-over").nth(1).boundingBox();
+  await page.mouse.click(box.x + 2, box.y + box.height / 2);
+  await waitForText(row("Time").nth(2), /^[5-9]\./); // A has come to the left edge
+  await command("pause").click();
+  await page.locator(".cursor-table").waitFor({ state: "hidden" });
+});
 
 test("the wheel over a plot scrolls, with Ctrl it zooms; a drag moves in time", async () => {
   const plot = page.locator(".plot .u-over").first();
@@ -316,6 +381,23 @@ test("a blocked load ends in the fault 8611h", async () => {
   await waitForText(figure("fault"), /8611h following error/);
   await waitForText(figure("state"), /^Fault$/);
   await waitForText(page.locator(".way"), /14/);
+});
+
+const resetZoom = (state) => page.locator(`button:${state}`, { hasText: "Reset zoom" });
+
+test("an event leads to its time in the plots, where the fault has its name, also from the view Control", async () => {
+  const event = () => page.locator(".events li", { hasText: "fault 0x8611" }).locator("button").first();
+  await event().click();
+  await resetZoom("enabled").waitFor();
+  await page.locator(".plot .u-over").first().hover();
+  await waitForText(page.locator(".cursor-text"), /^Cursor \d\d:\d\d:\d\d\.\d{3}, tick \d+: .*8611h following error/);
+  await command("pause").click();
+  await resetZoom("disabled").waitFor();
+  await page.click("nav a >> nth=2");
+  await event().click();
+  await waitForText(page.locator("h2"), /^1\.1/);
+  await resetZoom("enabled").waitFor();
+  await command("pause").click();
 });
 
 test("a switch shows the active test-bench input after the page was opened again", async () => {
@@ -617,6 +699,8 @@ test("the page shows Chinese and keeps the choice", async () => {
   await waitForText(page.locator("[aria-current]"), /轴/);
   await page.reload();
   await waitForText(figure("state"), /禁止接通|快速停机/);
+  // The events from before it are there again: the gateway keeps them.
+  await waitForText(page.locator(".events"), /fault 0x8611/);
   await page.selectOption(".settings select >> nth=1", "en");
 });
 

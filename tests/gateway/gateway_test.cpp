@@ -363,6 +363,28 @@ TEST(GatewayStatus, SendsEventsAsLogAndTheTimeOfTheBench) {
   EXPECT_NEAR(static_cast<double>(time) * 1e-9, std::chrono::duration<double>(now).count(), 30.0);
 }
 
+TEST(GatewayStatus, HasTheEventsFromBeforeItsStartForEachClient) {
+  const RunningService service("--clock realtime");
+  Session session(options());
+  auto axis = session.axis("1.2");
+  ASSERT_TRUE(axis);
+  ASSERT_TRUE(axis->enable());
+  const RunningGateway gateway;
+  for (int i = 0; i < 2; ++i) {
+    ToolClient client(gateway.port());
+    (void)client.channel("/bench1/status");
+    EXPECT_TRUE(soon([&] {
+      const Json answer = client.call("/events", {{"bench", 1}});
+      return std::ranges::any_of(answer["events"], [](const Json& event) {
+        return event["axis"] == 2 && event["kind"] == "state_changed" && event["level"] == 2 &&
+               event["message"] == "axis 2: Operation enabled" && event["tick"] > 0;
+      });
+    }));
+    EXPECT_EQ(client.call("/events", {{"bench", 9}})["events"], Json::array());
+    EXPECT_THAT(client.call("/events", Json::object())["message"], HasSubstr("'bench' is missing"));
+  }
+}
+
 TEST(GatewayStatus, GivesTheAgeOfTheNewestSampleWithAndWithoutPassingTime) {
   // A bench whose time stands still sends its state 20 times a second: its figures are as young as
   // those of one that runs. More than 5 times that is for a busy machine. On an idle one the newest

@@ -69,19 +69,6 @@ struct TimedMessage {
   }
 };
 
-/// @return LogLevel of foxglove.Log
-std::uint8_t level_of(client::EventKind kind) {
-  switch (severity_of(kind)) {
-    case client::EventSeverity::error:
-      return 4;
-    case client::EventSeverity::warning:
-      return 3;
-    case client::EventSeverity::info:
-      break;
-  }
-  return 2;
-}
-
 }  // namespace
 
 MessageSchema bench_status_schema() {
@@ -214,13 +201,30 @@ std::string encode_axis_parameters(const ParameterImage& image, std::uint64_t ti
   return std::move(message.bytes);
 }
 
-std::string encode_event(const client::Event& event, std::string_view name, std::uint64_t time) {
+std::uint8_t log_level(client::EventKind kind) {
+  switch (severity_of(kind)) {
+    case client::EventSeverity::error:
+      return 4;
+    case client::EventSeverity::warning:
+      return 3;
+    case client::EventSeverity::info:
+      break;
+  }
+  return 2;
+}
+
+std::string event_text(const client::Event& event) {
   std::string text = event.text;
   if (event.suppressed != 0) {
     text.append(" (").append(std::to_string(event.suppressed)).append(" more left out before)");
   }
+  return text;
+}
+
+std::string encode_event(const client::Event& event, std::string_view name, std::uint64_t time) {
+  const std::string text = event_text(event);
   TimedMessage message(time);
-  message.writer.put(level_of(event.kind));
+  message.writer.put(log_level(event.kind));
   message.writer.put(std::string_view(text));
   message.writer.put(name);
   // Log panels filter by file: here it is the kind of the event.

@@ -39,6 +39,12 @@ struct MessageSchema {
 /// foxglove.Log.
 [[nodiscard]] MessageSchema log_schema();
 
+/// @return the LogLevel of foxglove.Log: 2 = info, 3 = warning, 4 = error.
+[[nodiscard]] std::uint8_t log_level(client::EventKind kind);
+
+/// @return what people read about an event, with the number of equal ones left out before it.
+[[nodiscard]] std::string event_text(const client::Event& event);
+
 /// foxglove.JointStates: rad, rad/s and N.m, or m, m/s and N. The status has no acceleration and
 /// the schema nothing that is absent: it is NaN.
 [[nodiscard]] MessageSchema joint_states_schema();

@@ -15,16 +15,21 @@ constexpr milliseconds kPeriod{500};
 
 }  // namespace
 
-BenchWatch::BenchWatch(client::Session& session, FeedSettings settings, BenchNews news)
-    : session_(session), settings_(settings), news_(std::move(news)) {
+BenchWatch::BenchWatch(client::Session& session, EventLog& events, FeedSettings settings,
+                       BenchNews news)
+    : session_(session), events_(events), settings_(settings), news_(std::move(news)) {
   session_.watch_services([this](const client::ServiceChange& change) {
     on_change(change);
   });
-  session_.on_event([this](const client::Event& event) {
+  const auto take = [this](const client::Event& event) {
+    // First: who receives it now and asks for those before misses none.
+    events_.add(event);
     const std::scoped_lock lock(mutex_);
     const auto feed = feeds_.find(event.bench);
     if (feed != feeds_.end()) feed->second->on_event(event);
-  });
+  };
+  // What the benches keep, too: this gateway may have been started after what people ask for.
+  session_.on_event(take, client::EventHistory::kept);
   thread_ = std::jthread([this](const std::stop_token& stop) {
     run(stop);
   });

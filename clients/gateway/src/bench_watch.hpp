@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bench_feed.hpp"
+#include "event_log.hpp"
 
 #include <condition_variable>
 #include <functional>
@@ -31,8 +32,8 @@ struct BenchPresence {
 /// its topics for a minute; one that announces its end loses them at once.
 class BenchWatch {
  public:
-  /// @param session outlives the watch
-  BenchWatch(client::Session& session, FeedSettings settings, BenchNews news);
+  /// @param session outlives the watch, as `events` does, which gets every event
+  BenchWatch(client::Session& session, EventLog& events, FeedSettings settings, BenchNews news);
   ~BenchWatch();
   BenchWatch(const BenchWatch&) = delete;
   BenchWatch& operator=(const BenchWatch&) = delete;
@@ -52,6 +53,7 @@ class BenchWatch {
   void refresh();
 
   client::Session& session_;
+  EventLog& events_;
   const FeedSettings settings_;
   const BenchNews news_;
   mutable bridge::Presence presence_{{.continues = have_same_topics}};

@@ -54,6 +54,7 @@ Hub::Hub(WebServer& server, const HubSettings& settings)
       dictionary_channel_(std::make_shared<Channel>(dictionary_channel())),
       calls_(server_, clients_, control_,
              [this](const ServiceRow& row, const SessionPointer& own, const Json& request) {
+               if (row.right == Right::events) return call_events(events_, request);
                return row.call(own ? *own : session_, request);
              }),
       parameters_({.read =
@@ -71,8 +72,8 @@ Hub::Hub(WebServer& server, const HubSettings& settings)
       }) {
   channels_.add(ChannelTable::kOwn, {control_.channel(), dictionary_channel_});
   begin_timers(server);
-  watch_.emplace(session_, FeedSettings{.rate = settings.rate, .clients = &clients_.count()},
-                 bench_news());
+  watch_.emplace(session_, events_,
+                 FeedSettings{.rate = settings.rate, .clients = &clients_.count()}, bench_news());
 }
 
 /// After the server has ended: every connection is closed, nothing is posted any more.

@@ -6,6 +6,7 @@
 #include "channel_table.hpp"
 #include "client_table.hpp"
 #include "control_desk.hpp"
+#include "event_log.hpp"
 #include "graph_feed.hpp"
 #include "parameter_desk.hpp"
 #include "service_calls.hpp"
@@ -62,6 +63,7 @@ class Hub {
   const SharedBytes services_;
   const SharedBytes dictionary_;
   client::Session session_;
+  EventLog events_;
   bridge::Worker session_ends_;  ///< outlives the sessions of holders
   ClientTable clients_;
   ChannelTable channels_;

@@ -60,6 +60,7 @@ void ServiceCalls::route(ConnectionId id, const ServiceRow& row, Json request,
     case Right::jog:
       return jog(request, answer);
     case Right::none:
+    case Right::events:
     case Right::stop:
     case Right::command:
       return carry_out(id, row, std::move(request), answer);

@@ -331,10 +331,14 @@ CallAnswer call_write(Session& session, const Json& request) {
 
 Json response_schema(Right right) {
   std::string members = "ok:boolean outcome:string message:string code:integer tick?:integer";
+  if (right == Right::events) {
+    const Json event = object_schema(
+        "tick:integer axis:integer kind:string level:integer code:integer message:string");
+    return object_schema(members + " events?:event[]", {{"event", event}});
+  }
   if (right != Right::none) return object_schema(members);
   const Json reading = object_schema("object:string value?:integer code:integer message:string");
-  Json schema = object_schema(members + " values?:reading[]", {{"reading", reading}});
-  return schema;
+  return object_schema(members + " values?:reading[]", {{"reading", reading}});
 }
 
 constexpr std::string_view kAxes = "axes:string[]";
@@ -376,6 +380,7 @@ constexpr std::array kServices{
     ServiceRow{"/pause", "vdrive.Pause", Right::command, "bench:integer", call_pause},
     ServiceRow{"/rate", "vdrive.Rate", Right::command, "bench:integer rate:number", call_rate},
     ServiceRow{"/step", "vdrive.Step", Right::command, "bench:integer ticks:integer", call_step},
+    ServiceRow{"/events", "vdrive.Events", Right::events, "bench:integer", nullptr},
     ServiceRow{"/read", "vdrive.Read", Right::none, "axis:string objects:string[]", call_read},
     ServiceRow{"/write", "vdrive.Write", Right::command, "axis:string object:string value:integer",
                call_write},

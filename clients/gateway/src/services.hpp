@@ -17,6 +17,7 @@ namespace vdrive::gateway {
 /// What a client must have to call a service.
 enum class Right : std::uint8_t {
   none,             ///< nothing
+  events,           ///< as `none`; the EventLog answers
   stop,             ///< a gateway that lets clients command
   command,          ///< control, taken by this connection
   jog,              ///< as `command`; Jogs carries it out

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the gateway sends about benches and axes, and what this browser has chosen.
 
+import { EVENT_HISTORY, EventList, type LogEvent } from "./data/events";
 import { BENCH_DESCRIPTION, BENCH_STATE, CONTROL, DICTIONARY } from "./data/tables";
 import type { Scale } from "./data/units";
 import { scaleOf, USER_UNITS } from "./data/units";
@@ -19,18 +20,11 @@ export type Dictionary = Of<typeof DICTIONARY>;
 export type ObjectRow = Dictionary["objects"][number];
 export type Disturbance = Dictionary["disturbances"][number];
 
-export interface LogEvent {
-  /** [s] of drive time */
-  time: number;
-  level: number;
-  name: string;
-  message: string;
-}
-
 /** How many positions of the last 10 s the overview keeps of each axis. */
 export const TREND_LENGTH = 100;
 const TREND_EVERY_MS = 100;
-const MOST_EVENTS = 1_000;
+/** of all benches; the gateway keeps 1,024 of each */
+const MOST_EVENTS = 4_096;
 const MOST_NOTES = 4;
 const MOST_RUNS = 5;
 const MOST_LISTED = 4;
@@ -156,6 +150,8 @@ export interface Settings {
   theme: Theme;
   axisUnits: boolean;
   window: number;
+  /** over plots */
+  marks: boolean;
   /** see SILENCES_S */
   silence: number;
 }
@@ -166,6 +162,7 @@ const DEFAULTS: Settings = {
   theme: "auto",
   axisUnits: false,
   window: 10,
+  marks: true,
   silence: LONGEST_SILENCE_MS / 1000,
 };
 
@@ -213,7 +210,7 @@ export class Model {
   readonly benches = new Map<number, Bench>();
   readonly settings = loadSettings();
   readonly chosen = new Set<string>();
-  readonly events: LogEvent[] = [];
+  readonly events = new EventList(MOST_EVENTS);
   connected = false;
   server = "";
   control: ControlState = { enabled: false, holder: "", you: false, name: "", session: "", taken_at_ns: "0", silence_ms: 0 };
@@ -226,7 +223,10 @@ export class Model {
   readonly homing = new Map<string, string>();
   /** Grows when benches, axes, control or the dictionary change: views build themselves again. */
   version = 0;
-  eventCount = 0;
+  /** A person wants to see what happened then: the view of the axis shows it. */
+  wantedMoment?: LogEvent;
+  /** benches whose events from before were asked for on this connection */
+  private readonly askedEvents = new Set<number>();
   private statusWanted = false;
   private readonly ends = new Map<string, () => void>();
   private readonly incarnations = new Map<number, string>();
@@ -252,6 +252,7 @@ export class Model {
         if (this.control.you) this.outcome = { ok: false, text: t("control_lost") };
         this.control = { ...this.control, holder: "", you: false };
         this.forgetOwned();
+        this.askedEvents.clear(); // what comes meanwhile is missed
         this.changed();
       },
       topicsChanged: () => this.follow(),
@@ -449,9 +450,12 @@ export class Model {
       }
       const isSmall = (bench.description?.axes.length ?? Infinity) <= SMALL_BENCH;
       if (match[2] === "status" && !this.statusWanted && !isSmall) continue;
+      // Without the description an event has no axis; those of before are asked for.
+      if (match[2] === "events" && bench.description === undefined) continue;
       topics.add(topic);
       if (!this.ends.has(topic)) this.ends.set(topic, this.subscribe(bench, topic, match[2]));
     }
+    for (const number of present) void this.askEvents(number);
     if (this.connected) {
       for (const number of this.benches.keys()) if (!present.has(number)) this.benches.delete(number);
       for (const [topic, end] of this.ends) {
@@ -484,7 +488,7 @@ export class Model {
           if (this.control.you) this.watchOwners(bench);
         });
       default:
-        return this.connection.subscribe(topic, (message) => this.addEvent(message));
+        return this.connection.subscribe(topic, (message) => this.addEvent(bench, message));
     }
   }
 
@@ -539,15 +543,35 @@ export class Model {
     this.taken.clear();
   }
 
-  private addEvent(message: Message): void {
+  /** The events before now. Those since the subscription may be among them. */
+  private async askEvents(number: number): Promise<void> {
+    const bench = this.benches.get(number);
+    const period = bench?.description?.period_us;
+    if (period === undefined || this.askedEvents.has(number) || !this.connection.hasService("/events")) return;
+    this.askedEvents.add(number);
+    const answer = await this.connection.call("/events", { bench: number });
+    if (!answer.ok) {
+      this.askedEvents.delete(number); // asked again when topics change
+      return;
+    }
+    const { events } = checked(EVENT_HISTORY, answer, "/events");
+    this.events.merge(events.map((event) => ({ ...event, bench: number, time: event.tick * period * 1e-6 })));
+  }
+
+  private addEvent(bench: Bench, message: Message): void {
     const stamp = message["timestamp"] as { sec: number; nanosec?: number; nsec?: number };
-    this.events.push({
-      time: stamp.sec + (stamp.nanosec ?? stamp.nsec ?? 0) * 1e-9,
+    const nanoseconds = stamp.nanosec ?? stamp.nsec ?? 0;
+    const period = bench.description?.period_us ?? 1000;
+    // The bench, or the bench and its axis: "bench1/x".
+    const [, topic] = (message["name"] as string).split("/");
+    this.events.add({
+      bench: bench.number,
+      axis: bench.description?.axes.find((axis) => axis.topic === topic)?.axis ?? 0,
+      tick: Math.round((stamp.sec * 1e6 + nanoseconds * 1e-3) / period),
+      time: stamp.sec + nanoseconds * 1e-9,
       level: message["level"] as number,
-      name: message["name"] as string,
+      kind: message["file"] as string,
       message: message["message"] as string,
     });
-    if (this.events.length > MOST_EVENTS) this.events.shift();
-    ++this.eventCount;
   }
 }

@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { CONTROL, DICTIONARY } from "../src/data/tables";
 import { checked } from "../src/protocol/checked";
 
-const MESSAGE = { enabled: true, holder: "a", you: false, name: "b", session: "", taken_at_ns: "0" };
+const MESSAGE = { enabled: true, holder: "a", you: false, name: "b", session: "", taken_at_ns: "0", silence_ms: 10_000 };
 
 test("a message that fits its schema has its type", () => {
   assert.equal(checked(CONTROL, MESSAGE, "control").holder, "a");

@@ -149,6 +149,10 @@ export class Connection {
     return [...this.channels.keys()];
   }
 
+  hasService(name: string): boolean {
+    return this.services.has(name);
+  }
+
   /** @return a function that ends the subscription. The topic may appear later. */
   subscribe(topic: string, handler: Handler): () => void {
     const subscription: Subscription = { topic, id: this.nextId++, handler };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Everything of one axis: figures, plots, words, state machine, controls, events, objects.
 
+import type { LogEvent } from "../data/events";
 import { decodePowerState } from "../data/power";
 import { formatAge, formatHex, formatPermille, formatUnits } from "../data/units";
 import { modeName, stateName, t, type TextKey } from "../i18n";
@@ -81,20 +82,22 @@ class Figures implements View {
 export class AxisView implements View {
   readonly root: HTMLElement;
   private readonly parts: View[];
+  private readonly plots: Plots;
 
   constructor(
-    model: Model,
+    private readonly model: Model,
     private readonly trace: Trace,
   ) {
     const { ref } = trace;
     const address = addressOf(ref);
-    const name = `bench${ref.bench.number}/${ref.axis.name}`;
     const figures = new Figures(model, this.trace);
     const plots = new Plots(model, this.trace);
+    this.plots = plots;
     const commands = new Commands(model, () => [ref]);
     const machine = new PowerMachine(this.trace);
     const words = new Words(model, this.trace);
-    const events = new Events(model, (e) => e.name === name || e.name === `bench${ref.bench.number}/${ref.axis.axis}`);
+    const isOwn = ({ bench, axis }: LogEvent) => bench === ref.bench.number && (axis === ref.axis.axis || axis === 0);
+    const events = new Events(model, isOwn, ({ tick }) => plots.goTo(tick));
     const objects = new Objects(model, ref);
     this.parts = [figures, plots, commands, machine, words, events, objects];
     const title = h(
@@ -117,6 +120,15 @@ export class AxisView implements View {
 
   update(now: number): void {
     for (const part of this.parts) part.update(now);
+    this.goToWanted();
+  }
+
+  /** An event that was chosen in another view. */
+  private goToWanted(): void {
+    const { wantedMoment } = this.model;
+    if (wantedMoment === undefined || this.trace.history.end === 0) return;
+    this.model.wantedMoment = undefined;
+    if (wantedMoment.bench === this.trace.ref.bench.number) this.plots.goTo(wantedMoment.tick);
   }
 
   redraw(): void {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Commands for the axes that were chosen in the overview, and the clocks of the benches.
 
+import type { LogEvent } from "../data/events";
 import { decodePowerState } from "../data/power";
 import { nameMatches, wordsOf } from "../data/rows";
 import { formatUnits } from "../data/units";
@@ -41,7 +42,11 @@ export class ControlView implements View {
     const commands = new Commands(model, axes);
     const groupMove = new GroupMove(model, axes);
     this.groupMove = groupMove;
-    const events = new Events(model, () => true);
+    const events = new Events(
+      model,
+      () => true,
+      (event) => this.goTo(event),
+    );
     this.parts = [commands, groupMove, events];
     this.tools = this.makeTools();
     const chosen = h("section", { class: "panel" }, h("div", { class: "tools" }, this.title, this.tools), this.list);
@@ -71,6 +76,16 @@ export class ControlView implements View {
 
   private axes(): AxisRef[] {
     return (this.found ??= [...this.model.chosen].flatMap((address) => this.model.find(address) ?? []));
+  }
+
+  /** Shows what an axis did then; an event of the bench over one of its axes. */
+  private goTo(event: LogEvent): void {
+    const { bench, axis } = event;
+    const isOfBench = (ref: AxisRef) => ref.bench.number === bench;
+    const ref = axis === 0 ? (this.axes().find(isOfBench) ?? this.model.axes().find(isOfBench)) : this.model.find(`${bench}.${axis}`);
+    if (ref === undefined) return;
+    this.model.wantedMoment = event;
+    location.hash = `#/axis/${addressOf(ref)}`;
   }
 
   private makeTools(): HTMLElement {

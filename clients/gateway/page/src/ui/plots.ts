@@ -3,8 +3,10 @@
 
 import uPlot from "uplot";
 import { niceRange, type Points } from "../data/history";
-import { formatNumber, toShown, type Scale } from "../data/units";
-import { t, type TextKey } from "../i18n";
+import { marksOf, type Mark, type MarkKind } from "../data/moments";
+import { formatTime, isoDate, timeText } from "../data/times";
+import { formatHex, formatNumber, toShown, type Scale } from "../data/units";
+import { stateName, t, type TextKey } from "../i18n";
 import { addressOf, type Model } from "../model";
 import { LONGEST_WINDOW_S, MEMBERS, seriesAt, type Series, type Trace } from "../trace";
 import { ErrorWindow } from "./error_window";
@@ -75,6 +77,21 @@ const BITS: { series: Series; text: TextKey }[] = [
 const STRIP_ROW = 20;
 const PERMILLE: Scale = { name: "%", factor: 0.1, decimals: 1 };
 const SYNC = "axis";
+/** [s] between the lines of the time axis: those that a clock has */
+const TIME_STEPS = [
+  ...[1e-4, 1e-3, 1e-2, 0.1].flatMap((power) => [power, 2 * power, 5 * power]),
+  1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 1_200, 3_600,
+];
+const TIME_SPACE = 76; // [px] of 14:03:27.250
+/** Kinds are told apart without colours, too. */
+const MARK_DASHES: Record<MarkKind, number[]> = { fault: [], state: [2, 3], event: [7, 4] };
+const MARK_KINDS: readonly MarkKind[] = ["state", "fault", "event"];
+/** [px] A mark that is nearer to the pointer is named. */
+const MARK_REACH = 6;
+const MARK_ROOM = 4; // [px] of a mark that is no fault
+const LABEL_SPACE = 44; // [px] of 8611h
+const CURSORS = ["A", "B"] as const;
+const CURSOR_STEPS: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1, PageDown: -20, PageUp: 20 };
 /** [px] a shorter way is a click */
 const LEAST_DRAG = 4;
 
@@ -102,6 +119,15 @@ export class Plots implements View {
   private readonly resetButton: HTMLButtonElement;
   private readonly observer: ResizeObserver;
   private readonly errorWindow: ErrorWindow;
+  private readonly cursorButton: HTMLButtonElement;
+  private readonly handles: HTMLElement[];
+  private readonly cursorTable = h("table", { class: "cursor-table", attributes: { "data-test": "cursors" } });
+  /** times of A and B, while they are shown */
+  private cursors?: [number, number];
+  private marks: Mark[] = [];
+  /** time of the event that a person went to */
+  private wentTo?: number;
+  private eventsVersion = -1;
   private width = 0;
   private paused = false;
   /** [s] shown instead of the newest window */
@@ -124,6 +150,13 @@ export class Plots implements View {
       class: "toggle",
       attributes: { "aria-pressed": "false", "data-test": "pause" },
     });
+    this.cursorButton = button(t("two_cursors"), () => this.showCursors(this.cursors === undefined), {
+      class: "toggle",
+      title: t("two_cursors_hint"),
+      attributes: { "aria-pressed": "false", "data-test": "two_cursors" },
+    });
+    this.handles = CURSORS.map((name, which) => this.makeHandle(name, which));
+    this.cursorTable.hidden = true;
     this.resetButton = button(t("reset_zoom"), () => this.zoom(undefined));
     this.resetButton.disabled = true;
     this.strip = h("canvas", { class: "strip", attributes: { role: "img", "aria-label": t("handshake") } });
@@ -133,9 +166,12 @@ export class Plots implements View {
       "section",
       { class: "plots panel" },
       this.tools(),
+      this.cursorTable,
       ...hosts.map((host) => host.host),
       stripHost,
     );
+    // Not in the picture of the plot: what is in a picture cannot be reached.
+    hosts[0].host.append(...this.handles);
     this.drawn = hosts.map((host, i) => ({ ...host, plot: this.makePlot(host.kind, host.canvas, i === hosts.length - 1) }));
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.root);
@@ -158,16 +194,36 @@ export class Plots implements View {
     // Long windows move by less than a pixel a frame.
     const every = Math.min(250, ((to - from) / columns) * 1000);
     const fresh = !this.paused && this.zoomed === undefined && this.trace.history.end !== this.drawnEnd;
+    this.dirty ||= this.model.events.version !== this.eventsVersion;
     if (this.width > 0 && (this.dirty || (fresh && now - this.drawnAt >= every))) {
       this.dirty = false;
       this.drawnAt = now;
       this.drawnEnd = this.trace.history.end;
+      this.eventsVersion = this.model.events.version;
       this.points = this.trace.history.points(from, to, columns);
+      this.marks = this.model.settings.marks ? this.marksBetween(from, to) : [];
       for (const drawn of this.drawn) this.draw(drawn, from, to);
       this.drawStrip(from, to);
+      this.placeHandles(from, to);
+      this.showDifferences();
     }
     this.showReadings();
     this.errorWindow.update(now);
+  }
+
+  /** Shows what was then, in the middle of the window. */
+  goTo(tick: number): void {
+    const { history } = this.trace;
+    const time = this.trace.timeOf(tick);
+    const begin = history.end === 0 ? Infinity : history.time(history.first);
+    if (time === undefined || time < begin || time > this.trace.now) {
+      this.model.outcome = { ok: false, text: `${timeText(tick * this.trace.period)}: ${t("no_samples")}` };
+      return;
+    }
+    const half = this.model.settings.window / 2;
+    this.zoom([time - half, time + half]);
+    this.wentTo = time;
+    this.root.scrollIntoView({ block: "nearest" });
   }
 
   private readonly onKey = (event: KeyboardEvent): void => {
@@ -191,7 +247,27 @@ export class Plots implements View {
     );
     const csv = button(t("csv"), () => this.saveCsv(), { title: "CSV" });
     const png = button(t("png"), () => this.savePng(), { title: "PNG" });
-    return h("div", { class: "tools", title: t("plot_hint") }, windows, this.pauseButton, this.resetButton, csv, png, this.lostText, this.cursorText);
+    const marks = button(t("marks"), () => this.toggleMarks(marks), {
+      class: "toggle",
+      attributes: { "aria-pressed": String(settings.marks), "data-test": "marks" },
+    });
+    const kinds = MARK_KINDS.map((kind) =>
+      h("span", { class: "reading" }, h("i", { class: `mark-sample ${kind}` }), t(`mark_${kind}`)),
+    );
+    return h(
+      "div",
+      { class: "tools", title: t("plot_hint") },
+      windows,
+      this.pauseButton,
+      this.resetButton,
+      this.cursorButton,
+      marks,
+      csv,
+      png,
+      ...kinds,
+      this.lostText,
+      this.cursorText,
+    );
   }
 
   private makeHost(kind: PlotKind) {
@@ -242,7 +318,9 @@ export class Plots implements View {
         {
           ...axis,
           size: isLast ? TIME_AXIS_HEIGHT : 0,
-          values: (_, values) => values.map((v) => (isLast ? formatNumber(v, decimalsOf(values)) : "")),
+          space: TIME_SPACE,
+          incrs: TIME_STEPS,
+          values: (_, values) => values.map((v) => (isLast ? formatTime(this.trace.driveTime(v), decimalsOf(values)) : "")),
         },
         { ...axis, size: AXIS_WIDTH, space: 20, gap: 4, values: (_, values) => values.map((v) => formatNumber(v, decimalsOf(values))) },
       ],
@@ -258,6 +336,7 @@ export class Plots implements View {
       hooks: {
         setCursor: [(plot) => this.onCursor(plot)],
         setSelect: [(plot) => this.onSelect(plot)],
+        draw: [(plot) => this.drawMarks(plot, kind === PLOTS[0])],
       },
     };
     const empty: uPlot.AlignedData = [[], ...kind.lines.map(() => [])];
@@ -281,7 +360,11 @@ export class Plots implements View {
   private pause(on: boolean): void {
     this.paused = on;
     this.pausedAt = this.trace.now;
-    if (!on) this.zoomed = undefined;
+    if (!on) {
+      this.zoomed = undefined;
+      this.wentTo = undefined;
+      this.showCursors(false); // what they stand on moves away
+    }
     this.dirty = true;
     this.resetButton.disabled = this.zoomed === undefined;
     put(this.pauseButton, on ? t("go_on") : t("pause_plots"));
@@ -321,6 +404,7 @@ export class Plots implements View {
     const end = () => {
       plot.over.removeEventListener("pointermove", move);
       plot.over.removeEventListener("lostpointercapture", end);
+      if (!moves) this.bringCursor(from + (down.clientX - plot.over.getBoundingClientRect().left) * perPixel);
     };
     plot.over.setPointerCapture(down.pointerId);
     plot.over.addEventListener("pointermove", move);
@@ -373,8 +457,7 @@ export class Plots implements View {
       drawn.plot.setScale("x", { min: from, max: to });
       drawn.plot.setScale("y", { min: drawn.range[0], max: drawn.range[1] });
     });
-    const unit = drawn.kind.unit === "velocity" ? `${scale.name}/s` : scale.name;
-    put(drawn.unit, unit);
+    put(drawn.unit, unitOf(drawn.kind, scale));
   }
 
   private drawStrip(from: number, to: number): void {
@@ -431,7 +514,9 @@ export class Plots implements View {
     const held = this.trace.setPoints;
     put(this.heldText, held === undefined ? "–" : `${held.active} + ${held.waiting ?? "?"}`);
     const time = history.time(number);
-    put(this.cursorText, `${asked === undefined ? "" : t("cursor") + " "}${formatNumber(time, 3)} s, ${t("tick")} ${this.trace.tickAt(time)}`);
+    const named = asked === undefined ? "" : this.nameMark(asked);
+    const what = asked === undefined ? "" : `${t("cursor")} `;
+    put(this.cursorText, `${what}${timeText(this.trace.driveTime(time))}, ${t("tick")} ${this.trace.tickAt(time)}${named}`);
     put(this.lostText, this.trace.lost === 0 ? "" : `${this.trace.lost} ${t("missed")}`);
     mark(this.lostText, "bad", this.trace.lost > 0);
   }
@@ -440,11 +525,13 @@ export class Plots implements View {
   private saveCsv(): void {
     const { history } = this.trace;
     const [from, to] = this.range();
-    const parts = [`tick,time_s,${MEMBERS.join(",")}\n`];
+    const heads = MEMBERS.map(({ name, unit }) => (unit === "" ? name : `${name} [${unit}]`));
+    const parts = [`tick,time [s],date,${heads.join(",")}\n`];
     for (let n = history.lowerBound(from); n < history.end && history.time(n) <= to; ++n) {
       const time = history.time(n);
+      const driveTime = this.trace.driveTime(time);
       const values = MEMBERS.map((_, series) => history.value(series, n));
-      parts.push(`${this.trace.tickAt(time)},${time.toFixed(6)},${values.join(",")}\n`);
+      parts.push(`${this.trace.tickAt(time)},${driveTime.toFixed(6)},${isoDate(driveTime)},${values.join(",")}\n`);
     }
     download(`${this.fileName()}.csv`, new Blob(parts, { type: "text/csv" }));
   }
@@ -466,7 +553,7 @@ export class Plots implements View {
     context.fillRect(0, 0, whole.width, whole.height);
     context.fillStyle = colour("text");
     context.font = `${12 * ratio}px system-ui, sans-serif`;
-    context.fillText(`${addressOf(this.trace.ref)} ${this.trace.ref.axis.name}`, 8 * ratio, 15 * ratio);
+    context.fillText(this.pictureTitle(), 8 * ratio, 15 * ratio);
     let top = head;
     for (const { head: text, canvas } of pictures) {
       context.fillText(text, 8 * ratio, top + 15 * ratio);
@@ -477,8 +564,196 @@ export class Plots implements View {
   }
 
   private fileName(): string {
-    return `${this.trace.ref.axis.name}_${this.trace.tickAt(this.range()[1])}`.replace(/[^\w.-]/g, "_");
+    const date = this.dateOf(this.range()[1]).slice(0, "2026-01-01T00:00:00".length);
+    return `${addressOf(this.trace.ref)}_${this.trace.ref.axis.name}_${date}`.replace(/[^\w.-]/g, "_");
   }
+
+  /** Of drive time; of now where that has none. */
+  private dateOf(time: number): string {
+    const date = isoDate(this.trace.driveTime(time));
+    return date === "" ? new Date().toISOString() : date;
+  }
+
+  /** What the picture shows: which axis, when, and in which state it was at the end. */
+  private pictureTitle(): string {
+    const { history, ref } = this.trace;
+    const [from, to] = this.range();
+    const day = this.dateOf(to).slice(0, "2026-01-01".length);
+    const times = [from, to].map((time) => timeText(Math.max(0, this.trace.driveTime(time)))).join(" – ");
+    const number = history.nearest(to);
+    const hex = (series: Series) => (number === undefined ? "–" : formatHex(history.value(seriesAt(series), number)));
+    return `${addressOf(ref)} ${ref.axis.name}, ${day}, ${times}, 6041h = ${hex("ds402_statusword")}, 603Fh = ${hex("error_code")}`;
+  }
+
+  // ---- marks
+
+  private toggleMarks(pressed: HTMLButtonElement): void {
+    const { settings } = this.model;
+    settings.marks = !settings.marks;
+    this.model.saveSettings();
+    pressed.setAttribute("aria-pressed", String(settings.marks));
+    this.dirty = true;
+  }
+
+  /** What happened to the axis and to its bench. */
+  private marksBetween(from: number, to: number): Mark[] {
+    const { ref, moments } = this.trace;
+    const [first, last] = [this.trace.tickAt(from), this.trace.tickAt(to)];
+    const inside = ({ tick }: { tick: number }) => tick >= first && tick <= last;
+    const events = this.model.events.events.filter(
+      (event) => event.bench === ref.bench.number && (event.axis === ref.axis.axis || event.axis === 0) && inside(event),
+    );
+    return marksOf(moments.filter(inside), events);
+  }
+
+  private drawMarks(plot: uPlot, hasLabels: boolean): void {
+    const { ctx, bbox } = plot;
+    const ratio = window.devicePixelRatio || 1;
+    const colours = { state: colour("accent"), fault: colour("bad"), event: colour("warn") } satisfies Record<MarkKind, string>;
+    const line = (time: number, stroke: string, dash: number[], width: number) => {
+      const x = plot.valToPos(time, "x", true);
+      if (x < bbox.left || x > bbox.left + bbox.width) return undefined;
+      ctx.strokeStyle = stroke;
+      ctx.lineWidth = width * ratio;
+      ctx.setLineDash(dash.map((length) => length * ratio));
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+      ctx.stroke();
+      return x;
+    };
+    ctx.save();
+    ctx.font = `${10 * ratio}px system-ui, sans-serif`;
+    let labelled = -Infinity;
+    const drawn = new Set<string>();
+    for (const { tick, kind, moment } of this.marks) {
+      const time = this.trace.timeOf(tick) ?? NaN;
+      const room = kind === "fault" ? 1 : MARK_ROOM;
+      const place = `${kind} ${Math.round(plot.valToPos(time, "x", true) / (room * ratio))}`;
+      if (drawn.has(place)) continue; // many marks must not cover the lines
+      drawn.add(place);
+      const x = line(time, colours[kind], MARK_DASHES[kind], 1);
+      if (!hasLabels || x === undefined || moment?.code === undefined || x - labelled < LABEL_SPACE * ratio) continue;
+      labelled = x;
+      ctx.fillStyle = colours[kind];
+      ctx.textAlign = "left";
+      ctx.fillText(formatHex(moment.code), x + 3 * ratio, bbox.top + 10 * ratio);
+    }
+    if (this.wentTo !== undefined) line(this.wentTo, colour("text"), [1, 2], 2);
+    for (const time of this.cursors ?? []) line(time, colour("text"), [], 1);
+    ctx.restore();
+  }
+
+  /** @return the mark under the pointer, in words. */
+  private nameMark(time: number): string {
+    const [from, to] = this.range();
+    const reach = (MARK_REACH * (to - from)) / Math.max(1, this.width - AXIS_WIDTH - RIGHT_MARGIN);
+    const away = (mark: Mark) => Math.abs((this.trace.timeOf(mark.tick) ?? Infinity) - time);
+    const near = this.marks.filter((mark) => away(mark) <= reach).sort((a, b) => away(a) - away(b));
+    return near.length === 0 ? "" : `: ${near.slice(0, 2).map((mark) => this.markText(mark)).join("; ")}`;
+  }
+
+  private markText({ moment, event }: Mark): string {
+    if (moment?.state !== undefined) return stateName(moment.state);
+    if (moment?.code !== undefined) return `${formatHex(moment.code)} ${this.model.errorName(moment.code)}`;
+    return event?.message ?? "";
+  }
+
+  // ---- two cursors
+
+  /** They stand still, and so do the plots. */
+  private showCursors(on: boolean): void {
+    if (on && !this.paused) this.pause(true);
+    const [from, to] = this.range();
+    this.cursors = on ? [from + (to - from) / 3, from + ((to - from) * 2) / 3] : undefined;
+    this.cursorButton.setAttribute("aria-pressed", String(on));
+    this.cursorTable.hidden = !on;
+    this.dirty = true;
+  }
+
+  private moveCursor(which: number, time: number): void {
+    if (this.cursors === undefined) return;
+    const [from, to] = this.range();
+    this.cursors[which] = Math.min(to, Math.max(from, time));
+    this.dirty = true;
+  }
+
+  /** The nearer one comes to where a person clicked. */
+  private bringCursor(time: number): void {
+    if (this.cursors === undefined) return;
+    const [a, b] = this.cursors;
+    this.moveCursor(Math.abs(a - time) <= Math.abs(b - time) ? 0 : 1, time);
+  }
+
+  private makeHandle(name: string, which: number): HTMLElement {
+    const handle = h("span", {
+      class: "cursor-handle",
+      attributes: { role: "slider", tabindex: "0", "aria-label": `${t("cursor")} ${name}`, "aria-valuenow": "0", "data-test": `cursor-${name}` },
+    }, name);
+    handle.hidden = true;
+    handle.addEventListener("keydown", (event) => {
+      const step = CURSOR_STEPS[event.key];
+      if (step === undefined || this.cursors === undefined) return;
+      event.preventDefault();
+      const [from, to] = this.range();
+      this.moveCursor(which, this.cursors[which] + (step * (to - from)) / Math.max(1, this.width - AXIS_WIDTH - RIGHT_MARGIN));
+    });
+    handle.addEventListener("pointerdown", (event) => {
+      event.preventDefault();
+      handle.focus();
+      handle.setPointerCapture(event.pointerId);
+    });
+    handle.addEventListener("pointermove", (event) => {
+      if (!handle.hasPointerCapture(event.pointerId)) return;
+      const { plot } = this.drawn[0];
+      this.moveCursor(which, plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x"));
+    });
+    return handle;
+  }
+
+  private placeHandles(from: number, to: number): void {
+    const width = this.width - AXIS_WIDTH - RIGHT_MARGIN;
+    this.handles.forEach((handle, which) => {
+      const time = this.cursors?.[which];
+      handle.hidden = time === undefined || time < from || time > to;
+      if (time === undefined) return;
+      handle.style.left = `${AXIS_WIDTH + ((time - from) / (to - from)) * width}px`;
+      handle.setAttribute("aria-valuemin", String(from));
+      handle.setAttribute("aria-valuemax", String(to));
+      handle.setAttribute("aria-valuenow", String(time));
+      handle.setAttribute("aria-valuetext", timeText(this.trace.driveTime(time)));
+    });
+  }
+
+  /** What the samples under A and B are, and by how much they differ. */
+  private showDifferences(): void {
+    if (this.cursors === undefined) return;
+    const { history } = this.trace;
+    const [a, b] = this.cursors.map((time) => history.nearest(time));
+    if (a === undefined || b === undefined) return;
+    const [from, to] = [history.time(a), history.time(b)];
+    const row = (head: string, cells: string[], unit: string) =>
+      h("tr", {}, h("th", { attributes: { scope: "row" } }, head), ...cells.map((cell) => h("td", { class: "number" }, cell)), h("td", { class: "unit" }, unit));
+    const heads = ["A", "B", "B − A"].map((text) => h("th", { attributes: { scope: "col" } }, text));
+    const times = [from, to].map((time) => formatTime(this.trace.driveTime(time), 3));
+    const rows = [row(t("time"), [...times, formatNumber(to - from, 4)], "s")];
+    for (const { kind } of this.drawn) {
+      const scale = this.scaleOf(kind);
+      for (const line of kind.lines) {
+        const values = [a, b].map((number) => toShown(history.value(seriesAt(line.series), number), scale));
+        const texts = [...values, values[1] - values[0]].map((value) => formatNumber(value, scale.decimals));
+        rows.push(row(`${t(kind.text)}, ${t(line.part).toLowerCase()}`, texts, unitOf(kind, scale)));
+      }
+    }
+    this.cursorTable.replaceChildren(
+      h("thead", {}, h("tr", {}, h("td", {}), ...heads, h("td", {}))),
+      h("tbody", {}, ...rows),
+    );
+  }
+}
+
+function unitOf(kind: PlotKind, scale: Scale): string {
+  return kind.unit === "velocity" ? `${scale.name}/s` : scale.name;
 }
 
 /** Decimals with which the values of neighbouring grid lines differ. */

@@ -3,7 +3,7 @@
 
 import { setLanguage, t } from "../i18n";
 import { addressOf, listed, SECOND_PRESS_MS, type AxisRef, type Model, type Theme } from "../model";
-import { Trace } from "../trace";
+import { Traces } from "../traces";
 import { AxisView } from "./axis";
 import { ControlView } from "./control";
 import { button, h, mark, put, select, type View } from "./dom";
@@ -38,9 +38,7 @@ function drawFrames(draw: (now: number) => void): void {
 export class Shell {
   private readonly memory = overviewMemory();
   private view?: View;
-  /** outlives its view when that is built again in another language or unit */
-  private trace?: Trace;
-  private traceKey = "";
+  private readonly traces: Traces;
   private viewKey = "";
   private lastAxis?: string;
   private readonly main = h("main");
@@ -65,6 +63,7 @@ export class Shell {
     private readonly model: Model,
     private readonly app: HTMLElement,
   ) {
+    this.traces = new Traces(model);
     setLanguage(model.settings.language);
     this.applyTheme();
     this.prefersDark.addEventListener("change", () => this.applyTheme());
@@ -158,8 +157,7 @@ export class Shell {
     if (key === this.viewKey) return;
     this.viewKey = key;
     this.view?.close?.();
-    this.keepTrace(key, ref);
-    this.view = this.make(name);
+    this.view = this.make(name, ref);
     this.main.className = name;
     this.main.replaceChildren(this.view.root);
   }
@@ -170,17 +168,11 @@ export class Shell {
     return wanted === undefined ? this.model.axes()[0] : this.model.find(wanted);
   }
 
-  private keepTrace(key: string, ref: AxisRef | undefined): void {
-    if (key === this.traceKey && this.trace !== undefined) return;
-    this.trace?.close();
-    this.traceKey = key;
-    this.trace = ref === undefined ? undefined : new Trace(this.model, ref);
-  }
-
-  private make(name: string): View {
+  private make(name: string, ref: AxisRef | undefined): View {
+    if (ref !== undefined) return new AxisView(this.model, this.traces.show(ref));
+    this.traces.hide();
     if (name === "control") return new ControlView(this.model);
     if (name === "overview") return new Overview(this.model, this.memory);
-    if (this.trace !== undefined) return new AxisView(this.model, this.trace);
     const [, , asked = ""] = location.hash.split("/");
     const text = asked === "" ? t("choose_axis") : `${t("no_axis")} ${asked}. ${t("choose_axis")}`;
     return { root: h("p", { class: "nothing" }, text), update: () => undefined };

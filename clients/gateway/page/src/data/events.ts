@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// What benches report, from their topics and from the history that the gateway keeps.
+
+import type { Of } from "../protocol/checked";
+import { isWallTime } from "./times";
+
+export interface LogEvent {
+  bench: number;
+  /** number on the bench; 0 = the bench, or several axes */
+  axis: number;
+  tick: number;
+  /** [s] of drive time */
+  time: number;
+  /** of foxglove.Log: 2 info, 3 warning, 4 error */
+  level: number;
+  /** as the core names it, such as "fault_reset" */
+  kind: string;
+  message: string;
+}
+
+/** The answer of the service /events. */
+export const EVENT_HISTORY = {
+  type: "object",
+  properties: {
+    events: {
+      type: "array",
+      items: {
+        type: "object",
+        properties: {
+          tick: { type: "integer" },
+          axis: { type: "integer" },
+          kind: { type: "string" },
+          level: { type: "integer" },
+          message: { type: "string" },
+        },
+        required: ["tick", "axis", "kind", "level", "message"],
+      },
+    },
+  },
+  required: ["events"],
+} as const;
+
+export type EventHistory = Of<typeof EVENT_HISTORY>;
+
+/** [s] An event that is so much older than the one before it is of another run of its bench, whose
+ *  ticks count from the beginning. Threads of one run may report a little out of order. */
+const ANOTHER_RUN_S = 1;
+
+function keyOf({ bench, axis, tick, kind, message }: LogEvent): string {
+  return `${bench} ${axis} ${tick} ${kind} ${message}`;
+}
+
+/** The events of all benches, bounded, in the order in which they came. */
+export class EventList {
+  private list: LogEvent[] = [];
+  /** time of the last one, by bench */
+  private readonly newest = new Map<number, number>();
+  /** Grows with each change. */
+  version = 0;
+
+  constructor(private readonly most: number) {}
+
+  get events(): readonly LogEvent[] {
+    return this.list;
+  }
+
+  add(event: LogEvent): void {
+    const before = this.newest.get(event.bench) ?? -Infinity;
+    if (event.time < before - ANOTHER_RUN_S) this.list = this.list.filter(({ bench }) => bench !== event.bench);
+    this.newest.set(event.bench, event.time);
+    this.list.push(event);
+    this.trim();
+  }
+
+  /** Puts in what came before, in the order of time; what is there already is left out. Times of
+   *  benches that do not count from the epoch are not compared with those of others: they stand first. */
+  merge(history: LogEvent[]): void {
+    const known = new Set(this.list.map(keyOf));
+    const place = ({ time }: LogEvent) => (isWallTime(time) ? time : 0);
+    const all = [...history.filter((event) => !known.has(keyOf(event))), ...this.list];
+    for (const { bench, time } of history) this.newest.set(bench, Math.max(time, this.newest.get(bench) ?? -Infinity));
+    this.list = all.sort((a, b) => place(a) - place(b) || (a.bench === b.bench ? a.time - b.time : a.bench - b.bench));
+    this.trim();
+  }
+
+  private trim(): void {
+    this.list.splice(0, Math.max(0, this.list.length - this.most));
+    ++this.version;
+  }
+}

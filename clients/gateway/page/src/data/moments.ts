@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// What happened to one axis, as marks over its plots: from the status of each tick, and from events.
+
+import type { LogEvent } from "./events";
+import type { PowerState } from "./power";
+
+/** A change in the status of an axis. */
+export interface Moment {
+  tick: number;
+  /** the state that the axis has since then; nothing for a fault */
+  state?: PowerState;
+  /** 603Fh since then; nothing for a change of state */
+  code?: number;
+}
+
+export type MarkKind = "state" | "fault" | "event";
+
+export interface Mark {
+  tick: number;
+  kind: MarkKind;
+  moment?: Moment;
+  event?: LogEvent;
+}
+
+/** What the status shows by itself, for the tick. */
+const OF_STATUS: Record<string, MarkKind> = { state_changed: "state", fault: "fault" };
+/** [ticks] The event of a change has the tick in which it was, or the one after it. */
+const SAME_CHANGE = 1;
+
+/** @param moments and events in the order of their ticks; events of this axis, or of its bench
+ *  @return each change once: an event of a change that the status shows is left out. */
+export function marksOf(moments: readonly Moment[], events: readonly LogEvent[]): Mark[] {
+  const seen = new Set<string>();
+  const marks = moments.map((moment): Mark => {
+    const kind = moment.state === undefined ? "fault" : "state";
+    for (let tick = moment.tick - SAME_CHANGE; tick <= moment.tick + SAME_CHANGE; ++tick) seen.add(`${kind} ${tick}`);
+    return { tick: moment.tick, kind, moment };
+  });
+  for (const event of events) {
+    const kind = OF_STATUS[event.kind] ?? "event";
+    if (kind === "event" || !seen.has(`${kind} ${event.tick}`)) marks.push({ tick: event.tick, kind, event });
+  }
+  return marks.sort((a, b) => a.tick - b.tick);
+}

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { EventList, type LogEvent } from "../src/data/events";
+
+const EPOCH_S = 1.8e9;
+
+/** An event of bench 1, axis 2, at this time [s]. */
+function event(time: number, more: Partial<LogEvent> = {}): LogEvent {
+  return { bench: 1, axis: 2, tick: Math.round(time * 1000), time, level: 2, kind: "state_changed", message: "Fault", ...more };
+}
+
+const times = (list: EventList) => list.events.map(({ time }) => time);
+
+test("the history stands before what came since, and nothing stands twice", () => {
+  const list = new EventList(100);
+  list.add(event(EPOCH_S + 3));
+  list.add(event(EPOCH_S + 4));
+  // The gateway has noted the first of them, too.
+  list.merge([event(EPOCH_S + 1), event(EPOCH_S + 2), event(EPOCH_S + 3)]);
+  assert.deepEqual(times(list), [1, 2, 3, 4].map((second) => EPOCH_S + second));
+  list.merge([event(EPOCH_S + 1), event(EPOCH_S + 5)]);
+  assert.deepEqual(times(list), [1, 2, 3, 4, 5].map((second) => EPOCH_S + second));
+});
+
+test("events of one tick that differ are not the same", () => {
+  const list = new EventList(100);
+  list.add(event(EPOCH_S));
+  list.merge([event(EPOCH_S, { axis: 3 }), event(EPOCH_S, { message: "fault 0x8611", kind: "fault" }), event(EPOCH_S, { bench: 4 })]);
+  assert.equal(list.events.length, 4);
+});
+
+test("the events of several benches stand in the order of their times, those without a date first", () => {
+  const list = new EventList(100);
+  list.add(event(EPOCH_S + 2));
+  list.merge([event(EPOCH_S + 1, { bench: 7 }), event(EPOCH_S + 3, { bench: 7 })]);
+  list.merge([event(5, { bench: 9 })]);
+  assert.deepEqual(times(list), [5, EPOCH_S + 1, EPOCH_S + 2, EPOCH_S + 3]);
+});
+
+test("a run whose ticks count anew forgets the run before, a little out of order does not", () => {
+  const list = new EventList(100);
+  list.add(event(50));
+  list.add(event(49.5));
+  list.add(event(60, { bench: 2 }));
+  assert.equal(list.events.length, 3);
+  list.add(event(0.5));
+  assert.deepEqual(times(list), [60, 0.5]);
+});
+
+test("of too many the oldest are removed, and each change is seen", () => {
+  const list = new EventList(3);
+  for (let i = 0; i < 5; ++i) list.add(event(EPOCH_S + i));
+  assert.deepEqual(times(list), [2, 3, 4].map((second) => EPOCH_S + second));
+  const { version } = list;
+  list.merge([event(EPOCH_S - 1)]);
+  assert.deepEqual(times(list), [2, 3, 4].map((second) => EPOCH_S + second));
+  assert.ok(list.version > version);
+});

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "services.hpp"
+#include "vdrive/client/event.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <vector>
+
+namespace vdrive::gateway {
+
+/// The last events of each bench, for a client that comes later or was not connected. Any thread.
+class EventLog {
+ public:
+  static constexpr std::size_t kMostOfABench = 1'024;  ///< as many as a bench itself keeps
+
+  /// Benches with events. Of more, the one that has been quiet longest is forgotten.
+  static constexpr std::size_t kMostBenches = 64;
+
+  /// [ticks] An event that is so much older than the one before it is of another run, whose ticks
+  /// count from the beginning: the events before it are forgotten. Threads of one run may report a
+  /// little out of order.
+  static constexpr std::uint64_t kAnotherRun = 1'000;
+
+  /// Keeps an event behind those of its bench.
+  void add(const client::Event& event);
+
+  /// @return the events of a bench, the oldest first; none of a bench without any.
+  [[nodiscard]] std::vector<client::Event> events(std::uint32_t bench) const;
+
+ private:
+  struct Bench {
+    std::deque<client::Event> events;
+    std::uint64_t added = 0;  ///< when the last one was, as a count of all events
+  };
+
+  mutable std::mutex mutex_;  ///< guards what follows
+  std::map<std::uint32_t, Bench> benches_;
+  std::uint64_t added_ = 0;
+};
+
+/// The answer to /events.
+/// @throws ProtocolError when the request names no bench
+[[nodiscard]] CallAnswer call_events(const EventLog& log, const Json& request);
+
+}  // namespace vdrive::gateway

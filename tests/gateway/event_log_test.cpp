@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "event_log.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace vdrive::gateway {
+namespace {
+
+using client::Event;
+using client::EventKind;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr std::uint64_t kTick = 50'000;
+
+Event event_at(std::uint32_t bench, std::uint64_t tick) {
+  Event event;
+  event.bench = bench;
+  event.tick = tick;
+  return event;
+}
+
+std::vector<std::uint64_t> ticks(const EventLog& log, std::uint32_t bench) {
+  std::vector<std::uint64_t> ticks;
+  for (const Event& event : log.events(bench)) ticks.push_back(event.tick);
+  return ticks;
+}
+
+TEST(EventLog, HasTheEventsOfEachBenchInTheirOrder) {
+  EventLog log;
+  log.add(event_at(1, kTick));
+  log.add(event_at(2, kTick + 5));
+  log.add(event_at(1, kTick + 7));
+  EXPECT_THAT(ticks(log, 1), ElementsAre(kTick, kTick + 7));
+  EXPECT_THAT(ticks(log, 2), ElementsAre(kTick + 5));
+  EXPECT_THAT(ticks(log, 3), IsEmpty());
+}
+
+TEST(EventLog, ForgetsTheOldestEventOfABenchWithTooMany) {
+  EventLog log;
+  log.add(event_at(2, 1));
+  for (std::uint64_t i = 0; i <= EventLog::kMostOfABench; ++i) log.add(event_at(1, i));
+  ASSERT_EQ(log.events(1).size(), EventLog::kMostOfABench);
+  EXPECT_EQ(log.events(1).front().tick, 1U);
+  EXPECT_EQ(log.events(1).back().tick, EventLog::kMostOfABench);
+  EXPECT_THAT(ticks(log, 2), ElementsAre(1)) << "the limit is that of one bench";
+}
+
+TEST(EventLog, ForgetsThoseOfTheRunBeforeWhenTicksCountFromTheBeginning) {
+  EventLog log;
+  log.add(event_at(1, kTick));
+  log.add(event_at(1, kTick - EventLog::kAnotherRun));
+  EXPECT_THAT(ticks(log, 1), ElementsAre(kTick, kTick - EventLog::kAnotherRun))
+      << "a little out of order it is the same run";
+  log.add(event_at(1, 3));
+  EXPECT_THAT(ticks(log, 1), ElementsAre(3));
+}
+
+TEST(EventLog, ForgetsTheBenchThatWasQuietLongestAmongTooMany) {
+  EventLog log;
+  for (std::uint32_t bench = 1; bench <= EventLog::kMostBenches; ++bench) {
+    log.add(event_at(bench, bench));
+  }
+  log.add(event_at(1, kTick));
+  log.add(event_at(EventLog::kMostBenches + 1, 1));
+  EXPECT_THAT(ticks(log, 2), IsEmpty());
+  EXPECT_THAT(ticks(log, 1), ElementsAre(1, kTick));
+  EXPECT_THAT(ticks(log, 3), ElementsAre(3));
+}
+
+TEST(EventLog, AnswersWithWhatPeopleReadAndWithWhatProgramsCompare) {
+  EventLog log;
+  Event event = event_at(1, kTick);
+  event.axis = 4;
+  event.kind = EventKind::fault;
+  event.code = 0x8611;
+  event.suppressed = 2;
+  event.text = "fault 0x8611";
+  log.add(event);
+  const Json answer = call_events(log, {{"bench", 1}}).fields;
+  EXPECT_EQ(answer["events"],
+            Json::array({{{"tick", kTick},
+                          {"axis", 4},
+                          {"kind", "fault"},
+                          {"level", 4},
+                          {"code", 0x8611},
+                          {"message", "fault 0x8611 (2 more left out before)"}}}));
+  EXPECT_EQ(call_events(log, {{"bench", 2}}).fields["events"], Json::array());
+}
+
+TEST(EventLog, RefusesARequestWithoutABench) {
+  const EventLog log;
+  for (const Json& request : {Json::object(), Json{{"bench", "x"}}, Json{{"bench", -1}}}) {
+    try {
+      (void)call_events(log, request);
+      FAIL() << request;
+    } catch (const ProtocolError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("'bench'"));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vdrive::gateway
