@@ -480,6 +480,54 @@ TEST(ObjectText, NamesAnObjectAsTheDictionaryAndTheStandardDo) {
   EXPECT_EQ(index_text(0x0FFF), "0FFFh");
 }
 
+TEST(ValuesOfAnObject, AreListedWhereTheyAreFew) {
+  const auto text_of = [](std::string_view name) {
+    return values_text(*find_object(name));
+  };
+  // Modes that 6502h shows, and 0; methods of the drive, and 0; the manual's option codes.
+  EXPECT_EQ(text_of("op_mode_cmd"), "0, 1, 3, 4, 6 or 8");
+  EXPECT_EQ(text_of("homing_method"), "0, 1, 2, 17, 18, 33, 34, 35 or 37");
+  EXPECT_EQ(text_of("positioning_option_code"), "0, 1 or 2");
+  EXPECT_EQ(text_of("error_history_count"), "0");
+  EXPECT_EQ(text_of("halt_option_code"), "1 to 4") << "every value of its range";
+  EXPECT_EQ(text_of("profile_velocity"), "0 to 4294967295");
+  EXPECT_EQ(text_of("ds402_statusword"), "0 to 65535") << "what it shows: nothing is written";
+}
+
+// A list that has a value which the drive refuses, or lacks one that it takes, is wrong.
+TEST(ValuesOfAnObject, AreThoseThatTheDriveTakes) {
+  for (const ObjectDescription& object : kObjectTable) {
+    const ObjectRow row = *find_object(object.address);
+    const std::vector<std::int64_t> values = few_values(row);
+    if (values.empty()) continue;
+    for (std::int64_t value = -130; value <= 130; ++value) {
+      const bool is_listed = std::ranges::binary_search(values, value);
+      EXPECT_EQ(check_object_value(row, value) == AbortCode::none, is_listed)
+          << object.variable_name << " = " << value;
+    }
+  }
+}
+
+TEST(AdviceOnARefusal, NamesTheSubIndicesAndTheValues) {
+  EXPECT_EQ(advice_on({0x607D, 0}, AbortCode::subindex_does_not_exist),
+            "607Dh has the sub-indices 1 and 2");
+  EXPECT_EQ(advice_on({0x5E10, 9}, AbortCode::subindex_does_not_exist),
+            "5E10h has the sub-indices 1, 2 and 3");
+  EXPECT_EQ(advice_on({0x6081, 1}, AbortCode::subindex_does_not_exist),
+            "6081h has the sub-index 0 only");
+  EXPECT_EQ(advice_on({0x60F2, 0}, AbortCode::value_range_exceeded),
+            "positioning_option_code takes 0, 1 or 2");
+  EXPECT_EQ(advice_on({0x605D, 0}, AbortCode::value_too_high), "halt_option_code takes 1 to 4");
+  EXPECT_EQ(advice_on({0x6041, 0}, AbortCode::write_of_read_only_object), "");
+  EXPECT_EQ(advice_on({0x9999, 0}, AbortCode::object_does_not_exist), "");
+}
+
+TEST(NamesOfObjects, AreThoseThatAreRead) {
+  const std::vector<std::string> names = names_of_objects();
+  EXPECT_EQ(names.size(), kObjectTable.size() + kStandardNames.size());
+  for (const std::string& name : names) EXPECT_TRUE(parse_object(name)) << name;
+}
+
 TEST(ObjectAddressText, IsReadInEveryFormThatIsWritten) {
   for (const ObjectDescription& object : kObjectTable) {
     const std::string standard =

@@ -96,6 +96,26 @@ TEST(CommandLine, SuggestsAnObjectOfTheDictionary) {
             "the dictionary has no object 'profil_acc' (did you mean 'profile_acc'?)");
 }
 
+TEST(CommandLine, ListsTheSubIndicesOfAnIndex) {
+  EXPECT_EQ(refusal_of(split("dictionary 0x607D:7")),
+            "the dictionary has no object '0x607D:7': 607Dh has the sub-indices 1 and 2");
+}
+
+// 6098h of CiA 402-2: the methods that the drive has, and 0.
+TEST(CommandLine, ListsTheHomingMethodsWhereOneIsTaken) {
+  const std::vector<std::string> lines =
+      dictionary_lines(command<DictionaryCommand>("dictionary homing_method"));
+  const std::string help = parse("home --help").text;
+  for (const char* const method : {"1", "2", "17", "18", "33", "34", "35", "37"}) {
+    EXPECT_THAT(lines, testing::Contains(StartsWith("  " + std::string(method) + " "))) << method;
+    EXPECT_THAT(help, HasSubstr(" " + std::string(method) + ": ")) << method;
+  }
+  EXPECT_THAT(lines, testing::Contains(StartsWith("  0 ")));
+  EXPECT_THAT(dictionary_lines(command<DictionaryCommand>("dictionary profile_velocity")),
+              testing::SizeIs(2))
+      << "title and row";
+}
+
 TEST(CommandLine, SuggestsACommandAndADisturbance) {
   EXPECT_EQ(refusal_of(split("enabel 1.1")), "'enabel' is not a command (did you mean 'enable'?)");
   EXPECT_EQ(refusal_of(split("dance")),

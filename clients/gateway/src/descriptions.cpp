@@ -84,11 +84,11 @@ Json bits_json(NameOfBit name_of) {
 
 Json homing_methods_json() {
   Json list = Json::array();
-  for (const HomingMethod& method : kHomingMethods) {
+  for (const HomingMethodRow& method : kHomingMethods) {
     list.push_back({{"method", method.number},
                     {"direction", method.direction},
-                    {"limit_switch", method.limit_switch},
-                    {"index_pulse", method.index_pulse}});
+                    {"limit_switch", method.limit},
+                    {"index_pulse", method.index}});
   }
   return list;
 }

@@ -33,13 +33,6 @@ Member member_of(ObjectRow row, std::int64_t value) {
                         std::to_string(Limits::max()));
 }
 
-std::vector<std::string> names_of_objects() {
-  std::vector<std::string> names;
-  names.reserve(kObjectTable.size());
-  for (const auto& object : kObjectTable) names.emplace_back(object.variable_name);
-  return names;
-}
-
 /// Mode, target position and controlword have members of their own in a frame.
 void add_value(client::SetPoint& point, ObjectAddress object, std::int64_t value) {
   using namespace literals;

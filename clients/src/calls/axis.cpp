@@ -39,6 +39,12 @@ msg::ObjectAccess access_of(const AxisId& id, ObjectAddress object, std::int64_t
   return access;
 }
 
+/// @param what was refused; what the object takes instead follows
+Outcome refused(ObjectAddress object, std::uint32_t code, const std::string& what) {
+  const std::string advice = advice_on(object, static_cast<AbortCode>(code));
+  return Outcome::refused(code, what + " refused" + (advice.empty() ? "" : ", " + advice));
+}
+
 }  // namespace
 
 Axis::Axis(std::shared_ptr<SessionCore> core, AxisInfo info)
@@ -199,8 +205,8 @@ Result<std::int64_t> Axis::read(ObjectAddress object) const {
   if (!readings) return readings.outcome();
   const ObjectReading& reading = readings->objects.front();
   if (reading.code == AbortCode::none) return reading.value;
-  return Outcome::refused(wire_code(reading.code), "read of " + object_text(object) + " of axis " +
-                                                       to_string(id_) + " refused");
+  return refused(object, wire_code(reading.code),
+                 "read of " + object_text(object) + " of axis " + to_string(id_));
 }
 
 Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
@@ -214,7 +220,7 @@ Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
   const auto reply = core_->control.write(*target, std::move(request), what);
   if (!reply) return reply.outcome();
   for (const msg::ObjectResult& result : reply->objects()) {
-    if (result.abort_code() != 0) return Outcome::refused(result.abort_code(), what + " refused");
+    if (result.abort_code() != 0) return refused(object, result.abort_code(), what);
   }
   return reply->tick();
 }

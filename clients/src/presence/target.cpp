@@ -2,6 +2,7 @@
 #include "presence/target.hpp"
 
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <utility>
@@ -66,8 +67,11 @@ Outcome refusal_of(const Target& target, const msg::CommandReply& reply,
   if (refusal.index() == 0) {
     message += "the command";
   } else {
-    const auto row = find_object(ObjectAddress{refusal.index(), refusal.subindex()});
+    const ObjectAddress object{refusal.index(), refusal.subindex()};
+    const auto row = find_object(object);
     message += row ? std::string(vdrive::describe(*row).variable_name) : hex(refusal.index(), 4);
+    const std::string advice = advice_on(object, static_cast<AbortCode>(refusal.reason()));
+    if (!advice.empty()) message += ", " + advice;
   }
   return Outcome::refused(refusal.reason(), std::move(message));
 }

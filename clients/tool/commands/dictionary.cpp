@@ -6,6 +6,8 @@
 #include "execution/command_context.hpp"
 #include "language/arguments.hpp"
 #include "terminal/columns.hpp"
+#include "vdrive/cia402/homing_method.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
@@ -76,6 +78,19 @@ bool is_listed(const ObjectDescription& row, const DictionaryCommand& command) {
          });
 }
 
+/// What the values of an object mean, below its row where the object is asked for.
+void add_meanings(const DictionaryCommand& command, std::vector<std::string>& lines) {
+  using namespace vdrive::literals;
+  const bool is_asked =
+      !command.objects.empty() && is_listed(describe("homing_method"_object), command);
+  if (!is_asked) return;
+  lines.emplace_back("homing_method (6098h) takes");
+  lines.emplace_back("  0   no method: a homing run ends with a homing error");
+  for (const HomingMethodRow& row : kHomingMethods) {
+    lines.push_back("  " + padded(std::to_string(row.number), 4) + std::string(row.what));
+  }
+}
+
 std::vector<std::string> table_lines(const DictionaryCommand& command) {
   std::vector<TableRow> rows{
       {"object", "variable_name", "name", "type", "access", "stored", "default", "range", "units"}};
@@ -95,6 +110,7 @@ std::vector<std::string> table_lines(const DictionaryCommand& command) {
     line.erase(line.find_last_not_of(' ') + 1);
     lines.push_back(std::move(line));
   }
+  add_meanings(command, lines);
   return lines;
 }
 
@@ -104,7 +120,10 @@ ObjectName parse_listed(const std::string& text) {
     return object.covers(row.address);
   });
   if (exists) return object;
-  throw UsageError("the dictionary has no object " + in_quotes(text) + object_suggestion(text));
+  const std::string advice =
+      object.address ? advice_on(*object.address, check_address(*object.address)) : "";
+  throw UsageError("the dictionary has no object " + in_quotes(text) + object_suggestion(text) +
+                   (advice.empty() ? "" : ": " + advice));
 }
 
 TableFormat parse_format(const std::string& text) {

@@ -4,12 +4,23 @@
 #include "execution/axis_report.hpp"
 #include "execution/command_context.hpp"
 #include "language/arguments.hpp"
+#include "vdrive/cia402/homing_method.hpp"
+
+#include <vector>
 
 namespace vdrive::tool {
 namespace {
 
 std::int8_t parse_method(const std::string& text) {
   return static_cast<std::int8_t>(parse_value(text, DataType::integer8));
+}
+
+std::string help_of_methods() {
+  std::string help = "6098h, how home is found:";
+  for (const HomingMethodRow& row : kHomingMethods) {
+    help.append("\n").append(std::to_string(row.number)).append(": ").append(row.what);
+  }
+  return help;
 }
 
 client::HomingOptions homing_options(const HomeCommand& command, const client::Axis& axis,
@@ -31,10 +42,14 @@ client::HomingOptions homing_options(const HomeCommand& command, const client::A
 
 void HomeCommand::declare(Arguments& arguments) {
   arguments.axis(axis);
-  arguments.option("--method", "M", method,
-                   "6098h: 17, 18 to a limit switch; 1, 2 to a limit switch, then to the index "
-                   "pulse; 33, 34 to the index pulse; 35, 37 where the axis is",
-                   parse_method);
+  arguments.option("--method", "M", method, help_of_methods(), parse_method)
+      .completed_by([](auto, const BenchNames&) {
+        std::vector<std::string> numbers;
+        for (const HomingMethodRow& row : kHomingMethods) {
+          numbers.push_back(std::to_string(row.number));
+        }
+        return numbers;
+      });
   arguments.option("--offset", "P", offset, "607Ch: the position of home [UU, or 90deg]",
                    parse_position);
   arguments.option("--speed", "V", search_speed, "6099h:1 towards the switch [UU/s, or 90deg/s]",

@@ -4,6 +4,7 @@
 #include "execution/command_context.hpp"
 #include "language/arguments.hpp"
 #include "values/object_check.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <utility>
@@ -20,7 +21,9 @@ Json json_of_reading(const client::AxisId& axis, const ObjectName& object,
     json["value"] = reading.value;
   } else {
     json["code"] = hex(wire_code(reading.code), 8);
-    json["message"] = vdrive::describe(reading.code);
+    const std::string advice = object.address ? advice_on(*object.address, reading.code) : "";
+    json["message"] =
+        std::string(vdrive::describe(reading.code)) + (advice.empty() ? "" : ", " + advice);
   }
   json["tick"] = tick;
   return json;
@@ -38,8 +41,10 @@ Outcome print_reading(const CommandContext& context, const client::AxisId& axis,
   }
   if (is_read) return {};
   if (!object.address) return unknown_object(axis, object);
-  return Outcome::refused(wire_code(reading.code),
-                          "read of " + object.text + " of axis " + to_string(axis) + " refused");
+  const std::string advice = advice_on(*object.address, reading.code);
+  return Outcome::refused(wire_code(reading.code), "read of " + object.text + " of axis " +
+                                                       to_string(axis) + " refused" +
+                                                       (advice.empty() ? "" : ", " + advice));
 }
 
 /// @return the readings of the objects that have an address.

@@ -5,26 +5,17 @@
 #include "execution/object_write.hpp"
 #include "language/arguments.hpp"
 #include "values/object_check.hpp"
-#include "vdrive/cia402/operating_mode.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 namespace vdrive::tool {
 namespace {
 
-/// @return the values of an object that has few of them.
+/// @return the values of an object that takes few of them.
 std::vector<std::string> few_values_of(const std::string& object) {
-  constexpr std::int64_t kFew = 16;  // a list that a person still reads
   const auto row = parse_object(object).row();
   if (!row) return {};
-  const ObjectDescription& description = describe(*row);
-  const bool is_mode = description.variable_name == "op_mode_cmd";
-  if (!is_mode && (description.access == Access::read_only ||
-                   description.upper_limit - description.lower_limit > kFew)) {
-    return {};
-  }
   std::vector<std::string> values;
-  for (std::int64_t value = description.lower_limit; value <= description.upper_limit; ++value) {
-    if (!is_mode || is_operating_mode(value)) values.push_back(std::to_string(value));
-  }
+  for (const std::int64_t value : few_values(*row)) values.push_back(std::to_string(value));
   return values;
 }
 

@@ -2,14 +2,18 @@
 #include "values/object_check.hpp"
 
 #include "base/usage_error.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/text.hpp"
 
 namespace vdrive::tool {
 
 ObjectRow checked_row(const ObjectName& object) {
   if (const auto row = object.row()) return *row;
+  const std::string advice =
+      object.address ? advice_on(*object.address, check_address(*object.address)) : "";
   throw UsageError(in_quotes(object.text) + " is not an object of the dictionary" +
-                   object_suggestion(object.text) + "; 'vdrive dictionary' lists all objects");
+                   object_suggestion(object.text) +
+                   (advice.empty() ? "; 'vdrive dictionary' lists all objects" : ": " + advice));
 }
 
 void check_value_written(const ObjectName& object, std::int64_t value) {
@@ -24,8 +28,7 @@ void check_value_written(const ObjectName& object, std::int64_t value) {
 
 std::string range_text(ObjectRow row) {
   const ObjectDescription& object = describe(row);
-  return std::string(object.variable_name) + " has " + std::to_string(object.lower_limit) + " to " +
-         std::to_string(object.upper_limit);
+  return std::string(object.variable_name) + " has " + values_text(row);
 }
 
 }  // namespace vdrive::tool

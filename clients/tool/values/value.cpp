@@ -108,10 +108,7 @@ std::vector<ObjectName> parse_objects(const std::vector<std::string>& texts) {
 }
 
 std::string object_suggestion(std::string_view name) {
-  std::vector<std::string> names;
-  names.reserve(kObjectTable.size() + kStandardNames.size() + kShortNames.size());
-  for (const ObjectDescription& row : kObjectTable) names.emplace_back(row.variable_name);
-  for (const StandardName& standard : kStandardNames) names.emplace_back(standard.name);
+  std::vector<std::string> names = names_of_objects();
   for (const StandardName& each : kShortNames) names.emplace_back(each.name);
   return suggestion(name, names);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/dictionary/dictionary.hpp"
 
+#include "vdrive/cia402/homing_method.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <algorithm>
@@ -51,6 +53,38 @@ constexpr bool sorted_without_duplicates() {
 }
 
 static_assert(sorted_without_duplicates(), "find_object searches by bisection");
+
+using namespace vdrive::literals;
+
+/// Rows that refuse what they do not mean with 0x06090030, also beyond the range that they show.
+bool is_judged_by_meaning(ObjectRow row) {
+  return row == "error_history_count"_object || row == "homing_method"_object;
+}
+
+bool is_within_type(ObjectRow row, std::int64_t value) {
+  const TypeRange type = range_of(describe(row).data_type);
+  return value >= type.lowest && value <= type.highest;
+}
+
+/// The narrower rules of single objects, for a value within its type.
+AbortCode check_value(ObjectRow row, std::int64_t value) {
+  switch (row) {
+    case "op_mode_cmd"_object:
+      return is_operating_mode(value) ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "homing_method"_object:
+      return is_homing_method(value) ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "positioning_option_code"_object:
+      return value <= 2 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "error_history_count"_object:
+      return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "store_all_parameters"_object:
+      return value == kStoreSignature ? AbortCode::none : AbortCode::cannot_store_or_transfer;
+    case "restore_all_default_parameters"_object:
+      return value == kRestoreSignature ? AbortCode::none : AbortCode::cannot_store_or_transfer;
+    default:
+      return AbortCode::none;
+  }
+}
 
 }  // namespace
 
@@ -131,6 +165,45 @@ AbortCode check_write(ObjectRow row, std::int64_t value) noexcept {
   if (value > object.upper_limit) return AbortCode::value_too_high;
   if (value < object.lower_limit) return AbortCode::value_too_low;
   return AbortCode::none;
+}
+
+AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept {
+  const AbortCode code = check_write(row, value);
+  const bool is_judged =
+      code == AbortCode::none || (is_judged_by_meaning(row) && is_within_type(row, value));
+  return is_judged ? check_value(row, value) : code;
+}
+
+std::vector<std::int64_t> few_values(ObjectRow row) {
+  constexpr std::int64_t kMostLooked = 65'535;  // of a 16-bit object
+  constexpr std::size_t kFew = 16;              // a list that a person still reads
+  const ObjectDescription& object = describe(row);
+  std::vector<std::int64_t> values;
+  const bool is_looked_at =
+      object.access == Access::read_write && object.upper_limit - object.lower_limit <= kMostLooked;
+  if (!is_looked_at) return values;
+  for (std::int64_t value = object.lower_limit; value <= object.upper_limit; ++value) {
+    if (check_object_value(row, value) != AbortCode::none) continue;
+    if (values.size() == kFew) return {};
+    values.push_back(value);
+  }
+  return values;
+}
+
+std::string values_text(ObjectRow row) {
+  const ObjectDescription& object = describe(row);
+  const std::vector<std::int64_t> values = few_values(row);
+  const bool has_gaps = !values.empty() && static_cast<std::int64_t>(values.size()) !=
+                                               object.upper_limit - object.lower_limit + 1;
+  if (!has_gaps) {
+    return std::to_string(object.lower_limit) + " to " + std::to_string(object.upper_limit);
+  }
+  std::string text;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (i != 0) text += i + 1 == values.size() ? " or " : ", ";
+    text += std::to_string(values[i]);
+  }
+  return text;
 }
 
 }  // namespace vdrive

@@ -26,6 +26,22 @@ std::optional<std::uint8_t> parse_subindex(std::string_view text) noexcept {
                               : parse_digits<std::uint8_t>(text);
 }
 
+/// @return such as "607Dh has the sub-indices 1 and 2".
+std::string subindices_text(std::uint16_t index) {
+  std::vector<std::string> numbers;
+  for (const ObjectDescription& row : kObjectTable) {
+    if (row.address.index == index) numbers.push_back(std::to_string(row.address.subindex));
+  }
+  if (numbers.empty()) return {};
+  const std::string of_index = index_text(index) + " has ";
+  if (numbers.size() == 1) return of_index + "the sub-index " + numbers.front() + " only";
+  std::string text = of_index + "the sub-indices " + numbers.front();
+  for (std::size_t i = 1; i < numbers.size(); ++i) {
+    text += (i + 1 == numbers.size() ? " and " : ", ") + numbers[i];
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string index_text(std::uint16_t index) {
@@ -63,6 +79,30 @@ std::string address_suggestion(std::string_view text) {
   const std::string meant = std::string(index).append("h").append(rest);
   if (index.size() != kDigitsOfIndex || !parse_address(meant)) return {};
   return " (did you mean 0x" + std::string(text) + " or " + meant + "?)";
+}
+
+std::vector<std::string> names_of_objects() {
+  std::vector<std::string> names;
+  names.reserve(kObjectTable.size() + kStandardNames.size());
+  for (const ObjectDescription& row : kObjectTable) names.emplace_back(row.variable_name);
+  for (const StandardName& standard : kStandardNames) names.emplace_back(standard.name);
+  return names;
+}
+
+std::string advice_on(ObjectAddress object, AbortCode code) {
+  switch (code) {
+    case AbortCode::subindex_does_not_exist:
+      return subindices_text(object.index);
+    case AbortCode::value_range_exceeded:
+    case AbortCode::value_too_high:
+    case AbortCode::value_too_low:
+      break;
+    default:
+      return {};
+  }
+  const auto row = find_object(object);
+  if (!row) return {};
+  return std::string(describe(*row).variable_name) + " takes " + values_text(*row);
 }
 
 }  // namespace vdrive

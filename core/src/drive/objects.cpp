@@ -3,7 +3,6 @@
 
 #include "drive/faults.hpp"
 #include "drive/mode_table.hpp"
-#include "drive/modes/homing.hpp"
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
 
@@ -46,36 +45,6 @@ void take_target(Drive& drive, ObjectRow row) {
   if (const Mode& mode = mode_of(drive); mode.take_target != nullptr) mode.take_target(drive, row);
 }
 
-/// Rows that refuse what they do not mean with 0x06090030, also beyond the range that they show.
-bool is_judged_by_meaning(ObjectRow row) {
-  return row == "error_history_count"_object || row == "homing_method"_object;
-}
-
-bool is_within_type(ObjectRow row, std::int64_t value) {
-  const TypeRange type = range_of(describe(row).data_type);
-  return value >= type.lowest && value <= type.highest;
-}
-
-/// The narrower rules of single objects, for a value within its type.
-AbortCode check_value(ObjectRow row, std::int64_t value) {
-  switch (row) {
-    case "op_mode_cmd"_object:
-      return is_operating_mode(value) ? AbortCode::none : AbortCode::value_range_exceeded;
-    case "homing_method"_object:
-      return is_homing_method(value) ? AbortCode::none : AbortCode::value_range_exceeded;
-    case "positioning_option_code"_object:
-      return value <= 2 ? AbortCode::none : AbortCode::value_range_exceeded;
-    case "error_history_count"_object:
-      return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
-    case "store_all_parameters"_object:
-      return value == kStoreSignature ? AbortCode::none : AbortCode::cannot_store_or_transfer;
-    case "restore_all_default_parameters"_object:
-      return value == kRestoreSignature ? AbortCode::none : AbortCode::cannot_store_or_transfer;
-    default:
-      return AbortCode::none;
-  }
-}
-
 /// 5E11h: 6080h in the units of 6064h, as far as the object can show it.
 std::int64_t motor_speed_limit(const Drive& drive) {
   const double limit = velocity_of_motor(drive, real(drive, "motor_max_speed_rpm"_object));
@@ -84,13 +53,6 @@ std::int64_t motor_speed_limit(const Drive& drive) {
 }
 
 }  // namespace
-
-AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept {
-  const AbortCode code = check_write(row, value);
-  const bool is_judged =
-      code == AbortCode::none || (is_judged_by_meaning(row) && is_within_type(row, value));
-  return is_judged ? check_value(row, value) : code;
-}
 
 WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexcept {
   if (const AbortCode code = check_object_value(row, value); code != AbortCode::none) return {code};

@@ -10,9 +10,6 @@ namespace vdrive {
 
 // Writes and reads of objects, and what they mean to the axis.
 
-/// The rules of one object for its value: those of the table, and the narrower ones of its meaning.
-[[nodiscard]] AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept;
-
 /// What a write changes of the servo, whose parameters are the bank's.
 enum class ServoUpdate : std::uint8_t { none, torques, gear };
 

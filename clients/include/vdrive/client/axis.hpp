@@ -58,7 +58,7 @@ struct MoveOptions {
 
 /// A homing run. What is not given is as the drive has it; what is given stays in the drive.
 struct HomingOptions {
-  std::optional<std::int8_t> method{};          ///< 6098h: 1, 2, 17, 18, 33, 34, 35 or 37
+  std::optional<std::int8_t> method{};          ///< 6098h: one of kHomingMethods
   std::optional<std::int32_t> offset{};         ///< 607Ch [UU]: position of home
   std::optional<std::uint32_t> search_speed{};  ///< 6099h:1 [UU/s]
   std::optional<std::uint32_t> creep_speed{};   ///< 6099h:2 [UU/s]

@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdrive {
 
@@ -111,6 +112,19 @@ inline constexpr std::array<ObjectRow, kStoredCount> kStoredRows = [] {
 ///         AbortCode::value_too_high / value_too_low outside the row's range (the object's type
 ///         included), else none. Rules that need the drive's state are the drive's own.
 [[nodiscard]] AbortCode check_write(ObjectRow row, std::int64_t value) noexcept;
+
+/// The rules of an object for its value: those of `check_write`, and the narrower ones of what the
+/// value means, such as the modes of 6060h and the methods of 6098h.
+/// @return AbortCode::value_range_exceeded or AbortCode::cannot_store_or_transfer for a value
+///         without a meaning, else that of `check_write`.
+[[nodiscard]] AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept;
+
+/// @return the values that a writable object takes, in ascending order, where they are at most 16;
+///         empty where they are more.
+[[nodiscard]] std::vector<std::int64_t> few_values(ObjectRow row);
+
+/// @return the values that an object takes, such as "0 to 8" or "0, 1, 3, 4, 6 or 8".
+[[nodiscard]] std::string values_text(ObjectRow row);
 
 namespace literals {
 

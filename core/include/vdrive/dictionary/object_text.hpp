@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/object.hpp"
 
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdrive {
 
@@ -49,5 +51,14 @@ struct SpelledAddress {
 /// @return the address of that object; nothing for a name that no object has. An address that has
 ///         no object is returned, too: the drive refuses it.
 [[nodiscard]] std::optional<ObjectAddress> parse_object(std::string_view text) noexcept;
+
+/// @return every name that `parse_object` knows: each variable_name, then the standard's.
+[[nodiscard]] std::vector<std::string> names_of_objects();
+
+/// What a refusal of an object leaves open.
+/// @return such as "607Dh has the sub-indices 1 and 2" for AbortCode::subindex_does_not_exist and
+///         "homing_method takes 0, 1, 2 or 17" for a value that the object does not take; empty for
+///         every other code.
+[[nodiscard]] std::string advice_on(ObjectAddress object, AbortCode code);
 
 }  // namespace vdrive

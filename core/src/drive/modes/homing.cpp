@@ -11,20 +11,16 @@
 #include "vdrive/cia402/statusword.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace vdrive {
 namespace {
 
 using namespace vdrive::literals;
 
-const HomingMethod* find_method(std::int64_t number) {
-  const auto* const method = std::ranges::find(kHomingMethods, number, &HomingMethod::number);
-  return method == kHomingMethods.end() ? nullptr : method;
-}
-
 /// The method of the present run; a run has one.
-const HomingMethod& method_of(const Drive& drive) {
-  const HomingMethod* const method = find_method(drive.state().modes.homing.method);
+const HomingMethodRow& method_of(const Drive& drive) {
+  const HomingMethodRow* const method = find_homing_method(drive.state().modes.homing.method);
   ensure(method != nullptr, "a homing run that travels has a method");
   return *method;
 }
@@ -42,8 +38,8 @@ double direction_of(const Drive& drive) {
     case HomingStage::leave:
       return -method_of(drive).direction;
     case HomingStage::index: {
-      const HomingMethod& method = method_of(drive);
-      return method.limit_switch ? -method.direction : method.direction;
+      const HomingMethodRow& method = method_of(drive);
+      return method.limit ? -method.direction : method.direction;
     }
     default:
       return 0.0;
@@ -103,7 +99,7 @@ void leave_limit(Drive& drive) {
   if (at_limit_switch(drive, direction)) {
     s.modes.homing.stage = HomingStage::failed;
   } else if (!at_limit_switch(drive, -direction) && direction * demand_velocity(drive) > 0.0) {
-    if (method_of(drive).index_pulse) {
+    if (method_of(drive).index) {
       s.modes.homing.stage = HomingStage::index;
     } else {
       attain(drive, actual_position(drive));
@@ -123,14 +119,14 @@ bool start(Drive& drive) {
   s.modes.homing.method = static_cast<std::int8_t>(reg(drive, "homing_method"_object));
   r.index.input = reg(drive, "test_index_pulse_input"_object) != 0;
   r.index.reading = drive.servo().motor_reading[drive.lane()];
-  const HomingMethod* const method = find_method(s.modes.homing.method);
+  const HomingMethodRow* const method = find_homing_method(s.modes.homing.method);
   const bool has_speeds =
       reg(drive, "homing_speed_search"_object) != 0 && reg(drive, "homing_speed_creep"_object) != 0;
   if (method == nullptr || (method->direction != 0 && !has_speeds)) {
     s.modes.homing.stage = HomingStage::failed;
   } else if (method->direction == 0) {
     s.modes.homing.stage = HomingStage::present;
-  } else if (method->limit_switch) {
+  } else if (method->limit) {
     s.modes.homing.stage =
         at_limit_switch(drive, method->direction) ? HomingStage::leave : HomingStage::search;
   } else {
@@ -269,10 +265,6 @@ bool evolves(const Drive& drive) {
 }
 
 }  // namespace
-
-bool is_homing_method(std::int64_t value) {
-  return value == 0 || find_method(value) != nullptr;
-}
 
 constinit const Mode kHoming{.normal_ramp = "homing_acceleration"_object,
                              .command = command,
