@@ -53,4 +53,24 @@ std::string suggestion(std::string_view text, const std::vector<std::string>& ca
   return nearest == nullptr ? std::string() : " (did you mean " + in_quotes(*nearest) + "?)";
 }
 
+std::string prefixed_lines(std::string_view prefix, std::string_view text) {
+  std::string lines(prefix);
+  for (const char c : text) {
+    lines += c;
+    if (c == '\n') lines += prefix;
+  }
+  return lines;
+}
+
+std::string choice_of(const std::vector<std::string>& words) {
+  std::string choice;
+  for (const std::string& word : words) choice += (choice.empty() ? "{" : ",") + word;
+  return choice + "}";
+}
+
+std::string refusal_of_choice(std::string_view text, const std::vector<std::string>& words) {
+  if (std::ranges::find(words, text) != words.end()) return {};
+  return std::string(text) + " not in " + choice_of(words) + suggestion(text, words);
+}
+
 }  // namespace vdrive

@@ -5,6 +5,7 @@
 
 #include "core/support/axis_under_test.hpp"
 #include "core/support/csv.hpp"
+#include "vdrive/axis_bank.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/dictionary/standard_names.hpp"
 
@@ -13,11 +14,13 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <iomanip>
 #include <optional>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -425,6 +428,22 @@ TEST(PowerUp, TakesTheInitialValuesOfTheConfiguration) {
   EXPECT_EQ(axis.read("load_position_actual_value"), -12345);
   EXPECT_EQ(axis.read("position_demand_value"), -12345);
   EXPECT_EQ(axis.read("motor_position_actual_value"), -12345);
+}
+
+TEST(PowerUp, RefusesAnInitialValueByTheAxisWhereThereAreSeveral) {
+  const auto refusal_of = [](const std::vector<AxisConfiguration>& axes) {
+    try {
+      const AxisBank bank(axes, std::chrono::milliseconds(1));
+    } catch (const std::invalid_argument& refusal) {
+      return std::string(refusal.what());
+    }
+    return std::string("accepted");
+  };
+  AxisConfiguration bad;
+  bad.parameters = {{{0x6098, 0}, 36}};
+  const std::string refused = "initial value 36 of homing_method (6098h) is refused";
+  EXPECT_EQ(refusal_of({bad}), refused);
+  EXPECT_EQ(refusal_of({AxisConfiguration{}, bad}), "axis 1: " + refused);
 }
 
 TEST(Registers, ReadBackWritesAtOnceAndComputedObjectsOfTheLastTick) {

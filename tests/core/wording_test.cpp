@@ -33,5 +33,17 @@ TEST(Suggestion, IsTheNearestNameWithinTheAllowedDistance) {
   EXPECT_EQ(suggestion(std::string(100'000, 'a'), {"halt"}), "");
 }
 
+TEST(PrefixedLines, SayOfEachLineWhoseItIs) {
+  EXPECT_EQ(prefixed_lines("vdrived: ", "one"), "vdrived: one");
+  EXPECT_EQ(prefixed_lines("vdrived: ", "one\ntwo"), "vdrived: one\nvdrived: two");
+}
+
+TEST(RefusalOfAChoice, NamesTheWordsAndTheNearestOne) {
+  EXPECT_EQ(refusal_of_choice("dds", {"local", "dds"}), "");
+  EXPECT_EQ(refusal_of_choice("air", {"local", "dds"}), "air not in {local,dds}");
+  EXPECT_EQ(refusal_of_choice("locl", {"local", "dds"}),
+            "locl not in {local,dds} (did you mean 'local'?)");
+}
+
 }  // namespace
 }  // namespace vdrive

@@ -231,7 +231,7 @@ def test_bad_arguments_are_refused():
     ((2,), {"model": [{}]}, "a sequence of 2 dicts"),
     ((2,), {"model": 3}, "a sequence of 2 dicts"),
     ((1,), {"model": {"backlash": "much"}}, "backlash is a number, in rad"),
-    ((1,), {"parameters": {"607Ah": RANGE + 1}}, "axis 0: initial value 2147483648 .*607Ah"),
+    ((1,), {"parameters": {"607Ah": RANGE + 1}}, "^initial value 2147483648 .*607Ah"),
 ])
 def test_a_bank_that_cannot_be_made_says_what_where_and_the_limit(arguments, options, reason):
     with pytest.raises(vdrive.ConfigurationError, match=reason):

@@ -234,8 +234,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "bench.yaml:1: network.security: must be a single value"},
         Refused{"not_yaml", "bench: [1\nclock: 3", "bench.yaml:2: "},
         Refused{"not_a_map", "hello", "bench.yaml:1: "},
-        Refused{"unknown_section", "\nbunch: {number: 1}",
-                "bench.yaml:2: bunch: unknown key; known here: bench, clock, status"},
+        Refused{
+            "unknown_section", "\nbunch: {number: 1}",
+            "bench.yaml:2: bunch: unknown key (did you mean 'bench'?); known here: bench, clock, "
+            "status"},
         Refused{"unknown_key", "clock:\n  speed: 3",
                 "bench.yaml:2: clock.speed: unknown key; known here: mode, period_us"},
         Refused{"interface", "network:\n  interfaces: [eth0]",
@@ -318,6 +320,28 @@ INSTANTIATE_TEST_SUITE_P(
                 "axes:\n  - number: 1\n    parameters: {profile_velocity: -1}",
                 "bench.yaml:3: axes[0].parameters.profile_velocity = -1: must be a whole number "
                 "from 0 to 4294967295 VelUU"},
+        Refused{"parameter_without_a_meaning",
+                "axes:\n  - number: 7\n    parameters:\n      homing_method: 36",
+                "bench.yaml:4: axes[0].parameters.homing_method = 36: must be 0, 1, 2, 17, 18, 33, "
+                "34, 35 or 37"},
+        Refused{"option_code_without_a_meaning",
+                "axes:\n  - number: 7\n    parameters:\n      0x60F2: 3",
+                "bench.yaml:4: axes[0].parameters.0x60F2 = 3: must be 0, 1 or 2"},
+        Refused{"parameter_with_few_values",
+                "axes:\n  - number: 1\n    parameters: {halt_option_code: 5}",
+                "bench.yaml:3: axes[0].parameters.halt_option_code = 5: must be 1 to 4"},
+        Refused{"mistyped_object", "axes:\n  - number: 1\n    parameters: {profil_velocity: 1}",
+                "bench.yaml:3: axes[0].parameters.profil_velocity = 1: no such object (did you "
+                "mean 'profile_velocity'?); write its variable_name"},
+        Refused{"wrong_subindex", "axes:\n  - number: 1\n    parameters: {\"0x607D:3\": 1}",
+                "bench.yaml:3: axes[0].parameters.0x607D:3 = 1: no such object: 607Dh has the "
+                "sub-indices 1 and 2"},
+        Refused{"mistyped_mode", "clock: {mode: realtme}",
+                "bench.yaml:1: clock.mode = realtme: must be one of realtime, lockstep, freerun "
+                "(did you mean 'realtime'?)"},
+        Refused{"mistyped_key_of_the_model", "axes:\n  - number: 1\n    model: {motor_inertai: 1}",
+                "bench.yaml:3: axes[0].model.motor_inertai: unknown key (did you mean "
+                "'motor_inertia'?); known here: coupling, "},
         Refused{"parameter_twice",
                 "axes:\n  - number: 1\n    parameters:\n      profile_velocity: 1\n"
                 "      \"0x6081\": 2",
@@ -339,6 +363,47 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& row) {
       return row.param.name;
     });
+
+// A mistake does not hide those behind it; what can only be judged without a mistake, such as the
+// number that axis 2 lacks, is not judged.
+TEST(Configuration, IsRefusedWithEachMistakeInItsLine) {
+  EXPECT_EQ(refusal_of("bench: {number: 0}\n"
+                       "clock:\n"
+                       "  mode: warp\n"
+                       "  speed: 3\n"
+                       "  period_us: 7\n"
+                       "axes:\n"
+                       "  - number: 1\n"
+                       "    parameters:\n"
+                       "      profile_velocity: -1\n"
+                       "      homing_method: 36\n"
+                       "  - number: 70000\n"
+                       "  - number: 3\n"
+                       "    model:\n"
+                       "      backlash: 99\n"
+                       "      motor_inertia: 0\n"),
+            "bench.yaml:1: bench.number = 0: must be a whole number from 1 to 65535\n"
+            "bench.yaml:3: clock.mode = warp: must be one of realtime, lockstep, freerun\n"
+            "bench.yaml:4: clock.speed: unknown key; known here: mode, period_us, rate, "
+            "clock_step, threads, realtime_priority\n"
+            "bench.yaml:5: clock.period_us = 7: must be a whole number from 125 to 10000 us\n"
+            "bench.yaml:9: axes[0].parameters.profile_velocity = -1: must be a whole number from 0 "
+            "to 4294967295 VelUU\n"
+            "bench.yaml:10: axes[0].parameters.homing_method = 36: must be 0, 1, 2, 17, 18, 33, "
+            "34, 35 or 37\n"
+            "bench.yaml:11: axes[1].number = 70000: must be a whole number from 1 to 65535\n"
+            "bench.yaml:14: axes[2].model.backlash = 99: must be from 0 to 6.3 rad\n"
+            "bench.yaml:15: axes[2].model.motor_inertia = 0: must be from 1e-08 to 10000 kg.m2");
+}
+
+// A file of 4 MiB has room for a million of them.
+TEST(Configuration, IsRefusedWithAHundredMistakesAtMost) {
+  std::string text = "axes:\n";
+  for (int axis = 0; axis < 150; ++axis) text += "  - {number: 0, name: 1}\n";
+  const std::string refusal = refusal_of(text);
+  EXPECT_EQ(std::ranges::count(refusal, '\n'), 100);
+  EXPECT_TRUE(refusal.ends_with("\nreading ended after 100 mistakes")) << refusal;
+}
 
 // 48 characters from the front and 16 from the end are shown of 64.
 TEST(Configuration, IsRefusedWithALongValueShortened) {

@@ -260,8 +260,30 @@ TEST(ServiceProcess, ShowsABadValueEscapedAndShortened) {
 TEST(ServiceProcess, NamesTheFirstUnknownOption) {
   Process service({"--axis", "3", "--verbose"});
   EXPECT_EQ(service.wait(), 2);
-  EXPECT_NE(service.text().find("vdrived: '--axis' is not an option"), std::string::npos)
+  EXPECT_NE(service.text().find("vdrived: '--axis' is not an option (did you mean '--axes'?)"),
+            std::string::npos)
       << service.text();
+}
+
+TEST(ServiceProcess, SaysHowAConfigurationIsNamed) {
+  Process service({"c0.yaml"});
+  EXPECT_EQ(service.wait(), 2);
+  EXPECT_NE(service.text().find("vdrived: 'c0.yaml' is not an option; a configuration is named by "
+                                "--config: vdrived --config c0.yaml\n"),
+            std::string::npos)
+      << service.text();
+  Process two({"--check", "c0.yaml", "c1.yaml"});
+  EXPECT_EQ(two.wait(), 2);
+  EXPECT_NE(two.text().find("'c1.yaml' is one argument too many"), std::string::npos) << two.text();
+}
+
+TEST(ServiceProcess, SuggestsTheNearestValueOfAnOption) {
+  Process clock({"--clock", "lockstp"});
+  EXPECT_EQ(clock.wait(), 2);
+  EXPECT_NE(clock.text().find("(did you mean 'lockstep'?)"), std::string::npos) << clock.text();
+  Process level({"--log-level", "debg"});
+  EXPECT_EQ(level.wait(), 2);
+  EXPECT_NE(level.text().find("(did you mean 'debug'?)"), std::string::npos) << level.text();
 }
 
 // A replay takes its threads from the command line: it ended with 1 where they were out of range.
@@ -304,6 +326,17 @@ TEST_F(ConfigurationFile, IsCheckedWithoutAStartOfTheService) {
   EXPECT_EQ(bad.wait(), 1);
   EXPECT_NE(bad.text().find(file_.string() + ":2: clock.period_us = 7: must be"), std::string::npos)
       << bad.text();
+}
+
+TEST_F(ConfigurationFile, IsCheckedToItsEnd) {
+  write("bench: {number: 0}\nclock: {period_us: 7}\n");
+  Process bad({"--check", file_.string()});
+  EXPECT_EQ(bad.wait(), 1);
+  for (const char* const place :
+       {":1: bench.number = 0: must be", ":2: clock.period_us = 7: must"}) {
+    EXPECT_NE(bad.text().find("vdrived: " + file_.string() + place), std::string::npos)
+        << bad.text();
+  }
 }
 
 TEST_F(ConfigurationFile, CanBeAPrintedConfiguration) {

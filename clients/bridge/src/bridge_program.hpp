@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
+
 #include <CLI/CLI.hpp>
 
 #include <cerrno>
 #include <exception>
 #include <iostream>
+#include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 namespace vdrive::bridge {
 
@@ -17,6 +22,23 @@ namespace vdrive::bridge {
 inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
 inline constexpr int kUsage = 2;
+
+/// @return the names of the options that its help shows, such as "--port".
+[[nodiscard]] inline std::vector<std::string> names_of_options(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* const option : app.get_options()) {
+    if (option->get_group().empty()) continue;
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+/// @return what is wrong with an argument that no option takes.
+[[nodiscard]] inline std::string unexpected_text(const CLI::App& app, const std::string& argument) {
+  if (!argument.starts_with('-')) return in_quotes(argument) + " is one argument too many";
+  const std::string name = argument.substr(0, argument.find('='));
+  return in_quotes(name) + " is not an option" + suggestion(name, names_of_options(app));
+}
 
 /// An answer that nobody has got is an error. Flushes: quick_exit() does not.
 /// @return kDone, or kFailed after a report when standard output could not be written.
@@ -35,11 +57,15 @@ template <typename BadArguments, typename Work>
 [[nodiscard]] int run_program(CLI::App& app, int argument_count, const char* const* argument_list,
                               const Work& work) {
   const auto report = [&app](const std::exception& error) {
-    std::cerr << app.get_name() << ": " << error.what() << '\n';
+    std::cerr << prefixed_lines(app.get_name() + ": ", error.what()) << '\n';
   };
   try {
     app.parse(argument_count, argument_list);
     return work();
+  } catch (const CLI::ExtrasError&) {
+    std::cerr << app.get_name() << ": " << unexpected_text(app, app.remaining().front())
+              << "\nRun with --help for more information.\n";
+    return kUsage;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? conclude_output(app.get_name()) : kUsage;
   } catch (const BadArguments& error) {

@@ -12,6 +12,7 @@
 #include "vdrive/number_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <pybind11/numpy.h>
 
@@ -411,11 +412,12 @@ void set_number(AxisModel& model, const std::string& key, const py::handle& valu
       raise_configuration_error("model: " + key + " is a number, in " + std::string(row->unit));
     }
   }
-  std::string known = "coupling, feedback";
-  for (const ModelParameter& parameter : kModelParameters) {
-    known += ", " + std::string(parameter.name);
-  }
-  raise_configuration_error("model: unknown key " + in_quotes(key) + ", known are " + known);
+  std::vector<std::string> names{"coupling", "feedback"};
+  for (const ModelParameter& parameter : kModelParameters) names.emplace_back(parameter.name);
+  std::string known;
+  for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
+  raise_configuration_error("model: unknown key " + in_quotes(key) + suggestion(key, names) +
+                            ", known are " + known);
 }
 
 AxisModel model_of(const py::dict& keys) {

@@ -3,6 +3,7 @@
 
 #include "values/value.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/wording.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -27,7 +28,11 @@ Argument& Argument::excludes(const Argument& other) {
 }
 
 Argument& Argument::one_of(std::vector<std::string> words) {
-  option_.check(CLI::IsMember(words));
+  option_.check(CLI::Validator(
+      [words](const std::string& text) {
+        return refusal_of_choice(text, words);
+      },
+      choice_of(words)));
   return completed_by(complete_one_of(std::move(words)));
 }
 

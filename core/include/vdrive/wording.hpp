@@ -23,4 +23,15 @@ namespace vdrive {
 [[nodiscard]] std::string suggestion(std::string_view text,
                                      const std::vector<std::string>& candidates);
 
+/// @return `text` with `prefix` before each of its lines: a program says so which lines are its own.
+[[nodiscard]] std::string prefixed_lines(std::string_view prefix, std::string_view text);
+
+/// @return "{a,b}", how a help shows that a value is one of these words.
+[[nodiscard]] std::string choice_of(const std::vector<std::string>& words);
+
+/// @return why `text` is refused where it has to be one of these words, such as "air not in
+///         {local,dds}", with the nearest word; empty where it is one of them.
+[[nodiscard]] std::string refusal_of_choice(std::string_view text,
+                                            const std::vector<std::string>& words);
+
 }  // namespace vdrive

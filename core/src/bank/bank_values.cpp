@@ -15,9 +15,11 @@ using namespace vdrive::literals;
 
 namespace {
 
-[[noreturn]] void refuse(std::size_t axis, const char* kind, const InitialValue& refused) {
-  throw std::invalid_argument("axis " + std::to_string(axis) + ": " + kind + " value " +
-                              std::to_string(refused.value) + " of " +
+/// @param axes of the bank: the only one has no number that its user knows
+[[noreturn]] void refuse(std::size_t axis, std::size_t axes, const char* kind,
+                         const InitialValue& refused) {
+  const std::string place = axes == 1 ? "" : "axis " + std::to_string(axis) + ": ";
+  throw std::invalid_argument(place + kind + " value " + std::to_string(refused.value) + " of " +
                               object_text(refused.address) + " is refused");
 }
 
@@ -37,7 +39,7 @@ void AxisBank::State::start_axis(std::size_t axis) {
   fill_memory(axis);
   power_up(drive, true);
   if (const InitialValue* const refused = set_initial_values(axis)) {
-    refuse(axis, "initial", *refused);
+    refuse(axis, configurations.size(), "initial", *refused);
   }
   show(drive);
 }
@@ -45,7 +47,7 @@ void AxisBank::State::start_axis(std::size_t axis) {
 void AxisBank::State::fill_memory(std::size_t axis) {
   for (const InitialValue& stored : configurations[axis].stored) {
     if (memories[axis].keep(stored.address, stored.value) != AbortCode::none) {
-      refuse(axis, "stored", stored);
+      refuse(axis, configurations.size(), "stored", stored);
     }
   }
   drive(axis).registers().memory_error = configurations[axis].memory_error;

@@ -3,11 +3,13 @@
 #include "configuration/axis_units.hpp"
 #include "configuration/configuration_keys.hpp"
 #include "configuration/mechanics.hpp"
+#include "settings/configuration_error.hpp"
 #include "settings/unit_settings.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"
+#include "vdrive/wording.hpp"
 
 #include <array>
 #include <limits>
@@ -97,9 +99,13 @@ void read_model(const YamlValue& value, AxisModel& model) {
     }
   });
   // The limits depend on the coupling, which may stand below the numbers.
+  settings::Mistakes mistakes;
   for (const auto& [parameter, entry] : numbers) {
-    if (const auto limits = limits_broken(model, *parameter)) entry.refuse(*limits);
+    mistakes.collect([&] {
+      if (const auto limits = limits_broken(model, *parameter)) entry.refuse(*limits);
+    });
   }
+  mistakes.throw_if_any();
 }
 
 void write_model(YAML::Emitter& out, const AxisModel& model) {
@@ -126,9 +132,28 @@ void describe_model(const std::string& prefix, std::vector<ConfigurationKey>& ke
 // ---- parameters --------------------------------------------------------------------------------
 
 /// @return the row that `key` names: a variable_name, the standard's name or an address.
-std::optional<ObjectRow> find_row(const std::string& key) {
+ObjectRow row_named(const std::string& key, const YamlValue& value) {
   const auto object = parse_object(key);
-  return object ? find_object(*object) : std::nullopt;
+  const auto row = object ? find_object(*object) : std::nullopt;
+  if (row) return *row;
+  const std::string advice = object ? advice_on(*object, check_address(*object)) : "";
+  if (!advice.empty()) value.refuse("no such object: " + advice);
+  const std::string address = address_suggestion(key);
+  value.refuse("no such object" +
+               (address.empty() ? suggestion(key, names_of_objects()) : address) +
+               R"(; write its variable_name, "0x6081" or "0x607D:1")");
+}
+
+/// By the rules that the drive has for a write: what it refuses is refused here, with its line.
+std::int64_t read_object_value(const YamlValue& value, ObjectRow row) {
+  const ObjectDescription& object = describe(row);
+  const auto number = parse_integer(value.text());
+  const AbortCode code = number ? check_object_value(row, *number) : AbortCode::none;
+  if (number && code == AbortCode::none) return *number;
+  if (code == AbortCode::write_of_read_only_object) value.refuse(std::string(describe(code)));
+  if (number && !few_values(row).empty()) value.refuse("must be " + values_text(row));
+  const std::string units = object.units == "-" ? std::string() : english_units(object);
+  return value.integer({object.lower_limit, object.upper_limit, units});
 }
 
 /// A value of `parameters`, and where it stands.
@@ -164,14 +189,13 @@ void check_is_parameter(const ObjectDescription& object, const YamlValue& value)
                "inputs, such as test_load_torque");
 }
 
-/// @return [units of the object] a number within its limits; positions, speeds and ramps may have a
-///         unit of the axis.
-std::int64_t read_value(const ObjectDescription& object, ObjectRow row, const YamlValue& value,
-                        const Unit& unit) {
-  const std::string units = object.units == "-" ? std::string() : english_units(object);
-  const settings::IntegerLimits limits{object.lower_limit, object.upper_limit, units};
+/// @return [units of the object] a value that the object takes; a position, a speed or a ramp may
+///         have a unit of the axis.
+std::int64_t read_value(const YamlValue& value, ObjectRow row, const Unit& unit) {
   const auto dimension = dimension_of(row);
-  return dimension ? read_user_units(value, *dimension, unit, limits) : value.integer(limits);
+  if (!dimension || parse_integer(value.text())) return read_object_value(value, row);
+  const ObjectDescription& object = describe(row);
+  return read_user_units(value, *dimension, unit, {object.lower_limit, object.upper_limit, ""});
 }
 
 /// What `mechanics` decides stands there, or is the same in both places.
@@ -189,17 +213,10 @@ void read_parameters(const YamlValue& value, NamedAxis& axis) {
   const std::vector<InitialValue> decided = parameters;
   std::map<ObjectAddress, PlacedValue> values;
   value.for_each_entry({}, [&](const auto& key, const YamlValue& entry) {
-    const auto row = find_row(key);
-    if (!row) {
-      entry.refuse("no such object" + address_suggestion(key) +
-                   R"(; write its variable_name, "0x6081" or "0x607D:1")");
-    }
-    const ObjectDescription& object = describe(*row);
+    const ObjectRow row = row_named(key, entry);
+    const ObjectDescription& object = describe(row);
     check_is_parameter(object, entry);
-    const std::int64_t number = read_value(object, *row, entry, axis.unit);
-    if (const AbortCode code = check_write(*row, number); code != AbortCode::none) {
-      entry.refuse(std::string(describe(code)));
-    }
+    const std::int64_t number = read_value(entry, row, axis.unit);
     const auto [first, is_first] = values.emplace(object.address, PlacedValue{number, entry});
     if (!is_first) {
       entry.refuse("the same object, " + address_text(object.address) + ", has the value " +

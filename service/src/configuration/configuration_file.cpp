@@ -2,6 +2,7 @@
 #include "configuration/configuration_file.hpp"
 
 #include "configuration/configuration_keys.hpp"
+#include "settings/configuration_error.hpp"
 #include "settings/yaml_reader.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/text.hpp"
@@ -16,20 +17,31 @@ namespace {
 
 /// The bank knows rules that no single value shows: it tries each axis alone.
 void try_axes(const ParsedAxes& parsed, std::chrono::microseconds period) {
+  settings::Mistakes mistakes;
   for (const auto& axis : parsed.axes) {
-    try {
-      const AxisBank bank(std::span(&axis.configuration, 1), period);
-    } catch (const std::invalid_argument& refusal) {
-      parsed.places.at(axis.number)
-          .refuse("axis " + std::to_string(axis.number) + ": " + refusal.what());
-    }
+    mistakes.collect([&] {
+      try {
+        const AxisBank bank(std::span(&axis.configuration, 1), period);
+      } catch (const std::invalid_argument& refusal) {
+        parsed.places.at(axis.number)
+            .refuse("axis " + std::to_string(axis.number) + ": " + refusal.what());
+      }
+    });
   }
+  mistakes.throw_if_any();
 }
 
 Configuration read_configuration(const YamlValue& root) {
   ParsedConfiguration parsed{.configuration = demo_configuration(), .axes = {}};
-  read_section(root, configuration_rows(), parsed);
-  try_axes(parsed.axes, parsed.configuration.period);
+  settings::Mistakes mistakes;
+  mistakes.collect([&] {
+    read_section(root, configuration_rows(), parsed);
+  });
+  // There are axes where their section has no mistake, whatever another section has.
+  mistakes.collect([&] {
+    try_axes(parsed.axes, parsed.configuration.period);
+  });
+  mistakes.throw_if_any();
   if (!parsed.axes.axes.empty()) parsed.configuration.axes = std::move(parsed.axes.axes);
   return std::move(parsed.configuration);
 }

@@ -154,7 +154,7 @@ ParsedAxes read_axes(const YamlValue& value) {
     if (!names.insert(axis.name).second) {
       element.refuse("axis name " + escaped(axis.name) + " appears twice");
     }
-    if (parsed.axes.size() > kMaxAxes) {
+    if (parsed.axes.size() == kMaxAxes + 1) {
       element.refuse("a bench can have at most " + std::to_string(kMaxAxes) + " axes");
     }
   });

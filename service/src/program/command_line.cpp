@@ -20,6 +20,7 @@
 #include "vdrive/wire/library_log.hpp"
 #include "vdrive/wire/ports.hpp"
 #include "vdrive/wire/security.hpp"
+#include "vdrive/wording.hpp"
 #include "wire/confinement.hpp"
 #include "wire/library_log_sink.hpp"
 #include "wire/wire_process.hpp"
@@ -41,9 +42,11 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace vdrive::service {
 namespace {
@@ -88,6 +91,14 @@ struct Arguments {
 /// @return such as "1 to 64".
 std::string range(double lowest, double highest) {
   return to_text(lowest) + " to " + to_text(highest);
+}
+
+CLI::Validator one_of(std::vector<std::string> words) {
+  std::string choice = choice_of(words);
+  return {[words = std::move(words)](const std::string& text) {
+            return refusal_of_choice(text, words);
+          },
+          std::move(choice)};
 }
 
 void declare(CLI::App& app, Arguments& arguments) {
@@ -142,19 +153,22 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "Where DDS runs: in a separate process, which the service restarts when it ends, "
                  "or in threads of the service; default: process in realtime, in the closed mode "
                  "and with an interface other than loopback, thread otherwise")
-      ->check(CLI::IsMember({"process", "thread"}))
+      ->check(one_of({"process", "thread"}))
       ->type_name("FORM");
   app.add_option("--wire-process", arguments.wire_process)->group("");  // the service starts it so
   app.add_flag("--without-guard", arguments.without_guard)->group("");  // for tests of what follows
   app.add_option("--log-level", arguments.log_level, "What to log on standard error")
-      ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
+      ->check(one_of({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
 }
 
 ClockMode clock_named(const std::string& name) {
   if (const auto mode = clock_mode_named(name)) return *mode;
+  std::vector<std::string> names;
+  for (const ClockMode mode : kClockModes) names.emplace_back(to_string(mode));
   throw ConfigurationError("--clock " + in_quotes(name) +
-                           ": must be one of realtime, lockstep, freerun");
+                           ": must be one of realtime, lockstep, freerun" +
+                           suggestion(name, names));
 }
 
 void override(Configuration& configuration, const Arguments& arguments) {
@@ -383,6 +397,31 @@ int carry_out(const Arguments& arguments) {
   return serve(configuration, arguments);
 }
 
+void complain(std::string_view message) {
+  std::cerr << prefixed_lines("vdrived: ", message) << '\n';
+}
+
+/// @return what is wrong with an argument that no option takes.
+std::string unexpected_text(const CLI::App& app, const std::string& argument) {
+  if (!argument.starts_with('-')) {
+    const bool has_file = app.count("--config") != 0 || app.count("--check") != 0;
+    if (has_file) return in_quotes(argument) + " is one argument too many";
+    return in_quotes(argument) +
+           " is not an option; a configuration is named by --config: vdrived "
+           "--config " +
+           escaped(argument);
+  }
+  const std::string name = argument.substr(0, argument.find('='));
+  std::vector<std::string> known;
+  for (const CLI::Option* const option : app.get_options()) {
+    const bool is_hidden = option->get_group().empty();
+    for (const std::string& each : option->get_lnames()) {
+      if (!is_hidden) known.push_back("--" + each);
+    }
+  }
+  return in_quotes(name) + " is not an option" + suggestion(name, known);
+}
+
 /// Parses the command line, carries it out and reports what went wrong. @return the exit code
 int parse_and_carry_out(int argument_count, const char* const* arguments) {
   CLI::App app{"vdrived: a bench of virtual CiA 402 servo drives on DDS", "vdrived"};
@@ -391,9 +430,8 @@ int parse_and_carry_out(int argument_count, const char* const* arguments) {
   try {
     app.parse(argument_count, arguments);
   } catch (const CLI::ExtrasError&) {
-    // CLI11 lists them from the last to the first.
-    std::cerr << "vdrived: " << in_quotes(app.remaining().front())
-              << " is not an option\nRun with --help for more information.\n";
+    complain(unexpected_text(app, app.remaining().front()));
+    std::cerr << "Run with --help for more information.\n";
     return kUsage;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) {  // help, version
@@ -410,16 +448,16 @@ int parse_and_carry_out(int argument_count, const char* const* arguments) {
     refuse_empty_values(app);
     return carry_out(given);
   } catch (const BenchNumberTaken& taken) {
-    std::cerr << "vdrived: " << taken.what() << '\n';
+    complain(taken.what());
     return kNumberTaken;
   } catch (const JournalError& error) {
-    std::cerr << "vdrived: " << error.what() << '\n';
+    complain(error.what());
     return kUsage;
   } catch (const BadArguments& error) {
-    std::cerr << "vdrived: " << error.what() << '\n';
+    complain(error.what());
     return kUsage;
   } catch (const std::exception& error) {
-    std::cerr << "vdrived: " << error.what() << '\n';
+    complain(error.what());
     return kFailed;
   }
 }

@@ -1,15 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace vdrive::settings {
 
-/// A configuration cannot be used. The message names file, line, key, value, unit and limit where
-/// they apply.
+/// A configuration cannot be used. The message has a line for each mistake, which names file, line,
+/// key, value, unit and limit where they apply.
 class ConfigurationError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit ConfigurationError(const std::string& mistake);
+
+  /// @param mistakes at least one
+  explicit ConfigurationError(std::vector<std::string> mistakes);
+
+  /// @return the lines of the message.
+  [[nodiscard]] const std::vector<std::string>& mistakes() const noexcept { return *mistakes_; }
+
+ private:
+  /// Shared: a copy of an exception must not throw.
+  std::shared_ptr<const std::vector<std::string>> mistakes_;
+};
+
+/// The mistakes of a file, in the order in which reading finds them.
+class Mistakes {
+ public:
+  /// No person reads more of them, and a long file could have millions.
+  static constexpr std::size_t kMost = 100;
+
+  /// Reads a part of the file. Its ConfigurationError is kept: what stands behind the part is read,
+  /// too. After kMost mistakes nothing more is read.
+  template <typename Read>
+  void collect(const Read& read) {
+    if (texts_.size() >= kMost) {
+      is_cut_ = true;
+      return;
+    }
+    try {
+      read();
+    } catch (const ConfigurationError& error) {
+      texts_.insert(texts_.end(), error.mistakes().begin(), error.mistakes().end());
+    }
+  }
+
+  /// @throws ConfigurationError with every mistake, when there is one.
+  void throw_if_any() const;
+
+ private:
+  std::vector<std::string> texts_;
+  bool is_cut_ = false;
 };
 
 }  // namespace vdrive::settings

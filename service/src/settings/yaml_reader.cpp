@@ -5,6 +5,7 @@
 #include "vdrive/assert.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <yaml-cpp/eventhandler.h>
 
@@ -222,23 +223,32 @@ void YamlValue::for_each_entry(
     const std::function<void(const std::string&, const YamlValue&)>& visit) const {
   if (!node_.IsMap()) refuse("must be a map of keys and values");
   std::set<std::string> seen;
+  Mistakes mistakes;
   for (const auto& entry : node_) {
-    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
-    const std::string path = path_.empty() ? key : path_ + "." + key;
-    const YamlValue name(entry.first, file_, path);
-    if (!known.empty() && std::ranges::find(known, key) == known.end()) {
-      name.refuse("unknown key; known here: " + joined(known));
-    }
-    if (!seen.insert(key).second) name.refuse("the key appears twice");
-    visit(key, YamlValue(entry.second, file_, path));
+    mistakes.collect([&] {
+      const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
+      const std::string path = path_.empty() ? key : path_ + "." + key;
+      const YamlValue name(entry.first, file_, path);
+      if (!known.empty() && std::ranges::find(known, key) == known.end()) {
+        name.refuse("unknown key" + suggestion(key, {known.begin(), known.end()}) +
+                    "; known here: " + joined(known));
+      }
+      if (!seen.insert(key).second) name.refuse("the key appears twice");
+      visit(key, YamlValue(entry.second, file_, path));
+    });
   }
+  mistakes.throw_if_any();
 }
 
 void YamlValue::for_each_element(const std::function<void(const YamlValue&)>& visit) const {
   if (!node_.IsSequence()) refuse("must be a list");
+  Mistakes mistakes;
   for (std::size_t position = 0; position < node_.size(); ++position) {
-    visit(YamlValue(node_[position], file_, path_ + "[" + std::to_string(position) + "]"));
+    mistakes.collect([&] {
+      visit(YamlValue(node_[position], file_, path_ + "[" + std::to_string(position) + "]"));
+    });
   }
+  mistakes.throw_if_any();
 }
 
 std::int64_t YamlValue::integer(const IntegerLimits& limits) const {
@@ -279,7 +289,10 @@ std::string YamlValue::text() const {
 std::size_t YamlValue::choice(std::initializer_list<std::string_view> choices) const {
   const std::string value = text();
   const auto* const found = std::ranges::find(choices, value);
-  if (found == choices.end()) refuse("must be one of " + joined({choices.begin(), choices.end()}));
+  if (found == choices.end()) {
+    refuse("must be one of " + joined({choices.begin(), choices.end()}) +
+           suggestion(value, {choices.begin(), choices.end()}));
+  }
   return static_cast<std::size_t>(found - choices.begin());
 }
 

@@ -53,9 +53,10 @@ class YamlValue {
   YamlValue(const YAML::Node& node, std::string file, std::string path)
       : node_(node), file_(std::move(file)), path_(std::move(path)) {}
 
-  /// Calls `visit(key, value)` for each entry of a map.
-  /// @throws ConfigurationError when this is not a map, when a key is not in `known` (empty = any
-  ///         key), or when a key is repeated.
+  /// Calls `visit(key, value)` for each entry of a map, also behind an entry with a mistake.
+  /// @throws ConfigurationError when this is not a map; at the end, with the mistakes of all
+  ///         entries: a key that is not in `known` (empty = any key) or is repeated, and what
+  ///         `visit` throws.
   void for_each_entry(std::span<const std::string_view> known,
                       const std::function<void(const std::string&, const YamlValue&)>& visit) const;
 
@@ -69,8 +70,8 @@ class YamlValue {
   /// @throws ConfigurationError as for_each_entry(); `rows` has the known keys.
   void take_keys(std::initializer_list<KeyRow> rows) const;
 
-  /// Calls `visit(value)` for each element of a list.
-  /// @throws ConfigurationError when this is no list.
+  /// Calls `visit(value)` for each element of a list, also behind an element with a mistake.
+  /// @throws ConfigurationError when this is no list; at the end, what `visit` has thrown.
   void for_each_element(const std::function<void(const YamlValue&)>& visit) const;
 
   /// @throws ConfigurationError when this is no whole number (decimal or 0x...) within the limits.
