@@ -7,38 +7,38 @@ namespace vdrive::tool {
 
 // Each is defined in the file of its command: commands/move.cpp has kMove.
 extern const CommandRow kList;
+extern const CommandRow kStatus;
+extern const CommandRow kWatch;
+extern const CommandRow kEvents;
 extern const CommandRow kEnable;
 extern const CommandRow kDisable;
-extern const CommandRow kHalt;
-extern const CommandRow kResume;
-extern const CommandRow kQuickStop;
 extern const CommandRow kReset;
-extern const CommandRow kPowerCycle;
-extern const CommandRow kStore;
-extern const CommandRow kRestore;
+extern const CommandRow kQuickStop;
 extern const CommandRow kStop;
-extern const CommandRow kStatus;
+extern const CommandRow kPowerCycle;
 extern const CommandRow kMove;
 extern const CommandRow kHome;
 extern const CommandRow kVelocity;
 extern const CommandRow kTorque;
+extern const CommandRow kJog;
+extern const CommandRow kHalt;
+extern const CommandRow kResume;
 extern const CommandRow kRead;
 extern const CommandRow kWrite;
-extern const CommandRow kDisturb;
 extern const CommandRow kDictionary;
+extern const CommandRow kStore;
+extern const CommandRow kRestore;
+extern const CommandRow kDisturb;
 extern const CommandRow kStep;
-extern const CommandRow kSnapshot;
 extern const CommandRow kRate;
+extern const CommandRow kSnapshot;
+extern const CommandRow kRun;
+extern const CommandRow kTest;
 extern const CommandRow kExpect;
 extern const CommandRow kWait;
-extern const CommandRow kWatch;
-extern const CommandRow kEvents;
-extern const CommandRow kRecord;
-extern const CommandRow kRun;
-extern const CommandRow kJog;
-extern const CommandRow kConvert;
-extern const CommandRow kTest;
 extern const CommandRow kShell;
+extern const CommandRow kRecord;
+extern const CommandRow kConvert;
 extern const CommandRow kDoctor;
 extern const CommandRow kBench;
 extern const CommandRow kCompletion;
@@ -46,11 +46,11 @@ extern const CommandRow kCompletion;
 namespace {
 
 constexpr std::array kCommands{
-    &kList,  &kEnable,  &kDisable, &kHalt,       &kResume, &kQuickStop, &kReset,    &kPowerCycle,
-    &kStore, &kRestore, &kStop,    &kStatus,     &kMove,   &kHome,      &kVelocity, &kTorque,
-    &kRead,  &kWrite,   &kDisturb, &kDictionary, &kStep,   &kSnapshot,  &kRate,     &kExpect,
-    &kWait,  &kWatch,   &kEvents,  &kRecord,     &kRun,    &kJog,       &kConvert,  &kTest,
-    &kShell, &kDoctor,  &kBench,   &kCompletion};
+    &kList,    &kStatus,     &kWatch, &kEvents,     &kEnable,   &kDisable, &kReset,   &kQuickStop,
+    &kStop,    &kPowerCycle, &kMove,  &kHome,       &kVelocity, &kTorque,  &kJog,     &kHalt,
+    &kResume,  &kRead,       &kWrite, &kDictionary, &kStore,    &kRestore, &kDisturb, &kStep,
+    &kRate,    &kSnapshot,   &kRun,   &kTest,       &kExpect,   &kWait,    &kShell,   &kRecord,
+    &kConvert, &kDoctor,     &kBench, &kCompletion};
 
 }  // namespace
 

@@ -175,7 +175,9 @@ for page in man1/vdrive.1.gz man8/vdrived.8.gz man8/vdrive-gateway.8.gz man8/vdr
   text=$(LC_ALL=C.UTF-8 MANWIDTH=200 man --warnings --local-file "$unpacked/usr/share/man/$page" 2>"$work/warnings" | col -b)
   [[ ! -s $work/warnings ]] || fail "$page: $(cat "$work/warnings")"
   program=$unpacked/usr/bin/$(basename "${page%.?.gz}")
-  words=$("$program" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z-]*\) .*/\1/p')
+  # Between the titles of the groups and the examples each line begins with a command.
+  words=$("$program" --help | sed -n '/^Benches and axes:/,/^Examples:/s/^  \([a-z][a-z-]*\) .*/\1/p')
+  [[ $program != */vdrive || -n $words ]] || fail "the help of vdrive lists no command"
   for word in $words; do
     grep -qw -- "$word" <<<"$text" || fail "$page does not know $word"
     for option in $(options_of "$program" "$word" --help); do

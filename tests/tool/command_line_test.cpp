@@ -24,11 +24,13 @@
 #include "commands/write.hpp"
 #include "csv_field.hpp"
 #include "execution/axis_action.hpp"
+#include "language/help.hpp"
 #include "language/scenario.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <sstream>
 
@@ -324,6 +326,23 @@ TEST(CommandTable, EachExampleIsReadAsItsCommand) {
       ASSERT_TRUE(command) << line;
       EXPECT_EQ(command->row, row) << line;
     }
+  }
+}
+
+// A group that stood in two parts would have its title before the first only.
+TEST(CommandTable, HasTheCommandsOfAGroupSideBySide) {
+  std::vector<CommandGroup> groups;
+  for (const CommandRow* const row : commands()) {
+    if (groups.empty() || groups.back() != row->face.group) groups.push_back(row->face.group);
+  }
+  std::vector<CommandGroup> sorted = groups;
+  std::ranges::sort(sorted);
+  EXPECT_EQ(std::ranges::adjacent_find(sorted), sorted.end());
+  const std::string help = parse("--help").text;
+  std::size_t place = 0;
+  for (const CommandGroup group : groups) {
+    place = help.find("\n" + std::string(title_of(group)) + ":\n", place);
+    ASSERT_NE(place, std::string::npos) << title_of(group);
   }
 }
 

@@ -3,6 +3,8 @@
 #include "convert.hpp"
 #include "support/temporary_directory.hpp"
 #include "tool/process.hpp"
+#include "tool/pseudo_terminal.hpp"
+#include "tool/screen.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -41,6 +43,26 @@ class McapRecordingOf {
   TemporaryDirectory directory_;
   RunningService service_;
 };
+
+/// @return what the tool has shown on a terminal until Ctrl-C or its own end ended it.
+std::string shown_of(const std::string& words, const std::string& awaited, int code) {
+  PseudoTerminal terminal(24, 100, words);
+  static_cast<void>(terminal.wait_until([&](const Screen& /*screen*/) {
+    return terminal.output().find(awaited) != std::string::npos;
+  }));
+  if (code == 130) terminal.interrupt();
+  EXPECT_EQ(terminal.wait(), code) << terminal.output();
+  return terminal.output();
+}
+
+TEST(RecordOnATerminal, SaysHowARecordingWithoutAnEndIsEnded) {
+  const McapRecordingOf bench("--clock realtime");
+  const std::string hint = "vdrive: recording; Ctrl-C ends it";
+  const std::string record = "record " + bench.file("a.csv") + " 1.1";
+  EXPECT_THAT(shown_of(record, hint, 130), AllOf(HasSubstr(hint), HasSubstr("recorded ")));
+  EXPECT_THAT(shown_of(record + " --count 5", "recorded 5 samples", 0), Not(HasSubstr(hint)));
+  EXPECT_THAT(shown_of(record + " --for 5ms", "recorded ", 0), Not(HasSubstr(hint)));
+}
 
 std::vector<std::string> lines_of(const std::string& path) {
   std::ifstream file(path);

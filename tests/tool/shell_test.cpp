@@ -42,9 +42,26 @@ TEST_F(Shell, ExecutesPipedLinesInOneSessionAndContinuesAfterErrors) {
 }
 
 TEST_F(Shell, AcceptsALastLineWithoutALineEnd) {
-  const Finished finished = call("shell", "help\nread 1.1 position");
-  EXPECT_EQ(finished.code, 2) << "help is no command";
+  const Finished finished = call("shell", "nothing\nread 1.1 position");
+  EXPECT_EQ(finished.code, 2);
+  EXPECT_THAT(finished.errors, HasSubstr("'nothing' is not a command; 'help' lists all commands"));
   EXPECT_THAT(finished.output, HasSubstr("1.1 position load_position_actual_value = 0"));
+}
+
+TEST_F(Shell, ShowsItsCommandsAndTheHelpOfOne) {
+  const Finished all = call("shell", "help\n");
+  EXPECT_EQ(all.code, 0) << all.errors;
+  EXPECT_THAT(all.output, AllOf(HasSubstr("'help COMMAND'"), HasSubstr("\nMotion:\n  move "),
+                                testing::Not(HasSubstr("\n  doctor "))))
+      << "doctor is no command of a shell";
+  const Finished one = call("shell", "help move\n");
+  EXPECT_EQ(one.code, 0) << one.errors;
+  EXPECT_THAT(one.output, HasSubstr("--acceleration"));
+  EXPECT_EQ(one.output, call("shell", "move --help\n").output);
+  const Finished unknown = call("shell", "help mvoe\nhelp move home\n");
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.errors, AllOf(HasSubstr("'mvoe' is not a command (did you mean 'move'?)"),
+                                    HasSubstr("'home' is one argument too many for 'help'")));
 }
 
 TEST_F(Shell, RefusesALineBeyondTheLimitAndContinues) {

@@ -96,6 +96,8 @@ TEST_F(ToolInLockStep, EveryCommandPrintsTheDocumentedJson) {
               ElementsAre("axis", "index", "subindex", "name", "value", "outcome", "tick"));
   EXPECT_THAT(fields("disturb 1.1 load_torque 5"),
               ElementsAre("axis", "index", "subindex", "name", "value", "outcome", "tick"));
+  EXPECT_THAT(fields("disturb 1.1 none"),
+              ElementsAre("axis", "command", "inputs", "outcome", "tick"));
   EXPECT_THAT(fields("step 3"), ElementsAre("bench", "ticks", "outcome", "tick"));
   EXPECT_THAT(fields("rate 2"), ElementsAre("bench", "rate", "outcome", "code", "message"));
   EXPECT_THAT(fields("status 1.1"),
@@ -228,6 +230,19 @@ TEST_F(ToolInLockStep, AMoveWithoutSpeedIsRefusedAtOnce) {
   EXPECT_EQ(call("run -", "refused 0x08000022 move 1.1 1000 --acceleration 0\nmove 1.1 9\n").code,
             0);
   EXPECT_THAT(call("move 1.1 0 --deceleration 9000 --no-wait").errors, HasSubstr("6084h"));
+}
+
+TEST_F(ToolInLockStep, ClearingEveryTestInputIsOneLine) {
+  ASSERT_EQ(call("disturb 1.1 load_torque 5").code, 0);
+  ASSERT_EQ(call("disturb 1.1 home_switch").code, 0);
+  EXPECT_THAT(call("disturb 1.1 none").lines(),
+              ElementsAre(HasSubstr("1.1 every test input is 0, in force at tick ")));
+  for (const char* const input : {"test_load_torque", "test_home_input"}) {
+    EXPECT_THAT(call(std::string("read 1.1 ") + input).output, HasSubstr(" = 0")) << input;
+  }
+  const auto objects = json_of(call("disturb 1.1 none --json"));
+  ASSERT_THAT(objects, SizeIs(1));
+  EXPECT_EQ(objects[0]["inputs"], 10) << "5E00h to 5E09h";
 }
 
 TEST_F(ToolInLockStep, ADisturbanceForATimeIsClearedAfterIt) {

@@ -93,6 +93,7 @@ struct CompletionCommand {
 
 extern const CommandRow kCompletion = row_of<CompletionCommand>(
     {.name = "completion",
+     .group = CommandGroup::machine,
      .summary = "Print a script that completes command lines",
      .example = "completion bash > ~/.local/share/bash-completion/completions/vdrive",
      .deepest = Place::command_line,

@@ -100,6 +100,7 @@ ExitCode ConvertCommand::start(const Program& program) const {
 
 extern const CommandRow kConvert =
     row_of<ConvertCommand>({.name = "convert",
+                            .group = CommandGroup::recordings,
                             .summary = "Write the status of a recording in another format",
                             .example = "convert run.mcap run.csv",
                             .deepest = Place::command_line});

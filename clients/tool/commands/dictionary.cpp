@@ -189,6 +189,7 @@ ExitCode DictionaryCommand::start(const Program& program) const {
 
 extern const CommandRow kDictionary =
     row_of<DictionaryCommand>({.name = "dictionary",
+                               .group = CommandGroup::parameters,
                                .summary = "Show the object dictionary; needs no service",
                                .example = "dictionary 0x607D --language zh"});
 

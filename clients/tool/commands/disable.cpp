@@ -8,7 +8,7 @@ constexpr AxisAction kDisableAction{.name = "disable", .together = client::EachC
 
 }  // namespace
 
-extern const CommandRow kDisable =
-    action_row<kDisableAction>("Shut down (0x06): to Ready to switch on", "disable 1.1");
+extern const CommandRow kDisable = action_row<kDisableAction>(
+    CommandGroup::power, "Shut down (0x06): to Ready to switch on", "disable 1.1");
 
 }  // namespace vdrive::tool

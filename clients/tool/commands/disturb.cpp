@@ -50,6 +50,34 @@ std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& v
   throw UsageError(message + " or none" + suggestion(kind, names_of_disturbances()));
 }
 
+/// Several inputs at once are all of them, cleared: one line, or one object.
+Outcome clear_all(CommandContext& context, client::Axis& axis,
+                  const std::vector<Disturbance>& inputs) {
+  client::Result<std::uint64_t> tick = std::uint64_t{0};
+  for (const Disturbance& input : inputs) {
+    tick = write_unprinted(context, axis, input.object, 0);
+    if (!tick) break;
+  }
+  const Output& output = context.output;
+  if (output.is_quiet) return tick.outcome();
+  if (output.is_json) {
+    Json json{{"axis", to_string(axis.id())}, {"command", "disturb"}, {"inputs", inputs.size()}};
+    add_outcome(json, context.axes.named(tick.outcome()));
+    if (tick) json["tick"] = *tick;
+    output.terminal.print(to_line(json));
+  } else if (tick) {
+    output.terminal.print(context.axes.label_of(axis.id()) +
+                          " every test input is 0, in force at tick " + std::to_string(*tick));
+  }
+  return tick.outcome();
+}
+
+Outcome set_inputs(CommandContext& context, client::Axis& axis,
+                   const std::vector<Disturbance>& inputs) {
+  if (inputs.size() > 1) return clear_all(context, axis, inputs);
+  return write_object(context, axis, inputs.front().object, inputs.front().value);
+}
+
 }  // namespace
 
 void DisturbCommand::declare(Arguments& arguments) {
@@ -76,22 +104,18 @@ void DisturbCommand::check_objects() const {
 Outcome DisturbCommand::run(CommandContext& context) const {
   auto found = context.axes.axis(axis);
   if (!found) return found.outcome();
-  for (const Disturbance& input : inputs) {
-    if (Outcome written = write_object(context, *found, input.object, input.value); !written) {
-      return written;
-    }
-  }
-  if (!duration) return {};
+  if (Outcome set = set_inputs(context, *found, inputs); !set || !duration) return set;
   const auto waited = context.session.wait(found->id().bench, *duration);
   // Cleared in any case: an interrupt does not mean a disturbance without end.
-  for (const Disturbance& input : inputs) {
-    if (Outcome written = write_object(context, *found, input.object, 0); !written) return written;
-  }
+  std::vector<Disturbance> cleared = inputs;
+  for (Disturbance& input : cleared) input.value = 0;
+  if (Outcome set = set_inputs(context, *found, cleared); !set) return set;
   return waited.outcome();
 }
 
 extern const CommandRow kDisturb =
     row_of<DisturbCommand>({.name = "disturb",
+                            .group = CommandGroup::bench,
                             .summary = "Set a test-bench input: a load, a fault, a switch",
                             .example = "disturb 1.1 load_torque 1500 --for 200ms"});
 

@@ -9,7 +9,7 @@ constexpr AxisAction kEnableAction{
 
 }  // namespace
 
-extern const CommandRow kEnable =
-    action_row<kEnableAction>("Go through the power states to Operation enabled", "enable 1.1");
+extern const CommandRow kEnable = action_row<kEnableAction>(
+    CommandGroup::power, "Go through the power states to Operation enabled", "enable 1.1");
 
 }  // namespace vdrive::tool

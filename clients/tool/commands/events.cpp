@@ -60,6 +60,7 @@ struct EventsCommand {
 
 extern const CommandRow kEvents = row_of<EventsCommand>(
     {.name = "events",
+     .group = CommandGroup::observation,
      .summary = "Show events: state changes, faults, refusals, changes of control",
      .example = "events 1.1 --follow",
      .deepest = Place::shell});

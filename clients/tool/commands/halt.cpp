@@ -9,7 +9,7 @@ constexpr AxisAction kHaltAction{
 
 }  // namespace
 
-extern const CommandRow kHalt =
-    action_row<kHaltAction>("Brake to standstill, keep the set-point (0x010F)", "halt 1.1");
+extern const CommandRow kHalt = action_row<kHaltAction>(
+    CommandGroup::motion, "Brake to standstill, keep the set-point (0x010F)", "halt 1.1");
 
 }  // namespace vdrive::tool

@@ -76,6 +76,7 @@ client::Outcome HomeCommand::run(CommandContext& context) const {
 
 extern const CommandRow kHome =
     row_of<HomeCommand>({.name = "home",
+                         .group = CommandGroup::motion,
                          .summary = "Home the axis (mode 6) and wait until home is attained",
                          .example = "home 1.1 --method 37 --offset 0deg"});
 

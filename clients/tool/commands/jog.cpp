@@ -79,6 +79,7 @@ Outcome JogCommand::run(CommandContext& context) const {
 
 extern const CommandRow kJog =
     row_of<JogCommand>({.name = "jog",
+                        .group = CommandGroup::motion,
                         .summary = "Run at a velocity until Enter or Ctrl-C, then stop",
                         .example = "jog 1.1 90deg/s --for 2s"});
 

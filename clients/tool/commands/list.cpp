@@ -59,7 +59,9 @@ struct ListCommand {
 
 }  // namespace
 
-extern const CommandRow kList = row_of<ListCommand>(
-    {.name = "list", .summary = "List all benches and axes", .example = "list --json"});
+extern const CommandRow kList = row_of<ListCommand>({.name = "list",
+                                                     .group = CommandGroup::observation,
+                                                     .summary = "List all benches and axes",
+                                                     .example = "list --json"});
 
 }  // namespace vdrive::tool

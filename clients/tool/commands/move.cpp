@@ -84,6 +84,7 @@ Outcome MoveCommand::run(CommandContext& context) const {
 
 extern const CommandRow kMove =
     row_of<MoveCommand>({.name = "move",
+                         .group = CommandGroup::motion,
                          .summary = "Move to a position and wait until it is reached",
                          .example = "move 1.1 10000 --velocity 1000 --acceleration 6000"});
 

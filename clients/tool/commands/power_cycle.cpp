@@ -9,7 +9,7 @@ constexpr AxisAction kPowerCycleAction{.name = "power-cycle",
 
 }  // namespace
 
-extern const CommandRow kPowerCycle =
-    action_row<kPowerCycleAction>("Switch the axis off and on again", "power-cycle 1.1");
+extern const CommandRow kPowerCycle = action_row<kPowerCycleAction>(
+    CommandGroup::power, "Switch the axis off and on again", "power-cycle 1.1");
 
 }  // namespace vdrive::tool

@@ -10,7 +10,7 @@ constexpr AxisAction kQuickStopAction{.name = "quick-stop",
 
 }  // namespace
 
-extern const CommandRow kQuickStop =
-    action_row<kQuickStopAction>("Quick stop (0x02), wait for standstill", "quick-stop 1.1");
+extern const CommandRow kQuickStop = action_row<kQuickStopAction>(
+    CommandGroup::power, "Quick stop (0x02), wait for standstill", "quick-stop 1.1");
 
 }  // namespace vdrive::tool

@@ -67,6 +67,7 @@ Outcome RateCommand::run(CommandContext& context) const {
 
 extern const CommandRow kRate =
     row_of<RateCommand>({.name = "rate",
+                         .group = CommandGroup::bench,
                          .summary = "Set or show how fast a realtime bench runs; 0 pauses it",
                          .example = "rate 0.5\n  vdrive rate 2 0       # bench 2"});
 

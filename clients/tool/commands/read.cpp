@@ -89,6 +89,7 @@ Outcome ReadCommand::run(CommandContext& context) const {
 
 extern const CommandRow kRead =
     row_of<ReadCommand>({.name = "read",
+                         .group = CommandGroup::parameters,
                          .summary = "Read objects",
                          .example = "read 1.1 0x6041 position_demand_value"});
 

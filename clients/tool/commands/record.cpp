@@ -145,6 +145,7 @@ Outcome RecordCommand::run(CommandContext& context) const {
 
 extern const CommandRow kRecord =
     row_of<RecordCommand>({.name = "record",
+                           .group = CommandGroup::recordings,
                            .summary = "Record the status stream of axes to a file",
                            .example = "record move.csv 1.1 1.2 --for 5s",
                            .deepest = Place::shell});

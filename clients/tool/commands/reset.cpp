@@ -9,7 +9,7 @@ constexpr AxisAction kResetAction{
 
 }  // namespace
 
-extern const CommandRow kReset =
-    action_row<kResetAction>("Reset a fault (rising edge of bit 7)", "reset 1.1");
+extern const CommandRow kReset = action_row<kResetAction>(
+    CommandGroup::power, "Reset a fault (rising edge of bit 7)", "reset 1.1");
 
 }  // namespace vdrive::tool

@@ -14,6 +14,7 @@ constexpr AxisAction kRestoreAction{.name = "restore", .each = restore_parameter
 }  // namespace
 
 extern const CommandRow kRestore = action_row<kRestoreAction>(
+    CommandGroup::parameters,
     "Remove stored parameters; defaults are in force after the next power cycle", "restore 1.1");
 
 }  // namespace vdrive::tool

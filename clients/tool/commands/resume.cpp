@@ -9,7 +9,7 @@ constexpr AxisAction kResumeAction{
 
 }  // namespace
 
-extern const CommandRow kResume =
-    action_row<kResumeAction>("End a halt and continue the set-point (0x0F)", "resume 1.1");
+extern const CommandRow kResume = action_row<kResumeAction>(
+    CommandGroup::motion, "End a halt and continue the set-point (0x0F)", "resume 1.1");
 
 }  // namespace vdrive::tool

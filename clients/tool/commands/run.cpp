@@ -99,6 +99,7 @@ ExitCode RunCommand::start_privately(const std::vector<Scenario>& loaded, JunitR
 }
 
 extern const CommandRow kRun = row_of<RunCommand>({.name = "run",
+                                                   .group = CommandGroup::scenarios,
                                                    .summary = "Execute scenario files",
                                                    .example = "run forward.scn --junit out.xml",
                                                    .help = kScenarioHelp,

@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view kShellHelp =
     R"(Commands are those of a scenario, and watch, events, record and run, without 'vdrive'. The session
 keeps the axes that it commands until the shell ends: at 'exit', 'quit', Ctrl-D or the end of the
-input. Tab completes, the arrow keys find earlier lines, Ctrl-C ends the command that runs.
+input. 'help' lists the commands, 'help move' explains one. Tab completes, the arrow keys find earlier lines, Ctrl-C ends the command that runs.
 
 Example:
   vdrive shell
@@ -38,6 +38,7 @@ struct ShellCommand {
 
 extern const CommandRow kShell =
     row_of<ShellCommand>({.name = "shell",
+                          .group = CommandGroup::scenarios,
                           .summary = "Execute commands line by line, in one session",
                           .example = "shell",
                           .help = kShellHelp,

@@ -132,6 +132,7 @@ std::string_view to_string(SnapshotCommand::Action action) noexcept {
 
 extern const CommandRow kSnapshot = row_of<SnapshotCommand>(
     {.name = "snapshot",
+     .group = CommandGroup::bench,
      .summary = "Take, list, restore or drop saved states of all axes of a bench",
      .example = "snapshot take\n  vdrive snapshot restore 1"});
 

@@ -59,6 +59,7 @@ struct StatusCommand {
 
 extern const CommandRow kStatus = row_of<StatusCommand>(
     {.name = "status",
+     .group = CommandGroup::observation,
      .summary = "Show one axis with its statusword decoded, or several axes, one per line",
      .example = "status 1.1\n  vdrive status         # every axis"});
 

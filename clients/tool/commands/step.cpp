@@ -23,6 +23,7 @@ client::Outcome StepCommand::run(CommandContext& context) const {
 }
 
 extern const CommandRow kStep = row_of<StepCommand>({.name = "step",
+                                                     .group = CommandGroup::bench,
                                                      .summary = "Step a lock-step bench by N ticks",
                                                      .example = "step 1000 --bench 2"});
 

@@ -32,6 +32,7 @@ client::Outcome StopCommand::run(CommandContext& context) const {
 
 extern const CommandRow kStop =
     row_of<StopCommand>({.name = "stop",
+                         .group = CommandGroup::power,
                          .summary = "Quick stop of every axis of a bench, also of other sessions",
                          .example = "stop 1"});
 

@@ -13,7 +13,7 @@ constexpr AxisAction kStoreAction{.name = "store", .each = store_parameters};
 
 }  // namespace
 
-extern const CommandRow kStore =
-    action_row<kStoreAction>("Store the parameters for every later power-up", "store 1.1");
+extern const CommandRow kStore = action_row<kStoreAction>(
+    CommandGroup::parameters, "Store the parameters for every later power-up", "store 1.1");
 
 }  // namespace vdrive::tool

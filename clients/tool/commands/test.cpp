@@ -42,6 +42,7 @@ struct TestCommand {
 
 extern const CommandRow kTest =
     row_of<TestCommand>({.name = "test",
+                         .group = CommandGroup::scenarios,
                          .summary = "Run scenario files in parallel, each on a separate bench",
                          .example = "test tests/*.scn --config bench.yaml --junit out.xml",
                          .deepest = Place::command_line});

@@ -36,6 +36,7 @@ client::Outcome TorqueCommand::run(CommandContext& context) const {
 
 extern const CommandRow kTorque =
     row_of<TorqueCommand>({.name = "torque",
+                           .group = CommandGroup::motion,
                            .summary = "Apply a torque (mode 4) until another command; 0 ends it",
                            .example = "torque 1.1 10% --slope 500"});
 

@@ -25,6 +25,7 @@ client::Outcome VelocityCommand::run(CommandContext& context) const {
 
 extern const CommandRow kVelocity =
     row_of<VelocityCommand>({.name = "velocity",
+                             .group = CommandGroup::motion,
                              .summary = "Run at a velocity (mode 3) until another command; 0 stops",
                              .example = "velocity 1.1 180deg/s"});
 

@@ -127,6 +127,7 @@ Outcome WaitCommand::run(CommandContext& context) const {
 
 extern const CommandRow kWait = row_of<WaitCommand>(
     {.name = "wait",
+     .group = CommandGroup::scenarios,
      .summary = "Wait for a state or a value of an axis; exit code 4 after --timeout",
      .example = "wait 1.1 target_reached --timeout 5s\n"
                 "  vdrive wait 1.1 position '>' 1000\n"

@@ -163,6 +163,7 @@ Outcome WatchCommand::run(CommandContext& context) const {
 
 extern const CommandRow kWatch = row_of<WatchCommand>(
     {.name = "watch",
+     .group = CommandGroup::observation,
      .summary = "Show axes live until interrupted",
      .example = "watch 1.1 1.2 --count 20\n  vdrive watch          # every axis"});
 

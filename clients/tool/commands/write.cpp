@@ -56,7 +56,9 @@ client::Outcome WriteCommand::run(CommandContext& context) const {
                       quantity ? context.axes.user_units(*found, *quantity) : value);
 }
 
-extern const CommandRow kWrite = row_of<WriteCommand>(
-    {.name = "write", .summary = "Write an object", .example = "write 1.1 0x607A 0xFFFFD8F0"});
+extern const CommandRow kWrite = row_of<WriteCommand>({.name = "write",
+                                                       .group = CommandGroup::parameters,
+                                                       .summary = "Write an object",
+                                                       .example = "write 1.1 0x607A 0xFFFFD8F0"});
 
 }  // namespace vdrive::tool

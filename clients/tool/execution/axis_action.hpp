@@ -54,9 +54,10 @@ template <const AxisAction& action>
 
 /// The row of a command that takes axes and nothing else.
 template <const AxisAction& action>
-[[nodiscard]] consteval CommandRow action_row(std::string_view summary, std::string_view example) {
+[[nodiscard]] consteval CommandRow action_row(CommandGroup group, std::string_view summary,
+                                              std::string_view example) {
   return row_of<AxisActionCommand, &action_command<action>>(
-      {.name = action.name, .summary = summary, .example = example});
+      {.name = action.name, .group = group, .summary = summary, .example = example});
 }
 
 }  // namespace vdrive::tool

@@ -52,16 +52,22 @@ void print_write(const CommandContext& context, const client::Axis& axis, const 
 
 }  // namespace
 
+client::Result<std::uint64_t> write_unprinted(CommandContext& context, client::Axis& axis,
+                                              const ObjectName& object, std::int64_t value) {
+  if (!object.address) return unknown_object(axis.id(), object);
+  auto tick = axis.write(*object.address, value);
+  if (!tick) return tick;
+  context.judge.note_write(axis.id(), *tick);
+  context.changes.note_write(axis, *object.address, value);
+  return tick;
+}
+
 Outcome write_object(CommandContext& context, client::Axis& axis, const ObjectName& object,
                      std::int64_t value) {
   constexpr std::uint16_t kTarget = 0x607A;
-  const auto tick = object.address
-                        ? axis.write(*object.address, value)
-                        : client::Result<std::uint64_t>(unknown_object(axis.id(), object));
+  const auto tick = write_unprinted(context, axis, object, value);
   print_write(context, axis, object, value, tick);
   if (!tick) return tick.outcome();
-  context.judge.note_write(axis.id(), *tick);
-  context.changes.note_write(axis, *object.address, value);
   if (context.on_aim && object.address->index == kTarget) context.on_aim(axis.id(), value);
   if (!context.output.is_quiet) note_limits(context, axis, *object.address);
   return {};

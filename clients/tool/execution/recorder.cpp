@@ -145,6 +145,10 @@ Outcome Recorder::record_into(std::unique_ptr<recording::Writer> writer,
   queue_ = std::make_unique<recording::RecordingQueue>(std::move(writer));
   if (choice_.format == recording::Format::mcap) watch_events(benches);
   watch_services();
+  const bool has_end = choice_.duration || choice_.count != 0;
+  if (!has_end && terminal_.is_read_by_person()) {
+    terminal_.complain("vdrive: recording; Ctrl-C ends it");
+  }
   Outcome outcome = follow(tracks);
   session_.watch_services(nullptr);
   session_.on_event(nullptr);

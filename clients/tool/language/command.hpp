@@ -47,9 +47,23 @@ struct Program {
   Terminal& terminal;
 };
 
+/// Under which title the help lists a command; the titles are in the order of their first command.
+enum class CommandGroup : std::uint8_t {
+  none,  ///< no command has it
+  observation,
+  power,
+  motion,
+  parameters,
+  bench,
+  scenarios,
+  recordings,
+  machine,
+};
+
 /// What a command is called, and its help.
 struct CommandFace {
   std::string_view name;
+  CommandGroup group = CommandGroup::none;
   std::string_view summary;
   std::string_view example;         ///< behind "vdrive "
   std::string_view help = {};       ///< at the end of its help in place of the example
@@ -126,6 +140,7 @@ template <typename Given, Given (*make)() = &no_arguments<Given>>
     given.start(program);
   };
   static_assert(kRuns || kStarts, "a command does something");
+  if (face.group == CommandGroup::none) throw "the help lists each command in a group";
   if (!kRuns && face.deepest != Place::command_line) throw "a shell has one session for all";
   CommandRow row{.face = face};
   row.declare = [](Arguments& arguments) -> CommandMaker {

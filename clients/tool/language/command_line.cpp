@@ -20,6 +20,7 @@
 #include <limits>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 namespace vdrive::tool {
@@ -91,22 +92,25 @@ std::string unknown_option(const CLI::App& app, const std::string& name) {
   return in_quotes(name) + " is not an option" + suggestion(name, names_of_options(app));
 }
 
-void check_command_name(const CLI::App& app, const std::string& name) {
+/// @param how_to_list the commands, where none is near
+void check_command_name(const CLI::App& app, const std::string& name,
+                        std::string_view how_to_list) {
   const std::vector<std::string> commands = names_of_commands(app);
   if (std::ranges::find(commands, name) != commands.end()) return;
   const std::string nearest = suggestion(name, commands);
   throw UsageError(in_quotes(name) + " is not a command" +
-                   (nearest.empty() ? "; 'vdrive --help' lists all commands" : nearest));
+                   (nearest.empty() ? std::string(how_to_list) : nearest));
 }
 
 /// CLI11 reports an unknown command as a missing one, and takes the value of an unknown option
 /// for the command. The first argument that is neither an option nor the value of an option is
 /// the command.
-void check_command(const CLI::App& app, const std::vector<std::string>& arguments) {
+void check_command(const CLI::App& app, const std::vector<std::string>& arguments,
+                   std::string_view how_to_list) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& argument = arguments[i];
     if (!argument.starts_with('-')) {
-      check_command_name(app, argument);
+      check_command_name(app, argument, how_to_list);
       return;
     }
     const std::string name = argument.substr(0, argument.find('='));
@@ -129,10 +133,11 @@ std::uint32_t default_domain() {
 /// A line as CLI11 reads it: the options of the tool, and the commands that the place may have.
 class CommandLine {
  public:
-  CommandLine(CommandTable commands, Place place) {
+  CommandLine(CommandTable commands, Place place) : place_(place) {
     app_.name("vdrive");
-    app_.description(std::string(kSummary));
-    app_.footer(std::string(kExamples));
+    const bool is_shell = place == Place::shell;
+    app_.description(std::string(is_shell ? kSummaryOfShell : kSummary) + std::string(kSpelling));
+    if (!is_shell) app_.footer(std::string(kExamples));
     app_.require_subcommand(1);
     app_.fallthrough();
     app_.get_formatter()->column_width(28);
@@ -150,7 +155,9 @@ class CommandLine {
 
   /// @throws CLI::ParseError, UsageError
   void parse(std::vector<std::string> arguments) {
-    check_command(app_, arguments);
+    check_command(app_, arguments,
+                  place_ == Place::shell ? "; 'help' lists all commands"
+                                         : "; 'vdrive --help' lists all commands");
     std::ranges::reverse(arguments);  // CLI11 takes them from the back
     app_.parse(std::move(arguments));
     refuse_empty_values(app_);
@@ -229,6 +236,7 @@ class CommandLine {
     const CommandFace& face = row.face;
     CLI::App* const command =
         app_.add_subcommand(std::string(face.name), std::string(face.summary));
+    command->group(std::string(title_of(face.group)));
     command->footer(face.help.empty() ? "Example:\n  vdrive " + std::string(face.example)
                                       : std::string(face.help));
     Arguments& arguments = arguments_.emplace_back(*command, place, options_.json, completers_);
@@ -239,6 +247,7 @@ class CommandLine {
     });
   }
 
+  const Place place_;
   CLI::App app_;
   GlobalOptions options_;
   std::vector<CLI::Option*> network_;  ///< the options that name a network
@@ -287,6 +296,19 @@ Invocation invocation_of(CommandLine& line, std::vector<std::string> arguments) 
   return invocation;
 }
 
+constexpr std::string_view kHelp = "help";
+
+/// @param words of a line of the shell that begins with `help`
+/// @return the words that make the reader of a command line answer it.
+std::vector<std::string> words_of_help(std::vector<std::string> words) {
+  if (words.size() > 2) {
+    throw UsageError(in_quotes(words[2]) + " is one argument too many for 'help'");
+  }
+  words.erase(words.begin());
+  words.emplace_back("--help");
+  return words;
+}
+
 /// refused CODE COMMAND...: the command of the line is the inner one.
 ScenarioCommand parse_refused(CommandTable commands, const std::vector<std::string>& words) {
   constexpr std::uint64_t kHighestCode = std::numeric_limits<std::uint32_t>::max();
@@ -313,7 +335,8 @@ Invocation parse_command_line(CommandTable commands, std::vector<std::string> ar
 
 Invocation parse_shell_command(CommandTable commands, std::vector<std::string> words) {
   CommandLine line(commands, Place::shell);
-  return invocation_of(line, std::move(words));
+  const bool is_help = !words.empty() && words.front() == kHelp;
+  return invocation_of(line, is_help ? words_of_help(std::move(words)) : std::move(words));
 }
 
 ScenarioCommand parse_scenario_command(CommandTable commands, std::vector<std::string> words) {
@@ -348,7 +371,18 @@ std::vector<std::string> complete_line(CommandTable commands, const std::string&
   for (std::string word; stream >> word;) words.push_back(word);
   if (line.empty() || line.ends_with(' ') || line.ends_with('\t')) words.emplace_back();
   const CommandLine shell(commands, Place::shell);
-  return candidates(shell.app(), shell.completers(), words, names);
+  const bool is_help = words.size() == 2 && words.front() == kHelp;
+  if (is_help) words.erase(words.begin());
+  std::vector<std::string> found = candidates(shell.app(), shell.completers(), words, names);
+  const bool is_first = words.size() == 1 && !is_help;
+  if (is_first) {
+    // What the shell itself carries out.
+    for (const std::string_view own : {kHelp, std::string_view("exit"), std::string_view("quit")}) {
+      if (own.starts_with(words.front())) found.emplace_back(own);
+    }
+    std::ranges::sort(found);
+  }
+  return found;
 }
 
 }  // namespace vdrive::tool

@@ -26,7 +26,7 @@ struct Invocation {
                                             std::vector<std::string> arguments);
 
 /// One line of a shell: the commands of the command line that work in its session, with --json and
-/// --timeout.
+/// --timeout; `help`, and `help COMMAND`.
 /// @throws UsageError
 [[nodiscard]] Invocation parse_shell_command(CommandTable commands, std::vector<std::string> words);
 

@@ -1,18 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "language/command.hpp"
+
 #include <string_view>
 
 namespace vdrive::tool {
 
 /// Texts of --help beside what CLI11 makes itself.
 
-inline constexpr std::string_view kSummary =
-    "Commands virtual CiA 402 servo drives over DDS.\n"
+inline constexpr std::string_view kSummary = "Commands virtual CiA 402 servo drives over DDS.\n";
+
+inline constexpr std::string_view kSummaryOfShell =
+    "Commands of this shell, in one session. 'help COMMAND' shows the help of one; 'exit', 'quit' "
+    "and Ctrl-D end the shell.\n";
+
+inline constexpr std::string_view kSpelling =
     "AXIS is bench.axis such as 1.1, or a name. OBJECT is 0x6041, 0x607D:1 or a variable_name such "
     "as ds402_statusword. VALUE is decimal or hex as the two's complement of the object's type "
     "(0xFFFFD8F0 is -10000). A position, a speed or a ramp is in user units (UU), or has a unit of "
     "its axis: 90deg, 180deg/s, 900deg/s2, 12.5mm. DURATION is for example 500us, 20ms or 1.5s.";
+
+/// @return the title of a group of commands.
+[[nodiscard]] constexpr std::string_view title_of(CommandGroup group) noexcept {
+  switch (group) {
+    case CommandGroup::none:
+      return "";
+    case CommandGroup::observation:
+      return "Benches and axes";
+    case CommandGroup::power:
+      return "Power, faults and stops";
+    case CommandGroup::motion:
+      return "Motion";
+    case CommandGroup::parameters:
+      return "Objects and parameters";
+    case CommandGroup::bench:
+      return "Test bench and clock";
+    case CommandGroup::scenarios:
+      return "Scenarios";
+    case CommandGroup::recordings:
+      return "Recordings";
+    case CommandGroup::machine:
+      return "This machine";
+  }
+  return "";
+}
 
 inline constexpr std::string_view kExamples =
     R"(Examples:

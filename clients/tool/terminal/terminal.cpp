@@ -57,7 +57,8 @@ std::vector<LiveLine> fitting(const std::vector<LiveLine>& lines, std::size_t ro
 
 Terminal::Terminal()
     : is_interactive_(can_refresh()),
-      has_color_(is_interactive_ && environment("NO_COLOR").empty()) {}
+      has_color_(is_interactive_ && environment("NO_COLOR").empty()),
+      is_read_by_person_(isatty(STDERR_FILENO) == 1) {}
 
 Terminal::~Terminal() {
   leave_screen();

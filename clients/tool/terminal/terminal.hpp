@@ -45,6 +45,9 @@ class Terminal {
   ///         unset nor "dumb".
   [[nodiscard]] bool is_interactive() const noexcept { return is_interactive_; }
 
+  /// @return whether a person reads standard error: it is a terminal.
+  [[nodiscard]] bool is_read_by_person() const noexcept { return is_read_by_person_; }
+
   /// @return whether colours may be used: interactive, and NO_COLOR unset.
   [[nodiscard]] bool has_color() const noexcept { return has_color_; }
 
@@ -86,6 +89,7 @@ class Terminal {
 
   const bool is_interactive_;
   const bool has_color_;
+  const bool is_read_by_person_;
   mutable std::mutex mutex_;
   std::vector<LiveLine> live_;
   std::size_t live_rows_ = 0;  ///< drawn below the last line
