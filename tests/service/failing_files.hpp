@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -81,6 +82,8 @@ class FailingFiles final : public service::FileOperations {
     plan_.step();
     return files_->try_lock(file);
   }
+
+  std::string lock_holder(int file) override { return files_->lock_holder(file); }
 
   /// Closes even on failure, as the system does.
   void close(int file) override {

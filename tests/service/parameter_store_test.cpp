@@ -222,6 +222,11 @@ TEST_F(StateDirectory, BelongsToOneServiceForEachBench) {
     EXPECT_NE(std::string(error.what()).find("bench 7 are in use by another bench"),
               std::string::npos)
         << error.what();
+    EXPECT_NE(std::string(error.what()).find("process " + std::to_string(getpid()) + " ("),
+              std::string::npos)
+        << error.what();
+    EXPECT_NE(std::string(error.what()).find(") of this host; end it"), std::string::npos)
+        << error.what();
   }
   EXPECT_NO_THROW(ParameterStore(directory.path(), kBenchOfStore + 1));
 }

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <span>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -86,6 +87,8 @@ class Disk::Files final : public service::FileOperations {
     disk_.step();
     return !std::exchange(disk_.locked_, true);
   }
+
+  std::string lock_holder(int /*file*/) override { return "another simulated service"; }
 
   /// Closes even on failure, as the system does.
   void close(int file) override {

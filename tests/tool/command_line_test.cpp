@@ -124,6 +124,9 @@ TEST(CommandLine, SuggestsACommandAndADisturbance) {
             "'dance' is not a command; 'vdrive --help' lists all commands");
   EXPECT_THAT(refusal_of(split("disturb 1.1 overcurrent")),
               testing::EndsWith("or none (did you mean 'over_current'?)"));
+  EXPECT_THAT(refusal_of(split("snapshot tak")), testing::EndsWith("(did you mean 'take'?)"));
+  EXPECT_THAT(refusal_of(split("test a.scn --over lcal")),
+              testing::EndsWith("lcal not in {local,dds} (did you mean 'local'?)"));
 }
 
 // CLI11 treats an empty value as none.

@@ -73,7 +73,7 @@ TEST(Journal, ThatAServiceWritesIsRefusedToAnother) {
     EXPECT_EQ(second.code, 1) << name;
     EXPECT_THAT(second.errors,
                 HasSubstr("journal " + name + ": is being written by another bench, process " +
-                          std::to_string(first.id())));
+                          std::to_string(first.id()) + " (vdrived) of this host"));
   }
   EXPECT_EQ(tool("step 100").code, 0);
   EXPECT_EQ(first.stop().code, 0);

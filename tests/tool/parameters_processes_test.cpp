@@ -84,7 +84,10 @@ TEST_F(StoredParameters, BelongToOneService) {
                                std::to_string(test_domain()), "--log-level", "off"})
           .wait();
   EXPECT_EQ(second.code, 1);
-  EXPECT_THAT(second.errors, HasSubstr("the parameters of bench 1 are in use by another bench"));
+  EXPECT_THAT(second.errors,
+              testing::AllOf(HasSubstr("the parameters of bench 1 are in use by another bench"),
+                             HasSubstr("process " + std::to_string(service.id()) +
+                                       " (vdrived) of this host")));
   const Finished nowhere = Process(VDRIVE_SERVICE, {"--state", "/nonexistent/state"}).wait();
   EXPECT_EQ(nowhere.code, 1);
   EXPECT_THAT(nowhere.errors, HasSubstr("/nonexistent/state"));

@@ -23,7 +23,8 @@ Action parse_action(const std::string& text) {
   for (const Action known : {Action::take, Action::list, Action::restore, Action::drop}) {
     if (text == to_string(known)) return known;
   }
-  throw UsageError(in_quotes(text) + " is not an action: write take, list, restore or drop");
+  throw UsageError(in_quotes(text) + " is not an action: write take, list, restore or drop" +
+                   suggestion(text, {"take", "list", "restore", "drop"}));
 }
 
 /// @param number of the snapshot, as text; empty where it was not given

@@ -2,6 +2,7 @@
 #include "journal/journal.hpp"
 
 #include "base/event_codes.hpp"
+#include "base/lock_holder.hpp"
 #include "base/log.hpp"
 #include "base/system_failure.hpp"
 #include "configuration/configuration_file.hpp"
@@ -11,16 +12,11 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
-#include <sys/sysmacros.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <fstream>
-#include <iomanip>
-#include <iterator>
-#include <sstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -72,22 +68,8 @@ class File {
     return false;
   }
 
-  /// @return the process that has the lock, as the kernel lists it; empty where it lists none.
-  [[nodiscard]] std::string holder() const {
-    const struct stat file = status();
-    std::ostringstream wanted;
-    wanted << std::hex << std::setfill('0') << std::setw(2) << major(file.st_dev) << ':'
-           << std::setw(2) << minor(file.st_dev) << std::dec << ':' << file.st_ino;
-    std::ifstream locks("/proc/locks");
-    std::string line;
-    while (std::getline(locks, line)) {
-      // Number, FLOCK, ADVISORY, WRITE, process, file, first and last byte.
-      std::istringstream words(line);
-      const std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};
-      if (fields.size() > 5 && fields[1] == "FLOCK" && fields[5] == wanted.str()) return fields[4];
-    }
-    return "";
-  }
+  /// @return who has the lock that this one did not get.
+  [[nodiscard]] std::string holder() const { return holder_of_lock(descriptor_); }
 
  private:
   [[nodiscard]] struct stat status() const {
@@ -113,10 +95,8 @@ JournalSink open_journal(const std::filesystem::path& file) {
   }
   auto opened = std::make_shared<File>(descriptor, file.string());
   if (!opened->try_lock()) {
-    const std::string holder = opened->holder();
     throw ConfigurationError("journal " + escaped(file.string(), kShownOfMessage) +
-                             ": is being written by another bench" +
-                             (holder.empty() ? "" : ", process " + holder));
+                             ": is being written by another bench, " + opened->holder());
   }
   if (opened->holds_something()) {
     throw ConfigurationError("journal " + escaped(file.string(), kShownOfMessage) +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "store/file_operations.hpp"
 
+#include "base/lock_holder.hpp"
 #include "base/system_failure.hpp"
 
 #include <fcntl.h>
@@ -122,6 +123,8 @@ class SystemFiles final : public FileOperations {
     if (result != 0 && errno != EWOULDBLOCK) fail("flock");
     return result == 0;
   }
+
+  std::string lock_holder(int file) override { return holder_of_lock(file); }
 
   /// The lock of a file belongs to all processes that have it open: one that was forked from this
   /// one would keep it.

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <string>
 
 namespace vdrive::service {
 
@@ -46,6 +47,8 @@ class FileOperations {
   virtual void sync(int file) = 0;
   /// @return false when somebody else holds the lock.
   [[nodiscard]] virtual bool try_lock(int file) = 0;
+  /// @return who has the lock that try_lock did not get, in words.
+  [[nodiscard]] virtual std::string lock_holder(int file) = 0;
   virtual void close(int file) = 0;
   virtual void rename(const std::filesystem::path& from, const std::filesystem::path& to) = 0;
   virtual void link(const std::filesystem::path& from, const std::filesystem::path& to) = 0;

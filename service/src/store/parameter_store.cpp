@@ -98,10 +98,10 @@ ParameterStore::ParameterStore(std::filesystem::path directory, std::uint32_t be
     refuse(is_error(error, ELOOP) ? "is a symbolic link of another user, which is not followed"
                                   : "cannot be used: " + error.code().message());
   }
-  if (!lock()) {
+  if (const auto holder = lock()) {
     refuse("the parameters of bench " + std::to_string(bench) +
-           " are in use by another bench, of a vdrived or in a process: give each a directory of "
-           "its own");
+           " are in use by another bench, of a vdrived or in a process: " + *holder +
+           "; end it, or give each a directory of its own");
   }
 }
 
@@ -138,21 +138,22 @@ std::filesystem::path ParameterStore::file(const char* suffix) const {
   return directory_ / (name_ + ".parameters" + suffix);
 }
 
-/// @return false when another service holds the lock. Where there can be no lock file no service
+/// @return who holds the lock, when another service does. Where there can be no lock file no
+/// service
 ///         can write the others either: a later save tries again.
-bool ParameterStore::lock() {
+std::optional<std::string> ParameterStore::lock() {
   try {
     const auto path = directory_ / (name_ + ".lock");
     OpenFile opened(*files_, path, Purpose::lock);
     require_private(opened.number(), path);
-    if (!files_->try_lock(opened.number())) return false;
+    if (!files_->try_lock(opened.number())) return files_->lock_holder(opened.number());
     lock_ = opened.release();
   } catch (const std::system_error& error) {
     if (is_error(error, ELOOP)) refuse(name_ + ".lock is a symbolic link, which is not followed");
     log_warning("state directory {}: not locked, nothing can be stored: {}", directory_.string(),
                 error.what());
   }
-  return true;
+  return std::nullopt;
 }
 
 // ---- load ------------------------------------------------------------------------------------
@@ -239,7 +240,7 @@ void ParameterStore::keep_aside() {
 // ---- save ------------------------------------------------------------------------------------
 
 void ParameterStore::save(const ParameterTable& table) {
-  if (lock_ < 0 && (!lock() || lock_ < 0)) {
+  if (lock_ < 0 && (lock() || lock_ < 0)) {
     throw std::system_error(EROFS, std::generic_category(), "no lock on " + directory_.string());
   }
   put_back();

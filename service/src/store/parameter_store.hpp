@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -72,7 +73,7 @@ class ParameterStore {
   };
 
   [[nodiscard]] std::filesystem::path file(const char* suffix) const;
-  [[nodiscard]] bool lock();
+  [[nodiscard]] std::optional<std::string> lock();
   void require_private(int opened, const std::filesystem::path& path) const;
   [[noreturn]] void refuse(const std::string& problem) const;
   [[nodiscard]] ParameterTable read(const std::filesystem::path& file);
