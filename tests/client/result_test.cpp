@@ -88,6 +88,18 @@ TEST(Result, OfAFailureThrowsItsMessageWhenItsValueIsTaken) {
   EXPECT_THROW((void)constant.value(), std::runtime_error);
 }
 
+TEST(Outcome, ThatIsNoSuccessIsThrownWhereTheProgramWantsIt) {
+  EXPECT_NO_THROW(Outcome().or_throw());
+  try {
+    Outcome::refused(0x08000022, "enable of axis 1.1").or_throw();
+    FAIL() << "it is no success";
+  } catch (const OutcomeError& error) {
+    EXPECT_EQ(error.outcome().kind(), OutcomeKind::refused);
+    EXPECT_EQ(error.outcome().code(), 0x08000022U);
+    EXPECT_EQ(error.what(), error.outcome().message());
+  }
+}
+
 TEST(ResultDeathTest, DereferencingAFailureEndsTheProgramWithItsMessage) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   Result<std::string> sut = failed();

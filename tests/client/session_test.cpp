@@ -534,6 +534,47 @@ TEST_F(LockStep, ReceivesStatusWhileAnotherSessionSteps) {
   }
 }
 
+// Ticks of 1 ms, and samples that wait: each is as many ms behind as ticks were run after it.
+TEST_F(LockStep, AFollowerMeasuresHowFarItsSamplesAreBehindTheBench) {
+  auto follower = sut_.follow({{1, 1}}, Pace::observe);
+  ASSERT_TRUE(follower);
+  Session stepper(options_on_wire());
+  Observation kept;
+  const auto deadline = std::chrono::steady_clock::now() + 10s;
+  while (!follower->next(20ms, kept)) {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    ASSERT_TRUE(stepper.step(1, 1));
+  }
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(stepper.step(1, 1));
+  const auto last = *stepper.step(1, 0);
+  const std::array ids{AxisId{1, 1}};
+  ASSERT_EQ(sut_.observe(ids)->tick, last);  // from here on the session knows the time of the bench
+  const Lateness before = follower->lateness();
+  std::uint64_t late = 0;
+  std::chrono::nanoseconds longest = before.longest;
+  while (kept.tick < last) {
+    ASSERT_TRUE(follower->next(2s, kept));
+    const std::chrono::milliseconds behind(static_cast<std::int64_t>(last - kept.tick));
+    EXPECT_EQ(follower->lateness().last, behind);
+    longest = std::max<std::chrono::nanoseconds>(longest, behind);
+    if (behind > 0ms) ++late;
+  }
+  const Lateness after = follower->lateness();
+  EXPECT_EQ(after.late - before.late, late);
+  EXPECT_EQ(after.longest, longest);
+  EXPECT_EQ(after.last, 0ms);
+  EXPECT_GT(after.samples, before.samples);
+}
+
+TEST_F(LockStep, ASampleThatIsAStepIsNeverLate) {
+  auto follower = sut_.follow({{1, 1}}, Pace::drive);
+  ASSERT_TRUE(follower);
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(follower->next(10s));
+  EXPECT_EQ(follower->lateness().samples, 3U);
+  EXPECT_EQ(follower->lateness().late, 0U);
+  EXPECT_EQ(follower->lateness().longest, 0ms);
+}
+
 TEST_F(LockStep, StoresASampleInMemoryOfTheProgram) {
   auto follower = sut_.follow({{1, 2}, {1, 1}}, Pace::drive);
   ASSERT_TRUE(follower);

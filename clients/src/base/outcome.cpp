@@ -49,6 +49,10 @@ Outcome Outcome::with_prefix(std::string_view words) const {
   return outcome;
 }
 
+void Outcome::or_throw() const {
+  if (kind_ != OutcomeKind::ok) throw OutcomeError(*this);
+}
+
 OutcomeError::OutcomeError(Outcome outcome)
     : std::runtime_error(outcome.message()), outcome_(std::move(outcome)) {}
 

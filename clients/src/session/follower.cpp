@@ -2,6 +2,9 @@
 #include "session/session_core.hpp"
 #include "vdrive/client/session.hpp"
 
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <utility>
 
 namespace vdrive::client {
@@ -13,8 +16,21 @@ struct Follower::State {
   Pace pace = Pace::drive;
   std::shared_ptr<StatusFeed> feed;  ///< none when each sample is a step
 
-  void note_seen(const Observation& sample) const {
+  Lateness lateness;
+
+  void note_seen(const Observation& sample) {
     core->holdings.note_seen(target.key, sample.axes);
+    ++lateness.samples;
+    if (feed) note_lateness(sample.tick);
+  }
+
+  void note_lateness(std::uint64_t tick) {
+    // A frame is in its feed a moment before it counts as a sign of life.
+    const std::uint64_t newest = std::max(core->discovery.tick(target.key), tick);
+    const std::uint64_t behind = newest - tick;
+    if (behind >= target.status_every_ticks) ++lateness.late;
+    lateness.last = static_cast<std::int64_t>(behind) * std::chrono::nanoseconds(target.period);
+    lateness.longest = std::max(lateness.longest, lateness.last);
   }
 };
 
@@ -44,6 +60,10 @@ Outcome Follower::next(std::chrono::milliseconds patience, Observation& sample) 
       {patience, true, state_->pace == Pace::drive, Silence::is_bridged}, sample);
   if (seen) state_->note_seen(sample);
   return seen;
+}
+
+Lateness Follower::lateness() const noexcept {
+  return state_->lateness;
 }
 
 Follower SessionCore::follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace) {

@@ -46,6 +46,10 @@ class [[nodiscard]] Outcome {
   /// Code of a refusal, else 0.
   [[nodiscard]] std::uint32_t code() const noexcept { return code_; }
 
+  /// For a program that ends, or handles all failures in one place.
+  /// @throws OutcomeError with this outcome, unless it is success.
+  void or_throw() const;
+
   /// @return the same outcome with `words` in front of its message: what that came to.
   [[nodiscard]] Outcome with_prefix(std::string_view words) const;
 
@@ -61,7 +65,7 @@ class [[nodiscard]] Outcome {
   std::string message_;
 };
 
-/// What Result::value() throws: the message of the outcome that stands in place of the value.
+/// What Outcome::or_throw() and Result::value() throw: the message of the outcome.
 class OutcomeError final : public std::runtime_error {
  public:
   explicit OutcomeError(Outcome outcome);

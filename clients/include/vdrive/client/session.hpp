@@ -130,6 +130,19 @@ enum class Pace : std::uint8_t {
   observe,  ///< follows the status stream, whoever advances the clock, also while it is paused
 };
 
+/// How far the samples of a follower were behind the time of their bench when the program got them.
+/// That time is the newest tick that the session has received from the bench, in a status or in a
+/// state; so a program that takes samples slower than they come shows, and a network whose delay is
+/// the same for all messages does not. Differences of the tick number count as drive time, also
+/// those that the number jumped over. A sample that is a step of its own (lock-step with
+/// Pace::drive) is never late.
+struct Lateness {
+  std::uint64_t samples = 0;           ///< that the follower gave
+  std::uint64_t late = 0;              ///< of these, those after which a later one was due already
+  std::chrono::nanoseconds last{};     ///< [drive time] of the newest sample
+  std::chrono::nanoseconds longest{};  ///< [drive time]
+};
+
 /// Sees axes of one bench tick by tick. Made by Session::follow; must not outlive the session.
 class Follower {
  public:
@@ -150,6 +163,9 @@ class Follower {
   /// thousands of axes without an allocation a tick.
   /// @param sample the next one on success, else as it was
   Outcome next(std::chrono::milliseconds patience, Observation& sample);
+
+  /// @return since the follower was made.
+  [[nodiscard]] Lateness lateness() const noexcept;
 
  private:
   friend class SessionCore;
