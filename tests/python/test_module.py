@@ -94,7 +94,7 @@ def test_a_class_of_the_stub_has_the_members_and_parameters_of_the_class(name):
 def test_functions_that_are_written_in_python_have_the_parameters_of_the_stub():
     stub = {node.name: node for node in STUB_CLASSES["Session"].body
             if isinstance(node, ast.FunctionDef)}
-    for name in ("follow_async", "events_async", "on_event", "on_status", "record"):
+    for name in ("follow_async", "events_async", "on_event", "on_status", "watch_services", "record"):
         found = [(each.name, each.default is not each.empty, each.kind is each.KEYWORD_ONLY)
                  for each in inspect.signature(getattr(vdrive.Session, name)).parameters.values()]
         assert found == parameters_of_stub(stub[name])

@@ -347,3 +347,66 @@ def test_set_points_with_a_wrong_value_or_too_many_objects_are_not_sent(vdrive_s
     many = dict.fromkeys([0x6081, 0x6083, 0x6084, 0x60C5, 0x60C6, 0x6072, 0x6065, 0x6067, 0x6068], 1)
     with pytest.raises(vdrive.Failed, match="9 objects; at most 8"):
         vdrive_session.send_set_points({1: many})
+
+
+def test_an_abandoned_session_commands_nothing_and_releases_nothing(vdrive_bench, vdrive_session):
+    with vdrive_bench.session() as lost:
+        axis = lost.axis("1.1")
+        axis.enable()
+        lost.abandon()
+        with pytest.raises(vdrive.Error):
+            axis.disable()
+        with pytest.raises(vdrive.Error):
+            lost.step(1)
+        status = vdrive_session.axis("1.1").status()
+        assert status.owner == lost.id and status.is_enabled
+
+
+def next_news(changes, bench):
+    """The news of a bench that comes next."""
+    while (change := changes.next(timeout=30)) is not None:
+        if change.bench == bench:
+            assert f"bench {bench} " in change.text and change.silence >= 0
+            return change.news
+    raise AssertionError(f"nothing was reported about bench {bench}")
+
+
+def test_services_that_come_and_go_are_reported(vdrive_benches):
+    first, = vdrive_benches(1)
+    with first.session() as session, session.service_changes() as changes:
+        assert next_news(changes, 1) == "found"
+        with vdrive.Bench(axes=1, number=2, beside=first):
+            assert next_news(changes, 2) == "found"
+        assert next_news(changes, 2) in ("went_offline", "fell_silent")
+        assert changes.dropped == 0
+        # The next watch begins anew, and takes the place of the stream.
+        seen, arrived = [], threading.Event()
+
+        def note(change):
+            seen.append((change.bench, change.news))
+            arrived.set()
+
+        with session.watch_services(note):
+            assert arrived.wait(30) and seen[0] == (1, "found")
+
+
+def test_a_follower_counts_the_samples_that_were_taken_late(vdrive_bench, vdrive_session):
+    follower = vdrive_session.follow("1.1", pace="observe")
+    with vdrive_bench.session() as stepper:
+        first = stepper.step(1)
+        for _ in range(4):
+            last = stepper.step(1)
+        assert vdrive_session.observe("1.1").tick == last
+        # A tick is 1 ms. Every step of one tick is published, and what came before them is behind by more.
+        ticks = [next(follower).tick]
+        longest = (last - ticks[0]) / 1000
+        assert follower.lateness.last == pytest.approx(longest)
+        while ticks[-1] < last:
+            ticks.append(next(follower).tick)
+        assert first in ticks
+        lateness = follower.lateness
+        assert lateness.samples == len(ticks) and lateness.late == len(ticks) - 1
+        assert lateness.last == 0 and lateness.longest == pytest.approx(longest)
+        follower.close()
+        assert follower.lateness.samples == len(ticks)
+        assert repr(lateness).startswith(f"<vdrive.Lateness: {len(ticks) - 1} of {len(ticks)} samples")

@@ -154,6 +154,32 @@ void add_event_queue(py::module_& module) {
   add_queue<EventQueue, Event>(queue);
 }
 
+void add_service_queue(py::module_& module) {
+  using client::ServiceChange;
+  py::class_<ServiceChange>(module, "ServiceChange", "What has happened to a service.")
+      .def_readonly("bench", &ServiceChange::bench, "Number of its bench.")
+      .def_property_readonly(
+          "news",
+          [](const ServiceChange& change) {
+            return std::string(client::to_string(change.news));
+          },
+          R"("found", "fell_silent", "sends_again", "restarted" or "went_offline".)")
+      .def_property_readonly(
+          "silence",
+          [](const ServiceChange& change) {
+            return seconds_of(change.silence);
+          },
+          "Age of its newest sample, in s of wall time.")
+      .def_readonly("text", &ServiceChange::text, "Text for people.")
+      .def("__repr__", [](const ServiceChange& change) {
+        return "<vdrive.ServiceChange " + std::string(client::to_string(change.news)) + ": " +
+               change.text + ">";
+      });
+  py::class_<ServiceQueue, std::shared_ptr<ServiceQueue>> queue(
+      module, "ServiceStream", "What happens to services, as it comes. An iterator of changes.");
+  add_queue<ServiceQueue, ServiceChange>(queue);
+}
+
 void add_report_queue(py::module_& module) {
   py::class_<ReportQueue, std::shared_ptr<ReportQueue>> queue(
       module, "StatusReports", "The newest state of axes at a rate; use it through on_status().");
@@ -248,11 +274,32 @@ void EventQueue::close() noexcept {
   queue_->end({});
 }
 
+ServiceQueue::ServiceQueue(std::shared_ptr<client::Session> session, std::size_t capacity)
+    : queue_(std::make_shared<Queue<client::ServiceChange>>(capacity)),
+      session_(std::move(session)) {
+  session_->watch_services([queue = queue_](const client::ServiceChange& change) {
+    queue->push(change);
+  });
+}
+
+ServiceQueue::~ServiceQueue() {
+  close();
+}
+
+void ServiceQueue::close() noexcept {
+  if (origin.is_inherited()) return;
+  const std::scoped_lock lock(mutex_);
+  if (session_) session_->watch_services({});
+  session_.reset();
+  queue_->end({});
+}
+
 StepFollower::StepFollower(client::Follower follower) : follower_(std::move(follower)) {}
 
 void StepFollower::close() noexcept {
   if (origin.is_inherited()) return;
   const std::scoped_lock lock(mutex_);
+  if (follower_) last_lateness_ = follower_->lateness();
   follower_.reset();
 }
 
@@ -262,10 +309,16 @@ Outcome StepFollower::next(std::chrono::milliseconds patience, Observation& samp
   return follower_->next(patience, sample);
 }
 
+client::Lateness StepFollower::lateness() {
+  const std::scoped_lock lock(mutex_);
+  return follower_ ? follower_->lateness() : last_lateness_;
+}
+
 void add_queues(py::module_& module) {
   add_status_queue(module);
   add_event_queue(module);
   add_report_queue(module);
+  add_service_queue(module);
 }
 
 }  // namespace vdrive::python

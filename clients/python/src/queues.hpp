@@ -207,6 +207,28 @@ class EventQueue final : public Dependent {
   std::shared_ptr<client::Session> session_;
 };
 
+/// What happens to the services that a session sees.
+class ServiceQueue final : public Dependent {
+ public:
+  ServiceQueue(std::shared_ptr<client::Session> session, std::size_t capacity);
+  ~ServiceQueue() override;
+  ServiceQueue(const ServiceQueue&) = delete;
+  ServiceQueue& operator=(const ServiceQueue&) = delete;
+
+  void close() noexcept override;
+
+  /// @throws py::error_already_set in a forked process
+  [[nodiscard]] Queue<client::ServiceChange>& queue() {
+    origin.require_own("the stream");
+    return *queue_;
+  }
+
+ private:
+  std::shared_ptr<Queue<client::ServiceChange>> queue_;
+  std::mutex mutex_;
+  std::shared_ptr<client::Session> session_;
+};
+
 /// Sees axes tick by tick in the thread of the caller.
 class StepFollower final : public Dependent {
  public:
@@ -217,9 +239,13 @@ class StepFollower final : public Dependent {
   /// As client::Follower. @return failed after close()
   client::Outcome next(std::chrono::milliseconds patience, client::Observation& sample);
 
+  /// As client::Follower. @return also of one that is closed
+  client::Lateness lateness();
+
  private:
   std::mutex mutex_;
   std::optional<client::Follower> follower_;
+  client::Lateness last_lateness_;  ///< of a follower that is closed
 };
 
 }  // namespace vdrive::python

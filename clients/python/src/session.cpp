@@ -6,6 +6,7 @@
 #include "local_bench.hpp"
 #include "queues.hpp"
 #include "status.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
 #include <algorithm>
@@ -167,6 +168,17 @@ std::shared_ptr<EventQueue> events(const SharedPySession& self, bool history,
   auto queue = [&] {
     const py::gil_scoped_release unlocked;
     return made_here<EventQueue>(session, capacity, history);
+  }();
+  self->adopt(queue);
+  return queue;
+}
+
+std::shared_ptr<ServiceQueue> service_changes(const SharedPySession& self, std::size_t capacity) {
+  if (capacity == 0) throw py::value_error("a stream has a capacity of 1 or more");
+  const std::shared_ptr<Session> session = self->session();
+  auto queue = [&] {
+    const py::gil_scoped_release unlocked;
+    return made_here<ServiceQueue>(session, capacity);
   }();
   self->adopt(queue);
   return queue;
@@ -349,6 +361,11 @@ void add_session_observing(SessionClass& session) {
       py::keep_alive<0, 1>(),
       "The events of the benches that this session finds; with `history` from the oldest on "
       "that each bench still has. A second stream takes the place of the first.");
+  session.def(
+      "service_changes", &service_changes, py::kw_only(), py::arg("capacity") = 10000,
+      py::keep_alive<0, 1>(),
+      "What happens to the services that this session sees: found, silent, restarted, offline. "
+      "First comes what is there. A second stream takes the place of the first.");
 }
 
 void add_control(SessionClass& session) {
@@ -424,10 +441,49 @@ void add_ends(SessionClass& session) {
         self.session()->end_interrupt();
       },
       "Calls from now on wait again.");
+  session.def(
+      "abandon",
+      [](const PySession& self) {
+        const std::shared_ptr<Session> abandoned = self.session();
+        const py::gil_scoped_release unlocked;
+        abandoned->abandon();
+      },
+      "Ends the session as a kill of its program would: it sends nothing any more and releases no "
+      "axis, every call fails, and the axes on a bench in realtime react as 6007h says. From any "
+      "thread; close() frees what is left.");
   session.def("close", &close_session, "Releases all axes and ends the session.");
 }
 
+void add_lateness(py::module_& module) {
+  using client::Lateness;
+  py::class_<Lateness>(module, "Lateness",
+                       "How far the samples of a Follower were behind the time of their bench, the "
+                       "newest tick that the session had received from it, when the program got "
+                       "them. Of a program that takes samples slower than they come.")
+      .def_readonly("samples", &Lateness::samples, "Samples that the follower gave.")
+      .def_readonly("late", &Lateness::late,
+                    "Of these, those after which a later one was due already.")
+      .def_property_readonly(
+          "last",
+          [](const Lateness& lateness) {
+            return seconds_of(lateness.last);
+          },
+          "Of the newest sample, in s of drive time.")
+      .def_property_readonly(
+          "longest",
+          [](const Lateness& lateness) {
+            return seconds_of(lateness.longest);
+          },
+          "The longest, in s of drive time.")
+      .def("__repr__", [](const Lateness& lateness) {
+        return "<vdrive.Lateness: " + std::to_string(lateness.late) + " of " +
+               std::to_string(lateness.samples) + " samples, at most " +
+               to_text(seconds_of(lateness.longest)) + " s>";
+      });
+}
+
 void add_follower(py::module_& module) {
+  add_lateness(module);
   py::class_<PyFollower>(module, "Follower",
                          "Axes tick by tick: an iterator of observations, see Session.follow().")
       .def("__iter__",
@@ -445,6 +501,14 @@ void add_follower(py::module_& module) {
           "a numpy array of records, a row per sample, a column per axis. What it had received "
           "when "
           "it raised is what the next call returns, at once.")
+      .def_property_readonly(
+          "lateness",
+          [](const PyFollower& self) {
+            const py::gil_scoped_release
+                unlocked;  // a call of another thread may wait for a sample
+            return self.follower->lateness();
+          },
+          "How far its samples were behind the bench: a Lateness.")
       .def(
           "close",
           [](PyFollower& self) {

@@ -29,8 +29,11 @@ from ._vdrive import (
     EventStream,
     Follower,
     GroupStatus,
+    Lateness,
     Motion,
     Observation,
+    ServiceChange,
+    ServiceStream,
     Session,
     Status,
     StatusStream,
@@ -42,7 +45,7 @@ from ._vdrive import (
 )
 
 for _function in (_asynchronous.follow_async, _asynchronous.events_async, _observers.on_event,
-                  _observers.on_status, _recording.record):
+                  _observers.on_status, _observers.watch_services, _recording.record):
     setattr(Session, _function.__name__, _function)
 del _function
 
@@ -63,6 +66,7 @@ __all__ = [
     "Follower",
     "Forked",
     "GroupStatus",
+    "Lateness",
     "Lost",
     "Motion",
     "NotFound",
@@ -70,6 +74,8 @@ __all__ = [
     "Observer",
     "Recording",
     "Refused",
+    "ServiceChange",
+    "ServiceStream",
     "Session",
     "Status",
     "StatusStream",

@@ -117,6 +117,16 @@ def on_event(self: _vdrive.Session, observer: Callable[[_vdrive.Event], object],
     return Observer(observer, [self.events(history=history)])
 
 
+def watch_services(self: _vdrive.Session,
+                   observer: Callable[[_vdrive.ServiceChange], object]) -> Observer:
+    """Call `observer(change)` when a service is found, falls silent, restarts or goes offline.
+
+    First for each service that is there. Returns the Observer. It takes the place of
+    service_changes() and of the observer before.
+    """
+    return Observer(observer, [self.service_changes()])
+
+
 def on_status(self: _vdrive.Session, observer: Callable[[_vdrive.Observation], object],
               axes: _vdrive.AxesSpec = None, *, period: float = 0.1,
               on_end: Callable[[Exception], object] | None = None) -> Observer:

@@ -43,6 +43,22 @@ std::string text_of(ServiceNews news, const SeenRun& run) {
 
 }  // namespace
 
+std::string_view to_string(ServiceNews news) noexcept {
+  switch (news) {
+    case ServiceNews::found:
+      return "found";
+    case ServiceNews::fell_silent:
+      return "fell_silent";
+    case ServiceNews::sends_again:
+      return "sends_again";
+    case ServiceNews::restarted:
+      return "restarted";
+    case ServiceNews::went_offline:
+      return "went_offline";
+  }
+  return "unknown";
+}
+
 std::optional<ServiceNews> ServiceWatch::note(Known& known, const SeenRun& run) {
   const bool is_ours = known.incarnation == run.key.incarnation;
   if (!is_there(run)) {

@@ -80,6 +80,9 @@ enum class ServiceNews : std::uint8_t {
   went_offline,  ///< it announced its end
 };
 
+/// @return the news as one word, such as "fell_silent".
+[[nodiscard]] std::string_view to_string(ServiceNews news) noexcept;
+
 /// One change that Session::watch_services reports.
 struct ServiceChange {
   std::uint32_t bench = 0;
