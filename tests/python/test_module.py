@@ -217,6 +217,71 @@ def test_a_file_that_the_library_cannot_read_is_an_error_that_names_it(tmp_path,
         vdrive.load(path)
 
 
+def recorded(session):
+    session.axis("1.1").enable()
+    session.axis("1.1").start_move(4000, velocity=20000)
+    return session.record(["1.1", "1.2"], ticks=30)
+
+
+@pytest.mark.parametrize("ending", ["csv", "jsonl", "json", "mcap"])
+def test_a_recording_that_was_saved_is_loaded_as_it_was(vdrive_session, tmp_path, ending):
+    saved = recorded(vdrive_session)
+    path = tmp_path / f"run.{ending}"
+    path.write_text("an older file")
+    saved.save(path)
+    assert list(tmp_path.iterdir()) == [path]
+    loaded = vdrive.load(path, period=0.001)
+    assert numpy.array_equal(loaded.frames, saved.frames) and loaded["position"].max() > 0
+    assert (loaded.axes, loaded.names, loaded.period) == (saved.axes, saved.names, 0.001)
+    # The tool takes it, too, and a part of a recording is a recording.
+    saved.frames = saved.frames[10:20]
+    saved.save(str(path))
+    assert vdrive.load(path).ticks.tolist() == saved.ticks.tolist()
+    other = tmp_path / ("other.csv" if ending == "mcap" else "other.mcap")
+    subprocess.run([os.environ["VDRIVE_TOOL"], "convert", path, other], check=True)
+    assert numpy.array_equal(vdrive.load(other).frames, saved.frames)
+
+
+def broken(recording, **members):
+    for name, value in members.items():
+        setattr(recording, name, value)
+    return recording
+
+
+@pytest.mark.parametrize("name, change, reason", [
+    ("run.txt", lambda r: r, "ends in .csv, .jsonl or .mcap"),
+    ("run", lambda r: r, "ends in .csv, .jsonl or .mcap"),
+    ("run.mcap", lambda r: broken(r, period=None), "does not say how long a tick is"),
+    ("run.csv", lambda r: broken(r, frames=r.frames[:0]), "the recording has no sample"),
+    ("run.csv", lambda r: broken(r, frames=r.frames[::-1]), "tick .* follows the tick"),
+    ("run.csv", lambda r: broken(r, frames=r.frames[:, :1]), "a column for each of its 2 axes"),
+    ("run.csv", lambda r: broken(r, frames=r["position"]), "the dtype of vdrive.record_type"),
+    ("run.csv", lambda r: broken(r, axes=["1.1", "2.1"]), "1.1 and 2.1 are not of one bench"),
+    ("run.csv", lambda r: broken(r, axes=["1.1", "lift"]), "axis 'lift' is no address such as 1.2"),
+    ("run.csv", lambda r: broken(r, names=["x"]), "2 axes and 1 names"),
+])
+def test_what_a_file_cannot_have_is_refused_and_an_older_file_stays(vdrive_session, tmp_path, name, change, reason):
+    recording = change(recorded(vdrive_session))
+    path = tmp_path / name
+    path.write_text("an older file")
+    with pytest.raises(ValueError, match=f"cannot save '.*{name}': .*{reason}"):
+        recording.save(path)
+    assert path.read_text() == "an older file" and list(tmp_path.iterdir()) == [path]
+
+
+def test_a_file_that_cannot_be_written_is_an_error_of_the_system(vdrive_session, tmp_path):
+    recording = recorded(vdrive_session)
+    with pytest.raises(OSError, match="cannot write '.*/none/run.csv': No such file or directory"):
+        recording.save(tmp_path / "none" / "run.csv")
+    (tmp_path / "run.csv").mkdir()
+    with pytest.raises(OSError, match="run.csv': it is not a regular file"):
+        recording.save(tmp_path / "run.csv")
+    # A link stays one: the file behind it is written.
+    (tmp_path / "link.csv").symlink_to("behind.csv")
+    recording.save(tmp_path / "link.csv")
+    assert (tmp_path / "link.csv").is_symlink() and len(vdrive.load(tmp_path / "behind.csv")) == 30
+
+
 def literal_of_stub(name):
     """Return the texts of `name = Literal[...]` in the stub."""
     for node in TREE.body:

@@ -2,15 +2,19 @@
 // Recordings of the tool as arrays of numpy.
 #include "recording.hpp"
 
+#include "arguments.hpp"
 #include "convert.hpp"
 #include "python.hpp"
+#include "sample_order.hpp"
 #include "status.hpp"
+#include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -89,9 +93,114 @@ py::tuple read_recording(const std::string& path) {
   return py::make_tuple(loaded.contents.cut, benches);
 }
 
+/// A recording of one bench, as the program has it.
+struct Saved {
+  recording::RecordedBench bench;
+  client::Observation sample;  ///< its axes have their addresses
+  bool has_period = false;
+};
+
+/// @throws py::value_error for axes that are none, or of several benches
+Saved saved_of(const std::vector<std::string>& axes, const std::vector<std::string>& names,
+               std::optional<double> period) {
+  Saved saved;
+  if (axes.size() != names.size()) {
+    throw py::value_error("the recording has " + std::to_string(axes.size()) + " axes and " +
+                          std::to_string(names.size()) + " names");
+  }
+  for (std::size_t place = 0; place < axes.size(); ++place) {
+    const auto id = client::parse_axis_id(axes[place]);
+    if (!id) throw py::value_error("axis " + in_quotes(axes[place]) + " is no address such as 1.2");
+    saved.sample.axes.emplace_back().id = *id;
+    if (id->bench != saved.sample.axes.front().id.bench) {
+      throw py::value_error("the axes " + axes.front() + " and " + axes[place] +
+                            " are not of one bench");
+    }
+    saved.bench.axes.push_back({.id = *id, .name = names[place]});
+    saved.bench.number = id->bench;
+  }
+  saved.has_period = period && *period > 0.0;
+  if (saved.has_period) saved.bench.period = nanoseconds_of(*period);
+  recording::name_topics(saved.bench);
+  return saved;
+}
+
+/// What no reader of a recording would take is not written. @throws recording::RecordingError
+void check_samples(const FrameView& frames, Saved& saved) {
+  recording::SampleOrder order;
+  for (std::size_t row = 0; row < frames.size(); ++row) {
+    frames.read(row, saved.sample);
+    for (const client::AxisSnapshot& axis : saved.sample.axes) {
+      if (axis.tick != saved.sample.tick) {
+        throw recording::RecordingError("the sample " + std::to_string(row) + " has the tick " +
+                                        std::to_string(saved.sample.tick) + ", and its axis " +
+                                        to_string(axis.id) + " the tick " +
+                                        std::to_string(axis.tick));
+      }
+      order.note(axis.id, axis.tick);
+    }
+  }
+}
+
+/// @throws recording::RecordingError
+void write_samples(const std::string& path, const FrameView& frames, Saved& saved) {
+  const auto writer = recording::open_recording(path, VDRIVE_VERSION);
+  writer->begin({saved.bench});
+  recording::Summary summary;
+  for (std::size_t row = 0; row < frames.size(); ++row) {
+    frames.read(row, saved.sample);
+    ++summary.samples;
+    summary.gaps.note_sample(saved.sample);
+    writer->status(saved.sample);
+  }
+  writer->finish(summary);
+}
+
+/// @return what `call` threw, empty when it threw nothing. Without the interpreter lock.
+template <typename Call>
+std::string problem_of(const Call& call) {
+  const py::gil_scoped_release unlocked;
+  try {
+    call();
+  } catch (const recording::RecordingError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+void write_recording(const std::string& path, const std::vector<std::string>& axes,
+                     const std::vector<std::string>& names, std::optional<double> period,
+                     const py::array& frames) {
+  const auto format = recording::format_of(path);
+  if (!format) throw py::value_error("a recording ends in .csv, .jsonl or .mcap");
+  Saved saved = saved_of(axes, names, period);
+  const FrameView view(frames, axes.size());
+  if (axes.empty() || view.size() == 0) throw py::value_error("the recording has no sample");
+  if (*format == recording::Format::mcap && !saved.has_period) {
+    throw py::value_error(
+        "the recording does not say how long a tick is, which .mcap needs: set "
+        "its period, in s");
+  }
+  const std::string refusal = problem_of([&] {
+    check_samples(view, saved);
+  });
+  if (!refusal.empty()) throw py::value_error(refusal);
+  const std::string problem = problem_of([&] {
+    write_samples(path, view, saved);
+  });
+  if (problem.empty()) return;
+  PyErr_SetString(PyExc_OSError, problem.c_str());
+  throw py::error_already_set();
+}
+
 }  // namespace
 
 void add_recording(py::module_& module) {
+  module.def(
+      "write_recording", &write_recording, py::arg("path"), py::arg("axes"), py::arg("names"),
+      py::arg("period"), py::arg("frames"),
+      "Writes a recording of one bench; the ending of the path is its format. ValueError for "
+      "what it cannot write, with nothing written; OSError when the file cannot be written.");
   module.def("read_recording", &read_recording, py::arg("path"),
              "Reads a recording; its ending is its format. Returns where the file ends before its "
              "end, empty for a whole one, and for each bench its number, period [s] where the "

@@ -23,6 +23,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace vdrive::python {
@@ -105,6 +106,12 @@ std::byte* put(std::byte* place, const void* bytes, std::size_t size) {
   return place + size;  // NOLINT(*-pointer-arithmetic): the records lie behind each other
 }
 
+/// Copies what put() has written. @return the place behind it.
+const std::byte* get(const std::byte* place, void* bytes, std::size_t size) {
+  std::memcpy(bytes, place, size);
+  return place + size;  // NOLINT(*-pointer-arithmetic): the records lie behind each other
+}
+
 /// The records of an array: tick and missed samples, the members of the status, the owner.
 class RecordLayout {
  public:
@@ -135,6 +142,17 @@ class RecordLayout {
     place = put(place, image.last<kBehind>().data(), kBehind);
     place = put(place, &axis.owner_session, sizeof axis.owner_session);
     return put(place, &axis.owner_epoch, sizeof axis.owner_epoch);
+  }
+
+  /// What write() has written. @return the place behind the record.
+  static const std::byte* read(const std::byte* place, AxisSnapshot& axis, std::uint64_t& missed) {
+    const auto image = std::as_writable_bytes(std::span(&axis.status, 1));
+    place = get(place, &axis.tick, sizeof axis.tick);
+    place = get(place, &missed, sizeof missed);
+    place = get(place, image.data(), kBefore);
+    place = get(place, image.last<kBehind>().data(), kBehind);
+    place = get(place, &axis.owner_session, sizeof axis.owner_session);
+    return get(place, &axis.owner_epoch, sizeof axis.owner_epoch);
   }
 
  private:
@@ -332,6 +350,29 @@ py::array Frames::take(std::size_t most) {
   });
   static_cast<void>(taken.release());
   return {layout().type(), shape, first, owner};
+}
+
+FrameView::FrameView(const py::array& frames, std::size_t axes)
+    : records_(static_cast<const std::byte*>(frames.data())),
+      samples_(static_cast<std::size_t>(frames.ndim() == 2 ? frames.shape(0) : 0)) {
+  if (frames.ndim() != 2 || std::cmp_not_equal(frames.shape(1), axes)) {
+    throw py::value_error(
+        "the frames of a recording have a row per sample and a column for each of "
+        "its " +
+        std::to_string(axes) + " axes");
+  }
+  if (!frames.dtype().equal(layout().type())) {
+    throw py::value_error("the frames of a recording have the dtype of vdrive.record_type()");
+  }
+}
+
+void FrameView::read(std::size_t row, Observation& sample) const {
+  const std::size_t begin = row * sample.axes.size() * layout().size();
+  const std::byte* place = records_ + begin;  // NOLINT(*-pointer-arithmetic): rows of one size
+  for (AxisSnapshot& axis : sample.axes) {
+    place = RecordLayout::read(place, axis, sample.missed);
+  }
+  sample.tick = sample.axes.front().tick;
 }
 
 py::array frames_of(const std::deque<Observation>& samples, std::size_t axes) {

@@ -42,6 +42,26 @@ class Frames {
   std::size_t row_;  ///< bytes of one sample
 };
 
+/// The records of an array, as Frames makes it, for reading. Needs no interpreter lock but for its
+/// construction; the array outlives it.
+class FrameView {
+ public:
+  /// @param frames its rows lie behind each other
+  /// @throws py::value_error unless it has a row per sample and a column per axis of such records
+  FrameView(const py::array& frames, std::size_t axes);
+
+  /// @return how many samples it has.
+  [[nodiscard]] std::size_t size() const noexcept { return samples_; }
+
+  /// Fills a sample with the record of each axis; the addresses of the axes stay.
+  /// @param row below size()
+  void read(std::size_t row, client::Observation& sample) const;
+
+ private:
+  const std::byte* records_;
+  std::size_t samples_;
+};
+
 /// @return the samples, of `axes` axes each, as one array.
 [[nodiscard]] py::array frames_of(const std::deque<client::Observation>& samples, std::size_t axes);
 

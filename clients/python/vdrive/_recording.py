@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from numpy import float64, uint64
     from numpy.typing import NDArray
 
+    Path = str | bytes | os.PathLike[str] | os.PathLike[bytes]
+
 _ALIASES = {
     "position": "load_position_actual_value",
     "demand": "position_demand_value",
@@ -83,6 +85,38 @@ class Recording:
                 records: NDArray[Any] = self.frames[:, column]
                 return records
         raise KeyError(f"the recording has no axis {axis!r}: {', '.join(self.axes)}")
+
+    def save(self, path: Path) -> None:
+        """Write it to a file, as `vdrive record` does: .csv, .jsonl or .mcap by the ending.
+
+        load() and `vdrive convert` read it. A file that is there keeps its content until the new one
+        is whole. .mcap keeps `period`; no format keeps `cut`. Raises ValueError for what a file cannot
+        have: another ending, no sample, ticks that go back, frames of another shape or type, .mcap
+        without a `period`; OSError when it cannot be written. Then nothing has changed.
+        """
+        import numpy
+
+        name = os.fsdecode(path)
+        target = os.path.realpath(name)
+        if os.path.exists(target) and not os.path.isfile(target):
+            raise OSError(f"cannot write {name!r}: it is not a regular file")
+        # Beside the file: a rename is atomic within one file system only.
+        temporary = os.path.join(os.path.dirname(target),
+                                 f".vdrive.{os.urandom(8).hex()}{os.path.splitext(name)[1]}")
+        try:
+            _vdrive.write_recording(temporary, self.axes, self.names, self.period,
+                                    numpy.ascontiguousarray(self.frames))
+            with open(temporary, "rb") as written:
+                os.fsync(written.fileno())
+            os.replace(temporary, target)
+        except ValueError as error:
+            raise ValueError(f"cannot save {name!r}: {error}") from None
+        except OSError as error:
+            reason = error.strerror or str(error).rpartition(": ")[2]
+            raise OSError(f"cannot write {name!r}: {reason}") from None
+        finally:
+            if os.path.exists(temporary):
+                os.unlink(temporary)
 
     def __repr__(self) -> str:
         return f"<vdrive.Recording of {len(self.axes)} axes, {len(self)} samples>"

@@ -61,6 +61,13 @@ def record_type() -> numpy.dtype[Any]: ...
 def read_recording(
     path: str,
 ) -> tuple[str, list[tuple[int, float | None, list[str], list[str], NDArray[Any]]]]: ...
+def write_recording(
+    path: str,
+    axes: Sequence[str],
+    names: Sequence[str],
+    period: float | None,
+    frames: NDArray[Any],
+) -> None: ...
 
 class Unit:
     @property

@@ -4,7 +4,6 @@
 #include "mcap_recording.hpp"
 #include "output_file.hpp"
 #include "text_recording.hpp"
-#include "topic_names.hpp"
 #include "vdrive/text.hpp"
 
 #include <sys/stat.h>
@@ -44,19 +43,6 @@ Format format_or_refuse(const std::string& file) {
   const auto format = format_of(file);
   if (!format) throw RecordingError(in_quotes(file) + " does not end in .csv, .jsonl or .mcap");
   return *format;
-}
-
-/// Topics of axes as the gateway would name them.
-void name_topics(RecordedBench& bench) {
-  std::vector<client::AxisInfo> infos;
-  infos.reserve(bench.axes.size());
-  for (const RecordedAxis& axis : bench.axes) {
-    client::AxisInfo& info = infos.emplace_back();
-    info.id = axis.id;
-    info.name = axis.name;
-  }
-  const std::vector<std::string> topics = bridge::topic_names(infos);
-  for (std::size_t i = 0; i < topics.size(); ++i) bench.axes[i].topic = topics[i];
 }
 
 }  // namespace

@@ -31,6 +31,18 @@ RecordedBench describe(const client::BenchInfo& bench, const std::vector<client:
   return recorded;
 }
 
+void name_topics(RecordedBench& bench) {
+  std::vector<client::AxisInfo> infos;
+  infos.reserve(bench.axes.size());
+  for (const RecordedAxis& axis : bench.axes) {
+    client::AxisInfo& info = infos.emplace_back();
+    info.id = axis.id;
+    info.name = axis.name;
+  }
+  const std::vector<std::string> topics = bridge::topic_names(infos);
+  for (std::size_t i = 0; i < topics.size(); ++i) bench.axes[i].topic = topics[i];
+}
+
 std::map<client::AxisId, std::string> names_of(const std::vector<RecordedBench>& benches) {
   std::map<client::AxisId, std::string> names;
   for (const RecordedBench& bench : benches) {

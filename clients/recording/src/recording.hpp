@@ -44,6 +44,10 @@ struct RecordedBench {
 [[nodiscard]] RecordedBench describe(const client::BenchInfo& bench,
                                      const std::vector<client::AxisId>& axes);
 
+/// Gives the axes of a bench, whose ids and names are known, their topics: as the gateway names
+/// them.
+void name_topics(RecordedBench& bench);
+
 /// @return the names of all axes.
 [[nodiscard]] std::map<client::AxisId, std::string> names_of(
     const std::vector<RecordedBench>& benches);
