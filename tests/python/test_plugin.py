@@ -2,6 +2,7 @@
 """The plug-in of pytest, in runs of pytest of their own."""
 import os
 import pathlib
+import re
 import select
 import signal
 import subprocess
@@ -9,6 +10,7 @@ import sys
 import textwrap
 
 import pytest
+import vdrive
 
 TEN_LINES = """
     import pytest
@@ -53,6 +55,80 @@ def test_a_failing_test_ends_its_bench(pytester):
         command = pathlib.Path("/proc", child, "cmdline")
         assert not (command.exists() and b"vdrived" in command.read_bytes())
 
+
+
+FAILS = """
+    import pytest
+
+    def test_that_fails(vdrive_session):
+        axis = vdrive_session.axis("1.1")
+        axis.enable()
+        axis.disturb("over_current")
+        for _ in range(60):
+            tick = vdrive_session.step(1)
+        pytest.fail(f"at tick {tick}")
+
+    def test_that_passes(vdrive_session):
+        vdrive_session.step(3)
+
+    @pytest.mark.xfail
+    def test_that_may_fail(vdrive_session):
+        vdrive_session.step(3)
+        assert False
+"""
+
+
+def test_a_failed_test_has_the_last_ticks_and_events_of_its_bench(pytester):
+    test = pytester.makepyfile(FAILS)
+    result = pytester.runpytest_subprocess("-q", "-p", "no:cacheprovider", "--vdrive-record=50",
+                                           "--junit-xml=reports/result.xml", timeout=100)
+    result.assert_outcomes(failed=1, passed=1, xfailed=1)
+    stem = pytester.path / "reports/vdrive-failures" / f"{test.name}_test_that_fails"
+    assert sorted(file.name for file in stem.parent.iterdir()) == [
+        f"{stem.name}.events.txt", f"{stem.name}.mcap"]
+    result.stdout.fnmatch_lines(["*-- vdrive bench --*", f"last ticks, * to *: {stem}.mcap",
+                                 f"last events, * of them: {stem}.events.txt"])
+    last = int(re.search(r"at tick (\d+)", result.stdout.str())[1])
+    recording = vdrive.load(f"{stem}.mcap")
+    assert recording.axes == ["1.1", "1.2"] and 0 < len(recording) <= 50
+    assert recording.ticks[-1] == last
+    # 603Fh of the over-current.
+    assert recording.axis("1.1")["error_code"][-1] == 0x2310
+    lines = pathlib.Path(f"{stem}.events.txt").read_text().splitlines()
+    assert any("  1.1  fault  " in line for line in lines) and len(lines) <= 1024
+
+
+def test_nothing_is_recorded_where_it_is_turned_off(pytester):
+    pytester.makepyfile(FAILS)
+    result = pytester.runpytest_subprocess("-q", "-p", "no:cacheprovider", "--vdrive-record=0", timeout=100)
+    result.assert_outcomes(failed=1, passed=1, xfailed=1)
+    assert not (pytester.path / "vdrive-failures").exists()
+    assert "vdrive bench" not in result.stdout.str()
+    result = pytester.runpytest_subprocess("--vdrive-record=-1", timeout=100)
+    result.stderr.fnmatch_lines(["*--vdrive-record: '-1': must be a whole number of ticks, 0 = none"])
+
+
+def test_a_record_that_cannot_be_written_fails_no_test_and_says_why(pytester):
+    pytester.makepyfile(FAILS)
+    (pytester.path / "full").write_text("a file")
+    result = pytester.runpytest_subprocess("-q", "-p", "no:cacheprovider", "--vdrive-record-dir=full", timeout=100)
+    result.assert_outcomes(failed=1, passed=1, xfailed=1)
+    result.stdout.fnmatch_lines(["the record of the bench cannot be written: *File exists*"])
+
+
+def test_of_many_failed_tests_the_first_20_have_files(pytester):
+    pytester.makepyfile("""
+        import pytest
+
+        @pytest.mark.parametrize("name", [str(n) * 80 for n in range(100, 123)])
+        def test_that_fails(vdrive_bench, name):
+            assert False
+    """)
+    result = pytester.runpytest_subprocess("-q", "-p", "no:cacheprovider", "--vdrive-record-dir=kept", timeout=200)
+    result.assert_outcomes(failed=23)
+    files = [file.name for file in (pytester.path / "kept").iterdir()]
+    assert len(files) == 2 * 20 and max(map(len, files)) < 255
+    assert result.stdout.str().count("20 tests have files already") == 3
 
 
 def test_a_killed_pytest_leaves_no_service_behind(tmp_path):

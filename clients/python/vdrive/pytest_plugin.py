@@ -15,6 +15,9 @@
 
     def test_it_is_at_home(vdrive_shared_session): ... # one bench for many tests
 
+When a test with `vdrive_bench` fails, the last ticks and events of its bench are files beside the
+report, which names them; `--vdrive-record=0` turns that off.
+
 The bench is in the process of the test. `--vdrive-over=dds` runs the same tests with a service over
 DDS; a test that starts programs of its own, which have to meet the bench, asks for it by
 `@pytest.mark.vdrive(over="dds")`.
@@ -22,12 +25,18 @@ DDS; a test that starts programs of its own, which have to meet the bench, asks 
 from __future__ import annotations
 
 import contextlib
+import os
+import re
+import time
+import zlib
 
 import pytest
 
 TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
 if TYPE_CHECKING:
-    from typing import Any, Callable, Iterator
+    from typing import Any, Callable, Generator, Iterator
+
+    from numpy.typing import NDArray
 
     import vdrive
 
@@ -35,11 +44,155 @@ if TYPE_CHECKING:
     Start = Callable[[vdrive.Session], object]
 
 
+# Status of one axis: some 60 MB in all. A bench of many axes keeps fewer ticks.
+_MOST_STATUSES = 400_000
+_MOST_EVENTS = 1024  # as many as a bench keeps
+_MOST_FAILURES = 20  # with files, in one process
+_USUAL_TICKS = 1000
+_LONGEST_NAME = 100
+
+
+def _ticks(text: str) -> int:
+    if not text.isdecimal():
+        import argparse
+
+        raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number of ticks, 0 = none")
+    return int(text)
+
+
+class _Recorder:
+    """The last ticks and events of a bench, for a test that fails. It never fails itself."""
+
+    def __init__(self, bench: vdrive.Bench, ticks: int) -> None:
+        self._session: vdrive.Session | None = None
+        self._problem: Exception | None = None
+        try:
+            self._session = bench.session()
+            self._axes = self._session.axes()
+            self._capacity = max(1, min(ticks, _MOST_STATUSES // len(self._axes)))
+            self._stream = self._session.stream(self._axes, capacity=self._capacity)
+            self._events = self._session.events(history=True, capacity=_MOST_EVENTS)
+            self._period = self._session.find_bench(self._axes[0].bench).period
+        except Exception as error:
+            self._problem = error
+
+    def close(self) -> None:
+        if self._session is not None:
+            self._session.close()
+
+    def save(self, stem: str) -> str:
+        """Write the files `stem`.mcap and `stem`.events.txt; return what a report says of them."""
+        if self._problem is not None:
+            return f"the bench was not recorded: {self._problem}"
+        try:
+            os.makedirs(os.path.dirname(stem), exist_ok=True)
+            return "\n".join([self._save_ticks(f"{stem}.mcap"),
+                              self._save_events(f"{stem}.events.txt")])
+        except Exception as error:
+            return f"the record of the bench cannot be written: {error}"
+
+    def _save_ticks(self, path: str) -> str:
+        import vdrive
+
+        frames = self._frames()
+        if frames is None:
+            return "no tick of the bench was received"
+        vdrive.Recording([axis.id for axis in self._axes], [axis.name for axis in self._axes],
+                         frames, period=self._period).save(path)
+        ticks = frames["tick"][:, 0]
+        return f"last ticks, {ticks[0]} to {ticks[-1]}, for vdrive.load and vdrive convert: {path}"
+
+    def _frames(self) -> NDArray[Any] | None:
+        """Return the newest samples up to the present state."""
+        import numpy
+
+        present: NDArray[Any] | None = None
+        with contextlib.suppress(Exception):  # a bench that the test has ended
+            assert self._session is not None
+            present = self._session.observe(self._axes).array()[numpy.newaxis, :]
+        parts: list[NDArray[Any]] = []
+        end = time.monotonic() + 1.0
+        # What the bench has published reaches the stream a moment later.
+        while time.monotonic() < end:
+            try:
+                part = self._stream.take(timeout=0.1)
+            except Exception:  # the stream has ended, with the bench or before
+                break
+            parts += [part] if len(part) else []
+            if not len(part) or present is None or part["tick"][-1, 0] >= present["tick"][0, 0]:
+                break
+        newest = parts[-1]["tick"][-1, 0] if parts else -1
+        if present is not None and present["tick"][0, 0] > newest:
+            parts.append(present)
+        return numpy.concatenate(parts)[-self._capacity:] if parts else None
+
+    def _save_events(self, path: str) -> str:
+        lines: list[str] = []
+        with contextlib.suppress(Exception):  # as above
+            while len(lines) < _MOST_EVENTS:
+                event = self._events.next(timeout=0.05)
+                if event is None:
+                    break
+                who = f"{event.bench}.{event.axis}" if event.axis else f"bench {event.bench}"
+                lines.append(f"{event.tick}  {who}  {event.kind}  {event.text}\n")
+        with open(path, "w", encoding="utf-8") as file:
+            file.writelines(lines)
+        return f"last events, {len(lines)} of them: {path}"
+
+
+_RECORDER = pytest.StashKey[_Recorder]()
+_FAILURES = pytest.StashKey[int]()
+
+
+def _record_directory(config: pytest.Config) -> str:
+    chosen = config.getoption("--vdrive-record-dir")
+    if chosen:
+        return os.path.abspath(str(chosen))
+    junit = config.getoption("xmlpath", None)
+    beside = os.path.dirname(os.path.abspath(junit)) if junit else str(config.invocation_params.dir)
+    return os.path.join(beside, "vdrive-failures")
+
+
+def _file_name(test: str) -> str:
+    """Return the name of a test as a file can have it, of bounded length."""
+    name = re.sub(r"[^\w.-]+", "_", test)
+    return name if len(name) <= _LONGEST_NAME else (
+        f"{name[-_LONGEST_NAME:]}.{zlib.crc32(test.encode()):08x}")
+
+
+def _save_on_failure(item: pytest.Item) -> Generator[None, Any, None]:
+    """Save the last ticks and events of the bench of a test that failed, while the bench is there."""
+    outcome = yield
+    report = outcome.get_result()
+    recorder = item.stash.get(_RECORDER, None)
+    if recorder is None or not report.failed or report.when == "teardown":
+        return
+    failures = item.config.stash.get(_FAILURES, 0) + 1
+    item.config.stash[_FAILURES] = failures
+    text = f"{_MOST_FAILURES} tests have files already: those of this test are left out"
+    if failures <= _MOST_FAILURES:
+        directory = _record_directory(item.config)
+        text = recorder.save(os.path.join(directory, _file_name(item.nodeid)))
+    report.sections.append(("vdrive bench", text))
+
+
+# Not as a decorator: it has no types.
+pytest_runtest_makereport = pytest.hookimpl(hookwrapper=True)(_save_on_failure)
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.getgroup("vdrive").addoption(
         "--vdrive-over", choices=("local", "dds"), default="local",
         help="where the benches of the fixtures are, unless their marker says it: in this process "
         "(local, the default), or a service over DDS (dds)")
+    parser.getgroup("vdrive").addoption(
+        "--vdrive-record", type=_ticks, metavar="TICKS",
+        help="how many of the last ticks of vdrive_bench are kept for a test that fails; 0 = none, no "
+        f"events either; default: {_USUAL_TICKS} of a bench in this process, 0 of one over DDS")
+    parser.getgroup("vdrive").addoption(
+        "--vdrive-record-dir", metavar="DIR",
+        help="where these files are; default: vdrive-failures beside the file of --junit-xml, else in "
+        "the current directory")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -68,9 +221,18 @@ def vdrive_bench(request: pytest.FixtureRequest,
     import vdrive  # not for tests that have no bench: reading it takes time
 
     options = _options_of(request)
+    ticks = request.config.getoption("--vdrive-record")
+    if ticks is None:  # over DDS the search of one more session takes time
+        ticks = _USUAL_TICKS if options["over"] == "local" else 0
     with vdrive.Bench(**options) as bench:
         _name_domain(monkeypatch, options, bench)
+        if ticks == 0:
+            yield bench
+            return
+        recorder = request.node.stash[_RECORDER] = _Recorder(bench, ticks)
         yield bench
+        del request.node.stash[_RECORDER]
+        recorder.close()
 
 
 @pytest.fixture
