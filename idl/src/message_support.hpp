@@ -70,6 +70,8 @@ constexpr std::size_t size_of_key(TopicKey key) noexcept {
       return 4;
     case TopicKey::bench_and_number:
       return 6;
+    case TopicKey::bench_and_session:
+      return 16;  // four bytes align the second member
     default:
       return 0;
   }

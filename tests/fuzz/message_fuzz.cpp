@@ -8,8 +8,10 @@
 #include "fuzz/support/bytes.hpp"
 #include "presence/directory.hpp"
 #include "publish/event_text.hpp"
+#include "publish/session_names.hpp"
 #include "streams/status_feed.hpp"
 #include "support/local_inbox.hpp"
+#include "vdrive/text.hpp"
 #include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/conversion.hpp"
 #include "vdrive/wire/reply.hpp"
@@ -24,6 +26,7 @@
 #include <cstring>
 #include <map>
 #include <span>
+#include <string>
 #include <tuple>
 #include <type_traits>
 #include <vector>
@@ -156,6 +159,23 @@ class Peers {
     check_directory();
   }
 
+  /// What a program says about itself, and how the bench passes it on.
+  void receive(const msg::SessionName& name) {
+    static_cast<void>(names_.note(name));
+    for (; names_.next() != nullptr; names_.pop()) {
+      demand(names_.next()->place() < service::SessionNames::kMost, "a session has a place");
+      msg::BenchSession passed_on = *names_.next();
+      receive(sent(passed_on));
+    }
+  }
+
+  void receive(const msg::BenchSession& session) {
+    for (const std::string& text :
+         {escaped(session.program().c_str()), escaped(session.host().c_str())}) {
+      demand(is_utf8(text) && text.find('\n') == std::string::npos, "a name can be shown");
+    }
+  }
+
   void step(std::uint64_t ticks) {
     for (std::uint64_t tick = 0; tick < ticks; ++tick) engine_.step();
     engine_.queue_status();
@@ -275,6 +295,7 @@ class Peers {
   std::vector<wire::ReceivedStatus> shown_;
   client::Directory::Clock::time_point now_{std::chrono::hours{1}};
   std::map<std::uint64_t, std::uint32_t> epochs_;
+  service::SessionNames names_{kBench};
 };
 
 /// Any bytes as a sample of this topic. As in a subscription, what is beyond the bounds reaches

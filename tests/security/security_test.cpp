@@ -89,6 +89,50 @@ TEST_F(ClosedBench, AllowsAControllerToMoveAnAxis) {
   EXPECT_THAT(read.output, HasSubstr("2000"));
 }
 
+client::SessionOptions closed_session(const fs::path& member) {
+  return {.domain = test_domain(),
+          .security = member.string(),
+          .find_timeout = 20s,
+          .silence = 20s,
+          .program = "owner"};
+}
+
+TEST_F(ClosedBench, NamesTheProgramThatHoldsAnAxis) {
+  serve("--clock lockstep");
+  client::Session owner(closed_session(controller_));
+  ASSERT_TRUE(owner.axis("1.1").value().acquire());
+  const Finished refused = as(controller_, "enable 1.1");
+  EXPECT_EQ(refused.code, 5);
+  EXPECT_THAT(refused.errors, HasSubstr("axis 1.1 is controlled by owner (process "));
+  const Finished seen = as(authority_.member("viewer hall"), "status 1.1");
+  EXPECT_THAT(seen.output, HasSubstr("owner       owner (process "));
+}
+
+// A network whose permissions were made before there were names.
+TEST_F(ClosedBench, WorksWithoutNamesWherePermissionsDoNotHaveTheirTopics) {
+  for (const fs::path& member : {service_material_, controller_}) {
+    const std::string document = read_file(member / "permissions.smime");
+    const std::size_t begin = document.find("<?xml");
+    const std::string end = "</dds>";
+    std::string xml = document.substr(begin, document.find(end) + end.size() - begin);
+    const std::size_t whole = xml.size();
+    for (const std::string topic : {"session", "bench_session"}) {
+      const std::string row = "<topic>vdrive/v1/" + topic + "</topic>";
+      xml.erase(xml.find(row), row.size());
+    }
+    ASSERT_LT(xml.size(), whole);
+    write_file(authority_.directory() / "old.xml", xml);
+    authority_.sign(authority_.directory() / "old.xml", member / "permissions.smime");
+  }
+  serve("--clock lockstep");
+  client::Session owner(closed_session(controller_));
+  ASSERT_TRUE(owner.axis("1.1").value().acquire());
+  const Finished refused = as(controller_, "enable 1.1");
+  EXPECT_EQ(refused.code, 5) << refused.errors;
+  EXPECT_THAT(refused.errors,
+              HasSubstr("axis 1.1 is controlled by an unknown program, session 0x"));
+}
+
 TEST_F(ClosedBench, ReadsCredentialsFromTheEnvironment) {
   serve();
   setenv("VDRIVE_SECURITY", controller_.c_str(), 1);  // NOLINT(*-mt-unsafe)

@@ -18,6 +18,7 @@
 
 static const dds_duration_t kPatience = DDS_SECS(10);
 static const int32_t kAxesInDomain = 65536;
+static const int32_t kSessionsInDomain = 65536;
 
 // clang-format off
 #define STRUCTURE(type) static inline void fill_##type(vdrive_msg_##type* m, Filler* filler) {
@@ -108,6 +109,8 @@ ANY(AxisParameters)
 ANY(Event)
 ANY(BenchDescription)
 ANY(BenchState)
+ANY(SessionName)
+ANY(BenchSession)
 
 #define TOPIC(name, type, ...)                                                         \
   {                                                                                    \
@@ -130,6 +133,8 @@ static const Topic kTopics[] = {
           .instances = 1024),
     TOPIC("bench", BenchDescription, LAST, .instances = 4096),
     TOPIC("bench_state", BenchState, .depth = 1, .instances = 1024),
+    TOPIC("session", SessionName, LAST, .instances = kSessionsInDomain),
+    TOPIC("bench_session", BenchSession, LAST, .instances = kSessionsInDomain),
 };
 
 static dds_entity_t checked(dds_entity_t result, const char* what) {

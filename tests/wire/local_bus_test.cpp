@@ -24,6 +24,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::UnorderedElementsAre;
 
 class LocalBusTest : public testing::Test {
  protected:
@@ -114,6 +115,29 @@ std::vector<std::string> names_of(const std::vector<OtherParticipant>& others) {
   names.reserve(others.size());
   for (const auto& other : others) names.push_back(other.name);
   return names;
+}
+
+TEST_F(LocalBusTest, KeepsTheNewestNameOfEachSessionOfEachBench) {
+  Participant sender = join("sender");
+  Publication<msg::SessionName> names(sender);
+  const auto write = [&](std::uint32_t bench, std::uint64_t session, const std::string& program) {
+    msg::SessionName name;
+    name.bench(bench);
+    name.session(session);
+    name.program(program);
+    EXPECT_TRUE(names.write(name));
+  };
+  write(1, 7, "old");
+  write(1, 8, "other");
+  write(2, 7, "same session");
+  write(1, 7, "new");
+  Participant late = join("late");
+  std::vector<std::string> programs;
+  const Subscription<msg::SessionName> subscription(
+      late, [&](const msg::SessionName& name, const Source&) {
+        programs.emplace_back(name.program().c_str());
+      });
+  EXPECT_THAT(programs, UnorderedElementsAre("new", "other", "same session"));
 }
 
 TEST_F(LocalBusTest, KnowsWhoIsThere) {

@@ -4,6 +4,9 @@
 #include "base/log.hpp"
 #include "publish/event_text.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/conversion.hpp"
 
 #include <spdlog/spdlog.h>
@@ -39,7 +42,8 @@ ReportPublisher::ReportPublisher(WireLink& link, const Configuration& configurat
       identity_(identity),
       period_(configuration.period),
       counters_(counters),
-      indices_(end_of_numbers(configuration)) {
+      indices_(end_of_numbers(configuration)),
+      sessions_(identity.bench) {
   describe_axes(configuration, bank);
   for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
     wire::to_message(bank, axis, {identity.bench, configuration.axes[axis].number}, 0,
@@ -114,12 +118,14 @@ void ReportPublisher::meet_wire() {
     write(parameters);
   }
   for (const auto& event : history_) write(event);
+  sessions_.begin_again();
 }
 
 void ReportPublisher::publish(Inbox& inbox, Outbox& outbox) {
   meet_wire();
   publish_events(outbox);
   publish_parameters(outbox);
+  publish_sessions();
   if (const auto now = Clock::now(); link_.take_wish_for_state() || now >= next_state_) {
     publish_state(inbox, outbox, now);
     next_state_ = now + kStateInterval;
@@ -171,6 +177,22 @@ void ReportPublisher::publish_parameters(Outbox& outbox) {
     write(*parameters);
     outbox.parameters.pop();
     static_cast<void>(parameter_samples_.take());
+  }
+}
+
+void ReportPublisher::note_session(std::span<const std::byte> sample) {
+  if (!wire::decode(sample, said_) || !sessions_.note(said_)) return;
+  log_debug("bench={} session={} program=\"{}\" process={} host=\"{}\"", identity_.bench,
+            session_text(said_.session()), escaped(said_.program().c_str()), said_.process(),
+            escaped(said_.host().c_str()));
+}
+
+void ReportPublisher::publish_sessions() {
+  if (met_ == 0 || sessions_.next() == nullptr) return;
+  session_samples_.refill(Clock::now().time_since_epoch());
+  while (sessions_.next() != nullptr && session_samples_.take()) {
+    write(*sessions_.next());
+    sessions_.pop();
   }
 }
 

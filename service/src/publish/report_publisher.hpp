@@ -5,21 +5,24 @@
 #include "base/counters.hpp"
 #include "base/event_limiter.hpp"
 #include "configuration/configuration.hpp"
+#include "publish/session_names.hpp"
 #include "seam/queues.hpp"
 #include "seam/wire_link.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/token_bucket.hpp"
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace vdrive::service {
 
 /// Publishes what is not on the path of a command: the bench's description and state, parameters,
-/// events. Used by one thread.
+/// events, names of sessions. Used by one thread.
 class ReportPublisher {
  public:
   /// A client takes a bench for silent after 250 ms: a lost state is no silence.
@@ -27,6 +30,9 @@ class ReportPublisher {
   /// When all axes change at once, their parameters must not hold up events and states, which take
   /// the same lane.
   static constexpr TokenBucket::Rate kParameterSamples{.per_second = 2'000.0, .burst = 256.0};
+
+  /// A program may say anything about itself, as often as it likes.
+  static constexpr TokenBucket::Rate kSessionSamples{.per_second = 100.0, .burst = 256.0};
 
   /// Reads the descriptions of the axes from `bank`: before it is stepped.
   /// @param link outlives this
@@ -38,11 +44,14 @@ class ReportPublisher {
 
   /// Publishes what waits, and the bench's state every 50 ms of wall time and when the wire knows
   /// of a new reader. A wire that is new gets the history first: descriptions, parameters of all
-  /// axes, the last events.
+  /// axes, the last events, names of sessions.
   void publish(Inbox& inbox, Outbox& outbox);
 
   /// Publishes one event past the queue.
   void publish_event(const CountedEvent& counted);
+
+  /// Takes what a program has said about its session; the next `publish` passes it on.
+  void note_session(std::span<const std::byte> sample);
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -50,6 +59,7 @@ class ReportPublisher {
   void describe_axes(const Configuration& configuration, const AxisBank& bank);
   void publish_events(Outbox& outbox);
   void publish_parameters(Outbox& outbox);
+  void publish_sessions();
   void publish_state(const Inbox& inbox, const Outbox& outbox, Clock::time_point now);
   [[nodiscard]] double measured_rate(std::uint64_t tick, Clock::time_point now);
   void meet_wire();
@@ -70,6 +80,9 @@ class ReportPublisher {
   std::vector<msg::AxisParameters> parameters_;  ///< the newest of each axis
   std::vector<std::uint16_t> indices_;           ///< in `parameters_`, by number of an axis
   std::deque<msg::Event> history_;               ///< the last kEventsKept
+  SessionNames sessions_;
+  msg::SessionName said_;  ///< the newest
+  TokenBucket session_samples_{kSessionSamples};
   msg::BenchState state_;
   msg::Event event_;
   Clock::time_point next_state_{};

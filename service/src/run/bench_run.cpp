@@ -81,7 +81,8 @@ BenchRun::BenchRun(Configuration configuration, JournalSink journal,
       identity_{configuration_.bench, new_incarnation(timer_.wall_now())},
       name_("bench " + std::to_string(identity_.bench)),
       wire_(make_wire(configuration_, counters_)),
-      duplicates_(wire_->region().ring(Lane::notices), identity_),
+      notices_(wire_->region().ring(Lane::notices)),
+      duplicates_(identity_),
       inbox_(configuration_.bench, wire_->region().ring(Lane::arrivals),
              wire_->region().ring(Lane::turned_away), counters_),
       outbox_(configuration_.axes.size(), status_depth(configuration_).images),
@@ -104,7 +105,7 @@ void BenchRun::start() {
   const WorksFor bench(name_.c_str());
   wire_->start();
   timer_.wait_until(timer_.monotonic_now() + wire_->time_to_meet_others());
-  duplicates_.receive();
+  receive_notices();
   if (const auto older = duplicates_.conflict()) {
     throw BenchNumberTaken("bench " + std::to_string(identity_.bench) +
                            " is already served in domain " +
@@ -281,7 +282,7 @@ void BenchRun::switch_off() noexcept {
 
 void BenchRun::report_once() {
   supervise_wire();
-  duplicates_.receive();
+  receive_notices();
   if (!lockstep_) replies_.deliver(inbox_, outbox_);
   reports_.publish(inbox_, outbox_);
   report_beats_.add();
@@ -303,6 +304,18 @@ void BenchRun::report() {
     if (reports_doorbell_.wait_for(holds_reply ? kHeldReplyNap : kLongestReportNap)) {
       timer_.wait_until(earliest);
     }
+  }
+}
+
+void BenchRun::receive_notices() {
+  constexpr int kMostAtOnce = 64;  // the calling thread has other work
+  for (int count = 0; count < kMostAtOnce; ++count) {
+    const auto record = notices_.front();
+    if (!record) return;
+    const auto topic = wire::topic_numbered(record->head.topic);
+    if (topic == wire::Topic<msg::BenchState>::kId) duplicates_.note(record->bytes);
+    if (topic == wire::Topic<msg::SessionName>::kId) reports_.note_session(record->bytes);
+    notices_.pop();
   }
 }
 

@@ -154,6 +154,7 @@ class BenchRun {
   void switch_off() noexcept;
   void report_once();
   void report();
+  void receive_notices();
   void supervise_wire();
   void wait_for_status();
 
@@ -166,6 +167,7 @@ class BenchRun {
   const std::string name_;  ///< in messages of asserts
   Counters counters_;
   std::unique_ptr<BenchWire> wire_;
+  ByteRing notices_;
   DuplicateNumberDetector duplicates_;
   Inbox inbox_;
   Outbox outbox_;

@@ -5,19 +5,10 @@
 
 namespace vdrive::service {
 
-DuplicateNumberDetector::DuplicateNumberDetector(ByteRing notices, const BenchIdentity& identity)
-    : notices_(notices), identity_(identity) {}
-
-void DuplicateNumberDetector::receive() {
-  constexpr int kMostAtOnce = 64;  // the calling thread has other work
-  for (int count = 0; count < kMostAtOnce; ++count) {
-    const auto record = notices_.front();
-    if (!record) return;
-    if (wire::decode(record->bytes, state_) && state_.bench() == identity_.bench &&
-        state_.incarnation() < identity_.incarnation) {
-      older_ = state_.incarnation();
-    }
-    notices_.pop();
+void DuplicateNumberDetector::note(std::span<const std::byte> sample) {
+  if (wire::decode(sample, state_) && state_.bench() == identity_.bench &&
+      state_.incarnation() < identity_.incarnation) {
+    older_ = state_.incarnation();
   }
 }
 

@@ -2,13 +2,14 @@
 #pragma once
 
 #include "base/bench_identity.hpp"
-#include "seam/byte_ring.hpp"
 #include "vdrive_messages.h"
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 namespace vdrive::service {
 
@@ -19,17 +20,15 @@ class DuplicateNumberDetector {
   /// How long to receive before announcing; running services publish their state every 50 ms.
   static constexpr std::chrono::milliseconds kReceiving{300};
 
-  /// @param notices where the wire puts the states of other services
-  DuplicateNumberDetector(ByteRing notices, const BenchIdentity& identity);
+  explicit DuplicateNumberDetector(const BenchIdentity& identity) : identity_(identity) {}
 
-  /// Reads what has arrived. One thread at a time.
-  void receive();
+  /// @param sample a state that another service has published. One thread at a time.
+  void note(std::span<const std::byte> sample);
 
   /// @return the incarnation of the service to which the number belongs, when it is not ours.
   [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept;
 
  private:
-  ByteRing notices_;
   BenchIdentity identity_;
   msg::BenchState state_;
   std::atomic<std::uint64_t> older_{0};  ///< 0 = none seen

@@ -22,7 +22,7 @@
 namespace vdrive::service {
 namespace {
 
-constexpr std::uint64_t kLayout = 0x7664'7269'7665'0002;  // "vdrive", version 2
+constexpr std::uint64_t kLayout = 0x7664'7269'7665'0003;  // "vdrive", version 3
 constexpr std::size_t kKibi = 1'024;
 constexpr std::size_t kMebi = kKibi * kKibi;
 

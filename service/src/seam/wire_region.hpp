@@ -24,7 +24,7 @@ enum class Lane : std::uint8_t {
   reports,      ///< descriptions, states, parameters, events
   arrivals,     ///< command frames and requests
   turned_away,  ///< beginnings of those that found `arrivals` full
-  notices,      ///< what other services publish with this bench number
+  notices,      ///< states of other services with this bench number, names of sessions
 };
 
 inline constexpr std::size_t kLanes = 6;

@@ -57,6 +57,7 @@ std::optional<std::uint32_t> bench_of(std::span<const std::byte> sample, TopicId
 WireProgram::WireProgram(const WireRegion& region, const WireSettings& settings)
     : control_(region.control()),
       bench_(settings.bench),
+      is_open_(settings.network.security.empty()),
       participant_(of_a_service(settings), "vdrived " + std::to_string(settings.bench)),
       publications_(wire::kTopics.size()),
       status_(region.ring(Lane::status)),
@@ -70,19 +71,34 @@ WireProgram::WireProgram(const WireRegion& region, const WireSettings& settings)
   status_.clear();
   reports_.clear();
   control_.source = participant_.source();
-  for (const TopicId topic : kWritten) {
-    const auto number = static_cast<std::size_t>(topic);
-    control_.matched[number] = 0;
-    publications_[number] = std::make_unique<wire::BytesPublication>(
-        participant_, topic, [this, topic](const std::vector<wire::Source>& readers) {
-          show(topic, readers);
-        });
-  }
+  for (const TopicId topic : kWritten) publish(topic);
   // Where it is known who is there, a second bench with this number is refused when it comes; where
   // a thousand benches meet, each would hear each.
   if (!participant_.knows_who_is_there()) subscribe(Topic<msg::BenchState>::kId, Lane::notices);
   subscribe(Topic<msg::CommandFrame>::kId, Lane::arrivals);
   subscribe(Topic<msg::Request>::kId, Lane::arrivals);
+  exchange_names();
+}
+
+void WireProgram::publish(TopicId topic) {
+  const auto number = static_cast<std::size_t>(topic);
+  control_.matched[number] = 0;
+  publications_[number] = std::make_unique<wire::BytesPublication>(
+      participant_, topic, [this, topic](const std::vector<wire::Source>& readers) {
+        show(topic, readers);
+      });
+}
+
+/// A bench whose permissions are from before these topics runs, and knows nobody's name. The
+/// service of a bench publishes no name that it did not receive.
+void WireProgram::exchange_names() {
+  try {
+    publish(Topic<msg::BenchSession>::kId);
+    subscribe(Topic<msg::SessionName>::kId, Lane::notices);
+  } catch (const wire::NetworkError& refused) {
+    if (is_open_) throw;
+    log_warning("names=off bench={} text=\"{}\"", bench_, refused.what());
+  }
 }
 
 /// Nothing arrives any more before the rings go.

@@ -83,7 +83,9 @@ class WireProgram final : public LaneSender {
   };
 
   void show(wire::TopicId topic, const std::vector<wire::Source>& readers);
+  void publish(wire::TopicId topic);
   void subscribe(wire::TopicId topic, Lane lane);
+  void exchange_names();
   void deliver(LaneSubscription& incoming, const wire::Source& source);
   void send(const ByteRing::Record& record);
   [[nodiscard]] bool try_send(const RecordHead& head, std::span<const std::byte> bytes);
@@ -93,6 +95,7 @@ class WireProgram final : public LaneSender {
 
   WireControl& control_;
   std::uint32_t bench_;
+  bool is_open_;        ///< no permissions
   std::mutex showing_;  ///< several threads of the library report matches
   wire::Participant participant_;
   std::vector<std::unique_ptr<wire::BytesPublication>> publications_;  ///< by TopicId, or nothing

@@ -21,8 +21,9 @@ inline constexpr std::string_view kTopicPrefix = "vdrive/v1/";
 /// The members that are the key of a topic. They are the first ones of its message.
 enum class TopicKey : std::uint8_t {
   none,
-  bench,             ///< uint32
-  bench_and_number,  ///< uint32, uint16: an axis, or a part of a description
+  bench,              ///< uint32
+  bench_and_number,   ///< uint32, uint16: an axis, a part of a description, a place
+  bench_and_session,  ///< uint32, uint64
 };
 
 /// What both sides of a topic need to know, whatever its messages are.
@@ -57,6 +58,7 @@ struct TopicRow {
 inline constexpr std::int32_t kAxesInDomain = 65'536;
 inline constexpr std::int32_t kBenchesInDomain = 1'024;
 inline constexpr std::int32_t kBenchPartsInDomain = 4'096;
+inline constexpr std::int32_t kSessionsInDomain = 65'536;
 inline constexpr std::int32_t kQueueDepth = 1'024;
 inline constexpr std::size_t kLatenessBins = 32;
 
@@ -152,6 +154,18 @@ inline constexpr std::tuple kTopicRows{
                                   [](const msg::BenchState& message) noexcept {
                                     return message.lateness_histogram().size() <= kLatenessBins;
                                   }},
+    TopicRow<msg::SessionName>{.traits = {.name = "session",
+                                          .type_name = "vdrive::msg::SessionName",
+                                          .key = TopicKey::bench_and_session,
+                                          .reliable = true,
+                                          .transient_local = true,
+                                          .instances = kSessionsInDomain}},
+    TopicRow<msg::BenchSession>{.traits = {.name = "bench_session",
+                                           .type_name = "vdrive::msg::BenchSession",
+                                           .key = TopicKey::bench_and_number,
+                                           .reliable = true,
+                                           .transient_local = true,
+                                           .instances = kSessionsInDomain}},
 };
 
 /// The number of a topic: the place of its row. `Topic<msg::StatusFrame>::kId` is that of a
