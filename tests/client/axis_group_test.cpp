@@ -301,7 +301,7 @@ TEST_F(LockStepGroup, EnablesNoAxisWhenAnotherSessionHoldsOne) {
   auto group = AxisGroup::create(session_, names(1, 1, 3));
   const Outcome refused = group->enable_all();
   EXPECT_EQ(refused.kind(), OutcomeKind::refused);
-  EXPECT_THAT(refused.message(), HasSubstr("axis 1.3 is held by session"));
+  EXPECT_THAT(refused.message(), HasSubstr("axis 1.3 is controlled by "));
   EXPECT_EQ(group->status()->axes[0].state(), PowerState::switch_on_disabled);
 }
 

@@ -270,7 +270,7 @@ TEST_F(Modes, JogLeavesAnAxisThatAnotherSessionCommandsToThatSession) {
     return true;
   });
   EXPECT_EQ(jogged.kind(), OutcomeKind::refused);
-  EXPECT_THAT(jogged.message(), HasSubstr("commands axis 1.1 now: "));
+  EXPECT_THAT(jogged.message(), HasSubstr("axis 1.1 is controlled by "));
   EXPECT_EQ(now().owner_session, other.id());
   EXPECT_EQ(now().status.velocity_demand_value, 2'000);
 }

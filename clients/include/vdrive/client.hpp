@@ -11,4 +11,5 @@
 #include "vdrive/client/event.hpp"
 #include "vdrive/client/outcome.hpp"
 #include "vdrive/client/session.hpp"
+#include "vdrive/client/session_name.hpp"
 #include "vdrive/client/step_clock.hpp"

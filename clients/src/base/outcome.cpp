@@ -5,19 +5,20 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <utility>
 
 namespace vdrive::client {
 namespace {
 
-std::string with_code(std::string message, std::uint32_t code) {
-  constexpr std::uint32_t kFirstAbortCode = 0x05000000;
-  message += ": ";
-  if (code == kNotPermitted) {
-    return message + "the permissions of this identity do not allow commands";
-  }
-  if (code < kFirstAbortCode) message += "reason " + std::to_string(code) + ", ";
-  return message + wire::describe_reason(code);  // which starts with an abort code itself
+/// @return how the message of a refusal ends; an abort code is part of its meaning.
+std::string end_of_refusal(std::uint32_t code) {
+  if (code == kNotPermitted) return ": the permissions of this identity do not allow commands";
+  return ": " + wire::describe_reason(code);
+}
+
+std::string end_of_refusal(const AxisOwner& owner) {
+  return ": " + to_string(owner);
 }
 
 }  // namespace
@@ -43,6 +44,22 @@ std::string_view to_string(OutcomeKind kind) noexcept {
 Outcome::Outcome(OutcomeKind kind, std::uint32_t code, std::string message)
     : kind_(kind), code_(code), message_(std::move(message)) {}
 
+Outcome Outcome::with_owner(AxisOwner owner) const {
+  if (kind_ != OutcomeKind::refused) return *this;
+  Outcome outcome = *this;
+  const std::string end = owner_ ? end_of_refusal(*owner_) : end_of_refusal(code_);
+  if (message_.ends_with(end)) outcome.message_.resize(message_.size() - end.size());
+  outcome.message_ += end_of_refusal(owner);
+  outcome.owner_ = std::make_shared<const AxisOwner>(std::move(owner));
+  return outcome;
+}
+
+Outcome Outcome::with_message(std::string message) const {
+  Outcome outcome = *this;
+  outcome.message_ = std::move(message);
+  return outcome;
+}
+
 Outcome Outcome::with_prefix(std::string_view words) const {
   Outcome outcome = *this;
   outcome.message_.insert(0, words);
@@ -62,7 +79,11 @@ void abort_on_failed_result(const Outcome& outcome) noexcept {
 }
 
 Outcome Outcome::refused(std::uint32_t code, std::string message) {
-  return {OutcomeKind::refused, code, with_code(std::move(message), code)};
+  return {OutcomeKind::refused, code, std::move(message) + end_of_refusal(code)};
+}
+
+Outcome Outcome::refused(std::uint32_t code, std::string message, AxisOwner owner) {
+  return refused(code, std::move(message)).with_owner(std::move(owner));
 }
 
 Outcome Outcome::timed_out(std::string message) {

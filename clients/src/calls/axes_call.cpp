@@ -134,7 +134,7 @@ Outcome AxesCall::acquire(bool by_force) {
     });
     if (ours && core_->control.holds(part.target, part.bench->axes)) continue;
     if (Outcome taken = core_->control.acquire(part.target, part.bench->axes, by_force); !taken) {
-      return axes_.note_lost(part, std::move(taken));
+      return core_->names.named(part.target, axes_.note_lost(part, std::move(taken)));
     }
   }
   return {};

@@ -5,6 +5,7 @@
 #include "calls/arrival.hpp"
 #include "calls/axes_call.hpp"
 #include "calls/each_axis.hpp"
+#include "calls/lost_control.hpp"
 #include "calls/profile_move.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
@@ -65,13 +66,13 @@ Result<AxisSnapshot> Axis::status() const {
 Outcome Axis::acquire() {
   const auto target = core_->links.connect(id_.bench);
   if (!target) return target.outcome();
-  return core_->control.acquire(*target, {&id_.axis, 1});
+  return core_->names.named(*target, core_->control.acquire(*target, {&id_.axis, 1}));
 }
 
 Outcome Axis::take_over() {
   const auto target = core_->links.connect(id_.bench);
   if (!target) return target.outcome();
-  return core_->control.acquire(*target, {&id_.axis, 1}, true);
+  return core_->names.named(*target, core_->control.acquire(*target, {&id_.axis, 1}, true));
 }
 
 Outcome Axis::command(EachCommand command, const CallOptions& options) {
@@ -87,11 +88,11 @@ Outcome Axis::disable(const CallOptions& options) {
 }
 
 Outcome Axis::move_to(std::int32_t position, const MoveOptions& options) {
-  return move(position, false, options);
+  return explain_loss(*core_, move(position, false, options), {&id_, 1});
 }
 
 Outcome Axis::move_by(std::int32_t distance, const MoveOptions& options) {
-  return move(distance, true, options);
+  return explain_loss(*core_, move(distance, true, options), {&id_, 1});
 }
 
 Outcome Axis::move(std::int32_t target, bool relative, const MoveOptions& options) {
@@ -111,7 +112,7 @@ Outcome Axis::move(std::int32_t target, bool relative, const MoveOptions& option
 Result<Motion> Axis::start_move(std::int32_t position, const MoveOptions& options) {
   MoveOptions start = options;
   start.call.until = Until::in_force;
-  if (Outcome started = move(position, false, start); !started) return started;
+  if (Outcome started = move_to(position, start); !started) return started;
   return Motion(*this, position);
 }
 
@@ -168,7 +169,9 @@ Outcome Axis::request_memory(std::uint32_t kind, const std::string& what) {
   request.kind(kind);
   request.axes().push_back(id_.axis);
   Outcome outcome = core_->requests.exchange(*target, std::move(request), what).outcome();
-  if (outcome.code() != wire_code(AbortCode::cannot_store_or_transfer)) return outcome;
+  if (outcome.code() != wire_code(AbortCode::cannot_store_or_transfer)) {
+    return core_->names.named(*target, std::move(outcome));
+  }
   return Outcome::refused(
       outcome.code(), what +
                           " refused, the bench has no state directory: vdrived --state DIR; for a "
@@ -218,9 +221,15 @@ Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
   const std::string what = "write of " + std::to_string(value) + " to " + object_text(object) +
                            " of axis " + to_string(id_);
   const auto reply = core_->control.write(*target, std::move(request), what);
-  if (!reply) return reply.outcome();
+  if (!reply) return core_->names.named(*target, reply.outcome());
   for (const msg::ObjectResult& result : reply->objects()) {
-    if (result.abort_code() != 0) return refused(object, result.abort_code(), what);
+    if (result.abort_code() == 0) continue;
+    const Outcome refusal = refused(object, result.abort_code(), what);
+    const bool is_controlled = result.abort_code() == wire_code(AbortCode::refused_local_control) &&
+                               reply->owner_session() != 0 && reply->owner_session() != core_->id;
+    if (!is_controlled) return refusal;
+    return core_->names.named(*target,
+                              refusal.with_owner({.axis = id_, .session = reply->owner_session()}));
   }
   return reply->tick();
 }

@@ -4,6 +4,7 @@
 #include "calls/arrival.hpp"
 #include "calls/axes_call.hpp"
 #include "calls/axes_stop.hpp"
+#include "calls/lost_control.hpp"
 #include "calls/profile_move.hpp"
 #include "session/session_core.hpp"
 #include "vdrive/client/axis.hpp"
@@ -17,6 +18,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -265,12 +267,13 @@ Outcome end_velocity(AxesCall& call, const Wakeup& wakeup, std::chrono::nanoseco
   });
 }
 
-/// @return which other session has commanded the axis by now, for a message; empty when none has.
-std::string new_master(const AxisSnapshot& axis, std::uint64_t session) {
-  const bool is_other = axis.owner_session != 0 && axis.owner_session != session;
-  if (!is_other || axis.last_sequence == 0) return {};
-  return "session " + session_text(axis.owner_session) + " commands axis " + to_string(axis.id) +
-         " now: ";
+/// @return which other session has commanded the axis by now; nothing when none has.
+std::optional<AxisOwner> new_master(SessionCore& core, const AxisSnapshot& axis) {
+  const bool is_other = axis.owner_session != 0 && axis.owner_session != core.id;
+  if (!is_other || axis.last_sequence == 0) return std::nullopt;
+  return AxisOwner{.axis = axis.id,
+                   .session = axis.owner_session,
+                   .name = core.names.find(axis.id.bench, axis.owner_session)};
 }
 
 /// A jog whose end was refused or not seen stops its axis by a quick stop, which needs no control:
@@ -283,8 +286,11 @@ Outcome stop_instead(const std::shared_ptr<SessionCore>& core, const AxisId& id,
   AxesStop stop(*core, call);
   Outcome stopped = stop.begin(timeout);
   if (stopped) {
-    const std::string master = new_master(call.snapshot(), core->id);
-    if (!master.empty()) return cause.with_prefix(master);
+    if (const auto master = new_master(*core, call.snapshot())) {
+      return cause.kind() == OutcomeKind::refused
+                 ? cause.with_owner(*master)
+                 : cause.with_prefix(to_string(*master) + " now: ");
+    }
     stopped = stop.quick_stop(Until::done);
   }
   if (stopped) return cause.with_prefix("a quick stop has ended the jog: ");
@@ -373,9 +379,11 @@ Outcome Axis::home(const HomingOptions& options) {
                                    Setting{"homing_speed_search"_object, options.search_speed},
                                    Setting{"homing_speed_creep"_object, options.creep_speed},
                                    Setting{"homing_acceleration"_object, options.acceleration}});
-  if (!ready) return ready;
+  if (!ready) return explain_loss(*core_, std::move(ready), {&id_, 1});
   const auto start = static_cast<std::uint16_t>(kEnableOperation | Controlword::kStartHoming);
-  if (Outcome started = call.put_in_force({start}); !started) return started;
+  if (Outcome started = call.put_in_force({start}); !started) {
+    return explain_loss(*core_, std::move(started), {&id_, 1});
+  }
   if (options.call.until == Until::in_force) return {};
   // From here on bits 13, 12 and 10 belong to this run: it began in the tick that was observed.
   Outcome seen =
@@ -383,7 +391,7 @@ Outcome Axis::home(const HomingOptions& options) {
   if (!seen) return explained(std::move(seen), call, core_->wakeup, "with its homing run");
   Outcome result = homing_result(call);
   const Outcome dropped = call.put_in_force({kEnableOperation});  // bit 4, for the next edge
-  return result ? dropped : result;
+  return result ? explain_loss(*core_, dropped, {&id_, 1}) : result;
 }
 
 Outcome Axis::run_at(std::int32_t velocity, const VelocityOptions& options) {
@@ -392,7 +400,7 @@ Outcome Axis::run_at(std::int32_t velocity, const VelocityOptions& options) {
   EndlessMotion motion(*core_, call);
   Outcome outcome = reach_velocity(call, motion, velocity, options, core_->wakeup);
   if (outcome) motion.settle();
-  return outcome;
+  return explain_loss(*core_, std::move(outcome), {&id_, 1});
 }
 
 Outcome Axis::apply_torque(std::int16_t torque, const TorqueOptions& options) {
@@ -401,7 +409,7 @@ Outcome Axis::apply_torque(std::int16_t torque, const TorqueOptions& options) {
   EndlessMotion motion(*core_, call);
   Outcome outcome = reach_torque(call, motion, torque, options, core_->wakeup);
   if (outcome) motion.settle();
-  return outcome;
+  return explain_loss(*core_, std::move(outcome), {&id_, 1});
 }
 
 Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnapshot&)>& held,
@@ -415,7 +423,7 @@ Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnap
     if (is_enabled(call.snapshot()) && started.kind() != OutcomeKind::refused) {
       (void)end_jog(core_, call, options.call.timeout);
     }
-    return started;
+    return explain_loss(*core_, std::move(started), {&id_, 1});
   }
   call.set_timeout(kHeldAtMost);
   // Without control no watchdog guards the axis: the jog ends at once.
@@ -433,7 +441,7 @@ Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnap
   if (seen.kind() == OutcomeKind::lost) return seen;
   Outcome ended = end_jog(core_, call, options.call.timeout);
   if (ended) motion.settle();
-  return ended;
+  return explain_loss(*core_, std::move(ended), {&id_, 1});
 }
 
 }  // namespace vdrive::client

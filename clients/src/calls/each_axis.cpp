@@ -3,6 +3,7 @@
 
 #include "base/command_words.hpp"
 #include "calls/arrival.hpp"
+#include "calls/lost_control.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
@@ -184,7 +185,7 @@ Outcome EachAxis::acquire() {
   const BenchPart& part = call_.axes().parts().front();
   for (std::size_t place = 0; place < outcomes_.size(); ++place) {
     Outcome own = core_->control.acquire(part.target, {&call_.snapshots()[place].id.axis, 1});
-    if (!own) end(place, std::move(own));
+    if (!own) end(place, core_->names.named(part.target, std::move(own)));
   }
   return {};
 }
@@ -278,7 +279,9 @@ Outcome EachAxis::power_cycle() {
     call_.note_in_force(from_);
     return {};
   }
-  if (axes.size() == 1 || reply.outcome().kind() != OutcomeKind::refused) return reply.outcome();
+  if (axes.size() == 1 || reply.outcome().kind() != OutcomeKind::refused) {
+    return core_->names.named(target, reply.outcome());
+  }
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {
     if (!is_pending_[place]) continue;
     const auto own = cycle({call_.snapshots()[place].id.axis});
@@ -286,7 +289,7 @@ Outcome EachAxis::power_cycle() {
       from_ = std::max({from_, own->tick(), call_.tick() + 1});
       call_.note_in_force(from_);
     } else {
-      end(place, own.outcome());
+      end(place, core_->names.named(target, own.outcome()));
     }
   }
   return {};
@@ -434,6 +437,7 @@ std::vector<Outcome> command_each(const std::shared_ptr<SessionCore>& core,
     }
     calls.pop_back();
   }
+  explain_losses(*core, outcomes, axes);
   return outcomes;
 }
 

@@ -23,10 +23,12 @@ constexpr ObjectAddress kControlword = vdrive::describe("ds402_controlword"_obje
 
 }  // namespace
 
-Control::Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings, BenchLinks& links)
+Control::Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings, BenchLinks& links,
+                 SessionNames& names)
     : keep_alive_(keep_alive),
       requests_(requests),
       holdings_(holdings),
+      names_(names),
       keep_alive_sender_(holdings, links) {}
 
 Control::~Control() {
@@ -63,11 +65,14 @@ Outcome Control::acquire(const Target& target, std::span<const std::uint16_t> ax
   request.axes().assign(axes.begin(), axes.end());
   const std::string what =
       "control of " + (axes.size() == 1 ? name_of(target, axes.front()) : name_of(target));
-  // Until the new epoch is noted: a frame of another thread with the old one would be refused.
-  const auto sending = holdings_.lock_sending(target.key.number);
-  const auto reply = requests_.exchange(target, std::move(request), what);
-  if (!reply) return reply.outcome();
-  note_acquired(target, axes, *reply);
+  {
+    // Until the new epoch is noted: a frame of another thread with the old one would be refused.
+    const auto sending = holdings_.lock_sending(target.key.number);
+    const auto reply = requests_.exchange(target, std::move(request), what);
+    if (!reply) return reply.outcome();
+    note_acquired(target, axes, *reply);
+  }
+  names_.introduce(target.key.number);
   return {};
 }
 
@@ -79,11 +84,12 @@ Result<RequestAnswer> Control::write(const Target& target, msg::Request request,
   // A store waits for a disk: it must not hold up the keep-alives.
   if (!commands) return requests_.exchange(target, std::move(request), what);
   const std::uint16_t axis = request.objects().front().axis();
-  const auto sending = holdings_.lock_sending(target.key.number);
+  auto sending = holdings_.lock_sending(target.key.number);
   auto reply = requests_.exchange(target, std::move(request), what);
-  if (reply && reply->objects().front().abort_code() == 0) {
-    note_acquired(target, {&axis, 1}, *reply);
-  }
+  const bool is_taken = reply && reply->objects().front().abort_code() == 0 && reply->epoch() != 0;
+  if (is_taken) note_acquired(target, {&axis, 1}, *reply);
+  sending.unlock();
+  if (is_taken) names_.introduce(target.key.number);
   return reply;
 }
 

@@ -4,6 +4,7 @@
 #include "exchange/holdings.hpp"
 #include "exchange/keep_alive.hpp"
 #include "exchange/requests.hpp"
+#include "exchange/session_names.hpp"
 #include "presence/target.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive_messages.h"
@@ -18,7 +19,8 @@ namespace vdrive::client {
 /// Takes control of axes, keeps it and gives it back. Thread-safe.
 class Control {
  public:
-  Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings, BenchLinks& links);
+  Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings, BenchLinks& links,
+          SessionNames& names);
 
   ~Control();
   Control(const Control&) = delete;
@@ -63,6 +65,7 @@ class Control {
   const KeepAlive keep_alive_;
   Requests& requests_;
   Holdings& holdings_;
+  SessionNames& names_;
   KeepAliveSender keep_alive_sender_;
 };
 

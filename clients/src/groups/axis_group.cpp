@@ -4,6 +4,7 @@
 
 #include "base/command_words.hpp"
 #include "calls/axes_stop.hpp"
+#include "calls/lost_control.hpp"
 #include "groups/group_state.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/wire/origin.hpp"
@@ -131,6 +132,10 @@ std::vector<AxisId> GroupStatus::not_following() const {
 
 std::chrono::nanoseconds timeout_of(const GroupCallOptions& options) {
   return options.timeout.value_or(kUsualTimeout);
+}
+
+Outcome AxisGroup::State::explained(Outcome outcome) const {
+  return explain_loss(*core, std::move(outcome), layout.axes);
 }
 
 AxesCall AxisGroup::State::call(const GroupCallOptions& options) {
@@ -282,7 +287,7 @@ Outcome AxisGroup::enable_all(const GroupCallOptions& options) {
     }
   }
   const Answers answers = call.exchange(rounds, Timing::at_once);
-  if (!answers.outcome) return answers.outcome;
+  if (!answers.outcome) return state_->explained(answers.outcome);
   Outcome seen = call.await_tick("Operation enabled", answers.tick);
   return seen ? call.check("Operation enabled", answers.tick) : seen;
 }
@@ -301,7 +306,7 @@ Outcome AxisGroup::disable_all(const GroupCallOptions& options) {
   const std::array rounds{call.round_of(kDisableVoltage, stays),
                           call.round_of(kShutdown, is_sound)};
   const Answers answers = call.exchange(rounds, Timing::at_once);
-  if (!answers.outcome) return answers.outcome;
+  if (!answers.outcome) return state_->explained(answers.outcome);
   const bool to_the_end = options.until == Until::done;
   return call.await("Ready to switch on", answers.tick, [&](const AxisSnapshot& axis) {
     return !to_the_end || axis.state() == PowerState::ready_to_switch_on || is_fault(axis.state());
@@ -338,7 +343,7 @@ Outcome AxisGroup::reset_all(const GroupCallOptions& options) {
   }
   if (rounds.front().entries.empty()) return {};
   const Answers answers = call.exchange(rounds, Timing::at_once);
-  if (!answers.outcome) return answers.outcome;
+  if (!answers.outcome) return state_->explained(answers.outcome);
   Outcome seen = call.await_tick("the fault reset", answers.tick);
   if (!seen) return seen;
   const auto faulty = std::ranges::find_if(call.snapshots(), [](const AxisSnapshot& axis) {
@@ -380,7 +385,7 @@ Result<GroupStatus> AxisGroup::poll() {
       if (started) started = state_->start(call, *next);
       if (!started) {
         state_->drop_all();
-        return started;
+        return state_->explained(std::move(started));
       }
     }
   }

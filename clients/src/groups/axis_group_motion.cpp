@@ -240,7 +240,7 @@ Outcome AxisGroup::move_together(const Eigen::VectorXd& targets, const GroupMove
   if (!request) return request.outcome();
   AxesCall call = state_->call(options.call);
   if (Outcome ready = call.begin_control(timeout_of(options.call)); !ready) return ready;
-  return state_->run(call, *request, options.call);
+  return state_->explained(state_->run(call, *request, options.call));
 }
 
 Outcome AxisGroup::move_by(const Eigen::VectorXd& displacements, const GroupMoveOptions& options) {
@@ -253,7 +253,7 @@ Outcome AxisGroup::move_by(const Eigen::VectorXd& displacements, const GroupMove
   }
   const auto request = state_->request_of(targets, options);
   if (!request) return request.outcome();
-  return state_->run(call, *request, options.call);
+  return state_->explained(state_->run(call, *request, options.call));
 }
 
 Outcome AxisGroup::queue_move(const Eigen::VectorXd& targets, const GroupMoveOptions& options) {
@@ -279,12 +279,14 @@ Outcome AxisGroup::wait_all(const GroupCallOptions& options) {
       const std::scoped_lock lock(state_->mutex);
       last = state_->queue.empty();
     }
-    if (Outcome arrived = state_->await_line(call, options, last); !arrived) return arrived;
+    if (Outcome arrived = state_->await_line(call, options, last); !arrived) {
+      return state_->explained(std::move(arrived));
+    }
     const auto next = state_->next_request();
     if (!next) return {};
     if (Outcome started = state_->start(call, *next); !started) {
       state_->drop_all();
-      return started;
+      return state_->explained(std::move(started));
     }
   }
 }
@@ -303,7 +305,7 @@ Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
   Answers answers = stop.exchange(halt, Timing::common_tick);
   if (!answers.outcome)
     answers = stop.exchange(halt, Timing::at_once);  // rather apart than not at all
-  if (!answers.outcome) return answers.outcome;
+  if (!answers.outcome) return state_->explained(answers.outcome);
   const bool to_standstill = options.until == Until::done;
   Outcome seen = call.await("standstill, bit 10", answers.tick, [&](const AxisSnapshot& axis) {
     return !to_standstill || !is_enabled(axis) || target_reached(axis);
@@ -324,7 +326,7 @@ Outcome AxisGroup::resume_all(const GroupCallOptions& options) {
     const Round halt = call.round_of(kHalt, every_axis);
     if (answers.tick != 0)
       (void)call.exchange({&halt, 1}, Timing::at_once);  // no axis continues alone
-    return answers.outcome;
+    return state_->explained(answers.outcome);
   }
   Outcome seen = call.await_enabled("the release", answers.tick, every_axis);
   if (!seen || options.until == Until::in_force) return seen;

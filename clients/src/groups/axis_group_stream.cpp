@@ -47,7 +47,7 @@ Outcome AxisGroup::start_streaming(const StreamOptions& options) {
   state_->drop_all();
   const Round mode = mode_round(call, OperatingMode::cyclic_synchronous_position);
   const Answers answers = call.exchange({&mode, 1}, Timing::at_once);
-  if (!answers.outcome) return answers.outcome;
+  if (!answers.outcome) return state_->explained(answers.outcome);
   Outcome seen = call.await_enabled(
       "cyclic synchronous position mode", answers.tick, [](const AxisSnapshot& axis) {
         return axis.mode() == OperatingMode::cyclic_synchronous_position;
@@ -72,7 +72,7 @@ Result<GroupStatus> AxisGroup::stream(const Eigen::VectorXd& positions) {
     entry.command.position_user_target_value((*whole)[entry.place]);
   }
   Outcome sent = call.steps() ? state_->stream_stepping(round) : state_->stream_ahead(round);
-  if (!sent) return call.stop_if_lost(std::move(sent));
+  if (!sent) return state_->explained(call.stop_if_lost(std::move(sent)));
   if (Outcome sound = call.check("the stream to continue", 0); !sound) return sound;
   return state_->status_of(call);
 }
@@ -136,7 +136,7 @@ Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
   if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
   const Round mode = mode_round(call, OperatingMode::profile_position);
   const Answers answers = call.exchange({&mode, 1}, Timing::at_once);
-  if (!answers.outcome) return answers.outcome;
+  if (!answers.outcome) return state_->explained(answers.outcome);
   const bool to_the_end = options.until == Until::done;
   Outcome seen = call.await("profile position mode", answers.tick, [&](const AxisSnapshot& axis) {
     return !to_the_end || axis.mode() == OperatingMode::profile_position;

@@ -52,6 +52,10 @@ struct AxisGroup::State {
   std::unique_ptr<Stream> stream;
   std::jthread monitor;
 
+  /// @return the outcome of a call that has ended: with the session that has taken an axis, where
+  ///         one has.
+  [[nodiscard]] Outcome explained(Outcome outcome) const;
+
   /// A call that reports its progress to `options`.
   AxesCall call(const GroupCallOptions& options);
 

@@ -42,11 +42,11 @@ Outcome refusal_of(const Target& target, const msg::Reply& reply, std::string_vi
   std::string message(what);
   message += " refused";
   if (reply.owner_session() != 0) {
-    message +=
-        ", " +
-        (reply.refused_axis() == 0 ? std::string("it") : name_of(target, reply.refused_axis())) +
-        " is held by session " + session_text(reply.owner_session());
-  } else if (reply.refused_axis() != 0) {
+    const AxisId axis{reply.refused_axis() == 0 ? 0 : target.key.number, reply.refused_axis()};
+    return Outcome::refused(reply.reason(), std::move(message),
+                            {.axis = axis, .session = reply.owner_session()});
+  }
+  if (reply.refused_axis() != 0) {
     message += " because of " + name_of(target, reply.refused_axis());
   }
   return Outcome::refused(reply.reason(), std::move(message));

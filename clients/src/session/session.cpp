@@ -12,6 +12,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdrive::client {
@@ -67,9 +68,11 @@ Result<RequestAnswer> exchange_snapshot(SessionCore& core, std::uint32_t bench, 
   request.snapshot(snapshot);
   const bool names_one =
       kind == msg::REQUEST_RESTORE_SNAPSHOT || kind == msg::REQUEST_DROP_SNAPSHOT;
-  return core.control.exchange(
+  auto reply = core.control.exchange(
       *target, std::move(request),
       "snapshot " + (names_one ? std::to_string(snapshot) + " " : "") + "of " + name_of(*target));
+  if (!reply) return core.names.named(*target, reply.outcome());
+  return reply;
 }
 
 msg::AxisCommand command_of(const SetPoint& point) {
@@ -185,6 +188,16 @@ std::uint64_t Session::id() const noexcept {
   return core_->id;
 }
 
+std::optional<SessionName> Session::find_name(std::uint32_t bench, std::uint64_t session) {
+  if (!core_->discovery.check_process()) return std::nullopt;
+  return core_->names.find(bench, session);
+}
+
+std::optional<SessionName> Session::known_name(std::uint32_t bench, std::uint64_t session) {
+  if (!core_->discovery.check_process()) return std::nullopt;
+  return core_->names.known(bench, session);
+}
+
 std::vector<BenchInfo> Session::find_benches() {
   core_->failure.rethrow();
   return infos_of(core_->discovery.find_benches());
@@ -294,7 +307,9 @@ Outcome Session::acquire(std::span<const AxisId> axes) {
   std::span<const std::uint16_t> left(*numbers);
   while (!left.empty()) {
     const auto part = left.first(std::min<std::size_t>(left.size(), msg::MAX_AXES_PER_FRAME));
-    if (Outcome taken = core_->control.acquire(*target, part); !taken) return taken;
+    if (Outcome taken = core_->control.acquire(*target, part); !taken) {
+      return core_->names.named(*target, std::move(taken));
+    }
     left = left.subspan(part.size());
   }
   return {};

@@ -11,6 +11,7 @@
 #include "exchange/control.hpp"
 #include "exchange/holdings.hpp"
 #include "exchange/requests.hpp"
+#include "exchange/session_names.hpp"
 #include "exchange/unanswered.hpp"
 #include "exchange/waiter.hpp"
 #include "presence/discovery.hpp"
@@ -54,6 +55,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   UnansweredMessages unanswered;
   wire::Participant participant;
   Discovery discovery;
+  SessionNames names;
   BenchLinks links;
   Waiter waiter;
   Requests requests;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/client/session_name.hpp"
+
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -34,6 +37,10 @@ class [[nodiscard]] Outcome {
 
   /// @param code a CiA 301 abort code, or a reason of the wire contract (below 0x05000000)
   static Outcome refused(std::uint32_t code, std::string message);
+
+  /// The same because of another session: the message ends with the owner instead of the code's
+  /// meaning.
+  static Outcome refused(std::uint32_t code, std::string message, AxisOwner owner);
   static Outcome timed_out(std::string message);
   static Outcome not_found(std::string message);
   static Outcome lost(std::string message);
@@ -50,11 +57,22 @@ class [[nodiscard]] Outcome {
   /// @throws OutcomeError with this outcome, unless it is success.
   void or_throw() const;
 
+  /// Who holds the axis that the call was refused for, or lost; nullptr where it is not known that
+  /// it was because of another session.
+  [[nodiscard]] const AxisOwner* owner() const noexcept { return owner_.get(); }
+
+  /// @return the same refusal because of that session; the owner takes the place of the owner or of
+  ///         the code's meaning at the end of its message. Other outcomes stay as they are.
+  [[nodiscard]] Outcome with_owner(AxisOwner owner) const;
+
   /// @return the same outcome with `words` in front of its message: what that came to.
   [[nodiscard]] Outcome with_prefix(std::string_view words) const;
 
+  /// @return the same outcome with another message.
+  [[nodiscard]] Outcome with_message(std::string message) const;
+
   /// What happened, in a sentence without a full stop; empty on success. A refusal's message ends
-  /// with its code and the code's meaning.
+  /// with the meaning of its code, or with the session that stands in the way.
   [[nodiscard]] const std::string& message() const noexcept { return message_; }
 
  private:
@@ -63,6 +81,7 @@ class [[nodiscard]] Outcome {
   OutcomeKind kind_ = OutcomeKind::ok;
   std::uint32_t code_ = 0;
   std::string message_;
+  std::shared_ptr<const AxisOwner> owner_;
 };
 
 /// What Outcome::or_throw() and Result::value() throw: the message of the outcome.

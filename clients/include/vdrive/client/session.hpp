@@ -69,6 +69,9 @@ struct SessionOptions {
   /// of the network. With a bus no option of the network counts, and a bench is there or not: no
   /// silence and no patience count either.
   std::shared_ptr<wire::LocalBus> bus{};
+  /// What others read of who controls an axis, at most 64 bytes of UTF-8, beside the number of this
+  /// process and the name of its host; empty = the name of the file that this process runs.
+  std::string program{};
 };
 
 /// What happened to a service.
@@ -253,6 +256,15 @@ class Session {
 
   /// The session's number; the owner that an axis shows while this session holds it.
   [[nodiscard]] std::uint64_t id() const noexcept;
+
+  /// @return who a session is, such as the owner that an axis of this bench shows: what its program
+  ///         said when it acquired an axis of the bench first; nothing for one that says nothing,
+  ///         such as a client of another vendor. Waits up to a second where the name has to be
+  ///         received first, up to 100 ms for a session that was not asked for before.
+  [[nodiscard]] std::optional<SessionName> find_name(std::uint32_t bench, std::uint64_t session);
+
+  /// @return the same without waiting: what has arrived since the first call of either.
+  [[nodiscard]] std::optional<SessionName> known_name(std::uint32_t bench, std::uint64_t session);
 
   /// Waits until some bench is there, every service that announced itself has described its bench,
   /// and no further one turns up for 150 ms, or for four times as long as the first one took; in
