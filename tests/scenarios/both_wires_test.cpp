@@ -52,6 +52,7 @@ std::vector<std::string> lines_without_times(const Finished& finished) {
     Json json = Json::parse(line);
     json.erase("seconds");
     json.erase("owner");  // the random number of the session
+    json.erase("owner_name");
     lines.push_back(json.dump());
   }
   return lines;

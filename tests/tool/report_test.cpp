@@ -13,6 +13,7 @@
 namespace vdrive::tool {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
@@ -29,6 +30,8 @@ client::AxisSnapshot moving_axis() {
   axis.status.load_velocity_actual_value = 1000;
   return axis;
 }
+
+const client::SessionName kVdrive{.program = "vdrive", .process = 4711, .host = "bench-host"};
 
 std::vector<std::string> keys(const Json& json) {
   std::vector<std::string> names;
@@ -113,9 +116,33 @@ TEST(ListJson, HasBenchAxisStateAndOwner) {
   bench.number = 1;
   client::AxisInfo info;
   info.id = {1, 2};
-  EXPECT_THAT(keys(list_json(bench, info, moving_axis())),
+  const Json unnamed = list_json(bench, info, moving_axis(), std::nullopt);
+  EXPECT_THAT(keys(unnamed),
               ElementsAre("axis", "bench", "bench_name", "clock", "period_us", "name", "state",
-                          "statusword", "owner", "tick"));
+                          "statusword", "owner", "owner_name", "tick"));
+  EXPECT_TRUE(unnamed["owner_name"].is_null());
+  EXPECT_EQ(list_json(bench, info, moving_axis(), kVdrive)["owner_name"],
+            (Json{{"program", "vdrive"}, {"process", 4711}, {"host", "bench-host"}}));
+}
+
+TEST(OwnerText, NamesTheProgramOfTheSession) {
+  constexpr const char* kOwner = "vdrive (process 4711 on bench-host), session 0x0123456789abcdef";
+  EXPECT_THAT(status_text(moving_axis(), {.name = "y", .unit = {}, .owner = kVdrive}),
+              Contains("  owner       " + std::string(kOwner)));
+  EXPECT_THAT(list_text({}, moving_axis(), kVdrive), HasSubstr(kOwner));
+  EXPECT_THAT(list_text({}, moving_axis(), std::nullopt), HasSubstr("0x0123456789abcdef"));
+}
+
+TEST(OutcomeJson, OfARefusalHasTheSessionThatStandsInTheWay) {
+  Json json;
+  add_outcome(json, client::Outcome::refused(0x08000021, "control of axis 1.1 refused",
+                                             {.axis = {1, 1}, .session = 0x0B, .name = kVdrive}));
+  EXPECT_THAT(keys(json), ElementsAre("outcome", "code", "message", "owner", "owner_name"));
+  EXPECT_EQ(json["message"],
+            "control of axis 1.1 refused: axis 1.1 is controlled by vdrive (process 4711 on "
+            "bench-host), session 0x000000000000000b");
+  EXPECT_EQ(json["owner"], "0x000000000000000b");
+  EXPECT_EQ(json["owner_name"]["process"], 4711);
 }
 
 TEST(ObjectJson, HasAxisAddressAndName) {

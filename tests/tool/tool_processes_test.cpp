@@ -24,6 +24,7 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::MatchesRegex;
 using testing::SizeIs;
 
 TEST(Tool, WithoutAServiceExitsThreeWithinTheTimeoutWithAnError) {
@@ -196,7 +197,16 @@ TEST_F(MoveOfAnotherProgram, IsStoppedWithItsBench) {
 
 TEST_F(MoveOfAnotherProgram, IsTakenOver) {
   begin();
-  EXPECT_EQ(tool("disable 1.1").code, 5);
+  const Finished refused = tool("disable 1.1");
+  EXPECT_EQ(refused.code, 5);
+  // Another program of this machine, which the tool started itself.
+  EXPECT_THAT(refused.errors,
+              MatchesRegex("vdrive: control of axis 1\\.1 refused: axis 1\\.1 is controlled by "
+                           "vdrive \\(process [0-9]+ on .+\\), session 0x[0-9a-f]+; --take-over "
+                           "takes it, or end that program\n"));
+  const Json seen = status();
+  EXPECT_EQ(seen["owner_name"]["program"], "vdrive");
+  EXPECT_EQ(seen["owner_name"]["process"], move_->id());
   EXPECT_EQ(tool("disable 1.1 --take-over").code, 0);
   EXPECT_EQ(move_->wait().code, 1);
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "execution/axis_states.hpp"
 #include "execution/command_context.hpp"
 #include "language/arguments.hpp"
 #include "language/command.hpp"
@@ -38,8 +39,10 @@ Outcome list_bench(const client::BenchInfo& bench, const CommandContext& context
   if (!is_json) terminal.print(heading_of(bench, seen->tick, terminal));
   for (std::size_t i = 0; i < bench.axes.size(); ++i) {
     const client::AxisInfo& info = bench.axes[i];
-    terminal.print(is_json ? to_line(list_json(bench, info, seen->axes[i]))
-                           : list_text(info, seen->axes[i]));
+    const client::AxisSnapshot& axis = seen->axes[i];
+    const auto owner = owner_of(context.session, axis);
+    terminal.print(is_json ? to_line(list_json(bench, info, axis, owner))
+                           : list_text(info, axis, owner));
   }
   return {};
 }

@@ -24,10 +24,14 @@ std::string short_line(const client::Axis& axis, const client::AxisSnapshot& sta
 
 /// @param is_only_one in full, else on one line
 void show_status(const client::Axis& axis, const client::AxisSnapshot& status, bool is_only_one,
-                 const Output& output) {
-  const AxisFace face{axis.name(), axis.unit()};
+                 const CommandContext& context) {
+  const Output& output = context.output;
+  AxisFace face{axis.name(), axis.unit()};
+  if (output.is_json || is_only_one) face.owner = owner_of(context.session, status);
   if (output.is_json) {
-    output.terminal.print(to_line(status_json(status, face)));
+    Json json = status_json(status, face);
+    add_owner_name(json, face.owner);
+    output.terminal.print(to_line(json));
   } else if (is_only_one) {
     for (const std::string& line : status_text(status, face)) output.terminal.print(line);
   } else {
@@ -49,7 +53,7 @@ struct StatusCommand {
     for (const client::Axis& axis : *found) {
       const auto state = shown.states.find(axis.id());
       if (state == shown.states.end()) continue;
-      show_status(axis, state->second, found->size() == 1, context.output);
+      show_status(axis, state->second, found->size() == 1, context);
     }
     return std::move(shown.outcome);
   }

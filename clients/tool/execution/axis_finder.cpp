@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "execution/axis_finder.hpp"
 
+#include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
@@ -12,7 +13,6 @@ namespace vdrive::tool {
 namespace {
 
 using client::Outcome;
-using client::OutcomeKind;
 
 constexpr std::string_view kEveryAxis = "*";
 constexpr std::string_view kEveryAxisOfBench = ".*";
@@ -26,6 +26,18 @@ std::string with_name(std::string message, const std::string& number, const std:
     if (!goes_on) message.replace(at, number.size(), both);
   }
   return message;
+}
+
+/// @return what a person does about a session that stands in the way.
+std::string way_on(const Outcome& outcome) {
+  if (outcome.owner() == nullptr) return {};
+  // An axis that was taken in the middle of a command.
+  if (outcome.code() != wire_code(AbortCode::refused_local_control)) {
+    return "; --take-over takes it back";
+  }
+  // Snapshots are about all axes of a bench, and their commands have no such option.
+  const bool can_take_over = !outcome.message().starts_with("snapshot ");
+  return can_take_over ? "; --take-over takes it, or end that program" : "; end that program first";
 }
 
 }  // namespace
@@ -115,13 +127,12 @@ std::string AxisFinder::label_of(const client::AxisId& axis) const {
 }
 
 Outcome AxisFinder::named(const Outcome& outcome) const {
-  return reworded(outcome, [this](std::string message) {
-    for (const auto& [id, name] : typed_names_) {
-      message = with_name(std::move(message), "axis " + to_string(id),
-                          "axis " + escaped(name) + " (" + to_string(id) + ")");
-    }
-    return message;
-  });
+  std::string message = outcome.message();
+  for (const auto& [id, name] : typed_names_) {
+    message = with_name(std::move(message), "axis " + to_string(id),
+                        "axis " + escaped(name) + " (" + to_string(id) + ")");
+  }
+  return outcome.with_message(message + way_on(outcome));
 }
 
 std::int64_t AxisFinder::user_units(const client::Axis& axis, const Quantity& quantity) const {
@@ -143,28 +154,6 @@ Expectation AxisFinder::in_user_units(const client::Axis& axis, Expectation expe
     expectation.tolerance = static_cast<std::uint64_t>(user_units(axis, tolerance));
   }
   return expectation;
-}
-
-Outcome reworded(const Outcome& outcome, const std::function<std::string(std::string)>& words) {
-  std::string message = outcome.message();
-  switch (outcome.kind()) {
-    case OutcomeKind::ok:
-      return {};
-    case OutcomeKind::timed_out:
-      return Outcome::timed_out(words(std::move(message)));
-    case OutcomeKind::not_found:
-      return Outcome::not_found(words(std::move(message)));
-    case OutcomeKind::lost:
-      return Outcome::lost(words(std::move(message)));
-    case OutcomeKind::failed:
-      return Outcome::failed(words(std::move(message)));
-    case OutcomeKind::refused:
-      break;
-  }
-  // A refusal ends with its code and the code's meaning, and would get them twice.
-  const std::string end = Outcome::refused(outcome.code(), "").message();
-  if (message.ends_with(end)) message.resize(message.size() - end.size());
-  return Outcome::refused(outcome.code(), words(std::move(message)));
 }
 
 client::Result<client::BenchInfo> find_bench(client::Session& session,

@@ -7,7 +7,6 @@
 #include "vdrive/client/session.hpp"
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -49,7 +48,8 @@ class AxisFinder {
   [[nodiscard]] std::string label_of(const client::AxisId& axis) const;
 
   /// The client's messages call an axis by its number.
-  /// @return them with the name that was typed: "axis gantry_left (7.1)".
+  /// @return them with the name that was typed: "axis gantry_left (7.1)"; where another session
+  ///         stands in the way, with what to do about it.
   [[nodiscard]] client::Outcome named(const client::Outcome& outcome) const;
 
   /// @return [UU] of this axis.
@@ -72,10 +72,6 @@ class AxisFinder {
   std::map<client::AxisId, std::string> typed_names_;  ///< of axes that were not called by number
   std::set<std::uint32_t> benches_;
 };
-
-/// @return an outcome of the same kind in other words.
-[[nodiscard]] client::Outcome reworded(const client::Outcome& outcome,
-                                       const std::function<std::string(std::string)>& words);
 
 /// @param number none = the only bench there is
 /// @param how_to_name what to write where there are several benches

@@ -49,16 +49,14 @@ Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisRepor
   const bool has_faulted = report.outcome.kind() == client::OutcomeKind::failed &&
                            status != nullptr && is_fault(status->state());
   if ((is_refused_by_state || has_faulted) && report.names_next_step && status != nullptr) {
-    report.outcome = reworded(report.outcome, [&](const std::string& message) {
-      return message + next_step(label, status->state());
-    });
+    report.outcome =
+        report.outcome.with_message(report.outcome.message() + next_step(label, status->state()));
   }
   const bool goes_on = report.outcome.kind() == client::OutcomeKind::timed_out &&
                        status != nullptr && status->status.velocity_demand_value != 0;
   if (goes_on) {
-    report.outcome = reworded(report.outcome, [&](const std::string& message) {
-      return message + "; to stop it: vdrive halt " + label;
-    });
+    report.outcome = report.outcome.with_message(report.outcome.message() +
+                                                 "; to stop it: vdrive halt " + label);
   }
   if (context.output.is_json) {
     context.output.terminal.print(to_line(json_of_report(context, axis, report, status)));

@@ -18,4 +18,10 @@ AxisStates states_of(client::Session& session, const std::vector<client::Axis>& 
   return shown;
 }
 
+std::optional<client::SessionName> owner_of(client::Session& session,
+                                            const client::AxisSnapshot& axis) {
+  if (axis.owner_session == 0) return std::nullopt;
+  return session.find_name(axis.id.bench, axis.owner_session);
+}
+
 }  // namespace vdrive::tool

@@ -5,6 +5,7 @@
 #include "vdrive/client/session.hpp"
 
 #include <map>
+#include <optional>
 #include <vector>
 
 namespace vdrive::tool {
@@ -17,5 +18,9 @@ struct AxisStates {
 
 /// Looks at each bench once, for all of its axes.
 [[nodiscard]] AxisStates states_of(client::Session& session, const std::vector<client::Axis>& axes);
+
+/// @return who holds the axis, waiting for the name as Session::find_name() does.
+[[nodiscard]] std::optional<client::SessionName> owner_of(client::Session& session,
+                                                          const client::AxisSnapshot& axis);
 
 }  // namespace vdrive::tool

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "execution/expectation_judge.hpp"
 
+#include "execution/axis_states.hpp"
 #include "execution/fault_watch.hpp"
 #include "output/report.hpp"
 #include "values/condition.hpp"
@@ -112,9 +113,10 @@ Outcome ExpectationJudge::check_control(const client::AxisSnapshot& axis) {
     return {};
   }
   if (!held_.contains(axis.id)) return {};
-  const std::string owner = axis.owner_session == 0
-                                ? "no session controls it"
-                                : "session " + session_text(axis.owner_session) + " controls it";
+  const std::string owner =
+      axis.owner_session == 0
+          ? "no session controls it"
+          : client::owner_text(axis.owner_session, owner_of(session_, axis)) + " controls it";
   return Outcome::lost("axis " + to_string(axis.id) + " was lost: " + owner + " at tick " +
                        std::to_string(axis.tick) + ", it " + client::what_it_shows(axis));
 }

@@ -25,8 +25,14 @@ Json session_json(std::uint64_t session) {
   return session == 0 ? Json(nullptr) : Json(session_text(session));
 }
 
-std::string owner_text(std::uint64_t session) {
-  return session == 0 ? "free" : session_text(session);
+Json name_json(const std::optional<client::SessionName>& name) {
+  if (!name) return nullptr;
+  return {{"program", name->program}, {"process", name->process}, {"host", name->host}};
+}
+
+std::string holder_text(std::uint64_t session, const std::optional<client::SessionName>& name) {
+  if (session == 0) return "free";
+  return name ? client::owner_text(session, name) : session_text(session);
 }
 
 std::string error_text(std::uint16_t code) {
@@ -44,6 +50,14 @@ void add_outcome(Json& json, const client::Outcome& outcome) {
   if (outcome) return;
   if (outcome.code() != 0) json["code"] = hex(outcome.code(), 8);
   json["message"] = outcome.message();
+  if (const client::AxisOwner* const owner = outcome.owner()) {
+    json["owner"] = session_json(owner->session);
+    json["owner_name"] = name_json(owner->name);
+  }
+}
+
+void add_owner_name(Json& json, const std::optional<client::SessionName>& name) {
+  json["owner_name"] = name_json(name);
 }
 
 Json status_json(const client::AxisSnapshot& axis, const AxisFace& face) {
@@ -81,7 +95,7 @@ std::vector<std::string> status_text(const client::AxisSnapshot& axis, const Axi
                   " of rated, current " + per_mille_text(status.current_actual_value));
   lines.push_back("  error       " +
                   (status.error_code == 0 ? std::string("none") : error_text(status.error_code)));
-  lines.push_back("  owner       " + owner_text(axis.owner_session));
+  lines.push_back("  owner       " + holder_text(axis.owner_session, face.owner));
   lines.push_back("  tick        " + std::to_string(axis.tick));
   return lines;
 }
@@ -142,7 +156,7 @@ std::optional<Color> color_of(const client::AxisSnapshot& axis) {
 }
 
 Json list_json(const client::BenchInfo& bench, const client::AxisInfo& info,
-               const client::AxisSnapshot& axis) {
+               const client::AxisSnapshot& axis, const std::optional<client::SessionName>& owner) {
   return {{"axis", to_string(info.id)},
           {"bench", bench.number},
           {"bench_name", bench.name},
@@ -152,13 +166,16 @@ Json list_json(const client::BenchInfo& bench, const client::AxisInfo& info,
           {"state", to_string(axis.state())},
           {"statusword", axis.status.ds402_statusword},
           {"owner", session_json(axis.owner_session)},
+          {"owner_name", name_json(owner)},
           {"tick", axis.tick}};
 }
 
-std::string list_text(const client::AxisInfo& info, const client::AxisSnapshot& axis) {
-  return formatted("  %-7s %-20s %-24s 0x%03X  %s", to_string(info.id).c_str(),
+std::string list_text(const client::AxisInfo& info, const client::AxisSnapshot& axis,
+                      const std::optional<client::SessionName>& owner) {
+  return formatted("  %-7s %-20s %-24s 0x%03X  ", to_string(info.id).c_str(),
                    escaped(info.name).c_str(), std::string(to_string(axis.state())).c_str(),
-                   unsigned{axis.status.ds402_statusword}, owner_text(axis.owner_session).c_str());
+                   unsigned{axis.status.ds402_statusword}) +
+         holder_text(axis.owner_session, owner);
 }
 
 Json object_json(const client::AxisId& axis, const ObjectName& object) {

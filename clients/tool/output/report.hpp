@@ -17,14 +17,18 @@ using recording::Json;
 using recording::status_json;
 using recording::to_line;
 
-/// Adds `outcome`, and for a failure `code` and `message`.
+/// Adds `outcome`, and for a failure `code` and `message`, and the session that stands in the way.
 void add_outcome(Json& json, const client::Outcome& outcome);
+
+/// Adds who holds an axis: program, process and host, or null.
+void add_owner_name(Json& json, const std::optional<client::SessionName>& name);
 
 /// What an axis is called, and what its user units are.
 struct AxisFace {
   std::string name;
   client::Unit unit;
-  std::string bench{};  ///< name of its bench, for a view of several benches
+  std::string bench{};                         ///< name of its bench, for a view of several benches
+  std::optional<client::SessionName> owner{};  ///< who holds it, where it is known
 };
 
 /// One axis as `status` and `watch` show it: recording::status_json with position and velocity in
@@ -53,10 +57,12 @@ struct AxisFace {
 /// @return tenths of a percent as "12.5 %".
 [[nodiscard]] std::string per_mille_text(int value);
 
-/// One axis as `list` shows it.
+/// One axis as `list` shows it. @param owner who holds it, where it is known
 [[nodiscard]] Json list_json(const client::BenchInfo& bench, const client::AxisInfo& info,
-                             const client::AxisSnapshot& axis);
-[[nodiscard]] std::string list_text(const client::AxisInfo& info, const client::AxisSnapshot& axis);
+                             const client::AxisSnapshot& axis,
+                             const std::optional<client::SessionName>& owner);
+[[nodiscard]] std::string list_text(const client::AxisInfo& info, const client::AxisSnapshot& axis,
+                                    const std::optional<client::SessionName>& owner);
 
 /// One object as `read` and `write` show it.
 [[nodiscard]] Json object_json(const client::AxisId& axis, const ObjectName& object);
