@@ -47,6 +47,10 @@ struct Kept {
                 [this](Severity, const std::string& text) {
                   reports.push_back(text);
                 },
+            .name_of =
+                [](std::uint64_t session) {
+                  return "program " + std::to_string(session);
+                },
             .remedy = "want it again",
             .fault_remedy = "reset them"};
   }
@@ -78,10 +82,11 @@ TEST(ControlKeeper, SendsNoRequestWhileAnotherSessionControlsAnAxis) {
   EXPECT_FALSE(kept.keep(0ms));
   EXPECT_FALSE(kept.keep(1s));
   EXPECT_EQ(kept.requests, 0);
-  EXPECT_THAT(kept.reports, ElementsAre(HasSubstr("controls 1 of its 2 axes"))) << "once";
+  EXPECT_THAT(kept.reports, ElementsAre(HasSubstr("program 11 controls 1 of its 2 axes")))
+      << "once";
   kept.own(0);
   EXPECT_TRUE(kept.keep(2s));
-  EXPECT_THAT(kept.reports.back(), HasSubstr("takes control: its axes are free of session"));
+  EXPECT_THAT(kept.reports.back(), HasSubstr("takes control: its axes are free of program 11"));
 }
 
 TEST(ControlKeeper, SaysWhichAxesAreInAFaultWhenItsWaitEnds) {
@@ -111,7 +116,8 @@ TEST(ControlKeeper, LeavesControlThatAnotherSessionTookUntilItIsWantedAnew) {
   (void)kept.keep(0ms);
   kept.own(kOther);
   EXPECT_FALSE(kept.keep(1s));
-  EXPECT_THAT(kept.reports, ElementsAre(HasSubstr("control of its axes is lost to session")));
+  EXPECT_THAT(kept.reports,
+              ElementsAre(HasSubstr("control of its axes is lost to program 11: want")));
   kept.own(0);
   EXPECT_FALSE(kept.keep(2s));
   EXPECT_EQ(kept.requests, 1);

@@ -94,8 +94,8 @@ TEST(BenchMotion, IgnoresACommandThatItCannotCarryOutAndReportsIt) {
   EXPECT_THAT(with_axes(fake.drive().take_sent()), IsEmpty());
   EXPECT_THAT(fake.written.lines,
               ElementsAre("joint x: velocity 6 is above the limit 5: the command is ignored",
-                          "joint y: is controlled by session 0x000000000000000b: the command is "
-                          "ignored"));
+                          "joint y: is controlled by an unknown program, session "
+                          "0x000000000000000b: the command is ignored"));
 }
 
 TEST(BenchMotion, EndsAllPlansWhenOneOfTheirAxesFails) {

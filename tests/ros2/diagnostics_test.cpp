@@ -44,7 +44,10 @@ TEST(Diagnostics, WarnOfAJointThatAnotherSessionControls) {
   Diagnosed fake;
   fake.drives.at(1).axis(0).owner_session = 0x0B;
   fake.turn();
-  EXPECT_EQ(fake.levels(), "010 controlled by session 0x000000000000000b");
+  EXPECT_EQ(fake.levels(), "010 controlled by an unknown program, session 0x000000000000000b");
+  fake.benches.all().at(1).bench->add_name(0x0B, {.program = "vdrive"});
+  fake.turn();
+  EXPECT_EQ(fake.levels(), "010 controlled by vdrive, session 0x000000000000000b");
   fake.benches.enable(false);
   EXPECT_EQ(fake.levels(), "000 Operation enabled") << "the bridge does not want it";
 }

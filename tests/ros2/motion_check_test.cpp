@@ -20,12 +20,16 @@ std::string problem_with(CommandInterface interface, double value,
 
 TEST(MotionCheck, NamesWhatKeepsTheBridgeFromAnAxis) {
   FakeBench bench({"x"});
+  Bench::Names names;
   const auto obstacle = [&](bool has_limits = true) {
-    return obstacle_of(bench.axis(0), FakeBench::kSession, has_limits);
+    return obstacle_of(bench.axis(0), FakeBench::kSession, has_limits, &names);
   };
   EXPECT_EQ(obstacle(), "is not under control of this bridge yet");
   bench.axis(0).owner_session = 0x0B;
-  EXPECT_EQ(obstacle(), "is controlled by session 0x000000000000000b");
+  EXPECT_EQ(obstacle(), "is controlled by an unknown program, session 0x000000000000000b");
+  names[0x0B] = {.program = "vdrive", .process = 4711, .host = "bench-host"};
+  EXPECT_EQ(obstacle(),
+            "is controlled by vdrive (process 4711 on bench-host), session 0x000000000000000b");
   bench.axis(0).owner_session = FakeBench::kSession;
   EXPECT_EQ(obstacle(false), "has limits that are not known yet");
   EXPECT_THAT(obstacle(), HasSubstr("Switch on disabled"));

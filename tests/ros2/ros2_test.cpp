@@ -289,7 +289,9 @@ TEST(Ros2Control, IsAwaitedWithOneLogLineAndTakenAfterItsOwnerEnded) {
   RosPeer other("/second");
   RunningBridge second("--enable --namespace /second");
   ASSERT_TRUE(other.wait_for_bridge());
-  const std::string waits = "bench 1: session " + session_text(owner) + " controls 2 of its 2 axes";
+  const std::string name = client::owner_text(owner, session.find_name(1, owner));
+  EXPECT_THAT(name, testing::StartsWith("vdrive-ros2 (process "));
+  const std::string waits = "bench 1: " + name + " controls 2 of its 2 axes";
   ASSERT_TRUE(other.wait_for_log(waits)) << other.log();
   // 300 messages of joint states are three seconds, in which the bridge checks 15 times.
   const std::size_t states = other.states();
@@ -299,14 +301,14 @@ TEST(Ros2Control, IsAwaitedWithOneLogLineAndTakenAfterItsOwnerEnded) {
   EXPECT_EQ(count_of(other.log(), "controls 2 of its 2 axes"), 1U) << other.log();
   EXPECT_EQ(count_of(other.log(), "refused"), 0U) << other.log();
   EXPECT_TRUE(other.wait([&] {
-    return other.diagnosis("joint x") == "1 controlled by session " + session_text(owner) ||
+    return other.diagnosis("joint x") == "1 controlled by " + name ||
            other.diagnosis("joint x") == "0 Operation enabled";
   })) << other.diagnosis("joint x");
   other.command({"x"}, {1.0});
-  EXPECT_TRUE(other.wait_for_log("joint x: is controlled by session " + session_text(owner)));
+  EXPECT_TRUE(other.wait_for_log("joint x: is controlled by " + name));
   first.kill();
-  ASSERT_TRUE(other.wait_for_log("bench 1: takes control: its axes are free of session " +
-                                 session_text(owner) + "; 2 of 2 are in a fault"))
+  ASSERT_TRUE(other.wait_for_log("bench 1: takes control: its axes are free of " + name +
+                                 "; 2 of 2 are in a fault"))
       << other.log();
   other.enable(true);
   EXPECT_TRUE(other.wait([&] {

@@ -2,7 +2,6 @@
 #include "control_keeper.hpp"
 
 #include "vdrive/cia402/power_state.hpp"
-#include "vdrive/number_text.hpp"
 
 #include <algorithm>
 
@@ -80,16 +79,21 @@ bool ControlKeeper::is_due(std::span<const AxisSnapshot> axes, Clock::time_point
 
 /// Notes control that it has, or has lost.
 void ControlKeeper::note_owner(std::span<const AxisSnapshot> axes) {
+  if (!has_just_lost(axes)) return;
+  // Without the lock: the name may have to be waited for.
+  const auto owner = other_owner(axes, session_);
+  calls_.report(Severity::error, "control of its axes is lost" +
+                                     (owner ? " to " + calls_.name_of(*owner) : "") + ": " +
+                                     calls_.remedy);
+}
+
+bool ControlKeeper::has_just_lost(std::span<const AxisSnapshot> axes) {
   const std::scoped_lock lock(mutex_);
-  if (!is_wanted_ || has_lost_) return;
+  if (!is_wanted_ || has_lost_) return false;
   const bool has_it = owns_all(axes, session_);
   has_lost_ = had_it_ && !has_it;
   had_it_ = had_it_ || has_it;
-  if (!has_lost_) return;
-  const auto owner = other_owner(axes, session_);
-  calls_.report(Severity::error, "control of its axes is lost" +
-                                     (owner ? " to session " + session_text(*owner) : "") + ": " +
-                                     calls_.remedy);
+  return has_lost_;
 }
 
 void ControlKeeper::wait_for(std::uint64_t owner, std::span<const AxisSnapshot> axes) {
@@ -99,8 +103,8 @@ void ControlKeeper::wait_for(std::uint64_t owner, std::span<const AxisSnapshot> 
     return is_foreign(axis, session_);
   });
   calls_.report(Severity::warning,
-                "session " + session_text(owner) + " controls " + std::to_string(count) +
-                    " of its " + std::to_string(axes.size()) +
+                calls_.name_of(owner) + " controls " + std::to_string(count) + " of its " +
+                    std::to_string(axes.size()) +
                     " axes: this bridge takes control when all of them are free");
 }
 
@@ -117,7 +121,7 @@ void ControlKeeper::note_refusal(const client::Outcome& refusal, Clock::time_poi
 void ControlKeeper::report_taken(std::span<const AxisSnapshot> axes) {
   if (reported_.owner == 0 && reported_.refusal.empty()) return;
   std::string text = "takes control: its axes are free";
-  if (reported_.owner != 0) text += " of session " + session_text(reported_.owner);
+  if (reported_.owner != 0) text += " of " + calls_.name_of(reported_.owner);
   const auto faults = std::ranges::count_if(axes, [](const AxisSnapshot& axis) {
     return axis.state() == PowerState::fault || axis.state() == PowerState::fault_reaction_active;
   });

@@ -36,6 +36,8 @@ class ControlKeeper {
     std::function<client::Outcome()> acquire;                     ///< all axes, or none
     std::function<std::optional<client::Observation>()> observe;  ///< their state now
     Report report;
+    /// How messages call another session; may wait for its name.
+    std::function<std::string(std::uint64_t session)> name_of;
     std::string remedy;        ///< how a person has lost control taken again
     std::string fault_remedy;  ///< how a person resets faults
   };
@@ -67,6 +69,7 @@ class ControlKeeper {
 
   [[nodiscard]] bool is_due(std::span<const client::AxisSnapshot> axes, Clock::time_point now);
   void note_owner(std::span<const client::AxisSnapshot> axes);
+  [[nodiscard]] bool has_just_lost(std::span<const client::AxisSnapshot> axes);
   void wait_for(std::uint64_t owner, std::span<const client::AxisSnapshot> axes);
   void note_refusal(const client::Outcome& refusal, Clock::time_point now);
   void report_taken(std::span<const client::AxisSnapshot> axes);

@@ -4,9 +4,21 @@
 #include "vdrive/assert.hpp"
 
 #include <cmath>
+#include <cstddef>
+#include <optional>
 #include <utility>
 
 namespace vdrive::ros2 {
+namespace {
+
+constexpr std::size_t kMostNames = 256;  // a bench has as many
+
+}  // namespace
+
+std::string owner_text(std::uint64_t session, const Bench::Names* names) {
+  const bool is_known = names != nullptr && names->contains(session);
+  return client::owner_text(session, is_known ? std::optional(names->at(session)) : std::nullopt);
+}
 
 Bench::Bench(client::BenchInfo info, std::vector<ServedJoint> joints)
     : info_(std::move(info)), joints_(std::move(joints)) {
@@ -26,6 +38,15 @@ void Bench::set_state(State state) {
 void Bench::set_rate(double rate) {
   const std::scoped_lock lock(mutex_);
   seen_.rate = rate;
+}
+
+void Bench::add_name(std::uint64_t session, client::SessionName name) {
+  const std::scoped_lock lock(mutex_);
+  auto names = seen_.names ? *seen_.names : Names();
+  // Sessions come and go; the newest are the ones that hold axes.
+  if (names.size() >= kMostNames) names.clear();
+  names.insert_or_assign(session, std::move(name));
+  seen_.names = std::make_shared<const Names>(std::move(names));
 }
 
 void Bench::set_limits(Limits limits, std::uint64_t request) {

@@ -4,10 +4,12 @@
 #include "joint_limits.hpp"
 #include "joints.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/client/session_name.hpp"
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -29,13 +31,15 @@ class Bench {
  public:
   using State = std::shared_ptr<const client::Observation>;  ///< axes in the order of the joints
   using Limits = std::shared_ptr<const std::vector<JointLimits>>;
+  using Names = std::map<std::uint64_t, client::SessionName>;
 
   /// What is known of it.
   struct Seen {
-    State state{};                  ///< the newest one; none while the bench sends no status
-    Limits limits{};                ///< of all joints; none before they were read
-    std::uint64_t limits_read = 0;  ///< number of the newest request that `limits` answers
-    double rate = 1.0;              ///< drive time over wall time; 1 where time does not pass alone
+    State state{};                         ///< the newest one; none while the bench sends no status
+    Limits limits{};                       ///< of all joints; none before they were read
+    std::uint64_t limits_read = 0;         ///< number of the newest request that `limits` answers
+    std::shared_ptr<const Names> names{};  ///< of other sessions that hold axes; none = no name
+    double rate = 1.0;  ///< drive time over wall time; 1 where time does not pass alone
   };
 
   /// What is wanted from it.
@@ -62,6 +66,9 @@ class Bench {
   void set_state(State state);
   void set_rate(double rate);
 
+  /// Who a session that holds axes is.
+  void add_name(std::uint64_t session, client::SessionName name);
+
   /// @param request the `limits` of the wishes before they were read
   void set_limits(Limits limits, std::uint64_t request);
 
@@ -80,6 +87,9 @@ class Bench {
   Seen seen_;
   Wishes wishes_;
 };
+
+/// @return how messages call a session that holds axes of a bench.
+[[nodiscard]] std::string owner_text(std::uint64_t session, const Bench::Names* names);
 
 /// A joint in the newest tick of its bench, for the length of a call.
 struct JointNow {

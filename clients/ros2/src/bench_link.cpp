@@ -65,6 +65,8 @@ client::Result<bridge::BenchFollower::Next> BenchLink::begin() {
   if (!axes) return axes.outcome();
   if (!now) return now.outcome();
   if (axes->size() != ids_.size()) return client::Outcome::failed("the bench has other axes");
+  // Begins to listen: a session that stands in the way later has a name at once.
+  (void)session_.known_name(bench_.info().number, 0);
   axes_ = std::move(*axes);
   opened_ = Clock::now();
   ask_due_ = opened_ + kAskAgain;
@@ -97,7 +99,23 @@ std::optional<client::Observation> BenchLink::ask_again() {
   return std::move(*seen);
 }
 
+/// Without waiting: a name that comes late is there with a later state.
+void BenchLink::learn_names(std::span<const client::AxisSnapshot> axes) {
+  const std::uint64_t own = session_.id();
+  std::uint64_t last = 0;  // most axes have the same owner
+  for (const client::AxisSnapshot& axis : axes) {
+    const std::uint64_t owner = axis.owner_session;
+    if (owner == 0 || owner == own || owner == std::exchange(last, owner)) continue;
+    const auto known = bench_.seen().names;
+    if (known && known->contains(owner)) continue;
+    if (auto name = session_.known_name(bench_.info().number, owner)) {
+      bench_.add_name(owner, std::move(*name));
+    }
+  }
+}
+
 void BenchLink::set_state(client::Observation&& observation) {
+  learn_names(observation.axes);
   bench_.set_state(std::make_shared<const client::Observation>(std::move(observation)));
   notify_();
 }
@@ -116,6 +134,10 @@ bridge::ControlKeeper::Calls BenchLink::control_calls(bridge::Reports& reports) 
       .report =
           [&reports, label = bench_.label()](bridge::Severity severity, const std::string& text) {
             reports.report(severity, label, text);
+          },
+      .name_of =
+          [this](std::uint64_t session) {
+            return client::owner_text(session, session_.find_name(bench_.info().number, session));
           },
       .remedy = "publish true on enable to take it again",
       .fault_remedy = "publish true on the topic enable to reset them"};

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <thread>
 #include <vector>
@@ -33,6 +34,7 @@ class BenchLink {
   void follow();
   [[nodiscard]] std::optional<client::Observation> ask_again();
   void set_state(client::Observation&& observation);
+  void learn_names(std::span<const client::AxisSnapshot> axes);
   [[nodiscard]] bridge::ControlKeeper::Calls control_calls(bridge::Reports& reports);
   void keep_control(std::optional<ControlWish> wish);
   void read_limits(std::uint64_t request);

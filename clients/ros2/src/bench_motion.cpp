@@ -33,7 +33,8 @@ std::string BenchMotion::obstacle(std::size_t place) const {
     return "is not enabled: publish true on the topic enable, or use --enable";
   }
   if (!now_.seen.state) return "is on a bench that sends no status";
-  return obstacle_of(now_.seen.state->axes[place], session_, now_.seen.limits != nullptr);
+  return obstacle_of(now_.seen.state->axes[place], session_, now_.seen.limits != nullptr,
+                     now_.seen.names.get());
 }
 
 std::string BenchMotion::trajectory_obstacle(std::size_t place) const {

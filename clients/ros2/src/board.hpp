@@ -22,6 +22,7 @@ struct BenchView {
   std::shared_ptr<const Bench> bench{};  ///< its joints; none where the bridge does not serve it
   Bench::State state{};                  ///< none while the bench sends no status
   Bench::Limits limits{};
+  std::shared_ptr<const Bench::Names> names{};
   std::vector<Duty> duties{};
   bool is_enabled = false;
   std::uint64_t session = 0;  ///< of the bridge

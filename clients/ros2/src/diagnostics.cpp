@@ -30,7 +30,7 @@ void add(DiagnosticStatus& status, const char* key, std::string value) {
 /// @return who controls the axes of a bench, for a reader of the diagnostics.
 std::string control_of(const BenchView& view) {
   if (const auto owner = bridge::other_owner(view.state->axes, view.session))
-    return "session " + session_text(*owner);
+    return owner_text(*owner, view.names.get());
   return bridge::owns_all(view.state->axes, view.session) ? "this bridge" : "no session";
 }
 
@@ -61,7 +61,7 @@ std::pair<Level, std::string> level_of(const BenchView& view, const client::Axis
   }
   const bool is_foreign = axis.owner_session != 0 && axis.owner_session != view.session;
   if (view.is_enabled && is_foreign) {
-    return {warn, "controlled by session " + session_text(axis.owner_session)};
+    return {warn, "controlled by " + owner_text(axis.owner_session, view.names.get())};
   }
   const bool is_missing = view.is_enabled && state != PowerState::operation_enabled;
   return {is_missing ? warn : ok, std::string(to_string(state))};

@@ -8,10 +8,11 @@
 
 namespace vdrive::ros2 {
 
-std::string obstacle_of(const client::AxisSnapshot& axis, std::uint64_t session, bool has_limits) {
+std::string obstacle_of(const client::AxisSnapshot& axis, std::uint64_t session, bool has_limits,
+                        const Bench::Names* names) {
   if (axis.owner_session == 0) return "is not under control of this bridge yet";
   if (axis.owner_session != session) {
-    return "is controlled by session " + session_text(axis.owner_session);
+    return "is controlled by " + owner_text(axis.owner_session, names);
   }
   if (!has_limits) return "has limits that are not known yet";
   if (axis.state() != PowerState::operation_enabled) return client::what_it_shows(axis);

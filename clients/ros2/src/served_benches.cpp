@@ -131,6 +131,7 @@ Board::Views ServedBenches::views() const {
     views.emplace(number, BenchView{.bench = bench.bench,
                                     .state = bench.motion->state(),
                                     .limits = bench.bench->seen().limits,
+                                    .names = bench.bench->seen().names,
                                     .duties = bench.motion->duties(),
                                     .is_enabled = bench.motion->power().wants_enabled(),
                                     .session = session_});
