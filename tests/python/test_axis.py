@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """An axis from Python: commands, objects, errors."""
 import math
+import os
+import pickle
+import socket
 
 import pytest
 import vdrive
@@ -152,3 +155,18 @@ def test_a_command_to_several_axes_gives_each_its_outcome(vdrive_shared_session)
     vdrive_shared_session.axis("1.2").wait_until(lambda status: status.state == "Fault")
     first, second = vdrive_shared_session.command_each(None, "enable")
     assert first is None and isinstance(second, vdrive.Refused)
+
+
+def test_a_refusal_names_the_program_that_stands_in_the_way(vdrive_bench):
+    with vdrive_bench.session(program="a\x07b") as owner, vdrive_bench.session() as other:
+        owner.axis("1.1").enable()
+        with pytest.raises(vdrive.Refused) as refusal:
+            other.axis("1.1").enable()
+        session = owner.id
+    held = refusal.value.owner
+    assert refusal.value.code == 0x08000021
+    assert held == vdrive.Owner("1.1", session, "a\\x07b", os.getpid(), socket.gethostname())
+    assert str(refusal.value) == (
+        f"control of axis 1.1 refused: axis 1.1 is controlled by a\\x07b (process {os.getpid()} on "
+        f"{socket.gethostname()}), session 0x{session:016x}")
+    assert pickle.loads(pickle.dumps(refusal.value)).owner == held

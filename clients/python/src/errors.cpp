@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "errors.hpp"
 
+#include <string>
+
 namespace vdrive::python {
 namespace {
 
@@ -25,6 +27,15 @@ const char* class_name(client::OutcomeKind kind) {
   return "Failed";
 }
 
+/// @return an Owner, or None.
+py::object owner_of(const client::Outcome& outcome) {
+  const client::AxisOwner* const owner = outcome.owner();
+  if (owner == nullptr) return py::none();
+  const client::SessionName name = owner->name.value_or(client::SessionName{});
+  return error_class("Owner")(owner->axis.axis == 0 ? std::string() : to_string(owner->axis),
+                              owner->session, name.program, name.process, name.host);
+}
+
 [[noreturn]] void raise_object(const py::object& exception) {
   PyErr_SetObject(py::type::of(exception).ptr(), exception.ptr());
   throw py::error_already_set();
@@ -33,7 +44,8 @@ const char* class_name(client::OutcomeKind kind) {
 }  // namespace
 
 py::object exception_of(const client::Outcome& outcome) {
-  return error_class(class_name(outcome.kind()))(outcome.message(), outcome.code());
+  return error_class(class_name(outcome.kind()))(outcome.message(), outcome.code(),
+                                                 owner_of(outcome));
 }
 
 void raise(const client::Outcome& outcome) {

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,23 +33,35 @@ client::KeepAlive keep_alive_of(const std::string& name) {
   throw py::value_error(R"(keep_alive is "own_thread" or "user_frames", not )" + in_quotes(name));
 }
 
+/// @return the name of the file that Python runs; empty where it runs none, such as `python -c`:
+///         then the interpreter's own name says who it is.
+std::string name_of_script() {
+  // A program that embeds Python may have no arguments, and an argument may be no UTF-8.
+  const py::list arguments = py::getattr(py::module_::import("sys"), "argv", py::list());
+  if (arguments.empty()) return {};
+  const auto first = py::module_::import("os").attr("fsencode")(arguments[0]).cast<std::string>();
+  return first.starts_with('-') ? std::string() : std::filesystem::path(first).filename().string();
+}
+
 SharedPySession open_session(std::optional<std::uint32_t> domain,
                              std::vector<std::string> interfaces, std::vector<std::string> peers,
                              std::vector<std::string> discovery_servers, std::string security,
                              std::optional<std::uint32_t> bench, const std::string& keep_alive,
                              double find_timeout, double silence, double patience,
-                             const std::shared_ptr<LocalBench>& local) {
-  const client::SessionOptions options{.domain = domain,
-                                       .interfaces = std::move(interfaces),
-                                       .peers = std::move(peers),
-                                       .discovery_servers = std::move(discovery_servers),
-                                       .security = std::move(security),
-                                       .bench = bench,
-                                       .keep_alive = keep_alive_of(keep_alive),
-                                       .find_timeout = milliseconds_of(find_timeout),
-                                       .silence = milliseconds_of(silence),
-                                       .patience = milliseconds_of(patience),
-                                       .bus = local ? local->bus() : nullptr};
+                             const std::shared_ptr<LocalBench>& local, std::string program) {
+  const client::SessionOptions options{
+      .domain = domain,
+      .interfaces = std::move(interfaces),
+      .peers = std::move(peers),
+      .discovery_servers = std::move(discovery_servers),
+      .security = std::move(security),
+      .bench = bench,
+      .keep_alive = keep_alive_of(keep_alive),
+      .find_timeout = milliseconds_of(find_timeout),
+      .silence = milliseconds_of(silence),
+      .patience = milliseconds_of(patience),
+      .bus = local ? local->bus() : nullptr,
+      .program = program.empty() ? name_of_script() : std::move(program)};
   try {
     if (!local) require_dds();
     const py::gil_scoped_release unlocked;
@@ -534,13 +547,14 @@ void add_session(py::module_& module) {
       py::arg("discovery_servers") = std::vector<std::string>{}, py::arg("security") = "",
       py::arg("bench") = py::none(), py::arg("keep_alive") = "own_thread",
       py::arg("find_timeout") = 2.0, py::arg("silence") = 1.5, py::arg("patience") = 10.0,
-      py::arg("local") = py::none(),
+      py::arg("local") = py::none(), py::arg("program") = "",
       "domain: 0 to 232, by default that of VDRIVE_DOMAIN, else 0. interfaces: own addresses, "
       "by default loopback only. security: directory of the closed mode's credentials. bench: find "
       "this one only. find_timeout, silence, patience: wall time in s. A call raises Lost when a "
       "service was silent for `silence`; what follows a bench (wait, follow, stream, on_status) "
       "when it was silent for `patience`. local: a bench of this process, of vdrive.Bench; then no "
-      "option of the network counts.");
+      "option of the network counts. program: what others read of who controls an axis, by default "
+      "the name of the file that Python runs.");
   session
       .def_property_readonly(
           "id",

@@ -12,7 +12,17 @@
 Positions are user units (UU) of the axis, times are seconds. Calls that wait release the
 interpreter lock and end on Ctrl-C. What fails raises an Error, with `code` and text.
 """
-from ._errors import ConfigurationError, Error, Failed, Forked, Lost, NotFound, Refused, TimedOut
+from ._errors import (
+    ConfigurationError,
+    Error,
+    Failed,
+    Forked,
+    Lost,
+    NotFound,
+    Owner,
+    Refused,
+    TimedOut,
+)
 from . import _asynchronous, _observers, _recording, _vdrive
 from ._asynchronous import AsyncStream
 from ._bench import Bench, find_service
@@ -72,6 +82,7 @@ __all__ = [
     "NotFound",
     "Observation",
     "Observer",
+    "Owner",
     "Recording",
     "Refused",
     "ServiceChange",

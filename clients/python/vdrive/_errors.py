@@ -2,20 +2,39 @@
 """The exceptions of the library: why a call failed."""
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Owner:
+    """The session that holds an axis, and what its program says of itself: nobody checks it.
+
+    `axis` is an address such as "1.1", empty where the bench named none. `program` and `host` are
+    empty and `process` is 0 where the program says nothing, such as a client of another vendor.
+    """
+
+    axis: str
+    session: int
+    program: str = ""
+    process: int = 0
+    host: str = ""
+
 
 class Error(Exception):
     """Why a call failed.
 
     `code` is the code of a refusal: a CiA 301 abort code, or a reason of the wire contract (below
-    0x05000000); 0 for every other error. The text is `str(error)`.
+    0x05000000); 0 for every other error. `owner` is the session that stands in the way, where
+    another one does, else None. The text is `str(error)`.
     """
 
-    def __init__(self, message: str, code: int = 0) -> None:
+    def __init__(self, message: str, code: int = 0, owner: Owner | None = None) -> None:
         super().__init__(message)
         self.code = code
+        self.owner = owner
 
-    def __reduce__(self) -> tuple[type[Error], tuple[str, int]]:
-        return type(self), (str(self), self.code)
+    def __reduce__(self) -> tuple[type[Error], tuple[str, int, Owner | None]]:
+        return type(self), (str(self), self.code, self.owner)
 
 
 class Refused(Error):

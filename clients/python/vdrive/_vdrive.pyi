@@ -494,6 +494,7 @@ class Session:
         silence: float = 1.5,
         patience: float = 10.0,
         local: LocalBench | None = None,
+        program: str = "",
     ) -> None: ...
     @property
     def id(self) -> int: ...
