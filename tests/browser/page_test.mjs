@@ -545,7 +545,7 @@ test("while an axis moves the page says that it goes on without the page, and le
 
 test("an axis that a terminal takes over is named, and the page does not take it back by itself", async () => {
   assert.equal(await runTool("enable", "1.1", "--take-over"), 0);
-  await waitForText(page.locator(".notices"), /^\d\d:\d\d: no longer controlled by this page.*: 1.1/);
+  await waitForText(page.locator(".notices"), /^\d\d:\d\d: no longer controlled by this page, now controlled by vdrive \(process \d+ on .+\): 1.1/);
   await page.fill("#move-target", "0");
   await command("move").click();
   await waitForText(page.locator("footer"), /Move: taken from this page, .*: 1.1/);

@@ -121,7 +121,9 @@ TEST(Schemas, HaveEachMemberOfTheirMessagesAndNoOther) {
     return differences(Json::parse(channel.schema), Json::parse(message));
   };
   EXPECT_THAT(differ(description_channel(""), description_text(bench)), IsEmpty());
-  EXPECT_THAT(differ(state_channel(""), state_text(bench.info, 1, {}, true)), IsEmpty());
+  EXPECT_THAT(differ(state_channel(""),
+                     state_text(bench.info, 1, {}, true, {{0x0B, {.program = "vdrive"}}})),
+              IsEmpty());
   EXPECT_THAT(differ(control_channel(), control_text({}, "client 1", false)), IsEmpty());
   EXPECT_THAT(differ(dictionary_channel(), dictionary_text()), IsEmpty());
 }

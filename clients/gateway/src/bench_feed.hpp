@@ -4,6 +4,7 @@
 #include "bench_follower.hpp"
 #include "bench_presence.hpp"
 #include "channel.hpp"
+#include "descriptions.hpp"
 #include "directory.hpp"
 #include "messages.hpp"
 #include "vdrive/client/event.hpp"
@@ -11,6 +12,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -79,6 +83,8 @@ class BenchFeed {
   void send(const ChannelPointer& channel, std::uint64_t time, std::string message) const;
   void publish_description();
   void publish_state(Clock::time_point now);
+  void note_owners(const client::Observation& observation);
+  [[nodiscard]] OwnerNames owner_names() const;
   [[nodiscard]] std::uint64_t time_of(std::uint64_t tick) const;
 
   client::Session& session_;
@@ -98,6 +104,7 @@ class BenchFeed {
   bool is_urgent_ = false;  ///< it has a state or a fault that was not published
   std::vector<std::uint32_t> published_states_;
   std::uint64_t missed_ = 0;
+  std::deque<std::uint64_t> owners_;   ///< sessions that have held axes, the newest last
   std::vector<std::size_t> traced_;    ///< places of the axes
   std::vector<bridge::Trace> traces_;  ///< of all axes
   std::vector<bridge::Joint> joints_;

@@ -12,6 +12,7 @@
 #include "vdrive/number_text.hpp"
 
 #include <limits>
+#include <utility>
 
 namespace vdrive::gateway {
 namespace {
@@ -150,11 +151,17 @@ ChannelInfo state_channel(std::string topic) {
   return json_channel(std::move(topic), "vdrive.BenchState",
                       object_schema("bench:integer tick:integer time_ns:string rate:number "
                                     "clock_mode:string wire_starts:integer "
-                                    "longest_silence_us:integer alive:boolean age_ms:integer"));
+                                    "longest_silence_us:integer alive:boolean age_ms:integer "
+                                    "owners:owner[]",
+                                    {{"owner", object_schema("session:string name:string")}}));
 }
 
 std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
-                       std::chrono::milliseconds age, bool is_alive) {
+                       std::chrono::milliseconds age, bool is_alive, const OwnerNames& names) {
+  Json owners = Json::array();
+  for (const auto& [session, name] : names) {
+    owners.push_back({{"session", session_text(session)}, {"name", to_string(name)}});
+  }
   return to_line({{"bench", bench.number},
                   {"tick", bench.tick},
                   {"time_ns", std::to_string(time)},  // beyond what a double holds
@@ -163,7 +170,8 @@ std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
                   {"wire_starts", bench.wire_starts},
                   {"longest_silence_us", bench.longest_silence.count()},
                   {"alive", is_alive},
-                  {"age_ms", age.count()}});
+                  {"age_ms", age.count()},
+                  {"owners", std::move(owners)}});
 }
 
 ChannelInfo control_channel() {

@@ -3,9 +3,11 @@
 
 #include "directory.hpp"
 #include "protocol.hpp"
+#include "vdrive/client/session_name.hpp"
 
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <string>
 
 namespace vdrive::gateway {
@@ -17,10 +19,15 @@ namespace vdrive::gateway {
 
 [[nodiscard]] ChannelInfo state_channel(std::string topic);
 
+/// The sessions that hold axes of a bench or have held some lately, as far as their programs say
+/// who they are.
+using OwnerNames = std::map<std::uint64_t, client::SessionName>;
+
 /// @param time drive time [ns]
 /// @param age of the newest sample
 [[nodiscard]] std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
-                                     std::chrono::milliseconds age, bool is_alive);
+                                     std::chrono::milliseconds age, bool is_alive,
+                                     const OwnerNames& names = {});
 
 /// Who commands through this gateway.
 struct ControlState {

@@ -34,6 +34,7 @@ const TEXTS = {
   taken_away: ["no longer controlled by this page", "不再由本页控制"],
   was_taken: ["taken from this page, press 'Take it back' above first", "已被接管，请先按上方的“取回”"],
   take_back: ["Take it back", "取回"],
+  now_by: ["now controlled by", "现由其控制："],
   session: ["session", "会话"],
   moves_on: ["Moving under the control of this page, also when it is closed", "在本页控制下运动，关闭页面后将继续"],
   moves_free: ["Moving, and controlled by nobody (take control, or STOP)", "正在运动且无人控制（请获取控制权或按停止）"],

@@ -27,6 +27,7 @@ const TREND_EVERY_MS = 100;
 const MOST_EVENTS = 4_096;
 const MOST_NOTES = 4;
 const MOST_RUNS = 5;
+const MOST_NAMES = 1_000;
 const MOST_LISTED = 4;
 /** axes of a bench whose status costs next to nothing */
 const SMALL_BENCH = 256;
@@ -234,8 +235,11 @@ export class Model {
   private readonly owned = new Set<string>();
   /** axes that this page controlled until another session took them: a person has to want them back */
   private readonly taken = new Set<string>();
-  /** when and by whom the last of them was taken */
-  private takenHow = "";
+  /** when the last of them was taken, and by which session */
+  private takenAt = "";
+  private takenBy = 0n;
+  /** what programs say of themselves, by their sessions as the gateway writes them */
+  private readonly sessionNames = new Map<string, string>();
   /** what happened to benches while somebody may have looked away */
   private readonly runs: string[] = [];
   private readonly presses = new Map<string, Press>();
@@ -345,12 +349,26 @@ export class Model {
     return state.age_ms + Math.max(0, now - bench.stateAt - 250);
   }
 
-  ownerName(session: bigint): string {
+  /** @param isShort without the process and its host, for a column */
+  ownerName(session: bigint, isShort = false): string {
     if (session === 0n) return "";
     const text = session.toString(16).padStart(16, "0");
+    const name = this.sessionNames.get(text);
     const holder = this.control.session?.replace(/^0x/, "").padStart(16, "0");
     if (holder === text) return this.control.you ? "@" : this.control.holder;
-    return text.slice(0, 8);
+    if (name !== undefined) return isShort ? name.replace(/ \([^)]*\)$/, "") : name;
+    return isShort ? text.slice(0, 8) : `${t("session")} ${text.slice(0, 8)}`;
+  }
+
+  /** @return when axes of this page were taken, and by whom: the name may come after the status. */
+  private takenHow(): string {
+    const by = this.ownerName(this.takenBy);
+    return `${this.takenAt}: ${t("taken_away")}${by === "" ? "" : `, ${t("now_by")} ${by}`}`;
+  }
+
+  private noteNames(owners: BenchState["owners"]): void {
+    if (this.sessionNames.size > MOST_NAMES) this.sessionNames.clear();
+    for (const { session, name } of owners) this.sessionNames.set(session.replace(/^0x/, ""), name);
   }
 
   errorName(code: number): string {
@@ -362,7 +380,7 @@ export class Model {
   notices(): Notice[] {
     const runs = this.runs.map((text) => ({ text, button: t("remove"), press: () => void this.runs.splice(this.runs.indexOf(text), 1) }));
     if (this.taken.size === 0) return runs;
-    const text = `${this.takenHow}: ${listed([...this.taken])}`;
+    const text = `${this.takenHow()}: ${listed([...this.taken])}`;
     return [{ text, button: t("take_back"), press: () => this.taken.clear() }, ...runs];
   }
 
@@ -480,6 +498,7 @@ export class Model {
           const before = bench.state?.alive;
           bench.state = checked(BENCH_STATE, message, topic);
           bench.stateAt = performance.now();
+          this.noteNames(bench.state.owners);
           if (before !== bench.state.alive) this.changed();
         });
       case "status":
@@ -517,7 +536,7 @@ export class Model {
     if (owners === undefined) return;
     const own = this.ownSession();
     const gone: string[] = [];
-    let by = "";
+    let by = 0n;
     for (const [axis, place] of bench.places) {
       const owner = BigInt(owners[place]);
       const address = `${bench.number}.${axis}`;
@@ -525,17 +544,17 @@ export class Model {
         this.owned.add(address);
       } else if (this.owned.delete(address)) {
         gone.push(address);
-        if (owner !== 0n) by = this.ownerName(owner);
+        if (owner !== 0n) by = owner;
       }
     }
     if (gone.length > 0) this.noteTaken(gone, by);
   }
 
-  private noteTaken(gone: string[], by: string): void {
+  private noteTaken(gone: string[], by: bigint): void {
     for (const address of gone) this.taken.add(address);
-    const who = by === "" ? "" : ` (${t("session")} ${by})`;
-    this.takenHow = `${timeOfDay()}: ${t("taken_away")}${who}`;
-    this.outcome = { ok: false, text: `${this.takenHow}: ${listed([...this.taken])}` };
+    this.takenAt = timeOfDay();
+    this.takenBy = by;
+    this.outcome = { ok: false, text: `${this.takenHow()}: ${listed([...this.taken])}` };
   }
 
   private forgetOwned(): void {

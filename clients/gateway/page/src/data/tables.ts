@@ -114,6 +114,24 @@ export const BENCH_STATE = {
     "longest_silence_us": {
       "type": "integer"
     },
+    "owners": {
+      "items": {
+        "properties": {
+          "name": {
+            "type": "string"
+          },
+          "session": {
+            "type": "string"
+          }
+        },
+        "required": [
+          "session",
+          "name"
+        ],
+        "type": "object"
+      },
+      "type": "array"
+    },
     "rate": {
       "type": "number"
     },
@@ -136,7 +154,8 @@ export const BENCH_STATE = {
     "wire_starts",
     "longest_silence_us",
     "alive",
-    "age_ms"
+    "age_ms",
+    "owners"
   ],
   "type": "object"
 } as const;

@@ -59,7 +59,7 @@ function readRow(model: Model, row: TableRow, now: number): void {
   row.torque = at(bench, "torque_actual_value", place);
   row.error = at(bench, "load_position_error_value", place);
   row.fault = at(bench, "error_code", place);
-  row.owner = model.ownerName(BigInt(bench.numbers("owner_session")?.[place] ?? 0));
+  row.owner = model.ownerName(BigInt(bench.numbers("owner_session")?.[place] ?? 0), true);
   const active = row.state === "operation_enabled" || row.state === "quick_stop_active" || row.state === "fault_reaction_active";
   const travelling = row.mode === 1 && row.state === "operation_enabled" && (word & STATUS_BIT.targetReached) === 0;
   row.moving = Math.abs(row.velocity) > MOVING_FROM || (active && travelling);
