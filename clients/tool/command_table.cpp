@@ -8,6 +8,7 @@ namespace vdrive::tool {
 // Each is defined in the file of its command: commands/move.cpp has kMove.
 extern const CommandRow kList;
 extern const CommandRow kStatus;
+extern const CommandRow kDescribe;
 extern const CommandRow kWatch;
 extern const CommandRow kEvents;
 extern const CommandRow kEnable;
@@ -46,11 +47,11 @@ extern const CommandRow kCompletion;
 namespace {
 
 constexpr std::array kCommands{
-    &kList,    &kStatus,     &kWatch, &kEvents,     &kEnable,   &kDisable, &kReset,   &kQuickStop,
-    &kStop,    &kPowerCycle, &kMove,  &kHome,       &kVelocity, &kTorque,  &kJog,     &kHalt,
-    &kResume,  &kRead,       &kWrite, &kDictionary, &kStore,    &kRestore, &kDisturb, &kStep,
-    &kRate,    &kSnapshot,   &kRun,   &kTest,       &kExpect,   &kWait,    &kShell,   &kRecord,
-    &kConvert, &kDoctor,     &kBench, &kCompletion};
+    &kList,      &kStatus,  &kDescribe,   &kWatch, &kEvents,     &kEnable,   &kDisable, &kReset,
+    &kQuickStop, &kStop,    &kPowerCycle, &kMove,  &kHome,       &kVelocity, &kTorque,  &kJog,
+    &kHalt,      &kResume,  &kRead,       &kWrite, &kDictionary, &kStore,    &kRestore, &kDisturb,
+    &kStep,      &kRate,    &kSnapshot,   &kRun,   &kTest,       &kExpect,   &kWait,    &kShell,
+    &kRecord,    &kConvert, &kDoctor,     &kBench, &kCompletion};
 
 }  // namespace
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "execution/axis_action.hpp"
 
-#include "base/usage_error.hpp"
+#include "execution/axis_failures.hpp"
 #include "execution/axis_report.hpp"
 #include "execution/axis_states.hpp"
 
-#include <set>
 #include <utility>
 
 namespace vdrive::tool {
@@ -33,31 +32,10 @@ std::vector<Outcome> command_all(std::vector<client::Axis>& axes, const AxisActi
   return outcomes;
 }
 
-/// Keeps the first failure for the caller, who prints it; prints each further one once: the loss of
-/// a bench is the same failure for all its axes.
-class Failures {
- public:
-  void take(Outcome reported, const CommandContext& context) {
-    if (reported || !messages_.insert(reported.message()).second) return;
-    if (first_) {
-      first_ = std::move(reported);
-    } else {
-      context.output.terminal.complain("vdrive: " + context.axes.named(reported).message());
-    }
-  }
-
-  [[nodiscard]] Outcome first() && { return std::move(first_); }
-
- private:
-  std::set<std::string> messages_;
-  Outcome first_;
-};
-
 }  // namespace
 
 void AxisActionCommand::declare(Arguments& arguments) {
-  arguments.axes(axes, "required unless --all is given");
-  arguments.flag("--all", is_for_all, "Every axis of every bench");
+  arguments.axes_or_all(axes);
   if (action->waits == Waits::on_request) {
     arguments.flag("--wait", is_wait_given, "Wait for standstill or target");
   } else if (action->waits == Waits::unless_declined) {
@@ -65,11 +43,6 @@ void AxisActionCommand::declare(Arguments& arguments) {
   }
   arguments.take_over(take_over);
   arguments.then([this] {
-    if (is_for_all && !axes.empty()) throw UsageError("--all cannot be combined with AXIS");
-    if (!is_for_all && axes.empty()) {
-      throw UsageError("AXIS is required, or --all for every axis of every bench");
-    }
-    if (is_for_all) axes = {"*"};
     const bool returns_early = action->waits == Waits::on_request && !is_wait_given;
     if (returns_early) until = client::Until::in_force;
   });
@@ -83,7 +56,7 @@ Outcome AxisActionCommand::run(CommandContext& context) const {
   }
   std::vector<Outcome> outcomes = command_all(*found, *this, context);
   const auto shown = context.output.is_quiet ? AxisStates() : states_of(context.session, *found);
-  Failures failures;
+  AxisFailures failures;
   for (std::size_t i = 0; i < found->size(); ++i) {
     const client::Axis& axis = (*found)[i];
     const auto status = shown.states.find(axis.id());

@@ -38,7 +38,6 @@ struct AxisActionCommand {
   std::vector<std::string> axes{};
   client::Until until = client::Until::done;
   bool take_over = false;
-  bool is_for_all = false;
   bool is_wait_given = false;
 
   void declare(Arguments& arguments);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "language/arguments.hpp"
 
+#include "base/usage_error.hpp"
 #include "values/value.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/wording.hpp"
@@ -77,6 +78,19 @@ void Arguments::axes(std::vector<std::string>& axes, const std::string& without)
   positional("AXIS", axes,
              "Axes: 7.1, 7.lift or a name; '7.*' is every axis of bench 7; " + without)
       .completed_by(complete_axis);
+}
+
+void Arguments::axes_or_all(std::vector<std::string>& axes) {
+  bool& is_for_all = flags_.emplace_back();
+  this->axes(axes, "required unless --all is given");
+  flag("--all", is_for_all, "Every axis of every bench");
+  then([&axes, &is_for_all] {
+    if (is_for_all && !axes.empty()) throw UsageError("--all cannot be combined with AXIS");
+    if (!is_for_all && axes.empty()) {
+      throw UsageError("AXIS is required, or --all for every axis of every bench");
+    }
+    if (is_for_all) axes = {"*"};
+  });
 }
 
 void Arguments::bench(std::optional<std::uint32_t>& bench) {

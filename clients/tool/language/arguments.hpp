@@ -126,6 +126,9 @@ class Arguments {
   /// AXIS: any number. @param without what happens when none is named
   void axes(std::vector<std::string>& axes, const std::string& without);
 
+  /// AXIS: any number but none, or --all, which is "*": every axis of every bench.
+  void axes_or_all(std::vector<std::string>& axes);
+
   /// --bench. None = the only one there is.
   void bench(std::optional<std::uint32_t>& bench);
 

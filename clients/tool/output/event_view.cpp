@@ -9,6 +9,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <utility>
 
@@ -91,6 +92,30 @@ void print(const Event& event, bool is_json, Terminal& terminal) {
   terminal.print(color ? colored(terminal, *color, text) : text);
 }
 
+/// Hands over what the benches keep, and with `follow` what comes after it, while `goes_on` holds.
+void take_events(client::Session& session, bool follow, const std::function<bool()>& goes_on,
+                 const std::function<void(const Event&)>& take) {
+  EventQueue queue;
+  session.on_event(
+      [&queue](const Event& event) {
+        queue.push(event);
+      },
+      client::EventHistory::kept);
+  const auto begin = Clock::now();
+  auto last = begin;
+  while (goes_on()) {
+    if (const auto event = queue.next(kPeriod)) {
+      last = Clock::now();
+      take(*event);
+      // A bench on which something happens all the time is never quiet.
+      if (!follow && last - begin > kLongest) break;
+    } else if (!follow && Clock::now() - last > kQuiet) {
+      break;
+    }
+  }
+  session.on_event(nullptr);
+}
+
 }  // namespace
 
 std::string event_text(const Event& event) {
@@ -110,26 +135,24 @@ std::string event_text(const Event& event) {
 
 client::Outcome show_events(client::Session& session, const EventChoice& choice,
                             Terminal& terminal) {
-  EventQueue queue;
-  session.on_event(
-      [&queue](const Event& event) {
-        queue.push(event);
-      },
-      client::EventHistory::kept);
-  const auto begin = Clock::now();
-  auto last = begin;
-  while (terminal.is_open() && !session.is_interrupted()) {
-    if (const auto event = queue.next(kPeriod)) {
-      last = Clock::now();
-      if (is_chosen(choice, *event)) print(*event, choice.is_json, terminal);
-      // A bench on which something happens all the time is never quiet.
-      if (!choice.follow && last - begin > kLongest) break;
-    } else if (!choice.follow && Clock::now() - last > kQuiet) {
-      break;
-    }
-  }
-  session.on_event(nullptr);
+  const auto goes_on = [&] {
+    return terminal.is_open() && !session.is_interrupted();
+  };
+  take_events(session, choice.follow, goes_on, [&](const Event& event) {
+    if (is_chosen(choice, event)) print(event, choice.is_json, terminal);
+  });
   return {};
+}
+
+std::vector<Event> kept_events(client::Session& session) {
+  std::vector<Event> events;
+  const auto goes_on = [&session] {
+    return !session.is_interrupted();
+  };
+  take_events(session, false, goes_on, [&events](const Event& event) {
+    events.push_back(event);
+  });
+  return events;
 }
 
 }  // namespace vdrive::tool

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace vdrive::tool {
 
@@ -21,6 +22,12 @@ struct EventChoice {
 /// Prints the events that the benches keep, oldest first, then those that come.
 client::Outcome show_events(client::Session& session, const EventChoice& choice,
                             Terminal& terminal);
+
+/// Waits until nothing has come for half a second: nothing marks the end of what the benches keep.
+/// Replaces the observer of Session::on_event.
+/// @return the events that all benches keep, of each bench in their order; fewer after an
+/// interrupt.
+[[nodiscard]] std::vector<client::Event> kept_events(client::Session& session);
 
 /// @return an event as one line of text.
 [[nodiscard]] std::string event_text(const client::Event& event);

@@ -35,11 +35,11 @@ std::string holder_text(std::uint64_t session, const std::optional<client::Sessi
   return name ? client::owner_text(session, name) : session_text(session);
 }
 
+}  // namespace
+
 std::string error_text(std::uint16_t code) {
   return hex(code, 4) + " " + std::string(vdrive::describe(static_cast<ErrorCode>(code)));
 }
-
-}  // namespace
 
 std::string per_mille_text(int value) {
   return formatted("%.1f %%", value / 10.0);

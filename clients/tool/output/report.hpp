@@ -7,6 +7,7 @@
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,6 +54,10 @@ struct AxisFace {
 
 /// @return the colour of an axis: red in a fault, yellow with a warning or in a quick stop.
 [[nodiscard]] std::optional<Color> color_of(const client::AxisSnapshot& axis);
+
+/// @param code a value of 603Fh
+/// @return such as "0x8611 following error".
+[[nodiscard]] std::string error_text(std::uint16_t code);
 
 /// @return tenths of a percent as "12.5 %".
 [[nodiscard]] std::string per_mille_text(int value);
