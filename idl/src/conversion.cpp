@@ -98,34 +98,44 @@ constexpr std::array<ParameterMember, 17> kParameterMembers{{
      }},
 }};
 
-constexpr std::array<std::pair<std::uint32_t, std::string_view>, 26> kReasons{{
-    {msg::REASON_NONE, "accepted"},
-    {msg::REASON_WRONG_INCARNATION, "meant for another run of the service"},
-    {msg::REASON_STALE_EPOCH, "the epoch is not current: control was lost, released or renewed"},
-    {msg::REASON_NOT_OWNER, "the session does not own the axis"},
-    {msg::REASON_UNKNOWN_AXIS, "no such axis"},
-    {msg::REASON_AXIS_TWICE, "the axis appears twice in one frame"},
-    {msg::REASON_TOO_MANY_AXES, "more axes than a frame may hold"},
-    {msg::REASON_TOO_MANY_OBJECTS, "more objects than the message may hold"},
-    {msg::REASON_UNKNOWN_MEMBERS, "unknown bits in members"},
-    {msg::REASON_UNKNOWN_FLAGS, "unknown bits in flags"},
-    {msg::REASON_UNKNOWN_KIND, "unknown kind of request"},
-    {msg::REASON_TOO_LATE, "too late: its tick or its place in the sequence has passed"},
-    {msg::REASON_TOO_FAR_AHEAD, "the tick is too far ahead"},
-    {msg::REASON_QUEUE_FULL, "the queue is full"},
-    {msg::REASON_WRONG_CLOCK_MODE, "not in this clock mode"},
-    {msg::REASON_MISSING_COMMANDS, "command frames sent before have not arrived"},
-    {msg::REASON_BAD_SESSION, "session or client number is missing"},
-    {msg::REASON_TOO_MANY_TICKS, "more ticks than one request may ask for"},
-    {msg::REASON_NOTHING_DONE, "the request names nothing to do"},
-    {msg::REASON_CANCELLED, "dropped while it waited for its tick"},
-    {msg::REASON_MISSING_STEPPER, "another stepper has not granted the tick yet"},
-    {msg::REASON_NOT_A_STEPPER, "others have joined the clock, this session has not"},
-    {msg::REASON_TIME_PASSES, "allowed only while time stands still: in lock-step, or paused"},
-    {msg::REASON_UNKNOWN_SNAPSHOT, "no such snapshot"},
-    {msg::REASON_OUT_OF_RANGE, "the rate is neither 0 nor from 0.1 to 100"},
-    {msg::REASON_SHUTTING_DOWN, "the service shuts down"},
-}};
+constexpr std::array kReasons{
+    ReasonRow{msg::REASON_NONE, "none", "accepted"},
+    ReasonRow{msg::REASON_WRONG_INCARNATION, "wrong_incarnation",
+              "meant for another run of the service"},
+    ReasonRow{msg::REASON_STALE_EPOCH, "stale_epoch",
+              "the epoch is not current: control was lost, released or renewed"},
+    ReasonRow{msg::REASON_NOT_OWNER, "not_owner", "the session does not own the axis"},
+    ReasonRow{msg::REASON_UNKNOWN_AXIS, "unknown_axis", "no such axis"},
+    ReasonRow{msg::REASON_AXIS_TWICE, "axis_twice", "the axis appears twice in one frame"},
+    ReasonRow{msg::REASON_TOO_MANY_AXES, "too_many_axes", "more axes than a frame may hold"},
+    ReasonRow{msg::REASON_TOO_MANY_OBJECTS, "too_many_objects",
+              "more objects than the message may hold"},
+    ReasonRow{msg::REASON_UNKNOWN_MEMBERS, "unknown_members", "unknown bits in members"},
+    ReasonRow{msg::REASON_UNKNOWN_FLAGS, "unknown_flags", "unknown bits in flags"},
+    ReasonRow{msg::REASON_UNKNOWN_KIND, "unknown_kind", "unknown kind of request"},
+    ReasonRow{msg::REASON_TOO_LATE, "too_late",
+              "too late: its tick or its place in the sequence has passed"},
+    ReasonRow{msg::REASON_TOO_FAR_AHEAD, "too_far_ahead", "the tick is too far ahead"},
+    ReasonRow{msg::REASON_QUEUE_FULL, "queue_full", "the queue is full"},
+    ReasonRow{msg::REASON_WRONG_CLOCK_MODE, "wrong_clock_mode", "not in this clock mode"},
+    ReasonRow{msg::REASON_MISSING_COMMANDS, "missing_commands",
+              "command frames sent before have not arrived"},
+    ReasonRow{msg::REASON_BAD_SESSION, "bad_session", "session or client number is missing"},
+    ReasonRow{msg::REASON_TOO_MANY_TICKS, "too_many_ticks",
+              "more ticks than one request may ask for"},
+    ReasonRow{msg::REASON_NOTHING_DONE, "nothing_done", "the request names nothing to do"},
+    ReasonRow{msg::REASON_CANCELLED, "cancelled", "dropped while it waited for its tick"},
+    ReasonRow{msg::REASON_MISSING_STEPPER, "missing_stepper",
+              "another stepper has not granted the tick yet"},
+    ReasonRow{msg::REASON_NOT_A_STEPPER, "not_a_stepper",
+              "others have joined the clock, this session has not"},
+    ReasonRow{msg::REASON_TIME_PASSES, "time_passes",
+              "allowed only while time stands still: in lock-step, or paused"},
+    ReasonRow{msg::REASON_UNKNOWN_SNAPSHOT, "unknown_snapshot", "no such snapshot"},
+    ReasonRow{msg::REASON_OUT_OF_RANGE, "out_of_range",
+              "the rate is neither 0 nor from 0.1 to 100"},
+    ReasonRow{msg::REASON_SHUTTING_DOWN, "shutting_down", "the service shuts down"},
+};
 
 }  // namespace
 
@@ -194,10 +204,13 @@ Unit unit_of(const msg::AxisDescription& message) {
   return is_known && is_usable(unit) ? unit : Unit();
 }
 
+std::span<const ReasonRow> reasons() noexcept {
+  return kReasons;
+}
+
 std::string describe_reason(std::uint32_t reason) {
-  for (const auto& [code, words] : kReasons) {
-    if (code == reason) return std::string(words);
-  }
+  const auto* const row = std::ranges::find(kReasons, reason, &ReasonRow::reason);
+  if (row != kReasons.end()) return std::string(row->words);
   return hex(reason, 8) + ", " + std::string(vdrive::describe(static_cast<AbortCode>(reason)));
 }
 

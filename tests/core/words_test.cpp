@@ -11,7 +11,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <utility>
@@ -234,6 +236,38 @@ TEST(BitNames, AreEmptyForUnusedBits) {
     EXPECT_EQ(statusword_bit_name(bit, OperatingMode::profile_position), "") << bit;
   }
   EXPECT_EQ(controlword_bit_name(0x8000, OperatingMode::profile_position), "");
+}
+
+/// @return the name of the enumerator, as the compiler writes it.
+template <AbortCode kCode>
+std::string_view enumerator_of_code() {
+  std::string_view text = __PRETTY_FUNCTION__;
+  text.remove_prefix(text.rfind("AbortCode::") + std::string_view("AbortCode::").size());
+  return text.substr(0, text.find_first_of(";]"));
+}
+
+template <std::size_t... kPlaces>
+auto enumerators_of_codes(std::index_sequence<kPlaces...> /*places*/) {
+  return std::array{enumerator_of_code<kAbortCodes[kPlaces].code>()...};
+}
+
+TEST(AbortCodes, AreNamedAsTheirEnumeratorsInTheOrderOfTheirNumbers) {
+  const auto names = enumerators_of_codes(std::make_index_sequence<kAbortCodes.size()>());
+  for (std::size_t place = 0; place < names.size(); ++place) {
+    EXPECT_EQ(names[place], kAbortCodes[place].name);
+    EXPECT_EQ(describe(kAbortCodes[place].code), kAbortCodes[place].words);
+  }
+  EXPECT_TRUE(std::ranges::is_sorted(kAbortCodes, {}, &AbortCodeRow::code));
+}
+
+TEST(ErrorCodes, AreListedByNumberAndEachHasWords) {
+  EXPECT_FALSE(error_codes().empty());
+  ErrorCode last = ErrorCode::none;
+  for (const ErrorCode code : error_codes()) {
+    EXPECT_LT(last, code);
+    EXPECT_NE(describe(code), "unknown error");
+    last = code;
+  }
 }
 
 }  // namespace

@@ -4,9 +4,11 @@ import ast
 import inspect
 import os
 import pathlib
+import pickle
 import re
 import shutil
 import subprocess
+import sys
 
 import numpy
 import pytest
@@ -215,6 +217,46 @@ def test_a_file_that_the_library_cannot_read_is_an_error_that_names_it(tmp_path,
     path.write_bytes(content)
     with pytest.raises(ValueError, match=name):
         vdrive.load(path)
+
+
+ENUMS = ["ErrorCode", "OperatingMode", "PowerState", "Reason", "Statusword"]
+
+
+@pytest.mark.parametrize("name", ENUMS)
+def test_the_stub_of_an_enumeration_has_its_members(name):
+    stub = {}
+    for node in ast.parse(STUB.with_name("_enums.pyi").read_text()).body:
+        if isinstance(node, ast.ClassDef) and node.name == name:
+            assert node.bases[0].attr == ("IntFlag" if name == "Statusword" else "IntEnum")
+            stub = {each.targets[0].id: each.value.value for each in node.body}
+    # With the further names of a bit that modes read in different ways.
+    assert stub == {member: value.value for member, value in getattr(vdrive, name).__members__.items()}
+
+
+def test_enumerations_are_what_the_calls_give(vdrive_session):
+    axis = vdrive_session.axis("1.1")
+    axis.enable()
+    axis.move_to(10)
+    status = axis.status()
+    assert status.power_state is vdrive.PowerState.OPERATION_ENABLED
+    assert status.op_mode_actual == vdrive.OperatingMode.PROFILE_POSITION
+    assert status.shows(vdrive.Statusword.TARGET_REACHED | vdrive.Statusword.OPERATION_ENABLED)
+    assert vdrive.Statusword.TARGET_REACHED in vdrive.Statusword(status.statusword)
+    with pytest.raises(vdrive.Refused) as refusal:
+        axis.write(0x6041, 1)
+    assert refusal.value.code == vdrive.Reason.WRITE_OF_READ_ONLY_OBJECT
+    axis.disturb("over_current")
+    broken = axis.wait_until(lambda seen: seen.power_state == vdrive.PowerState.FAULT)
+    assert broken.error_code == vdrive.ErrorCode.CONTINUOUS_OVER_CURRENT
+    assert pickle.loads(pickle.dumps(vdrive.Reason.NOT_OWNER)) is vdrive.Reason.NOT_OWNER
+    assert set(ENUMS) <= set(dir(vdrive)) & set(vdrive.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'PowerStates'"):
+        vdrive.PowerStates
+
+
+def test_importing_the_module_reads_no_enumerations():
+    program = "import sys, vdrive; print('vdrive._enums' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", program], capture_output=True, text=True).stdout == "False\n"
 
 
 def recorded(session):

@@ -50,6 +50,9 @@ def test_a_test_suite_of_a_user_has_no_error(checked):
             axis.move_to(90, unit="deg")
             status = axis.status()
             assert abs(status.position - 1024) <= 1
+            assert status.power_state is vdrive.PowerState.OPERATION_ENABLED
+            assert status.shows(vdrive.Statusword.TARGET_REACHED)
+            assert status.op_mode_actual == vdrive.OperatingMode.PROFILE_POSITION
 
 
         def test_two(vdrive_benches: Callable[..., list[vdrive.Bench]]) -> None:
@@ -75,7 +78,13 @@ def test_a_test_suite_of_a_user_has_no_error(checked):
                 try:
                     session.axis("1.3")
                 except vdrive.NotFound as error:
-                    print(error.code)
+                    print(error.code, vdrive.Reason(error.code).name)
+                with session.watch_services(lambda change: print(change.news, change.silence)):
+                    follower = session.follow(pace="observe")
+                    late: float = follower.lateness.longest
+                    session.record(ticks=10).save("run.mcap")
+                    print(late)
+                session.abandon()
             print(vdrive.load("run.csv", period=0.001).axis("1.1")["tick"])
         """) == []
 
@@ -85,6 +94,8 @@ def test_a_test_suite_of_a_user_has_no_error(checked):
     ('bench.session().axis(1)', 'Argument 1 to "axis" of "Session" has incompatible type "int"'),
     ('vdrive.Bench(clock="lockstp")', 'Argument "clock" to "Bench" has incompatible type'),
     ('vdrive.load("a.csv")["position"].foo()', 'has no attribute "foo"'),
+    ("vdrive.PowerState.FALUT", 'has no attribute "FALUT"'),
+    ("vdrive.PowerStates", 'Module has no attribute "PowerStates"'),
     ("axis.status().postion", '"Status" has no attribute "postion"'),
 ])
 def test_a_mistake_of_a_user_is_found(checked, wrong, says):

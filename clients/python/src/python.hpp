@@ -21,6 +21,7 @@ inline void load_numpy() {
 
 // Each adds the classes of its topic to the module.
 void add_arguments(py::module_& module);
+void add_enums(py::module_& module);
 void add_bench(py::module_& module);
 void add_local_bench(py::module_& module);
 void add_status(py::module_& module);

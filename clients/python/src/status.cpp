@@ -221,6 +221,13 @@ void add_states(py::class_<AxisSnapshot>& status) {
           },
           R"(State of the power drive system, such as "Operation enabled".)")
       .def_property_readonly(
+          "power_state",
+          [](const AxisSnapshot& axis) {
+            return py::module_::import("vdrive._enums")
+                .attr("PowerState")(static_cast<std::uint8_t>(axis.state()));
+          },
+          "The same as a PowerState.")
+      .def_property_readonly(
           "mode",
           [](const AxisSnapshot& axis) {
             return std::string(to_string(axis.mode()));

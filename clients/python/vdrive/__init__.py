@@ -54,6 +54,23 @@ from ._vdrive import (
     record_type,
 )
 
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+if TYPE_CHECKING:
+    from ._enums import ErrorCode, OperatingMode, PowerState, Reason, Statusword
+else:
+    _ENUMS = ("ErrorCode", "OperatingMode", "PowerState", "Reason", "Statusword")
+
+    def __getattr__(name):
+        """Make the enumerations when they are asked for: reading enum takes time."""
+        if name not in _ENUMS:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from . import _enums
+
+        return getattr(_enums, name)
+
+    def __dir__():
+        return sorted({*globals(), *_ENUMS})
+
 for _function in (_asynchronous.follow_async, _asynchronous.events_async, _observers.on_event,
                   _observers.on_status, _observers.watch_services, _recording.record):
     setattr(Session, _function.__name__, _function)
@@ -70,6 +87,7 @@ __all__ = [
     "BenchInfo",
     "ConfigurationError",
     "Error",
+    "ErrorCode",
     "Event",
     "EventStream",
     "Failed",
@@ -82,7 +100,10 @@ __all__ = [
     "NotFound",
     "Observation",
     "Observer",
+    "OperatingMode",
     "Owner",
+    "PowerState",
+    "Reason",
     "Recording",
     "Refused",
     "ServiceChange",
@@ -90,6 +111,7 @@ __all__ = [
     "Session",
     "Status",
     "StatusStream",
+    "Statusword",
     "StepClock",
     "TimedOut",
     "Unit",

@@ -18,6 +18,7 @@ import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from ._asynchronous import AsyncStream
+from ._enums import PowerState
 from ._errors import Error
 from ._observers import Observer
 from ._recording import Recording
@@ -53,6 +54,7 @@ HIGHEST_BENCH: int
 HIGHEST_DOMAIN: int
 
 def default_domain() -> int: ...
+def enum_tables() -> dict[str, list[tuple[str, int]]]: ...
 def find_service() -> str | None: ...
 def whole_number(
     name: str, value: NumberSpec, lowest: int = 0, highest: int = 9223372036854775807
@@ -162,6 +164,8 @@ class Status:
     def owner_epoch(self) -> int: ...
     @property
     def state(self) -> str: ...
+    @property
+    def power_state(self) -> PowerState: ...
     @property
     def mode(self) -> str: ...
     @property

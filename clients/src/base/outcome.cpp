@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/client/outcome.hpp"
 
+#include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/wire/conversion.hpp"
 
 #include <cstdio>
@@ -22,6 +23,16 @@ std::string end_of_refusal(const AxisOwner& owner) {
 }
 
 }  // namespace
+
+std::vector<RefusalCode> refusal_codes() {
+  std::vector<RefusalCode> codes;
+  for (const wire::ReasonRow& row : wire::reasons()) codes.push_back({row.reason, row.name});
+  codes.push_back({kNotPermitted, "not_permitted"});
+  for (const AbortCodeRow& row : kAbortCodes) {
+    if (row.code != AbortCode::none) codes.push_back({wire_code(row.code), row.name});
+  }
+  return codes;
+}
 
 std::string_view to_string(OutcomeKind kind) noexcept {
   switch (kind) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/cia402/error_code.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace vdrive {
@@ -24,6 +25,12 @@ constexpr std::array<ErrorRow, 7> kErrors{{
     {ErrorCode::following_error, "following error", 1U << 5U, false},
 }};
 
+constexpr auto kCodes = [] {
+  std::array<ErrorCode, kErrors.size()> codes{};
+  std::ranges::transform(kErrors, codes.begin(), &ErrorRow::code);
+  return codes;
+}();
+
 constexpr std::uint8_t kGenericError = 1U << 0U;
 
 const ErrorRow* find(ErrorCode code) noexcept {
@@ -34,6 +41,10 @@ const ErrorRow* find(ErrorCode code) noexcept {
 }
 
 }  // namespace
+
+std::span<const ErrorCode> error_codes() noexcept {
+  return kCodes;
+}
 
 std::string_view describe(ErrorCode code) noexcept {
   if (code == ErrorCode::none) return "no error";

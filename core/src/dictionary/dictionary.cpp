@@ -11,40 +11,6 @@
 namespace vdrive {
 namespace {
 
-constexpr std::array<std::pair<AbortCode, std::string_view>, 27> kAbortTexts{{
-    {AbortCode::none, "no error"},
-    {AbortCode::toggle_bit_not_alternated, "toggle bit not alternated"},
-    {AbortCode::protocol_timed_out, "SDO protocol timed out"},
-    {AbortCode::unknown_command_specifier, "command specifier not valid or unknown"},
-    {AbortCode::out_of_memory, "out of memory"},
-    {AbortCode::unsupported_access, "unsupported access to an object"},
-    {AbortCode::read_of_write_only_object, "attempt to read a write-only object"},
-    {AbortCode::write_of_read_only_object, "attempt to write a read-only object"},
-    {AbortCode::object_does_not_exist, "object does not exist in the object dictionary"},
-    {AbortCode::cannot_be_mapped_to_pdo, "object cannot be mapped to the PDO"},
-    {AbortCode::pdo_length_exceeded,
-     "number and length of the objects would exceed the PDO length"},
-    {AbortCode::parameter_incompatibility, "general parameter incompatibility"},
-    {AbortCode::device_internal_incompatibility, "general internal incompatibility in the device"},
-    {AbortCode::hardware_error, "access failed due to a hardware error"},
-    {AbortCode::data_length_does_not_match, "data type does not match, length does not match"},
-    {AbortCode::length_too_high, "data type does not match, length too high"},
-    {AbortCode::length_too_low, "data type does not match, length too low"},
-    {AbortCode::subindex_does_not_exist, "sub-index does not exist"},
-    {AbortCode::value_range_exceeded, "invalid value for the parameter"},
-    {AbortCode::value_too_high, "value of the parameter written too high"},
-    {AbortCode::value_too_low, "value of the parameter written too low"},
-    {AbortCode::maximum_below_minimum, "maximum value is less than minimum value"},
-    {AbortCode::general_error, "general error"},
-    {AbortCode::cannot_store_or_transfer,
-     "data cannot be transferred or stored to the application"},
-    {AbortCode::refused_local_control,
-     "data cannot be transferred or stored because of local control"},
-    {AbortCode::refused_in_present_device_state,
-     "data cannot be transferred or stored because of the present device state"},
-    {AbortCode::no_data_available, "no data available"},
-}};
-
 constexpr bool sorted_without_duplicates() {
   for (std::size_t row = 1; row < kObjectCount; ++row) {
     if (!(kObjectTable[row - 1].address < kObjectTable[row].address)) return false;
@@ -89,10 +55,8 @@ AbortCode check_value(ObjectRow row, std::int64_t value) {
 }  // namespace
 
 std::string_view describe(AbortCode code) noexcept {
-  const auto* const found = std::ranges::find_if(kAbortTexts, [code](const auto& entry) {
-    return entry.first == code;
-  });
-  return found == kAbortTexts.end() ? "unknown abort code" : found->second;
+  const auto* const found = std::ranges::find(kAbortCodes, code, &AbortCodeRow::code);
+  return found == kAbortCodes.end() ? "unknown abort code" : found->words;
 }
 
 std::string_view to_string(DataType type) noexcept {

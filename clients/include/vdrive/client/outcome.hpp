@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace vdrive::client {
 
@@ -25,6 +26,16 @@ enum class OutcomeKind : std::uint8_t {
 
 /// Code of a refusal by this program's own permissions (closed mode): nothing was sent to a bench.
 inline constexpr std::uint32_t kNotPermitted = 1000;
+
+/// A code of a refusal and its name in programs, such as "refused_local_control".
+struct RefusalCode {
+  std::uint32_t code = 0;
+  std::string_view name;
+};
+
+/// @return every code that an outcome may have, by number: reasons of the wire contract,
+///         kNotPermitted and CiA 301 abort codes.
+[[nodiscard]] std::vector<RefusalCode> refusal_codes();
 
 /// @return the kind as one word, such as "timed_out".
 [[nodiscard]] std::string_view to_string(OutcomeKind kind) noexcept;

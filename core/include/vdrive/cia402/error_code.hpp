@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace vdrive {
@@ -17,6 +18,9 @@ enum class ErrorCode : std::uint16_t {
   life_guard_or_heartbeat = 0x8130,
   following_error = 0x8611,
 };
+
+/// @return every error that the drive can have, by number; without `none`.
+[[nodiscard]] std::span<const ErrorCode> error_codes() noexcept;
 
 /// @return the words for `code`, or "unknown error".
 [[nodiscard]] std::string_view describe(ErrorCode code) noexcept;

@@ -8,7 +8,9 @@
 #include "vdrive_messages.h"
 
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 
 namespace vdrive::wire {
 
@@ -48,6 +50,16 @@ void to_message(const Unit& unit, msg::AxisDescription& message);
 /// @return the unit that the description names; the default unit where it names none that is
 ///         usable.
 [[nodiscard]] Unit unit_of(const msg::AxisDescription& message);
+
+/// A REASON_ constant.
+struct ReasonRow {
+  std::uint32_t reason = 0;
+  std::string_view name;   ///< in programs: that of the constant, in small letters
+  std::string_view words;  ///< for people
+};
+
+/// @return every one, by number.
+[[nodiscard]] std::span<const ReasonRow> reasons() noexcept;
 
 /// @return the words for a reason of the wire: a REASON_ constant or a CiA 301 abort code.
 [[nodiscard]] std::string describe_reason(std::uint32_t reason);
