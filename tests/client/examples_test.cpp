@@ -102,5 +102,14 @@ TEST(Examples, TestBenchWithFaults) {
   EXPECT_EQ(position("1.1"), 0);
 }
 
+// From 0 by 4096 UU; each set-point is the demand of the tick that it was sent for.
+TEST(Examples, SetPoints) {
+  const RunningService service("--clock lockstep");
+  const Finished ended = run("07_set_points");
+  EXPECT_EQ(ended.code, 0) << ended.output << ended.errors;
+  EXPECT_EQ(ended.output, "2000 set-points, 0 not followed, at 4096\n");
+  EXPECT_EQ(position("1.1"), 4096);
+}
+
 }  // namespace
 }  // namespace vdrive::client

@@ -33,6 +33,12 @@ def test_two_benches_in_one_clock_move_together_and_stop_together(over):
         "state of the group: error_stop"]
 
 
+@pytest.mark.parametrize("over", ["local", "dds"])
+def test_each_set_point_is_the_demand_of_its_tick(over):
+    # From 0 by 4096 UU.
+    assert run("set_points.py", over) == "2000 set-points, 0 not followed, at 4096\n"
+
+
 def test_the_energy_of_the_arm_agrees_with_its_torques():
     # Along any smooth motion the power of the torques is the rate of the energy; here the rate is
     # a difference quotient of the closed form.
