@@ -295,20 +295,27 @@ test("two cursors show the samples under them and their differences", async () =
     assert.equal(b - a, difference, name);
     return difference;
   };
-  // A third of the window of 10 s, and a tick at each end.
-  assert.ok(Math.abs(numberIn(await waitForText(row("Time").nth(2), /^3\.33/)) - 10 / 3) < 0.003);
+  const timeOf = async (name) => Number(await command(`cursor-${name}`).getAttribute("aria-valuenow"));
+  const becomes = async (name, condition) => {
+    const deadline = Date.now() + PATIENCE_MS;
+    while (!condition(await timeOf(name))) assert.ok(Date.now() < deadline, `[deadline] cursor ${name} stands at ${await timeOf(name)}`);
+    return timeOf(name);
+  };
+  // A third of the window of 10 s lies between them.
+  const left = await becomes("A", (time) => time > 0);
+  const right = await timeOf("B");
+  assert.ok(Math.abs(right - left - 10 / 3) < 0.001, `${left} and ${right}`);
+  await waitForText(row("Time").nth(2), /^\d\.\d{4}$/);
   await differs("Position, actual");
-  const handle = command("cursor-B");
-  await handle.focus();
-  const value = async () => Number(await handle.getAttribute("aria-valuenow"));
-  const start = await value();
+  await command("cursor-B").focus();
   await page.keyboard.press("PageDown");
-  const deadline = Date.now() + PATIENCE_MS;
-  while ((await value()) >= start) assert.ok(Date.now() < deadline, "[deadline] the cursor has not moved");
-  await waitForText(row("Time").nth(2), /^[12]\.|^3\.[012]/);
+  const moved = await becomes("B", (time) => time < right);
+  await page.keyboard.press("ArrowRight");
+  await becomes("B", (time) => time > moved && time < right);
   const box = await page.locator(".plot .u-over").nth(1).boundingBox();
   await page.mouse.click(box.x + 2, box.y + box.height / 2);
-  await waitForText(row("Time").nth(2), /^[5-9]\./); // A has come to the left edge
+  await becomes("A", (time) => time < left - 3); // it has come to the left edge, 3.3 s before
+  await differs("Position, actual");
   await command("pause").click();
   await page.locator(".cursor-table").waitFor({ state: "hidden" });
 });
@@ -783,7 +790,7 @@ test("a page that stands still is lost after the limit that it chose, and what i
 test("a killed service is reported lost, and found again", async () => {
   await service.stop("SIGKILL");
   await waitForText(page.locator(".banner"), /has sent nothing for \d+ s/);
-  await waitForText(page.locator(".need"), /sends nothing: its axes cannot be commanded|There is no axis/);
+  await waitForText(page.locator(".commands .need"), /sends nothing: its axes cannot be commanded|There is no axis/);
   assert.ok(await command("enable").isDisabled());
   assert.ok(await command("stop").isEnabled());
   service = startPatientService();

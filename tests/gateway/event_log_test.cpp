@@ -52,6 +52,27 @@ TEST(EventLog, ForgetsTheOldestEventOfABenchWithTooMany) {
   EXPECT_THAT(ticks(log, 2), ElementsAre(1)) << "the limit is that of one bench";
 }
 
+TEST(EventLog, KeepsAFaultBehindAFloodOfLateTicks) {
+  EventLog log;
+  const auto add = [&](std::uint64_t tick, EventKind kind) {
+    Event event = event_at(1, tick);
+    event.kind = kind;
+    log.add(event);
+  };
+  add(1, EventKind::fault);
+  add(2, EventKind::fault);
+  // 1,022 of them find room, then each takes the place of the oldest of its own kind.
+  for (std::uint64_t i = 0; i < 3 * EventLog::kMostOfABench; ++i) {
+    add(10 + i, EventKind::tick_overrun);
+  }
+  const auto kept = log.events(1);
+  ASSERT_EQ(kept.size(), EventLog::kMostOfABench);
+  EXPECT_EQ(kept[0].tick, 1U);
+  EXPECT_EQ(kept[1].tick, 2U);
+  EXPECT_EQ(kept[2].tick, 10 + 2 * EventLog::kMostOfABench + 2);
+  EXPECT_EQ(kept.back().tick, 10 + 3 * EventLog::kMostOfABench - 1);
+}
+
 TEST(EventLog, ForgetsThoseOfTheRunBeforeWhenTicksCountFromTheBeginning) {
   EventLog log;
   log.add(event_at(1, kTick));

@@ -15,13 +15,25 @@ void EventLog::add(const client::Event& event) {
   Bench& bench = benches_[event.bench];
   bench.added = ++added_;
   std::deque<client::Event>& events = bench.events;
-  if (!events.empty() && event.tick + kAnotherRun < events.back().tick) events.clear();
-  if (events.size() == kMostOfABench) events.pop_front();
+  if (!events.empty() && event.tick + kAnotherRun < events.back().tick) {
+    events.clear();
+    bench.counts.clear();
+  }
+  if (events.size() == kMostOfABench) forget_one(bench);
   events.push_back(event);
+  ++bench.counts[event.kind];
   if (benches_.size() <= kMostBenches) return;
   benches_.erase(std::ranges::min_element(benches_, {}, [](const auto& entry) {
     return entry.second.added;
   }));
+}
+
+void EventLog::forget_one(Bench& bench) {
+  const auto most = std::ranges::max_element(bench.counts, {}, [](const auto& entry) {
+    return entry.second;
+  });
+  bench.events.erase(std::ranges::find(bench.events, most->first, &client::Event::kind));
+  --most->second;
 }
 
 std::vector<client::Event> EventLog::events(std::uint32_t bench) const {

@@ -26,7 +26,8 @@ class EventLog {
   /// little out of order.
   static constexpr std::uint64_t kAnotherRun = 1'000;
 
-  /// Keeps an event behind those of its bench.
+  /// Keeps an event behind those of its bench. Of too many, the oldest of the most frequent kind is
+  /// forgotten: a bench with late ticks keeps its faults.
   void add(const client::Event& event);
 
   /// @return the events of a bench, the oldest first; none of a bench without any.
@@ -35,8 +36,11 @@ class EventLog {
  private:
   struct Bench {
     std::deque<client::Event> events;
+    std::map<client::EventKind, std::size_t> counts;  ///< of `events`
     std::uint64_t added = 0;  ///< when the last one was, as a count of all events
   };
+
+  static void forget_one(Bench& bench);
 
   mutable std::mutex mutex_;  ///< guards what follows
   std::map<std::uint32_t, Bench> benches_;

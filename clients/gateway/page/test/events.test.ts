@@ -49,6 +49,13 @@ test("a run whose ticks count anew forgets the run before, a little out of order
   assert.deepEqual(times(list), [60, 0.5]);
 });
 
+test("a flood of one kind leaves the events of others", () => {
+  const list = new EventList(10);
+  list.add(event(EPOCH_S, { kind: "fault" }));
+  for (let i = 1; i <= 50; ++i) list.add(event(EPOCH_S + i, { kind: "tick_overrun" }));
+  assert.deepEqual(times(list), [0, 42, 43, 44, 45, 46, 47, 48, 49, 50].map((second) => EPOCH_S + second));
+});
+
 test("of too many the oldest are removed, and each change is seen", () => {
   const list = new EventList(3);
   for (let i = 0; i < 5; ++i) list.add(event(EPOCH_S + i));

@@ -83,8 +83,16 @@ export class EventList {
     this.trim();
   }
 
+  /** Of too many the oldest of the most frequent kind go: a bench with late ticks keeps its faults. */
   private trim(): void {
-    this.list.splice(0, Math.max(0, this.list.length - this.most));
     ++this.version;
+    if (this.list.length <= this.most) return;
+    const counts = new Map<string, number>();
+    for (const { kind } of this.list) counts.set(kind, (counts.get(kind) ?? 0) + 1);
+    while (this.list.length > this.most) {
+      const [kind, count] = [...counts].reduce((most, entry) => (entry[1] > most[1] ? entry : most));
+      counts.set(kind, count - 1);
+      this.list.splice(this.list.findIndex((event) => event.kind === kind), 1);
+    }
   }
 }
