@@ -3,6 +3,7 @@
 #include "output/report.hpp"
 
 #include "commands/dictionary.hpp"
+#include "execution/command_progress.hpp"
 #include "output/live_view.hpp"
 
 #include <gmock/gmock.h>
@@ -220,6 +221,24 @@ TEST(Dictionary, JsonHasEveryColumnOfTheRow) {
                                      "default", "units", "origin"));
   EXPECT_EQ(row["index"], "0x1000");
   EXPECT_EQ(row["title"], "设备类型");
+}
+
+// 1097 UU at 13 UU/s: 84.4 s.
+TEST(MotionText, HasPlaceSpeedAndTheTimeThatIsLeft) {
+  client::AxisSnapshot axis = moving_axis();
+  axis.status.position_demand_value = 1'097;
+  axis.status.velocity_demand_value = -13;
+  EXPECT_EQ(motion_text(axis, "lift", 0), "axis lift: at 1097 of 0 at -13 UU/s, some 85 s more");
+  EXPECT_EQ(motion_text(axis, "lift", 2'000), "axis lift: at 1097 of 2000 at -13 UU/s")
+      << "it leads away from the target";
+  EXPECT_EQ(motion_text(axis, "lift", std::nullopt),
+            "axis lift: moving, at 1097, -13 UU/s, Operation enabled");
+  axis.status.velocity_demand_value = 0;
+  EXPECT_EQ(motion_text(axis, "1.2", 0), "axis 1.2: at 1097 of 0 at 0 UU/s");
+}
+
+TEST(CountText, HasTheAxesThatAreDone) {
+  EXPECT_EQ(count_text("enable", 412, 10'000), "enable: 412 of 10000 axes");
 }
 
 TEST(ProgressBar, StaysWithinItsEnds) {

@@ -14,6 +14,13 @@ std::optional<std::int64_t> value_of(const AxisSnapshot& snapshot, ObjectAddress
   return row ? value_of(snapshot.status, *row) : std::nullopt;
 }
 
+std::optional<std::int64_t> seconds_to(const AxisSnapshot& axis, std::int32_t target) noexcept {
+  const std::int64_t speed = axis.status.velocity_demand_value;
+  const std::int64_t way = std::int64_t{target} - axis.status.position_demand_value;
+  const bool leads_there = (way > 0 && speed > 0) || (way < 0 && speed < 0);
+  return leads_there ? std::optional(1 + way / speed) : std::nullopt;
+}
+
 std::vector<std::string_view> statusword_flags(std::uint16_t statusword, OperatingMode mode) {
   // Outside Operation enabled bit 13 is the fault's, whatever the mode makes of it.
   const bool enabled = decode_power_state(statusword) == PowerState::operation_enabled;

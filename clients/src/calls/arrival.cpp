@@ -24,15 +24,13 @@ bool is_on_its_way(const AxisSnapshot& axis) {
 
 /// @return timed_out, with where the axis is and how long its way still takes at this speed.
 Outcome still_moving(const AxisSnapshot& axis, std::int32_t target) {
-  const std::int64_t speed = axis.status.velocity_demand_value;
-  const std::int64_t way = way_to(axis, target);
-  std::string message =
-      "axis " + to_string(axis.id) + ": timed out while waiting for " +
-      std::string(kTargetReached) + ", at " + std::to_string(axis.status.position_demand_value) +
-      " of " + std::to_string(target) + ", still moving at " + std::to_string(speed) + " UU/s";
-  const bool leads_there = (way > 0) == (speed > 0);
-  if (way != 0 && leads_there) {
-    message += ", some " + std::to_string(1 + way / speed) + " s more at this speed";
+  std::string message = "axis " + to_string(axis.id) + ": timed out while waiting for " +
+                        std::string(kTargetReached) + ", at " +
+                        std::to_string(axis.status.position_demand_value) + " of " +
+                        std::to_string(target) + ", still moving at " +
+                        std::to_string(axis.status.velocity_demand_value) + " UU/s";
+  if (const auto seconds = seconds_to(axis, target)) {
+    message += ", some " + std::to_string(*seconds) + " s more at this speed";
   }
   return Outcome::timed_out(std::move(message));
 }

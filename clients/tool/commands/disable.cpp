@@ -4,7 +4,12 @@
 namespace vdrive::tool {
 namespace {
 
-constexpr AxisAction kDisableAction{.name = "disable", .together = client::EachCommand::disable};
+bool is_disabled(const client::AxisSnapshot& axis) {
+  return axis.state() != PowerState::operation_enabled;
+}
+
+constexpr AxisAction kDisableAction{
+    .name = "disable", .together = client::EachCommand::disable, .is_done = is_disabled};
 
 }  // namespace
 

@@ -105,7 +105,9 @@ Outcome DisturbCommand::run(CommandContext& context) const {
   auto found = context.axes.axis(axis);
   if (!found) return found.outcome();
   if (Outcome set = set_inputs(context, *found, inputs); !set || !duration) return set;
+  context.progress.axis(*found, context.axes.label_of(found->id()), "disturbed");
   const auto waited = context.session.wait(found->id().bench, *duration);
+  context.progress.end();
   // Cleared in any case: an interrupt does not mean a disturbance without end.
   std::vector<Disturbance> cleared = inputs;
   for (Disturbance& input : cleared) input.value = 0;

@@ -4,8 +4,14 @@
 namespace vdrive::tool {
 namespace {
 
-constexpr AxisAction kEnableAction{
-    .name = "enable", .together = client::EachCommand::enable, .gains_control = true};
+bool is_enabled(const client::AxisSnapshot& axis) {
+  return axis.state() == PowerState::operation_enabled;
+}
+
+constexpr AxisAction kEnableAction{.name = "enable",
+                                   .together = client::EachCommand::enable,
+                                   .gains_control = true,
+                                   .is_done = is_enabled};
 
 }  // namespace
 

@@ -88,7 +88,9 @@ client::Outcome ExpectCommand::run(CommandContext& context) const {
   auto found = context.axes.axis(axis);
   if (!found) return found.outcome();
   const Expectation expected = context.axes.in_user_units(*found, expectation);
+  tell_progress_of(expected, *found, context);
   client::Outcome outcome = context.judge.judge(*found, expected);
+  context.progress.end();
   const Output& output = context.output;
   if (output.is_quiet) return outcome;
   if (output.is_json) {

@@ -4,8 +4,10 @@
 namespace vdrive::tool {
 namespace {
 
-constexpr AxisAction kHaltAction{
-    .name = "halt", .waits = Waits::on_request, .together = client::EachCommand::halt};
+constexpr AxisAction kHaltAction{.name = "halt",
+                                 .waits = Waits::on_request,
+                                 .together = client::EachCommand::halt,
+                                 .is_done = has_come_to_rest};
 
 }  // namespace
 

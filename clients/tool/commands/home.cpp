@@ -68,6 +68,7 @@ void HomeCommand::check_units(const CommandContext& context, const client::Axis&
 client::Outcome HomeCommand::run(CommandContext& context) const {
   auto found = context.axes.axis_to_command(axis, take_over);
   if (!found) return found.outcome();
+  context.progress.axis(*found, context.axes.label_of(found->id()), "homing");
   return report_axis(context, *found,
                      {.command = "home",
                       .outcome = found->home(homing_options(*this, *found, context)),

@@ -6,6 +6,7 @@
 #include "language/arguments.hpp"
 
 #include <cstdint>
+#include <optional>
 
 namespace vdrive::tool {
 namespace {
@@ -64,8 +65,11 @@ Outcome MoveCommand::run(CommandContext& context) const {
   const auto target = static_cast<std::int32_t>(context.axes.user_units(*found, position));
   const client::MoveOptions options = move_options(*this, *found, context);
   if (context.on_aim && !relative) context.on_aim(found->id(), target);
+  context.progress.motion(*found, context.axes.label_of(found->id()),
+                          relative ? std::nullopt : std::optional(target));
   const Outcome moved =
       relative ? found->move_by(target, options) : found->move_to(target, options);
+  context.progress.end();
   if (moved) context.judge.note_control(found->id());
   Terminal& terminal = context.output.terminal;
   const bool leaves_ramps =

@@ -6,7 +6,8 @@ namespace {
 
 constexpr AxisAction kQuickStopAction{.name = "quick-stop",
                                       .waits = Waits::unless_declined,
-                                      .together = client::EachCommand::quick_stop};
+                                      .together = client::EachCommand::quick_stop,
+                                      .is_done = has_come_to_rest};
 
 }  // namespace
 

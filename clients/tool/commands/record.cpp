@@ -136,7 +136,12 @@ Outcome RecordCommand::run(CommandContext& context) const {
   tracks.reserve(benches.size());
   for (auto& [number, bench] : benches) tracks.push_back(std::move(bench));
   Recorder recorder(context.session, context.output.terminal, choice);
+  const EndOfProgress end_of_progress(context.progress);  // it tells of the recorder
+  context.progress.tell([&recorder] {
+    return recorder.progress();
+  });
   Outcome recorded = recorder.record(tracks);
+  context.progress.end();
   if (recorder.has_begun()) {
     report_recording(choice, found->size(), recorder.summary(), context.output);
   }

@@ -4,8 +4,14 @@
 namespace vdrive::tool {
 namespace {
 
-constexpr AxisAction kResetAction{
-    .name = "reset", .together = client::EachCommand::reset_fault, .names_next_step = false};
+bool has_no_fault(const client::AxisSnapshot& axis) {
+  return !is_fault(axis.state());
+}
+
+constexpr AxisAction kResetAction{.name = "reset",
+                                  .together = client::EachCommand::reset_fault,
+                                  .names_next_step = false,
+                                  .is_done = has_no_fault};
 
 }  // namespace
 

@@ -4,8 +4,10 @@
 namespace vdrive::tool {
 namespace {
 
-constexpr AxisAction kResumeAction{
-    .name = "resume", .waits = Waits::on_request, .together = client::EachCommand::resume};
+constexpr AxisAction kResumeAction{.name = "resume",
+                                   .waits = Waits::on_request,
+                                   .together = client::EachCommand::resume,
+                                   .is_done = has_come_to_rest};
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include "language/command.hpp"
 #include "terminal/columns.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <string>
 #include <utility>
@@ -49,7 +50,9 @@ struct StatusCommand {
   Outcome run(CommandContext& context) const {
     const auto found = axes.empty() ? context.axes.axes_of_all_benches() : context.axes.axes(axes);
     if (!found) return found.outcome();
+    context.progress.time("status of " + counted(found->size(), "axis", "axes"));
     AxisStates shown = states_of(context.session, *found);
+    context.progress.end();
     for (const client::Axis& axis : *found) {
       const auto state = shown.states.find(axis.id());
       if (state == shown.states.end()) continue;

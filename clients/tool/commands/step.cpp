@@ -3,6 +3,9 @@
 
 #include "execution/command_context.hpp"
 #include "language/arguments.hpp"
+#include "vdrive/wording.hpp"
+
+#include <string>
 
 namespace vdrive::tool {
 
@@ -17,9 +20,11 @@ void StepCommand::declare(Arguments& arguments) {
 client::Outcome StepCommand::run(CommandContext& context) const {
   const auto found = find_bench(context.session, bench, "write for example: step 1000 --bench 2");
   if (!found) return found.outcome();
-  return report_clock(context.output, {{"bench", found->number}, {"ticks", ticks}},
-                      "bench " + std::to_string(found->number),
-                      context.session.step(found->number, ticks));
+  const std::string name = "bench " + std::to_string(found->number);
+  context.progress.time(name + ": " + counted(ticks, "tick", "ticks"));
+  const auto reached = context.session.step(found->number, ticks);
+  context.progress.end();
+  return report_clock(context.output, {{"bench", found->number}, {"ticks", ticks}}, name, reached);
 }
 
 extern const CommandRow kStep = row_of<StepCommand>({.name = "step",

@@ -30,6 +30,7 @@ client::Outcome TorqueCommand::run(CommandContext& context) const {
   client::TorqueOptions options;
   options.slope = slope;
   options.call = context.call_options(until);
+  context.progress.axis(*found, context.axes.label_of(found->id()), "waiting for the torque");
   return report_axis(context, *found,
                      {.command = "torque", .outcome = found->apply_torque(torque, options)});
 }

@@ -18,6 +18,7 @@ client::Outcome VelocityCommand::run(CommandContext& context) const {
   auto found = context.axes.axis_to_command(axis, run_at.take_over);
   if (!found) return found.outcome();
   const auto velocity = run_at.velocity_of(context.axes, *found);
+  context.progress.axis(*found, context.axes.label_of(found->id()), "waiting for the velocity");
   return report_axis(context, *found,
                      {.command = "velocity",
                       .outcome = found->run_at(velocity, run_at.options(context, *found, until))});

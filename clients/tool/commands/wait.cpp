@@ -6,6 +6,7 @@
 #include "execution/command_context.hpp"
 #include "language/arguments.hpp"
 #include "values/condition.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 
@@ -77,8 +78,12 @@ Outcome wait_for_time(Duration duration, CommandContext& context) {
     if (!only) return only.outcome();
     context.axes.add_bench(only->number);
   }
+  const std::string seconds = to_text(std::chrono::duration<double>(duration).count());
   for (const std::uint32_t bench : context.axes.benches()) {
+    context.progress.time("bench " + std::to_string(bench) + ": waiting for " + seconds +
+                          " s of drive time");
     const auto reached = context.session.wait(bench, duration);
+    context.progress.end();
     if (Outcome reported = report_clock(context.output, {{"bench", bench}, {"command", "wait"}},
                                         "bench " + std::to_string(bench), reached);
         !reported) {
@@ -88,11 +93,14 @@ Outcome wait_for_time(Duration duration, CommandContext& context) {
   return {};
 }
 
-Outcome await_value(client::Axis& axis, Expectation expectation, Duration limit,
-                    ExpectationJudge& judge) {
+Outcome await_value(client::Axis& axis, const Expectation& awaited, Duration limit,
+                    CommandContext& context) {
+  Expectation expectation = context.axes.in_user_units(axis, awaited);
   expectation.within = limit;
-  Outcome outcome = judge.judge(axis, expectation);
-  const bool is_late = judge.found() && !judge.found()->contains("error_code");
+  tell_progress_of(expectation, axis, context);
+  Outcome outcome = context.judge.judge(axis, expectation);
+  const auto& found = context.judge.found();
+  const bool is_late = found && !found->contains("error_code");
   return is_late ? Outcome::timed_out(outcome.message()) : outcome;
 }
 
@@ -118,10 +126,11 @@ Outcome WaitCommand::run(CommandContext& context) const {
   auto found = context.axes.axis(axis);
   if (!found) return found.outcome();
   const Duration limit = context.timeout.value_or(kLimit);
-  Outcome outcome = expectation
-                        ? await_value(*found, context.axes.in_user_units(*found, *expectation),
-                                      limit, context.judge)
-                        : context.judge.await(*found, condition, limit);
+  if (!expectation) {
+    context.progress.axis(*found, context.axes.label_of(found->id()), "waiting for " + condition);
+  }
+  Outcome outcome = expectation ? await_value(*found, *expectation, limit, context)
+                                : context.judge.await(*found, condition, limit);
   return report_axis(context, *found, {.command = "wait", .outcome = std::move(outcome)});
 }
 

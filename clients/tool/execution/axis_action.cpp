@@ -4,7 +4,10 @@
 #include "execution/axis_failures.hpp"
 #include "execution/axis_report.hpp"
 #include "execution/axis_states.hpp"
+#include "vdrive/wording.hpp"
 
+#include <atomic>
+#include <memory>
 #include <utility>
 
 namespace vdrive::tool {
@@ -19,20 +22,42 @@ Outcome take_over_all(std::vector<client::Axis>& axes) {
   return {};
 }
 
+void tell_progress(const std::vector<client::Axis>& axes, const AxisAction& action,
+                   CommandContext& context) {
+  const std::string name(action.name);
+  if (axes.size() == 1) {
+    context.progress.axis(axes.front(), context.axes.label_of(axes.front().id()), name);
+  } else {
+    context.progress.axes(name, axes, action.is_done);
+  }
+}
+
 std::vector<Outcome> command_all(std::vector<client::Axis>& axes, const AxisActionCommand& command,
                                  CommandContext& context) {
   const AxisAction& action = *command.action;
   if (action.together) {
+    tell_progress(axes, action, context);
     return context.session.command_each(axes, *action.together,
                                         context.call_options(command.until));
   }
   std::vector<Outcome> outcomes;
   outcomes.reserve(axes.size());
-  for (client::Axis& axis : axes) outcomes.push_back(action.each(axis));
+  const auto done = std::make_shared<std::atomic<std::size_t>>(0);
+  context.progress.tell([done, name = action.name, all = axes.size()] {
+    return count_text(name, *done, all);
+  });
+  for (client::Axis& axis : axes) {
+    outcomes.push_back(action.each(axis));
+    ++*done;
+  }
   return outcomes;
 }
 
 }  // namespace
+
+bool has_come_to_rest(const client::AxisSnapshot& axis) {
+  return axis.status.velocity_demand_value == 0;
+}
 
 void AxisActionCommand::declare(Arguments& arguments) {
   arguments.axes_or_all(axes);
@@ -55,7 +80,9 @@ Outcome AxisActionCommand::run(CommandContext& context) const {
     if (Outcome taken = take_over_all(*found); !taken) return taken;
   }
   std::vector<Outcome> outcomes = command_all(*found, *this, context);
+  context.progress.time("status of " + counted(found->size(), "axis", "axes"));
   const auto shown = context.output.is_quiet ? AxisStates() : states_of(context.session, *found);
+  context.progress.end();
   AxisFailures failures;
   for (std::size_t i = 0; i < found->size(); ++i) {
     const client::Axis& axis = (*found)[i];

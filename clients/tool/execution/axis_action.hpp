@@ -29,7 +29,13 @@ struct AxisAction {
   client::Outcome (*each)(client::Axis& axis) = nullptr;  ///< else what each gets by its own one
   bool gains_control = false;
   bool names_next_step = true;  ///< see AxisReport
+
+  /// Whether an axis has done it, for the progress of many; none = its status does not show it.
+  CommandProgress::AxisTest is_done = nullptr;
 };
+
+/// The tests of several actions.
+[[nodiscard]] bool has_come_to_rest(const client::AxisSnapshot& axis);
 
 /// The arguments of such a command. Several axes get it together, and one that fails does not keep
 /// it from the others.

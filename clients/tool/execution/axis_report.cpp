@@ -42,6 +42,7 @@ Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisRepor
 
 Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisReport report,
                     const client::AxisSnapshot* status) {
+  context.progress.end();
   if (context.output.is_quiet) return std::move(report.outcome);
   const std::string label = context.axes.label_of(axis.id());
   const bool is_refused_by_state =

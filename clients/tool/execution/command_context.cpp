@@ -33,8 +33,17 @@ Outcome execute(const Command& command, CommandContext& context, std::optional<D
   ensure(command.row->run != nullptr, "the place of a command without a session is no session");
   context.timeout = timeout;
   context.judge.forget_found();
+  const EndOfProgress end_of_progress(context.progress);
   Outcome outcome = context.axes.named(command.row->run(command.arguments, context));
   return command.refusal ? judge_refusal(outcome, *command.refusal, context) : outcome;
+}
+
+void tell_progress_of(const Expectation& expectation, const client::Axis& axis,
+                      CommandContext& context) {
+  if (!expectation.within && !expectation.throughout) return;
+  context.progress.axis(axis, context.axes.label_of(axis.id()),
+                        (expectation.within ? "waiting for " : "checking ") +
+                            expectation.object.text + " " + expected_text(expectation));
 }
 
 void check_units(const Command& command, CommandContext& context) {

@@ -3,6 +3,7 @@
 
 #include "execution/axis_finder.hpp"
 #include "execution/bench_changes.hpp"
+#include "execution/command_progress.hpp"
 #include "execution/expectation_judge.hpp"
 #include "execution/output.hpp"
 #include "language/command.hpp"
@@ -24,7 +25,8 @@ struct CommandContext {
         table(commands),
         axes(of_session),
         judge(of_session),
-        changes(of_session) {}
+        changes(of_session),
+        progress(of_session, output) {}
 
   /// @return the options of a call that waits like this, with the limit of the command.
   [[nodiscard]] client::CallOptions call_options(client::Until until) const;
@@ -35,6 +37,7 @@ struct CommandContext {
   AxisFinder axes;
   ExpectationJudge judge;
   BenchChanges changes;
+  CommandProgress progress;         ///< of the command that runs
   std::optional<Duration> timeout;  ///< of the command: drive time of motion; none = the default
   /// Called before a position is commanded: who, and where to [UU]. For a progress display.
   std::function<void(const client::AxisId&, std::int64_t)> on_aim;
@@ -45,6 +48,10 @@ struct CommandContext {
 /// @param timeout drive time of motion, none = the default
 client::Outcome execute(const Command& command, CommandContext& context,
                         std::optional<Duration> timeout);
+
+/// Tells the progress of a wait for an expectation; of one that waits for nothing nothing.
+void tell_progress_of(const Expectation& expectation, const client::Axis& axis,
+                      CommandContext& context);
 
 /// Checks what can be checked of a command once its axes are known, before anything moves.
 /// @throws UsageError for a unit that an axis has not, and for a value that is out of range with

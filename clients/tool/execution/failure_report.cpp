@@ -37,7 +37,7 @@ std::string axis_text(const client::Axis& axis, const client::AxisSnapshot& show
 }
 
 /// What is known when the next step is chosen.
-struct Finding {
+struct FailedCommand {
   const Outcome& outcome;
   const std::optional<Json>& found;  ///< of the judge of expectations
   const client::AxisSnapshot* axis;  ///< the first one, none where it is not known
@@ -49,11 +49,11 @@ bool is_other_value(const Outcome& outcome, const std::optional<Json>& found) {
   return found && found->contains("expected") && outcome.kind() != OutcomeKind::timed_out;
 }
 
-std::string advice_of_refusal(const Finding& finding) {
-  if (finding.outcome.code() == wire_code(AbortCode::refused_local_control)) {
+std::string advice_of_refusal(const FailedCommand& failed) {
+  if (failed.outcome.code() == wire_code(AbortCode::refused_local_control)) {
     return "another session controls the axis: end it, or add --take-over to this line";
   }
-  return "change what the line asks for, or write 'refused " + hex(finding.outcome.code(), 8) +
+  return "change what the line asks for, or write 'refused " + hex(failed.outcome.code(), 8) +
          "' in front of it where the refusal is meant";
 }
 
@@ -61,37 +61,37 @@ bool is_moving(const client::AxisSnapshot* axis) {
   return axis != nullptr && axis->status.velocity_demand_value != 0;
 }
 
-std::string advice_of_expectation(const Finding& finding) {
-  if ((*finding.found)["expected"].is_string()) {
+std::string advice_of_expectation(const FailedCommand& failed) {
+  if ((*failed.found)["expected"].is_string()) {
     return "remove 'refused' from this line, or write the code of the refusal that is meant";
   }
-  if (is_moving(finding.axis)) {
-    return "the axis is moving: write 'wait " + finding.label +
+  if (is_moving(failed.axis)) {
+    return "the axis is moving: write 'wait " + failed.label +
            " target_reached' in front of this line, or add --within to it";
   }
   return "where the value comes later add --within, where it may be near add --tolerance to this "
          "line; else look at what the lines above it command";
 }
 
-std::string advice_of(const Finding& finding) {
+std::string advice_of(const FailedCommand& failed) {
   const PowerState state =
-      finding.axis == nullptr ? PowerState::operation_enabled : finding.axis->state();
+      failed.axis == nullptr ? PowerState::operation_enabled : failed.axis->state();
   const bool is_refused_by_state =
-      finding.outcome.code() == wire_code(AbortCode::refused_in_present_device_state);
+      failed.outcome.code() == wire_code(AbortCode::refused_in_present_device_state);
   const std::string_view first = command_before_motion(state);
   if (is_fault(state)) {
-    return "'vdrive events " + finding.label + "' shows the cause of the fault; '" +
-           std::string(first) + " " + finding.label + "' in front of this line ends it";
+    return "'vdrive events " + failed.label + "' shows the cause of the fault; '" +
+           std::string(first) + " " + failed.label + "' in front of this line ends it";
   }
   if (is_refused_by_state && !first.empty()) {
-    return "write '" + std::string(first) + " " + finding.label + "' in front of this line";
+    return "write '" + std::string(first) + " " + failed.label + "' in front of this line";
   }
-  if (is_other_value(finding.outcome, finding.found)) return advice_of_expectation(finding);
-  switch (finding.outcome.kind()) {
+  if (is_other_value(failed.outcome, failed.found)) return advice_of_expectation(failed);
+  switch (failed.outcome.kind()) {
     case OutcomeKind::refused:
-      return advice_of_refusal(finding);
+      return advice_of_refusal(failed);
     case OutcomeKind::timed_out:
-      return is_moving(finding.axis)
+      return is_moving(failed.axis)
                  ? "the axis is moving: give this line more time with --timeout"
                  : "the axis stands: find what it waits for in its statusword, or give this line "
                    "more time with --timeout";
@@ -126,23 +126,24 @@ FailureReport report_failure(const Command& command, const Outcome& outcome,
   const std::size_t left_out = axes.size() - std::min(axes.size(), kMostAxes);
   axes.erase(axes.end() - static_cast<std::ptrdiff_t>(left_out), axes.end());
   const AxisStates shown = states_of(context.session, axes);
-  Finding finding{.outcome = outcome, .found = context.judge.found(), .axis = nullptr, .label = {}};
+  FailedCommand failed{
+      .outcome = outcome, .found = context.judge.found(), .axis = nullptr, .label = {}};
   for (const client::Axis& axis : axes) {
     const auto state = shown.states.find(axis.id());
     if (state == shown.states.end()) continue;
     const std::string label = context.axes.label_of(axis.id());
     report.axes.push_back(axis_text(axis, state->second, label));
-    if (finding.axis != nullptr) continue;
-    finding.axis = &state->second;
-    finding.label = label;
+    if (failed.axis != nullptr) continue;
+    failed.axis = &state->second;
+    failed.label = label;
     report.tick = state->second.tick;
   }
   if (left_out != 0)
     report.axes.push_back("and " + counted(left_out, "further axis", "further axes"));
-  if (finding.found && finding.found->contains("tick")) {
-    report.tick = (*finding.found)["tick"].get<std::uint64_t>();
+  if (failed.found && failed.found->contains("tick")) {
+    report.tick = (*failed.found)["tick"].get<std::uint64_t>();
   }
-  report.advice = advice_of(finding);
+  report.advice = advice_of(failed);
   return report;
 }
 

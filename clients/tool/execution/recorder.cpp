@@ -6,6 +6,7 @@
 #include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <chrono>
 #include <map>
@@ -70,6 +71,14 @@ struct Recorder::Track {
 
 Recorder::Recorder(client::Session& session, Terminal& terminal, const RecordingChoice& choice)
     : session_(session), terminal_(terminal), choice_(choice) {}
+
+std::string Recorder::progress() const {
+  constexpr double kPercent = 100.0;
+  std::string text = "recorded " + counted(taken_, "sample", "samples");
+  const double share = share_;
+  if (share > 0.0) text += ", " + std::to_string(static_cast<int>(share * kPercent)) + " %";
+  return text;
+}
 
 std::unique_ptr<recording::Writer> Recorder::open() {
   if (choice_.file != "-") return recording::open_recording(choice_.file, VDRIVE_VERSION);
@@ -257,6 +266,12 @@ void Recorder::take(Track& track, client::Observation&& sample) {
   }
   queue_->push(std::move(sample));
   ++track.samples;
+  ++taken_;
+  if (track.ticks != 0) {
+    share_ = static_cast<double>(tick - *track.first_tick) / static_cast<double>(track.ticks);
+  } else if (choice_.count != 0) {
+    share_ = static_cast<double>(track.samples) / static_cast<double>(choice_.count);
+  }
   track.has_ended = track.samples == choice_.count;
 }
 

@@ -10,6 +10,7 @@
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -51,6 +52,9 @@ class Recorder {
   ///         recorded for as long as requested.
   client::Outcome record(const std::vector<ObservedBench>& benches);
 
+  /// @return how far it is, such as "recorded 4812 samples, 20 %". Any thread.
+  [[nodiscard]] std::string progress() const;
+
   /// @return whether the file could be opened and the streams were followed.
   [[nodiscard]] bool has_begun() const noexcept { return has_begun_; }
 
@@ -83,6 +87,8 @@ class Recorder {
   std::map<std::uint32_t, std::chrono::steady_clock::time_point> silent_since_;
   std::unique_ptr<recording::RecordingQueue> queue_;
   recording::Summary summary_;
+  std::atomic<std::uint64_t> taken_ = 0;  ///< samples
+  std::atomic<double> share_ = 0.0;       ///< of what was asked for; 0 = it has no end
   bool has_begun_ = false;
 };
 

@@ -22,6 +22,7 @@ constexpr std::string_view kLeaveScreen = "\x1b[?25h\x1b[?1049l";
 constexpr std::string_view kHome = "\x1b[H";
 constexpr std::string_view kEraseRight = "\x1b[K";
 constexpr std::string_view kEraseBelow = "\x1b[J";
+constexpr std::string_view kEraseRow = "\r\x1b[K";
 constexpr std::string_view kEraseRowAbove = "\x1b[1A\x1b[2K";
 
 /// Read once, at the start, before there are threads.
@@ -30,9 +31,25 @@ std::string_view environment(const char* name) {
   return value == nullptr ? std::string_view() : value;
 }
 
-bool can_refresh() {
+/// @param stream STDOUT_FILENO or STDERR_FILENO
+bool can_refresh(int stream) {
   const std::string_view kind = environment("TERM");
-  return isatty(STDOUT_FILENO) == 1 && !kind.empty() && kind != "dumb";
+  return isatty(stream) == 1 && !kind.empty() && kind != "dumb";
+}
+
+TerminalSize room_on(int stream) {
+  winsize size{};
+  // The only interface there is takes variable arguments.
+  const bool known = ioctl(stream, TIOCGWINSZ, &size) == 0;  // NOLINT(*-vararg)
+  TerminalSize room;
+  if (known && size.ws_col > 1) room.columns = size.ws_col;
+  if (known && size.ws_row > 0) room.rows = size.ws_row;
+  return room;
+}
+
+/// Nobody is left to hear that a line on standard error could not be written.
+void put_error(std::string_view text) {
+  (void)std::fwrite(text.data(), 1, text.size(), stderr);
 }
 
 std::string in_color(Color color, std::string_view text) {
@@ -56,9 +73,10 @@ std::vector<LiveLine> fitting(const std::vector<LiveLine>& lines, std::size_t ro
 }  // namespace
 
 Terminal::Terminal()
-    : is_interactive_(can_refresh()),
+    : is_interactive_(can_refresh(STDOUT_FILENO)),
       has_color_(is_interactive_ && environment("NO_COLOR").empty()),
-      is_read_by_person_(isatty(STDERR_FILENO) == 1) {}
+      is_read_by_person_(isatty(STDERR_FILENO) == 1),
+      shows_progress_(can_refresh(STDERR_FILENO)) {}
 
 Terminal::~Terminal() {
   leave_screen();
@@ -66,33 +84,46 @@ Terminal::~Terminal() {
 
 void Terminal::print(std::string_view line) {
   const std::scoped_lock lock(mutex_);
+  erase_progress();
   leave_screen();
   erase_live();
   put(line);
   put("\n");
   draw_live();
   flush();
+  draw_progress();
 }
 
 void Terminal::complain(std::string_view line) {
   const std::scoped_lock lock(mutex_);
+  erase_progress();
   leave_screen();
   erase_live();
   flush();
-  // Nobody is left to hear that a complaint could not be written.
-  (void)std::fwrite(line.data(), 1, line.size(), stderr);
-  (void)std::fputc('\n', stderr);
+  put_error(line);
+  put_error("\n");
   (void)std::fflush(stderr);
   draw_live();
+  draw_progress();
 }
 
 void Terminal::show_live(std::vector<LiveLine> lines) {
   if (!is_interactive_) return;
   const std::scoped_lock lock(mutex_);
+  erase_progress();
   erase_live();
   live_ = std::move(lines);
   draw_live();
   flush();
+  draw_progress();
+}
+
+void Terminal::show_progress(std::string line) {
+  if (!shows_progress_) return;
+  const std::scoped_lock lock(mutex_);
+  erase_progress();
+  progress_ = std::move(line);
+  draw_progress();
 }
 
 void Terminal::show_screen(std::vector<LiveLine> lines) {
@@ -113,12 +144,14 @@ void Terminal::show_screen(std::vector<LiveLine> lines) {
 
 void Terminal::end_live() {
   const std::scoped_lock lock(mutex_);
+  erase_progress();
   live_.clear();
   live_rows_ = 0;
   leave_screen();
   const std::size_t width = usable_width(terminal_size());
   for (const LiveLine& line : std::exchange(screen_, {})) put(row_of(line, width) + "\n");
   flush();
+  draw_progress();
 }
 
 bool Terminal::is_open() const {
@@ -146,6 +179,19 @@ void Terminal::note_failure() {
   if (write_error_ == 0) write_error_ = errno;
 }
 
+void Terminal::erase_progress() {
+  if (!is_progress_drawn_.exchange(false)) return;
+  put_error(kEraseRow);
+  (void)std::fflush(stderr);
+}
+
+void Terminal::draw_progress() {
+  if (progress_.empty() || is_on_screen_) return;
+  is_progress_drawn_ = true;
+  put_error(clipped(progress_, usable_width(room_on(STDERR_FILENO))));
+  (void)std::fflush(stderr);
+}
+
 /// The number of rows was right at the size of then. Where a narrower terminal has wrapped them
 /// since, some rows stay: better than to erase lines that are not ours.
 void Terminal::erase_live() {
@@ -167,10 +213,12 @@ void Terminal::leave_screen() {
 }
 
 void Terminal::leave_screen_at_once() noexcept {
-  if (!is_on_screen_.exchange(false)) return;
-  // Nothing is left to be done when it fails.
-  [[maybe_unused]] const ssize_t written =
-      write(STDOUT_FILENO, kLeaveScreen.data(), kLeaveScreen.size());
+  const auto put_at_once = [](int stream, std::string_view sequence) {
+    // Nothing is left to be done when it fails.
+    [[maybe_unused]] const ssize_t written = write(stream, sequence.data(), sequence.size());
+  };
+  if (is_progress_drawn_.exchange(false)) put_at_once(STDERR_FILENO, kEraseRow);
+  if (is_on_screen_.exchange(false)) put_at_once(STDOUT_FILENO, kLeaveScreen);
 }
 
 std::string Terminal::row_of(const LiveLine& line, std::size_t width) const {
@@ -179,13 +227,7 @@ std::string Terminal::row_of(const LiveLine& line, std::size_t width) const {
 }
 
 TerminalSize terminal_size() {
-  winsize size{};
-  // The only interface there is takes variable arguments.
-  const bool known = ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0;  // NOLINT(*-vararg)
-  TerminalSize room;
-  if (known && size.ws_col > 1) room.columns = size.ws_col;
-  if (known && size.ws_row > 0) room.rows = size.ws_row;
-  return room;
+  return room_on(STDOUT_FILENO);
 }
 
 std::string colored(const Terminal& terminal, Color color, std::string_view text) {

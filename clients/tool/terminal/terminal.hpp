@@ -31,9 +31,9 @@ struct TerminalSize {
 };
 
 /// Standard output and standard error, shared by the commands and a live view. Lines are whole:
-/// a live block at the end of the terminal is taken away before a line and drawn again after it.
-/// What is refreshed in place is cut to the terminal's present size, row by row: a row that wrapped
-/// could not be refreshed. Thread-safe.
+/// a live block at the end of the terminal, and the line of progress below it, are taken away
+/// before a line and drawn again after it. What is refreshed in place is cut to the terminal's
+/// present size, row by row: a row that wrapped could not be refreshed. Thread-safe.
 class Terminal {
  public:
   Terminal();
@@ -51,6 +51,9 @@ class Terminal {
   /// @return whether colours may be used: interactive, and NO_COLOR unset.
   [[nodiscard]] bool has_color() const noexcept { return has_color_; }
 
+  /// @return whether standard error is a terminal that can be refreshed in place.
+  [[nodiscard]] bool shows_progress() const noexcept { return shows_progress_; }
+
   /// One line on standard output.
   void print(std::string_view line);
 
@@ -64,10 +67,17 @@ class Terminal {
   /// Replaces the whole screen, on a terminal only: the alternate screen, which end_live() leaves.
   void show_screen(std::vector<LiveLine> lines);
 
+  /// Replaces the line of progress, which stands last, on standard error and on a terminal only.
+  void show_progress(std::string line);
+
+  /// Takes it away.
+  void end_progress() { show_progress({}); }
+
   /// Leaves what was shown last as lines, and starts a new block below.
   void end_live();
 
-  /// Leaves the alternate screen without a lock, before the process ends at once.
+  /// Leaves the alternate screen and takes the line of progress away, without a lock, before the
+  /// process ends at once.
   void leave_screen_at_once() noexcept;
 
   /// @return false once standard output could not be written: its reader has gone away, or
@@ -79,6 +89,8 @@ class Terminal {
   [[nodiscard]] std::optional<std::string> write_failure() const;
 
  private:
+  void erase_progress();
+  void draw_progress();
   void erase_live();
   void draw_live();
   void leave_screen();
@@ -90,15 +102,18 @@ class Terminal {
   const bool is_interactive_;
   const bool has_color_;
   const bool is_read_by_person_;
+  const bool shows_progress_;
   mutable std::mutex mutex_;
   std::vector<LiveLine> live_;
   std::size_t live_rows_ = 0;  ///< drawn below the last line
   std::vector<LiveLine> screen_;
+  std::string progress_;  ///< empty = none
+  std::atomic<bool> is_progress_drawn_ = false;
   std::atomic<bool> is_on_screen_ = false;
   int write_error_ = 0;  ///< of errno
 };
 
-/// @return the present size of the terminal; the default where it is unknown.
+/// @return the present size of the terminal on standard output; the default where it is unknown.
 [[nodiscard]] TerminalSize terminal_size();
 
 /// @return `text` in this colour, or as it is.

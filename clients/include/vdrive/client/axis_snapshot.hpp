@@ -59,6 +59,12 @@ struct Observation {
 [[nodiscard]] std::optional<std::int64_t> value_of(const AxisSnapshot& snapshot,
                                                    ObjectAddress object);
 
+/// @return [s] how long the demand position (6062h) still needs to `target` [UU] at its present
+/// speed
+///         (606Bh), rounded up; nothing where it stands, is there or leads away from it.
+[[nodiscard]] std::optional<std::int64_t> seconds_to(const AxisSnapshot& axis,
+                                                     std::int32_t target) noexcept;
+
 /// @return the names of the bits of 6041h that are 1, bits 0 to 3, 5 and 6 left out: those are the
 ///         state. Such as {"voltage enabled", "remote", "target reached"}. Bits 12 and 13 have the
 ///         names that `mode` (6061h) gives them.

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "execution/command_progress.hpp"
+
+#include "output/report.hpp"
+#include "vdrive/wording.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+namespace vdrive::tool {
+namespace {
+
+constexpr std::chrono::milliseconds kPeriodOfReports{250};
+
+/// The newest state of axes, from the moment on in which it is first asked for.
+class NewestStates {
+ public:
+  using States = std::map<client::AxisId, client::AxisSnapshot>;
+
+  NewestStates(client::Session& session, const std::vector<client::Axis>& axes)
+      : session_(session) {
+    ids_.reserve(axes.size());
+    for (const client::Axis& axis : axes) ids_.push_back(axis.id());
+  }
+
+  /// @return what `look` makes of the states; empty before the first one has come.
+  std::string text(const std::function<std::string(const States&)>& look) {
+    follow();
+    const std::scoped_lock lock(mutex_);
+    return states_.empty() ? std::string() : look(states_);
+  }
+
+ private:
+  /// What cannot be followed has no line: the command itself reports what is wrong.
+  void follow() {
+    if (std::exchange(is_followed_, true)) return;
+    auto reports =
+        session_.report_status(ids_, kPeriodOfReports, [this](const client::Observation& seen) {
+          note(seen);
+        });
+    if (reports) reports_.emplace(std::move(*reports));
+  }
+
+  void note(const client::Observation& seen) {
+    const std::scoped_lock lock(mutex_);
+    for (const client::AxisSnapshot& axis : seen.axes) states_[axis.id] = axis;
+  }
+
+  client::Session& session_;
+  std::vector<client::AxisId> ids_;
+  bool is_followed_ = false;
+  std::mutex mutex_;
+  States states_;
+  std::optional<client::StatusReports> reports_;  ///< ends before what it fills
+};
+
+/// @return the seconds since `start`, such as "12 s".
+std::string time_since(std::chrono::steady_clock::time_point start) {
+  const auto passed = std::chrono::steady_clock::now() - start;
+  return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(passed).count()) + " s";
+}
+
+std::string place_and_speed(const client::AxisSnapshot& axis) {
+  return "at " + std::to_string(axis.status.position_demand_value) + ", " +
+         std::to_string(axis.status.velocity_demand_value) + " UU/s";
+}
+
+}  // namespace
+
+std::string motion_text(const client::AxisSnapshot& axis, const std::string& label,
+                        std::optional<std::int32_t> target) {
+  if (!target) return awaited_text(axis, label, "moving");
+  std::string text = "axis " + label + ": at " + std::to_string(axis.status.position_demand_value) +
+                     " of " + std::to_string(*target) + " at " +
+                     std::to_string(axis.status.velocity_demand_value) + " UU/s";
+  if (const auto seconds = client::seconds_to(axis, *target)) {
+    text += ", some " + std::to_string(*seconds) + " s more";
+  }
+  return text;
+}
+
+std::string awaited_text(const client::AxisSnapshot& axis, const std::string& label,
+                         std::string_view what) {
+  return "axis " + label + ": " + std::string(what) + ", " + place_and_speed(axis) + ", " +
+         std::string(to_string(axis.state()));
+}
+
+std::string count_text(std::string_view what, std::size_t done, std::size_t all) {
+  return std::string(what) + ": " + std::to_string(done) + " of " + counted(all, "axis", "axes");
+}
+
+void CommandProgress::motion(const client::Axis& axis, const std::string& label,
+                             std::optional<std::int32_t> target) {
+  const auto newest = std::make_shared<NewestStates>(session_, std::vector{axis});
+  tell([newest, label, target] {
+    return newest->text([&](const NewestStates::States& states) {
+      return motion_text(states.begin()->second, label, target);
+    });
+  });
+}
+
+void CommandProgress::axis(const client::Axis& axis, const std::string& label, std::string what) {
+  const auto newest = std::make_shared<NewestStates>(session_, std::vector{axis});
+  tell([newest, label, what = std::move(what)] {
+    return newest->text([&](const NewestStates::States& states) {
+      return awaited_text(states.begin()->second, label, what);
+    });
+  });
+}
+
+void CommandProgress::axes(std::string what, const std::vector<client::Axis>& axes,
+                           AxisTest is_done) {
+  if (is_done == nullptr) {
+    time(what + ", " + counted(axes.size(), "axis", "axes"));
+    return;
+  }
+  const auto newest = std::make_shared<NewestStates>(session_, axes);
+  tell([newest, what = std::move(what), all = axes.size(), is_done] {
+    return newest->text([&](const NewestStates::States& states) {
+      const auto done = std::ranges::count_if(states, [is_done](const auto& state) {
+        return is_done(state.second);
+      });
+      return count_text(what, static_cast<std::size_t>(done), all);
+    });
+  });
+}
+
+void CommandProgress::time(std::string what) {
+  tell([what = std::move(what), start = std::chrono::steady_clock::now()] {
+    return what + ": " + time_since(start);
+  });
+}
+
+void CommandProgress::tell(Progress::Text text) {
+  const bool is_shown = output_.terminal.shows_progress() && !output_.is_json && !output_.is_quiet;
+  if (is_shown) line_.tell(std::move(text));
+}
+
+}  // namespace vdrive::tool
