@@ -7,7 +7,10 @@
 
 #include <pybind11/numpy.h>
 
+#include <condition_variable>
 #include <limits>
+#include <mutex>
+#include <stop_token>
 #include <string>
 
 namespace vdrive::python {
@@ -22,6 +25,16 @@ using client::Session;
 // In which a thread sees that it is to end.
 constexpr std::chrono::milliseconds kSlice{100};
 constexpr std::chrono::milliseconds kPause{10};
+
+/// Waits for kPause; ends at once with the thread, as when its session is closed.
+void rest(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  never.wait_for(lock, stop, kPause, [] {
+    return false;
+  });
+}
 
 /// What Python calls on a queue of either kind.
 template <typename Source, typename Item>
@@ -208,7 +221,7 @@ void StatusQueue::run(const std::stop_token& stop) {
     if (sample) {
       queue_.push(std::move(*sample));
     } else if (sample.outcome().kind() == OutcomeKind::failed) {
-      std::this_thread::sleep_for(kPause);  // Ctrl-C ends other calls of the session, not this one
+      rest(stop);  // Ctrl-C ends other calls of the session, not this one
     } else if (sample.outcome().kind() != OutcomeKind::timed_out) {
       queue_.end(sample.outcome());
       return;
