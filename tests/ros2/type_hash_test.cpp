@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "settings.hpp"
 #include "vdrive/wire/ros.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <fstream>
 #include <map>
+#include <sstream>
 #include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
 
 namespace vdrive::ros {
 namespace {
@@ -50,6 +57,38 @@ TEST(RosTopic, HasThePrefixOfRosAndAValidName) {
   EXPECT_EQ(check_topic("/cell1/joint_states"), "");
   for (const char* bad : {"", "joint_states", "/", "/a/", "//a", "/1a", "/a b", "/a-b", "/ä"}) {
     EXPECT_NE(check_topic(bad), "") << bad;
+  }
+}
+
+/// @return the name of a type as the code that is generated from the IDL gives it to DDS: that of
+/// the
+///         class, as the compiler writes it.
+template <typename Message>
+std::string dds_type() {
+  std::string_view text = __PRETTY_FUNCTION__;
+  text.remove_prefix(text.find("Message = ") + std::string_view("Message = ").size());
+  return std::string(text.substr(0, text.find_first_of(";]")));
+}
+
+// Programs on plain DDS are written from this table.
+TEST(RosTopicsOfTheGuide, HaveTheirNamesAndTypesOnDds) {
+  std::ifstream file(VDRIVE_SOURCE_DIR "/docs/guides/ros2.md");
+  std::ostringstream page;
+  page << file.rdbuf();
+  ros2::Settings settings;
+  ros2::resolve_topics(settings);
+  const ros2::TopicNames& topics = settings.topics;
+  // As the bridge opens them: clients/ros2/src/bridge.hpp and joint_publisher.hpp.
+  const std::array rows{std::pair{topics.joint_states, dds_type<JointState>()},
+                        std::pair{topics.joint_commands, dds_type<JointState>()},
+                        std::pair{topics.joint_trajectory, dds_type<JointTrajectory>()},
+                        std::pair{topics.enable, dds_type<Bool>()},
+                        std::pair{topics.diagnostics, dds_type<DiagnosticArray>()},
+                        std::pair{topics.rosout, dds_type<Log>()},
+                        std::pair{topics.clock, dds_type<Clock>()}};
+  for (const auto& [topic, type] : rows) {
+    EXPECT_THAT(page.str(), testing::HasSubstr("| `" + topic + "` | `" + dds_topic(topic) +
+                                               "` | `" + type + "` |"));
   }
 }
 
