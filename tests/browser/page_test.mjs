@@ -379,6 +379,7 @@ test("a page whose thread is late by 5 s keeps control", async () => {
   await waitForText(page.locator(".holder"), /You have control/);
   await waitForText(figure("state"), /Operation enabled/);
   await waitForText(figure("owner"), /this page/);
+  await page.locator('[data-test="enable"]:enabled').waitFor(); // the bench was silent for this page
 });
 
 test("a blocked load ends in the fault 8611h", async () => {

@@ -193,8 +193,8 @@ export class Plots implements View {
     const columns = Math.max(50, this.width - AXIS_WIDTH - RIGHT_MARGIN);
     // Long windows move by less than a pixel a frame.
     const every = Math.min(250, ((to - from) / columns) * 1000);
-    const fresh = !this.paused && this.zoomed === undefined && this.trace.history.end !== this.drawnEnd;
-    this.dirty ||= this.model.events.version !== this.eventsVersion;
+    const isOld = this.trace.history.end !== this.drawnEnd || this.model.events.version !== this.eventsVersion;
+    const fresh = !this.paused && this.zoomed === undefined && isOld;
     if (this.width > 0 && (this.dirty || (fresh && now - this.drawnAt >= every))) {
       this.dirty = false;
       this.drawnAt = now;
