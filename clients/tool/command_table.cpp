@@ -40,6 +40,7 @@ extern const CommandRow kWait;
 extern const CommandRow kShell;
 extern const CommandRow kRecord;
 extern const CommandRow kConvert;
+extern const CommandRow kPlot;
 extern const CommandRow kDoctor;
 extern const CommandRow kBench;
 extern const CommandRow kCompletion;
@@ -47,11 +48,11 @@ extern const CommandRow kCompletion;
 namespace {
 
 constexpr std::array kCommands{
-    &kList,      &kStatus,  &kDescribe,   &kWatch, &kEvents,     &kEnable,   &kDisable, &kReset,
-    &kQuickStop, &kStop,    &kPowerCycle, &kMove,  &kHome,       &kVelocity, &kTorque,  &kJog,
-    &kHalt,      &kResume,  &kRead,       &kWrite, &kDictionary, &kStore,    &kRestore, &kDisturb,
-    &kStep,      &kRate,    &kSnapshot,   &kRun,   &kTest,       &kExpect,   &kWait,    &kShell,
-    &kRecord,    &kConvert, &kDoctor,     &kBench, &kCompletion};
+    &kList,      &kStatus,  &kDescribe,   &kWatch,  &kEvents,     &kEnable,    &kDisable, &kReset,
+    &kQuickStop, &kStop,    &kPowerCycle, &kMove,   &kHome,       &kVelocity,  &kTorque,  &kJog,
+    &kHalt,      &kResume,  &kRead,       &kWrite,  &kDictionary, &kStore,     &kRestore, &kDisturb,
+    &kStep,      &kRate,    &kSnapshot,   &kRun,    &kTest,       &kExpect,    &kWait,    &kShell,
+    &kRecord,    &kConvert, &kPlot,       &kDoctor, &kBench,      &kCompletion};
 
 }  // namespace
 

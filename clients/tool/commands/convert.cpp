@@ -68,15 +68,6 @@ Outcome convert(const ConvertCommand& command, bool is_json, Terminal& terminal)
   }
 }
 
-Duration parse_period(const std::string& text, const std::string& from) {
-  if (format_of_file(from) == recording::Format::mcap) {
-    throw UsageError("--period is for recordings of text; a recording in MCAP has this time");
-  }
-  const Duration period = parse_duration(text);
-  if (period.count() <= 0) throw UsageError("--period has to be above 0");
-  return period;
-}
-
 void ConvertCommand::declare(Arguments& arguments) {
   arguments.positional("FROM", from, "The recording: .csv, .jsonl or .mcap").required();
   arguments.positional("TO", to, "The new file: .csv, .jsonl or .mcap by its ending").required();

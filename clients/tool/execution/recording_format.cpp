@@ -12,4 +12,13 @@ recording::Format format_of_file(const std::string& file) {
   throw UsageError(in_quotes(file) + " does not end in .csv, .jsonl or .mcap");
 }
 
+Duration parse_period(const std::string& text, const std::string& file) {
+  if (format_of_file(file) == recording::Format::mcap) {
+    throw UsageError("--period is for recordings of text; a recording in MCAP has this time");
+  }
+  const Duration period = parse_duration(text);
+  if (period.count() <= 0) throw UsageError("--period has to be above 0");
+  return period;
+}
+
 }  // namespace vdrive::tool

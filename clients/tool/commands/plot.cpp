@@ -1,0 +1,457 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/plot.hpp"
+
+#include "base/usage_error.hpp"
+#include "convert.hpp"
+#include "execution/command_context.hpp"
+#include "execution/connection.hpp"
+#include "execution/recorder.hpp"
+#include "execution/recording_format.hpp"
+#include "language/arguments.hpp"
+#include "output/plot_traces.hpp"
+#include "output/report.hpp"
+#include "output_file.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <iterator>
+#include <map>
+#include <system_error>
+#include <utility>
+
+namespace vdrive::tool {
+namespace {
+
+using client::Outcome;
+using recording::RecordingError;
+
+/// A directory for a recording that is only made to be drawn; it is removed at the end.
+class ScratchDirectory {
+ public:
+  /// @throws RecordingError when it cannot be made
+  ScratchDirectory() {
+    std::error_code error;
+    const auto parent = std::filesystem::temp_directory_path(error);
+    path_ = (error ? std::filesystem::path("/tmp") : parent) / "vdrive-plot-XXXXXX";
+    if (::mkdtemp(path_.data()) == nullptr) {
+      throw RecordingError("cannot make the directory " + in_quotes(path_) + ": " +
+                           std::generic_category().message(errno));
+    }
+  }
+
+  ~ScratchDirectory() {
+    std::error_code error;
+    std::filesystem::remove_all(path_, error);
+  }
+
+  ScratchDirectory(const ScratchDirectory&) = delete;
+  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
+
+  [[nodiscard]] std::string recording() const { return path_ + "/recording.mcap"; }
+
+ private:
+  std::string path_;
+};
+
+/// Where the picture goes.
+class PictureSink {
+ public:
+  PictureSink(const std::string& file, Terminal& terminal) : file_(file), terminal_(terminal) {}
+
+  /// Before a recording that takes a while. @throws RecordingError
+  void open() {
+    if (file_ != "-" && !output_) output_.emplace(file_);
+  }
+
+  /// @throws RecordingError
+  void put(std::string_view svg) {
+    if (file_ == "-") {
+      svg.remove_suffix(1);  // the line break, which the terminal adds
+      terminal_.print(svg);
+      return;
+    }
+    open();
+    output_->write(svg);
+    output_->close();
+  }
+
+ private:
+  const std::string& file_;
+  Terminal& terminal_;
+  std::optional<recording::OutputFile> output_;
+};
+
+/// The samples of one axis in a recording.
+struct AxisSamples {
+  std::uint64_t first_tick = 0;
+  std::uint64_t last_tick = 0;
+};
+
+/// What a recording contains, before anything is drawn.
+struct Survey {
+  recording::Contents contents;
+  std::map<client::AxisId, AxisSamples> axes{};
+};
+
+/// @throws RecordingError
+Survey survey_of(const std::string& file) {
+  Survey survey;
+  survey.contents = recording::read_recording(file, [&survey](const client::Observation& sample) {
+    for (const client::AxisSnapshot& axis : sample.axes) {
+      const auto [place, is_new] = survey.axes.try_emplace(axis.id);
+      if (is_new) place->second.first_tick = axis.tick;
+      place->second.last_tick = axis.tick;
+    }
+  });
+  return survey;
+}
+
+/// An axis that can be drawn.
+struct DrawnAxis {
+  client::AxisId id;
+  std::string name;
+  std::chrono::nanoseconds period;
+  AxisSamples samples;
+};
+
+/// @return the axes of a recording that have a sample.
+std::vector<DrawnAxis> drawn_axes(const Survey& survey) {
+  std::vector<DrawnAxis> axes;
+  for (const recording::RecordedBench& bench : survey.contents.benches) {
+    for (const recording::RecordedAxis& axis : bench.axes) {
+      const auto samples = survey.axes.find(axis.id);
+      if (samples == survey.axes.end()) continue;
+      axes.push_back({axis.id, axis.name, bench.period, samples->second});
+    }
+  }
+  return axes;
+}
+
+/// @return such as "1.1 x".
+std::string both_names(const DrawnAxis& axis) {
+  return to_string(axis.id) + (axis.name.empty() ? "" : " " + escaped(axis.name));
+}
+
+/// @return the first axes for a message.
+std::string list_of(const std::vector<DrawnAxis>& axes) {
+  constexpr std::size_t kMostListed = 8;
+  std::string list;
+  for (const DrawnAxis& axis : axes) {
+    if (&axis - axes.data() == kMostListed) {
+      return list + " and " + std::to_string(axes.size() - kMostListed) + " more";
+    }
+    list += (list.empty() ? "" : ", ") + both_names(axis);
+  }
+  return list;
+}
+
+/// @param text such as 1.2, a name, or 1.lift
+bool is_called(const DrawnAxis& axis, const std::string& text) {
+  return text == to_string(axis.id) || text == axis.name ||
+         text == std::to_string(axis.id.bench) + "." + axis.name;
+}
+
+/// @param text what the user calls the axis; empty = the only one
+client::Result<DrawnAxis> choose_axis(const std::vector<DrawnAxis>& axes, const std::string& text,
+                                      const std::string& file) {
+  std::vector<DrawnAxis> chosen;
+  std::ranges::copy_if(axes, std::back_inserter(chosen), [&text](const DrawnAxis& axis) {
+    return text.empty() || is_called(axis, text);
+  });
+  if (chosen.size() == 1) return chosen.front();
+  if (chosen.empty()) {
+    return Outcome::not_found(in_quotes(file) + " has no axis " + in_quotes(text) + "; it has " +
+                              list_of(axes));
+  }
+  return Outcome::not_found(in_quotes(file) + " has " + counted(chosen.size(), "axis", "axes") +
+                            (text.empty() ? "" : " called " + in_quotes(text)) +
+                            "; choose one with --axis: " + list_of(chosen));
+}
+
+std::string seconds_text(Duration duration) {
+  return to_text(std::chrono::duration<double>(duration).count()) + " s";
+}
+
+/// @return the ticks of the picture's edges.
+client::Result<AxisSamples> edges_of(const DrawnAxis& axis, const PlotCommand& command,
+                                     const std::string& file) {
+  const auto period = static_cast<std::uint64_t>(axis.period.count());
+  const std::uint64_t ticks = axis.samples.last_tick - axis.samples.first_tick;
+  const auto nanoseconds = [](const Duration& duration) {
+    return static_cast<std::uint64_t>(duration.count());
+  };
+  const std::uint64_t begin = command.from ? (nanoseconds(*command.from) + period - 1) / period : 0;
+  const std::uint64_t end = command.to ? nanoseconds(*command.to) / period : ticks;
+  if (begin > ticks) {
+    return Outcome::failed("--from " + seconds_text(*command.from) + " is behind the end of " +
+                           in_quotes(file) + ": axis " + both_names(axis) + " has " +
+                           seconds_text(axis.period * static_cast<std::int64_t>(ticks)));
+  }
+  return AxisSamples{.first_tick = axis.samples.first_tick + begin,
+                     .last_tick = axis.samples.first_tick + std::min(end, ticks)};
+}
+
+/// What was drawn, for the last line.
+struct Drawn {
+  DrawnAxis axis;
+  AxisSamples edges;
+  std::uint64_t samples = 0;
+  std::uint64_t lost = 0;
+  std::uint64_t faults = 0;
+  std::string svg{};
+};
+
+/// @return the samples between the edges, reduced, and how many the recording lacks there.
+/// @throws RecordingError
+PlotTraces traces_of(Drawn& drawn, const PlotCommand& command, const std::string& file) {
+  PlotReduction reduction(command.columns, drawn.edges.first_tick, drawn.edges.last_tick,
+                          plot_bins(command.width, command.columns.size()));
+  (void)recording::read_recording(file, [&](const client::Observation& sample) {
+    for (const client::AxisSnapshot& axis : sample.axes) {
+      if (axis.id != drawn.axis.id) continue;
+      reduction.take(axis);
+      const bool is_inside =
+          axis.tick > drawn.edges.first_tick && axis.tick <= drawn.edges.last_tick;
+      if (is_inside) drawn.lost += sample.missed;
+    }
+  });
+  return std::move(reduction).finish();
+}
+
+std::string note_of(const Drawn& drawn, const PlotTraces& traces) {
+  std::string note = counted(drawn.samples, "sample", "samples") + " from tick " +
+                     std::to_string(drawn.edges.first_tick);
+  if (drawn.lost != 0) note += ", " + std::to_string(drawn.lost) + " lost";
+  if (traces.faults_left_out != 0) {
+    note += ", " + counted(traces.faults_left_out, "further fault", "further faults");
+  }
+  return note;
+}
+
+/// @throws RecordingError
+client::Result<Drawn> draw_axis(const PlotCommand& command, const Survey& survey,
+                                const std::string& file, const std::string& called) {
+  std::vector<DrawnAxis> axes = drawn_axes(survey);
+  if (axes.empty()) return Outcome::failed(in_quotes(called) + " has no sample to draw");
+  auto axis = choose_axis(axes, command.shown_axis, called);
+  if (!axis) return axis.outcome();
+  if (command.period) axis->period = *command.period;
+  if (axis->period.count() <= 0) {
+    return Outcome::failed(in_quotes(called) + ": the period of a tick of bench " +
+                           std::to_string(axis->id.bench) + " is not above 0");
+  }
+  const auto edges = edges_of(*axis, command, called);
+  if (!edges) return edges.outcome();
+  Drawn drawn{.axis = *axis, .edges = *edges};
+  const PlotTraces traces = traces_of(drawn, command, file);
+  if (traces.samples == 0) {
+    return Outcome::failed(in_quotes(called) + " has no sample of axis " + both_names(*axis) +
+                           " between --from and --to");
+  }
+  drawn.samples = traces.samples;
+  drawn.faults = traces.faults.size() + traces.faults_left_out;
+  drawn.svg = plot_svg(
+      traces, {.title = command.title.empty() ? "axis " + both_names(*axis) : command.title,
+               .note = note_of(drawn, traces),
+               .origin = axis->samples.first_tick,
+               .period = axis->period,
+               .width = command.width,
+               .height = command.height});
+  return drawn;
+}
+
+Json plot_json(const PlotCommand& command, const Drawn& drawn, const std::string& cut) {
+  Json columns = Json::array();
+  for (const PlotColumn& column : command.columns) columns.push_back(column.name);
+  return {{"file", command.picture},
+          {"axis", to_string(drawn.axis.id)},
+          {"name", drawn.axis.name},
+          {"from_tick", drawn.edges.first_tick},
+          {"to_tick", drawn.edges.last_tick},
+          {"samples", drawn.samples},
+          {"lost", drawn.lost},
+          {"faults", drawn.faults},
+          {"columns", std::move(columns)},
+          {"cut", cut.empty() ? Json(nullptr) : Json(cut)}};
+}
+
+void report_plot(const PlotCommand& command, const Drawn& drawn, const std::string& cut,
+                 const Output& output) {
+  // On standard output JSON would be a part of the picture.
+  if (output.is_json && command.picture != "-") {
+    output.terminal.print(to_line(plot_json(command, drawn, cut)));
+    return;
+  }
+  output.terminal.complain("vdrive: drew " + counted(drawn.samples, "sample", "samples") + " of " +
+                           both_names(drawn.axis) + " to " + in_quotes(command.picture));
+  if (!cut.empty()) {
+    output.terminal.complain("vdrive: " + in_quotes(command.source) + " is incomplete: " + cut +
+                             "; everything before was drawn");
+  }
+}
+
+/// @param file the recording
+Outcome draw_recording(const PlotCommand& command, const std::string& file, PictureSink& sink,
+                       const Output& output) {
+  try {
+    const Survey survey = survey_of(file);
+    const auto drawn = draw_axis(command, survey, file, command.source);
+    if (!drawn) return drawn.outcome();
+    sink.put(drawn->svg);
+    report_plot(command, *drawn, survey.contents.cut, output);
+    return {};
+  } catch (const RecordingError& error) {
+    return Outcome::failed(error.what());
+  }
+}
+
+/// Records the axis to a file that is not kept, and draws it.
+Outcome record_and_draw(const PlotCommand& command, CommandContext& context) {
+  const auto axis = context.axes.axis(command.source);
+  if (!axis) return axis.outcome();
+  auto bench = context.session.find_bench(axis->id().bench);
+  if (!bench) return bench.outcome();
+  try {
+    const ScratchDirectory scratch;
+    PictureSink sink(command.picture, context.output.terminal);
+    sink.open();
+    const RecordingChoice choice{.file = scratch.recording(),
+                                 .format = recording::Format::mcap,
+                                 .duration = command.duration};
+    Recorder recorder(context.session, context.output.terminal, choice);
+    Outcome recorded = recorder.record({ObservedBench{*std::move(bench), {*axis}}});
+    // What was recorded until an interrupt is drawn.
+    if (!recorded && !context.session.is_interrupted()) return recorded;
+    Outcome drawn = draw_recording(command, choice.file, sink, context.output);
+    return drawn ? std::move(recorded) : std::move(drawn);
+  } catch (const RecordingError& error) {
+    return Outcome::failed(error.what());
+  }
+}
+
+/// Whether `source` means a recording. An axis has neither such an ending nor a slash; a file may
+/// be called as an axis is.
+bool is_file(const PlotCommand& command) {
+  std::error_code error;
+  return recording::format_of(command.source) || command.source.find('/') != std::string::npos ||
+         (!command.duration && std::filesystem::exists(command.source, error));
+}
+
+void check_source(const PlotCommand& command) {
+  if (is_file(command)) {
+    static_cast<void>(format_of_file(command.source));
+    if (!command.duration) return;
+    throw UsageError("--for is for an axis, which is recorded first; " + in_quotes(command.source) +
+                     " is a recording: --from and --to choose a part");
+  }
+  if (!command.duration) {
+    throw UsageError(in_quotes(command.source) +
+                     " is no recording, .csv, .jsonl or .mcap; an axis is recorded first: say for "
+                     "how long, such as --for 2s");
+  }
+  if (command.duration->count() <= 0) throw UsageError("--for has to be above 0");
+  if (!command.shown_axis.empty()) {
+    throw UsageError("--axis is for a recording; " + in_quotes(command.source) + " is an axis");
+  }
+}
+
+void check_picture(const PlotCommand& command) {
+  if (command.picture != "-" && !command.picture.ends_with(".svg")) {
+    throw UsageError("--output: " + in_quotes(command.picture) +
+                     " does not end in .svg; - is standard output");
+  }
+  const std::size_t panels = count_panels(command.columns);
+  const std::uint32_t least = smallest_plot_height(panels);
+  if (command.height != 0 && command.height < least) {
+    throw UsageError("--height " + std::to_string(command.height) + " is too low for " +
+                     counted(panels, "panel", "panels") + ": give " + std::to_string(least) +
+                     " or more, or fewer --columns");
+  }
+  if (command.from && command.to && *command.from >= *command.to) {
+    throw UsageError("--from " + seconds_text(*command.from) + " has to be below --to " +
+                     seconds_text(*command.to));
+  }
+}
+
+std::uint32_t parse_side(const std::string& text, const std::string& option, std::uint32_t least) {
+  const auto side = vdrive::parse_digits<std::uint32_t>(text);
+  if (side && *side >= least && *side <= kLargestPlotSide) return *side;
+  throw UsageError(option + ": " + in_quotes(text) + " is no size: write " + std::to_string(least) +
+                   " to " + std::to_string(kLargestPlotSide) + " pixels");
+}
+
+}  // namespace
+
+void PlotCommand::declare(Arguments& arguments) {
+  columns = usual_plot_columns();
+  arguments
+      .positional(
+          "SOURCE", source,
+          "The recording: .csv, .jsonl or .mcap; or an axis, which is recorded --for a time")
+      .required()
+      .completed_by(complete_axis);
+  arguments.option("-o,--output", "FILE", picture, "The picture: .svg, or - for standard output")
+      .required();
+  arguments.option("--axis", "AXIS", shown_axis,
+                   "Draw this axis of the recording; default: the only one");
+  arguments
+      .option("--columns", "NAMES", columns,
+              "Draw these columns, with commas between them; default: position and velocity with "
+              "their demand, torque, following error",
+              parse_plot_columns)
+      .completed_by(complete_one_of(names_of_plot_columns()));
+  arguments.option("--from", "T", from, "Begin at this drive time of the recording",
+                   parse_duration);
+  arguments.option("--to", "T", to, "End at this drive time of the recording", parse_duration);
+  arguments.option("--for", "T", duration, "Record the axis for this drive time", parse_duration);
+  arguments.option("--period", "T", period,
+                   "Drive time of a tick, where FILE has no such time; default: 1ms",
+                   [this](const std::string& text) {
+                     return parse_period(text, source);
+                   });
+  arguments.option("--width", "PX", width, "Default: 960", [](const std::string& text) {
+    return parse_side(text, "--width", kSmallestPlotWidth);
+  });
+  arguments.option("--height", "PX", height, "Default: by the number of panels",
+                   [](const std::string& text) {
+                     return parse_side(text, "--height", 1);
+                   });
+  arguments.option("--title", "TEXT", title, "Default: the axis");
+  arguments.then([this] {
+    check_source(*this);
+    check_picture(*this);
+  });
+}
+
+Outcome PlotCommand::run(CommandContext& context) const {
+  if (duration) return record_and_draw(*this, context);
+  PictureSink sink(picture, context.output.terminal);
+  return draw_recording(*this, source, sink, context.output);
+}
+
+ExitCode PlotCommand::start(const Program& program) const {
+  const Output output{program.terminal, program.options.json, false};
+  if (duration) {
+    return run_connected(program, program.options, [&](client::Session& session) {
+      CommandContext context(session, output, program.commands);
+      return context.axes.named(run(context));
+    });
+  }
+  PictureSink sink(picture, program.terminal);
+  return finish(draw_recording(*this, source, sink, output), Interrupt(), program.options.json,
+                program.terminal);
+}
+
+extern const CommandRow kPlot =
+    row_of<PlotCommand>({.name = "plot",
+                         .summary = "Draw an axis of a recording as a picture (SVG)",
+                         .example = "plot move.csv --axis 1.1 -o move.svg\n"
+                                    "  vdrive plot 1.1 --for 2s -o now.svg",
+                         .deepest = Place::shell});
+
+}  // namespace vdrive::tool

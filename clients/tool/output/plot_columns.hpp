@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/axis_status.hpp"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::tool {
+
+/// One column of a recording as a curve.
+struct PlotColumn {
+  const StatusMember* member = nullptr;
+  std::string name;          ///< in recordings: a variable_name, or that of a counter
+  std::string label;         ///< in the legend, such as "demand 6062h"
+  std::string_view panel{};  ///< title of the panel that it shares, such as "position [UU]"
+  double size = 1.0;         ///< of 1 in the recording, in the unit of the panel
+};
+
+/// @return position and velocity with their demand, torque and following error.
+[[nodiscard]] std::vector<PlotColumn> usual_plot_columns();
+
+/// @param text names with commas between them: those of a recording, or names and addresses of
+/// their
+///        objects as every command takes them
+/// @return each column once, in this order.
+/// @throws UsageError for a name that no column has, with the nearest one, or with all
+[[nodiscard]] std::vector<PlotColumn> parse_plot_columns(std::string_view text);
+
+/// @return the names of all columns that can be drawn.
+[[nodiscard]] std::vector<std::string> names_of_plot_columns();
+
+}  // namespace vdrive::tool
