@@ -72,6 +72,7 @@ TEST(Completion, OffersObjectsDisturbancesAndValues) {
   EXPECT_THAT(offers({"expect", "1.1", "position", ">"}), ElementsAre(">", ">="));
   EXPECT_THAT(offers({"wait", "1.1", "target_r"}), Contains("target_reached"));
   EXPECT_THAT(offers({"dictionary", "--format", "c"}), ElementsAre("csv"));
+  EXPECT_THAT(offers({"plot", "a.csv", "--columns", "torque_d"}), ElementsAre("torque_demand"));
   EXPECT_THAT(offers({"snapshot", "r"}), ElementsAre("restore"));
   EXPECT_THAT(offers({"snapshot", "l"}), ElementsAre("list"));
   EXPECT_THAT(offers({"completion", ""}), ElementsAre("bash", "fish", "zsh"));

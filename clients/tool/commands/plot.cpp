@@ -141,11 +141,11 @@ std::string both_names(const DrawnAxis& axis) {
 std::string list_of(const std::vector<DrawnAxis>& axes) {
   constexpr std::size_t kMostListed = 8;
   std::string list;
-  for (const DrawnAxis& axis : axes) {
-    if (&axis - axes.data() == kMostListed) {
-      return list + " and " + std::to_string(axes.size() - kMostListed) + " more";
-    }
-    list += (list.empty() ? "" : ", ") + both_names(axis);
+  for (std::size_t i = 0; i < std::min(axes.size(), kMostListed); ++i) {
+    list += (i == 0 ? "" : ", ") + both_names(axes[i]);
+  }
+  if (axes.size() > kMostListed) {
+    list += " and " + std::to_string(axes.size() - kMostListed) + " more";
   }
   return list;
 }

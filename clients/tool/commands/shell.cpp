@@ -12,9 +12,10 @@ namespace vdrive::tool {
 namespace {
 
 constexpr std::string_view kShellHelp =
-    R"(Commands are those of a scenario, and watch, events, record and run, without 'vdrive'. The session
-keeps the axes that it commands until the shell ends: at 'exit', 'quit', Ctrl-D or the end of the
-input. 'help' lists the commands, 'help move' explains one. Tab completes, the arrow keys find earlier lines, Ctrl-C ends the command that runs.
+    R"(Commands are those of a scenario, and watch, events, record, plot and run, without 'vdrive'. The
+session keeps the axes that it commands until the shell ends: at 'exit', 'quit', Ctrl-D or the end of
+the input. 'help' lists the commands, 'help move' explains one. Tab completes, the arrow keys find
+earlier lines, Ctrl-C ends the command that runs.
 
 Example:
   vdrive shell

@@ -56,11 +56,13 @@ inline constexpr std::string_view kExamples =
   vdrive home 1.1 --method 37              home is here
   vdrive velocity 1.1 180deg/s             runs on; velocity 1.1 0 stops
   vdrive jog 1.1 90deg/s                   until Enter or Ctrl-C
+  vdrive describe 1.1                      state, last fault, model, changed objects
   vdrive watch 1.1                         live, in a second terminal
   vdrive quick-stop 1.1                    from any terminal; vdrive stop stops all axes
   vdrive read 1.1 0x6041 position_demand_value
   vdrive write 1.1 0x607A 0xFFFFD8F0       -10000 as hex
   vdrive record move.csv 1.1 --for 5s      the status stream, one row per tick
+  vdrive plot move.csv -o move.svg         a recording as a picture
   vdrive disturb 1.1 blocked_load --for 500ms
   vdrive rate 0                            pause a realtime bench; rate 1 continues
   vdrive wait 1.1 target_reached --timeout 5s

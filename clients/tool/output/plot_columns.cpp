@@ -113,6 +113,7 @@ const PlotColumn& column_spelled(const std::string& text) {
 
 std::vector<PlotColumn> usual_plot_columns() {
   std::vector<PlotColumn> columns;
+  columns.reserve(kUsualCurves.size());
   for (const std::string_view name : kUsualCurves) columns.push_back(*column_named(name));
   return columns;
 }
@@ -132,6 +133,7 @@ std::vector<PlotColumn> parse_plot_columns(std::string_view text) {
 
 std::vector<std::string> names_of_plot_columns() {
   std::vector<std::string> names;
+  names.reserve(all_plot_columns().size());
   for (const PlotColumn& column : all_plot_columns()) names.push_back(column.name);
   return names;
 }

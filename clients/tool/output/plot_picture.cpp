@@ -223,10 +223,10 @@ class Picture {
   [[nodiscard]] std::string draw() {
     const std::string width = pixels_text(width_);
     const std::string height = pixels_text(height_);
-    svg_ = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
-           "\" viewBox=\"0 0 " + width + " " + height + "\">\n<title>" + xml_text(face_.title) +
+    svg_ = R"(<svg xmlns="http://www.w3.org/2000/svg" width=")" + width + R"(" height=")" + height +
+           R"(" viewBox="0 0 )" + width + " " + height + "\">\n<title>" + xml_text(face_.title) +
            "</title>\n" + std::string(kStyle);
-    svg_ += "<rect class=\"p\" width=\"" + width + "\" height=\"" + height + "\" rx=\"6\"/>\n";
+    svg_ += R"(<rect class="p" width=")" + width + R"(" height=")" + height + "\" rx=\"6\"/>\n";
     svg_ += text_at(kLeft, 22.0, "t", face_.title);
     svg_ += text_at(kLeft, 41.0, "n", face_.note);
     draw_band();
