@@ -20,14 +20,14 @@ namespace {
 // Of the picture [px].
 constexpr double kLeft = 80.0;
 constexpr double kRight = 16.0;
-constexpr double kBandTop = 52.0;
+constexpr double kBandTop = 68.0;
 constexpr double kBandHeight = 16.0;
-constexpr double kHead = 76.0;        // title, note and band
+constexpr double kHead = 92.0;        // title, note, names of faults and band
 constexpr double kFoot = 42.0;        // times
 constexpr double kPanelTitle = 30.0;  // above each panel
 constexpr double kUsualPanel = 120.0;
 constexpr double kSmallestPanel = 40.0;
-constexpr double kLetter = 6.2;  // width of a letter of the small font, about
+constexpr double kLetter = 6.8;  // width of a letter of the small font, about
 
 constexpr std::size_t kMostBins = 2'000;
 constexpr std::size_t kMostPoints = 8'000;  // bins of all curves; two points of 13 bytes each
@@ -41,15 +41,15 @@ text{font:12px system-ui,sans-serif;fill:#24292f}
 .t{font-size:14px;font-weight:600}.h{font-weight:600}.n{font-size:11px;fill:#57606a}
 .p{fill:#fff}.f{fill:none;stroke:#8c959f}.g{fill:none;stroke:#d8dee4}
 .c{fill:none;stroke-width:1.4;stroke-linejoin:round}.w{stroke-width:3}
-.c0{stroke:#54aeff}.c1{stroke:#bc4c00}.c2{stroke:#1a7f37}
+.c0{stroke:#3b8eea}.c1{stroke:#bc4c00}.c2{stroke:#1a7f37}
 .e{fill:none;stroke:#cf222e;stroke-dasharray:4 3}
-.m{font-size:11px;fill:#cf222e;stroke:#fff;stroke-width:3;paint-order:stroke}
+.m{font-size:11px;fill:#cf222e}
 .s0{fill:#d0d7de}.s1{fill:#aceebb}.s2{fill:#fae17d}.s3{fill:#ffaba8}.s{font-size:10px}
 @media (prefers-color-scheme:dark){
 text{fill:#e6edf3}.n{fill:#9198a1}
 .p{fill:#0d1117}.f{stroke:#656c76}.g{stroke:#2a313c}
-.c0{stroke:#1f6feb}.c1{stroke:#f0883e}.c2{stroke:#3fb950}
-.e{stroke:#f85149}.m{fill:#ff7b72;stroke:#0d1117}
+.c0{stroke:#388bfd}.c1{stroke:#f0883e}.c2{stroke:#3fb950}
+.e{stroke:#f85149}.m{fill:#ff7b72}
 .s0{fill:#3d444d}.s1{fill:#196c2e}.s2{fill:#7d5e00}.s3{fill:#b62324}
 }
 </style>
@@ -281,7 +281,7 @@ class Picture {
   }
 
   void draw_panel(const Panel& panel, double top) {
-    constexpr double kPixelsATick = 30.0;
+    constexpr double kPixelsATick = 24.0;
     const Limits limits = limits_of(panel);
     const auto y_of = [&](double value) {
       return top + panel_height_ * (limits.high - value) / (limits.high - limits.low);
@@ -370,7 +370,7 @@ class Picture {
                     "drive time [" + std::string(time_unit().name) + "]", "middle");
   }
 
-  /// A line through all panels; its text where it covers no other one.
+  /// A line through all panels, and its text above the band where it covers no other one.
   void draw_faults() {
     double free_from = 0.0;
     for (const PlotFault& fault : traces_.faults) {
@@ -384,7 +384,7 @@ class Picture {
       const double begin = is_left ? x - width : x;
       if (begin < free_from) continue;
       free_from = begin + width;
-      svg_ += text_at(is_left ? x - 4.0 : x + 4.0, top_of(0) + 13.0, "m", text,
+      svg_ += text_at(is_left ? x - 4.0 : x + 4.0, kBandTop - 5.0, "m", text,
                       is_left ? "end" : "start");
     }
   }
