@@ -449,6 +449,7 @@ ExitCode PlotCommand::start(const Program& program) const {
 
 extern const CommandRow kPlot =
     row_of<PlotCommand>({.name = "plot",
+                         .group = CommandGroup::recordings,
                          .summary = "Draw an axis of a recording as a picture (SVG)",
                          .example = "plot move.csv --axis 1.1 -o move.svg\n"
                                     "  vdrive plot 1.1 --for 2s -o now.svg",
