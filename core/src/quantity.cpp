@@ -15,7 +15,7 @@ namespace vdrive {
 namespace {
 
 constexpr double kSecondsAMinute = 60.0;
-constexpr std::string_view kUserUnit = "UU";
+constexpr std::string_view kUserUnitName = "UU";
 constexpr std::string_view kTurnsAMinute = "rpm";
 
 /// How a dimension is called and written.
@@ -55,7 +55,7 @@ const DimensionWords& words_of(Dimension dimension) {
 /// @return the unit of the position behind the number.
 std::string unit_of(std::string_view suffix, std::string_view text, Dimension dimension) {
   suffix.remove_prefix(std::min(suffix.find_first_not_of(' '), suffix.size()));
-  if (suffix.empty()) return std::string(kUserUnit);
+  if (suffix.empty()) return std::string(kUserUnitName);
   if (dimension == Dimension::velocity && suffix == kTurnsAMinute) return std::string(suffix);
   const auto& endings = words_of(dimension).endings;
   const auto ending = std::ranges::find_if(endings, [suffix](std::string_view each) {
@@ -94,7 +94,7 @@ std::string list_of_units(Dimension dimension, const Unit& unit) {
   for (const std::string& name : units_of(unit)) list += escaped(name) + ending + ", ";
   const bool has_turns = dimension == Dimension::velocity && unit.kind == UnitKind::rotary;
   if (has_turns) list.append(kTurnsAMinute).append(", ");
-  return list.append(kUserUnit).append(ending);
+  return list.append(kUserUnitName).append(ending);
 }
 
 std::string_view unit_ending(Dimension dimension) noexcept {

@@ -136,7 +136,7 @@ TEST(Services, HaveNamesTypesAndSchemas) {
     EXPECT_EQ(service.request_schema["type"], "object") << service.name;
     EXPECT_EQ(service.response_schema["required"], Json({"ok", "outcome", "message", "code"}));
   }
-  EXPECT_EQ(names.size(), 22U);
+  EXPECT_EQ(names.size(), 23U);
 }
 
 TEST(Services, AnswerWithTheOutcomesOfTheClientLibrary) {

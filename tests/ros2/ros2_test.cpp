@@ -331,7 +331,7 @@ TEST(Ros2Control, IsTakenForAllAxesOrForNone) {
   EXPECT_TRUE(stepper.step_until([&] {
     return is_enabled(session, "1.1") && is_enabled(session, "1.2");
   }));
-  EXPECT_THAT(peer.log(), HasSubstr("takes control: its axes are free of session"));
+  EXPECT_THAT(peer.log(), HasSubstr("takes control: its axes are free of ros2_test (process "));
 }
 
 // In realtime the session keeps its axes alive: only a release frees them.

@@ -143,6 +143,7 @@ TEST_F(BothWires, GiveTheSameMessagesOfScenariosThatFail) {
 constexpr const char* kEveryCommand =
     "list\n"
     "status\n"
+    "describe 1.2\n"
     "rate\n"
     "dictionary 0x6041\n"
     "snapshot take\n"

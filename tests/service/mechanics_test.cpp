@@ -22,13 +22,13 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-Configuration bench_of(const std::string& text) {
+Configuration bench_in(const std::string& text) {
   return parse_configuration(text, "bench.yaml");
 }
 
 /// @return the axis of a bench with one; `rest` has its other keys.
 NamedAxis axis_with(const std::string& mechanics, const std::string& rest = "") {
-  return bench_of("axes:\n  - number: 1\n    mechanics: " + mechanics + "\n" + rest).axes.front();
+  return bench_in("axes:\n  - number: 1\n    mechanics: " + mechanics + "\n" + rest).axes.front();
 }
 
 std::string refusal_of_mechanics(const std::string& mechanics, const std::string& rest = "") {
@@ -96,7 +96,7 @@ TEST(Mechanics, LetParametersBeWrittenInUnits) {
 }
 
 TEST(Mechanics, ReadTheirKeysInAnyOrder) {
-  const NamedAxis axis = bench_of(
+  const NamedAxis axis = bench_in(
                              "axes:\n"
                              "  - parameters: {profile_velocity: 5mm/s}\n"
                              "    initial_position: 5mm\n"
@@ -110,8 +110,8 @@ TEST(Mechanics, ReadTheirKeysInAnyOrder) {
 
 TEST(Mechanics, ArePrintedAsWhatFollowsFromThem) {
   const Configuration read =
-      bench_of("axes: [{number: 1, mechanics: {belt: {diameter: 40mm}, gear: 3:1}}]");
-  const Configuration again = bench_of(to_yaml(read));
+      bench_in("axes: [{number: 1, mechanics: {belt: {diameter: 40mm}, gear: 3:1}}]");
+  const Configuration again = bench_in(to_yaml(read));
   EXPECT_EQ(again.axes[0].unit, read.axes[0].unit);
   EXPECT_EQ(to_yaml(again), to_yaml(read));
   EXPECT_EQ(value_at_start(again.axes[0].configuration, "app_speed_limit"_object), 45'511);
@@ -190,7 +190,7 @@ TEST(Mechanics, NameTheUnitsOfTheAxisWhereAnotherOneIsWritten) {
 
 // The default axis: 2000 rpm are 12000 deg/s, but 607Fh = 136533 UU/s cuts the last 0.03 deg/s.
 TEST(Mechanics, AreATableWithALineForAxesThatAreAlike) {
-  const Configuration bench = bench_of(
+  const Configuration bench = bench_in(
       "axes:\n"
       "  - {number: 1, mechanics: &screw {screw: {pitch: 5mm}, gear: 10:1, software_limit: [-10mm, "
       "300mm]}}\n"
@@ -209,15 +209,15 @@ TEST(Mechanics, AreATableWithALineForAxesThatAreAlike) {
 
 TEST(Mechanics, AreAdvisedWhereAUnitContradictsTheDrive) {
   EXPECT_THAT(
-      start_warnings(bench_of("axes: [{number: 1, unit: {kind: rotary, per_revolution: 36000}}]")),
+      start_warnings(bench_in("axes: [{number: 1, unit: {kind: rotary, per_revolution: 36000}}]")),
       ElementsAre(
           "axis 1 axis1: unit says per_revolution = 36000, but a revolution of the load has "
           "4096 user units: every angle is shown wrong; write mechanics: {rotary_table: "
           "deg} instead of unit"));
-  EXPECT_THAT(start_warnings(bench_of("axes: [{number: 1, mechanics: {rotary_table: deg}}]")),
+  EXPECT_THAT(start_warnings(bench_in("axes: [{number: 1, mechanics: {rotary_table: deg}}]")),
               IsEmpty());
   EXPECT_THAT(start_warnings(
-                  bench_of("axes: [{number: 1, mechanics: {rotary_table: rev, gear: 5:1}, model: "
+                  bench_in("axes: [{number: 1, mechanics: {rotary_table: rev, gear: 5:1}, model: "
                            "{feedback: single_encoder}}]")),
               IsEmpty());
 }
@@ -226,11 +226,11 @@ TEST(Mechanics, AreAdvisedWhereAUnitContradictsTheDrive) {
 TEST(Mechanics, WarnOfASpeedLimitThatTheMotorDoesNotReach) {
   const std::string axis =
       "axes: [{number: 1, parameters: {gear_ratio_denominator: 10, app_speed_limit: ";
-  EXPECT_THAT(start_warnings(bench_of(axis + "13654}}]")),
+  EXPECT_THAT(start_warnings(bench_in(axis + "13654}}]")),
               ElementsAre("axis 1 axis1: app_speed_limit = 13654 is above the 13653 UU/s at which "
                           "the motor turns at motor_max_speed_rpm (6080h) = 2000: the lower one "
                           "holds"));
-  EXPECT_THAT(start_warnings(bench_of(axis + "13653}}]")), IsEmpty());
+  EXPECT_THAT(start_warnings(bench_in(axis + "13653}}]")), IsEmpty());
 }
 
 }  // namespace

@@ -86,7 +86,7 @@ TEST(AxisDescription, SaysThatTheTickOfAnOldFaultIsNotKept) {
   reading_of(readings, kNewestError).value = 0x2310;
   const AxisDescription described{kBench, axis, status, readings};
   EXPECT_THAT(description_text(described),
-              Contains("  last fault  0x2310 continuous over current, in a tick that the bench "
+              Contains("  last fault  0x2310 continuous over-current, in a tick that the bench "
                        "does not keep, reset"));
   EXPECT_TRUE(description_json(described)["fault"]["tick"].is_null());
 }

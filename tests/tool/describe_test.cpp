@@ -77,7 +77,7 @@ TEST_F(Describe, ListsAnObjectWhileItDiffersFromItsDefault) {
   EXPECT_THAT(objects_called(description_of("1.1"), "profile_velocity"), IsEmpty());
 }
 
-// 2310h is continuous over current.
+// 2310h is continuous over-current.
 TEST_F(Describe, ShowsTheLastFaultWithTheTickOfItsEvent) {
   EXPECT_TRUE(description_of("1.1")["fault"].is_null());
   ASSERT_EQ(call("run -", "enable 1.1\ndisturb 1.1 over_current\nwait 5ms\n").code, 0);
@@ -88,7 +88,7 @@ TEST_F(Describe, ShowsTheLastFaultWithTheTickOfItsEvent) {
   ASSERT_THAT(faults, SizeIs(1));
   const Json present = description_of("1.1")["fault"];
   EXPECT_EQ(present, (Json{{"code", 0x2310},
-                           {"name", "continuous over current"},
+                           {"name", "continuous over-current"},
                            {"is_present", true},
                            {"tick", faults[0]["tick"]}}));
   // While the cause persists the drive refuses the reset.
@@ -96,7 +96,7 @@ TEST_F(Describe, ShowsTheLastFaultWithTheTickOfItsEvent) {
   ASSERT_EQ(call("reset 1.1").code, 0);
   EXPECT_EQ(description_of("1.1")["fault"]["is_present"], false);
   EXPECT_THAT(call("describe 1.1").output,
-              AllOf(HasSubstr("last fault  0x2310 continuous over current in tick " +
+              AllOf(HasSubstr("last fault  0x2310 continuous over-current in tick " +
                               faults[0]["tick"].dump() + ", reset"),
                     HasSubstr("faults      1 since power-up")));
 }

@@ -34,7 +34,7 @@ auto has_row(const std::string& begin, const std::string& end = "") {
   };
 }
 
-std::string rows_of(const PseudoTerminal& terminal) {
+std::string rows_on(const PseudoTerminal& terminal) {
   return "screen:\n" + testing::PrintToString(terminal.screen().rows());
 }
 
@@ -45,10 +45,10 @@ class ProgressOnATerminal : public testing::Test {
 
   static void expect_no_progress(const PseudoTerminal& terminal) {
     EXPECT_THAT(terminal.screen().rows(), Not(Contains(HasSubstr("axis 1.1: "))))
-        << rows_of(terminal);
+        << rows_on(terminal);
     EXPECT_THAT(terminal.screen().unknown(), IsEmpty());
-    EXPECT_EQ(terminal.screen().wrapped(), 0U) << rows_of(terminal);
-    EXPECT_EQ(terminal.screen().scrolled(), 0U) << rows_of(terminal);
+    EXPECT_EQ(terminal.screen().wrapped(), 0U) << rows_on(terminal);
+    EXPECT_EQ(terminal.screen().scrolled(), 0U) << rows_on(terminal);
   }
 
  private:
@@ -58,13 +58,13 @@ class ProgressOnATerminal : public testing::Test {
 // 40,000 UU at 10,000 UU/s take 4 s: a second without a line, then three with one.
 TEST_F(ProgressOnATerminal, OfAMoveIsOneLineThatIsRewrittenAndRemoved) {
   PseudoTerminal move(kRowsOfProgress, 100, "move 1.1 40000 --velocity 10000");
-  ASSERT_TRUE(move.wait_until(has_row("axis 1.1: at ", " s more"))) << rows_of(move);
+  ASSERT_TRUE(move.wait_until(has_row("axis 1.1: at ", " s more"))) << rows_on(move);
   EXPECT_THAT(move.screen().rows(), Contains(HasSubstr(" of 40000 at 10000 UU/s, some ")));
   const std::vector<std::string> before = move.screen().rows();
   ASSERT_TRUE(move.wait_until([&before](const Screen& screen) {
     return has_row("axis 1.1: at ")(screen) && screen.rows() != before;
   })) << "it is rewritten";
-  EXPECT_EQ(move.wait(), 0) << rows_of(move);
+  EXPECT_EQ(move.wait(), 0) << rows_on(move);
   expect_no_progress(move);
   EXPECT_THAT(move.screen().rows(),
               Contains(AllOf(HasSubstr("1.1 "), HasSubstr("target reached"))));
@@ -72,22 +72,22 @@ TEST_F(ProgressOnATerminal, OfAMoveIsOneLineThatIsRewrittenAndRemoved) {
 
 TEST_F(ProgressOnATerminal, IsCutToTheWidthOfTheTerminal) {
   PseudoTerminal wait(kRowsOfProgress, 20, "wait 1.1 fault --timeout 3s");
-  ASSERT_TRUE(wait.wait_until(has_row("axis 1.1: waiting.."))) << rows_of(wait);
-  EXPECT_EQ(wait.screen().wrapped(), 0U) << rows_of(wait);
+  ASSERT_TRUE(wait.wait_until(has_row("axis 1.1: waiting.."))) << rows_on(wait);
+  EXPECT_EQ(wait.screen().wrapped(), 0U) << rows_on(wait);
 }
 
 TEST_F(ProgressOnATerminal, OfAWaitNamesWhatItWaitsFor) {
   PseudoTerminal wait(kRowsOfProgress, 120, "wait 1.1 position > 5 --timeout 3s");
   EXPECT_TRUE(wait.wait_until(has_row("axis 1.1: waiting for position > 5, at 0, 0 UU/s")))
-      << rows_of(wait);
-  EXPECT_EQ(wait.wait(), 4) << rows_of(wait);
+      << rows_on(wait);
+  EXPECT_EQ(wait.wait(), 4) << rows_on(wait);
   PseudoTerminal condition(kRowsOfProgress, 120, "wait 1.1 fault --timeout 3s");
   EXPECT_TRUE(
       condition.wait_until(has_row("axis 1.1: waiting for fault, at 0, 0 UU/s, Operation enabled")))
-      << rows_of(condition);
+      << rows_on(condition);
   PseudoTerminal time(kRowsOfProgress, 120, "wait 3s");
   EXPECT_TRUE(time.wait_until(has_row("bench 1: waiting for 3 s of drive time: ")))
-      << rows_of(time);
+      << rows_on(time);
   EXPECT_EQ(time.wait(), 0);
 }
 
@@ -95,26 +95,27 @@ TEST_F(ProgressOnATerminal, OfAnExpectationNamesWhatIsChecked) {
   PseudoTerminal expect(kRowsOfProgress, 120,
                         "expect 1.1 position == 0 --tolerance 2 --throughout 3s");
   EXPECT_TRUE(expect.wait_until(has_row("axis 1.1: checking position 0 +- 2, at 0")))
-      << rows_of(expect);
+      << rows_on(expect);
 }
 
 // The first axis brakes at 2,000 UU/s2 from 10,000 UU/s: 5 s; the second one rests already.
 TEST_F(ProgressOnATerminal, OfSeveralAxesCountsThoseThatAreDone) {
   ASSERT_EQ(tool("enable 1.2").code, 0);
+  ASSERT_EQ(tool("move 1.2 10").code, 0);
   ASSERT_EQ(tool("velocity 1.1 10000 --deceleration 2000").code, 0);
   PseudoTerminal halt(kRowsOfProgress, 100, "halt --all --wait");
-  EXPECT_TRUE(halt.wait_until(has_row("halt: 1 of 2 axes"))) << rows_of(halt);
-  EXPECT_EQ(halt.wait(), 0) << rows_of(halt);
-  EXPECT_FALSE(has_row("halt: ")(halt.screen())) << rows_of(halt);
+  EXPECT_TRUE(halt.wait_until(has_row("halt: 1 of 2 axes"))) << rows_on(halt);
+  EXPECT_EQ(halt.wait(), 0) << rows_on(halt);
+  EXPECT_FALSE(has_row("halt: ")(halt.screen())) << rows_on(halt);
 }
 
 TEST_F(ProgressOnATerminal, OfARecordingCountsSamples) {
   const TemporaryDirectory directory;
   const std::string file = directory.path() / "a.csv";
   PseudoTerminal record(kRowsOfProgress, 100, "record " + file + " 1.1 --for 3s");
-  EXPECT_TRUE(record.wait_until(has_row("recorded ", " %"))) << rows_of(record);
-  EXPECT_EQ(record.wait(), 0) << rows_of(record);
-  EXPECT_FALSE(has_row("recorded ")(record.screen())) << rows_of(record);
+  EXPECT_TRUE(record.wait_until(has_row("recorded ", " %"))) << rows_on(record);
+  EXPECT_EQ(record.wait(), 0) << rows_on(record);
+  EXPECT_FALSE(has_row("recorded ")(record.screen())) << rows_on(record);
 }
 
 TEST_F(ProgressOnATerminal, IsNotShownWithJsonOnADumbTerminalOrInAPipe) {
@@ -131,10 +132,10 @@ TEST_F(ProgressOnATerminal, IsNotShownWithJsonOnADumbTerminalOrInAPipe) {
 
 TEST_F(ProgressOnATerminal, IsRemovedWhenTheCommandIsInterrupted) {
   PseudoTerminal move(kRowsOfProgress, 100, "move 1.1 400000 --velocity 10000");
-  ASSERT_TRUE(move.wait_until(has_row("axis 1.1: at "))) << rows_of(move);
+  ASSERT_TRUE(move.wait_until(has_row("axis 1.1: at "))) << rows_on(move);
   move.interrupt();
   EXPECT_EQ(move.wait(), 130);
-  EXPECT_FALSE(has_row("axis 1.1: at ")(move.screen())) << rows_of(move);
+  EXPECT_FALSE(has_row("axis 1.1: at ")(move.screen())) << rows_on(move);
 }
 
 TEST_F(ProgressOnATerminal, OfACommandThatEndsWithinASecondIsNotThere) {

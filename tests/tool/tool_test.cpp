@@ -86,8 +86,9 @@ TEST_F(ToolInLockStep, EveryCommandPrintsTheDocumentedJson) {
     const auto objects = json_of(call(words + " --json"));
     return objects.empty() ? std::vector<std::string>{} : keys(objects.front());
   };
-  EXPECT_THAT(fields("list"), ElementsAre("axis", "bench", "bench_name", "clock", "period_us",
-                                          "name", "state", "statusword", "owner", "tick"));
+  EXPECT_THAT(fields("list"),
+              ElementsAre("axis", "bench", "bench_name", "clock", "period_us", "name", "state",
+                          "statusword", "owner", "owner_name", "tick"));
   EXPECT_THAT(fields("enable 1.1"),
               ElementsAre("axis", "command", "outcome", "tick", "state", "statusword", "position"));
   EXPECT_THAT(fields("move 1.1 10"),

@@ -304,7 +304,7 @@ std::vector<std::size_t> axes_in(const AxisBank& bank, const py::object& axes) {
 }
 
 /// @return where `value` is outside of the object's limits these, else nothing.
-std::string limits_text(ObjectAddress object, std::int64_t value) {
+std::string limits_of_object(ObjectAddress object, std::int64_t value) {
   const auto row = find_object(object);
   if (!row) return "";
   const ObjectDescription& description = vdrive::describe(*row);
@@ -321,7 +321,7 @@ void write_one(AxisBank& bank, std::size_t axis, ObjectAddress object, std::int6
   raise(client::Outcome::refused(wire_code(code), "write of " + std::to_string(value) + " to " +
                                                       object_text(object) + " of axis " +
                                                       std::to_string(axis) + " refused" +
-                                                      limits_text(object, value)));
+                                                      limits_of_object(object, value)));
 }
 
 std::int64_t read_one(const AxisBank& bank, std::size_t axis, ObjectAddress object) {

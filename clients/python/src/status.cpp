@@ -107,7 +107,7 @@ std::byte* put(std::byte* place, const void* bytes, std::size_t size) {
 }
 
 /// Copies what put() has written. @return the place behind it.
-const std::byte* get(const std::byte* place, void* bytes, std::size_t size) {
+const std::byte* take_bytes(const std::byte* place, void* bytes, std::size_t size) {
   std::memcpy(bytes, place, size);
   return place + size;  // NOLINT(*-pointer-arithmetic): the records lie behind each other
 }
@@ -147,12 +147,12 @@ class RecordLayout {
   /// What write() has written. @return the place behind the record.
   static const std::byte* read(const std::byte* place, AxisSnapshot& axis, std::uint64_t& missed) {
     const auto image = std::as_writable_bytes(std::span(&axis.status, 1));
-    place = get(place, &axis.tick, sizeof axis.tick);
-    place = get(place, &missed, sizeof missed);
-    place = get(place, image.data(), kBefore);
-    place = get(place, image.last<kBehind>().data(), kBehind);
-    place = get(place, &axis.owner_session, sizeof axis.owner_session);
-    return get(place, &axis.owner_epoch, sizeof axis.owner_epoch);
+    place = take_bytes(place, &axis.tick, sizeof axis.tick);
+    place = take_bytes(place, &missed, sizeof missed);
+    place = take_bytes(place, image.data(), kBefore);
+    place = take_bytes(place, image.last<kBehind>().data(), kBehind);
+    place = take_bytes(place, &axis.owner_session, sizeof axis.owner_session);
+    return take_bytes(place, &axis.owner_epoch, sizeof axis.owner_epoch);
   }
 
  private:
@@ -351,7 +351,7 @@ py::array Frames::take(std::size_t most) {
                                        static_cast<py::ssize_t>(axes_)};
   // The array has the records where they lie, and ends them.
   const std::byte* const first = taken->data();
-  const py::capsule owner(taken.get(), [](void* records) {
+  const py::capsule owner(taken.take_bytes(), [](void* records) {
     // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): released below
     delete static_cast<std::vector<std::byte>*>(records);
   });

@@ -23,7 +23,8 @@ namespace vdrive {
 [[nodiscard]] std::string suggestion(std::string_view text,
                                      const std::vector<std::string>& candidates);
 
-/// @return `text` with `prefix` before each of its lines: a program says so which lines are its own.
+/// @return `text` with `prefix` before each of its lines: a program says so which lines are its
+/// own.
 [[nodiscard]] std::string prefixed_lines(std::string_view prefix, std::string_view text);
 
 /// @return "{a,b}", how a help shows that a value is one of these words.

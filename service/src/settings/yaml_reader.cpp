@@ -305,9 +305,10 @@ std::string YamlValue::message(const std::string& problem) const {
   std::string text = escaped(file_, kShownOfMessage) + ":" + std::to_string(line()) + ": ";
   if (!path_.empty()) {
     text += escaped(path_);
-    if (node_.IsScalar() && !path_.ends_with(node_.Scalar())) {
-      text += " = " + escaped(node_.Scalar());
-    }
+    // The path of a key ends with the key itself.
+    const std::string& scalar = node_.Scalar();
+    const bool is_key = path_ == scalar || path_.ends_with("." + scalar);
+    if (node_.IsScalar() && !is_key) text += " = " + escaped(scalar);
     text += ": ";
   }
   return text + problem;
