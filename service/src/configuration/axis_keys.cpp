@@ -100,9 +100,9 @@ void read_model(const YamlValue& value, AxisModel& model) {
   });
   // The limits depend on the coupling, which may stand below the numbers.
   settings::Mistakes mistakes;
-  for (const auto& [parameter, entry] : numbers) {
-    mistakes.collect([&] {
-      if (const auto limits = limits_broken(model, *parameter)) entry.refuse(*limits);
+  for (const auto& number : numbers) {
+    mistakes.collect([&model, &number] {
+      if (const auto limits = limits_broken(model, *number.first)) number.second.refuse(*limits);
     });
   }
   mistakes.throw_if_any();

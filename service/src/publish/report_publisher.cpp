@@ -182,7 +182,7 @@ void ReportPublisher::publish_parameters(Outbox& outbox) {
 
 void ReportPublisher::note_session(std::span<const std::byte> sample) {
   if (!wire::decode(sample, said_) || !sessions_.note(said_)) return;
-  log_debug("bench={} session={} program=\"{}\" process={} host=\"{}\"", identity_.bench,
+  log_debug(R"(bench={} session={} program="{}" process={} host="{}")", identity_.bench,
             session_text(said_.session()), escaped(said_.program().c_str()), said_.process(),
             escaped(said_.host().c_str()));
 }
