@@ -97,7 +97,7 @@ void WireProgram::exchange_names() {
     subscribe(Topic<msg::SessionName>::kId, Lane::notices);
   } catch (const wire::NetworkError& refused) {
     if (is_open_) throw;
-    log_warning("names=off bench={} text=\"{}\"", bench_, refused.what());
+    log_warning(R"(names=off bench={} text="{}")", bench_, refused.what());
   }
 }
 
