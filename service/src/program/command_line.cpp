@@ -165,6 +165,7 @@ void declare(CLI::App& app, Arguments& arguments) {
 ClockMode clock_named(const std::string& name) {
   if (const auto mode = clock_mode_named(name)) return *mode;
   std::vector<std::string> names;
+  names.reserve(kClockModes.size());
   for (const ClockMode mode : kClockModes) names.emplace_back(to_string(mode));
   throw ConfigurationError("--clock " + in_quotes(name) +
                            ": must be one of realtime, lockstep, freerun" +
