@@ -351,7 +351,7 @@ py::array Frames::take(std::size_t most) {
                                        static_cast<py::ssize_t>(axes_)};
   // The array has the records where they lie, and ends them.
   const std::byte* const first = taken->data();
-  const py::capsule owner(taken.take_bytes(), [](void* records) {
+  const py::capsule owner(taken.get(), [](void* records) {
     // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): released below
     delete static_cast<std::vector<std::byte>*>(records);
   });
