@@ -351,11 +351,12 @@ INSTANTIATE_TEST_SUITE_P(
                 "bench.yaml:3: axes[0].parameters.6040h = 15: ds402_controlword (0x6040) is no "
                 "parameter: a write of it commands the axis; parameters are objects that keep a "
                 "value, such as profile_velocity, and test inputs, such as test_load_torque"},
-        Refused{"parameter_stores", "axes:\n  - number: 1\n    parameters: {\"1010h:1\": 1}",
-                "bench.yaml:3: axes[0].parameters.1010h:1: store_all_parameters (0x1010:1) is no "
-                "parameter: a write of it stores or restores parameters; "},
+        Refused{
+            "parameter_stores", "axes:\n  - number: 1\n    parameters: {\"1010h:1\": 1}",
+            "bench.yaml:3: axes[0].parameters.1010h:1 = 1: store_all_parameters (0x1010:1) is no "
+            "parameter: a write of it stores or restores parameters; "},
         Refused{"parameter_clears", "axes:\n  - number: 1\n    parameters: {\"1003h:0\": 0}",
-                "bench.yaml:3: axes[0].parameters.1003h:0: error_history_count (0x1003) is no "
+                "bench.yaml:3: axes[0].parameters.1003h:0 = 0: error_history_count (0x1003) is no "
                 "parameter: a write of it clears the error history; "},
         Refused{"parameter_read_only",
                 "axes:\n  - number: 1\n    parameters: {ds402_statusword: 1}",

@@ -45,6 +45,7 @@ void HomeCommand::declare(Arguments& arguments) {
   arguments.option("--method", "M", method, help_of_methods(), parse_method)
       .completed_by([](auto, const BenchNames&) {
         std::vector<std::string> numbers;
+        numbers.reserve(kHomingMethods.size());
         for (const HomingMethodRow& row : kHomingMethods) {
           numbers.push_back(std::to_string(row.number));
         }

@@ -308,7 +308,7 @@ std::string YamlValue::message(const std::string& problem) const {
     // The path of a key ends with the key itself.
     const std::string& scalar = node_.Scalar();
     const bool is_key = path_ == scalar || path_.ends_with("." + scalar);
-    if (node_.IsScalar() && !is_key) text += " = " + escaped(scalar);
+    if (node_.IsScalar() && !scalar.empty() && !is_key) text += " = " + escaped(scalar);
     text += ": ";
   }
   return text + problem;
