@@ -627,6 +627,14 @@ TEST(GatewayServices, ServeTheButtonsOfADashboard) {
       20s));
   EXPECT_EQ(*axis->read({0x6083, 0}), 1'000'000);
   EXPECT_EQ(is_done("/home", {{"axis", "1.1"}}), "");
+  // The answer comes with the start of the run; a second run is ignored before the end of the
+  // first.
+  EXPECT_TRUE(axis->wait_until(
+      [](const auto& status) {
+        return status.mode() == OperatingMode::homing && status.shows(Statusword::kTargetReached) &&
+               status.shows(Statusword::kHomingAttained);
+      },
+      20s));
   EXPECT_EQ(is_done("/home", {{"axis", "1.1"}, {"method", 37}}), "");
   EXPECT_EQ(*axis->read({0x6098, 0}), 37);
   EXPECT_EQ(is_done("/disturb", {{"axis", "1.1"}, {"name", "over_current"}, {"value", 1}}), "");
@@ -671,11 +679,27 @@ TEST(GatewayServices, DescribeTheErrorOfARequest) {
   EXPECT_THAT(client.call("/take_control", Json::array())["failure"], HasSubstr("object"));
 }
 
-TEST(GatewayControl, IsHeldByOneConnection) {
-  const RunningService service("--clock realtime");
-  const RunningGateway gateway("--control");
-  ToolClient first(gateway.port());
-  ToolClient second(gateway.port());
+/// A gateway that gives control, and a session beside it that looks at axis 1.1.
+class GatewayControl : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(axis_) << axis_.outcome().message(); }
+
+ private:
+  const RunningService service_{"--clock realtime"};
+
+ protected:
+  RunningGateway gateway_{"--control"};
+
+ private:
+  Session session_{options()};
+
+ protected:
+  client::Result<client::Axis> axis_ = session_.axis("1.1");
+};
+
+TEST_F(GatewayControl, IsHeldByOneConnection) {
+  ToolClient first(gateway_.port());
+  ToolClient second(gateway_.port());
   (void)first.channel("/bench1/status");
   (void)second.channel("/bench1/status");
   ASSERT_EQ(first.call("/take_control", {{"name", "first"}})["ok"], true);
@@ -699,42 +723,32 @@ void command(ToolClient& client) {
   ASSERT_EQ(client.call("/enable", {{"axes", {"1.1"}}})["message"], "");
 }
 
-TEST(GatewayControl, IsReleasedByAGracefulClose) {
-  const RunningService service("--clock realtime");
-  const RunningGateway gateway("--control");
-  Session session(options());
-  auto axis = session.axis("1.1");
-  ASSERT_TRUE(axis);
-  ToolClient client(gateway.port());
+TEST_F(GatewayControl, IsReleasedByAGracefulClose) {
+  ToolClient client(gateway_.port());
   command(client);
-  EXPECT_NE(axis->status()->owner_session, 0U);
+  EXPECT_NE(axis_->status()->owner_session, 0U);
   client.web().close();
-  EXPECT_TRUE(axis->wait_until(
+  EXPECT_TRUE(axis_->wait_until(
       [](const auto& status) {
         return status.owner_session == 0;
       },
       10s));
-  EXPECT_EQ(axis->status()->state(), PowerState::operation_enabled) << "it stays as it is";
+  EXPECT_EQ(axis_->status()->state(), PowerState::operation_enabled) << "it stays as it is";
 }
 
 /// A silent holder is closed after 10 s.
-TEST(GatewayControl, IsReleasedByACloseWithoutACode) {
-  const RunningService service("--clock realtime");
-  const RunningGateway gateway("--control");
-  Session session(options());
-  auto axis = session.axis("1.1");
-  ASSERT_TRUE(axis);
-  ToolClient client(gateway.port());
+TEST_F(GatewayControl, IsReleasedByACloseWithoutACode) {
+  ToolClient client(gateway_.port());
   command(client);
   // A close frame without payload, masked with zeros: as WebSocket.close() of a browser sends it.
   client.web().send_raw({"\x88\x80\0\0\0\0", 6});
   client.read_for(1s);  // the gateway answers it, and each side ends its connection
-  EXPECT_TRUE(axis->wait_until(
+  EXPECT_TRUE(axis_->wait_until(
       [](const auto& status) {
         return status.owner_session == 0;
       },
       10s));
-  EXPECT_EQ(axis->status()->state(), PowerState::operation_enabled) << "it stays as it is";
+  EXPECT_EQ(axis_->status()->state(), PowerState::operation_enabled) << "it stays as it is";
 }
 
 void expect_lost_master(client::Axis& axis) {
@@ -747,77 +761,52 @@ void expect_lost_master(client::Axis& axis) {
   EXPECT_EQ(fault->status.error_code, kLostMaster);
 }
 
-TEST(GatewayControl, IsLostWithASilentConnection) {
-  const RunningService service("--clock realtime");
-  const RunningGateway gateway("--control");
-  Session session(options());
-  auto axis = session.axis("1.1");
-  ASSERT_TRUE(axis);
-  ToolClient client(gateway.port());
+TEST_F(GatewayControl, IsLostWithASilentConnection) {
+  ToolClient client(gateway_.port());
   command(client);
   // The client does not read, so it sends no pong.
-  expect_lost_master(*axis);
+  expect_lost_master(*axis_);
 }
 
-TEST(GatewayControl, IsLostSoonerAfterAShorterSilenceThatTheHolderChose) {
-  const RunningService service("--clock realtime");
-  const RunningGateway gateway("--control");
-  Session session(options());
-  auto axis = session.axis("1.1");
-  ASSERT_TRUE(axis);
-  ToolClient client(gateway.port());
+TEST_F(GatewayControl, IsLostSoonerAfterAShorterSilenceThatTheHolderChose) {
+  ToolClient client(gateway_.port());
   command(client);
   EXPECT_THAT(client.call("/take_control", {{"silence_ms", 500}})["failure"],
               HasSubstr("from 1000 to 10000"));
   ASSERT_EQ(client.call("/take_control", {{"silence_ms", 1'000}})["ok"], true);
   const auto begin = std::chrono::steady_clock::now();
-  expect_lost_master(*axis);
+  expect_lost_master(*axis_);
   // 1 s, a quarter of a second until the gateway looks, and 0.5 s of the watchdog of the bench.
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 8s) << "not the 10 s of a holder by default";
 }
 
-TEST(GatewayControl, IsLostWithABrokenConnection) {
-  const RunningService service("--clock realtime");
-  const RunningGateway gateway("--control");
-  Session session(options());
-  auto axis = session.axis("1.1");
-  ASSERT_TRUE(axis);
+TEST_F(GatewayControl, IsLostWithABrokenConnection) {
   {
-    ToolClient client(gateway.port());
+    ToolClient client(gateway_.port());
     command(client);
   }
-  expect_lost_master(*axis);
+  expect_lost_master(*axis_);
 }
 
-TEST(GatewayControl, IsLostWithTheGateway) {
-  const RunningService service("--clock realtime");
-  RunningGateway gateway("--control");
-  Session session(options());
-  auto axis = session.axis("1.1");
-  ASSERT_TRUE(axis);
-  ToolClient client(gateway.port());
+TEST_F(GatewayControl, IsLostWithTheGateway) {
+  ToolClient client(gateway_.port());
   command(client);
-  gateway.process().send(SIGKILL);
-  expect_lost_master(*axis);
+  gateway_.process().send(SIGKILL);
+  expect_lost_master(*axis_);
 }
 
-TEST(GatewayControl, IsReleasedAtTheEndOfTheGateway) {
-  const RunningService service("--clock realtime");
-  RunningGateway gateway("--control");
-  Session session(options());
-  auto axis = session.axis("1.1");
-  ASSERT_TRUE(axis);
-  ToolClient client(gateway.port());
+TEST_F(GatewayControl, IsReleasedAtTheEndOfTheGateway) {
+  ToolClient client(gateway_.port());
   command(client);
-  gateway.process().send(SIGTERM);
+  gateway_.process().send(SIGTERM);
   client.read_for(500ms);
-  EXPECT_EQ(gateway.process().wait().code, 0);
-  EXPECT_TRUE(axis->wait_until(
+  EXPECT_EQ(gateway_.process().wait().code, 0);
+  EXPECT_TRUE(axis_->wait_until(
       [](const auto& status) {
         return status.owner_session == 0;
       },
       10s));
-  EXPECT_EQ(axis->status()->state(), PowerState::operation_enabled);
+  EXPECT_EQ(axis_->status()->state(), PowerState::operation_enabled);
 }
 
 // ---- slow clients

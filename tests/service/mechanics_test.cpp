@@ -21,6 +21,7 @@ using namespace vdrive::literals;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 Configuration bench_in(const std::string& text) {
   return parse_configuration(text, "bench.yaml");
@@ -159,6 +160,22 @@ TEST(Mechanics, RefuseWhatContradictsThemWithBothValues) {
               HasSubstr("the lower limit, 2458 UU, must be below the upper one, 1638 UU"));
   EXPECT_THAT(refusal_of_mechanics("{screw: {pitch: 5mm}, software_limit: [3mm]}"),
               HasSubstr("such as [-10mm, 300mm]"));
+}
+
+TEST(Mechanics, DoNotHideOtherMistakesOfTheirAxis) {
+  const std::string refusal =
+      refusal_of_mechanics("{screw: {pitch: 5mm}}",
+                           "    initial_position: 5deg\n"
+                           "    parameters: {profil_velocity: 3, homing_method: 36}\n"
+                           "    name: 5\n");
+  for (const char* const mistake : {"bench.yaml:4: axes[0].initial_position", "profil_velocity",
+                                    "homing_method = 36", "bench.yaml:6: axes[0].name"}) {
+    EXPECT_THAT(refusal, HasSubstr(mistake));
+  }
+  const std::string wrong =
+      refusal_of_mechanics("{screw: {pitch: 5}}", "    parameters: {profile_velocity: 3mm/s}\n");
+  EXPECT_THAT(wrong, HasSubstr("mechanics.screw.pitch = 5"));
+  EXPECT_THAT(wrong, Not(HasSubstr("profile_velocity"))) << "its unit is not known";
 }
 
 // 5 mm over 4096 are 1.2207 um.

@@ -62,7 +62,8 @@ struct NumberRange {
 };
 
 /// @return the member `key` of a request, nothing without it.
-/// @throws ProtocolError when it is no number, or outside of the range; it names both.
+/// @throws ProtocolError when the member is not a whole number of the range; the message names the
+///         value and the range.
 [[nodiscard]] std::optional<std::int64_t> optional_integer(const Json& request, const char* key,
                                                            const NumberRange& range);
 

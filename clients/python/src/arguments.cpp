@@ -194,8 +194,9 @@ void add_arguments(py::module_& module) {
         return whole_of(value, {name.c_str()}, lowest, highest);
       },
       py::arg("name"), py::arg("value"), py::arg("lowest") = 0, py::arg("highest") = kMostCounted,
-      "The value of the argument `name` as an int. TypeError for what is no number, ValueError for "
-      "a fraction and outside of the range; both name all of it.");
+      "The value of the argument `name` as an int. Raises TypeError when the value is not a number, "
+      "and ValueError when it is a fraction or outside the range. The message has name, value and "
+      "range.");
 }
 
 client::SetPointFrame frame_of(const py::dict& set_points) {

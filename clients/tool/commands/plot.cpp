@@ -37,6 +37,7 @@ class ScratchDirectory {
   ScratchDirectory() {
     std::error_code error;
     const auto parent = std::filesystem::temp_directory_path(error);
+    // mkdtemp replaces the six X.
     path_ = (error ? std::filesystem::path("/tmp") : parent) / "vdrive-plot-XXXXXX";
     if (::mkdtemp(path_.data()) == nullptr) {
       throw RecordingError("cannot make the directory " + in_quotes(path_) + ": " +

@@ -3,6 +3,7 @@
 #include "configuration/configuration_keys.hpp"
 
 #include "configuration/mechanics.hpp"
+#include "settings/configuration_error.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
@@ -121,19 +122,31 @@ NamedAxis read_axis(const YamlValue& value) {
   NamedAxis axis;
   std::map<std::string, YamlValue> last;
   std::optional<YamlValue> unit;
-  value.for_each_entry(keys_of(axis_rows()), [&](const std::string& key, const YamlValue& entry) {
-    if (key == "unit") unit.emplace(entry);
-    if (std::ranges::find(kLastKeys, key) != kLastKeys.end()) {
-      last.emplace(key, entry);
-    } else {
+  settings::Mistakes mistakes;
+  bool is_unit_known = true;  // what is written in a unit is not judged by a wrong one
+  const auto read = [&](const std::string& key, const YamlValue& entry) {
+    const bool is_good = mistakes.collect([&] {
       read_key(row_of_known(axis_rows(), key), entry, axis);
-    }
+    });
+    const bool decides_unit = key == "unit" || key == "model" || key == "mechanics";
+    if (decides_unit && !is_good) is_unit_known = false;
+  };
+  mistakes.collect([&] {
+    value.for_each_entry(keys_of(axis_rows()), [&](const std::string& key, const YamlValue& entry) {
+      if (key == "unit") unit.emplace(entry);
+      if (std::ranges::find(kLastKeys, key) != kLastKeys.end()) {
+        last.emplace(key, entry);
+      } else {
+        read(key, entry);
+      }
+    });
   });
   const Unit written = axis.unit;
   for (const std::string_view key : kLastKeys) {
     const auto entry = last.find(std::string(key));
-    if (entry != last.end()) read_key(row_of_known(axis_rows(), key), entry->second, axis);
+    if (entry != last.end() && is_unit_known) read(entry->first, entry->second);
   }
+  mistakes.throw_if_any();
   if (last.contains("mechanics")) {
     if (unit) check_unit(*unit, written, axis.unit);
     complete_speeds(axis.configuration);

@@ -33,16 +33,19 @@ class Mistakes {
 
   /// Reads a part of the file. Its ConfigurationError is kept: what stands behind the part is read,
   /// too. After kMost mistakes nothing more is read.
+  /// @return whether the part was read and had no mistake.
   template <typename Read>
-  void collect(const Read& read) {
+  bool collect(const Read& read) {
     if (texts_.size() >= kMost) {
       is_cut_ = true;
-      return;
+      return false;
     }
     try {
       read();
+      return true;
     } catch (const ConfigurationError& error) {
       texts_.insert(texts_.end(), error.mistakes().begin(), error.mistakes().end());
+      return false;
     }
   }
 

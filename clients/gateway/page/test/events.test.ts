@@ -13,7 +13,7 @@ function event(time: number, more: Partial<LogEvent> = {}): LogEvent {
 
 const times = (list: EventList) => list.events.map(({ time }) => time);
 
-test("the history stands before what came since, and nothing stands twice", () => {
+test("the history comes before newer events, and no event appears twice", () => {
   const list = new EventList(100);
   list.add(event(EPOCH_S + 3));
   list.add(event(EPOCH_S + 4));
