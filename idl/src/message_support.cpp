@@ -3,7 +3,9 @@
 
 #include "vdrive/assert.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cstring>
 #include <tuple>
 
 namespace vdrive::wire {
@@ -42,6 +44,24 @@ constexpr std::array kSupport = std::apply(
 const MessageSupport& support_of(TopicId topic) noexcept {
   ensure(static_cast<std::size_t>(topic) < kSupport.size(), "a topic has a row");
   return kSupport[static_cast<std::size_t>(topic)];
+}
+
+std::array<std::byte, kKeyHashSize> key_of(std::span<const std::byte> sample,
+                                           TopicKey key) noexcept {
+  std::array<std::byte, kKeyHashSize> hash{};
+  if (sample.size() < kEncapsulation + size_of_key(key)) return hash;
+  std::memcpy(hash.data(), &sample[kEncapsulation], size_of_key(key));
+  constexpr auto kSession = 8;  // behind the padding, which a sender may fill with anything
+  if (key == TopicKey::bench_and_session) {
+    std::fill(hash.begin() + 4, hash.begin() + kSession, std::byte{0});
+  }
+  const bool is_little = sample[1] != std::byte{0};
+  if (is_little) {
+    std::reverse(hash.begin(), hash.begin() + 4);
+    if (key == TopicKey::bench_and_number) std::swap(hash[4], hash[5]);
+    if (key == TopicKey::bench_and_session) std::reverse(hash.begin() + kSession, hash.end());
+  }
+  return hash;
 }
 
 }  // namespace vdrive::wire

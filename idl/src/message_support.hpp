@@ -7,6 +7,7 @@
 #include <fastcdr/Cdr.h>
 #include <fastcdr/FastBuffer.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -76,6 +77,13 @@ constexpr std::size_t size_of_key(TopicKey key) noexcept {
       return 0;
   }
 }
+
+inline constexpr std::size_t kKeyHashSize = 16;
+
+/// @return the key hash of DDS: the key members of a sample, each with its highest byte first, and
+///         0 for the bytes between them. All 0 for a sample that is too short.
+[[nodiscard]] std::array<std::byte, kKeyHashSize> key_of(std::span<const std::byte> sample,
+                                                         TopicKey key) noexcept;
 
 /// What the wire does with the messages of a topic, where their type is known by its number only.
 struct MessageSupport {

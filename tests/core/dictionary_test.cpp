@@ -116,6 +116,14 @@ TEST(ObjectTable, HasOnlyRowsOfTheTwoTables) {
   }
 }
 
+TEST(AddressSuggestion, IsOfTheFourHexDigitsOfAnIndex) {
+  EXPECT_EQ(address_suggestion("6041"), " (did you mean 0x6041 or 6041h?)");
+  EXPECT_EQ(address_suggestion("607D:1"), " (did you mean 0x607D:1 or 607Dh:1?)");
+  for (const char* const text : {"", "604", "60410", "0x6041", "6041h", "607D:", "60x1", "9999"}) {
+    EXPECT_EQ(address_suggestion(text), "") << text;
+  }
+}
+
 /// FNV-1a of the description of the objects that a client has.
 std::uint32_t dictionary_check() {
   constexpr std::uint32_t kOffset = 2166136261U;

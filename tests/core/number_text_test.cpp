@@ -122,14 +122,6 @@ TEST(ParseDuration, RefusesOtherTextsAndMoreThanItsLimit) {
   }
 }
 
-TEST(AddressSuggestion, IsOfTheFourHexDigitsOfAnIndex) {
-  EXPECT_EQ(address_suggestion("6041"), " (did you mean 0x6041 or 6041h?)");
-  EXPECT_EQ(address_suggestion("607D:1"), " (did you mean 0x607D:1 or 607Dh:1?)");
-  for (const char* const text : {"", "604", "60410", "0x6041", "6041h", "607D:", "60x1"}) {
-    EXPECT_EQ(address_suggestion(text), "") << text;
-  }
-}
-
 TEST(Hex, HasAtLeastTheGivenDigits) {
   EXPECT_EQ(hex(0x607D, 4), "0x607D");
   EXPECT_EQ(hex(0x37, 3), "0x037");

@@ -15,6 +15,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <fstream>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -258,6 +260,15 @@ TEST(AbortCodes, AreNamedAsTheirEnumeratorsInTheOrderOfTheirNumbers) {
     EXPECT_EQ(describe(kAbortCodes[place].code), kAbortCodes[place].words);
   }
   EXPECT_TRUE(std::ranges::is_sorted(kAbortCodes, {}, &AbortCodeRow::code));
+}
+
+TEST(AbortCodes, EachHaveARow) {
+  std::ifstream header(VDRIVE_SOURCE_DIR "/core/include/vdrive/dictionary/abort_code.hpp");
+  std::size_t enumerators = 0;
+  for (std::string line; std::getline(header, line);) {
+    enumerators += line.find(" = 0") != std::string::npos ? 1U : 0U;
+  }
+  EXPECT_EQ(enumerators, kAbortCodes.size());
 }
 
 TEST(ErrorCodes, AreListedByNumberAndEachHasWords) {

@@ -184,6 +184,8 @@ TEST(Mechanics, RefuseAFinerResolutionThanThatOfAUserUnit) {
             "bench.yaml:3: axes[0].mechanics.resolution = 1um: is finer than a user unit, which is "
             "1.2207 um: a turn of the load has 4096 user units");
   EXPECT_EQ(refusal_of_mechanics("{screw: {pitch: 5mm}, resolution: 1.3um}"), "accepted");
+  // 4.096 mm are 4096 user units of 1 um; neither length is exact in binary.
+  EXPECT_EQ(refusal_of_mechanics("{screw: {pitch: 0.4096cm}, resolution: 1um}"), "accepted");
   EXPECT_THAT(refusal_of_mechanics("{screw: {pitch: 5mm}, resolution: 2}"),
               HasSubstr("with its unit"));
   EXPECT_THAT(refusal_of_mechanics("{rotary_table: deg, resolution: 1um}"),

@@ -134,7 +134,7 @@ static const Topic kTopics[] = {
     TOPIC("bench", BenchDescription, LAST, .instances = 4096),
     TOPIC("bench_state", BenchState, .depth = 1, .instances = 1024),
     TOPIC("session", SessionName, LAST, .instances = kSessionsInDomain),
-    TOPIC("bench_session", BenchSession, LAST, .instances = kSessionsInDomain),
+    TOPIC("bench_session", BenchSession, LAST, .instances = 1024 * 256),
 };
 
 static dds_entity_t checked(dds_entity_t result, const char* what) {

@@ -110,6 +110,28 @@ TEST_F(LocalBusTest, KeepsForLaterSubscriptionsWhatTheTopicKeeps) {
   EXPECT_EQ(received, 0U);
 }
 
+// The bytes between the two members of the key are no part of it: a sender may leave anything
+// there.
+TEST_F(LocalBusTest, KeepsOneNameOfASessionWhateverStandsInThePadding) {
+  msg::SessionName name;
+  name.bench(1);
+  name.session(7);
+  std::vector<std::byte> sample(encoded_size(name));
+  ASSERT_NE(encode(name, sample), 0U);
+  Participant sender = join("sender");
+  BytesPublication names(sender, Topic<msg::SessionName>::kId);
+  EXPECT_TRUE(names.write(sample));
+  sample[8] = std::byte{0xFF};  // encapsulation and bench take eight bytes
+  EXPECT_TRUE(names.write(sample));
+  Participant late = join("late");
+  std::size_t received = 0;
+  const Subscription<msg::SessionName> subscription(late,
+                                                    [&](const msg::SessionName&, const Source&) {
+                                                      ++received;
+                                                    });
+  EXPECT_EQ(received, 1U);
+}
+
 std::vector<std::string> names_of(const std::vector<OtherParticipant>& others) {
   std::vector<std::string> names;
   names.reserve(others.size());

@@ -194,7 +194,8 @@ void add_arguments(py::module_& module) {
         return whole_of(value, {name.c_str()}, lowest, highest);
       },
       py::arg("name"), py::arg("value"), py::arg("lowest") = 0, py::arg("highest") = kMostCounted,
-      "The value of the argument `name` as an int. Raises TypeError when the value is not a number, "
+      "The value of the argument `name` as an int. Raises TypeError when the value is not a "
+      "number, "
       "and ValueError when it is a fraction or outside the range. The message has name, value and "
       "range.");
 }

@@ -16,7 +16,7 @@ namespace vdrive::client {
 namespace {
 
 // As many as a service keeps for one bench; others come from none.
-constexpr std::uint16_t kPlacesOfBench = 256;
+constexpr auto kPlacesOfBench = static_cast<std::uint16_t>(wire::kSessionsOfBench);
 constexpr auto kMostKnown = static_cast<std::size_t>(wire::kSessionsInDomain);
 // A session that is unknown stays unknown for its asker: so many are remembered.
 constexpr std::size_t kMostAsked = 1'024;

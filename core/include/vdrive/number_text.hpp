@@ -77,8 +77,8 @@ inline constexpr std::chrono::hours kLongestDuration{1000};
 /// @return such as "0x607D": at least `digits` digits, in capitals.
 [[nodiscard]] std::string hex(std::uint64_t number, std::size_t digits);
 
-/// @return the number of a session as it is shown everywhere: in messages, events, logs and
-/// recordings. Such as "0x0123456789abcdef".
+/// @return the number of a session as messages, events, logs and recordings show it, such as
+///         "0x0123456789abcdef".
 [[nodiscard]] std::string session_text(std::uint64_t session);
 
 }  // namespace vdrive

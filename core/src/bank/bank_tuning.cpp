@@ -37,7 +37,7 @@ void AxisBank::State::apply_gear(std::size_t axis) {
   Drive drive = this->drive(axis);
   const AxisModel& model = configurations[axis].model;
   const Gear gear = gear_of(drive.registers());
-  const double ratio = static_cast<double>(gear.numerator) / static_cast<double>(gear.denominator);
+  const double ratio = ratio_of(gear);
   DriveRegisters& registers = drive.registers();
   if (ratio != registers.gear_ratio) {
     // The load stays where it is when the gear is set.

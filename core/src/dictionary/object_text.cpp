@@ -77,7 +77,11 @@ std::string address_suggestion(std::string_view text) {
   const std::string_view index = text.substr(0, colon);
   const std::string_view rest = text.substr(colon);
   const std::string meant = std::string(index).append("h").append(rest);
-  if (index.size() != kDigitsOfIndex || !parse_address(meant)) return {};
+  const auto spelled = parse_address(meant);
+  const bool exists = spelled && std::ranges::any_of(kObjectTable, [&](const auto& object) {
+                        return object.address.index == spelled->index;
+                      });
+  if (index.size() != kDigitsOfIndex || !exists) return {};
   return " (did you mean 0x" + std::string(text) + " or " + meant + "?)";
 }
 

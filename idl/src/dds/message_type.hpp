@@ -15,7 +15,6 @@
 namespace vdrive::wire {
 
 /// Bytes of the key hash of DDS, and the most that the key of a topic has.
-inline constexpr std::size_t kKeyHashSize = 16;
 
 /// Sets the key hash of a sample: its key members, each with its highest byte first, or their MD5
 /// sum.

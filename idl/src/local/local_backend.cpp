@@ -232,10 +232,7 @@ void LocalWriter::publish(std::span<const std::byte> sample) {
 }
 
 void LocalWriter::keep(std::span<const std::byte> sample) {
-  const auto key = sample.subspan(std::min(sample.size(), kEncapsulation),
-                                  std::min(sample.size() - std::min(sample.size(), kEncapsulation),
-                                           size_of_key(traits_of(topic_).key)));
-  auto& kept = history_[{key.begin(), key.end()}];
+  auto& kept = history_[key_of(sample, traits_of(topic_).key)];
   if (kept.size() == static_cast<std::size_t>(traits_of(topic_).depth)) kept.pop_front();
   kept.emplace_back(sample.begin(), sample.end());
 }

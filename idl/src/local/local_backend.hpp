@@ -2,6 +2,7 @@
 #pragma once
 
 #include "backend.hpp"
+#include "message_support.hpp"
 #include "vdrive/wire/local_bus.hpp"
 #include "vdrive/wire/origin.hpp"
 
@@ -114,7 +115,8 @@ class LocalWriter final : public WriterEnd {
   Backend::Form form_;
   Observer observer_;
   std::mutex writing_;  ///< samples reach each reader in the order of the history
-  std::map<std::vector<std::byte>, std::deque<std::vector<std::byte>>> history_;  ///< by key
+  std::map<std::array<std::byte, kKeyHashSize>, std::deque<std::vector<std::byte>>>
+      history_;  ///< by key
 };
 
 /// A reader on a local bus.

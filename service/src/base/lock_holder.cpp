@@ -38,7 +38,8 @@ std::string listed_holder(int file) {
 
 std::string holder_of_lock(int file) {
   const std::string process = listed_holder(file);
-  if (process.empty()) return "a process that is not listed here, as one of another host is not";
+  if (process.empty())
+    return "a process that this host does not list: it runs on another host or in a container";
   std::ifstream names("/proc/" + process + "/comm");
   std::string name;
   std::getline(names, name);

@@ -153,7 +153,9 @@ std::int64_t read_object_value(const YamlValue& value, ObjectRow row) {
   if (code == AbortCode::write_of_read_only_object) value.refuse(std::string(describe(code)));
   if (number && !few_values(row).empty()) value.refuse("must be " + values_text(row));
   const std::string units = object.units == "-" ? std::string() : english_units(object);
-  return value.integer({object.lower_limit, object.upper_limit, units});
+  const std::int64_t in_range = value.integer({object.lower_limit, object.upper_limit, units});
+  if (code != AbortCode::none) value.refuse(std::string(describe(code)));
+  return in_range;
 }
 
 /// A value of `parameters`, and where it stands.

@@ -13,6 +13,9 @@ namespace vdrive::service {
 
 /// Values of an axis in its user units, as a configuration gives them.
 
+/// Ratios of sizes of units that differ from 1 by less are 1: sizes are written in decimals.
+inline constexpr double kSameSize = 1.0e-6;
+
 /// @return [UU] a whole number of user units, or a value with a unit of the axis, rounded to the
 ///         nearest: 4096, 25mm, 250mm/s.
 /// @throws ConfigurationError for anything else, a unit that the axis does not have, and a value

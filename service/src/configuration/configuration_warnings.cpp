@@ -30,9 +30,6 @@ constexpr double kLongestRinging = 0.25;
 /// Loops that are slower than this part of what is configured do not do what their author expects.
 constexpr double kLeastBandwidth = 0.5;
 
-/// Sizes of a unit that differ by less are the same: they are written in decimals.
-constexpr double kSameSize = 1.0e-6;
-
 /// @return three digits that count, or a whole number.
 std::string three_digits(double value) {
   constexpr double kLeastWhole = 1'000.0;

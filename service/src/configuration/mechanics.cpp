@@ -40,7 +40,9 @@ struct GearTurns {
 
 /// What `mechanics` has.
 struct Mechanics {
-  Unit travel{};           ///< kind and name; `size` is the travel of a turn of the load
+  UnitKind kind = UnitKind::linear;
+  std::string unit{};      ///< of the axis
+  double travel = 0.0;     ///< linear: of a turn of the load [unit]
   std::size_t drives = 0;  ///< how many of screw, belt, rack and rotary_table there are
   GearTurns gear{};
   std::optional<YamlValue> resolution{};
@@ -119,15 +121,16 @@ Length read_wheel(const YamlValue& value) {
 
 void take_length(Mechanics& mechanics, Length travel) {
   ++mechanics.drives;
-  mechanics.travel = {
-      .kind = UnitKind::linear, .name = std::move(travel.unit), .size = travel.value};
+  mechanics.kind = UnitKind::linear;
+  mechanics.unit = std::move(travel.unit);
+  mechanics.travel = travel.value;
 }
 
 void take_angle(Mechanics& mechanics, const YamlValue& value) {
   ++mechanics.drives;
-  mechanics.travel.kind = UnitKind::rotary;
-  mechanics.travel.name = value.text();
-  if (const auto problem = check_unit_name(UnitKind::rotary, mechanics.travel.name)) {
+  mechanics.kind = UnitKind::rotary;
+  mechanics.unit = value.text();
+  if (const auto problem = check_unit_name(UnitKind::rotary, mechanics.unit)) {
     value.refuse(*problem);
   }
 }
@@ -203,7 +206,7 @@ void check_resolution(const YamlValue& value, const NamedAxis& axis) {
   if (!wanted || *wanted <= 0.0) {
     value.refuse(problem + "; the axis has " + list_of_units(Dimension::position, axis.unit));
   }
-  if (*wanted >= 1.0) return;
+  if (*wanted >= 1.0 - kSameSize) return;
   value.refuse("is finer than a user unit, which is " + step_text(axis.unit) + ": a turn of the " +
                "load has " + six_digits(user_units_a_load_turn(axis.configuration)) +
                " user units");
@@ -296,9 +299,10 @@ void read_mechanics(const YamlValue& value, NamedAxis& axis) {
   set(axis.configuration, "gear_ratio_numerator"_object, mechanics.gear.load);
   set(axis.configuration, "gear_ratio_denominator"_object, mechanics.gear.motor);
   const double turn = user_units_a_load_turn(axis.configuration);
-  const bool is_linear = mechanics.travel.kind == UnitKind::linear;
-  axis.unit = mechanics.travel;
-  axis.unit.size = is_linear ? turn / mechanics.travel.size : turn;
+  const bool is_linear = mechanics.kind == UnitKind::linear;
+  axis.unit = {.kind = mechanics.kind,
+               .name = mechanics.unit,
+               .size = is_linear ? turn / mechanics.travel : turn};
   if (!is_usable(axis.unit)) {
     value.refuse("a " + axis.unit.name + " would have " + six_digits(axis.unit.size) +
                  " user units: must be from " + to_text(kSmallestUnit) + " to " +
@@ -314,7 +318,7 @@ void complete_speeds(AxisConfiguration& axis) {
     return static_cast<std::int64_t>(std::clamp(std::floor(value), 1.0, highest_value));
   };
   const double highest = highest_motor_velocity(axis);
-  const double scale = user_units_a_load_turn(axis) * gear_ratio_of(axis) / kUserUnitsPerRevolution;
+  const double scale = position_ratio(axis.model.feedback, gear_ratio_of(axis));
   const auto complete = [&axis, &whole](ObjectRow row, double value) {
     if (whole(value) != value_at_start(axis, row)) set(axis, row, whole(value));
   };

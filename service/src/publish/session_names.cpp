@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
 
 namespace vdrive::service {
 namespace {
@@ -47,8 +46,10 @@ void SessionNames::pop() noexcept {
 }
 
 void SessionNames::begin_again() {
-  unpublished_.resize(sessions_.size());
-  std::iota(unpublished_.begin(), unpublished_.end(), std::uint16_t{0});
+  unpublished_.clear();
+  for (std::size_t i = 0; i < sessions_.size(); ++i) {
+    unpublished_.push_back(static_cast<std::uint16_t>((oldest_ + i) % sessions_.size()));
+  }
 }
 
 }  // namespace vdrive::service

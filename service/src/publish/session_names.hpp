@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/wire/topics.hpp"
 #include "vdrive_messages.h"
 
 #include <cstddef>
@@ -15,7 +16,7 @@ namespace vdrive::service {
 class SessionNames {
  public:
   /// So many sessions are known; a further one takes the place of the one that came first.
-  static constexpr std::size_t kMost = 256;
+  static constexpr auto kMost = static_cast<std::size_t>(wire::kSessionsOfBench);
 
   explicit SessionNames(std::uint32_t bench) noexcept : bench_(bench) {}
 

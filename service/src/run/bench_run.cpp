@@ -105,7 +105,8 @@ void BenchRun::start() {
   const WorksFor bench(name_.c_str());
   wire_->start();
   timer_.wait_until(timer_.monotonic_now() + wire_->time_to_meet_others());
-  receive_notices();
+  while (receive_notices()) {
+  }
   if (const auto older = duplicates_.conflict()) {
     throw BenchNumberTaken("bench " + std::to_string(identity_.bench) +
                            " is already served in domain " +
@@ -282,7 +283,7 @@ void BenchRun::switch_off() noexcept {
 
 void BenchRun::report_once() {
   supervise_wire();
-  receive_notices();
+  static_cast<void>(receive_notices());
   if (!lockstep_) replies_.deliver(inbox_, outbox_);
   reports_.publish(inbox_, outbox_);
   report_beats_.add();
@@ -307,16 +308,17 @@ void BenchRun::report() {
   }
 }
 
-void BenchRun::receive_notices() {
+bool BenchRun::receive_notices() {
   constexpr int kMostAtOnce = 64;  // the calling thread has other work
   for (int count = 0; count < kMostAtOnce; ++count) {
     const auto record = notices_.front();
-    if (!record) return;
+    if (!record) return false;
     const auto topic = wire::topic_numbered(record->head.topic);
     if (topic == wire::Topic<msg::BenchState>::kId) duplicates_.note(record->bytes);
     if (topic == wire::Topic<msg::SessionName>::kId) reports_.note_session(record->bytes);
     notices_.pop();
   }
+  return true;
 }
 
 void BenchRun::supervise_wire() {

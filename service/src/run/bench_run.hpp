@@ -154,7 +154,8 @@ class BenchRun {
   void switch_off() noexcept;
   void report_once();
   void report();
-  void receive_notices();
+  /// @return whether some may be left.
+  bool receive_notices();
   void supervise_wire();
   void wait_for_status();
 

@@ -21,7 +21,7 @@ namespace vdrive::service {
 enum class Lane : std::uint8_t {
   status,       ///< status frames and samples of axes
   replies,      ///< answers to requests and command frames
-  reports,      ///< descriptions, states, parameters, events
+  reports,      ///< descriptions, states, parameters, events, names of sessions
   arrivals,     ///< command frames and requests
   turned_away,  ///< beginnings of those that found `arrivals` full
   notices,      ///< states of other services with this bench number, names of sessions

@@ -138,9 +138,8 @@ std::filesystem::path ParameterStore::file(const char* suffix) const {
   return directory_ / (name_ + ".parameters" + suffix);
 }
 
-/// @return who holds the lock, when another service does. Where there can be no lock file no
-/// service
-///         can write the others either: a later save tries again.
+/// @return who holds the lock, when another service does. Without a lock file no service can write
+///         the other files either: a later save tries again.
 std::optional<std::string> ParameterStore::lock() {
   try {
     const auto path = directory_ / (name_ + ".lock");

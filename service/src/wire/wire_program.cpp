@@ -109,7 +109,8 @@ WireProgram::~WireProgram() {
 // ---- what arrives ------------------------------------------------------------------------------
 
 void WireProgram::subscribe(TopicId topic, Lane lane) {
-  auto& incoming = *subscriptions_.emplace_back(std::make_unique<LaneSubscription>());
+  auto subscription = std::make_unique<LaneSubscription>();
+  auto& incoming = *subscription;
   incoming.topic = topic;
   incoming.lane = lane;
   incoming.subscription = std::make_unique<wire::BytesSubscription>(
@@ -122,6 +123,7 @@ void WireProgram::subscribe(TopicId topic, Lane lane) {
                                            [this, &incoming](const wire::Source& source) {
                                              deliver(incoming, source);
                                            }});
+  subscriptions_.push_back(std::move(subscription));
 }
 
 void WireProgram::deliver(LaneSubscription& incoming, const wire::Source& source) {

@@ -42,9 +42,9 @@ struct SpelledAddress {
 /// @return the address, whether there is such an object or not; nothing for any other text.
 [[nodiscard]] std::optional<SpelledAddress> parse_address(std::string_view text) noexcept;
 
-/// @return " (did you mean 0x6041 or 6041h?)" for the four hex digits of an index without the mark
-/// of
-///         hex, such as 6041 or 607D:1; nothing for any other text.
+/// @return " (did you mean 0x6041 or 6041h?)" for an existing index that is written without the
+/// mark
+///         of hex, such as 6041 or 607D:1; nothing for any other text.
 [[nodiscard]] std::string address_suggestion(std::string_view text);
 
 /// @param text an address by the grammar above, a variable_name, or the standard's name

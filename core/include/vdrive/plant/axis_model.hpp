@@ -32,6 +32,13 @@ enum class Feedback : std::uint8_t {
   return feedback == Feedback::single_encoder ? "single_encoder" : "dual_encoder";
 }
 
+/// @param gear_ratio 3576h over 3577h: turns of the load for one of the motor
+/// @return turns of the shaft whose encoder 6064h reads for one of the motor: with one encoder that
+///         of the motor, with two that of the load.
+[[nodiscard]] constexpr double position_ratio(Feedback feedback, double gear_ratio) noexcept {
+  return feedback == Feedback::single_encoder ? 1.0 : gear_ratio;
+}
+
 /// @param rpm [revolutions of the motor a minute]
 /// @param gear_ratio 3576h over 3577h: turns of the load for one of the motor
 /// @return the same as a velocity of 6064h [UU/s], not rounded. 4096 UU are a revolution of the
@@ -40,8 +47,7 @@ enum class Feedback : std::uint8_t {
 [[nodiscard]] constexpr double velocity_of_motor(double rpm, Feedback feedback,
                                                  double gear_ratio) noexcept {
   constexpr double kSecondsAMinute = 60.0;
-  const double ratio = feedback == Feedback::single_encoder ? 1.0 : gear_ratio;
-  return rpm * kUserUnitsPerRevolution / kSecondsAMinute * ratio;
+  return rpm * kUserUnitsPerRevolution / kSecondsAMinute * position_ratio(feedback, gear_ratio);
 }
 
 /// Physical parameters of one axis, in SI units. Member initialisers are the default axis: it holds

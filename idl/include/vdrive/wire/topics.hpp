@@ -59,6 +59,7 @@ inline constexpr std::int32_t kAxesInDomain = 65'536;
 inline constexpr std::int32_t kBenchesInDomain = 1'024;
 inline constexpr std::int32_t kBenchPartsInDomain = 4'096;
 inline constexpr std::int32_t kSessionsInDomain = 65'536;
+inline constexpr std::int32_t kSessionsOfBench = 256;  // places of `bench_session`
 inline constexpr std::int32_t kQueueDepth = 1'024;
 inline constexpr std::size_t kLatenessBins = 32;
 
@@ -165,7 +166,7 @@ inline constexpr std::tuple kTopicRows{
                                            .key = TopicKey::bench_and_number,
                                            .reliable = true,
                                            .transient_local = true,
-                                           .instances = kSessionsInDomain}},
+                                           .instances = kBenchesInDomain * kSessionsOfBench}},
 };
 
 /// The number of a topic: the place of its row. `Topic<msg::StatusFrame>::kId` is that of a
