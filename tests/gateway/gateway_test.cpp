@@ -716,6 +716,16 @@ TEST_F(GatewayControl, IsHeldByOneConnection) {
   EXPECT_THAT(first.call("/enable", {{"axes", {"1.1"}}})["message"], HasSubstr("'second'"));
 }
 
+/// Nobody owns the axis any more, which stays as it is.
+void expect_released(client::Axis& axis) {
+  EXPECT_TRUE(axis.wait_until(
+      [](const auto& status) {
+        return status.owner_session == 0;
+      },
+      10s));
+  EXPECT_EQ(axis.status()->state(), PowerState::operation_enabled);
+}
+
 /// A client that holds control and has enabled an axis.
 void command(ToolClient& client) {
   (void)client.channel("/bench1/status");
@@ -728,12 +738,7 @@ TEST_F(GatewayControl, IsReleasedByAGracefulClose) {
   command(client);
   EXPECT_NE(axis_->status()->owner_session, 0U);
   client.web().close();
-  EXPECT_TRUE(axis_->wait_until(
-      [](const auto& status) {
-        return status.owner_session == 0;
-      },
-      10s));
-  EXPECT_EQ(axis_->status()->state(), PowerState::operation_enabled) << "it stays as it is";
+  expect_released(*axis_);
 }
 
 /// A silent holder is closed after 10 s.
@@ -743,12 +748,7 @@ TEST_F(GatewayControl, IsReleasedByACloseWithoutACode) {
   // A close frame without payload, masked with zeros: as WebSocket.close() of a browser sends it.
   client.web().send_raw({"\x88\x80\0\0\0\0", 6});
   client.read_for(1s);  // the gateway answers it, and each side ends its connection
-  EXPECT_TRUE(axis_->wait_until(
-      [](const auto& status) {
-        return status.owner_session == 0;
-      },
-      10s));
-  EXPECT_EQ(axis_->status()->state(), PowerState::operation_enabled) << "it stays as it is";
+  expect_released(*axis_);
 }
 
 void expect_lost_master(client::Axis& axis) {
@@ -801,12 +801,7 @@ TEST_F(GatewayControl, IsReleasedAtTheEndOfTheGateway) {
   gateway_.process().send(SIGTERM);
   client.read_for(500ms);
   EXPECT_EQ(gateway_.process().wait().code, 0);
-  EXPECT_TRUE(axis_->wait_until(
-      [](const auto& status) {
-        return status.owner_session == 0;
-      },
-      10s));
-  EXPECT_EQ(axis_->status()->state(), PowerState::operation_enabled);
+  expect_released(*axis_);
 }
 
 // ---- slow clients

@@ -50,7 +50,8 @@ session.step(20)
     assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 0
 
 
-# 2 s, and at most three times as long where the machine is late: far below the 30 s of a test that hangs.
+# 2 s, and at most three times as long where the machine is late: below the 30 s that such a search
+# took.
 def test_a_wrong_number_of_a_bench_costs_the_time_of_every_session(vdrive_session):
     assert vdrive_session.find_bench().number == 1
     begin = time.monotonic()

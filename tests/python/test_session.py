@@ -390,6 +390,23 @@ def test_services_that_come_and_go_are_reported(vdrive_benches):
             assert arrived.wait(30) and seen[0] == (1, "found")
 
 
+@pytest.mark.parametrize("stream", ["service_changes", "events"])
+def test_a_stream_takes_the_place_of_the_one_before_which_ends(vdrive_benches, stream):
+    first, = vdrive_benches(1)
+    with first.session() as session:
+        replaced = getattr(session, stream)()
+        present = getattr(session, stream)()
+        # The one before ends, also for whoever waits for it, and its end is not that of the other.
+        for _ in replaced:
+            pass
+        replaced.close()
+        if stream == "events":
+            session.axis("1.1").enable()
+            assert present.next(timeout=30) is not None
+        else:
+            assert next_news(present, 1) == "found"
+
+
 def test_a_follower_counts_the_samples_that_were_taken_late(vdrive_bench, vdrive_session):
     follower = vdrive_session.follow("1.1", pace="observe")
     with vdrive_bench.session() as stepper:

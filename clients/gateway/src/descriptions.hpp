@@ -47,9 +47,8 @@ struct ControlState {
 
 [[nodiscard]] ChannelInfo dictionary_channel();
 
-/// @return objects, modes, errors, bits, test-bench inputs and homing methods, from the tables of
-/// the
-///         core.
+/// @return objects, modes, errors, bits, test-bench inputs and homing methods, from the core's
+///         tables.
 [[nodiscard]] std::string dictionary_text();
 
 }  // namespace vdrive::gateway

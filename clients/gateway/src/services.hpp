@@ -61,9 +61,9 @@ struct NumberRange {
   std::int64_t highest = 0;
 };
 
-/// @return the member `key` of a request, nothing without it.
-/// @throws ProtocolError when the member is not a whole number of the range; the message names the
-///         value and the range.
+/// @return the member `key` of a request, rounded to a whole number; nothing without it.
+/// @throws ProtocolError when the member is not a number or lies outside the range; the message
+///         names value and range.
 [[nodiscard]] std::optional<std::int64_t> optional_integer(const Json& request, const char* key,
                                                            const NumberRange& range);
 

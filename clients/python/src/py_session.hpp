@@ -64,6 +64,10 @@ class PySession {
   /// The bench of calls that name none. Guarded by the interpreter lock.
   std::optional<std::uint32_t> only_bench;
 
+  /// The queues to which the session reports events and services. Guarded by the interpreter lock.
+  std::weak_ptr<Dependent> event_stream;
+  std::weak_ptr<Dependent> service_stream;
+
  private:
   const Origin origin_;
   mutable std::mutex mutex_;

@@ -266,47 +266,6 @@ void ReportQueue::close() noexcept {
   queue_->end({});
 }
 
-EventQueue::EventQueue(std::shared_ptr<Session> session, std::size_t capacity, bool with_history)
-    : queue_(std::make_shared<Queue<Event>>(capacity)), session_(std::move(session)) {
-  session_->on_event(
-      [queue = queue_](const Event& event) {
-        queue->push(event);
-      },
-      with_history ? client::EventHistory::kept : client::EventHistory::left_out);
-}
-
-EventQueue::~EventQueue() {
-  close();
-}
-
-void EventQueue::close() noexcept {
-  if (origin.is_inherited()) return;
-  const std::scoped_lock lock(mutex_);
-  if (session_) session_->on_event({});
-  session_.reset();
-  queue_->end({});
-}
-
-ServiceQueue::ServiceQueue(std::shared_ptr<client::Session> session, std::size_t capacity)
-    : queue_(std::make_shared<Queue<client::ServiceChange>>(capacity)),
-      session_(std::move(session)) {
-  session_->watch_services([queue = queue_](const client::ServiceChange& change) {
-    queue->push(change);
-  });
-}
-
-ServiceQueue::~ServiceQueue() {
-  close();
-}
-
-void ServiceQueue::close() noexcept {
-  if (origin.is_inherited()) return;
-  const std::scoped_lock lock(mutex_);
-  if (session_) session_->watch_services({});
-  session_.reset();
-  queue_->end({});
-}
-
 StepFollower::StepFollower(client::Follower follower) : follower_(std::move(follower)) {}
 
 void StepFollower::close() noexcept {

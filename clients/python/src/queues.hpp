@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -185,49 +186,60 @@ class ReportQueue final : public Dependent {
   std::optional<client::StatusReports> reports_;
 };
 
-/// The events of benches.
-class EventQueue final : public Dependent {
+/// What a session reports to one observer of each kind: a later queue takes the place of an earlier
+/// one, which ends.
+template <typename Item>
+class ReportedQueue final : public Dependent {
  public:
-  EventQueue(std::shared_ptr<client::Session> session, std::size_t capacity, bool with_history);
-  ~EventQueue() override;
-  EventQueue(const EventQueue&) = delete;
-  EventQueue& operator=(const EventQueue&) = delete;
+  /// Lets the session report to `queue`, or to nobody.
+  using Observe = std::function<void(client::Session& session, std::shared_ptr<Queue<Item>> queue)>;
 
-  void close() noexcept override;
+  ReportedQueue(std::shared_ptr<client::Session> session, std::size_t capacity, Observe observe)
+      : queue_(std::make_shared<Queue<Item>>(capacity)),
+        session_(std::move(session)),
+        observe_(std::move(observe)) {
+    observe_(*session_, queue_);
+  }
+
+  ~ReportedQueue() override { close(); }
+
+  ReportedQueue(const ReportedQueue&) = delete;
+  ReportedQueue& operator=(const ReportedQueue&) = delete;
+
+  void close() noexcept override {
+    if (origin.is_inherited()) return;
+    const std::scoped_lock lock(mutex_);
+    if (session_) observe_(*session_, nullptr);
+    end();
+  }
+
+  /// Ends the queue and leaves the session alone: another queue takes the place.
+  void leave_place() noexcept {
+    if (origin.is_inherited()) return;
+    const std::scoped_lock lock(mutex_);
+    end();
+  }
 
   /// @throws py::error_already_set in a forked process
-  [[nodiscard]] Queue<client::Event>& queue() {
+  [[nodiscard]] Queue<Item>& queue() {
     origin.require_own("the stream");
     return *queue_;
   }
 
  private:
-  std::shared_ptr<Queue<client::Event>> queue_;
-  std::mutex mutex_;
-  std::shared_ptr<client::Session> session_;
-};
-
-/// What happens to the services that a session sees.
-class ServiceQueue final : public Dependent {
- public:
-  ServiceQueue(std::shared_ptr<client::Session> session, std::size_t capacity);
-  ~ServiceQueue() override;
-  ServiceQueue(const ServiceQueue&) = delete;
-  ServiceQueue& operator=(const ServiceQueue&) = delete;
-
-  void close() noexcept override;
-
-  /// @throws py::error_already_set in a forked process
-  [[nodiscard]] Queue<client::ServiceChange>& queue() {
-    origin.require_own("the stream");
-    return *queue_;
+  void end() noexcept {
+    session_.reset();
+    queue_->end({});
   }
 
- private:
-  std::shared_ptr<Queue<client::ServiceChange>> queue_;
+  std::shared_ptr<Queue<Item>> queue_;
   std::mutex mutex_;
   std::shared_ptr<client::Session> session_;
+  Observe observe_;
 };
+
+using EventQueue = ReportedQueue<client::Event>;            ///< events of benches
+using ServiceQueue = ReportedQueue<client::ServiceChange>;  ///< services that come and go
 
 /// Sees axes tick by tick in the thread of the caller.
 class StepFollower final : public Dependent {

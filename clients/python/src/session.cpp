@@ -174,27 +174,47 @@ std::shared_ptr<ReportQueue> status_reports(const SharedPySession& self, const p
   return queue;
 }
 
-std::shared_ptr<EventQueue> events(const SharedPySession& self, bool history,
-                                   std::size_t capacity) {
+/// A queue of reports in the place of the one that the session had.
+/// @param place in the session, guarded by the interpreter lock
+template <typename Item>
+std::shared_ptr<ReportedQueue<Item>> reported(const SharedPySession& self,
+                                              std::weak_ptr<Dependent>& place, std::size_t capacity,
+                                              typename ReportedQueue<Item>::Observe observe) {
   if (capacity == 0) throw py::value_error("a stream has a capacity of 1 or more");
   const std::shared_ptr<Session> session = self->session();
+  const auto before = std::static_pointer_cast<ReportedQueue<Item>>(place.lock());
   auto queue = [&] {
     const py::gil_scoped_release unlocked;
-    return made_here<EventQueue>(session, capacity, history);
+    if (before) before->leave_place();
+    return made_here<ReportedQueue<Item>>(session, capacity, std::move(observe));
   }();
+  place = queue;
   self->adopt(queue);
   return queue;
 }
 
+std::shared_ptr<EventQueue> events(const SharedPySession& self, bool history,
+                                   std::size_t capacity) {
+  const auto observe = [history](Session& session, std::shared_ptr<Queue<client::Event>> queue) {
+    if (!queue) return session.on_event({});
+    session.on_event(
+        [queue = std::move(queue)](const client::Event& event) {
+          queue->push(event);
+        },
+        history ? client::EventHistory::kept : client::EventHistory::left_out);
+  };
+  return reported<client::Event>(self, self->event_stream, capacity, observe);
+}
+
 std::shared_ptr<ServiceQueue> service_changes(const SharedPySession& self, std::size_t capacity) {
-  if (capacity == 0) throw py::value_error("a stream has a capacity of 1 or more");
-  const std::shared_ptr<Session> session = self->session();
-  auto queue = [&] {
-    const py::gil_scoped_release unlocked;
-    return made_here<ServiceQueue>(session, capacity);
-  }();
-  self->adopt(queue);
-  return queue;
+  using client::ServiceChange;
+  const auto observe = [](Session& session, std::shared_ptr<Queue<ServiceChange>> queue) {
+    if (!queue) return session.watch_services({});
+    session.watch_services([queue = std::move(queue)](const ServiceChange& change) {
+      queue->push(change);
+    });
+  };
+  return reported<ServiceChange>(self, self->service_stream, capacity, observe);
 }
 
 py::list command_each(const SharedPySession& self, const py::object& axes,

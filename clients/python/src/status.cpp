@@ -368,8 +368,11 @@ FrameView::FrameView(const py::array& frames, std::size_t axes)
         "its " +
         std::to_string(axes) + " axes");
   }
-  if (!frames.dtype().equal(layout().type())) {
-    throw py::value_error("the frames of a recording have the dtype of vdrive.record_type()");
+  const bool is_dense = (frames.flags() & py::array::c_style) != 0;
+  if (!is_dense || !frames.dtype().equal(layout().type())) {
+    throw py::value_error(
+        "the frames of a recording have the dtype of vdrive.record_type() and lie behind each "
+        "other");
   }
 }
 

@@ -77,7 +77,9 @@ class _Recorder:
             self._problem = error
 
     def close(self) -> None:
-        if self._session is not None:
+        if self._session is None:
+            return
+        with contextlib.suppress(Exception):
             self._session.close()
 
     def save(self, stem: str) -> str:
@@ -155,8 +157,9 @@ def _record_directory(config: pytest.Config) -> str:
 
 def _file_name(test: str) -> str:
     """Return the name of a test as a file can have it, of bounded length."""
-    name = re.sub(r"[^\w.-]+", "_", test)
-    return name if len(name) <= _LONGEST_NAME else (
+    name = re.sub(r"[^\w.-]+", "_", test, flags=re.ASCII)
+    is_the_same = name == test.replace("::", "_").replace("/", "_") and len(name) <= _LONGEST_NAME
+    return name if is_the_same else (
         f"{name[-_LONGEST_NAME:]}.{zlib.crc32(test.encode()):08x}")
 
 

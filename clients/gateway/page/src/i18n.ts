@@ -168,6 +168,7 @@ const TEXTS = {
   ],
   silence_of_holder: ["Limit of its silence", "其静默时限"],
   on_loss: ["then 6007h", "随后按 6007h"],
+  axes_read: ["axes read so far", "个轴已读取"],
   abort_0: ["no reaction", "无反应"],
   abort_1: ["fault 8130h", "故障 8130h"],
   abort_2: ["voltage off", "切断电压"],

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the gateway sends about benches and axes, and what this browser has chosen.
 
-import { EVENT_HISTORY, EventList, type LogEvent } from "./data/events";
+import { EVENT_HISTORY, EventList } from "./data/events";
 import { BENCH_DESCRIPTION, BENCH_STATE, CONTROL, DICTIONARY } from "./data/tables";
 import type { Scale } from "./data/units";
 import { scaleOf, USER_UNITS } from "./data/units";
@@ -9,6 +9,7 @@ import { language, serviceName, t, type Language } from "./i18n";
 import type { Message, NumberArray } from "./protocol/cdr";
 import { checked, type Of } from "./protocol/checked";
 import { Connection, type Answer, type ServerStatus } from "./protocol/connection";
+import { LONGEST_SILENCE_MS } from "./protocol/silence";
 
 export type BenchDescription = Of<typeof BENCH_DESCRIPTION>;
 /** `topic` is the name as it stands in topics. */
@@ -36,7 +37,6 @@ const GONE_FROM_MS = 3_000;
 /** How long the page may be silent while it holds control, that a person may choose [s]. Hidden tabs
  *  may stand still for some seconds: the longest one is what a person gets who chooses none. */
 export const SILENCES_S = [1, 2, 3, 5, 10];
-const LONGEST_SILENCE_MS = 10_000;
 
 /** A second press of the same control with the same values within this time is a double click. */
 export const SECOND_PRESS_MS = 500;
@@ -225,9 +225,11 @@ export class Model {
   /** Grows when benches, axes, control or the dictionary change: views build themselves again. */
   version = 0;
   /** A person wants to see what happened then: the view of the axis shows it. */
-  wantedMoment?: LogEvent;
+  wantedMoment?: { address: string; tick: number };
   /** benches whose events from before were asked for on this connection */
   private readonly askedEvents = new Set<number>();
+  /** Ends with the last call of /events. */
+  private askingEvents: Promise<void> = Promise.resolve();
   private statusWanted = false;
   private readonly ends = new Map<string, () => void>();
   private readonly incarnations = new Map<number, string>();
@@ -473,9 +475,13 @@ export class Model {
       topics.add(topic);
       if (!this.ends.has(topic)) this.ends.set(topic, this.subscribe(bench, topic, match[2]));
     }
-    for (const number of present) void this.askEvents(number);
+    for (const number of present) this.askEvents(number);
     if (this.connected) {
-      for (const number of this.benches.keys()) if (!present.has(number)) this.benches.delete(number);
+      for (const number of this.benches.keys()) {
+        if (present.has(number)) continue;
+        this.benches.delete(number);
+        this.askedEvents.delete(number); // what comes meanwhile is missed
+      }
       for (const [topic, end] of this.ends) {
         if (topics.has(topic)) continue;
         end();
@@ -517,6 +523,8 @@ export class Model {
     const before = this.incarnations.get(bench.number);
     this.incarnations.set(bench.number, String(incarnation));
     if (before === undefined || before === String(incarnation)) return;
+    this.events.forget(bench.number);
+    this.askedEvents.delete(bench.number);
     // Its axes have no owner. A frame of the new run may have come before its description.
     for (const axes of [this.owned, this.taken]) {
       for (const address of axes) if (address.startsWith(`${bench.number}.`)) axes.delete(address);
@@ -563,11 +571,16 @@ export class Model {
   }
 
   /** The events before now. Those since the subscription may be among them. */
-  private async askEvents(number: number): Promise<void> {
-    const bench = this.benches.get(number);
-    const period = bench?.description?.period_us;
+  private askEvents(number: number): void {
+    const period = this.benches.get(number)?.description?.period_us;
     if (period === undefined || this.askedEvents.has(number) || !this.connection.hasService("/events")) return;
     this.askedEvents.add(number);
+    // One bench after the other: the gateway bounds calls and bytes that wait.
+    const turn = this.askingEvents.then(() => this.fetchEvents(number, period));
+    this.askingEvents = turn.catch(() => undefined);
+  }
+
+  private async fetchEvents(number: number, period: number): Promise<void> {
     const answer = await this.connection.call("/events", { bench: number });
     if (!answer.ok) {
       this.askedEvents.delete(number); // asked again when topics change

@@ -42,10 +42,6 @@ export const EVENT_HISTORY = {
 
 export type EventHistory = Of<typeof EVENT_HISTORY>;
 
-/** [s] An event that is so much older than the one before it is of another run of its bench, whose
- *  ticks count from the beginning. Threads of one run may report a little out of order. */
-const ANOTHER_RUN_S = 1;
-
 function keyOf({ bench, axis, tick, kind, message }: LogEvent): string {
   return `${bench} ${axis} ${tick} ${kind} ${message}`;
 }
@@ -53,8 +49,6 @@ function keyOf({ bench, axis, tick, kind, message }: LogEvent): string {
 /** The events of all benches, bounded, in the order in which they came. */
 export class EventList {
   private list: LogEvent[] = [];
-  /** time of the last one, by bench */
-  private readonly newest = new Map<number, number>();
   /** Grows with each change. */
   version = 0;
 
@@ -65,11 +59,14 @@ export class EventList {
   }
 
   add(event: LogEvent): void {
-    const before = this.newest.get(event.bench) ?? -Infinity;
-    if (event.time < before - ANOTHER_RUN_S) this.list = this.list.filter(({ bench }) => bench !== event.bench);
-    this.newest.set(event.bench, event.time);
     this.list.push(event);
     this.trim();
+  }
+
+  /** Another run of the bench has begun: its ticks may count anew. */
+  forget(bench: number): void {
+    this.list = this.list.filter((event) => event.bench !== bench);
+    ++this.version;
   }
 
   /** Puts in what came before, in the order of time; what is there already is left out. Times of
@@ -78,7 +75,6 @@ export class EventList {
     const known = new Set(this.list.map(keyOf));
     const place = ({ time }: LogEvent) => (isWallTime(time) ? time : 0);
     const all = [...history.filter((event) => !known.has(keyOf(event))), ...this.list];
-    for (const { bench, time } of history) this.newest.set(bench, Math.max(time, this.newest.get(bench) ?? -Infinity));
     this.list = all.sort((a, b) => place(a) - place(b) || (a.bench === b.bench ? a.time - b.time : a.bench - b.bench));
     this.trim();
   }

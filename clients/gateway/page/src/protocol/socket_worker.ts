@@ -4,6 +4,7 @@
 // may be later than that.
 
 import { Mailbox, type Batch, type Packet } from "./mailbox";
+import { LONGEST_SILENCE_MS } from "./silence";
 
 /** From the page. */
 export type Order =
@@ -21,7 +22,6 @@ const SIGN_OF_LIFE = JSON.stringify({ op: "unsubscribe", subscriptionIds: [] });
 // A page that takes nothing for that long is lost, however well this thread works: no user can stop
 // an axis with it. Who holds control may choose a shorter time. The gateway takes a connection that
 // ends with this code for a lost one.
-const LONGEST_SILENCE_MS = 10_000;
 const PAGE_STANDS_STILL = 4000;
 const NORMAL_CLOSURE = 1000;
 

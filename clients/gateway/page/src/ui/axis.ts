@@ -126,9 +126,11 @@ export class AxisView implements View {
   /** An event that was chosen in another view. */
   private goToWanted(): void {
     const { wantedMoment } = this.model;
-    if (wantedMoment === undefined || this.trace.history.end === 0) return;
+    if (wantedMoment === undefined) return;
+    const isHere = wantedMoment.address === addressOf(this.trace.ref);
+    if (isHere && this.trace.history.end === 0) return;
     this.model.wantedMoment = undefined;
-    if (wantedMoment.bench === this.trace.ref.bench.number) this.plots.goTo(wantedMoment.tick);
+    if (isHere) this.plots.goTo(wantedMoment.tick);
   }
 
   redraw(): void {

@@ -84,7 +84,7 @@ export class ControlView implements View {
     const isOfBench = (ref: AxisRef) => ref.bench.number === bench;
     const ref = axis === 0 ? (this.axes().find(isOfBench) ?? this.model.axes().find(isOfBench)) : this.model.find(`${bench}.${axis}`);
     if (ref === undefined) return;
-    this.model.wantedMoment = event;
+    this.model.wantedMoment = { address: addressOf(ref), tick: event.tick };
     location.hash = `#/axis/${addressOf(ref)}`;
   }
 

@@ -48,7 +48,8 @@ export class PolledObjects {
     this.reading = true;
     const answer = await this.model.connection.call("/read", { axis: address, objects: this.objects });
     this.reading = false;
-    if (commands !== this.commands) return;
+    // A call that failed tells nothing about the values.
+    if (commands !== this.commands || answer["values"] === undefined) return;
     const values = new Map<string, number>();
     const read = (answer["values"] ?? []) as { value?: number; code?: number }[];
     read.forEach(({ value, code }, i) => {

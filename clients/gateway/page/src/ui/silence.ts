@@ -65,6 +65,9 @@ export class Silence {
       const text = `= ${code}: ${isTextKey(key) ? t(key) : "?"}`;
       return groups.size > 1 ? `${text} (${listed(addresses)})` : text;
     });
-    put(this.reaction, parts.length === 0 ? "" : `${t("on_loss")} ${parts.join(", ")}`);
+    const read = [...groups.values()].flat().length;
+    const all = this.axes().length;
+    if (read < all) parts.push(`${read} / ${all} ${t("axes_read")}`);
+    put(this.reaction, groups.size === 0 ? "" : `${t("on_loss")} ${parts.join(", ")}`);
   }
 }
