@@ -151,6 +151,21 @@ TEST_F(NamedSessions, AreKnownFromTheFirstAxisOn) {
   EXPECT_EQ(beta_.find_name(7, alpha_.id()), std::nullopt) << "it has no axis of that bench";
 }
 
+// As a command of the tool that takes an axis from others.
+TEST_F(NamedSessions, OfAProgramThatEndedAtOnceStayKnown) {
+  constexpr int kPrograms = 20;
+  for (int i = 0; i < kPrograms; ++i) {
+    const std::string program = "brief " + std::to_string(i);
+    std::uint64_t session = 0;
+    {
+      Session brief(called(program));
+      session = brief.id();
+      ASSERT_TRUE(brief.axis("1.2").value().acquire());
+    }
+    EXPECT_EQ(beta_.find_name(1, session), name_here(program));
+  }
+}
+
 TEST_F(NamedSessions, WithoutAChoiceAProgramIsCalledAsItsFile) {
   Session usual(options_on_wire());
   ASSERT_TRUE(usual.axis("1.2").value().acquire());

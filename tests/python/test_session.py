@@ -371,11 +371,12 @@ def next_news(changes, bench):
     raise AssertionError(f"nothing was reported about bench {bench}")
 
 
-def test_services_that_come_and_go_are_reported(vdrive_benches):
+def test_services_that_come_and_go_are_reported(vdrive_benches, pytestconfig):
+    over = pytestconfig.getoption("--vdrive-over")
     first, = vdrive_benches(1)
     with first.session() as session, session.service_changes() as changes:
         assert next_news(changes, 1) == "found"
-        with vdrive.Bench(axes=1, number=2, beside=first):
+        with vdrive.Bench(axes=1, number=2, over=over, beside=first):
             assert next_news(changes, 2) == "found"
         assert next_news(changes, 2) in ("went_offline", "fell_silent")
         assert changes.dropped == 0

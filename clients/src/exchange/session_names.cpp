@@ -72,6 +72,23 @@ void SessionNames::introduce(std::uint32_t bench) {
   (void)publication_->write(message);
 }
 
+void SessionNames::finish() {
+  const std::scoped_lock lock(saying_);
+  if (!publication_) return;
+  const auto end = Clock::now() + kMatchWait;
+  const auto left = [end] {
+    const auto rest = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+    return std::max(rest, std::chrono::milliseconds(0));
+  };
+  for (const std::uint32_t bench : introduced_) {
+    if (wakeup_.is_interrupted()) return;
+    const auto target = discovery_.present_target(bench);
+    const auto source = target ? discovery_.source_of(target->key) : std::nullopt;
+    if (source) (void)publication_->wait_for_match(*source, left());
+  }
+  if (!wakeup_.is_interrupted()) (void)publication_->wait_for_acknowledged(left());
+}
+
 // ---- what it learns ----------------------------------------------------------------------------
 
 void SessionNames::listen() {

@@ -31,8 +31,8 @@ class SessionNames {
  public:
   using Clock = Discovery::Clock;
 
-  /// For the match of a reader that is new: it takes milliseconds, and on a machine without a free
-  /// processor longer.
+  /// For the match of a reader or a writer that is new: it takes milliseconds, and on a machine
+  /// without a free processor longer.
   static constexpr std::chrono::milliseconds kMatchWait{1'000};
   /// For the samples of a bench that is matched.
   static constexpr std::chrono::milliseconds kFirstWait{250};
@@ -45,6 +45,11 @@ class SessionNames {
 
   /// Says to a bench who this session is, once. The bench passes it on to who asks.
   void introduce(std::uint32_t bench);
+
+  /// Waits until the benches have what was said, at most kMatchWait: a program that takes an axis
+  /// and ends at once is gone before a bench has found its writer. To be called at the end of the
+  /// session. An interrupt ends the wait between two benches.
+  void finish();
 
   /// @return who a session is; nothing when it does not say. Waits for the match of a reader that
   /// is

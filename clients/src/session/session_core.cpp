@@ -85,6 +85,7 @@ void SessionCore::end() {
   reports.end();
   clocks.leave_all();
   control.end();
+  names.finish();
   links.close();
 }
 

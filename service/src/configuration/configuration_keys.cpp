@@ -109,6 +109,10 @@ void describe_rows(const std::string& prefix, std::vector<ConfigurationKey>& key
 /// and the others may be written in the unit that follows from it.
 constexpr std::array<std::string_view, 3> kLastKeys{"mechanics", "initial_position", "parameters"};
 
+bool decides_unit(std::string_view key) {
+  return key == "unit" || key == "model" || key == "mechanics";
+}
+
 /// `mechanics` decides the unit of its axis.
 void check_unit(const YamlValue& place, const Unit& written, const Unit& unit) {
   if (written == unit) return;
@@ -116,6 +120,11 @@ void check_unit(const YamlValue& place, const Unit& written, const Unit& unit) {
                ", name: " + unit.name +
                (unit.kind == UnitKind::linear ? ", per_unit: " : ", per_revolution: ") +
                to_text(unit.size) + "} follows; leave it out");
+}
+
+void name_axis(const YamlValue& value, NamedAxis& axis) {
+  if (axis.number == 0) value.refuse("an axis needs a number");
+  if (axis.name.empty()) axis.name = "axis" + std::to_string(axis.number);
 }
 
 NamedAxis read_axis(const YamlValue& value) {
@@ -128,8 +137,7 @@ NamedAxis read_axis(const YamlValue& value) {
     const bool is_good = mistakes.collect([&] {
       read_key(row_of_known(axis_rows(), key), entry, axis);
     });
-    const bool decides_unit = key == "unit" || key == "model" || key == "mechanics";
-    if (decides_unit && !is_good) is_unit_known = false;
+    if (!is_good && decides_unit(key)) is_unit_known = false;
   };
   mistakes.collect([&] {
     value.for_each_entry(keys_of(axis_rows()), [&](const std::string& key, const YamlValue& entry) {
@@ -151,8 +159,7 @@ NamedAxis read_axis(const YamlValue& value) {
     if (unit) check_unit(*unit, written, axis.unit);
     complete_speeds(axis.configuration);
   }
-  if (axis.number == 0) value.refuse("an axis needs a number");
-  if (axis.name.empty()) axis.name = "axis" + std::to_string(axis.number);
+  name_axis(value, axis);
   return axis;
 }
 
