@@ -65,8 +65,9 @@ INTERRUPTED += [(wait, "local") for wait in WAITS if wait != "finding"]
 @pytest.mark.parametrize("name, over", INTERRUPTED)
 def test_ctrl_c_ends_a_wait_and_the_session_continues(name, over):
     wait = WAITS[name]
+    # numpy first: a follower reads it at its start, and an interrupt in there is an ImportError.
     process = begin(f"""
-        import threading, vdrive
+        import numpy, threading, vdrive
         with vdrive.Bench(2, over="{over}") as bench, bench.session() as session:
             axis = session.axis("1.1")
             session.step()

@@ -35,7 +35,8 @@ auto has_row(const std::string& begin, const std::string& end = "") {
 }
 
 std::string rows_on(const PseudoTerminal& terminal) {
-  return "screen:\n" + testing::PrintToString(terminal.screen().rows());
+  return "screen:\n" + testing::PrintToString(terminal.screen().rows()) + "\nwritten:\n" +
+         testing::PrintToString(terminal.output());
 }
 
 /// Two axes in real time; the first is enabled.
