@@ -56,11 +56,11 @@ class ProgressOnATerminal : public testing::Test {
   RunningService service_{"--clock realtime --axes 2"};
 };
 
-// 40,000 UU at 10,000 UU/s take 4 s: a second without a line, then three with one.
+// 80,000 UU at 10,000 UU/s take 8 s: a second without a line, then seven with one.
 TEST_F(ProgressOnATerminal, OfAMoveIsOneLineThatIsRewrittenAndRemoved) {
-  PseudoTerminal move(kRowsOfProgress, 100, "move 1.1 40000 --velocity 10000");
+  PseudoTerminal move(kRowsOfProgress, 100, "move 1.1 80000 --velocity 10000");
   ASSERT_TRUE(move.wait_until(has_row("axis 1.1: at ", " s more"))) << rows_on(move);
-  EXPECT_THAT(move.screen().rows(), Contains(HasSubstr(" of 40000 at 10000 UU/s, some ")));
+  EXPECT_THAT(move.screen().rows(), Contains(HasSubstr(" of 80000 at 10000 UU/s, some ")));
   const std::vector<std::string> before = move.screen().rows();
   ASSERT_TRUE(move.wait_until([&before](const Screen& screen) {
     return has_row("axis 1.1: at ")(screen) && screen.rows() != before;
@@ -72,17 +72,18 @@ TEST_F(ProgressOnATerminal, OfAMoveIsOneLineThatIsRewrittenAndRemoved) {
 }
 
 TEST_F(ProgressOnATerminal, IsCutToTheWidthOfTheTerminal) {
-  PseudoTerminal wait(kRowsOfProgress, 20, "wait 1.1 fault --timeout 3s");
+  PseudoTerminal wait(kRowsOfProgress, 20, "wait 1.1 fault --timeout 60s");
   ASSERT_TRUE(wait.wait_until(has_row("axis 1.1: waiting.."))) << rows_on(wait);
   EXPECT_EQ(wait.screen().wrapped(), 0U) << rows_on(wait);
 }
 
 TEST_F(ProgressOnATerminal, OfAWaitNamesWhatItWaitsFor) {
-  PseudoTerminal wait(kRowsOfProgress, 120, "wait 1.1 position > 5 --timeout 3s");
+  PseudoTerminal wait(kRowsOfProgress, 120, "wait 1.1 position > 5 --timeout 60s");
   EXPECT_TRUE(wait.wait_until(has_row("axis 1.1: waiting for position > 5, at 0, 0 UU/s")))
       << rows_on(wait);
-  EXPECT_EQ(wait.wait(), 4) << rows_on(wait);
-  PseudoTerminal condition(kRowsOfProgress, 120, "wait 1.1 fault --timeout 3s");
+  wait.interrupt();
+  EXPECT_EQ(wait.wait(), 130) << rows_on(wait);
+  PseudoTerminal condition(kRowsOfProgress, 120, "wait 1.1 fault --timeout 60s");
   EXPECT_TRUE(
       condition.wait_until(has_row("axis 1.1: waiting for fault, at 0, 0 UU/s, Operation enabled")))
       << rows_on(condition);
@@ -94,16 +95,16 @@ TEST_F(ProgressOnATerminal, OfAWaitNamesWhatItWaitsFor) {
 
 TEST_F(ProgressOnATerminal, OfAnExpectationNamesWhatIsChecked) {
   PseudoTerminal expect(kRowsOfProgress, 120,
-                        "expect 1.1 position == 0 --tolerance 2 --throughout 3s");
+                        "expect 1.1 position == 0 --tolerance 2 --throughout 60s");
   EXPECT_TRUE(expect.wait_until(has_row("axis 1.1: checking position 0 +- 2, at 0")))
       << rows_on(expect);
 }
 
-// The first axis brakes at 2,000 UU/s2 from 10,000 UU/s: 5 s; the second one rests already.
+// The first axis brakes at 1,000 UU/s2 from 10,000 UU/s: 10 s; the second one rests already.
 TEST_F(ProgressOnATerminal, OfSeveralAxesCountsThoseThatAreDone) {
   ASSERT_EQ(tool("enable 1.2").code, 0);
   ASSERT_EQ(tool("move 1.2 10").code, 0);
-  ASSERT_EQ(tool("velocity 1.1 10000 --deceleration 2000").code, 0);
+  ASSERT_EQ(tool("velocity 1.1 10000 --deceleration 1000").code, 0);
   PseudoTerminal halt(kRowsOfProgress, 100, "halt --all --wait");
   EXPECT_TRUE(halt.wait_until(has_row("halt: 1 of 2 axes"))) << rows_on(halt);
   EXPECT_EQ(halt.wait(), 0) << rows_on(halt);
@@ -113,7 +114,7 @@ TEST_F(ProgressOnATerminal, OfSeveralAxesCountsThoseThatAreDone) {
 TEST_F(ProgressOnATerminal, OfARecordingCountsSamples) {
   const TemporaryDirectory directory;
   const std::string file = directory.path() / "a.csv";
-  PseudoTerminal record(kRowsOfProgress, 100, "record " + file + " 1.1 --for 3s");
+  PseudoTerminal record(kRowsOfProgress, 100, "record " + file + " 1.1 --for 6s");
   EXPECT_TRUE(record.wait_until(has_row("recorded ", " %"))) << rows_on(record);
   EXPECT_EQ(record.wait(), 0) << rows_on(record);
   EXPECT_FALSE(has_row("recorded ")(record.screen())) << rows_on(record);

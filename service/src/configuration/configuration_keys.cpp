@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -109,6 +108,10 @@ void describe_rows(const std::string& prefix, std::vector<ConfigurationKey>& key
 /// and the others may be written in the unit that follows from it.
 constexpr std::array<std::string_view, 3> kLastKeys{"mechanics", "initial_position", "parameters"};
 
+bool is_read_last(std::string_view key) {
+  return std::ranges::find(kLastKeys, key) != kLastKeys.end();
+}
+
 bool decides_unit(std::string_view key) {
   return key == "unit" || key == "model" || key == "mechanics";
 }
@@ -129,8 +132,7 @@ void name_axis(const YamlValue& value, NamedAxis& axis) {
 
 NamedAxis read_axis(const YamlValue& value) {
   NamedAxis axis;
-  std::map<std::string, YamlValue> last;
-  std::optional<YamlValue> unit;
+  std::map<std::string, YamlValue> entries;
   settings::Mistakes mistakes;
   bool is_unit_known = true;  // what is written in a unit is not judged by a wrong one
   const auto read = [&](const std::string& key, const YamlValue& entry) {
@@ -141,22 +143,20 @@ NamedAxis read_axis(const YamlValue& value) {
   };
   mistakes.collect([&] {
     value.for_each_entry(keys_of(axis_rows()), [&](const std::string& key, const YamlValue& entry) {
-      if (key == "unit") unit.emplace(entry);
-      if (std::ranges::find(kLastKeys, key) != kLastKeys.end()) {
-        last.emplace(key, entry);
-      } else {
-        read(key, entry);
-      }
+      entries.emplace(key, entry);
+      if (!is_read_last(key)) read(key, entry);
     });
   });
   const Unit written = axis.unit;
   for (const std::string_view key : kLastKeys) {
-    const auto entry = last.find(std::string(key));
-    if (entry != last.end() && is_unit_known) read(entry->first, entry->second);
+    const auto entry = entries.find(std::string(key));
+    if (entry != entries.end() && is_unit_known) read(entry->first, entry->second);
   }
   mistakes.throw_if_any();
-  if (last.contains("mechanics")) {
-    if (unit) check_unit(*unit, written, axis.unit);
+  if (entries.contains("mechanics")) {
+    if (const auto unit = entries.find("unit"); unit != entries.end()) {
+      check_unit(unit->second, written, axis.unit);
+    }
     complete_speeds(axis.configuration);
   }
   name_axis(value, axis);
