@@ -68,6 +68,8 @@ class Process {
 
   void send(int signal) const { send_signal(child_, signal); }
 
+  [[nodiscard]] pid_t id() const { return child_; }
+
   /// Reads to the end of the output and waits. @return the exit code, or -signal.
   int wait() {
     std::array<char, 512> line{};
@@ -89,6 +91,11 @@ class Process {
 std::vector<std::string> with_domain(std::vector<std::string> arguments) {
   arguments.insert(arguments.end(), {"--domain", std::to_string(test_domain())});
   return arguments;
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
 }
 
 std::size_t shared_memory_files() {
@@ -145,7 +152,12 @@ TEST(ServiceProcess, EndsWhenItsBenchNumberIsInUse) {
   ASSERT_TRUE(probe.find_bench());
   Process second(with_domain({"--bench", "7"}));
   EXPECT_EQ(second.wait(), 5);
-  EXPECT_NE(second.text().find("bench 7 is already served"), std::string::npos) << second.text();
+  EXPECT_NE(
+      second.text().find("bench 7 is already served in domain " + std::to_string(test_domain()) +
+                         " by process " + std::to_string(first.id()) + " on " + host_name() +
+                         " (incarnation "),
+      std::string::npos)
+      << second.text();
   EXPECT_TRUE(probe.read(1, 0x6041)) << "the first one continues";
   Process other(with_domain({"--bench", "8"}));
   Probe probe_of_other(test_domain(), 8);
@@ -165,6 +177,10 @@ TEST(ServiceProcess, ThatStartedLaterEndsWhenTwoShareABenchNumber) {
   EXPECT_EQ(younger.wait(), 5);
   EXPECT_NE(younger.text().find("bench 9 belongs to a service that started earlier"),
             std::string::npos)
+      << younger.text();
+  EXPECT_NE(
+      younger.text().find(" earlier: process " + std::to_string(older.id()) + " on " + host_name()),
+      std::string::npos)
       << younger.text();
   EXPECT_TRUE(probe.read(1, 0x6041));
 }

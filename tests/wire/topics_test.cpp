@@ -154,7 +154,9 @@ TEST(LateReader, GetsTheNextReplyOfAWriterThatSentManyWhileOthersJoined) {
 TEST(Participant, KnowsOtherParticipantsByTheBeginningOfTheirNames) {
   Participant sut(settings(), "vdrived 1");
   Participant first(settings(), "vdrived 2");
-  Participant second(settings(), "vdrived 30");
+  NetworkSettings with_place = settings();
+  with_place.place = "process 30 on a host";
+  Participant second(with_place, "vdrived 30");
   Participant third(settings(), "other vdrived");
   // Participants are known before their writers are: each has one that matches.
   Subscription<msg::BenchState> reader(sut, [](const msg::BenchState&, const Source&) {});
@@ -170,6 +172,8 @@ TEST(Participant, KnowsOtherParticipantsByTheBeginningOfTheirNames) {
   EXPECT_EQ(named[0].name, "vdrived 30");
   EXPECT_EQ(named[0].source, second.source());
   EXPECT_FALSE(named[0].is_closed);
+  EXPECT_EQ(named[0].place, "process 30 on a host");
+  EXPECT_EQ(sut.others("vdrived 2").at(0).place, "") << "nothing is shown unless it is set";
 }
 
 TEST(Participant, RefusesADomainThatDoesNotExist) {

@@ -193,6 +193,7 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
                                           const std::shared_ptr<Guard>& guard) {
   dds::DomainParticipantQos qos;
   qos.name(name.c_str());
+  qos.user_data().setValue(std::vector<rtps::octet>(settings.place.begin(), settings.place.end()));
   qos.transport().use_builtin_transports = false;
   add_transport(udp_transport(settings), guard, qos);
   if (settings.shared_memory) {

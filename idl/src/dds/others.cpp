@@ -22,13 +22,15 @@ void Others::on_participant_discovery(
     rtps::ParticipantDiscoveryInfo&& info) {
   using Info = rtps::ParticipantDiscoveryInfo;
   const rtps::ParticipantProxyData& data = info.info;
+  const std::vector<rtps::octet>& place = data.m_userData.getValue();
   const std::scoped_lock lock(mutex_);
   if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
     known_.erase(data.m_guid.guidPrefix);
   } else {
     known_[data.m_guid.guidPrefix] = {.name = data.m_participantName.to_string(),
                                       .source = source_of(rtps::InstanceHandle_t(data.m_guid)),
-                                      .is_closed = data.security_attributes_ != 0};
+                                      .is_closed = data.security_attributes_ != 0,
+                                      .place = {place.begin(), place.end()}};
   }
 }
 

@@ -338,8 +338,8 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
   service.stop();
   if (older) {
     throw BenchNumberTaken("bench " + std::to_string(configuration.bench) +
-                           " belongs to a service that started earlier (incarnation " +
-                           std::to_string(*older) + ")");
+                           " belongs to a service that started earlier: " + service.older_text() +
+                           "; end that service, or choose another number with --bench");
   }
   if (is_cut_off) {
     // A process may start programs only before it is confined: another run has to do it.

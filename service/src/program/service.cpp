@@ -13,6 +13,7 @@
 #include "wire/wire_program.hpp"
 
 #include <chrono>
+#include <string>
 #include <utility>
 
 namespace vdrive::service {
@@ -174,6 +175,10 @@ void Service::stop() noexcept {
 
 std::optional<std::uint64_t> Service::conflict() const noexcept {
   return parts_->run.conflict();
+}
+
+std::string Service::older_text() const {
+  return parts_->run.older_text();
 }
 
 bool Service::is_reachable() const noexcept {

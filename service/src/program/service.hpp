@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 namespace vdrive::service {
 
@@ -65,6 +66,9 @@ class Service {
   /// @return the incarnation of an older service with the same bench number that was met after the
   ///         start: this one has to go.
   [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept;
+
+  /// @return in a conflict, who that service is: "process 4711 on lab-pc (incarnation 17)".
+  [[nodiscard]] std::string older_text() const;
 
   /// @return whether clients can reach the bench now: its wire runs.
   [[nodiscard]] bool is_reachable() const noexcept;

@@ -107,11 +107,11 @@ void BenchRun::start() {
   timer_.wait_until(timer_.monotonic_now() + wire_->time_to_meet_others());
   while (receive_notices()) {
   }
-  if (const auto older = duplicates_.conflict()) {
-    throw BenchNumberTaken("bench " + std::to_string(identity_.bench) +
-                           " is already served in domain " +
-                           std::to_string(configuration_.network.domain) + " (incarnation " +
-                           std::to_string(*older) + ")");
+  if (duplicates_.conflict()) {
+    throw BenchNumberTaken(
+        "bench " + std::to_string(identity_.bench) + " is already served in domain " +
+        std::to_string(configuration_.network.domain) + " by " + duplicates_.older_text() +
+        "; end that service, or choose another number with --bench");
   }
   if (journal_) engine_.record_to(*journal_);
   if (parameters_.saver) {
@@ -314,8 +314,12 @@ bool BenchRun::receive_notices() {
     const auto record = notices_.front();
     if (!record) return false;
     const auto topic = wire::topic_numbered(record->head.topic);
-    if (topic == wire::Topic<msg::BenchState>::kId) duplicates_.note(record->bytes);
-    if (topic == wire::Topic<msg::SessionName>::kId) reports_.note_session(record->bytes);
+    const std::size_t size = std::min<std::size_t>(record->head.full_size, record->bytes.size());
+    const auto sample = record->bytes.first(size);
+    if (topic == wire::Topic<msg::BenchState>::kId) {
+      duplicates_.note(sample, record->bytes.subspan(size));
+    }
+    if (topic == wire::Topic<msg::SessionName>::kId) reports_.note_session(sample);
     notices_.pop();
   }
   return true;

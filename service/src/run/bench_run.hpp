@@ -112,6 +112,9 @@ class BenchRun {
     return duplicates_.conflict();
   }
 
+  /// @return who that service is, see DuplicateNumberDetector.
+  [[nodiscard]] std::string older_text() const { return duplicates_.older_text(); }
+
   [[nodiscard]] bool is_reachable() const noexcept { return counters_.wire_is_up.get() != 0; }
 
   [[nodiscard]] bool is_cut_off() const noexcept { return is_cut_off_; }

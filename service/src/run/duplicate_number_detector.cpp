@@ -1,15 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run/duplicate_number_detector.hpp"
 
+#include "vdrive/text.hpp"
 #include "vdrive/wire/codec.hpp"
+
+#include <utility>
 
 namespace vdrive::service {
 
-void DuplicateNumberDetector::note(std::span<const std::byte> sample) {
+void DuplicateNumberDetector::note(std::span<const std::byte> sample,
+                                   std::span<const std::byte> place) {
   if (wire::decode(sample, state_) && state_.bench() == identity_.bench &&
       state_.incarnation() < identity_.incarnation) {
+    keep_place(place);
     older_ = state_.incarnation();
   }
+}
+
+/// What a stranger sends may be anything: it is shown escaped.
+void DuplicateNumberDetector::keep_place(std::span<const std::byte> bytes) {
+  std::string place;
+  for (const std::byte each : bytes) place += static_cast<char>(each);
+  const std::lock_guard lock(mutex_);
+  place_ = std::move(place);
+}
+
+std::string DuplicateNumberDetector::older_text() const {
+  const std::lock_guard lock(mutex_);
+  const std::string place = place_.empty() ? "a service that does not say where it runs"
+                                           : escaped(place_, kShownOfMessage);
+  return place + " (incarnation " + std::to_string(older_) + ")";
 }
 
 std::optional<std::uint64_t> DuplicateNumberDetector::conflict() const noexcept {

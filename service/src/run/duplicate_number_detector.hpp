@@ -8,8 +8,10 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <mutex>
 #include <optional>
 #include <span>
+#include <string>
 
 namespace vdrive::service {
 
@@ -23,15 +25,23 @@ class DuplicateNumberDetector {
   explicit DuplicateNumberDetector(const BenchIdentity& identity) : identity_(identity) {}
 
   /// @param sample a state that another service has published. One thread at a time.
-  void note(std::span<const std::byte> sample);
+  /// @param place where that service runs, as it says it; may be empty
+  void note(std::span<const std::byte> sample, std::span<const std::byte> place);
 
   /// @return the incarnation of the service to which the number belongs, when it is not ours.
   [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept;
 
+  /// @return in a conflict, who that service is: "process 4711 on lab-pc (incarnation 17)".
+  [[nodiscard]] std::string older_text() const;
+
  private:
+  void keep_place(std::span<const std::byte> bytes);
+
   BenchIdentity identity_;
   msg::BenchState state_;
   std::atomic<std::uint64_t> older_{0};  ///< 0 = none seen
+  mutable std::mutex mutex_;             ///< guards the one below
+  std::string place_;                    ///< of the older service
 };
 
 }  // namespace vdrive::service

@@ -13,11 +13,13 @@ namespace vdrive::service {
 
 /// What stands in front of the bytes of a record.
 struct RecordHead {
-  std::uint32_t size = 0;       ///< of the bytes that follow
-  std::uint32_t full_size = 0;  ///< of the whole sample; above `size` only the beginning follows
-  std::uint16_t topic = 0;      ///< wire::TopicId
-  std::uint16_t flags = 0;      ///< kForOne
-  wire::Source party;           ///< who sent it; with kForOne, who has to get it
+  std::uint32_t size = 0;  ///< of the bytes that follow
+  /// Of the whole sample: above `size` only its beginning follows, below `size` something else
+  /// follows behind it.
+  std::uint32_t full_size = 0;
+  std::uint16_t topic = 0;  ///< wire::TopicId
+  std::uint16_t flags = 0;  ///< kForOne
+  wire::Source party;       ///< who sent it; with kForOne, who has to get it
 
   /// The record is an answer: it waits until its receiver can be reached.
   static constexpr std::uint16_t kForOne = 1;

@@ -12,12 +12,16 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace vdrive::service {
 namespace {
 
 using wire::Topic;
 using wire::TopicId;
+
+/// How the name of the participant of a service begins; its bench follows.
+constexpr std::string_view kService = "vdrived ";
 
 constexpr std::array kWritten{Topic<msg::CommandReply>::kId,     Topic<msg::Reply>::kId,
                               Topic<msg::StatusFrame>::kId,      Topic<msg::AxisStatus>::kId,
@@ -28,6 +32,7 @@ constexpr std::array kWritten{Topic<msg::CommandReply>::kId,     Topic<msg::Repl
 wire::NetworkSettings of_a_service(const WireSettings& settings) {
   wire::NetworkSettings network = settings.network;
   network.role = wire::Role::service;
+  network.place = settings.place;
   network.guard_sink = [bench = settings.bench, mutex = std::make_shared<std::mutex>(),
                         limiter = std::make_shared<RepeatLimiter>()](wire::Refusal refusal,
                                                                      std::string_view sender) {
@@ -58,7 +63,7 @@ WireProgram::WireProgram(const WireRegion& region, const WireSettings& settings)
     : control_(region.control()),
       bench_(settings.bench),
       is_open_(settings.network.security.empty()),
-      participant_(of_a_service(settings), "vdrived " + std::to_string(settings.bench)),
+      participant_(of_a_service(settings), std::string(kService) + std::to_string(settings.bench)),
       publications_(wire::kTopics.size()),
       status_(region.ring(Lane::status)),
       replies_(region.ring(Lane::replies)),
@@ -134,21 +139,34 @@ void WireProgram::deliver(LaneSubscription& incoming, const wire::Source& source
   }
   if (source == control_.source || bench_of(incoming.sample, incoming.topic) != bench_) return;
   if (incoming.lane == Lane::notices) {
-    if (const auto place = notices_.reserve(incoming.sample.size())) {
-      std::ranges::copy(incoming.sample, place->begin());
-      const auto size = static_cast<std::uint32_t>(incoming.sample.size());
-      notices_.commit({.size = size,
-                       .full_size = size,
-                       .topic = static_cast<std::uint16_t>(incoming.topic),
-                       .flags = 0,
-                       .party = source});
-    }
+    put_notice(incoming, source);
     return;
   }
   if (!arrivals_.put(incoming.topic, incoming.sample, source)) {
     control_.overflows.fetch_add(1, std::memory_order_relaxed);
   }
   arrivals_bell_.ring();
+}
+
+/// Behind the state of another service stands where that service runs, as far as it says it.
+void WireProgram::put_notice(const LaneSubscription& incoming, const wire::Source& source) {
+  constexpr std::size_t kLongestPlace = 128;
+  std::string place;
+  if (incoming.topic == Topic<msg::BenchState>::kId) {
+    for (const wire::OtherParticipant& other : participant_.others(kService)) {
+      if (other.source == source) place = other.place.substr(0, kLongestPlace);
+    }
+  }
+  const std::size_t size = incoming.sample.size() + place.size();
+  const auto room = notices_.reserve(size);
+  if (!room) return;
+  const auto end = std::ranges::copy(incoming.sample, room->begin()).out;
+  std::ranges::copy(std::as_bytes(std::span(place)), end);
+  notices_.commit({.size = static_cast<std::uint32_t>(size),
+                   .full_size = static_cast<std::uint32_t>(incoming.sample.size()),
+                   .topic = static_cast<std::uint16_t>(incoming.topic),
+                   .flags = 0,
+                   .party = source});
 }
 
 void WireProgram::show(TopicId topic, const std::vector<wire::Source>& readers) {

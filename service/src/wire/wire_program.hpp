@@ -87,6 +87,7 @@ class WireProgram final : public LaneSender {
   void subscribe(wire::TopicId topic, Lane lane);
   void exchange_names();
   void deliver(LaneSubscription& incoming, const wire::Source& source);
+  void put_notice(const LaneSubscription& incoming, const wire::Source& source);
   void send(const ByteRing::Record& record);
   [[nodiscard]] bool try_send(const RecordHead& head, std::span<const std::byte> bytes);
   void hold(const ByteRing::Record& record);

@@ -36,6 +36,7 @@ struct NetworkSettings {
       Role::other;         ///< client: ignores participants named "vdrive client" or "vdrive probe"
   bool guard = true;       ///< false shows in tests what the library does without it
   GuardSink guard_sink{};  ///< receives each refusal of the guard
+  std::string place{};     ///< of a service: process and host, shown to others (user data of DDS)
   std::shared_ptr<LocalBus> bus{};  ///< of this process; nothing = DDS
 };
 
@@ -68,6 +69,7 @@ struct OtherParticipant {
   std::string name;
   Source source;
   bool is_closed = false;  ///< it has DDS Security: only participants of its closed mode meet it
+  std::string place{};  ///< NetworkSettings::place; anything of a stranger, empty where it has none
 };
 
 /// A program's place among those that exchange the messages of vdrive: a DDS domain participant, or
