@@ -697,6 +697,25 @@ class GatewayControl : public testing::Test {
   client::Result<client::Axis> axis_ = session_.axis("1.1");
 };
 
+TEST_F(GatewayControl, RefusesAVelocityOfAGroupThatAnAxisDoesNotReach) {
+  ToolClient client(gateway_.port());
+  (void)client.channel("/bench1/status");
+  ASSERT_EQ(client.call("/take_control", Json::object())["ok"], true);
+  ASSERT_EQ(client.call("/enable", {{"axes", {"1.1", "1.2"}}})["ok"], true);
+  const std::int64_t highest = *axis_->read({0x607F, 0});
+  const std::int64_t before = *axis_->read({0x6081, 0});
+  const Json moves =
+      Json::array({{{"axis", "1.1"}, {"position", 900}}, {{"axis", "1.2"}, {"position", -900}}});
+  const Json answer = client.call(
+      "/move_group", {{"moves", moves}, {"velocity", highest + 1}, {"acceleration", 7}});
+  EXPECT_EQ(answer["outcome"], "refused");
+  EXPECT_THAT(answer["message"],
+              HasSubstr("axis 1.1: the velocity " + std::to_string(highest + 1) + " is above "));
+  EXPECT_EQ(*axis_->read({0x6081, 0}), before) << "nothing is written";
+  EXPECT_NE(*axis_->read({0x6083, 0}), 7);
+  EXPECT_EQ(client.call("/move_group", {{"moves", moves}, {"velocity", highest}})["ok"], true);
+}
+
 TEST_F(GatewayControl, IsHeldByOneConnection) {
   ToolClient first(gateway_.port());
   ToolClient second(gateway_.port());

@@ -212,6 +212,17 @@ Result<std::int64_t> Axis::read(ObjectAddress object) const {
                  "read of " + object_text(object) + " of axis " + to_string(id_));
 }
 
+Outcome Axis::check_velocity_limits(std::int64_t velocity) const {
+  using namespace literals;
+  const auto app_speed_limit = read(vdrive::describe("app_speed_limit"_object).address);
+  if (!app_speed_limit) return app_speed_limit.outcome();
+  const auto motor_speed_limit = read(vdrive::describe("motor_speed_limit"_object).address);
+  if (!motor_speed_limit) return motor_speed_limit.outcome();
+  return check_speed(
+      id_, velocity,
+      {.app_speed_limit = *app_speed_limit, .motor_speed_limit = *motor_speed_limit});
+}
+
 Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
   const auto target = core_->links.connect(id_.bench);
   if (!target) return target.outcome();

@@ -221,6 +221,12 @@ class Axis {
   /// Writes an object. @return the tick in which the value is in force, or refused.
   Result<std::uint64_t> write(ObjectAddress object, std::int64_t value);
 
+  /// What move_to() and run_at() ask about the velocity that they are given. A 6081h that is
+  /// written is not asked: the drive cuts it without a word.
+  /// @param velocity [UU/s]
+  /// @return refused above 607Fh, or above 6080h behind the gear (5E11h), naming the limit.
+  Outcome check_velocity_limits(std::int64_t velocity) const;
+
   /// Sets a test-bench input, also of an axis that another session owns. It stays until it is set
   /// again: 0 ends it.
   /// @return the tick in which it is in force, or refused.
