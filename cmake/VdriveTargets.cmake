@@ -193,11 +193,11 @@ function(vdrive_add_executable target)
 endfunction()
 
 # A test that holds a promise about wall time has the label timed beside its own, and these
-# properties: three of them run at a time, of the ten jobs of the preset release, and before all
+# properties: two of them run at a time, of the eight jobs of the preset release, and before all
 # others. Beside them runs one test that only calculates, with the lowest priority (CALCULATES). A
 # machine without a free processor cannot keep such a promise: .ci/run repeats a test with this
 # label that failed by a deadline.
-set(VDRIVE_TIMED_TEST PROCESSORS 3 COST 900)
+set(VDRIVE_TIMED_TEST PROCESSORS 4 COST 900)
 # Before what takes long, for the place beside timed tests. While others keep the machine busy, the
 # lowest priority gets next to nothing: such a test may end after all of them.
 set(VDRIVE_CALCULATING_TEST COST 500 TIMEOUT 1800)

@@ -593,7 +593,10 @@ TEST(GatewayServices, EnableMoveAndStopAnAxis) {
 
 TEST(GatewayServices, ServeTheButtonsOfADashboard) {
   const TemporaryDirectory state;
-  const RunningService service("--clock realtime --state " + state.path().string());
+  // With a long watchdog time: the machine may be busy.
+  const RunningService service("--clock realtime --axes 2 --config " VDRIVE_SOURCE_DIR
+                               "/tests/data/patient.yaml --state " +
+                               state.path().string());
   const RunningGateway gateway("--control");
   Session session(options());
   auto axis = session.axis("1.1");

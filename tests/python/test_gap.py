@@ -123,8 +123,9 @@ def test_what_follows_a_bench_goes_on_when_its_wire_is_replaced(vdrive_bench, vd
         gaps["follow"] += sample.missed
         if sample.tick > begin + 4000:
             break
-    # The hang lasts 2 s; the rest is for the discovery of the next wire.
-    assert 1500 < gaps["stream"] < 4000 and 1500 < gaps["follow"] < 4000, gaps
+    # The hang lasts 2 s; the rest is for the discovery of the next wire, on a busy machine up to the
+    # 10 s for which streams are patient.
+    assert 1500 < gaps["stream"] < 10_000 and 1500 < gaps["follow"] < 10_000, gaps
     waiting.join(PATIENCE)
     assert waited.items and waited.items[0] >= begin + 6000
     assert received.wait(lambda sample: sample.tick > begin + 4000)

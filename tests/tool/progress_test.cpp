@@ -53,7 +53,9 @@ class ProgressOnATerminal : public testing::Test {
   }
 
  private:
-  RunningService service_{"--clock realtime --axes 2"};
+  // With a long watchdog time: the machine may be busy.
+  RunningService service_{"--clock realtime --axes 2 --config " VDRIVE_SOURCE_DIR
+                          "/tests/data/patient.yaml"};
 };
 
 // 80,000 UU at 10,000 UU/s take 8 s: a second without a line, then seven with one.
