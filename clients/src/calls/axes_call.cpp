@@ -214,11 +214,19 @@ Answers AxesCall::exchange_at(std::span<const Round> rounds, std::uint64_t apply
 }
 
 Outcome AxesCall::put_in_force(std::span<const Round> rounds) {
-  std::vector<SentFrames> sent;
-  Outcome outcome = send(rounds, 0, sent);
-  // In lock-step the answer comes with a tick, and only this call lets it pass.
-  if (outcome && steps()) outcome = axes_.advance(1);
-  Answers answers = collect(sent, std::move(outcome));
+  begin_to_put_in_force(rounds);
+  return await_in_force();
+}
+
+void AxesCall::begin_to_put_in_force(std::span<const Round> rounds) {
+  sent_.clear();
+  sending_ = send(rounds, 0, sent_);
+}
+
+Outcome AxesCall::await_in_force(bool has_stepped) {
+  // In lock-step the answer comes with a tick, and only this session lets it pass.
+  if (sending_ && steps()) sending_ = axes_.advance(has_stepped ? 0 : 1);
+  Answers answers = collect(sent_, std::move(sending_));
   if (!answers.outcome) return answers.outcome;
   if (!answers.ignored.empty()) {
     return not_in_this_state("axis " + to_string(snapshots()[answers.ignored.front()].id) +

@@ -72,6 +72,9 @@ class AxesCall {
 
   // ---- begin
 
+  /// Connects only: see ObservedAxes::open.
+  Outcome open() { return axes_.open(); }
+
   /// Connects and observes the axes for the first time.
   /// @param timeout drive time from then on
   Outcome begin(std::chrono::nanoseconds timeout);
@@ -156,6 +159,14 @@ class AxesCall {
   /// Sends rounds in order, then observes the tick in which the last is in force; in lock-step
   /// steps to it. @return refused when a set-point was ignored.
   Outcome put_in_force(std::span<const Round> rounds);
+
+  /// The first half of put_in_force(), which does not wait. The second half must follow.
+  void begin_to_put_in_force(std::span<const Round> rounds);
+
+  /// The second half.
+  /// @param has_stepped in lock-step a call of this session has let a tick pass since: it is looked
+  ///        at, and no further one passes
+  Outcome await_in_force(bool has_stepped = false);
 
   /// The same with controlwords to every axis.
   Outcome put_in_force(const std::vector<std::uint16_t>& controlwords);
@@ -246,7 +257,9 @@ class AxesCall {
   std::shared_ptr<SessionCore> core_;
   ObservedAxes axes_;
   std::chrono::nanoseconds timeout_{0};
-  std::uint64_t deadline_ = 0;  ///< as driven_tick()
+  std::uint64_t deadline_ = 0;    ///< as driven_tick()
+  std::vector<SentFrames> sent_;  ///< by begin_to_put_in_force(): with the outcome of the sending
+  Outcome sending_;
 };
 
 }  // namespace vdrive::client

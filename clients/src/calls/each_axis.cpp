@@ -11,6 +11,7 @@
 #include <array>
 #include <cstddef>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -117,12 +118,40 @@ EachAxis::EachAxis(std::shared_ptr<SessionCore> core, std::span<const AxisId> ax
   if (row_.is_stop) stop_.emplace(*core_, call_);
 }
 
-void EachAxis::start() {
-  if (Outcome begun = begin(); !begun) return end_all(begun);
+void EachAxis::open() {
+  if (Outcome opened = call_.open(); !opened) end_all(opened);
+}
+
+void EachAxis::begin() {
+  if (!has_pending()) return;
+  if (Outcome begun = begin_call(); !begun) return end_all(begun);
   judge();
   if (has_pending()) await_before();
-  if (has_pending()) send();
-  if (has_pending()) judge_in_force();
+}
+
+void EachAxis::refresh() {
+  if (!has_pending()) return;
+  if (Outcome seen = call_.axes().refresh(); !seen) return end_all(seen);
+  judge();
+}
+
+void EachAxis::send() {
+  if (has_pending() && goes_by_frames()) call_.begin_to_put_in_force(rounds());
+}
+
+void EachAxis::await_in_force(std::set<std::uint32_t>& stepped) {
+  if (!has_pending()) return;
+  const std::uint32_t bench = call_.axes().layout().axes.front().bench;
+  const Outcome done = goes_by_frames() ? call_.await_in_force(stepped.contains(bench))
+                       : stop_          ? stop()
+                                        : power_cycle();
+  if (!done) return end_all(done);
+  if (goes_by_frames()) stepped.insert(bench);
+  judge_in_force();
+}
+
+void EachAxis::close_unless_pending() {
+  if (!has_pending()) call_.axes().close();
 }
 
 void EachAxis::finish() {
@@ -171,7 +200,7 @@ void EachAxis::fail_unless(std::string_view awaited, bool (*holds)(const AxisSna
 
 // ---- start -----------------------------------------------------------------------------------
 
-Outcome EachAxis::begin() {
+Outcome EachAxis::begin_call() {
   if (stop_) return stop_->begin(options_.timeout);
   if (Outcome begun = call_.begin(options_.timeout); !begun) return begun;
   return row_.command == EachCommand::power_cycle ? Outcome() : acquire();
@@ -226,9 +255,8 @@ void EachAxis::await_before() {
   }
 }
 
-void EachAxis::send() {
-  Outcome sent = row_.command == EachCommand::power_cycle ? power_cycle() : put_in_force();
-  if (!sent) end_all(sent);
+bool EachAxis::goes_by_frames() const {
+  return !stop_ && row_.command != EachCommand::power_cycle;
 }
 
 /// The n-th round has the n-th word of each axis.
@@ -248,8 +276,7 @@ std::vector<Round> EachAxis::rounds() const {
   return rounds;
 }
 
-Outcome EachAxis::put_in_force() {
-  if (!stop_) return call_.put_in_force(rounds());
+Outcome EachAxis::stop() {
   if (row_.command == EachCommand::halt) {
     if (Outcome taken = stop_->acquire_free(); !taken) return taken;
   }
@@ -391,6 +418,9 @@ void EachAxis::await_quick_stops() {
 
 namespace {
 
+// Shares that are on the way at a time: their frames fit into the queues of a bench.
+constexpr std::size_t kSharesAtOnce = 8;
+
 /// Axes of one bench that fit into a frame, by their places among all axes.
 struct Share {
   std::vector<AxisId> axes;
@@ -415,6 +445,19 @@ std::vector<Share> shares_of(std::span<const AxisId> axes) {
   return shares;
 }
 
+/// Gives the command to all of them: each waits while the others do, and not behind them.
+void start_together(std::span<const std::unique_ptr<EachAxis>> calls) {
+  for (const auto& call : calls) call->open();
+  for (const auto& call : calls) call->begin();
+  if (calls.size() > 1) {
+    for (const auto& call : calls) call->refresh();
+  }
+  for (const auto& call : calls) call->send();
+  std::set<std::uint32_t> stepped;
+  for (const auto& call : calls) call->await_in_force(stepped);
+  for (const auto& call : calls) call->close_unless_pending();
+}
+
 }  // namespace
 
 std::vector<Outcome> command_each(const std::shared_ptr<SessionCore>& core,
@@ -423,9 +466,13 @@ std::vector<Outcome> command_each(const std::shared_ptr<SessionCore>& core,
   const std::vector<Share> shares = shares_of(axes);
   std::vector<std::unique_ptr<EachAxis>> calls;
   calls.reserve(shares.size());
-  for (const Share& share : shares) {
-    calls.push_back(std::make_unique<EachAxis>(core, share.axes, command, options));
-    calls.back()->start();
+  while (calls.size() < shares.size()) {
+    const std::size_t first = calls.size();
+    const std::size_t count = std::min(kSharesAtOnce, shares.size() - first);
+    for (const Share& share : std::span(shares).subspan(first, count)) {
+      calls.push_back(std::make_unique<EachAxis>(core, share.axes, command, options));
+    }
+    start_together(std::span(calls).subspan(first));
   }
   for (const auto& call : calls) call->finish();
   std::vector<Outcome> outcomes(axes.size());

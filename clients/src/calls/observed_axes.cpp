@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 namespace vdrive::client {
 namespace {
@@ -50,7 +51,8 @@ ObservedAxes::ObservedAxes(std::shared_ptr<SessionCore> core, GroupLayout layout
       progress_(std::move(progress)),
       snapshots_(layout_->axes.size()) {}
 
-Outcome ObservedAxes::connect() {
+Outcome ObservedAxes::open() {
+  if (std::exchange(is_open_, true)) return {};
   for (const GroupLayout::Bench& bench : layout_->benches) {
     auto target = core_->links.connect(bench.number);
     if (!target) return target.outcome();
@@ -59,6 +61,11 @@ Outcome ObservedAxes::connect() {
     part.target = *target;
     if (!part.target.steps()) part.feed = core_->stream.open_feed(part.target, bench.axes);
   }
+  return {};
+}
+
+Outcome ObservedAxes::connect() {
+  if (Outcome opened = open(); !opened) return opened;
   if (Outcome comparable = compare_clocks(); !comparable) return comparable;
   return observe_first();
 }
@@ -167,6 +174,18 @@ Outcome ObservedAxes::advance(std::uint64_t ticks, milliseconds patience) {
     if (!seen && result) result = std::move(seen);
   }
   if (!result) return result;
+  if (Outcome aligned = align(); !aligned) return aligned;
+  publish();
+  return {};
+}
+
+Outcome ObservedAxes::refresh() {
+  for (BenchPart& part : parts_) {
+    if (part.is_lost) continue;
+    Outcome seen = part.feed ? catch_up(part)
+                             : note(part, core_->clocks.step(part.target, 0, part.bench->axes));
+    if (!seen) return seen;
+  }
   if (Outcome aligned = align(); !aligned) return aligned;
   publish();
   return {};

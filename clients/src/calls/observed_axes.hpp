@@ -59,13 +59,24 @@ class ObservedAxes {
   ObservedAxes(std::shared_ptr<SessionCore> core, GroupLayout layout, Caller caller,
                Progress progress);
 
-  /// Connects to every bench, compares their clocks, and observes the axes for the first time.
+  /// Connects to every bench. From then on the status of the axes arrives: several calls that open
+  /// first and connect() then wait for it together.
+  Outcome open();
+
+  /// Opens, unless it is open, compares the clocks of the benches, and observes the axes for the
+  /// first time.
   Outcome connect();
+
+  /// Ends the status of the axes, which costs the thread that receives it. No further call.
+  void close() { parts_.clear(); }
 
   /// Advances to the next tick that all benches show; in lock-step by `ticks`.
   /// @param patience wall time for other steppers to grant the next tick
   /// @return timed_out, for an axis, when no sample came for a while.
   Outcome advance(std::uint64_t ticks, std::chrono::milliseconds patience = kStepPatience);
+
+  /// Observes what has arrived by now, without waiting for more; in lock-step the present.
+  Outcome refresh();
 
   /// Observes the axes anew, as they were when this call began or later. A sample may have been
   /// under way for long, and show a state of before an answer that another session has already:
@@ -123,6 +134,7 @@ class ObservedAxes {
   std::shared_ptr<const GroupLayout> layout_;
   Caller caller_;
   Progress progress_;
+  bool is_open_ = false;
   std::vector<BenchPart> parts_;
   std::vector<AxisSnapshot> snapshots_;
   std::uint64_t tick_ = 0;

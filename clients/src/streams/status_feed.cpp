@@ -36,6 +36,16 @@ void fill_sample(const wire::ReceivedStatus& received, AxisSnapshot& sample) {
   sample.skipped = 0;
 }
 
+AxisRange range_of(const wire::StatusFrameView& frame) noexcept {
+  AxisRange range{.lowest = frame.number(0), .highest = frame.number(0)};
+  for (std::size_t position = 1; position < frame.size(); ++position) {
+    const std::uint16_t number = frame.number(position);
+    range.lowest = std::min(range.lowest, number);
+    range.highest = std::max(range.highest, number);
+  }
+  return range;
+}
+
 StatusFeed::StatusFeed(BenchKey key, std::vector<std::uint16_t> axes,
                        std::uint32_t status_every_ticks, std::uint64_t first_tick)
     : key_(key),
@@ -45,6 +55,10 @@ StatusFeed::StatusFeed(BenchKey key, std::vector<std::uint16_t> axes,
       status_every_ticks_(status_every_ticks),
       seen_(axes.size()) {
   growing_.tick = first_tick;
+  if (!axes.empty()) {
+    const auto [lowest, highest] = std::ranges::minmax(axes);
+    wanted_ = {.lowest = lowest, .highest = highest};
+  }
   for (std::size_t place = 0; place < axes.size(); ++place) places_[axes[place]] = place;
 }
 

@@ -20,6 +20,15 @@ namespace vdrive::client {
 /// Fills a sample, which may have been one before, with an axis of a frame or of a reply.
 void fill_sample(const wire::ReceivedStatus& received, AxisSnapshot& sample);
 
+/// The numbers of some axes.
+struct AxisRange {
+  std::uint16_t lowest = 0;
+  std::uint16_t highest = 0;
+};
+
+/// @param frame has an axis
+[[nodiscard]] AxisRange range_of(const wire::StatusFrameView& frame) noexcept;
+
 /// Puts the status frames of a bench together into samples that show all wanted axes after one
 /// tick, and counts the ticks that went missing and, apart from them, those that the number jumped
 /// over: they were never run. Each frame carries the count, so that a lost one hides no jump. Not
@@ -30,6 +39,12 @@ class StatusFeed {
   /// @param first_tick frames of earlier ticks are left out
   StatusFeed(BenchKey key, std::vector<std::uint16_t> axes, std::uint32_t status_every_ticks,
              std::uint64_t first_tick = 0);
+
+  /// @return whether a frame with these axes may have one that is wanted: a bench of 10,000 axes
+  ///         sends 40 frames a tick, and each is looked through once for each feed that wants it.
+  [[nodiscard]] bool wants(const AxisRange& range) const noexcept {
+    return count_ == 0 || (range.lowest <= wanted_.highest && wanted_.lowest <= range.highest);
+  }
 
   /// Takes one frame; others' benches are ignored.
   /// @return whether it completed a sample.
@@ -49,6 +64,7 @@ class StatusFeed {
 
   BenchKey key_;
   std::size_t count_;
+  AxisRange wanted_;
   std::vector<std::size_t> places_;  ///< in a sample, by number of the axis; count_ = not wanted
   std::uint32_t status_every_ticks_;
 

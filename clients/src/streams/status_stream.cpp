@@ -43,9 +43,12 @@ void StatusStream::take(std::span<const std::byte> sample) {
   if (!frame || !discovery_.sees(frame->head().bench)) return;
   taken_ = frame->head();
   is_news_ = taken_->part + 1 >= taken_->parts;
+  if (frame->size() == 0) return;
+  const AxisRange range = range_of(*frame);
   const std::scoped_lock lock(mutex_);
   for (const auto& weak : feeds_) {
-    if (const auto feed = weak.lock()) is_news_ = feed->on_frame(*frame) || is_news_;
+    const auto feed = weak.lock();
+    if (feed && feed->wants(range)) is_news_ = feed->on_frame(*frame) || is_news_;
   }
 }
 
