@@ -515,6 +515,30 @@ TEST_F(CommandEach, GivesEveryAxisAnOutcomeOfItsOwn) {
   EXPECT_TRUE(halts[2]) << "stopping is always possible: " << halts[2].message();
 }
 
+// A frame has 256 axes. The second frame has an axis of another session, the third one in a fault.
+TEST(CommandEachOfSixHundredAxes, TakesOneTickAndLeavesOutWhatRefuses) {
+  const test::BenchOnWire bench("--clock lockstep --axes 600");
+  Session session(options_on_wire());
+  std::vector<Axis> axes = *session.axes(1);
+  ASSERT_EQ(axes.size(), 600U);
+  constexpr std::size_t kTaken = 299;
+  constexpr std::size_t kFaulted = 598;
+  ASSERT_TRUE(axes[kFaulted].disturb(Disturbance::over_current));
+  ASSERT_TRUE(session.step(1, 2));
+  Session other(options_on_wire());
+  ASSERT_TRUE(other.axis("1.300")->acquire());
+  for (const EachCommand each : {EachCommand::enable, EachCommand::resume, EachCommand::disable}) {
+    const std::uint64_t start = axes.front().status()->tick;
+    const std::vector<Outcome> outcomes = session.command_each(axes, each, in_force());
+    ASSERT_EQ(outcomes.size(), axes.size());
+    for (std::size_t i = 0; i < outcomes.size(); ++i) {
+      EXPECT_EQ(static_cast<bool>(outcomes[i]), i != kTaken && i != kFaulted)
+          << to_string(axes[i].id()) << ": " << outcomes[i].message();
+    }
+    EXPECT_EQ(axes.front().status()->tick, start + 1) << static_cast<int>(each);
+  }
+}
+
 // At 2048 UU/s and 100 UU/s² the quick stop would take 20 s: all of them share one time-out.
 TEST_F(CommandEach, HasOneTimeOutForAll) {
   constexpr ObjectAddress kQuickStopRamp{0x6085, 0};

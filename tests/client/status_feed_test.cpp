@@ -44,6 +44,12 @@ class Feed {
     return feed_.on_frame(wire::StatusFrameView::of(sample).value());
   }
 
+  [[nodiscard]] bool wants(const msg::StatusFrame& message) const {
+    std::vector<std::byte> sample(wire::encoded_size(message));
+    EXPECT_EQ(wire::encode(message, sample), sample.size());
+    return feed_.wants(range_of(wire::StatusFrameView::of(sample).value()));
+  }
+
   std::optional<Observation> take() { return feed_.take(); }
 
   bool take(Observation& sample) { return feed_.take(sample); }
@@ -90,6 +96,16 @@ TEST(StatusFeed, CombinesThePartsOfATick) {
   EXPECT_FALSE(sut.take().has_value());
   sut.on_frame(frame(5, {300}));
   EXPECT_TRUE(sut.take().has_value());
+}
+
+// In any order: a frame of a stranger need not be sorted.
+TEST(StatusFeed, WantsNoFrameWhoseAxesAreAllBelowOrAboveItsOwn) {
+  const Feed sut({300, 290}, 1);
+  EXPECT_TRUE(sut.wants(frame(5, {300, 512, 257})));
+  EXPECT_TRUE(sut.wants(frame(5, {290})));
+  EXPECT_TRUE(sut.wants(frame(5, {1, 295})));
+  EXPECT_FALSE(sut.wants(frame(5, {289, 1, 256})));
+  EXPECT_FALSE(sut.wants(frame(5, {512, 301})));
 }
 
 // This answer wakes the waiting call, once a tick.
