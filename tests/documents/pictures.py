@@ -2,20 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws the pictures of docs/images: the house, the power state machine, plots of moves and figures.
 
-  pictures.py --recorder RECORD_MOVES [--check]
+  pictures.py --recorder RECORD_MOVES --tool VDRIVE [--check]
 
-RECORD_MOVES is the program of record_moves.cpp. Without --check the files are written; with it they
+RECORD_MOVES is the program of record_moves.cpp, VDRIVE the tool. Without --check the files are written; with it they
 are compared, and the exit code is 1 when one is not current.
 """
 import argparse
-import csv
-import io
 import json
 import math
 import pathlib
 import re
 import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 IMAGES = ROOT / "docs" / "images"
@@ -165,77 +164,22 @@ def power_states():
 
 # ---- plots -----------------------------------------------------------------------------------------
 
-PLOT = (70, 700)  # left and right edge [px]
-HEIGHT = 130
 
-
-def read_rows(recorder, move):
-    text = subprocess.run([recorder, move], check=True, capture_output=True, text=True).stdout
-    return [{key: int(value) for key, value in row.items()}
-            for row in csv.DictReader(io.StringIO(text))]
-
-
-def ticks_of(low, high):
-    """@return about four round values between the limits."""
-    raw = max(high - low, 1) / 4
-    power = 10 ** math.floor(math.log10(raw))
-    step = next(power * factor for factor in (1, 2, 5, 10) if power * factor >= raw)
-    return [step * n for n in range(math.ceil(low / step), math.floor(high / step) + 1)]
-
-
-def panel(drawing, rows, top, title, curves):
-    """One diagram over time; curves are (column, color, label)."""
-    values = [row[column] for row in rows for column, _, _ in curves]
-    low, high = min(values + [0]), max(values)
-    margin = max(high - low, 1) * 0.05
-    low, high = low - margin, high + margin
-    last = rows[-1]["tick"]
-
-    def place(tick, value):
-        return (PLOT[0] + (PLOT[1] - PLOT[0]) * tick / last,
-                top + HEIGHT * (high - value) / (high - low))
-
-    drawing.add(f'<rect x="{PLOT[0]}" y="{top}" width="{PLOT[1] - PLOT[0]}" height="{HEIGHT}" '
-                f'fill="none" stroke="{SOFT}"/>')
-    for value in ticks_of(low, high):
-        y = place(0, value)[1]
-        drawing.add(f'<path d="M{PLOT[0]} {y:.1f}H{PLOT[1]}" stroke="{GRID}"/>')
-        drawing.text(PLOT[0] - 6, round(y + 4, 1), f"{value:g}", anchor="end", size=10, color=SOFT)
-    for value in ticks_of(0, last):
-        x = place(value, 0)[0]
-        drawing.text(round(x, 1), top + HEIGHT + 14, f"{value / 1000:g} s", size=10, color=SOFT)
-    drawing.text(PLOT[0], top - 6, title, anchor="start", size=12, weight="bold")
-    x = PLOT[1]
-    for column, color, label in reversed(curves):
-        drawing.text(x, top - 6, label, anchor="end", size=11, color=color)
-        x -= 8 * len(label) + 8
-        points = " ".join("{:.1f},{:.1f}".format(*place(row["tick"], row[column])) for row in rows)
-        drawing.add(f'<polyline points="{points}" fill="none" stroke="{color}" '
-                    'stroke-width="1.4"/>')
-
-
-def plot(recorder, move, title):
-    rows = read_rows(recorder, move)
-    drawing = Drawing(740, 590, title)
-    drawing.text(370, 20, title, size=14, weight="bold")
-    panel(drawing, rows, 50, "position [UU]",
-          [("load_position_actual_value", ORANGE, "actual 6064h"),
-           ("position_demand_value", BLUE, "demand 6062h")])
-    panel(drawing, rows, 230, "velocity [UU/s]",
-          [("load_velocity_actual_value", ORANGE, "actual 606Ch"),
-           ("velocity_demand_value", BLUE, "demand 606Bh")])
-    panel(drawing, rows, 410, "following error [UU]",
-          [("load_position_error_value", RED, "60F4h")])
-    fault = next((row for row in rows if row["error_code"] != 0), None)
-    if fault:
-        x = PLOT[0] + (PLOT[1] - PLOT[0]) * fault["tick"] / rows[-1]["tick"]
-        drawing.add(f'<path d="M{x:.1f} 50V540" stroke="{RED}" stroke-dasharray="4 3"/>')
-        drawing.text(round(x + 4, 1), 64, f"fault {fault['error_code']:04X}h", anchor="start",
-                     size=11, color=RED)
-    return str(drawing)
+def plot(arguments, move, title):
+    """@return the picture that `vdrive plot` draws of a recorded move."""
+    with tempfile.TemporaryDirectory() as directory:
+        recording = pathlib.Path(directory) / "move.csv"
+        with recording.open("wb") as file:
+            subprocess.run([arguments.recorder, move], check=True, stdout=file)
+        return subprocess.run(
+            [arguments.tool, "plot", recording, "--output", "-", "--title", title, "--width", "740"],
+            check=True, capture_output=True, text=True).stdout
 
 
 # ---- figures of the benchmarks over the number of axes ---------------------------------------------
+
+
+PLOT = (70, 700)  # left and right edge [px]
 
 
 def figures_of(name, most):
@@ -296,14 +240,15 @@ def fractions_of(high):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--recorder", required=True)
+    parser.add_argument("--tool", required=True)
     parser.add_argument("--check", action="store_true")
     arguments = parser.parse_args()
     pictures = {
         "house.svg": house(),
         "power_states.svg": power_states(),
-        "absolute_forward.svg": plot(arguments.recorder, "forward",
+        "absolute_forward.svg": plot(arguments, "forward",
                                      "The manual's forward example: 10000 UU at 1000 UU/s"),
-        "blocked_load.svg": plot(arguments.recorder, "blocked",
+        "blocked_load.svg": plot(arguments, "blocked",
                                  "The load is blocked at 1 s: fault 8611h, following error"),
         "ns_per_axis.svg": diagram(
             "One tick of the bank: time of an axis that moves", "ns an axis",
@@ -324,7 +269,7 @@ def main():
             stale.append(name)
     for name in stale:
         print(f"docs/images/{name} is not current; tests/documents/pictures.py --recorder "
-              f"{arguments.recorder} writes it")
+              f"{arguments.recorder} --tool {arguments.tool} writes it")
     return 1 if stale else 0
 
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Records the moves of the plots in the documents, directly from the core: the same numbers
-// on every machine. Prints CSV, one row for each 10 ms of drive time.
+// on every machine. Prints a recording of every tick as `vdrive record` writes it (CSV), for
+// `vdrive plot`.
 //
 //   record_moves forward|blocked
 #include "core/support/axis_under_test.hpp"
+#include "text_recording.hpp"
 
+#include <chrono>
 #include <cstdint>
 #include <exception>
 #include <iostream>
@@ -14,16 +17,14 @@ namespace {
 
 using vdrive::test::AxisUnderTest;
 
-constexpr std::int64_t kTicksPerRow = 10;
+constexpr vdrive::client::AxisId kAxis{1, 1};
 
-void print_rows(AxisUnderTest& axis, std::int64_t from, std::int64_t to) {
-  for (std::int64_t tick = from; tick < to; ++tick) {
-    if (tick % kTicksPerRow == 0) {
-      const vdrive::AxisStatus& now = axis.status();
-      std::cout << tick << ',' << now.position_demand_value << ',' << now.load_position_actual_value
-                << ',' << now.velocity_demand_value << ',' << now.load_velocity_actual_value << ','
-                << now.load_position_error_value << ',' << now.error_code << '\n';
-    }
+void record_ticks(AxisUnderTest& axis, std::uint64_t from, std::uint64_t to,
+                  vdrive::recording::TextRecording& recording) {
+  for (std::uint64_t tick = from; tick < to; ++tick) {
+    vdrive::client::Observation seen{.tick = tick};
+    seen.axes.push_back({.id = kAxis, .tick = tick, .status = axis.status()});
+    recording.status(seen);
     axis.step();
   }
 }
@@ -46,24 +47,30 @@ void start(AxisUnderTest& axis, const Move& move) {
 
 int record(std::string_view move) {
   AxisUnderTest axis;
-  constexpr std::int64_t kForward = 10'600;  // 10.17 s, and the rest in the window
-  constexpr std::int64_t kBlockedAt = 1'000;
-  constexpr std::int64_t kBlocked = 2'000;
-  std::cout << "tick,position_demand_value,load_position_actual_value,velocity_demand_value,"
-               "load_velocity_actual_value,load_position_error_value,error_code\n";
+  constexpr std::uint64_t kForward = 10'600;  // 10.17 s, and the rest in the window
+  constexpr std::uint64_t kBlockedAt = 1'000;
+  constexpr std::uint64_t kBlocked = 2'000;
+  vdrive::recording::TextRecording recording({.put =
+                                                  [](std::string_view line) {
+                                                    std::cout << line << '\n';
+                                                  },
+                                              .flush = [] {}},
+                                             vdrive::recording::Format::csv);
+  recording.begin({{.number = 1, .axes = {{.id = kAxis, .name = "x", .topic = "x"}}}});
   if (move == "forward") {
     start(axis, {.target = 10'000, .velocity = 1'000, .ramp = 6'000});  // the manual's
-    print_rows(axis, 0, kForward);
+    record_ticks(axis, 0, kForward, recording);
   } else if (move == "blocked") {
     // 0.5 s after the block the error is the window 6065h of 20480 UU.
     start(axis, {.target = 100'000, .velocity = 40'000, .ramp = 200'000});
-    print_rows(axis, 0, kBlockedAt);
+    record_ticks(axis, 0, kBlockedAt, recording);
     axis.write("test_blocked_load", 1);
-    print_rows(axis, kBlockedAt, kBlocked);
+    record_ticks(axis, kBlockedAt, kBlocked, recording);
   } else {
     std::cerr << "usage: record_moves forward|blocked\n";
     return 2;
   }
+  recording.finish({});
   return 0;
 }
 
