@@ -22,7 +22,8 @@ constexpr vdrive::client::AxisId kAxis{1, 1};
 void record_ticks(AxisUnderTest& axis, std::uint64_t from, std::uint64_t to,
                   vdrive::recording::TextRecording& recording) {
   for (std::uint64_t tick = from; tick < to; ++tick) {
-    vdrive::client::Observation seen{.tick = tick};
+    vdrive::client::Observation seen;
+    seen.tick = tick;
     seen.axes.push_back({.id = kAxis, .tick = tick, .status = axis.status()});
     recording.status(seen);
     axis.step();
