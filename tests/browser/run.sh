@@ -3,11 +3,12 @@
 # The page of the gateway in a real browser (Debian's chromium): builds what it needs, then runs
 # page_test.mjs, or makes the pictures of the documents.
 #
-#   tests/browser/run.sh [--no-build] [--pictures | --frames]
+#   tests/browser/run.sh [--no-build] [--pictures | --frames | --load]
 #
 #   --no-build   the programs in build/release/bin are current
 #   --pictures   makes docs/images/page_*.png instead of testing
 #   --frames     counts the frames a second of the overview with 1,024 axes instead of testing
+#   --load       measures processor time and memory of gateway and page with 1,024 axes instead
 #
 # Exit code 0: all passed; 77: the registry of npm cannot be reached, nothing was tested.
 set -euo pipefail
@@ -27,7 +28,8 @@ while (($#)); do
     --no-build) build=false ;;
     --pictures) program=(pictures.mjs) ;;
     --frames) program=(frames.mjs) ;;
-    *) fail "unknown option '$1'; usage: tests/browser/run.sh [--no-build] [--pictures | --frames]" ;;
+    --load) program=(load.mjs) ;;
+    *) fail "unknown option '$1'; usage: tests/browser/run.sh [--no-build] [--pictures | --frames | --load]" ;;
   esac
   shift
 done
@@ -55,5 +57,5 @@ fi
 coproc claim { python3 -B "$root/tests/support/test_domain.py"; }
 read -r domain <&"${claim[0]}"
 
-export VDRIVE_BIN=$root/build/release/bin VDRIVE_DOMAIN=$domain VDRIVE_ROOT=$root
+export VDRIVE_BIN=${VDRIVE_BIN:-$root/build/release/bin} VDRIVE_DOMAIN=$domain VDRIVE_ROOT=$root
 node "${program[@]}"
