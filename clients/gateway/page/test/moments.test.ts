@@ -30,3 +30,7 @@ test("any other event is a mark of its own, in the order of ticks", () => {
   const events = [event(90, "control_changed"), event(100, "tick_jumped"), event(300, "fault_reset")];
   assert.deepEqual(shown([{ tick: 100, state: "fault" }], events), ["event 90", "state 100", "event 100", "event 300"]);
 });
+
+test("a late tick has no mark: hundreds of them would hide the others", () => {
+  assert.deepEqual(shown([], [event(90, "tick_overrun"), event(91, "fault_reset"), event(92, "tick_overrun")]), ["event 91"]);
+});

@@ -24,6 +24,8 @@ export interface Mark {
 
 /** What the status shows by itself, for the tick. */
 const OF_STATUS: Record<string, MarkKind> = { state_changed: "state", fault: "fault" };
+/** On a busy machine late ticks come by the hundred and would hide what happened: they are in the list alone. */
+const UNMARKED = new Set(["tick_overrun"]);
 /** [ticks] The event of a change has the tick in which it was, or the one after it. */
 const SAME_CHANGE = 1;
 
@@ -37,6 +39,7 @@ export function marksOf(moments: readonly Moment[], events: readonly LogEvent[])
     return { tick: moment.tick, kind, moment };
   });
   for (const event of events) {
+    if (UNMARKED.has(event.kind)) continue;
     const kind = OF_STATUS[event.kind] ?? "event";
     if (kind === "event" || !seen.has(`${kind} ${event.tick}`)) marks.push({ tick: event.tick, kind, event });
   }
