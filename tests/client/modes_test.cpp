@@ -494,6 +494,20 @@ TEST_F(CommandEach, TakesTheSameTicksForManyAxesAsForOne) {
   for (const Axis& axis : axes_) EXPECT_EQ(axis.status()->state(), PowerState::switch_on_disabled);
 }
 
+// Enabled without a mode, as after power-on: bit 10 shows no target, and the axis stands.
+TEST_F(CommandEach, HaltsAndResumesAxesWithoutAModeAtOnce) {
+  command(EachCommand::enable);
+  ASSERT_EQ(axes_.front().status()->mode(), OperatingMode::none);
+  const std::uint64_t start = tick();
+  for (const EachCommand each : {EachCommand::halt, EachCommand::resume}) {
+    for (const Outcome& outcome : command(each)) EXPECT_TRUE(outcome) << outcome.message();
+  }
+  EXPECT_LT(tick(), start + 10);
+  auto group = AxisGroup::create(session_, axes_).value();
+  EXPECT_TRUE(group.halt_all());
+  EXPECT_LT(tick(), start + 20);
+}
+
 // The second has a fault, the third belongs to another session.
 TEST_F(CommandEach, GivesEveryAxisAnOutcomeOfItsOwn) {
   ASSERT_TRUE(axes_[1].disturb(Disturbance::over_current));

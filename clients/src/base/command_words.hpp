@@ -25,6 +25,24 @@ inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
   return axis.shows(Statusword::kTargetReached);
 }
 
+/// @return whether bit 10 shows a target: not without a mode (6060h = 0), where the axis stands,
+/// and
+///         not in cyclic synchronous position, where the master has the way.
+[[nodiscard]] inline bool has_target_bit(const AxisSnapshot& axis) {
+  return axis.mode() != OperatingMode::none &&
+         axis.mode() != OperatingMode::cyclic_synchronous_position;
+}
+
+/// @return whether an axis that goes on after a halt has reached its target, if it has one.
+[[nodiscard]] inline bool has_no_way_left(const AxisSnapshot& axis) {
+  return !has_target_bit(axis) || target_reached(axis);
+}
+
+/// @return whether an axis that was halted in Operation enabled stands still.
+[[nodiscard]] inline bool stands_still(const AxisSnapshot& axis) {
+  return has_target_bit(axis) ? target_reached(axis) : axis.status.velocity_demand_value == 0;
+}
+
 /// @return whether the drive moves the axis or holds it.
 [[nodiscard]] inline bool is_driven(const AxisSnapshot& axis) {
   const PowerState state = axis.state();
@@ -37,7 +55,7 @@ inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
 [[nodiscard]] inline bool rests(const AxisSnapshot& axis) {
   if (!is_driven(axis)) return true;
   if (axis.status.velocity_demand_value != 0) return false;
-  if (axis.mode() == OperatingMode::cyclic_synchronous_position) return true;  // it has no bit 10
+  if (!has_target_bit(axis)) return true;
   const bool has_torque = axis.mode() == OperatingMode::profile_torque &&
                           axis.state() == PowerState::operation_enabled &&
                           axis.status.torque_demand != 0;

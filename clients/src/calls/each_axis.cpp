@@ -369,7 +369,7 @@ void EachAxis::await_state(PowerState state) {
 void EachAxis::await_standstill() {
   await_each(kStandstill, call_.tick(), [this](std::size_t place) {
     const AxisSnapshot& axis = call_.snapshots()[place];
-    return !is_enabled(axis) || target_reached(axis);
+    return !is_enabled(axis) || stands_still(axis);
   });
   fail_unless(kStandstill, is_enabled);
 }
@@ -378,7 +378,7 @@ void EachAxis::await_standstill() {
 void EachAxis::await_targets() {
   await_each(kTargetReached, call_.tick(), [this](std::size_t place) {
     const AxisSnapshot& axis = call_.snapshots()[place];
-    return !is_enabled(axis) || target_reached(axis);
+    return !is_enabled(axis) || has_no_way_left(axis);
   });
   const bool is_interrupted = core_->wakeup.is_interrupted();
   for (std::size_t place = 0; place < outcomes_.size(); ++place) {

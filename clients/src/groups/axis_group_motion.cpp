@@ -183,7 +183,7 @@ void AxisGroup::State::withdraw(AxesCall& call) {
   const Answers halted = call.exchange({&halt, 1}, Timing::at_once);
   if (!call.steps()) {
     (void)call.await("standstill", halted.tick, [](const AxisSnapshot& axis) {
-      return !is_enabled(axis) || target_reached(axis);
+      return !is_enabled(axis) || stands_still(axis);
     });
   }
   std::array<Round, 2> rounds{call.round_of(kHalt, is_enabled),
@@ -308,7 +308,7 @@ Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
   if (!answers.outcome) return state_->explained(answers.outcome);
   const bool to_standstill = options.until == Until::done;
   Outcome seen = call.await("standstill, bit 10", answers.tick, [&](const AxisSnapshot& axis) {
-    return !to_standstill || !is_enabled(axis) || target_reached(axis);
+    return !to_standstill || !is_enabled(axis) || stands_still(axis);
   });
   if (!seen) return call.stop_if_lost(std::move(seen));
   // An axis that was to halt and failed instead stops the others as in a move.
@@ -331,7 +331,7 @@ Outcome AxisGroup::resume_all(const GroupCallOptions& options) {
   Outcome seen = call.await_enabled("the release", answers.tick, every_axis);
   if (!seen || options.until == Until::in_force) return seen;
   if (state_->line_in_hand()) return state_->await_line(call, options, true);
-  return call.await_enabled("target reached, bit 10", answers.tick, target_reached);
+  return call.await_enabled("target reached, bit 10", answers.tick, has_no_way_left);
 }
 
 }  // namespace vdrive::client
