@@ -208,7 +208,33 @@ TEST_F(MoveOfAnotherProgram, IsTakenOver) {
   EXPECT_EQ(seen["owner_name"]["program"], "vdrive");
   EXPECT_EQ(seen["owner_name"]["process"], move_->id());
   EXPECT_EQ(tool("disable 1.1 --take-over").code, 0);
-  EXPECT_EQ(move_->wait().code, 1);
+  const Finished moved = move_->wait();
+  EXPECT_EQ(moved.code, 5);
+  EXPECT_THAT(moved.errors,
+              MatchesRegex("vdrive: another program has taken the axis: this call has ended, and "
+                           "does not stop it: axis 1\\.1 is controlled by vdrive \\(process "
+                           "[0-9]+ on .+\\), session 0x[0-9a-f]+.*\n"));
+}
+
+// The move of the other program never ends here: only the loss of control tells this one.
+TEST_F(MoveOfAnotherProgram, IsTakenOverByAMove) {
+  begin();
+  ASSERT_EQ(tool("move 1.1 -10000000 --velocity 1000 --take-over --no-wait").code, 0);
+  const Finished moved = move_->wait();
+  EXPECT_EQ(moved.code, 5);
+  EXPECT_THAT(moved.errors, HasSubstr("another program has taken the axis"));
+  EXPECT_NE(speed(), 0) << "it goes on for the other one";
+}
+
+// timeout(1) signals its program and then its group, a shell and the kernel a closed terminal.
+TEST_F(MoveOfAnotherProgram, TakesSignalsThatComeTogetherForOne) {
+  begin("--stop-on-interrupt");
+  move_->send(SIGTERM);
+  move_->send(SIGHUP);
+  move_->send(SIGTERM);
+  const Finished moved = move_->wait();
+  EXPECT_EQ(moved.code, 130);
+  EXPECT_EQ(moved.errors, "vdrive: interrupted; axis 1.1 is halted\n");
 }
 
 TEST_F(MoveOfAnotherProgram, ReportsOnAnInterruptThatTheAxisStillMoves) {

@@ -73,6 +73,7 @@ PrivateBench::PrivateBench(const std::string& service, const std::vector<std::st
                            std::optional<std::uint32_t> domain)
     : own_domain_(domain ? std::nullopt : std::make_optional<PrivateDomain>()),
       domain_(domain ? *domain : own_domain_->number()),
+      path_(service),
       notifications_(open_notifications()),
       service_(command_of(service, domain_, arguments),
                // What a service manager gives this program is not for the service.
@@ -99,10 +100,23 @@ std::optional<std::string> PrivateBench::wait_until_ready() {
         std::string_view(text.data(), static_cast<std::size_t>(length)).starts_with("READY=1");
     if (is_ready) return std::nullopt;
     if (news[1].revents != 0) {
-      return "the service did not start: " + without_line_end(service_.errors());
+      return "the service did not start: " + reason();
     }
   }
   return "the service did not start in time";
+}
+
+/// What it has written, or how it has ended without a word.
+std::string PrivateBench::reason() {
+  const std::string errors = without_line_end(service_.errors());
+  if (!errors.empty()) return errors;
+  if (!std::filesystem::exists(path_)) return path_ + ": no such file";
+  if (!is_program(path_)) return path_ + ": not a program that can be executed";
+  const int code = service_.wait().value_or(0);
+  return path_ +
+         (code < 0 ? " was ended by signal " + std::to_string(-code)
+                   : " ended with exit code " + std::to_string(code)) +
+         " and wrote nothing";
 }
 
 std::string own_program() {

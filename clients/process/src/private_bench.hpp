@@ -38,8 +38,11 @@ class PrivateBench {
   void end() const noexcept { service_.send(SIGTERM); }
 
  private:
+  [[nodiscard]] std::string reason();
+
   std::optional<PrivateDomain> own_domain_;
   std::uint32_t domain_;
+  std::string path_;  ///< of the service
   Descriptor notifications_;
   ChildProcess service_;
 };

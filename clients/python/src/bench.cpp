@@ -6,6 +6,8 @@
 #include "fork.hpp"
 #include "private_bench.hpp"
 
+#include <pybind11/operators.h>
+
 #include <cstdint>
 #include <exception>
 #include <future>
@@ -128,6 +130,11 @@ void add_unit(py::module_& module) {
           },
           py::arg("user_units"),
           "A position in UU, or a speed or acceleration in UU per s or s^2, in `name`.")
+      .def(py::self == py::self, py::arg("other"))
+      .def("__hash__",
+           [](const Unit& unit) {
+             return py::hash(py::make_tuple(unit.name, unit.size));
+           })
       .def("__repr__", [](const Unit& unit) {
         return "<vdrive.Unit " + unit.name + ">";
       });
@@ -150,6 +157,11 @@ void add_axis_info(py::module_& module) {
                     "607Dh:2 at power-up, in UU.")
       .def_readonly("app_speed_limit", &AxisInfo::app_speed_limit, "607Fh at power-up, in UU/s.")
       .def_readonly("unit", &AxisInfo::unit, "The unit of its user units.")
+      .def(py::self == py::self, py::arg("other"))
+      .def("__hash__",
+           [](const AxisInfo& axis) {
+             return py::hash(py::make_tuple(axis.id.bench, axis.id.axis));
+           })
       .def("__repr__", [](const AxisInfo& axis) {
         return "<vdrive.AxisInfo " + to_string(axis.id) + " " + axis.name + ">";
       });

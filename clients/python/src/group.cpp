@@ -288,7 +288,7 @@ void add_group(py::module_& module) {
       "fails the others are stopped. Positions are numpy arrays in UU, in the order of the "
       "group. `timeout` is drive time in s: by default 60, for a move its duration and 5.");
   group
-      .def(py::init(&open_group), py::arg("session"), py::arg("axes"),
+      .def(py::init(&open_group), py::arg("session").none(false), py::arg("axes"),
            "axes: addresses, names or axes, each once.")
       .def_property_readonly(
           "axes",

@@ -30,6 +30,7 @@ PYBIND11_MODULE(_vdrive, module) {
   module.attr("DISTURBANCES") = disturbances;
   module.def("default_domain", &vdrive::client::default_domain,
              "The DDS domain that VDRIVE_DOMAIN names, 0 when it is not set.");
+  vdrive::python::complete_classes(module);
   vdrive::python::watch_forks();
   // Python's last act before it takes itself apart: axes are given back, threads have ended.
   py::module_::import("atexit").attr("register")(

@@ -19,6 +19,9 @@ inline void load_numpy() {
   py::module_::import("numpy.core.multiarray");
 }
 
+/// Gives the classes and calls of the module what those of Python have. To be called last.
+void complete_classes(const py::module_& module);
+
 // Each adds the classes of its topic to the module.
 void add_arguments(py::module_& module);
 void add_enums(py::module_& module);

@@ -6,6 +6,7 @@
 #include "status.hpp"
 
 #include <pybind11/numpy.h>
+#include <pybind11/operators.h>
 
 #include <condition_variable>
 #include <limits>
@@ -154,6 +155,11 @@ void add_event(py::module_& module) {
       .def_readonly("error_register", &Event::error_register, "1001h of a fault.")
       .def_readonly("suppressed", &Event::suppressed, "Equal events left out before this one.")
       .def_readonly("text", &Event::text, "Text for people.")
+      .def(py::self == py::self, py::arg("other"))
+      .def("__hash__",
+           [](const Event& event) {
+             return py::hash(py::make_tuple(event.bench, event.axis, event.tick, event.text));
+           })
       .def("__repr__", [](const Event& event) {
         return "<vdrive.Event " + std::string(to_string(event.kind)) + " tick " +
                std::to_string(event.tick) + ": " + event.text + ">";

@@ -273,6 +273,15 @@ std::vector<std::uint64_t> owners_of(const Observation& sample) {
   return owners;
 }
 
+bool is_equal(const AxisSnapshot& axis, const AxisSnapshot& other) {
+  const auto parts = [](const AxisSnapshot& of) {
+    return std::tie(of.id.bench, of.id.axis, of.tick, of.owner_session, of.owner_epoch,
+                    of.last_sequence, of.skipped);
+  };
+  return parts(axis) == parts(other) &&
+         std::memcmp(&axis.status, &other.status, sizeof(AxisStatus)) == 0;
+}
+
 void add_observation(py::module_& module) {
   py::class_<Observation>(module, "Observation", "All watched axes after the same tick.")
       .def_readonly("tick", &Observation::tick, "The tick.")
@@ -302,6 +311,20 @@ void add_observation(py::module_& module) {
             return sample.axes[place];
           },
           py::arg("place"))
+      .def(
+          "__eq__",
+          [](const Observation& sample, const py::object& object) {
+            if (!py::isinstance<Observation>(object)) return false;
+            const auto& other = object.cast<const Observation&>();
+            return sample.tick == other.tick && sample.missed == other.missed &&
+                   sample.skipped == other.skipped &&
+                   std::ranges::equal(sample.axes, other.axes, is_equal);
+          },
+          py::arg("other"), "Whether it shows the same axes with the same values in the same tick.")
+      .def("__hash__",
+           [](const Observation& sample) {
+             return py::hash(py::make_tuple(sample.tick, sample.axes.size()));
+           })
       .def("__repr__", [](const Observation& sample) {
         return "<vdrive.Observation tick " + std::to_string(sample.tick) + ", " +
                std::to_string(sample.axes.size()) + " axes>";
@@ -429,15 +452,6 @@ AxisSnapshot snapshot_of(const py::tuple& state) {
   }
   std::memcpy(image.data(), status.data(), image.size());
   return axis;
-}
-
-bool is_equal(const AxisSnapshot& axis, const AxisSnapshot& other) {
-  const auto parts = [](const AxisSnapshot& of) {
-    return std::tie(of.id.bench, of.id.axis, of.tick, of.owner_session, of.owner_epoch,
-                    of.last_sequence, of.skipped);
-  };
-  return parts(axis) == parts(other) &&
-         std::memcmp(&axis.status, &other.status, sizeof(AxisStatus)) == 0;
 }
 
 }  // namespace

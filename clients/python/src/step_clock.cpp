@@ -89,7 +89,7 @@ void add_step_clock(py::module_& module) {
       module, "StepClock",
       "One clock for several lock-step benches, shared with other programs that step them. `with` "
       "leaves it.")
-      .def(py::init(&join), py::arg("session"), py::arg("benches"),
+      .def(py::init(&join), py::arg("session").none(false), py::arg("benches"),
            "Joins the clock of each bench, by its number.")
       .def(
           "step",

@@ -70,7 +70,7 @@ def _configuration(value: Path | None) -> str:
 
 def _words(arguments: Iterable[object]) -> list[str]:
     """Return the arguments of vdrived as texts. A text alone would be taken letter by letter."""
-    if isinstance(arguments, (str, bytes)):
+    if isinstance(arguments, (str, bytes)) or not hasattr(arguments, "__iter__"):
         raise TypeError(f'arguments = {arguments!r}: must be a list of words, such as '
                         '["--period", "500"]')
     return [str(argument) for argument in arguments]
@@ -136,6 +136,9 @@ class Bench:
 
     def _place(self) -> str:
         return "in this process" if self._is_local else "over DDS"
+
+    def __repr__(self) -> str:
+        return f"<vdrive.Bench {self._place()}>"
 
     @staticmethod
     def _service(axes: int | None, number: int | None, of_both: dict[str, Any],

@@ -34,6 +34,8 @@ class Observer:
 
     def __init__(self, function: Callable[[Any], object], streams: Sequence[Stream],
                  on_end: Callable[[Exception], object] | None = None) -> None:
+        if not callable(function):
+            raise TypeError(f"function = {function!r}: must be callable")
         self._process = os.getpid()
         self._function = function
         self._streams = streams
@@ -45,6 +47,9 @@ class Observer:
         _running.add(self)
         for thread in self._threads:
             thread.start()
+
+    def __repr__(self) -> str:
+        return "<vdrive.Observer>"
 
     @property
     def error(self) -> Exception | None:

@@ -346,8 +346,20 @@ Outcome AxesCall::await_quick_stops(std::string_view awaited) {
 
 // ---- guarding --------------------------------------------------------------------------------
 
+Outcome AxesCall::check_owner() {
+  if (axes_.caller() != Caller::axis) return {};
+  const AxisSnapshot& axis = snapshot();
+  was_owner_ = was_owner_ || axis.owner_session == core_->id;
+  if (!was_owner_ || axis.owner_session == 0 || axis.owner_session == core_->id) return {};
+  return Outcome::refused(msg::REASON_NOT_OWNER,
+                          "another program has taken the axis: this call "
+                          "has ended, and does not stop it")
+      .with_owner({.axis = axis.id, .session = axis.owner_session});
+}
+
 Outcome AxesCall::check(std::string_view awaited, std::uint64_t from) {
   if (tick() < from) return {};
+  if (Outcome own = check_owner(); !own) return own;
   for (const AxisSnapshot& axis : snapshots()) {
     if (!is_enabled(axis)) return stop_others(failed_instead_of(awaited, axis));
   }

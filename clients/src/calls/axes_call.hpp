@@ -215,6 +215,8 @@ class AxesCall {
 
   /// Stops the others when an axis that was observed at `from` or later is not in Operation
   /// enabled.
+  /// @return of a call of an axis, refused when another session has taken the axis meanwhile: what
+  ///         it does from then on is not what this call waits for
   Outcome check(std::string_view awaited, std::uint64_t from);
 
   /// Quick stop of every axis in Operation enabled; observes them until all are at rest.
@@ -247,6 +249,7 @@ class AxesCall {
     }
   }
 
+  [[nodiscard]] Outcome check_owner();
   Outcome observe_next(std::string_view awaited, std::span<const std::size_t> late);
   [[nodiscard]] Outcome timed_out(std::string_view awaited,
                                   std::span<const std::size_t> late) const;
@@ -258,6 +261,7 @@ class AxesCall {
   ObservedAxes axes_;
   std::chrono::nanoseconds timeout_{0};
   std::uint64_t deadline_ = 0;    ///< as driven_tick()
+  bool was_owner_ = false;        ///< of the axis of its call, in some tick
   std::vector<SentFrames> sent_;  ///< by begin_to_put_in_force(): with the outcome of the sending
   Outcome sending_;
 };

@@ -388,7 +388,10 @@ Outcome Axis::home(const HomingOptions& options) {
   // From here on bits 13, 12 and 10 belong to this run: it began in the tick that was observed.
   Outcome seen =
       call.await_enabled("the end of the homing run, bit 10", call.tick(), target_reached);
-  if (!seen) return explained(std::move(seen), call, core_->wakeup, "with its homing run");
+  if (!seen) {
+    seen = explained(std::move(seen), call, core_->wakeup, "with its homing run");
+    return explain_loss(*core_, std::move(seen), {&id_, 1});
+  }
   Outcome result = homing_result(call);
   const Outcome dropped = call.put_in_force({kEnableOperation});  // bit 4, for the next edge
   return result ? explain_loss(*core_, dropped, {&id_, 1}) : result;

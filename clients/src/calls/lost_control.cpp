@@ -55,6 +55,11 @@ std::map<AxisId, AxisOwner> owners_of(SessionCore& core, std::span<const AxisId>
 }  // namespace
 
 Outcome explain_loss(SessionCore& core, Outcome outcome, std::span<const AxisId> axes) {
+  if (const AxisOwner* const owner = outcome.owner(); owner != nullptr && !owner->name) {
+    AxisOwner known = *owner;
+    known.name = core.names.find(known.axis.bench, known.session);
+    return outcome.with_owner(std::move(known));
+  }
   if (!is_loss(outcome)) return outcome;
   const auto owners = owners_of(core, axes);
   return owners.empty() ? outcome : outcome.with_owner(owners.begin()->second);

@@ -3,12 +3,17 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <utility>
 
 namespace vdrive::tool {
 namespace {
 
 constexpr int kInterrupted = 130;
+
+// A shell and the kernel both tell a program that its terminal is closed, and `timeout` signals it
+// and its group: what comes within this time is one wish, and not a second one to end at once.
+constexpr std::chrono::milliseconds kOneWish{200};
 
 bool is_ignored(int signal) {
   struct sigaction action {};
@@ -59,10 +64,14 @@ void Interrupt::wait(const std::stop_token& stop) {
     if (signal == SIGUSR1) continue;
     const std::scoped_lock lock(mutex_);
     if (signal == SIGTERM || signal == SIGHUP) is_termination_ = true;
+    const auto now = std::chrono::steady_clock::now();
     if (happened_.exchange(true)) {
+      // Nobody is left at a closed terminal who could be impatient.
+      if (signal == SIGHUP || now - first_ < kOneWish) continue;
       if (last_action_) last_action_();
       _exit(kInterrupted);
     }
+    first_ = now;
     if (action_) action_();
   }
 }

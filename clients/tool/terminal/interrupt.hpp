@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <functional>
 #include <mutex>
@@ -12,8 +13,9 @@ namespace vdrive::tool {
 
 /// Turns SIGINT, SIGTERM and SIGHUP (its terminal was closed) into a call; SIGHUP not where it is
 /// ignored, as under nohup(1). Blocks them in the calling thread, whose later threads inherit that,
-/// and waits for them in a thread of its own; ignores SIGPIPE. A second signal ends the process. To
-/// be made before the first thread.
+/// and waits for them in a thread of its own; ignores SIGPIPE. A second signal ends the process,
+/// unless it is a SIGHUP or comes within 200 ms of the first one. To be made before the first
+/// thread.
 class Interrupt {
  public:
   Interrupt();
@@ -47,6 +49,7 @@ class Interrupt {
   std::mutex mutex_;
   std::function<void()> action_;
   std::function<void()> last_action_;
+  std::chrono::steady_clock::time_point first_;  ///< signal, of its thread
   std::jthread thread_;
 };
 

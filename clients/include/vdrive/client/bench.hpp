@@ -51,6 +51,8 @@ struct AxisInfo {
   std::int32_t user_position_upper_limit = 0;  ///< 607Dh:02 at power-up [UU]
   std::uint32_t app_speed_limit = 0;           ///< 607Fh at power-up [UU/s]
   Unit unit;  ///< what its user units are; the conversions: vdrive/unit.hpp
+
+  friend bool operator==(const AxisInfo&, const AxisInfo&) = default;
 };
 
 /// What a bench publishes about itself. UU are its user units.

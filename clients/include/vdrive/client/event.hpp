@@ -30,6 +30,8 @@ struct Event {
   std::uint8_t error_register = 0;  ///< of a fault: byte 2 of the EMCY message
   std::uint32_t suppressed = 0;     ///< equal events left out before this one
   std::string text;                 ///< for people
+
+  friend bool operator==(const Event&, const Event&) = default;
 };
 
 }  // namespace vdrive::client

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every class of the module has, so that it behaves as one that is written in Python: its
+// calls have signatures, its objects show no address, and a pickle of any protocol works or is
+// refused.
+#include "python.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace vdrive::python {
+namespace {
+
+/// @return the place of the first of these characters outside of brackets and quotes, or npos.
+std::size_t find_outside(std::string_view text, std::string_view wanted) {
+  int depth = 0;
+  char quote = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char character = text[i];
+    if (quote != 0) {
+      if (character == quote) quote = 0;
+    } else if (depth == 0 && wanted.find(character) != std::string_view::npos) {
+      return i;
+    } else if (character == '\'' || character == '"') {
+      quote = character;
+    } else if (std::string_view("([{<").find(character) != std::string_view::npos) {
+      ++depth;
+    } else if (std::string_view(")]}>").find(character) != std::string_view::npos) {
+      --depth;
+    }
+  }
+  return std::string_view::npos;
+}
+
+std::string_view without_blanks(std::string_view text) {
+  while (text.starts_with(' ')) text.remove_prefix(1);
+  while (text.ends_with(' ')) text.remove_suffix(1);
+  return text;
+}
+
+/// @param parameter such as "timeout: float = 60.0"
+/// @return it without its type, as `inspect` reads it: "timeout=60.0".
+std::string without_type(std::string_view parameter) {
+  const std::string_view name = without_blanks(parameter.substr(0, find_outside(parameter, ":=")));
+  if (name == "self") return "$self";
+  const std::size_t equals = find_outside(parameter, "=");
+  if (equals == std::string_view::npos) return std::string(name);
+  const std::string_view value = without_blanks(parameter.substr(equals + 1));
+  // `inspect` reads literals only, and <Until.done: 0> is none.
+  return std::string(name) + "=" + (value.starts_with('<') ? "..." : std::string(value));
+}
+
+/// @param text as pybind11 documents a call: "wait(self: vdrive.Motion, timeout: float = 60.0) ->
+///        None", and more
+/// @return "wait($self, timeout=60.0)"; nothing for another text.
+std::optional<std::string> signature_of(std::string_view text) {
+  const std::size_t open = text.find('(');
+  if (open == std::string_view::npos || open == 0) return std::nullopt;
+  std::string signature(text.substr(0, open + 1));
+  std::string_view left = text.substr(open + 1);
+  while (true) {
+    const std::size_t end = find_outside(left, ",)");
+    if (end == std::string_view::npos) return std::nullopt;
+    const std::string_view parameter = without_blanks(left.substr(0, end));
+    if (!parameter.empty()) {
+      if (!signature.ends_with('(')) signature += ", ";
+      signature += without_type(parameter);
+    }
+    if (left[end] == ')') return signature + ")";
+    left = left.substr(end + 1);
+  }
+}
+
+/// Python finds the signature of a call that is compiled in front of its text.
+void show_signature(PyObject* call) {
+  if (PyInstanceMethod_Check(call) != 0) call = PyInstanceMethod_Function(call);
+  if (PyCFunction_Check(call) == 0) return;
+  PyMethodDef& definition = *reinterpret_cast<PyCFunctionObject*>(call)->m_ml;
+  if (definition.ml_doc == nullptr) return;
+  const std::string text = definition.ml_doc;
+  const auto signature = signature_of(text);
+  // Python compares the name in front of it with that of the call.
+  if (!signature || !signature->starts_with(std::string(definition.ml_name) + "(")) return;
+  char* const shown = strdup((*signature + "\n--\n\n" + text).c_str());
+  if (shown == nullptr) return;
+  // pybind11 has made it by strdup, and frees what stands here.
+  std::free(const_cast<char*>(std::exchange(definition.ml_doc, shown)));  // NOLINT
+}
+
+/// Protocols 0 and 1 would make an object without its C++ part, which ends the program.
+py::object reduce_by_later_protocol(const py::object& object, int protocol) {
+  constexpr int kFirstThatRefuses = 2;
+  const py::object reduce = py::module_::import("builtins").attr("object").attr("__reduce_ex__");
+  return reduce(object, std::max(protocol, kFirstThatRefuses));
+}
+
+std::string repr_of_class(const py::object& object) {
+  return "<vdrive." + py::type::of(object).attr("__name__").cast<std::string>() + ">";
+}
+
+void complete(const py::type& type) {
+  for (const auto& [name, attribute] : type.attr("__dict__").attr("copy")().cast<py::dict>()) {
+    show_signature(attribute.ptr());
+  }
+  type.attr("__reduce_ex__") = py::cpp_function(&reduce_by_later_protocol, py::is_method(type),
+                                                py::name("__reduce_ex__"), py::arg("protocol"));
+  const py::object usual = py::module_::import("builtins").attr("object").attr("__repr__");
+  const py::object present = type.attr("__repr__");
+  if (present.is(usual)) {
+    type.attr("__repr__") =
+        py::cpp_function(&repr_of_class, py::is_method(type), py::name("__repr__"));
+  }
+}
+
+}  // namespace
+
+void complete_classes(const py::module_& module) {
+  for (const auto& [name, value] : module.attr("__dict__").attr("copy")().cast<py::dict>()) {
+    const bool is_ours =
+        py::isinstance<py::type>(value) &&
+        py::type::of(value).attr("__name__").cast<std::string>() == "pybind11_type";
+    if (is_ours) {
+      complete(py::reinterpret_borrow<py::type>(value));
+    } else {
+      show_signature(value.ptr());
+    }
+  }
+}
+
+}  // namespace vdrive::python
