@@ -122,8 +122,11 @@ def test_ctrl_c_ends_the_start_of_a_private_bench(tmp_path):
 def test_a_service_that_does_not_start_reports_its_reason():
     with pytest.raises(vdrive.Failed, match="did not start.*period = 0.*125 to 10000"):
         vdrive.Bench(over="dds", arguments=["--period", "0"])
-    with pytest.raises(vdrive.Error, match="did not start"):
-        vdrive.Bench(over="dds", service="/nowhere/vdrived")
+    for service, reason in (("/nowhere/vdrived", "no such file"),
+                            ("/etc/passwd", "not a program that can be executed"),
+                            ("/bin/false", "ended with exit code 1 and wrote nothing")):
+        with pytest.raises(vdrive.Error, match=f"did not start: {service}:? {reason}"):
+            vdrive.Bench(over="dds", service=service)
 
 
 class Alarm(Exception):

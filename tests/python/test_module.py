@@ -384,3 +384,35 @@ def test_a_text_that_is_cut_anywhere_has_one_answer_of_the_tool_and_the_module(r
         module, tool = answers_about(cut)
         assert module == tool and reason in module
 
+
+
+def test_every_call_has_the_signature_of_its_docstring():
+    calls = [member for each in CLASSES.values() for name, member in vars(each).items()
+             if callable(member) and not name.startswith("_") and not inspect.isfunction(member)]
+    assert len(calls) > 50
+    for call in calls:
+        shown = [(each.name, each.default is not inspect.Parameter.empty,
+                  each.kind is inspect.Parameter.KEYWORD_ONLY)
+                 for each in inspect.signature(call).parameters.values()]
+        assert shown == parameters_of_module(call), call.__doc__
+    assert str(inspect.signature(_vdrive.Motion.wait)) == "(self, timeout=60.0)"
+    assert str(inspect.signature(_vdrive.default_domain)) == "()"
+
+
+def test_objects_show_no_address(vdrive_bench, vdrive_session):
+    axis = vdrive_session.axis("1.1")
+    axis.enable()
+    for each in (vdrive_bench, axis.start_move(10), vdrive_session.follow(), vdrive_session.stream(),
+                 vdrive_session.events(), vdrive_session.service_changes(), vdrive.AxisBank(1),
+                 vdrive_session.on_status(print, "1.1")):
+        assert re.fullmatch(r"<vdrive\.[A-Z]\w+[^@]*>", repr(each)) and " at 0x" not in repr(each)
+
+
+@pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
+def test_a_pickle_works_or_is_refused(vdrive_session, protocol):
+    axis = vdrive_session.axis("1.1")
+    status = axis.status()
+    assert pickle.loads(pickle.dumps(status, protocol)) == status
+    for each in (axis, axis.unit, vdrive_session, vdrive_session.observe(), vdrive_session.find_bench()):
+        with pytest.raises(TypeError, match="pickle"):
+            pickle.dumps(each, protocol)

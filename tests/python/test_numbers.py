@@ -106,3 +106,27 @@ def test_a_wrong_field_of_a_recording_names_the_nearest(vdrive_session):
         recording["positon"]
     with pytest.raises(KeyError, match="no field 'zzzzzz'\""):
         recording["zzzzzz"]
+
+
+def test_values_of_one_thing_are_equal(vdrive_bench, vdrive_session):
+    axis, other = (vdrive_session.axis(name) for name in ("1.1", "1.2"))
+    assert axis.unit == axis.unit and hash(axis.unit) == hash(axis.unit) and axis.unit != "deg"
+    first, second = vdrive_session.find_bench().axes
+    assert first == vdrive_session.find_bench().axes[0] and first != second
+    seen = vdrive_session.observe()
+    assert seen == vdrive_session.observe() and hash(seen) == hash(vdrive_session.observe())
+    axis.acquire()
+    other.acquire()
+    assert seen != vdrive_session.observe()
+
+
+@pytest.mark.parametrize("call", [lambda: vdrive.AxisGroup(None, ["1.1"]), lambda: vdrive.AxisGroup(None, []),
+                                  lambda: vdrive.StepClock(None, [1])])
+def test_none_is_no_session(call):
+    with pytest.raises(TypeError):
+        call()
+
+
+def test_an_observer_is_called(vdrive_session):
+    with pytest.raises(TypeError, match="function = None: must be callable"):
+        vdrive_session.on_status(None, "1.1")
