@@ -382,7 +382,8 @@ TEST(Configuration, IsRefusedWithEachMistakeInItsLine) {
                        "  - number: 3\n"
                        "    model:\n"
                        "      backlash: 99\n"
-                       "      motor_inertia: 0\n"),
+                       "      motor_inertia: 0\n"
+                       "    parameters: {profile_velocity: -1}\n"),
             "bench.yaml:1: bench.number = 0: must be a whole number from 1 to 65535\n"
             "bench.yaml:3: clock.mode = warp: must be one of realtime, lockstep, freerun\n"
             "bench.yaml:4: clock.speed: unknown key; known here: mode, period_us, rate, "
@@ -394,7 +395,9 @@ TEST(Configuration, IsRefusedWithEachMistakeInItsLine) {
             "34, 35 or 37\n"
             "bench.yaml:11: axes[1].number = 70000: must be a whole number from 1 to 65535\n"
             "bench.yaml:14: axes[2].model.backlash = 99: must be from 0 to 6.3 rad\n"
-            "bench.yaml:15: axes[2].model.motor_inertia = 0: must be from 1e-08 to 10000 kg.m2");
+            "bench.yaml:15: axes[2].model.motor_inertia = 0: must be from 1e-08 to 10000 kg.m2\n"
+            "bench.yaml:16: axes[2].parameters.profile_velocity = -1: must be a whole number from "
+            "0 to 4294967295 VelUU");
 }
 
 // A file of 4 MiB has room for a million of them.

@@ -235,7 +235,9 @@ TEST_F(WaitAndExpect, EndAtOnceOnAnAxisThatStaysInFault) {
   EXPECT_THAT(value.output, AllOf(HasSubstr("\"actual\":0"), HasSubstr("\"error_code\":17168")));
   EXPECT_EQ(call("expect 1.1 statusword 0x637 --within 30s").code, 1);
   EXPECT_EQ(call("wait 1.1 position 1000 --timeout 30s").code, 1);
-  EXPECT_LE(tick_now() - before, 4 * 110) << "each of the four ended after 100 ms";
+  EXPECT_EQ(call("expect 1.1 torque 50 --within 30s").code, 1);
+  EXPECT_EQ(call("expect 1.1 statusword 0x400 --mask 0x400 --within 30s").code, 1);
+  EXPECT_LE(tick_now() - before, 6 * 110) << "each of the six ended after 100 ms";
 }
 
 TEST_F(WaitAndExpect, GoOnInFaultForWhatTheFaultOrAResetBrings) {

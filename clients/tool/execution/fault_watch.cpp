@@ -56,14 +56,21 @@ bool is_out_of_reach_in_fault(const Expectation& expectation) {
   using namespace literals;
   const auto row = expectation.object.row();
   if (!row) return false;
-  if (dimension_of(*row)) return describe(*row).access == Access::read_only;  // what the axis shows
+  constexpr std::array kOfMotors{"torque_demand"_object, "torque_actual_value"_object,
+                                 "current_actual_value"_object};
+  const bool is_of_motion =
+      dimension_of(*row) || std::ranges::find(kOfMotors, *row) != kOfMotors.end();
+  if (is_of_motion) return describe(*row).access == Access::read_only;  // what the axis shows
   if (*row != "ds402_statusword"_object || expectation.comparison != Comparison::equal)
     return false;
   constexpr std::uint64_t kSwitchOnDisabled = 1U << 6U;
   const std::uint64_t mask = expectation.mask.value_or(~std::uint64_t{0});
   const auto value = static_cast<std::uint64_t>(expectation.value);
+  constexpr std::uint64_t kNeverInFault =
+      Statusword::kOperationEnabled | Statusword::kTargetReached;
   const bool needs_no_fault = (mask & Statusword::kFault) != 0 && (value & Statusword::kFault) == 0;
-  return needs_no_fault && (value & mask & kSwitchOnDisabled) == 0;
+  const bool needs_power = (value & mask & kNeverInFault) != 0;
+  return (needs_no_fault || needs_power) && (value & mask & kSwitchOnDisabled) == 0;
 }
 
 }  // namespace vdrive::tool

@@ -112,8 +112,12 @@ bool is_read_last(std::string_view key) {
   return std::ranges::find(kLastKeys, key) != kLastKeys.end();
 }
 
-bool decides_unit(std::string_view key) {
-  return key == "unit" || key == "model" || key == "mechanics";
+/// What is written in a unit is not judged by a wrong one. From the gear of the model it follows
+/// with the mechanics only.
+/// @param wrong keys of the axis whose values are refused
+bool is_unit_known(const std::set<std::string>& wrong, bool has_mechanics) {
+  return !wrong.contains("unit") && !wrong.contains("mechanics") &&
+         !(has_mechanics && wrong.contains("model"));
 }
 
 /// `mechanics` decides the unit of its axis.
@@ -134,12 +138,12 @@ NamedAxis read_axis(const YamlValue& value) {
   NamedAxis axis;
   std::map<std::string, YamlValue> entries;
   settings::Mistakes mistakes;
-  bool is_unit_known = true;  // what is written in a unit is not judged by a wrong one
+  std::set<std::string> wrong;
   const auto read = [&](const std::string& key, const YamlValue& entry) {
     const bool is_good = mistakes.collect([&] {
       read_key(row_of_known(axis_rows(), key), entry, axis);
     });
-    if (!is_good && decides_unit(key)) is_unit_known = false;
+    if (!is_good) wrong.insert(key);
   };
   mistakes.collect([&] {
     value.for_each_entry(keys_of(axis_rows()), [&](const std::string& key, const YamlValue& entry) {
@@ -148,12 +152,15 @@ NamedAxis read_axis(const YamlValue& value) {
     });
   });
   const Unit written = axis.unit;
+  const bool has_mechanics = entries.contains("mechanics");
   for (const std::string_view key : kLastKeys) {
     const auto entry = entries.find(std::string(key));
-    if (entry != entries.end() && is_unit_known) read(entry->first, entry->second);
+    if (entry != entries.end() && is_unit_known(wrong, has_mechanics)) {
+      read(entry->first, entry->second);
+    }
   }
   mistakes.throw_if_any();
-  if (entries.contains("mechanics")) {
+  if (has_mechanics) {
     if (const auto unit = entries.find("unit"); unit != entries.end()) {
       check_unit(unit->second, written, axis.unit);
     }
