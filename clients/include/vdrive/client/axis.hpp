@@ -101,7 +101,8 @@ class Motion;
 /// Commands acquire the axis for the session, and are refused while another session owns it. Only
 /// halt() and quick_stop() act then too: the owner keeps the axis. A command that the power state
 /// does not allow is refused with 0x08000022 and changes nothing. `failed` means that the drive
-/// accepted the command and that a fault, a lost enable or a halt ended it.
+/// accepted the command and that a fault, a lost enable or a halt ended it. A call that waits for a
+/// motion ends when another session takes the axis: refused, with that session and its program.
 class Axis {
  public:
   [[nodiscard]] const AxisId& id() const noexcept { return id_; }
