@@ -397,6 +397,8 @@ def test_every_call_has_the_signature_of_its_docstring():
         assert shown == parameters_of_module(call), call.__doc__
     assert str(inspect.signature(_vdrive.Motion.wait)) == "(self, timeout=60.0)"
     assert str(inspect.signature(_vdrive.default_domain)) == "()"
+    assert str(inspect.signature(vdrive.AxisBank(1).step)) == str(inspect.signature(
+        vdrive.AxisBank.step)).replace("self, ", "")
 
 
 def test_objects_show_no_address(vdrive_bench, vdrive_session):

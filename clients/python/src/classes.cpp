@@ -46,7 +46,6 @@ std::string_view without_blanks(std::string_view text) {
 /// @return it without its type, as `inspect` reads it: "timeout=60.0".
 std::string without_type(std::string_view parameter) {
   const std::string_view name = without_blanks(parameter.substr(0, find_outside(parameter, ":=")));
-  if (name == "self") return "$self";
   const std::size_t equals = find_outside(parameter, "=");
   if (equals == std::string_view::npos) return std::string(name);
   const std::string_view value = without_blanks(parameter.substr(equals + 1));
@@ -56,7 +55,8 @@ std::string without_type(std::string_view parameter) {
 
 /// @param text as pybind11 documents a call: "wait(self: vdrive.Motion, timeout: float = 60.0) ->
 ///        None", and more
-/// @return "wait($self, timeout=60.0)"; nothing for another text.
+/// @return "wait(self, timeout=60.0)"; nothing for another text. With "$self" `inspect` would leave
+///         the object out, and of a bound call the first parameter as well.
 std::optional<std::string> signature_of(std::string_view text) {
   const std::size_t open = text.find('(');
   if (open == std::string_view::npos || open == 0) return std::nullopt;
