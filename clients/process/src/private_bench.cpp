@@ -108,7 +108,7 @@ std::optional<std::string> PrivateBench::wait_until_ready() {
 
 /// What it has written, or how it has ended without a word.
 std::string PrivateBench::reason() {
-  const std::string errors = without_line_end(service_.errors());
+  std::string errors = without_line_end(service_.errors());
   if (!errors.empty()) return errors;
   if (!std::filesystem::exists(path_)) return path_ + ": no such file";
   if (!is_program(path_)) return path_ + ": not a program that can be executed";

@@ -79,6 +79,7 @@ std::optional<std::string> signature_of(std::string_view text) {
 void show_signature(PyObject* call) {
   if (PyInstanceMethod_Check(call) != 0) call = PyInstanceMethod_Function(call);
   if (PyCFunction_Check(call) == 0) return;
+  // NOLINTNEXTLINE(*-reinterpret-cast): as the macros of Python do it
   PyMethodDef& definition = *reinterpret_cast<PyCFunctionObject*>(call)->m_ml;
   if (definition.ml_doc == nullptr) return;
   const std::string text = definition.ml_doc;

@@ -61,19 +61,23 @@ void Interrupt::disarm() {
 void Interrupt::wait(const std::stop_token& stop) {
   int signal = 0;
   while (sigwait(&signals_, &signal) == 0 && !stop.stop_requested()) {
-    if (signal == SIGUSR1) continue;
-    const std::scoped_lock lock(mutex_);
-    if (signal == SIGTERM || signal == SIGHUP) is_termination_ = true;
-    const auto now = std::chrono::steady_clock::now();
-    if (happened_.exchange(true)) {
-      // Nobody is left at a closed terminal who could be impatient.
-      if (signal == SIGHUP || now - first_ < kOneWish) continue;
-      if (last_action_) last_action_();
-      _exit(kInterrupted);
-    }
+    if (signal != SIGUSR1) note(signal);
+  }
+}
+
+void Interrupt::note(int signal) {
+  const std::scoped_lock lock(mutex_);
+  if (signal == SIGTERM || signal == SIGHUP) is_termination_ = true;
+  const auto now = std::chrono::steady_clock::now();
+  if (!happened_.exchange(true)) {
     first_ = now;
     if (action_) action_();
+    return;
   }
+  // Nobody is left at a closed terminal who could be impatient.
+  if (signal == SIGHUP || now - first_ < kOneWish) return;
+  if (last_action_) last_action_();
+  _exit(kInterrupted);
 }
 
 }  // namespace vdrive::tool

@@ -42,6 +42,7 @@ class Interrupt {
 
  private:
   void wait(const std::stop_token& stop);
+  void note(int signal);
 
   sigset_t signals_{};
   std::atomic<bool> happened_ = false;
