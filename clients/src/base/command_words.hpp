@@ -25,9 +25,9 @@ inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
   return axis.shows(Statusword::kTargetReached);
 }
 
-/// @return whether bit 10 shows a target: not without a mode (6060h = 0), where the axis stands,
-/// and
-///         not in cyclic synchronous position, where the master has the way.
+/// Without a mode (6060h = 0) the axis stands; in cyclic synchronous position the master has the
+/// way.
+/// @return whether bit 10 shows a target: not in these two modes.
 [[nodiscard]] inline bool has_target_bit(const AxisSnapshot& axis) {
   return axis.mode() != OperatingMode::none &&
          axis.mode() != OperatingMode::cyclic_synchronous_position;

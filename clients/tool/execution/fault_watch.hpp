@@ -35,9 +35,8 @@ class FaultWatch {
 ///         and more. Not so: what a reset leads to, and what follows the supply and the limits.
 [[nodiscard]] bool is_out_of_reach_in_fault(std::string_view condition) noexcept;
 
-/// @return the same of a value: a position, a speed, a torque, a current, or a statusword that has
-/// no
-///         fault, is in Operation enabled, or has reached a target.
+/// @return the same of a value: a position, a speed, a torque or a current, and a statusword that
+///         has no fault, is in Operation enabled, or has reached a target.
 [[nodiscard]] bool is_out_of_reach_in_fault(const Expectation& expectation);
 
 }  // namespace vdrive::tool

@@ -27,7 +27,7 @@ WireSettings wire_settings(const Configuration& configuration) {
   WireSettings settings;
   settings.network = configuration.network;
   settings.bench = configuration.bench;
-  settings.place = place_of_this_process();
+  settings.network.place = place_of_this_process();
   settings.status_room = status_depth(configuration).room;
   return settings;
 }

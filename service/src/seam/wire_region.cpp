@@ -60,7 +60,7 @@ std::vector<std::uint8_t> packed(const WireSettings& settings) {
                                      {"discovery_servers", network.discovery_servers},
                                      {"shared_memory", network.shared_memory},
                                      {"security", network.security},
-                                     {"place", settings.place},
+                                     {"place", network.place},
                                      {"guard", network.guard}});
 }
 
@@ -75,7 +75,7 @@ WireSettings unpacked(std::span<const std::uint8_t> bytes) {
   json.at("discovery_servers").get_to(settings.network.discovery_servers);
   json.at("shared_memory").get_to(settings.network.shared_memory);
   json.at("security").get_to(settings.network.security);
-  json.at("place").get_to(settings.place);
+  json.at("place").get_to(settings.network.place);
   json.at("guard").get_to(settings.network.guard);
   return settings;
 }

@@ -102,7 +102,6 @@ struct WireSettings {
   wire::NetworkSettings network;
   std::uint32_t bench = 1;
   std::string log_level = "info";
-  std::string place;  ///< process and host of the engine, for a person who meets the bench
   /// Of Lane::status, a power of two [bytes]; the wire reads it from the size of the region.
   std::size_t status_room = std::size_t{1} << 20U;
 };

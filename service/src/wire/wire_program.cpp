@@ -32,7 +32,6 @@ constexpr std::array kWritten{Topic<msg::CommandReply>::kId,     Topic<msg::Repl
 wire::NetworkSettings of_a_service(const WireSettings& settings) {
   wire::NetworkSettings network = settings.network;
   network.role = wire::Role::service;
-  network.place = settings.place;
   network.guard_sink = [bench = settings.bench, mutex = std::make_shared<std::mutex>(),
                         limiter = std::make_shared<RepeatLimiter>()](wire::Refusal refusal,
                                                                      std::string_view sender) {
