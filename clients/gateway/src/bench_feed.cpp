@@ -111,6 +111,7 @@ BenchFeed::BenchFeed(client::Session& session, bridge::Presence& presence, Known
 }
 
 void BenchFeed::on_event(const client::Event& event) {
+  owners_.note(event);
   if (!channels_.events->is_wanted()) return;
   std::string name = bench_.topic;
   for (std::size_t i = 0; i < ids_.size(); ++i) {
@@ -197,7 +198,7 @@ void BenchFeed::take(client::Observation&& observation) {
   // What was missed before the first one was not wanted.
   if (newest_) missed_ += observation.missed;
   trace(observation);
-  note_owners(observation);
+  owners_.note(observation);
   is_urgent_ = is_urgent_ || has_news(observation);
   newest_ = std::move(observation);
   is_new_ = true;
@@ -231,7 +232,7 @@ void BenchFeed::observe_once() {
   auto observation = session_.observe(ids_);
   if (!observation) return;
   ensure(observation->axes.size() == ids_.size(), "an observation has the axes that are followed");
-  note_owners(*observation);
+  owners_.note(*observation);
   newest_ = std::move(*observation);
   is_new_ = true;
 }
@@ -328,26 +329,14 @@ void BenchFeed::publish_state(Clock::time_point now) {
     return publish_({.bench = bench_.info.number, .time = time});
   }
   const auto age = std::chrono::duration_cast<milliseconds>(now - record->newest_sample);
-  send(channels_.state, time, state_text(record->info, time, age, record->is_alive, owner_names()));
-}
-
-/// A program may take an axis, and end before the next message says who it is.
-void BenchFeed::note_owners(const client::Observation& observation) {
-  constexpr std::size_t kMostOwners = 16;
-  for (const client::AxisSnapshot& axis : observation.axes) {
-    const std::uint64_t owner = axis.owner_session;
-    const bool is_noted = !owners_.empty() && owners_.back() == owner;  // as most axes have it
-    if (owner == 0 || is_noted) continue;
-    std::erase(owners_, owner);
-    owners_.push_back(owner);
-    if (owners_.size() > kMostOwners) owners_.pop_front();
-  }
+  send(channels_.state, time,
+       state_text(record->info, time, age, record->is_alive, owner_names(), owners_.takings()));
 }
 
 /// Without waiting: a name that comes late is in a later message.
 OwnerNames BenchFeed::owner_names() const {
   OwnerNames names;
-  for (const std::uint64_t owner : owners_) {
+  for (const std::uint64_t owner : owners_.sessions()) {
     if (auto name = session_.known_name(bench_.info.number, owner)) {
       names.emplace(owner, std::move(*name));
     }

@@ -7,6 +7,7 @@
 #include "descriptions.hpp"
 #include "directory.hpp"
 #include "messages.hpp"
+#include "owner_log.hpp"
 #include "vdrive/client/event.hpp"
 #include "vdrive/client/session.hpp"
 
@@ -14,7 +15,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -83,7 +83,6 @@ class BenchFeed {
   void send(const ChannelPointer& channel, std::uint64_t time, std::string message) const;
   void publish_description();
   void publish_state(Clock::time_point now);
-  void note_owners(const client::Observation& observation);
   [[nodiscard]] OwnerNames owner_names() const;
   [[nodiscard]] std::uint64_t time_of(std::uint64_t tick) const;
 
@@ -96,6 +95,7 @@ class BenchFeed {
   const KnownBench bench_;  ///< as it was found first
   const std::vector<client::AxisId> ids_;
   std::atomic<bool> is_renewed_ = false;
+  OwnerLog owners_;
 
   // Of the thread.
   bridge::BenchFollower follower_;
@@ -104,7 +104,6 @@ class BenchFeed {
   bool is_urgent_ = false;  ///< it has a state or a fault that was not published
   std::vector<std::uint32_t> published_states_;
   std::uint64_t missed_ = 0;
-  std::deque<std::uint64_t> owners_;   ///< sessions that have held axes, the newest last
   std::vector<std::size_t> traced_;    ///< places of the axes
   std::vector<bridge::Trace> traces_;  ///< of all axes
   std::vector<bridge::Joint> joints_;

@@ -152,15 +152,25 @@ ChannelInfo state_channel(std::string topic) {
                       object_schema("bench:integer tick:integer time_ns:string rate:number "
                                     "clock_mode:string wire_starts:integer "
                                     "longest_silence_us:integer alive:boolean age_ms:integer "
-                                    "owners:owner[]",
-                                    {{"owner", object_schema("session:string name:string")}}));
+                                    "owners:owner[] takings:taking[]",
+                                    {{"owner", object_schema("session:string name:string")},
+                                     {"taking", object_schema("axis:integer from:string by:string "
+                                                              "tick:integer")}}));
 }
 
 std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
-                       std::chrono::milliseconds age, bool is_alive, const OwnerNames& names) {
+                       std::chrono::milliseconds age, bool is_alive, const OwnerNames& names,
+                       const std::vector<Taking>& takings) {
   Json owners = Json::array();
   for (const auto& [session, name] : names) {
     owners.push_back({{"session", session_text(session)}, {"name", to_string(name)}});
+  }
+  Json taken = Json::array();
+  for (const Taking& taking : takings) {
+    taken.push_back({{"axis", taking.axis},
+                     {"from", session_text(taking.from)},
+                     {"by", session_text(taking.by)},
+                     {"tick", taking.tick}});
   }
   return to_line({{"bench", bench.number},
                   {"tick", bench.tick},
@@ -171,7 +181,8 @@ std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
                   {"longest_silence_us", bench.longest_silence.count()},
                   {"alive", is_alive},
                   {"age_ms", age.count()},
-                  {"owners", std::move(owners)}});
+                  {"owners", std::move(owners)},
+                  {"takings", std::move(taken)}});
 }
 
 ChannelInfo control_channel() {

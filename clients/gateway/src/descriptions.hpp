@@ -2,6 +2,7 @@
 #pragma once
 
 #include "directory.hpp"
+#include "owner_log.hpp"
 #include "protocol.hpp"
 #include "vdrive/client/session_name.hpp"
 
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace vdrive::gateway {
 
@@ -27,7 +29,8 @@ using OwnerNames = std::map<std::uint64_t, client::SessionName>;
 /// @param age of the newest sample
 [[nodiscard]] std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
                                      std::chrono::milliseconds age, bool is_alive,
-                                     const OwnerNames& names = {});
+                                     const OwnerNames& names = {},
+                                     const std::vector<Taking>& takings = {});
 
 /// Who commands through this gateway.
 struct ControlState {

@@ -65,6 +65,9 @@ interface Press {
   at: number;
 }
 
+/** @param text as the gateway writes it */
+const sessionOf = (text: string): bigint => BigInt(`0x${text.replace(/^0x/, "")}`);
+
 /** One frame of the status of all axes of a bench; arrays by the names of the core. */
 export class Bench {
   private described?: BenchDescription;
@@ -364,8 +367,22 @@ export class Model {
 
   /** @return when axes of this page were taken, and by whom: the name may come after the status. */
   private takenHow(): string {
+    // A program that took an axis and ended at once is in no status.
+    if (this.takenBy === 0n) this.takenBy = this.takerOf([...this.taken]);
     const by = this.ownerName(this.takenBy);
     return `${this.takenAt}: ${t("taken_away")}${by === "" ? "" : `, ${t("now_by")} ${by}`}`;
+  }
+
+  /** @return the session that took the last of these axes from this page, 0 = none that is known. */
+  private takerOf(addresses: readonly string[]): bigint {
+    const own = this.ownSession();
+    for (const bench of this.benches.values()) {
+      const taking = bench.state?.takings
+        .filter(({ axis, from }) => sessionOf(from) === own && addresses.includes(`${bench.number}.${axis}`))
+        .at(-1);
+      if (taking !== undefined) return sessionOf(taking.by);
+    }
+    return 0n;
   }
 
   private noteNames(owners: BenchState["owners"]): void {
@@ -535,7 +552,7 @@ export class Model {
 
   private ownSession(): bigint {
     const { you, session } = this.control;
-    return you && session !== undefined && session !== "" ? BigInt(`0x${session.replace(/^0x/, "")}`) : -1n;
+    return you && session !== undefined && session !== "" ? sessionOf(session) : -1n;
   }
 
   /** Another session has taken an axis: the page must not take it back by its next command. */

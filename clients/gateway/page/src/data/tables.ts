@@ -135,6 +135,32 @@ export const BENCH_STATE = {
     "rate": {
       "type": "number"
     },
+    "takings": {
+      "items": {
+        "properties": {
+          "axis": {
+            "type": "integer"
+          },
+          "by": {
+            "type": "string"
+          },
+          "from": {
+            "type": "string"
+          },
+          "tick": {
+            "type": "integer"
+          }
+        },
+        "required": [
+          "axis",
+          "from",
+          "by",
+          "tick"
+        ],
+        "type": "object"
+      },
+      "type": "array"
+    },
     "tick": {
       "type": "integer"
     },
@@ -155,7 +181,8 @@ export const BENCH_STATE = {
     "longest_silence_us",
     "alive",
     "age_ms",
-    "owners"
+    "owners",
+    "takings"
   ],
   "type": "object"
 } as const;

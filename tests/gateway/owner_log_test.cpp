@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "owner_log.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace vdrive::gateway {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr std::uint64_t kPage = 0xA;
+constexpr std::uint64_t kTool = 0xB;
+constexpr std::uint64_t kTick = 50'000;
+constexpr std::uint32_t kEpoch = 7;
+
+// As a bench reports it: the new epoch of who gained, 0 of who lost; axis 0 = several.
+client::Event control_event(std::uint16_t axis, std::uint64_t session, std::uint32_t epoch,
+                            std::uint64_t tick = kTick) {
+  client::Event event;
+  event.axis = axis;
+  event.kind = client::EventKind::control_changed;
+  event.session = session;
+  event.code = epoch;
+  event.tick = tick;
+  return event;
+}
+
+client::Observation observation_of(const std::vector<std::uint64_t>& owners) {
+  client::Observation observation;
+  for (const std::uint64_t owner : owners) {
+    observation.axes.emplace_back();
+    observation.axes.back().owner_session = owner;
+  }
+  return observation;
+}
+
+TEST(OwnerLog, HasTheOwnersThatAStatusShowsOnceEachTheNewestLast) {
+  OwnerLog sut;
+  sut.note(observation_of({kPage, 0, kPage, kTool}));
+  sut.note(observation_of({0, 0, 0, kPage}));
+  EXPECT_THAT(sut.sessions(), ElementsAre(kTool, kPage));
+  EXPECT_THAT(sut.takings(), IsEmpty());
+}
+
+TEST(OwnerLog, HasAnOwnerThatNoStatusShowed) {
+  OwnerLog sut;
+  sut.note(control_event(2, kPage, 0));
+  sut.note(control_event(2, kTool, kEpoch));
+  sut.note(control_event(2, kTool, 0));
+  EXPECT_THAT(sut.sessions(), ElementsAre(kTool));
+  EXPECT_THAT(sut.takings(), ElementsAre(Taking{2, kPage, kTool, kTick}));
+}
+
+TEST(OwnerLog, HasEachOfSeveralAxesThatWereTakenAtOnce) {
+  OwnerLog sut;
+  sut.note(control_event(1, kPage, 0));
+  sut.note(control_event(3, kPage, 0));
+  sut.note(control_event(0, kTool, kEpoch));
+  EXPECT_THAT(sut.takings(),
+              ElementsAre(Taking{1, kPage, kTool, kTick}, Taking{3, kPage, kTool, kTick}));
+}
+
+TEST(OwnerLog, HasNoTakingOfAnAxisThatWasFreeForATick) {
+  OwnerLog sut;
+  sut.note(control_event(2, kPage, 0));
+  sut.note(control_event(2, kTool, kEpoch, kTick + 1));
+  EXPECT_THAT(sut.takings(), IsEmpty());
+}
+
+TEST(OwnerLog, HasNoTakingOfAnotherAxis) {
+  OwnerLog sut;
+  sut.note(control_event(2, kPage, 0));
+  sut.note(control_event(1, kTool, kEpoch));
+  EXPECT_THAT(sut.takings(), IsEmpty());
+}
+
+// Else a page that took its axis back, and lost it to nobody, would name who took it before.
+TEST(OwnerLog, ForgetsATakingWhenTheAxisIsTakenBack) {
+  OwnerLog sut;
+  sut.note(control_event(2, kPage, 0));
+  sut.note(control_event(2, kTool, kEpoch));
+  sut.note(control_event(2, kPage, kEpoch + 1, kTick + 1));
+  EXPECT_THAT(sut.takings(), IsEmpty());
+}
+
+TEST(OwnerLog, ForgetsTheOldestOfTooMany) {
+  OwnerLog sut;
+  for (std::uint16_t axis = 1; axis <= OwnerLog::kMost + 1; ++axis) {
+    sut.note(control_event(axis, kPage, 0));
+    sut.note(control_event(axis, kTool + axis, kEpoch));
+  }
+  ASSERT_EQ(sut.takings().size(), OwnerLog::kMost);
+  EXPECT_EQ(sut.takings().front().axis, 2);
+  EXPECT_EQ(sut.sessions().size(), OwnerLog::kMost);
+}
+
+}  // namespace
+}  // namespace vdrive::gateway
