@@ -554,6 +554,13 @@ INSTANTIATE_TEST_SUITE_P(
         BadRow{"a_wait_for_an_axis_without_a_condition", "wait 1.1",
                "'1.1' is an axis: write what to wait for, such as 'wait 1.1 "
                "target_reached', or the unit of a time, such as 'wait 1.1s'"},
+        BadRow{"a_word_of_conditions", "wait 1.1 enabled",
+               "'enabled' is not a condition (did you mean 'operation_enabled' or "
+               "'voltage_enabled'?)"},
+        BadRow{"a_mistyped_condition", "wait 1.1 target_reachd",
+               "(did you mean 'target_reached'?)"},
+        BadRow{"no_condition", "wait 1.1 nothing",
+               "'nothing' is not a condition; 'vdrive wait --help' lists all conditions"},
         BadRow{"a_fraction_of_an_object", "write 1.1 0x6073 12.5", "'12.5' is a fraction"},
         BadRow{"a_fraction_of_a_speed", "write 1.1 0x6081 12.5", "'12.5' is a fraction"},
         BadRow{"an_index_in_decimal", "read 1.1 6041", "did you mean 0x6041 or 6041h"},

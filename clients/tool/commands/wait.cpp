@@ -8,7 +8,6 @@
 #include "values/condition.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
-#include "vdrive/wording.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -43,7 +42,7 @@ WaitCommand parse_wait(const std::vector<std::string>& what) {
   const std::vector<std::string>& names = condition_names();
   if (std::ranges::find(names, wait.condition) == names.end()) {
     throw UsageError(in_quotes(wait.condition) + " is not a condition" +
-                     suggestion(wait.condition, names) +
+                     condition_suggestion(wait.condition) +
                      "; 'vdrive wait --help' lists all conditions");
   }
   return wait;

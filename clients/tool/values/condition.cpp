@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "values/condition.hpp"
 
+#include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
+
 #include <algorithm>
 
 namespace vdrive::tool {
@@ -38,11 +41,30 @@ std::vector<std::string> all_names() {
   return names;
 }
 
+/// @return whether `name` has these words, such as operation_enabled "enabled".
+bool has_words(std::string_view name, std::string_view words) {
+  const auto between_words = [](std::string_view text) {
+    return "_" + std::string(text) + "_";
+  };
+  return between_words(name).find(between_words(words)) != std::string::npos;
+}
+
 }  // namespace
 
 const std::vector<std::string>& condition_names() {
   static const std::vector<std::string> names = all_names();
   return names;
+}
+
+std::string condition_suggestion(std::string_view name) {
+  std::string nearest = suggestion(name, condition_names());
+  if (!nearest.empty()) return nearest;
+  std::string meant;
+  for (const std::string& known : condition_names()) {
+    if (!has_words(known, name)) continue;
+    meant += (meant.empty() ? "" : " or ") + in_quotes(known);
+  }
+  return meant.empty() ? meant : " (did you mean " + meant + "?)";
 }
 
 bool shows(const client::AxisSnapshot& axis, std::string_view name) {

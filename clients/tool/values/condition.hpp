@@ -15,6 +15,10 @@ namespace vdrive::tool {
 /// @return all names, states first.
 [[nodiscard]] const std::vector<std::string>& condition_names();
 
+/// @return " (did you mean 'x'?)" with the name nearest to one that does not exist, or with those
+///         that have it among their words: "enabled" is short for operation_enabled; or nothing.
+[[nodiscard]] std::string condition_suggestion(std::string_view name);
+
 /// @return whether the axis is in the state, or shows the bit, that `name` is.
 [[nodiscard]] bool shows(const client::AxisSnapshot& axis, std::string_view name);
 
