@@ -518,7 +518,9 @@ TEST_F(CommandEach, GivesEveryAxisAnOutcomeOfItsOwn) {
   ASSERT_EQ(outcomes.size(), 3U);
   EXPECT_TRUE(outcomes[0]) << outcomes[0].message();
   EXPECT_EQ(outcomes[1].code(), kRefusedInState);
-  EXPECT_THAT(outcomes[1].message(), HasSubstr("axis 1.2 is in Fault"));
+  EXPECT_THAT(outcomes[1].message(), HasSubstr("axis 1.2 shows error 0x2310 "))
+      << "the cause first";
+  EXPECT_THAT(outcomes[1].message(), HasSubstr("; enabling needs a fault reset first"));
   EXPECT_EQ(outcomes[2].code(), wire_code(AbortCode::refused_local_control));
   EXPECT_THAT(outcomes[2].message(), HasSubstr("axis 1.3"));
   const std::vector<Outcome> resets = command(EachCommand::reset_fault);

@@ -257,6 +257,13 @@ TEST_F(WaitAndExpect, NameTheFaultOfAMotionFirst) {
   EXPECT_THAT(moved.errors, AllOf(HasSubstr("axis 1.1 shows error 0x8611 following error, "),
                                   HasSubstr("; waited for target reached, bit 10"),
                                   HasSubstr("; reset it first: vdrive reset 1.1")));
+  for (const char* const words : {"velocity 1.1 100", "enable 1.1", "move 1.1 5"}) {
+    const Finished refused = call(words);
+    EXPECT_EQ(refused.code, 5) << words;
+    EXPECT_THAT(refused.errors, AllOf(HasSubstr("axis 1.1 shows error 0x8611 following error, "),
+                                      HasSubstr("; reset it first: vdrive reset 1.1")))
+        << words;
+  }
 }
 
 TEST_F(WaitAndExpect, ObserveAMotionThatAnotherProgramStarted) {

@@ -75,8 +75,11 @@ Outcome not_in_this_state(std::string message) {
 
 Outcome refused_in_state(const AxisSnapshot& axis, std::string_view command,
                          std::string_view hint) {
-  return not_in_this_state("axis " + to_string(axis.id) + " is in " +
-                           std::string(to_string(axis.state())) + ", " + std::string(command) +
+  // Of a fault the cause, as in failed_instead_of().
+  const std::string present = is_fault(axis.state())
+                                  ? what_it_shows(axis) + "; "
+                                  : "is in " + std::string(to_string(axis.state())) + ", ";
+  return not_in_this_state("axis " + to_string(axis.id) + " " + present + std::string(command) +
                            " needs " + std::string(hint));
 }
 

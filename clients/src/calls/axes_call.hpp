@@ -31,7 +31,8 @@ namespace vdrive::client {
 /// @return the refusal of something that the state of a drive does not allow.
 [[nodiscard]] Outcome not_in_this_state(std::string message);
 
-/// @return the refusal of a command that the axis' power state does not allow.
+/// @return the refusal of a command that the axis' power state does not allow; of a fault with its
+///         cause.
 [[nodiscard]] Outcome refused_in_state(const AxisSnapshot& axis, std::string_view command,
                                        std::string_view hint);
 
