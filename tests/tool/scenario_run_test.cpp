@@ -219,16 +219,28 @@ std::uint64_t tick_now() {
   return nlohmann::json::parse(call("status 1.1 --json").output).at("tick").get<std::uint64_t>();
 }
 
+/// The tick of the last fault of axis 1.1, as its event has it.
+std::string tick_of_last_fault() {
+  std::string tick;
+  for (const std::string& line : call("events 1.1 --json").lines()) {
+    const Json event = Json::parse(line);
+    if (event["kind"] == "fault") tick = event["tick"].dump();
+  }
+  return tick;
+}
+
 // 4310h disables the axis at once; it stands still, and 100 ms later nothing can come any more.
 TEST_F(WaitAndExpect, EndAtOnceOnAnAxisThatStaysInFault) {
   ASSERT_EQ(call("enable 1.1").code, 0);
   ASSERT_EQ(call("disturb 1.1 over_temperature").code, 0);
   ASSERT_EQ(call("wait 1.1 fault").code, 0);
+  ASSERT_EQ(call("step 1000").code, 0);
+  const std::string since = ", since tick " + tick_of_last_fault() + "; waited for ";
   const std::uint64_t before = tick_now();
   const Finished waited = call("wait 1.1 target_reached --timeout 30s");
   EXPECT_EQ(waited.code, 1);
   EXPECT_THAT(waited.errors, AllOf(HasSubstr("axis 1.1 is in Fault 0x4310"),
-                                   HasSubstr("since tick"), HasSubstr("waited for target_reached"),
+                                   HasSubstr(since + "target_reached"),
                                    HasSubstr("; reset it first: vdrive reset 1.1")));
   const Finished value = call("expect 1.1 position 1000 --within 30s --json");
   EXPECT_EQ(value.code, 1);
@@ -236,8 +248,13 @@ TEST_F(WaitAndExpect, EndAtOnceOnAnAxisThatStaysInFault) {
   EXPECT_EQ(call("expect 1.1 statusword 0x637 --within 30s").code, 1);
   EXPECT_EQ(call("wait 1.1 position 1000 --timeout 30s").code, 1);
   EXPECT_EQ(call("expect 1.1 torque 50 --within 30s").code, 1);
+  const Finished mode = call("expect 1.1 mode 5 --within 30s");
+  EXPECT_EQ(mode.code, 1);
+  EXPECT_THAT(mode.errors, AllOf(HasSubstr("axis 1.1 is in Fault 0x4310"),
+                                 HasSubstr(since + "mode 5")));
   EXPECT_EQ(call("expect 1.1 statusword 0x400 --mask 0x400 --within 30s").code, 1);
-  EXPECT_LE(tick_now() - before, 6 * 110) << "each of the six ended after 100 ms";
+  EXPECT_EQ(call("expect 1.1 statusword 0x1000 --mask 0x1000 --within 30s").code, 1);
+  EXPECT_LE(tick_now() - before, 8 * 110) << "each of the eight ended after 100 ms";
 }
 
 TEST_F(WaitAndExpect, GoOnInFaultForWhatTheFaultOrAResetBrings) {
@@ -246,7 +263,11 @@ TEST_F(WaitAndExpect, GoOnInFaultForWhatTheFaultOrAResetBrings) {
   EXPECT_EQ(call("wait 1.1 switch_on_disabled --timeout 300ms").code, 4);
   EXPECT_EQ(call("wait 1.1 internal_limit_active --timeout 300ms").code, 4);
   EXPECT_EQ(call("wait 1.1 statusword 0x40 --timeout 300ms").code, 4);
-  EXPECT_EQ(call("wait 1.1 profile_velocity 7 --timeout 300ms").code, 4);
+  const Finished parameter = call("wait 1.1 profile_velocity 7 --timeout 300ms");
+  EXPECT_EQ(parameter.code, 4) << "another program may still write it";
+  EXPECT_THAT(parameter.errors, AllOf(HasSubstr("profile_velocity: expected 7, actual "),
+                                      HasSubstr("; axis 1.1 is in Fault 0x4310"),
+                                      HasSubstr(", since tick " + tick_of_last_fault() + "\n")));
 }
 
 TEST_F(WaitAndExpect, NameTheFaultOfAMotionFirst) {

@@ -55,18 +55,6 @@ std::vector<DescribedAxis> read_objects(const std::vector<client::Axis>& axes,
   return read;
 }
 
-/// @return the tick of the newest event of this fault, none where the bench does not keep it.
-std::optional<std::uint64_t> tick_of_fault(const std::vector<client::Event>& events,
-                                           const client::AxisId& axis, std::uint16_t code) {
-  std::optional<std::uint64_t> tick;
-  for (const client::Event& event : events) {
-    const bool is_it = event.kind == client::EventKind::fault && event.bench == axis.bench &&
-                       event.axis == axis.axis && event.code == code;
-    if (is_it) tick = event.tick;
-  }
-  return tick;
-}
-
 /// Only a fault needs the events: to wait for them takes longer than all the rest.
 std::vector<client::Event> events_needed(client::Session& session,
                                          const std::vector<DescribedAxis>& axes) {

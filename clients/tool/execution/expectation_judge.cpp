@@ -2,13 +2,14 @@
 #include "execution/expectation_judge.hpp"
 
 #include "execution/axis_states.hpp"
-#include "execution/fault_watch.hpp"
 #include "output/report.hpp"
 #include "values/condition.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/number_text.hpp"
 
+#include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 namespace vdrive::tool {
@@ -43,14 +44,19 @@ Outcome ExpectationJudge::await(const client::Axis& axis, const std::string& con
   FaultWatch fault(bench->period);
   const bool ends_in_fault = is_out_of_reach_in_fault(condition);
   Outcome held;
+  std::optional<client::AxisSnapshot> in_fault;  // it stays there
   const auto shown = axis.wait_until(
       [&](const client::AxisSnapshot& now) {
         if (tool::shows(now, condition)) return true;
         held = check_control(now);
-        if (held && ends_in_fault) held = fault.note(now, condition);
-        return !held;
+        fault.note(now);
+        if (held && ends_in_fault && fault.is_over()) in_fault = now;
+        return !held || in_fault.has_value();
       },
       limit);
+  if (in_fault) {
+    return Outcome::failed(fault_text(session_, *in_fault, fault) + "; waited for " + condition);
+  }
   if (!held || shown) return held;
   if (shown.outcome().kind() != OutcomeKind::timed_out) return shown.outcome();
   const auto now = axis.status();
@@ -89,21 +95,30 @@ Outcome ExpectationJudge::within(ValueObserver& observer, const client::BenchInf
   const bool ends_in_fault = is_out_of_reach_in_fault(expectation);
   while (!expectation.accepts(observer.value())) {
     if (Outcome held = check_control(observer.shown()); !held) return held;
-    if (ends_in_fault) {
-      const std::string awaited = expectation.object.text + " " + expected_text(expectation);
-      if (Outcome sound = fault.note(observer.shown(), awaited); !sound) {
-        static_cast<void>(
-            differs(expectation, observer.value(), observer.tick(), observer.shown().mode()));
-        found_->emplace("error_code", observer.shown().status.error_code);
-        return sound;
-      }
-    }
-    if (observer.driven_tick() >= last) {
-      return differs(expectation, observer.value(), observer.tick(), observer.shown().mode());
-    }
+    fault.note(observer.shown());
+    if (ends_in_fault && fault.is_over()) return ended_by_fault(observer, expectation, fault);
+    if (observer.driven_tick() >= last) return late(observer, expectation, fault);
     if (Outcome seen = observer.next(); !seen) return seen;
   }
   return {};
+}
+
+Outcome ExpectationJudge::ended_by_fault(const ValueObserver& observer,
+                                         const Expectation& expectation, const FaultWatch& fault) {
+  const client::AxisSnapshot& axis = observer.shown();
+  static_cast<void>(differs(expectation, observer.value(), observer.tick(), axis.mode()));
+  found_->emplace("error_code", axis.status.error_code);
+  return Outcome::failed(fault_text(session_, axis, fault) + "; waited for " +
+                         expectation.object.text + " " + expected_text(expectation));
+}
+
+/// Another program could have written the value also in Fault.
+Outcome ExpectationJudge::late(const ValueObserver& observer, const Expectation& expectation,
+                               const FaultWatch& fault) {
+  const client::AxisSnapshot& axis = observer.shown();
+  Outcome other = differs(expectation, observer.value(), observer.tick(), axis.mode());
+  if (!is_fault(axis.state())) return other;
+  return other.with_message(other.message() + "; " + fault_text(session_, axis, fault));
 }
 
 /// An axis that this session has lost does not do what the scenario commanded any more.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "execution/fault_watch.hpp"
 #include "execution/value_observer.hpp"
 #include "output/report.hpp"
 #include "values/expectation.hpp"
@@ -49,6 +50,11 @@ class ExpectationJudge {
   client::Outcome compare(client::Axis& axis, const Expectation& expectation);
   client::Outcome within(ValueObserver& observer, const client::BenchInfo& bench,
                          const Expectation& expectation);
+  client::Outcome ended_by_fault(const ValueObserver& observer, const Expectation& expectation,
+                                 const FaultWatch& fault);
+  /// At the end of `within`; a fault of the axis is named, too.
+  client::Outcome late(const ValueObserver& observer, const Expectation& expectation,
+                       const FaultWatch& fault);
   client::Outcome throughout(ValueObserver& observer, const client::BenchInfo& bench,
                              const Expectation& expectation);
   client::Outcome check_control(const client::AxisSnapshot& axis);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "execution/fault_watch.hpp"
 
+#include "output/event_view.hpp"
 #include "output/report.hpp"
 #include "vdrive/cia402/statusword.hpp"
-#include "vdrive/client/session.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
@@ -29,21 +29,26 @@ bool is_at_rest(const client::AxisSnapshot& axis) {
 FaultWatch::FaultWatch(std::chrono::microseconds period)
     : patience_(client::ticks_of(kStandstill, period)) {}
 
-client::Outcome FaultWatch::note(const client::AxisSnapshot& axis, std::string_view awaited) {
-  if (axis.state() != PowerState::fault) {
+void FaultWatch::note(const client::AxisSnapshot& axis) {
+  if (!is_fault(axis.state())) {
     was_sound_ = true;
     fault_tick_ = 0;
-    since_.reset();
-    return {};
+  } else if (fault_tick_ == 0) {
+    fault_tick_ = axis.tick;
   }
-  if (fault_tick_ == 0) fault_tick_ = axis.tick;
-  if (!is_at_rest(axis)) since_.reset();
-  if (!since_ && is_at_rest(axis)) since_ = axis.driven_tick();
-  if (!since_ || axis.driven_tick() - *since_ < patience_) return {};
-  return client::Outcome::failed("axis " + to_string(axis.id) + " is in " + state_text(axis) +
-                                 ", since tick " + std::to_string(fault_tick_) +
-                                 (was_sound_ ? "" : " or before") + "; waited for " +
-                                 std::string(awaited));
+  const bool stays = axis.state() == PowerState::fault && is_at_rest(axis);
+  if (!stays) since_.reset();
+  if (stays && !since_) since_ = axis.driven_tick();
+  is_over_ = since_ && axis.driven_tick() - *since_ >= patience_;
+}
+
+std::string fault_text(client::Session& session, const client::AxisSnapshot& axis,
+                       const FaultWatch& watch) {
+  const auto tick = watch.saw_begin()
+                        ? std::optional(watch.first_tick())
+                        : tick_of_fault(kept_events(session), axis.id, axis.status.error_code);
+  return "axis " + to_string(axis.id) + " is in " + state_text(axis) + ", since tick " +
+         (tick ? std::to_string(*tick) : std::to_string(watch.first_tick()) + " or before");
 }
 
 bool is_out_of_reach_in_fault(std::string_view condition) noexcept {
@@ -56,18 +61,19 @@ bool is_out_of_reach_in_fault(const Expectation& expectation) {
   using namespace literals;
   const auto row = expectation.object.row();
   if (!row) return false;
-  constexpr std::array kOfMotors{"torque_demand"_object, "torque_actual_value"_object,
-                                 "current_actual_value"_object};
+  constexpr std::array kOfMotion{"torque_demand"_object, "torque_actual_value"_object,
+                                 "current_actual_value"_object, "op_mode_actual"_object};
   const bool is_of_motion =
-      dimension_of(*row) || std::ranges::find(kOfMotors, *row) != kOfMotors.end();
+      dimension_of(*row) || std::ranges::find(kOfMotion, *row) != kOfMotion.end();
   if (is_of_motion) return describe(*row).access == Access::read_only;  // what the axis shows
   if (*row != "ds402_statusword"_object || expectation.comparison != Comparison::equal)
     return false;
   constexpr std::uint64_t kSwitchOnDisabled = 1U << 6U;
   const std::uint64_t mask = expectation.mask.value_or(~std::uint64_t{0});
   const auto value = static_cast<std::uint64_t>(expectation.value);
+  // Bit 12 is the mode's, and the mode sets it in Operation enabled only.
   constexpr std::uint64_t kNeverInFault =
-      Statusword::kOperationEnabled | Statusword::kTargetReached;
+      Statusword::kOperationEnabled | Statusword::kTargetReached | Statusword::kSetPointAcknowledge;
   const bool needs_no_fault = (mask & Statusword::kFault) != 0 && (value & Statusword::kFault) == 0;
   const bool needs_power = (value & mask & kNeverInFault) != 0;
   return (needs_no_fault || needs_power) && (value & mask & kSwitchOnDisabled) == 0;

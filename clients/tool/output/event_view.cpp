@@ -155,4 +155,15 @@ std::vector<Event> kept_events(client::Session& session) {
   return events;
 }
 
+std::optional<std::uint64_t> tick_of_fault(const std::vector<Event>& events,
+                                           const client::AxisId& axis, std::uint16_t code) {
+  std::optional<std::uint64_t> tick;
+  for (const Event& event : events) {
+    const bool is_it = event.kind == EventKind::fault && event.bench == axis.bench &&
+                       event.axis == axis.axis && event.code == code;
+    if (is_it) tick = event.tick;
+  }
+  return tick;
+}
+
 }  // namespace vdrive::tool

@@ -29,6 +29,11 @@ client::Outcome show_events(client::Session& session, const EventChoice& choice,
 /// interrupt.
 [[nodiscard]] std::vector<client::Event> kept_events(client::Session& session);
 
+/// @return the tick of the newest event of this fault, none where the bench does not keep it.
+[[nodiscard]] std::optional<std::uint64_t> tick_of_fault(const std::vector<client::Event>& events,
+                                                         const client::AxisId& axis,
+                                                         std::uint16_t code);
+
 /// @return an event as one line of text.
 [[nodiscard]] std::string event_text(const client::Event& event);
 
