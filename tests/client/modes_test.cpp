@@ -73,6 +73,51 @@ TEST_F(Modes, HomeFailsAfterAHaltAndASecondHomeIsRefusedMeanwhile) {
   ASSERT_TRUE(axis_.halt());
 }
 
+// Of its own 6099h the drive takes what the limits allow: only what the call gives is refused.
+TEST_F(Modes, HomeWithAnUnreachableSpeedIsRefused) {
+  ASSERT_TRUE(axis_.write(kSpeedLimit, 5'000));
+  const Outcome search = axis_.home({.method = 17, .search_speed = 5'001, .call = {}});
+  EXPECT_EQ(search.code(), kRefusedInState);
+  EXPECT_THAT(search.message(), HasSubstr("the homing_speed_search (6099h:1) 5001 is above "
+                                          "app_speed_limit (607Fh) = 5000"));
+  const Outcome creep = axis_.home({.method = 17, .creep_speed = 5'001, .call = {}});
+  EXPECT_EQ(creep.code(), kRefusedInState);
+  EXPECT_THAT(creep.message(), HasSubstr("the homing_speed_creep (6099h:2) 5001 is above"));
+  EXPECT_EQ(now().mode(), OperatingMode::none) << "nothing was changed";
+  EXPECT_TRUE(axis_.home({.method = 37, .search_speed = 5'000, .creep_speed = 5'000, .call = {}}));
+}
+
+// No switch comes: at 100 UU/s the axis travels 100 UU in the 1 s.
+TEST_F(Modes, ALateHomingRunSaysThatTheAxisIsStillMoving) {
+  const Outcome late =
+      axis_.home({.method = 17, .search_speed = 100, .creep_speed = 100, .call = {.timeout = 1s}});
+  EXPECT_EQ(late.kind(), OutcomeKind::timed_out);
+  EXPECT_THAT(late.message(),
+              AllOf(HasSubstr("axis 1.1: timed out while waiting for the end of the homing run"),
+                    HasSubstr(" UU, still moving at -100 UU/s")));
+  EXPECT_TRUE(axis_.halt());
+}
+
+// At 1000 UU/s² the velocity is reached after 10 s.
+TEST_F(Modes, ALateVelocitySaysHowFastTheAxisIs) {
+  const Outcome late = axis_.run_at(10'000, {.acceleration = 1'000, .call = {.timeout = 1s}});
+  EXPECT_EQ(late.kind(), OutcomeKind::timed_out);
+  EXPECT_THAT(late.message(),
+              testing::MatchesRegex("axis 1\\.1: timed out while waiting for the velocity, bit 10, "
+                                    "at [0-9]+ of 10000 UU/s, still on its way"));
+  EXPECT_TRUE(axis_.halt());
+}
+
+// 10 per mille a second: 20 of the 100 after 2 s.
+TEST_F(Modes, ALateTorqueSaysHowMuchIsApplied) {
+  const Outcome late = axis_.apply_torque(100, {.slope = 10, .call = {.timeout = 2s}});
+  EXPECT_EQ(late.kind(), OutcomeKind::timed_out);
+  EXPECT_THAT(late.message(),
+              AllOf(HasSubstr("timed out while waiting for the torque, bit 10, at "),
+                    HasSubstr(" of 100 per mille of rated torque, still on its way")));
+  EXPECT_TRUE(axis_.apply_torque(0));
+}
+
 TEST_F(Modes, RunAtReachesTheVelocityAndHoldsIt) {
   const Outcome reached = axis_.run_at(-20'000, {.acceleration = 200'000, .call = {}});
   ASSERT_TRUE(reached) << reached.message();

@@ -80,6 +80,16 @@ TEST_F(MotionInLockStep, ATimeoutSaysWhereTheAxisIsAndThatItGoesOn) {
   EXPECT_EQ(call("halt 1.1").code, 0);
 }
 
+// No switch comes: the run goes on after the command.
+TEST_F(MotionInLockStep, AHomingRunThatTakesTooLongSaysHowToStopIt) {
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  const Finished late = call("home 1.1 --method 17 --speed 100 --creep 100 --timeout 1s");
+  EXPECT_EQ(late.code, 4);
+  EXPECT_THAT(late.errors, AllOf(HasSubstr(" UU, still moving at -100 UU/s"),
+                                 HasSubstr("; to stop it: vdrive halt 1.1")));
+  EXPECT_EQ(call("halt 1.1").code, 0);
+}
+
 TEST_F(MotionInLockStep, ALimitThatClampsIsReportedAtOnce) {
   ASSERT_EQ(call("enable 1.1").code, 0);
   const Finished fast = call("velocity 1.1 140000");
@@ -89,6 +99,10 @@ TEST_F(MotionInLockStep, ALimitThatClampsIsReportedAtOnce) {
   EXPECT_EQ(move.code, 5);
   EXPECT_THAT(move.errors,
               HasSubstr("the velocity 1000000 is above app_speed_limit (607Fh) = 136533"));
+  const Finished home = call("home 1.1 --method 17 --speed 1e6");
+  EXPECT_EQ(home.code, 5);
+  EXPECT_THAT(home.errors, HasSubstr("the homing_speed_search (6099h:1) 1000000 is above "
+                                     "app_speed_limit (607Fh) = 136533"));
   const Finished strong = call("torque 1.1 3001");
   EXPECT_EQ(strong.code, 5);
   EXPECT_THAT(strong.errors, HasSubstr("is above max_torque (6072h) = 3000"));

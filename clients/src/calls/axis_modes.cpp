@@ -110,12 +110,50 @@ Outcome explained(Outcome seen, const AxesCall& call, const Wakeup& wakeup, std:
                          std::string(what));
 }
 
+/// @return `seen`; of a time-out, with how far the axis has come instead of what it shows.
+/// @param progress such as "at 812 of 1000 UU/s"
+Outcome with_progress(Outcome seen, const AxesCall& call, std::string_view awaited,
+                      const std::string& progress) {
+  if (seen.kind() != OutcomeKind::timed_out || !is_enabled(call.snapshot())) return seen;
+  return Outcome::timed_out("axis " + to_string(call.snapshot().id) +
+                            ": timed out while waiting for " + std::string(awaited) + ", " +
+                            progress);
+}
+
 // ---- homing ----------------------------------------------------------------------------------
+
+constexpr std::string_view kEndOfHoming = "the end of the homing run, bit 10";
 
 bool is_homing(const AxisSnapshot& axis) {
   constexpr std::uint16_t kEnded =
       Statusword::kTargetReached | Statusword::kHomingAttained | Statusword::kHomingError;
   return axis.mode() == OperatingMode::homing && (axis.status.ds402_statusword & kEnded) == 0;
+}
+
+/// The drive cuts 6099h without a word: what a call gives is meant.
+Outcome check_homing_speeds(AxesCall& call, const HomingOptions& options) {
+  if (!options.search_speed && !options.creep_speed) return {};
+  const auto values = call.read(std::array{vdrive::describe("app_speed_limit"_object).address,
+                                           vdrive::describe("motor_speed_limit"_object).address});
+  if (!values) return values.outcome();
+  const SpeedLimits limits{.app_speed_limit = values->front()[0],
+                           .motor_speed_limit = values->front()[1]};
+  const std::array speeds{Setting{"homing_speed_search"_object, options.search_speed},
+                          Setting{"homing_speed_creep"_object, options.creep_speed}};
+  for (const Setting& speed : speeds) {
+    if (!speed.value) continue;
+    const std::string what = object_text(vdrive::describe(speed.row).address);
+    if (Outcome good = check_speed(call.snapshot().id, *speed.value, limits, what); !good) {
+      return good;
+    }
+  }
+  return {};
+}
+
+/// @return such as "at -512 UU, still moving at -100 UU/s".
+std::string homing_progress(const AxisSnapshot& axis) {
+  return "at " + std::to_string(axis.status.position_demand_value) + " UU, still moving at " +
+         std::to_string(axis.status.velocity_demand_value) + " UU/s";
 }
 
 /// What the statusword shows at the end of a run.
@@ -134,6 +172,8 @@ Outcome homing_result(AxesCall& call) {
 }
 
 // ---- velocity --------------------------------------------------------------------------------
+
+constexpr std::string_view kVelocityReached = "the velocity, bit 10";
 
 bool has_velocity(const AxisSnapshot& axis) {
   return axis.mode() == OperatingMode::profile_velocity && target_reached(axis);
@@ -231,6 +271,15 @@ Outcome start_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t veloc
                &motion);
 }
 
+/// The demand rests at its target while the axis itself comes to it.
+/// @return such as "at 812 of 1000 UU/s, still on its way".
+std::string velocity_progress(const AxisSnapshot& axis, std::int32_t velocity) {
+  const std::int32_t demand = axis.status.velocity_demand_value;
+  const std::int32_t speed = demand == velocity ? axis.status.load_velocity_actual_value : demand;
+  return "at " + std::to_string(speed) + " of " + std::to_string(velocity) +
+         " UU/s, still on its way";
+}
+
 /// Runs at the velocity and waits for it, as long as the options require.
 Outcome reach_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t velocity,
                        const VelocityOptions& options, const Wakeup& wakeup) {
@@ -238,14 +287,17 @@ Outcome reach_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t veloc
   Outcome started = start_velocity(call, motion, velocity, options, slowest);
   if (!started || options.call.until == Until::in_force) return started;
   Obstacles obstacles{.limit_switch = {}, .ramp = {slowest, call.period()}};
-  Outcome seen =
-      call.await_enabled("the velocity, bit 10", call.tick(), [&](const AxisSnapshot& axis) {
-        // The demand rests at its target while the axis itself comes to it.
-        const std::int32_t demand = axis.status.velocity_demand_value;
-        if (demand != velocity) obstacles.note(axis, velocity, demand);
-        return has_velocity(axis) || (demand != velocity && obstacles.keep_back(axis));
-      });
-  if (!seen) return explained(std::move(seen), call, wakeup, "at its velocity");
+  Outcome seen = call.await_enabled(kVelocityReached, call.tick(), [&](const AxisSnapshot& axis) {
+    // The demand rests at its target while the axis itself comes to it.
+    const std::int32_t demand = axis.status.velocity_demand_value;
+    if (demand != velocity) obstacles.note(axis, velocity, demand);
+    return has_velocity(axis) || (demand != velocity && obstacles.keep_back(axis));
+  });
+  if (!seen) {
+    seen = explained(std::move(seen), call, wakeup, "at its velocity");
+    return with_progress(std::move(seen), call, kVelocityReached,
+                         velocity_progress(call.snapshot(), velocity));
+  }
   if (has_velocity(call.snapshot())) return check_halt(call);
   return obstacles.outcome(
       call, "the velocity of " + std::to_string(velocity),
@@ -310,6 +362,8 @@ Outcome end_jog(const std::shared_ptr<SessionCore>& core, AxesCall& call,
 
 // ---- torque ----------------------------------------------------------------------------------
 
+constexpr std::string_view kTorqueReached = "the torque, bit 10";
+
 ObjectRow relative_limit_of(std::int16_t torque) {
   return torque > 0 ? "positive_torque_limit_relative"_object
                     : "negative_torque_limit_relative"_object;
@@ -353,13 +407,18 @@ Outcome reach_torque(AxesCall& call, EndlessMotion& motion, std::int16_t torque,
                           &motion);
   if (!started || options.call.until == Until::in_force) return started;
   Obstacles obstacles{.limit_switch = {}, .ramp = {slope, call.period()}};
-  Outcome seen =
-      call.await_enabled("the torque, bit 10", call.tick(), [&](const AxisSnapshot& axis) {
-        const std::int16_t demand = axis.status.torque_demand;
-        if (demand != torque) obstacles.note(axis, torque, demand);
-        return target_reached(axis) || (demand != torque && obstacles.keep_back(axis));
-      });
-  if (!seen) return explained(std::move(seen), call, wakeup, "with its torque");
+  Outcome seen = call.await_enabled(kTorqueReached, call.tick(), [&](const AxisSnapshot& axis) {
+    const std::int16_t demand = axis.status.torque_demand;
+    if (demand != torque) obstacles.note(axis, torque, demand);
+    return target_reached(axis) || (demand != torque && obstacles.keep_back(axis));
+  });
+  if (!seen) {
+    seen = explained(std::move(seen), call, wakeup, "with its torque");
+    return with_progress(std::move(seen), call, kTorqueReached,
+                         "at " + std::to_string(call.snapshot().status.torque_demand) + " of " +
+                             std::to_string(torque) +
+                             " per mille of rated torque, still on its way");
+  }
   if (target_reached(call.snapshot())) return check_halt(call);
   return obstacles.outcome(call, "the torque of " + std::to_string(torque),
                            call.snapshot().status.torque_demand, torque_limits(torque));
@@ -373,6 +432,7 @@ Outcome Axis::home(const HomingOptions& options) {
   if (is_homing(call.snapshot())) {
     return not_in_this_state("axis " + to_string(id_) + ": a homing run is in progress");
   }
+  if (Outcome good = check_homing_speeds(call, options); !good) return good;
   Outcome ready = enter(call, OperatingMode::homing,
                         std::array{Setting{"homing_method"_object, options.method},
                                    Setting{"home_offset"_object, options.offset},
@@ -386,10 +446,10 @@ Outcome Axis::home(const HomingOptions& options) {
   }
   if (options.call.until == Until::in_force) return {};
   // From here on bits 13, 12 and 10 belong to this run: it began in the tick that was observed.
-  Outcome seen =
-      call.await_enabled("the end of the homing run, bit 10", call.tick(), target_reached);
+  Outcome seen = call.await_enabled(kEndOfHoming, call.tick(), target_reached);
   if (!seen) {
     seen = explained(std::move(seen), call, core_->wakeup, "with its homing run");
+    seen = with_progress(std::move(seen), call, kEndOfHoming, homing_progress(call.snapshot()));
     return explain_loss(*core_, std::move(seen), {&id_, 1});
   }
   Outcome result = homing_result(call);

@@ -45,14 +45,14 @@ Outcome above_limit(const AxisId& axis, std::string_view what, std::int64_t valu
                            std::to_string(limit_value) + std::string(remark));
 }
 
-Outcome check_speed(const AxisId& axis, std::int64_t velocity, const SpeedLimits& limits) {
+Outcome check_speed(const AxisId& axis, std::int64_t velocity, const SpeedLimits& limits,
+                    std::string_view what) {
   const std::int64_t speed = std::abs(velocity);
   if (speed > limits.app_speed_limit) {
-    return above_limit(axis, "velocity", velocity, "app_speed_limit"_object,
-                       limits.app_speed_limit);
+    return above_limit(axis, what, velocity, "app_speed_limit"_object, limits.app_speed_limit);
   }
   if (speed > limits.motor_speed_limit) {
-    return above_limit(axis, "velocity", velocity, "motor_speed_limit"_object,
+    return above_limit(axis, what, velocity, "motor_speed_limit"_object,
                        limits.motor_speed_limit,
                        ", which follows from motor_max_speed_rpm (6080h) and the gear");
   }

@@ -42,9 +42,10 @@ struct SpeedLimits {
 };
 
 /// @param velocity [UU/s]
+/// @param what it is, for the message
 /// @return refused where the drive would accept the speed and never reach it, naming the limit.
 [[nodiscard]] Outcome check_speed(const AxisId& axis, std::int64_t velocity,
-                                  const SpeedLimits& limits);
+                                  const SpeedLimits& limits, std::string_view what = "velocity");
 
 /// One move of the only axis of a call, with the speed and the ramps that the options give for it.
 class ProfileMove {

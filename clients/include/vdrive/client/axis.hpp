@@ -147,7 +147,7 @@ class Axis {
   /// A homing run (6060h = 6, edge of bit 4): waits until the drive shows homing attained (bit 12)
   /// and is back at home. The axis stays in homing mode; the next move sets its own.
   /// @return failed on a homing error (bit 13) and when a halt or a stop ended the run; refused
-  ///         while a run is in progress.
+  ///         while a run is in progress, and where a given speed is above 607Fh or 6080h.
   Outcome home(const HomingOptions& options = {});
 
   /// Profile velocity mode (6060h = 3) with 60FFh = `velocity`: waits until it is reached (bit 10).
