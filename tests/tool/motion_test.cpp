@@ -80,6 +80,32 @@ TEST_F(MotionInLockStep, ATimeoutSaysWhereTheAxisIsAndThatItGoesOn) {
   EXPECT_EQ(call("halt 1.1").code, 0);
 }
 
+// At 1000 UU/s² the velocity is reached after 100 s. Free and running nothing would stop the axis,
+// and kept by a program that ends it would stop with fault 8130h after 500 ms.
+TEST_F(MotionInLockStep, AVelocityThatTakesTooLongSaysHowFarItCameAndHaltsTheAxis) {
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  const Finished late = call("velocity 1.1 100000 --acceleration 1000 --timeout 1s");
+  EXPECT_EQ(late.code, 4);
+  EXPECT_THAT(late.errors, AllOf(HasSubstr(" of 100000 UU/s, still on its way"),
+                                 HasSubstr("; axis 1.1 is halted")));
+  EXPECT_EQ(value_of("1.1", "0x606B"), "0");
+  ASSERT_EQ(call("step 1000").code, 0);
+  EXPECT_EQ(value_of("1.1", "0x603F"), "0");
+  EXPECT_THAT(call("status 1.1 --json").output, HasSubstr("\"owner\":null"));
+}
+
+TEST_F(MotionInLockStep, ATorqueThatTakesTooLongSaysHowFarItCameAndHaltsTheAxis) {
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  const Finished late = call("torque 1.1 100 --slope 10 --timeout 2s");
+  EXPECT_EQ(late.code, 4);
+  EXPECT_THAT(late.errors,
+              AllOf(HasSubstr(" of 100 per mille of rated torque, still on its way"),
+                    HasSubstr("; axis 1.1 is halted")));
+  EXPECT_EQ(value_of("1.1", "0x606B"), "0");
+  ASSERT_EQ(call("step 1000").code, 0);
+  EXPECT_EQ(value_of("1.1", "0x603F"), "0");
+}
+
 // No switch comes: the run goes on after the command.
 TEST_F(MotionInLockStep, AHomingRunThatTakesTooLongSaysHowToStopIt) {
   ASSERT_EQ(call("enable 1.1").code, 0);

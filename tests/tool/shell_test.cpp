@@ -41,6 +41,18 @@ TEST_F(Shell, ExecutesPipedLinesInOneSessionAndContinuesAfterErrors) {
               AllOf(HasSubstr("Operation enabled"), HasSubstr("\"owner\":null")));
 }
 
+// At 1000 UU/s² the velocity is reached after 100 s; the session of the shell guards the axis.
+TEST_F(Shell, LetsAnAxisGoOnWhoseVelocityTakesTooLong) {
+  const Finished finished = call("shell",
+                                 "enable 1.1\n"
+                                 "velocity 1.1 100000 --acceleration 1000 --timeout 1s\n"
+                                 "expect 1.1 velocity_demand_value > 0\n"
+                                 "halt 1.1 --wait\n");
+  EXPECT_EQ(finished.code, 4) << finished.errors;
+  EXPECT_THAT(finished.errors, AllOf(HasSubstr(" of 100000 UU/s, still on its way; to stop it: "),
+                                     testing::Not(HasSubstr("expected"))));
+}
+
 TEST_F(Shell, AcceptsALastLineWithoutALineEnd) {
   const Finished finished = call("shell", "nothing\nread 1.1 position");
   EXPECT_EQ(finished.code, 2);

@@ -285,6 +285,25 @@ INSTANTIATE_TEST_SUITE_P(Signals, JogEndedBy, testing::Values(SIGINT, SIGTERM, S
                            return sigabbrev_np(signal.param);
                          });
 
+// At 1000 UU/s² the velocity is reached after 100 s.
+TEST(VelocityEndedByASignal, HaltsAndReleasesTheAxis) {
+  const RunningService service("");
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  Process velocity(VDRIVE_TOOL, tool_arguments("velocity 1.1 100000 --acceleration 1000"));
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (value_of("1.1", "0x606B") == "0") {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+  }
+  velocity.send(SIGINT);
+  const Finished finished = velocity.wait();
+  EXPECT_EQ(finished.code, 130);
+  EXPECT_EQ(finished.errors, "vdrive: interrupted; axis 1.1 is halted\n");
+  EXPECT_EQ(value_of("1.1", "0x606B"), "0");
+  const Json seen = json_of(tool("status 1.1 --json")).at(0);
+  EXPECT_TRUE(seen["owner"].is_null());
+  EXPECT_EQ(seen["error_code"], 0) << "its watchdog would be a fault";
+}
+
 TEST(Nohup, KeepsAProgramWhoseTerminalIsClosed) {
   const RunningService service("--clock lockstep");
   Process watch("/usr/bin/nohup", {VDRIVE_TOOL, "--domain", std::to_string(test_domain()), "--json",

@@ -3,6 +3,7 @@
 
 #include "execution/axis_report.hpp"
 #include "execution/command_context.hpp"
+#include "execution/motion_end.hpp"
 #include "language/arguments.hpp"
 
 #include <cstdint>
@@ -23,14 +24,13 @@ client::MoveOptions move_options(const MoveCommand& command, const client::Axis&
 }
 
 /// After an interrupted move the message shows whether the axis still moves.
-void report_interrupt(client::Axis& axis, bool stops, const Outcome& moved, Terminal& terminal) {
-  if (!stops) {
-    if (!moved) terminal.complain("vdrive: " + moved.message());
-    return;
+void report_interrupt(client::Axis& axis, bool stops, const Outcome& moved,
+                      const CommandContext& context) {
+  if (stops) {
+    halt_after_interrupt(axis, context);
+  } else if (!moved) {
+    context.output.terminal.complain("vdrive: " + moved.message());
   }
-  const Outcome halted = axis.halt();
-  terminal.complain("vdrive: interrupted; " +
-                    (halted ? "axis " + to_string(axis.id()) + " is halted" : halted.message()));
 }
 
 }  // namespace
@@ -79,7 +79,7 @@ Outcome MoveCommand::run(CommandContext& context) const {
         "vdrive: the ramps of this move act while it lasts: 6083h and 6084h stay as given");
   }
   if (context.session.is_interrupted()) {
-    report_interrupt(*found, stop_on_interrupt, moved, terminal);
+    report_interrupt(*found, stop_on_interrupt, moved, context);
   }
   return report_axis(
       context, *found,

@@ -3,8 +3,11 @@
 
 #include "execution/axis_report.hpp"
 #include "execution/command_context.hpp"
+#include "execution/motion_end.hpp"
 #include "language/arguments.hpp"
 #include "values/units.hpp"
+
+#include <utility>
 
 namespace vdrive::tool {
 namespace {
@@ -31,8 +34,9 @@ client::Outcome TorqueCommand::run(CommandContext& context) const {
   options.slope = slope;
   options.call = context.call_options(until);
   context.progress.axis(*found, context.axes.label_of(found->id()), "waiting for the torque");
-  return report_axis(context, *found,
-                     {.command = "torque", .outcome = found->apply_torque(torque, options)});
+  client::Outcome applied = found->apply_torque(torque, options);
+  applied = end_endless_motion(*found, std::move(applied), context);
+  return report_axis(context, *found, {.command = "torque", .outcome = std::move(applied)});
 }
 
 extern const CommandRow kTorque =

@@ -2,6 +2,9 @@
 #include "commands/velocity.hpp"
 
 #include "execution/axis_report.hpp"
+#include "execution/motion_end.hpp"
+
+#include <utility>
 
 namespace vdrive::tool {
 
@@ -19,9 +22,9 @@ client::Outcome VelocityCommand::run(CommandContext& context) const {
   if (!found) return found.outcome();
   const auto velocity = run_at.velocity_of(context.axes, *found);
   context.progress.axis(*found, context.axes.label_of(found->id()), "waiting for the velocity");
-  return report_axis(context, *found,
-                     {.command = "velocity",
-                      .outcome = found->run_at(velocity, run_at.options(context, *found, until))});
+  client::Outcome reached = found->run_at(velocity, run_at.options(context, *found, until));
+  reached = end_endless_motion(*found, std::move(reached), context);
+  return report_axis(context, *found, {.command = "velocity", .outcome = std::move(reached)});
 }
 
 extern const CommandRow kVelocity =

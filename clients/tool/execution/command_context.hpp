@@ -39,6 +39,7 @@ struct CommandContext {
   BenchChanges changes;
   CommandProgress progress;         ///< of the command that runs
   std::optional<Duration> timeout;  ///< of the command: drive time of motion; none = the default
+  bool outlives_failures = false;   ///< further commands come after one that failed: a shell
   /// Called before a position is commanded: who, and where to [UU]. For a progress display.
   std::function<void(const client::AxisId&, std::int64_t)> on_aim;
 };

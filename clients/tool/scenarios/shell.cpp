@@ -31,7 +31,9 @@ class Shell {
         context_(session, {program.terminal, program.options.json, false}, program.commands),
         reader_(history_file(), [this](const std::string& line) {
           return complete_line(program_.commands, line, names_of(session_));
-        }) {}
+        }) {
+    context_.outlives_failures = true;
+  }
 
   ExitCode run() {
     interrupt_.arm([this] {
