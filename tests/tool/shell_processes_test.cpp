@@ -8,7 +8,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+
 #include <chrono>
+#include <csignal>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -29,6 +33,30 @@ TEST_F(Shell, EndsAtOnceWhenItsStandardInputIsClosed) {
   const Finished finished = Process("/bin/sh", {"-c", "exec timeout 60 " + command}).wait();
   EXPECT_EQ(finished.code, 0) << finished.errors;
 }
+
+class ShellEndedBy : public testing::TestWithParam<int> {};
+
+// The pipe stays open, so only the signal ends the shell; the failure of its line counts no more.
+TEST_P(ShellEndedBy, ASignalHasTheExitCodeOfAnInterrupt) {
+  const RunningService service("--clock lockstep");
+  const TemporaryDirectory directory;
+  const std::string lines = directory.path() / "lines";
+  ASSERT_EQ(mkfifo(lines.c_str(), S_IRUSR | S_IWUSR), 0);
+  const std::string command =
+      std::string(VDRIVE_TOOL) + " --domain " + std::to_string(test_domain()) + " shell";
+  Process shell("/bin/sh", {"-c", "exec 3<>" + lines +
+                                      "; echo 'nothing' >&3; echo 'read 1.1 position' >&3; exec " +
+                                      command + " <&3"});
+  EXPECT_THAT(shell.read_line(), HasSubstr("1.1 position"));
+  shell.send(GetParam());
+  const Finished finished = shell.wait();
+  EXPECT_EQ(finished.code, 130) << finished.errors;
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, ShellEndedBy, testing::Values(SIGINT, SIGTERM, SIGHUP),
+                         [](const testing::TestParamInfo<int>& signal) -> std::string {
+                           return sigabbrev_np(signal.param);
+                         });
 
 class ShellOnATerminal : public Shell {
  protected:

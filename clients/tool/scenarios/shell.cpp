@@ -41,7 +41,7 @@ class Shell {
       // A person's Ctrl-C drops the line, also where the terminal has not left its own editing of
       // lines yet and sends it as a signal.
       const bool ends_wait = is_waiting_ && !reader_.is_interactive();
-      if (ends_wait || interrupt_.is_termination()) reader_.end();
+      if (ends_wait || interrupt_.is_termination()) end_by_signal();
     });
     ExitCode first = ExitCode::ok;
     while (const auto line = next_line()) {
@@ -51,14 +51,23 @@ class Shell {
       if (!terminal_.is_open()) break;
     }
     interrupt_.disarm();
+    if (is_ended_by_signal_ || interrupt_.is_termination()) return ExitCode::interrupted;
     return reader_.is_interactive() ? ExitCode::ok : first;
   }
 
  private:
+  void end_by_signal() {
+    is_ended_by_signal_ = true;
+    reader_.end();
+  }
+
   std::optional<std::string> next_line() {
     is_waiting_ = true;
+    // Between two lines it is no command that a signal ends.
+    if (!reader_.is_interactive() && interrupt_.happened()) end_by_signal();
     auto line = reader_.next();
     is_waiting_ = false;
+    if (is_ended_by_signal_) line.reset();  // the reader may have lines ahead
     return line;
   }
 
@@ -111,6 +120,7 @@ class Shell {
   CommandContext context_;
   LineReader reader_;
   std::atomic<bool> is_waiting_ = false;
+  std::atomic<bool> is_ended_by_signal_ = false;
 };
 
 }  // namespace

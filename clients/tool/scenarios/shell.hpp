@@ -10,8 +10,10 @@ namespace vdrive::tool {
 
 /// Reads commands from standard input and carries them out in one session, until the end of the
 /// input, `exit` or `quit`. A failure does not end it; Ctrl-C ends the command that runs. `help`
-/// shows the commands, `help COMMAND` one.
-/// @return of a terminal ok; else the exit code of the first command that failed.
+/// shows the commands, `help COMMAND` one. SIGTERM, SIGHUP and, without a terminal, Ctrl-C between
+/// two commands end it.
+/// @return interrupted where a signal has ended it; else of a terminal ok, and without one the exit
+///         code of the first command that failed.
 [[nodiscard]] ExitCode run_shell(const Program& program, client::Session& session,
                                  Interrupt& interrupt);
 
