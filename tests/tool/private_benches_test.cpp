@@ -151,6 +151,22 @@ TEST_F(PrivateBenches, OfRunAreNewForEachFile) {
   EXPECT_THAT(text_of(report()), HasSubstr("<testsuites tests=\"6\" failures=\"0\""));
 }
 
+// The bench, and with it its events, has gone when a person reads this.
+TEST_F(PrivateBenches, GiveNoAdviceThatNeedsThemAfterTheirEnd) {
+  const std::string faulted =
+      file("fault.scn", "disturb 1.1 over_temperature\nwait 1.1 fault\nmove 1.1 5\n");
+  const std::string limited =
+      file("limit.scn", "enable 1.1\ndisturb 1.1 positive_limit\nmove 1.1 1000\n");
+  for (const Finished& finished : {run_privately({faulted, limited}), test({faulted, limited})}) {
+    EXPECT_EQ(finished.code, 1);
+    EXPECT_THAT(finished.errors,
+                AllOf(HasSubstr("next: the line of the axis has the cause of the fault; "
+                                "'reset 1.1' in front of this line ends it"),
+                      HasSubstr("next: 'vdrive run --private --live' shows the axes"),
+                      Not(HasSubstr("vdrive events"))));
+  }
+}
+
 TEST_F(PrivateBenches, OfRunContinueAfterAFileThatFailed) {
   const Finished finished = run_privately(
       {file("a.scn", "expect 1.1 position 1\n"), file("b.scn", "expect 1.1 position 0\n")});

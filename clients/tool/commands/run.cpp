@@ -89,7 +89,9 @@ ExitCode RunCommand::start_privately(const std::vector<Scenario>& loaded, JunitR
   return run_interruptible(program, [&](Interrupt& interrupt) {
     std::optional<PrivateSession> session;
     return run_scenarios_apart(
-        loaded, {.is_json = options.json, .is_live = live, .timeout = options.timeout}, junit,
+        loaded,
+        {.is_json = options.json, .is_live = live, .is_private = true, .timeout = options.timeout},
+        junit,
         [&]() -> client::Session& {
           session.reset();
           return session.emplace(benches, options, interrupt).session();

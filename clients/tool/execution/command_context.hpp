@@ -40,6 +40,7 @@ struct CommandContext {
   CommandProgress progress;         ///< of the command that runs
   std::optional<Duration> timeout;  ///< of the command: drive time of motion; none = the default
   bool outlives_failures = false;   ///< further commands come after one that failed: a shell
+  bool is_private = false;          ///< the bench ends with this program, and no other reaches it
   /// Called before a position is commanded: who, and where to [UU]. For a progress display.
   std::function<void(const client::AxisId&, std::int64_t)> on_aim;
 };

@@ -42,6 +42,7 @@ struct FailedCommand {
   const std::optional<Json>& found;  ///< of the judge of expectations
   const client::AxisSnapshot* axis;  ///< the first one, none where it is not known
   std::string label;                 ///< what the user calls it
+  bool is_private;                   ///< its bench and the events of it end with this program
 };
 
 /// A wait that ends at its limit is late, whatever it waits for.
@@ -73,28 +74,36 @@ std::string advice_of_expectation(const FailedCommand& failed) {
          "line; else look at what the lines above it command";
 }
 
-std::string advice_of(const FailedCommand& failed) {
-  const PowerState state =
-      failed.axis == nullptr ? PowerState::operation_enabled : failed.axis->state();
-  const bool is_refused_by_state =
-      failed.outcome.code() == wire_code(AbortCode::refused_in_present_device_state);
-  const std::string_view first = command_before_motion(state);
-  if (is_fault(state)) {
-    return "'vdrive events " + failed.label + "' shows the cause of the fault; '" +
-           std::string(first) + " " + failed.label + "' in front of this line ends it";
+/// @param first the command that ends the fault
+std::string advice_of_fault(const FailedCommand& failed, std::string_view first) {
+  const std::string cause =
+      failed.is_private ? "the line of the axis has the cause of the fault"
+                        : "'vdrive events " + failed.label + "' shows the cause of the fault";
+  return cause + "; '" + std::string(first) + " " + failed.label +
+         "' in front of this line ends it";
+}
+
+std::string advice_of_time_out(const FailedCommand& failed) {
+  return is_moving(failed.axis)
+             ? "the axis is moving: give this line more time with --timeout"
+             : "the axis stands: find what it waits for in its statusword, or give this line more "
+               "time with --timeout";
+}
+
+std::string advice_of_private(const Outcome& outcome) {
+  switch (outcome.kind()) {
+    case OutcomeKind::lost:
+      return "the bench has ended: 'vdrive run' without --private carries the file out on a bench "
+             "that runs already";
+    case OutcomeKind::not_found:
+      return "the axes are those of --config, without it those of the demo bench";
+    default:
+      return "'vdrive run --private --live' shows the axes while the file runs";
   }
-  if (is_refused_by_state && !first.empty()) {
-    return "write '" + std::string(first) + " " + failed.label + "' in front of this line";
-  }
-  if (is_other_value(failed.outcome, failed.found)) return advice_of_expectation(failed);
-  switch (failed.outcome.kind()) {
-    case OutcomeKind::refused:
-      return advice_of_refusal(failed);
-    case OutcomeKind::timed_out:
-      return is_moving(failed.axis)
-                 ? "the axis is moving: give this line more time with --timeout"
-                 : "the axis stands: find what it waits for in its statusword, or give this line "
-                   "more time with --timeout";
+}
+
+std::string advice_of_shared(const Outcome& outcome) {
+  switch (outcome.kind()) {
     case OutcomeKind::lost:
       return "'vdrive events' shows who took control or what ended; 'vdrive run --private' gives "
              "the file a bench that no other program reaches";
@@ -103,6 +112,28 @@ std::string advice_of(const FailedCommand& failed) {
     default:
       return "'vdrive events' shows what led to it; 'vdrive run --live' shows the axes while the "
              "file runs";
+  }
+}
+
+std::string advice_of(const FailedCommand& failed) {
+  const PowerState state =
+      failed.axis == nullptr ? PowerState::operation_enabled : failed.axis->state();
+  const bool is_refused_by_state =
+      failed.outcome.code() == wire_code(AbortCode::refused_in_present_device_state);
+  const std::string_view first = command_before_motion(state);
+  if (is_fault(state)) return advice_of_fault(failed, first);
+  if (is_refused_by_state && !first.empty()) {
+    return "write '" + std::string(first) + " " + failed.label + "' in front of this line";
+  }
+  if (is_other_value(failed.outcome, failed.found)) return advice_of_expectation(failed);
+  switch (failed.outcome.kind()) {
+    case OutcomeKind::refused:
+      return advice_of_refusal(failed);
+    case OutcomeKind::timed_out:
+      return advice_of_time_out(failed);
+    default:
+      return failed.is_private ? advice_of_private(failed.outcome)
+                               : advice_of_shared(failed.outcome);
   }
 }
 
@@ -126,8 +157,11 @@ FailureReport report_failure(const Command& command, const Outcome& outcome,
   const std::size_t left_out = axes.size() - std::min(axes.size(), kMostAxes);
   axes.erase(axes.end() - static_cast<std::ptrdiff_t>(left_out), axes.end());
   const AxisStates shown = states_of(context.session, axes);
-  FailedCommand failed{
-      .outcome = outcome, .found = context.judge.found(), .axis = nullptr, .label = {}};
+  FailedCommand failed{.outcome = outcome,
+                       .found = context.judge.found(),
+                       .axis = nullptr,
+                       .label = {},
+                       .is_private = context.is_private};
   for (const client::Axis& axis : axes) {
     const auto state = shown.states.find(axis.id());
     if (state == shown.states.end()) continue;

@@ -31,7 +31,9 @@ class ScenarioRun {
         session_(session),
         terminal_(terminal),
         // A scenario runs no scenario: no table.
-        context_(session, {terminal, options.is_json, true}, {}) {}
+        context_(session, {terminal, options.is_json, true}, {}) {
+    context_.is_private = options.is_private;
+  }
 
   /// A name or a bench that is wrong is found before anything moves.
   Outcome find_axes() {

@@ -15,7 +15,8 @@ namespace vdrive::tool {
 /// How a scenario is run and shown.
 struct RunOptions {
   bool is_json = false;
-  bool is_live = false;  ///< show the axes while time passes, also when not on a terminal
+  bool is_live = false;     ///< show the axes while time passes, also when not on a terminal
+  bool is_private = false;  ///< the bench ends with this program, and no other reaches it
   std::optional<Duration> timeout;
 };
 
