@@ -13,6 +13,7 @@ namespace vdrive::test {
 namespace {
 
 using testing::AllOf;
+using testing::ContainsRegex;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -33,6 +34,9 @@ TEST_F(Events, AreShownFromTheHistoryOfTheBench) {
   EXPECT_EQ(finished.code, 0) << finished.errors;
   EXPECT_THAT(finished.output, AllOf(HasSubstr("  1.1  Operation enabled\n"),
                                      HasSubstr("  1.1  fault 0x"), HasSubstr("controlled by")));
+  EXPECT_THAT(finished.output,
+              ContainsRegex("controlled by .+ \\(process [0-9]+ on .+\\), session 0x[0-9a-f]{16}"))
+      << "the program of the session that the bench names by its number";
   EXPECT_THAT(call("events 1.2").output, Not(HasSubstr("1.1")));
   EXPECT_THAT(call("events x").output, HasSubstr("fault"));
   EXPECT_THAT(call("events 1").output, HasSubstr("fault"));
@@ -46,8 +50,23 @@ TEST_F(Events, AreJsonAsDocumented) {
   std::vector<std::string> keys;
   for (const auto& [key, value] : event.items()) keys.push_back(key);
   EXPECT_THAT(keys, ElementsAre("bench", "axis", "tick", "kind", "code", "error_register",
-                                "session", "suppressed", "text"));
+                                "session", "session_name", "suppressed", "text"));
   EXPECT_EQ(event["axis"], "1.1");
+}
+
+TEST_F(Events, HaveTheNameOfTheirSessionInJson) {
+  int named = 0;
+  for (const std::string& line : call("events --json").lines()) {
+    const Json event = Json::parse(line);
+    const Json& name = event["session_name"];
+    EXPECT_EQ(name.is_null(), event["session"].is_null()) << line;
+    if (!name.is_object()) continue;
+    ++named;
+    EXPECT_NE(name["program"].get<std::string>(), "") << line;
+    EXPECT_GT(name["process"].get<int>(), 0) << line;
+    EXPECT_NE(name["host"].get<std::string>(), "") << line;
+  }
+  EXPECT_GT(named, 0);
 }
 
 TEST_F(Events, OfAMissingBenchOrAxisAreNotFound) {

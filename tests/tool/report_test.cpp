@@ -4,6 +4,7 @@
 
 #include "commands/dictionary.hpp"
 #include "execution/command_progress.hpp"
+#include "output/event_view.hpp"
 #include "output/live_view.hpp"
 
 #include <gmock/gmock.h>
@@ -38,6 +39,25 @@ std::vector<std::string> keys(const Json& json) {
   std::vector<std::string> names;
   for (const auto& [key, value] : json.items()) names.push_back(key);
   return names;
+}
+
+TEST(EventText, NamesTheProgramsOfTheSessionsThatAreKnown) {
+  const SessionNameOf name_of = [](std::uint32_t /*bench*/, std::uint64_t session) {
+    return session == 10 ? std::optional(kVdrive) : std::nullopt;
+  };
+  client::Event event;
+  event.bench = 1;
+  event.axis = 2;
+  event.tick = 42;
+  event.kind = client::EventKind::stopped;
+  event.text =
+      "axis 2: quick stop by session 0x000000000000000a; session 0x000000000000000b stays in "
+      "control";
+  EXPECT_EQ(event_text(event, name_of),
+            "42  1.2  quick stop by vdrive (process 4711 on bench-host), session "
+            "0x000000000000000a; session 0x000000000000000b stays in control");
+  event.text = "axis 2: released by session 0x00000000";  // cut off
+  EXPECT_EQ(event_text(event, name_of), "42  1.2  released by session 0x00000000");
 }
 
 TEST(StatusJson, HasStateFlagsAndEveryMonitoredObject) {

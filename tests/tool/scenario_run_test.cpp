@@ -224,7 +224,7 @@ std::string tick_of_last_fault() {
   std::string tick;
   for (const std::string& line : call("events 1.1 --json").lines()) {
     const Json event = Json::parse(line);
-    if (event["kind"] == "fault") tick = event["tick"].dump();
+    if (event["kind"].get<std::string>() == "fault") tick = event["tick"].dump();
   }
   return tick;
 }

@@ -8,9 +8,12 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <set>
+#include <string_view>
 #include <utility>
 
 namespace vdrive::tool {
@@ -52,7 +55,48 @@ class EventQueue {
   std::deque<Event> events_;
 };
 
-Json event_json(const Event& event) {
+/// Who the sessions of events are.
+class EventNames {
+ public:
+  explicit EventNames(client::Session& session) : session_(session) {}
+
+  /// Waits for a name that is asked for the first time; in all a second for those that are not
+  /// known: a program of another vendor says none.
+  std::optional<client::SessionName> find(std::uint32_t bench, std::uint64_t session) {
+    if (session == 0) return std::nullopt;
+    auto name = session_.known_name(bench, session);
+    const bool waits = !name && left_.count() > 0 && asked_.emplace(bench, session).second;
+    if (!waits) return name;
+    const auto begin = Clock::now();
+    name = session_.find_name(bench, session);
+    if (!name) left_ -= Clock::now() - begin;
+    return name;
+  }
+
+ private:
+  client::Session& session_;
+  std::set<std::pair<std::uint32_t, std::uint64_t>> asked_;
+  Clock::duration left_ = std::chrono::seconds(1);
+};
+
+/// @return the text with who a session is before its number.
+std::string with_session_names(std::string text, std::uint32_t bench,
+                               const SessionNameOf& name_of) {
+  constexpr std::string_view kSession = "session 0x";
+  constexpr std::size_t kDigits = 16;
+  for (std::size_t at = text.find(kSession); at != std::string::npos;) {
+    const std::size_t length = kSession.size() + kDigits;
+    const auto session = parse_digits<std::uint64_t>(
+        std::string_view(text).substr(at, length).substr(kSession.size()), 16);
+    const auto name = session ? name_of(bench, *session) : std::nullopt;
+    const std::string shown = name ? client::owner_text(*session, name) : text.substr(at, length);
+    text.replace(at, length, shown);
+    at = text.find(kSession, at + shown.size());
+  }
+  return text;
+}
+
+Json event_json(const Event& event, const SessionNameOf& name_of) {
   return {{"bench", event.bench},
           {"axis", event.axis == 0 ? Json(nullptr)
                                    : Json(to_string(client::AxisId{event.bench, event.axis}))},
@@ -61,6 +105,7 @@ Json event_json(const Event& event) {
           {"code", event.code},
           {"error_register", event.error_register},
           {"session", event.session == 0 ? Json(nullptr) : Json(session_text(event.session))},
+          {"session_name", name_json(name_of(event.bench, event.session))},
           {"suppressed", event.suppressed},
           {"text", event.text}};
 }
@@ -82,13 +127,13 @@ bool is_chosen(const EventChoice& choice, const Event& event) {
   return !choice.bench || *choice.bench == event.bench;
 }
 
-void print(const Event& event, bool is_json, Terminal& terminal) {
+void print(const Event& event, bool is_json, const SessionNameOf& name_of, Terminal& terminal) {
   if (is_json) {
-    terminal.print(to_line(event_json(event)));
+    terminal.print(to_line(event_json(event, name_of)));
     return;
   }
   const auto color = color_of(event.kind);
-  const std::string text = event_text(event);
+  const std::string text = event_text(event, name_of);
   terminal.print(color ? colored(terminal, *color, text) : text);
 }
 
@@ -105,8 +150,8 @@ void take_events(client::Session& session, bool follow, const std::function<bool
   auto last = begin;
   while (goes_on()) {
     if (const auto event = queue.next(kPeriod)) {
-      last = Clock::now();
       take(*event);
+      last = Clock::now();  // to take it may have lasted
       // A bench on which something happens all the time is never quiet.
       if (!follow && last - begin > kLongest) break;
     } else if (!follow && Clock::now() - last > kQuiet) {
@@ -118,15 +163,15 @@ void take_events(client::Session& session, bool follow, const std::function<bool
 
 }  // namespace
 
-std::string event_text(const Event& event) {
+std::string event_text(const Event& event, const SessionNameOf& name_of) {
   const std::string who = event.axis == 0 ? "bench " + std::to_string(event.bench)
                                           : to_string(client::AxisId{event.bench, event.axis});
   // The text of the bench names the axis by its number there.
   const std::string prefix = "axis " + std::to_string(event.axis) + ": ";
   std::string text = event.text;
   if (event.axis != 0 && text.starts_with(prefix)) text.erase(0, prefix.size());
-  std::string line =
-      std::to_string(event.tick) + "  " + who + "  " + escaped(text, kShownOfMessage);
+  std::string line = std::to_string(event.tick) + "  " + who + "  " +
+                     with_session_names(escaped(text, kShownOfMessage), event.bench, name_of);
   if (event.suppressed != 0) {
     line += " (" + counted(event.suppressed, "equal event", "equal events") + " left out)";
   }
@@ -138,8 +183,12 @@ client::Outcome show_events(client::Session& session, const EventChoice& choice,
   const auto goes_on = [&] {
     return terminal.is_open() && !session.is_interrupted();
   };
+  EventNames names(session);
+  const SessionNameOf name_of = [&names](std::uint32_t bench, std::uint64_t number) {
+    return names.find(bench, number);
+  };
   take_events(session, choice.follow, goes_on, [&](const Event& event) {
-    if (is_chosen(choice, event)) print(event, choice.is_json, terminal);
+    if (is_chosen(choice, event)) print(event, choice.is_json, name_of, terminal);
   });
   return {};
 }

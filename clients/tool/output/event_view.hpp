@@ -5,6 +5,7 @@
 #include "vdrive/client/session.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,7 +35,12 @@ client::Outcome show_events(client::Session& session, const EventChoice& choice,
                                                          const client::AxisId& axis,
                                                          std::uint16_t code);
 
-/// @return an event as one line of text.
-[[nodiscard]] std::string event_text(const client::Event& event);
+/// @return who a session is, nothing where that is not known.
+using SessionNameOf =
+    std::function<std::optional<client::SessionName>(std::uint32_t bench, std::uint64_t session)>;
+
+/// @return an event as one line of text: before the number of a session the program, where it is
+///         known.
+[[nodiscard]] std::string event_text(const client::Event& event, const SessionNameOf& name_of);
 
 }  // namespace vdrive::tool

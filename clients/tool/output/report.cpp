@@ -25,11 +25,6 @@ Json session_json(std::uint64_t session) {
   return session == 0 ? Json(nullptr) : Json(session_text(session));
 }
 
-Json name_json(const std::optional<client::SessionName>& name) {
-  if (!name) return nullptr;
-  return {{"program", name->program}, {"process", name->process}, {"host", name->host}};
-}
-
 std::string holder_text(std::uint64_t session, const std::optional<client::SessionName>& name) {
   if (session == 0) return "free";
   return name ? client::owner_text(session, name) : session_text(session);
@@ -43,6 +38,11 @@ std::string error_text(std::uint16_t code) {
 
 std::string per_mille_text(int value) {
   return formatted("%.1f %%", value / 10.0);
+}
+
+Json name_json(const std::optional<client::SessionName>& name) {
+  if (!name) return nullptr;
+  return {{"program", name->program}, {"process", name->process}, {"host", name->host}};
 }
 
 void add_outcome(Json& json, const client::Outcome& outcome) {

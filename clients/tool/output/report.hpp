@@ -21,6 +21,9 @@ using recording::to_line;
 /// Adds `outcome`, and for a failure `code` and `message`, and the session that stands in the way.
 void add_outcome(Json& json, const client::Outcome& outcome);
 
+/// @return who a session is: program, process and host, or null.
+[[nodiscard]] Json name_json(const std::optional<client::SessionName>& name);
+
 /// Adds who holds an axis: program, process and host, or null.
 void add_owner_name(Json& json, const std::optional<client::SessionName>& name);
 
