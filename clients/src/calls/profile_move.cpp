@@ -52,8 +52,7 @@ Outcome check_speed(const AxisId& axis, std::int64_t velocity, const SpeedLimits
     return above_limit(axis, what, velocity, "app_speed_limit"_object, limits.app_speed_limit);
   }
   if (speed > limits.motor_speed_limit) {
-    return above_limit(axis, what, velocity, "motor_speed_limit"_object,
-                       limits.motor_speed_limit,
+    return above_limit(axis, what, velocity, "motor_speed_limit"_object, limits.motor_speed_limit,
                        ", which follows from motor_max_speed_rpm (6080h) and the gear");
   }
   return {};
