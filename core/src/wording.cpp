@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/wording.hpp"
 
+#include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
 #include <algorithm>
@@ -71,6 +72,16 @@ std::string choice_of(const std::vector<std::string>& words) {
 std::string refusal_of_choice(std::string_view text, const std::vector<std::string>& words) {
   if (std::ranges::find(words, text) != words.end()) return {};
   return std::string(text) + " not in " + choice_of(words) + suggestion(text, words);
+}
+
+std::string take_integer(std::string& text, std::int64_t lowest, std::int64_t highest) {
+  const auto number = parse_integer(text);
+  if (!number || *number < lowest || *number > highest) {
+    return "'" + text + "' must be a whole number from " + std::to_string(lowest) + " to " +
+           std::to_string(highest);
+  }
+  text = std::to_string(*number);
+  return {};
 }
 
 }  // namespace vdrive

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers of things; "did you mean": what is near enough, and what is not.
+// Numbers of things; "did you mean": what is near enough, and what is not; numbers within limits.
 #include "vdrive/wording.hpp"
 
 #include <gtest/gtest.h>
+
+#include <string>
 
 namespace vdrive {
 namespace {
@@ -43,6 +45,23 @@ TEST(RefusalOfAChoice, NamesTheWordsAndTheNearestOne) {
   EXPECT_EQ(refusal_of_choice("air", {"local", "dds"}), "air not in {local,dds}");
   EXPECT_EQ(refusal_of_choice("locl", {"local", "dds"}),
             "locl not in {local,dds} (did you mean 'local'?)");
+}
+
+TEST(TakeInteger, WritesDecimalDigitsOverAnyWholeNumber) {
+  for (const char* const whole : {"16", "016", "0x10", "1.6e1", "16.0"}) {
+    std::string text = whole;
+    EXPECT_EQ(take_integer(text, 1, 16), "") << whole;
+    EXPECT_EQ(text, "16") << whole;
+  }
+}
+
+TEST(TakeInteger, NamesValueAndLimitsOfWhatItRefusesAndKeepsIt) {
+  for (const char* const bad : {"0", "17", "1e9", "1e99", "1.5", "a", ""}) {
+    std::string text = bad;
+    EXPECT_EQ(take_integer(text, 1, 16),
+              std::string("'") + bad + "' must be a whole number from 1 to 16");
+    EXPECT_EQ(text, bad);
+  }
 }
 
 }  // namespace

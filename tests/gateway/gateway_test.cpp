@@ -450,6 +450,12 @@ TEST(GatewayMetrics, AreRefusedForAUsedOrInvalidAddress) {
   EXPECT_THAT(wrong.errors, HasSubstr("--metrics '9100'"));
 }
 
+TEST(GatewayOptions, NameValueAndLimitsOfANumber) {
+  const Finished wrong = Process(VDRIVE_GATEWAY, {"--clients", "1e9"}).wait();
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.errors, HasSubstr("--clients: '1e9' must be a whole number from 1 to 1000"));
+}
+
 // ---- the graph of connections
 
 /// @return the identifiers that the list has for this name.

@@ -120,7 +120,7 @@ def test_ctrl_c_ends_the_start_of_a_private_bench(tmp_path):
 
 
 def test_a_service_that_does_not_start_reports_its_reason():
-    with pytest.raises(vdrive.Failed, match="did not start.*period = 0.*125 to 10000"):
+    with pytest.raises(vdrive.Failed, match="did not start.*--period: '0' must.*125 to 10000"):
         vdrive.Bench(over="dds", arguments=["--period", "0"])
     for service, reason in (("/nowhere/vdrived", "no such file"),
                             ("/etc/passwd", "not a program that can be executed"),

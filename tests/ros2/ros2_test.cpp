@@ -189,6 +189,9 @@ TEST(Ros2CommandLine, PrintsItsHelpAndChecksItsConfiguration) {
   EXPECT_EQ(refused.code, 2);
   EXPECT_THAT(refused.errors, HasSubstr("bench.yaml:2: rate = 0: must be from 1 to 1000 Hz"));
   EXPECT_EQ(Process(VDRIVE_ROS2, {"--config", "/nothing/here"}).wait().code, 2);
+  const Finished bench = Process(VDRIVE_ROS2, {"--bench", "1e9"}).wait();
+  EXPECT_EQ(bench.code, 2);
+  EXPECT_THAT(bench.errors, HasSubstr("--bench: '1e9' must be a whole number from 1 to 65535"));
 }
 
 TEST(Ros2, PublishesWholeArraysInTheUnitsOfTheJoints) {

@@ -236,10 +236,33 @@ TEST(ServiceProcess, RefusesUnknownArguments) {
   EXPECT_NE(rate.text().find("--rate cannot be used"), std::string::npos);
   Process axes({"--axes", "16385"});
   EXPECT_EQ(axes.wait(), 2);
-  EXPECT_NE(axes.text().find("must be from 1 to 16384"), std::string::npos);
-  Process domain({"--domain", "233"});
-  EXPECT_EQ(domain.wait(), 2);
-  EXPECT_NE(domain.text().find("domain = 233"), std::string::npos);
+  EXPECT_EQ(axes.text(), "vdrived: --axes: '16385' must be a whole number from 1 to 16384\n");
+}
+
+// CLI11 alone says "Could not convert", without the limits, and refuses what every file may have.
+TEST(ServiceProcess, NamesOptionValueAndLimitsOfANumber) {
+  struct Row {
+    const char* option;
+    const char* limits;
+  };
+  for (const Row& row :
+       {Row{"--axes", "a whole number from 1 to 16384"},
+        Row{"--bench", "a whole number from 1 to 65535"},
+        Row{"--domain", "a whole number from 0 to 232"},
+        Row{"--period", "a whole number from 125 to 10000"},
+        Row{"--threads", "a whole number from 1 to 64"},
+        Row{"--metrics", "a whole number from 0 to 65535"},
+        Row{"--rate", "0 = paused, or from 0.1 to 100"}}) {
+    for (const char* const value : {"1e9", "1e99", "-1", "many"}) {
+      Process service({row.option, value, "--print-config"});
+      EXPECT_EQ(service.wait(), 2) << row.option << " " << value;
+      EXPECT_EQ(service.text(), std::string("vdrived: ") + row.option + ": '" + value +
+                                    "' must be " + row.limits + "\n");
+    }
+  }
+  Process service({"--axes", "0x2", "--domain", "010", "--period", "1e3", "--print-config"});
+  EXPECT_EQ(service.wait(), 0);
+  EXPECT_NE(service.text().find("domain: 10\n"), std::string::npos) << service.text();
 }
 
 // CLI11 takes an empty value for none: the bench started open, on the default domain, or without a
@@ -308,7 +331,7 @@ TEST(ServiceProcess, ChecksOptionsEvenIfTheyAreNotUsed) {
     for (const char* const threads : {"0", "65"}) {
       Process service({mode, "/nonexistent", "--threads", threads});
       EXPECT_EQ(service.wait(), 2) << mode;
-      EXPECT_NE(service.text().find("must be from 1 to 64"), std::string::npos) << service.text();
+      EXPECT_NE(service.text().find("from 1 to 64"), std::string::npos) << service.text();
     }
   }
 }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "vdrive/client/session.hpp"
-#include "vdrive/number_text.hpp"
 #include "vdrive/wire/ports.hpp"
+#include "vdrive/wording.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -16,6 +16,15 @@ namespace vdrive::bridge {
 
 /// The options of a command line that choose the network: what the programs have in common.
 
+/// @return what takes a whole number within these limits by the grammar of all numbers: CLI11 alone
+///         would read 010 as an octal number, and refuse 1e2.
+[[nodiscard]] inline CLI::Validator whole_number(std::int64_t lowest, std::int64_t highest) {
+  return {[lowest, highest](std::string& text) {
+            return take_integer(text, lowest, highest);
+          },
+          ""};
+}
+
 /// Declares --domain.
 /// @param further what its help has after the range
 inline CLI::Option* add_domain_option(CLI::App& app, std::optional<std::uint32_t>& domain,
@@ -23,12 +32,7 @@ inline CLI::Option* add_domain_option(CLI::App& app, std::optional<std::uint32_t
   return app
       .add_option("--domain", domain,
                   "DDS domain, 0 to " + std::to_string(wire::kHighestDomain) + further)
-      // CLI11 alone would read 010 as an octal number.
-      ->transform([](const std::string& text) {
-        const auto number = parse_integer(text);
-        return number ? std::to_string(*number) : text;
-      })
-      ->check(CLI::Range(0, static_cast<int>(wire::kHighestDomain)))
+      ->transform(whole_number(0, wire::kHighestDomain))
       ->type_name("N");
 }
 

@@ -68,7 +68,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->capture_default_str()
       ->type_name("HZ");
   app.add_option("--clients", arguments.web.most_clients, "Connections at a time, 1 to 1000")
-      ->check(CLI::Range(1, 1000))
+      ->transform(bridge::whole_number(1, 1000))
       ->capture_default_str()
       ->type_name("N");
 }

@@ -34,8 +34,10 @@ void declare(CLI::App& app, Arguments& arguments) {
   client::SessionOptions& session = arguments.settings.session;
   app.set_version_flag("--version", std::string("vdrive-ros2 ") + VDRIVE_VERSION);
   bridge::add_domain_option(app, session.domain, "; ROS_DOMAIN_ID of the nodes");
-  app.add_option("--bench", arguments.benches, "Serve this bench; may be repeated; default: all")
-      ->check(CLI::Range(1U, wire::kHighestBench))
+  app.add_option("--bench", arguments.benches,
+                 "Serve this bench, 1 to " + std::to_string(wire::kHighestBench) +
+                     "; may be repeated; default: all")
+      ->transform(bridge::whole_number(1, wire::kHighestBench))
       ->type_name("N");
   app.add_option("--namespace", arguments.name_space, "Prefix for topic names, such as /cell1")
       ->type_name("NAME");

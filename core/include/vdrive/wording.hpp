@@ -35,4 +35,11 @@ namespace vdrive {
 [[nodiscard]] std::string refusal_of_choice(std::string_view text,
                                             const std::vector<std::string>& words);
 
+/// Replaces a whole number by its decimal digits, for a reader that does not know the grammar of
+/// vdrive/number_text.hpp.
+/// @return why `text` is refused where it has to be a whole number from `lowest` to `highest`, such
+///         as "'-1' must be a whole number from 0 to 232"; empty where it is one.
+[[nodiscard]] std::string take_integer(std::string& text, std::int64_t lowest,
+                                       std::int64_t highest);
+
 }  // namespace vdrive

@@ -55,6 +55,7 @@ constexpr int kDone = 0;
 constexpr int kFailed = 1;
 constexpr int kUsage = 2;
 constexpr int kNumberTaken = 5;
+constexpr std::uint16_t kHighestPort = 65'535;
 constexpr std::chrono::milliseconds kPollInterval{50};
 constexpr std::chrono::milliseconds kBusyPollInterval{5};  ///< while it starts, and while it ends
 
@@ -101,6 +102,24 @@ CLI::Validator one_of(std::vector<std::string> words) {
           std::move(choice)};
 }
 
+CLI::Validator whole_number(std::int64_t lowest, std::int64_t highest) {
+  return {[lowest, highest](std::string& text) {
+            return take_integer(text, lowest, highest);
+          },
+          ""};
+}
+
+/// Takes a rate by the grammar of all numbers.
+std::string take_rate(std::string& text) {
+  const auto rate = parse_number(text);
+  const bool is_good = rate && (*rate == 0.0 || (*rate >= kLowestRate && *rate <= kHighestRate));
+  if (!is_good) {
+    return "'" + text + "' must be 0 = paused, or from " + range(kLowestRate, kHighestRate);
+  }
+  text = to_text(*rate);
+  return {};
+}
+
 void declare(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", std::string("vdrived ") + VDRIVE_VERSION);
   app.add_option("--config", arguments.config, "Configuration in YAML; default: the demo bench")
@@ -114,17 +133,22 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--period", arguments.period,
                  "Length of a tick [us], " + range(static_cast<double>(kShortestPeriod.count()),
                                                    static_cast<double>(kLongestPeriod.count())))
+      ->transform(whole_number(kShortestPeriod.count(), kLongestPeriod.count()))
       ->type_name("US");
   app.add_option("--rate", arguments.rate,
                  "realtime: 0 = paused, " + range(kLowestRate, kHighestRate))
+      ->transform(CLI::Validator(take_rate, ""))
       ->type_name("R");
   app.add_option("--bench", arguments.bench,
                  "Number of the bench, " + range(1, wire::kHighestBench))
+      ->transform(whole_number(1, wire::kHighestBench))
       ->type_name("N");
   app.add_option("--axes", arguments.axes,
                  "N default axes numbered from 1, up to " + std::to_string(kMaxAxes))
+      ->transform(whole_number(1, static_cast<std::int64_t>(kMaxAxes)))
       ->type_name("N");
   app.add_option("--domain", arguments.domain, "DDS domain, " + range(0, wire::kHighestDomain))
+      ->transform(whole_number(0, wire::kHighestDomain))
       ->envname("VDRIVE_DOMAIN")
       ->type_name("N");
   app.add_option("--security", arguments.security,
@@ -133,10 +157,12 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("DIR");
   app.add_option("--threads", arguments.threads,
                  "Threads that step the axes, " + range(1, kMaxThreads))
+      ->transform(whole_number(1, kMaxThreads))
       ->type_name("N");
   app.add_option("--metrics", arguments.metrics,
-                 "Serve Prometheus metrics on this port of 127.0.0.1, 0 = any free one")
-      ->check(CLI::Range(0, 65'535))
+                 "Serve Prometheus metrics on this port of 127.0.0.1, " + range(0, kHighestPort) +
+                     "; 0 = any free one")
+      ->transform(whole_number(0, kHighestPort))
       ->type_name("PORT");
   app.add_option("--state", arguments.state,
                  "Directory for stored parameters; default: $STATE_DIRECTORY; without a directory "
@@ -433,6 +459,9 @@ int parse_and_carry_out(int argument_count, const char* const* arguments) {
   } catch (const CLI::ExtrasError&) {
     complain(unexpected_text(app, app.remaining().front()));
     std::cerr << "Run with --help for more information.\n";
+    return kUsage;
+  } catch (const CLI::ValidationError& error) {  // names the option, its value and the limits
+    complain(escaped(error.what(), kShownOfMessage));
     return kUsage;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) {  // help, version
