@@ -316,6 +316,26 @@ TEST(ServiceProcess, SaysHowAConfigurationIsNamed) {
   EXPECT_NE(two.text().find("'c1.yaml' is one argument too many"), std::string::npos) << two.text();
 }
 
+// CLI11 takes --config for the file of --check.
+TEST(ServiceProcess, ShowsTheFormOfACheckWithoutItsFile) {
+  const std::string form = "vdrived: --check takes the file itself: vdrived --check ";
+  for (const std::vector<std::string>& named : std::vector<std::vector<std::string>>{
+           {"--check", "--config", "c0.yaml"},
+           {"--check", "--config=c0.yaml"},
+           {"--config", "c0.yaml", "--check"},
+           {"--check", "--log-level", "info", "--config", "c0.yaml"}}) {
+    Process service(named);
+    EXPECT_EQ(service.wait(), 2);
+    EXPECT_EQ(service.text(), form + "c0.yaml\n");
+  }
+  Process alone({"--check"});
+  EXPECT_EQ(alone.wait(), 2);
+  EXPECT_EQ(alone.text(), form + "FILE\n");
+  Process config({"--config", "--check"});
+  EXPECT_EQ(config.wait(), 2);
+  EXPECT_EQ(config.text(), form + "FILE\n");
+}
+
 TEST(ServiceProcess, SuggestsTheNearestValueOfAnOption) {
   Process clock({"--clock", "lockstp"});
   EXPECT_EQ(clock.wait(), 2);

@@ -39,6 +39,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <iostream>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -449,11 +450,39 @@ std::string unexpected_text(const CLI::App& app, const std::string& argument) {
   return in_quotes(name) + " is not an option" + suggestion(name, known);
 }
 
+/// Other programs have a flag --check beside --config. Here it takes the file itself, and the word
+/// behind it would be that file.
+/// @return what is wrong; nothing where --check has a file or is not there.
+std::optional<std::string> check_without_file(const std::vector<std::string_view>& words) {
+  static constexpr std::string_view kCheck = "--check";
+  static constexpr std::string_view kConfig = "--config";
+  const auto is_value = [&words](auto word) {
+    return word != words.end() && !word->starts_with("--");
+  };
+  const auto option = std::ranges::find(words, kCheck);
+  if (option == words.end() || is_value(std::next(option))) return std::nullopt;
+  std::string file = "FILE";
+  const auto config = std::ranges::find_if(words, [](std::string_view word) {
+    return word.substr(0, word.find('=')) == kConfig;
+  });
+  if (config != words.end() && *config != kConfig) {
+    file = escaped(config->substr(kConfig.size() + 1), kShownOfMessage);
+  } else if (config != words.end() && is_value(std::next(config))) {
+    file = escaped(*std::next(config), kShownOfMessage);
+  }
+  return "--check takes the file itself: vdrived --check " + file;
+}
+
 /// Parses the command line, carries it out and reports what went wrong. @return the exit code
 int parse_and_carry_out(int argument_count, const char* const* arguments) {
   CLI::App app{"vdrived: a bench of virtual CiA 402 servo drives on DDS", "vdrived"};
   Arguments given;
   declare(app, given);
+  const std::vector<std::string_view> words(arguments, arguments + argument_count);
+  if (const auto problem = check_without_file(words)) {
+    complain(*problem);
+    return kUsage;
+  }
   try {
     app.parse(argument_count, arguments);
   } catch (const CLI::ExtrasError&) {
