@@ -577,8 +577,8 @@ TEST(Configuration, WarnsOfLimitsThatAreOff) {
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_EQ(
       warnings[0],
-      "axis 1 axis1: user_position_upper_limit = 200 has no effect: app_position_limit_switch "
-      "(3535h) is 0");
+      "bench.yaml:4: axes[0].parameters.0x607D:2 = 200: axis 1 axis1: user_position_upper_limit = "
+      "200 has no effect: app_position_limit_switch (3535h) is 0");
   EXPECT_EQ(start_warnings(parse(limit + "      app_position_limit_switch: 0\n")).size(), 1U);
   EXPECT_TRUE(start_warnings(parse(limit + "      app_position_limit_switch: 1\n")).empty());
   EXPECT_TRUE(start_warnings(demo_configuration()).empty());

@@ -230,9 +230,9 @@ TEST(Mechanics, AreAdvisedWhereAUnitContradictsTheDrive) {
   EXPECT_THAT(
       start_warnings(bench_in("axes: [{number: 1, unit: {kind: rotary, per_revolution: 36000}}]")),
       ElementsAre(
-          "axis 1 axis1: unit says per_revolution = 36000, but a revolution of the load has "
-          "4096 user units: every angle is shown wrong; write mechanics: {rotary_table: "
-          "deg} instead of unit"));
+          "bench.yaml:1: axes[0].unit: axis 1 axis1: unit says per_revolution = 36000, but a "
+          "revolution of the load has 4096 user units: every angle is shown wrong; write "
+          "mechanics: {rotary_table: deg} instead of unit"));
   EXPECT_THAT(start_warnings(bench_in("axes: [{number: 1, mechanics: {rotary_table: deg}}]")),
               IsEmpty());
   EXPECT_THAT(start_warnings(
@@ -246,8 +246,9 @@ TEST(Mechanics, WarnOfASpeedLimitThatTheMotorDoesNotReach) {
   const std::string axis =
       "axes: [{number: 1, parameters: {gear_ratio_denominator: 10, app_speed_limit: ";
   EXPECT_THAT(start_warnings(bench_in(axis + "13654}}]")),
-              ElementsAre("axis 1 axis1: app_speed_limit = 13654 is above the 13653 UU/s at which "
-                          "the motor turns at motor_max_speed_rpm (6080h) = 2000: the lower one "
+              ElementsAre("bench.yaml:1: axes[0].parameters.app_speed_limit = 13654: axis 1 "
+                          "axis1: app_speed_limit = 13654 is above the 13653 UU/s at which the "
+                          "motor turns at motor_max_speed_rpm (6080h) = 2000: the lower one "
                           "holds"));
   EXPECT_THAT(start_warnings(bench_in(axis + "13653}}]")), IsEmpty());
 }

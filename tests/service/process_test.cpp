@@ -377,7 +377,7 @@ TEST_F(ConfigurationFile, IsCheckedWithoutAStartOfTheService) {
   Process odd({"--check", file_.string()});
   EXPECT_EQ(odd.wait(), 0);
   EXPECT_NE(odd.text().find("warning: " + file_.string() +
-                            ": axis 1 axis1: user_position_lower_limit = -5"),
+                            ":1: axes[0].parameters.user_position_lower_limit = -5: axis 1 axis1"),
             std::string::npos)
       << odd.text();
   write("bench: {number: 3}\nclock: {period_us: 7}\n");
@@ -385,6 +385,19 @@ TEST_F(ConfigurationFile, IsCheckedWithoutAStartOfTheService) {
   EXPECT_EQ(bad.wait(), 1);
   EXPECT_NE(bad.text().find(file_.string() + ":2: clock.period_us = 7: must be"), std::string::npos)
       << bad.text();
+}
+
+TEST_F(ConfigurationFile, HasItsWarningsWithTheirLinesInTheLogOfTheStart) {
+  write("clock: {mode: lockstep}\naxes: [{number: 1, parameters: {\"0x607D:1\": -5}}]\n");
+  Process service(with_domain({"--config", file_.string()}));
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  service.send(SIGTERM);
+  EXPECT_EQ(service.wait(), 0);
+  EXPECT_NE(service.text().find("configuration=\"" + file_.string() +
+                                ":2: axes[0].parameters.0x607D:1 = -5: axis 1 axis1: "),
+            std::string::npos)
+      << service.text();
 }
 
 TEST_F(ConfigurationFile, IsCheckedToItsEnd) {

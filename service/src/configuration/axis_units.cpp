@@ -4,6 +4,8 @@
 #include "vdrive/number_text.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -77,6 +79,13 @@ double user_units_a_load_turn(const AxisConfiguration& axis) {
 double highest_motor_velocity(const AxisConfiguration& axis) {
   return velocity_of_motor(static_cast<double>(value_at_start(axis, "motor_max_speed_rpm"_object)),
                            axis.model.feedback, gear_ratio_of(axis));
+}
+
+std::string six_digits(double value) {
+  std::array<char, 32> text{};
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 6);
+  return {text.data(), end.ptr};
 }
 
 }  // namespace vdrive::service

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 namespace vdrive::service {
 
@@ -38,5 +39,8 @@ inline constexpr double kSameSize = 1.0e-6;
 
 /// @return the highest velocity of 6064h that 6080h permits [UU/s].
 [[nodiscard]] double highest_motor_velocity(const AxisConfiguration& axis);
+
+/// @return a number with as many digits as people read, such as "16.6667".
+[[nodiscard]] std::string six_digits(double value);
 
 }  // namespace vdrive::service

@@ -40,6 +40,7 @@ struct NamedAxis {
   std::string name;
   Unit unit;  ///< of its user units, for programs and people; the drive does not use it
   AxisConfiguration configuration;
+  std::vector<std::string> warnings{};  ///< of its file: see axis_warnings
 };
 
 /// Where the wire runs: everything that names DDS.

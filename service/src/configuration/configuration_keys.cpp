@@ -2,6 +2,7 @@
 // The keys of a configuration, section by section.
 #include "configuration/configuration_keys.hpp"
 
+#include "configuration/axis_warnings.hpp"
 #include "configuration/mechanics.hpp"
 #include "settings/configuration_error.hpp"
 #include "vdrive/axis_bank.hpp"
@@ -13,7 +14,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <set>
 #include <string>
 #include <string_view>
@@ -136,7 +136,7 @@ void name_axis(const YamlValue& value, NamedAxis& axis) {
 
 NamedAxis read_axis(const YamlValue& value) {
   NamedAxis axis;
-  std::map<std::string, YamlValue> entries;
+  AxisEntries entries;
   settings::Mistakes mistakes;
   std::set<std::string> wrong;
   const auto read = [&](const std::string& key, const YamlValue& entry) {
@@ -167,6 +167,7 @@ NamedAxis read_axis(const YamlValue& value) {
     complete_speeds(axis.configuration);
   }
   name_axis(value, axis);
+  axis.warnings = axis_warnings(axis, entries);
   return axis;
 }
 

@@ -1,27 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "configuration/configuration_warnings.hpp"
 
-#include "configuration/axis_units.hpp"
 #include "configuration/configuration_file.hpp"
 #include "settings/yaml_reader.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
-#include "vdrive/number_text.hpp"
 #include "vdrive/plant/loop_report.hpp"
-#include "vdrive/text.hpp"
 
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iomanip>
-#include <optional>
 #include <sstream>
 
 namespace vdrive::service {
 namespace {
 
-using namespace vdrive::literals;
 using settings::YamlValue;
 
 /// An oscillation that lasts longer is seen as ringing [s].
@@ -96,56 +89,12 @@ void examine(const NamedAxis& axis, const Configuration& configuration, const Ya
                                    "): " + findings + "; " + reasons_of(report)));
 }
 
-std::string name_of(const NamedAxis& axis) {
-  return "axis " + std::to_string(axis.number) + " " + escaped(axis.name);
-}
-
-void warn_of_limits_without_effect(const NamedAxis& axis, std::vector<std::string>& warnings) {
-  if (given_value(axis.configuration, "app_position_limit_switch"_object).value_or(0) != 0) return;
-  for (const ObjectRow row :
-       std::array{"user_position_lower_limit"_object, "user_position_upper_limit"_object}) {
-    const auto limit = given_value(axis.configuration, row);
-    if (!limit) continue;
-    warnings.push_back(name_of(axis) + ": " + std::string(describe(row).variable_name) + " = " +
-                       std::to_string(*limit) +
-                       " has no effect: app_position_limit_switch (3535h) is 0");
-  }
-}
-
-/// 6064h has 4096 user units a revolution, whatever `unit` says. With a gear and one encoder a
-/// revolution of the load has others, and either may be meant.
-void warn_of_unit(const NamedAxis& axis, std::vector<std::string>& warnings) {
-  if (axis.unit.kind != UnitKind::rotary) return;
-  const double turn = user_units_a_load_turn(axis.configuration);
-  const auto is = [&axis](double size) {
-    return std::abs(axis.unit.size / size - 1.0) < kSameSize;
-  };
-  if (is(turn) || is(kUserUnitsPerRevolution)) return;
-  warnings.push_back(name_of(axis) + ": unit says per_revolution = " + to_text(axis.unit.size) +
-                     ", but a revolution of the load has " + three_digits(turn) +
-                     " user units: every angle is shown wrong; write mechanics: {rotary_table: " +
-                     axis.unit.name + "} instead of unit");
-}
-
-void warn_of_speed_limit(const NamedAxis& axis, std::vector<std::string>& warnings) {
-  const auto limit = given_value(axis.configuration, "app_speed_limit"_object);
-  const double highest = std::floor(highest_motor_velocity(axis.configuration));
-  if (!limit || static_cast<double>(*limit) <= highest) return;
-  warnings.push_back(
-      name_of(axis) + ": app_speed_limit = " + std::to_string(*limit) + " is above the " +
-      to_text(highest) + " UU/s at which the motor turns at motor_max_speed_rpm (6080h) = " +
-      std::to_string(value_at_start(axis.configuration, "motor_max_speed_rpm"_object)) +
-      ": the lower one holds");
-}
-
 }  // namespace
 
 std::vector<std::string> start_warnings(const Configuration& configuration) {
   std::vector<std::string> warnings;
   for (const NamedAxis& axis : configuration.axes) {
-    warn_of_limits_without_effect(axis, warnings);
-    warn_of_unit(axis, warnings);
-    warn_of_speed_limit(axis, warnings);
+    warnings.insert(warnings.end(), axis.warnings.begin(), axis.warnings.end());
   }
   return warnings;
 }

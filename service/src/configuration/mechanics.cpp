@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -174,14 +173,6 @@ Mechanics read_entries(const YamlValue& value) {
 
 void set(AxisConfiguration& axis, ObjectRow row, std::int64_t value) {
   axis.parameters.push_back({describe(row).address, value});
-}
-
-/// @return a number with as many digits as people read, such as "16.6667".
-std::string six_digits(double value) {
-  std::array<char, 32> text{};
-  const auto end =
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 6);
-  return {text.data(), end.ptr};
 }
 
 /// @return such as "1.2207 um": of a small part of a length in a smaller unit.

@@ -410,8 +410,7 @@ int carry_out(const Arguments& arguments) {
       std::cerr << "vdrived: warning: " << warning << '\n';
     }
     for (const std::string& warning : start_warnings(configuration)) {
-      std::cerr << "vdrived: warning: " << escaped(*arguments.check, kShownOfMessage) << ": "
-                << warning << '\n';
+      std::cerr << "vdrived: warning: " << warning << '\n';
     }
     for (const std::string& line : mechanics_table(configuration)) std::cout << line << '\n';
     std::cout << escaped(*arguments.check, kShownOfMessage) << ": good\n";

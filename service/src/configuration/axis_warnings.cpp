@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "configuration/axis_warnings.hpp"
+
+#include "configuration/axis_units.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_text.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+namespace vdrive::service {
+namespace {
+
+using namespace vdrive::literals;
+using settings::YamlValue;
+
+/// @return the value of a key; nullptr = the file does not have it.
+const YamlValue* entry_of(const AxisEntries& entries, const std::string& key) {
+  const auto entry = entries.find(key);
+  return entry == entries.end() ? nullptr : &entry->second;
+}
+
+/// @return the value that `parameters` gives to an object, where it does.
+std::optional<YamlValue> parameter_entry(const AxisEntries& entries, ObjectRow row) {
+  std::optional<YamlValue> found;
+  const YamlValue* const parameters = entry_of(entries, "parameters");
+  if (parameters == nullptr) return found;
+  parameters->for_each_entry({}, [&](const std::string& key, const YamlValue& value) {
+    if (parse_object(key) == describe(row).address) found.emplace(value);
+  });
+  return found;
+}
+
+void warn_at(const YamlValue& place, const NamedAxis& axis, const std::string& finding,
+             std::vector<std::string>& warnings) {
+  warnings.push_back(place.message("axis " + std::to_string(axis.number) + " " +
+                                   escaped(axis.name) + ": " + finding));
+}
+
+void warn_of_limits_without_effect(const NamedAxis& axis, const AxisEntries& entries,
+                                   std::vector<std::string>& warnings) {
+  if (given_value(axis.configuration, "app_position_limit_switch"_object).value_or(0) != 0) return;
+  for (const ObjectRow row :
+       std::array{"user_position_lower_limit"_object, "user_position_upper_limit"_object}) {
+    const auto limit = given_value(axis.configuration, row);
+    if (!limit) continue;
+    const auto place = parameter_entry(entries, row);
+    if (!place) continue;
+    warn_at(*place, axis,
+            std::string(describe(row).variable_name) + " = " + std::to_string(*limit) +
+                " has no effect: app_position_limit_switch (3535h) is 0",
+            warnings);
+  }
+}
+
+/// 6064h has 4096 user units a revolution, whatever `unit` says. With a gear and one encoder a
+/// revolution of the load has others, and either may be meant.
+/// @return what is wrong with a unit of an angle; empty = nothing.
+std::string contradiction_of_angle(const NamedAxis& axis) {
+  const double turn = user_units_a_load_turn(axis.configuration);
+  const auto is = [&axis](double size) {
+    return std::abs(axis.unit.size / size - 1.0) < kSameSize;
+  };
+  if (is(turn) || is(kUserUnitsPerRevolution)) return {};
+  return "unit says per_revolution = " + to_text(axis.unit.size) +
+         ", but a revolution of the load has " + six_digits(turn) +
+         " user units: every angle is shown wrong; write mechanics: {rotary_table: " +
+         axis.unit.name + "} instead of unit";
+}
+
+void warn_of_unit(const NamedAxis& axis, const AxisEntries& entries,
+                  std::vector<std::string>& warnings) {
+  const YamlValue* const unit = entry_of(entries, "unit");
+  if (unit == nullptr || axis.unit.kind != UnitKind::rotary) return;
+  const std::string finding = contradiction_of_angle(axis);
+  if (!finding.empty()) warn_at(*unit, axis, finding, warnings);
+}
+
+/// @return [UU/s] the highest velocity that 6080h permits, in whole user units as the drive has it.
+double motor_limit_of(const NamedAxis& axis) {
+  return std::floor(highest_motor_velocity(axis.configuration));
+}
+
+void warn_of_speed_limit(const NamedAxis& axis, const AxisEntries& entries,
+                         std::vector<std::string>& warnings) {
+  const auto limit = given_value(axis.configuration, "app_speed_limit"_object);
+  const double highest = motor_limit_of(axis);
+  if (!limit || static_cast<double>(*limit) <= highest) return;
+  const auto place = parameter_entry(entries, "app_speed_limit"_object);
+  if (!place) return;  // completed from the mechanics
+  warn_at(*place, axis,
+          "app_speed_limit = " + std::to_string(*limit) + " is above the " + to_text(highest) +
+              " UU/s at which the motor turns at motor_max_speed_rpm (6080h) = " +
+              std::to_string(value_at_start(axis.configuration, "motor_max_speed_rpm"_object)) +
+              ": the lower one holds",
+          warnings);
+}
+
+}  // namespace
+
+std::vector<std::string> axis_warnings(const NamedAxis& axis, const AxisEntries& entries) {
+  std::vector<std::string> warnings;
+  warn_of_limits_without_effect(axis, entries, warnings);
+  warn_of_unit(axis, entries, warnings);
+  warn_of_speed_limit(axis, entries, warnings);
+  return warnings;
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "configuration/configuration.hpp"
+#include "settings/yaml_reader.hpp"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace vdrive::service {
+
+/// The values of an axis in its file, by their keys, such as "unit".
+using AxisEntries = std::map<std::string, settings::YamlValue>;
+
+/// @param axis that `entries` describe, with number, name and what follows from its mechanics
+/// @return what the author of a valid axis can hardly want, a line each with file, line, key and
+///         axis: software limits (607Dh) that have no effect because 3535h is not set; a rotary
+///         unit that contradicts the 4096 user units of a revolution; a 607Fh above what 6080h
+///         permits.
+[[nodiscard]] std::vector<std::string> axis_warnings(const NamedAxis& axis,
+                                                     const AxisEntries& entries);
+
+}  // namespace vdrive::service
