@@ -253,5 +253,32 @@ TEST(Mechanics, WarnOfASpeedLimitThatTheMotorDoesNotReach) {
   EXPECT_THAT(start_warnings(bench_in(axis + "13653}}]")), IsEmpty());
 }
 
+/// @return the warnings of a bench with one axis; `keys` are behind its number.
+std::vector<std::string> warnings_of_axis(const std::string& keys) {
+  return start_warnings(bench_in("axes: [{number: 1, " + keys + "}]"));
+}
+
+// 300 UU of 5 mm / 4096 are 0.366 mm.
+TEST(Mechanics, WarnOfASoftwareLimitWithoutAUnitAndTakeItAsUserUnits) {
+  const Configuration bench = bench_in(
+      "axes:\n"
+      "  - number: 1\n"
+      "    mechanics:\n"
+      "      screw: {pitch: 5mm}\n"
+      "      software_limit:\n"
+      "        - 0\n"
+      "        - 300\n");
+  EXPECT_THAT(start_warnings(bench),
+              ElementsAre("bench.yaml:7: axes[0].mechanics.software_limit[1] = 300: axis 1 axis1: "
+                          "300 means 300 UU = 0.366 mm; write 300mm, or 300UU"));
+  EXPECT_EQ(value_at_start(bench.axes[0].configuration, "user_position_upper_limit"_object), 300);
+  for (const char* const limits : {"[0, 300UU]", "[0, 300mm]", "[-300 UU, 0]"}) {
+    EXPECT_THAT(warnings_of_axis(std::string("mechanics: {screw: {pitch: 5mm}, software_limit: ") +
+                                 limits + "}"),
+                IsEmpty())
+        << limits;
+  }
+}
+
 }  // namespace
 }  // namespace vdrive::service

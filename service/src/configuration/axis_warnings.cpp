@@ -57,6 +57,26 @@ void warn_of_limits_without_effect(const NamedAxis& axis, const AxisEntries& ent
   }
 }
 
+/// `mechanics` is written in lengths and angles. A number alone is in user units there, too, and
+/// 300 of them are no 300 mm. 0 is the same in every unit.
+void warn_of_limits_without_unit(const NamedAxis& axis, const AxisEntries& entries,
+                                 std::vector<std::string>& warnings) {
+  const YamlValue* const mechanics = entry_of(entries, "mechanics");
+  if (mechanics == nullptr) return;
+  const auto examine_limit = [&](const YamlValue& limit) {
+    const std::int64_t number = parse_integer(limit.text()).value_or(0);
+    if (number == 0) return;
+    const std::string text = std::to_string(number);
+    warn_at(limit, axis,
+            text + " means " + text + " UU = " + position_text(number, axis.unit) + "; write " +
+                text + axis.unit.name + ", or " + text + "UU",
+            warnings);
+  };
+  mechanics->for_each_entry({}, [&](const std::string& key, const YamlValue& value) {
+    if (key == "software_limit") value.for_each_element(examine_limit);
+  });
+}
+
 /// 6064h has 4096 user units a revolution, whatever `unit` says. With a gear and one encoder a
 /// revolution of the load has others, and either may be meant.
 /// @return what is wrong with a unit of an angle; empty = nothing.
@@ -105,6 +125,7 @@ void warn_of_speed_limit(const NamedAxis& axis, const AxisEntries& entries,
 std::vector<std::string> axis_warnings(const NamedAxis& axis, const AxisEntries& entries) {
   std::vector<std::string> warnings;
   warn_of_limits_without_effect(axis, entries, warnings);
+  warn_of_limits_without_unit(axis, entries, warnings);
   warn_of_unit(axis, entries, warnings);
   warn_of_speed_limit(axis, entries, warnings);
   return warnings;
