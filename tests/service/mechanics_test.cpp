@@ -280,5 +280,34 @@ TEST(Mechanics, WarnOfASoftwareLimitWithoutAUnitAndTakeItAsUserUnits) {
   }
 }
 
+// 2000 rpm behind a gear of ten to one: 13653.3 UU/s, 4096 of which are 360 deg/s.
+TEST(Mechanics, WarnOfAProfileVelocityThatTheMotorDoesNotReach) {
+  const std::string gear = "parameters: {gear_ratio_denominator: 10, profile_velocity: ";
+  EXPECT_THAT(
+      warnings_of_axis(gear + "20000}"),
+      ElementsAre("bench.yaml:1: axes[0].parameters.profile_velocity = 20000: axis 1 axis1: "
+                  "profile_velocity = 20000 UU/s = 1757.81 deg/s is above 13653 UU/s = 1199.97 "
+                  "deg/s, the highest speed with motor_max_speed_rpm (6080h) = 2000: the drive "
+                  "keeps the value and moves at the lower speed"));
+  EXPECT_THAT(warnings_of_axis(gear + "13653}"), IsEmpty());
+}
+
+// 819.2 UU are a millimetre. 607Fh follows from the motor: 13653 UU/s.
+TEST(Mechanics, WarnOfAProfileVelocityAboveTheSpeedLimit) {
+  const std::string limit = "parameters: {app_speed_limit: 1000, profile_velocity: ";
+  EXPECT_THAT(warnings_of_axis(limit + "1001}"),
+              ElementsAre(HasSubstr("profile_velocity = 1001 UU/s = 87.9785 deg/s is above 1000 "
+                                    "UU/s = 87.8906 deg/s, the highest speed with app_speed_limit "
+                                    "(607Fh) = 1000: ")));
+  EXPECT_THAT(warnings_of_axis(limit + "1000}"), IsEmpty());
+  const std::string screw = "mechanics: {screw: {pitch: 5mm}, gear: 10:1}, parameters: {";
+  EXPECT_THAT(warnings_of_axis(screw + "profile_velocity: 20mm/s}"),
+              ElementsAre(HasSubstr("profile_velocity = 16384 UU/s = 20 mm/s is above 13653 UU/s = "
+                                    "16.6663 mm/s, the highest speed with app_speed_limit (607Fh) "
+                                    "= 13653: ")));
+  EXPECT_THAT(warnings_of_axis(screw + "app_speed_limit: 1mm/s}"), IsEmpty())
+      << "the file gives no profile_velocity";
+}
+
 }  // namespace
 }  // namespace vdrive::service

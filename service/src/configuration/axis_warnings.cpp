@@ -120,6 +120,34 @@ void warn_of_speed_limit(const NamedAxis& axis, const AxisEntries& entries,
           warnings);
 }
 
+/// @return such as "13653 UU/s = 16.6663 mm/s".
+std::string in_both_units(std::int64_t speed, const Unit& unit) {
+  return std::to_string(speed) + " UU/s = " +
+         six_digits(from_user_units(static_cast<double>(speed), unit)) + " " + escaped(unit.name) +
+         "/s";
+}
+
+/// The manual: 6081h keeps any value, and the motion is cut to 607Fh and 6080h.
+void warn_of_profile_velocity(const NamedAxis& axis, const AxisEntries& entries,
+                              std::vector<std::string>& warnings) {
+  const auto velocity = given_value(axis.configuration, "profile_velocity"_object);
+  const std::int64_t limit = value_at_start(axis.configuration, "app_speed_limit"_object);
+  const double motor_limit = motor_limit_of(axis);
+  const bool motor_is_lower = motor_limit < static_cast<double>(limit);
+  const std::int64_t highest = motor_is_lower ? static_cast<std::int64_t>(motor_limit) : limit;
+  if (!velocity || *velocity <= highest) return;
+  const auto place = parameter_entry(entries, "profile_velocity"_object);
+  if (!place) return;  // completed from the mechanics
+  const ObjectRow row = motor_is_lower ? "motor_max_speed_rpm"_object : "app_speed_limit"_object;
+  warn_at(*place, axis,
+          "profile_velocity = " + in_both_units(*velocity, axis.unit) + " is above " +
+              in_both_units(highest, axis.unit) + ", the highest speed with " +
+              object_text(describe(row).address) + " = " +
+              std::to_string(value_at_start(axis.configuration, row)) +
+              ": the drive keeps the value and moves at the lower speed",
+          warnings);
+}
+
 }  // namespace
 
 std::vector<std::string> axis_warnings(const NamedAxis& axis, const AxisEntries& entries) {
@@ -128,6 +156,7 @@ std::vector<std::string> axis_warnings(const NamedAxis& axis, const AxisEntries&
   warn_of_limits_without_unit(axis, entries, warnings);
   warn_of_unit(axis, entries, warnings);
   warn_of_speed_limit(axis, entries, warnings);
+  warn_of_profile_velocity(axis, entries, warnings);
   return warnings;
 }
 
