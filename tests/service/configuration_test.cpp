@@ -544,7 +544,7 @@ TEST(Configuration, RefusesAUnitThatIsIncompleteMixedOrOutOfRange) {
   EXPECT_EQ(refusal_of_unit("{kind: linear, name: mm}"),
             place +
                 ": a linear unit needs name and per_unit, such as {kind: linear, name: mm, "
-                "per_unit: 1000}");
+                "per_unit: 819.2}");
   EXPECT_EQ(refusal_of_unit("{kind: rotary, per_unit: 5}"),
             place + ".per_unit = 5: belongs to the other kind; a rotary unit has per_revolution");
   EXPECT_EQ(refusal_of_unit("{kind: linear, name: m2, per_unit: 5}"),

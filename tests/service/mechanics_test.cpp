@@ -258,6 +258,31 @@ std::vector<std::string> warnings_of_axis(const std::string& keys) {
   return start_warnings(bench_in("axes: [{number: 1, " + keys + "}]"));
 }
 
+// 4096 UU of a micrometre are 4.096 mm.
+TEST(Mechanics, AreAdvisedWhereAUserUnitIsSaidToBeADecimalPartOfALength) {
+  EXPECT_THAT(warnings_of_axis("unit: {kind: linear, name: um, per_unit: 1}"),
+              ElementsAre("bench.yaml:1: axes[0].unit: axis 1 axis1: unit says per_unit = 1, and a "
+                          "revolution of the load has 4096 user units, so its lead is 4.096 mm: "
+                          "with another lead every length is shown wrong; write mechanics: {screw: "
+                          "{pitch: 4096um}} with the lead of the machine instead of unit"));
+  EXPECT_THAT(warnings_of_axis("unit: {kind: linear, name: mm, per_unit: 1000}"),
+              ElementsAre(HasSubstr("so its lead is 4.096 mm: ")));
+  // A hundredth of a millimetre; with one encoder behind 10:1 a turn of the load has 40960 UU.
+  EXPECT_THAT(warnings_of_axis("unit: {kind: linear, name: mm, per_unit: 100}, model: {feedback: "
+                               "single_encoder}, parameters: {gear_ratio_denominator: 10}"),
+              ElementsAre(HasSubstr("{screw: {pitch: 409.6mm}}")));
+}
+
+TEST(Mechanics, AreNotAdvisedBesideAUnitThatFitsThem) {
+  for (const char* const unit : {"unit: {kind: linear, name: mm, per_unit: 819.2}",
+                                 "unit: {kind: linear, name: bottle, per_unit: 1}",
+                                 "mechanics: {screw: {pitch: 4096um}}",
+                                 "mechanics: {screw: {pitch: 4096um}}, unit: {kind: linear, name: "
+                                 "um, per_unit: 1}"}) {
+    EXPECT_THAT(warnings_of_axis(unit), IsEmpty()) << unit;
+  }
+}
+
 // 300 UU of 5 mm / 4096 are 0.366 mm.
 TEST(Mechanics, WarnOfASoftwareLimitWithoutAUnitAndTakeItAsUserUnits) {
   const Configuration bench = bench_in(

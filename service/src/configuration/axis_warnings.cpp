@@ -92,11 +92,30 @@ std::string contradiction_of_angle(const NamedAxis& axis) {
          axis.unit.name + "} instead of unit";
 }
 
+/// Any length can be that of 4096 user units. But who says that a user unit is a micrometre, or
+/// another decimal part of a metre, has chosen it without the lead of the machine.
+/// @return what is hardly meant with a unit of a length; empty = nothing.
+std::string contradiction_of_length(const NamedAxis& axis) {
+  const auto in_millimetre = user_units_in(axis.unit, "mm");
+  if (!in_millimetre) return {};  // nobody knows how long its unit is
+  const double decimals = std::log10(axis.unit.size);
+  if (std::abs(decimals - std::round(decimals)) >= kSameSize) return {};
+  const double turn = user_units_a_load_turn(axis.configuration);
+  return "unit says per_unit = " + to_text(axis.unit.size) + ", and a revolution of the load has " +
+         six_digits(turn) + " user units, so its lead is " + six_digits(turn / *in_millimetre) +
+         " mm: with another lead every length is shown wrong; write mechanics: {screw: {pitch: " +
+         six_digits(from_user_units(turn, axis.unit)) + axis.unit.name +
+         "}} with the lead of the machine instead of unit";
+}
+
 void warn_of_unit(const NamedAxis& axis, const AxisEntries& entries,
                   std::vector<std::string>& warnings) {
   const YamlValue* const unit = entry_of(entries, "unit");
-  if (unit == nullptr || axis.unit.kind != UnitKind::rotary) return;
-  const std::string finding = contradiction_of_angle(axis);
+  // The unit that follows from mechanics is right; one beside it is the same, or an error.
+  if (unit == nullptr || entries.contains("mechanics")) return;
+  const bool is_angle = axis.unit.kind == UnitKind::rotary;
+  const std::string finding =
+      is_angle ? contradiction_of_angle(axis) : contradiction_of_length(axis);
   if (!finding.empty()) warn_at(*unit, axis, finding, warnings);
 }
 

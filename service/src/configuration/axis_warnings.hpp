@@ -16,8 +16,8 @@ using AxisEntries = std::map<std::string, settings::YamlValue>;
 /// @param axis that `entries` describe, with number, name and what follows from its mechanics
 /// @return what the author of a valid axis can hardly want, a line each with file, line, key and
 ///         axis: software limits (607Dh) that have no effect because 3535h is not set, or have no
-///         unit beside `mechanics`; a rotary unit that contradicts the 4096 user units of a
-///         revolution; a 607Fh above what 6080h permits, and a 6081h above both.
+///         unit beside `mechanics`; a unit that contradicts the 4096 user units of a revolution; a
+///         607Fh above what 6080h permits, and a 6081h above both.
 [[nodiscard]] std::vector<std::string> axis_warnings(const NamedAxis& axis,
                                                      const AxisEntries& entries);
 

@@ -61,7 +61,7 @@ Unit read_unit(const YamlValue& value) {
   if (is_linear && (!name || !size)) {
     value.refuse(
         "a linear unit needs name and per_unit, such as {kind: linear, name: mm, "
-        "per_unit: 1000}");
+        "per_unit: 819.2}");
   }
   Unit unit{.kind = *kind};
   if (name) {
