@@ -121,10 +121,10 @@ TEST(Schemas, HaveEachMemberOfTheirMessagesAndNoOther) {
     return differences(Json::parse(channel.schema), Json::parse(message));
   };
   EXPECT_THAT(differ(description_channel(""), description_text(bench)), IsEmpty());
-  EXPECT_THAT(differ(state_channel(""),
-                     state_text(bench.info, 1, {}, true, {{0x0B, {.program = "vdrive"}}},
-                                {{.axis = 1, .from = 0x0A, .by = 0x0B, .tick = 1}})),
-              IsEmpty());
+  EXPECT_THAT(
+      differ(state_channel(""), state_text(bench.info, 1, {}, true, {{0x0B, {.program = "vdrive"}}},
+                                           {{.axis = 1, .from = 0x0A, .by = 0x0B, .tick = 1}})),
+      IsEmpty());
   EXPECT_THAT(differ(control_channel(), control_text({}, "client 1", false)), IsEmpty());
   EXPECT_THAT(differ(dictionary_channel(), dictionary_text()), IsEmpty());
 }

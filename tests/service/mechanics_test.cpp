@@ -274,11 +274,11 @@ TEST(Mechanics, AreAdvisedWhereAUserUnitIsSaidToBeADecimalPartOfALength) {
 }
 
 TEST(Mechanics, AreNotAdvisedBesideAUnitThatFitsThem) {
-  for (const char* const unit : {"unit: {kind: linear, name: mm, per_unit: 819.2}",
-                                 "unit: {kind: linear, name: bottle, per_unit: 1}",
-                                 "mechanics: {screw: {pitch: 4096um}}",
-                                 "mechanics: {screw: {pitch: 4096um}}, unit: {kind: linear, name: "
-                                 "um, per_unit: 1}"}) {
+  for (const char* const unit :
+       {"unit: {kind: linear, name: mm, per_unit: 819.2}",
+        "unit: {kind: linear, name: bottle, per_unit: 1}", "mechanics: {screw: {pitch: 4096um}}",
+        "mechanics: {screw: {pitch: 4096um}}, unit: {kind: linear, name: "
+        "um, per_unit: 1}"}) {
     EXPECT_THAT(warnings_of_axis(unit), IsEmpty()) << unit;
   }
 }

@@ -245,14 +245,14 @@ TEST(ServiceProcess, NamesOptionValueAndLimitsOfANumber) {
     const char* option;
     const char* limits;
   };
-  for (const Row& row :
-       {Row{"--axes", "a whole number from 1 to 16384"},
-        Row{"--bench", "a whole number from 1 to 65535"},
-        Row{"--domain", "a whole number from 0 to 232"},
-        Row{"--period", "a whole number from 125 to 10000"},
-        Row{"--threads", "a whole number from 1 to 64"},
-        Row{"--metrics", "a whole number from 0 to 65535"},
-        Row{"--rate", "0 = paused, or from 0.1 to 100"}}) {
+
+  for (const Row& row : {Row{"--axes", "a whole number from 1 to 16384"},
+                         Row{"--bench", "a whole number from 1 to 65535"},
+                         Row{"--domain", "a whole number from 0 to 232"},
+                         Row{"--period", "a whole number from 125 to 10000"},
+                         Row{"--threads", "a whole number from 1 to 64"},
+                         Row{"--metrics", "a whole number from 0 to 65535"},
+                         Row{"--rate", "0 = paused, or from 0.1 to 100"}}) {
     for (const char* const value : {"1e9", "1e99", "-1", "many"}) {
       Process service({row.option, value, "--print-config"});
       EXPECT_EQ(service.wait(), 2) << row.option << " " << value;

@@ -98,9 +98,8 @@ TEST_F(MotionInLockStep, ATorqueThatTakesTooLongSaysHowFarItCameAndHaltsTheAxis)
   ASSERT_EQ(call("enable 1.1").code, 0);
   const Finished late = call("torque 1.1 100 --slope 10 --timeout 2s");
   EXPECT_EQ(late.code, 4);
-  EXPECT_THAT(late.errors,
-              AllOf(HasSubstr(" of 100 per mille of rated torque, still on its way"),
-                    HasSubstr("; axis 1.1 is halted")));
+  EXPECT_THAT(late.errors, AllOf(HasSubstr(" of 100 per mille of rated torque, still on its way"),
+                                 HasSubstr("; axis 1.1 is halted")));
   EXPECT_EQ(value_of("1.1", "0x606B"), "0");
   ASSERT_EQ(call("step 1000").code, 0);
   EXPECT_EQ(value_of("1.1", "0x603F"), "0");

@@ -239,9 +239,9 @@ TEST_F(WaitAndExpect, EndAtOnceOnAnAxisThatStaysInFault) {
   const std::uint64_t before = tick_now();
   const Finished waited = call("wait 1.1 target_reached --timeout 30s");
   EXPECT_EQ(waited.code, 1);
-  EXPECT_THAT(waited.errors, AllOf(HasSubstr("axis 1.1 is in Fault 0x4310"),
-                                   HasSubstr(since + "target_reached"),
-                                   HasSubstr("; reset it first: vdrive reset 1.1")));
+  EXPECT_THAT(waited.errors,
+              AllOf(HasSubstr("axis 1.1 is in Fault 0x4310"), HasSubstr(since + "target_reached"),
+                    HasSubstr("; reset it first: vdrive reset 1.1")));
   const Finished value = call("expect 1.1 position 1000 --within 30s --json");
   EXPECT_EQ(value.code, 1);
   EXPECT_THAT(value.output, AllOf(HasSubstr("\"actual\":0"), HasSubstr("\"error_code\":17168")));
@@ -250,8 +250,8 @@ TEST_F(WaitAndExpect, EndAtOnceOnAnAxisThatStaysInFault) {
   EXPECT_EQ(call("expect 1.1 torque 50 --within 30s").code, 1);
   const Finished mode = call("expect 1.1 mode 5 --within 30s");
   EXPECT_EQ(mode.code, 1);
-  EXPECT_THAT(mode.errors, AllOf(HasSubstr("axis 1.1 is in Fault 0x4310"),
-                                 HasSubstr(since + "mode 5")));
+  EXPECT_THAT(mode.errors,
+              AllOf(HasSubstr("axis 1.1 is in Fault 0x4310"), HasSubstr(since + "mode 5")));
   EXPECT_EQ(call("expect 1.1 statusword 0x400 --mask 0x400 --within 30s").code, 1);
   EXPECT_EQ(call("expect 1.1 statusword 0x1000 --mask 0x1000 --within 30s").code, 1);
   EXPECT_LE(tick_now() - before, 8 * 110) << "each of the eight ended after 100 ms";

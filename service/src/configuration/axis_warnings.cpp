@@ -141,9 +141,9 @@ void warn_of_speed_limit(const NamedAxis& axis, const AxisEntries& entries,
 
 /// @return such as "13653 UU/s = 16.6663 mm/s".
 std::string in_both_units(std::int64_t speed, const Unit& unit) {
-  return std::to_string(speed) + " UU/s = " +
-         six_digits(from_user_units(static_cast<double>(speed), unit)) + " " + escaped(unit.name) +
-         "/s";
+  return std::to_string(speed) +
+         " UU/s = " + six_digits(from_user_units(static_cast<double>(speed), unit)) + " " +
+         escaped(unit.name) + "/s";
 }
 
 /// The manual: 6081h keeps any value, and the motion is cut to 607Fh and 6080h.
