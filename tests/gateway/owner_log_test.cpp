@@ -13,14 +13,14 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-constexpr std::uint64_t kPage = 0xA;
-constexpr std::uint64_t kTool = 0xB;
-constexpr std::uint64_t kTick = 50'000;
+constexpr std::uint64_t kPageSession = 0xA;
+constexpr std::uint64_t kToolSession = 0xB;
+constexpr std::uint64_t kTakenTick = 50'000;
 constexpr std::uint32_t kEpoch = 7;
 
 // As a bench reports it: the new epoch of who gained, 0 of who lost; axis 0 = several.
 client::Event control_event(std::uint16_t axis, std::uint64_t session, std::uint32_t epoch,
-                            std::uint64_t tick = kTick) {
+                            std::uint64_t tick = kTakenTick) {
   client::Event event;
   event.axis = axis;
   event.kind = client::EventKind::control_changed;
@@ -41,58 +41,58 @@ client::Observation observation_of(const std::vector<std::uint64_t>& owners) {
 
 TEST(OwnerLog, HasTheOwnersThatAStatusShowsOnceEachTheNewestLast) {
   OwnerLog sut;
-  sut.note(observation_of({kPage, 0, kPage, kTool}));
-  sut.note(observation_of({0, 0, 0, kPage}));
-  EXPECT_THAT(sut.sessions(), ElementsAre(kTool, kPage));
+  sut.note(observation_of({kPageSession, 0, kPageSession, kToolSession}));
+  sut.note(observation_of({0, 0, 0, kPageSession}));
+  EXPECT_THAT(sut.sessions(), ElementsAre(kToolSession, kPageSession));
   EXPECT_THAT(sut.takings(), IsEmpty());
 }
 
 TEST(OwnerLog, HasAnOwnerThatNoStatusShowed) {
   OwnerLog sut;
-  sut.note(control_event(2, kPage, 0));
-  sut.note(control_event(2, kTool, kEpoch));
-  sut.note(control_event(2, kTool, 0));
-  EXPECT_THAT(sut.sessions(), ElementsAre(kTool));
-  EXPECT_THAT(sut.takings(), ElementsAre(Taking{2, kPage, kTool, kTick}));
+  sut.note(control_event(2, kPageSession, 0));
+  sut.note(control_event(2, kToolSession, kEpoch));
+  sut.note(control_event(2, kToolSession, 0));
+  EXPECT_THAT(sut.sessions(), ElementsAre(kToolSession));
+  EXPECT_THAT(sut.takings(), ElementsAre(Taking{2, kPageSession, kToolSession, kTakenTick}));
 }
 
 TEST(OwnerLog, HasEachOfSeveralAxesThatWereTakenAtOnce) {
   OwnerLog sut;
-  sut.note(control_event(1, kPage, 0));
-  sut.note(control_event(3, kPage, 0));
-  sut.note(control_event(0, kTool, kEpoch));
+  sut.note(control_event(1, kPageSession, 0));
+  sut.note(control_event(3, kPageSession, 0));
+  sut.note(control_event(0, kToolSession, kEpoch));
   EXPECT_THAT(sut.takings(),
-              ElementsAre(Taking{1, kPage, kTool, kTick}, Taking{3, kPage, kTool, kTick}));
+              ElementsAre(Taking{1, kPageSession, kToolSession, kTakenTick}, Taking{3, kPageSession, kToolSession, kTakenTick}));
 }
 
 TEST(OwnerLog, HasNoTakingOfAnAxisThatWasFreeForATick) {
   OwnerLog sut;
-  sut.note(control_event(2, kPage, 0));
-  sut.note(control_event(2, kTool, kEpoch, kTick + 1));
+  sut.note(control_event(2, kPageSession, 0));
+  sut.note(control_event(2, kToolSession, kEpoch, kTakenTick + 1));
   EXPECT_THAT(sut.takings(), IsEmpty());
 }
 
 TEST(OwnerLog, HasNoTakingOfAnotherAxis) {
   OwnerLog sut;
-  sut.note(control_event(2, kPage, 0));
-  sut.note(control_event(1, kTool, kEpoch));
+  sut.note(control_event(2, kPageSession, 0));
+  sut.note(control_event(1, kToolSession, kEpoch));
   EXPECT_THAT(sut.takings(), IsEmpty());
 }
 
 // Else a page that took its axis back, and lost it to nobody, would name who took it before.
 TEST(OwnerLog, ForgetsATakingWhenTheAxisIsTakenBack) {
   OwnerLog sut;
-  sut.note(control_event(2, kPage, 0));
-  sut.note(control_event(2, kTool, kEpoch));
-  sut.note(control_event(2, kPage, kEpoch + 1, kTick + 1));
+  sut.note(control_event(2, kPageSession, 0));
+  sut.note(control_event(2, kToolSession, kEpoch));
+  sut.note(control_event(2, kPageSession, kEpoch + 1, kTakenTick + 1));
   EXPECT_THAT(sut.takings(), IsEmpty());
 }
 
 TEST(OwnerLog, ForgetsTheOldestOfTooMany) {
   OwnerLog sut;
   for (std::uint16_t axis = 1; axis <= OwnerLog::kMost + 1; ++axis) {
-    sut.note(control_event(axis, kPage, 0));
-    sut.note(control_event(axis, kTool + axis, kEpoch));
+    sut.note(control_event(axis, kPageSession, 0));
+    sut.note(control_event(axis, kToolSession + axis, kEpoch));
   }
   ASSERT_EQ(sut.takings().size(), OwnerLog::kMost);
   EXPECT_EQ(sut.takings().front().axis, 2);
