@@ -374,6 +374,83 @@ TEST_F(LockStepGroup, AFaultOfOneAxisStopsTheOthersWithinTwoTicksOfItsStatus) {
   EXPECT_EQ(group.status()->state, GroupState::standby);
 }
 
+/// Another session, which takes axis 1.2 in the middle of a move of the group.
+class Taker {
+ public:
+  /// For the call that observes the move.
+  GroupCallOptions options() {
+    GroupCallOptions call;
+    call.progress = [this](const GroupProgress& seen) {
+      if (seen.fraction < 0.3 || has_taken_) return;
+      has_taken_ = true;
+      EXPECT_TRUE(axis_.take_over());
+    };
+    return call;
+  }
+
+  void take() { EXPECT_TRUE(axis_.take_over()); }
+
+  /// @return whether it says that this session has taken the axis.
+  [[nodiscard]] testing::AssertionResult is_named_by(const Outcome& outcome) const {
+    const AxisOwner* const owner = outcome.owner();
+    const bool is_named = outcome.kind() == OutcomeKind::refused &&
+                          outcome.code() == msg::REASON_NOT_OWNER && owner != nullptr &&
+                          owner->axis == AxisId{1, 2} && owner->session == session_.id() &&
+                          owner->name.has_value();
+    return (is_named ? testing::AssertionSuccess() : testing::AssertionFailure())
+           << outcome.message();
+  }
+
+ private:
+  Session session_{options_on_wire()};
+  Axis axis_ = session_.axis("1.2").value();
+  bool has_taken_ = false;
+};
+
+TEST_F(LockStepGroup, AMoveEndsAndStopsItsOtherAxesWhenAnotherSessionTakesOne) {
+  AxisGroup group = enabled(3);
+  Taker taker;
+  const Outcome ended =
+      group.move_together(vector({200'000, 100'000, 50'000}), {.call = taker.options()});
+  EXPECT_TRUE(taker.is_named_by(ended));
+  EXPECT_THAT(ended.message(), HasSubstr("another program has taken an axis of the group"));
+  const auto seen = group.status();
+  ASSERT_TRUE(seen) << seen.outcome().message();
+  EXPECT_EQ(seen->axes[1].state(), PowerState::operation_enabled) << "it is left to the other one";
+  for (const std::size_t place : {0U, 2U}) {
+    EXPECT_NE(seen->axes[place].state(), PowerState::operation_enabled) << place;
+    EXPECT_EQ(seen->axes[place].status.velocity_demand_value, 0) << place;
+  }
+  EXPECT_LT(seen->axes[0].status.position_demand_value, 200'000) << "not at its end";
+}
+
+TEST_F(LockStepGroup, AWaitEndsAndDropsTheQueueWhenAnotherSessionTakesOneAxis) {
+  AxisGroup group = enabled(2);
+  ASSERT_TRUE(group.move_together(vector({200'000, 100'000}), at_start()));
+  ASSERT_TRUE(group.queue_move(vector({0, 0})));
+  Taker taker;
+  EXPECT_TRUE(taker.is_named_by(group.wait_all(taker.options())));
+  const auto seen = group.status();
+  ASSERT_TRUE(seen) << seen.outcome().message();
+  EXPECT_EQ(seen->queued, 0U);
+  EXPECT_NE(seen->axes[0].state(), PowerState::operation_enabled);
+  EXPECT_EQ(seen->axes[1].state(), PowerState::operation_enabled);
+}
+
+TEST_F(LockStepGroup, APollStopsTheOtherAxesWhenAnotherSessionHasTakenOne) {
+  AxisGroup group = enabled(2);
+  ASSERT_TRUE(group.move_together(vector({200'000, 100'000}), at_start()));
+  ASSERT_TRUE(session_.step(1, 200));
+  Taker taker;
+  taker.take();
+  EXPECT_TRUE(taker.is_named_by(group.poll().outcome()));
+  ASSERT_TRUE(session_.step(1, 1));
+  const auto seen = group.status();
+  ASSERT_TRUE(seen) << seen.outcome().message();
+  EXPECT_EQ(seen->axes[0].state(), PowerState::quick_stop_active);
+  EXPECT_EQ(seen->axes[1].state(), PowerState::operation_enabled);
+}
+
 TEST_F(LockStepGroup, APollStopsTheOtherAxesWhileNoCallWaits) {
   AxisGroup group = enabled(3);
   ASSERT_TRUE(group.move_together(vector({300'000, 200'000, 100'000}), at_start()));

@@ -95,7 +95,9 @@ Outcome timed_out_for(std::string_view awaited, const AxisSnapshot& axis) {
 
 AxesCall::AxesCall(std::shared_ptr<SessionCore> core, GroupLayout layout, Caller caller,
                    ObservedAxes::Progress progress)
-    : core_(core), axes_(std::move(core), std::move(layout), caller, std::move(progress)) {}
+    : core_(core),
+      axes_(std::move(core), std::move(layout), caller, std::move(progress)),
+      was_owner_(axes_.layout().axes.size()) {}
 
 // ---- begin -----------------------------------------------------------------------------------
 
@@ -349,20 +351,30 @@ Outcome AxesCall::await_quick_stops(std::string_view awaited) {
 
 // ---- guarding --------------------------------------------------------------------------------
 
-Outcome AxesCall::check_owner() {
-  if (axes_.caller() != Caller::axis) return {};
-  const AxisSnapshot& axis = snapshot();
-  was_owner_ = was_owner_ || axis.owner_session == core_->id;
-  if (!was_owner_ || axis.owner_session == 0 || axis.owner_session == core_->id) return {};
-  return Outcome::refused(msg::REASON_NOT_OWNER,
-                          "another program has taken the axis: this call "
-                          "has ended, and does not stop it")
-      .with_owner({.axis = axis.id, .session = axis.owner_session});
+bool AxesCall::is_taken(std::size_t place) const {
+  const std::uint64_t owner = snapshots()[place].owner_session;
+  return was_owner_[place] && owner != 0 && owner != core_->id;
+}
+
+Outcome AxesCall::check_owners() {
+  for (std::size_t place = 0; place < snapshots().size(); ++place) {
+    const AxisSnapshot& axis = snapshots()[place];
+    if (axis.owner_session == core_->id) was_owner_[place] = true;
+    if (!is_taken(place)) continue;
+    const std::string what = axes_.caller() == Caller::axis
+                                 ? "the axis: this call has ended, and does not stop it"
+                                 : "an axis of the group: the call has ended, and stops the others";
+    return Outcome::refused(msg::REASON_NOT_OWNER, "another program has taken " + what)
+        .with_owner({.axis = axis.id, .session = axis.owner_session});
+  }
+  return {};
 }
 
 Outcome AxesCall::check(std::string_view awaited, std::uint64_t from) {
+  // First: who has the axes is noted in each tick, also in those before `from`.
+  Outcome own = check_owners();
   if (tick() < from) return {};
-  if (Outcome own = check_owner(); !own) return own;
+  if (!own) return axes_.caller() == Caller::axis ? own : stop_others(std::move(own));
   for (const AxisSnapshot& axis : snapshots()) {
     if (!is_enabled(axis)) return stop_others(failed_instead_of(awaited, axis));
   }
@@ -373,12 +385,35 @@ Outcome AxesCall::stop_if_lost(Outcome outcome) {
   return outcome.kind() == OutcomeKind::lost ? stop_others(std::move(outcome)) : outcome;
 }
 
+/// Who loses an axis gets another epoch on that bench. The answer to a request tells it; without it
+/// the bench refuses each frame, also to the axes that are left.
+Outcome AxesCall::renew_control(const Round& round) {
+  for (const BenchPart& part : axes_.parts()) {
+    const bool has_lost = std::ranges::any_of(part.bench->places, [this](std::size_t place) {
+      return is_taken(place);
+    });
+    if (!has_lost || part.is_lost) continue;
+    std::vector<std::uint16_t> left;
+    for (const Round::Entry& entry : round.entries) {
+      const AxisId& id = axes_.layout().axes[entry.place];
+      if (id.bench == part.bench->number) left.push_back(id.axis);
+    }
+    if (left.empty()) continue;
+    if (Outcome renewed = core_->control.acquire(part.target, left); !renewed) return renewed;
+  }
+  return {};
+}
+
 Outcome AxesCall::send_stop(Outcome cause, Answers& stop) {
-  const Round round = round_of(kQuickStop, [this](const AxisSnapshot& axis) {
+  Round round = round_of(kQuickStop, [this](const AxisSnapshot& axis) {
     return is_enabled(axis) && axes_.is_present(axis);
   });
+  std::erase_if(round.entries, [this](const Round::Entry& entry) {
+    return is_taken(entry.place);
+  });
+  if (!round.entries.empty()) stop.outcome = renew_control(round);
   // At once: a common tick would be later, and what is lost cannot take part in it.
-  if (!round.entries.empty()) stop = exchange({&round, 1}, Timing::at_once);
+  if (stop.outcome && !round.entries.empty()) stop = exchange({&round, 1}, Timing::at_once);
   if (stop.outcome) return cause;
   return Outcome::failed(cause.message() +
                          ", and the others did not stop: " + stop.outcome.message());

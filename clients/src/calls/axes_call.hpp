@@ -215,16 +215,24 @@ class AxesCall {
   // ---- stopping
 
   /// Stops the others when an axis that was observed at `from` or later is not in Operation
-  /// enabled.
-  /// @return of a call of an axis, refused when another session has taken the axis meanwhile: what
-  ///         it does from then on is not what this call waits for
+  /// enabled, or is that of another session by now.
+  /// @return refused when another session has taken an axis: what that axis does from then on is
+  ///         not what this call waits for, and this call does not stop it
   Outcome check(std::string_view awaited, std::uint64_t from);
+
+  /// This session had every axis before this call: check_owners() compares with that.
+  void note_owned() { was_owner_.assign(was_owner_.size(), true); }
+
+  /// @return refused when another session has an axis that this session had, in a tick that this
+  ///         call observed or before it.
+  [[nodiscard]] Outcome check_owners();
 
   /// Quick stop of every axis in Operation enabled; observes them until all are at rest.
   /// @return `cause`.
   Outcome stop_others(Outcome cause);
 
-  /// The same without waiting. @return `cause`; `stop` is what became of the quick stop.
+  /// The same without waiting; an axis that another session has taken is left to that session.
+  /// @return `cause`; `stop` is what became of the quick stop.
   Outcome send_stop(Outcome cause, Answers& stop);
 
   /// stop_others() when `outcome` is the loss of a service; else nothing.
@@ -250,7 +258,8 @@ class AxesCall {
     }
   }
 
-  [[nodiscard]] Outcome check_owner();
+  [[nodiscard]] bool is_taken(std::size_t place) const;
+  Outcome renew_control(const Round& round);
   Outcome observe_next(std::string_view awaited, std::span<const std::size_t> late);
   [[nodiscard]] Outcome timed_out(std::string_view awaited,
                                   std::span<const std::size_t> late) const;
@@ -262,7 +271,7 @@ class AxesCall {
   ObservedAxes axes_;
   std::chrono::nanoseconds timeout_{0};
   std::uint64_t deadline_ = 0;    ///< as driven_tick()
-  bool was_owner_ = false;        ///< of the axis of its call, in some tick
+  std::vector<bool> was_owner_;   ///< by place: whether this session had the axis in some tick
   std::vector<SentFrames> sent_;  ///< by begin_to_put_in_force(): with the outcome of the sending
   Outcome sending_;
 };

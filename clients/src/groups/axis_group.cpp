@@ -289,7 +289,7 @@ Outcome AxisGroup::enable_all(const GroupCallOptions& options) {
   const Answers answers = call.exchange(rounds, Timing::at_once);
   if (!answers.outcome) return state_->explained(answers.outcome);
   Outcome seen = call.await_tick("Operation enabled", answers.tick);
-  return seen ? call.check("Operation enabled", answers.tick) : seen;
+  return seen ? state_->explained(call.check("Operation enabled", answers.tick)) : seen;
 }
 
 Outcome AxisGroup::disable_all(const GroupCallOptions& options) {
@@ -356,17 +356,25 @@ Outcome AxisGroup::reset_all(const GroupCallOptions& options) {
 
 // ---- watching --------------------------------------------------------------------------------
 
-/// Stops the enabled axes when one has a fault, or is not enabled while a line is in hand.
+/// Stops the enabled axes when one has a fault, or while a line is in hand is not enabled or that
+/// of another session.
 Outcome AxisGroup::State::watch(AxesCall& call) {
   const auto moving = line_in_hand();
   if (moving && call.tick() < moving->start_tick) return {};
+  Answers stop;
+  if (moving) {
+    call.note_owned();
+    if (Outcome own = call.check_owners(); !own) {
+      drop_all();
+      return call.send_stop(std::move(own), stop);
+    }
+  }
   const auto failed = std::ranges::find_if(call.snapshots(), [&moving](const AxisSnapshot& axis) {
     return is_fault(axis.state()) || (moving && !is_enabled(axis));
   });
   if (failed == call.snapshots().end()) return {};
   if (!moving && std::ranges::none_of(call.snapshots(), is_enabled)) return {};
   drop_all();
-  Answers stop;
   return call.send_stop(
       Outcome::failed("axis " + to_string(failed->id) + " " + what_it_shows(*failed)), stop);
 }
@@ -374,7 +382,7 @@ Outcome AxisGroup::State::watch(AxesCall& call) {
 Result<GroupStatus> AxisGroup::poll() {
   AxesCall call = state_->call({});
   if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
-  if (Outcome sound = state_->watch(call); !sound) return sound;
+  if (Outcome sound = state_->watch(call); !sound) return state_->explained(std::move(sound));
   const auto moving = state_->line_in_hand();
   const bool at_rest = !moving || (call.tick() >= moving->start_tick &&
                                    state_->has_arrived(*moving, call.snapshots()));

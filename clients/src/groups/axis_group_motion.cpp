@@ -313,7 +313,7 @@ Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
   if (!seen) return call.stop_if_lost(std::move(seen));
   // An axis that was to halt and failed instead stops the others as in a move.
   const bool all = halt.entries.size() == call.snapshots().size();
-  return all ? call.check("standstill", answers.tick) : seen;
+  return all ? state_->explained(call.check("standstill", answers.tick)) : seen;
 }
 
 Outcome AxisGroup::resume_all(const GroupCallOptions& options) {
@@ -329,9 +329,12 @@ Outcome AxisGroup::resume_all(const GroupCallOptions& options) {
     return state_->explained(answers.outcome);
   }
   Outcome seen = call.await_enabled("the release", answers.tick, every_axis);
-  if (!seen || options.until == Until::in_force) return seen;
-  if (state_->line_in_hand()) return state_->await_line(call, options, true);
-  return call.await_enabled("target reached, bit 10", answers.tick, has_no_way_left);
+  if (seen && options.until == Until::done) {
+    seen = state_->line_in_hand()
+               ? state_->await_line(call, options, true)
+               : call.await_enabled("target reached, bit 10", answers.tick, has_no_way_left);
+  }
+  return state_->explained(std::move(seen));
 }
 
 }  // namespace vdrive::client

@@ -52,7 +52,7 @@ Outcome AxisGroup::start_streaming(const StreamOptions& options) {
       "cyclic synchronous position mode", answers.tick, [](const AxisSnapshot& axis) {
         return axis.mode() == OperatingMode::cyclic_synchronous_position;
       });
-  if (!seen) return seen;
+  if (!seen) return state_->explained(std::move(seen));
   state_->stream = std::make_unique<Stream>(
       Stream{.options = options, .call = std::move(call), .in_flight = {}, .next_tick = 0});
   return {};
@@ -73,7 +73,9 @@ Result<GroupStatus> AxisGroup::stream(const Eigen::VectorXd& positions) {
   }
   Outcome sent = call.steps() ? state_->stream_stepping(round) : state_->stream_ahead(round);
   if (!sent) return state_->explained(call.stop_if_lost(std::move(sent)));
-  if (Outcome sound = call.check("the stream to continue", 0); !sound) return sound;
+  if (Outcome sound = call.check("the stream to continue", 0); !sound) {
+    return state_->explained(std::move(sound));
+  }
   return state_->status_of(call);
 }
 

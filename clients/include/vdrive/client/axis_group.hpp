@@ -89,10 +89,11 @@ struct StreamOptions {
 /// number in which they are in force.
 ///
 /// Messages name the axis that refused, failed or was late. While a call waits for motion it checks
-/// every axis. When one has a fault, loses Operation enabled, or its service stops sending, the
-/// group sends the others a quick stop (605Ah) at once. The call returns `failed` or `lost` when
-/// they are at rest. poll() and monitor() do the same while no call waits. A call that times out
-/// leaves the motion as it is.
+/// every axis. When one has a fault, loses Operation enabled, its service stops sending, or another
+/// session takes it, the group sends the others a quick stop (605Ah) at once. The call returns
+/// `failed`, `lost`, or `refused` with the session that has taken the axis, when they are at rest;
+/// an axis that was taken is left to that session. poll() and monitor() do the same while no call
+/// waits. A call that times out leaves the motion as it is.
 ///
 /// One call at a time, save that halt_all() and quick_stop_all() may come from another thread in
 /// real time.
