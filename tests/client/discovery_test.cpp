@@ -109,6 +109,19 @@ TEST(Discovery, SaysWhatItSawWhenNoBenchIsFound) {
   EXPECT_THAT(sut.find_bench(2).outcome().message(), HasSubstr("seen: 1 other participant"));
 }
 
+TEST(Discovery, NamesTheBenchesThatAreThereWhereTheOnlyOneThatItFindsIsNot) {
+  const MuteService service;
+  SessionOptions one = options();
+  one.find_timeout = 1s;
+  one.bench = 9;
+  Session sut(one);
+  const std::string place = " on domain " + std::to_string(test::test_domain());
+  const std::string others = place + ", found bench 1 (seen: 1 other participant";
+  EXPECT_THAT(sut.find_bench().outcome().message(), StartsWith("no bench 9" + others));
+  EXPECT_THAT(sut.no_bench_found().message(), StartsWith("bench 9 was not found" + others));
+  EXPECT_THAT(sut.axis("some").outcome().message(), HasSubstr(others));
+}
+
 TEST(Discovery, RefusesADomainOutOfRange) {
   SessionOptions wrong;
   wrong.domain = 233;

@@ -599,6 +599,21 @@ TEST_F(LockStep, AnInterruptEndsAWaitingCall) {
   EXPECT_EQ(moving.get().kind(), OutcomeKind::failed);
 }
 
+TEST(SessionForOneBench, NamesTheBenchesThatAreThereWhereItsOwnIsNot) {
+  const BenchOnWire first("--clock lockstep --axes 1");
+  const BenchOnWire second("--clock lockstep --bench 2 --axes 1");
+  SessionOptions one = options_on_wire();
+  one.find_timeout = 2s;
+  one.bench = 9;
+  Session sut(one);
+  const Outcome nobody = sut.find_bench().outcome();
+  EXPECT_EQ(nobody.kind(), OutcomeKind::not_found);
+  EXPECT_THAT(nobody.message(), HasSubstr("no bench 9 on "));
+  EXPECT_THAT(nobody.message(), HasSubstr(", found benches 1, 2"));
+  EXPECT_THAT(sut.axis("1.1").outcome().message(),
+              HasSubstr("no bench 1, this session finds bench 9 only"));
+}
+
 TEST(RealtimeSession, MovesHaltsAndKeepsControlOfItsAxis) {
   const BenchOnWire bench("--clock realtime");
   Session sut(options_on_wire());

@@ -58,3 +58,12 @@ def test_a_wrong_number_of_a_bench_costs_the_time_of_every_session(vdrive_sessio
     with pytest.raises(vdrive.NotFound, match="no bench 9 on domain"):
         vdrive_session.axis("9.1")
     assert time.monotonic() - begin < 20
+
+
+def test_a_session_for_a_bench_that_is_not_there_names_those_that_are(vdrive_bench, vdrive_session):
+    assert vdrive_session.find_bench().number == 1
+    with vdrive_bench.session(bench=9) as session:
+        begin = time.monotonic()
+        with pytest.raises(vdrive.NotFound, match="^no bench 9 on domain .*, found bench 1 "):
+            session.find_bench()
+        assert time.monotonic() - begin < 20

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -29,14 +30,12 @@ constexpr milliseconds kAnnounceAgain{1'000};
 constexpr milliseconds kForgottenAfter = wire::kPatienceWithVdrive - milliseconds{500};
 constexpr milliseconds kTimeToBeFoundAgain{500};
 
-/// @param number of the only bench that is looked for
-/// @return whether a participant of this name is that of a service.
-bool is_service(std::string_view name, std::optional<std::uint32_t> number) {
+/// @return the number of the bench whose service has a participant of this name; nothing for every
+///         other participant.
+std::optional<std::uint32_t> bench_of_service(std::string_view name) {
   constexpr std::string_view kService = "vdrived ";
-  if (!name.starts_with(kService)) return false;
-  name.remove_prefix(kService.size());
-  const auto its_number = parse_digits<std::uint32_t>(name);
-  return its_number && (!number || its_number == number);
+  if (!name.starts_with(kService)) return std::nullopt;
+  return parse_digits<std::uint32_t>(name.substr(kService.size()));
 }
 
 /// @return the texts, with `mark` in front of each.
@@ -154,7 +153,8 @@ Sight Discovery::look(std::optional<std::uint32_t> number) const {
   const auto now = time_of_judgement(number);
   sight.present = number ? (directory_.find(*number, now) ? 1 : 0) : directory_.count_present(now);
   for (const wire::OtherParticipant& other : others) {
-    if (!is_service(other.name, number)) continue;
+    const auto bench = bench_of_service(other.name);
+    if (!bench || (number && *bench != *number)) continue;
     if (other.is_closed != is_closed) {
       ++sight.unreachable;
       continue;
@@ -180,10 +180,38 @@ std::vector<PresentBench> Discovery::find_benches() {
 
 Outcome Discovery::no_bench_found() const {
   if (Outcome here = check_process(); !here) return here;
-  const std::string what =
-      options_.bench ? "bench " + std::to_string(*options_.bench) + " was" : "no bench was";
-  return Outcome::not_found(what + (options_.bench ? " not found" : " found") + place() +
-                            interfaces() + seen() + advice());
+  const std::string what = options_.bench
+                               ? "bench " + std::to_string(*options_.bench) + " was not found"
+                               : "no bench was found";
+  const std::string others = others_announced();
+  if (!others.empty()) return Outcome::not_found(what + place() + ", " + others + seen());
+  return Outcome::not_found(what + place() + interfaces() + seen() + advice());
+}
+
+/// A session that finds one bench only takes no description of another one: it knows the others by
+/// the participants of their services.
+std::string Discovery::others_announced() const {
+  if (!options_.bench) return {};
+  std::set<std::uint32_t> numbers;
+  for (const wire::OtherParticipant& other : participant_.others()) {
+    if (other.is_closed == options_.security.empty()) continue;
+    if (const auto bench = bench_of_service(other.name)) numbers.insert(*bench);
+  }
+  numbers.erase(*options_.bench);
+  std::string text;
+  for (const std::uint32_t number : numbers) {
+    text += (text.empty() ? "" : ", ") + std::to_string(number);
+  }
+  if (text.empty()) return {};
+  return (numbers.size() == 1 ? "found bench " : "found benches ") + text;
+}
+
+std::string Discovery::what_is_there() const {
+  const std::vector<PresentBench> benches = present();
+  if (!benches.empty()) return ", " + list_of(benches) + seen();
+  const std::string others = others_announced();
+  if (!others.empty()) return ", " + others + seen();
+  return interfaces() + ", " + list_of(benches) + seen() + advice();
 }
 
 std::string Discovery::place() const {
@@ -218,6 +246,11 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
     if (benches.empty()) return not_found(std::nullopt, no_bench_found().message());
     return Outcome::not_found("several benches, name one: " + list_of(benches) + place());
   }
+  if (number && !sees(*number)) {
+    return Outcome::not_found("no bench " + std::to_string(*number) +
+                              ", this session finds bench " + std::to_string(*options_.bench) +
+                              " only");
+  }
   const std::uint32_t wanted = number.value_or(options_.bench.value_or(0));
   std::optional<PresentBench> found;
   const auto find = [&] {
@@ -232,10 +265,7 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
     });
   }
   if (found) return std::move(*found);
-  const std::vector<PresentBench> others = present();
-  return not_found(wanted, "no bench " + std::to_string(wanted) + place() +
-                               (others.empty() ? interfaces() : "") + ", " + list_of(others) +
-                               seen() + (others.empty() ? advice() : ""));
+  return not_found(wanted, "no bench " + std::to_string(wanted) + place() + what_is_there());
 }
 
 Outcome Discovery::not_found(std::optional<std::uint32_t> bench, std::string text) const {
@@ -288,10 +318,10 @@ Result<AxisInfo> Discovery::find_name(std::string_view name) {
     for (const PresentBench& bench : benches) {
       for (const AxisInfo& axis : bench.info.axes) names.push_back(axis.name);
     }
-    std::string text = "no axis is named " + in_quotes(name) + suggestion(name, names) + place() +
-                       (benches.empty() ? interfaces() : "") + ", " + list_of(benches);
-    if (!benches.empty()) return Outcome::not_found(std::move(text));
-    return not_found(std::nullopt, text + seen() + advice());
+    const std::string text =
+        "no axis is named " + in_quotes(name) + suggestion(name, names) + place();
+    if (!benches.empty()) return Outcome::not_found(text + ", " + list_of(benches));
+    return not_found(std::nullopt, text + what_is_there());
   }
   return Outcome::not_found("several axes are named " + in_quotes(name) + ": " +
                             to_string(matches[0].id) + ", " + to_string(matches[1].id));

@@ -146,6 +146,12 @@ class Discovery {
   [[nodiscard]] std::string seen() const;
   [[nodiscard]] std::string interfaces() const;
   [[nodiscard]] std::string advice() const;
+  /// @return the benches that are there beside the only one that this session finds, such as "found
+  ///         benches 1, 2"; empty where none is.
+  [[nodiscard]] std::string others_announced() const;
+  /// @return the end of the message of a search that found nothing: which benches there are, what
+  ///         the search has seen, and where there is no bench the next step.
+  [[nodiscard]] std::string what_is_there() const;
   /// Until `condition` holds, called with what is seen, or for the time of a search.
   /// @param number of the only bench that is looked for
   template <typename Condition>
