@@ -102,6 +102,21 @@ def test_functions_that_are_written_in_python_have_the_parameters_of_the_stub():
         assert found == parameters_of_stub(stub[name])
 
 
+def test_a_session_of_a_bench_has_the_parameters_of_a_session():
+    stub = next(node for node in STUB_CLASSES["Session"].body
+                if isinstance(node, ast.FunctionDef) and node.name == "__init__").args
+
+    def described(annotation, default):
+        return annotation, list(default) if isinstance(default, tuple) else default
+
+    expected = {each.arg: described(ast.unparse(each.annotation), ast.literal_eval(default))
+                for each, default in zip(stub.kwonlyargs, stub.kw_defaults)
+                if each.arg not in ("domain", "local")}  # which the bench knows
+    parameters = [each for each in inspect.signature(vdrive.Bench.session).parameters.values()
+                  if each.kind is each.KEYWORD_ONLY]
+    assert {each.name: described(each.annotation, each.default) for each in parameters} == expected
+
+
 def test_every_public_name_has_a_docstring():
     missing = []
     for name in vdrive.__all__:

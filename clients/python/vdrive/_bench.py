@@ -10,7 +10,7 @@ from ._errors import ConfigurationError, NotFound
 
 TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
 if TYPE_CHECKING:
-    from typing import Any, Iterable, Literal
+    from typing import Any, Iterable, Literal, Sequence
 
     Path = str | bytes | os.PathLike[str] | os.PathLike[bytes]
 
@@ -161,15 +161,22 @@ class Bench:
             raise _only_over_dds("domain")
         return self._private.domain
 
-    def session(self, **options: Any) -> _vdrive.Session:
+    def session(self, *, interfaces: Sequence[str] = (), peers: Sequence[str] = (),
+                discovery_servers: Sequence[str] = (), security: str = "",
+                bench: int | None = None,
+                keep_alive: Literal["own_thread", "user_frames"] = "own_thread",
+                find_timeout: float = 2.0, silence: float = 1.5, patience: float = 10.0,
+                program: str = "") -> _vdrive.Session:
         """Return a new Session with the bench, which close() closes, too.
 
-        options: those of Session, with its defaults.
+        The parameters are those of Session, with its defaults. Those of a network do not count for
+        a bench in this process.
         """
-        if self._local is not None:
-            session = _vdrive.Session(local=self._local, **options)
-        else:
-            session = _vdrive.Session(domain=self.domain, **options)
+        session = _vdrive.Session(
+            local=self._local, domain=None if self._local is not None else self.domain,
+            interfaces=interfaces, peers=peers, discovery_servers=discovery_servers,
+            security=security, bench=bench, keep_alive=keep_alive, find_timeout=find_timeout,
+            silence=silence, patience=patience, program=program)
         self._sessions.add(session)
         return session
 
