@@ -117,6 +117,23 @@ def test_a_session_of_a_bench_has_the_parameters_of_a_session():
     assert {each.name: described(each.annotation, each.default) for each in parameters} == expected
 
 
+@pytest.mark.parametrize("name", CLASSES)
+def test_an_object_without_content_is_refused(name):
+    empty = CLASSES[name].__new__(CLASSES[name])
+    for member, value in vars(CLASSES[name]).items():
+        if isinstance(value, property):
+            with pytest.raises(TypeError, match="no content"):
+                value.fget(empty)
+
+
+def test_an_empty_status_is_refused_by_its_methods(vdrive_session):
+    empty = vdrive.Status.__new__(vdrive.Status)
+    for call in (lambda: empty.value(0x6041), lambda: repr(empty), lambda: hash(empty),
+                 lambda: pickle.dumps(empty), lambda: empty == vdrive_session.axis("1.1").status()):
+        with pytest.raises(TypeError, match="no content"):
+            call()
+
+
 def test_every_public_name_has_a_docstring():
     missing = []
     for name in vdrive.__all__:

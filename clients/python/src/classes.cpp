@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What every class of the module has, so that it behaves as one that is written in Python: its
-// calls have signatures, its objects show no address, and a pickle of any protocol works or is
-// refused.
+// calls have signatures, an object without content is refused, its objects show no address, and a
+// pickle of any protocol works or is refused.
 #include "python.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
@@ -92,6 +93,11 @@ void show_signature(PyObject* call) {
   std::free(const_cast<char*>(std::exchange(definition.ml_doc, shown)));  // NOLINT
 }
 
+/// Where an object gets its C++ part before its constructor has run, pybind11 asks for memory only.
+void* refuse_memory(std::size_t /*size*/) {
+  throw py::type_error("this object has no content: it was made by __new__ alone");
+}
+
 /// Protocols 0 and 1 would make an object without its C++ part, which ends the program.
 py::object reduce_by_later_protocol(const py::object& object, int protocol) {
   constexpr int kFirstThatRefuses = 2;
@@ -104,6 +110,9 @@ std::string repr_of_class(const py::object& object) {
 }
 
 void complete(const py::type& type) {
+  // NOLINTNEXTLINE(*-reinterpret-cast): as the macros of Python do it
+  auto* const class_of_python = reinterpret_cast<PyTypeObject*>(type.ptr());
+  py::detail::get_type_info(class_of_python)->operator_new = &refuse_memory;
   for (const auto& [name, attribute] : type.attr("__dict__").attr("copy")().cast<py::dict>()) {
     show_signature(attribute.ptr());
   }
