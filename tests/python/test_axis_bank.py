@@ -201,6 +201,14 @@ def test_bad_arguments_are_refused():
                   numpy.full(4, 2**63, dtype=numpy.uint64)):
         with pytest.raises(TypeError):
             bank.write(None, 0x607A, value)
+    with pytest.raises(TypeError, match="value = .*True.*: must be a whole number or one row"):
+        bank.write(None, 0x607A, numpy.full(4, True))
+    with pytest.raises(TypeError, match="period = True: must be a number of seconds"):
+        vdrive.AxisBank(1, period=True)
+    with pytest.raises(TypeError, match="rms = True: must be a number of N.m"):
+        bank.set_load_noise(0, True)
+    with pytest.raises(TypeError, match="seed = True: must be a whole number"):
+        bank.set_load_noise(0, 0.1, True)
     for value in ("1", None, [1], True):
         with pytest.raises(TypeError, match="value = .*: must be a whole number from -9"):
             bank.write(0, 0x607A, value)
@@ -231,6 +239,7 @@ def test_bad_arguments_are_refused():
     ((2,), {"model": [{}]}, "a sequence of 2 dicts"),
     ((2,), {"model": 3}, "a sequence of 2 dicts"),
     ((1,), {"model": {"backlash": "much"}}, "backlash is a number, in rad"),
+    ((1,), {"model": {"backlash": True}}, "backlash is a number, in rad"),
     ((1,), {"parameters": {"607Ah": RANGE + 1}}, "^initial value 2147483648 .*607Ah"),
 ])
 def test_a_bank_that_cannot_be_made_says_what_where_and_the_limit(arguments, options, reason):

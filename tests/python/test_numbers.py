@@ -73,6 +73,110 @@ def test_a_bad_number_is_named_with_its_limits(axis, error, message, call):
     assert axis.status().demand == 0
 
 
+WHOLE = "must be a whole number from"
+SECONDS = "must be a number of seconds$"
+
+
+def group_of(session):
+    return vdrive.AxisGroup(session, ["1.1", "1.2"])
+
+
+@pytest.mark.parametrize("message, call", [
+    (f"timeout = '5': {SECONDS}", lambda s, a: a.enable(timeout="5")),
+    (f"timeout = True: {SECONDS}", lambda s, a: a.move_to(1, timeout=True)),
+    (f"timeout = .*True.*: {SECONDS}", lambda s, a: a.halt(timeout=numpy.bool_(True))),
+    (f"timeout = None: {SECONDS}", lambda s, a: a.wait_until(lambda status: True, None)),
+    (f"timeout = \\[1\\]: {SECONDS}", lambda s, a: group_of(s).enable_all(timeout=[1])),
+    (f"timeout = True: {SECONDS}", lambda s, a: s.stream().next(True)),
+    (f"duration = True: {SECONDS}", lambda s, a: s.wait(True)),
+    (f"patience = '1': {SECONDS}", lambda s, a: s.follow(patience="1")),
+    (f"period = True: {SECONDS}", lambda s, a: s.on_status(print, period=True)),
+    (f"find_timeout = True: {SECONDS}", lambda s, a: vdrive.Session(find_timeout=True)),
+    (f"lead = '1': {SECONDS}", lambda s, a: group_of(s).start_streaming(lead="1")),
+    ("rate = '2': must be a number$", lambda s, a: s.set_rate("2")),
+    ("velocity_factor = True: must be a number$", lambda s, a: group_of(s).move_together([1, 2], velocity_factor=True)),
+    ("user_units = '1': must be a number$", lambda s, a: a.unit.from_user_units("1")),
+    (f"tick = '7': {WHOLE} 0 to {2**63 - 1}$", lambda s, a: s.wait_for_tick("7")),
+    (f"tick = True: {WHOLE} 0 ", lambda s, a: s.send_set_points({}, tick=True)),
+    (f"bench = True: {WHOLE} 0 to {2**32 - 1}$", lambda s, a: s.step(1, bench=True)),
+    (f"number = '1': {WHOLE} 0 ", lambda s, a: s.find_bench("1")),
+    (f"count = '3': {WHOLE} 0 ", lambda s, a: s.follow(count="3")),
+    (f"capacity = True: {WHOLE} 1 ", lambda s, a: s.stream(capacity=True)),
+    (f"snapshot = 'a': {WHOLE} 0 ", lambda s, a: s.restore_snapshot("a")),
+    (f"bits = '1': {WHOLE} 0 to 65535$", lambda s, a: a.status().shows("1")),
+    (f"benches\\[0\\] = True: {WHOLE} 0 ", lambda s, a: vdrive.StepClock(s, [True])),
+    (f"targets\\[1\\] = '2': {WHOLE} -2147483648 to 2147483647 UU$", lambda s, a: group_of(s).move_together([1, "2"])),
+    ("targets = 5: must be a sequence$", lambda s, a: group_of(s).queue_move(5)),
+    ("positions\\[0\\] = True: must be a number of UU$", lambda s, a: group_of(s).stream([True, 1])),
+    ("unit = 5: must be a text$", lambda s, a: a.move_to(33.3, unit=5)),
+    ("until = 5: must be a text$", lambda s, a: a.enable(until=5)),
+    ("text = 1: must be a text$", lambda s, a: s.axis(1)),
+    ("queue = 'yes': must be True or False$", lambda s, a: a.move_to(1, queue="yes")),
+    ("condition = 1: must be a function$", lambda s, a: a.wait_until(1)),
+    ("set_points = 5: must be a dict$", lambda s, a: s.send_set_points(5)),
+    ("set_points\\[1\\] = 5: must be a dict of objects and their values$", lambda s, a: s.send_set_points({1: 5})),
+    ("peers = 'host': must be a list of texts$", lambda s, a: vdrive.Session(peers="host")),
+    ("axes = 5: must be an address, a name, an Axis, or a list of these$", lambda s, a: s.observe(5)),
+    ("axes = 5: must be an address", lambda s, a: s.record(["1.1", 5], ticks=1)),
+    ("object = None: must be an index, .index, subindex., or a name$", lambda s, a: a.read(None)),
+    ("session = 5: must be a vdrive.Session$", lambda s, a: vdrive.AxisGroup(5, "1.1")),
+    ("move_to[(][)] needs the argument 'position'$", lambda s, a: a.move_to()),
+    ("move_to[(][)] has no argument 'veloctiy' .did you mean 'velocity'", lambda s, a: a.move_to(1, veloctiy=5)),
+    ("move_to[(][)] takes 1 argument without a name, not 2$", lambda s, a: a.move_to(1, 2)),
+    ("move_to[(][)] got 'position' twice$", lambda s, a: a.move_to(1, position=2)),
+    ("Session[(][)] has no argument 'domian' .did you mean 'domain'", lambda s, a: vdrive.Session(domian=3)),
+])
+def test_a_wrong_argument_is_named_in_one_line(vdrive_session, axis, message, call):
+    with pytest.raises(TypeError, match=f"^{message}") as wrong:
+        call(vdrive_session, axis)
+    assert "\n" not in str(wrong.value)
+    assert axis.status().demand == 0
+
+
+@pytest.mark.parametrize("message, call", [
+    ("timeout = -1: must be from 0 to .* seconds$", lambda s, a: a.enable(timeout=-1)),
+    ("tick = -1: must be from 0 to ", lambda s, a: s.wait_for_tick(-1)),
+    ("bench = -1: must be from 0 to ", lambda s, a: s.wait(1, bench=-1)),
+    ("capacity = 0: must be from 1 to ", lambda s, a: s.events(capacity=0)),
+    ("index = 5.5: must be a whole number from 0 to 65535$", lambda s, a: a.read(5.5)),
+])
+def test_a_number_outside_of_its_range_is_named_in_one_line(vdrive_session, axis, message, call):
+    with pytest.raises(ValueError, match=f"^{message}") as wrong:
+        call(vdrive_session, axis)
+    assert "\n" not in str(wrong.value)
+
+
+def test_a_type_error_of_the_program_stays_as_it_is(axis):
+    def condition(status):
+        raise TypeError("of the program:\nin two lines")
+
+    with pytest.raises(TypeError, match="^of the program:\nin two lines$"):
+        axis.wait_until(condition)
+
+
+@pytest.mark.parametrize("name, call", [
+    ("targets", lambda group, numbers: group.move_together(numbers)),
+    ("targets", lambda group, numbers: group.queue_move(numbers)),
+    ("displacements", lambda group, numbers: group.move_by(numbers)),
+])
+@pytest.mark.parametrize("numbers", [[4, 1.5], (4, 1.5), numpy.array([4, 1.5])])
+def test_a_group_refuses_a_fraction_and_does_not_move(vdrive_session, axis, name, call, numbers):
+    group = group_of(vdrive_session)
+    group.enable_all()
+    with pytest.raises(ValueError, match=f"^{name}\\[1\\] = .*1.5.*: {WHOLE} -2147483648 to 2147483647 UU$"):
+        call(group, numbers)
+    status = group.status()
+    assert status.demand.tolist() == [0, 0] and status.queued == 0
+
+
+def test_a_stream_of_a_group_rounds_its_path(vdrive_session):
+    group = vdrive.AxisGroup(vdrive_session, "1.1")
+    group.enable_all()
+    group.start_streaming()
+    assert [group.stream([position]).demand[0] for position in (0.6, 1.4)] == [1, 1]
+    group.stop_streaming()
+
+
 def test_counts_are_checked_before_anything_happens(vdrive_session):
     with pytest.raises(ValueError, match="ticks = -1: must be from 0 to 9223372036854775807"):
         vdrive_session.step(-1)

@@ -117,7 +117,7 @@ def swing(arm, session):
     torque = numpy.zeros(2)
     balance = Balance(arm, numpy.zeros(2), numpy.zeros(2))
     for degrees in ((90, 60), (20, -100), (0, 0)):
-        group.move_together(numpy.array(degrees) / 360 * 4096, until="in_force")
+        group.move_together(numpy.rint(numpy.array(degrees) / 360 * 4096), until="in_force")
         for sample in session.follow(axes):
             frame = sample.array()
             # The owner is the number of the session, which is random.

@@ -3,6 +3,7 @@
 
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 
@@ -47,25 +48,27 @@ void add_value(client::SetPoint& point, ObjectAddress object, std::int64_t value
   }
 }
 
-/// @return the value as a program writes it, shortened.
-std::string shown(const py::handle& value) {
-  return escaped(py::repr(value).cast<std::string>());
-}
-
 Number number_of(const py::handle& value) {
   return {py::reinterpret_borrow<py::object>(value)};
 }
 
 /// @return such as "from 0 to 65535" and the unit.
-std::string limits_text(std::int64_t lowest, std::int64_t highest, const char* unit) {
-  const std::string text = "from " + std::to_string(lowest) + " to " + std::to_string(highest);
+std::string limits_text(const std::string& lowest, const std::string& highest, const char* unit) {
+  const std::string text = "from " + lowest + " to " + highest;
   return *unit == '\0' ? text : text + " " + unit;
 }
 
+/// @return such as "timeout = '5'".
+std::string given_text(const Meaning& meaning, const py::handle& value) {
+  return std::string(meaning.name) + " = " + shown(value);
+}
+
 /// @return false for True and False, of numpy too, and for arrays: one with a single number passes
-///         for a number.
+///         for a number. Bits of an enumeration have a length, too, and are numbers.
 bool is_number_of_python(const py::handle& value) {
-  if (PyBool_Check(value.ptr()) != 0 || py::hasattr(value, "__len__")) return false;
+  if (PyBool_Check(value.ptr()) != 0) return false;
+  if (PyLong_Check(value.ptr()) != 0) return true;
+  if (py::hasattr(value, "__len__")) return false;
   const std::string_view type = Py_TYPE(value.ptr())->tp_name;
   if (type == "numpy.bool_" || type == "numpy.bool") return false;
   return PyIndex_Check(value.ptr()) != 0 || py::hasattr(value, "__float__");
@@ -108,14 +111,18 @@ bool has_fraction(const py::object& value) {
 
 }  // namespace
 
+std::string shown(const py::handle& value) {
+  return escaped(py::repr(value).cast<std::string>());
+}
+
 std::int64_t whole_of(const Number& number, const Meaning& meaning, std::int64_t lowest,
                       std::int64_t highest, const std::optional<GivenUnit>& unit) {
   const py::object& value = number.value;
   const auto problem = [&](const std::string& expected) {
-    return std::string(meaning.name) + " = " + shown(value) + expected;
+    return given_text(meaning, value) + expected;
   };
   const auto limits = [&] {
-    return limits_text(lowest, highest, meaning.unit);
+    return limits_text(std::to_string(lowest), std::to_string(highest), meaning.unit);
   };
   if (!is_number_of_python(value)) {
     throw py::type_error(
@@ -135,15 +142,25 @@ std::uint64_t count_of(const Number& number, const char* name) {
   return static_cast<std::uint64_t>(whole_of(number, {name}, 0, kMostCounted));
 }
 
-nanoseconds nanoseconds_of(double seconds) {
-  if (!(seconds >= 0.0) || seconds > kLongest) {
-    throw py::value_error("a time has 0 to 3.2e9 seconds, not " + std::to_string(seconds));
-  }
-  return nanoseconds(std::llround(seconds * 1e9));
+double real_of(const Real& number, const Meaning& meaning) {
+  if (is_number_of_python(number.value)) return float_of(number.value);
+  const std::string unit = *meaning.unit == '\0' ? "" : std::string(" of ") + meaning.unit;
+  throw py::type_error(given_text(meaning, number.value) + ": must be a number" + unit);
 }
 
-std::chrono::milliseconds milliseconds_of(double seconds) {
-  return std::chrono::ceil<std::chrono::milliseconds>(nanoseconds_of(seconds));
+double real_within(const Real& number, const Meaning& meaning, double lowest, double highest) {
+  const double value = real_of(number, meaning);
+  if (value >= lowest && value <= highest) return value;
+  throw py::value_error(given_text(meaning, number.value) + ": must be " +
+                        limits_text(to_text(lowest), to_text(highest), meaning.unit));
+}
+
+nanoseconds nanoseconds_of(const Real& seconds, const char* name) {
+  return nanoseconds(std::llround(real_within(seconds, {name, "seconds"}, 0.0, kLongest) * 1e9));
+}
+
+std::chrono::milliseconds milliseconds_of(const Real& seconds, const char* name) {
+  return std::chrono::ceil<std::chrono::milliseconds>(nanoseconds_of(seconds, name));
 }
 
 double seconds_of(nanoseconds duration) {
@@ -156,8 +173,8 @@ client::Until until_of(const std::string& until) {
   throw py::value_error(R"(until is "done" or "in_force", not )" + in_quotes(until));
 }
 
-client::CallOptions call_options(double timeout, const std::string& until) {
-  return {.timeout = nanoseconds_of(timeout), .until = until_of(until)};
+client::CallOptions call_options(const Real& timeout, const std::string& until) {
+  return {.timeout = nanoseconds_of(timeout, "timeout"), .until = until_of(until)};
 }
 
 client::Pace pace_of(const std::string& pace) {
@@ -184,6 +201,10 @@ ObjectAddress object_of(const py::object& object) {
     return {.index = whole<std::uint16_t>(number_of(parts[0]), {"index"}),
             .subindex = whole<std::uint8_t>(number_of(parts[1]), {"sub-index"})};
   }
+  if (!is_number_of_python(object)) {
+    throw py::type_error("object = " + shown(object) +
+                         ": must be an index, (index, subindex), or a name");
+  }
   return {.index = whole<std::uint16_t>(number_of(object), {"index"}), .subindex = 0};
 }
 
@@ -198,6 +219,13 @@ void add_arguments(py::module_& module) {
       "number, "
       "and ValueError when it is a fraction or outside the range. The message has name, value and "
       "range.");
+  module.def(
+      "real_number",
+      [](const std::string& name, const Real& value) {
+        return real_of(value, {name.c_str()});
+      },
+      py::arg("name"), py::arg("value"),
+      "The value of the argument `name` as a float. Raises TypeError when it is not a number.");
 }
 
 client::SetPointFrame frame_of(const py::dict& set_points) {
@@ -205,6 +233,10 @@ client::SetPointFrame frame_of(const py::dict& set_points) {
   for (const auto& [axis, values] : set_points) {
     client::SetPoint& point = frame.axes.emplace_back();
     point.axis = whole<std::uint16_t>(number_of(axis), {"axis"});
+    if (!py::isinstance<py::dict>(values)) {
+      throw py::type_error("set_points[" + std::to_string(point.axis) + "] = " + shown(values) +
+                           ": must be a dict of objects and their values");
+    }
     for (const auto& [object, value] : values.cast<py::dict>()) {
       add_value(point, object_of(py::reinterpret_borrow<py::object>(object)),
                 whole<std::int64_t>(number_of(value), {"value"}));

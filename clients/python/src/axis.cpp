@@ -26,7 +26,6 @@ using client::AxisSnapshot;
 using client::EachCommand;
 using client::Outcome;
 using client::Session;
-using OptionalNumber = std::optional<Number>;
 
 struct CommandName {
   std::string_view name;
@@ -96,7 +95,7 @@ void add_command(AxisClass& axis, const char* name,
                  Outcome (Axis::*command)(const client::CallOptions&), const char* text) {
   axis.def(
       name,
-      [command](PyAxis& self, double timeout, const std::string& until) {
+      [command](PyAxis& self, const Real& timeout, const std::string& until) {
         const client::CallOptions options = call_options(timeout, until);
         run(self, [&](Axis& target) {
           return (target.*command)(options);
@@ -183,7 +182,7 @@ void add_move(AxisClass& axis, const char* name, const char* target,
       name,
       [move, target](PyAxis& self, const Number& aim, const OptionalNumber& velocity,
                      const OptionalNumber& acceleration, const OptionalNumber& deceleration,
-                     const std::optional<std::string>& unit, bool queue, double timeout,
+                     const std::optional<std::string>& unit, bool queue, const Real& timeout,
                      const std::string& until) {
         const auto given = unit_named(self, unit);
         const client::MoveOptions options =
@@ -232,8 +231,8 @@ void add_homing(AxisClass& axis) {
       "home",
       [](PyAxis& self, const OptionalNumber& method, const OptionalNumber& offset,
          const OptionalNumber& search_speed, const OptionalNumber& creep_speed,
-         const OptionalNumber& acceleration, const std::optional<std::string>& unit, double timeout,
-         const std::string& until) {
+         const OptionalNumber& acceleration, const std::optional<std::string>& unit,
+         const Real& timeout, const std::string& until) {
         const auto given = unit_named(self, unit);
         const Speeds speeds(given);
         const client::HomingOptions options{
@@ -258,8 +257,8 @@ void add_velocity_and_torque(AxisClass& axis) {
   axis.def(
       "run_at",
       [](PyAxis& self, const Number& velocity, const OptionalNumber& acceleration,
-         const OptionalNumber& deceleration, const std::optional<std::string>& unit, double timeout,
-         const std::string& until) {
+         const OptionalNumber& deceleration, const std::optional<std::string>& unit,
+         const Real& timeout, const std::string& until) {
         const Speeds speeds(unit_named(self, unit));
         const client::VelocityOptions options{
             .acceleration = speeds.ramp(acceleration, "acceleration"),
@@ -277,7 +276,7 @@ void add_velocity_and_torque(AxisClass& axis) {
       "run. `unit` as in move_to().");
   axis.def(
       "apply_torque",
-      [](PyAxis& self, const Number& torque, const OptionalNumber& slope, double timeout,
+      [](PyAxis& self, const Number& torque, const OptionalNumber& slope, const Real& timeout,
          const std::string& until) {
         const client::TorqueOptions options{
             .slope = whole<std::uint32_t>(slope, {"slope", "parts of 1,000 per s"}),
@@ -298,7 +297,7 @@ void add_jog(AxisClass& axis) {
       "jog",
       [](PyAxis& self, const Number& velocity, const py::function& held,
          const OptionalNumber& acceleration, const OptionalNumber& deceleration,
-         const std::optional<std::string>& unit, double timeout) {
+         const std::optional<std::string>& unit, const Real& timeout) {
         const Speeds speeds(unit_named(self, unit));
         const client::VelocityOptions options{
             .acceleration = speeds.ramp(acceleration, "acceleration"),
@@ -424,8 +423,8 @@ void add_observing(AxisClass& axis) {
       "The present state.");
   axis.def(
       "wait_until",
-      [](PyAxis& self, const py::function& condition, double timeout) {
-        const std::chrono::nanoseconds limit = nanoseconds_of(timeout);
+      [](PyAxis& self, const py::function& condition, const Real& timeout) {
+        const std::chrono::nanoseconds limit = nanoseconds_of(timeout, "timeout");
         KeptException kept;
         client::Result<AxisSnapshot> result = waiting(self.py_session, [&](Session& /*session*/) {
           return self.axis.wait_until(
@@ -448,8 +447,8 @@ void add_motion(py::module_& module) {
   py::class_<PyMotion>(module, "Motion", "A move that was started.")
       .def(
           "wait",
-          [](PyMotion& self, double timeout) {
-            const std::chrono::nanoseconds limit = nanoseconds_of(timeout);
+          [](PyMotion& self, const Real& timeout) {
+            const std::chrono::nanoseconds limit = nanoseconds_of(timeout, "timeout");
             check(waiting(self.py_session, [&](Session& /*session*/) {
               return self.motion.wait(limit);
             }));
@@ -466,8 +465,14 @@ void add_motion(py::module_& module) {
           "Whether the axis is at its target. Does not wait.");
 }
 
+[[noreturn]] void refuse_axes(const py::handle& axes) {
+  throw py::type_error("axes = " + shown(axes) +
+                       ": must be an address, a name, an Axis, or a list of these");
+}
+
 client::Axis axis_of(const SharedPySession& py_session, const py::handle& axis) {
   if (py::isinstance<PyAxis>(axis)) return axis.cast<const PyAxis&>().axis;
+  if (!py::isinstance<py::str>(axis)) refuse_axes(axis);
   const auto text = axis.cast<std::string>();
   return value_or_raise(waiting(py_session, [&](Session& session) {
     return session.axis(text);
@@ -487,6 +492,7 @@ std::vector<Axis> axes_of(const SharedPySession& py_session, const py::object& a
     found.push_back(axis_of(py_session, axes));
     return found;
   }
+  if (!py::isinstance<py::iterable>(axes)) refuse_axes(axes);
   for (const py::handle axis : axes) found.push_back(axis_of(py_session, axis));
   return found;
 }

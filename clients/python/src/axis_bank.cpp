@@ -9,7 +9,6 @@
 #include "python.hpp"
 #include "status.hpp"
 #include "vdrive/dictionary/object_text.hpp"
-#include "vdrive/number_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
@@ -268,11 +267,11 @@ Integers integers_of(const py::object& values, const char* what) {
   const py::array row = py::array::ensure(values);
   if (row && row.ndim() == 1 && row.size() == 0) return Integers(0);
   const bool is_whole = row && row.ndim() <= 1 &&
-                        std::string_view("iub").find(row.dtype().kind()) != std::string_view::npos;
+                        std::string_view("iu").find(row.dtype().kind()) != std::string_view::npos;
   Integers integers = is_whole ? Integers::ensure(row) : Integers();
   if (!is_whole || !integers) {
     PyErr_Clear();
-    throw py::type_error(std::string(what) + " = " + escaped(py::repr(values).cast<std::string>()) +
+    throw py::type_error(std::string(what) + " = " + shown(values) +
                          ": must be a whole number or one row of whole numbers");
   }
   return integers;
@@ -358,17 +357,15 @@ void write_object(PyAxisBank& self, const py::object& axis, const py::object& ob
   }
 }
 
-void set_load_noise(PyAxisBank& self, const py::object& axis, double rms, std::uint64_t seed) {
-  if (!(rms >= 0.0 && rms <= kLargestLoadNoise)) {
-    throw py::value_error("rms = " + to_text(rms) + " must be from 0 to " +
-                          to_text(kLargestLoadNoise) + " N.m");
-  }
+void set_load_noise(PyAxisBank& self, const py::object& axis, const Real& rms, const Number& seed) {
+  const double noise = real_within(rms, {"rms", "N.m"}, 0.0, kLargestLoadNoise);
+  const std::uint64_t number = count_of(seed, "seed");
   const PyAxisBank::Use use(self);
   AxisBank& bank = use.bank();
   if (is_number(axis)) {
-    bank.set_load_noise(checked_axis(bank, Number{axis}), rms, seed);
+    bank.set_load_noise(checked_axis(bank, Number{axis}), noise, number);
   } else {
-    for (const std::size_t each : axes_in(bank, axis)) bank.set_load_noise(each, rms, seed);
+    for (const std::size_t each : axes_in(bank, axis)) bank.set_load_noise(each, noise, number);
   }
 }
 
@@ -406,9 +403,9 @@ void set_number(AxisModel& model, const std::string& key, const py::handle& valu
   const auto* const row = std::ranges::find(kModelParameters, key, &ModelParameter::name);
   if (row != kModelParameters.end()) {
     try {
-      model.*row->member = value.cast<double>();
+      model.*row->member = real_of({py::reinterpret_borrow<py::object>(value)}, {});
       return;
-    } catch (const py::cast_error&) {
+    } catch (const py::type_error&) {
       raise_configuration_error("model: " + key + " is a number, in " + std::string(row->unit));
     }
   }
@@ -453,8 +450,8 @@ void set_models(std::vector<AxisConfiguration>& axes, const py::object& model) {
   }
 }
 
-std::chrono::microseconds period_of(double seconds) {
-  return std::chrono::round<std::chrono::microseconds>(nanoseconds_of(seconds));
+std::chrono::microseconds period_of(const Real& seconds) {
+  return std::chrono::round<std::chrono::microseconds>(nanoseconds_of(seconds, "period"));
 }
 
 /// @throws py::error_already_set with a ConfigurationError outside of the range
@@ -466,8 +463,8 @@ std::size_t count_of_axes(const Number& axes) {
   }
 }
 
-std::unique_ptr<PyAxisBank> make_bank(const Number& axes, double period, const py::object& model,
-                                      const py::dict& parameters) {
+std::unique_ptr<PyAxisBank> make_bank(const Number& axes, const Real& period,
+                                      const py::object& model, const py::dict& parameters) {
   const std::size_t count = count_of_axes(axes);
   AxisConfiguration common;
   for (const auto& [object, value] : parameters) {

@@ -125,8 +125,8 @@ void add_unit(py::module_& module) {
           "the nearest.")
       .def(
           "from_user_units",
-          [](const Unit& unit, double user_units) {
-            return from_user_units(user_units, unit);
+          [](const Unit& unit, const Real& user_units) {
+            return from_user_units(real_of(user_units, {"user_units"}), unit);
           },
           py::arg("user_units"),
           "A position in UU, or a speed or acceleration in UU per s or s^2, in `name`.")

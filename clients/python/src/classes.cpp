@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What every class of the module has, so that it behaves as one that is written in Python: its
-// calls have signatures, an object without content is refused, its objects show no address, and a
-// pickle of any protocol works or is refused.
+// calls have signatures and say in one line what is wrong with their arguments, an object without
+// content is refused, its objects show no address, and a pickle of any protocol works or is
+// refused.
 #include "python.hpp"
+#include "signatures.hpp"
+#include "wrong_call.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -16,42 +19,12 @@
 namespace vdrive::python {
 namespace {
 
-/// @return the place of the first of these characters outside of brackets and quotes, or npos.
-std::size_t find_outside(std::string_view text, std::string_view wanted) {
-  int depth = 0;
-  char quote = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char character = text[i];
-    if (quote != 0) {
-      if (character == quote) quote = 0;
-    } else if (depth == 0 && wanted.find(character) != std::string_view::npos) {
-      return i;
-    } else if (character == '\'' || character == '"') {
-      quote = character;
-    } else if (std::string_view("([{<").find(character) != std::string_view::npos) {
-      ++depth;
-    } else if (std::string_view(")]}>").find(character) != std::string_view::npos) {
-      --depth;
-    }
-  }
-  return std::string_view::npos;
-}
-
-std::string_view without_blanks(std::string_view text) {
-  while (text.starts_with(' ')) text.remove_prefix(1);
-  while (text.ends_with(' ')) text.remove_suffix(1);
-  return text;
-}
-
-/// @param parameter such as "timeout: float = 60.0"
-/// @return it without its type, as `inspect` reads it: "timeout=60.0".
-std::string without_type(std::string_view parameter) {
-  const std::string_view name = without_blanks(parameter.substr(0, find_outside(parameter, ":=")));
-  const std::size_t equals = find_outside(parameter, "=");
-  if (equals == std::string_view::npos) return std::string(name);
-  const std::string_view value = without_blanks(parameter.substr(equals + 1));
+/// @return such as "timeout=60.0", as `inspect` reads it.
+std::string without_type(const Parameter& parameter) {
+  if (parameter.value.empty()) return std::string(parameter.name);
   // `inspect` reads literals only, and <Until.done: 0> is none.
-  return std::string(name) + "=" + (value.starts_with('<') ? "..." : std::string(value));
+  const bool is_literal = !parameter.value.starts_with('<');
+  return std::string(parameter.name) + "=" + (is_literal ? std::string(parameter.value) : "...");
 }
 
 /// @param text as pybind11 documents a call: "wait(self: vdrive.Motion, timeout: float = 60.0) ->
@@ -59,29 +32,18 @@ std::string without_type(std::string_view parameter) {
 /// @return "wait(self, timeout=60.0)"; nothing for another text. With "$self" `inspect` would leave
 ///         the object out, and of a bound call the first parameter as well.
 std::optional<std::string> signature_of(std::string_view text) {
-  const std::size_t open = text.find('(');
-  if (open == std::string_view::npos || open == 0) return std::nullopt;
-  std::string signature(text.substr(0, open + 1));
-  std::string_view left = text.substr(open + 1);
-  while (true) {
-    const std::size_t end = find_outside(left, ",)");
-    if (end == std::string_view::npos) return std::nullopt;
-    const std::string_view parameter = without_blanks(left.substr(0, end));
-    if (!parameter.empty()) {
-      if (!signature.ends_with('(')) signature += ", ";
-      signature += without_type(parameter);
-    }
-    if (left[end] == ')') return signature + ")";
-    left = left.substr(end + 1);
+  const auto read = read_signature(text);
+  if (!read || read->name.empty()) return std::nullopt;
+  std::string signature = std::string(read->name) + "(";
+  for (const Parameter& parameter : read->parameters) {
+    if (!signature.ends_with('(')) signature += ", ";
+    signature += without_type(parameter);
   }
+  return signature + ")";
 }
 
 /// Python finds the signature of a call that is compiled in front of its text.
-void show_signature(PyObject* call) {
-  if (PyInstanceMethod_Check(call) != 0) call = PyInstanceMethod_Function(call);
-  if (PyCFunction_Check(call) == 0) return;
-  // NOLINTNEXTLINE(*-reinterpret-cast): as the macros of Python do it
-  PyMethodDef& definition = *reinterpret_cast<PyCFunctionObject*>(call)->m_ml;
+void show_signature(PyMethodDef& definition) {
   if (definition.ml_doc == nullptr) return;
   const std::string text = definition.ml_doc;
   const auto signature = signature_of(text);
@@ -91,6 +53,16 @@ void show_signature(PyObject* call) {
   if (shown == nullptr) return;
   // pybind11 has made it by strdup, and frees what stands here.
   std::free(const_cast<char*>(std::exchange(definition.ml_doc, shown)));  // NOLINT
+}
+
+/// @param call an attribute of a class or of the module; what is no call stays as it is
+void complete_call(PyObject* call) {
+  if (PyInstanceMethod_Check(call) != 0) call = PyInstanceMethod_Function(call);
+  if (PyCFunction_Check(call) == 0) return;
+  // NOLINTNEXTLINE(*-reinterpret-cast): as the macros of Python do it
+  PyMethodDef& definition = *reinterpret_cast<PyCFunctionObject*>(call)->m_ml;
+  show_signature(definition);
+  name_mistakes_of(definition);
 }
 
 /// Where an object gets its C++ part before its constructor has run, pybind11 asks for memory only.
@@ -114,7 +86,7 @@ void complete(const py::type& type) {
   auto* const class_of_python = reinterpret_cast<PyTypeObject*>(type.ptr());
   py::detail::get_type_info(class_of_python)->operator_new = &refuse_memory;
   for (const auto& [name, attribute] : type.attr("__dict__").attr("copy")().cast<py::dict>()) {
-    show_signature(attribute.ptr());
+    complete_call(attribute.ptr());
   }
   type.attr("__reduce_ex__") = py::cpp_function(&reduce_by_later_protocol, py::is_method(type),
                                                 py::name("__reduce_ex__"), py::arg("protocol"));
@@ -136,7 +108,7 @@ void complete_classes(const py::module_& module) {
     if (is_ours) {
       complete(py::reinterpret_borrow<py::type>(value));
     } else {
-      show_signature(value.ptr());
+      complete_call(value.ptr());
     }
   }
 }

@@ -47,10 +47,10 @@ using GroupClass = py::class_<PyGroup>;
 /// The options of a call, with the exception that its observer in Python may raise.
 class GroupCall {
  public:
-  GroupCall(const PyGroup& group, std::optional<double> timeout, const std::string& until,
+  GroupCall(const PyGroup& group, const OptionalReal& timeout, const std::string& until,
             Progress progress)
       : progress_(std::move(progress)), session_(group.py_session->session()) {
-    if (timeout) options.timeout = nanoseconds_of(*timeout);
+    if (timeout) options.timeout = nanoseconds_of(*timeout, "timeout");
     options.until = until_of(until);
     if (!progress_) return;
     options.progress = [this](const client::GroupProgress& seen) {
@@ -100,18 +100,52 @@ PyGroup open_group(const SharedPySession& py_session, const py::object& axes) {
 }
 
 /// @throws py::value_error unless there is a number for each axis
-void check_size(const PyGroup& group, const Vector& numbers) {
+Vector vector_for(const PyGroup& group, const std::vector<double>& numbers) {
   const std::size_t axes = group.group.axes().size();
-  if (static_cast<std::size_t>(numbers.size()) == axes) return;
-  throw py::value_error("the group has " + std::to_string(axes) + " axes, not " +
-                        std::to_string(numbers.size()));
+  if (numbers.size() != axes) {
+    throw py::value_error("the group has " + std::to_string(axes) + " axes, not " +
+                          std::to_string(numbers.size()));
+  }
+  return Eigen::Map<const Vector>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
 }
+
+/// The positions or distances of a line, as those of a single axis: a fraction is refused.
+Vector whole_positions(const PyGroup& group, const py::iterable& row, const char* argument) {
+  std::vector<double> positions;
+  for_each_in(row, argument, [&positions](const py::object& number, const char* name) {
+    positions.push_back(whole<std::int32_t>(Number{number}, {name, "UU"}));
+  });
+  return vector_for(group, positions);
+}
+
+/// The positions of a path that a program calculates: they are rounded.
+Vector positions_of_path(const PyGroup& group, const py::iterable& row) {
+  std::vector<double> positions;
+  for_each_in(row, "positions", [&positions](const py::object& number, const char* name) {
+    positions.push_back(real_of(Real{number}, {name, "UU"}));
+  });
+  return vector_for(group, positions);
+}
+
+/// How fast a group moves, as a program gives it.
+struct GivenFactors {
+  Real velocity;
+  Real acceleration;
+  Real deceleration;
+
+  [[nodiscard]] GroupMoveOptions options(const GroupCallOptions& call) const {
+    return {.velocity_factor = real_of(velocity, {"velocity_factor"}),
+            .acceleration_factor = real_of(acceleration, {"acceleration_factor"}),
+            .deceleration_factor = real_of(deceleration, {"deceleration_factor"}),
+            .call = call};
+  }
+};
 
 void add_call(GroupClass& group, const char* name,
               Outcome (AxisGroup::*call)(const GroupCallOptions&), const char* text) {
   group.def(
       name,
-      [call](PyGroup& self, std::optional<double> timeout, const std::string& until,
+      [call](PyGroup& self, const OptionalReal& timeout, const std::string& until,
              Progress progress) {
         GroupCall made(self, timeout, until, std::move(progress));
         made.run(self, [&](AxisGroup& called) {
@@ -127,15 +161,14 @@ void add_group_move(GroupClass& group, const char* name, const char* numbers,
                     const char* text) {
   group.def(
       name,
-      [move](PyGroup& self, const Vector& aims, double velocity_factor, double acceleration_factor,
-             double deceleration_factor, std::optional<double> timeout, const std::string& until,
-             Progress progress) {
-        check_size(self, aims);
+      [move, numbers](PyGroup& self, const py::iterable& row, const Real& velocity_factor,
+                      const Real& acceleration_factor, const Real& deceleration_factor,
+                      const OptionalReal& timeout, const std::string& until, Progress progress) {
+        const Vector aims = whole_positions(self, row, numbers);
         GroupCall made(self, timeout, until, std::move(progress));
-        const GroupMoveOptions options{.velocity_factor = velocity_factor,
-                                       .acceleration_factor = acceleration_factor,
-                                       .deceleration_factor = deceleration_factor,
-                                       .call = made.options};
+        const GroupMoveOptions options =
+            GivenFactors{velocity_factor, acceleration_factor, deceleration_factor}.options(
+                made.options);
         made.run(self, [&](AxisGroup& moved) {
           return (moved.*move)(aims, options);
         });
@@ -174,20 +207,19 @@ void add_calls(GroupClass& group) {
 void add_group_moves(GroupClass& group) {
   add_group_move(
       group, "move_together", "targets", &AxisGroup::move_together,
-      "A straight line to absolute positions (UU): all axes start on one tick and arrive on one "
-      "tick. progress(tick, fraction) is called at every tick that the call observes.");
+      "A straight line to absolute positions (whole UU): all axes start on one tick and arrive on "
+      "one tick. progress(tick, fraction) is called at every tick that the call observes.");
   add_group_move(group, "move_by", "displacements", &AxisGroup::move_by,
-                 "The same by displacements (UU) from the demand positions.");
+                 "The same by displacements (whole UU) from the demand positions.");
   group.def(
       "queue_move",
-      [](PyGroup& self, const Vector& targets, double velocity_factor, double acceleration_factor,
-         double deceleration_factor) {
-        check_size(self, targets);
-        const GroupMoveOptions options{.velocity_factor = velocity_factor,
-                                       .acceleration_factor = acceleration_factor,
-                                       .deceleration_factor = deceleration_factor};
+      [](PyGroup& self, const py::iterable& targets, const Real& velocity_factor,
+         const Real& acceleration_factor, const Real& deceleration_factor) {
+        const Vector aims = whole_positions(self, targets, "targets");
+        const GroupMoveOptions options =
+            GivenFactors{velocity_factor, acceleration_factor, deceleration_factor}.options({});
         check(waiting(self.py_session, [&](Session& /*session*/) {
-          return self.group.queue_move(targets, options);
+          return self.group.queue_move(aims, options);
         }));
       },
       py::arg("targets"), py::kw_only(), py::arg("velocity_factor") = 1.0,
@@ -231,8 +263,9 @@ void add_state(GroupClass& group) {
 void add_streaming(GroupClass& group) {
   group.def(
       "start_streaming",
-      [](PyGroup& self, double lead, const std::string& pace) {
-        const client::StreamOptions options{.lead = nanoseconds_of(lead), .pace = pace_of(pace)};
+      [](PyGroup& self, const Real& lead, const std::string& pace) {
+        const client::StreamOptions options{.lead = nanoseconds_of(lead, "lead"),
+                                            .pace = pace_of(pace)};
         check(waiting(self.py_session, [&](Session& /*session*/) {
           return self.group.start_streaming(options);
         }));
@@ -241,13 +274,15 @@ void add_streaming(GroupClass& group) {
       "Cyclic synchronous position mode on every axis, from rest. `lead`: s ahead in real time.");
   group.def(
       "stream",
-      [](PyGroup& self, const Vector& positions) {
-        check_size(self, positions);
+      [](PyGroup& self, const py::iterable& positions) {
+        const Vector next = positions_of_path(self, positions);
         return value_or_raise(waiting(self.py_session, [&](Session& /*session*/) {
-          return self.group.stream(positions);
+          return self.group.stream(next);
         }));
       },
-      py::arg("positions"), "The positions of the next tick (UU). In lock-step it steps one tick.");
+      py::arg("positions"),
+      "The positions of the next tick (UU), rounded to whole ones. In lock-step it steps one "
+      "tick.");
 }
 
 void add_group_status(py::module_& module) {

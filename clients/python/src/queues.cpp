@@ -9,7 +9,6 @@
 #include <pybind11/operators.h>
 
 #include <condition_variable>
-#include <limits>
 #include <mutex>
 #include <stop_token>
 #include <string>
@@ -27,6 +26,9 @@ using client::Session;
 constexpr std::chrono::milliseconds kSlice{100};
 constexpr std::chrono::milliseconds kPause{10};
 
+// More than any program runs.
+constexpr std::chrono::seconds kWithoutTimeout{1'000'000'000};
+
 /// Waits for kPause; ends at once with the thread, as when its session is closed.
 void rest(const std::stop_token& stop) {
   std::mutex mutex;
@@ -39,8 +41,9 @@ void rest(const std::stop_token& stop) {
 
 /// What Python calls on a queue of either kind.
 template <typename Source, typename Item>
-std::deque<Item> take(Source& source, std::size_t most, std::optional<double> timeout) {
-  const std::chrono::nanoseconds patience = nanoseconds_of(timeout.value_or(1e9));
+std::deque<Item> take(Source& source, std::size_t most, const OptionalReal& timeout) {
+  const std::chrono::nanoseconds patience =
+      timeout ? nanoseconds_of(*timeout, "timeout") : kWithoutTimeout;
   Queue<Item>& queue = source.queue();
   std::deque<Item> items = interruptible(
       [&queue] {
@@ -61,7 +64,7 @@ std::deque<Item> take(Source& source, std::size_t most, std::optional<double> ti
 /// @return the next item; nothing when none has come within `timeout`.
 /// @throws py::stop_iteration at the end
 template <typename Source, typename Item>
-std::optional<Item> take_one(Source& source, std::optional<double> timeout) {
+std::optional<Item> take_one(Source& source, const OptionalReal& timeout) {
   std::deque<Item> items = take<Source, Item>(source, 1, timeout);
   if (!items.empty()) return std::move(items.front());
   if (source.queue().ended()) throw py::stop_iteration();
@@ -112,8 +115,9 @@ void add_queue(py::class_<Source, std::shared_ptr<Source>>& queue) {
   });
 }
 
-py::object take_frames(StatusQueue& source, std::optional<double> timeout, std::size_t most) {
-  const std::deque<Observation> samples = take<StatusQueue, Observation>(source, most, timeout);
+py::object take_frames(StatusQueue& source, const OptionalReal& timeout, const Number& most) {
+  const std::deque<Observation> samples =
+      take<StatusQueue, Observation>(source, count_of(most, "most"), timeout);
   if (samples.empty() && source.queue().ended()) throw py::stop_iteration();
   return frames_of(samples, source.axes().size());
 }
@@ -124,8 +128,7 @@ void add_status_queue(py::module_& module) {
       "Status of axes as it comes, received by a thread of its own. An iterator of observations.");
   add_queue<StatusQueue, Observation>(queue);
   queue.def(
-      "take", &take_frames, py::arg("timeout") = py::none(),
-      py::arg("most") = std::numeric_limits<std::size_t>::max(),
+      "take", &take_frames, py::arg("timeout") = py::none(), py::arg("most") = kMostCounted,
       "Waits for samples, at most for `timeout` s, and takes at most `most` of those that are "
       "there: a numpy array of records, a row per sample, a column per axis.");
   queue.def_property_readonly(

@@ -102,7 +102,7 @@ struct Saved {
 
 /// @throws py::value_error for axes that are none, or of several benches
 Saved saved_of(const std::vector<std::string>& axes, const std::vector<std::string>& names,
-               std::optional<double> period) {
+               const OptionalReal& period) {
   Saved saved;
   if (axes.size() != names.size()) {
     throw py::value_error("the recording has " + std::to_string(axes.size()) + " axes and " +
@@ -119,8 +119,9 @@ Saved saved_of(const std::vector<std::string>& axes, const std::vector<std::stri
     saved.bench.axes.push_back({.id = *id, .name = names[place]});
     saved.bench.number = id->bench;
   }
-  saved.has_period = period && *period > 0.0;
-  if (saved.has_period) saved.bench.period = nanoseconds_of(*period);
+  const auto tick = period ? nanoseconds_of(*period, "period") : std::chrono::nanoseconds(0);
+  saved.has_period = tick > std::chrono::nanoseconds(0);
+  if (saved.has_period) saved.bench.period = tick;
   recording::name_topics(saved.bench);
   return saved;
 }
@@ -169,7 +170,7 @@ std::string problem_of(const Call& call) {
 }
 
 void write_recording(const std::string& path, const std::vector<std::string>& axes,
-                     const std::vector<std::string>& names, std::optional<double> period,
+                     const std::vector<std::string>& names, const OptionalReal& period,
                      const py::array& frames) {
   const auto format = recording::format_of(path);
   if (!format) throw py::value_error("a recording ends in .csv, .jsonl or .mcap");

@@ -33,6 +33,14 @@ client::KeepAlive keep_alive_of(const std::string& name) {
   throw py::value_error(R"(keep_alive is "own_thread" or "user_frames", not )" + in_quotes(name));
 }
 
+std::optional<std::uint32_t> number_of_bench(const OptionalNumber& bench) {
+  return whole<std::uint32_t>(bench, {"bench"});
+}
+
+std::size_t capacity_of(const Number& capacity) {
+  return static_cast<std::size_t>(whole_of(capacity, {"capacity"}, 1, kMostCounted));
+}
+
 /// @return the name of the file that Python runs; empty where it runs none, such as `python -c`:
 ///         then the interpreter's own name says who it is.
 std::string name_of_script() {
@@ -43,23 +51,23 @@ std::string name_of_script() {
   return first.starts_with('-') ? std::string() : std::filesystem::path(first).filename().string();
 }
 
-SharedPySession open_session(std::optional<std::uint32_t> domain,
-                             std::vector<std::string> interfaces, std::vector<std::string> peers,
+SharedPySession open_session(const OptionalNumber& domain, std::vector<std::string> interfaces,
+                             std::vector<std::string> peers,
                              std::vector<std::string> discovery_servers, std::string security,
-                             std::optional<std::uint32_t> bench, const std::string& keep_alive,
-                             double find_timeout, double silence, double patience,
+                             const OptionalNumber& bench, const std::string& keep_alive,
+                             const Real& find_timeout, const Real& silence, const Real& patience,
                              const std::shared_ptr<LocalBench>& local, std::string program) {
   const client::SessionOptions options{
-      .domain = domain,
+      .domain = whole<std::uint32_t>(domain, {"domain"}),
       .interfaces = std::move(interfaces),
       .peers = std::move(peers),
       .discovery_servers = std::move(discovery_servers),
       .security = std::move(security),
-      .bench = bench,
+      .bench = number_of_bench(bench),
       .keep_alive = keep_alive_of(keep_alive),
-      .find_timeout = milliseconds_of(find_timeout),
-      .silence = milliseconds_of(silence),
-      .patience = milliseconds_of(patience),
+      .find_timeout = milliseconds_of(find_timeout, "find_timeout"),
+      .silence = milliseconds_of(silence, "silence"),
+      .patience = milliseconds_of(patience, "patience"),
       .bus = local ? local->bus() : nullptr,
       .program = program.empty() ? name_of_script() : std::move(program)};
   try {
@@ -78,8 +86,8 @@ void close_session(PySession& self) {
 
 /// @return the bench of that number, or the only one: to find that it is the only one takes 150
 ///         ms, so it is done once.
-std::uint32_t bench_number(const SharedPySession& self, std::optional<std::uint32_t> bench) {
-  if (bench) return *bench;
+std::uint32_t bench_number(const SharedPySession& self, const OptionalNumber& bench) {
+  if (const auto number = number_of_bench(bench)) return *number;
   if (!self->only_bench) {
     self->only_bench = value_or_raise(waiting(self, [](Session& session) {
                          return session.find_bench();
@@ -90,7 +98,7 @@ std::uint32_t bench_number(const SharedPySession& self, std::optional<std::uint3
 
 /// A call that gives a tick or a number of a bench.
 template <typename Call>
-auto of_bench(const SharedPySession& self, std::optional<std::uint32_t> bench, const Call& call) {
+auto of_bench(const SharedPySession& self, const OptionalNumber& bench, const Call& call) {
   const std::uint32_t number = bench_number(self, bench);
   return value_or_raise(waiting(self, [&](Session& session) {
     return call(session, number);
@@ -141,35 +149,38 @@ struct PyFollower {
 };
 
 PyFollower follow(const SharedPySession& self, const py::object& axes, const std::string& pace,
-                  double patience, std::optional<std::uint64_t> count) {
+                  const Real& patience, const OptionalNumber& count) {
   load_numpy();
   const client::Pace chosen = pace_of(pace);
-  const std::chrono::milliseconds longest = milliseconds_of(patience);
+  const std::chrono::milliseconds longest = milliseconds_of(patience, "patience");
+  const auto most = count ? std::optional(count_of(*count, "count")) : std::nullopt;
   std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
   auto follower = made_here<StepFollower>(value_or_raise(waiting(self, [&](Session& session) {
     return session.follow(ids, chosen);
   })));
   self->adopt(follower);
-  return {std::move(follower), self, longest, count, Frames(ids.size())};
+  return {std::move(follower), self, longest, most, Frames(ids.size())};
 }
 
 std::shared_ptr<StatusQueue> stream(const SharedPySession& self, const py::object& axes,
-                                    std::size_t capacity) {
+                                    const Number& capacity) {
   load_numpy();
-  if (capacity == 0) throw py::value_error("a stream has a capacity of 1 or more");
+  const std::size_t samples = capacity_of(capacity);
   const std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
   auto follower = value_or_raise(waiting(self, [&](Session& session) {
     return session.follow(ids, client::Pace::observe);
   }));
-  auto queue = made_here<StatusQueue>(self->session(), std::move(follower), ids, capacity);
+  auto queue = made_here<StatusQueue>(self->session(), std::move(follower), ids, samples);
   self->adopt(queue);
   return queue;
 }
 
 std::shared_ptr<ReportQueue> status_reports(const SharedPySession& self, const py::object& axes,
-                                            double period) {
+                                            const Real& period) {
   load_numpy();
-  auto queue = made_here<ReportQueue>(self, ids_of(axes_of(self, axes)), milliseconds_of(period));
+  const std::chrono::milliseconds every = milliseconds_of(period, "period");
+  if (every.count() == 0) throw py::value_error("period = 0: must be above 0 seconds");
+  auto queue = made_here<ReportQueue>(self, ids_of(axes_of(self, axes)), every);
   self->adopt(queue);
   return queue;
 }
@@ -180,7 +191,6 @@ template <typename Item>
 std::shared_ptr<ReportedQueue<Item>> reported(const SharedPySession& self,
                                               std::weak_ptr<Dependent>& place, std::size_t capacity,
                                               typename ReportedQueue<Item>::Observe observe) {
-  if (capacity == 0) throw py::value_error("a stream has a capacity of 1 or more");
   const std::shared_ptr<Session> session = self->session();
   const auto before = std::static_pointer_cast<ReportedQueue<Item>>(place.lock());
   auto queue = [&] {
@@ -194,7 +204,7 @@ std::shared_ptr<ReportedQueue<Item>> reported(const SharedPySession& self,
 }
 
 std::shared_ptr<EventQueue> events(const SharedPySession& self, bool history,
-                                   std::size_t capacity) {
+                                   const Number& capacity) {
   const auto observe = [history](Session& session, std::shared_ptr<Queue<client::Event>> queue) {
     if (!queue) return session.on_event({});
     session.on_event(
@@ -203,10 +213,10 @@ std::shared_ptr<EventQueue> events(const SharedPySession& self, bool history,
         },
         history ? client::EventHistory::kept : client::EventHistory::left_out);
   };
-  return reported<client::Event>(self, self->event_stream, capacity, observe);
+  return reported<client::Event>(self, self->event_stream, capacity_of(capacity), observe);
 }
 
-std::shared_ptr<ServiceQueue> service_changes(const SharedPySession& self, std::size_t capacity) {
+std::shared_ptr<ServiceQueue> service_changes(const SharedPySession& self, const Number& capacity) {
   using client::ServiceChange;
   const auto observe = [](Session& session, std::shared_ptr<Queue<ServiceChange>> queue) {
     if (!queue) return session.watch_services({});
@@ -214,11 +224,11 @@ std::shared_ptr<ServiceQueue> service_changes(const SharedPySession& self, std::
       queue->push(change);
     });
   };
-  return reported<ServiceChange>(self, self->service_stream, capacity, observe);
+  return reported<ServiceChange>(self, self->service_stream, capacity_of(capacity), observe);
 }
 
 py::list command_each(const SharedPySession& self, const py::object& axes,
-                      const std::string& command, double timeout, const std::string& until) {
+                      const std::string& command, const Real& timeout, const std::string& until) {
   const client::EachCommand chosen = each_command_of(command);
   const client::CallOptions options = call_options(timeout, until);
   const std::vector<client::Axis> commanded = axes_of(self, axes);
@@ -230,6 +240,13 @@ py::list command_each(const SharedPySession& self, const py::object& axes,
     results.append(outcome ? py::none() : exception_of(outcome));
   }
   return results;
+}
+
+std::vector<PyAxis> handles_of(const SharedPySession& self, const std::vector<client::Axis>& axes) {
+  std::vector<PyAxis> handles;
+  handles.reserve(axes.size());
+  for (const client::Axis& axis : axes) handles.emplace_back(axis, self);
+  return handles;
 }
 
 void add_finding(SessionClass& session) {
@@ -249,9 +266,10 @@ void add_finding(SessionClass& session) {
       "The benches that are present now. Does not wait.");
   session.def(
       "find_bench",
-      [](const SharedPySession& self, std::optional<std::uint32_t> number) {
+      [](const SharedPySession& self, const OptionalNumber& number) {
+        const auto wanted = whole<std::uint32_t>(number, {"number"});
         return value_or_raise(waiting(self, [&](Session& found) {
-          return found.find_bench(number);
+          return found.find_bench(wanted);
         }));
       },
       py::arg("number") = py::none(),
@@ -268,22 +286,25 @@ void add_finding(SessionClass& session) {
       py::arg("text"), R"(The axis of an address such as "1.2" or "1.lift", or of a name.)");
   session.def(
       "axes",
-      [](const SharedPySession& self, std::optional<std::uint32_t> bench) {
-        const std::vector<client::Axis> found = value_or_raise(waiting(self, [&](Session& there) {
-          return there.axes(bench);
-        }));
-        std::vector<PyAxis> axes;
-        axes.reserve(found.size());
-        for (const client::Axis& axis : found) axes.emplace_back(axis, self);
-        return axes;
+      [](const SharedPySession& self, const OptionalNumber& bench) {
+        const auto number = number_of_bench(bench);
+        return handles_of(self, value_or_raise(waiting(self, [&](Session& there) {
+                            return there.axes(number);
+                          })));
       },
       py::arg("bench") = py::none(), "Every axis of a bench, by number.");
+  session.def(
+      "_axes_of",
+      [](const SharedPySession& self, const py::object& axes) {
+        return handles_of(self, axes_of(self, axes));
+      },
+      py::arg("axes"), "The axes that an argument means; None: all of the only bench.");
 }
 
 void add_clock(SessionClass& session) {
   session.def(
       "step",
-      [](const SharedPySession& self, const Number& ticks, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, const Number& ticks, const OptionalNumber& bench) {
         const std::uint64_t count = count_of(ticks, "ticks");
         return of_bench(self, bench, [count](Session& stepped, std::uint32_t number) {
           return stepped.step(number, count);
@@ -293,8 +314,8 @@ void add_clock(SessionClass& session) {
       "Steps a lock-step bench. Returns the tick reached.");
   session.def(
       "wait",
-      [](const SharedPySession& self, double duration, std::optional<std::uint32_t> bench) {
-        const std::chrono::nanoseconds time = nanoseconds_of(duration);
+      [](const SharedPySession& self, const Real& duration, const OptionalNumber& bench) {
+        const std::chrono::nanoseconds time = nanoseconds_of(duration, "duration");
         return of_bench(self, bench, [time](Session& waiter, std::uint32_t number) {
           return waiter.wait(number, time);
         });
@@ -303,18 +324,20 @@ void add_clock(SessionClass& session) {
       "Waits for drive time, in s; in lock-step by steps. Returns the tick reached.");
   session.def(
       "wait_for_tick",
-      [](const SharedPySession& self, std::uint64_t tick, std::optional<std::uint32_t> bench) {
-        return of_bench(self, bench, [tick](Session& waiter, std::uint32_t number) {
-          return waiter.wait_for_tick(number, tick);
+      [](const SharedPySession& self, const Number& tick, const OptionalNumber& bench) {
+        const std::uint64_t awaited = count_of(tick, "tick");
+        return of_bench(self, bench, [awaited](Session& waiter, std::uint32_t number) {
+          return waiter.wait_for_tick(number, awaited);
         });
       },
       py::arg("tick"), py::kw_only(), py::arg("bench") = py::none(),
       "Waits until the bench has reached a tick; in lock-step steps to it.");
   session.def(
       "set_rate",
-      [](const SharedPySession& self, double rate, std::optional<std::uint32_t> bench) {
-        return of_bench(self, bench, [rate](Session& set, std::uint32_t number) {
-          return set.set_rate(number, rate);
+      [](const SharedPySession& self, const Real& rate, const OptionalNumber& bench) {
+        const double ratio = real_of(rate, {"rate"});
+        return of_bench(self, bench, [ratio](Session& set, std::uint32_t number) {
+          return set.set_rate(number, ratio);
         });
       },
       py::arg("rate"), py::kw_only(), py::arg("bench") = py::none(),
@@ -324,7 +347,7 @@ void add_clock(SessionClass& session) {
 void add_snapshots(SessionClass& session) {
   session.def(
       "take_snapshot",
-      [](const SharedPySession& self, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, const OptionalNumber& bench) {
         return of_bench(self, bench, [](Session& taken, std::uint32_t number) {
           return taken.take_snapshot(number);
         });
@@ -333,16 +356,17 @@ void add_snapshots(SessionClass& session) {
       "Saves the state of all axes of a bench whose time stands still. Returns its number.");
   session.def(
       "restore_snapshot",
-      [](const SharedPySession& self, std::uint64_t snapshot, std::optional<std::uint32_t> bench) {
-        return of_bench(self, bench, [snapshot](Session& restored, std::uint32_t number) {
-          return restored.restore_snapshot(number, snapshot);
+      [](const SharedPySession& self, const Number& snapshot, const OptionalNumber& bench) {
+        const std::uint64_t kept = count_of(snapshot, "snapshot");
+        return of_bench(self, bench, [kept](Session& restored, std::uint32_t number) {
+          return restored.restore_snapshot(number, kept);
         });
       },
       py::arg("snapshot"), py::kw_only(), py::arg("bench") = py::none(),
       "Restores all axes to that state. Returns the tick, which continues.");
   session.def(
       "snapshots",
-      [](const SharedPySession& self, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, const OptionalNumber& bench) {
         const auto kept = of_bench(self, bench, [](Session& listed, std::uint32_t number) {
           return listed.snapshots(number);
         });
@@ -356,10 +380,11 @@ void add_snapshots(SessionClass& session) {
       "The snapshots that a bench keeps: {number: tick}.");
   session.def(
       "drop_snapshot",
-      [](const SharedPySession& self, std::uint64_t snapshot, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, const Number& snapshot, const OptionalNumber& bench) {
+        const std::uint64_t kept = count_of(snapshot, "snapshot");
         const std::uint32_t number = bench_number(self, bench);
         check(waiting(self, [&](Session& forgetting) {
-          return forgetting.drop_snapshot(number, snapshot);
+          return forgetting.drop_snapshot(number, kept);
         }));
       },
       py::arg("snapshot"), py::kw_only(), py::arg("bench") = py::none(), "Forgets a snapshot.");
@@ -409,7 +434,7 @@ void add_control(SessionClass& session) {
       "power_cycle. Returns for each axis None or the exception with the reason.");
   session.def(
       "quick_stop",
-      [](const SharedPySession& self, std::optional<std::uint32_t> bench, double timeout,
+      [](const SharedPySession& self, const OptionalNumber& bench, const Real& timeout,
          const std::string& until) {
         const client::CallOptions options = call_options(timeout, until);
         const std::uint32_t number = bench_number(self, bench);
@@ -422,9 +447,10 @@ void add_control(SessionClass& session) {
       "Quick stop of every axis of a bench that has no fault, also of other sessions.");
   session.def(
       "release",
-      [](const SharedPySession& self, std::optional<std::uint32_t> bench) {
-        check(waiting(self, [bench](Session& releasing) {
-          return bench ? releasing.release(*bench) : releasing.release();
+      [](const SharedPySession& self, const OptionalNumber& bench) {
+        const auto number = number_of_bench(bench);
+        check(waiting(self, [number](Session& releasing) {
+          return number ? releasing.release(*number) : releasing.release();
         }));
       },
       py::arg("bench") = py::none(),
@@ -441,10 +467,10 @@ void add_control(SessionClass& session) {
       "Takes control of axes of one bench: of all of them, or of none when one is refused.");
   session.def(
       "send_set_points",
-      [](const SharedPySession& self, const py::dict& set_points, std::uint64_t tick,
-         bool drops_waiting, std::optional<std::uint32_t> bench) {
+      [](const SharedPySession& self, const py::dict& set_points, const Number& tick,
+         bool drops_waiting, const OptionalNumber& bench) {
         client::SetPointFrame frame = frame_of(set_points);
-        frame.tick = tick;
+        frame.tick = count_of(tick, "tick");
         frame.drops_waiting = drops_waiting;
         const std::uint32_t number = bench_number(self, bench);
         check(waiting(self, [&](Session& sending) {

@@ -253,8 +253,8 @@ void add_states(py::class_<AxisSnapshot>& status) {
           "Whether the state is Fault or Fault reaction active.")
       .def(
           "shows",
-          [](const AxisSnapshot& axis, std::uint16_t bits) {
-            return axis.shows(bits);
+          [](const AxisSnapshot& axis, const Number& bits) {
+            return axis.shows(whole<std::uint16_t>(bits, {"bits"}));
           },
           py::arg("bits"), "Whether all of `bits` are 1 in the statusword.")
       .def(
@@ -306,9 +306,12 @@ void add_observation(py::module_& module) {
            })
       .def(
           "__getitem__",
-          [](const Observation& sample, std::size_t place) {
-            if (place >= sample.axes.size()) throw py::index_error("no such axis in the sample");
-            return sample.axes[place];
+          [](const Observation& sample, const Number& place) {
+            const auto axis = whole<std::int64_t>(place, {"place"});
+            if (axis < 0 || std::cmp_greater_equal(axis, sample.axes.size())) {
+              throw py::index_error("no such axis in the sample");
+            }
+            return sample.axes[static_cast<std::size_t>(axis)];
           },
           py::arg("place"))
       .def(

@@ -34,8 +34,8 @@ class OwnClock final : public Dependent {
 
   /// @param step called again with what is left of `patience` while it times out
   template <typename Step>
-  std::vector<std::uint64_t> step(double patience, const Step& step) {
-    const std::chrono::milliseconds limit = milliseconds_of(patience);
+  std::vector<std::uint64_t> step(const Real& patience, const Step& step) {
+    const std::chrono::milliseconds limit = milliseconds_of(patience, "patience");
     return value_or_raise(waiting(py_session_, [&](Session& session) {
       return steps(session, limit, step);
     }));
@@ -70,11 +70,14 @@ class OwnClock final : public Dependent {
   std::optional<StepClock> clock_;
 };
 
-std::shared_ptr<OwnClock> join(const SharedPySession& py_session,
-                               const std::vector<std::uint32_t>& benches) {
+std::shared_ptr<OwnClock> join(const SharedPySession& py_session, const py::iterable& benches) {
+  std::vector<std::uint32_t> numbers;
+  for_each_in(benches, "benches", [&numbers](const py::object& number, const char* name) {
+    numbers.push_back(whole<std::uint32_t>(Number{number}, {name}));
+  });
   auto clock =
       made_here<OwnClock>(py_session, value_or_raise(waiting(py_session, [&](Session& session) {
-                            return StepClock::join(session, benches);
+                            return StepClock::join(session, numbers);
                           })));
   py_session->adopt(clock);
   return clock;
@@ -93,9 +96,10 @@ void add_step_clock(py::module_& module) {
            "Joins the clock of each bench, by its number.")
       .def(
           "step",
-          [](OwnClock& self, std::uint64_t ticks, double patience) {
-            return self.step(patience, [ticks](StepClock& clock, std::chrono::milliseconds left) {
-              return clock.step(ticks, left);
+          [](OwnClock& self, const Number& ticks, const Real& patience) {
+            const std::uint64_t count = count_of(ticks, "ticks");
+            return self.step(patience, [count](StepClock& clock, std::chrono::milliseconds left) {
+              return clock.step(count, left);
             });
           },
           py::arg("ticks") = 1, py::kw_only(), py::arg("patience") = kPatience,
@@ -103,8 +107,8 @@ void add_step_clock(py::module_& module) {
           "each.")
       .def(
           "step_for",
-          [](OwnClock& self, double duration, double patience) {
-            const std::chrono::nanoseconds time = nanoseconds_of(duration);
+          [](OwnClock& self, const Real& duration, const Real& patience) {
+            const std::chrono::nanoseconds time = nanoseconds_of(duration, "duration");
             return self.step(patience, [time](StepClock& clock, std::chrono::milliseconds left) {
               return clock.step_for(time, left);
             });

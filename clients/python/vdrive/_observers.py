@@ -9,7 +9,6 @@ import threading
 import weakref
 
 from . import _vdrive  # noqa: F401  It registers the end of the sessions, which ours comes before.
-from ._recording import axes_of
 
 TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
 if TYPE_CHECKING:
@@ -142,10 +141,8 @@ def on_status(self: _vdrive.Session, observer: Callable[[_vdrive.Observation], o
     that restarts is followed. The calls for a bench end when it has sent nothing for the `patience`
     of the session: then `on_end(error)` is called, with the Lost that says why.
     """
-    if not period > 0.0:
-        raise ValueError("the period is above 0 s")
     benches: dict[int, list[_vdrive.Axis]] = {}
-    for handle in axes_of(self, axes):
+    for handle in self._axes_of(axes):
         benches.setdefault(handle.bench, []).append(handle)
     return Observer(observer, [self._status_reports(each, period) for each in benches.values()],
                     on_end)

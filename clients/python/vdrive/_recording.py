@@ -131,6 +131,8 @@ def load(path: str | os.PathLike[str], *, bench: int | None = None,
     recording, or is damaged. Of an MCAP file that was cut off it reads the whole part; `cut` of the
     recording is the place where it ends.
     """
+    bench = None if bench is None else _vdrive.whole_number("bench", bench)
+    period = None if period is None else _vdrive.real_number("period", period)
     cut, benches = _vdrive.read_recording(os.fspath(path))
     chosen = [each for each in benches if bench in (None, each[0])]
     if len(chosen) > 1:
@@ -150,16 +152,8 @@ def record(self: _vdrive.Session, axes: _vdrive.AxesSpec = None, *, ticks: _vdri
     With pace "drive" each sample of a lock-step bench is a step of one tick.
     """
     count = _vdrive.whole_number("ticks", ticks)
-    handles = axes_of(self, axes)
+    handles = self._axes_of(axes)
     frames = self.follow(handles, pace=pace).take(count)
     period = self.find_bench(handles[0].bench).period
     return Recording([axis.id for axis in handles], [axis.name for axis in handles], frames,
                      period=period)
-
-
-def axes_of(session: _vdrive.Session, axes: _vdrive.AxesSpec) -> list[_vdrive.Axis]:
-    if axes is None:
-        return session.axes()
-    if isinstance(axes, (str, _vdrive.Axis)):
-        axes = [axes]
-    return [session.axis(axis) if isinstance(axis, str) else axis for axis in axes]
