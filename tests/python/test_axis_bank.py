@@ -236,6 +236,8 @@ def test_bad_arguments_are_refused():
     ((1,), {"model": {"load_inertia": -1.0}}, "load_inertia = -1: must be from 0 to 10000 kg.m2"),
     ((1,), {"model": {"inertia": 1.0}}, "unknown key 'inertia', known are coupling.*backlash"),
     ((1,), {"model": {"coupling": "soft"}}, "coupling = 'soft' must be rigid or two_inertia"),
+    ((1,), {"model": {"coupling": 5}}, "coupling = '5' must be rigid or two_inertia"),
+    ((1,), {"model": {5: 1.0}}, "unknown key '5', known are coupling"),
     ((2,), {"model": [{}]}, "a sequence of 2 dicts"),
     ((2,), {"model": 3}, "a sequence of 2 dicts"),
     ((1,), {"model": {"backlash": "much"}}, "backlash is a number, in rad"),

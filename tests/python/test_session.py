@@ -105,6 +105,25 @@ def test_an_exception_of_a_group_observer_is_raised_and_the_group_continues(vdri
     assert group.status().demand.tolist() == [4000.0, 4000.0]
 
 
+def test_a_group_names_the_session_that_takes_one_of_its_axes(vdrive_bench, vdrive_session):
+    group = vdrive.AxisGroup(vdrive_session, ["1.1", "1.2"])
+    group.enable_all()
+    with vdrive_bench.session(program="another") as other:
+        axis, taken = other.axis("1.2"), []
+
+        def take(tick, fraction):
+            if fraction > 0.2 and not taken:
+                taken.append(tick)
+                axis.take_over()
+
+        with pytest.raises(vdrive.Refused, match="another program has taken an axis") as refusal:
+            group.move_together([200000, 100000], progress=take)
+        owner = refusal.value.owner
+        assert (owner.axis, owner.session, owner.program) == ("1.2", other.id, "another")
+        assert refusal.value.code == vdrive.Reason.NOT_OWNER
+        assert axis.status().is_enabled and not vdrive_session.axis("1.1").status().is_enabled
+
+
 def test_a_streamed_position_is_the_demand_of_the_tick(vdrive_session):
     group = vdrive.AxisGroup(vdrive_session, ["1.1"])
     group.enable_all()

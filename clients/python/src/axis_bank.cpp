@@ -386,11 +386,16 @@ py::object read_object(PyAxisBank& self, const py::object& axis, const py::objec
 
 // ---- construction ------------------------------------------------------------------------------
 
+/// @return the text; of another value what a program writes for it.
+std::string text_or_shown(const py::handle& value) {
+  return py::isinstance<py::str>(value) ? value.cast<std::string>() : shown(value);
+}
+
 /// The two words that a key of the model takes, as in a configuration of the service.
 template <typename Choice>
 Choice choice_of(const std::string& key, const py::handle& value,
                  const std::array<Choice, 2>& choices) {
-  const auto text = value.cast<std::string>();
+  const std::string text = text_or_shown(value);
   for (const Choice choice : choices) {
     if (text == to_string(choice)) return choice;
   }
@@ -420,7 +425,7 @@ void set_number(AxisModel& model, const std::string& key, const py::handle& valu
 AxisModel model_of(const py::dict& keys) {
   AxisModel model;
   for (const auto& [name, value] : keys) {
-    const auto key = name.cast<std::string>();
+    const std::string key = text_or_shown(name);
     if (key == "coupling") {
       model.coupling = choice_of<Coupling>(key, value, {Coupling::rigid, Coupling::two_inertia});
     } else if (key == "feedback") {
