@@ -61,8 +61,8 @@ TEST(OwnerLog, HasEachOfSeveralAxesThatWereTakenAtOnce) {
   sut.note(control_event(1, kPageSession, 0));
   sut.note(control_event(3, kPageSession, 0));
   sut.note(control_event(0, kToolSession, kEpoch));
-  EXPECT_THAT(sut.takings(),
-              ElementsAre(Taking{1, kPageSession, kToolSession, kTakenTick}, Taking{3, kPageSession, kToolSession, kTakenTick}));
+  EXPECT_THAT(sut.takings(), ElementsAre(Taking{1, kPageSession, kToolSession, kTakenTick},
+                                         Taking{3, kPageSession, kToolSession, kTakenTick}));
 }
 
 TEST(OwnerLog, HasNoTakingOfAnAxisThatWasFreeForATick) {
