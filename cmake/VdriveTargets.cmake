@@ -203,35 +203,47 @@ set(VDRIVE_TIMED_TEST PROCESSORS 4 COST 900)
 set(VDRIVE_CALCULATING_TEST COST 500 TIMEOUT 1800)
 find_program(VDRIVE_CHRT chrt)
 
-# Makes those tests of a GoogleTest program timed whose names match the regular expression. Only
-# ctest knows these names, and gtest_discover_tests cannot pass a list of labels on.
-function(vdrive_set_timed_tests name label regex)
+# Gives the tests of a GoogleTest program their labels: timed and full to those whose names match the
+# regular expressions. Only ctest knows these names, and gtest_discover_tests cannot pass a list of
+# labels on.
+function(vdrive_set_labels name labels timed full)
   string(CONFIGURE [[
 foreach(test IN LISTS @name@_TESTS)
-  if(test MATCHES [==[@regex@]==])
-    set_tests_properties("${test}" PROPERTIES LABELS "@label@;timed" @VDRIVE_TIMED_TEST@)
+  set(labels "@labels@")
+  if(test MATCHES [==[@full@]==])
+    set(labels full)
   endif()
+  set(properties)
+  if(test MATCHES [==[@timed@]==])
+    list(APPEND labels timed)
+    set(properties @VDRIVE_TIMED_TEST@)
+  endif()
+  set_tests_properties("${test}" PROPERTIES LABELS "${labels}" ${properties})
 endforeach()
 ]] text @ONLY)
-  set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}_timed.cmake)
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake)
   file(WRITE ${file} "${text}")
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
 endfunction()
 
-# vdrive_add_test(<name> LABEL unit|dds SOURCES <file>... [LIBRARIES <target>...] [TIMED <regex>]
-#                 [CALCULATES])
+# vdrive_add_test(<name> LABEL unit|dds|full SOURCES <file>... [LIBRARIES <target>...]
+#                 [TIMED <regex>] [FULL <regex>] [CALCULATES] [BRIDGE])
 # A GoogleTest program with one ctest case per test, run each in a process of its own (unit tests
 # under a sanitizer: one case for the program); TIMED: its tests whose names match hold promises
-# about time; CALCULATES: its tests wait for nothing, and run with the lowest priority. It sees
+# about time; FULL: those whose names match have the label full; CALCULATES: its tests wait for
+# nothing, and run with the lowest priority; BRIDGE: it tests a bridge, its tests have the label
+# bridge, too. ./tests/run.sh runs the labels unit and dds without those of bridges, and builds the
+# target chosen_tests for that; tests of the label full are over DDS, too, and run with --full only
+# (docs/explanation/testing.md). A program sees
 #   VDRIVE_SOURCE_DIR   the source tree, for tests/data and the scenarios
-#   VDRIVE_SERVICE, VDRIVE_TOOL   (label dds only) the programs vdrived and vdrive of this build; a test without
+#   VDRIVE_SERVICE, VDRIVE_TOOL   (not label unit) the programs vdrived and vdrive of this build; a test without
 #                       DDS that calls the tool is given to vdrive_call_tool (tests/CMakeLists.txt)
 # With VDRIVE_NIGHTLY=1 in the environment a test may run its long count. The target unit_tests
-# builds everything of that label.
+# builds everything of that label, dds_tests and full_tests alike.
 function(vdrive_add_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "CALCULATES" "LABEL;TIMED" "SOURCES;LIBRARIES")
-  if(NOT arg_LABEL MATCHES "^(unit|dds)$" OR NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
-    message(FATAL_ERROR "vdrive_add_test(${name} LABEL unit|dds SOURCES ... [LIBRARIES ...])")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "CALCULATES;BRIDGE" "LABEL;TIMED;FULL" "SOURCES;LIBRARIES")
+  if(NOT arg_LABEL MATCHES "^(unit|dds|full)$" OR NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "vdrive_add_test(${name} LABEL unit|dds|full SOURCES ... [LIBRARIES ...])")
   endif()
   add_executable(${name} ${arg_SOURCES})
   vdrive_target_defaults(${name})
@@ -245,7 +257,17 @@ function(vdrive_add_test name)
     add_custom_target(${arg_LABEL}_tests)
   endif()
   add_dependencies(${arg_LABEL}_tests ${name})
-  if(arg_LABEL STREQUAL "dds")
+  set(labels ${arg_LABEL})
+  if(arg_BRIDGE)
+    list(APPEND labels bridge)
+    if(NOT TARGET bridge_tests)
+      add_custom_target(bridge_tests)
+    endif()
+    add_dependencies(bridge_tests ${name})
+  elseif(NOT arg_LABEL STREQUAL "full")
+    add_dependencies(chosen_tests ${name})
+  endif()
+  if(NOT arg_LABEL STREQUAL "unit")
     target_compile_definitions(${name} PRIVATE VDRIVE_SERVICE="$<TARGET_FILE:vdrived>"
                                                VDRIVE_TOOL="$<TARGET_FILE:vdrive>")
     add_dependencies(${name} vdrived vdrive)
@@ -254,7 +276,7 @@ function(vdrive_add_test name)
   if(VDRIVE_SANITIZE AND arg_LABEL STREQUAL "unit")
     # A program that a sanitizer watches takes long to start: all of its tests run in one process.
     add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
-    set_tests_properties(${name} PROPERTIES LABELS unit TIMEOUT 1800)
+    set_tests_properties(${name} PROPERTIES LABELS "${labels}" TIMEOUT 1800)
     return()
   endif()
   set(order)
@@ -269,8 +291,14 @@ function(vdrive_add_test name)
     NO_PRETTY_VALUES # rows of a table have names; their bytes help no reader
     DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS ${arg_LABEL} ${order})
-  if(arg_TIMED)
-    vdrive_set_timed_tests(${name} ${arg_LABEL} ${arg_TIMED})
+  if(arg_TIMED OR arg_FULL OR arg_BRIDGE)
+    set(no_test "^$")
+    foreach(group IN ITEMS TIMED FULL)
+      if(NOT arg_${group})
+        set(arg_${group} ${no_test})
+      endif()
+    endforeach()
+    vdrive_set_labels(${name} "${labels}" ${arg_TIMED} ${arg_FULL})
   endif()
 endfunction()
 

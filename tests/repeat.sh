@@ -114,7 +114,7 @@ esac
 
 done_runs=()
 for ((run = 1; run <= runs; ++run)); do
-  ctest --preset release --label-regex '^(unit|dds)$' --quiet "${ctest_arguments[@]}" \
+  ctest --preset release --label-regex '^(unit|dds|full)$' --quiet "${ctest_arguments[@]}" \
     --output-junit "$work/$run.xml" --output-log "$work/$run.log" >/dev/null || true
   grep --quiet '<testcase' "$work/$run.xml" || fail "no test ran; $work/$run.log says why"
   done_runs+=("$work/$run")

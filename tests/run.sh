@@ -2,12 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 # Shows that vdrive works: installs what is missing, builds the release, and runs the tests.
 #
-#   tests/run.sh [--full] [--presets-until MINUTES] [--nightly] [--retry-deadlines] [ctest arguments...]
+#   tests/run.sh [--bridges] [--full] [--presets-until MINUTES] [--nightly] [--retry-deadlines]
+#                [ctest arguments...]
 #
-# Without an option: every unit test, every test over DDS and every scenario, in some 8 minutes on
-# two cores from nothing.
+# Without an option: drive, service, client library, tool and Python module with their unit tests,
+# the chosen tests over DDS and every scenario, in 8 minutes on two cores from nothing.
+# docs/explanation/testing.md says which tests are chosen.
 #
-#   --full      also what continuous integration checks, in 35 minutes: the sanitizers, clang-tidy,
+#   --bridges   also the bridges: gateway and ROS 2 (label bridge)
+#   --full      also what continuous integration checks, in 35 minutes: the bridges, all tests over
+#               DDS (other vendors, other hosts, attackers: label full), the sanitizers, clang-tidy,
 #               the format, the fuzzers, the coverage, the packages, the sandbox, the conformance
 #               document, clients that come and go, benchmarks that still compile, the page of the
 #               gateway in a browser; and the full counts of property tests and of the fuzzers that
@@ -32,12 +36,14 @@ set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 full=false
+bridges=false
 retry=false
 last_begin=
 ctest_arguments=()
 while (($#)); do
   case $1 in
     --full) full=true ;;
+    --bridges) bridges=true ;;
     --retry-deadlines) retry=true ;;
     --presets-until)
       if (($# < 2)) || ! [[ $2 =~ ^[0-9]+$ ]]; then
@@ -58,7 +64,8 @@ done
 steps=3
 presets=()
 setup_options=(--tests)
-options=(-D VDRIVE_CHECK_PRESETS=OFF)
+options=(-D VDRIVE_CHECK_PRESETS=OFF --target chosen_tests)
+labels='^(unit|dds)$'
 if $full; then
   export VDRIVE_FULL=1
   setup_options+=(--page --browser)
@@ -66,7 +73,13 @@ if $full; then
   steps=$((3 + ${#presets[@]}))
   options=(-D VDRIVE_CHECK_PRESETS=ON -D VDRIVE_BUILD_BENCHMARKS=ON)
 else
-  ctest_arguments=(--label-regex '^(unit|dds)$' "${ctest_arguments[@]}")
+  left_out=(--label-exclude '^bridge$')
+  if $bridges; then
+    left_out=()
+    labels='^(unit|dds|bridge)$'
+    options+=(--target bridge_tests)
+  fi
+  ctest_arguments=(--label-regex "$labels" "${left_out[@]}" "${ctest_arguments[@]}")
 fi
 
 step=0
@@ -78,7 +91,7 @@ begin() {
 begin "packages of the system"
 "$root/deploy/setup.sh" "${setup_options[@]}"
 
-begin "build of the release and its tests, some 10 minutes on two cores from nothing"
+begin "build of the release and its tests, some minutes on two cores from nothing"
 "$root/deploy/build.sh" --tests "${options[@]}"
 
 export VDRIVE_SKIPPED_PRESETS=
