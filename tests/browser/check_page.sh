@@ -7,10 +7,10 @@
 # Exit code: of the program; 77: the page was not built, because npm or its registry was missing.
 set -euo pipefail
 
-cd "$1"
-shift
-if [[ ! -d node_modules || ! -f page.stamp ]]; then
+if [[ ! -d $1/node_modules || ! -f $1/page.stamp ]]; then
   echo "the page was not built here: npm or its registry was missing"
   exit 77
 fi
+cd "$1"
+shift
 exec node "$@"
