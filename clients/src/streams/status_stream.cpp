@@ -44,11 +44,13 @@ void StatusStream::take(std::span<const std::byte> sample) {
   taken_ = frame->head();
   is_news_ = taken_->part + 1 >= taken_->parts;
   if (frame->size() == 0) return;
-  const AxisRange range = range_of(*frame);
+  std::optional<AxisRange> range;  // a session that only watches services has no feed
   const std::scoped_lock lock(mutex_);
   for (const auto& weak : feeds_) {
     const auto feed = weak.lock();
-    if (feed && feed->wants(range)) is_news_ = feed->on_frame(*frame) || is_news_;
+    if (!feed) continue;
+    if (!range) range = range_of(*frame);
+    if (feed->wants(*range)) is_news_ = feed->on_frame(*frame) || is_news_;
   }
 }
 
