@@ -121,8 +121,7 @@ std::string take_rate(std::string& text) {
   return {};
 }
 
-void declare(CLI::App& app, Arguments& arguments) {
-  app.set_version_flag("--version", std::string("vdrived ") + VDRIVE_VERSION);
+void declare_configuration(CLI::App& app, Arguments& arguments) {
   app.add_option("--config", arguments.config, "Configuration in YAML; default: the demo bench")
       ->type_name("FILE");
   app.add_option("--check", arguments.check, "Check a configuration and exit")->type_name("FILE");
@@ -130,6 +129,9 @@ void declare(CLI::App& app, Arguments& arguments) {
                "Print the configuration in effect as YAML and exit");
   app.add_flag("--help-config", arguments.help_config,
                "Print every key of a configuration, with its values and default, and exit");
+}
+
+void declare_bench(CLI::App& app, Arguments& arguments) {
   app.add_option("--clock", arguments.clock, "realtime, lockstep or freerun")->type_name("MODE");
   app.add_option("--period", arguments.period,
                  "Length of a tick [us], " + range(static_cast<double>(kShortestPeriod.count()),
@@ -148,6 +150,9 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "N default axes numbered from 1, up to " + std::to_string(kMaxAxes))
       ->transform(whole_number(1, static_cast<std::int64_t>(kMaxAxes)))
       ->type_name("N");
+}
+
+void declare_program(CLI::App& app, Arguments& arguments) {
   app.add_option("--domain", arguments.domain, "DDS domain, " + range(0, wire::kHighestDomain))
       ->transform(whole_number(0, wire::kHighestDomain))
       ->envname("VDRIVE_DOMAIN")
@@ -187,6 +192,13 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--log-level", arguments.log_level, "What to log on standard error")
       ->check(one_of({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
+}
+
+void declare(CLI::App& app, Arguments& arguments) {
+  app.set_version_flag("--version", std::string("vdrived ") + VDRIVE_VERSION);
+  declare_configuration(app, arguments);
+  declare_bench(app, arguments);
+  declare_program(app, arguments);
 }
 
 ClockMode clock_named(const std::string& name) {
