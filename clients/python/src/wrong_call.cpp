@@ -55,10 +55,7 @@ bool fits_row(const py::handle& value) {
 
 bool fits_texts(const py::handle& value) {
   if (fits_text(value) || PySequence_Check(value.ptr()) == 0) return false;
-  for (const py::handle each : value) {
-    if (!fits_text(each)) return false;
-  }
-  return true;
+  return std::all_of(value.begin(), value.end(), fits_text);
 }
 
 constexpr std::array kArgumentKinds{
@@ -105,12 +102,12 @@ class WrongCall {
       : name_(std::move(name)),
         parameters_(std::move(signature.parameters)),
         given_(std::move(given)),
-        keywords_(std::move(keywords)) {
+        keywords_(std::move(keywords)),
+        has_object_(!parameters_.empty() && parameters_.front().name == "self") {
     const auto star = std::ranges::find_if(parameters_, [](const Parameter& parameter) {
       return parameter.name.starts_with('*');
     });
     places_ = static_cast<std::size_t>(star - parameters_.begin());
-    has_object_ = !parameters_.empty() && parameters_.front().name == "self";
   }
 
   [[nodiscard]] std::string mistake() const {
@@ -180,8 +177,8 @@ class WrongCall {
   std::vector<Parameter> parameters_;
   std::vector<py::handle> given_;
   py::dict keywords_;
+  bool has_object_;
   std::size_t places_ = 0;  ///< of parameters that need no name
-  bool has_object_ = false;
 };
 
 /// @param message of a TypeError
