@@ -6,7 +6,7 @@
 #                [ctest arguments...]
 #
 # Without an option: drive, service, client library, tool and Python module with their unit tests,
-# the chosen tests over DDS and every scenario, in 8 minutes on two cores from nothing.
+# the chosen tests over DDS and every scenario, in 12 minutes on two cores from nothing.
 # docs/explanation/testing.md says which tests are chosen.
 #
 #   --bridges   also the bridges: gateway and ROS 2 (label bridge)
@@ -91,7 +91,7 @@ begin() {
 begin "packages of the system"
 "$root/deploy/setup.sh" "${setup_options[@]}"
 
-begin "build of the release and its tests, some minutes on two cores from nothing"
+begin "build of the release and its tests, some 10 minutes on two cores from nothing"
 "$root/deploy/build.sh" --tests "${options[@]}"
 
 export VDRIVE_SKIPPED_PRESETS=
