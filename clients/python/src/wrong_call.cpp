@@ -69,8 +69,8 @@ constexpr std::array kArgumentKinds{
     ArgumentKind{"List[str]", &fits_texts, "a list of texts"},
 };
 
-/// @return "a vdrive.NAME", where `type` is the class NAME of this module and the value is no object
-///         of it; else nothing.
+/// @return "a vdrive.NAME", where `type` is the class NAME of this module and the value is no
+///         object of it; else nothing.
 std::optional<std::string> class_instead(const py::handle& value, std::string_view type) {
   const std::string name(type.substr(type.rfind('.') + 1));
   const py::object known =
