@@ -177,9 +177,11 @@ Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
 }
 
 /// Takes back a start in which not every axis took part: the others get a set-point where they
-/// stand.
+/// stand. The round that clears the common times may be the one that was refused: left in force,
+/// they would make the next set-point of the axis a synchronous one, also one of no length.
 void AxisGroup::State::withdraw(AxesCall& call) {
-  const Round halt = call.round_of(kHalt, every_axis);
+  Round halt = call.round_of(kHalt, every_axis);
+  for (Round::Entry& entry : halt.entries) add_object(entry.command, kDuration, 0);
   const Answers halted = call.exchange({&halt, 1}, Timing::at_once);
   if (!call.steps()) {
     (void)call.await("standstill", halted.tick, [](const AxisSnapshot& axis) {
