@@ -76,6 +76,10 @@ function(vdrive_target_defaults target)
     target_compile_options(${target} PRIVATE ${vdrive_hardening_options})
   endif()
   target_link_options(${target} PRIVATE $<${vdrive_optimised}:LINKER:-z,relro,-z,now>)
+  if(VDRIVE_OPTIMISE STREQUAL "DRIVE" AND NOT target MATCHES "^vdrive_(core|engine)$")
+    # The checks of _FORTIFY_SOURCE are made by the optimiser.
+    target_compile_options(${target} PRIVATE -O0 -U_FORTIFY_SOURCE)
+  endif()
   if(arg_GENERATED)
     set_target_properties(${target} PROPERTIES CXX_CLANG_TIDY "")
     target_compile_options(${target} PRIVATE -w)
@@ -152,18 +156,27 @@ endfunction()
 # vdrive_precompile(<target> <header>...)
 # Headers of libraries that most sources of the target include: reading them takes longer than the
 # rest of a source file. Not where clang-tidy reads the sources: there each file stands by itself.
+# Not where the sources of the target are so few that those compiled together read them once or
+# twice: that takes no longer than to compile the headers, and nothing has to wait for it.
 function(vdrive_precompile target)
-  if(NOT CMAKE_CXX_CLANG_TIDY)
-    target_precompile_headers(${target} PRIVATE ${ARGN})
+  if(CMAKE_CXX_CLANG_TIDY)
+    return()
   endif()
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "\\.cpp$")
+  list(LENGTH sources count)
+  if(VDRIVE_UNITY_BUILD AND count LESS_EQUAL 32)
+    return()
+  endif()
+  target_precompile_headers(${target} PRIVATE ${ARGN})
 endfunction()
 
 # vdrive_compile_together(<target> [APART <file>...] [FOR_LINT])
 # With VDRIVE_UNITY_BUILD up to sixteen sources of the target are compiled at once: they share the
 # reading of their headers and their templates. Names in their unnamed namespaces must differ: the
 # wrong one of two functions may fit a call. The architecture test reads the list written here.
-# APART: sources whose names cannot differ. FOR_LINT: only clang-tidy reads them at once; each is
-# compiled by itself, as it is measured.
+# APART: sources whose names cannot differ. FOR_LINT: only clang-tidy, and a build in which nothing is
+# measured (VDRIVE_OPTIMISE), reads them at once; otherwise each is compiled by itself.
 function(vdrive_compile_together target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "FOR_LINT" "" "APART")
   get_target_property(together ${target} SOURCES)
@@ -172,7 +185,7 @@ function(vdrive_compile_together target)
   list(TRANSFORM together PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
   list(JOIN together "\n" together)
   file(WRITE ${PROJECT_BINARY_DIR}/compiled_together/${target}.txt "${together}\n")
-  if(arg_FOR_LINT AND NOT CMAKE_CXX_CLANG_TIDY)
+  if(arg_FOR_LINT AND NOT CMAKE_CXX_CLANG_TIDY AND VDRIVE_OPTIMISE STREQUAL "ALL")
     return()
   endif()
   if(VDRIVE_UNITY_BUILD)
