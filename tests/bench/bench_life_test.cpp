@@ -392,7 +392,9 @@ TEST(Observer, ThatThrowsKeepsNoStopFromItsAxes) {
       {"quick_stop_all", [&] {
          return group.quick_stop_all();
        }}};
-  for (const auto& [name, stop] : stops) {
+  for (const auto& row : stops) {
+    const auto& name = row.first;
+    const auto& stop = row.second;
     ASSERT_TRUE(group.enable_all()) << name;
     ASSERT_TRUE(axis.start_move(1'000'000)) << name;
     ASSERT_TRUE(session.axis("1.2")->start_move(1'000'000)) << name;

@@ -16,6 +16,7 @@
 #include <cmath>
 #include <condition_variable>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <numbers>
@@ -243,7 +244,8 @@ TEST_F(LockStepGroup, RefusesPositionsThatAreMissingNotFiniteOrOutOfRange) {
   AxisGroup group = enabled(2);
   EXPECT_THAT(group.move_together(vector({1, 2, 3})).message(),
               HasSubstr("3 positions for 2 axes"));
-  EXPECT_THAT(group.move_together(vector({1, NAN})).message(), HasSubstr("axis 1.2"));
+  EXPECT_THAT(group.move_together(vector({1, std::numeric_limits<double>::quiet_NaN()})).message(),
+              HasSubstr("axis 1.2"));
   EXPECT_THAT(group.move_together(vector({3e9, 0})).message(), HasSubstr("axis 1.1"));
   EXPECT_EQ(group.status()->demand(), vector({0, 0}));
 }

@@ -18,7 +18,6 @@
 #include <future>
 #include <mutex>
 #include <optional>
-#include <ranges>
 #include <vector>
 
 namespace vdrive::client {
@@ -416,7 +415,8 @@ TEST_F(LockStep, EachDisturbanceCausesTheFaultThatItsRowNames) {
   ASSERT_TRUE(axis_->write({0x6065, 0}, 1'000)) << "following error window [UU]";
   ASSERT_TRUE(axis_->write({0x6066, 0}, 1)) << "following error time-out [ms]";
   // In reverse: after a load torque, which is the first one, the axis runs on for a long time.
-  for (const DisturbanceRow& row : kDisturbances | std::views::reverse) {
+  for (auto last = kDisturbances.rbegin(); last != kDisturbances.rend(); ++last) {
+    const DisturbanceRow& row = *last;
     SCOPED_TRACE(row.name);
     ASSERT_TRUE(axis_->enable());
     const bool is_load = row.disturbance == Disturbance::load_torque;
