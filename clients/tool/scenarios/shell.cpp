@@ -93,6 +93,8 @@ class Shell {
     if (interrupt_.take()) {
       session_.end_interrupt();
       code = ExitCode::interrupted;
+      // Nobody types the next line: whoever interrupts a file of commands does not want the rest.
+      if (!reader_.is_interactive()) end_by_signal();
     }
     return code;
   }
