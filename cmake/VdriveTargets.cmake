@@ -249,7 +249,7 @@ endfunction()
 # about time; FULL: those whose names match have the label full; CALCULATES: its tests wait for
 # nothing, and run with the lowest priority; BRIDGE: it tests a bridge, its tests have the label
 # bridge, too. ./tests/run.sh runs the labels unit and dds without those of bridges, and builds the
-# target chosen_tests for that; tests of the label full are over DDS, too, and run with --full only
+# target chosen_tests for that; tests of the label full wait or calculate long, and run with --full only
 # (docs/explanation/testing.md). A program sees
 #   VDRIVE_SOURCE_DIR   the source tree, for tests/data and the scenarios
 #   VDRIVE_SERVICE, VDRIVE_TOOL   (not label unit) the programs vdrived and vdrive of this build; a test without

@@ -415,8 +415,8 @@ TEST_F(LockStep, EachDisturbanceCausesTheFaultThatItsRowNames) {
   ASSERT_TRUE(axis_->write({0x6065, 0}, 1'000)) << "following error window [UU]";
   ASSERT_TRUE(axis_->write({0x6066, 0}, 1)) << "following error time-out [ms]";
   // In reverse: after a load torque, which is the first one, the axis runs on for a long time.
-  for (auto last = kDisturbances.rbegin(); last != kDisturbances.rend(); ++last) {
-    const DisturbanceRow& row = *last;
+  for (auto next = kDisturbances.rbegin(); next != kDisturbances.rend(); ++next) {
+    const DisturbanceRow& row = *next;
     SCOPED_TRACE(row.name);
     ASSERT_TRUE(axis_->enable());
     const bool is_load = row.disturbance == Disturbance::load_torque;

@@ -58,6 +58,23 @@ INSTANTIATE_TEST_SUITE_P(Signals, ShellEndedBy, testing::Values(SIGINT, SIGTERM,
                            return sigabbrev_np(signal.param);
                          });
 
+// The command waits for an axis that nobody enables. A signal before it began has the same effect.
+TEST(PipedShell, IsEndedByASignalToTheCommandThatRuns) {
+  const RunningService service("--clock realtime");
+  const TemporaryDirectory directory;
+  const std::string lines = directory.path() / "lines";
+  std::ofstream(lines)
+      << "read 1.1 position\nwait 1.1 operation_enabled --timeout 60\nread 1.1 velocity\n";
+  const std::string command =
+      std::string(VDRIVE_TOOL) + " --domain " + std::to_string(test_domain()) + " shell";
+  Process shell("/bin/sh", {"-c", "exec " + command + " <" + lines});
+  EXPECT_THAT(shell.read_line(), HasSubstr("1.1 position"));
+  shell.send(SIGINT);
+  const Finished finished = shell.wait();
+  EXPECT_EQ(finished.code, 130) << finished.errors;
+  EXPECT_EQ(finished.output, "") << "the next line was not carried out";
+}
+
 class ShellOnATerminal : public Shell {
  protected:
   ShellOnATerminal()

@@ -71,8 +71,18 @@ class Shell {
     return line;
   }
 
+  /// @return whether a signal has come since the last call. Without a terminal nobody types the
+  /// next
+  ///         line: whoever interrupts a file of commands does not want the rest of it.
+  bool take_interrupt() {
+    if (!interrupt_.take()) return false;
+    session_.end_interrupt();
+    if (!reader_.is_interactive()) end_by_signal();
+    return true;
+  }
+
   ExitCode carry_out(const std::string& line) {
-    if (interrupt_.take()) session_.end_interrupt();
+    if (take_interrupt() && is_ended_by_signal_) return ExitCode::interrupted;
     ExitCode code = ExitCode::ok;
     try {
       std::vector<std::string> words = split_words(line);
@@ -90,12 +100,7 @@ class Shell {
       code = ExitCode::failed;
     }
     terminal_.end_live();
-    if (interrupt_.take()) {
-      session_.end_interrupt();
-      code = ExitCode::interrupted;
-      // Nobody types the next line: whoever interrupts a file of commands does not want the rest.
-      if (!reader_.is_interactive()) end_by_signal();
-    }
+    if (take_interrupt()) code = ExitCode::interrupted;
     return code;
   }
 
