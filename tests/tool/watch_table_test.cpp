@@ -2,12 +2,14 @@
 // The table of `watch`: its columns by width, and that no row is wider than the terminal.
 #include "output/watch_table.hpp"
 
+#include "output/watch_view.hpp"
 #include "terminal/columns.hpp"
 #include "terminal/keys.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdint>
 #include <limits>
 
@@ -190,6 +192,30 @@ TEST(Columns, CutTextAtCharactersAndCountWideOnesTwice) {
   EXPECT_EQ(clipped("abc", 1), "a");
   EXPECT_EQ(padded("轴", 3), "轴 ");
   EXPECT_EQ(aligned_right("轴", 3), " 轴");
+}
+
+// A bench that is paused has one tick: the answer to a request and the first frame of the stream
+// both show it.
+TEST(WatchView, ShowsATickThatComesTwiceInOneLine) {
+  constexpr std::chrono::seconds kLongerThanAPeriod{1};
+  for (const auto form : {WatchView::Form::lines, WatchView::Form::json}) {
+    client::Observation sample;
+    sample.tick = 42;
+    sample.axes = {axis_of(1)};
+    Terminal terminal;
+    WatchView view(terminal, faces_of(sample, "lift"), form);
+    WatchView::Clock::time_point now{};
+    view.take(sample);
+    EXPECT_TRUE(view.refresh(now));
+    view.take(sample);
+    EXPECT_FALSE(view.refresh(now += kLongerThanAPeriod));
+    sample.axes[0].status.load_position_actual_value = 1;  // such as a snapshot that is restored
+    view.take(sample);
+    EXPECT_TRUE(view.refresh(now += kLongerThanAPeriod));
+    sample.axes[0].tick = 43;
+    view.take(sample);
+    EXPECT_TRUE(view.refresh(now += kLongerThanAPeriod));
+  }
 }
 
 }  // namespace

@@ -117,7 +117,7 @@ Outcome watch(const AxesOfBenches& benches, WatchView& view, std::uint64_t count
   if (terminal.is_interactive() && count == 0) keys.emplace();
   while (terminal.is_open()) {
     if (!press_all(keys, view)) return {};
-    if (view.refresh() && ++shown == count) return {};
+    if (view.refresh(std::chrono::steady_clock::now()) && ++shown == count) return {};
     const auto has_come = take_samples(*followers, view);
     if (!has_come) return has_come.outcome();
     // Without a number the user ends the view.

@@ -7,8 +7,6 @@
 namespace vdrive::tool {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 // A person reads no faster; lines stay in the terminal's memory, a table replaces itself.
 constexpr std::chrono::milliseconds kLinePeriod{100};
 constexpr std::chrono::milliseconds kTablePeriod{50};
@@ -60,36 +58,46 @@ bool WatchView::press(Key key) {
   return true;
 }
 
-bool WatchView::refresh() {
+bool WatchView::refresh(Clock::time_point now) {
   const bool is_other_size = form_ == Form::table && terminal_size() != shown_size_;
-  const auto now = Clock::now();
   if ((!is_new_ && !is_other_size && !is_other_choice_) || newest_.empty() || now < due_) {
     return false;
   }
-  due_ = now + (form_ == Form::table ? kTablePeriod : kLinePeriod);
   is_new_ = false;
   is_other_choice_ = false;
-  show();
+  if (form_ == Form::table) {
+    show_table();
+  } else if (!show_lines()) {
+    return false;
+  }
+  due_ = now + (form_ == Form::table ? kTablePeriod : kLinePeriod);
   return true;
 }
 
-void WatchView::show() {
-  if (form_ == Form::table) {
-    shown_size_ = terminal_size();
-    terminal_.show_screen(watch_table(all(), faces_, shown_size_, choice_));
-    return;
-  }
+void WatchView::show_table() {
+  shown_size_ = terminal_size();
+  terminal_.show_screen(watch_table(all(), faces_, shown_size_, choice_));
+}
+
+/// The answer to a request and the status stream may both have a tick, such as the only one of a
+/// bench that is paused.
+bool WatchView::show_lines() {
   const client::Observation shown = all();
-  for (const client::AxisSnapshot& axis : shown.axes) {
-    if (form_ == Form::json) {
-      terminal_.print(to_line(status_json(axis, face_of(axis.id, faces_))));
-      continue;
-    }
-    const std::string line = std::to_string(axis.tick) + "  " +
-                             status_line(axis, to_string(axis.id), face_of(axis.id, faces_).unit);
-    const auto color = color_of(axis);
-    terminal_.print(color ? colored(terminal_, *color, line) : line);
-  }
+  std::vector<std::string> lines;
+  for (const client::AxisSnapshot& axis : shown.axes) lines.push_back(line_of(axis));
+  if (lines == shown_lines_) return false;
+  for (const std::string& line : lines) terminal_.print(line);
+  shown_lines_ = std::move(lines);
+  return true;
+}
+
+std::string WatchView::line_of(const client::AxisSnapshot& axis) const {
+  const AxisFace& face = face_of(axis.id, faces_);
+  if (form_ == Form::json) return to_line(status_json(axis, face));
+  const std::string line =
+      std::to_string(axis.tick) + "  " + status_line(axis, to_string(axis.id), face.unit);
+  const auto color = color_of(axis);
+  return color ? colored(terminal_, *color, line) : line;
 }
 
 }  // namespace vdrive::tool

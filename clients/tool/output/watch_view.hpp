@@ -10,7 +10,9 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace vdrive::tool {
 
@@ -19,6 +21,8 @@ namespace vdrive::tool {
 /// 100 ms.
 class WatchView {
  public:
+  using Clock = std::chrono::steady_clock;
+
   enum class Form : std::uint8_t { table, lines, json };
 
   WatchView(Terminal& terminal, std::map<client::AxisId, AxisFace> faces, Form form)
@@ -31,11 +35,14 @@ class WatchView {
   bool press(Key key);
 
   /// Shows the newest sample when it is new, or the terminal has another size, and time is due.
+  /// Lines that are equal to those shown last are not new.
   /// @return whether it did.
-  bool refresh();
+  bool refresh(Clock::time_point now);
 
  private:
-  void show();
+  void show_table();
+  [[nodiscard]] bool show_lines();
+  [[nodiscard]] std::string line_of(const client::AxisSnapshot& axis) const;
   [[nodiscard]] client::Observation all() const;
 
   Terminal& terminal_;
@@ -46,7 +53,8 @@ class WatchView {
   WatchChoice choice_;
   bool is_other_choice_ = false;
   TerminalSize shown_size_;
-  std::chrono::steady_clock::time_point due_;
+  std::vector<std::string> shown_lines_;
+  Clock::time_point due_;
 };
 
 }  // namespace vdrive::tool
