@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// CONTRACT of the class; the private part is the author's.
+#include "node/drive_time.hpp"
+#include "node/frame.hpp"
+#include "node/node_host.hpp"
+#include "vdrive/axis_status.hpp"
+
+#include <cstdint>
+#include <map>
+#include <optional>
+
+namespace vdrive::canopen {
+
+/// NMT states (CiA 301, 7.3.2.2), by the number that a heartbeat carries.
+enum class NmtState : std::uint8_t {
+  boot_up = 0x00,
+  stopped = 0x04,
+  operational = 0x05,
+  pre_operational = 0x7F,
+};
+
+inline constexpr std::uint8_t kLowestNodeId = 1;
+inline constexpr std::uint8_t kHighestNodeId = 127;
+
+/// What a node counts since it was made; a NMT reset leaves the counters.
+struct NodeCounters {
+  std::uint64_t ignored_set_points = 0;   ///< RPDOs while another session owns the axis
+  std::uint64_t dropped_pdos = 0;         ///< RPDOs that were too short, or not awaited (NMT state)
+  std::uint64_t sdo_aborts = 0;           ///< that the node sent
+  std::uint64_t sdo_time_outs = 0;        ///< transfers that the client did not continue
+  std::uint64_t ignored_frames = 0;       ///< malformed frames with an identifier of this node
+  std::uint64_t held_back_emergencies = 0;  ///< by the inhibit time 1015h, replaced by a newer one
+};
+
+struct NodeSettings {
+  std::uint8_t node_id = 1;  ///< 1 to 127
+  std::string_view device_name = "vdrive";   ///< 1008h
+  std::string_view hardware_version = "1";   ///< 1009h
+  std::string_view software_version = "0";   ///< 100Ah
+  std::uint32_t serial_number = 0;           ///< 1018h:04
+  /// With stepped SYNC: what 1006h may be besides 0 [us]; none = any.
+  std::optional<std::uint32_t> sync_period{};
+};
+
+/// The drive as its node sees it after a tick.
+struct DriveView {
+  AxisStatus status;
+  bool is_owned = true;  ///< the bridge controls the axis: else 6041h shows bit 9 (remote) = 0, and
+                         ///< RPDOs are ignored and counted
+};
+
+/// A CANopen node (CiA 301) of one axis (CiA 402): a function of frames, states and time. It opens
+/// nothing, waits for nothing, and reads no clock. For one thread.
+///
+/// Order of a tick at SYNC n: receive(SYNC) sends the TPDOs of what was sampled last (the drive at
+/// n), and passes the RPDOs that came before it to NodeHost::command(), so that they act behind n.
+class Node {
+ public:
+  /// Its communication parameters at power-up; see stored().
+  using Parameters = std::map<ObjectAddress, std::uint32_t>;
+
+  /// @param host outlives the node
+  /// @param stored communication parameters that 1010h:01 saved; empty = defaults
+  Node(const NodeSettings& settings, NodeHost& host, Parameters stored = {});
+
+  /// The drive is there: boot-up, then pre-operational.
+  void start(const DriveView& drive, DriveTime now);
+
+  /// A frame of the bus, of whatever node; its own are ignored.
+  void receive(const Frame& frame, DriveTime now);
+
+  /// The drive after a new tick: emergencies, and PDOs that are sent on change.
+  void update(const DriveView& drive, DriveTime now);
+
+  /// Does what is due by time: heartbeat, its consumer, inhibit times, event timers, SDO time-outs.
+  void advance(DriveTime now);
+
+  /// @return when advance() has something to do next; none = nothing waits for time.
+  [[nodiscard]] std::optional<DriveTime> next_due() const;
+
+  /// The answer to NodeHost::begin_access(). One with an old ticket is ignored.
+  void complete(std::uint32_t ticket, const DriveAnswer& answer, DriveTime now);
+
+  [[nodiscard]] std::uint8_t id() const noexcept;
+  [[nodiscard]] NmtState state() const noexcept;
+  [[nodiscard]] const NodeCounters& counters() const noexcept;
+
+  /// Communication parameters as 1010h:01 saved them last, those that differ from their default.
+  /// They are in force after the next NMT reset, and at start().
+  [[nodiscard]] const Parameters& stored() const noexcept;
+
+  /// The value of a communication object now; none where it is the drive's, or does not exist. For
+  /// the ASCII gateway, tests and reports.
+  [[nodiscard]] std::optional<std::int64_t> value(ObjectAddress object) const;
+};
+
+}  // namespace vdrive::canopen
