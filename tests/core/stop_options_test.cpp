@@ -348,11 +348,12 @@ struct FaultCause {
   bool brakes;
 };
 
-constexpr std::array<FaultCause, 6> kFaultCauses{{
+constexpr std::array<FaultCause, 7> kFaultCauses{{
     {"over_current", "test_over_current", 0x2310, true},
     {"over_temperature", "test_over_temperature", 0x4310, true},
     {"following_error", "test_blocked_load", 0x8611, true},
     {"silent_master", "", 0x8130, true},
+    {"connection_loss", "test_connection_loss", 0x8130, true},
     {"encoder_failure", "test_encoder_failure", 0x7305, false},
     {"dc_link_loss", "test_dc_link_loss", 0x3220, false},
 }};

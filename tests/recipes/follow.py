@@ -114,16 +114,16 @@ RECIPES = [
     Recipe(
         "An object",
         before(OBJECT_TABLE, "{{0x5E10, 0x01}",
-               '    {{0x5E0A, 0x00}, "Scratch Input", "试验", "Test", "test_scratch",\n'
+               '    {{0x5E0B, 0x00}, "Scratch Input", "试验", "Test", "test_scratch",\n'
                "     DataType::unsigned8, Access::read_write, Storage::not_stored, "
                'Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input},'),
         grown(OBJECT_TABLE, r"array<ObjectDescription, (\d+)>"),
-        after("tests/data/companion-objects.csv", "0x5E09,0x00",
-              "0x5E0A,0x00,Scratch Input,test_scratch,RW,N,UNS8,0,1,0,-,"),
-        instead("core/include/vdrive/dictionary/dictionary.hpp", 'kDictionaryVersion = "1.1"',
-                'kDictionaryVersion = "1.1s"'),
-        instead(DICTIONARY_TEST, 'kVersion = "1.1"', 'kVersion = "1.1s"'),
-        instead(DICTIONARY_TEST, "index <= 0x5E09)", "index <= 0x5E0A)"),
+        after("tests/data/companion-objects.csv", "0x5E0A,0x00",
+              "0x5E0B,0x00,Scratch Input,test_scratch,RW,N,UNS8,0,1,0,-,"),
+        instead("core/include/vdrive/dictionary/dictionary.hpp", 'kDictionaryVersion = "1.2"',
+                'kDictionaryVersion = "1.2s"'),
+        instead(DICTIONARY_TEST, 'kVersion = "1.2"', 'kVersion = "1.2s"'),
+        instead(DICTIONARY_TEST, "index <= 0x5E0A)", "index <= 0x5E0B)"),
         grown(DICTIONARY_TEST, r"EXPECT_EQ\(test_inputs, (\d+)U\)"),
         after("tests/core/dictionary_effect_test.cpp", '"test_index_pulse_input",',
               '    "test_scratch",')),
@@ -206,8 +206,8 @@ RECIPES = [
         grown("tests/gateway/directory_test.cpp", r'\["error_codes"\]\.size\(\), (\d+)U'),
         grown("core/src/drive/faults.hpp", r"inline constexpr std::array<FaultCause, (\d+)>"),
         grown("core/src/drive/faults.hpp", r"return std::array<FaultCause, (\d+)>"),
-        after("clients/include/vdrive/client/disturbance.hpp", "  index_pulse,", "  scratch,"),
-        after("clients/include/vdrive/client/disturbance.hpp", '"index_pulse"',
+        after("clients/include/vdrive/client/disturbance.hpp", "  connection_loss,", "  scratch,"),
+        after("clients/include/vdrive/client/disturbance.hpp", "choose another reaction",
               '    DisturbanceRow{Disturbance::scratch, "scratch", "test_scratch"},')),
 ]
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 namespace vdrive {
 namespace {
@@ -60,7 +61,7 @@ WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexce
   if (change == Change::memory) {
     return {};  // the row still reads 1
   }
-  drive.registers().values[row] = value;
+  const std::int64_t previous = std::exchange(drive.registers().values[row], value);
   switch (change) {
     case Change::limits:
       update_derived(drive);
@@ -89,6 +90,9 @@ WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexce
       break;
     case Change::history:
       clear_history(drive);
+      break;
+    case Change::connection:
+      if (previous == 0 && value != 0) lose_connection(drive);
       break;
     case Change::nothing:
     case Change::memory:

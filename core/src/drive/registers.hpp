@@ -33,9 +33,14 @@ inline constexpr std::uint8_t kHomeInput = 1U << 2U;
   return static_cast<double>(reg(drive, row));
 }
 
-[[nodiscard]] inline std::uint32_t ticks_of_ms(const Drive& drive, std::int64_t milliseconds) {
+/// @return the ticks that a time [us] lasts, rounded up.
+[[nodiscard]] inline std::uint32_t ticks_of_us(const Drive& drive, std::int64_t microseconds) {
   const std::int64_t period = drive.timing().period_us;
-  return static_cast<std::uint32_t>((milliseconds * 1000 + period - 1) / period);
+  return static_cast<std::uint32_t>((microseconds + period - 1) / period);
+}
+
+[[nodiscard]] inline std::uint32_t ticks_of_ms(const Drive& drive, std::int64_t milliseconds) {
+  return ticks_of_us(drive, milliseconds * 1000);
 }
 
 /// @return the demand at the end of the last tick [UU], not rounded.

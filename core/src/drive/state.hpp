@@ -134,7 +134,6 @@ struct ModeStates {
   SetPointState position;
   HomingState homing;
   CyclicState cyclic;
-  std::array<std::uint8_t, 1> unused{};
 };
 
 /// What every tick touches of an axis.
@@ -160,6 +159,12 @@ struct ActiveSetPoint {
   double velocity = 0.0;  // 6081h [UU/s]
   MoveTimes times;        // of a synchronous move; duration 0 = none
   MotionLimits limits;    // that follow from them
+};
+
+/// The way to the position that is streamed in cyclic synchronous position mode.
+struct Interpolation {
+  std::int32_t set_point = 0;    // 607Ah, as it was when the way began
+  std::uint32_t ticks_left = 0;  // of 60C2h, behind the present tick
 };
 
 /// Index pulses of encoder 1.
@@ -189,6 +194,7 @@ struct DriveRegisters {
   Profile profile;
   MotionRequest request;
   ActiveSetPoint set_point;
+  Interpolation interpolation;
   IndexPulse index;
   ErrorHistory history;
   double gear_ratio = 1.0;     // 3576h over 3577h

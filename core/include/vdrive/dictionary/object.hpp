@@ -27,7 +27,7 @@ enum class Storage : std::uint8_t { not_stored, flash };
 enum class Effective : std::uint8_t {
   read_only,     ///< never written
   immediately,   ///< in the tick in which the write is in force
-  at_set_point,  ///< latched with the rising edge of controlword bit 4
+  at_set_point,  ///< latched with the rising edge of controlword bit 4; in mode 8 with a new 607Ah
   at_enable,     ///< with the next transition 4
 };
 
@@ -62,6 +62,7 @@ enum class Change : std::uint8_t {
   power,           ///< the power state machine, and what the mode in force commands (6040h)
   mode,            ///< the operating mode (6060h)
   history,         ///< the error history is cleared (1003h)
+  connection,      ///< 0 -> 1 loses the connection to the master (5E0Ah)
   memory,          ///< whoever owns the bank stores or restores parameters (1010h, 1011h)
 };
 

@@ -10,11 +10,11 @@ namespace vdrive {
 
 /// The object dictionary: each object stands here once. Rows of the manual first name their
 /// category as the manual does; companion rows are those that the drive needs beside them
-/// (CiA 301 communication objects, CiA 402 objects, the test-bench inputs 5E00h..5E09h, the
+/// (CiA 301 communication objects, CiA 402 objects, the test-bench inputs 5E00h..5E0Ah, the
 /// synchronous move 5E10h and the speed limit of the motor 5E11h).
 /// Sorted by index and sub-index.
 // clang-format off
-inline constexpr std::array<ObjectDescription, 97> kObjectTable{{
+inline constexpr std::array<ObjectDescription, 100> kObjectTable{{
     {{0x1000, 0x00}, "Device Type", "设备类型", "Device", "device_type",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 131474, "-", Origin::companion},
     {{0x1001, 0x00}, "Error Register", "错误寄存器", "Device", "error_register",
@@ -89,6 +89,8 @@ inline constexpr std::array<ObjectDescription, 97> kObjectTable{{
      DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input},
     {{0x5E09, 0x00}, "Test Index Pulse Input", "测试：索引脉冲输入", "Test", "test_index_pulse_input",
      DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input},
+    {{0x5E0A, 0x00}, "Test Connection Loss", "测试：通信中断", "Test", "test_connection_loss",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::connection},
     {{0x5E10, 0x01}, "Synchronous Move Duration", "同步移动时间", "Service", "synchronous_move_duration",
      DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "us", Origin::companion, Role::parameter, Change::nothing},
     {{0x5E10, 0x02}, "Synchronous Move Acceleration Time", "同步移动加速时间", "Service", "synchronous_move_acceleration_time",
@@ -189,6 +191,10 @@ inline constexpr std::array<ObjectDescription, 97> kObjectTable{{
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 3413, "VelUU", Origin::companion, Role::parameter, Change::plan},
     {{0x609A, 0x00}, "Homing Acceleration", "回零加速度", "Service", "homing_acceleration",
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 409600, "AccUU", Origin::companion, Role::parameter, Change::plan},
+    {{0x60C2, 0x01}, "Interpolation Time Period", "插补时间周期", "App", "interpolation_time_period",
+     DataType::unsigned8, Access::read_write, Storage::flash, Effective::at_set_point, 0, 255, 0, "s x 10^index", Origin::companion, Role::parameter, Change::nothing},
+    {{0x60C2, 0x02}, "Interpolation Time Index", "插补时间指数", "App", "interpolation_time_index",
+     DataType::integer8, Access::read_write, Storage::flash, Effective::at_set_point, -6, 0, -3, "-", Origin::companion, Role::parameter, Change::nothing},
     {{0x60C5, 0x00}, "Application Acceleration Limit", "应用加速度限制", "Service", "app_acc_limit",
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 4294967040, "AccUU（加速度单位转换，用户单位）", Origin::manual},
     {{0x60C6, 0x00}, "Application Deceleration Limit", "应用减速度限制", "Service", "app_dec_limit",

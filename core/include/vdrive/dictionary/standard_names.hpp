@@ -36,6 +36,7 @@ inline constexpr std::array kStandardNames{
     StandardName{"speed_during_search_for_zero", "homing_speed_creep"},
     StandardName{"profile_acceleration", "profile_acc"},
     StandardName{"profile_deceleration", "profile_dec"},
+    StandardName{"interpolation_time_period_value", "interpolation_time_period"},
     StandardName{"max_acceleration", "app_acc_limit"},
     StandardName{"max_deceleration", "app_dec_limit"},
     StandardName{"positive_torque_limit_value", "positive_torque_limit_relative"},
