@@ -60,6 +60,29 @@ TEST(Bench, MovesAnAxisInLockStepWithoutAThreadASocketOrAFile) {
   EXPECT_EQ(count_entries("/proc/self/fd"), files);
 }
 
+TEST(Bench, LosesTheConnectionOfAnAxisByADisturbance) {
+  const Bench bench({.axes = 2});
+  Session session = bench.session();
+  auto axis = session.axis("1.1");
+  auto other = session.axis("1.2");
+  ASSERT_TRUE(axis && other);
+  ASSERT_TRUE(axis->enable() && other->enable());
+  ASSERT_TRUE(axis->disturb(client::Disturbance::connection_loss));
+  ASSERT_TRUE(session.step(1, 500));
+  const auto lost = axis->status();
+  ASSERT_TRUE(lost);
+  EXPECT_EQ(lost->state(), PowerState::fault);
+  EXPECT_EQ(lost->status.error_code, 0x8130);
+  EXPECT_EQ(other->status()->state(), PowerState::operation_enabled);
+  // While it lasts the axis can be used: its master is there.
+  ASSERT_TRUE(axis->reset_fault());
+  ASSERT_TRUE(axis->enable());
+  const auto moved = axis->move_to(1'000);
+  EXPECT_TRUE(moved) << moved.message();
+  ASSERT_TRUE(axis->end_disturbances());
+  EXPECT_EQ(axis->status()->state(), PowerState::operation_enabled);
+}
+
 TEST(Bench, StepsAsManyTicksAsAreAskedFor) {
   const Bench bench;
   Session session = bench.session();

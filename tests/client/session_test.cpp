@@ -400,13 +400,13 @@ TEST_F(LockStep, DisturbsAnAxisAndRemovesTheDisturbance) {
     const Result<std::uint64_t> disturbed = axis_->disturb(row.disturbance);
     ASSERT_TRUE(disturbed) << row.name << disturbed.outcome().message();
   }
-  for (std::uint16_t index = 0x5E00; index <= 0x5E09; ++index) {
+  for (std::uint16_t index = 0x5E00; index <= 0x5E0A; ++index) {
     EXPECT_EQ(*axis_->read({index, 0}), 1) << std::hex << index;
   }
   ASSERT_TRUE(axis_->disturb(Disturbance::load_torque, -250));
   EXPECT_EQ(*axis_->read({0x5E00, 0}), -250);
   ASSERT_TRUE(axis_->end_disturbances());
-  for (std::uint16_t index = 0x5E00; index <= 0x5E09; ++index) {
+  for (std::uint16_t index = 0x5E00; index <= 0x5E0A; ++index) {
     EXPECT_EQ(*axis_->read({index, 0}), 0) << std::hex << index;
   }
 }

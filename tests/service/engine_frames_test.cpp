@@ -186,6 +186,26 @@ TEST(CommandFrame, WithAllOrNothingChangesNothingWhenOneIsRefused) {
   EXPECT_EQ(bench.counters.commands_refused.get(), 2U);
 }
 
+// A connection that was lost would stay lost when another object of the frame is refused.
+TEST(CommandFrame, LosesAConnectionOnlyWithoutAllOrNothing) {
+  OwnedBench bench;
+  for (const bool is_whole : {true, false}) {
+    auto frame = bench.make_frame(kAlice);
+    frame.flags(msg::FRAME_WANT_REPLY | (is_whole ? msg::FRAME_ALL_OR_NOTHING : 0U));
+    auto& object = add_command(frame, 1).objects().emplace_back();
+    object.index(0x5E0A);
+    object.value(1);
+    bench.receive(frame);
+    const auto reply = bench.command_reply();
+    ASSERT_TRUE(reply);
+    ASSERT_EQ(reply->refusals().size(), is_whole ? 1U : 0U);
+    if (is_whole) {
+      EXPECT_EQ(reply->refusals()[0].reason(), 0x06040041U);
+    }
+    EXPECT_EQ(bench.value(1, 0x5E0A), is_whole ? 0 : 1);
+  }
+}
+
 TEST(CommandFrame, WithAllOrNothingAppliesAllWhenNoneIsRefused) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);

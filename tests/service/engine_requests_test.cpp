@@ -93,6 +93,7 @@ TEST(WriteRequest, ReachesTestBenchInputsOfAnOwnedAxis) {
   bench.acquire(kAlice, {1});
   EXPECT_EQ(bench.write(kBob, 1, 0x5E00, 100).objects()[0].abort_code(), 0U);
   EXPECT_EQ(bench.write(kBob, 1, 0x5E09, 1).objects()[0].abort_code(), 0U);
+  EXPECT_EQ(bench.write(kBob, 1, 0x5E0A, 1).objects()[0].abort_code(), 0U);
   EXPECT_EQ(bench.write(kBob, 1, 0x5E10, 1, 1).objects()[0].abort_code(), kLocalControl);
 }
 

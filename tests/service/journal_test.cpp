@@ -254,6 +254,28 @@ TEST(Journal, RecordsLostMastersAndPowerCycles) {
   EXPECT_EQ(result.changes, 3U);
 }
 
+TEST(Journal, RecordsAConnectionThatTheTestBenchLosesAndAnInterpolation) {
+  const JournalFile file;
+  {
+    RecordedBench recorded(unwatched(service::ClockMode::lockstep),
+                           service::open_journal(file.path()));
+    auto& bench = recorded.bench;
+    bench.write(kAlice, 1, 0x60C2, 50, 1);
+    bench.write(kAlice, 1, 0x6060, 8);
+    bench.write(kAlice, 1, 0x6040, 0x0F);
+    bench.steps(2);
+    bench.write(kAlice, 1, 0x607A, 1'000);
+    bench.steps(25);
+    ASSERT_EQ(bench.value(1, 0x6062), 500);
+    bench.write(kBob, 1, 0x5E0A, 1);
+    bench.steps(200);
+    ASSERT_EQ(bench.value(1, 0x603F), 0x8130);
+  }
+  const ReplayResult result = replay_with(file, 1);
+  EXPECT_TRUE(result.agrees && result.is_complete) << result.text;
+  EXPECT_EQ(result.changes, 5U);
+}
+
 TEST(Journal, RecordsHowTheAxesOfAnEndingBenchComeToRest) {
   const JournalFile file;
   {

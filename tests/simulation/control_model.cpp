@@ -44,7 +44,7 @@ bool is_store_object(std::uint16_t index) {
 }
 
 bool is_test_input(std::uint16_t index) {
-  return index >= 0x5E00 && index <= 0x5E09;
+  return index >= 0x5E00 && index <= 0x5E0A;
 }
 
 /// What the actors request is one of these.

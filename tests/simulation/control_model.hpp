@@ -32,7 +32,7 @@ struct Registers {
   std::int32_t target = 0;
   std::uint32_t stamp = 100;        ///< 6067h, with its default
   std::uint32_t velocity = 68'267;  ///< 6081h, with its default
-  std::array<std::int64_t, 10> test_inputs{};
+  std::array<std::int64_t, 11> test_inputs{};
 
   bool operator==(const Registers&) const = default;
 

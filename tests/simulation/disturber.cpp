@@ -109,7 +109,7 @@ void Disturber::set_input(const Present& present) {
   auto request = new_request(msg::REQUEST_WRITE);
   auto& object = request.objects().emplace_back();
   object.axis(static_cast<std::uint16_t>(1 + random_.below(present.view.statuses.size())));
-  object.index(static_cast<std::uint16_t>(0x5E00 + random_.below(10)));
+  object.index(static_cast<std::uint16_t>(0x5E00 + random_.below(11)));
   object.value(object.index() == 0x5E00 ? random_.between(-kStrongestLoad, kStrongestLoad) : 1);
   ailments_.push_back({object.axis(), object.index()});
   post(std::move(request), present);

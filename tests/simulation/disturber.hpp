@@ -15,7 +15,7 @@ namespace vdrive::simulation {
 /// The disturbances of the bench beside its masters.
 struct Disturbances {
   bool restarts = true;    ///< of the service
-  bool test_bench = true;  ///< inputs 5E00h to 5E09h, power cycles, snapshots, the rate
+  bool test_bench = true;  ///< inputs 5E00h to 5E0Ah, power cycles, snapshots, the rate
   bool host = true;        ///< a clock that stalls, answers that leave late, floods
   bool disk = true;        ///< stores, and a disk that is full, fails or outlives the service
 };

@@ -40,6 +40,7 @@ DisturbanceSpec = Literal[
     "negative_limit",
     "home_switch",
     "index_pulse",
+    "connection_loss",
 ]
 CommandSpec = Literal[
     "enable", "disable", "halt", "resume", "quick_stop", "reset_fault", "power_cycle"

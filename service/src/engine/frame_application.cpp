@@ -188,9 +188,10 @@ bool FrameApplication::apply_registers(const msg::AxisCommand& command, std::siz
 bool FrameApplication::apply_register(std::size_t axis, ObjectRow row, std::int64_t value,
                                       bool undoable) {
   // The controlword has a member, whose place is last. Storing is answered when it is durable, and
-  // frames are answered at once.
+  // frames are answered at once. A lost connection cannot be taken back.
   const Change change = describe(row).change;
-  if (change == Change::power || change == Change::memory) {
+  if (change == Change::power || change == Change::memory ||
+      (undoable && change == Change::connection)) {
     refuse(axes_.number_of(axis), describe(row).address, AbortCode::cannot_be_mapped_to_pdo);
     return false;
   }

@@ -220,6 +220,7 @@ const TEXTS = {
   negative_limit: ["negative limit", "负限位"],
   home_switch: ["home switch", "原点开关"],
   index_pulse: ["index pulse", "索引脉冲"],
+  connection_loss: ["connection loss", "通信中断"],
   memory: ["Memory", "存储"],
   store: ["Store parameters", "保存参数"],
   restore: ["Restore defaults", "恢复默认"],

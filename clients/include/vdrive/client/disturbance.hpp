@@ -10,7 +10,7 @@
 
 namespace vdrive::client {
 
-/// A test-bench input (5E00h to 5E09h): what acts on an axis from outside.
+/// A test-bench input (5E00h to 5E0Ah): what acts on an axis from outside.
 enum class Disturbance : std::uint8_t {
   load_torque,  ///< [mN.m]; the others are 1 = on, 0 = off
   blocked_load,
@@ -22,6 +22,7 @@ enum class Disturbance : std::uint8_t {
   negative_limit,
   home_switch,
   index_pulse,
+  connection_loss,
 };
 
 /// A disturbance: its word in the tool, the object that it writes, and what becomes of the axis.
@@ -60,6 +61,10 @@ inline constexpr std::array kDisturbances{
                    "the switch that homing looks for; bit 2 of 60FDh"},
     DisturbanceRow{Disturbance::index_pulse, "index_pulse", "test_index_pulse_input",
                    ErrorCode::none, "a rising edge is an index mark for homing"},
+    DisturbanceRow{Disturbance::connection_loss, "connection_loss", "test_connection_loss",
+                   ErrorCode::life_guard_or_heartbeat,
+                   "a rising edge is the loss of the master: at once in Operation enabled and in "
+                   "Quick stop active, where 6007h is 1; 0, 2 and 3 choose another reaction"},
 };
 
 /// @return such as "fault 2310h, continuous over-current: at once, in every state".
