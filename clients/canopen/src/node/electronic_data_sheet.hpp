@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "node/node_object.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace vdrive::canopen {
+
+/// What an electronic data sheet has beside the objects of a node. All texts are ASCII in one line,
+/// without ';' and '#'.
+struct DataSheetSettings {
+  std::string_view file_name = "vdrive.eds";
+  std::string_view program_version = "0";
+  std::string_view date = "11-26-2026";  ///< of creation and modification: month-day-year
+  std::string_view time = "08:00AM";     ///< hours:minutes
+};
+
+/// The electronic data sheet of a node (CiA 306-1): what a master reads instead of the dictionary
+/// of the node. It has every object of node_objects() and is valid for every node id. Equal
+/// settings give equal bytes.
+/// @return ASCII text; its lines end with a line feed.
+[[nodiscard]] std::string electronic_data_sheet(const DataSheetSettings& settings);
+
+/// @return the data type as CiA 301 spells it, such as "UNSIGNED16".
+[[nodiscard]] std::string_view type_text(NodeDataType type) noexcept;
+
+/// @return the AccessType of CiA 306: "ro", "wo", "const", "rw", or "rww" where an RPDO may bring
+///         the object.
+[[nodiscard]] std::string_view access_text(const NodeObject& object) noexcept;
+
+}  // namespace vdrive::canopen
