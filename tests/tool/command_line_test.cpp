@@ -98,6 +98,19 @@ TEST(CommandLine, SuggestsAnObjectOfTheDictionary) {
             "the dictionary has no object 'profil_acc' (did you mean 'profile_acc'?)");
 }
 
+TEST(CommandLine, RefusesToShowAPartOfTheDictionaryOfANode) {
+  EXPECT_EQ(command<DictionaryCommand>("dictionary --format eds").format, TableFormat::eds);
+  EXPECT_EQ(command<DictionaryCommand>("dictionary --format node-json --json").format,
+            TableFormat::node_json);
+  EXPECT_EQ(refusal_of(split("dictionary statusword --format eds")),
+            "'--format eds' has all objects of a node, so it takes no OBJECT; leave 'statusword' "
+            "out");
+  EXPECT_EQ(refusal_of(split("dictionary --format node-json --language zh")),
+            "'--format node-json' is in English, so it takes no --language");
+  EXPECT_EQ(refusal_of(split("dictionary --format eds --json")),
+            "'--format eds' is no JSON; 'vdrive dictionary --format node-json' is");
+}
+
 TEST(CommandLine, ListsTheSubIndicesOfAnIndex) {
   EXPECT_EQ(refusal_of(split("dictionary 0x607D:7")),
             "the dictionary has no object '0x607D:7': 607Dh has the sub-indices 1 and 2");

@@ -234,6 +234,39 @@ TEST(ArrivalLine, HasTheTypedNameAndNoSpeed) {
       "1.2        -500 UU   -43.95 deg       15 UU/s  0x637 Operation enabled: target reached");
 }
 
+TEST(Dictionary, OfANodeHasCommunicationObjectsBesideTheRows) {
+  std::size_t of_the_drive = 0;
+  Json controlword;
+  Json device_name;
+  const auto lines = dictionary_lines({TableFormat::node_json, Language::en});
+  for (const std::string& line : lines) {
+    const Json row = Json::parse(line);
+    EXPECT_THAT(keys(row), ElementsAre("index", "subindex", "name", "index_name", "object_type",
+                                       "type", "access", "owner", "pdo_mapping", "lower_limit",
+                                       "upper_limit", "default", "adds_node_id"));
+    of_the_drive += row["owner"] == "drive" ? 1U : 0U;
+    if (row["index"] == "0x6040") controlword = row;
+    if (row["index"] == "0x1008") device_name = row;
+  }
+  EXPECT_EQ(of_the_drive, kObjectCount);
+  EXPECT_GT(lines.size(), kObjectCount);
+  EXPECT_EQ(to_line(controlword),
+            R"({"index":"0x6040","subindex":0,"name":"DS402 Controlword",)"
+            R"("index_name":"DS402 Controlword","object_type":"variable","type":"UNSIGNED16",)"
+            R"("access":"rww","owner":"drive","pdo_mapping":"receive","lower_limit":0,)"
+            R"("upper_limit":65535,"default":0,"adds_node_id":false})");
+  EXPECT_TRUE(device_name["upper_limit"].is_null());
+  EXPECT_EQ(device_name["default"], "vdrive");
+}
+
+TEST(Dictionary, OfANodeIsAnElectronicDataSheet) {
+  const auto lines = dictionary_lines({TableFormat::eds, Language::en});
+  EXPECT_EQ(lines.front(), "[FileInfo]");
+  for (const char* const line : {"[MandatoryObjects]", "[607Dsub1]", "NrOfRXPDO=4"}) {
+    EXPECT_THAT(lines, testing::Contains(line));
+  }
+}
+
 TEST(Dictionary, JsonHasEveryColumnOfTheRow) {
   const Json row = Json::parse(dictionary_lines({TableFormat::json, Language::zh})[0]);
   EXPECT_THAT(keys(row), ElementsAre("index", "subindex", "name", "title", "category", "type",

@@ -28,6 +28,10 @@ TEST(Tool, ShowsTheDictionaryWithoutAService) {
   EXPECT_THAT(call("dictionary").output, HasSubstr("ds402_statusword"));
   EXPECT_THAT(call("dictionary --format csv --language zh").output, HasSubstr("402 状态字"));
   EXPECT_FALSE(json_of(call("dictionary --json")).empty());
+  EXPECT_THAT(call("dictionary --format eds").output, HasSubstr("\n[ManufacturerObjects]\n"));
+  EXPECT_GT(json_of(call("dictionary --format node-json")).size(),
+            json_of(call("dictionary --json")).size());
+  EXPECT_EQ(call("dictionary 0x6041 --format eds").code, 2);
 }
 
 TEST(Tool, PrintsAUsageErrorAsAnObjectWithJson) {

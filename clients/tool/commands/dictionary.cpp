@@ -5,6 +5,8 @@
 #include "csv_field.hpp"
 #include "execution/command_context.hpp"
 #include "language/arguments.hpp"
+#include "node/electronic_data_sheet.hpp"
+#include "node/node_object.hpp"
 #include "terminal/columns.hpp"
 #include "vdrive/cia402/homing_method.hpp"
 #include "vdrive/dictionary/object_text.hpp"
@@ -13,10 +15,26 @@
 
 #include <algorithm>
 #include <array>
+#include <sstream>
 #include <tuple>
 
 namespace vdrive::tool {
 namespace {
+
+struct FormatName {
+  std::string_view name;
+  TableFormat format = TableFormat::table;
+};
+
+constexpr std::array kFormatNames{
+    FormatName{"table", TableFormat::table}, FormatName{"json", TableFormat::json},
+    FormatName{"csv", TableFormat::csv}, FormatName{"eds", TableFormat::eds},
+    FormatName{"node-json", TableFormat::node_json}};
+
+/// @return whether the whole dictionary of a CANopen node is shown, and not the core's table.
+bool is_of_node(TableFormat format) {
+  return format == TableFormat::eds || format == TableFormat::node_json;
+}
 
 std::string_view name_in(const ObjectDescription& row, Language language) {
   return language == Language::zh ? row.name_zh : row.name;
@@ -91,6 +109,67 @@ void add_meanings(const DictionaryCommand& command, std::vector<std::string>& li
   }
 }
 
+std::string_view object_type_of(canopen::ObjectCode code) {
+  switch (code) {
+    case canopen::ObjectCode::variable:
+      return "variable";
+    case canopen::ObjectCode::array:
+      return "array";
+    case canopen::ObjectCode::record:
+      return "record";
+  }
+  return "";
+}
+
+std::string_view pdo_mapping_of(canopen::PdoMapping mapping) {
+  switch (mapping) {
+    case canopen::PdoMapping::none:
+      return "none";
+    case canopen::PdoMapping::transmit:
+      return "transmit";
+    case canopen::PdoMapping::receive:
+      return "receive";
+  }
+  return "";
+}
+
+Json node_object_json(const canopen::NodeObject& object) {
+  Json json{{"index", hex(object.address.index, 4)},
+            {"subindex", object.address.subindex},
+            {"name", object.name},
+            {"index_name", object.index_name},
+            {"object_type", object_type_of(object.code)},
+            {"type", canopen::type_text(object.data_type)},
+            {"access", canopen::access_text(object)},
+            {"owner", object.owner == canopen::ObjectOwner::drive ? "drive" : "node"},
+            {"pdo_mapping", pdo_mapping_of(object.mapping)},
+            {"lower_limit", object.lower_limit},
+            {"upper_limit", object.upper_limit},
+            {"default", object.default_value},
+            {"adds_node_id", object.has_node_id}};
+  if (object.data_type == canopen::NodeDataType::visible_string) {
+    json["lower_limit"] = nullptr;
+    json["upper_limit"] = nullptr;
+    json["default"] = object.default_text;
+  }
+  return json;
+}
+
+std::vector<std::string> node_lines() {
+  std::vector<std::string> lines;
+  for (const canopen::NodeObject& object : canopen::node_objects()) {
+    lines.push_back(to_line(node_object_json(object)));
+  }
+  return lines;
+}
+
+std::vector<std::string> data_sheet_lines() {
+  std::istringstream text(canopen::electronic_data_sheet({.program_version = VDRIVE_VERSION}));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  return lines;
+}
+
 std::vector<std::string> table_lines(const DictionaryCommand& command) {
   std::vector<TableRow> rows{
       {"object", "variable_name", "name", "type", "access", "stored", "default", "range", "units"}};
@@ -126,13 +205,37 @@ ObjectName parse_listed(const std::string& text) {
                    (advice.empty() ? "" : ": " + advice));
 }
 
-TableFormat parse_format(const std::string& text) {
-  if (text == "json") return TableFormat::json;
-  return text == "csv" ? TableFormat::csv : TableFormat::table;
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const FormatName& row : kFormatNames) names.emplace_back(row.name);
+  return names;
+}
+
+TableFormat parse_table_format(const std::string& text) {
+  const auto* const row =
+      std::ranges::find(kFormatNames, std::string_view(text), &FormatName::name);
+  return row == kFormatNames.end() ? TableFormat::table : row->format;
+}
+
+/// @param is_json whether the line has --json
+void check_node_format(const DictionaryCommand& command, bool is_json) {
+  if (!is_of_node(command.format)) return;
+  const auto* const row = std::ranges::find(kFormatNames, command.format, &FormatName::format);
+  const std::string option = "--format " + std::string(row->name);
+  if (!command.objects.empty()) {
+    throw UsageError("'" + option + "' has all objects of a node, so it takes no OBJECT; leave " +
+                     in_quotes(command.objects.front().text) + " out");
+  }
+  if (command.language != Language::en) {
+    throw UsageError("'" + option + "' is in English, so it takes no --language");
+  }
+  if (is_json && command.format == TableFormat::eds) {
+    throw UsageError("'" + option + "' is no JSON; 'vdrive dictionary --format node-json' is");
+  }
 }
 
 void print_dictionary(DictionaryCommand command, bool is_json, Terminal& terminal) {
-  if (is_json) command.format = TableFormat::json;
+  if (is_json && !is_of_node(command.format)) command.format = TableFormat::json;
   for (const std::string& line : dictionary_lines(command)) {
     if (!terminal.is_open()) return;
     terminal.print(line);
@@ -143,6 +246,8 @@ void print_dictionary(DictionaryCommand command, bool is_json, Terminal& termina
 
 std::vector<std::string> dictionary_lines(const DictionaryCommand& command) {
   if (command.format == TableFormat::table) return table_lines(command);
+  if (command.format == TableFormat::eds) return data_sheet_lines();
+  if (command.format == TableFormat::node_json) return node_lines();
   std::vector<std::string> lines;
   for (const ObjectDescription& row : kObjectTable) {
     if (!is_listed(row, command)) continue;
@@ -167,14 +272,22 @@ void DictionaryCommand::declare(Arguments& arguments) {
                      return listed;
                    })
       .completed_by(complete_object);
-  arguments.option("--format", "F", format, "table, json or csv", parse_format)
-      .one_of({"table", "json", "csv"});
+  arguments
+      .option(
+          "--format", "F", format,
+          "Of an axis: table, json or csv. Of an axis as a CANopen node, with its communication "
+          "objects: eds (electronic data sheet) or node-json",
+          parse_table_format)
+      .one_of(format_names());
   arguments
       .option("--language", "L", language, "en or zh",
               [](const std::string& text) {
                 return text == "zh" ? Language::zh : Language::en;
               })
       .one_of({"en", "zh"});
+  arguments.then([this, &is_json = arguments.is_json()] {
+    check_node_format(*this, is_json);
+  });
 }
 
 client::Outcome DictionaryCommand::run(CommandContext& context) const {

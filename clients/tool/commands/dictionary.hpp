@@ -10,7 +10,13 @@
 
 namespace vdrive::tool {
 
-enum class TableFormat : std::uint8_t { table, json, csv };
+enum class TableFormat : std::uint8_t {
+  table,
+  json,
+  csv,
+  eds,        ///< of a CANopen node: its electronic data sheet (CiA 306)
+  node_json,  ///< of a CANopen node: with its communication objects
+};
 enum class Language : std::uint8_t { en, zh };
 
 struct DictionaryCommand {
