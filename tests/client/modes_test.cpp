@@ -466,8 +466,10 @@ TEST_F(Modes, JogEndsWithTheFaultThatStopsTheAxis) {
   EXPECT_LT(ticks, 100);
 }
 
-// 10 positions, 7 UU apart: the demand follows each of them in its tick.
+// 10 positions, 7 UU apart: the demand follows each of them in its tick, also after a master that
+// had 60C2h at 20 ms.
 TEST_F(Modes, AGroupOfOneStreamsAnAxis) {
+  ASSERT_TRUE(axis_.write({0x60C2, 1}, 20));
   auto group = AxisGroup::create(session_, std::vector<Axis>{axis_});
   ASSERT_TRUE(group);
   ASSERT_TRUE(group->start_streaming());

@@ -2,6 +2,7 @@
 #include "joint_plan.hpp"
 
 #include "vdrive/assert.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,6 +11,8 @@
 
 namespace vdrive::ros2 {
 namespace {
+
+using namespace vdrive::literals;
 
 constexpr OperatingMode kPositions = OperatingMode::cyclic_synchronous_position;
 
@@ -28,6 +31,13 @@ constexpr double kShareOfNewest = 0.25;
 
 // A set-point that comes too late again and again is lost elsewhere: the operator has to know.
 constexpr int kMostRepeats = 8;
+
+constexpr ObjectAddress kInterpolationTime = describe("interpolation_time_period"_object).address;
+
+/// A position for each tick follows: another master may have left another 60C2h.
+client::SetPoint begin_positions(std::uint16_t axis) {
+  return {.axis = axis, .mode = kPositions, .objects = {{kInterpolationTime, 0}}};
+}
 
 }  // namespace
 
@@ -188,8 +198,10 @@ client::SetPoint JointPlan::position_point(const JointNow& now, std::uint64_t ti
     position_ = path_->at(time).position;
     ends = time >= path_->duration();
   }
-  client::SetPoint point{.axis = now.joint.axis.axis, .position = now.user_units(position_)};
-  if (now.axis.mode() != kPositions) point.mode = kPositions;
+  const std::uint16_t axis = now.joint.axis.axis;
+  client::SetPoint point =
+      now.axis.mode() == kPositions ? client::SetPoint{.axis = axis} : begin_positions(axis);
+  point.position = now.user_units(position_);
   if (ends) {
     duty_ = Duty::hold;
     ends_at_ = tick;
@@ -219,7 +231,7 @@ std::optional<client::SetPoint> JointPlan::free_point(const JointNow& now, std::
 std::optional<client::SetPoint> JointPlan::mode_point(const JointNow& now, std::uint64_t tick) {
   if (duty_ != Duty::settle || now.tick <= sent_for_) return std::nullopt;
   sent_for_ = tick;
-  return client::SetPoint{.axis = now.joint.axis.axis, .mode = kPositions};
+  return begin_positions(now.joint.axis.axis);
 }
 
 }  // namespace vdrive::ros2

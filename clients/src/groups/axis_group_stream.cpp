@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cyclic streaming of positions.
+#include "base/command_objects.hpp"
 #include "base/command_words.hpp"
 #include "groups/group_state.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
 #include <utility>
 
 namespace vdrive::client {
 namespace {
+
+using namespace literals;
+
+constexpr ObjectAddress kInterpolationTime =
+    vdrive::describe("interpolation_time_period"_object).address;
 
 // A change of the mode takes one tick at rest; an axis that moves brakes first.
 constexpr std::chrono::seconds kModeChange{5};
@@ -45,7 +52,11 @@ Outcome AxisGroup::start_streaming(const StreamOptions& options) {
     }
   }
   state_->drop_all();
-  const Round mode = mode_round(call, OperatingMode::cyclic_synchronous_position);
+  Round mode = mode_round(call, OperatingMode::cyclic_synchronous_position);
+  for (Round::Entry& entry : mode.entries) {
+    // A position for each tick: another master may have left another 60C2h.
+    add_object(entry.command, kInterpolationTime, 0);
+  }
   const Answers answers = call.exchange({&mode, 1}, Timing::at_once);
   if (!answers.outcome) return state_->explained(answers.outcome);
   Outcome seen = call.await_enabled(
