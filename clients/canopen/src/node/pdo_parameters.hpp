@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "node/cob_id.hpp"
+#include "node/drive_time.hpp"
+#include "node/node_object.hpp"
+#include "node/pdo_mapping.hpp"
+#include "vdrive/dictionary/abort_code.hpp"
+#include "vdrive/dictionary/object.hpp"
+
+#include <cstdint>
+
+namespace vdrive::canopen {
+
+// Transmission types (CiA 301, 7.5.2.35 and 7.5.2.37). What lies between is reserved.
+inline constexpr std::uint8_t kAcyclicSynchronous = 0;   ///< at the SYNC behind a change
+inline constexpr std::uint8_t kLastSynchronous = 240;    ///< 1 to 240: at every n-th SYNC
+inline constexpr std::uint8_t kRemoteSynchronous = 252;  ///< TPDO: on request, sampled at SYNC
+inline constexpr std::uint8_t kRemoteEventDriven = 253;  ///< TPDO: on request, sampled then
+inline constexpr std::uint8_t kFirstEventDriven = 254;   ///< 254 and 255: at once
+
+/// Which PDO of which node.
+struct PdoPlace {
+  std::uint8_t number = 1;   ///< 1 to 4
+  std::uint8_t node_id = 1;  ///< 1 to 127
+};
+
+/// The two records of a PDO as they are in force: communication parameter (CiA 301, 7.5.2.35:
+/// 1400h.. of an RPDO; 7.5.2.37: 1800h.. of a TPDO) and mapping.
+///
+/// A valid PDO always has a CAN-ID that is not restricted, and at least one mapped object.
+class PdoParameters {
+ public:
+  /// With the defaults of the dictionary.
+  PdoParameters(PdoMapping direction, PdoPlace place);
+
+  /// All objects have their defaults again.
+  void reset();
+
+  /// @pre `object` belongs to one of the two records
+  [[nodiscard]] std::uint32_t read(ObjectAddress object) const;
+
+  /// @pre `object` belongs to one of the two records
+  /// @return of the mapping: as MappingRecord::write(); of the communication parameter:
+  ///         write_of_read_only_object for :00;
+  ///         value_range_exceeded for a COB-ID with one of the bits 11 to 29; for one that makes
+  ///         the PDO valid with another CAN-ID than the valid PDO has, with a restricted one, or
+  ///         without mapped objects; for a transmission type that is reserved; for 252 and 253 of
+  ///         an RPDO; for another inhibit time or SYNC start value while the PDO is valid; for a
+  ///         SYNC start value above 240, and a time above 65535; subindex_does_not_exist where the
+  ///         record has none; else none: it is in force.
+  AbortCode write(ObjectAddress object, std::uint32_t value);
+
+  [[nodiscard]] bool is_valid() const noexcept { return (cob_id_ & kCobIdNotValid) == 0; }
+
+  [[nodiscard]] std::uint32_t can_id() const noexcept { return can_id_of(cob_id_); }
+
+  [[nodiscard]] bool allows_remote() const noexcept { return (cob_id_ & kCobIdNoRemote) == 0; }
+
+  [[nodiscard]] std::uint8_t type() const noexcept { return type_; }
+
+  [[nodiscard]] DriveTime inhibit_time() const noexcept;  ///< 0 = none
+  [[nodiscard]] DriveTime event_time() const noexcept;    ///< 0 = none
+
+  [[nodiscard]] std::uint8_t sync_start() const noexcept { return sync_start_; }  ///< 0 = none
+
+  [[nodiscard]] const MappingRecord& mapping() const noexcept { return mapping_; }
+
+ private:
+  [[nodiscard]] bool is_mapping(ObjectAddress object) const noexcept;
+  [[nodiscard]] std::uint32_t read_communication(std::uint8_t subindex) const;
+  AbortCode write_communication(std::uint8_t subindex, std::uint32_t value);
+  AbortCode write_cob_id(std::uint32_t value);
+  AbortCode write_type(std::uint32_t value);
+  AbortCode write_inhibit_time(std::uint32_t value);
+  AbortCode write_event_timer(std::uint32_t value);
+  AbortCode write_sync_start(std::uint32_t value);
+
+  PdoMapping direction_;
+  std::uint16_t index_;  ///< of the communication parameter
+  std::uint8_t node_id_;
+  MappingRecord mapping_;
+  std::uint32_t cob_id_ = kCobIdNotValid;
+  std::uint16_t inhibit_ = 0;      ///< [100 us]
+  std::uint16_t event_timer_ = 0;  ///< [ms]
+  std::uint8_t type_ = 0;
+  std::uint8_t sync_start_ = 0;
+};
+
+}  // namespace vdrive::canopen
