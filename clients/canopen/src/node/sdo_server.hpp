@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "node/drive_time.hpp"
+#include "node/frame.hpp"
+#include "node/node_host.hpp"
+#include "vdrive/dictionary/abort_code.hpp"
+#include "vdrive/dictionary/object.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace vdrive::canopen {
+
+/// What a download to an object has to be like.
+struct SdoTarget {
+  AbortCode abort = AbortCode::none;  ///< why the object cannot be written
+  std::uint8_t size = 0;              ///< [bytes], 1 to 4
+};
+
+/// What became of an access to an object.
+struct SdoAnswer {
+  AbortCode abort = AbortCode::none;
+  std::string bytes{};   ///< of an upload, the least significant first
+  bool is_text = false;  ///< goes by segments; a number goes with the response (expedited)
+};
+
+/// The objects that an SDO server gives access to. Called within a call of the server; calls no
+/// function of it.
+class SdoObjects {
+ public:
+  virtual ~SdoObjects() = default;
+
+  [[nodiscard]] virtual SdoTarget check_download(ObjectAddress object) const = 0;
+
+  /// @return the answer; none = SdoServer::finish() brings it. Until then no other access begins.
+  virtual std::optional<SdoAnswer> begin_upload(ObjectAddress object) = 0;
+
+  /// @param data as many bytes as check_download() asks for
+  /// @return as begin_upload()
+  virtual std::optional<SdoAnswer> begin_download(ObjectAddress object,
+                                                  std::span<const std::uint8_t> data,
+                                                  DriveTime now) = 0;
+};
+
+struct SdoCounters {
+  std::uint64_t aborts = 0;     ///< that the server sent, time-outs included
+  std::uint64_t time_outs = 0;  ///< transfers that the client did not continue
+};
+
+/// The SDO server of a node with the default COB-IDs 600h and 580h + node id (CiA 301, 7.2.4):
+/// expedited and segmented transfers in both directions.
+///
+/// Each request gets one response or abort, and requests are answered in their order:
+///
+/// | request | answer |
+/// | --- | --- |
+/// | initiate, whatever is under way | starts a new transfer; the one under way ends in silence |
+/// | segment of no transfer, or of the other direction | abort 05040001h |
+/// | block transfer, and specifier 7 | abort 05040001h |
+/// | segment whose toggle bit does not alternate | abort 05030000h |
+/// | more data than the object has | abort 06070012h, as soon as it is known |
+/// | fewer data | abort 06070013h |
+/// | any, while an access to the drive is under way | waits; beyond kMostWaiting: abort 05040005h |
+/// | abort by the client | none; ends the transfer, and what waits is not answered any more |
+///
+/// An abort ends the transfer. A client that does not continue a transfer for kClientTimeOut gets
+/// abort 05040000h.
+class SdoServer {
+ public:
+  static constexpr DriveTime kClientTimeOut = std::chrono::seconds{1};
+  static constexpr std::size_t kMostWaiting = 16;
+
+  /// @param host outlives the server
+  /// @param objects likewise
+  SdoServer(std::uint8_t node_id, NodeHost& host, SdoObjects& objects);
+
+  /// @param request a data frame of 8 bytes
+  void receive(const Frame& request, DriveTime now);
+
+  /// The answer to the access that is under way; without one it is ignored.
+  void finish(const SdoAnswer& answer, DriveTime now);
+
+  /// The NMT state has no SDO any more: nothing of what is under way is answered. A new access
+  /// waits until the one under way has ended.
+  void stop();
+
+  /// As stop(); the access under way is forgotten, too.
+  void reset();
+
+  void advance(DriveTime now);
+  [[nodiscard]] std::optional<DriveTime> next_due() const;
+
+  [[nodiscard]] const SdoCounters& counters() const noexcept { return counters_; }
+
+ private:
+  enum class Transfer : std::uint8_t { none, upload, download };
+
+  /// An access to an object, and how its success is answered.
+  struct Access {
+    ObjectAddress object;
+    Transfer transfer = Transfer::none;
+    std::uint8_t response = 0;  ///< first byte, of a download
+    bool is_wanted = true;      ///< the client still waits for it
+  };
+
+  void serve(const Frame& request, DriveTime now);
+  void initiate_upload(const Frame& request, DriveTime now);
+  void initiate_download(const Frame& request, DriveTime now);
+  void initiate_segments(const Frame& request, const SdoTarget& target, DriveTime now);
+  void upload_segment(const Frame& request, DriveTime now);
+  void download_segment(const Frame& request, DriveTime now);
+  void download(const Access& access, std::span<const std::uint8_t> data, DriveTime now);
+  void conclude(const Access& access, const SdoAnswer& answer, DriveTime now);
+  void conclude_upload(ObjectAddress object, const SdoAnswer& answer, DriveTime now);
+  void continue_transfer(DriveTime now);
+  void end_transfer();
+  /// @return whether `request` is the next segment of the transfer; if not it is answered.
+  bool check_segment(const Frame& request, Transfer expected);
+  [[nodiscard]] ObjectAddress object_of(const Frame& request) const;
+  void send_abort(ObjectAddress object, AbortCode code);
+  void send(std::uint8_t command, ObjectAddress object, std::span<const std::uint8_t> data);
+
+  std::uint8_t node_id_;
+  NodeHost& host_;
+  SdoObjects& objects_;
+  SdoCounters counters_;
+
+  Transfer transfer_ = Transfer::none;  ///< by segments
+  ObjectAddress object_;                ///< of it
+  std::string data_;                    ///< of it: to send, or received
+  std::size_t position_ = 0;            ///< upload: bytes that were sent
+  std::size_t size_ = 0;                ///< download: bytes that are expected
+  bool toggle_ = false;                 ///< of the next segment
+  DriveTime deadline_{};                ///< for the next segment
+
+  std::optional<Access> access_;  ///< under way
+  std::deque<Frame> waiting_;     ///< for its end
+};
+
+}  // namespace vdrive::canopen
