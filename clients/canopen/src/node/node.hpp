@@ -1,45 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// CONTRACT of the class; the private part is the author's.
 #include "node/drive_time.hpp"
 #include "node/frame.hpp"
+#include "node/nmt_state.hpp"
 #include "node/node_host.hpp"
 #include "vdrive/axis_status.hpp"
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
+#include <string_view>
 
 namespace vdrive::canopen {
-
-/// NMT states (CiA 301, 7.3.2.2), by the number that a heartbeat carries.
-enum class NmtState : std::uint8_t {
-  boot_up = 0x00,
-  stopped = 0x04,
-  operational = 0x05,
-  pre_operational = 0x7F,
-};
 
 inline constexpr std::uint8_t kLowestNodeId = 1;
 inline constexpr std::uint8_t kHighestNodeId = 127;
 
 /// What a node counts since it was made; a NMT reset leaves the counters.
 struct NodeCounters {
-  std::uint64_t ignored_set_points = 0;   ///< RPDOs while another session owns the axis
-  std::uint64_t dropped_pdos = 0;         ///< RPDOs that were too short, or not awaited (NMT state)
-  std::uint64_t sdo_aborts = 0;           ///< that the node sent
-  std::uint64_t sdo_time_outs = 0;        ///< transfers that the client did not continue
-  std::uint64_t ignored_frames = 0;       ///< malformed frames with an identifier of this node
+  std::uint64_t ignored_set_points = 0;  ///< RPDOs while another session owns the axis
+  std::uint64_t dropped_pdos = 0;        ///< RPDOs that were too short, or not awaited (NMT state)
+  std::uint64_t sdo_aborts = 0;          ///< that the node sent
+  std::uint64_t sdo_time_outs = 0;       ///< transfers that the client did not continue
+  std::uint64_t ignored_frames = 0;      ///< malformed frames with an identifier of this node, or
+                                         ///< of NMT
   std::uint64_t held_back_emergencies = 0;  ///< by the inhibit time 1015h, replaced by a newer one
 };
 
 struct NodeSettings {
-  std::uint8_t node_id = 1;  ///< 1 to 127
-  std::string_view device_name = "vdrive";   ///< 1008h
-  std::string_view hardware_version = "1";   ///< 1009h
-  std::string_view software_version = "0";   ///< 100Ah
-  std::uint32_t serial_number = 0;           ///< 1018h:04
+  std::uint8_t node_id = 1;                 ///< 1 to 127
+  std::string_view device_name = "vdrive";  ///< 1008h
+  std::string_view hardware_version = "1";  ///< 1009h
+  std::string_view software_version = "0";  ///< 100Ah
+  std::uint32_t serial_number = 0;          ///< not read: 1018h:04 is a row of the drive
   /// With stepped SYNC: what 1006h may be besides 0 [us]; none = any.
   std::optional<std::uint32_t> sync_period{};
 };
@@ -61,11 +56,19 @@ class Node {
   /// Its communication parameters at power-up; see stored().
   using Parameters = std::map<ObjectAddress, std::uint32_t>;
 
+  /// @param settings their texts are copied
   /// @param host outlives the node
-  /// @param stored communication parameters that 1010h:01 saved; empty = defaults
+  /// @param stored communication parameters that 1010h:01 saved; empty = defaults. What is no
+  ///        communication parameter is left out.
   Node(const NodeSettings& settings, NodeHost& host, Parameters stored = {});
+  ~Node();
+  Node(Node&&) noexcept;
+  Node& operator=(Node&&) noexcept;
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
 
-  /// The drive is there: boot-up, then pre-operational.
+  /// The drive is there: boot-up, then pre-operational. Also when it is there again: an access that
+  /// was under way is forgotten, and `now` may be an earlier time.
   void start(const DriveView& drive, DriveTime now);
 
   /// A frame of the bus, of whatever node; its own are ignored.
@@ -94,6 +97,10 @@ class Node {
   /// The value of a communication object now; none where it is the drive's, or does not exist. For
   /// the ASCII gateway, tests and reports.
   [[nodiscard]] std::optional<std::int64_t> value(ObjectAddress object) const;
+
+ private:
+  class Parts;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace vdrive::canopen

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "node/drive_time.hpp"
+#include "node/frame.hpp"
+#include "node/node_host.hpp"
+#include "vdrive/axis_status.hpp"
+#include "vdrive/dictionary/abort_code.hpp"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+namespace vdrive::canopen {
+
+/// Emergency producer of a node (CiA 301, 7.2.7): objects 1014h and 1015h.
+///
+/// | byte | of the message |
+/// | --- | --- |
+/// | 0 to 1 | error code; 0000h = error reset |
+/// | 2 | error register 1001h |
+/// | 3 to 4 | statusword 6041h |
+/// | 5 | operating mode 6061h |
+/// | 6 | faults of the drive since power-up, modulo 256 |
+/// | 7 | of a heartbeat error 8130h: node id of the silent producer; else 0 |
+///
+/// Each fault of the drive is sent once with its code 603Fh, and 0000h when its reset has cleared
+/// 603Fh. A heartbeat error lasts until all producers are heard again; then 0000h, unless the drive
+/// has a fault. The drive reacts to a heartbeat error with a fault of the same code (6007h): while
+/// the heartbeat error lasts that fault is not sent a second time.
+///
+/// Other errors of the communication, such as 8210h, are events: there is no state to be reset.
+///
+/// 1003h is the history of the drive and has its faults; an error of the communication is not
+/// entered there, since the drive does not know it. One that the drive reacts to is: as its fault.
+class Emergency {
+ public:
+  /// 1014h and 1015h have their defaults. Nothing is sent until set_allowed(true).
+  /// @param host outlives the producer
+  Emergency(std::uint8_t node_id, NodeHost& host);
+
+  [[nodiscard]] std::uint32_t cob_id() const noexcept { return cob_id_; }  ///< 1014h
+
+  /// Writes 1014h. Bit 31 = no emergency is sent, and what waits is dropped.
+  /// @return value_range_exceeded when one of bits 11 to 30 is 1; when it is valid (bit 31 = 0)
+  ///         with a restricted CAN-ID, or with another than the one that is valid now
+  AbortCode set_cob_id(std::uint32_t value);
+
+  /// 1015h [100 us]: between two emergencies. What comes within it waits for its end; of several
+  /// the newest is sent, the others are counted.
+  [[nodiscard]] std::uint16_t inhibit_time() const noexcept { return inhibit_time_; }
+
+  void set_inhibit_time(std::uint16_t value) noexcept { inhibit_time_ = value; }
+
+  /// 1014h and 1015h have their defaults again; no error is known, so that a fault that lasts is
+  /// sent again. Nothing is sent until set_allowed(true).
+  void reset();
+
+  /// The NMT state has emergencies. While it has none the newest waits.
+  void set_allowed(bool is_allowed, DriveTime now);
+
+  /// The drive after a tick, with 6041h as masters see it.
+  void update(const AxisStatus& drive, DriveTime now);
+
+  /// An error of the communication that is over when it is sent.
+  void raise(std::uint16_t error_code, DriveTime now);
+
+  void begin_heartbeat_error(std::uint8_t producer, DriveTime now);
+  void end_heartbeat_error(DriveTime now);
+
+  /// @return the bits that errors of the communication set in 1001h now, beside those of the drive.
+  [[nodiscard]] std::uint8_t error_register() const noexcept;
+
+  void advance(DriveTime now);
+  [[nodiscard]] std::optional<DriveTime> next_due() const;
+
+  [[nodiscard]] std::uint64_t held_back() const noexcept { return held_back_; }  ///< never sent
+
+ private:
+  using Message = std::array<std::uint8_t, kMostData>;
+
+  struct Cause {
+    std::uint16_t error_code = 0;
+    std::uint8_t error_register = 0;  ///< beside what the drive shows
+    std::uint8_t producer = 0;
+  };
+
+  [[nodiscard]] Message message_of(const Cause& cause) const;
+  void post(const Cause& cause, DriveTime now);
+  [[nodiscard]] DriveTime next_allowed() const;
+
+  std::uint8_t node_id_;
+  NodeHost& host_;
+  std::uint32_t cob_id_ = 0;
+  std::uint16_t inhibit_time_ = 0;
+  bool is_allowed_ = false;
+  AxisStatus drive_;
+  bool has_heartbeat_error_ = false;
+  std::optional<Message> waiting_;
+  std::optional<DriveTime> last_sent_;
+  std::uint64_t held_back_ = 0;
+};
+
+}  // namespace vdrive::canopen
