@@ -3,10 +3,7 @@
 
 #include "node/frame.hpp"
 
-#include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <string>
 #include <vector>
 
 namespace vdrive::canopen {

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/ascii_gateway_server.hpp"
+
+#include "bus/asio.hpp"
+#include "bus/line_reader.hpp"
+#include "bus/tcp_acceptor.hpp"
+
+#include <array>
+#include <chrono>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace vdrive::canopen {
+namespace {
+
+constexpr std::size_t kGatewayInput = 4096;  // [bytes] that are read at once
+// Whoever has as many lines waiting is not read: some more of the same block may come.
+constexpr std::size_t kMostWaitingLines = 32;
+// Whoever does not read so much of the answers is not read either.
+constexpr std::size_t kMostGatewayAnswers = 1U << 18U;  // [bytes]
+constexpr std::size_t kMostGatewayReports = 1U << 16U;  // [bytes] that wait with the answers
+// Answers and reports that came since the gateway was last at work: one for each node, and faults.
+constexpr std::size_t kMostAwaitedFrames = 4096;
+
+BusTime gateway_time() {
+  return std::chrono::duration_cast<BusTime>(std::chrono::steady_clock::now().time_since_epoch());
+}
+
+struct GatewayClient {
+  GatewayClient(tcp::socket&& its_socket, GatewaySession its_session)
+      : socket(std::move(its_socket)), session(its_session) {}
+
+  tcp::socket socket;
+  GatewaySession session;
+  LineReader lines{AsciiGatewayServer::kLongestLine};
+  std::array<char, kGatewayInput> input{};
+  std::string waiting;  ///< lines to send
+  std::string output;   ///< on its way
+  bool is_reading = false;
+  bool is_writing = false;
+  bool has_sent_all = false;
+  bool is_over = false;
+};
+
+using GatewayClientPointer = std::shared_ptr<GatewayClient>;
+
+}  // namespace
+
+/// The gateway is called by operations of the context only, never by the bus: a port sends nothing
+/// while it gets a frame.
+struct AsciiGatewayServer::State final : Port,
+                                         std::enable_shared_from_this<AsciiGatewayServer::State> {
+  State(asio::io_context& its_context, Bus& its_bus, const AsciiGatewayServerSettings& settings)
+      : context(its_context),
+        bus(its_bus),
+        most_clients(settings.most_clients),
+        gateway(settings.gateway, calls()),
+        timer(its_context),
+        acceptor(its_context, settings.listen, [this](tcp::socket&& socket) {
+          serve(std::move(socket));
+        }) {}
+
+  ~State() override = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  void stop() {
+    if (std::exchange(is_over, true)) return;
+    acceptor.close();
+    timer.cancel();
+    for (const auto& [session, client] : clients) end(*client);
+    bus.detach(*this);
+  }
+
+  void deliver(const Frame& frame) override {
+    if (!gateway.awaits(frame)) return;
+    if (inbox.size() >= kMostAwaitedFrames) {
+      ++counters.dropped_frames;
+      return;
+    }
+    inbox.push_back(frame);
+    if (std::exchange(is_inbox_posted, true)) return;
+    asio::post(context, [self = shared_from_this()] {
+      self->is_inbox_posted = false;
+      if (!self->is_over) self->take_inbox();
+    });
+  }
+
+  [[nodiscard]] GatewayCalls calls() {
+    return {.send =
+                [this](const Frame& frame) {
+                  bus.send(frame, this);
+                },
+            .answer =
+                [this](GatewaySession session, std::string_view line) {
+                  ++counters.commands;
+                  append_line(session, line);
+                },
+            .report =
+                [this](GatewaySession session, std::string_view line) {
+                  report(session, line);
+                }};
+  }
+
+  void take_inbox() {
+    for (const Frame& frame : std::exchange(inbox, {})) gateway.receive(frame, gateway_time());
+    settle();
+  }
+
+  void serve(tcp::socket&& socket) {
+    if (clients.size() >= most_clients) {
+      ++counters.refused_clients;
+      return;  // its end closes the connection
+    }
+    AsioError ignored;
+    socket.set_option(tcp::no_delay(true), ignored);
+    // Else a machine that was switched off would hold its place.
+    socket.set_option(asio::socket_base::keep_alive(true), ignored);
+    ++counters.connections;
+    ++counters.clients;
+    const GatewaySession session = gateway.open();
+    const auto client = std::make_shared<GatewayClient>(std::move(socket), session);
+    clients.emplace(session, client);
+    read(client);
+  }
+
+  void append_line(GatewaySession session, std::string_view line) {
+    const auto found = clients.find(session);
+    if (found == clients.end()) return;
+    found->second->waiting += line;
+    found->second->waiting += "\r\n";
+  }
+
+  void report(GatewaySession session, std::string_view line) {
+    const auto found = clients.find(session);
+    if (found != clients.end() && found->second->waiting.size() >= kMostGatewayReports) {
+      ++counters.dropped_reports;
+    } else {
+      append_line(session, line);
+    }
+  }
+
+  [[nodiscard]] bool is_behind(const GatewayClient& client) const {
+    return gateway.waiting(client.session) >= kMostWaitingLines ||
+           client.waiting.size() >= kMostGatewayAnswers;
+  }
+
+  void read(const GatewayClientPointer& client) {
+    if (client->is_over || client->is_reading || client->has_sent_all || is_behind(*client)) return;
+    client->is_reading = true;
+    client->socket.async_read_some(
+        asio::buffer(client->input),
+        [self = shared_from_this(), client](const AsioError& error, std::size_t size) {
+          client->is_reading = false;
+          if (!client->is_over) self->take(*client, error, size);
+        });
+  }
+
+  void take(GatewayClient& client, const AsioError& error, std::size_t size) {
+    if (error == asio::error::eof) {
+      client.has_sent_all = true;
+    } else if (error) {
+      end(client);
+    } else {
+      client.lines.append({client.input.data(), size});
+      while (const auto line = client.lines.next()) take_line(client.session, *line);
+    }
+    settle();
+  }
+
+  void take_line(GatewaySession session, const StreamLine& line) {
+    std::string_view text = line.text;
+    // The sequence alone is a syntax error, as it should be: the rest could be another command.
+    if (line.is_too_long) text = text.substr(0, text.find(' '));
+    gateway.take_line(session, text, gateway_time());
+  }
+
+  void write(const GatewayClientPointer& client) {
+    if (client->is_over || client->is_writing || client->waiting.empty()) return;
+    client->is_writing = true;
+    client->output = std::exchange(client->waiting, {});
+    asio::async_write(
+        client->socket, asio::buffer(client->output),
+        [self = shared_from_this(), client](const AsioError& error, std::size_t /*bytes*/) {
+          client->is_writing = false;
+          if (client->is_over) return;
+          if (error) self->end(*client);
+          self->settle();
+        });
+  }
+
+  /// Continues with every client, and with the timer, after something has happened to the gateway.
+  void settle() {
+    for (const auto& [session, client] : clients) {
+      write(client);
+      read(client);
+      const bool is_served = client->has_sent_all && !client->is_over && !client->is_writing &&
+                             gateway.waiting(session) == 0;
+      if (is_served) end(*client);
+    }
+    std::erase_if(clients, [](const auto& entry) {
+      return entry.second->is_over;
+    });
+    await_due();
+  }
+
+  void end(GatewayClient& client) {
+    if (std::exchange(client.is_over, true)) return;
+    --counters.clients;
+    AsioError ignored;
+    client.socket.close(ignored);
+    gateway.close(client.session, gateway_time());
+  }
+
+  void await_due() {
+    const auto due = gateway.next_due();
+    if (due == awaited) return;
+    awaited = due;
+    if (!due) {
+      timer.cancel();
+      return;
+    }
+    timer.expires_at(std::chrono::steady_clock::time_point(*due));
+    timer.async_wait([self = shared_from_this()](const AsioError& error) {
+      if (error || self->is_over) return;
+      self->awaited.reset();
+      self->gateway.advance(gateway_time());
+      self->settle();
+    });
+  }
+
+  asio::io_context& context;
+  Bus& bus;
+  std::size_t most_clients;
+  AsciiGatewayCounters counters;
+  AsciiGateway gateway;
+  std::map<GatewaySession, GatewayClientPointer> clients;
+  std::deque<Frame> inbox;
+  bool is_inbox_posted = false;
+  bool is_over = false;
+  std::optional<BusTime> awaited;  ///< what the timer waits for
+  asio::steady_timer timer;
+  TcpAcceptor acceptor;
+};
+
+AsciiGatewayServer::AsciiGatewayServer(boost::asio::io_context& context, Bus& bus,
+                                       const AsciiGatewayServerSettings& settings)
+    : state_(std::make_shared<State>(context, bus, settings)) {
+  bus.attach(*state_);
+}
+
+AsciiGatewayServer::~AsciiGatewayServer() {
+  state_->stop();
+}
+
+const TcpAddress& AsciiGatewayServer::address() const noexcept {
+  return state_->acceptor.address();
+}
+
+const AsciiGatewayCounters& AsciiGatewayServer::counters() const noexcept {
+  return state_->counters;
+}
+
+}  // namespace vdrive::canopen

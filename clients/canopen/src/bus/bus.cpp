@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/bus.hpp"
+
+#include <algorithm>
+
+namespace vdrive::canopen {
+
+void Bus::attach(Port& port) {
+  ports_.push_back(&port);
+}
+
+void Bus::detach(Port& port) {
+  // Another port may be made at the same address while frames wait.
+  for (Waiting& waiting : waiting_) {
+    if (waiting.sender == &port) waiting.sender = nullptr;
+  }
+  const auto found = std::ranges::find(ports_, &port);
+  if (found == ports_.end()) return;
+  if (is_delivering_) {
+    *found = nullptr;  // send() goes through the places by number
+  } else {
+    ports_.erase(found);
+  }
+}
+
+void Bus::send(const Frame& frame, const Port* sender) {
+  waiting_.push_back({frame, sender});
+  if (is_delivering_) return;
+  is_delivering_ = true;
+  // By number: a delivery may append frames and ports.
+  for (std::size_t next = 0; next < waiting_.size(); ++next) {
+    const Waiting sent = waiting_[next];
+    ++frames_;
+    // A port that is attached meanwhile gets the next frame first.
+    const std::size_t ports = ports_.size();
+    for (std::size_t place = 0; place < ports; ++place) {
+      Port* const port = ports_[place];
+      if (port != nullptr && port != sent.sender) port->deliver(sent.frame);
+    }
+  }
+  is_delivering_ = false;
+  waiting_.clear();
+  std::erase(ports_, nullptr);
+}
+
+}  // namespace vdrive::canopen

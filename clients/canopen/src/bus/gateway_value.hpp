@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::canopen {
+
+/// Values of objects as text (CiA 309-3, "Data type syntax").
+
+enum class GatewayKind : std::uint8_t {
+  boolean,  ///< 0 or 1
+  integer,  ///< decimal, or hexadecimal behind 0x
+  natural,  ///< the same, without a sign
+  real,     ///< such as -1.5e3
+  visible,  ///< text; in double quotes, each double quote of it twice
+  encoded,  ///< bytes in base64 (RFC 2045), in one line
+};
+
+struct GatewayType {
+  std::string_view name;
+  GatewayKind kind{};
+  std::uint8_t size = 0;  ///< [bytes]; 0 = any number of them
+
+  friend bool operator==(const GatewayType&, const GatewayType&) = default;
+};
+
+inline constexpr std::array kGatewayTypes{
+    GatewayType{"b", GatewayKind::boolean, 1},   GatewayType{"i8", GatewayKind::integer, 1},
+    GatewayType{"i16", GatewayKind::integer, 2}, GatewayType{"i32", GatewayKind::integer, 4},
+    GatewayType{"i64", GatewayKind::integer, 8}, GatewayType{"u8", GatewayKind::natural, 1},
+    GatewayType{"u16", GatewayKind::natural, 2}, GatewayType{"u32", GatewayKind::natural, 4},
+    GatewayType{"u64", GatewayKind::natural, 8}, GatewayType{"r32", GatewayKind::real, 4},
+    GatewayType{"r64", GatewayKind::real, 8},    GatewayType{"vs", GatewayKind::visible, 0},
+    GatewayType{"os", GatewayKind::encoded, 0},  GatewayType{"us", GatewayKind::encoded, 0},
+    GatewayType{"d", GatewayKind::encoded, 0},
+};
+
+/// @param name in lower case
+[[nodiscard]] std::optional<GatewayType> find_gateway_type(std::string_view name);
+
+/// @return the number that `text` spells, decimal or hexadecimal behind 0x, without a sign.
+[[nodiscard]] std::optional<std::uint64_t> parse_natural(std::string_view text);
+
+/// @param text without the quotes around it
+/// @return the value, little-endian; nothing when it is no value of the type.
+[[nodiscard]] std::optional<std::vector<std::uint8_t>> encode_value(const GatewayType& type,
+                                                                    std::string_view text);
+
+/// @return the text of a value, in quotes where the type has them; of `visible` the zeros at its
+/// end
+///         are left out, and vdrive::escaped() writes what a line cannot have. Nothing when the
+///         value has not as many bytes as the type.
+[[nodiscard]] std::optional<std::string> decode_value(const GatewayType& type,
+                                                      std::span<const std::uint8_t> data);
+
+/// @return the bytes of a value whose type is not known, such as "50 02".
+[[nodiscard]] std::string hex_bytes(std::span<const std::uint8_t> data);
+
+}  // namespace vdrive::canopen

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/socket_can.hpp"
+
+#include "bus/asio.hpp"
+#include "vdrive/text.hpp"
+
+#include <linux/can.h>
+#include <linux/can/raw.h>
+#include <net/if.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <deque>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <utility>
+
+namespace vdrive::canopen {
+namespace {
+
+// A transmit queue of 10 frames, the kernel's default, is sent in 1 ms at 1 Mbit/s.
+constexpr std::chrono::milliseconds kFullQueuePause{1};
+// While an interface is down or gone, each operation fails at once.
+constexpr std::chrono::milliseconds kCanErrorPause{100};
+// What is read before others work.
+constexpr int kMostFramesAtOnce = 64;
+
+/// Closes a socket that has no owner yet.
+class OpenCanSocket final {
+ public:
+  explicit OpenCanSocket(int descriptor) noexcept : descriptor_(descriptor) {}
+
+  ~OpenCanSocket() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+
+  OpenCanSocket(const OpenCanSocket&) = delete;
+  OpenCanSocket& operator=(const OpenCanSocket&) = delete;
+
+  [[nodiscard]] int get() const noexcept { return descriptor_; }
+
+  [[nodiscard]] int release() noexcept { return std::exchange(descriptor_, -1); }
+
+ private:
+  int descriptor_;
+};
+
+[[noreturn]] void throw_unopened(const std::string& interface, const std::string& reason) {
+  throw std::runtime_error("cannot open CAN interface " + in_quotes(interface) + ": " + reason);
+}
+
+std::string can_error_words(int error) {
+  return std::system_category().message(error);
+}
+
+int open_raw_socket(const std::string& interface) {
+  OpenCanSocket raw(::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW));
+  if (raw.get() < 0) {
+    const int error = errno;
+    const bool is_missing = error == EAFNOSUPPORT || error == EPROTONOSUPPORT;
+    throw_unopened(interface, is_missing ? "this kernel has no CAN (module can_raw); serve the bus "
+                                           "with --socketcand 127.0.0.1:29536 instead"
+                                         : can_error_words(error));
+  }
+  const unsigned index = interface.size() < IFNAMSIZ ? ::if_nametoindex(interface.c_str()) : 0;
+  if (index == 0) {
+    throw_unopened(interface,
+                   "there is no network interface of this name; 'ip link' lists them, "
+                   "and --socketcand 127.0.0.1:29536 serves the bus without one");
+  }
+  sockaddr_can address{};
+  address.can_family = AF_CAN;
+  address.can_ifindex = static_cast<int>(index);
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): how the socket API takes addresses
+  if (::bind(raw.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    const int error = errno;
+    throw_unopened(interface, error == ENODEV ? "it is no CAN interface" : can_error_words(error));
+  }
+  return raw.release();
+}
+
+}  // namespace
+
+can_frame to_can_frame(const Frame& frame) noexcept {
+  can_frame converted{};
+  converted.can_id = frame.id;
+  if (frame.is_extended) converted.can_id |= CAN_EFF_FLAG;
+  if (frame.is_remote) converted.can_id |= CAN_RTR_FLAG;
+  converted.can_dlc = frame.size;
+  std::ranges::copy(frame.bytes(), std::begin(converted.data));
+  return converted;
+}
+
+std::optional<Frame> from_can_frame(const can_frame& frame) noexcept {
+  if ((frame.can_id & CAN_ERR_FLAG) != 0 || frame.can_dlc > kMostData) return std::nullopt;
+  Frame converted;
+  converted.is_extended = (frame.can_id & CAN_EFF_FLAG) != 0;
+  converted.is_remote = (frame.can_id & CAN_RTR_FLAG) != 0;
+  converted.id = frame.can_id & (converted.is_extended ? CAN_EFF_MASK : CAN_SFF_MASK);
+  converted.size = frame.can_dlc;
+  std::copy_n(std::begin(frame.data), converted.bytes().size(), converted.data.begin());
+  return converted;
+}
+
+struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::State> {
+  State(asio::io_context& context, Bus& its_bus, SocketCanSettings&& its_settings)
+      : bus(its_bus),
+        settings(std::move(its_settings)),
+        socket(context, open_raw_socket(settings.interface)),
+        read_pause(context),
+        write_pause(context) {}
+
+  ~State() override = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  void start() {
+    bus.attach(*this);
+    await_readable();
+  }
+
+  void stop() {
+    if (std::exchange(is_over, true)) return;
+    bus.detach(*this);
+    read_pause.cancel();
+    write_pause.cancel();
+    AsioError ignored;
+    socket.close(ignored);
+  }
+
+  void deliver(const Frame& frame) override {
+    if (waiting.size() >= settings.most_waiting_frames) {
+      waiting.pop_front();
+      ++counters.dropped_frames;
+    }
+    waiting.push_back(frame);
+    if (!is_awaiting_write) write_waiting();
+  }
+
+  void await_readable() {
+    socket.async_wait(asio::posix::stream_descriptor::wait_read,
+                      [self = shared_from_this()](const AsioError& error) {
+                        if (!self->is_over && !error) self->read();
+                      });
+  }
+
+  void read() {
+    for (int frames = 0; frames < kMostFramesAtOnce; ++frames) {
+      can_frame received{};
+      const ssize_t size = ::read(socket.native_handle(), &received, sizeof received);
+      if (size < 0) return on_read_error(errno);
+      if (size != static_cast<ssize_t>(sizeof received)) continue;
+      if (const auto frame = from_can_frame(received)) {
+        ++counters.received_frames;
+        bus.send(*frame, this);
+      }
+    }
+    await_readable();
+  }
+
+  void on_read_error(int error) {
+    if (error == EAGAIN || error == EINTR) return await_readable();
+    ++counters.errors;
+    read_pause.expires_after(kCanErrorPause);
+    read_pause.async_wait([self = shared_from_this()](const AsioError& timer_error) {
+      if (!self->is_over && !timer_error) self->read();
+    });
+  }
+
+  void write_waiting() {
+    while (!waiting.empty()) {
+      const can_frame frame = to_can_frame(waiting.front());
+      const ssize_t size = ::write(socket.native_handle(), &frame, sizeof frame);
+      if (size < 0) return on_write_error(errno);
+      ++counters.sent_frames;
+      waiting.pop_front();
+    }
+  }
+
+  void on_write_error(int error) {
+    // A full queue of the interface: poll() would call the socket writable nevertheless.
+    if (error == ENOBUFS || error == EAGAIN || error == EINTR) return write_after(kFullQueuePause);
+    ++counters.errors;
+    ++counters.dropped_frames;
+    waiting.pop_front();
+    write_after(kCanErrorPause);
+  }
+
+  void write_after(std::chrono::milliseconds pause) {
+    is_awaiting_write = true;
+    write_pause.expires_after(pause);
+    write_pause.async_wait([self = shared_from_this()](const AsioError& error) {
+      self->is_awaiting_write = false;
+      if (!self->is_over && !error) self->write_waiting();
+    });
+  }
+
+  Bus& bus;
+  SocketCanSettings settings;
+  asio::posix::stream_descriptor socket;
+  asio::steady_timer read_pause;
+  asio::steady_timer write_pause;
+  std::deque<Frame> waiting;
+  SocketCanCounters counters;
+  bool is_awaiting_write = false;
+  bool is_over = false;
+};
+
+SocketCan::SocketCan(boost::asio::io_context& context, Bus& bus, SocketCanSettings settings)
+    : state_(std::make_shared<State>(context, bus, std::move(settings))) {
+  state_->start();
+}
+
+SocketCan::~SocketCan() {
+  state_->stop();
+}
+
+const SocketCanCounters& SocketCan::counters() const noexcept {
+  return state_->counters;
+}
+
+}  // namespace vdrive::canopen

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "node/frame.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace vdrive::canopen {
+
+/// The text of the socketcand protocol (linux-can/socketcand, doc/protocol.md): CAN frames over a
+/// stream of bytes, in words such as "< send 601 3 40 0 10 >".
+
+/// What a server says first.
+inline constexpr std::string_view kSocketcandGreeting = "< hi >";
+
+/// Characters of a word of a client between its brackets. The longest one that has a meaning sends
+/// an extended frame of 8 bytes, and has 41.
+inline constexpr std::size_t kLongestSocketcandWord = 256;
+
+/// Frames and bytes of data that passed a connection, since it was made.
+struct SocketcandTraffic {
+  std::uint64_t received_bytes = 0;  ///< from the bus
+  std::uint64_t received_frames = 0;
+  std::uint64_t sent_bytes = 0;  ///< by the client
+  std::uint64_t sent_frames = 0;
+};
+
+/// Appends a frame of the bus for a client: "< frame ID seconds.microseconds HEX >", and "< rtr ID
+/// seconds.microseconds DLC >" for a remote frame. ID has exactly three digits in the base format
+/// and eight in the extended one: clients tell the formats by that. Without data two spaces stand
+/// before the bracket: clients look for an empty field there.
+/// A line feed stands before the first bracket: Debian's python-can 4.1 loses the character behind
+/// each block of whole words, which is the bracket of the next word where nothing stands between
+/// them; behind the last bracket any character would be a warning of python-can for each block.
+/// @param time when the frame was on the bus, since any beginning; below 0 = 0
+void append_socketcand_frame(std::string& out, const Frame& frame, std::chrono::microseconds time);
+
+/// @return "< stat received-bytes received-frames sent-bytes sent-frames >".
+[[nodiscard]] std::string socketcand_statistics(const SocketcandTraffic& traffic);
+
+/// What the words of a client may be now.
+enum class SocketcandMode : std::uint8_t {
+  no_bus,   ///< it opens the bus
+  bcm,      ///< it sends frames; the subscriptions of this mode are refused
+  raw,      ///< it sends frames, and receives all frames of the bus
+  control,  ///< it receives statistics
+};
+
+/// What a session does to the world around it. A function is called within take(), and calls no
+/// function of the session.
+struct SocketcandCalls {
+  std::function<void(std::string_view text)> reply;  ///< an answer, in a segment of its own
+  std::function<void(const Frame& frame)> send;      ///< puts a frame on the bus
+};
+
+/// One client of a socketcand server, as a function of the bytes that it sends:
+///
+///     open NAME                   any name of 1 to 16 printable characters: a server has one bus
+///     rawmode | bcmmode | controlmode
+///     send ID DLC BYTE...         bcm, raw; eight digits of ID = extended format
+///     sendrtr ID DLC              bcm, raw
+///     statistics MILLISECONDS     control; 0 = none
+///     echo
+///
+/// Answers are "< ok >", "< echo >" and "< error TEXT >"; a frame that is sent has none. A word
+/// that is malformed, unknown or refused is counted and answered with an error, and the session
+/// continues; only a bus that cannot be opened ends it. Bytes between words have no meaning.
+class SocketcandSession final {
+ public:
+  explicit SocketcandSession(SocketcandCalls calls) : calls_(std::move(calls)) {}
+
+  /// Takes bytes in parts of any length.
+  void take(std::string_view bytes);
+
+  [[nodiscard]] SocketcandMode mode() const noexcept { return mode_; }
+
+  /// @return whether the server closes the connection, once the answers are sent.
+  [[nodiscard]] bool is_over() const noexcept { return is_over_; }
+
+  /// @return between two statistics; 0 = none are sent.
+  [[nodiscard]] std::chrono::milliseconds statistics_period() const noexcept {
+    return statistics_period_;
+  }
+
+  /// @return how many words were answered with an error.
+  [[nodiscard]] std::uint64_t refused_words() const noexcept { return refused_words_; }
+
+ private:
+  struct Words;
+
+  void take_byte(char byte);
+  void end_word();
+  void take_command(const Words& words);
+  void open(const Words& words);
+  bool change_mode(std::string_view command);
+  void send(const Words& words);
+  void set_statistics(const Words& words);
+  void refuse(std::string_view text);
+
+  SocketcandCalls calls_;
+  SocketcandMode mode_ = SocketcandMode::no_bus;
+  std::string word_;  ///< that has begun
+  bool is_inside_ = false;
+  bool is_too_long_ = false;
+  bool is_over_ = false;
+  std::chrono::milliseconds statistics_period_{};
+  std::uint64_t refused_words_ = 0;
+};
+
+}  // namespace vdrive::canopen

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/socketcand_server.hpp"
+
+#include "bus/asio.hpp"
+#include "bus/socketcand.hpp"
+#include "bus/tcp_acceptor.hpp"
+
+#include <array>
+#include <deque>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdrive::canopen {
+namespace {
+
+// What is read at once: some 100 frames, so that a client that floods the bus lets others work
+// between its parts.
+constexpr std::size_t kSocketcandInput = 4096;     // [bytes]
+constexpr std::size_t kSocketcandOutput = 16'384;  // [bytes] that are written at once
+// What waits in the kernel cannot be dropped any more: it is what a slow client sees late.
+constexpr int kSocketcandBuffer = 1 << 18;  // [bytes] in the kernel, which doubles it
+// A client that asks and does not read the answers is not read any more either.
+constexpr std::size_t kMostSocketcandReplies = 256;
+// python-can takes the answer to "rawmode" and what follows it in one block for a wrong answer: a
+// busy bus would keep it out. It waits until the client, which has read the answer, sends
+// something; a client that only listens gets its first frames late.
+constexpr std::chrono::milliseconds kQuietAfterRawmode{100};
+
+std::chrono::microseconds socketcand_wall_clock() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+      std::chrono::system_clock::now().time_since_epoch());
+}
+
+/// What the connections of a server have in common. Its bus is not used after its server.
+struct SocketcandShared {
+  Bus& bus;
+  SocketcandSettings settings;
+  SocketcandCounters counters{};
+};
+
+/// A frame that waits for its client.
+struct WaitingFrame {
+  Frame frame;
+  std::chrono::microseconds time{};
+};
+
+class SocketcandConnection final : public Port,
+                                   public std::enable_shared_from_this<SocketcandConnection> {
+ public:
+  SocketcandConnection(tcp::socket&& socket, std::shared_ptr<SocketcandShared> shared)
+      : shared_(std::move(shared)),
+        socket_(std::move(socket)),
+        quiet_timer_(socket_.get_executor()),
+        statistics_timer_(socket_.get_executor()),
+        session_(calls()) {}
+
+  ~SocketcandConnection() override = default;
+  SocketcandConnection(const SocketcandConnection&) = delete;
+  SocketcandConnection& operator=(const SocketcandConnection&) = delete;
+
+  void start() {
+    shared_->bus.attach(*this);
+    push_reply(kSocketcandGreeting);
+    write_next();
+    read();
+  }
+
+  void deliver(const Frame& frame) override {
+    ++traffic_.received_frames;
+    traffic_.received_bytes += frame.bytes().size();
+    if (is_closing_ || session_.mode() != SocketcandMode::raw) return;
+    if (frames_.size() >= shared_->settings.most_waiting_frames) {
+      frames_.pop_front();
+      ++shared_->counters.dropped_frames;
+    }
+    frames_.push_back({frame, shared_->settings.clock()});
+    write_next();
+  }
+
+  /// Leaves the bus, and closes the connection.
+  void end() {
+    if (std::exchange(is_over_, true)) return;
+    shared_->bus.detach(*this);
+    --shared_->counters.clients;
+    quiet_timer_.cancel();
+    statistics_timer_.cancel();
+    AsioError ignored;
+    socket_.close(ignored);
+  }
+
+  [[nodiscard]] bool is_over() const noexcept { return is_over_; }
+
+ private:
+  [[nodiscard]] SocketcandCalls calls() {
+    return {.reply =
+                [this](std::string_view text) {
+                  push_reply(text);
+                },
+            .send =
+                [this](const Frame& frame) {
+                  send(frame);
+                }};
+  }
+
+  void read() {
+    if (is_reading_ || is_closing_ || replies_.size() > kMostSocketcandReplies) return;
+    is_reading_ = true;
+    socket_.async_read_some(asio::buffer(input_),
+                            [self = shared_from_this()](const AsioError& error, std::size_t size) {
+                              self->is_reading_ = false;
+                              if (!self->is_over_) self->take(error, size);
+                            });
+  }
+
+  void take(const AsioError& error, std::size_t size) {
+    // Whoever has sent all still reads the answers.
+    if (error == asio::error::eof) return close_after_replies();
+    if (error) return end();
+    end_quiet();
+    const SocketcandMode before = session_.mode();
+    const std::uint64_t refused_before = session_.refused_words();
+    session_.take({input_.data(), size});
+    shared_->counters.refused_words += session_.refused_words() - refused_before;
+    if (session_.mode() != before) follow_mode();
+    if (session_.statistics_period() != statistics_period_) follow_statistics();
+    if (session_.is_over()) return close_after_replies();
+    write_next();
+    read();
+  }
+
+  void send(const Frame& frame) {
+    ++traffic_.sent_frames;
+    traffic_.sent_bytes += frame.bytes().size();
+    ++shared_->counters.received_frames;
+    shared_->bus.send(frame, this);
+  }
+
+  void follow_mode() {
+    frames_.clear();
+    if (session_.mode() != SocketcandMode::raw) return;
+    is_quiet_ = true;
+    quiet_timer_.expires_after(kQuietAfterRawmode);
+    quiet_timer_.async_wait([self = shared_from_this()](const AsioError& error) {
+      if (!error && !self->is_over_) self->end_quiet();
+    });
+  }
+
+  void end_quiet() {
+    if (!std::exchange(is_quiet_, false)) return;
+    quiet_timer_.cancel();
+    write_next();
+  }
+
+  void follow_statistics() {
+    statistics_period_ = session_.statistics_period();
+    statistics_timer_.cancel();
+    if (statistics_period_ != std::chrono::milliseconds::zero()) await_statistics();
+  }
+
+  void await_statistics() {
+    statistics_timer_.expires_after(statistics_period_);
+    statistics_timer_.async_wait([self = shared_from_this()](const AsioError& error) {
+      if (error || self->is_over_) return;
+      // Whoever does not read gets the next ones, with newer numbers.
+      if (self->replies_.empty()) self->push_reply(socketcand_statistics(self->traffic_));
+      self->write_next();
+      self->await_statistics();
+    });
+  }
+
+  void push_reply(std::string_view text) { replies_.emplace_back(text); }
+
+  void close_after_replies() {
+    is_closing_ = true;
+    frames_.clear();
+    write_next();
+  }
+
+  void write_next() {
+    if (is_writing_ || is_over_) return;
+    output_.clear();
+    frames_in_output_ = 0;
+    if (!replies_.empty()) {
+      // Alone: clients take what they receive at once for one answer.
+      output_ = std::move(replies_.front());
+      replies_.pop_front();
+    } else if (!is_quiet_) {
+      append_frames();
+    }
+    if (output_.empty()) {
+      if (is_closing_) end();
+      return;
+    }
+    is_writing_ = true;
+    asio::async_write(socket_, asio::buffer(output_),
+                      [self = shared_from_this()](const AsioError& error, std::size_t /*bytes*/) {
+                        self->is_writing_ = false;
+                        if (!self->is_over_) self->on_written(error);
+                      });
+  }
+
+  void append_frames() {
+    while (!frames_.empty() && output_.size() < kSocketcandOutput) {
+      append_socketcand_frame(output_, frames_.front().frame, frames_.front().time);
+      frames_.pop_front();
+      ++frames_in_output_;
+    }
+  }
+
+  void on_written(const AsioError& error) {
+    if (error) return end();
+    shared_->counters.sent_frames += frames_in_output_;
+    write_next();
+    if (!is_over_) read();
+  }
+
+  std::shared_ptr<SocketcandShared> shared_;
+  tcp::socket socket_;
+  asio::steady_timer quiet_timer_;
+  asio::steady_timer statistics_timer_;
+  SocketcandSession session_;
+  SocketcandTraffic traffic_;
+  std::chrono::milliseconds statistics_period_{};
+  std::array<char, kSocketcandInput> input_{};
+  std::deque<std::string> replies_;
+  std::deque<WaitingFrame> frames_;
+  std::string output_;  ///< on its way
+  std::uint64_t frames_in_output_ = 0;
+  bool is_reading_ = false;
+  bool is_writing_ = false;
+  bool is_quiet_ = false;  ///< frames wait; see kQuietAfterRawmode
+  bool is_closing_ = false;
+  bool is_over_ = false;
+};
+
+}  // namespace
+
+struct SocketcandServer::State {
+  State(asio::io_context& context, Bus& bus, SocketcandSettings&& settings)
+      : shared(std::make_shared<SocketcandShared>(
+            SocketcandShared{.bus = bus, .settings = std::move(settings)})),
+        acceptor(context, shared->settings.listen, [this](tcp::socket&& socket) {
+          serve(std::move(socket));
+        }) {
+    if (!shared->settings.clock) shared->settings.clock = socketcand_wall_clock;
+  }
+
+  void serve(tcp::socket&& socket) {
+    std::erase_if(connections, [](const auto& connection) {
+      return connection->is_over();
+    });
+    if (connections.size() >= shared->settings.most_clients) return refuse(socket);
+    AsioError ignored;
+    // A frame is sent when it comes: it does not wait for the acknowledgement of the one before.
+    socket.set_option(tcp::no_delay(true), ignored);
+    socket.set_option(asio::socket_base::send_buffer_size(kSocketcandBuffer), ignored);
+    // Else a machine that was switched off would hold its place.
+    socket.set_option(asio::socket_base::keep_alive(true), ignored);
+    ++shared->counters.connections;
+    ++shared->counters.clients;
+    connections.push_back(std::make_shared<SocketcandConnection>(std::move(socket), shared));
+    connections.back()->start();
+  }
+
+  void refuse(tcp::socket& socket) {
+    ++shared->counters.refused_clients;
+    AsioError ignored;
+    socket.non_blocking(true, ignored);
+    socket.write_some(asio::buffer(std::string_view("< error too many clients >")), ignored);
+    socket.close(ignored);
+  }
+
+  std::shared_ptr<SocketcandShared> shared;
+  std::vector<std::shared_ptr<SocketcandConnection>> connections;
+  TcpAcceptor acceptor;
+};
+
+SocketcandServer::SocketcandServer(asio::io_context& context, Bus& bus, SocketcandSettings settings)
+    : state_(std::make_unique<State>(context, bus, std::move(settings))) {}
+
+SocketcandServer::~SocketcandServer() {
+  state_->acceptor.close();
+  for (const auto& connection : state_->connections) connection->end();
+}
+
+const TcpAddress& SocketcandServer::address() const noexcept {
+  return state_->acceptor.address();
+}
+
+const SocketcandCounters& SocketcandServer::counters() const noexcept {
+  return state_->shared->counters;
+}
+
+}  // namespace vdrive::canopen

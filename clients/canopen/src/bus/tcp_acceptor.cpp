@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/tcp_acceptor.hpp"
+
+#include "vdrive/text.hpp"
+
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+namespace vdrive::canopen {
+namespace {
+
+// Without it a lack of file descriptors would keep the thread busy with accepting.
+constexpr std::chrono::milliseconds kAcceptPause{100};
+
+tcp::endpoint endpoint_of(const TcpAddress& address) {
+  AsioError error;
+  const auto host = asio::ip::make_address(address.host, error);
+  if (error) {
+    throw std::runtime_error("cannot listen on " + in_quotes(address.host) +
+                             ": it is not an address of a network");
+  }
+  return {host, address.port};
+}
+
+void listen_on(tcp::acceptor& acceptor, const TcpAddress& address) {
+  const tcp::endpoint endpoint = endpoint_of(address);
+  try {
+    acceptor.open(endpoint.protocol());
+    // Else a program that starts anew cannot listen while the kernel keeps connections of the one
+    // before.
+    acceptor.set_option(asio::socket_base::reuse_address(true));
+    acceptor.bind(endpoint);
+    acceptor.listen();
+  } catch (const boost::system::system_error& error) {
+    throw std::runtime_error("cannot listen on " + address_text(address) + ": " +
+                             error.code().message());
+  }
+}
+
+}  // namespace
+
+struct TcpAcceptor::State final : std::enable_shared_from_this<TcpAcceptor::State> {
+  State(asio::io_context& context, const TcpAddress& wanted, Accepted&& call)
+      : acceptor(context), pause(context), address(wanted), accepted(std::move(call)) {
+    listen_on(acceptor, address);
+    address.port = acceptor.local_endpoint().port();
+  }
+
+  void accept() {
+    acceptor.async_accept([self = shared_from_this()](const AsioError& error, tcp::socket socket) {
+      if (!self->acceptor.is_open()) return;
+      if (error) return self->accept_later();
+      self->accepted(std::move(socket));
+      // The server may have been closed by that call.
+      if (self->acceptor.is_open()) self->accept();
+    });
+  }
+
+  /// Such as too many open files: the connections that are open continue.
+  void accept_later() {
+    pause.expires_after(kAcceptPause);
+    pause.async_wait([self = shared_from_this()](const AsioError& error) {
+      if (!error && self->acceptor.is_open()) self->accept();
+    });
+  }
+
+  tcp::acceptor acceptor;
+  asio::steady_timer pause;
+  TcpAddress address;
+  Accepted accepted;
+};
+
+TcpAcceptor::TcpAcceptor(asio::io_context& context, const TcpAddress& address, Accepted accepted)
+    : state_(std::make_shared<State>(context, address, std::move(accepted))) {
+  state_->accept();
+}
+
+TcpAcceptor::~TcpAcceptor() {
+  close();
+}
+
+const TcpAddress& TcpAcceptor::address() const noexcept {
+  return state_->address;
+}
+
+void TcpAcceptor::close() {
+  AsioError ignored;
+  state_->acceptor.close(ignored);
+  state_->pause.cancel();
+}
+
+}  // namespace vdrive::canopen
