@@ -38,7 +38,7 @@ struct SendReading {
 /// @param digits of an identifier
 SendReading read_identifier(std::string_view digits) {
   const auto id = parse_digits<std::uint32_t>(digits, 16);
-  if (!id || digits.size() > kExtendedDigits) return {.problem = "identifier is not hexadecimal"};
+  if (!id || digits.size() > kExtendedDigits) return {.problem = "identifier is not 1 to 8 hexadecimal digits"};
   const bool is_extended = digits.size() == kExtendedDigits;
   if (*id > kHighestExtendedId) return {.problem = "identifier is above 1FFFFFFF"};
   if (!is_extended && *id > kHighestBaseId) {

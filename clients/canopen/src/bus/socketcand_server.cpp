@@ -137,8 +137,7 @@ class SocketcandConnection final : public Port,
   }
 
   void follow_mode() {
-    frames_.clear();
-    if (session_.mode() != SocketcandMode::raw) return;
+    if (session_.mode() != SocketcandMode::raw) return frames_.clear();
     is_quiet_ = true;
     quiet_timer_.expires_after(kQuietAfterRawmode);
     quiet_timer_.async_wait([self = shared_from_this()](const AsioError& error) {

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/bus.hpp"
+
+#include "canopen/recorded_port.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace vdrive::canopen {
+namespace {
+
+/// A port that does something when it gets a frame.
+class ActingPort final : public Port {
+ public:
+  explicit ActingPort(std::function<void(const Frame&)> act) : act_(std::move(act)) {}
+
+  void deliver(const Frame& frame) override {
+    frames.push_back(frame);
+    act_(frame);
+  }
+
+  Frames frames;
+
+ private:
+  std::function<void(const Frame&)> act_;
+};
+
+const Frame kFirst = data_frame(0x181, {1});
+const Frame kSecond = data_frame(0x182, {2});
+
+TEST(Bus, DeliversAFrameToEveryPortButItsSender) {
+  Bus bus;
+  RecordedPort sender(bus);
+  RecordedPort near(bus);
+  RecordedPort far(bus);
+  sender.send(kFirst);
+  EXPECT_EQ(sender.frames, Frames{});
+  EXPECT_EQ(near.frames, Frames{kFirst});
+  EXPECT_EQ(far.frames, Frames{kFirst});
+}
+
+TEST(Bus, DeliversAFrameWithoutASenderToAll) {
+  Bus bus;
+  RecordedPort port(bus);
+  bus.send(kFirst, nullptr);
+  EXPECT_EQ(port.frames, Frames{kFirst});
+}
+
+TEST(Bus, CountsFramesWithAndWithoutReceivers) {
+  Bus bus;
+  bus.send(kFirst, nullptr);
+  RecordedPort port(bus);
+  bus.send(kSecond, nullptr);
+  EXPECT_EQ(bus.frames(), 2U);
+}
+
+TEST(Bus, KeepsOneOrderForAllWhenAPortAnswersWithinADelivery) {
+  Bus bus;
+  RecordedPort before(bus);
+  ActingPort answering([&](const Frame& frame) {
+    if (frame == kFirst) bus.send(kSecond, &answering);
+  });
+  bus.attach(answering);
+  RecordedPort after(bus);
+  bus.send(kFirst, nullptr);
+  // The answer comes behind the frame for `after`, too, which gets frames last.
+  EXPECT_EQ(before.frames, (Frames{kFirst, kSecond}));
+  EXPECT_EQ(after.frames, (Frames{kFirst, kSecond}));
+  EXPECT_EQ(answering.frames, Frames{kFirst});
+  EXPECT_EQ(bus.frames(), 2U);
+}
+
+TEST(Bus, GivesADetachedPortNothingMore) {
+  Bus bus;
+  auto port = std::make_unique<RecordedPort>(bus);
+  bus.send(kFirst, nullptr);
+  EXPECT_EQ(port->frames, Frames{kFirst});
+  port.reset();
+  bus.send(kSecond, nullptr);
+  EXPECT_EQ(bus.frames(), 2U);
+}
+
+TEST(Bus, GivesAPortThatIsDetachedWithinADeliveryNothingMore) {
+  Bus bus;
+  std::unique_ptr<RecordedPort> victim;
+  ActingPort cutting([&victim](const Frame&) {
+    victim.reset();
+  });
+  bus.attach(cutting);
+  victim = std::make_unique<RecordedPort>(bus);
+  RecordedPort last(bus);
+  bus.send(kFirst, nullptr);  // would touch the deleted port
+  bus.send(kSecond, nullptr);
+  EXPECT_EQ(last.frames, (Frames{kFirst, kSecond}));
+}
+
+TEST(Bus, LetsAPortDetachItselfWithinADelivery) {
+  Bus bus;
+  ActingPort leaving([&](const Frame&) {
+    bus.detach(leaving);
+  });
+  bus.attach(leaving);
+  RecordedPort last(bus);
+  bus.send(kFirst, nullptr);
+  bus.send(kSecond, nullptr);
+  EXPECT_EQ(leaving.frames, Frames{kFirst});
+  EXPECT_EQ(last.frames, (Frames{kFirst, kSecond}));
+}
+
+TEST(Bus, DeliversAWaitingFrameOfAPortThatHasGone) {
+  Bus bus;
+  RecordedPort receiver(bus);
+  ActingPort leaving([&](const Frame&) {
+    bus.send(kSecond, &leaving);
+    bus.detach(leaving);
+  });
+  bus.attach(leaving);
+  bus.send(kFirst, nullptr);
+  EXPECT_EQ(receiver.frames, (Frames{kFirst, kSecond}));
+  EXPECT_EQ(leaving.frames, Frames{kFirst});
+}
+
+TEST(Bus, GivesAPortThatIsAttachedWithinADeliveryTheNextFrameFirst) {
+  Bus bus;
+  std::unique_ptr<RecordedPort> added;
+  ActingPort adding([&](const Frame&) {
+    if (!added) added = std::make_unique<RecordedPort>(bus);
+  });
+  bus.attach(adding);
+  bus.send(kFirst, nullptr);
+  bus.send(kSecond, nullptr);
+  ASSERT_NE(added, nullptr);
+  EXPECT_EQ(added->frames, Frames{kSecond});
+}
+
+TEST(Bus, IgnoresTheDetachmentOfAPortThatIsNotThere) {
+  Bus bus;
+  RecordedPort port(bus);
+  ActingPort stranger([](const Frame&) {});
+  bus.detach(stranger);
+  bus.send(kFirst, nullptr);
+  EXPECT_EQ(port.frames, Frames{kFirst});
+}
+
+}  // namespace
+}  // namespace vdrive::canopen

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/bus.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <vector>
+
+namespace vdrive::canopen {
+
+using Frames = std::vector<Frame>;
+
+/// A port of a bus that keeps what it gets.
+class RecordedPort final : public Port {
+ public:
+  explicit RecordedPort(Bus& bus) : bus_(bus) { bus_.attach(*this); }
+
+  ~RecordedPort() override { bus_.detach(*this); }
+
+  RecordedPort(const RecordedPort&) = delete;
+  RecordedPort& operator=(const RecordedPort&) = delete;
+
+  void deliver(const Frame& frame) override { frames.push_back(frame); }
+
+  void send(const Frame& frame) { bus_.send(frame, this); }
+
+  Frames frames;
+
+ private:
+  Bus& bus_;
+};
+
+/// @return a data frame in the base format.
+inline Frame data_frame(std::uint32_t id, std::initializer_list<std::uint8_t> bytes) {
+  Frame frame{.id = id, .size = static_cast<std::uint8_t>(bytes.size())};
+  std::size_t place = 0;
+  for (const std::uint8_t byte : bytes) frame.data.at(place++) = byte;
+  return frame;
+}
+
+}  // namespace vdrive::canopen
