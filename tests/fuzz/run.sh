@@ -20,7 +20,7 @@ work=$root/build/fuzz
 declare -A max_length=(
   [core_fuzz]=512 [message_fuzz]=1024 [datagram_fuzz]=2048 [configuration_fuzz]=2048
   [scenario_fuzz]=1024 [gateway_fuzz]=1024 [recording_fuzz]=4096
-  [ros_fuzz]=1024)
+  [ros_fuzz]=1024 [socketcand_fuzz]=512 [canopen_gateway_fuzz]=512 [canopen_frame_fuzz]=1024)
 
 seconds=6
 [[ ${VDRIVE_NIGHTLY:-} == 1 ]] && seconds=300
@@ -45,7 +45,8 @@ while (($#)); do
   shift
 done
 ((${#fuzzers[@]})) || fuzzers=(core_fuzz message_fuzz datagram_fuzz configuration_fuzz
-  scenario_fuzz gateway_fuzz recording_fuzz ros_fuzz)
+  scenario_fuzz gateway_fuzz recording_fuzz ros_fuzz socketcand_fuzz canopen_gateway_fuzz
+  canopen_frame_fuzz)
 
 # The files of the tree that a fuzzer starts from.
 seed() {

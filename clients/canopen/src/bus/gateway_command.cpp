@@ -143,7 +143,8 @@ std::uint32_t take_sequence(GatewayTokens& tokens) {
 
 const GatewayVerbRow& take_verb(GatewayTokens& tokens) {
   const std::string word = tokens.take_word();
-  const auto found = std::ranges::find(kGatewayVerbs, word, &GatewayVerbRow::word);
+  const auto found =
+      std::ranges::find(kGatewayVerbs, std::string_view(word), &GatewayVerbRow::word);
   if (found == kGatewayVerbs.end()) throw BadCommand{GatewayError::not_supported};
   if (found->second.empty()) return *found;
   const std::string second = tokens.take_word();

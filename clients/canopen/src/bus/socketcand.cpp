@@ -12,10 +12,10 @@
 namespace vdrive::canopen {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r\n";
-constexpr std::size_t kLongestBusName = 16;        // of the protocol
-constexpr std::size_t kExtendedDigits = 8;         // of an identifier of 29 bits
-constexpr std::size_t kMostWords = 3 + kMostData;  // send ID DLC BYTE...
+constexpr std::string_view kSocketcandBlanks = " \t\r\n";
+constexpr std::size_t kLongestBusName = 16;                  // of the protocol
+constexpr std::size_t kExtendedDigits = 8;                   // of an identifier of 29 bits
+constexpr std::size_t kMostSocketcandWords = 3 + kMostData;  // send ID DLC BYTE...
 // The daemon of linux-can looks at its timer each 10 ms.
 constexpr std::chrono::milliseconds kShortestStatistics{10};
 constexpr std::chrono::milliseconds kLongestStatistics{std::chrono::hours(24)};
@@ -38,7 +38,8 @@ struct SendReading {
 /// @param digits of an identifier
 SendReading read_identifier(std::string_view digits) {
   const auto id = parse_digits<std::uint32_t>(digits, 16);
-  if (!id || digits.size() > kExtendedDigits) return {.problem = "identifier is not 1 to 8 hexadecimal digits"};
+  if (!id || digits.size() > kExtendedDigits)
+    return {.problem = "identifier is not 1 to 8 hexadecimal digits"};
   const bool is_extended = digits.size() == kExtendedDigits;
   if (*id > kHighestExtendedId) return {.problem = "identifier is above 1FFFFFFF"};
   if (!is_extended && *id > kHighestBaseId) {
@@ -61,20 +62,20 @@ SendReading read_size(SendReading reading, std::string_view digits) {
 struct SocketcandSession::Words {
   explicit Words(std::string_view text) {
     while (true) {
-      const std::size_t start = text.find_first_not_of(kBlanks);
+      const std::size_t start = text.find_first_not_of(kSocketcandBlanks);
       if (start == std::string_view::npos) return;
       text.remove_prefix(start);
-      const std::size_t length = std::min(text.find_first_of(kBlanks), text.size());
-      if (count < kMostWords) words.at(count) = text.substr(0, length);
+      const std::size_t length = std::min(text.find_first_of(kSocketcandBlanks), text.size());
+      if (count < kMostSocketcandWords) words.at(count) = text.substr(0, length);
       ++count;
       text.remove_prefix(length);
     }
   }
 
-  /// @pre below kMostWords; empty behind the last one
+  /// @pre below kMostSocketcandWords; empty behind the last one
   [[nodiscard]] std::string_view at(std::size_t place) const { return words.at(place); }
 
-  std::array<std::string_view, kMostWords> words{};
+  std::array<std::string_view, kMostSocketcandWords> words{};
   std::size_t count = 0;  ///< may be more than are kept
 };
 

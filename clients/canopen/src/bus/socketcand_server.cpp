@@ -8,6 +8,7 @@
 #include <array>
 #include <deque>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 

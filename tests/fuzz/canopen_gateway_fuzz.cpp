@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Any lines for the ASCII gateway (CiA 309-3), up to the first zero byte, and any answers of nodes
+// behind it: each command has one answer, in one line, and no transfer stays behind.
+#include "bus/ascii_gateway.hpp"
+#include "fuzz/support/bytes.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace {
+
+using namespace vdrive::canopen;
+using vdrive::test::Bytes;
+using vdrive::test::demand;
+
+void check_line(std::string_view line) {
+  demand(!line.empty(), "a line has words");
+  demand(std::ranges::none_of(line,
+                              [](char c) {
+                                return c == '\r' || c == '\n' || c == '\0';
+                              }),
+         "and is one line");
+}
+
+/// A gateway with one session, and nodes that answer by the fuzzer's bytes.
+class FuzzedGateway {
+ public:
+  explicit FuzzedGateway(Bytes& bytes) : bytes_(bytes), gateway_({}, calls()) {
+    session_ = gateway_.open();
+  }
+
+  void take(std::string_view line) {
+    const auto parsed = parse_gateway_command(line);
+    if (!std::holds_alternative<std::monostate>(parsed)) ++commands_;
+    gateway_.take_line(session_, line, now_);
+    while (gateway_.next_due() && !bytes_.empty()) answer_as_node();
+    // Whoever has nothing more to say is a silent node.
+    while (const auto due = gateway_.next_due()) {
+      now_ = *due;
+      gateway_.advance(now_);
+    }
+    demand(gateway_.waiting(session_) == 0, "no line waits for ever");
+    demand(answers_ == commands_, "each command has one answer");
+  }
+
+ private:
+  GatewayCalls calls() {
+    return {.send =
+                [this](const Frame& frame) {
+                  demand(frame.size <= kMostData && !frame.is_extended && !frame.is_remote,
+                         "a master sends data frames in the base format");
+                  request_ = frame;
+                },
+            .answer =
+                [this](GatewaySession, std::string_view line) {
+                  check_line(line);
+                  demand(line.front() == '[', "an answer has its sequence");
+                  ++answers_;
+                },
+            .report =
+                [](GatewaySession, std::string_view line) {
+                  check_line(line);
+                }};
+  }
+
+  /// Mostly for the request that was sent last, and sometimes anything.
+  void answer_as_node() {
+    Frame frame = request_;
+    frame.id =
+        bytes_.below(16) == 0 ? bytes_.take<std::uint16_t>() & kHighestBaseId : request_.id - 0x80U;
+    frame.data[0] = bytes_.take();
+    const auto given = bytes_.take_span(bytes_.below(8));
+    std::ranges::copy(given, frame.data.end() - static_cast<std::ptrdiff_t>(given.size()));
+    gateway_.receive(frame, now_);
+  }
+
+  Bytes& bytes_;
+  Frame request_{};
+  BusTime now_{};
+  std::uint64_t commands_ = 0;
+  std::uint64_t answers_ = 0;
+  GatewaySession session_ = 0;
+  AsciiGateway gateway_;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::uint8_t* const end = std::find(data, data + size, std::uint8_t{0});
+  const std::string text(data, end);
+  Bytes bytes({end, data + size});
+  FuzzedGateway gateway(bytes);
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::string_view line = rest.substr(0, rest.find('\n'));
+    gateway.take(line);
+    rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+  }
+  return 0;
+}

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Any bytes of a client of the socketcand server are words or are refused: how they are divided
+// into parts changes nothing, each answer is one word, and each frame is one of classical CAN.
+#include "bus/socketcand.hpp"
+#include "fuzz/support/bytes.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace {
+
+using namespace vdrive::canopen;
+using vdrive::test::demand;
+
+/// What a session did with the bytes of a client.
+struct SessionLog {
+  std::vector<std::string> replies;
+  std::vector<Frame> frames;
+  SocketcandMode mode{};
+  bool is_over = false;
+  std::uint64_t refused_words = 0;
+
+  friend bool operator==(const SessionLog&, const SessionLog&) = default;
+};
+
+SessionLog run_session(std::string_view bytes, std::size_t part) {
+  SessionLog log;
+  SocketcandSession session(SocketcandCalls{.reply =
+                                                [&log](std::string_view text) {
+                                                  log.replies.emplace_back(text);
+                                                },
+                                            .send =
+                                                [&log](const Frame& frame) {
+                                                  log.frames.push_back(frame);
+                                                }});
+  session.take("< open can0 >< rawmode >");
+  while (!bytes.empty()) {
+    session.take(bytes.substr(0, part));
+    bytes.remove_prefix(std::min(part, bytes.size()));
+  }
+  log.mode = session.mode();
+  log.is_over = session.is_over();
+  log.refused_words = session.refused_words();
+  return log;
+}
+
+void check_reply(std::string_view reply) {
+  demand(reply.starts_with("< ") && reply.ends_with(" >"), "an answer is a word");
+  demand(reply.find('<', 1) == std::string_view::npos, "one word");
+  demand(reply.find('>') == reply.size() - 1, "with one end");
+}
+
+void check_frame(const Frame& frame) {
+  demand(frame.size <= kMostData, "a frame has 8 bytes at most");
+  demand(frame.id <= (frame.is_extended ? kHighestExtendedId : kHighestBaseId),
+         "an identifier has the bits of its format");
+  std::string text;
+  append_socketcand_frame(text, frame, std::chrono::microseconds(1));
+  const std::string_view word = std::string_view(text).substr(1);
+  check_reply(word);
+  const std::size_t start = word.find(' ', 2) + 1;
+  demand(word.find(' ', start) - start == (frame.is_extended ? 8U : 3U),
+         "the digits of an identifier tell its format");
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string bytes(data, data + size);
+  const SessionLog log = run_session(bytes, size + 1);
+  for (const std::string& reply : log.replies) check_reply(reply);
+  for (const Frame& frame : log.frames) check_frame(frame);
+  demand(log.refused_words <= log.replies.size(), "each refused word is answered");
+  demand(run_session(bytes, 1) == log, "parts change nothing");
+  demand(run_session(bytes, 7) == log, "parts change nothing");
+  return 0;
+}
