@@ -196,6 +196,12 @@ TEST(Architecture, NoModuleOfTheClientUsesItselfThroughOthers) {
   EXPECT_THAT(circles_of(modules), IsEmpty());
 }
 
+TEST(Architecture, NoModuleOfTheBridgeToCanopenUsesItselfThroughOthers) {
+  const ModuleGraph modules = modules_below("clients/canopen/src/", sources());
+  ASSERT_GT(modules.size(), 20U);
+  EXPECT_THAT(circles_of(modules), IsEmpty());
+}
+
 TEST(Modules, FormACircleAlsoThroughTheirSources) {
   const std::vector<SourceFile> files{{"tool/a/one.cpp", "\n#include \"b/two.hpp\""},
                                       {"tool/b/two.cpp", "\n#include \"a/one.hpp\""},
@@ -290,7 +296,8 @@ LinkGraph documented_links() {
 
 /// Programs, whose library has a row, examples and generated code.
 bool needs_no_row(const std::string& target) {
-  static const std::set<std::string> programs{"vdrive", "vdrived", "vdrive-gateway", "vdrive-ros2"};
+  static const std::set<std::string> programs{"vdrive", "vdrived", "vdrive-canopen",
+                                              "vdrive-gateway", "vdrive-ros2"};
   return programs.contains(target) || target.starts_with("example_") ||
          target.ends_with("messages");
 }

@@ -122,6 +122,12 @@ constexpr std::array kToolMay{
 constexpr std::array kBridgeMay{
     Origin::standard, Origin::system,   Origin::eigen,  Origin::core,   Origin::third_party,
     Origin::wire,     Origin::messages, Origin::client, Origin::beside, Origin::settings};
+// Nodes are functions of frames, states and time.
+constexpr std::array kCanopenNodeMay{Origin::standard, Origin::core, Origin::beside};
+// That bridge makes benches of its own, for masters that are tested without a network.
+constexpr std::array kCanopenMay{
+    Origin::standard, Origin::system, Origin::eigen, Origin::core,   Origin::third_party,
+    Origin::wire,     Origin::client, Origin::bench, Origin::beside, Origin::settings};
 // Python is the outside world of one bridge. It sends nothing on the wire.
 constexpr std::array kPythonMay{Origin::standard, Origin::system, Origin::eigen, Origin::python,
                                 Origin::core,     Origin::client, Origin::bench, Origin::beside};
@@ -150,6 +156,8 @@ constexpr std::array kRooms{
             "clients/recording/ uses the client library, and no DDS"},
     RoomRow{"clients/python/", kPythonMay, "the Python module is a client and names no wire"},
     RoomRow{"clients/bridge/", kBridgeMay, kBridgeReason},
+    RoomRow{"clients/canopen/src/node/", kCanopenNodeMay, "a node knows core/ only"},
+    RoomRow{"clients/canopen/", kCanopenMay, kBridgeReason},
     RoomRow{"clients/gateway/", kBridgeMay, kBridgeReason},
     RoomRow{"clients/ros2/", kBridgeMay, kBridgeReason},
     RoomRow{"clients/tool/", kToolMay, kClientReason},
@@ -265,16 +273,28 @@ const std::vector<InnerRoomRow>& client_rooms() {
   return rows;
 }
 
+const std::vector<InnerRoomRow>& canopen_rooms() {
+  static const std::vector<InnerRoomRow> rows{
+      {"node", {}, "node/ knows no bus and no bench"},
+      {"bus", {"node"}, "bus/ carries frames and knows no bench"},
+      {"bridge", {"node", "bus"}, "bridge/ puts benches behind nodes"},
+  };
+  return rows;
+}
+
 /// A folder that is divided into rooms.
 struct DividedFolder {
   std::string_view folder;
   const std::vector<InnerRoomRow>& rooms;
+  bool uses_kit =
+      false;  ///< includes headers of clients/bridge, which stand in no room: "reports.hpp"
 };
 
-const std::array<DividedFolder, 2>& divided_folders() {
-  static const std::array<DividedFolder, 2> folders{
+const std::array<DividedFolder, 3>& divided_folders() {
+  static const std::array<DividedFolder, 3> folders{
       DividedFolder{"service/src/", service_rooms()},
       DividedFolder{"clients/src/", client_rooms()},
+      DividedFolder{"clients/canopen/src/", canopen_rooms(), true},
   };
   return folders;
 }
@@ -445,6 +465,8 @@ std::optional<std::string_view> refuse_inner_room(std::string_view path, const I
   const Origin origin = origin_of(include);
   const bool is_settings = origin == Origin::settings && divided->folder == "service/src/";
   if (!include.quoted || (origin != Origin::beside && !is_settings)) return std::nullopt;
+  const bool is_of_kit = include.name.find('/') == std::string::npos;
+  if (divided->uses_kit && is_of_kit && from->room == "bridge") return std::nullopt;
   const InnerRoomRow* const to = find_room(divided->rooms, include.name);
   if (to == nullptr) return "a file of a room includes another one by its room";
   if (to != from && std::ranges::count(from->may_include, to->room) == 0) return from->reason;

@@ -37,8 +37,10 @@ inline CLI::Option* add_domain_option(CLI::App& app, std::optional<std::uint32_t
 }
 
 /// Declares the options that choose the network of `session`, except its domain.
-inline void add_network_options(CLI::App& app, client::SessionOptions& session) {
-  app.add_option("--interface", session.interfaces,
+/// @param interface_option another name where the program has other interfaces, too
+inline void add_network_options(CLI::App& app, client::SessionOptions& session,
+                                const std::string& interface_option = "--interface") {
+  app.add_option(interface_option, session.interfaces,
                  "Own address in a network to use for DDS; default: loopback only")
       ->type_name("ADDRESS");
   app.add_option("--peer", session.peers, "Host searched in addition to multicast")

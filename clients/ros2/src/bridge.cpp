@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge.hpp"
 
+#include "refusal_report.hpp"
 #include "ros_time.hpp"
 #include "vdrive/client/event.hpp"
-#include "vdrive/dictionary/abort_code.hpp"
 #include "wall_time.hpp"
 
 namespace vdrive::ros2 {
@@ -11,20 +11,12 @@ namespace {
 
 using bridge::Severity;
 
-constexpr std::uint32_t kControlled = wire_code(AbortCode::refused_local_control);
-
 wire::NetworkSettings network_of(const Settings& settings) {
   const client::SessionOptions& session = settings.session;
   return {.domain = session.domain.value_or(client::default_domain()),
           .interfaces = session.interfaces,
           .peers = session.peers,
           .discovery_servers = session.discovery_servers};
-}
-
-/// @return the text without what differs from command to command: equal reports are counted.
-std::string reason_of(const client::Event& event) {
-  const std::string text = event.text.substr(0, event.text.rfind(" (session "));
-  return text.substr(0, text.find(", late by "));  // each is late by another time
 }
 
 /// @return what puts messages with their writer into `inbox`.
@@ -58,10 +50,8 @@ Bridge::Bridge(const Settings& settings)
                        }}),
       publisher_(participant_, settings, board_) {
   session_.on_event([this](const client::Event& event) {
-    if (event.kind != client::EventKind::refused || event.session != session_.id()) return;
-    if (event.code == kControlled) return;  // the refusal of an acquire, which BenchLink reports
-    reports_.report(Severity::warning, "bench " + std::to_string(event.bench),
-                    "a command was refused: " + reason_of(event));
+    const auto text = bridge::refusal_report(event, session_.id());
+    if (text) reports_.report(Severity::warning, "bench " + std::to_string(event.bench), *text);
   });
 }
 

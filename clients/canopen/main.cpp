@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridge/command_line.hpp"
+#include "standard_streams.hpp"
+
+#include <cstdlib>
+
+int main(int argument_count, char** arguments) {
+  vdrive::bridge::open_standard_streams();
+  // Everything is released. A static destructor of the DDS library would sleep 100 ms.
+  std::quick_exit(vdrive::canopen::run_command_line(argument_count, arguments));
+}

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridge/arguments.hpp"
+
+#include "settings/configuration_error.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <string_view>
+
+namespace vdrive::canopen {
+namespace {
+
+using vdrive::settings::ConfigurationError;
+
+std::vector<TcpAddress> take_addresses(std::string_view option,
+                                       const std::vector<std::string>& texts) {
+  std::vector<TcpAddress> addresses;
+  for (const std::string& text : texts) {
+    const auto address = parse_tcp_address(text);
+    if (!address) {
+      throw ConfigurationError(std::string(option) + " " + in_quotes(text) +
+                               ": must be an address and a port, such as 127.0.0.1:29536");
+    }
+    addresses.push_back(*address);
+  }
+  return addresses;
+}
+
+std::chrono::microseconds take_sync_step(const std::string& text) {
+  using std::chrono::nanoseconds;
+  const nanoseconds duration = parse_duration(text).value_or(nanoseconds{0});
+  const auto step = std::chrono::duration_cast<std::chrono::microseconds>(duration);
+  if (step != duration || step < kShortestSyncStep || step > kLongestSyncStep) {
+    throw ConfigurationError("--sync-steps " + in_quotes(text) +
+                             ": must be a duration from 125us to 10s in whole microseconds");
+  }
+  return step;
+}
+
+ClockMode take_clock(const std::string& text) {
+  const std::vector<std::string> modes{std::string(to_string(ClockMode::realtime)),
+                                       std::string(to_string(ClockMode::lockstep))};
+  if (const std::string refusal = refusal_of_choice(text, modes); !refusal.empty()) {
+    throw ConfigurationError("--clock: " + refusal);
+  }
+  return *clock_mode_named(text);
+}
+
+bool names_a_bus(const Arguments& arguments) {
+  return !arguments.benches.empty() || !arguments.node_offsets.empty() ||
+         !arguments.socketcand.empty() || !arguments.gateways.empty() ||
+         !arguments.interfaces.empty() || arguments.axes || !arguments.bench_configuration.empty();
+}
+
+/// @return the benches of the options; the one of a private bus that names none has number 1.
+std::vector<BenchSetting> benches_of(const Arguments& arguments, bool is_private) {
+  std::vector<std::uint32_t> numbers = arguments.benches;
+  if (numbers.empty() && is_private) numbers.push_back(1);
+  const std::vector<std::int32_t>& offsets = arguments.node_offsets;
+  if (offsets.size() > 1 && offsets.size() != numbers.size()) {
+    throw ConfigurationError("--node-offset is given " + std::to_string(offsets.size()) +
+                             " times for " + counted(numbers.size(), "bench", "benches") +
+                             ": give it once for all, or once for each --bench");
+  }
+  std::vector<BenchSetting> benches;
+  for (std::size_t place = 0; place < numbers.size(); ++place) {
+    BenchSetting& bench = benches.emplace_back();
+    bench.number = numbers[place];
+    if (!offsets.empty()) bench.node_offset = offsets.size() == 1 ? offsets[0] : offsets[place];
+    bench.axes = arguments.axes;
+    bench.configuration = arguments.bench_configuration;
+  }
+  return benches;
+}
+
+void apply_to_bus(const Arguments& arguments, bool is_private, BusSetting& bus) {
+  if (!arguments.socketcand.empty()) {
+    bus.socketcand = take_addresses("--socketcand", arguments.socketcand);
+  }
+  if (!arguments.gateways.empty()) bus.gateways = take_addresses("--gateway", arguments.gateways);
+  if (!arguments.interfaces.empty()) bus.interfaces = arguments.interfaces;
+  const bool names_benches = !arguments.benches.empty() || !arguments.node_offsets.empty() ||
+                             arguments.axes || !arguments.bench_configuration.empty();
+  if (!names_benches) return;
+  bus.benches = benches_of(arguments, is_private);
+  if (bus.benches.empty() && !arguments.node_offsets.empty()) {
+    bus.node_offset = arguments.node_offsets.front();
+  }
+}
+
+}  // namespace
+
+void apply_arguments(const Arguments& arguments, Settings& settings) {
+  if (arguments.axes && !arguments.bench_configuration.empty()) {
+    throw ConfigurationError("--axes and --bench-config are both given: name one of them");
+  }
+  settings.is_private = settings.is_private || arguments.is_private;
+  const bool describes = arguments.axes || !arguments.bench_configuration.empty();
+  if (describes && !settings.is_private) {
+    throw ConfigurationError(std::string(arguments.axes ? "--axes" : "--bench-config") +
+                             " is that of a private bench; add --private");
+  }
+  if (!arguments.clock.empty()) settings.clock = take_clock(arguments.clock);
+  if (!arguments.sync_steps.empty()) settings.sync_steps = take_sync_step(arguments.sync_steps);
+  if (!arguments.state.empty()) settings.state = arguments.state;
+  if (!names_a_bus(arguments)) return;
+  if (settings.buses.size() > 1) {
+    throw ConfigurationError("the file has " + std::to_string(settings.buses.size()) +
+                             " buses: give benches and connections of each there, and none on the "
+                             "command line");
+  }
+  if (settings.buses.empty()) settings.buses.emplace_back();
+  apply_to_bus(arguments, settings.is_private, settings.buses.front());
+}
+
+}  // namespace vdrive::canopen

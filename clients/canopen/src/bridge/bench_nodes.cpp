@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridge/bench_nodes.hpp"
+
+#include "vdrive/assert.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace vdrive::canopen {
+namespace {
+
+constexpr ObjectAddress kCobIdOfSync{0x1005, 0};
+constexpr std::uint16_t kReceivePdos = 0x1400;        // four of them
+constexpr std::uint16_t kHeartbeatConsumer = 0x1016;  // four entries
+constexpr std::uint8_t kEntries = 4;
+
+constexpr std::uint32_t kNmt = 0x000;
+constexpr std::uint32_t kSdoRequests = 0x600;  // and the node id
+constexpr std::uint32_t kHeartbeats = 0x700;   // and the node id
+
+/// Objects whose write may change what 1010h has saved of a node.
+bool is_memory(ObjectAddress object) {
+  return object.index == 0x1010 || object.index == 0x1011;
+}
+
+/// @param cob_id of a SYNC or a PDO, which may be off (bit 31)
+void add_identifier(std::optional<std::int64_t> cob_id, std::vector<std::uint16_t>& identifiers) {
+  constexpr std::int64_t kIsOff = 0x80000000;
+  if (!cob_id || (*cob_id & kIsOff) != 0) return;
+  identifiers.push_back(static_cast<std::uint16_t>(*cob_id & kHighestBaseId));
+}
+
+/// @param entry of 1016h: node id in bits 16 to 22, time in bits 0 to 15
+void add_producer(std::optional<std::int64_t> entry, std::vector<std::uint16_t>& identifiers) {
+  if (!entry || (*entry & 0xFFFF) == 0) return;
+  add_identifier(std::int64_t{kHeartbeats} + ((*entry >> 16) & 0x7F), identifiers);
+}
+
+/// What a node listens to, beside its SDO requests and what is for all nodes.
+void collect_identifiers(const Node& node, std::vector<std::uint16_t>& identifiers) {
+  identifiers.clear();
+  add_identifier(node.value(kCobIdOfSync), identifiers);
+  for (std::uint8_t entry = 0; entry < kEntries; ++entry) {
+    const auto pdo = static_cast<std::uint16_t>(kReceivePdos + entry);
+    add_identifier(node.value({pdo, 1}), identifiers);
+    const auto subindex = static_cast<std::uint8_t>(entry + 1);
+    add_producer(node.value({kHeartbeatConsumer, subindex}), identifiers);
+  }
+}
+
+}  // namespace
+
+void add_counters(NodeCounters& sum, const NodeCounters& more) {
+  sum.ignored_set_points += more.ignored_set_points;
+  sum.dropped_pdos += more.dropped_pdos;
+  sum.sdo_aborts += more.sdo_aborts;
+  sum.sdo_time_outs += more.sdo_time_outs;
+  sum.ignored_frames += more.ignored_frames;
+  sum.held_back_emergencies += more.held_back_emergencies;
+}
+
+/// A node and what it does to the world: kept until its call has ended.
+class BenchNodes::Slot final : public NodeHost {
+ public:
+  Slot(BenchNodes& nodes, std::size_t place, const NodePlace& ids)
+      : nodes_(nodes), place_(place), ids_(ids) {}
+
+  [[nodiscard]] const NodePlace& ids() const noexcept { return ids_; }
+
+  [[nodiscard]] Node* node() noexcept { return node_ ? &*node_ : nullptr; }
+
+  /// What the node listens to may be something else from now on.
+  void forget_identifiers() { are_identifiers_old_ = true; }
+
+  [[nodiscard]] std::span<const std::uint16_t> identifiers() {
+    if (std::exchange(are_identifiers_old_, false)) collect_identifiers(*node_, identifiers_);
+    return identifiers_;
+  }
+
+  void start(const client::AxisSnapshot& drive) {
+    const NodeSettings settings{.node_id = ids_.node_id,
+                                .software_version = nodes_.options_.software_version,
+                                .sync_period = nodes_.options_.sync_period};
+    node_.emplace(settings, *this, nodes_.store_.find(ids_.node_id));
+    forget_identifiers();
+    node_->start(view_of(drive), nodes_.now_);
+  }
+
+  void stop() {
+    if (!node_) return;
+    add_counters(nodes_.ended_, node_->counters());
+    node_.reset();
+    accessed_.reset();
+  }
+
+  void update(const client::AxisSnapshot& drive) {
+    node_->update(view_of(drive), nodes_.now_);
+    const auto due = node_->next_due();
+    if (due && *due <= nodes_.now_) node_->advance(nodes_.now_);
+  }
+
+  void complete(std::uint32_t ticket, const DriveAnswer& answer) {
+    if (!node_) return;
+    // Before the answer: with it the node may begin its next access.
+    const bool may_have_saved = accessed_ && accessed_->ticket == ticket &&
+                                is_memory(accessed_->object) && answer.abort == AbortCode::none;
+    node_->complete(ticket, answer, nodes_.now_);
+    if (may_have_saved) nodes_.store_.save(ids_.node_id, node_->stored());
+  }
+
+  // ---- what the node does
+
+  void send(const Frame& frame) override {
+    nodes_.outgoing_.push_back({.frame = frame, .place = place_});
+  }
+
+  void begin_access(const DriveAccess& access) override {
+    accessed_ = access;
+    nodes_.drive_calls_.emplace_back([&calls = nodes_.calls_, place = place_, access] {
+      calls.access(place, access);
+    });
+  }
+
+  void command(std::span<const DriveValue> values) override {
+    nodes_.set_points_.add(ids_.axis, values);
+  }
+
+  void set_connection_lost(bool is_lost) override {
+    // The loss of a master is none to an axis that another session controls.
+    if (is_lost && !is_owned_) return;
+    nodes_.drive_calls_.emplace_back([&calls = nodes_.calls_, place = place_, is_lost] {
+      calls.tell_connection(place, is_lost);
+    });
+  }
+
+  void power_cycle() override {
+    nodes_.drive_calls_.emplace_back([&calls = nodes_.calls_, place = place_] {
+      calls.cycle_power(place);
+    });
+  }
+
+ private:
+  [[nodiscard]] DriveView view_of(const client::AxisSnapshot& drive) {
+    is_owned_ = drive.owner_session == nodes_.options_.session;
+    return {.status = drive.status, .is_owned = is_owned_};
+  }
+
+  BenchNodes& nodes_;
+  const std::size_t place_;
+  const NodePlace ids_;
+  bool is_owned_ = false;
+  bool are_identifiers_old_ = true;
+  std::vector<std::uint16_t> identifiers_;
+  std::optional<DriveAccess> accessed_;  ///< last
+  std::optional<Node> node_;
+};
+
+BenchNodes::BenchNodes(Bus& bus, NodeStore& store, std::span<const NodePlace> places,
+                       const Options& options, Calls calls)
+    : bus_(bus), store_(store), options_(options), calls_(std::move(calls)) {
+  slots_.reserve(places.size());
+  for (const NodePlace& place : places) {
+    slots_.push_back(std::make_unique<Slot>(*this, slots_.size(), place));
+  }
+  bus_.attach(*this);
+}
+
+BenchNodes::~BenchNodes() {
+  bus_.detach(*this);
+}
+
+void BenchNodes::start(std::span<const client::AxisSnapshot> drives, DriveTime now) {
+  ensure(drives.size() == slots_.size(), "each node has its drive");
+  stop();
+  now_ = now;
+  is_running_ = true;
+  are_listeners_old_ = true;
+  for (std::size_t place = 0; place < slots_.size(); ++place) slots_[place]->start(drives[place]);
+  settle();
+}
+
+void BenchNodes::stop() {
+  is_running_ = false;
+  for (const auto& slot : slots_) slot->stop();
+  outgoing_.clear();
+  drive_calls_.clear();
+  (void)take_set_points();
+}
+
+void BenchNodes::update(std::span<const client::AxisSnapshot> drives, DriveTime now) {
+  ensure(drives.size() == slots_.size(), "each node has its drive");
+  if (!is_running_) return;
+  now_ = std::max(now_, now);
+  for (std::size_t place = 0; place < slots_.size(); ++place) slots_[place]->update(drives[place]);
+  settle();
+}
+
+void BenchNodes::complete(std::size_t place, std::uint32_t ticket, const DriveAnswer& answer) {
+  if (!is_running_) return;
+  slots_.at(place)->complete(ticket, answer);
+  forget_identifiers(place);
+  settle();
+}
+
+std::vector<client::SetPointFrame> BenchNodes::take_set_points() {
+  are_noted_ = false;
+  return set_points_.take();
+}
+
+// ---- frames ----------------------------------------------------------------------------------
+
+void BenchNodes::deliver(const Frame& frame) {
+  if (!is_running_) return;
+  const bool lets_time_pass = calls_.sync && is_sync(frame);
+  receive(frame, std::nullopt);
+  settle();
+  if (lets_time_pass) calls_.sync();
+}
+
+/// SYNC as the first node has it: one bench has one clock.
+bool BenchNodes::is_sync(const Frame& frame) const {
+  if (frame.is_extended || frame.is_remote || frame.size > 1) return false;
+  const auto cob_id = slots_.front()->node()->value(kCobIdOfSync);
+  return cob_id && frame.id == static_cast<std::uint32_t>(*cob_id & kHighestBaseId);
+}
+
+/// @param sender the place of the node that has sent it; none = another port
+void BenchNodes::receive(const Frame& frame, std::optional<std::size_t> sender) {
+  if (are_listeners_old_) refresh_listeners();
+  const Listeners::Answer whom = listeners_.find(frame);
+  // Only these change what a node listens to; heartbeats and process data are most of all frames.
+  const bool is_sdo = frame.id > kSdoRequests && frame.id < kHeartbeats;
+  const bool may_change = frame.id == kNmt || is_sdo;
+  const auto give_to = [&](std::size_t place) {
+    Node* const node = slots_[place]->node();
+    if (node == nullptr || place == sender) return;
+    node->receive(frame, now_);
+    if (may_change) forget_identifiers(place);
+  };
+  if (whom.kind == Listeners::Kind::one) give_to(whom.place);
+  if (whom.kind == Listeners::Kind::everybody) {
+    for (std::size_t place = 0; place < slots_.size(); ++place) give_to(place);
+  }
+}
+
+void BenchNodes::forget_identifiers(std::size_t place) {
+  slots_[place]->forget_identifiers();
+  are_listeners_old_ = true;
+}
+
+void BenchNodes::refresh_listeners() {
+  are_listeners_old_ = false;
+  listeners_.clear();
+  for (std::size_t place = 0; place < slots_.size(); ++place) {
+    Slot& slot = *slots_[place];
+    if (slot.node() == nullptr) continue;
+    listeners_.add(place, {.id = slot.ids().node_id, .identifiers = slot.identifiers()});
+  }
+}
+
+/// Behind a call of a node: does what the node has asked for, and what comes of that.
+void BenchNodes::settle() {
+  if (is_settling_) return;  // the call that is under way does it
+  is_settling_ = true;
+  while (!outgoing_.empty() || !drive_calls_.empty()) {
+    sending_.swap(outgoing_);
+    for (const Outgoing& outgoing : sending_) send(outgoing);
+    sending_.clear();
+    run_drive_calls();
+  }
+  is_settling_ = false;
+  if (set_points_.is_empty() || std::exchange(are_noted_, true)) return;
+  calls_.set_points();
+}
+
+void BenchNodes::send(const Outgoing& outgoing) {
+  bus_.send(outgoing.frame, this);
+  // The bus gives it to the other ports; the other nodes of this one hear it, too.
+  if (is_running_) receive(outgoing.frame, outgoing.place);
+}
+
+void BenchNodes::run_drive_calls() {
+  for (const auto& call : std::exchange(drive_calls_, {})) {
+    if (is_running_) call();
+  }
+}
+
+// ---- questions -------------------------------------------------------------------------------
+
+NodeCounters BenchNodes::counters() const {
+  NodeCounters sum = ended_;
+  for (const auto& slot : slots_) {
+    if (const Node* const node = slot->node()) add_counters(sum, node->counters());
+  }
+  return sum;
+}
+
+const Node* BenchNodes::node(std::size_t place) const {
+  return slots_.at(place)->node();
+}
+
+}  // namespace vdrive::canopen

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bridge/listeners.hpp"
+#include "bridge/node_store.hpp"
+#include "bridge/set_point_batch.hpp"
+#include "bus/bus.hpp"
+#include "node/node.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace vdrive::canopen {
+
+/// An axis and the node that it is.
+struct NodePlace {
+  std::uint16_t axis = 0;  ///< number on its bench
+  std::uint8_t node_id = 0;
+};
+
+/// Adds what more nodes have counted.
+void add_counters(NodeCounters& sum, const NodeCounters& more);
+
+/// The nodes of the axes of one bench, as a port of their bus: gives them frames, states and drive
+/// time, and takes what they ask for. It knows no bench: what a node asks of its drive are `Calls`.
+/// For the thread of the bus.
+class BenchNodes final : public Port {
+ public:
+  /// What nodes ask of their drives; `place` is that of NodePlace. No call of a node is under way
+  /// then, so that complete() may be called at once.
+  struct Calls {
+    std::function<void(std::size_t place, const DriveAccess& access)> access;
+    std::function<void(std::size_t place, bool is_lost)> tell_connection;
+    std::function<void(std::size_t place)> cycle_power;
+    std::function<void()> set_points;  ///< the first one waits for take_set_points()
+    std::function<void()> sync;        ///< all nodes have received SYNC; may be empty
+  };
+
+  struct Options {
+    std::uint64_t session = 0;                   ///< that controls the axes
+    std::optional<std::uint32_t> sync_period{};  ///< see NodeSettings
+    const char* software_version = "";           ///< 100Ah
+  };
+
+  /// @param bus, store outlive this
+  BenchNodes(Bus& bus, NodeStore& store, std::span<const NodePlace> places, const Options& options,
+             Calls calls);
+  ~BenchNodes() override;
+  BenchNodes(const BenchNodes&) = delete;
+  BenchNodes& operator=(const BenchNodes&) = delete;
+
+  /// The drives are there: each node boots.
+  /// @param drives one axis for each place, in their order
+  void start(std::span<const client::AxisSnapshot> drives, DriveTime now);
+
+  /// The drives are gone: the nodes vanish, without a frame.
+  void stop();
+
+  [[nodiscard]] bool is_running() const noexcept { return is_running_; }
+
+  /// The drives after a tick.
+  void update(std::span<const client::AxisSnapshot> drives, DriveTime now);
+
+  /// The answer to Calls::access.
+  void complete(std::size_t place, std::uint32_t ticket, const DriveAnswer& answer);
+
+  [[nodiscard]] bool has_set_points() const noexcept { return !set_points_.is_empty(); }
+
+  [[nodiscard]] std::vector<client::SetPointFrame> take_set_points();
+
+  void deliver(const Frame& frame) override;
+
+  /// @return what all nodes have counted since this was made.
+  [[nodiscard]] NodeCounters counters() const;
+
+  /// @return set-points that came faster than they could be handed over.
+  [[nodiscard]] std::uint64_t replaced_set_points() const noexcept {
+    return set_points_.replaced();
+  }
+
+  /// @return the node at a place, for tests and reports; nothing while the drives are gone.
+  [[nodiscard]] const Node* node(std::size_t place) const;
+
+ private:
+  class Slot;
+
+  /// A frame of a node on its way to the bus.
+  struct Outgoing {
+    Frame frame;
+    std::size_t place = 0;
+  };
+
+  void receive(const Frame& frame, std::optional<std::size_t> sender);
+  void settle();
+  void send(const Outgoing& outgoing);
+  void run_drive_calls();
+  void forget_identifiers(std::size_t place);
+  void refresh_listeners();
+  [[nodiscard]] bool is_sync(const Frame& frame) const;
+
+  Bus& bus_;
+  NodeStore& store_;
+  const Options options_;
+  const Calls calls_;
+  std::vector<std::unique_ptr<Slot>> slots_;
+  DriveTime now_{};
+  bool is_running_ = false;
+  bool is_settling_ = false;
+  bool are_noted_ = false;  ///< Calls::set_points was called for what waits
+  Listeners listeners_;
+  bool are_listeners_old_ = true;
+  // Filled within calls of nodes, carried out behind them.
+  std::vector<Outgoing> outgoing_;
+  std::vector<Outgoing> sending_;  ///< its memory, used in turn
+  std::vector<std::function<void()>> drive_calls_;
+  SetPointBatch set_points_;
+  NodeCounters ended_;  ///< of nodes that are gone
+};
+
+}  // namespace vdrive::canopen

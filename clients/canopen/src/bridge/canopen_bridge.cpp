@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridge/canopen_bridge.hpp"
+
+#include "bridge/private_benches.hpp"
+#include "refusal_report.hpp"
+#include "settings/configuration_error.hpp"
+#include "vdrive/number_text.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace vdrive::canopen {
+namespace {
+
+// A bench that comes is served at once for a person, and the search costs the loop little.
+constexpr std::chrono::milliseconds kFindBenchesPeriod{200};
+
+client::SessionOptions session_options(const Settings& settings,
+                                       const std::vector<bench::Bench>& benches) {
+  client::SessionOptions options = settings.session;
+  if (!benches.empty()) options.bus = benches.front().bus();
+  return options;
+}
+
+}  // namespace
+
+CanopenBridge::CanopenBridge(const Settings& settings)
+    : is_private_(settings.is_private),
+      benches_(make_private_benches(settings)),
+      reports_("vdrive-canopen", {}),
+      session_(session_options(settings, benches_)),
+      find_timer_(loop_) {
+  const BridgeParts shared{
+      .loop = loop_, .session = session_, .reports = reports_, .closer = closer_};
+  for (const BusSetting& setting : settings.buses) {
+    const auto number = static_cast<std::uint16_t>(buses_.size() + 1);
+    buses_.push_back(std::make_unique<ServedBus>(shared, settings, setting, number));
+  }
+  session_.on_event([this](const client::Event& event) {
+    const auto text = bridge::refusal_report(event, session_.id());
+    if (!text) return;
+    reports_.report(bridge::Severity::warning, "bench " + std::to_string(event.bench), *text);
+  });
+}
+
+CanopenBridge::~CanopenBridge() {
+  // The session ends after the reports that its observer uses.
+  session_.on_event({});
+  // Calls that wait for a bench end; the axes are given back all the same.
+  session_.interrupt();
+}
+
+void CanopenBridge::start() {
+  find();
+  while (is_private_ && !are_all_there() && !loop_.stopped()) loop_.run_one();
+}
+
+void CanopenBridge::find() {
+  const std::vector<client::BenchInfo> present = session_.present_benches();
+  const auto now = ServedBus::Clock::now();
+  for (const auto& bus : buses_) bus->find(present, now);
+  if (is_private_) {
+    // Their axes stay as they are: what is left out now never comes.
+    std::vector<std::string> mistakes;
+    for (const auto& bus : buses_) {
+      for (std::string& reason : bus->left_out()) mistakes.push_back(std::move(reason));
+    }
+    if (!mistakes.empty()) throw vdrive::settings::ConfigurationError(std::move(mistakes));
+  }
+  find_later();
+}
+
+void CanopenBridge::find_later() {
+  find_timer_.expires_after(kFindBenchesPeriod);
+  find_timer_.async_wait([this](const AsioError& error) {
+    if (!error) find();
+  });
+}
+
+bool CanopenBridge::are_all_there() const {
+  return std::ranges::all_of(buses_, [](const auto& bus) {
+    return bus->are_all_there();
+  });
+}
+
+std::vector<std::string> CanopenBridge::first_lines() const {
+  std::vector<std::string> lines;
+  for (const auto& bus : buses_) {
+    lines.push_back(bus->description() + ", session " + session_text(session_.id()));
+  }
+  return lines;
+}
+
+std::vector<std::string> CanopenBridge::counter_lines() const {
+  std::vector<std::string> lines;
+  for (const auto& bus : buses_) lines.push_back(bus->counters());
+  return lines;
+}
+
+void CanopenBridge::report_library(const std::string& words) {
+  reports_.report(bridge::Severity::warning, "network", words);
+}
+
+}  // namespace vdrive::canopen

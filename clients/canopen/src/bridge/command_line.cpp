@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridge/command_line.hpp"
+
+#include "bridge/arguments.hpp"
+#include "bridge/canopen_bridge.hpp"
+#include "bridge/private_benches.hpp"
+#include "bridge/settings.hpp"
+#include "bridge_program.hpp"
+#include "network_options.hpp"
+#include "settings/configuration_error.hpp"
+#include "settings/yaml_reader.hpp"
+#include "vdrive/wire/bench_number.hpp"
+#include "vdrive/wire/library_log.hpp"
+
+#include <CLI/CLI.hpp>
+#include <boost/asio/signal_set.hpp>
+
+#include <csignal>
+#include <cstdint>
+#include <iostream>
+#include <optional>
+#include <string>
+
+namespace vdrive::canopen {
+namespace {
+
+struct CommandLine {
+  Settings settings;
+  Arguments arguments;
+  std::string file;
+  bool only_checks = false;
+};
+
+void declare_benches(CLI::App& app, Arguments& arguments) {
+  app.add_option("--bench", arguments.benches,
+                 "Bench whose axes are nodes, 1 to " + std::to_string(wire::kHighestBench) +
+                     "; may be repeated; default: all")
+      ->transform(bridge::whole_number(1, wire::kHighestBench))
+      ->type_name("N");
+  app.add_option("--node-offset", arguments.node_offsets,
+                 "Node id = number of the axis + K; once for all benches, or once for each --bench")
+      ->transform(bridge::whole_number(kLowestNodeOffset, kHighestNodeOffset))
+      ->type_name("K");
+  app.add_flag("--private", arguments.is_private,
+               "Make the benches in this process, without a network");
+  app.add_option("--axes", arguments.axes,
+                 "Axes of a private bench, 1 to " + std::to_string(kMostNodes) + "; default: 1")
+      ->transform(bridge::whole_number(1, static_cast<std::int64_t>(kMostNodes)))
+      ->type_name("N");
+  app.add_option("--bench-config", arguments.bench_configuration,
+                 "Configuration of a private bench, a file as that of vdrived")
+      ->type_name("FILE");
+  app.add_option("--clock", arguments.clock,
+                 "Clock of a private bench, realtime or lockstep; default: lockstep with "
+                 "--sync-steps, else realtime")
+      ->type_name("MODE");
+  app.add_option("--sync-steps", arguments.sync_steps,
+                 "Each SYNC lets so much drive time pass on a bench in lock-step, such as 1ms")
+      ->type_name("PERIOD");
+}
+
+void declare_ports(CLI::App& app, Arguments& arguments) {
+  app.add_option("--socketcand", arguments.socketcand,
+                 "Serve the socketcand protocol there, port 0 = any free one; may be repeated; "
+                 "default without another connection: 127.0.0.1:29536")
+      ->type_name("HOST:PORT");
+  app.add_option("--interface", arguments.interfaces,
+                 "CAN interface of the kernel (SocketCAN), such as can0; may be repeated")
+      ->type_name("IFACE");
+  app.add_option("--gateway", arguments.gateways,
+                 "Serve the ASCII commands of CiA 309-3 there; may be repeated")
+      ->type_name("HOST:PORT");
+}
+
+void declare(CLI::App& app, CommandLine& line) {
+  app.set_version_flag("--version", std::string("vdrive-canopen ") + VDRIVE_VERSION);
+  declare_benches(app, line.arguments);
+  declare_ports(app, line.arguments);
+  app.add_option("--state", line.arguments.state,
+                 "Directory of what 1010h stores; default: kept in memory")
+      ->type_name("DIR");
+  app.add_option("--config", line.file, "YAML file; options of the command line override it")
+      ->type_name("FILE");
+  app.add_flag("--check", line.only_checks, "Check command line and configuration, and end");
+  bridge::add_domain_option(app, line.settings.session.domain);
+  bridge::add_network_options(app, line.settings.session, "--dds-interface");
+}
+
+/// Reads the file, then applies the options of the command line.
+void complete(CommandLine& line) {
+  Settings& settings = line.settings;
+  if (!line.file.empty()) {
+    read_settings(vdrive::settings::read_yaml_file(line.file), line.file, settings);
+  }
+  apply_arguments(line.arguments, settings);
+  complete_settings(settings);
+  check_private_benches(settings);
+  settings.session.find_timeout = bridge::find_timeout_of(settings.session);
+  // A master must not act on a state that is older: the nodes of a silent bench leave the bus.
+  settings.session.patience = settings.session.silence;
+}
+
+int serve(const Settings& settings) {
+  // A client may be gone when its answer is written: that is an error of this write, no end.
+  std::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): it cannot fail for this signal
+  CanopenBridge bridge(settings);
+  std::optional<wire::LibraryLog> log;
+  if (!settings.is_private) {
+    log.emplace([&bridge](const std::string& /*part*/, const std::string& words) {
+      bridge.report_library(words);
+    });
+  }
+  boost::asio::signal_set signals(bridge.loop(), SIGINT, SIGTERM);
+  signals.async_wait([&bridge](const boost::system::error_code& error, int /*signal*/) {
+    if (!error) bridge.loop().stop();
+  });
+  bridge.start();
+  for (const std::string& text : bridge.first_lines()) {
+    std::cout << "vdrive-canopen: " << text << std::endl;
+  }
+  bridge.loop().run();
+  for (const std::string& text : bridge.counter_lines()) {
+    std::cout << "vdrive-canopen: " << text << '\n';
+  }
+  return bridge::conclude_output("vdrive-canopen");
+}
+
+}  // namespace
+
+int run_command_line(int argument_count, const char* const* argument_list) {
+  CLI::App app(
+      "Gives axes of virtual servo drives to CANopen masters: each axis is a node of a CAN bus.",
+      "vdrive-canopen");
+  CommandLine line;
+  declare(app, line);
+  return bridge::run_program<vdrive::settings::ConfigurationError>(
+      app, argument_count, argument_list, [&] {
+        complete(line);
+        if (!line.only_checks) return serve(line.settings);
+        std::cout << "vdrive-canopen: the configuration is valid\n";
+        return bridge::conclude_output(app.get_name());
+      });
+}
+
+}  // namespace vdrive::canopen

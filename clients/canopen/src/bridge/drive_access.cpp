@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridge/drive_access.hpp"
+
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <algorithm>
+
+namespace vdrive::canopen {
+
+AbortCode abort_code_of(const client::Outcome& outcome) noexcept {
+  if (outcome) return AbortCode::none;
+  const auto* const row =
+      std::ranges::find(kAbortCodes, static_cast<AbortCode>(outcome.code()), &AbortCodeRow::code);
+  const bool is_abort = outcome.kind() == client::OutcomeKind::refused &&
+                        row != kAbortCodes.end() && row->code != AbortCode::none;
+  // Other codes are reasons of the wire, which no standard knows.
+  return is_abort ? row->code : AbortCode::cannot_store_or_transfer;
+}
+
+DriveAnswer carry_out(client::Axis& axis, const DriveAccess& access) {
+  if (access.value) {
+    return {.abort = abort_code_of(axis.write(access.object, *access.value).outcome())};
+  }
+  const auto value = axis.read(access.object);
+  if (!value) return {.abort = abort_code_of(value.outcome())};
+  return {.value = *value};
+}
+
+client::Outcome tell_connection(client::Axis& axis, bool is_lost) {
+  // At run time: benches of an older dictionary have no such input.
+  const auto row = find_object("test_connection_loss");
+  if (!row) return {};
+  return axis.write(vdrive::describe(*row).address, is_lost ? 1 : 0).outcome();
+}
+
+client::Outcome cycle_power(client::Axis& axis) {
+  return axis.power_cycle({.until = client::Until::in_force});
+}
+
+}  // namespace vdrive::canopen

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "node/node_host.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/outcome.hpp"
+#include "vdrive/dictionary/abort_code.hpp"
+
+namespace vdrive::canopen {
+
+/// What a node asks of its drive, as calls of the axis. Each waits for the answer of the bench, and
+/// for no drive time.
+
+/// Reads or writes an object.
+[[nodiscard]] DriveAnswer carry_out(client::Axis& axis, const DriveAccess& access);
+
+/// The drive is without its master, or has it again: test-bench input 5E0Ah.
+client::Outcome tell_connection(client::Axis& axis, bool is_lost);
+
+/// Switches the drive off and on again.
+client::Outcome cycle_power(client::Axis& axis);
+
+/// @return the abort code that a master gets for what became of a call; 08000020h where the bench
+///         could not be asked.
+[[nodiscard]] AbortCode abort_code_of(const client::Outcome& outcome) noexcept;
+
+}  // namespace vdrive::canopen

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/client/bench.hpp"
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace vdrive::canopen {
+
+/// Which axis is which node of a bus: node id = number of the axis + offset of its bench.
+class NodeIds {
+ public:
+  /// Makes the axes of a bench nodes: all of them, or none.
+  /// @return why they cannot be: an id that is none, or that of another axis; nothing when they are
+  [[nodiscard]] std::optional<std::string> add(std::span<const client::AxisInfo> axes,
+                                               std::int32_t offset);
+
+  /// The axes of that bench are nodes no more.
+  void remove(std::uint32_t bench);
+
+  /// @return such as "1 node (5)" or "5 nodes (1 to 3, 11 to 12)".
+  [[nodiscard]] std::string text() const;
+
+ private:
+  std::map<std::uint8_t, client::AxisId> axes_;  ///< by node id
+};
+
+/// @return the node id of an axis. @pre NodeIds::add() has taken it
+[[nodiscard]] std::uint8_t node_id_of(const client::AxisId& axis, std::int32_t offset) noexcept;
+
+}  // namespace vdrive::canopen

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridge/served_bus.hpp"
+
+#include "topic_names.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/wording.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace vdrive::canopen {
+namespace {
+
+using namespace literals;
+
+/// @return whether the nodes of the one are those of the other.
+bool continues(const client::BenchInfo& known, const client::BenchInfo& found) {
+  return known.clock_mode == found.clock_mode && known.period == found.period &&
+         bridge::are_same_axes(known.axes, found.axes);
+}
+
+std::vector<std::uint32_t> numbers_of(const std::vector<BenchSetting>& benches) {
+  std::vector<std::uint32_t> numbers;
+  numbers.reserve(benches.size());
+  for (const BenchSetting& bench : benches) numbers.push_back(bench.number);
+  return numbers;
+}
+
+std::uint32_t default_value(ObjectRow row) {
+  return static_cast<std::uint32_t>(vdrive::describe(row).default_value);
+}
+
+GatewaySettings gateway_settings(std::uint16_t network) {
+  return {.network = network,
+          .vendor_id = default_value("vendor_id"_object),
+          .product_code = default_value("product_code"_object),
+          .revision_number = default_value("revision_number"_object)};
+}
+
+const client::BenchInfo* find_info(const std::vector<client::BenchInfo>& present,
+                                   std::uint32_t bench) {
+  const auto found = std::ranges::find(present, bench, &client::BenchInfo::number);
+  return found == present.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+ServedBus::ServedBus(const BridgeParts& shared, const Settings& settings, const BusSetting& setting,
+                     std::uint16_t number)
+    : shared_(shared),
+      setting_(setting),
+      sync_steps_(settings.sync_steps),
+      label_("bus " + std::to_string(number)),
+      number_(number),
+      store_(settings.state, setting.name, shared.reports),
+      presence_({.continues = continues, .wanted = numbers_of(setting.benches)}) {
+  open_ports();
+}
+
+ServedBus::~ServedBus() = default;
+
+void ServedBus::open_ports() {
+  for (const TcpAddress& address : setting_.socketcand) {
+    socketcand_.push_back(std::make_unique<SocketcandServer>(
+        shared_.loop, bus_, SocketcandSettings{.listen = address}));
+  }
+  for (const TcpAddress& address : setting_.gateways) {
+    gateways_.push_back(std::make_unique<AsciiGatewayServer>(
+        shared_.loop, bus_,
+        AsciiGatewayServerSettings{.listen = address, .gateway = gateway_settings(number_)}));
+  }
+  for (const std::string& interface : setting_.interfaces) {
+    interfaces_.push_back(
+        std::make_unique<SocketCan>(shared_.loop, bus_, SocketCanSettings{.interface = interface}));
+  }
+}
+
+void ServedBus::report(bridge::Severity severity, std::uint32_t bench, const std::string& text) {
+  shared_.reports.report(severity, label_ + ": bench " + std::to_string(bench), text);
+}
+
+// ---- benches ---------------------------------------------------------------------------------
+
+void ServedBus::find(const std::vector<client::BenchInfo>& present, Clock::time_point now) {
+  std::erase_if(left_out_, [&present](const auto& entry) {
+    return find_info(present, entry.first) == nullptr;
+  });
+  using Kind = bridge::PresenceChange::Kind;
+  for (const bridge::PresenceChange& change : presence_.take(present, now)) {
+    if (change.kind == Kind::went || change.kind == Kind::replaced) remove(change.bench);
+  }
+  // Also a bench that was left out: another one may have set its node ids free.
+  for (const bridge::BenchRecord& record : presence_.all()) {
+    const client::BenchInfo* const info = find_info(present, record.info.number);
+    if (info == nullptr || benches_.contains(info->number)) continue;
+    if (const auto reason = add(*info)) leave_out(*info, *reason);
+  }
+  for (auto& [number, bench] : benches_) {
+    if (bench.stepped) bench.stepped->poll(find_info(present, number));
+  }
+}
+
+std::int32_t ServedBus::offset_of(std::uint32_t bench) const {
+  const auto named = std::ranges::find(setting_.benches, bench, &BenchSetting::number);
+  return named == setting_.benches.end() ? setting_.node_offset : named->node_offset;
+}
+
+/// @return why the bench is left out; nothing when it is served from now on.
+std::optional<std::string> ServedBus::add(const client::BenchInfo& info) {
+  if (sync_steps_) {
+    if (auto refusal = SteppedBench::refusal_of(info, *sync_steps_)) return refusal;
+  }
+  const std::int32_t offset = offset_of(info.number);
+  if (auto refusal = ids_.add(info.axes, offset)) return refusal;
+  left_out_.erase(info.number);
+  std::vector<NodePlace> places;
+  for (const client::AxisInfo& axis : info.axes) {
+    places.push_back({.axis = axis.id.axis, .node_id = node_id_of(axis.id, offset)});
+  }
+  const BusParts parts{.loop = shared_.loop,
+                       .session = shared_.session,
+                       .reports = shared_.reports,
+                       .bus = bus_,
+                       .store = store_};
+  const std::string label = label_ + ": bench " + std::to_string(info.number);
+  ServedBench& served = benches_[info.number];
+  if (sync_steps_) {
+    served.stepped = std::make_unique<SteppedBench>(parts, info, places, label, *sync_steps_);
+  } else {
+    served.drives = std::make_unique<BenchDrives>(parts, info, places, label);
+  }
+  report(bridge::Severity::info, info.number,
+         "found, " + counted(places.size(), "axis", "axes") + "; the bus has " + ids_.text());
+  return std::nullopt;
+}
+
+void ServedBus::leave_out(const client::BenchInfo& info, const std::string& reason) {
+  if (std::exchange(left_out_[info.number], reason) == reason) return;
+  report(bridge::Severity::error, info.number, "is left out, " + reason);
+}
+
+void ServedBus::remove(std::uint32_t bench) {
+  ids_.remove(bench);
+  const auto served = benches_.find(bench);
+  if (served == benches_.end()) return;
+  add_counters(ended_, served->second.nodes().counters());
+  if (served->second.drives) {
+    dropped_set_points_ += served->second.drives->dropped_set_points();
+    // Its calls may wait for the bench that has gone: not in the thread of the bus.
+    std::shared_ptr<BenchLink> link = served->second.drives->close();
+    (void)shared_.closer.post([ending = std::move(link)] {});
+  }
+  benches_.erase(served);
+  report(bridge::Severity::info, bench, "has gone; the bus has " + ids_.text());
+}
+
+// ---- questions -------------------------------------------------------------------------------
+
+std::optional<TcpAddress> ServedBus::socketcand() const {
+  if (socketcand_.empty()) return std::nullopt;
+  return socketcand_.front()->address();
+}
+
+std::optional<TcpAddress> ServedBus::gateway() const {
+  if (gateways_.empty()) return std::nullopt;
+  return gateways_.front()->address();
+}
+
+const BenchNodes* ServedBus::nodes(std::uint32_t bench) const {
+  const auto served = benches_.find(bench);
+  return served == benches_.end() ? nullptr : &served->second.nodes();
+}
+
+bool ServedBus::are_all_there() const {
+  return std::ranges::all_of(setting_.benches, [this](const BenchSetting& bench) {
+    const BenchNodes* const its = nodes(bench.number);
+    return its != nullptr && its->is_running();
+  });
+}
+
+std::vector<std::string> ServedBus::left_out() const {
+  std::vector<std::string> lines;
+  for (const auto& [bench, reason] : left_out_) {
+    lines.push_back(label_ + ": bench " + std::to_string(bench) + ": " + reason);
+  }
+  return lines;
+}
+
+std::string ServedBus::description() const {
+  std::string text = label_ + ": " + ids_.text();
+  for (const auto& server : socketcand_) text += ", socketcand " + address_text(server->address());
+  for (const auto& server : gateways_) text += ", gateway " + address_text(server->address());
+  for (const std::string& interface : setting_.interfaces) text += ", interface " + interface;
+  return text;
+}
+
+std::string ServedBus::counters() const {
+  NodeCounters nodes = ended_;
+  std::uint64_t dropped = dropped_set_points_;
+  for (const auto& [number, bench] : benches_) {
+    add_counters(nodes, bench.nodes().counters());
+    if (bench.drives) dropped += bench.drives->dropped_set_points();
+  }
+  std::uint64_t unread = 0;
+  std::uint64_t refused_words = 0;
+  for (const auto& server : socketcand_) {
+    unread += server->counters().dropped_frames;
+    refused_words += server->counters().refused_words;
+  }
+  for (const auto& port : interfaces_) unread += port->counters().dropped_frames;
+  return label_ + ": " + std::to_string(bus_.frames()) + " frames, " +
+         std::to_string(nodes.dropped_pdos) + " dropped PDOs, " +
+         std::to_string(nodes.ignored_set_points) + " PDOs ignored for another session, " +
+         std::to_string(dropped) + " dropped set-points, " + std::to_string(nodes.sdo_aborts) +
+         " SDO aborts, " + std::to_string(nodes.sdo_time_outs) + " SDO time-outs, " +
+         std::to_string(nodes.ignored_frames) + " malformed frames, " +
+         std::to_string(nodes.held_back_emergencies) + " emergencies held back, " +
+         std::to_string(unread) + " frames not read in time, " + std::to_string(refused_words) +
+         " refused words";
+}
+
+}  // namespace vdrive::canopen

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bench_presence.hpp"
+#include "bridge/bench_drives.hpp"
+#include "bridge/node_ids.hpp"
+#include "bridge/node_store.hpp"
+#include "bridge/settings.hpp"
+#include "bridge/stepped_bench.hpp"
+#include "bus/ascii_gateway_server.hpp"
+#include "bus/bus.hpp"
+#include "bus/socket_can.hpp"
+#include "bus/socketcand_server.hpp"
+#include "worker.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdrive::canopen {
+
+/// What all buses of the program share.
+struct BridgeParts {
+  asio::io_context& loop;
+  client::Session& session;
+  bridge::Reports& reports;
+  bridge::Worker& closer;  ///< where links may wait for benches that have gone
+};
+
+/// A bus with its connections and the benches whose axes are its nodes. For the thread of the loop.
+class ServedBus final {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Opens the connections.
+  /// @param shared all outlive this
+  /// @param number from 1, for messages and CiA 309-3
+  /// @throws std::runtime_error when one cannot be opened, with its address and the reason
+  ServedBus(const BridgeParts& shared, const Settings& settings, const BusSetting& setting,
+            std::uint16_t number);
+  ~ServedBus();
+  ServedBus(const ServedBus&) = delete;
+  ServedBus& operator=(const ServedBus&) = delete;
+
+  /// Takes benches that have come, and gives up those that have gone.
+  void find(const std::vector<client::BenchInfo>& present, Clock::time_point now);
+
+  [[nodiscard]] Bus& bus() noexcept { return bus_; }
+
+  /// @return the first server of socketcand or of CiA 309-3, nothing without one.
+  [[nodiscard]] std::optional<TcpAddress> socketcand() const;
+  [[nodiscard]] std::optional<TcpAddress> gateway() const;
+
+  /// @return the nodes of a bench; nothing for one that is not served.
+  [[nodiscard]] const BenchNodes* nodes(std::uint32_t bench) const;
+
+  /// @return whether the nodes of every bench that the settings name are there.
+  [[nodiscard]] bool are_all_there() const;
+
+  /// @return why benches are left out, a line each.
+  [[nodiscard]] std::vector<std::string> left_out() const;
+
+  /// @return such as "bus 1: 3 nodes (1 to 3), socketcand 127.0.0.1:29536".
+  [[nodiscard]] std::string description() const;
+
+  /// @return such as "bus 1: 1234 frames, ...".
+  [[nodiscard]] std::string counters() const;
+
+ private:
+  /// One of both.
+  struct ServedBench {
+    std::unique_ptr<BenchDrives> drives{};
+    std::unique_ptr<SteppedBench> stepped{};
+
+    [[nodiscard]] const BenchNodes& nodes() const {
+      return drives ? drives->nodes() : stepped->nodes();
+    }
+  };
+
+  void open_ports();
+  [[nodiscard]] std::int32_t offset_of(std::uint32_t bench) const;
+  [[nodiscard]] std::optional<std::string> add(const client::BenchInfo& info);
+  void remove(std::uint32_t bench);
+  void leave_out(const client::BenchInfo& info, const std::string& reason);
+  void report(bridge::Severity severity, std::uint32_t bench, const std::string& text);
+
+  const BridgeParts shared_;
+  const BusSetting setting_;
+  const std::optional<std::chrono::microseconds> sync_steps_;
+  const std::string label_;  ///< such as "bus 1"
+  const std::uint16_t number_;
+  Bus bus_;
+  NodeStore store_;
+  NodeIds ids_;
+  bridge::Presence presence_;
+  std::map<std::uint32_t, ServedBench> benches_;
+  std::map<std::uint32_t, std::string> left_out_;  ///< the reason, by bench
+  NodeCounters ended_;                             ///< of benches that have gone
+  std::uint64_t dropped_set_points_ = 0;           ///< likewise
+  std::vector<std::unique_ptr<SocketcandServer>> socketcand_;
+  std::vector<std::unique_ptr<AsciiGatewayServer>> gateways_;
+  std::vector<std::unique_ptr<SocketCan>> interfaces_;
+};
+
+}  // namespace vdrive::canopen

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridge/settings.hpp"
+
+#include "settings/configuration_error.hpp"
+#include "settings/yaml_reader.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wire/bench_number.hpp"
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <string_view>
+#include <utility>
+
+namespace vdrive::canopen {
+namespace {
+
+using vdrive::settings::ConfigurationError;
+using vdrive::settings::YamlValue;
+
+/// The port that clients of socketcand take where nothing else is said.
+const TcpAddress kUsualSocketcand{.host = "127.0.0.1", .port = 29'536};
+
+constexpr std::size_t kLongestNameOfBus = 16;  // that of an interface of Linux, and one more
+
+bool is_bus_name(std::string_view name) {
+  constexpr std::string_view kMay =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.";
+  return !name.empty() && name.size() <= kLongestNameOfBus && name.front() != '.' &&
+         name.find_first_not_of(kMay) == std::string_view::npos;
+}
+
+void read_addresses(const YamlValue& list, std::vector<TcpAddress>& addresses) {
+  addresses.clear();  // the key replaces, it does not add
+  list.for_each_element([&](const YamlValue& element) {
+    const auto address = parse_tcp_address(element.text());
+    if (!address) element.refuse("must be an address and a port, such as 127.0.0.1:29536");
+    addresses.push_back(*address);
+  });
+}
+
+void read_interfaces(const YamlValue& list, std::vector<std::string>& interfaces) {
+  interfaces.clear();
+  list.for_each_element([&](const YamlValue& element) {
+    interfaces.push_back(element.text());
+    if (interfaces.back().empty()) element.refuse("must be the name of an interface, such as can0");
+  });
+}
+
+std::int32_t read_offset(const YamlValue& value) {
+  return static_cast<std::int32_t>(value.integer({kLowestNodeOffset, kHighestNodeOffset, ""}));
+}
+
+BenchSetting read_bench(const YamlValue& map) {
+  BenchSetting bench;
+  bool has_number = false;
+  map.take_keys(
+      {{"bench",
+        [&](const YamlValue& value) {
+          bench.number = static_cast<std::uint32_t>(value.integer({1, wire::kHighestBench, ""}));
+          has_number = true;
+        }},
+       {"node_offset",
+        [&](const YamlValue& value) {
+          bench.node_offset = read_offset(value);
+        }},
+       {"axes",
+        [&](const YamlValue& value) {
+          constexpr auto kMost = static_cast<std::int64_t>(kMostNodes);
+          bench.axes = static_cast<std::size_t>(value.integer({1, kMost, ""}));
+        }},
+       {"config", [&](const YamlValue& value) {
+          bench.configuration = value.text();
+        }}});
+  if (!has_number) map.refuse("needs the key bench, the number of the bench");
+  if (bench.axes && !bench.configuration.empty()) {
+    map.refuse("axes and config are both given: name one of them");
+  }
+  return bench;
+}
+
+BusSetting read_bus(const YamlValue& map, std::string name) {
+  BusSetting bus{.name = std::move(name)};
+  map.take_keys({{"name",
+                  [&](const YamlValue& value) {
+                    bus.name = value.text();
+                    if (is_bus_name(bus.name)) return;
+                    value.refuse("must be 1 to 16 letters, digits, '-', '_' or '.'");
+                  }},
+                 {"socketcand",
+                  [&](const YamlValue& value) {
+                    read_addresses(value, bus.socketcand);
+                  }},
+                 {"gateways",
+                  [&](const YamlValue& value) {
+                    read_addresses(value, bus.gateways);
+                  }},
+                 {"interfaces",
+                  [&](const YamlValue& value) {
+                    read_interfaces(value, bus.interfaces);
+                  }},
+                 {"node_offset",
+                  [&](const YamlValue& value) {
+                    bus.node_offset = read_offset(value);
+                  }},
+                 {"benches", [&](const YamlValue& list) {
+                    list.for_each_element([&](const YamlValue& element) {
+                      bus.benches.push_back(read_bench(element));
+                    });
+                  }}});
+  return bus;
+}
+
+void read_buses(const YamlValue& list, std::vector<BusSetting>& buses) {
+  buses.clear();
+  list.for_each_element([&](const YamlValue& element) {
+    buses.push_back(read_bus(element, "can" + std::to_string(buses.size())));
+    const BusSetting& last = buses.back();
+    if (std::ranges::count(buses, last.name, &BusSetting::name) > 1) {
+      element.refuse("another bus has the name " + in_quotes(last.name));
+    }
+  });
+}
+
+// ---- what several settings say together ------------------------------------------------------
+
+bool has_port(const BusSetting& bus) {
+  return !bus.socketcand.empty() || !bus.gateways.empty() || !bus.interfaces.empty();
+}
+
+void check_ports(const std::vector<BusSetting>& buses) {
+  std::set<std::string> taken;
+  for (const BusSetting& bus : buses) {
+    if (!has_port(bus)) {
+      throw ConfigurationError("bus " + bus.name +
+                               ": nobody reaches it; give it socketcand, gateways or interfaces");
+    }
+    for (const auto* const addresses : {&bus.socketcand, &bus.gateways}) {
+      for (const TcpAddress& address : *addresses) {
+        const std::string text = address_text(address);
+        if (address.port != 0 && !taken.insert(text).second) {
+          throw ConfigurationError("two servers listen on " + text);
+        }
+      }
+    }
+    for (const std::string& interface : bus.interfaces) {
+      if (!taken.insert(interface).second) {
+        throw ConfigurationError("the interface " + in_quotes(interface) + " is given twice");
+      }
+    }
+  }
+}
+
+/// An axis is one node: else its owner, and what its heartbeat says, would be two things.
+void check_benches(const Settings& settings) {
+  std::set<std::uint32_t> taken;
+  for (const BusSetting& bus : settings.buses) {
+    if (bus.benches.empty() && settings.buses.size() > 1) {
+      throw ConfigurationError("bus " + bus.name + ": several buses need benches, one list each");
+    }
+    for (const BenchSetting& bench : bus.benches) {
+      const std::string name = "bench " + std::to_string(bench.number);
+      if (!taken.insert(bench.number).second) throw ConfigurationError(name + " is given twice");
+      const bool is_described = bench.axes || !bench.configuration.empty();
+      if (is_described && !settings.is_private) {
+        throw ConfigurationError(
+            name + ": axes and the configuration are those of a private bench; add --private");
+      }
+    }
+  }
+}
+
+bool names_a_network(const client::SessionOptions& session) {
+  return session.domain || !session.interfaces.empty() || !session.peers.empty() ||
+         !session.discovery_servers.empty() || !session.security.empty();
+}
+
+void check_clock(const Settings& settings) {
+  if (settings.is_private && names_a_network(settings.session)) {
+    throw ConfigurationError(
+        "--private: its benches are in this process; leave out the options of the network");
+  }
+  if (!settings.is_private && settings.clock) {
+    throw ConfigurationError(
+        "--clock is that of a private bench, a bench of the network has its own; add --private");
+  }
+  if (!settings.is_private) return;
+  if (settings.clock == ClockMode::lockstep && !settings.sync_steps) {
+    throw ConfigurationError(
+        "--clock lockstep needs --sync-steps: nobody else advances the time of a private bench");
+  }
+  if (settings.clock == ClockMode::realtime && settings.sync_steps) {
+    throw ConfigurationError("--sync-steps needs --clock lockstep: in realtime time passes alone");
+  }
+}
+
+}  // namespace
+
+void read_settings(const std::string& text, const std::string& file, Settings& settings) {
+  const YAML::Node document = vdrive::settings::read_yaml(text, file);
+  if (document.IsNull()) return;
+  const YamlValue root(document, file, "");
+  root.take_keys(
+      {{"private",
+        [&](const YamlValue& value) {
+          settings.is_private = value.boolean();
+        }},
+       {"clock",
+        [&](const YamlValue& value) {
+          constexpr std::array kModes{ClockMode::realtime, ClockMode::lockstep};
+          settings.clock = kModes.at(value.choice({to_string(kModes[0]), to_string(kModes[1])}));
+        }},
+       {"sync_steps_us",
+        [&](const YamlValue& value) {
+          settings.sync_steps = std::chrono::microseconds(
+              value.integer({kShortestSyncStep.count(), kLongestSyncStep.count(), "us"}));
+        }},
+       {"state",
+        [&](const YamlValue& value) {
+          settings.state = value.text();
+          if (settings.state.empty()) value.refuse("must be the name of a directory");
+        }},
+       {"buses", [&](const YamlValue& value) {
+          read_buses(value, settings.buses);
+        }}});
+}
+
+void complete_settings(Settings& settings) {
+  if (settings.buses.empty()) settings.buses.emplace_back();
+  for (BusSetting& bus : settings.buses) {
+    if (settings.is_private && bus.benches.empty()) {
+      bus.benches.push_back({.number = 1, .node_offset = bus.node_offset});
+    }
+    if (settings.buses.size() == 1 && !has_port(bus)) bus.socketcand.push_back(kUsualSocketcand);
+    for (BenchSetting& bench : bus.benches) {
+      const bool needs_axes = settings.is_private && bench.configuration.empty() && !bench.axes;
+      if (needs_axes) bench.axes = 1;
+    }
+  }
+  check_ports(settings.buses);
+  check_benches(settings);
+  check_clock(settings);
+  if (settings.is_private && !settings.clock) {
+    settings.clock = settings.sync_steps ? ClockMode::lockstep : ClockMode::realtime;
+  }
+}
+
+}  // namespace vdrive::canopen

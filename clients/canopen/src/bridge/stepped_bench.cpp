@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridge/stepped_bench.hpp"
+
+#include "bridge/drive_access.hpp"
+
+#include <array>
+#include <utility>
+
+namespace vdrive::canopen {
+namespace {
+
+std::string microseconds_text(std::chrono::microseconds time) {
+  return std::to_string(time.count()) + " us";
+}
+
+}  // namespace
+
+SteppedBench::SteppedBench(const BusParts& parts, const client::BenchInfo& info,
+                           std::span<const NodePlace> places, std::string label,
+                           std::chrono::microseconds period)
+    : parts_(parts),
+      bench_(info.number),
+      ids_(ids_of(info)),
+      label_(std::move(label)),
+      ticks_(static_cast<std::uint64_t>(period / info.period)),
+      tick_period_(info.period),
+      control_(parts.session, ids_, label_, parts.reports),
+      nodes_(parts.bus, parts.store, places,
+             {.session = parts.session.id(),
+              .sync_period = static_cast<std::uint32_t>(period.count()),
+              .software_version = VDRIVE_VERSION},
+             calls_of_nodes()) {}
+
+SteppedBench::~SteppedBench() = default;
+
+std::optional<std::string> SteppedBench::refusal_of(const client::BenchInfo& info,
+                                                    std::chrono::microseconds period) {
+  if (info.clock_mode != client::ClockMode::lockstep) {
+    return "its clock is " + std::string(to_string(info.clock_mode)) +
+           ": --sync-steps needs lockstep";
+  }
+  if (period % info.period != std::chrono::microseconds{0}) {
+    return "--sync-steps " + microseconds_text(period) + " is no multiple of its tick, " +
+           microseconds_text(info.period);
+  }
+  return std::nullopt;
+}
+
+// ---- the bench comes and goes ----------------------------------------------------------------
+
+void SteppedBench::poll(const client::BenchInfo* present) {
+  const bool is_there = present != nullptr && present->incarnation == incarnation_;
+  if (nodes_.is_running() && !is_there) close("has ended");
+  if (present == nullptr || nodes_.is_running()) return;
+  const client::Outcome opened = open();
+  if (opened) {
+    incarnation_ = present->incarnation;
+  } else {
+    note_failure(opened, "its clock");
+  }
+}
+
+client::Outcome SteppedBench::open() {
+  auto axes = parts_.session.axes(bench_);
+  if (!axes) return axes.outcome();
+  axes_ = std::move(*axes);
+  if (client::Outcome joined = join(); !joined) return joined;
+  auto follower = parts_.session.follow(ids_, client::Pace::drive);
+  if (!follower) return follower.outcome();
+  follower_.emplace(std::move(*follower));
+  auto now = parts_.session.observe(ids_);
+  if (!now) return now.outcome();
+  if (auto held = control_.keep(now->axes)) now = std::move(*held);
+  // What a bridge that ended has left behind would hide the next loss.
+  for (client::Axis& axis : axes_) {
+    if (client::Outcome told = tell_connection(axis, false); !told) return told;
+  }
+  reached_ = now->tick;
+  aim_ = reached_;
+  nodes_.start(now->axes, time_of(*now));
+  return {};
+}
+
+client::Outcome SteppedBench::join() {
+  clock_.reset();
+  auto clock = client::StepClock::join(parts_.session, std::array{bench_});
+  if (!clock) return clock.outcome();
+  clock_.emplace(std::move(*clock));
+  return {};
+}
+
+void SteppedBench::close(const std::string& reason) {
+  nodes_.stop();
+  follower_.reset();
+  clock_.reset();
+  parts_.reports.report(bridge::Severity::warning, label_,
+                        reason + ": its nodes have left the bus");
+}
+
+void SteppedBench::note_failure(const client::Outcome& outcome, const char* what) {
+  const bool is_lost = outcome.kind() == client::OutcomeKind::lost ||
+                       outcome.kind() == client::OutcomeKind::not_found;
+  if (is_lost && nodes_.is_running()) {
+    close("is lost, " + outcome.message());
+  } else if (!is_lost) {
+    parts_.reports.report(bridge::Severity::error, label_,
+                          std::string(what) + ": " + outcome.message());
+  }
+}
+
+// ---- time ------------------------------------------------------------------------------------
+
+DriveTime SteppedBench::time_of(const client::Observation& observation) const {
+  return tick_period_ * static_cast<std::int64_t>(observation.tick);
+}
+
+void SteppedBench::pass_period() {
+  hand_over();
+  if (!nodes_.is_running()) return;
+  // Else the SYNC before this one has not ended: this one continues it.
+  if (aim_ == reached_) aim_ = reached_ + ticks_;
+  client::Outcome stepped = step();
+  // A stepper that was silent for long while others waited is taken off the clock.
+  if (stepped.kind() == client::OutcomeKind::refused && join()) stepped = step();
+  if (!stepped) return note_failure(stepped, "SYNC");
+  if (auto held = control_.keep(sample_.axes)) sample_ = std::move(*held);
+  nodes_.update(sample_.axes, time_of(sample_));
+}
+
+client::Outcome SteppedBench::step() {
+  if (aim_ - reached_ > 1) {
+    const auto passed = clock_->step(aim_ - reached_ - 1, kStepPatience);
+    if (!passed) return passed.outcome();
+    reached_ = passed->front();
+  }
+  // The last tick shows the axes in its answer.
+  client::Outcome shown = follower_->next(kStepPatience, sample_);
+  if (shown) reached_ = sample_.tick;
+  return shown;
+}
+
+// ---- what the nodes ask ----------------------------------------------------------------------
+
+void SteppedBench::hand_over() {
+  if (!nodes_.has_set_points()) return;
+  const client::Outcome sent = parts_.session.send_set_points(bench_, nodes_.take_set_points());
+  if (!sent) note_failure(sent, "set-points");
+}
+
+BenchNodes::Calls SteppedBench::calls_of_nodes() {
+  return {.access =
+              [this](std::size_t place, const DriveAccess& access) {
+                // What came first by a PDO acts first.
+                if (access.value) hand_over();
+                nodes_.complete(place, access.ticket, carry_out(axes_.at(place), access));
+              },
+          .tell_connection =
+              [this](std::size_t place, bool is_lost) {
+                const auto told = canopen::tell_connection(axes_.at(place), is_lost);
+                if (!told) note_failure(told, "connection loss");
+              },
+          .cycle_power =
+              [this](std::size_t place) {
+                const auto cycled = canopen::cycle_power(axes_.at(place));
+                if (!cycled) note_failure(cycled, "power cycle");
+              },
+          .set_points = [] {},  // they are handed over at SYNC
+          .sync =
+              [this] {
+                pass_period();
+              }};
+}
+
+}  // namespace vdrive::canopen

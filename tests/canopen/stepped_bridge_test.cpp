@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: Apache-2.0
+// A bench in lock-step behind nodes, on which each SYNC lets one period pass.
+#include "canopen/bus_of_bench.hpp"
+#include "node/node_object.hpp"
+#include "support/temporary_directory.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace vdrive::test {
+namespace {
+
+using namespace std::chrono_literals;
+using canopen::Frame;
+using canopen::NmtState;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr ObjectAddress kControlword{0x6040, 0};
+constexpr ObjectAddress kMode{0x6060, 0};
+constexpr ObjectAddress kTarget{0x607A, 0};
+constexpr ObjectAddress kPosition{0x6064, 0};
+
+constexpr std::array<std::uint8_t, 3> kEnablingWords{0x06, 0x07, 0x0F};
+
+constexpr std::uint8_t kStart = 0x01;  // commands of NMT
+constexpr std::uint8_t kResetNode = 0x81;
+
+/// Goes through the power states by SDO, a word a SYNC.
+void enable_by_sdo(BusOfBench& bus, std::uint8_t node) {
+  for (const std::uint8_t word : kEnablingWords) {
+    ASSERT_EQ(bus.master().download(node, kControlword, word, 2), AbortCode::none);
+    bus.sync();
+  }
+  ASSERT_EQ(bus.statusword(node) & kStateBits, kShowsEnabled);
+}
+
+/// @return the tick of the bench, which a look does not change.
+std::uint64_t tick_of(BusOfBench& bus) {
+  client::Session session = bus.other_session();
+  return session.axis("1.1").value().status().value().tick;
+}
+
+TEST(SteppedBridge, BootsANodeForEachAxis) {
+  BusOfBench bus(3, 1ms);
+  std::vector<std::uint32_t> ids;
+  for (const Frame& frame : bus.master().received()) {
+    if (frame.size == 1 && frame.data[0] == 0x00) ids.push_back(frame.id);
+  }
+  EXPECT_THAT(ids, ElementsAre(0x701U, 0x702U, 0x703U));
+  EXPECT_EQ(bus.nodes().node(2)->state(), NmtState::pre_operational);
+}
+
+TEST(SteppedBridge, AnswersEveryObjectOfTheDictionaryByItsAccessAndSize) {
+  BusOfBench bus(1, 1ms);
+  for (const canopen::NodeObject& object : canopen::node_objects()) {
+    const auto answer = bus.master().upload(1, object.address);
+    const std::string name = address_text(object.address);
+    if (object.access == canopen::NodeAccess::write_only) {
+      EXPECT_EQ(answer.abort, AbortCode::read_of_write_only_object) << name;
+      continue;
+    }
+    // The history of a drive without a fault is empty.
+    const bool is_empty = object.address.index == 0x1003 && object.address.subindex > 0;
+    EXPECT_EQ(answer.abort, is_empty ? AbortCode::no_data_available : AbortCode::none) << name;
+    if (is_empty) continue;
+    const std::size_t size = canopen::size_of(object.data_type);
+    if (size != 0) {
+      EXPECT_EQ(answer.data.size(), size) << name;
+    }
+  }
+  EXPECT_EQ(bus.master().upload(1, {0x1234, 0}).abort, AbortCode::object_does_not_exist);
+  EXPECT_EQ(bus.master().upload(1, {0x607D, 9}).abort, AbortCode::subindex_does_not_exist);
+}
+
+// Writing what is there already changes nothing, so that every drive takes it.
+TEST(SteppedBridge, TakesEveryWritableObjectOfTheDriveAndRefusesTheOthers) {
+  BusOfBench bus(1, 1ms);
+  for (const ObjectDescription& object : kObjectTable) {
+    const std::string name = address_text(object.address);
+    const std::size_t size = size_of(object.data_type);
+    if (object.access == Access::read_only) {
+      EXPECT_EQ(bus.master().download(1, object.address, 0, size),
+                AbortCode::write_of_read_only_object)
+          << name;
+    } else if (object.change != Change::memory) {
+      const std::int64_t value = bus.read(1, object.address, object.lower_limit < 0);
+      EXPECT_EQ(bus.master().download(1, object.address, value, size), AbortCode::none) << name;
+    }
+  }
+}
+
+TEST(SteppedBridge, EnablesByPdos) {
+  BusOfBench bus(2, 1ms);
+  bus.master().send_nmt(kStart, 0);
+  for (const std::uint8_t word : kEnablingWords) {
+    bus.master().send(0x201, {word, 0});
+    bus.master().send(0x202, {word, 0});
+    bus.sync();
+  }
+  for (const std::uint32_t id : {0x181U, 0x182U}) {
+    const auto status = bus.master().newest(id);
+    ASSERT_TRUE(status) << id;
+    EXPECT_EQ(number_in(*status, 0, 2) & kStateBits, kShowsEnabled) << id;
+  }
+}
+
+// Each word runs the power state machine, also when several come before one SYNC.
+TEST(SteppedBridge, TakesEveryControlwordThatCameBeforeSync) {
+  BusOfBench bus(1, 1ms);
+  bus.master().send_nmt(kStart, 1);
+  for (const std::uint8_t word : kEnablingWords) bus.master().send(0x201, {word, 0});
+  bus.sync();
+  EXPECT_EQ(bus.statusword(1) & kStateBits, kShowsEnabled);
+}
+
+TEST(SteppedBridge, MovesInProfilePositionBySdo) {
+  BusOfBench bus(1, 1ms);
+  ASSERT_EQ(bus.master().download(1, kMode, 1, 1), AbortCode::none);
+  ASSERT_NO_FATAL_FAILURE(enable_by_sdo(bus, 1));
+  ASSERT_EQ(bus.master().download(1, kTarget, 1000, 4), AbortCode::none);
+  ASSERT_EQ(bus.master().download(1, kControlword, 0x1F, 2), AbortCode::none);
+  bus.sync();
+  EXPECT_NE(bus.statusword(1) & kShowsAcknowledge, 0);
+  ASSERT_EQ(bus.master().download(1, kControlword, 0x0F, 2), AbortCode::none);
+  int periods = 0;
+  do {
+    bus.sync();
+  } while ((bus.statusword(1) & kShowsTargetReached) == 0 && ++periods < 10'000);
+  EXPECT_EQ(bus.read(1, kPosition, true), 1000);
+}
+
+// RPDOs before SYNC n act at n; TPDOs carry what was sampled at n, before they act.
+TEST(SteppedBridge, StreamsPositionsBySync) {
+  BusOfBench bus(1, 1ms);
+  TestMaster& master = bus.master();
+  constexpr std::array<std::uint16_t, 2> kPdos{0x1402, 0x1802};
+  for (const std::uint16_t pdo : kPdos) {
+    const std::int64_t id = pdo == 0x1402 ? 0x401 : 0x381;
+    ASSERT_EQ(master.download(1, {pdo, 1}, 0x80000000 | id, 4), AbortCode::none);
+    ASSERT_EQ(master.download(1, {pdo, 2}, 1, 1), AbortCode::none);
+    ASSERT_EQ(master.download(1, {pdo, 1}, id, 4), AbortCode::none);
+  }
+  ASSERT_EQ(master.download(1, kMode, 8, 1), AbortCode::none);
+  ASSERT_NO_FATAL_FAILURE(enable_by_sdo(bus, 1));
+  master.send_nmt(kStart, 1);
+  const std::int64_t begin = bus.read(1, kPosition, true);
+  for (std::int64_t step = 1; step <= 20; ++step) {
+    const std::int64_t target = begin + 2 * step;
+    std::vector<std::uint8_t> data{0x0F, 0x00};
+    for (const std::uint8_t byte : little_endian(target, 4)) data.push_back(byte);
+    const std::int64_t before = bus.read(1, kPosition, true);
+    (void)master.take_all();
+    master.send(0x401, data);
+    EXPECT_EQ(master.count(0x381), 0U) << "synchronous";
+    bus.sync();
+    const auto sampled = master.newest(0x381);
+    ASSERT_TRUE(sampled);
+    EXPECT_EQ(master.count(0x381), 1U);
+    EXPECT_EQ(number_in(*sampled, 2, 4, true), before);
+    EXPECT_EQ(bus.read(1, {0x6062, 0}, true), target) << "the demand of the tick behind SYNC";
+  }
+}
+
+TEST(SteppedBridge, LetsTimePassAtSyncAlone) {
+  BusOfBench bus(2, 5ms);
+  const std::uint64_t begin = tick_of(bus);
+  bus.master().send_nmt(kStart, 0);
+  bus.master().send(0x201, {0x06, 0});
+  (void)bus.read(1, kPosition);
+  EXPECT_EQ(tick_of(bus), begin);
+  bus.sync(3);
+  EXPECT_EQ(tick_of(bus), begin + 15) << "ticks of 1 ms";
+}
+
+// CiA 301: a SYNC has no data, or a counter of one byte.
+TEST(SteppedBridge, LetsNoTimePassAtASyncOfAWrongLength) {
+  BusOfBench bus(1, 1ms);
+  const std::uint64_t begin = tick_of(bus);
+  bus.master().send(0x080, {1, 2});
+  EXPECT_EQ(tick_of(bus), begin);
+  bus.master().send(0x080, {1});
+  EXPECT_EQ(tick_of(bus), begin + 1);
+}
+
+TEST(SteppedBridge, RefusesAnotherPeriodOfSync) {
+  BusOfBench bus(1, 2ms);
+  EXPECT_EQ(bus.master().download(1, {0x1006, 0}, 2000, 4), AbortCode::none);
+  EXPECT_EQ(bus.master().download(1, {0x1006, 0}, 0, 4), AbortCode::none);
+  EXPECT_NE(bus.master().download(1, {0x1006, 0}, 1000, 4), AbortCode::none);
+}
+
+TEST(SteppedBridge, CountsHeartbeatsInDriveTime) {
+  BusOfBench bus(1, 1ms);
+  ASSERT_EQ(bus.master().download(1, {0x1017, 0}, 10, 2), AbortCode::none);
+  (void)bus.master().take_all();
+  bus.sync(100);
+  EXPECT_EQ(bus.master().count(0x701), 10U);
+}
+
+TEST(SteppedBridge, SendsAnEmergencyForAFaultAndForItsEnd) {
+  BusOfBench bus(1, 1ms);
+  client::Session session = bus.other_session();
+  client::Axis axis = session.axis("1.1").value();
+  ASSERT_TRUE(axis.disturb(client::Disturbance::over_current));
+  (void)bus.master().take_all();
+  bus.sync();
+  const auto fault = bus.master().newest(0x081);
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(number_in(*fault, 0, 2), 0x2310) << "continuous over-current";
+  EXPECT_NE(fault->data[2] & 0x01, 0) << "1001h: generic error";
+  EXPECT_EQ(bus.read(1, {0x1003, 1}) & 0xFFFF, 0x2310);
+  ASSERT_TRUE(axis.disturb(client::Disturbance::over_current, 0));
+  bus.sync(2);
+  (void)bus.master().take_all();
+  ASSERT_EQ(bus.master().download(1, kControlword, 0x80, 2), AbortCode::none);
+  bus.sync(2);
+  const auto end = bus.master().newest(0x081);
+  ASSERT_TRUE(end);
+  EXPECT_EQ(number_in(*end, 0, 2), 0x0000);
+}
+
+TEST(SteppedBridge, DetectsTheLossOfItsMasterByItsHeartbeat) {
+  BusOfBench bus(1, 1ms);
+  bus.master().send_nmt(kStart, 1);
+  // Producer 127 within 50 ms.
+  ASSERT_EQ(bus.master().download(1, {0x1016, 1}, (0x7F << 16) | 50, 4), AbortCode::none);
+  bus.sync(100);
+  EXPECT_EQ(bus.master().count(0x081), 0U) << "it is watched from its first heartbeat on";
+  for (int i = 0; i < 5; ++i) {
+    bus.master().send(0x77F, {0x05});
+    bus.sync(40);
+  }
+  EXPECT_EQ(bus.master().count(0x081), 0U);
+  EXPECT_EQ(bus.nodes().node(0)->state(), NmtState::operational);
+  bus.sync(20);
+  const auto lost = bus.master().newest(0x081);
+  ASSERT_TRUE(lost);
+  EXPECT_EQ(number_in(*lost, 0, 2), 0x8130);
+  EXPECT_EQ(bus.nodes().node(0)->state(), NmtState::pre_operational) << "1029h:01 = 0";
+  if (const auto row = find_object("test_connection_loss")) {
+    EXPECT_EQ(bus.read(1, vdrive::describe(*row).address), 1);
+  }
+}
+
+TEST(SteppedBridge, ShowsAnAxisOfAnotherSessionAsNotRemote) {
+  BusOfBench bus(2, 1ms);
+  bus.master().send_nmt(kStart, 0);
+  bus.sync();
+  EXPECT_NE(bus.statusword(1) & kShowsRemote, 0);
+  client::Session other = bus.other_session();
+  ASSERT_TRUE(other.axis("1.1").value().take_over());
+  bus.sync();
+  const auto status = bus.master().newest(0x181);
+  ASSERT_TRUE(status);
+  EXPECT_EQ(number_in(*status, 0, 2) & kShowsRemote, 0);
+  EXPECT_EQ(bus.statusword(1) & kShowsRemote, 0);
+  EXPECT_NE(bus.statusword(2) & kShowsRemote, 0);
+  EXPECT_EQ(bus.master().download(1, kControlword, 0x07, 2), AbortCode::refused_local_control);
+  const auto ignored = bus.nodes().counters().ignored_set_points;
+  bus.master().send(0x201, {0x06, 0});
+  EXPECT_EQ(bus.nodes().counters().ignored_set_points, ignored + 1);
+  ASSERT_TRUE(other.release());
+  bus.sync(3);
+  EXPECT_NE(bus.statusword(1) & kShowsRemote, 0) << "control comes back by itself";
+}
+
+TEST(SteppedBridge, PowerCyclesAtResetNode) {
+  BusOfBench bus(2, 1ms);
+  ASSERT_NO_FATAL_FAILURE(enable_by_sdo(bus, 1));
+  (void)bus.master().take_all();
+  bus.master().send_nmt(kResetNode, 1);
+  EXPECT_EQ(bus.master().count(0x701), 1U) << "boot-up";
+  EXPECT_EQ(bus.master().count(0x702), 0U);
+  bus.sync(2);
+  EXPECT_NE(bus.statusword(1) & kStateBits, kShowsEnabled);
+}
+
+TEST(SteppedBridge, LosesItsNodesWithTheirBenchAndBootsThemWithTheNextOne) {
+  BusOfBench bus(2, 1ms);
+  bus.end_bench();
+  ASSERT_TRUE(bus.master().wait_until([&bus] {
+    return !bus.nodes().is_running();
+  }));
+  (void)bus.master().take_all();
+  bus.sync();
+  bus.master().send(0x601, {0x40, 0x41, 0x60, 0, 0, 0, 0, 0});
+  EXPECT_THAT(bus.master().received(), IsEmpty());
+  bus.begin_bench();
+  ASSERT_TRUE(bus.master().wait_for(0x702));
+  EXPECT_EQ(bus.master().count(0x701), 1U);
+  ASSERT_NO_FATAL_FAILURE(enable_by_sdo(bus, 2));
+}
+
+TEST(SteppedBridge, KeepsCommunicationParametersThatWereSaved) {
+  const TemporaryDirectory directory;
+  {
+    BusOfBench bus(1, 1ms, directory.path().string());
+    ASSERT_EQ(bus.master().download(1, {0x1017, 0}, 20, 2), AbortCode::none);
+    ASSERT_EQ(bus.master().download(1, {0x1010, 1}, kStoreSignature, 4), AbortCode::none);
+    ASSERT_EQ(bus.master().download(1, {0x1017, 0}, 30, 2), AbortCode::none) << "not saved";
+  }
+  BusOfBench bus(1, 1ms, directory.path().string());
+  EXPECT_EQ(bus.read(1, {0x1017, 0}), 20);
+  ASSERT_EQ(bus.master().download(1, {0x1011, 1}, kRestoreSignature, 4), AbortCode::none);
+  bus.master().send_nmt(kResetNode, 1);
+  EXPECT_EQ(bus.read(1, {0x1017, 0}), 0);
+}
+
+TEST(SteppedBridge, SavesNothingWhereTheDriveHasNoMemory) {
+  BusOfBench bus(1, 1ms);
+  ASSERT_EQ(bus.master().download(1, {0x1017, 0}, 20, 2), AbortCode::none);
+  EXPECT_EQ(bus.master().download(1, {0x1010, 1}, kStoreSignature, 4),
+            AbortCode::cannot_store_or_transfer);
+  bus.master().send_nmt(kResetNode, 1);
+  EXPECT_EQ(bus.read(1, {0x1017, 0}), 0);
+}
+
+TEST(SteppedBridge, GivesTheSameFramesEachTime) {
+  const auto run = [] {
+    BusOfBench bus(3, 1ms);
+    bus.master().send_nmt(kStart, 0);
+    for (const std::uint8_t word : kEnablingWords) {
+      for (const std::uint32_t id : {0x201U, 0x202U, 0x203U}) bus.master().send(id, {word, 0});
+      bus.sync(5);
+      (void)bus.statusword(2);
+    }
+    return bus.master().take_all();
+  };
+  const std::vector<Frame> first = run();
+  EXPECT_GT(first.size(), 20U);
+  EXPECT_EQ(run(), first);
+}
+
+// ---- benches that cannot be nodes ------------------------------------------------------------
+
+/// @return why the bench is left out.
+std::string left_out(const bench::BenchOptions& options, std::chrono::microseconds sync_steps,
+                     std::int32_t offset) {
+  const bench::Bench bench(options);
+  canopen::Settings settings;
+  settings.session.bus = bench.bus();
+  settings.sync_steps = sync_steps;
+  settings.buses.emplace_back().benches.push_back({.number = 1, .node_offset = offset});
+  canopen::CanopenBridge bridge(settings);
+  bridge.start();
+  const auto reasons = bridge.bus(0).left_out();
+  return reasons.empty() ? "" : reasons.front();
+}
+
+TEST(SteppedBridge, LeavesOutABenchThatCannotBeServedAndSaysWhy) {
+  const bench::BenchOptions stepped{.axes = 2, .clock = ClockMode::lockstep};
+  const bench::BenchOptions real{.axes = 2, .clock = ClockMode::realtime};
+  EXPECT_EQ(left_out(stepped, 1ms, 0), "");
+  EXPECT_THAT(
+      left_out(stepped, 1500us, 0),
+      HasSubstr("bus 1: bench 1: --sync-steps 1500 us is no multiple of its tick, 1000 us"));
+  EXPECT_THAT(left_out(real, 1ms, 0), HasSubstr("its clock is realtime"));
+  EXPECT_THAT(left_out(stepped, 1ms, 126), HasSubstr("axis 1.2 would be node 128"));
+}
+
+}  // namespace
+}  // namespace vdrive::test
