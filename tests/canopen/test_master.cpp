@@ -7,6 +7,7 @@
 #include <chrono>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace vdrive::test {
@@ -106,8 +107,9 @@ TestMaster::Upload TestMaster::upload(std::uint8_t node, ObjectAddress object) {
                      answer->data.begin() + 4 + static_cast<std::ptrdiff_t>(size)}};
   }
   Upload upload;
-  for (std::uint8_t toggle = 0;; toggle ^= 0x10U) {
-    answer = exchange(node, {static_cast<std::uint8_t>(0x60U | toggle), 0, 0, 0, 0, 0, 0, 0});
+  for (bool toggle = false;; toggle = !toggle) {
+    const std::uint8_t command = toggle ? 0x70 : 0x60;
+    answer = exchange(node, {command, 0, 0, 0, 0, 0, 0, 0});
     if (!answer) throw std::runtime_error("node " + std::to_string(node) + " does not answer");
     if (answer->data[0] == 0x80) return {.abort = static_cast<AbortCode>(number_in(*answer, 4, 4))};
     const std::size_t size = 7 - ((answer->data[0] >> 1U) & 0x07U);

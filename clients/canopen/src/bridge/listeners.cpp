@@ -20,7 +20,7 @@ constexpr std::array kNamed{IdentifierRange{0x081, 0x0FF},   // EMCY
                             IdentifierRange{0x580, 0x67F},   // SDO
                             IdentifierRange{0x700, 0x77F}};  // heartbeats
 
-constexpr std::uint16_t kSdoRequest = 0x600;
+constexpr std::uint16_t kSdoRequestIds = 0x600;
 
 }  // namespace
 
@@ -38,7 +38,7 @@ void Listeners::add(std::size_t place, const Listener& listener) {
     std::uint8_t& whom = whom_.at(identifier);
     if (whom != own) whom = whom == kNobody ? own : kEverybody;
   };
-  listen(static_cast<std::uint16_t>(kSdoRequest + listener.id));
+  listen(static_cast<std::uint16_t>(kSdoRequestIds + listener.id));
   for (const std::uint16_t identifier : listener.identifiers) listen(identifier);
 }
 
