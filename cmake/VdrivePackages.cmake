@@ -73,7 +73,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-vdrive)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION "The Python module: import vdrive finds the drives of vdrived, commands and
 observes them; a plug-in of pytest gives each test a bench of its own.")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "vdrived, vdrive-doc, python3-pytest, python3-matplotlib")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "vdrived, vdrive-canopen, vdrive-doc, python3-can, python3-pytest, python3-matplotlib")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${debian}/python/postinst ${debian}/python/prerm)
 if(TARGET vdrive_python)
   # The name of the module has the version of the interpreter in it.

@@ -32,9 +32,16 @@ def test_the_programs_of_the_guide_run_one_after_the_other(vdrive_bench, capsys)
 
 @pytest.mark.parametrize("place, passed", [(0, 1), (1, 2)])
 def test_the_tests_of_the_guide_pass(pytester, place, passed):
-    assert len(TESTS) == 2
+    assert len(TESTS) == 3
     pytester.makepyfile(TESTS[place])
     pytester.runpytest_subprocess("-q", timeout=200).assert_outcomes(passed=passed)
+
+
+def test_the_test_of_the_guide_with_a_can_bus_passes(pytester):
+    pytest.importorskip("can", reason="python3-can is not installed")
+    assert "vdrive_can" in TESTS[2]
+    pytester.makepyfile(TESTS[2])
+    pytester.runpytest_subprocess("-q", timeout=200).assert_outcomes(passed=1)
 
 
 def test_the_programs_of_the_guide_of_benches_run(capsys):

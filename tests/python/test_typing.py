@@ -40,6 +40,7 @@ def test_a_test_suite_of_a_user_has_no_error(checked):
         import numpy
         import pytest
         import vdrive
+        import vdrive.canopen
 
 
         @pytest.mark.vdrive(axes=4)
@@ -53,6 +54,14 @@ def test_a_test_suite_of_a_user_has_no_error(checked):
             assert status.power_state is vdrive.PowerState.OPERATION_ENABLED
             assert status.shows(vdrive.Statusword.TARGET_REACHED)
             assert status.op_mode_actual == vdrive.OperatingMode.PROFILE_POSITION
+
+
+        @pytest.mark.vdrive_can(axes=3, sync_steps=0.001)
+        def test_nodes(vdrive_can: vdrive.canopen.Bus) -> None:
+            master = vdrive_can.can()
+            host, port = vdrive_can.gateway
+            assert host == vdrive_can.host and port != vdrive_can.port
+            assert sum(vdrive_can.nodes) == 6 and master.recv(timeout=0) is None
 
 
         def test_two(vdrive_benches: Callable[..., list[vdrive.Bench]]) -> None:
@@ -86,6 +95,10 @@ def test_a_test_suite_of_a_user_has_no_error(checked):
                     print(late)
                 session.abandon()
             print(vdrive.load("run.csv", period=0.001).axis("1.1")["tick"])
+            with vdrive.canopen.Bus(clock="lockstep", sync_steps=0.001) as bus:
+                print(bus.exit_code, bus.errors)
+            frames: int = bus.counters["frames"]
+            print(frames)
         """) == []
 
 
@@ -93,6 +106,7 @@ def test_a_test_suite_of_a_user_has_no_error(checked):
     ('axis.move_to("1000")', 'Argument 1 to "move_to" of "Axis" has incompatible type "str"'),
     ('bench.session().axis(1)', 'Argument 1 to "axis" of "Session" has incompatible type "int"'),
     ('vdrive.Bench(clock="lockstp")', 'Argument "clock" to "Bench" has incompatible type'),
+    ('vdrive.canopen.Bus(clock="freerun")', 'Argument "clock" to "Bus" has incompatible type'),
     ('bench.session(find_timout=1.0)', 'Unexpected keyword argument "find_timout" for "session" of "Bench"'),
     ('bench.session(silence="1")', 'Argument "silence" to "session" of "Bench" has incompatible type "str"'),
     ('vdrive.load("a.csv")["position"].foo()', 'has no attribute "foo"'),

@@ -127,17 +127,20 @@ bool is_program(const std::string& file) {
   return access(file.c_str(), X_OK) == 0 && !std::filesystem::is_directory(file);
 }
 
-std::optional<std::string> find_service() {
-  const std::filesystem::path beside =
-      std::filesystem::path(own_program()).parent_path() / "vdrived";
+std::optional<std::string> find_program(const std::string& name) {
+  const std::filesystem::path beside = std::filesystem::path(own_program()).parent_path() / name;
   if (is_program(beside)) return beside.string();
   const char* const path = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe): one thread yet
   std::istringstream directories(path == nullptr ? "" : path);
   for (std::string directory; std::getline(directories, directory, ':');) {
-    const std::filesystem::path found = std::filesystem::path(directory) / "vdrived";
+    const std::filesystem::path found = std::filesystem::path(directory) / name;
     if (is_program(found)) return std::filesystem::absolute(found).string();
   }
   return std::nullopt;
+}
+
+std::optional<std::string> find_service() {
+  return find_program("vdrived");
 }
 
 }  // namespace vdrive::process

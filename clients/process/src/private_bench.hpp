@@ -47,8 +47,11 @@ class PrivateBench {
   ChildProcess service_;
 };
 
-/// @return the path of vdrived beside this program, else of the one in PATH; nothing where there is
-///         none.
+/// @return the path of the program `name` beside this one, else of the one in PATH; nothing where
+///         there is none.
+[[nodiscard]] std::optional<std::string> find_program(const std::string& name);
+
+/// @return the path of vdrived, as above.
 [[nodiscard]] std::optional<std::string> find_service();
 
 /// @return whether `file` is there and may be run.

@@ -4,30 +4,30 @@
 
 #include "arguments.hpp"
 #include "fork.hpp"
+#include "kept_in_thread.hpp"
 #include "private_bench.hpp"
 
 #include <pybind11/operators.h>
 
 #include <cstdint>
-#include <exception>
-#include <future>
+#include <memory>
 #include <optional>
-#include <stdexcept>
-#include <stop_token>
 #include <string>
-#include <thread>
 #include <vector>
 
 namespace vdrive::python {
 namespace {
 
-/// A service that ends with this object. The system ends it when the thread that started it ends:
-/// that is one of its own, which does nothing else, so that a bench may be handed from thread to
-/// thread, and ends when this process is killed.
+/// A service that ends with this object.
 class OwnBench {
  public:
   OwnBench(const std::string& service, const std::vector<std::string>& arguments,
-           std::optional<std::uint32_t> domain);
+           std::optional<std::uint32_t> domain)
+      : bench_([service, arguments, domain] {
+          return std::make_unique<process::PrivateBench>(service, arguments, domain);
+        }) {
+    wait_until_ready();
+  }
 
   [[nodiscard]] std::uint32_t domain() const { return get().domain(); }
 
@@ -36,63 +36,30 @@ class OwnBench {
   void close() {
     if (origin_.is_inherited()) return;
     const py::gil_scoped_release unlocked;
-    starter_.request_stop();
-    if (starter_.joinable()) starter_.join();
-    bench_ = nullptr;
+    bench_.end();
   }
 
  private:
   [[nodiscard]] process::PrivateBench& get() const {
     origin_.require_own("the bench");
-    if (bench_ == nullptr) raise(client::Outcome::failed("the bench has ended"));
-    return *bench_;
+    if (bench_.get() == nullptr) raise(client::Outcome::failed("the bench has ended"));
+    return *bench_.get();
   }
 
   void wait_until_ready();
 
   const Origin origin_;
-  process::PrivateBench* bench_ = nullptr;
-  std::jthread starter_;
+  KeptInThread<process::PrivateBench> bench_;
 };
-
-void keep_bench(const std::stop_token& stop, std::promise<process::PrivateBench*>& started,
-                const std::string& service, const std::vector<std::string>& arguments,
-                std::optional<std::uint32_t> domain) {
-  try {
-    process::PrivateBench bench(service, arguments, domain);
-    std::promise<void> ended;
-    const std::stop_callback end(stop, [&ended] {
-      ended.set_value();
-    });
-    started.set_value(&bench);
-    ended.get_future().wait();
-  } catch (const std::exception&) {
-    started.set_exception(std::current_exception());
-  }
-}
-
-OwnBench::OwnBench(const std::string& service, const std::vector<std::string>& arguments,
-                   std::optional<std::uint32_t> domain) {
-  std::promise<process::PrivateBench*> started;
-  std::future<process::PrivateBench*> bench = started.get_future();
-  starter_ = std::jthread(
-      [service, arguments, domain](const std::stop_token& stop,
-                                   std::promise<process::PrivateBench*> answer) {
-        keep_bench(stop, answer, service, arguments, domain);
-      },
-      std::move(started));
-  bench_ = bench.get();
-  wait_until_ready();
-}
 
 void OwnBench::wait_until_ready() {
   const std::optional<std::string> problem = interruptible(
       [this] {
-        bench_->end();
+        bench_.get()->end();
       },
       [] {},
       [this] {
-        return bench_->wait_until_ready();
+        return bench_.get()->wait_until_ready();
       });
   if (problem) raise(client::Outcome::failed(*problem));
 }

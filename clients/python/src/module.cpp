@@ -15,6 +15,7 @@ PYBIND11_MODULE(_vdrive, module) {
   vdrive::python::add_enums(module);
   vdrive::python::add_bench(module);
   vdrive::python::add_local_bench(module);
+  vdrive::python::add_program(module);
   vdrive::python::add_status(module);
   vdrive::python::add_axis(module);
   vdrive::python::add_axis_bank(module);

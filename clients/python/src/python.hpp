@@ -27,6 +27,7 @@ void add_arguments(py::module_& module);
 void add_enums(py::module_& module);
 void add_bench(py::module_& module);
 void add_local_bench(py::module_& module);
+void add_program(py::module_& module);
 void add_status(py::module_& module);
 void add_axis(py::module_& module);
 void add_axis_bank(py::module_& module);

@@ -56,12 +56,17 @@ from ._vdrive import (
 
 TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
 if TYPE_CHECKING:
+    from . import canopen as canopen
     from ._enums import ErrorCode, OperatingMode, PowerState, Reason, Statusword
 else:
     _ENUMS = ("ErrorCode", "OperatingMode", "PowerState", "Reason", "Statusword")
 
     def __getattr__(name):
-        """Make the enumerations when they are asked for: reading enum takes time."""
+        """Make what is asked for: reading enum, and the buses of CANopen, takes time."""
+        if name == "canopen":
+            import importlib
+
+            return importlib.import_module(f"{__name__}.canopen")
         if name not in _ENUMS:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         from . import _enums
@@ -69,7 +74,7 @@ else:
         return getattr(_enums, name)
 
     def __dir__():
-        return sorted({*globals(), *_ENUMS})
+        return sorted({*globals(), *_ENUMS, "canopen"})
 
 for _function in (_asynchronous.follow_async, _asynchronous.events_async, _observers.on_event,
                   _observers.on_status, _observers.watch_services, _recording.record):

@@ -15,6 +15,9 @@
 
     def test_it_is_at_home(vdrive_shared_session): ... # one bench for many tests
 
+    @pytest.mark.vdrive_can(axes=3)      # arguments of vdrive.canopen.Bus
+    def test_a_master(vdrive_can): ...   # the axes are nodes of a CAN bus
+
 When a test with `vdrive_bench` fails, the last ticks and events of its bench are files beside the
 report, which names them; `--vdrive-record=0` turns that off.
 
@@ -39,6 +42,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     import vdrive
+    import vdrive.canopen
 
     Options = dict[str, Any]
     Start = Callable[[vdrive.Session], object]
@@ -202,6 +206,9 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line(
         "markers", "vdrive(axes=None, config=None, clock='lockstep', over='local', ...): "
         "the private bench of this test, with the arguments of vdrive.Bench")
+    config.addinivalue_line(
+        "markers", "vdrive_can(axes=1, clock=None, sync_steps=None, config=None, ...): "
+        "the CAN bus of this test, with the arguments of vdrive.canopen.Bus")
 
 
 def _options_of(request: pytest.FixtureRequest) -> Options:
@@ -275,6 +282,24 @@ def vdrive_benches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPat
             return benches
 
         yield make
+
+
+@pytest.fixture
+def vdrive_can(request: pytest.FixtureRequest) -> Iterator[vdrive.canopen.Bus]:
+    """A CAN bus of this test, by default with one axis: node 1. The marker vdrive_can chooses another.
+
+    It ends with the test, and what its can() gave is closed. A test fails when the program of the bus
+    has ended by itself.
+    """
+    from vdrive import canopen  # not for tests that have no bus: reading it takes time
+
+    options: Options = {}
+    for marker in reversed(list(request.node.iter_markers("vdrive_can"))):  # the closest one last
+        options.update(marker.kwargs)
+    if "config" not in options:
+        options.setdefault("axes", 1)
+    with canopen.Bus(**options) as bus:
+        yield bus
 
 
 class _SharedBench:

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <exception>
+#include <functional>
+#include <future>
+#include <memory>
+#include <stop_token>
+#include <thread>
+#include <utility>
+
+namespace vdrive::python {
+
+/// An object that a thread of its own makes, keeps and destroys, for what has a child process. The
+/// system ends such a process when the thread that started it ends: this thread does nothing else,
+/// so that the object may be used by any thread, and the process ends when this one is killed.
+template <typename Kept>
+class KeptInThread {
+ public:
+  using Make = std::function<std::unique_ptr<Kept>()>;
+
+  /// Waits until it is made. @throws what `make` throws
+  explicit KeptInThread(Make make) {
+    std::promise<Kept*> made;
+    std::future<Kept*> answer = made.get_future();
+    thread_ = std::jthread(
+        [recipe = std::move(make)](const std::stop_token& stop, std::promise<Kept*> promise) {
+          keep(recipe, stop, promise);
+        },
+        std::move(made));
+    kept_ = answer.get();
+  }
+
+  /// Nothing after end().
+  [[nodiscard]] Kept* get() const noexcept { return kept_; }
+
+  /// Destroys the object, and waits for that. Any number of times.
+  void end() {
+    thread_.request_stop();
+    if (thread_.joinable()) thread_.join();
+    kept_ = nullptr;
+  }
+
+ private:
+  static void keep(const Make& make, const std::stop_token& stop, std::promise<Kept*>& made) {
+    try {
+      const std::unique_ptr<Kept> kept = make();
+      std::promise<void> ended;
+      const std::stop_callback end(stop, [&ended] {
+        ended.set_value();
+      });
+      made.set_value(kept.get());
+      ended.get_future().wait();
+    } catch (const std::exception&) {
+      made.set_exception(std::current_exception());
+    }
+  }
+
+  Kept* kept_ = nullptr;
+  std::jthread thread_;
+};
+
+}  // namespace vdrive::python

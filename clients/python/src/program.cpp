@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// A program of this process, such as a bridge with benches of its own.
+#include "arguments.hpp"
+#include "child_process.hpp"
+#include "errors.hpp"
+#include "fork.hpp"
+#include "kept_in_thread.hpp"
+#include "private_bench.hpp"
+#include "python.hpp"
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdrive::python {
+namespace {
+
+/// A program that ends with this object and with this process. Its output is kept in memory. A
+/// forked process leaves it as it is: it is its parent's.
+class OwnProgram {
+ public:
+  /// @param command, environment as ChildProcess takes them
+  OwnProgram(const std::vector<std::string>& command, const std::vector<std::string>& environment)
+      : program_([command, environment] {
+          return std::make_unique<process::ChildProcess>(command, environment);
+        }) {}
+
+  /// What it has written on standard output, and on standard error.
+  [[nodiscard]] py::bytes output() const { return py::bytes(get().output()); }
+
+  [[nodiscard]] py::bytes errors() const { return py::bytes(get().errors()); }
+
+  /// @return its exit code, or -signal; nothing while it still runs after `patience`.
+  [[nodiscard]] std::optional<int> wait(const Real& patience) const {
+    process::ChildProcess& program = get();
+    const std::chrono::milliseconds most = milliseconds_of(patience, "patience");
+    const py::gil_scoped_release unlocked;
+    return program.wait(most);
+  }
+
+  /// SIGTERM, and SIGKILL when it has not ended after `patience`. Any number of times.
+  void stop(const Real& patience) const {
+    process::ChildProcess& program = get();
+    const std::chrono::milliseconds most = milliseconds_of(patience, "patience");
+    const py::gil_scoped_release unlocked;
+    program.stop(most);
+  }
+
+ private:
+  [[nodiscard]] process::ChildProcess& get() const {
+    origin_.require_own("the program");
+    return *program_.get();
+  }
+
+  const Origin origin_;
+  KeptInThread<process::ChildProcess> program_;
+};
+
+}  // namespace
+
+void add_program(py::module_& module) {
+  py::class_<OwnProgram, std::shared_ptr<OwnProgram>>(
+      module, "PrivateProgram", "A program of this process; use it through vdrive.canopen.Bus.")
+      .def(
+          py::init(&made_here<OwnProgram, const std::vector<std::string>&,
+                              const std::vector<std::string>&>),
+          py::arg("command"), py::arg("environment"),
+          "Starts the program whose path comes first, with the arguments that follow. In its "
+          "environment a variable NAME=VALUE replaces that of this process, and a NAME alone goes.")
+      .def("output", &OwnProgram::output, "What it has written on standard output.")
+      .def("errors", &OwnProgram::errors, "What it has written on standard error.")
+      .def("wait", &OwnProgram::wait, py::arg("patience") = 0.0,
+           "Waits so long, in s, for its end: its exit code, or -signal; None while it runs.")
+      .def("stop", &OwnProgram::stop, py::arg("patience"),
+           "Ends it by SIGTERM, after so long, in s, by SIGKILL; waits for its end.");
+  module.def("find_program", &process::find_program, py::arg("name"),
+             "The path of a program beside the interpreter or in PATH, else None.");
+}
+
+}  // namespace vdrive::python
