@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs the Debian packages that building and running vdrive needs.
 #
-#   deploy/setup.sh [--tests] [--page] [--python] [--browser]
+#   deploy/setup.sh [--tests] [--page] [--python] [--browser] [--judges]
 #
 #   --tests     also what the tests, the benchmarks and the lint need
 #   --page      also node and npm, where these programs are missing: they build the page of the gateway
 #   --python    also what the Python module is built from; --tests brings it, too
 #   --browser   also the browser that tests this page
+#   --judges    also programs of others that judge what bridges send
 #
 # Installs only what is missing, by apt, through sudo unless run as root. Prints nothing when
 # nothing is missing. Writes to standard error only. Exit code 0: all packages are installed.
@@ -60,6 +61,7 @@ test_packages=(
   nftables # loss and blocked multicast in the network tests
   openssl # makes the material of the closed mode
   python3 # the conformance and mutation checks, the list of the IDL's fields
+  python3-can # a client of the CAN bus that others wrote
   python3-matplotlib # a plot of the documents
   python3-pip # the wheel
   python3-pytest
@@ -75,6 +77,10 @@ python_packages=(
   pybind11-dev
   python3-dev
   python3-numpy
+)
+
+judge_packages=(
+  tshark # decodes captures of the CAN bus
 )
 
 browser_packages=(
@@ -98,7 +104,8 @@ while (($#)); do
       ;;
     --python) packages+=("${python_packages[@]}") ;;
     --browser) packages+=("${browser_packages[@]}") ;;
-    *) fail "unknown option '$1'; usage: deploy/setup.sh [--tests] [--page] [--python] [--browser]" ;;
+    --judges) packages+=("${judge_packages[@]}") ;;
+    *) fail "unknown option '$1'; usage: deploy/setup.sh [--tests] [--page] [--python] [--browser] [--judges]" ;;
   esac
   shift
 done

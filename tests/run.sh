@@ -70,7 +70,7 @@ labels='^(unit|dds)$'
 if $full; then
   export VDRIVE_FULL=1
   preset=release
-  setup_options+=(--page --browser)
+  setup_options+=(--page --browser --judges)
   presets=(fuzz asan tidy tsan coverage) # what is skipped first comes last
   steps=$((3 + ${#presets[@]}))
   options=(-D VDRIVE_CHECK_PRESETS=ON -D VDRIVE_BUILD_BENCHMARKS=ON)

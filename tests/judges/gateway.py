@@ -39,9 +39,8 @@ def install(work, judge="foxglove"):
     """The packages of the lock file of a judge, below `work`."""
     if not shutil.which("npm") or not shutil.which("node"):
         skip("node or npm is not installed")
-    work.mkdir(parents=True, exist_ok=True)
-    for name in ("package.json", "package-lock.json", "judge.mjs"):
-        shutil.copy(HERE / judge / name, work / name)
+    shutil.copytree(HERE / judge, work, dirs_exist_ok=True,
+                    ignore=shutil.ignore_patterns("node_modules"))
     done = subprocess.run(["npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts"], cwd=work,
                           capture_output=True, text=True, timeout=300)
     if done.returncode != 0:

@@ -1,0 +1,193 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Judges of the CANopen nodes from outside this project.
+
+  canopen.py VDRIVE VDRIVE_CANOPEN WORK
+
+In both clocks: the master of the package canopen (npm, versions fixed by the lock file) loads the EDS,
+boots three nodes, reads all that the EDS names, remaps PDOs, moves by SDO and by PDO, streams
+positions, homes, meets a fault and resets. Meanwhile Debian's python3-can listens on the same bus: it
+receives every frame, in the order in which the master has sent and received them, and the program
+counts as many. Debian's tshark decodes the capture as CANopen, without a malformed frame.
+WORK is a directory for the packages of npm. Exit code 0: all agree; 77: a judge is not there (no node,
+no registry, no python3-can, no tshark).
+"""
+import json
+import logging
+import pathlib
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import threading
+import time
+
+from gateway import Programs, fail, install, skip
+
+NODES = 3
+PERIOD = "10ms"
+PATIENCE = 120  # [s]
+LINKTYPE_CAN_SOCKETCAN = 227  # https://www.tcpdump.org/linktypes.html
+HIGHEST_BASE_ID = 0x7FF
+
+
+def load_can():
+    """python-can, or the end of this test."""
+    try:
+        import can
+    except ImportError:
+        skip("python3-can is not installed")
+    logging.getLogger("can").setLevel(logging.ERROR)  # it warns of each word that comes in two parts
+    return can
+
+
+class Bus:
+    """vdrive-canopen with a bench of its own."""
+
+    def __init__(self, program, clock, programs):
+        options = ["--clock", clock] + (["--sync-steps", PERIOD] if clock == "lockstep" else [])
+        self.process = programs.start(program, "--private", "--axes", str(NODES), "--socketcand",
+                                      "127.0.0.1:0", *options, stdout=subprocess.PIPE)
+        line = self.process.stdout.readline()
+        place = re.search(r"socketcand ([\d.]+):(\d+)", line)
+        if place is None:
+            fail(f"the first line of vdrive-canopen: {line!r}")
+        self.host, self.port = place[1], int(place[2])
+
+    def end(self):
+        """End the program; return how many frames it counted."""
+        self.process.terminate()
+        output, _ = self.process.communicate(timeout=PATIENCE)
+        counted = re.search(r"(\d+) frames", output)
+        if self.process.returncode != 0 or counted is None:
+            fail(f"vdrive-canopen ended with {self.process.returncode}: {output!r}")
+        return int(counted[1])
+
+
+class Listener:
+    """python3-can on the bus, in a thread of its own."""
+
+    def __init__(self, can, bus):
+        self.messages = []
+        self._bus = can.Bus(interface="socketcand", host=bus.host, port=bus.port, channel="can0")
+        self._is_over = threading.Event()
+        self._thread = threading.Thread(target=self._listen)
+        self._thread.start()
+
+    def _listen(self):
+        while not self._is_over.is_set():
+            message = self._bus.recv(timeout=0.1)
+            if message is not None:
+                self.messages.append(message)
+
+    def wait_until(self, condition):
+        deadline = time.monotonic() + PATIENCE
+        while not condition(self.messages) and time.monotonic() < deadline:
+            time.sleep(0.05)
+
+    def close(self):
+        self._is_over.set()
+        self._thread.join()
+        self._bus.shutdown()
+
+
+def frame_of(message):
+    return [message.arbitration_id, bytes(message.data).hex()]
+
+
+def is_of_master(frame):
+    """NMT, SYNC, RPDOs, SDO requests: what nodes do not send (CiA 301, table 39)."""
+    return frame[0] in (0x000, 0x080) or frame[0] & 0x780 in (0x200, 0x300, 0x400, 0x500, 0x600)
+
+
+def compare(seen, judged, counted):
+    """What python3-can received with what the master sent and received, and the count of the bus."""
+    for name, frames in (("sent", [frame for frame in seen if is_of_master(frame)]),
+                         ("received", [frame for frame in seen if not is_of_master(frame)])):
+        expected = judged[name]
+        if name == "received":
+            frames = frames[:len(expected)]  # nodes may send while the master leaves
+        for place, (ours, theirs) in enumerate(zip(frames, expected)):
+            if ours != theirs:
+                fail(f"frame {place} that the master has {name} is {theirs}, python3-can has {ours}")
+        if len(frames) != len(expected):
+            fail(f"python3-can has {len(frames)} of {len(expected)} frames that the master has {name}")
+    # Those of before python3-can joined are the boot-ups.
+    if counted != len(seen) + NODES:
+        fail(f"the bus counted {counted} frames: {NODES} boot-ups and {len(seen)} that python3-can received")
+
+
+def write_capture(path, messages):
+    """A pcap file of SocketCAN frames, in host byte order but for the identifier."""
+    with path.open("wb") as file:
+        file.write(struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, LINKTYPE_CAN_SOCKETCAN))
+        for message in messages:
+            if message.arbitration_id > HIGHEST_BASE_ID:
+                fail(f"an identifier of 29 bits: {message}")
+            data = bytes(message.data)
+            packet = struct.pack(">IBxxx", message.arbitration_id, len(data)) + data
+            seconds = int(message.timestamp)
+            microseconds = min(999_999, round((message.timestamp - seconds) * 1e6))
+            file.write(struct.pack("<IIII", seconds, microseconds, len(packet), len(packet)) + packet)
+
+
+def count_of(tshark, path, condition):
+    done = subprocess.run([*tshark, "-r", path, "-Y", condition, "-T", "fields", "-e", "frame.number"],
+                          capture_output=True, text=True, timeout=PATIENCE)
+    if done.returncode != 0:
+        fail(f"tshark: {done.stderr.strip()}")
+    return len(done.stdout.split())
+
+
+def decode(path, frames):
+    tshark = ["tshark", "-n", "-d", "can.subdissector,canopen"]
+    decoded = count_of(tshark, path, "canopen")
+    if decoded != frames:
+        fail(f"tshark decodes {decoded} of {frames} frames as CANopen")
+    malformed = count_of(tshark, path, "_ws.malformed || _ws.expert.severity == error")
+    if malformed:
+        fail(f"tshark finds {malformed} malformed frames in {path}")
+
+
+def judge(can, vdrive, program, clock, work, programs):
+    sheet, output, capture = work / "vdrive.eds", work / f"{clock}.json", work / f"{clock}.pcap"
+    with sheet.open("w", encoding="ascii") as file:
+        subprocess.run([vdrive, "dictionary", "--format", "eds"], check=True, stdout=file, timeout=PATIENCE)
+    bus = Bus(program, clock, programs)
+    listener = Listener(can, bus)
+    try:
+        done = subprocess.run(["node", work / "judge.mjs", bus.host, str(bus.port), sheet, clock, output],
+                              capture_output=True, text=True, timeout=600)
+        if done.returncode != 0:
+            fail(f"{clock}: {done.stdout}{done.stderr.strip()}")
+        judged = json.loads(output.read_text(encoding="ascii"))
+        listener.wait_until(lambda messages: len(messages) >= len(judged["sent"]) + len(judged["received"]))
+        counted = bus.end()
+        listener.wait_until(lambda messages: len(messages) >= counted - NODES)
+    finally:
+        listener.close()
+    compare([frame_of(message) for message in listener.messages], judged, counted)
+    write_capture(capture, listener.messages)
+    decode(capture, len(listener.messages))
+    print(f"{clock}: {'; '.join(done.stdout.splitlines())}; {len(listener.messages)} frames agree, and "
+          "tshark decodes them")
+
+
+def main():
+    vdrive, program, work = sys.argv[1:]
+    can = load_can()
+    if not shutil.which("tshark"):
+        skip("tshark is not installed")
+    work = pathlib.Path(work)
+    install(work, "canopen")
+    programs = Programs()
+    try:
+        for clock in ("realtime", "lockstep"):
+            judge(can, vdrive, program, clock, work, programs)
+    finally:
+        programs.end()
+
+
+if __name__ == "__main__":
+    main()
