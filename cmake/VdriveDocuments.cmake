@@ -32,6 +32,7 @@ vdrive_man_page(vdrived 8 "a bench of virtual CiA 402 servo drives on DDS" servi
 
 vdrive_man_page(vdrive-gateway 8 "shows virtual servo drives to browsers and dashboards" gateway)
 vdrive_man_page(vdrive-ros2 8 "shows virtual servo drives to ROS 2 as joints" ros2)
+vdrive_man_page(vdrive-canopen 8 "shows virtual servo drives to CAN masters as CANopen nodes" canopen)
 
 set(configuration_page ${documents}/vdrived.yaml.5)
 set(configuration_example ${PROJECT_SOURCE_DIR}/deploy/systemd/vdrived.yaml)
@@ -94,3 +95,4 @@ endfunction()
 
 vdrive_simple_completion(vdrive-gateway gateway)
 vdrive_simple_completion(vdrive-ros2 ros2)
+vdrive_simple_completion(vdrive-canopen canopen)

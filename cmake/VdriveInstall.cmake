@@ -34,6 +34,7 @@ install(TARGETS vdrived COMPONENT service)
 install(TARGETS vdrive COMPONENT tool)
 install(TARGETS vdrive-gateway COMPONENT gateway)
 install(TARGETS vdrive-ros2 COMPONENT ros2)
+install(TARGETS vdrive-canopen COMPONENT canopen)
 
 configure_package_config_file(
   ${PROJECT_SOURCE_DIR}/cmake/vdriveConfig.cmake.in ${PROJECT_BINARY_DIR}/vdriveConfig.cmake
@@ -57,6 +58,7 @@ install(FILES ${unit_dir}/vdrived.service ${PROJECT_BINARY_DIR}/vdrived@.service
         DESTINATION lib/systemd/system COMPONENT service)
 install(FILES ${unit_dir}/vdrive-gateway.service DESTINATION lib/systemd/system COMPONENT gateway)
 install(FILES ${unit_dir}/vdrive-ros2.service DESTINATION lib/systemd/system COMPONENT ros2)
+install(FILES ${unit_dir}/vdrive-canopen.service DESTINATION lib/systemd/system COMPONENT canopen)
 install(FILES ${unit_dir}/realtime.conf DESTINATION ${CMAKE_INSTALL_DATADIR}/vdrive
         COMPONENT service)
 install(FILES ${unit_dir}/vdrived.yaml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/vdrive
@@ -79,7 +81,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/clients/examples/06_raw_dds/CMakeLists.txt
         DESTINATION ${tree}/clients/examples/06_raw_dds COMPONENT documents)
 
 set(packages vdrived:service vdrive:tool vdrive-gateway:gateway vdrive-ros2:ros2
-             libvdrive-dev:development vdrive-doc:documents)
+             vdrive-canopen:canopen libvdrive-dev:development vdrive-doc:documents)
 if(TARGET vdrive_python)
   list(APPEND packages python3-vdrive:python)
 endif()

@@ -5,6 +5,7 @@
 #   vdrive          the tool, its completion, the scenarios
 #   vdrive-gateway  the gateway to browsers and dashboards, its unit, its completion
 #   vdrive-ros2     the bridge to ROS 2, its unit, its completion
+#   vdrive-canopen  the bridge to CANopen, its unit, its completion
 #   libvdrive-dev   the libraries for programs in C++: archives, headers, CMake package
 #   python3-vdrive  the Python module, where it was built
 #   vdrive-doc      the documents, the IDL, the examples
@@ -15,7 +16,7 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "virtual CiA 402 servo drives on DDS")
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL service tool gateway ros2 development documents)
+set(CPACK_COMPONENTS_ALL service tool gateway ros2 canopen development documents)
 if(TARGET vdrive_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
 endif()
@@ -57,6 +58,14 @@ ros2_control and trajectories move them, over plain DDS and without ROS.")
 set(CPACK_DEBIAN_ROS2_PACKAGE_SUGGESTS "vdrived, vdrive-doc")
 set(CPACK_DEBIAN_ROS2_PACKAGE_CONTROL_EXTRA ${debian}/ros2/postinst ${debian}/ros2/prerm
                                             ${debian}/ros2/postrm)
+
+set(CPACK_DEBIAN_CANOPEN_PACKAGE_NAME vdrive-canopen)
+set(CPACK_DEBIAN_CANOPEN_PACKAGE_SECTION misc)
+set(CPACK_DEBIAN_CANOPEN_DESCRIPTION "The bridge to CANopen: each axis of vdrived, or of a bench of its own, is a
+CANopen node (CiA 301, CiA 402) on SocketCAN or on a socketcand server.")
+set(CPACK_DEBIAN_CANOPEN_PACKAGE_SUGGESTS "vdrived, vdrive, vdrive-doc, python3-can, can-utils")
+set(CPACK_DEBIAN_CANOPEN_PACKAGE_CONTROL_EXTRA ${debian}/canopen/postinst ${debian}/canopen/prerm
+                                               ${debian}/canopen/postrm)
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libvdrive-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the Debian packages vdrived, vdrive, vdrive-gateway, vdrive-ros2, libvdrive-dev,
-# python3-vdrive and vdrive-doc into build/packages.
+# Builds the Debian packages vdrived, vdrive, vdrive-gateway, vdrive-ros2, vdrive-canopen,
+# libvdrive-dev, python3-vdrive and vdrive-doc into build/packages.
 #
 #   deploy/package.sh
 #

@@ -18,7 +18,7 @@ fail() {
 
 list=$("$root/deploy/package.sh")
 mapfile -t packages <<<"$list"
-((${#packages[@]} == 7)) || fail "expected seven packages: ${packages[*]}"
+((${#packages[@]} == 8)) || fail "expected eight packages: ${packages[*]}"
 
 unpacked=$work/root
 for package in "${packages[@]}"; do
@@ -28,6 +28,7 @@ done
 expected=(
   etc/vdrive/vdrived.yaml
   usr/bin/vdrive
+  usr/bin/vdrive-canopen
   usr/bin/vdrive-gateway
   usr/bin/vdrive-ros2
   usr/bin/vdrived
@@ -45,11 +46,13 @@ expected=(
   usr/lib/python3/dist-packages/vdrive/_vdrive.cpython-*.so
   usr/lib/python3/dist-packages/vdrive/libvdrive_dds.so
   usr/lib/python3/dist-packages/vdrive/py.typed
+  usr/lib/systemd/system/vdrive-canopen.service
   usr/lib/systemd/system/vdrive-gateway.service
   usr/lib/systemd/system/vdrive-ros2.service
   usr/lib/systemd/system/vdrived.service
   usr/lib/systemd/system/vdrived@.service
   usr/share/bash-completion/completions/vdrive
+  usr/share/bash-completion/completions/vdrive-canopen
   usr/share/bash-completion/completions/vdrive-gateway
   usr/share/bash-completion/completions/vdrive-ros2
   usr/share/doc/libvdrive-dev/changelog.gz
@@ -64,9 +67,11 @@ expected=(
   usr/share/doc/vdrive-doc/copyright
   usr/share/doc/vdrive-doc/docs/guides/configuration.md
   usr/share/doc/vdrive-doc/idl/vdrive_messages.idl
+  usr/share/doc/vdrive-canopen/changelog.gz
+  usr/share/doc/vdrive-canopen/copyright
   usr/share/doc/vdrive-gateway/changelog.gz
-  usr/share/doc/vdrive-ros2/changelog.gz
   usr/share/doc/vdrive-gateway/copyright
+  usr/share/doc/vdrive-ros2/changelog.gz
   usr/share/doc/vdrive-ros2/copyright
   usr/share/doc/vdrive/changelog.gz
   usr/share/doc/vdrive/copyright
@@ -75,6 +80,7 @@ expected=(
   usr/share/fish/vendor_completions.d/vdrive.fish
   usr/share/man/man1/vdrive.1.gz
   usr/share/man/man5/vdrived.yaml.5.gz
+  usr/share/man/man8/vdrive-canopen.8.gz
   usr/share/man/man8/vdrive-gateway.8.gz
   usr/share/man/man8/vdrive-ros2.8.gz
   usr/share/man/man8/vdrived.8.gz
@@ -129,6 +135,7 @@ done
 "$unpacked/usr/bin/vdrived" --check "$unpacked/etc/vdrive/vdrived.yaml" >"$work/check"
 "$unpacked/usr/bin/vdrived" --version | grep -q '^vdrived ' || fail "vdrived --version"
 "$unpacked/usr/bin/vdrive-gateway" --version | grep -q '^vdrive-gateway ' || fail "vdrive-gateway --version"
+"$unpacked/usr/bin/vdrive-canopen" --version | grep -q '^vdrive-canopen ' || fail "vdrive-canopen --version"
 "$unpacked/usr/bin/vdrive-ros2" --version | grep -q '^vdrive-ros2 ' || fail "vdrive-ros2 --version"
 "$unpacked/usr/bin/vdrive" --version | grep -q '^vdrive ' || fail "vdrive --version"
 
@@ -145,7 +152,7 @@ for over in ("local", "dds"):
 END
 
 # The units name existing files.
-for unit in vdrived.service vdrived@.service vdrive-gateway.service vdrive-ros2.service; do
+for unit in vdrived.service vdrived@.service vdrive-gateway.service vdrive-ros2.service vdrive-canopen.service; do
   program=$(sed -n 's/^ExecStart=\([^ ]*\).*/\1/p' "$unpacked/usr/lib/systemd/system/$unit")
   [[ -x $unpacked$program ]] || fail "$unit starts $program, which is in no package"
 done
@@ -171,7 +178,8 @@ done
 options_of() {
   "$@" | grep -o -- '--[a-z][a-z-]*' | sort -u
 }
-for page in man1/vdrive.1.gz man8/vdrived.8.gz man8/vdrive-gateway.8.gz man8/vdrive-ros2.8.gz; do
+for page in man1/vdrive.1.gz man8/vdrived.8.gz man8/vdrive-gateway.8.gz man8/vdrive-ros2.8.gz \
+  man8/vdrive-canopen.8.gz; do
   text=$(LC_ALL=C.UTF-8 MANWIDTH=200 man --warnings --local-file "$unpacked/usr/share/man/$page" 2>"$work/warnings" | col -b)
   [[ ! -s $work/warnings ]] || fail "$page: $(cat "$work/warnings")"
   program=$unpacked/usr/bin/$(basename "${page%.?.gz}")

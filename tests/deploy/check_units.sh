@@ -28,16 +28,17 @@ check_exposure() {
 cp "$root/deploy/systemd/vdrived.service" "$work/"
 check_exposure "$work/vdrived.service" 15
 
-cp "$root/deploy/systemd/vdrive-gateway.service" "$root/deploy/systemd/vdrive-ros2.service" "$work/"
-check_exposure "$work/vdrive-gateway.service" 15
-check_exposure "$work/vdrive-ros2.service" 15
+for bridge in gateway ros2 canopen; do
+  cp "$root/deploy/systemd/vdrive-$bridge.service" "$work/"
+  check_exposure "$work/vdrive-$bridge.service" 15
+done
 
 mkdir "$work/vdrived.service.d"
 cp "$root/deploy/systemd/realtime.conf" "$work/vdrived.service.d/"
 check_exposure "$work/vdrived.service" 19
 
 # The program is not installed here; everything else has to be right.
-for unit in vdrived.service vdrive-gateway.service vdrive-ros2.service; do
+for unit in vdrived.service vdrive-gateway.service vdrive-ros2.service vdrive-canopen.service; do
   sed -i 's|^ExecStart=.*|ExecStart=/bin/true|; /^Documentation=/d' "$work/$unit"
   output=$(systemd-analyze verify --man=no "$work/$unit" 2>&1) || true
   if [[ -n $output ]]; then
