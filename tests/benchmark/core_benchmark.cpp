@@ -3,6 +3,7 @@
 // Cost of a whole tick of the bank (writes due, drive logic, eight servo sub-steps, monitors,
 // status image) with all axes moving, and of planning one move. Prints one JSON line for each
 // figure: the median of the repetitions.
+#include "figure_reporter.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/motion/profile.hpp"
 
@@ -14,7 +15,6 @@
 #include <cstdlib>
 #include <iostream>
 #include <random>
-#include <string>
 #include <vector>
 
 namespace {
@@ -120,38 +120,6 @@ void plan(benchmark::State& state) {
       1.0e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-/// One JSON line for each figure, of the medians.
-class FigureReporter final : public benchmark::BenchmarkReporter {
- public:
-  bool ReportContext(const Context& context) override {
-    PrintBasicContext(&std::cerr, context);
-    return true;
-  }
-
-  void ReportRuns(const std::vector<Run>& runs) override {
-    for (const Run& run : runs) {
-      if (run.error_occurred) {
-        std::cerr << run.benchmark_name() << ": " << run.error_message << '\n';
-        failed_ = true;
-      } else if (run.run_type == Run::RT_Aggregate && run.aggregate_name == "median") {
-        print(run);
-      }
-    }
-  }
-
-  [[nodiscard]] bool failed() const { return failed_; }
-
- private:
-  static void print(const Run& run) {
-    const std::string& figure = run.run_name.function_name;
-    std::cout << R"({"figure":")" << figure << '"';
-    if (!run.run_name.args.empty()) std::cout << R"(,"axes":)" << run.run_name.args;
-    std::cout << R"(,"value":)" << run.counters.at("value").value << "}\n" << std::flush;
-  }
-
-  bool failed_ = false;
-};
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -179,7 +147,7 @@ int main(int argc, char** argv) {
       ->Arg(16384)
       ->Repetitions(kRepetitions);
   benchmark::RegisterBenchmark("plan_ns", plan)->Repetitions(kRepetitions);
-  FigureReporter reporter;
+  vdrive::test::FigureReporter reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);
   benchmark::Shutdown();
   return reporter.failed() ? 1 : 0;

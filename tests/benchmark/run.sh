@@ -1,18 +1,18 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the benchmarks and runs all of them, some 9 minutes; prints one JSON line for each figure on
+# Builds the benchmarks and runs all of them, some 11 minutes; prints one JSON line for each figure on
 # standard output (figures.py table FILE makes a table of them):
 #   {"figure":"axis_tick_ns","axes":1024,"value":...}
 # Everything else goes to standard error. The figures of the network stand beside those of the DDS
 # library alone, taken in the same run. Needs a machine without other work, and permission to use the
 # loopback interface.
 #
-#   ./tests/benchmark/run.sh [--quick] [--only core|service|steps|status|start|lateness]
+#   ./tests/benchmark/run.sh [--quick] [--only core|service|steps|status|start|canopen|lateness]
 #
 #   --quick    short runs, for a first estimate
 #   --only     one part: ticks of the bank; ticks, threads, stores and publication of the engine;
 #              steps over DDS; status that clients receive, and recordings; start, list and scenarios;
-#              how late ticks begin
+#              CANopen nodes, alone and behind a socketcand server; how late ticks begin
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -28,7 +28,7 @@ while (($#)); do
     --quick) rounds=5 follow_seconds=4 longest_seconds=10 steps=1 scenarios=1 ;;
     --only)
       only=${2-} && shift
-      if ! [[ $only =~ ^(core|service|steps|status|start|lateness)$ ]]; then
+      if ! [[ $only =~ ^(core|service|steps|status|start|canopen|lateness)$ ]]; then
         echo "run: --only '$only' is no part" >&2 && exit 2
       fi ;;
     *) echo "run: unknown option '$1'" >&2 && exit 2 ;;
@@ -41,7 +41,8 @@ done
   --target vdrive_core_benchmark --target vdrive_service_benchmark \
   --target vdrive_parameter_benchmark --target vdrive_publication_benchmark \
   --target vdrive_bare_benchmark --target vdrive_wire_benchmark --target vdrive_follow_benchmark \
-  --target vdrive_threads_benchmark --target vdrive_lateness_benchmark
+  --target vdrive_threads_benchmark --target vdrive_lateness_benchmark \
+  --target vdrive-canopen --target vdrive_canopen_benchmark
 
 build=$root/build/release
 programs=$build/tests/benchmark
@@ -135,6 +136,11 @@ start() {
   measure_scenarios
 }
 
+canopen() {
+  "$programs/vdrive_canopen_benchmark" --benchmark_min_time=0.1
+  "$root/tests/benchmark/canopen.py" --seconds $((follow_seconds / 2)) --rounds $scenarios
+}
+
 lateness() {
   local priority clients
   for priority in 0 50; do
@@ -149,7 +155,7 @@ lateness() {
 # the tool took seconds; without them none.
 run_part() {
   case $1 in
-    steps | status | start) "$1" ;;
+    steps | status | start | canopen) "$1" ;;
     *)
       keep_awake
       "$1"
@@ -158,7 +164,7 @@ run_part() {
   esac
 }
 
-for part in core service steps status start lateness; do
+for part in core service steps status start canopen lateness; do
   if [[ -z $only || $only == "$part" ]]; then
     run_part "$part"
   fi

@@ -1,18 +1,21 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks docs/reference/conformance.md: every statement is shown by tests that exist, run and pass.
+"""Checks docs/reference/conformance.md and conformance-canopen.md: every statement is shown by tests
+that exist, run and pass.
 
-    tests/conformance/check.py --build DIRECTORY [--ctest PROGRAM] [--page FILE] [--list]
+    tests/conformance/check.py --build DIRECTORY [--ctest PROGRAM] [--page FILE]... [--list]
 
     --build DIRECTORY  a build with tests; their programs are built and run there
-    --list             only what the page itself shows: runs nothing
+    --page FILE        a page with the name of one of the two; default: both
+    --list             only what the pages themselves show: runs nothing
 
-Each table of the page that begins with a column "id" ends with a column "held by": GoogleTest names
-as ctest prints them, in backticks, separated by <br>. Identifiers: O-607D:01 an object of the
-manual's table, M-12 a statement of the manual, A-12 an ambiguity, R-12 a rule of interoperability.
-The named tests are run again here, and each must have run and passed: a test that was skipped or
-filtered away holds nothing. Exit code 0: all is well; otherwise each line of the output is one thing
-that is wrong.
+Each table of a page that begins with a column "id" ends with a column "held by": GoogleTest names
+as ctest prints them, in backticks, separated by <br>. Identifiers of conformance.md: O-607D:01 an
+object of the manual's table, M-12 a statement of the manual, A-12 an ambiguity, R-12 a rule of
+interoperability; of conformance-canopen.md: O-1017 an object of CiA 301, C-12 a clause of CiA 301,
+D-12 one of CiA 402 on CANopen, M-12 a rule that masters rely on. The named tests are run again here,
+and each must have run and passed: a test that was skipped or filtered away holds nothing. Exit code
+0: all is well; otherwise each line of the output is one thing that is wrong.
 """
 import argparse
 import collections
@@ -27,10 +30,14 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+REFERENCE = ROOT / "docs" / "reference"
 OBJECTS = ROOT / "tests" / "data" / "object-dictionary.csv"
-AMBIGUITIES = 48
-RULES = 12
-IDENTIFIER = re.compile(r"O-[0-9A-F]{4}(:[0-9A-F]{2})?|[MAR]-[1-9][0-9]*")
+NUMBERED = re.compile(r"([A-NP-Z])-([1-9][0-9]*)")
+OBJECT = re.compile(r"O-[0-9A-F]{4}(:[0-9A-F]{2})?")
+COMMUNICATION_OBJECTS = [  # of CiA 301: those of a drive, and the two of node guarding, which are absent
+    "1000", "1001", "1003", "1005", "1006", "1007", "1008", "1009", "100A", "100C", "100D", "1010",
+    "1011", "1014", "1015", "1016", "1017", "1018", "1019", "1029", "1200",
+    *(f"{block}0{number}" for block in ("14", "16", "18", "1A") for number in range(4))]
 PROGRAMS_AT_ONCE = 2
 TESTS_A_RUN = 4  # short runs share two processors better than one long run of the scenarios
 
@@ -58,7 +65,7 @@ def parse(text):
         if header[-1] != "held by" or len(cells) != len(header):
             findings.append(f"{place}: {len(cells)} cells under the header {' | '.join(header)}")
             continue
-        if not IDENTIFIER.fullmatch(cells[0]):
+        if not (NUMBERED.fullmatch(cells[0]) or OBJECT.fullmatch(cells[0])):
             findings.append(f"{place}: this is no identifier")
         tests = re.findall(r"`([^`]*)`", cells[-1])
         rest = re.sub(r"`[^`]*`|<br>", "", cells[-1]).strip()
@@ -89,7 +96,7 @@ def expected_objects():
     return objects
 
 
-def check_objects(rows):
+def check_objects_of_the_manual(rows):
     objects = expected_objects()
     findings = [f"object {name} of the manual's table has no row"
                 for name in objects if name not in {row.identifier for row in rows}]
@@ -106,7 +113,36 @@ def check_objects(rows):
     return findings
 
 
-def check_page(text):
+def check_communication_objects(rows):
+    wanted = {"O-" + index for index in COMMUNICATION_OBJECTS}
+    present = {row.identifier for row in rows if OBJECT.fullmatch(row.identifier)}
+    return ([f"object {name} of CiA 301 has no row" for name in sorted(wanted - present)]
+            + [f"object {name} is none of CiA 301 that a drive has" for name in sorted(present - wanted)])
+
+
+# What a page has: letter -> (kind of statement, their number; None: at least one), and the check of
+# its rows of objects.
+Page = collections.namedtuple("Page", "kinds check_objects")
+PAGES = {
+    "conformance.md": Page({"M": ("statement of the manual", None), "A": ("ambiguity", 48),
+                            "R": ("rule", 12)}, check_objects_of_the_manual),
+    "conformance-canopen.md": Page({"C": ("clause of CiA 301", None),
+                                    "D": ("clause of CiA 402", None),
+                                    "M": ("rule of masters", None)}, check_communication_objects),
+}
+
+
+def check_kind(letter, kind, count, names):
+    """The errors of the numbers of one letter: 1 to `count`, or from 1 on without a gap."""
+    present = {int(match[2]) for match in map(NUMBERED.fullmatch, names)
+               if match and match[1] == letter}
+    wanted = set(range(1, (count or max(present, default=0)) + 1))
+    findings = [f"{kind} {letter}-{number} has no row" for number in sorted(wanted - present)]
+    findings += [f"{kind} {letter}-{number} is beyond the last" for number in sorted(present - wanted)]
+    return findings if present or count else [f"there is no {kind}"]
+
+
+def check_page(text, page=PAGES["conformance.md"]):
     """@return the rows, and the errors of the page alone."""
     rows, findings = parse(text)
     lines = collections.defaultdict(list)
@@ -117,14 +153,11 @@ def check_page(text):
     for identifier, where in lines.items():
         if len(where) > 1:
             findings.append(f"{identifier} is used in lines {', '.join(map(str, where))}")
-    for letter, count, kind in (("A", AMBIGUITIES, "ambiguity"), ("R", RULES, "rule")):
-        wanted = {f"{letter}-{i}" for i in range(1, count + 1)}
-        present = {name for name in lines if name.startswith(letter + "-")}
-        findings += [f"{kind} {name} has no row" for name in sorted(wanted - present)]
-        findings += [f"{kind} {name} is beyond the last" for name in sorted(present - wanted)]
-    if not any(name.startswith("M-") for name in lines):
-        findings.append("there is no statement of the manual")
-    return rows, findings + check_objects(rows)
+    for letter, (kind, count) in page.kinds.items():
+        findings += check_kind(letter, kind, count, lines)
+    findings += [f"{name} is no identifier of this page" for name in lines
+                 if NUMBERED.fullmatch(name) and name[0] not in page.kinds]
+    return rows, findings + page.check_objects(rows)
 
 
 def known_tests(ctest, build):
@@ -200,21 +233,30 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", type=pathlib.Path)
     parser.add_argument("--ctest", default="ctest")
-    parser.add_argument("--page", type=pathlib.Path, default=ROOT / "docs" / "reference" / "conformance.md")
+    parser.add_argument("--page", type=pathlib.Path, action="append")
     parser.add_argument("--list", action="store_true")
     arguments = parser.parse_args()
     if not arguments.list and not arguments.build:
         parser.error("--build is needed to run the tests")
 
-    rows, findings = check_page(arguments.page.read_text(encoding="utf-8"))
-    passed = 0
-    if not arguments.list:
-        wrong, passed = run_named(rows, known_tests(arguments.ctest, arguments.build.resolve()))
-        findings += wrong
-    for finding in findings:
-        print(f"{arguments.page.name}: {finding}")
-    print(f"{len(rows)} rows, {passed} tests ran and passed, {len(findings)} findings")
-    return 1 if findings else 0
+    pages = arguments.page or [REFERENCE / name for name in PAGES]
+    for page in pages:
+        if page.name not in PAGES:
+            parser.error(f"--page {page}: its name is none of {', '.join(PAGES)}")
+
+    tests = {} if arguments.list else known_tests(arguments.ctest, arguments.build.resolve())
+    errors = 0
+    for page in pages:
+        rows, findings = check_page(page.read_text(encoding="utf-8"), PAGES[page.name])
+        passed = 0
+        if not arguments.list:
+            wrong, passed = run_named(rows, tests)
+            findings += wrong
+        for finding in findings:
+            print(f"{page.name}: {finding}")
+        print(f"{page.name}: {len(rows)} rows, {passed} tests ran and passed, {len(findings)} findings")
+        errors += len(findings)
+    return 1 if errors else 0
 
 
 if __name__ == "__main__":
