@@ -20,7 +20,7 @@ packages=(
   cmake
   fastddsgen # brings a Java runtime, through antlr4
   help2man
-  libboost-dev # Beast, the web servers of the metrics and of the gateway
+  libboost-dev # Beast, the web servers of the metrics and of the gateway; Asio, the servers of CANopen
   libcli11-dev
   libedit-dev # lines of the shell of the tool
   libeigen3-dev
@@ -69,6 +69,7 @@ test_packages=(
   python3-websockets # a client of the gateway that others wrote
   python3-seccomp # the sandbox of the systemd unit
   systemd # systemd-analyze
+  tshark # a decoder of CANopen that others wrote
   util-linux # chrt and setarch
   zsh # completion of the tool
 )

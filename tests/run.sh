@@ -9,11 +9,11 @@
 # over DDS and every scenario, in 8 minutes on two cores from nothing. Only what tests run through is
 # optimised (preset quick). docs/explanation/testing.md says which tests are chosen.
 #
-#   --bridges   also the bridges (label bridge): Python module, gateway and ROS 2
+#   --bridges   also the bridges (label bridge): Python module, gateway, ROS 2 and CANopen
 #   --full      what continuous integration checks, in 35 minutes: all of it as users get it (preset
 #               release), the bridges, all tests over DDS (other vendors, other hosts, attackers: label
 #               full), the sanitizers, clang-tidy, the format, the fuzzers, the coverage, the packages,
-#               the sandbox, the conformance document, clients that come and go, benchmarks that still
+#               the sandbox, the conformance documents, clients that come and go, benchmarks that still
 #               compile, the page of the gateway in a browser; and the full counts of property tests
 #               and of the fuzzers that are tests (VDRIVE_FULL=1)
 #   --presets-until MINUTES
