@@ -9,7 +9,8 @@ import unittest
 
 import check
 
-PAGE = (check.ROOT / "docs" / "reference" / "conformance.md").read_text(encoding="utf-8")
+PAGE = (check.REFERENCE / "conformance.md").read_text(encoding="utf-8")
+CANOPEN_PAGE = (check.REFERENCE / "conformance-canopen.md").read_text(encoding="utf-8")
 
 
 def findings_of(text):
@@ -65,6 +66,35 @@ class ThePage(unittest.TestCase):
         row = row_of("A-3")
         page = PAGE.replace(row, row.split("|", 3)[0] + "| A-3 |" + row.rsplit("|", 2)[1] + "|\n")
         self.assertRegex(findings_of(page)[0], r"A-3: 2 cells")
+
+
+class ThePageOfCanopen(unittest.TestCase):
+    def findings_of(self, identifier, change):
+        """Those of the page whose row `change` has changed."""
+        row = re.search(rf"^\| {re.escape(identifier)} \|.*\n", CANOPEN_PAGE, flags=re.MULTILINE).group()
+        page = CANOPEN_PAGE.replace(row, change(row))
+        return check.check_page(page, check.PAGES["conformance-canopen.md"])[1]
+
+    def test_the_present_page_has_no_finding(self):
+        self.assertEqual(self.findings_of("C-1", lambda row: row), [])
+
+    def test_a_missing_row_of_an_object_is_found(self):
+        self.assertEqual(self.findings_of("O-1017", lambda row: ""), ["object O-1017 of CiA 301 has no row"])
+
+    def test_an_object_that_no_drive_has_is_found(self):
+        self.assertEqual(self.findings_of("O-1017", lambda row: row + row.replace("1017", "1012")),
+                         ["object O-1012 is none of CiA 301 that a drive has"])
+
+    def test_a_number_that_is_left_out_is_found(self):
+        self.assertEqual(self.findings_of("C-2", lambda row: ""), ["clause of CiA 301 C-2 has no row"])
+
+    def test_an_identifier_of_the_other_page_is_found(self):
+        self.assertEqual(self.findings_of("C-1", lambda row: row + row.replace("C-1 ", "A-1 ")),
+                         ["A-1 is no identifier of this page"])
+
+    def test_a_clause_without_a_test_is_found(self):
+        self.assertRegex(self.findings_of("D-1", lambda row: re.sub(r"\| [^|]*\|$", "| |", row.rstrip()) + "\n")[0],
+                         r"line \d+, D-1: no test holds it")
 
 
 PROGRAM = """#!/bin/sh
