@@ -103,6 +103,7 @@ class TcpPeer final {
           return;
         }
         self->blocks.emplace_back(self->input.data(), size);
+        self->bytes += size;
         self->read();
       });
     }

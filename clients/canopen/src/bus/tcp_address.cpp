@@ -10,7 +10,7 @@ std::optional<TcpAddress> parse_tcp_address(std::string_view text) {
   if (colon == std::string_view::npos) return std::nullopt;
   const auto port = parse_digits<std::uint16_t>(text.substr(colon + 1));
   std::string_view host = text.substr(0, colon);
-  const bool is_bracketed = host.size() > 2 && host.starts_with('[') && host.ends_with(']');
+  const bool is_bracketed = host.size() >= 2 && host.starts_with('[') && host.ends_with(']');
   if (is_bracketed) host = host.substr(1, host.size() - 2);
   const bool has_colon = host.find(':') != std::string_view::npos;
   if (!port || host.empty() || has_colon != is_bracketed) return std::nullopt;
