@@ -107,13 +107,13 @@ class NodesOfABank {
       const auto id = static_cast<std::uint32_t>(0x601 + axis);
       for (std::uint8_t number = 0; number < kTransmitPdos; ++number) {
         // 1800h.. :02, transmission type 1
-        node(axis).receive(frame_of(id, {0x2F, number, 0x18, 0x02, 1, 0, 0, 0}));
+        at(axis).receive(frame_of(id, {0x2F, number, 0x18, 0x02, 1, 0, 0, 0}));
       }
     }
     receive(frame_of(0x000, {0x01, 0x00}));  // NMT: start all nodes
   }
 
-  [[nodiscard]] AxisNode& node(std::size_t axis) { return *nodes_.at(axis); }
+  [[nodiscard]] AxisNode& at(std::size_t axis) { return *nodes_.at(axis); }
 
   void receive(const Frame& frame) {
     for (const auto& node : nodes_) node->receive(frame);
@@ -167,7 +167,7 @@ void ignore_frame(benchmark::State& state) {
   NodesOfABank nodes(1);
   const std::size_t before = nodes.sent();
   const Frame frame = frame_of(0x182, {0x50, 0x02});
-  for (auto _ : state) nodes.node(0).receive(frame);
+  for (auto _ : state) nodes.at(0).receive(frame);
   if (nodes.sent() != before) state.SkipWithError("the frame is for nobody");
   report(state, 1);
 }
@@ -177,8 +177,8 @@ void read_object(benchmark::State& state, std::uint16_t index) {
   NodesOfABank nodes(1);
   const Frame request = frame_of(0x601, {0x40, static_cast<std::uint8_t>(index & 0xFF),
                                          static_cast<std::uint8_t>(index >> 8), 0, 0, 0, 0, 0});
-  for (auto _ : state) nodes.node(0).receive(request);
-  if (nodes.node(0).last().data[0] != kExpeditedAnswer) state.SkipWithError("no answer");
+  for (auto _ : state) nodes.at(0).receive(request);
+  if (nodes.at(0).last().data[0] != kExpeditedAnswer) state.SkipWithError("no answer");
   report(state, 1);
 }
 
