@@ -139,10 +139,10 @@ TEST(Bridge, HasTheAxesOfSeveralBenchesOnOneBus) {
   EXPECT_EQ(master.upload(12, {0x1000, 0}).number(), 0x00020192);
 }
 
-// A second bench whose nodes are there already is left out; the first one stays.
+// In lock-step both are there at once, and the one with the lower number is first.
 TEST(Bridge, LeavesOutABenchWhoseNodesAreTaken) {
-  const bench::Bench one({.axes = 2, .clock = ClockMode::realtime, .number = 1});
-  const bench::Bench two({.axes = 3, .clock = ClockMode::realtime, .number = 2, .bus = one.bus()});
+  const bench::Bench one({.axes = 2, .clock = ClockMode::lockstep, .number = 1});
+  const bench::Bench two({.axes = 3, .clock = ClockMode::lockstep, .number = 2, .bus = one.bus()});
   canopen::Settings settings;
   settings.session.bus = one.bus();
   settings.buses.emplace_back();  // every bench, without an offset

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <utility>
 
 namespace vdrive::canopen {
@@ -15,6 +16,9 @@ namespace {
 
 // A bench that comes is served at once for a person, and the search costs the loop little.
 constexpr std::chrono::milliseconds kFindBenchesPeriod{200};
+
+// Reasons of the wire are below.
+constexpr std::uint32_t kLowestAbortCode = 0x0500'0000;
 
 client::SessionOptions session_options(const Settings& settings,
                                        const std::vector<bench::Bench>& benches) {
@@ -38,6 +42,9 @@ CanopenBridge::CanopenBridge(const Settings& settings)
     buses_.push_back(std::make_unique<ServedBus>(shared, settings, setting, number));
   }
   session_.on_event([this](const client::Event& event) {
+    // The master has an abort code as the answer to its SDO, and a drive that ignores the value of
+    // a PDO says nothing.
+    if (event.code >= kLowestAbortCode) return;
     const auto text = bridge::refusal_report(event, session_.id());
     if (!text) return;
     reports_.report(bridge::Severity::warning, "bench " + std::to_string(event.bench), *text);
