@@ -83,7 +83,7 @@ std::uint64_t BenchDrives::dropped_set_points() const {
   return link_->dropped_frames() + nodes_.replaced_set_points();
 }
 
-void BenchDrives::report(bridge::Severity severity, const std::string& text) {
+void BenchDrives::report(bridge::Severity severity, const std::string& text) const {
   parts_.reports.report(severity, label_, text);
 }
 

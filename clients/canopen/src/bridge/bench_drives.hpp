@@ -47,7 +47,7 @@ class BenchDrives final {
  private:
   [[nodiscard]] BenchNodes::Calls calls_of_nodes();
   void take_news();
-  void report(bridge::Severity severity, const std::string& text);
+  void report(bridge::Severity severity, const std::string& text) const;
 
   const BusParts parts_;
   const std::string label_;

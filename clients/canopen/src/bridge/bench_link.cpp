@@ -140,7 +140,7 @@ bool BenchLink::post(std::size_t place, std::function<void(client::Axis& axis)> 
 }
 
 void BenchLink::access(std::size_t place, const DriveAccess& access,
-                       std::function<void(const DriveAnswer&)> done) {
+                       const std::function<void(const DriveAnswer&)>& done) {
   const bool is_taken = post(place, [access, done](client::Axis& axis) {
     done(carry_out(axis, access));
   });

@@ -58,7 +58,7 @@ class BenchLink {
 
   /// @param done called with the answer, by a thread of the link or at once
   void access(std::size_t place, const DriveAccess& access,
-              std::function<void(const DriveAnswer&)> done);
+              const std::function<void(const DriveAnswer&)>& done);
   void tell_connection(std::size_t place, bool is_lost);
   void cycle_power(std::size_t place);
 

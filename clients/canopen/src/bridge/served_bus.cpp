@@ -75,7 +75,8 @@ void ServedBus::open_ports() {
   }
 }
 
-void ServedBus::report(bridge::Severity severity, std::uint32_t bench, const std::string& text) {
+void ServedBus::report(bridge::Severity severity, std::uint32_t bench,
+                       const std::string& text) const {
   shared_.reports.report(severity, label_ + ": bench " + std::to_string(bench), text);
 }
 
