@@ -76,7 +76,7 @@ class SocketcandConnection final : public Port,
       ++shared_->counters.dropped_frames;
     }
     frames_.push_back({frame, shared_->settings.clock()});
-    write_next();
+    write_later();
   }
 
   /// Leaves the bus, and closes the connection.
@@ -200,6 +200,15 @@ class SocketcandConnection final : public Port,
                       });
   }
 
+  /// Behind this turn of the loop: what it brings is one write.
+  void write_later() {
+    if (is_writing_ || std::exchange(is_write_posted_, true)) return;
+    asio::post(socket_.get_executor(), [self = shared_from_this()] {
+      self->is_write_posted_ = false;
+      self->write_next();
+    });
+  }
+
   void append_frames() {
     while (!frames_.empty() && output_.size() < kSocketcandOutput) {
       append_socketcand_frame(output_, frames_.front().frame, frames_.front().time);
@@ -229,6 +238,7 @@ class SocketcandConnection final : public Port,
   std::uint64_t frames_in_output_ = 0;
   bool is_reading_ = false;
   bool is_writing_ = false;
+  bool is_write_posted_ = false;
   bool is_quiet_ = false;  ///< frames wait; see kQuietAfterRawmode
   bool is_closing_ = false;
   bool is_over_ = false;
