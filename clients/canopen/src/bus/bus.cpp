@@ -28,8 +28,9 @@ void Bus::send(const Frame& frame, const Port* sender) {
   if (is_delivering_) return;
   is_delivering_ = true;
   // By number: a delivery may append frames and ports.
-  for (std::size_t next = 0; next < waiting_.size(); ++next) {
-    const Waiting sent = waiting_[next];
+  std::size_t next = 0;
+  while (next < waiting_.size()) {
+    const Waiting sent = waiting_[next++];
     ++frames_;
     // A port that is attached meanwhile gets the next frame first.
     const std::size_t ports = ports_.size();

@@ -91,18 +91,19 @@ can_frame to_can_frame(const Frame& frame) noexcept {
   converted.can_id = frame.id;
   if (frame.is_extended) converted.can_id |= CAN_EFF_FLAG;
   if (frame.is_remote) converted.can_id |= CAN_RTR_FLAG;
-  converted.can_dlc = frame.size;
+  converted.can_dlc = frame.size;  // NOLINT(cppcoreguidelines-pro-type-union-access): of the kernel
   std::ranges::copy(frame.bytes(), std::begin(converted.data));
   return converted;
 }
 
 std::optional<Frame> from_can_frame(const can_frame& frame) noexcept {
-  if ((frame.can_id & CAN_ERR_FLAG) != 0 || frame.can_dlc > kMostData) return std::nullopt;
+  const std::uint8_t size = frame.can_dlc;  // NOLINT(cppcoreguidelines-pro-type-union-access): too
+  if ((frame.can_id & CAN_ERR_FLAG) != 0 || size > kMostData) return std::nullopt;
   Frame converted;
   converted.is_extended = (frame.can_id & CAN_EFF_FLAG) != 0;
   converted.is_remote = (frame.can_id & CAN_RTR_FLAG) != 0;
   converted.id = frame.can_id & (converted.is_extended ? CAN_EFF_MASK : CAN_SFF_MASK);
-  converted.size = frame.can_dlc;
+  converted.size = size;
   std::copy_n(std::begin(frame.data), converted.bytes().size(), converted.data.begin());
   return converted;
 }
@@ -216,6 +217,7 @@ SocketCan::SocketCan(boost::asio::io_context& context, Bus& bus, SocketCanSettin
   state_->start();
 }
 
+// NOLINTNEXTLINE(bugprone-exception-escape): an open timer can be cancelled
 SocketCan::~SocketCan() {
   state_->stop();
 }

@@ -41,8 +41,8 @@ void listen_on(tcp::acceptor& acceptor, const TcpAddress& address) {
 }  // namespace
 
 struct TcpAcceptor::State final : std::enable_shared_from_this<TcpAcceptor::State> {
-  State(asio::io_context& context, const TcpAddress& wanted, Accepted&& call)
-      : acceptor(context), pause(context), address(wanted), accepted(std::move(call)) {
+  State(asio::io_context& context, TcpAddress wanted, Accepted&& call)
+      : acceptor(context), pause(context), address(std::move(wanted)), accepted(std::move(call)) {
     listen_on(acceptor, address);
     address.port = acceptor.local_endpoint().port();
   }
@@ -76,6 +76,7 @@ TcpAcceptor::TcpAcceptor(asio::io_context& context, const TcpAddress& address, A
   state_->accept();
 }
 
+// NOLINTNEXTLINE(bugprone-exception-escape): an open timer can be cancelled
 TcpAcceptor::~TcpAcceptor() {
   close();
 }
