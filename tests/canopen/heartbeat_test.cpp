@@ -386,6 +386,28 @@ TEST(HeartbeatError, LastsUntilAllProducersAreBack) {
   EXPECT_THAT(watching.receive("70A#05", 300ms), ElementsAre("081#0000000000000000"));
 }
 
+// Another master may have reset the fault of the first loss, and enabled the drive, since.
+TEST(HeartbeatError, IsALossOfItsOwnToTheDriveForEachProducer) {
+  WatchingNode watching;
+  watching.receive("601#23161002F4010A00");  // node Ah, 500 ms
+  watching.receive("70A#05");
+  watching.advance(200ms);
+  EXPECT_THAT(watching.host.connection_lost, ElementsAre(true));
+  EXPECT_THAT(watching.advance(500ms), ElementsAre("081#308111000000000A"));
+  EXPECT_THAT(watching.host.connection_lost, ElementsAre(true, true));
+}
+
+// A master may enable the drive by SDO without a start of the node by NMT.
+TEST(HeartbeatError, IsALossToTheDriveAlsoBehindAStopByNmt) {
+  WatchingNode watching;
+  watching.receive("000#0101");
+  watching.receive("000#0201");
+  EXPECT_THAT(watching.host.connection_lost, ElementsAre(true)) << "the stop";
+  watching.receive("000#8001");
+  EXPECT_THAT(watching.advance(200ms), ElementsAre("081#3081110000000009"));
+  EXPECT_THAT(watching.host.connection_lost, ElementsAre(true, true));
+}
+
 struct BehaviourRow {
   const char* name;
   const char* value;  ///< of 1029h:01, in hex

@@ -249,6 +249,19 @@ TEST(SteppedBridge, DetectsTheLossOfItsMasterByItsHeartbeat) {
   }
 }
 
+TEST(SteppedBridge, TellsTheDriveOfALossAlsoWhereATestHasLeft5E0AhAt1) {
+  BusOfBench bus(1, 1ms);
+  ASSERT_EQ(bus.master().download(1, {0x5E0A, 0}, 1, 1), AbortCode::none);
+  ASSERT_EQ(bus.master().download(1, {0x1016, 1}, (0x7F << 16) | 50, 4), AbortCode::none);
+  ASSERT_NO_FATAL_FAILURE(enable_by_sdo(bus, 1));
+  bus.master().send(0x77F, {0x05});
+  bus.sync(40);
+  EXPECT_EQ(bus.statusword(1) & kStateBits, kShowsEnabled);
+  bus.sync(500);
+  EXPECT_EQ(bus.statusword(1) & kStateBits, kShowsFault) << "6007h = 1";
+  EXPECT_EQ(bus.read(1, {0x603F, 0}), 0x8130);
+}
+
 TEST(SteppedBridge, ShowsAnAxisOfAnotherSessionAsNotRemote) {
   BusOfBench bus(2, 1ms);
   bus.master().send_nmt(kStart, 0);

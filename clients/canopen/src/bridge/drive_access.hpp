@@ -14,7 +14,8 @@ namespace vdrive::canopen {
 /// Reads or writes an object.
 [[nodiscard]] DriveAnswer carry_out(client::Axis& axis, const DriveAccess& access);
 
-/// The drive is without its master, or has it again: test-bench input 5E0Ah.
+/// The drive loses its master, or has it again: test-bench input 5E0Ah. It reacts to each loss,
+/// whatever the input was before.
 client::Outcome tell_connection(client::Axis& axis, bool is_lost);
 
 /// Switches the drive off and on again.

@@ -114,7 +114,7 @@ class Node::Parts final : private PdoHost {
 
   bool is_led_ = false;  ///< a master has started the node, and has not left it by NMT
   bool has_heartbeat_error_ = false;
-  bool is_without_master_ = false;  ///< what NodeHost::set_connection_lost() was told
+  bool is_without_master_ = false;  ///< what NodeHost::set_connection_lost() was told last
   bool has_left_by_nmt_ = false;    ///< why: then only a start by NMT ends it
 };
 
@@ -269,8 +269,9 @@ void Node::Parts::end_heartbeat_error() {
   if (!has_left_by_nmt_) regain_master();
 }
 
+/// An event, also where the node is without a master already: another one may have enabled the
+/// drive by SDO since.
 void Node::Parts::lose_master() {
-  if (is_without_master_) return;
   is_without_master_ = true;
   host_.set_connection_lost(true);
 }

@@ -54,8 +54,8 @@ class NodeHost {
   /// one tick.
   virtual void command(std::span<const DriveValue> values) = 0;
 
-  /// The node is without its master (heartbeat lost, NMT stop or reset): the drive reacts as 6007h
-  /// says. `is_lost` = false when a master has started the node again.
+  /// The node has lost its master (heartbeat lost, NMT stop or reset): the drive reacts as 6007h
+  /// says, to each call with true. `is_lost` = false when it has a master again.
   virtual void set_connection_lost(bool is_lost) = 0;
 
   /// NMT reset node: the drive is switched off and on.
