@@ -100,11 +100,11 @@ class BenchNodes::Slot final : public NodeHost {
   }
 
   void complete(std::uint32_t ticket, const DriveAnswer& answer) {
-    if (!node_) return;
+    if (!node_ || !accessed_ || ticket != last_ticket_) return;
     // Before the answer: with it the node may begin its next access.
-    const bool may_have_saved = accessed_ && accessed_->ticket == ticket &&
-                                is_memory(accessed_->object) && answer.abort == AbortCode::none;
-    node_->complete(ticket, answer, nodes_.now_);
+    const DriveAccess access = *std::exchange(accessed_, std::nullopt);
+    node_->complete(access.ticket, answer, nodes_.now_);
+    const bool may_have_saved = is_memory(access.object) && answer.abort == AbortCode::none;
     if (may_have_saved) nodes_.store_.save(ids_.node_id, node_->stored());
   }
 
@@ -116,8 +116,13 @@ class BenchNodes::Slot final : public NodeHost {
 
   void begin_access(const DriveAccess& access) override {
     accessed_ = access;
-    nodes_.drive_calls_.emplace_back([&calls = nodes_.calls_, place = place_, access] {
-      calls.access(place, access);
+    // Not that of the node: each new one counts from 1 on, and the answer to an access of the one
+    // before may still come.
+    ++last_ticket_;
+    DriveAccess asked = access;
+    asked.ticket = last_ticket_;
+    nodes_.drive_calls_.emplace_back([&calls = nodes_.calls_, place = place_, asked] {
+      calls.access(place, asked);
     });
   }
 
@@ -151,7 +156,8 @@ class BenchNodes::Slot final : public NodeHost {
   bool is_owned_ = false;
   bool are_identifiers_old_ = true;
   std::vector<std::uint16_t> identifiers_;
-  std::optional<DriveAccess> accessed_;  ///< last
+  std::optional<DriveAccess> accessed_;  ///< under way, as the node knows it
+  std::uint32_t last_ticket_ = 0;        ///< of it, as Calls know it
   std::optional<Node> node_;
 };
 

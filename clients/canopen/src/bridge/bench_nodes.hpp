@@ -67,7 +67,7 @@ class BenchNodes final : public Port {
   /// The drives after a tick.
   void update(std::span<const client::AxisSnapshot> drives, DriveTime now);
 
-  /// The answer to Calls::access.
+  /// The answer to Calls::access. One to an access of before the last start() is ignored.
   void complete(std::size_t place, std::uint32_t ticket, const DriveAnswer& answer);
 
   [[nodiscard]] bool has_set_points() const noexcept { return !set_points_.is_empty(); }
