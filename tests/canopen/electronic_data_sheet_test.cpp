@@ -64,10 +64,9 @@ std::string in_small_letters(std::string text) {
   return text;
 }
 
-/// @throws std::runtime_error for a line that is neither a section, an entry nor empty, for an
-/// entry
-///         outside of sections, and for a section or a key that is there twice: some readers do not
-///         distinguish capitals.
+/// @throws std::runtime_error for a line that is neither a section, an entry nor empty; for an
+///         entry outside of sections; for a section or a key that is there twice: some readers do
+///         not distinguish capitals.
 Sheet parse_sheet(const std::string& text) {
   Sheet sheet;
   std::set<std::string> sections;

@@ -14,7 +14,7 @@ class Port {
  public:
   virtual ~Port() = default;
 
-  /// A frame that another port has sent. Must not call Bus::send().
+  /// A frame that another port has sent. What the port sends within it waits for its end.
   virtual void deliver(const Frame& frame) = 0;
 };
 

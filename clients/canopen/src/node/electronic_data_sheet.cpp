@@ -2,6 +2,7 @@
 #include "node/electronic_data_sheet.hpp"
 
 #include "node/by_index.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
 

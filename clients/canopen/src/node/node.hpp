@@ -21,7 +21,7 @@ inline constexpr std::uint8_t kHighestNodeId = 127;
 /// What a node counts since it was made; a NMT reset leaves the counters.
 struct NodeCounters {
   std::uint64_t ignored_set_points = 0;  ///< RPDOs while another session owns the axis
-  std::uint64_t dropped_pdos = 0;        ///< RPDOs that were too short, or not awaited (NMT state)
+  std::uint64_t dropped_pdos = 0;        ///< as PdoCounters::dropped
   std::uint64_t sdo_aborts = 0;          ///< that the node sent
   std::uint64_t sdo_time_outs = 0;       ///< transfers that the client did not continue
   std::uint64_t ignored_frames = 0;      ///< malformed frames with an identifier of this node, or
@@ -34,7 +34,6 @@ struct NodeSettings {
   std::string_view device_name = "vdrive";  ///< 1008h
   std::string_view hardware_version = "1";  ///< 1009h
   std::string_view software_version = "0";  ///< 100Ah
-  std::uint32_t serial_number = 0;          ///< not read: 1018h:04 is a row of the drive
   /// With stepped SYNC: what 1006h may be besides 0 [us]; none = any.
   std::optional<std::uint32_t> sync_period{};
 };

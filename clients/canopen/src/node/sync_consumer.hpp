@@ -42,12 +42,11 @@ class SyncConsumer {
   [[nodiscard]] std::uint32_t read(ObjectAddress object) const noexcept;
 
   /// @pre has(object)
-  /// @return value_range_exceeded for a COB-ID with one of the bits 11 to 29 or the producer bit
-  /// 30,
-  ///         or with a restricted CAN-ID (bit 31 has no meaning, and stays as written); for a
-  ///         period that is not 0 and not that of the constructor; for an overflow value other than
-  ///         0 and 2 to 240; refused_in_present_device_state for another overflow value while 1006h
-  ///         is not 0; else none: it is in force.
+  /// @return value_range_exceeded for a COB-ID with one of the bits 11 to 29, with the producer
+  ///         bit 30, or with a restricted CAN-ID (bit 31 has no meaning, and stays as written); for
+  ///         a period that is not 0 and not that of the constructor; for an overflow value other
+  ///         than 0 and 2 to 240; refused_in_present_device_state for another overflow value while
+  ///         1006h is not 0; else none: it is in force.
   AbortCode write(ObjectAddress object, std::uint32_t value);
 
   /// @return whether `frame` is a data frame in the base format with the CAN-ID of 1005h.

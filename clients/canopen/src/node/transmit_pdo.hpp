@@ -48,9 +48,8 @@ class TransmitPdo {
   /// @return the frame to send at this SYNC.
   std::optional<Frame> synchronise(const AxisStatus& drive, std::uint8_t counter);
 
-  /// @return whether `frame` is a remote frame in the base format with the CAN-ID of this PDO,
-  /// which
-  ///         is valid and allows it.
+  /// @return whether `frame` is a remote frame in the base format with the CAN-ID of this PDO, and
+  ///         the PDO is valid and allows it.
   [[nodiscard]] bool is_request(const Frame& frame) const noexcept;
 
   /// @pre is_request() of the frame that has come
@@ -60,9 +59,8 @@ class TransmitPdo {
   /// @return the frame of an event-driven PDO that is due.
   std::optional<Frame> send_due(const AxisStatus& drive, DriveTime now);
 
-  /// @return when send_due() has something to do while the drive stays as it is; 0 = at once; none
-  /// =
-  ///         nothing waits for time.
+  /// @return when send_due() has something to do while the drive stays as it is, 0 = at once;
+  ///         nothing when it waits for no time.
   [[nodiscard]] std::optional<DriveTime> next_due() const;
 
  private:
