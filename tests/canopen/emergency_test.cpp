@@ -144,15 +144,33 @@ TEST(Emergency, WaitsForTheEndOfTheInhibitTime) {
   EXPECT_EQ(node.emergency.held_back(), 0U) << "late, not lost";
 }
 
-TEST(Emergency, SendsTheNewestOfThoseThatTheInhibitTimeHeldBackAndCountsTheOthers) {
+// Byte 2 of 8210h: 09h of the drive and 11h of the communication are 19h.
+TEST(Emergency, SendsThoseThatTheInhibitTimeHeldBackOneByOneInTheirOrder) {
   EmergencyUnderTest node;
   node.emergency.set_inhibit_time(500);
   node.fault(0x8611, 0x21);
   node.reset(10ms);
   node.fault(0x4310, 0x09, 20ms);
   node.emergency.raise(0x8210, 30ms);
+  EXPECT_THAT(node.advance(50ms), ElementsAre("081#0000005002010100"));
+  EXPECT_THAT(node.advance(99ms), IsEmpty());
+  EXPECT_THAT(node.advance(100ms), ElementsAre("081#1043090802010200"));
+  EXPECT_THAT(node.advance(150ms), ElementsAre("081#1082190802010200"));
+  EXPECT_EQ(node.emergency.next_due(), std::nullopt);
+  EXPECT_EQ(node.emergency.held_back(), 0U);
+}
+
+TEST(Emergency, LeavesOutTheOldestOfMoreThanEightThatWait) {
+  EmergencyUnderTest node;
+  node.emergency.set_inhibit_time(500);
+  node.emergency.raise(0x8210, 0ms);  // is sent
+  for (std::uint16_t number = 0; number < 10; ++number) {
+    node.emergency.raise(static_cast<std::uint16_t>(0x8220 + number), 1ms);
+  }
   EXPECT_EQ(node.emergency.held_back(), 2U);
-  EXPECT_THAT(node.advance(50ms), ElementsAre("081#1082190802010200")) << "09h | 11h";
+  const auto first = node.advance(50ms);
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_EQ(first.front().substr(0, 8), "081#2282") << "8222h: 8220h and 8221h are left out";
 }
 
 TEST(Emergency, SendsWhatWasDueBeforeWhatComesLater) {

@@ -184,16 +184,18 @@ class Bus:
         return self._program.errors().decode(errors="replace").rstrip("\n")
 
     def _reason(self, code: int) -> str:
-        """Return what it has written before its end, or how it has ended without a word."""
+        """Return how a signal has ended it, else what it has written before its end."""
         errors = self._errors()
+        if code < 0:
+            wrote = f"; it wrote: {errors}" if errors else " and wrote nothing"
+            return f"{self._path} was ended by signal {-code}{wrote}"
         if errors:
             return errors
         if not os.path.exists(self._path):
             return f"{self._path}: no such file"
         if os.path.isdir(self._path) or not os.access(self._path, os.X_OK):
             return f"{self._path}: not a program that can be executed"
-        how = f"was ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
-        return f"{self._path} {how} and wrote nothing"
+        return f"{self._path} ended with exit code {code} and wrote nothing"
 
     @property
     def host(self) -> str:

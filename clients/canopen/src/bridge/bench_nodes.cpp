@@ -10,6 +10,7 @@ namespace vdrive::canopen {
 namespace {
 
 constexpr ObjectAddress kCobIdOfSync{0x1005, 0};
+constexpr ObjectAddress kSyncCounterOverflow{0x1019, 0};
 constexpr std::uint16_t kReceivePdos = 0x1400;        // four of them
 constexpr std::uint16_t kHeartbeatConsumer = 0x1016;  // four entries
 constexpr std::uint8_t kEntries = 4;
@@ -225,9 +226,12 @@ void BenchNodes::deliver(const Frame& frame) {
 
 /// SYNC as the first node has it: one bench has one clock.
 bool BenchNodes::is_sync(const Frame& frame) const {
-  if (frame.is_extended || frame.is_remote || frame.size > 1) return false;
-  const auto cob_id = slots_.front()->node()->value(kCobIdOfSync);
-  return cob_id && frame.id == static_cast<std::uint32_t>(*cob_id & kHighestBaseId);
+  if (frame.is_extended || frame.is_remote) return false;
+  const Node& node = *slots_.front()->node();
+  const std::uint8_t size = node.value(kSyncCounterOverflow).value_or(0) == 0 ? 0 : 1;
+  const auto cob_id = node.value(kCobIdOfSync);
+  return frame.size == size && cob_id &&
+         frame.id == static_cast<std::uint32_t>(*cob_id & kHighestBaseId);
 }
 
 /// @param sender the place of the node that has sent it; none = another port

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "node/node_object.hpp"
+#include "node/object_types.hpp"
 #include "vdrive/dictionary/object.hpp"
 
 #include <cstdint>

@@ -38,7 +38,7 @@ AbortCode Emergency::set_cob_id(std::uint32_t value) {
     return AbortCode::value_range_exceeded;
   }
   cob_id_ = value;
-  if (!is_valid) waiting_.reset();
+  if (!is_valid) waiting_.clear();
   return AbortCode::none;
 }
 
@@ -48,7 +48,7 @@ void Emergency::reset() {
   is_allowed_ = false;
   drive_ = {};
   has_heartbeat_error_ = false;
-  waiting_.reset();
+  waiting_.clear();
   last_sent_.reset();
 }
 
@@ -91,14 +91,15 @@ std::uint8_t Emergency::error_register() const noexcept {
 }
 
 void Emergency::advance(DriveTime now) {
-  if (!waiting_ || !is_allowed_ || now < next_allowed()) return;
-  host_.send({.id = can_id_of(cob_id_), .size = kMostData, .data = *waiting_});
-  waiting_.reset();
-  last_sent_ = now;
+  while (!waiting_.empty() && is_allowed_ && now >= next_allowed()) {
+    host_.send({.id = can_id_of(cob_id_), .size = kMostData, .data = waiting_.front()});
+    waiting_.pop_front();
+    last_sent_ = now;
+  }
 }
 
 std::optional<DriveTime> Emergency::next_due() const {
-  return waiting_ && is_allowed_ ? std::optional(next_allowed()) : std::nullopt;
+  return !waiting_.empty() && is_allowed_ ? std::optional(next_allowed()) : std::nullopt;
 }
 
 DriveTime Emergency::next_allowed() const {
@@ -108,8 +109,11 @@ DriveTime Emergency::next_allowed() const {
 void Emergency::post(const Cause& cause, DriveTime now) {
   if ((cob_id_ & kCobIdNotValid) != 0) return;
   advance(now);  // what was due before
-  if (waiting_) ++held_back_;
-  waiting_ = message_of(cause);
+  waiting_.push_back(message_of(cause));
+  if (waiting_.size() > kMostWaiting) {
+    waiting_.pop_front();
+    ++held_back_;
+  }
   advance(now);
 }
 

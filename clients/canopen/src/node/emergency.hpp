@@ -8,7 +8,9 @@
 #include "vdrive/dictionary/abort_code.hpp"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 
 namespace vdrive::canopen {
@@ -35,6 +37,9 @@ namespace vdrive::canopen {
 /// entered there, since the drive does not know it. One that the drive reacts to is: as its fault.
 class Emergency {
  public:
+  /// Emergencies that wait, as many as 1003h has: of more the oldest is left out, and counted.
+  static constexpr std::size_t kMostWaiting = 8;
+
   /// 1014h and 1015h have their defaults. Nothing is sent until set_allowed(true).
   /// @param host outlives the producer
   Emergency(std::uint8_t node_id, NodeHost& host);
@@ -46,8 +51,7 @@ class Emergency {
   ///         with a restricted CAN-ID, or with another than the one that is valid now
   AbortCode set_cob_id(std::uint32_t value);
 
-  /// 1015h [100 us]: between two emergencies. What comes within it waits for its end; of several
-  /// the newest is sent, the others are counted.
+  /// 1015h [100 us]: between two emergencies. What comes within it waits for its turn, in order.
   [[nodiscard]] std::uint16_t inhibit_time() const noexcept { return inhibit_time_; }
 
   void set_inhibit_time(std::uint16_t value) noexcept { inhibit_time_ = value; }
@@ -56,7 +60,7 @@ class Emergency {
   /// sent again. Nothing is sent until set_allowed(true).
   void reset();
 
-  /// The NMT state has emergencies. While it has none the newest waits.
+  /// The NMT state has emergencies. While it has none they wait.
   void set_allowed(bool is_allowed, DriveTime now);
 
   /// The drive after a tick, with 6041h as masters see it.
@@ -74,7 +78,7 @@ class Emergency {
   void advance(DriveTime now);
   [[nodiscard]] std::optional<DriveTime> next_due() const;
 
-  [[nodiscard]] std::uint64_t held_back() const noexcept { return held_back_; }  ///< never sent
+  [[nodiscard]] std::uint64_t held_back() const noexcept { return held_back_; }  ///< left out
 
  private:
   using Message = std::array<std::uint8_t, kMostData>;
@@ -96,7 +100,7 @@ class Emergency {
   bool is_allowed_ = false;
   AxisStatus drive_;
   bool has_heartbeat_error_ = false;
-  std::optional<Message> waiting_;
+  std::deque<Message> waiting_;
   std::optional<DriveTime> last_sent_;
   std::uint64_t held_back_ = 0;
 };

@@ -2,7 +2,7 @@
 #include "node/heartbeat.hpp"
 
 #include "node/initial_value.hpp"
-#include "node/node.hpp"
+#include "node/node_settings.hpp"
 #include "vdrive/assert.hpp"
 
 #include <algorithm>

@@ -5,18 +5,14 @@
 #include "node/frame.hpp"
 #include "node/nmt_state.hpp"
 #include "node/node_host.hpp"
-#include "vdrive/axis_status.hpp"
+#include "node/node_settings.hpp"
 
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
-#include <string_view>
 
 namespace vdrive::canopen {
-
-inline constexpr std::uint8_t kLowestNodeId = 1;
-inline constexpr std::uint8_t kHighestNodeId = 127;
 
 /// What a node counts since it was made; a NMT reset leaves the counters.
 struct NodeCounters {
@@ -26,23 +22,7 @@ struct NodeCounters {
   std::uint64_t sdo_time_outs = 0;       ///< transfers that the client did not continue
   std::uint64_t ignored_frames = 0;      ///< malformed frames with an identifier of this node, or
                                          ///< of NMT
-  std::uint64_t held_back_emergencies = 0;  ///< by the inhibit time 1015h, replaced by a newer one
-};
-
-struct NodeSettings {
-  std::uint8_t node_id = 1;                 ///< 1 to 127
-  std::string_view device_name = "vdrive";  ///< 1008h
-  std::string_view hardware_version = "1";  ///< 1009h
-  std::string_view software_version = "0";  ///< 100Ah
-  /// With stepped SYNC: what 1006h may be besides 0 [us]; none = any.
-  std::optional<std::uint32_t> sync_period{};
-};
-
-/// The drive as its node sees it after a tick.
-struct DriveView {
-  AxisStatus status;
-  bool is_owned = true;  ///< the bridge controls the axis: else 6041h shows bit 9 (remote) = 0, and
-                         ///< RPDOs are ignored and counted
+  std::uint64_t held_back_emergencies = 0;  ///< by the inhibit time 1015h, until they were left out
 };
 
 /// A CANopen node (CiA 301) of one axis (CiA 402): a function of frames, states and time. It opens

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "node/drive_time.hpp"
-#include "node/node.hpp"
 #include "node/node_host.hpp"
+#include "node/node_settings.hpp"
 #include "node/sdo_server.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/object.hpp"

@@ -133,23 +133,6 @@ AbortCode check_node_address(ObjectAddress address) {
   return index_exists ? AbortCode::subindex_does_not_exist : AbortCode::object_does_not_exist;
 }
 
-std::uint8_t size_of(NodeDataType type) noexcept {
-  switch (type) {
-    case NodeDataType::integer8:
-    case NodeDataType::unsigned8:
-      return 1;
-    case NodeDataType::integer16:
-    case NodeDataType::unsigned16:
-      return 2;
-    case NodeDataType::integer32:
-    case NodeDataType::unsigned32:
-      return 4;
-    case NodeDataType::visible_string:
-      return 0;
-  }
-  return 0;
-}
-
 std::int64_t default_of(const NodeObject& object, std::uint8_t node_id) noexcept {
   return object.default_value + (object.has_node_id ? node_id : 0);
 }

@@ -1,62 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "node/object_types.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/object.hpp"
 
 #include <cstdint>
-#include <optional>
 #include <span>
-#include <string>
-#include <string_view>
 
 namespace vdrive::canopen {
-
-/// Data types of CiA 301 that the dictionary of a node has, by the number that an EDS writes.
-enum class NodeDataType : std::uint16_t {
-  integer8 = 0x0002,
-  integer16 = 0x0003,
-  integer32 = 0x0004,
-  unsigned8 = 0x0005,
-  unsigned16 = 0x0006,
-  unsigned32 = 0x0007,
-  visible_string = 0x0009,
-};
-
-enum class NodeAccess : std::uint8_t { read_only, read_write, write_only, constant };
-
-/// Whose register an object is.
-enum class ObjectOwner : std::uint8_t {
-  node,   ///< communication object: the node itself has it (1000h to 1FFFh, all :00 counts)
-  drive,  ///< a row of the core's table: the drive has it
-};
-
-/// Where an object may be mapped (CiA 301, 7.5.2.36 and 7.5.2.38).
-enum class PdoMapping : std::uint8_t {
-  none,
-  transmit,  ///< the status of the drive has it
-  receive,   ///< a set-point of the drive may bring it
-};
-
-/// Shape of the index that an object belongs to (CiA 301, table "Object code").
-enum class ObjectCode : std::uint8_t { variable = 0x7, array = 0x8, record = 0x9 };
-
-/// One object of the dictionary of a node: what SDO, PDO mapping, EDS and documents read.
-struct NodeObject {
-  ObjectAddress address;
-  std::string_view name;            ///< ASCII, without ';' and '#'
-  std::string_view index_name;      ///< name of the whole index; that of :00 of a variable
-  ObjectCode code = ObjectCode::variable;
-  NodeDataType data_type = NodeDataType::unsigned32;
-  NodeAccess access = NodeAccess::read_only;
-  ObjectOwner owner = ObjectOwner::node;
-  PdoMapping mapping = PdoMapping::none;
-  std::int64_t lower_limit = 0;     ///< no meaning for visible_string
-  std::int64_t upper_limit = 0;
-  std::int64_t default_value = 0;   ///< of a COB-ID: without the node id where has_node_id
-  std::string_view default_text{};  ///< of visible_string
-  bool has_node_id = false;         ///< the default has the node id added ("$NODEID+0x180")
-};
 
 /// Every object of a node, by index and sub-index. The drive's rows are made of kObjectTable, the
 /// others of the one table of communication objects (communication_objects.hpp). Made once; the
@@ -69,9 +21,6 @@ struct NodeObject {
 /// @return object_does_not_exist when no object has this index, subindex_does_not_exist when the
 ///         index has no such sub-index, else none.
 [[nodiscard]] AbortCode check_node_address(ObjectAddress address);
-
-/// @return bytes of a number of this type; 0 for visible_string.
-[[nodiscard]] std::uint8_t size_of(NodeDataType type) noexcept;
 
 /// @return the default of a communication object in a node, its node id added where it has one.
 [[nodiscard]] std::int64_t default_of(const NodeObject& object, std::uint8_t node_id) noexcept;

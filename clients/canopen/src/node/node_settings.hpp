@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/axis_status.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace vdrive::canopen {
+
+inline constexpr std::uint8_t kLowestNodeId = 1;
+inline constexpr std::uint8_t kHighestNodeId = 127;
+
+/// What a node is made of.
+struct NodeSettings {
+  std::uint8_t node_id = 1;                 ///< 1 to 127
+  std::string_view device_name = "vdrive";  ///< 1008h
+  std::string_view hardware_version = "1";  ///< 1009h
+  std::string_view software_version = "0";  ///< 100Ah
+  /// With stepped SYNC: what 1006h may be besides 0 [us]; none = any.
+  std::optional<std::uint32_t> sync_period{};
+};
+
+/// The drive as its node sees it after a tick.
+struct DriveView {
+  AxisStatus status;
+  bool is_owned = true;  ///< the bridge controls the axis: else 6041h shows bit 9 (remote) = 0, and
+                         ///< RPDOs are ignored and counted
+};
+
+}  // namespace vdrive::canopen
