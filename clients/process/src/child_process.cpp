@@ -13,9 +13,11 @@ extern "C" {
 #include <sys/pidfd.h>
 }
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <string_view>
 #include <system_error>
@@ -55,6 +57,19 @@ std::vector<std::string> environment_with(std::vector<std::string> changes) {
 int checked(int result, const char* what) {
   if (result >= 0) return result;
   throw std::system_error(errno, std::generic_category(), what);
+}
+
+/// Waits until the process of `handle` has ended. @return false when it has not after `patience`.
+bool has_ended_within(int handle, std::chrono::milliseconds patience) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point deadline = Clock::now() + patience;
+  pollfd ended{handle, POLLIN, 0};
+  while (true) {
+    const auto rest = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+    const int ready = poll(&ended, 1, static_cast<int>(std::max<std::int64_t>(rest.count(), 0)));
+    // A signal of this process, such as that of Ctrl-C, is no end of the other one.
+    if (ready >= 0 || errno != EINTR) return ready != 0;
+  }
 }
 
 /// In the child, between fork and exec: system calls only.
@@ -123,10 +138,7 @@ void ChildProcess::send(int signal) const noexcept {
 
 std::optional<int> ChildProcess::wait(std::optional<std::chrono::milliseconds> patience) {
   if (code_) return code_;
-  if (patience) {
-    pollfd ended{handle_.get(), POLLIN, 0};
-    if (poll(&ended, 1, static_cast<int>(patience->count())) == 0) return std::nullopt;
-  }
+  if (patience && !has_ended_within(handle_.get(), *patience)) return std::nullopt;
   int status = 0;
   while (waitpid(id_, &status, 0) < 0 && errno == EINTR) {
   }
