@@ -114,19 +114,42 @@ def test_where_there_is_no_program_the_variable_is_named(monkeypatch):
         vdrive.canopen.Bus()
 
 
-def test_a_signal_handler_that_raises_ends_the_start_and_the_program(fake, tmp_path):
+def test_a_signal_handler_that_raises_ends_the_start_and_the_program(fake):
     def ring(*_):
         raise TimeoutError("rung")
 
     before = signal.signal(signal.SIGALRM, ring)
+    others = children()
+    begin = time.monotonic()
     try:
         signal.setitimer(signal.ITIMER_REAL, 0.3)
         with pytest.raises(TimeoutError, match="rung"):
-            vdrive.canopen.Bus(program=fake(f"echo $$ > {tmp_path}/pid; exec sleep 100"))
+            vdrive.canopen.Bus(program=fake("exec sleep 1000"))
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
-    assert not pathlib.Path("/proc", (tmp_path / "pid").read_text().strip()).exists()
+    assert time.monotonic() - begin < PATIENCE, "a wait that a signal interrupts waits for the end"
+    assert children() == others
+
+
+def test_what_a_master_raises_at_its_end_leaves_no_program(fake, monkeypatch):
+    class Broken:
+        def shutdown(self):
+            raise OSError("of the master")
+
+    class Can:
+        @staticmethod
+        def Bus(**_):
+            return Broken()
+
+    monkeypatch.setitem(sys.modules, "can", Can)
+    bus = vdrive.canopen.Bus(program=fake(f"echo '{LINE}'\n{SERVES}"))
+    made = bus.can(), bus.can()
+    with pytest.raises(OSError, match="of the master"):
+        bus.close()
+    assert bus.exit_code == 0 and bus.counters == {"frames": 1234, "SDO aborts": 5}
+    assert len(made) == 2
+    bus.close()
 
 
 def test_the_arguments_of_the_bus_are_those_of_the_program(fake, tmp_path):

@@ -13,6 +13,7 @@ a time, and scripts by that of CiA 309-3 at `gateway`.
 """
 from __future__ import annotations
 
+import contextlib
 import importlib
 import os
 import re
@@ -272,12 +273,15 @@ class Bus:
             if self._is_closed:
                 return
             self._is_closed = True
-            for master in list(self._masters):
-                master.shutdown()
             before = self._program.wait()
-            self._program.stop(_END)
-            code = self._program.wait()
-            self._counters = _counters_of(self._program.output().decode(errors="replace"))
+            try:
+                with contextlib.ExitStack() as ending:  # each of them, whatever another one raises
+                    for master in list(self._masters):
+                        ending.callback(master.shutdown)
+            finally:
+                self._program.stop(_END)
+                code = self._program.wait()
+                self._counters = _counters_of(self._program.output().decode(errors="replace"))
         if before is not None:
             raise Failed(f"{_PROGRAM} has ended by itself: {self._reason(before)}")
         if code:
