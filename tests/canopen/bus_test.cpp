@@ -137,6 +137,26 @@ TEST(Bus, GivesAPortThatIsAttachedWithinADeliveryTheNextFrameFirst) {
   EXPECT_EQ(added->frames, Frames{kSecond});
 }
 
+// Such as two nodes whose TPDOs are the SYNC of the other one.
+TEST(Bus, EndsPortsThatAnswerEachOtherAndCountsWhatItDrops) {
+  Bus bus;
+  ActingPort one([&](const Frame&) {
+    bus.send(kFirst, &one);
+  });
+  ActingPort two([&](const Frame&) {
+    bus.send(kSecond, &two);
+  });
+  bus.attach(one);
+  bus.attach(two);
+  bus.send(kSecond, &two);
+  EXPECT_EQ(bus.frames(), Bus::kMostAtOnce);
+  EXPECT_EQ(bus.dropped_frames(), 1U);
+  bus.detach(two);
+  bus.send(kSecond, nullptr);
+  EXPECT_EQ(one.frames.back(), kSecond) << "the next frame is delivered";
+  EXPECT_EQ(bus.dropped_frames(), 1U);
+}
+
 TEST(Bus, IgnoresTheDetachmentOfAPortThatIsNotThere) {
   Bus bus;
   RecordedPort port(bus);

@@ -302,6 +302,32 @@ TEST(SteppedBridge, PowerCyclesAtResetNode) {
   EXPECT_NE(bus.statusword(1) & kStateBits, kShowsEnabled);
 }
 
+/// The TPDO 1 of the node has one byte, and is sent at the TPDO 1 of the other one.
+void synchronise_with(BusOfBench& bus, std::uint8_t node, std::uint8_t other) {
+  const std::int64_t id = 0x180 + node;
+  TestMaster& master = bus.master();
+  ASSERT_EQ(master.download(node, {0x1800, 1}, 0x80000000 | id, 4), AbortCode::none);
+  ASSERT_EQ(master.download(node, {0x1800, 2}, 1, 1), AbortCode::none);
+  ASSERT_EQ(master.download(node, {0x1A00, 0}, 0, 1), AbortCode::none);
+  ASSERT_EQ(master.download(node, {0x1A00, 1}, 0x60610008, 4), AbortCode::none);
+  ASSERT_EQ(master.download(node, {0x1A00, 0}, 1, 1), AbortCode::none);
+  ASSERT_EQ(master.download(node, {0x1800, 1}, id, 4), AbortCode::none);
+  ASSERT_EQ(master.download(node, {0x1019, 0}, 240, 1), AbortCode::none);
+  ASSERT_EQ(master.download(node, {0x1005, 0}, 0x180 + other, 4), AbortCode::none);
+}
+
+TEST(SteppedBridge, EndsNodesThatAnswerEachOther) {
+  BusOfBench bus(2, 1ms);
+  ASSERT_NO_FATAL_FAILURE(synchronise_with(bus, 1, 2));
+  ASSERT_NO_FATAL_FAILURE(synchronise_with(bus, 2, 1));
+  bus.master().send_nmt(kStart, 0);
+  (void)bus.master().take_all();
+  bus.master().send(0x181, {1});  // a SYNC of node 2
+  EXPECT_GT(bus.master().count(0x182), 1'000U);
+  EXPECT_GT(bus.bridge().bus(0).bus().dropped_frames(), 0U);
+  EXPECT_EQ(bus.read(2, {0x1000, 0}), 0x00020192) << "the nodes are there";
+}
+
 TEST(SteppedBridge, LosesItsNodesWithTheirBenchAndBootsThemWithTheNextOne) {
   BusOfBench bus(2, 1ms);
   bus.end_bench();

@@ -272,8 +272,14 @@ void BenchNodes::refresh_listeners() {
 void BenchNodes::settle() {
   if (is_settling_) return;  // the call that is under way does it
   is_settling_ = true;
+  std::size_t frames = 0;
   while (!outgoing_.empty() || !drive_calls_.empty()) {
     sending_.swap(outgoing_);
+    frames += sending_.size();
+    if (frames > Bus::kMostAtOnce) {
+      bus_.note_dropped(sending_.size());
+      sending_.clear();
+    }
     for (const Outgoing& outgoing : sending_) send(outgoing);
     sending_.clear();
     run_drive_calls();

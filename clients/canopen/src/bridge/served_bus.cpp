@@ -217,7 +217,7 @@ std::string ServedBus::counters() const {
          std::to_string(nodes.ignored_frames) + " malformed frames, " +
          std::to_string(nodes.held_back_emergencies) + " emergencies held back, " +
          std::to_string(unread) + " frames not read in time, " + std::to_string(refused_words) +
-         " refused words";
+         " refused words, " + std::to_string(bus_.dropped_frames()) + " frames cut off";
 }
 
 }  // namespace vdrive::canopen

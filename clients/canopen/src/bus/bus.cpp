@@ -24,6 +24,7 @@ void Bus::detach(Port& port) {
 }
 
 void Bus::send(const Frame& frame, const Port* sender) {
+  if (waiting_.size() >= kMostAtOnce) return note_dropped(1);
   waiting_.push_back({frame, sender});
   if (is_delivering_) return;
   is_delivering_ = true;

@@ -3,6 +3,7 @@
 
 #include "node/frame.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -14,7 +15,7 @@ class Port {
  public:
   virtual ~Port() = default;
 
-  /// A frame that another port has sent. What the port sends within it waits for its end.
+  /// A frame that another port has sent. What it sends within this call comes behind the frame.
   virtual void deliver(const Frame& frame) = 0;
 };
 
@@ -22,16 +23,27 @@ class Port {
 /// For one thread.
 class Bus {
  public:
+  /// Frames that one frame may bring about. Some thousand are those of a bus with 127 nodes; nodes
+  /// that answer each other without an end, such as two whose PDOs are the SYNC of the other one,
+  /// would keep the thread for ever.
+  static constexpr std::size_t kMostAtOnce = 8'192;
+
   void attach(Port& port);
 
   /// What is detached gets no further frame.
   void detach(Port& port);
 
   /// Delivers `frame` to all ports but `sender`. Frames that are sent during a delivery wait for
-  /// its end.
+  /// its end; those beyond kMostAtOnce are dropped.
   void send(const Frame& frame, const Port* sender);
 
+  /// Counts frames that their port has dropped for kMostAtOnce itself.
+  void note_dropped(std::size_t frames) noexcept { dropped_frames_ += frames; }
+
   [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }  ///< since it was made
+
+  /// @return frames beyond kMostAtOnce, since it was made.
+  [[nodiscard]] std::uint64_t dropped_frames() const noexcept { return dropped_frames_; }
 
  private:
   struct Waiting {
@@ -42,6 +54,7 @@ class Bus {
   std::vector<Port*> ports_;
   std::vector<Waiting> waiting_;
   std::uint64_t frames_ = 0;
+  std::uint64_t dropped_frames_ = 0;
   bool is_delivering_ = false;
 };
 
