@@ -10,7 +10,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace vdrive::test {
@@ -342,6 +344,25 @@ TEST(SteppedBridge, LosesItsNodesWithTheirBenchAndBootsThemWithTheNextOne) {
   ASSERT_TRUE(bus.master().wait_for(0x702));
   EXPECT_EQ(bus.master().count(0x701), 1U);
   ASSERT_NO_FATAL_FAILURE(enable_by_sdo(bus, 2));
+}
+
+TEST(SteppedBridge, EndsWhileASyncWaitsForAnotherStepper) {
+  BusOfBench bus(1, 1ms);
+  client::Session other = bus.other_session();
+  std::optional<client::Result<client::StepClock>> clock;
+  // In another thread: one that steps a bench of this process with two sessions waits for itself.
+  std::jthread([&] {
+    clock.emplace(client::StepClock::join(other, std::array<std::uint32_t, 1>{1}));
+  }).join();
+  ASSERT_TRUE(*clock) << clock->outcome().message();
+  const std::uint64_t begin = tick_of(bus);
+  const std::jthread ending([&bus] {
+    bus.bridge().stop();
+  });
+  // Each would wait for a second, until the other stepper is taken off the clock.
+  bus.sync(100);
+  EXPECT_TRUE(bus.bridge().loop().stopped());
+  EXPECT_EQ(tick_of(bus), begin);
 }
 
 TEST(SteppedBridge, KeepsCommunicationParametersThatWereSaved) {

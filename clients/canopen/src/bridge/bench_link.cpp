@@ -160,8 +160,8 @@ void BenchLink::cycle_power(std::size_t place) {
 }
 
 void BenchLink::report_failure(const client::Outcome& outcome, std::size_t place) {
-  // A bench that is lost is reported as such.
-  if (outcome || outcome.kind() == client::OutcomeKind::lost) return;
+  // A bench that is lost is reported as such, and a program that ends reports nothing.
+  if (outcome || outcome.kind() == client::OutcomeKind::lost || session_.is_interrupted()) return;
   reports_.report(bridge::Severity::warning, "axis " + to_string(ids_.at(place)),
                   outcome.message());
 }
@@ -192,7 +192,7 @@ void BenchLink::send_waiting() {
       frames.swap(waiting_);
     }
     const client::Outcome sent = session_.send_set_points(bench_, frames);
-    if (sent || sent.kind() == client::OutcomeKind::lost) continue;
+    if (sent || sent.kind() == client::OutcomeKind::lost || session_.is_interrupted()) continue;
     reports_.report(bridge::Severity::warning, label_, "set-points: " + sent.message());
   }
 }

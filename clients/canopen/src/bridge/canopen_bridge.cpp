@@ -63,6 +63,11 @@ void CanopenBridge::start() {
   while (is_private_ && !are_all_there() && !loop_.stopped()) loop_.run_one();
 }
 
+void CanopenBridge::stop() {
+  loop_.stop();  // first: what ends now is not reported as a bench that is lost
+  session_.interrupt();
+}
+
 void CanopenBridge::find() {
   const std::vector<client::BenchInfo> present = session_.present_benches();
   const auto now = ServedBus::Clock::now();

@@ -29,13 +29,16 @@ class CanopenBridge final {
   CanopenBridge(const CanopenBridge&) = delete;
   CanopenBridge& operator=(const CanopenBridge&) = delete;
 
-  /// Runs everything from start() on, until it is stopped.
+  /// Runs everything from start() on, until stop().
   [[nodiscard]] asio::io_context& loop() noexcept { return loop_; }
 
   /// Looks for benches from now on. Runs the loop until the nodes of the private benches are there,
   /// or the loop is stopped.
   /// @throws settings::ConfigurationError when the axes of a private bench cannot be nodes
   void start();
+
+  /// Ends loop(), and all calls that wait for a bench, in it and beside it. Any thread.
+  void stop();
 
   /// @return the number of its session, which an axis shows as its owner.
   [[nodiscard]] std::uint64_t session() const noexcept { return session_.id(); }

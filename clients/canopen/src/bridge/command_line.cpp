@@ -20,6 +20,7 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <thread>
 
 namespace vdrive::canopen {
 namespace {
@@ -100,6 +101,30 @@ void complete(CommandLine& line) {
   settings.session.patience = settings.session.silence;
 }
 
+/// Ends the bridge at SIGINT and SIGTERM. In a thread of its own: a SYNC that lets time pass keeps
+/// the loop while it waits for other steppers of the clock.
+class EndSignals final {
+ public:
+  explicit EndSignals(CanopenBridge& bridge) : signals_(context_, SIGINT, SIGTERM) {
+    signals_.async_wait([&bridge](const boost::system::error_code& error, int /*signal*/) {
+      if (!error) bridge.stop();
+    });
+    thread_ = std::jthread([this] {
+      context_.run();
+    });
+  }
+
+  ~EndSignals() { context_.stop(); }
+
+  EndSignals(const EndSignals&) = delete;
+  EndSignals& operator=(const EndSignals&) = delete;
+
+ private:
+  asio::io_context context_{1};
+  asio::signal_set signals_;
+  std::jthread thread_;  ///< last: it uses the others
+};
+
 int serve(const Settings& settings) {
   // A client may be gone when its answer is written: that is an error of this write, no end.
   std::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): it cannot fail for this signal
@@ -110,10 +135,7 @@ int serve(const Settings& settings) {
       bridge.report_library(words);
     });
   }
-  boost::asio::signal_set signals(bridge.loop(), SIGINT, SIGTERM);
-  signals.async_wait([&bridge](const boost::system::error_code& error, int /*signal*/) {
-    if (!error) bridge.loop().stop();
-  });
+  const EndSignals signals(bridge);
   bridge.start();
   for (const std::string& text : bridge.first_lines()) {
     std::cout << "vdrive-canopen: " << text << std::endl;

@@ -98,6 +98,7 @@ void SteppedBench::close(const std::string& reason) {
 }
 
 void SteppedBench::note_failure(const client::Outcome& outcome, const char* what) {
+  if (parts_.session.is_interrupted()) return;  // the program ends
   const bool is_lost = outcome.kind() == client::OutcomeKind::lost ||
                        outcome.kind() == client::OutcomeKind::not_found;
   if (is_lost && nodes_.is_running()) {
