@@ -57,6 +57,9 @@ void SteppedBench::poll(const client::BenchInfo* present) {
     incarnation_ = present->incarnation;
   } else {
     note_failure(opened, "its clock");
+    // Other steppers would wait for nodes that are not there.
+    follower_.reset();
+    clock_.reset();
   }
 }
 
