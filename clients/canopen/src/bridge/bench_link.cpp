@@ -30,6 +30,7 @@ BenchLink::BenchLink(client::Session& session, const client::BenchInfo& info, st
       label_(std::move(label)),
       reports_(reports),
       notify_(std::move(notify)),
+      jobs_(ids_.size()),
       period_(info.period),
       follower_([this] {
         return begin();
@@ -126,35 +127,64 @@ BenchLink::News BenchLink::take_news() {
 
 // ---- calls -----------------------------------------------------------------------------------
 
-BenchLink::Axes BenchLink::axes() const {
-  const std::scoped_lock lock(mutex_);
-  return axes_;
+/// @return false when the job was not taken.
+bool BenchLink::post(std::size_t place, DriveJobs::Kind kind,
+                     std::function<void(client::Axis& axis)> job) {
+  {
+    const std::scoped_lock lock(mutex_);
+    WaitingJobs& waiting = jobs_.at(place);
+    const bool is_taken = waiting.jobs.add(kind, [known = axes_, place, job = std::move(job)] {
+      client::Axis axis = known->at(place);  // a handle
+      job(axis);
+    });
+    if (!is_taken) return false;
+    if (std::exchange(waiting.is_posted, true)) return true;
+  }
+  post_next(place);
+  return true;
 }
 
-/// @return false when the job was not taken.
-bool BenchLink::post(std::size_t place, std::function<void(client::Axis& axis)> job) {
-  return workers_.at(place % workers_.size()).post([known = axes(), place, job = std::move(job)] {
-    client::Axis axis = known->at(place);  // a handle
-    job(axis);
+/// A worker has one job for each of its axes at most, which are fewer than it takes: only its end
+/// refuses one.
+void BenchLink::post_next(std::size_t place) {
+  (void)workers_.at(place % workers_.size()).post([this, place] {
+    work(place);
   });
+}
+
+/// Carries out the oldest job of an axis; the next one waits behind those of other axes.
+void BenchLink::work(std::size_t place) {
+  DriveJobs::Job job;
+  {
+    const std::scoped_lock lock(mutex_);
+    job = jobs_.at(place).jobs.take();
+  }
+  job();
+  {
+    const std::scoped_lock lock(mutex_);
+    WaitingJobs& waiting = jobs_.at(place);
+    waiting.is_posted = !waiting.jobs.is_empty();
+    if (!waiting.is_posted) return;
+  }
+  post_next(place);
 }
 
 void BenchLink::access(std::size_t place, const DriveAccess& access,
                        const std::function<void(const DriveAnswer&)>& done) {
-  const bool is_taken = post(place, [access, done](client::Axis& axis) {
+  const bool is_taken = post(place, DriveJobs::Kind::access, [access, done](client::Axis& axis) {
     done(carry_out(axis, access));
   });
   if (!is_taken) done({.abort = AbortCode::cannot_store_or_transfer});
 }
 
 void BenchLink::tell_connection(std::size_t place, bool is_lost) {
-  (void)post(place, [this, place, is_lost](client::Axis& axis) {
+  (void)post(place, DriveJobs::Kind::connection, [this, place, is_lost](client::Axis& axis) {
     report_failure(canopen::tell_connection(axis, is_lost), place);
   });
 }
 
 void BenchLink::cycle_power(std::size_t place) {
-  (void)post(place, [this, place](client::Axis& axis) {
+  (void)post(place, DriveJobs::Kind::power_cycle, [this, place](client::Axis& axis) {
     report_failure(canopen::cycle_power(axis), place);
   });
 }
@@ -169,12 +199,14 @@ void BenchLink::report_failure(const client::Outcome& outcome, std::size_t place
 void BenchLink::send(std::vector<client::SetPointFrame> frames) {
   {
     const std::scoped_lock lock(mutex_);
-    if (waiting_.size() + frames.size() > kMostWaitingFrames) {
-      dropped_frames_ += frames.size();
-      return;
-    }
     waiting_.insert(waiting_.end(), std::make_move_iterator(frames.begin()),
                     std::make_move_iterator(frames.end()));
+    if (waiting_.size() > kMostWaitingFrames) {
+      // The newest values count.
+      const auto beyond = static_cast<std::ptrdiff_t>(waiting_.size() - kMostWaitingFrames);
+      waiting_.erase(waiting_.begin(), waiting_.begin() + beyond);
+      dropped_frames_ += static_cast<std::uint64_t>(beyond);
+    }
     if (std::exchange(is_sending_, true)) return;
   }
   (void)sender_.post([this] {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bench_follower.hpp"
+#include "bridge/drive_jobs.hpp"
 #include "bridge/node_control.hpp"
 #include "node/drive_time.hpp"
 #include "node/node_host.hpp"
@@ -42,7 +43,7 @@ class BenchLink {
     std::shared_ptr<const State> newest{};  ///< none = nothing came
   };
 
-  /// Frames of set-points that may wait for the bench; further ones are dropped.
+  /// Frames of set-points that may wait for the bench; the oldest beyond are dropped.
   static constexpr std::size_t kMostWaitingFrames = 1'024;
 
   /// @param session, reports outlive this
@@ -71,6 +72,12 @@ class BenchLink {
  private:
   using Axes = std::shared_ptr<const std::vector<client::Axis>>;
 
+  /// What waits for the drive of an axis.
+  struct WaitingJobs {
+    DriveJobs jobs;
+    bool is_posted = false;  ///< its worker has a job for it
+  };
+
   void run(const std::stop_token& stop);
   [[nodiscard]] client::Result<bridge::BenchFollower::Next> begin();
   void follow();
@@ -78,8 +85,10 @@ class BenchLink {
   void show(client::Observation&& observation);
   void tell(News news);
   void send_waiting();
-  [[nodiscard]] Axes axes() const;
-  [[nodiscard]] bool post(std::size_t place, std::function<void(client::Axis& axis)> job);
+  [[nodiscard]] bool post(std::size_t place, DriveJobs::Kind kind,
+                          std::function<void(client::Axis& axis)> job);
+  void post_next(std::size_t place);
+  void work(std::size_t place);
   void report_failure(const client::Outcome& outcome, std::size_t place);
 
   client::Session& session_;
@@ -95,6 +104,7 @@ class BenchLink {
   std::vector<client::SetPointFrame> waiting_;
   bool is_sending_ = false;
   std::uint64_t dropped_frames_ = 0;
+  std::vector<WaitingJobs> jobs_;  ///< by place
   // Of the thread that follows.
   std::chrono::microseconds period_;
   bool is_stepped_ = false;  ///< its bench is in lock-step
