@@ -81,6 +81,22 @@ TEST(CanopenArguments, ReplaceWhatTheFileSays) {
   EXPECT_EQ(settings.buses.front().benches.at(0).number, 7U) << "the benches are not named";
 }
 
+TEST(CanopenArguments, GiveOffsetsToTheBenchesOfTheFile) {
+  Settings settings;
+  read_settings("buses:\n  - {benches: [{bench: 7}, {bench: 9, node_offset: 2}]}\n", "canopen.yaml",
+                settings);
+  Settings each = settings;
+  apply_arguments({.node_offsets = {5}}, settings);
+  ASSERT_THAT(settings.buses.front().benches, SizeIs(2));
+  EXPECT_EQ(settings.buses.front().benches[0].number, 7U);
+  EXPECT_EQ(settings.buses.front().benches[0].node_offset, 5);
+  EXPECT_EQ(settings.buses.front().benches[1].node_offset, 5);
+  apply_arguments({.node_offsets = {1, 3}}, each);
+  EXPECT_EQ(each.buses.front().benches.at(1).node_offset, 3);
+  EXPECT_THAT(problem_of_arguments({.node_offsets = {1, 2, 3}}, each),
+              HasSubstr("--node-offset is given 3 times for 2 benches"));
+}
+
 TEST(CanopenArguments, NameOptionValueAndLimitOfAnError) {
   EXPECT_THAT(problem_of_arguments({.socketcand = {"29536"}}),
               HasSubstr("--socketcand '29536': must be an address and a port"));

@@ -55,24 +55,31 @@ bool names_a_bus(const Arguments& arguments) {
          !arguments.interfaces.empty() || arguments.axes || !arguments.bench_configuration.empty();
 }
 
+/// Gives each bench its offset, or all of them the only one.
+void set_offsets(const std::vector<std::int32_t>& offsets, std::vector<BenchSetting>& benches) {
+  if (offsets.size() > 1 && offsets.size() != benches.size()) {
+    throw ConfigurationError("--node-offset is given " + std::to_string(offsets.size()) +
+                             " times for " + counted(benches.size(), "bench", "benches") +
+                             ": give it once for all, or once for each --bench");
+  }
+  if (offsets.empty()) return;
+  for (std::size_t place = 0; place < benches.size(); ++place) {
+    benches[place].node_offset = offsets.size() == 1 ? offsets[0] : offsets[place];
+  }
+}
+
 /// @return the benches of the options; the one of a private bus that names none has number 1.
 std::vector<BenchSetting> benches_of(const Arguments& arguments, bool is_private) {
   std::vector<std::uint32_t> numbers = arguments.benches;
   if (numbers.empty() && is_private) numbers.push_back(1);
-  const std::vector<std::int32_t>& offsets = arguments.node_offsets;
-  if (offsets.size() > 1 && offsets.size() != numbers.size()) {
-    throw ConfigurationError("--node-offset is given " + std::to_string(offsets.size()) +
-                             " times for " + counted(numbers.size(), "bench", "benches") +
-                             ": give it once for all, or once for each --bench");
-  }
   std::vector<BenchSetting> benches;
-  for (std::size_t place = 0; place < numbers.size(); ++place) {
+  for (const std::uint32_t number : numbers) {
     BenchSetting& bench = benches.emplace_back();
-    bench.number = numbers[place];
-    if (!offsets.empty()) bench.node_offset = offsets.size() == 1 ? offsets[0] : offsets[place];
+    bench.number = number;
     bench.axes = arguments.axes;
     bench.configuration = arguments.bench_configuration;
   }
+  set_offsets(arguments.node_offsets, benches);
   return benches;
 }
 
@@ -82,9 +89,13 @@ void apply_to_bus(const Arguments& arguments, bool is_private, BusSetting& bus) 
   }
   if (!arguments.gateways.empty()) bus.gateways = take_addresses("--gateway", arguments.gateways);
   if (!arguments.interfaces.empty()) bus.interfaces = arguments.interfaces;
-  const bool names_benches = !arguments.benches.empty() || !arguments.node_offsets.empty() ||
-                             arguments.axes || !arguments.bench_configuration.empty();
-  if (!names_benches) return;
+  const bool names_benches =
+      !arguments.benches.empty() || arguments.axes || !arguments.bench_configuration.empty();
+  // Offsets alone are those of the benches that the file has named.
+  if (!names_benches && !bus.benches.empty()) {
+    return set_offsets(arguments.node_offsets, bus.benches);
+  }
+  if (!names_benches && arguments.node_offsets.empty()) return;
   bus.benches = benches_of(arguments, is_private);
   if (bus.benches.empty() && !arguments.node_offsets.empty()) {
     bus.node_offset = arguments.node_offsets.front();
