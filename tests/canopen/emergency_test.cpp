@@ -20,6 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 /// A drive in profile position, without a fault, whose node may send emergencies.
 struct EmergencyUnderTest {
@@ -163,7 +164,8 @@ TEST(Emergency, SendsThoseThatTheInhibitTimeHeldBackOneByOneInTheirOrder) {
 TEST(Emergency, LeavesOutTheOldestOfMoreThanEightThatWait) {
   EmergencyUnderTest node;
   node.emergency.set_inhibit_time(500);
-  node.emergency.raise(0x8210, 0ms);  // is sent
+  node.emergency.raise(0x8210, 0ms);
+  EXPECT_THAT(node.advance(0ms), SizeIs(1));
   for (std::uint16_t number = 0; number < 10; ++number) {
     node.emergency.raise(static_cast<std::uint16_t>(0x8220 + number), 1ms);
   }
