@@ -15,6 +15,7 @@
 namespace vdrive::canopen {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::Pair;
@@ -52,21 +53,23 @@ TEST(CommunicationParameters, AreTheWritableObjectsOfTheNodeItself) {
 
 TEST(CommunicationParameters, StoreWhatDiffersFromItsDefault) {
   CommunicationParameters parameters(5, {});
-  parameters.store([](ObjectAddress object) {
+  parameters.store(parameters.to_store([](ObjectAddress object) {
     if (object == ObjectAddress{0x1017, 0}) return 500U;
     const NodeObject* const found = find_node_object(object);
     return found == nullptr ? 0U : static_cast<std::uint32_t>(default_of(*found, 5));
-  });
+  }));
   EXPECT_THAT(parameters.stored(), ElementsAre(Pair(ObjectAddress{0x1017, 0}, 500U)));
 }
 
 TEST(CommunicationParameters, AskForEachParameterOnceWhenTheyAreStored) {
-  CommunicationParameters parameters(5, {});
+  const CommunicationParameters parameters(5, {});
   Values asked;
-  parameters.store([&asked](ObjectAddress object) {
+  const Values values = parameters.to_store([&asked](ObjectAddress object) {
     ++asked[object];
     return 0U;
   });
+  EXPECT_THAT(parameters.stored(), IsEmpty()) << "not yet";
+  EXPECT_THAT(values, Contains(Pair(ObjectAddress{0x1014, 0}, 0U))) << "whose default is 085h";
   for (const NodeObject& object : node_objects()) {
     const bool is_parameter = CommunicationParameters::has(object.address);
     EXPECT_EQ(asked.count(object.address), is_parameter ? 1U : 0U);

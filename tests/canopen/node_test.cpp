@@ -669,6 +669,18 @@ TEST(NodeParameters, AreStoredAlsoWhenTheClientHasAborted) {
   EXPECT_THAT(test.node.stored(), Not(IsEmpty())) << "the drive has saved its own";
 }
 
+TEST(NodeParameters, AreStoredAsTheyWereAtTheRequestWhenAResetComesBeforeTheAnswer) {
+  for (const char* const reset : {kResetCommunication, kResetNode}) {
+    NodeUnderTest test;
+    test.receive("601#2B171000F4010000");
+    test.receive(kSave);
+    test.receive(reset);
+    EXPECT_EQ(test.node.value({0x1017, 0}), 0) << reset << ": nothing was stored yet";
+    EXPECT_THAT(test.answer({}), IsEmpty()) << reset << ": nobody waits for it any more";
+    EXPECT_THAT(test.node.stored(), ElementsAre(Pair(ObjectAddress{0x1017, 0}, 500U))) << reset;
+  }
+}
+
 TEST(NodeParameters, AreNotStoredByARead) {
   NodeUnderTest test;
   test.receive("601#2B171000F4010000");

@@ -51,13 +51,18 @@ bool CommunicationParameters::has(ObjectAddress object) {
   return found != nullptr && is_parameter(*found);
 }
 
-void CommunicationParameters::store(const Read& in_force) {
-  stored_.clear();
+CommunicationParameters::Values CommunicationParameters::to_store(const Read& in_force) const {
+  Values values;
   for (const NodeObject& object : node_objects()) {
     if (!is_parameter(object)) continue;
     const std::uint32_t value = in_force(object.address);
-    if (value != initial_value(object.address, node_id_)) stored_.emplace(object.address, value);
+    if (value != initial_value(object.address, node_id_)) values.emplace(object.address, value);
   }
+  return values;
+}
+
+void CommunicationParameters::store(Values values) {
+  stored_ = std::move(values);
 }
 
 void CommunicationParameters::restore(const Write& write) const {

@@ -28,9 +28,12 @@ class CommunicationParameters {
   /// What is stored, where it is not the default.
   [[nodiscard]] const Values& stored() const noexcept { return stored_; }
 
-  /// 1010h:01: from the next reset on each parameter has the value that is in force now.
-  /// @param in_force gives it
-  void store(const Read& in_force);
+  /// @param in_force gives the value of a parameter that is in force now
+  /// @return what 1010h:01 saves of them: those that are not the default.
+  [[nodiscard]] Values to_store(const Read& in_force) const;
+
+  /// 1010h:01: from the next reset on each parameter has the value that to_store() has taken.
+  void store(Values values);
 
   /// 1011h:01: from the next reset on each parameter has its default.
   void forget_stored() noexcept { stored_.clear(); }

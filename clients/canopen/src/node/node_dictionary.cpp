@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/node_dictionary.hpp"
 
-#include "node/communication_parameters.hpp"
 #include "node/emergency.hpp"
 #include "node/heartbeat.hpp"
 #include "node/node_object.hpp"
@@ -97,6 +96,8 @@ std::optional<SdoAnswer> NodeDictionary::begin_download(ObjectAddress object,
 
 void NodeDictionary::begin(ObjectAddress object, std::optional<std::int64_t> value) {
   ++last_ticket_;
+  // Now: a NMT reset before the answer gives them other values.
+  if (object == kStoreAll && value) to_store_ = parameters_in_force();
   access_ = DriveAccess{.ticket = last_ticket_, .object = object, .value = value};
   host_.begin_access(*access_);
 }
@@ -124,12 +125,16 @@ std::int64_t NodeDictionary::as_masters_see(const DriveAccess& access, std::int6
 
 void NodeDictionary::follow_memory(ObjectAddress object) {
   if (object == kStoreAll) {
-    parts_.parameters.store([this](ObjectAddress parameter) {
-      return static_cast<std::uint32_t>(value(parameter).value_or(0));
-    });
+    parts_.parameters.store(std::exchange(to_store_, {}));
   } else if (object == kRestoreAll) {
     parts_.parameters.forget_stored();
   }
+}
+
+CommunicationParameters::Values NodeDictionary::parameters_in_force() const {
+  return parts_.parameters.to_store([this](ObjectAddress parameter) {
+    return static_cast<std::uint32_t>(value(parameter).value_or(0));
+  });
 }
 
 SdoAnswer NodeDictionary::read_own(const NodeObject& object) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "node/communication_parameters.hpp"
 #include "node/drive_time.hpp"
 #include "node/node_host.hpp"
 #include "node/node_settings.hpp"
@@ -15,7 +16,6 @@
 
 namespace vdrive::canopen {
 
-class CommunicationParameters;
 class Emergency;
 class HeartbeatConsumer;
 class HeartbeatProducer;
@@ -51,7 +51,8 @@ class NodeDictionary final : public SdoObjects {
                                           DriveTime now) override;
 
   /// The answer of the drive to the access with this ticket. Where it has saved (1010h:01) or
-  /// restored (1011h:01) its parameters the communication parameters follow.
+  /// restored (1011h:01) its parameters the communication parameters follow: those that were in force at
+  /// the request are saved.
   /// @return the answer for SDO; none = no such access is under way.
   std::optional<SdoAnswer> complete(std::uint32_t ticket, const DriveAnswer& answer);
 
@@ -74,6 +75,7 @@ class NodeDictionary final : public SdoObjects {
   [[nodiscard]] std::uint32_t value_of(const NodeObject& object) const;
   [[nodiscard]] std::int64_t as_masters_see(const DriveAccess& access, std::int64_t value) const;
   void follow_memory(ObjectAddress object);
+  [[nodiscard]] CommunicationParameters::Values parameters_in_force() const;
 
   std::uint8_t node_id_;
   std::string device_name_;       ///< 1008h
@@ -83,7 +85,8 @@ class NodeDictionary final : public SdoObjects {
   NodeHost& host_;
   const DriveView& drive_;
   std::uint32_t last_ticket_ = 0;
-  std::optional<DriveAccess> access_;  ///< of the drive, under way
+  std::optional<DriveAccess> access_;         ///< of the drive, under way
+  CommunicationParameters::Values to_store_;  ///< at the request of 1010h:01 that is under way
 };
 
 }  // namespace vdrive::canopen
