@@ -63,6 +63,65 @@ struct EmergencyUnderTest {
   }
 };
 
+// --- behind NMT reset node: the drive restarts later ---
+
+TEST(Emergency, LeavesOutTheFaultOfADriveThatHasNotRestartedYet) {
+  EmergencyUnderTest node;
+  node.fault(0x8611, 0x21);
+  node.emergency.reset();
+  node.emergency.await_restart(node.drive, 0s);
+  node.emergency.set_allowed(true, 0s);
+  EXPECT_THAT(node.update(1ms), IsEmpty()) << "the old fault";
+  node.drive.fault_count = 0;
+  EXPECT_THAT(node.reset(2ms), IsEmpty()) << "nothing was sent whose end would be";
+  EXPECT_THAT(node.fault(0x8611, 0x21, 3ms), SizeIs(1)) << "of the restarted drive";
+}
+
+// 6007h = 1: a drive in Operation enabled has the fault 8130h before it is switched off.
+TEST(Emergency, LeavesOutTheFaultThatTheResetItselfCausesInTheDrive) {
+  EmergencyUnderTest node;
+  node.emergency.reset();
+  node.emergency.await_restart(node.drive, 0s);
+  node.emergency.set_allowed(true, 0s);
+  EXPECT_THAT(node.update(1ms), IsEmpty()) << "still in Operation enabled";
+  EXPECT_THAT(node.fault(0x8130, 0x11, 2ms), IsEmpty());
+  node.drive.fault_count = 0;
+  EXPECT_THAT(node.reset(3ms), IsEmpty());
+}
+
+TEST(Emergency, IsSentForAFaultThatARestartedDriveHasAtOnce) {
+  EmergencyUnderTest node;
+  node.fault(0x8611, 0x21);
+  node.fault(0x5530, 0x81);
+  node.emergency.reset();
+  node.emergency.await_restart(node.drive, 0s);
+  node.emergency.set_allowed(true, 0s);
+  node.drive.fault_count = 0;
+  EXPECT_THAT(node.fault(0x5530, 0x81, 1ms), SizeIs(1)) << "fewer faults than before: 1, not 2";
+}
+
+TEST(Emergency, IsSentForTheFaultOfADriveThatDoesNotRestart) {
+  EmergencyUnderTest node;
+  node.fault(0x8611, 0x21);
+  node.emergency.reset();
+  node.emergency.await_restart(node.drive, 5ms);
+  node.emergency.set_allowed(true, 5ms);
+  EXPECT_THAT(node.update(1004ms), IsEmpty());
+  EXPECT_THAT(node.update(1005ms), ElementsAre("081#1186210802010100"));
+  EXPECT_THAT(node.reset(1006ms), SizeIs(1));
+}
+
+TEST(Emergency, OfTheCommunicationIsSentAlsoWhileTheDriveRestarts) {
+  EmergencyUnderTest node;
+  node.fault(0x8611, 0x21);
+  node.emergency.reset();
+  node.emergency.await_restart(node.drive, 0s);
+  node.emergency.set_allowed(true, 0s);
+  node.update(1ms);
+  node.emergency.raise(0x8210, 1ms);
+  EXPECT_THAT(node.host.take(), SizeIs(1));
+}
+
 // 8611h, 1001h = 21h, 6041h = 0208h, mode 1, first fault, no producer.
 TEST(Emergency, HasCodeErrorRegisterStatuswordModeAndNumberOfTheFault) {
   EmergencyUnderTest node;

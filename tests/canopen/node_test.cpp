@@ -269,6 +269,31 @@ TEST(Node, SendsTheEmergencyOfALastingFaultAgainBehindAResetOfTheCommunication) 
   EXPECT_THAT(test.update(), ElementsAre(StartsWith("081#1186")));
 }
 
+TEST(Node, SendsNoEmergencyOfBeforeAResetNodeBehindItsBootUp) {
+  NodeUnderTest test;
+  test.drive.status.error_code = 0x8611;
+  test.drive.status.fault_count = 1;
+  test.update();
+  EXPECT_THAT(test.receive(kResetNode), ElementsAre("701#00"));
+  EXPECT_THAT(test.update(), IsEmpty()) << "the power cycle follows";
+  EXPECT_THAT(test.receive(kResetCommunication), ElementsAre("701#00"));
+  EXPECT_THAT(test.update(), IsEmpty()) << "still";
+  test.drive.status = {};
+  EXPECT_THAT(test.update(), IsEmpty()) << "no 0000h of a fault that was not sent";
+  test.drive.status.error_code = 0x5530;
+  test.drive.status.fault_count = 1;
+  EXPECT_THAT(test.update(), ElementsAre(StartsWith("081#3055")));
+}
+
+TEST(Node, SendsTheEmergencyOfADriveThatIsThereAgainBehindAResetNode) {
+  NodeUnderTest test;
+  test.receive(kResetNode);
+  test.drive.status.error_code = 0x5530;
+  test.drive.status.fault_count = 1;
+  test.node.start(test.drive, 0s);
+  EXPECT_THAT(test.host.take(), ElementsAre("701#00", StartsWith("081#3055")));
+}
+
 TEST(Node, DropsASdoTransferWhenItIsStopped) {
   NodeUnderTest test;
   test.receive("601#4008100000000000");

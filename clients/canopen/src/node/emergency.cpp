@@ -4,6 +4,7 @@
 #include "node/cob_id.hpp"
 #include "node/initial_value.hpp"
 #include "vdrive/cia402/error_code.hpp"
+#include "vdrive/cia402/statusword.hpp"
 
 #include <chrono>
 
@@ -22,6 +23,13 @@ constexpr std::uint8_t kCommunicationError = 1U << 0U | 1U << 4U;
 constexpr std::uint32_t kReservedOfEmergencyId = kCobIdExtendedBits | 1U << 30U;
 
 constexpr std::chrono::microseconds kInhibitUnit{100};
+
+/// A drive that has power, and no fault yet, may still react to the loss of its master with one.
+bool has_restarted(const AxisStatus& drive, std::uint32_t faults_before) {
+  const bool has_power = (drive.ds402_statusword & Statusword::kOperationEnabled) != 0;
+  const bool is_fresh = drive.error_code == 0 && drive.fault_count == 0 && !has_power;
+  return is_fresh || drive.fault_count < faults_before;
+}
 
 }  // namespace
 
@@ -57,7 +65,23 @@ void Emergency::set_allowed(bool is_allowed, DriveTime now) {
   advance(now);
 }
 
+void Emergency::await_restart(const AxisStatus& drive, DriveTime now) {
+  restart_ = Restart{.faults_before = drive.fault_count, .end = now + kLongestRestart};
+}
+
+bool Emergency::awaits_restart(const AxisStatus& drive, DriveTime now) {
+  if (restart_ && (now >= restart_->end || has_restarted(drive, restart_->faults_before))) {
+    restart_.reset();
+  }
+  return restart_.has_value();
+}
+
 void Emergency::update(const AxisStatus& drive, DriveTime now) {
+  if (awaits_restart(drive, now)) {
+    drive_ = drive;
+    drive_.error_code = 0;  // not sent: neither is its end
+    return;
+  }
   const bool has_fault = drive.error_code != 0;
   // Beside the code: a fault of the same kind may have come behind a reset within one tick.
   const bool is_new = has_fault && (drive.error_code != drive_.error_code ||

@@ -8,6 +8,7 @@
 #include "vdrive/dictionary/abort_code.hpp"
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -40,6 +41,10 @@ class Emergency {
   /// Emergencies that wait, as many as 1003h has: of more the oldest is left out, and counted.
   static constexpr std::size_t kMostWaiting = 8;
 
+  /// Drive time within which a drive restarts. One that shows no restart keeps its faults, which
+  /// are sent then.
+  static constexpr DriveTime kLongestRestart = std::chrono::seconds(1);
+
   /// 1014h and 1015h have their defaults. Nothing is sent until set_allowed(true).
   /// @param host outlives the producer
   Emergency(std::uint8_t node_id, NodeHost& host);
@@ -57,8 +62,18 @@ class Emergency {
   void set_inhibit_time(std::uint16_t value) noexcept { inhibit_time_ = value; }
 
   /// 1014h and 1015h have their defaults again; no error is known, so that a fault that lasts is
-  /// sent again. Nothing is sent until set_allowed(true).
+  /// sent again. Nothing is sent until set_allowed(true). A restart is still awaited.
   void reset();
+
+  /// NMT reset node, behind reset(): the drive is switched off and on. A bench in realtime does
+  /// that some ticks later, and what it shows before is over. So no fault is sent until the drive
+  /// shows its restart: it has no fault, none since power-up, and no power; or fewer faults than
+  /// before.
+  /// @param drive as it was shown last
+  void await_restart(const AxisStatus& drive, DriveTime now);
+
+  /// The drive that is there now is another one, or has restarted.
+  void forget_restart() noexcept { restart_.reset(); }
 
   /// The NMT state has emergencies. While it has none they wait.
   void set_allowed(bool is_allowed, DriveTime now);
@@ -89,6 +104,13 @@ class Emergency {
     std::uint8_t producer = 0;
   };
 
+  /// A restart that the drive has not shown yet.
+  struct Restart {
+    std::uint32_t faults_before = 0;
+    DriveTime end{};  ///< is not awaited any more
+  };
+
+  [[nodiscard]] bool awaits_restart(const AxisStatus& drive, DriveTime now);
   [[nodiscard]] Message message_of(const Cause& cause) const;
   void post(const Cause& cause, DriveTime now);
   [[nodiscard]] DriveTime next_allowed() const;
@@ -99,6 +121,7 @@ class Emergency {
   std::uint16_t inhibit_time_ = 0;
   bool is_allowed_ = false;
   AxisStatus drive_;
+  std::optional<Restart> restart_;
   bool has_heartbeat_error_ = false;
   std::deque<Message> waiting_;
   std::optional<DriveTime> last_sent_;

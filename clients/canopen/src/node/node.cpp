@@ -124,6 +124,7 @@ void Node::Parts::start(const DriveView& drive, DriveTime now) {
   regain_master();  // 5E0Ah of the drive, if it is the same one, waits for the next loss
   dictionary_.forget_access();
   sdo_.reset();
+  emergency_.forget_restart();
   drive_ = drive;
   shown_ = drive.status;
   reset_communication();
@@ -163,7 +164,8 @@ void Node::Parts::receive_nmt(const Frame& frame) {
     case NmtService::reset_node:
       leave_by_nmt();
       host_.power_cycle();
-      return reset_communication();
+      reset_communication();
+      return emergency_.await_restart(drive_.status, now_);
     case NmtService::reset_communication:
       leave_by_nmt();
       return reset_communication();
