@@ -410,6 +410,25 @@ TEST(Node, IgnoresSetPointsWhileAnotherSessionOwnsTheAxisAndCountsThem) {
   EXPECT_EQ(test.host.commands.size(), 1U);
 }
 
+// RPDO1 and RPDO2 of type 1; RPDO1 comes twice before SYNC, RPDO2 once: one of each would act.
+TEST(Node, CountsEachSynchronousRpdoThatASyncWouldHaveLetAct) {
+  NodeUnderTest test;
+  test.receive("601#2F00140201000000");
+  test.receive("601#2F01140201000000");
+  test.receive(kStart);
+  test.drive.is_owned = false;
+  test.update();
+  test.receive("201#0600");
+  test.receive("201#0700");
+  test.receive("301#070001");
+  EXPECT_EQ(test.node.counters().ignored_set_points, 0U) << "they act at SYNC";
+  test.receive("080#");
+  EXPECT_EQ(test.node.counters().ignored_set_points, 2U);
+  test.receive("080#");
+  EXPECT_EQ(test.node.counters().ignored_set_points, 2U);
+  EXPECT_THAT(test.host.commands, IsEmpty());
+}
+
 // 6041h = 0637h; without bit 9 (0200h) 0437h.
 TEST(Node, ShowsRemoteAs0InPdosWhileAnotherSessionOwnsTheAxis) {
   NodeUnderTest test;

@@ -32,7 +32,7 @@ class RecordingPdoHost final : public PdoHost {
     commands_before_last_frame = commands.size();
   }
 
-  void command(std::span<const DriveValue> values) override {
+  void command(std::span<const DriveValue> values, std::uint8_t /*pdos*/) override {
     commands.emplace_back(values.begin(), values.end());
   }
 

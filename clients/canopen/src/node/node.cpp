@@ -78,7 +78,7 @@ class Node::Parts final : private PdoHost {
  private:
   void send(const Frame& frame) override { host_.send(frame); }
 
-  void command(std::span<const DriveValue> values) override;
+  void command(std::span<const DriveValue> values, std::uint8_t pdos) override;
 
   void raise(std::uint16_t error_code) override { emergency_.raise(error_code, now_); }
 
@@ -294,11 +294,11 @@ void Node::Parts::leave_by_nmt() {
   lose_master();
 }
 
-void Node::Parts::command(std::span<const DriveValue> values) {
+void Node::Parts::command(std::span<const DriveValue> values, std::uint8_t pdos) {
   if (drive_.is_owned) {
     host_.command(values);
   } else {
-    ++counters_.ignored_set_points;
+    counters_.ignored_set_points += pdos;
   }
 }
 

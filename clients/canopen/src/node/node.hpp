@@ -16,7 +16,9 @@ namespace vdrive::canopen {
 
 /// What a node counts since it was made; a NMT reset leaves the counters.
 struct NodeCounters {
-  std::uint64_t ignored_set_points = 0;  ///< RPDOs while another session owns the axis
+  std::uint64_t ignored_set_points = 0;  ///< RPDOs that would have acted while another session owns
+                                         ///< the axis: each that acts at once, and of each
+                                         ///< synchronous one the last before a SYNC
   std::uint64_t dropped_pdos = 0;        ///< as PdoCounters::dropped
   std::uint64_t sdo_aborts = 0;          ///< that the node sent
   std::uint64_t sdo_time_outs = 0;       ///< transfers that the client did not continue

@@ -51,8 +51,8 @@ class NodeDictionary final : public SdoObjects {
                                           DriveTime now) override;
 
   /// The answer of the drive to the access with this ticket. Where it has saved (1010h:01) or
-  /// restored (1011h:01) its parameters the communication parameters follow: those that were in force at
-  /// the request are saved.
+  /// restored (1011h:01) its parameters the communication parameters follow: those that were in
+  /// force at the request are saved.
   /// @return the answer for SDO; none = no such access is under way.
   std::optional<SdoAnswer> complete(std::uint32_t ticket, const DriveAnswer& answer);
 

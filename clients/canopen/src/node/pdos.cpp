@@ -133,8 +133,11 @@ void Pdos::synchronise(const Frame& sync, DriveTime now) {
   raise(reception.error_code);
   if (!reception.is_used) return;
   for (TransmitPdo& pdo : transmit_) send(pdo.synchronise(drive_, reception.counter));
-  for (ReceivePdo& pdo : receive_) pdo.take(set_points_);
-  command();
+  std::uint8_t taken = 0;
+  for (ReceivePdo& pdo : receive_) {
+    if (pdo.take(set_points_)) ++taken;
+  }
+  command(taken);
 }
 
 bool Pdos::answer(const Frame& request, DriveTime now) {
@@ -157,8 +160,7 @@ void Pdos::take(ReceivePdo& pdo, const Frame& frame, DriveTime now) {
   if (reception.is_dropped) ++counters_.dropped;
   raise(reception.error_code);
   if (pdo.is_synchronous()) return;
-  pdo.take(set_points_);
-  command();
+  if (pdo.take(set_points_)) command(1);
 }
 
 void Pdos::send_due(DriveTime now) {
@@ -173,8 +175,9 @@ void Pdos::raise(std::uint16_t error_code) {
   if (error_code != 0) host_.raise(error_code);
 }
 
-void Pdos::command() {
-  if (!set_points_.values().empty()) host_.command(set_points_.values());
+/// Dummies alone bring no values.
+void Pdos::command(std::uint8_t pdos) {
+  if (!set_points_.values().empty()) host_.command(set_points_.values(), pdos);
   set_points_.clear();
 }
 

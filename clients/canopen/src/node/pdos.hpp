@@ -25,8 +25,10 @@ class PdoHost {
 
   virtual void send(const Frame& frame) = 0;
 
-  /// As NodeHost::command(); the node passes it on, or counts it while it does not own the axis.
-  virtual void command(std::span<const DriveValue> values) = 0;
+  /// As NodeHost::command(); the node passes it on, or counts the RPDOs while it does not own the
+  /// axis.
+  /// @param pdos that brought the values, 1 to kPdoCount
+  virtual void command(std::span<const DriveValue> values, std::uint8_t pdos) = 0;
 
   /// An emergency of the communication, such as 8210h PDO not processed (CiA 301, table 26).
   virtual void raise(std::uint16_t error_code) = 0;
@@ -101,7 +103,7 @@ class Pdos {
   void send_due(DriveTime now);
   void send(const std::optional<Frame>& frame);
   void raise(std::uint16_t error_code);
-  void command();
+  void command(std::uint8_t pdos);
 
   PdoHost& host_;
   SyncConsumer sync_;

@@ -77,8 +77,8 @@ PdoReception ReceivePdo::receive(const Frame& frame, DriveTime now) {
   return {.is_dropped = is_dropped, .error_code = is_news ? error : std::uint16_t{0}};
 }
 
-void ReceivePdo::take(SetPoints& set_points) {
-  if (!latched_) return;
+bool ReceivePdo::take(SetPoints& set_points) {
+  if (!latched_) return false;
   const std::span<const std::uint8_t> bytes = latched_->data;
   std::size_t begin = 0;
   for (const MappedObject& object : parameters_.mapping().objects()) {
@@ -89,6 +89,7 @@ void ReceivePdo::take(SetPoints& set_points) {
     begin += size;
   }
   latched_.reset();
+  return true;
 }
 
 bool ReceivePdo::times_out(DriveTime now) {

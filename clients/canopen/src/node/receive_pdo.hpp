@@ -54,7 +54,8 @@ class ReceivePdo {
 
   /// Puts the values of the data received last, if there is some, and forgets it. Integers get
   /// their sign; dummies are left out.
-  void take(SetPoints& set_points);
+  /// @return whether there was some.
+  bool take(SetPoints& set_points);
 
   /// @return whether the event timer (:05) has elapsed since the frame received last: once, until
   ///         another frame comes.
