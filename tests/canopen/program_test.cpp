@@ -215,7 +215,7 @@ class Flood {
       case 3:
         return "< send 123 3 1 2 3 >";
       case 4:
-        return "< send 20" + node + " 1 6 >";
+        return "< send 30" + node + " 1 6 >";
       case 5:
         return "< send 12345678 2 1 2 >";
       case 6:
@@ -313,14 +313,16 @@ TEST(CanopenProgram, ServesABenchOfTheNetworkWhileItIsThere) {
   EXPECT_EQ(peer.next_data("70C"), "00") << "boot-up with the next run of the bench";
 }
 
-// 50,000 frames in about a second; as fast as the connection takes them. 6041h is read 6,250 times,
-// and an abort answers what is no request, and what does not fit into the 16 requests that wait.
+// 50,000 frames in a second, 500 each 10 ms: the rate is what is tested. 6041h is read 6,250 times;
+// an abort answers what is no request, and what does not fit into the 16 requests that wait. With
+// the emergency of each node the masters get some 12,600 frames, fewer than may wait for them.
 TEST(CanopenFlood, DelaysNoTickAndLeavesNoSdoRequestUnanswered) {
   RunningCanopen program(on_domain("--bench 1"));
   const int metrics = free_port();
   std::optional<std::vector<std::string>> wrong;
   double late = 0;
   double ticks = 0;
+  double skipped = 0;
   {
     SocketcandPeer peer(program.port());
     const RunningService service("--axes 3 --clock realtime --metrics " + std::to_string(metrics));
@@ -329,9 +331,12 @@ TEST(CanopenFlood, DelaysNoTickAndLeavesNoSdoRequestUnanswered) {
     const double late_before = metric(metrics, "vdrive_tick_overruns_total");
     const double ticks_before = metric(metrics, "vdrive_ticks_total");
     const double skipped_before = metric(metrics, "vdrive_ticks_skipped_total");
-    std::thread sender([&peer] {
+    std::jthread sender([&peer] {
       constexpr unsigned kAtOnce = 500;
+      auto due = std::chrono::steady_clock::now();
       for (unsigned i = 0; i < Flood::kFrames; i += kAtOnce) {
+        std::this_thread::sleep_until(due);
+        due += std::chrono::milliseconds(10);
         peer.send_all(Flood::words(i, i + kAtOnce));
       }
     });
@@ -339,22 +344,21 @@ TEST(CanopenFlood, DelaysNoTickAndLeavesNoSdoRequestUnanswered) {
     sender.join();
     ticks = metric(metrics, "vdrive_ticks_total") - ticks_before;
     late = metric(metrics, "vdrive_tick_overruns_total") - late_before;
-    EXPECT_EQ(metric(metrics, "vdrive_ticks_skipped_total"), skipped_before)
-        << "the bench runs every tick";
+    skipped = metric(metrics, "vdrive_ticks_skipped_total") - skipped_before;
   }
   ASSERT_TRUE(wrong) << "requests without an answer";
   EXPECT_THAT(*wrong, testing::IsEmpty());
   // Other programs delay ticks, too: a machine without a free processor cannot be judged.
   constexpr double kMostLate = 0.05;
-  if (late > kMostLate * ticks) {
-    report_missed_deadline(std::to_string(late) + " of " + std::to_string(ticks) + " ticks",
-                           std::chrono::milliseconds(1));
+  if (late > kMostLate * ticks || skipped > 0) {
+    report_missed_deadline("ticks", std::chrono::milliseconds(1));
   }
-  EXPECT_LE(late, kMostLate * ticks);
+  EXPECT_LE(late, kMostLate * ticks) << "of " << ticks;
+  EXPECT_EQ(skipped, 0) << "ticks that were not run";
   const Finished ended = program.stop();
   EXPECT_EQ(ended.code, 0) << ended.errors;
   EXPECT_THAT(ended.output, HasSubstr(" 0 frames not read in time"));
-  const std::string counted = ended.output.substr(ended.output.find("bus 1: ") + 7);
+  const std::string counted = ended.output.substr(ended.output.rfind("bus 1: ") + 7);
   EXPECT_GT(std::stoul(counted), Flood::kFrames) << "and the answers";
 }
 
