@@ -9,6 +9,8 @@ boots three nodes, reads all that the EDS names, remaps PDOs, moves by SDO and b
 positions, homes, meets a fault and resets. Meanwhile Debian's python3-can listens on the same bus: it
 receives every frame, in the order in which the master has sent and received them, and the program
 counts as many. Debian's tshark decodes the capture as CANopen, without a malformed frame.
+Then the tests that the package canopen has of its own for SDO and PDO run against 126 nodes, those
+that can; a line for each says what came of it.
 WORK is a directory for the packages of npm. Exit code 0: all agree; 77: a judge is not there (no node,
 no registry, no python3-can, no tshark).
 """
@@ -26,6 +28,7 @@ import time
 from gateway import Programs, fail, install, skip
 
 NODES = 3
+NODES_OF_OWN_TESTS = 126
 PERIOD = "10ms"
 PATIENCE = 120  # [s]
 LINKTYPE_CAN_SOCKETCAN = 227  # https://www.tcpdump.org/linktypes.html
@@ -45,9 +48,9 @@ def load_can():
 class Bus:
     """vdrive-canopen with a bench of its own."""
 
-    def __init__(self, program, clock, programs):
+    def __init__(self, program, clock, programs, nodes=NODES):
         options = ["--clock", clock] + (["--sync-steps", PERIOD] if clock == "lockstep" else [])
-        self.process = programs.start(program, "--private", "--axes", str(NODES), "--socketcand",
+        self.process = programs.start(program, "--private", "--axes", str(nodes), "--socketcand",
                                       "127.0.0.1:0", *options, stdout=subprocess.PIPE)
         line = self.process.stdout.readline()
         place = re.search(r"socketcand ([\d.]+):(\d+)", line)
@@ -174,6 +177,17 @@ def judge(can, vdrive, program, clock, work, programs):
           "tshark decodes them")
 
 
+def run_own_tests(program, clock, work, programs):
+    bus = Bus(program, clock, programs, NODES_OF_OWN_TESTS)
+    done = subprocess.run(["node", "--no-deprecation", work / "own_tests.mjs", bus.host, str(bus.port),
+                           clock], capture_output=True, text=True, timeout=600)
+    if done.returncode != 0:
+        fail(f"{clock}: {done.stdout}{done.stderr.strip()}")
+    bus.end()
+    for line in done.stdout.splitlines():
+        print(f"{clock}: {line}")
+
+
 def main():
     vdrive, program, work = sys.argv[1:]
     can = load_can()
@@ -185,6 +199,7 @@ def main():
     try:
         for clock in ("realtime", "lockstep"):
             judge(can, vdrive, program, clock, work, programs)
+            run_own_tests(program, clock, work, programs)
     finally:
         programs.end()
 
