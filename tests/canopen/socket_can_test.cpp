@@ -5,14 +5,23 @@
 #include "canopen/recorded_port.hpp"
 #include "core/support/random_cases.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <linux/can.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <functional>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace vdrive::canopen {
 namespace {
@@ -104,6 +113,160 @@ TEST(SocketCan, RefusesAnInterfaceThatIsNoCan) {
   asio::io_context context;
   Bus bus;
   EXPECT_THROW(SocketCan(context, bus, {.interface = "lo"}), std::runtime_error);
+}
+
+/// A port at a pair of sockets in the place of an interface, whose errors the test chooses.
+class PluggedInterface {
+  Bus bus_{};  // first: the others are its ports
+
+ public:
+  PluggedInterface() = default;
+
+  ~PluggedInterface() { unplug(); }
+
+  PluggedInterface(const PluggedInterface&) = delete;
+  PluggedInterface& operator=(const PluggedInterface&) = delete;
+
+  void unplug() {
+    if (wire_ >= 0) ::close(std::exchange(wire_, -1));
+  }
+
+  /// @return the frame that came over the wire, nothing without one.
+  [[nodiscard]] std::optional<Frame> sent() const {
+    can_frame frame{};
+    const ssize_t size = ::read(wire_, &frame, sizeof frame);
+    return size == static_cast<ssize_t>(sizeof frame) ? from_can_frame(frame) : std::nullopt;
+  }
+
+  void receive(const Frame& frame) const {
+    const can_frame converted = to_can_frame(frame);
+    ASSERT_EQ(::write(wire_, &converted, sizeof converted), static_cast<ssize_t>(sizeof converted));
+  }
+
+  void run_until(const std::function<bool()>& is_done) {
+    while (!is_done()) ASSERT_GT(context_.run_one_for(std::chrono::seconds(10)), 0U);
+  }
+
+  int write_error = 0;  ///< of each write; 0 = none
+  int read_error = 0;   ///< of the next read
+  int open_failures = 0;
+  std::vector<std::string> lines{};
+  RecordedPort master{bus_};
+
+  [[nodiscard]] const SocketCanCounters& counters() const { return port_.counters(); }
+
+ private:
+  int open() {
+    if (open_failures > 0) {
+      --open_failures;
+      throw std::runtime_error("there is no network interface of this name");
+    }
+    unplug();
+    std::array<int, 2> pair{};
+    if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, pair.data()) != 0) {
+      throw std::runtime_error("no pair of sockets");
+    }
+    wire_ = pair[1];
+    return pair[0];
+  }
+
+  [[nodiscard]] static ssize_t failed(int error) {
+    errno = error;
+    return -1;
+  }
+
+  SocketCanSettings settings() {
+    return {.interface = "can7",
+            .reopen_period = std::chrono::milliseconds(1),
+            .report =
+                [this](bridge::Severity, const std::string& text) {
+                  lines.push_back(text);
+                },
+            .calls = {.open =
+                          [this](const std::string&) {
+                            return open();
+                          },
+                      .read =
+                          [this](int socket, can_frame& frame) {
+                            if (read_error != 0) return failed(std::exchange(read_error, 0));
+                            return ::read(socket, &frame, sizeof frame);
+                          },
+                      .write =
+                          [this](int socket, const can_frame& frame) {
+                            if (write_error != 0) return failed(write_error);
+                            return ::write(socket, &frame, sizeof frame);
+                          }}};
+  }
+
+  int wire_ = -1;
+  asio::io_context context_;
+  SocketCan port_{context_, bus_, settings()};
+};
+
+TEST(SocketCan, DropsFramesWhileTheInterfaceIsDownAndSendsThoseAfterIt) {
+  PluggedInterface can;
+  can.write_error = ENOBUFS;  // its queue is full: frames wait
+  can.master.send(data_frame(0x201, {1}));
+  can.master.send(data_frame(0x201, {2}));
+  EXPECT_EQ(can.counters().dropped_frames, 0U);
+  can.write_error = ENETDOWN;
+  can.run_until([&can] {
+    return !can.lines.empty();
+  });
+  EXPECT_EQ(can.counters().dropped_frames, 2U);
+  can.master.send(data_frame(0x201, {3}));
+  EXPECT_EQ(can.counters().dropped_frames, 3U);
+  can.write_error = 0;
+  can.master.send(data_frame(0x201, {4}));
+  EXPECT_EQ(can.sent(), data_frame(0x201, {4}));
+  EXPECT_EQ(can.sent(), std::nullopt);
+  EXPECT_THAT(can.lines,
+              testing::ElementsAre(testing::StartsWith("is down: frames are dropped"), "is up"));
+}
+
+TEST(SocketCan, IsUpAgainWithTheFirstFrameThatItReceives) {
+  PluggedInterface can;
+  can.read_error = ENETDOWN;
+  can.receive(data_frame(0x181, {1}));  // wakes the reader
+  can.run_until([&can] {
+    return !can.master.frames.empty();
+  });
+  EXPECT_THAT(can.lines, testing::ElementsAre(testing::StartsWith("is down"), "is up"));
+}
+
+TEST(SocketCan, OpensAnInterfaceAgainThatWasUnplugged) {
+  for (const int error : {ENODEV, ENXIO}) {
+    PluggedInterface can;
+    can.open_failures = 2;
+    can.write_error = error;
+    can.master.send(data_frame(0x201, {1}));
+    ASSERT_THAT(can.lines,
+                testing::ElementsAre(testing::StartsWith("is gone: frames are dropped")));
+    can.write_error = 0;
+    can.master.send(data_frame(0x201, {2}));
+    EXPECT_EQ(can.counters().dropped_frames, 2U);
+    can.run_until([&can] {
+      return can.lines.size() == 2;
+    });
+    EXPECT_EQ(can.lines[1], "is open again");
+    EXPECT_EQ(can.open_failures, 0);
+    can.master.send(data_frame(0x201, {3}));
+    EXPECT_EQ(can.sent(), data_frame(0x201, {3}));
+    can.receive(data_frame(0x181, {1}));
+    can.run_until([&can] {
+      return !can.master.frames.empty();
+    });
+  }
+}
+
+TEST(SocketCan, NoticesByReadingThatTheInterfaceIsGone) {
+  PluggedInterface can;
+  can.read_error = ENODEV;
+  can.receive(data_frame(0x181, {1}));  // wakes the reader
+  can.run_until([&can] {
+    return can.lines.size() == 2;
+  });
+  EXPECT_EQ(can.lines[1], "is open again");
 }
 
 }  // namespace

@@ -70,8 +70,12 @@ void ServedBus::open_ports() {
         AsciiGatewayServerSettings{.listen = address, .gateway = gateway_settings(number_)}));
   }
   for (const std::string& interface : setting_.interfaces) {
-    interfaces_.push_back(
-        std::make_unique<SocketCan>(shared_.loop, bus_, SocketCanSettings{.interface = interface}));
+    const auto report = [&reports = shared_.reports, subject = label_ + ": interface " + interface](
+                            bridge::Severity severity, const std::string& text) {
+      reports.report(severity, subject, text);
+    };
+    interfaces_.push_back(std::make_unique<SocketCan>(
+        shared_.loop, bus_, SocketCanSettings{.interface = interface, .report = report}));
   }
 }
 

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstdint>
 #include <deque>
 #include <iterator>
 #include <stdexcept>
@@ -25,7 +26,7 @@ namespace {
 
 // A transmit queue of 10 frames, the kernel's default, is sent in 1 ms at 1 Mbit/s.
 constexpr std::chrono::milliseconds kFullQueuePause{1};
-// While an interface is down or gone, each operation fails at once.
+// While an interface fails, each operation fails at once.
 constexpr std::chrono::milliseconds kCanErrorPause{100};
 // What is read before others work.
 constexpr int kMostFramesAtOnce = 64;
@@ -84,6 +85,29 @@ int open_raw_socket(const std::string& interface) {
   return raw.release();
 }
 
+SocketCanCalls system_can_calls() {
+  return {.open = open_raw_socket,
+          .read =
+              [](int socket, can_frame& frame) {
+                return ::read(socket, &frame, sizeof frame);
+              },
+          .write =
+              [](int socket, const can_frame& frame) {
+                return ::write(socket, &frame, sizeof frame);
+              }};
+}
+
+SocketCanSettings completed(SocketCanSettings settings) {
+  if (!settings.calls.open) settings.calls = system_can_calls();
+  if (!settings.report) settings.report = [](bridge::Severity, const std::string&) {};
+  return settings;
+}
+
+/// The interface was removed: ENODEV once to a reader, ENXIO to each writer.
+bool means_gone(int error) {
+  return error == ENODEV || error == ENXIO;
+}
+
 }  // namespace
 
 can_frame to_can_frame(const Frame& frame) noexcept {
@@ -111,10 +135,11 @@ std::optional<Frame> from_can_frame(const can_frame& frame) noexcept {
 struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::State> {
   State(asio::io_context& context, Bus& its_bus, SocketCanSettings&& its_settings)
       : bus(its_bus),
-        settings(std::move(its_settings)),
-        socket(context, open_raw_socket(settings.interface)),
+        settings(completed(std::move(its_settings))),
+        socket(context, settings.calls.open(settings.interface)),
         read_pause(context),
-        write_pause(context) {}
+        write_pause(context),
+        reopen_pause(context) {}
 
   ~State() override = default;
   State(const State&) = delete;
@@ -128,13 +153,29 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   void stop() {
     if (std::exchange(is_over, true)) return;
     bus.detach(*this);
+    reopen_pause.cancel();
+    close();
+  }
+
+  /// Operations of the socket that end later belong to an opening of before.
+  void close() {
+    ++opening;
     read_pause.cancel();
     write_pause.cancel();
+    is_awaiting_write = false;
     AsioError ignored;
     socket.close(ignored);
   }
 
+  [[nodiscard]] bool is_current(std::uint64_t its_opening) const noexcept {
+    return !is_over && its_opening == opening;
+  }
+
   void deliver(const Frame& frame) override {
+    if (!socket.is_open()) {
+      ++counters.dropped_frames;
+      return;
+    }
     if (waiting.size() >= settings.most_waiting_frames) {
       waiting.pop_front();
       ++counters.dropped_frames;
@@ -145,20 +186,24 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
 
   void await_readable() {
     socket.async_wait(asio::posix::stream_descriptor::wait_read,
-                      [self = shared_from_this()](const AsioError& error) {
-                        if (!self->is_over && !error) self->read();
+                      [self = shared_from_this(), its_opening = opening](const AsioError& error) {
+                        if (self->is_current(its_opening) && !error) self->read();
                       });
   }
 
   void read() {
+    const std::uint64_t its_opening = opening;
     for (int frames = 0; frames < kMostFramesAtOnce; ++frames) {
       can_frame received{};
-      const ssize_t size = ::read(socket.native_handle(), &received, sizeof received);
+      const ssize_t size = settings.calls.read(socket.native_handle(), received);
       if (size < 0) return on_read_error(errno);
+      note_up();
       if (size != static_cast<ssize_t>(sizeof received)) continue;
       if (const auto frame = from_can_frame(received)) {
         ++counters.received_frames;
         bus.send(*frame, this);
+        // Answers to it are written within this call, and may have found the interface gone.
+        if (!is_current(its_opening)) return;
       }
     }
     await_readable();
@@ -167,19 +212,27 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   void on_read_error(int error) {
     if (error == EAGAIN || error == EINTR) return await_readable();
     ++counters.errors;
+    if (means_gone(error)) return lose();
+    if (error == ENETDOWN) {
+      note_down();
+    } else {
+      report(bridge::Severity::warning, "cannot be read: " + can_error_words(error));
+    }
     read_pause.expires_after(kCanErrorPause);
-    read_pause.async_wait([self = shared_from_this()](const AsioError& timer_error) {
-      if (!self->is_over && !timer_error) self->read();
-    });
+    read_pause.async_wait(
+        [self = shared_from_this(), its_opening = opening](const AsioError& timer_error) {
+          if (self->is_current(its_opening) && !timer_error) self->read();
+        });
   }
 
   void write_waiting() {
     while (!waiting.empty()) {
       const can_frame frame = to_can_frame(waiting.front());
-      const ssize_t size = ::write(socket.native_handle(), &frame, sizeof frame);
+      const ssize_t size = settings.calls.write(socket.native_handle(), frame);
       if (size < 0) return on_write_error(errno);
       ++counters.sent_frames;
       waiting.pop_front();
+      note_up();
     }
   }
 
@@ -187,6 +240,9 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
     // A full queue of the interface: poll() would call the socket writable nevertheless.
     if (error == ENOBUFS || error == EAGAIN || error == EINTR) return write_after(kFullQueuePause);
     ++counters.errors;
+    if (means_gone(error)) return lose();
+    if (error == ENETDOWN) return note_down();  // the next frame tries again
+    report(bridge::Severity::warning, "refuses a frame: " + can_error_words(error));
     ++counters.dropped_frames;
     waiting.pop_front();
     write_after(kCanErrorPause);
@@ -195,10 +251,61 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   void write_after(std::chrono::milliseconds pause) {
     is_awaiting_write = true;
     write_pause.expires_after(pause);
-    write_pause.async_wait([self = shared_from_this()](const AsioError& error) {
-      self->is_awaiting_write = false;
-      if (!self->is_over && !error) self->write_waiting();
+    write_pause.async_wait(
+        [self = shared_from_this(), its_opening = opening](const AsioError& error) {
+          if (!self->is_current(its_opening)) return;
+          self->is_awaiting_write = false;
+          if (!error) self->write_waiting();
+        });
+  }
+
+  // ---- the interface as a whole
+
+  void report(bridge::Severity severity, const std::string& text) const {
+    settings.report(severity, text);
+  }
+
+  void drop_waiting() {
+    counters.dropped_frames += waiting.size();
+    waiting.clear();
+  }
+
+  void note_down() {
+    drop_waiting();
+    if (std::exchange(is_down, true)) return;
+    report(bridge::Severity::warning, "is down: frames are dropped until it is up; 'ip link set " +
+                                          settings.interface + " up' does that");
+  }
+
+  void note_up() {
+    if (!std::exchange(is_down, false)) return;
+    report(bridge::Severity::info, "is up");
+  }
+
+  void lose() {
+    drop_waiting();
+    close();
+    is_down = false;
+    report(bridge::Severity::warning,
+           "is gone: frames are dropped until there is an interface of this name again");
+    reopen_later();
+  }
+
+  void reopen_later() {
+    reopen_pause.expires_after(settings.reopen_period);
+    reopen_pause.async_wait([self = shared_from_this()](const AsioError& error) {
+      if (!self->is_over && !error) self->reopen();
     });
+  }
+
+  void reopen() {
+    try {
+      socket.assign(settings.calls.open(settings.interface));
+    } catch (const std::runtime_error&) {  // reported when it went
+      return reopen_later();
+    }
+    report(bridge::Severity::info, "is open again");
+    await_readable();
   }
 
   Bus& bus;
@@ -206,9 +313,12 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   asio::posix::stream_descriptor socket;
   asio::steady_timer read_pause;
   asio::steady_timer write_pause;
+  asio::steady_timer reopen_pause;
   std::deque<Frame> waiting;
   SocketCanCounters counters;
+  std::uint64_t opening = 0;  ///< of the socket, counted
   bool is_awaiting_write = false;
+  bool is_down = false;
   bool is_over = false;
 };
 

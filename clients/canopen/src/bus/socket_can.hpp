@@ -2,9 +2,14 @@
 #pragma once
 
 #include "bus/bus.hpp"
+#include "severity.hpp"
 
+#include <sys/types.h>
+
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,22 +30,38 @@ namespace vdrive::canopen {
 ///         for one of more than 8 bytes.
 [[nodiscard]] std::optional<Frame> from_can_frame(const can_frame& frame) noexcept;
 
+/// What a port calls of the system: those of the kernel by default; a test replaces them.
+struct SocketCanCalls {
+  /// @return a socket that does not block.
+  /// @throws std::runtime_error as SocketCan::SocketCan() does
+  std::function<int(const std::string& interface)> open{};
+  /// As read(2) and write(2) of one frame, errno included.
+  std::function<ssize_t(int socket, can_frame& frame)> read{};
+  std::function<ssize_t(int socket, const can_frame& frame)> write{};
+};
+
 struct SocketCanSettings {
-  std::string interface;                   ///< such as "can0"
-  std::size_t most_waiting_frames = 4096;  ///< while the interface takes none, at least 1
+  std::string interface;                          ///< such as "can0"
+  std::size_t most_waiting_frames = 4096;         ///< while the interface takes none, at least 1
+  std::chrono::milliseconds reopen_period{1000};  ///< while there is no interface of this name
+  /// Takes what happens to the interface, a sentence without a full stop.
+  std::function<void(bridge::Severity severity, const std::string& text)> report{};
+  SocketCanCalls calls{};
 };
 
 /// What an interface counts since it was opened.
 struct SocketCanCounters {
   std::uint64_t received_frames = 0;  ///< from the interface
   std::uint64_t sent_frames = 0;      ///< to the interface
-  std::uint64_t dropped_frames = 0;   ///< the oldest that waited, and those that were refused
+  std::uint64_t dropped_frames = 0;   ///< the oldest that waited, those that were refused, and
+                                      ///< those to an interface that is down or gone
   std::uint64_t errors = 0;           ///< of reading and writing, such as an interface that is down
 };
 
 /// A CAN interface of the kernel (SocketCAN, CAN_RAW) as a port of a bus: frames of others on the
 /// wire come to the bus, frames of the bus go to the wire and to other programs on the interface.
-/// It tries again while the interface is down. For the thread of its context.
+/// Frames to an interface that is down or gone are dropped: late ones would move a drive. One that
+/// was unplugged is opened again by its name. For the thread of its context.
 class SocketCan final {
  public:
   /// @param context, bus outlive the object
