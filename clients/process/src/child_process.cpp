@@ -104,6 +104,17 @@ pid_t start(std::vector<std::string> command, std::vector<std::string> changes, 
   return child;
 }
 
+/// @return a handle of the child. Without one nobody could end it: then it is killed at once.
+int handle_of(pid_t child) {
+  const int handle = pidfd_open(child, 0);
+  if (handle >= 0) return handle;
+  const int error = errno;
+  (void)kill(child, SIGKILL);  // not waited for yet: the number is still its own
+  while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  throw std::system_error(error, std::generic_category(), "pidfd_open");
+}
+
 std::string content_of(int file) {
   std::string text;
   std::array<char, 4096> block{};
@@ -124,7 +135,7 @@ ChildProcess::ChildProcess(std::vector<std::string> command, std::vector<std::st
     : output_(checked(memfd_create("output", MFD_CLOEXEC), "memfd_create")),
       errors_(checked(memfd_create("errors", MFD_CLOEXEC), "memfd_create")),
       id_(start(std::move(command), std::move(environment), output_.get(), errors_.get())),
-      handle_(pidfd_open(id_, 0)) {}
+      handle_(handle_of(id_)) {}
 
 ChildProcess::~ChildProcess() {
   send(SIGKILL);
