@@ -121,6 +121,16 @@ TEST(CanopenArguments, NameOptionValueAndLimitOfAnError) {
               HasSubstr("--node-offset is given 2 times for 3 benches"));
 }
 
+// Such as --sync-steps "$STEP" where the variable is not set: the bus would be one in realtime.
+TEST(CanopenArguments, RefuseAnEmptyText) {
+  const std::string why = ": its value is empty";
+  EXPECT_EQ(problem_of_arguments({.is_private = true, .sync_steps = ""}), "--sync-steps" + why);
+  EXPECT_EQ(problem_of_arguments({.is_private = true, .clock = ""}), "--clock" + why);
+  EXPECT_EQ(problem_of_arguments({.state = ""}), "--state" + why);
+  EXPECT_EQ(problem_of_arguments({.is_private = true, .bench_configuration = ""}),
+            "--bench-config" + why);
+}
+
 TEST(CanopenArguments, NameNoBusWhereTheFileHasSeveral) {
   Settings settings;
   settings.buses.resize(2);

@@ -66,6 +66,13 @@ TEST(CanopenCommandLine, NamesWhatWhereAndTheLimitOfAMistake) {
   EXPECT_THAT(errors_of({"--check", "--config", "/nothing/here"}), HasSubstr("/nothing/here"));
   EXPECT_THAT(errors_of({"--check", "--private", "--bench-config", "/nothing/here"}),
               HasSubstr("bench 1: "));
+  EXPECT_THAT(errors_of({"--check", "--private", "--axes", "127", "--node-offset", "5"}),
+              HasSubstr("bench 1: axis 1.123 would be node 128: node ids are 1 to 127"));
+  for (const char* const option :
+       {"--config", "--state", "--clock", "--sync-steps", "--bench-config"}) {
+    EXPECT_THAT(errors_of({"--check", "--private", option, ""}),
+                HasSubstr("vdrive-canopen: " + std::string(option) + ": its value is empty"));
+  }
   EXPECT_THAT(errors_of({"--nonsense"}), HasSubstr("'--nonsense' is not an option"));
 }
 

@@ -52,7 +52,7 @@ ClockMode take_clock(const std::string& text) {
 bool names_a_bus(const Arguments& arguments) {
   return !arguments.benches.empty() || !arguments.node_offsets.empty() ||
          !arguments.socketcand.empty() || !arguments.gateways.empty() ||
-         !arguments.interfaces.empty() || arguments.axes || !arguments.bench_configuration.empty();
+         !arguments.interfaces.empty() || arguments.axes || arguments.bench_configuration;
 }
 
 /// Gives each bench its offset, or all of them the only one.
@@ -77,7 +77,7 @@ std::vector<BenchSetting> benches_of(const Arguments& arguments, bool is_private
     BenchSetting& bench = benches.emplace_back();
     bench.number = number;
     bench.axes = arguments.axes;
-    bench.configuration = arguments.bench_configuration;
+    bench.configuration = arguments.bench_configuration.value_or("");
   }
   set_offsets(arguments.node_offsets, benches);
   return benches;
@@ -90,7 +90,7 @@ void apply_to_bus(const Arguments& arguments, bool is_private, BusSetting& bus) 
   if (!arguments.gateways.empty()) bus.gateways = take_addresses("--gateway", arguments.gateways);
   if (!arguments.interfaces.empty()) bus.interfaces = arguments.interfaces;
   const bool names_benches =
-      !arguments.benches.empty() || arguments.axes || !arguments.bench_configuration.empty();
+      !arguments.benches.empty() || arguments.axes || arguments.bench_configuration;
   // Offsets alone are those of the benches that the file has named.
   if (!names_benches && !bus.benches.empty()) {
     return set_offsets(arguments.node_offsets, bus.benches);
@@ -104,19 +104,29 @@ void apply_to_bus(const Arguments& arguments, bool is_private, BusSetting& bus) 
 
 }  // namespace
 
+std::string text_of_option(const char* option, const std::optional<std::string>& text) {
+  if (!text) return {};
+  if (text->empty()) throw ConfigurationError(std::string(option) + ": its value is empty");
+  return *text;
+}
+
 void apply_arguments(const Arguments& arguments, Settings& settings) {
-  if (arguments.axes && !arguments.bench_configuration.empty()) {
+  const std::string clock = text_of_option("--clock", arguments.clock);
+  const std::string sync_steps = text_of_option("--sync-steps", arguments.sync_steps);
+  const std::string state = text_of_option("--state", arguments.state);
+  (void)text_of_option("--bench-config", arguments.bench_configuration);
+  if (arguments.axes && arguments.bench_configuration) {
     throw ConfigurationError("--axes and --bench-config are both given: name one of them");
   }
   settings.is_private = settings.is_private || arguments.is_private;
-  const bool describes = arguments.axes || !arguments.bench_configuration.empty();
+  const bool describes = arguments.axes || arguments.bench_configuration;
   if (describes && !settings.is_private) {
     throw ConfigurationError(std::string(arguments.axes ? "--axes" : "--bench-config") +
                              " is that of a private bench; add --private");
   }
-  if (!arguments.clock.empty()) settings.clock = take_clock(arguments.clock);
-  if (!arguments.sync_steps.empty()) settings.sync_steps = take_sync_step(arguments.sync_steps);
-  if (!arguments.state.empty()) settings.state = arguments.state;
+  if (!clock.empty()) settings.clock = take_clock(clock);
+  if (!sync_steps.empty()) settings.sync_steps = take_sync_step(sync_steps);
+  if (!state.empty()) settings.state = state;
   if (!names_a_bus(arguments)) return;
   if (settings.buses.size() > 1) {
     throw ConfigurationError("the file has " + std::to_string(settings.buses.size()) +

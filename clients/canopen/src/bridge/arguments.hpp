@@ -3,6 +3,7 @@
 
 #include "bridge/settings.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -19,11 +20,17 @@ struct Arguments {
   std::vector<std::string> interfaces{};
   bool is_private = false;
   std::optional<std::size_t> axes{};
-  std::string bench_configuration{};
-  std::string clock{};
-  std::string sync_steps{};
-  std::string state{};
+  std::optional<std::string> bench_configuration{};
+  std::optional<std::string> clock{};
+  std::optional<std::string> sync_steps{};
+  std::optional<std::string> state{};
 };
+
+/// @return the text of an option; empty when it was not given.
+/// @throws settings::ConfigurationError when the text is empty, such as that of an unset variable
+///         of a shell: it would be as if the option was not given
+[[nodiscard]] std::string text_of_option(const char* option,
+                                         const std::optional<std::string>& text);
 
 /// Applies the options over what the file has said. Those of a bus are for the only one: they
 /// replace what the file gives it.

@@ -28,9 +28,20 @@ namespace {
 struct CommandLine {
   Settings settings;
   Arguments arguments;
-  std::string file;
+  std::optional<std::string> file;
   bool only_checks = false;
 };
+
+/// Keeps also an empty text, which std::optional in the place of `text` would not show.
+CLI::Option* add_text(CLI::App& app, const std::string& name, std::optional<std::string>& text,
+                      const std::string& help) {
+  return app.add_option_function<std::string>(
+      name,
+      [&text](const std::string& value) {
+        text = value;
+      },
+      help);
+}
 
 void declare_benches(CLI::App& app, Arguments& arguments) {
   app.add_option("--bench", arguments.benches,
@@ -48,15 +59,15 @@ void declare_benches(CLI::App& app, Arguments& arguments) {
                  "Axes of a private bench, 1 to " + std::to_string(kMostNodes) + "; default: 1")
       ->transform(bridge::whole_number(1, static_cast<std::int64_t>(kMostNodes)))
       ->type_name("N");
-  app.add_option("--bench-config", arguments.bench_configuration,
-                 "Configuration of a private bench, a file as that of vdrived")
+  add_text(app, "--bench-config", arguments.bench_configuration,
+           "Configuration of a private bench, a file as that of vdrived")
       ->type_name("FILE");
-  app.add_option("--clock", arguments.clock,
-                 "Clock of a private bench, realtime or lockstep; default: lockstep with "
-                 "--sync-steps, else realtime")
+  add_text(app, "--clock", arguments.clock,
+           "Clock of a private bench, realtime or lockstep; default: lockstep with "
+           "--sync-steps, else realtime")
       ->type_name("MODE");
-  app.add_option("--sync-steps", arguments.sync_steps,
-                 "Each SYNC lets so much drive time pass on a bench in lock-step, such as 1ms")
+  add_text(app, "--sync-steps", arguments.sync_steps,
+           "Each SYNC lets so much drive time pass on a bench in lock-step, such as 1ms")
       ->type_name("PERIOD");
 }
 
@@ -77,10 +88,10 @@ void declare(CLI::App& app, CommandLine& line) {
   app.set_version_flag("--version", std::string("vdrive-canopen ") + VDRIVE_VERSION);
   declare_benches(app, line.arguments);
   declare_ports(app, line.arguments);
-  app.add_option("--state", line.arguments.state,
-                 "Directory of what 1010h stores; default: kept in memory")
+  add_text(app, "--state", line.arguments.state,
+           "Directory of what 1010h stores; default: kept in memory")
       ->type_name("DIR");
-  app.add_option("--config", line.file, "YAML file; options of the command line override it")
+  add_text(app, "--config", line.file, "YAML file; options of the command line override it")
       ->type_name("FILE");
   app.add_flag("--check", line.only_checks, "Check command line and configuration, and end");
   bridge::add_domain_option(app, line.settings.session.domain);
@@ -90,9 +101,8 @@ void declare(CLI::App& app, CommandLine& line) {
 /// Reads the file, then applies the options of the command line.
 void complete(CommandLine& line) {
   Settings& settings = line.settings;
-  if (!line.file.empty()) {
-    read_settings(vdrive::settings::read_yaml_file(line.file), line.file, settings);
-  }
+  const std::string file = text_of_option("--config", line.file);
+  if (!file.empty()) read_settings(vdrive::settings::read_yaml_file(file), file, settings);
   apply_arguments(line.arguments, settings);
   complete_settings(settings);
   check_private_benches(settings);

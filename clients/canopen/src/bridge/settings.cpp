@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge/settings.hpp"
 
+#include "bridge/node_ids.hpp"
 #include "settings/configuration_error.hpp"
 #include "settings/yaml_reader.hpp"
 #include "vdrive/text.hpp"
@@ -170,6 +171,23 @@ void check_benches(const Settings& settings) {
   }
 }
 
+/// Axes of a private bench are 1 to their number, all of them. A bench with a configuration says
+/// them at its start.
+void check_node_ids(const Settings& settings) {
+  for (const BusSetting& bus : settings.buses) {
+    NodeIds ids;
+    for (const BenchSetting& bench : bus.benches) {
+      std::vector<client::AxisInfo> axes(bench.axes.value_or(0));
+      for (std::size_t place = 0; place < axes.size(); ++place) {
+        axes[place].id = {.bench = bench.number, .axis = static_cast<std::uint16_t>(place + 1)};
+      }
+      if (const auto refusal = ids.add(axes, bench.node_offset)) {
+        throw ConfigurationError("bench " + std::to_string(bench.number) + ": " + *refusal);
+      }
+    }
+  }
+}
+
 bool names_a_network(const client::SessionOptions& session) {
   return session.domain || !session.interfaces.empty() || !session.peers.empty() ||
          !session.discovery_servers.empty() || !session.security.empty();
@@ -240,6 +258,7 @@ void complete_settings(Settings& settings) {
   check_ports(settings.buses);
   check_benches(settings);
   check_clock(settings);
+  if (settings.is_private) check_node_ids(settings);
   if (settings.is_private && !settings.clock) {
     settings.clock = settings.sync_steps ? ClockMode::lockstep : ClockMode::realtime;
   }
