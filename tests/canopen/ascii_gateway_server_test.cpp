@@ -216,6 +216,7 @@ TEST(AsciiGatewayServer, RefusesMoreClientsThanItMayHave) {
   ASSERT_TRUE(run_until(bench.context, "the end", [&] {
     return second->has_ended();
   }));
+  EXPECT_EQ(second->received(), "ERROR: too many clients\r\n");
   EXPECT_EQ(bench.server->counters().refused_clients, 1U);
   first->close();
   ASSERT_TRUE(run_until(bench.context, "the end of a client", [&] {

@@ -112,10 +112,7 @@ struct AsciiGatewayServer::State final : Port,
   }
 
   void serve(tcp::socket&& socket) {
-    if (clients.size() >= most_clients) {
-      ++counters.refused_clients;
-      return;  // its end closes the connection
-    }
+    if (clients.size() >= most_clients) return refuse(socket);
     AsioError ignored;
     socket.set_option(tcp::no_delay(true), ignored);
     // Else a machine that was switched off would hold its place.
@@ -126,6 +123,15 @@ struct AsciiGatewayServer::State final : Port,
     const auto client = std::make_shared<GatewayClient>(std::move(socket), session);
     clients.emplace(session, client);
     read(client);
+  }
+
+  void refuse(tcp::socket& socket) {
+    ++counters.refused_clients;
+    AsioError ignored;
+    socket.non_blocking(true, ignored);
+    // No answer of CiA 309-3 to a command: a line for the person who reads it.
+    socket.write_some(asio::buffer(std::string_view("ERROR: too many clients\r\n")), ignored);
+    socket.close(ignored);
   }
 
   void append_line(GatewaySession session, std::string_view line) {
