@@ -78,6 +78,8 @@ class AxisNode final : public NodeHost {
 
   void power_cycle() override { bank_.power_cycle(axis_); }
 
+  bool store(const std::map<ObjectAddress, std::uint32_t>& /*parameters*/) override { return true; }
+
  private:
   [[nodiscard]] DriveView view() const { return {.status = bank_.status(axis_)}; }
 

@@ -3,6 +3,7 @@
 #include "bridge/bench_nodes.hpp"
 
 #include "canopen/recorded_port.hpp"
+#include "support/temporary_directory.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -25,7 +27,8 @@ using testing::SizeIs;
 struct NodeOnABus {
   static constexpr std::uint64_t kSession = 7;
 
-  NodeOnABus() {
+  /// @param state of NodeStore
+  explicit NodeOnABus(const std::filesystem::path& state = {}) : store(state, "left", reports) {
     drives[0].owner_session = kSession;
     start();
   }
@@ -37,7 +40,7 @@ struct NodeOnABus {
 
   std::vector<DriveAccess> accesses{};
   bridge::Reports reports{"test", [](bridge::Severity, const std::string&) {}};
-  NodeStore store{std::filesystem::path(), "left", reports};
+  NodeStore store;
   Bus bus{};
   RecordedPort master{bus};
   std::array<NodePlace, 1> places{NodePlace{.axis = 1, .node_id = 1}};
@@ -69,6 +72,22 @@ TEST(BenchNodes, IgnoreTheAnswerToAnAccessOfANodeThatIsGone) {
   test.nodes.complete(0, test.accesses[1].ticket, {.value = 2});
   EXPECT_THAT(test.master.frames,
               ElementsAre(data_frame(0x581, {0x43, 0x64, 0x60, 0x00, 2, 0, 0, 0})));
+}
+
+TEST(BenchNodes, AnswerASaveThatCannotBeWrittenWithAHardwareError) {
+  const test::TemporaryDirectory directory;
+  std::ofstream(directory.path() / "state") << "";
+  NodeOnABus test(directory.path() / "state");  // no directory
+  test.master.send(data_frame(0x601, {0x2B, 0x17, 0x10, 0x00, 0x64, 0, 0, 0}));
+  test.master.frames.clear();
+  for (const bool is_directory : {false, true}) {
+    if (is_directory) std::filesystem::remove(directory.path() / "state");
+    test.master.send(data_frame(0x601, {0x23, 0x10, 0x10, 0x01, 0x73, 0x61, 0x76, 0x65}));
+    test.nodes.complete(0, test.accesses.back().ticket, {});
+  }
+  EXPECT_THAT(test.master.frames,
+              ElementsAre(data_frame(0x581, {0x80, 0x10, 0x10, 0x01, 0x00, 0x00, 0x06, 0x06}),
+                          data_frame(0x581, {0x60, 0x10, 0x10, 0x01, 0, 0, 0, 0})));
 }
 
 TEST(BenchNodes, AnswerEachRequestByItsOwnAccess) {

@@ -52,19 +52,19 @@ TEST(CommunicationParameters, AreTheWritableObjectsOfTheNodeItself) {
 }
 
 TEST(CommunicationParameters, StoreWhatDiffersFromItsDefault) {
-  CommunicationParameters parameters(5, {});
-  parameters.store(parameters.to_store([](ObjectAddress object) {
+  const CommunicationParameters parameters(5, {});
+  const Values stored = parameters.to_store([](ObjectAddress object) {
     if (object == ObjectAddress{0x1017, 0}) return 500U;
     const NodeObject* const found = find_node_object(object);
     return found == nullptr ? 0U : static_cast<std::uint32_t>(default_of(*found, 5));
-  }));
-  EXPECT_THAT(parameters.stored(), ElementsAre(Pair(ObjectAddress{0x1017, 0}, 500U)));
+  });
+  EXPECT_THAT(stored, ElementsAre(Pair(ObjectAddress{0x1017, 0}, 500U)));
 }
 
 TEST(CommunicationParameters, AskForEachParameterOnceWhenTheyAreStored) {
   const CommunicationParameters parameters(5, {});
   Values asked;
-  const Values values = parameters.to_store([&asked](ObjectAddress object) {
+  (void)parameters.to_store([&asked](ObjectAddress object) {
     ++asked[object];
     return 0U;
   });
@@ -81,7 +81,7 @@ TEST(CommunicationParameters, AskForEachParameterOnceWhenTheyAreStored) {
 
 TEST(CommunicationParameters, ForgetWhatWasStored) {
   CommunicationParameters parameters(5, {{{0x1017, 0}, 500}});
-  parameters.forget_stored();
+  parameters.set_stored({});
   EXPECT_THAT(parameters.stored(), IsEmpty());
   EXPECT_THAT(WrittenParameters(parameters).order, IsEmpty());
 }

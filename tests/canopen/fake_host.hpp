@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <ostream>
 #include <span>
 #include <string>
@@ -71,6 +72,11 @@ class FakeHost final : public NodeHost {
 
   void power_cycle() override { ++power_cycles; }
 
+  bool store(const std::map<ObjectAddress, std::uint32_t>& parameters) override {
+    if (can_store) stored.push_back(parameters);
+    return can_store;
+  }
+
   /// @return the frames since the last call, as text.
   std::vector<std::string> take() {
     std::vector<std::string> texts;
@@ -83,6 +89,8 @@ class FakeHost final : public NodeHost {
   std::vector<std::vector<DriveValue>> commands;
   std::deque<bool> connection_lost;
   int power_cycles = 0;
+  std::vector<std::map<ObjectAddress, std::uint32_t>> stored;
+  bool can_store = true;
 };
 
 }  // namespace vdrive::canopen

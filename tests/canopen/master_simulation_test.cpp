@@ -90,6 +90,8 @@ class SimulatedDrive final : public NodeHost {
     may_resume_ = true;
   }
 
+  bool store(const std::map<ObjectAddress, std::uint32_t>& /*parameters*/) override { return true; }
+
   /// @return what has to be given to Node::complete(); none = no access is under way.
   std::optional<std::pair<std::uint32_t, DriveAnswer>> answer_access() {
     if (!access_) return std::nullopt;

@@ -725,6 +725,31 @@ TEST(NodeParameters, AreStoredAsTheyWereAtTheRequestWhenAResetComesBeforeTheAnsw
   }
 }
 
+TEST(NodeParameters, AreHandedOverBeforeTheAnswer) {
+  NodeUnderTest test;
+  test.receive("601#2B171000F4010000");
+  test.receive(kSave);
+  EXPECT_THAT(test.host.stored, IsEmpty()) << "the drive first";
+  test.node.complete(test.host.accesses.back().ticket, {}, test.now);
+  EXPECT_THAT(test.host.stored, ElementsAre(Node::Parameters{{ObjectAddress{0x1017, 0}, 500U}}));
+  test.receive(kLoad);
+  test.node.complete(test.host.accesses.back().ticket, {}, test.now);
+  ASSERT_EQ(test.host.stored.size(), 2U);
+  EXPECT_THAT(test.host.stored[1], IsEmpty());
+}
+
+// 06060000h: access failed due to a hardware error (CiA 301, table 22).
+TEST(NodeParameters, AreLeftAsTheyWereWhenTheyCannotBeWritten) {
+  NodeUnderTest test(Node::Parameters{{{0x1017, 0}, 100}});
+  test.host.can_store = false;
+  test.receive("601#2B171000F4010000");
+  test.receive(kSave);
+  EXPECT_THAT(test.answer({}), ElementsAre("581#8010100100000606"));
+  test.receive(kLoad);
+  EXPECT_THAT(test.answer({}), ElementsAre("581#8011100100000606"));
+  EXPECT_THAT(test.node.stored(), ElementsAre(Pair(ObjectAddress{0x1017, 0}, 100U)));
+}
+
 TEST(NodeParameters, AreNotStoredByARead) {
   NodeUnderTest test;
   test.receive("601#2B171000F4010000");

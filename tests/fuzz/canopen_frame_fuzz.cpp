@@ -65,6 +65,8 @@ class FuzzedHost final : public NodeHost {
 
   void power_cycle() override {}
 
+  bool store(const std::map<ObjectAddress, std::uint32_t>& /*parameters*/) override { return true; }
+
   std::optional<DriveAccess> access;
   std::uint64_t sdo_answers = 0;
 };

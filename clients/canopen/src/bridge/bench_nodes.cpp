@@ -19,11 +19,6 @@ constexpr std::uint32_t kNmt = 0x000;
 constexpr std::uint32_t kSdoRequests = 0x600;  // and the node id
 constexpr std::uint32_t kHeartbeats = 0x700;   // and the node id
 
-/// Objects whose write may change what 1010h has saved of a node.
-bool is_memory(ObjectAddress object) {
-  return object.index == 0x1010 || object.index == 0x1011;
-}
-
 /// @param cob_id of a SYNC or a PDO, which may be off (bit 31)
 void add_identifier(std::optional<std::int64_t> cob_id, std::vector<std::uint16_t>& identifiers) {
   constexpr std::int64_t kIsOff = 0x80000000;
@@ -105,8 +100,6 @@ class BenchNodes::Slot final : public NodeHost {
     // Before the answer: with it the node may begin its next access.
     const DriveAccess access = *std::exchange(accessed_, std::nullopt);
     node_->complete(access.ticket, answer, nodes_.now_);
-    const bool may_have_saved = is_memory(access.object) && answer.abort == AbortCode::none;
-    if (may_have_saved) nodes_.store_.save(ids_.node_id, node_->stored());
   }
 
   // ---- what the node does
@@ -143,6 +136,10 @@ class BenchNodes::Slot final : public NodeHost {
     nodes_.drive_calls_.emplace_back([&calls = nodes_.calls_, place = place_] {
       calls.cycle_power(place);
     });
+  }
+
+  bool store(const Node::Parameters& parameters) override {
+    return nodes_.store_.save(ids_.node_id, parameters);
   }
 
  private:

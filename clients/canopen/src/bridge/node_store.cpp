@@ -12,6 +12,8 @@
 #include <cerrno>
 #include <cstddef>
 #include <fstream>
+#include <memory>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
@@ -47,50 +49,11 @@ std::optional<Node::Parameters::value_type> parse_parameter(std::string_view lin
   return Node::Parameters::value_type{{*index, *subindex}, *value};
 }
 
-/// An open file, closed at its end.
-class StoreFile {
- public:
-  /// @throws std::system_error, as every function here does
-  StoreFile(const std::filesystem::path& path, int flags)
-      // NOLINTNEXTLINE(*-vararg): what the system offers
-      : number_(::open(path.c_str(), flags | O_CLOEXEC, 0600)) {
-    require(number_ >= 0);
-  }
+constexpr std::string_view kEndMark = "end ";
 
-  ~StoreFile() { ::close(number_); }
-
-  StoreFile(const StoreFile&) = delete;
-  StoreFile& operator=(const StoreFile&) = delete;
-
-  void write(std::string_view text) const {
-    while (!text.empty()) {
-      const ssize_t written = ::write(number_, text.data(), text.size());
-      require(written > 0);
-      text.remove_prefix(static_cast<std::size_t>(written));
-    }
-  }
-
-  void sync() const { require(::fsync(number_) == 0); }
-
- private:
-  static void require(bool is_done) {
-    if (!is_done) throw std::system_error(errno, std::generic_category());
-  }
-
-  int number_;
-};
-
-/// After a failure at any place the file is the old one or the new one.
-void replace_file(const std::filesystem::path& path, std::string_view text) {
-  const std::filesystem::path next = path.string() + ".new";
-  {
-    const StoreFile file(next, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW);
-    file.write(text);
-    file.sync();
-  }
-  std::filesystem::rename(next, path);
-  const StoreFile directory(path.parent_path(), O_RDONLY | O_DIRECTORY);
-  directory.sync();
+/// Without it a file that was cut at the end of a line would be one of fewer parameters.
+std::string end_line(std::size_t count) {
+  return std::string(kEndMark) + std::to_string(count);
 }
 
 }  // namespace
@@ -101,7 +64,7 @@ std::string text_of_parameters(const Node::Parameters& parameters) {
     text += bare_hex(address.index, 4) + ":" + bare_hex(address.subindex, 2) + " " +
             bare_hex(value, 8) + "\n";
   }
-  return text;
+  return text + end_line(parameters.size()) + "\n";
 }
 
 std::optional<Node::Parameters> parse_parameters(std::string_view text, std::string& problem) {
@@ -110,6 +73,7 @@ std::optional<Node::Parameters> parse_parameters(std::string_view text, std::str
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(line.size() + 1, text.size()));
     if (line.empty() || line.starts_with('#')) continue;
+    if (line == end_line(parameters.size()) && text.empty()) return parameters;
     const auto parameter = parse_parameter(line);
     if (!parameter || !is_parameter(parameter->first, parameter->second)) {
       problem = "line " + std::to_string(number) + ", " + in_quotes(line) +
@@ -119,11 +83,38 @@ std::optional<Node::Parameters> parse_parameters(std::string_view text, std::str
     }
     parameters.insert_or_assign(parameter->first, parameter->second);
   }
-  return parameters;
+  problem = "it is not whole: its last line must be " + in_quotes(end_line(parameters.size())) +
+            ", the number of the parameters before it";
+  return std::nullopt;
 }
 
 NodeStore::NodeStore(std::filesystem::path directory, std::string bus, bridge::Reports& reports)
-    : directory_(std::move(directory)), bus_(std::move(bus)), reports_(reports) {}
+    : directory_(std::move(directory)), bus_(std::move(bus)), reports_(reports) {
+  if (directory_.empty()) return;
+  try {
+    lock();
+  } catch (const std::system_error& error) {  // a later save tries again
+    reports_.report(bridge::Severity::error, bus_,
+                    "state directory " + directory_.string() +
+                        ": not locked, 1010h is refused: " + error.code().message());
+  }
+}
+
+void NodeStore::lock() {
+  std::filesystem::create_directories(directory_);
+  const std::filesystem::path path = directory_ / (bus_ + ".nodes.lock");
+  auto file = std::make_unique<StoreFile>(path, O_RDWR | O_CREAT | O_NOFOLLOW);
+  if (!file->try_lock()) {
+    const std::string owner = file->first_line();
+    throw std::runtime_error("state directory " + in_quotes(directory_.string()) + ": " +
+                             (owner.empty() ? "another process" : escaped(owner)) + " has locked " +
+                             path.filename().string() +
+                             ": end it, or give this program another directory (--state)");
+  }
+  file->clear();
+  file->write("process " + std::to_string(::getpid()) + "\n");
+  lock_ = std::move(file);
+}
 
 std::filesystem::path NodeStore::file_of(std::uint8_t id) const {
   return directory_ / (bus_ + ".node-" + std::to_string(id) + ".parameters");
@@ -134,17 +125,23 @@ void NodeStore::report(std::uint8_t id, const std::string& problem) {
                   file_of(id).string() + ": " + problem);
 }
 
-const Node::Parameters& NodeStore::find(std::uint8_t id) {
+NodeStore::Saved& NodeStore::saved(std::uint8_t id) {
   const auto known = saved_.find(id);
   if (known != saved_.end()) return known->second;
-  return saved_.emplace(id, directory_.empty() ? Node::Parameters{} : load(id)).first->second;
+  return saved_.emplace(id, directory_.empty() ? Saved{} : load(id)).first->second;
 }
 
-Node::Parameters NodeStore::load(std::uint8_t id) {
+const Node::Parameters& NodeStore::find(std::uint8_t id) {
+  return saved(id).parameters;
+}
+
+NodeStore::Saved NodeStore::load(std::uint8_t id) {
+  const Saved unusable{.is_in_file = false};
   std::ifstream stream(file_of(id), std::ios::binary);
   if (!stream) {
-    if (errno != ENOENT) report(id, "cannot be read: " + std::generic_category().message(errno));
-    return {};
+    if (errno == ENOENT) return {};
+    report(id, "cannot be read: " + std::generic_category().message(errno));
+    return unusable;
   }
   std::string text(kLargestParameterFile + 1, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -152,27 +149,36 @@ Node::Parameters NodeStore::load(std::uint8_t id) {
   if (stream.bad() || text.size() > kLargestParameterFile) {
     report(id, "cannot be read, or has more than " + std::to_string(kLargestParameterFile) +
                    " bytes: the node has its defaults");
-    return {};
+    return unusable;
   }
   std::string problem;
   auto parameters = parse_parameters(text, problem);
-  if (parameters) return std::move(*parameters);
+  if (parameters) return {.parameters = std::move(*parameters)};
   report(id, problem + ": the node has its defaults");
-  return {};
+  return unusable;
 }
 
-void NodeStore::save(std::uint8_t id, const Node::Parameters& parameters) {
-  Node::Parameters& saved = saved_[id];
-  if (saved == parameters) return;
-  saved = parameters;
-  if (directory_.empty()) return;
+bool NodeStore::save(std::uint8_t id, const Node::Parameters& parameters) {
+  Saved& known = saved(id);
+  if (known.is_in_file && known.parameters == parameters) return true;
   try {
-    std::filesystem::create_directories(directory_);
-    replace_file(file_of(id), text_of_parameters(parameters));
+    // After a failure the file may be the old one or the new one.
+    known.is_in_file = false;
+    if (!directory_.empty()) write(id, parameters);
   } catch (const std::system_error& error) {  // those of files are such, too
-    report(id, "cannot be written, the parameters are kept until this program ends: " +
-                   error.code().message());
+    report(id, "cannot be written: " + error.code().message());
+    return false;
+  } catch (const std::runtime_error& error) {
+    report(id, std::string("cannot be written: ") + error.what());
+    return false;
   }
+  known = {.parameters = parameters};
+  return true;
+}
+
+void NodeStore::write(std::uint8_t id, const Node::Parameters& parameters) {
+  if (!lock_) lock();
+  replace_file(file_of(id), text_of_parameters(parameters));
 }
 
 }  // namespace vdrive::canopen

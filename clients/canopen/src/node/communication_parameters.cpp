@@ -61,10 +61,6 @@ CommunicationParameters::Values CommunicationParameters::to_store(const Read& in
   return values;
 }
 
-void CommunicationParameters::store(Values values) {
-  stored_ = std::move(values);
-}
-
 void CommunicationParameters::restore(const Write& write) const {
   std::set<std::uint16_t> pdos;
   std::set<std::uint16_t> others;

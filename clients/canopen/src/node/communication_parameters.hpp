@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <utility>
 
 namespace vdrive::canopen {
 
@@ -29,14 +30,11 @@ class CommunicationParameters {
   [[nodiscard]] const Values& stored() const noexcept { return stored_; }
 
   /// @param in_force gives the value of a parameter that is in force now
-  /// @return what 1010h:01 saves of them: those that are not the default.
+  /// @return what 1010h:01 has to store: those that are not the default.
   [[nodiscard]] Values to_store(const Read& in_force) const;
 
-  /// 1010h:01: from the next reset on each parameter has the value that to_store() has taken.
-  void store(Values values);
-
-  /// 1011h:01: from the next reset on each parameter has its default.
-  void forget_stored() noexcept { stored_.clear(); }
+  /// From the next reset on each parameter has the value that is stored here, or its default.
+  void set_stored(Values values) noexcept { stored_ = std::move(values); }
 
   /// After a reset, when each parameter has its default: writes what is stored, in an order that
   /// the rules for COB-IDs and mappings allow. A value that is refused is left out: the parameter

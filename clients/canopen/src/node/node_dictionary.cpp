@@ -106,10 +106,7 @@ std::optional<SdoAnswer> NodeDictionary::complete(std::uint32_t ticket, const Dr
   if (!access_ || access_->ticket != ticket) return std::nullopt;
   const DriveAccess access = *std::exchange(access_, std::nullopt);
   if (answer.abort != AbortCode::none) return SdoAnswer{.abort = answer.abort};
-  if (access.value) {
-    follow_memory(access.object);
-    return SdoAnswer{};
-  }
+  if (access.value) return SdoAnswer{.abort = follow_memory(access.object)};
   const NodeObject* const found = find_node_object(access.object);
   ensure(found != nullptr, "an access has an object");
   return SdoAnswer{
@@ -123,12 +120,14 @@ std::int64_t NodeDictionary::as_masters_see(const DriveAccess& access, std::int6
   return access.object == kErrorRegister ? value | parts_.emergency.error_register() : value;
 }
 
-void NodeDictionary::follow_memory(ObjectAddress object) {
-  if (object == kStoreAll) {
-    parts_.parameters.store(std::exchange(to_store_, {}));
-  } else if (object == kRestoreAll) {
-    parts_.parameters.forget_stored();
-  }
+/// @param object of the drive that was written
+AbortCode NodeDictionary::follow_memory(ObjectAddress object) {
+  if (object != kStoreAll && object != kRestoreAll) return AbortCode::none;
+  CommunicationParameters::Values parameters;  // none: all have their defaults
+  if (object == kStoreAll) parameters = std::exchange(to_store_, {});
+  if (!host_.store(parameters)) return AbortCode::hardware_error;
+  parts_.parameters.set_stored(std::move(parameters));
+  return AbortCode::none;
 }
 
 CommunicationParameters::Values NodeDictionary::parameters_in_force() const {

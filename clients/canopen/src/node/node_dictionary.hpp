@@ -52,7 +52,8 @@ class NodeDictionary final : public SdoObjects {
 
   /// The answer of the drive to the access with this ticket. Where it has saved (1010h:01) or
   /// restored (1011h:01) its parameters the communication parameters follow: those that were in
-  /// force at the request are saved.
+  /// force at the request are saved. The answer is hardware_error where NodeHost::store() cannot
+  /// keep them.
   /// @return the answer for SDO; none = no such access is under way.
   std::optional<SdoAnswer> complete(std::uint32_t ticket, const DriveAnswer& answer);
 
@@ -74,7 +75,7 @@ class NodeDictionary final : public SdoObjects {
   [[nodiscard]] SdoAnswer read_own(const NodeObject& object) const;
   [[nodiscard]] std::uint32_t value_of(const NodeObject& object) const;
   [[nodiscard]] std::int64_t as_masters_see(const DriveAccess& access, std::int64_t value) const;
-  void follow_memory(ObjectAddress object);
+  [[nodiscard]] AbortCode follow_memory(ObjectAddress object);
   [[nodiscard]] CommunicationParameters::Values parameters_in_force() const;
 
   std::uint8_t node_id_;
