@@ -11,6 +11,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -38,7 +39,13 @@ struct NodeOnABus {
     master.frames.clear();
   }
 
+  void set_owner(std::uint64_t session) {
+    drives[0].owner_session = session;
+    nodes.update(drives, DriveTime::zero());
+  }
+
   std::vector<DriveAccess> accesses{};
+  std::deque<bool> told{};  ///< of the connection to a master
   bridge::Reports reports{"test", [](bridge::Severity, const std::string&) {}};
   NodeStore store;
   Bus bus{};
@@ -52,7 +59,10 @@ struct NodeOnABus {
                         [this](std::size_t, const DriveAccess& access) {
                           accesses.push_back(access);
                         },
-                    .tell_connection = [](std::size_t, bool) {},
+                    .tell_connection =
+                        [this](std::size_t, bool is_lost) {
+                          told.push_back(is_lost);
+                        },
                     .cycle_power = [](std::size_t) {},
                     .set_points = [] {},
                     .sync = {}}};
@@ -88,6 +98,28 @@ TEST(BenchNodes, AnswerASaveThatCannotBeWrittenWithAHardwareError) {
   EXPECT_THAT(test.master.frames,
               ElementsAre(data_frame(0x581, {0x80, 0x10, 0x10, 0x01, 0x00, 0x00, 0x06, 0x06}),
                           data_frame(0x581, {0x60, 0x10, 0x10, 0x01, 0, 0, 0, 0})));
+}
+
+TEST(BenchNodes, TellTheLossOfAMasterWhenControlIsBackAndTheMasterIsNot) {
+  NodeOnABus test;
+  test.master.send(data_frame(0x000, {0x01, 1}));
+  test.set_owner(NodeOnABus::kSession + 1);
+  test.master.send(data_frame(0x000, {0x02, 1}));  // NMT stop
+  EXPECT_THAT(test.told, IsEmpty());
+  test.set_owner(NodeOnABus::kSession);
+  EXPECT_THAT(test.told, ElementsAre(true));
+  test.set_owner(NodeOnABus::kSession);
+  EXPECT_THAT(test.told, ElementsAre(true)) << "once";
+}
+
+TEST(BenchNodes, TellNoLossThatHasEndedWhenControlIsBack) {
+  NodeOnABus test;
+  test.master.send(data_frame(0x000, {0x01, 1}));
+  test.set_owner(NodeOnABus::kSession + 1);
+  test.master.send(data_frame(0x000, {0x02, 1}));
+  test.master.send(data_frame(0x000, {0x01, 1}));
+  test.set_owner(NodeOnABus::kSession);
+  EXPECT_THAT(test.told, ElementsAre(false));
 }
 
 TEST(BenchNodes, AnswerEachRequestByItsOwnAccess) {

@@ -79,6 +79,7 @@ class BenchNodes::Slot final : public NodeHost {
                                 .sync_period = nodes_.options_.sync_period};
     node_.emplace(settings, *this, nodes_.store_.find(ids_.node_id));
     forget_identifiers();
+    is_loss_untold_ = false;
     node_->start(view_of(drive), nodes_.now_);
   }
 
@@ -91,6 +92,7 @@ class BenchNodes::Slot final : public NodeHost {
 
   void update(const client::AxisSnapshot& drive) {
     node_->update(view_of(drive), nodes_.now_);
+    if (is_owned_ && std::exchange(is_loss_untold_, false)) set_connection_lost(true);
     const auto due = node_->next_due();
     if (due && *due <= nodes_.now_) node_->advance(nodes_.now_);
   }
@@ -125,8 +127,10 @@ class BenchNodes::Slot final : public NodeHost {
   }
 
   void set_connection_lost(bool is_lost) override {
-    // The loss of a master is none to an axis that another session controls.
-    if (is_lost && !is_owned_) return;
+    // The loss of a master is none to an axis that another session controls: it is told when
+    // control is back, and the master is not.
+    is_loss_untold_ = is_lost && !is_owned_;
+    if (is_loss_untold_) return;
     nodes_.drive_calls_.emplace_back([&calls = nodes_.calls_, place = place_, is_lost] {
       calls.tell_connection(place, is_lost);
     });
@@ -152,6 +156,7 @@ class BenchNodes::Slot final : public NodeHost {
   const std::size_t place_;
   const NodePlace ids_;
   bool is_owned_ = false;
+  bool is_loss_untold_ = false;
   bool are_identifiers_old_ = true;
   std::vector<std::uint16_t> identifiers_;
   std::optional<DriveAccess> accessed_;  ///< under way, as the node knows it
