@@ -725,6 +725,20 @@ TEST(NodeParameters, AreStoredAsTheyWereAtTheRequestWhenAResetComesBeforeTheAnsw
   }
 }
 
+TEST(NodeParameters, CountTheirChanges) {
+  NodeUnderTest test;
+  const std::uint64_t before = test.node.parameter_changes();
+  for (const char* const frame : {kStart, kPreOperational, kStop, kStart, "601#4000140100000000"}) {
+    test.receive(frame);
+    EXPECT_EQ(test.node.parameter_changes(), before) << frame;
+  }
+  test.receive("601#2B171000F4010000");
+  const std::uint64_t written = test.node.parameter_changes();
+  EXPECT_NE(written, before);
+  test.receive(kResetCommunication);
+  EXPECT_NE(test.node.parameter_changes(), written);
+}
+
 TEST(NodeParameters, AreHandedOverBeforeTheAnswer) {
   NodeUnderTest test;
   test.receive("601#2B171000F4010000");

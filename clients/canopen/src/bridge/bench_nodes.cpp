@@ -15,9 +15,7 @@ constexpr std::uint16_t kReceivePdos = 0x1400;        // four of them
 constexpr std::uint16_t kHeartbeatConsumer = 0x1016;  // four entries
 constexpr std::uint8_t kEntries = 4;
 
-constexpr std::uint32_t kNmt = 0x000;
-constexpr std::uint32_t kSdoRequests = 0x600;  // and the node id
-constexpr std::uint32_t kHeartbeats = 0x700;   // and the node id
+constexpr std::uint32_t kHeartbeats = 0x700;  // and the node id
 
 /// @param cob_id of a SYNC or a PDO, which may be off (bit 31)
 void add_identifier(std::optional<std::int64_t> cob_id, std::vector<std::uint16_t>& identifiers) {
@@ -65,11 +63,14 @@ class BenchNodes::Slot final : public NodeHost {
 
   [[nodiscard]] Node* node() noexcept { return node_ ? &*node_ : nullptr; }
 
-  /// What the node listens to may be something else from now on.
-  void forget_identifiers() { are_identifiers_old_ = true; }
+  /// @return whether what the node listens to may differ from identifiers() of before.
+  [[nodiscard]] bool has_new_parameters() const {
+    return node_ && node_->parameter_changes() != known_changes_;
+  }
 
   [[nodiscard]] std::span<const std::uint16_t> identifiers() {
-    if (std::exchange(are_identifiers_old_, false)) collect_identifiers(*node_, identifiers_);
+    if (has_new_parameters()) collect_identifiers(*node_, identifiers_);
+    known_changes_ = node_->parameter_changes();
     return identifiers_;
   }
 
@@ -78,7 +79,7 @@ class BenchNodes::Slot final : public NodeHost {
                                 .software_version = nodes_.options_.software_version,
                                 .sync_period = nodes_.options_.sync_period};
     node_.emplace(settings, *this, nodes_.store_.find(ids_.node_id));
-    forget_identifiers();
+    known_changes_.reset();
     is_loss_untold_ = false;
     node_->start(view_of(drive), nodes_.now_);
   }
@@ -157,10 +158,10 @@ class BenchNodes::Slot final : public NodeHost {
   const NodePlace ids_;
   bool is_owned_ = false;
   bool is_loss_untold_ = false;
-  bool are_identifiers_old_ = true;
   std::vector<std::uint16_t> identifiers_;
-  std::optional<DriveAccess> accessed_;  ///< under way, as the node knows it
-  std::uint32_t last_ticket_ = 0;        ///< of it, as Calls know it
+  std::optional<std::uint64_t> known_changes_;  ///< Node::parameter_changes() of identifiers_
+  std::optional<DriveAccess> accessed_;         ///< under way, as the node knows it
+  std::uint32_t last_ticket_ = 0;               ///< of it, as Calls know it
   std::optional<Node> node_;
 };
 
@@ -200,14 +201,17 @@ void BenchNodes::update(std::span<const client::AxisSnapshot> drives, DriveTime 
   ensure(drives.size() == slots_.size(), "each node has its drive");
   if (!is_running_) return;
   now_ = std::max(now_, now);
-  for (std::size_t place = 0; place < slots_.size(); ++place) slots_[place]->update(drives[place]);
+  for (std::size_t place = 0; place < slots_.size(); ++place) {
+    slots_[place]->update(drives[place]);
+    note_changes(place);
+  }
   settle();
 }
 
 void BenchNodes::complete(std::size_t place, std::uint32_t ticket, const DriveAnswer& answer) {
   if (!is_running_) return;
   slots_.at(place)->complete(ticket, answer);
-  forget_identifiers(place);
+  note_changes(place);  // of the request that waited behind this one
   settle();
 }
 
@@ -240,14 +244,11 @@ bool BenchNodes::is_sync(const Frame& frame) const {
 void BenchNodes::receive(const Frame& frame, std::optional<std::size_t> sender) {
   if (are_listeners_old_) refresh_listeners();
   const Listeners::Answer whom = listeners_.find(frame);
-  // Only these change what a node listens to; heartbeats and process data are most of all frames.
-  const bool is_sdo = frame.id > kSdoRequests && frame.id < kHeartbeats;
-  const bool may_change = frame.id == kNmt || is_sdo;
   const auto give_to = [&](std::size_t place) {
     Node* const node = slots_[place]->node();
     if (node == nullptr || place == sender) return;
     node->receive(frame, now_);
-    if (may_change) forget_identifiers(place);
+    note_changes(place);
   };
   if (whom.kind == Listeners::Kind::one) give_to(whom.place);
   if (whom.kind == Listeners::Kind::everybody) {
@@ -255,9 +256,8 @@ void BenchNodes::receive(const Frame& frame, std::optional<std::size_t> sender) 
   }
 }
 
-void BenchNodes::forget_identifiers(std::size_t place) {
-  slots_[place]->forget_identifiers();
-  are_listeners_old_ = true;
+void BenchNodes::note_changes(std::size_t place) {
+  if (slots_[place]->has_new_parameters()) are_listeners_old_ = true;
 }
 
 void BenchNodes::refresh_listeners() {

@@ -100,7 +100,7 @@ class BenchNodes final : public Port {
   void settle();
   void send(const Outgoing& outgoing);
   void run_drive_calls();
-  void forget_identifiers(std::size_t place);
+  void note_changes(std::size_t place);
   void refresh_listeners();
   [[nodiscard]] bool is_sync(const Frame& frame) const;
 

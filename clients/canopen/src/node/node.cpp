@@ -75,6 +75,10 @@ class Node::Parts final : private PdoHost {
 
   [[nodiscard]] std::optional<std::int64_t> value(ObjectAddress object) const;
 
+  [[nodiscard]] std::uint64_t parameter_changes() const noexcept {
+    return resets_ + dictionary_.writes();
+  }
+
  private:
   void send(const Frame& frame) override { host_.send(frame); }
 
@@ -99,6 +103,7 @@ class Node::Parts final : private PdoHost {
   std::uint8_t node_id_;
   NodeHost& host_;
   NodeCounters counters_;
+  std::uint64_t resets_ = 0;  ///< of all communication parameters
   NmtState state_ = NmtState::boot_up;
   DriveTime now_{};   ///< of the call under way
   DriveView drive_;   ///< after its last tick
@@ -183,6 +188,7 @@ void Node::Parts::start_remote_node() {
 /// From any state to pre-operational by way of initialisation, with the stored parameters.
 void Node::Parts::reset_communication() {
   state_ = NmtState::boot_up;
+  ++resets_;
   pdos_.stop();
   sdo_.stop();
   pdos_.reset();
@@ -395,6 +401,10 @@ const NodeCounters& Node::counters() const noexcept {
 
 const Node::Parameters& Node::stored() const noexcept {
   return parts_->stored();
+}
+
+std::uint64_t Node::parameter_changes() const noexcept {
+  return parts_->parameter_changes();
 }
 
 std::optional<std::int64_t> Node::value(ObjectAddress object) const {

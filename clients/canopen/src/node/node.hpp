@@ -79,6 +79,11 @@ class Node {
   /// the ASCII gateway, tests and reports.
   [[nodiscard]] std::optional<std::int64_t> value(ObjectAddress object) const;
 
+  /// @return how often communication parameters were written or reset: while it is the same,
+  /// value()
+  ///         gives what it gave.
+  [[nodiscard]] std::uint64_t parameter_changes() const noexcept;
+
  private:
   class Parts;
   std::unique_ptr<Parts> parts_;

@@ -175,6 +175,7 @@ std::uint32_t NodeDictionary::value_of(const NodeObject& object) const {
 }
 
 AbortCode NodeDictionary::write(ObjectAddress object, std::uint32_t value, DriveTime now) {
+  ++writes_;
   if (Pdos::has(object)) return parts_.pdos.write(object, value);
   const NodeObject* const found = find_node_object(object);
   ensure(found != nullptr, "a communication parameter exists");

@@ -70,6 +70,9 @@ class NodeDictionary final : public SdoObjects {
   ///         that has it says.
   AbortCode write(ObjectAddress object, std::uint32_t value, DriveTime now);
 
+  /// @return calls of write().
+  [[nodiscard]] std::uint64_t writes() const noexcept { return writes_; }
+
  private:
   void begin(ObjectAddress object, std::optional<std::int64_t> value);
   [[nodiscard]] SdoAnswer read_own(const NodeObject& object) const;
@@ -86,6 +89,7 @@ class NodeDictionary final : public SdoObjects {
   NodeHost& host_;
   const DriveView& drive_;
   std::uint32_t last_ticket_ = 0;
+  std::uint64_t writes_ = 0;
   std::optional<DriveAccess> access_;         ///< of the drive, under way
   CommunicationParameters::Values to_store_;  ///< at the request of 1010h:01 that is under way
 };
