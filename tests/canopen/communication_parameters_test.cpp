@@ -64,7 +64,7 @@ TEST(CommunicationParameters, StoreWhatDiffersFromItsDefault) {
 TEST(CommunicationParameters, AskForEachParameterOnceWhenTheyAreStored) {
   const CommunicationParameters parameters(5, {});
   Values asked;
-  (void)parameters.to_store([&asked](ObjectAddress object) {
+  const Values values = parameters.to_store([&asked](ObjectAddress object) {
     ++asked[object];
     return 0U;
   });
