@@ -28,9 +28,9 @@ class OwnProgram {
         }) {}
 
   /// What it has written on standard output, and on standard error.
-  [[nodiscard]] py::bytes output() const { return py::bytes(get().output()); }
+  [[nodiscard]] py::bytes output() const { return {get().output()}; }
 
-  [[nodiscard]] py::bytes errors() const { return py::bytes(get().errors()); }
+  [[nodiscard]] py::bytes errors() const { return {get().errors()}; }
 
   /// @return its exit code, or -signal; nothing while it still runs after `patience`.
   [[nodiscard]] std::optional<int> wait(const Real& patience) const {

@@ -207,6 +207,7 @@ ObjectName parse_listed(const std::string& text) {
 
 std::vector<std::string> format_names() {
   std::vector<std::string> names;
+  names.reserve(kFormatNames.size());
   for (const FormatName& row : kFormatNames) names.emplace_back(row.name);
   return names;
 }

@@ -136,7 +136,7 @@ const Node::Parameters& NodeStore::find(std::uint8_t id) {
 }
 
 NodeStore::Saved NodeStore::load(std::uint8_t id) {
-  const Saved unusable{.is_in_file = false};
+  Saved unusable{.is_in_file = false};
   std::ifstream stream(file_of(id), std::ios::binary);
   if (!stream) {
     if (errno == ENOENT) return {};

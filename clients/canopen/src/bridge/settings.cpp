@@ -129,6 +129,16 @@ bool has_port(const BusSetting& bus) {
   return !bus.socketcand.empty() || !bus.gateways.empty() || !bus.interfaces.empty();
 }
 
+/// @param taken the ports of all buses so far
+void take_servers(const std::vector<TcpAddress>& addresses, std::set<std::string>& taken) {
+  for (const TcpAddress& address : addresses) {
+    const std::string text = address_text(address);
+    if (address.port != 0 && !taken.insert(text).second) {
+      throw ConfigurationError("two servers listen on " + text);
+    }
+  }
+}
+
 void check_ports(const std::vector<BusSetting>& buses) {
   std::set<std::string> taken;
   for (const BusSetting& bus : buses) {
@@ -136,14 +146,8 @@ void check_ports(const std::vector<BusSetting>& buses) {
       throw ConfigurationError("bus " + bus.name +
                                ": nobody reaches it; give it socketcand, gateways or interfaces");
     }
-    for (const auto* const addresses : {&bus.socketcand, &bus.gateways}) {
-      for (const TcpAddress& address : *addresses) {
-        const std::string text = address_text(address);
-        if (address.port != 0 && !taken.insert(text).second) {
-          throw ConfigurationError("two servers listen on " + text);
-        }
-      }
-    }
+    take_servers(bus.socketcand, taken);
+    take_servers(bus.gateways, taken);
     for (const std::string& interface : bus.interfaces) {
       if (!taken.insert(interface).second) {
         throw ConfigurationError("the interface " + in_quotes(interface) + " is given twice");
@@ -212,6 +216,13 @@ void check_clock(const Settings& settings) {
   }
 }
 
+void complete_private_benches(BusSetting& bus) {
+  if (bus.benches.empty()) bus.benches.push_back({.number = 1, .node_offset = bus.node_offset});
+  for (BenchSetting& bench : bus.benches) {
+    if (bench.configuration.empty() && !bench.axes) bench.axes = 1;
+  }
+}
+
 }  // namespace
 
 void read_settings(const std::string& text, const std::string& file, Settings& settings) {
@@ -246,14 +257,8 @@ void read_settings(const std::string& text, const std::string& file, Settings& s
 void complete_settings(Settings& settings) {
   if (settings.buses.empty()) settings.buses.emplace_back();
   for (BusSetting& bus : settings.buses) {
-    if (settings.is_private && bus.benches.empty()) {
-      bus.benches.push_back({.number = 1, .node_offset = bus.node_offset});
-    }
+    if (settings.is_private) complete_private_benches(bus);
     if (settings.buses.size() == 1 && !has_port(bus)) bus.socketcand.push_back(kUsualSocketcand);
-    for (BenchSetting& bench : bus.benches) {
-      const bool needs_axes = settings.is_private && bench.configuration.empty() && !bench.axes;
-      if (needs_axes) bench.axes = 1;
-    }
   }
   check_ports(settings.buses);
   check_benches(settings);
