@@ -48,14 +48,15 @@ inline constexpr std::array kGatewayTypes{
 [[nodiscard]] std::optional<std::uint64_t> parse_natural(std::string_view text);
 
 /// @param text without the quotes around it
-/// @return the value, little-endian; nothing when it is no value of the type.
+/// @return the bytes of the value, least significant first; nothing when `text` does not spell a
+///         value of this type.
 [[nodiscard]] std::optional<std::vector<std::uint8_t>> encode_value(const GatewayType& type,
                                                                     std::string_view text);
 
-/// @return the text of a value, in quotes where the type has them; of `visible` the zeros at its
-/// end
-///         are left out, and vdrive::escaped() writes what a line cannot have. Nothing when the
-///         value has not as many bytes as the type.
+/// In a `visible` value the zeros at the end are left out, and vdrive::escaped() writes what a line
+/// cannot have.
+/// @return the text of a value, in quotes where the type has them; nothing when `data` has another
+///         size than the type.
 [[nodiscard]] std::optional<std::string> decode_value(const GatewayType& type,
                                                       std::span<const std::uint8_t> data);
 

@@ -25,9 +25,8 @@ namespace vdrive::canopen {
 /// @return the frame as the kernel's raw CAN sockets take it.
 [[nodiscard]] can_frame to_can_frame(const Frame& frame) noexcept;
 
-/// @return the frame that a raw CAN socket gave; nothing for an error message of the controller,
-/// and
-///         for one of more than 8 bytes.
+/// @return the frame that a raw CAN socket gave; nothing for an error message of the controller and
+///         for a frame of more than 8 bytes.
 [[nodiscard]] std::optional<Frame> from_can_frame(const can_frame& frame) noexcept;
 
 /// What a port calls of the system: those of the kernel by default; a test replaces them.
