@@ -2,6 +2,7 @@
 #include "web_server.hpp"
 
 #include "protocol.hpp"
+#include "tcp_listen.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/token_bucket.hpp"
@@ -438,29 +439,9 @@ struct Listener {
   asio::steady_timer pause;
 };
 
-tcp::endpoint endpoint_of(const ListenAddress& listen) {
-  beast::error_code error;
-  const auto address = asio::ip::make_address(listen.address, error);
-  if (error) {
-    throw std::runtime_error("cannot listen on " + in_quotes(listen.address) +
-                             ": it is not an address of a network");
-  }
-  return {address, listen.port};
-}
-
 void open(tcp::acceptor& acceptor, const ListenAddress& listen) {
-  const tcp::endpoint endpoint = endpoint_of(listen);
-  try {
-    acceptor.open(endpoint.protocol());
-    // Else a gateway that starts anew cannot listen while the kernel keeps connections of the one
-    // before.
-    acceptor.set_option(asio::socket_base::reuse_address(true));
-    acceptor.bind(endpoint);
-    acceptor.listen();
-  } catch (const boost::system::system_error& error) {
-    throw std::runtime_error("cannot listen on " + listen.address + " port " +
-                             std::to_string(listen.port) + ": " + error.code().message());
-  }
+  bridge::listen_on(acceptor, listen.address, listen.port,
+                    listen.address + " port " + std::to_string(listen.port));
 }
 
 }  // namespace

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/tcp_acceptor.hpp"
 
-#include "vdrive/text.hpp"
+#include "tcp_listen.hpp"
 
 #include <chrono>
-#include <stdexcept>
 #include <utility>
 
 namespace vdrive::canopen {
@@ -13,37 +12,12 @@ namespace {
 // Without it a lack of file descriptors would keep the thread busy with accepting.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
-tcp::endpoint endpoint_of(const TcpAddress& address) {
-  AsioError error;
-  const auto host = asio::ip::make_address(address.host, error);
-  if (error) {
-    throw std::runtime_error("cannot listen on " + in_quotes(address.host) +
-                             ": it is not an address of a network");
-  }
-  return {host, address.port};
-}
-
-void listen_on(tcp::acceptor& acceptor, const TcpAddress& address) {
-  const tcp::endpoint endpoint = endpoint_of(address);
-  try {
-    acceptor.open(endpoint.protocol());
-    // Else a program that starts anew cannot listen while the kernel keeps connections of the one
-    // before.
-    acceptor.set_option(asio::socket_base::reuse_address(true));
-    acceptor.bind(endpoint);
-    acceptor.listen();
-  } catch (const boost::system::system_error& error) {
-    throw std::runtime_error("cannot listen on " + address_text(address) + ": " +
-                             error.code().message());
-  }
-}
-
 }  // namespace
 
 struct TcpAcceptor::State final : std::enable_shared_from_this<TcpAcceptor::State> {
   State(asio::io_context& context, TcpAddress wanted, Accepted&& call)
       : acceptor(context), pause(context), address(std::move(wanted)), accepted(std::move(call)) {
-    listen_on(acceptor, address);
+    bridge::listen_on(acceptor, address.host, address.port, address_text(address));
     address.port = acceptor.local_endpoint().port();
   }
 

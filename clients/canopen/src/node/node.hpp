@@ -79,9 +79,8 @@ class Node {
   /// the ASCII gateway, tests and reports.
   [[nodiscard]] std::optional<std::int64_t> value(ObjectAddress object) const;
 
-  /// @return how often communication parameters were written or reset: while it is the same,
-  /// value()
-  ///         gives what it gave.
+  /// @return how often communication parameters were written or reset. While it stays the same,
+  ///         value() stays the same.
   [[nodiscard]] std::uint64_t parameter_changes() const noexcept;
 
  private:
