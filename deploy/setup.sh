@@ -69,7 +69,6 @@ test_packages=(
   python3-websockets # a client of the gateway that others wrote
   python3-seccomp # the sandbox of the systemd unit
   systemd # systemd-analyze
-  tshark # a decoder of CANopen that others wrote
   util-linux # chrt and setarch
   zsh # completion of the tool
 )
