@@ -253,9 +253,7 @@ TEST(SteppedBridge, DetectsTheLossOfItsMasterByItsHeartbeat) {
   ASSERT_TRUE(lost);
   EXPECT_EQ(number_in(*lost, 0, 2), 0x8130);
   EXPECT_EQ(bus.nodes().node(0)->state(), NmtState::pre_operational) << "1029h:01 = 0";
-  if (const auto row = find_object("test_connection_loss")) {
-    EXPECT_EQ(bus.read(1, vdrive::describe(*row).address), 1);
-  }
+  EXPECT_EQ(bus.read(1, {0x5E0A, 0}), 1) << "test_connection_loss";
 }
 
 TEST(SteppedBridge, TellsTheDriveOfALossAlsoWhereATestHasLeft5E0AhAt1) {

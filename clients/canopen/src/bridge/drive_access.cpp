@@ -7,6 +7,8 @@
 
 namespace vdrive::canopen {
 
+using namespace vdrive::literals;
+
 AbortCode abort_code_of(const client::Outcome& outcome) noexcept {
   if (outcome) return AbortCode::none;
   const auto* const row =
@@ -27,14 +29,11 @@ DriveAnswer carry_out(client::Axis& axis, const DriveAccess& access) {
 }
 
 client::Outcome tell_connection(client::Axis& axis, bool is_lost) {
-  // At run time: benches of an older dictionary have no such input.
-  const auto row = find_object("test_connection_loss");
-  if (!row) return {};
-  const ObjectAddress input = vdrive::describe(*row).address;
+  constexpr ObjectAddress kInput = vdrive::describe("test_connection_loss"_object).address;
   // The drive reacts to the edge: an earlier loss, or a test, may have left 1.
-  client::Outcome cleared = axis.write(input, 0).outcome();
+  client::Outcome cleared = axis.write(kInput, 0).outcome();
   if (!is_lost || !cleared) return cleared;
-  return axis.write(input, 1).outcome();
+  return axis.write(kInput, 1).outcome();
 }
 
 client::Outcome cycle_power(client::Axis& axis) {
