@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge/bench_nodes.hpp"
 
+#include "node/connection_set.hpp"
 #include "vdrive/assert.hpp"
 
 #include <algorithm>
@@ -15,8 +16,6 @@ constexpr std::uint16_t kReceivePdos = 0x1400;        // four of them
 constexpr std::uint16_t kHeartbeatConsumer = 0x1016;  // four entries
 constexpr std::uint8_t kEntries = 4;
 
-constexpr std::uint32_t kHeartbeats = 0x700;  // and the node id
-
 /// @param cob_id of a SYNC or a PDO, which may be off (bit 31)
 void add_identifier(std::optional<std::int64_t> cob_id, std::vector<std::uint16_t>& identifiers) {
   constexpr std::int64_t kIsOff = 0x80000000;
@@ -27,7 +26,7 @@ void add_identifier(std::optional<std::int64_t> cob_id, std::vector<std::uint16_
 /// @param entry of 1016h: node id in bits 16 to 22, time in bits 0 to 15
 void add_producer(std::optional<std::int64_t> entry, std::vector<std::uint16_t>& identifiers) {
   if (!entry || (*entry & 0xFFFF) == 0) return;
-  add_identifier(std::int64_t{kHeartbeats} + ((*entry >> 16) & 0x7F), identifiers);
+  add_identifier(std::int64_t{kHeartbeatId} + ((*entry >> 16) & 0x7F), identifiers);
 }
 
 /// What a node listens to, beside its SDO requests and what is for all nodes.

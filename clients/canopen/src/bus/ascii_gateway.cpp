@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/ascii_gateway.hpp"
 
+#include "node/connection_set.hpp"
 #include "node/node.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/number_text.hpp"
@@ -18,8 +19,6 @@ constexpr std::chrono::milliseconds kLongestSdoTimeOut{65'535};
 constexpr unsigned kGatewayClass = 3;
 
 // Identifiers of the predefined connection set (CiA 301, 7.3.5), without the node id.
-constexpr std::uint32_t kEmergency = 0x080;
-constexpr std::uint32_t kErrorControl = 0x700;
 
 struct NmtRow {
   GatewayVerb verb{};
@@ -51,11 +50,11 @@ std::uint8_t node_of(const Frame& frame) {
 }
 
 bool is_boot_up(const Frame& frame) {
-  return is_data_of(frame, kErrorControl, 1) && frame.data[0] == 0;
+  return is_data_of(frame, kHeartbeatId, 1) && frame.data[0] == 0;
 }
 
 bool is_emergency(const Frame& frame) {
-  return is_data_of(frame, kEmergency, kMostData);
+  return is_data_of(frame, kEmergencyId, kMostData);
 }
 
 std::string emergency_text(const Frame& frame) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/sdo_client.hpp"
 
+#include "node/connection_set.hpp"
 #include "vdrive/assert.hpp"
 
 #include <algorithm>
@@ -9,9 +10,6 @@ namespace vdrive::canopen {
 namespace {
 
 // Identifiers of the predefined connection set (CiA 301, 7.3.5), without the node id.
-constexpr std::uint32_t kSdoRequest = 0x600;
-constexpr std::uint32_t kSdoAnswer = 0x580;
-
 // Command specifiers, the three highest bits of the first byte (CiA 301, 7.2.4.3).
 constexpr std::uint32_t kSpecifier = 0xE0;
 constexpr std::uint32_t kAbortTransfer = 0x80;  // of both sides
@@ -78,7 +76,7 @@ void SdoClient::cancel(AbortCode reason) {
 }
 
 bool SdoClient::is_for(const Frame& frame) const noexcept {
-  return frame.id == kSdoAnswer + node_id_ && frame.size == kMostData && !frame.is_extended &&
+  return frame.id == kSdoResponseId + node_id_ && frame.size == kMostData && !frame.is_extended &&
          !frame.is_remote;
 }
 
@@ -133,7 +131,7 @@ bool SdoClient::has_multiplexer(const Frame& frame) const noexcept {
 }
 
 Frame SdoClient::initiate(std::uint32_t command) const noexcept {
-  Frame frame{.id = kSdoRequest + node_id_, .size = kMostData};
+  Frame frame{.id = kSdoRequestId + node_id_, .size = kMostData};
   frame.data[0] = static_cast<std::uint8_t>(command);
   frame.data[1] = static_cast<std::uint8_t>(object_.index & 0xFFU);
   frame.data[2] = static_cast<std::uint8_t>(object_.index >> 8U);
@@ -199,7 +197,7 @@ void SdoClient::on_write_segment(const Frame& frame, BusTime now) {
 }
 
 void SdoClient::request_segment(BusTime now) {
-  Frame frame{.id = kSdoRequest + node_id_, .size = kMostData};
+  Frame frame{.id = kSdoRequestId + node_id_, .size = kMostData};
   frame.data[0] = static_cast<std::uint8_t>(kReadSegment | (toggle_ ? kToggle : 0U));
   send_request(frame, now);
 }
@@ -209,7 +207,7 @@ void SdoClient::send_segment(BusTime now) {
   const auto begin = data_.begin() + static_cast<std::ptrdiff_t>(position_);
   position_ += bytes;
   const auto unused = static_cast<std::uint32_t>(kSegmentData - bytes);
-  Frame frame{.id = kSdoRequest + node_id_, .size = kMostData};
+  Frame frame{.id = kSdoRequestId + node_id_, .size = kMostData};
   frame.data[0] =
       static_cast<std::uint8_t>(kWriteSegment | (toggle_ ? kToggle : 0U) | unused << 1U |
                                 (position_ == data_.size() ? kIsLast : 0U));

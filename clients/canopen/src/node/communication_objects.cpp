@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/communication_objects.hpp"
 
+#include "node/connection_set.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
@@ -61,7 +62,7 @@ constexpr std::array kGeneralObjects{
     constant_text(0x1008, "Manufacturer device name", "vdrive"),
     constant_text(0x1009, "Manufacturer hardware version", "1"),
     constant_text(0x100A, "Manufacturer software version", ""),
-    with_node_id(variable_object(0x1014, "COB-ID EMCY", DataType::unsigned32, 0x80)),
+    with_node_id(variable_object(0x1014, "COB-ID EMCY", DataType::unsigned32, kEmergencyId)),
     variable_object(0x1015, "Inhibit time EMCY", DataType::unsigned16, 0),
     highest_subindex_object(kConsumerHeartbeat, 4),
     consumer_heartbeat(1, "Consumer heartbeat time 1"),
@@ -75,8 +76,8 @@ constexpr std::array kGeneralObjects{
     limited_to(2, number_object(kErrorBehavior, 1, "Communication error", DataType::unsigned8,
                                 NodeAccess::read_write)),
     highest_subindex_object(kSdoServer, 2),
-    sdo_server_cob_id(1, "COB-ID client to server (rx)", 0x600),
-    sdo_server_cob_id(2, "COB-ID server to client (tx)", 0x580),
+    sdo_server_cob_id(1, "COB-ID client to server (rx)", kSdoRequestId),
+    sdo_server_cob_id(2, "COB-ID server to client (tx)", kSdoResponseId),
 };
 
 /// A PDO as it is after power-up.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/heartbeat.hpp"
 
+#include "node/connection_set.hpp"
 #include "node/initial_value.hpp"
 #include "node/node_settings.hpp"
 #include "vdrive/assert.hpp"
@@ -10,8 +11,6 @@
 
 namespace vdrive::canopen {
 namespace {
-
-constexpr std::uint32_t kHeartbeatId = 0x700;  // + node id
 
 constexpr std::uint16_t kConsumerTime = 0x1016;
 constexpr std::uint16_t kProducerTime = 0x1017;

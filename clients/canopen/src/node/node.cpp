@@ -2,6 +2,7 @@
 #include "node/node.hpp"
 
 #include "node/communication_parameters.hpp"
+#include "node/connection_set.hpp"
 #include "node/emergency.hpp"
 #include "node/heartbeat.hpp"
 #include "node/node_dictionary.hpp"
@@ -16,11 +17,6 @@
 
 namespace vdrive::canopen {
 namespace {
-
-// Predefined connection set (CiA 301, 7.3.5). SYNC and RPDOs are configurable: Pdos has them.
-constexpr std::uint32_t kNmtId = 0x000;
-constexpr std::uint32_t kSdoRequestId = 0x600;    // + node id
-constexpr std::uint32_t kErrorControlId = 0x700;  // + node id
 
 // Command specifiers of NMT (CiA 301, 7.2.8.3.1).
 enum class NmtService : std::uint8_t {
@@ -145,7 +141,7 @@ void Node::Parts::receive(const Frame& frame, DriveTime now) {
     receive_nmt(frame);
   } else if (frame.id == kSdoRequestId + node_id_) {
     receive_request(frame);
-  } else if (frame.id > kErrorControlId && frame.id <= kErrorControlId + kHighestNodeId) {
+  } else if (frame.id > kHeartbeatId && frame.id <= kHeartbeatId + kHighestNodeId) {
     receive_heartbeat(frame);
   } else {
     pdos_.receive(frame, now);
@@ -242,7 +238,7 @@ void Node::Parts::answered() {
 
 /// A remote frame is node guarding, which there is not: it stays unanswered.
 void Node::Parts::receive_heartbeat(const Frame& frame) {
-  const auto producer = static_cast<std::uint8_t>(frame.id - kErrorControlId);
+  const auto producer = static_cast<std::uint8_t>(frame.id - kHeartbeatId);
   if (producer == node_id_ || frame.is_remote || frame.size != 1) return;
   consumer_.receive(producer, now_);
   end_heartbeat_error();

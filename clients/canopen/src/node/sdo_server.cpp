@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/sdo_server.hpp"
 
+#include "node/connection_set.hpp"
+
 #include <algorithm>
 #include <array>
 
 namespace vdrive::canopen {
 namespace {
-
-constexpr std::uint32_t kSdoResponseId = 0x580;  // + node id
 
 // Bits 5 to 7 of the first byte: what a client asks for (CiA 301, 7.2.4.3).
 enum class ClientCommand : std::uint8_t {
