@@ -192,12 +192,19 @@ constexpr std::array kDriveLayers{
     LayerRow{"tick", 8},           LayerRow{"objects", 9},
 };
 
+/// Which headers of clients/bridge, such as "reports.hpp", a room includes: they stand in no room.
+enum class UseOfKit { none, without_bench, whole };
+
+/// Of those the ones that know no bench.
+constexpr std::array<std::string_view, 2> kKitWithoutBench{"severity.hpp", "tcp_listen.hpp"};
+
 /// A room inside a folder, and the rooms of the folder that it may include beside itself. A new
 /// room is a new row.
 struct InnerRoomRow {
   std::string_view room;
   std::vector<std::string_view> may_include;
   std::string_view reason;
+  UseOfKit kit = UseOfKit::none;
 };
 
 const std::vector<InnerRoomRow>& service_rooms() {
@@ -276,8 +283,8 @@ const std::vector<InnerRoomRow>& client_rooms() {
 const std::vector<InnerRoomRow>& canopen_rooms() {
   static const std::vector<InnerRoomRow> rows{
       {"node", {}, "node/ knows no bus and no bench"},
-      {"bus", {"node"}, "bus/ carries frames and knows no bench"},
-      {"bridge", {"node", "bus"}, "bridge/ puts benches behind nodes"},
+      {"bus", {"node"}, "bus/ carries frames and knows no bench", UseOfKit::without_bench},
+      {"bridge", {"node", "bus"}, "bridge/ puts benches behind nodes", UseOfKit::whole},
   };
   return rows;
 }
@@ -286,15 +293,13 @@ const std::vector<InnerRoomRow>& canopen_rooms() {
 struct DividedFolder {
   std::string_view folder;
   const std::vector<InnerRoomRow>& rooms;
-  bool uses_kit =
-      false;  ///< includes headers of clients/bridge, which stand in no room: "reports.hpp"
 };
 
 const std::array<DividedFolder, 3>& divided_folders() {
   static const std::array<DividedFolder, 3> folders{
       DividedFolder{"service/src/", service_rooms()},
       DividedFolder{"clients/src/", client_rooms()},
-      DividedFolder{"clients/canopen/src/", canopen_rooms(), true},
+      DividedFolder{"clients/canopen/src/", canopen_rooms()},
   };
   return folders;
 }
@@ -454,6 +459,11 @@ const InnerRoomRow* find_room(const std::vector<InnerRoomRow>& rooms, std::strin
   return row == rooms.end() ? nullptr : &*row;
 }
 
+bool may_use_of_kit(const InnerRoomRow& room, std::string_view name) {
+  if (room.kit == UseOfKit::without_bench) return std::ranges::count(kKitWithoutBench, name) > 0;
+  return room.kit == UseOfKit::whole && name.find('/') == std::string_view::npos;
+}
+
 /// The rooms inside a folder.
 std::optional<std::string_view> refuse_inner_room(std::string_view path, const Include& include) {
   const auto divided = std::ranges::find_if(divided_folders(), [&](const DividedFolder& row) {
@@ -465,8 +475,7 @@ std::optional<std::string_view> refuse_inner_room(std::string_view path, const I
   const Origin origin = origin_of(include);
   const bool is_settings = origin == Origin::settings && divided->folder == "service/src/";
   if (!include.quoted || (origin != Origin::beside && !is_settings)) return std::nullopt;
-  const bool is_of_kit = include.name.find('/') == std::string::npos;
-  if (divided->uses_kit && is_of_kit && from->room == "bridge") return std::nullopt;
+  if (may_use_of_kit(*from, include.name)) return std::nullopt;
   const InnerRoomRow* const to = find_room(divided->rooms, include.name);
   if (to == nullptr) return "a file of a room includes another one by its room";
   if (to != from && std::ranges::count(from->may_include, to->room) == 0) return from->reason;

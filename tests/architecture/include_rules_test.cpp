@@ -242,6 +242,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"kit_in_bridge_to_canopen", "clients/canopen/src/bridge/bench_link.hpp",
              "#include \"bench_follower.hpp\""},
         Case{"node_in_bus", "clients/canopen/src/bus/bus.hpp", "#include \"node/frame.hpp\""},
+        Case{"kit_without_bench_in_bus", "clients/canopen/src/bus/tcp_acceptor.cpp",
+             "#include \"tcp_listen.hpp\""},
         Case{"settings_in_configuration", "service/src/configuration/configuration.cpp",
              "#include \"settings/yaml_reader.hpp\""},
         Case{"json_in_tool", "clients/tool/main.cpp", "#include <nlohmann/json.hpp>"},
