@@ -153,15 +153,15 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   void stop() {
     if (std::exchange(is_over, true)) return;
     bus.detach(*this);
-    reopen_pause.cancel();
+    cancel(reopen_pause);
     close();
   }
 
   /// Operations of the socket that end later belong to an opening of before.
   void close() {
     ++opening;
-    read_pause.cancel();
-    write_pause.cancel();
+    cancel(read_pause);
+    cancel(write_pause);
     is_awaiting_write = false;
     AsioError ignored;
     socket.close(ignored);
@@ -327,7 +327,6 @@ SocketCan::SocketCan(boost::asio::io_context& context, Bus& bus, SocketCanSettin
   state_->start();
 }
 
-// NOLINTNEXTLINE(bugprone-exception-escape): an open timer can be cancelled
 SocketCan::~SocketCan() {
   state_->stop();
 }

@@ -84,8 +84,8 @@ class SocketcandConnection final : public Port,
     if (std::exchange(is_over_, true)) return;
     shared_->bus.detach(*this);
     --shared_->counters.clients;
-    quiet_timer_.cancel();
-    statistics_timer_.cancel();
+    cancel(quiet_timer_);
+    cancel(statistics_timer_);
     AsioError ignored;
     socket_.close(ignored);
   }
@@ -148,13 +148,13 @@ class SocketcandConnection final : public Port,
 
   void end_quiet() {
     if (!std::exchange(is_quiet_, false)) return;
-    quiet_timer_.cancel();
+    cancel(quiet_timer_);
     write_next();
   }
 
   void follow_statistics() {
     statistics_period_ = session_.statistics_period();
-    statistics_timer_.cancel();
+    cancel(statistics_timer_);
     if (statistics_period_ != std::chrono::milliseconds::zero()) await_statistics();
   }
 
@@ -289,7 +289,6 @@ struct SocketcandServer::State {
 SocketcandServer::SocketcandServer(asio::io_context& context, Bus& bus, SocketcandSettings settings)
     : state_(std::make_unique<State>(context, bus, std::move(settings))) {}
 
-// NOLINTNEXTLINE(bugprone-exception-escape): an open timer can be cancelled
 SocketcandServer::~SocketcandServer() {
   state_->acceptor.close();
   for (const auto& connection : state_->connections) connection->end();

@@ -50,7 +50,6 @@ TcpAcceptor::TcpAcceptor(asio::io_context& context, const TcpAddress& address, A
   state_->accept();
 }
 
-// NOLINTNEXTLINE(bugprone-exception-escape): an open timer can be cancelled
 TcpAcceptor::~TcpAcceptor() {
   close();
 }
@@ -62,7 +61,7 @@ const TcpAddress& TcpAcceptor::address() const noexcept {
 void TcpAcceptor::close() {
   AsioError ignored;
   state_->acceptor.close(ignored);
-  state_->pause.cancel();
+  cancel(state_->pause);
 }
 
 }  // namespace vdrive::canopen
