@@ -130,6 +130,44 @@ TEST(BenchPower, DisablesWhatItHasEnabledAndThenGivesItBack) {
               ElementsAre(ControlWish::take, ControlWish::leave, ControlWish::give_back));
 }
 
+// The words act in a later tick than that of the newest state: an axis that was given back before
+// would be enabled without a master.
+TEST(BenchPower, GivesNothingBackWhileWordsThatEnableAreOnTheirWay) {
+  Powered bench;
+  bench.power.want_enabled(true, false);
+  ASSERT_THAT(bench.words(), SizeIs(3));
+  bench.power.want_enabled(false, false);
+  EXPECT_THAT(bench.words(1ms), IsEmpty());
+  EXPECT_FALSE(bench.power.is_disabled(bench.state()));
+  bench.drives.step();
+  EXPECT_THAT(bench.words(2ms), IsEmpty()) << "this state may be older than the words, too";
+  EXPECT_THAT(bench.drives.control_wishes(), ElementsAre(ControlWish::take, ControlWish::leave));
+  bench.drives.enable();
+  const auto frames = bench.words(3ms);
+  EXPECT_THAT(words_of(frames, 1), ElementsAre(0x06));
+  EXPECT_THAT(words_of(frames, 2), ElementsAre(0x06));
+  (void)bench.drives.take(frames);
+  bench.drives.step();
+  EXPECT_THAT(bench.words(4ms), IsEmpty());
+  EXPECT_TRUE(bench.power.is_disabled(bench.state()));
+  EXPECT_THAT(bench.drives.control_wishes(),
+              ElementsAre(ControlWish::take, ControlWish::leave, ControlWish::give_back));
+}
+
+TEST(BenchPower, GivesBackAfterHalfASecondWhatItsWordsDidNotEnable) {
+  Powered bench;
+  bench.power.want_enabled(true, false);
+  ASSERT_THAT(bench.words(), SizeIs(3));
+  bench.power.want_enabled(false, false);
+  bench.drives.step();
+  EXPECT_THAT(bench.words(499ms), IsEmpty());
+  EXPECT_FALSE(bench.power.is_disabled(bench.state()));
+  EXPECT_THAT(bench.words(500ms), IsEmpty());
+  EXPECT_TRUE(bench.power.is_disabled(bench.state()));
+  EXPECT_THAT(bench.drives.control_wishes(),
+              ElementsAre(ControlWish::take, ControlWish::leave, ControlWish::give_back));
+}
+
 TEST(BenchPower, ReportsEachFaultOnce) {
   Powered bench;
   bench.power.report_faults(bench.state());

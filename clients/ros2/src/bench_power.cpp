@@ -64,18 +64,21 @@ BenchPower::BenchPower(std::uint64_t session, Bench& bench, bridge::Reports& rep
 void BenchPower::want_enabled(bool wanted, bool resets_faults) {
   wants_enabled_ = wanted;
   resets_faults_ = wanted && resets_faults;
-  to_enable_.assign(to_enable_.size(), wanted);
+  // Words may be on their way, and the newest state older than they are.
+  if (wanted || attempts_ == 0) to_enable_.assign(to_enable_.size(), wanted);
+  if (wanted) words_due_ = {};
   has_to_give_back_ = has_to_give_back_ || wanted;
   bench_.wish(wanted ? ControlWish::take : ControlWish::leave);
   attempts_ = 0;
-  words_due_ = {};
   words_tick_ = 0;
 }
 
 bool BenchPower::is_disabled(const client::Observation& state) const {
-  return std::ranges::none_of(state.axes, [this](const client::AxisSnapshot& axis) {
-    return is_enabled(axis) && axis.owner_session == session_;
-  });
+  for (std::size_t i = 0; i < state.axes.size(); ++i) {
+    const bool may_be_enabled = is_enabled(state.axes[i]) || (!wants_enabled_ && to_enable_[i]);
+    if (may_be_enabled && state.axes[i].owner_session == session_) return false;
+  }
+  return true;
 }
 
 void BenchPower::report_faults(const client::Observation& state) {
@@ -94,10 +97,19 @@ BenchPower::Frames BenchPower::words(const client::Observation& state, Clock::ti
     return bridge::owns_all(state.axes, session_) ? enable(state, now) : Frames{};
   }
   if (!has_to_give_back_) return {};
+  note_enabled(state, now);
   if (!is_disabled(state)) return disable(state);
   has_to_give_back_ = false;
   bench_.wish(ControlWish::give_back);
   return {};
+}
+
+/// Words that were sent before it was wanted no more: an axis that was given back before they act
+/// would be enabled without a master. Most act within a tick or two.
+void BenchPower::note_enabled(const client::Observation& state, Clock::time_point now) {
+  for (std::size_t i = 0; i < to_enable_.size(); ++i) {
+    if (is_enabled(state.axes[i]) || now >= words_due_) to_enable_[i] = false;
+  }
 }
 
 BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::time_point now) {
@@ -133,7 +145,6 @@ BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::t
 
 BenchPower::Frames BenchPower::disable(const client::Observation& state) {
   if (state.tick == words_tick_) return {};
-  words_tick_ = state.tick;
   // Set-points that wait for their tick must not act behind the word.
   client::SetPointFrame frame{.drops_waiting = true};
   for (std::size_t i = 0; i < state.axes.size(); ++i) {
@@ -141,6 +152,8 @@ BenchPower::Frames BenchPower::disable(const client::Observation& state) {
     if (axis.owner_session != session_ || !is_enabled(axis)) continue;
     frame.axes.push_back({.axis = axis_number(i), .controlword = controlwords::kShutdown});
   }
+  if (frame.axes.empty()) return {};
+  words_tick_ = state.tick;
   return {frame};
 }
 

@@ -28,7 +28,8 @@ class BenchPower {
 
   [[nodiscard]] bool wants_enabled() const noexcept { return wants_enabled_; }
 
-  /// @return whether no axis that the session holds is enabled.
+  /// @return whether no axis that the session holds is enabled, or about to be by words that were
+  ///         sent.
   [[nodiscard]] bool is_disabled(const client::Observation& state) const;
 
   /// Reports axes that have got into a fault since the last call.
@@ -44,6 +45,7 @@ class BenchPower {
  private:
   [[nodiscard]] Frames enable(const client::Observation& state, Clock::time_point now);
   [[nodiscard]] Frames disable(const client::Observation& state);
+  void note_enabled(const client::Observation& state, Clock::time_point now);
 
   [[nodiscard]] std::uint16_t axis_number(std::size_t place) const {
     return bench_.joints()[place].axis.axis;
@@ -55,7 +57,9 @@ class BenchPower {
   bool wants_enabled_ = false;
   bool resets_faults_ = false;
   bool has_to_give_back_ = false;  ///< the axes, once none of them is enabled
-  std::vector<bool> to_enable_;    ///< axes that have not been enabled since it was wanted
+  /// Axes that have not been enabled since it was wanted; when it is wanted no more, those to which
+  /// words are on their way.
+  std::vector<bool> to_enable_;
   std::vector<bool> was_in_fault_;
   int attempts_ = 0;
   Clock::time_point words_due_{};
