@@ -44,14 +44,20 @@ def fake(tmp_path):
 
 LINE = ("vdrive-canopen: bus 1: 2 nodes (4 to 5), socketcand 127.0.0.1:29536, gateway 127.0.0.1:60000, "
         "session 1a2b3c4d5e6f7081")
-SERVES = """trap 'echo "vdrive-canopen: bus 1: 1234 frames, 5 SDO aborts"; exit 0' TERM
-while :; do sleep 0.02; done"""
+# The signal may come as soon as the first line is read: the shell has to be ready for it before.
+ENDS = """trap 'echo "vdrive-canopen: bus 1: 1234 frames, 5 SDO aborts"; exit 0' TERM"""
+RUNS = "while :; do sleep 0.02; done"
+
+
+def serving(first):
+    """A script that runs `first`, which writes the first line, and serves until it is ended."""
+    return f"{ENDS}\n{first}\n{RUNS}"
 
 
 # The first line, and how a program may fail. With programs in the place of the real one.
 
 def test_the_first_line_says_where_the_bus_is_and_the_last_one_what_it_counted(fake):
-    with vdrive.canopen.Bus(program=fake(f"echo '{LINE}'\n{SERVES}")) as bus:
+    with vdrive.canopen.Bus(program=fake(serving(f"echo '{LINE}'"))) as bus:
         assert (bus.host, bus.port, bus.channel) == ("127.0.0.1", 29536, "can0")
         assert bus.gateway == ("127.0.0.1", 60000) and bus.nodes == (4, 5)
         assert bus.exit_code is None and bus.counters == {}
@@ -62,12 +68,12 @@ def test_the_first_line_says_where_the_bus_is_and_the_last_one_what_it_counted(f
     ("1 node (7)", (7,)), ("3 nodes (1 to 3)", (1, 2, 3)), ("4 nodes (1, 3 to 4, 127)", (1, 3, 4, 127))])
 def test_nodes_are_read_in_each_form(fake, nodes, expected):
     line = LINE.replace("2 nodes (4 to 5)", nodes)
-    with vdrive.canopen.Bus(program=fake(f"echo '{line}'\n{SERVES}")) as bus:
+    with vdrive.canopen.Bus(program=fake(serving(f"echo '{line}'"))) as bus:
         assert bus.nodes == expected
 
 
 def test_a_line_that_comes_in_parts_is_read_whole(fake):
-    parts = f"printf '{LINE[:40]}'\nsleep 0.1\nprintf '{LINE[40:]}\\n'\n{SERVES}"
+    parts = serving(f"printf '{LINE[:40]}'\nsleep 0.1\nprintf '{LINE[40:]}\\n'")
     with vdrive.canopen.Bus(program=fake(parts)) as bus:
         assert bus.nodes == (4, 5)
 
@@ -143,7 +149,7 @@ def test_what_a_master_raises_at_its_end_leaves_no_program(fake, monkeypatch):
             return Broken()
 
     monkeypatch.setitem(sys.modules, "can", Can)
-    bus = vdrive.canopen.Bus(program=fake(f"echo '{LINE}'\n{SERVES}"))
+    bus = vdrive.canopen.Bus(program=fake(serving(f"echo '{LINE}'")))
     made = bus.can(), bus.can()
     with pytest.raises(OSError, match="of the master"):
         bus.close()
@@ -155,7 +161,7 @@ def test_what_a_master_raises_at_its_end_leaves_no_program(fake, monkeypatch):
 def test_the_arguments_of_the_bus_are_those_of_the_program(fake, tmp_path):
     config = tmp_path / "bench.yaml"
     config.write_text("axes: [{number: 1}]\n")
-    path = fake(f"echo \"$@\" > {tmp_path}/arguments; echo '{LINE}'\n{SERVES}")
+    path = fake(serving(f"echo \"$@\" > {tmp_path}/arguments; echo '{LINE}'"))
     for options, words in (
             ({}, ["--axes", "3"]),
             ({"axes": 1, "clock": "realtime"}, ["--axes", "1", "--clock", "realtime"]),

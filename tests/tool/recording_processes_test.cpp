@@ -182,11 +182,15 @@ TEST(McapRecording, OfAKilledRecorderIsReadableUpToItsEnd) {
 
 // ---- a bench that sends nothing ----------------------------------------------------------------
 
-/// Reads the errors of a recorder up to a line with `part`. @return that line.
+/// Reads the errors of a recorder up to a line with `part`. @return that line, else all of them.
 std::string awaited_line(Process& recorder, const std::string& part) {
+  std::string others;
   std::string line = recorder.read_error_line();
-  while (!line.empty() && line.find(part) == std::string::npos) line = recorder.read_error_line();
-  return line;
+  while (!line.empty() && line.find(part) == std::string::npos) {
+    others += line + "\n";
+    line = recorder.read_error_line();
+  }
+  return line.empty() ? others : line;
 }
 
 TEST(Recorder, WaitsForABenchWhoseTimeStandsStill) {
@@ -221,15 +225,41 @@ TEST(Recorder, WaitsForASilentBenchAndCountsMissingSamples) {
   EXPECT_EQ(finished.code, 130) << finished.errors;
 }
 
+/// @return the ticks of the whole rows of a CSV recording that is being written.
+std::vector<std::uint64_t> ticks_in(const std::string& csv) {
+  std::ifstream file(csv);
+  std::vector<std::uint64_t> ticks;
+  std::string row;
+  std::getline(file, row);  // the names of the columns
+  // What is not ended by a line feed is not whole: eof() says so.
+  while (std::getline(file, row) && !file.eof()) {
+    std::istringstream cells(row);
+    std::string cell;
+    for (int column = 0; column < 3; ++column) std::getline(cells, cell, ',');
+    ticks.push_back(std::stoull(cell));
+  }
+  return ticks;
+}
+
+/// Waits until the recording has more rows than `rows`, while another program searches.
+/// @return their ticks.
+std::vector<std::uint64_t> wait_for_rows(const std::string& csv, std::size_t rows) {
+  const auto end = std::chrono::steady_clock::now() + kDeadline;
+  auto ticks = ticks_in(csv);
+  while (ticks.size() <= rows && std::chrono::steady_clock::now() < end) {
+    EXPECT_EQ(tool("list").code, 0);
+    ticks = ticks_in(csv);
+  }
+  EXPECT_GT(ticks.size(), rows);
+  return ticks;
+}
+
 /// Freezes the service until the recorder misses it: the tick number jumps over that time. On a
 /// busy machine the recorder may have missed it before, so the time counts, too. The recording must
 /// not end by itself meanwhile: a search beside seven other tests takes up to a second.
 void let_the_tick_jump(const RunningService& service, Process& recorder, const std::string& file) {
-  const auto end = std::chrono::steady_clock::now() + kDeadline;
-  while (!std::filesystem::exists(file) || std::filesystem::file_size(file) == 0) {
-    ASSERT_LT(std::chrono::steady_clock::now(), end);
-    ASSERT_EQ(tool("list").code, 0);
-  }
+  // A recorder that has no sample yet does not wait for the bench, it fails.
+  ASSERT_FALSE(wait_for_rows(file, 0).empty());
   service.freeze();
   const auto frozen = std::chrono::steady_clock::now();
   EXPECT_THAT(awaited_line(recorder, "sends nothing"), HasSubstr("bench 1 sends nothing"));
@@ -260,19 +290,27 @@ TEST(Recorder, LastsItsDriveTimeAcrossAJumpOfTheTickNumberAndNamesIt) {
   EXPECT_EQ(summary["jumps_left_out"], 0);
 }
 
-// The first sample after the pause may still be one of before the jump: the recording goes on while
-// another program searches, and has both. It has no end of its own, which it could reach before.
+// Samples that come after the pause may still be some of before the jump: the recording goes on until
+// it has one of after it. It has no end of its own, which it could reach before.
 TEST(Recorder, SaysInItsLastLineWhatAJumpSkipped) {
   const RunningService service("--axes 1");
   const TemporaryDirectory directory;
-  const std::string file = directory.path() / "jump.mcap";
+  const std::string file = directory.path() / "jump.csv";
   Process recorder(VDRIVE_TOOL, tool_arguments("record " + file));
   let_the_tick_jump(service, recorder, file);
   EXPECT_THAT(awaited_line(recorder, "sends again"), HasSubstr("bench 1 sends again"));
-  EXPECT_EQ(tool("list").code, 0);
+  const auto end = std::chrono::steady_clock::now() + kDeadline;
+  auto ticks = ticks_in(file);
+  // The service was frozen for 1.5 s, and a tick takes 1 ms.
+  while (ticks.back() - ticks.front() < ticks.size() + 1'000) {
+    ASSERT_LT(std::chrono::steady_clock::now(), end);
+    ticks = wait_for_rows(file, ticks.size());
+  }
   recorder.send(SIGINT);
-  EXPECT_THAT(recorder.wait().errors,
-              HasSubstr("ticks skipped by a jump of the tick number between the ticks "));
+  const Finished finished = recorder.wait();
+  EXPECT_THAT(finished.errors,
+              HasSubstr("ticks skipped by a jump of the tick number between the ticks "))
+      << "exit code " << finished.code << ", output: " << finished.output;
 }
 
 TEST(Recorder, EndsWhenABenchHasSentNothingForTooLong) {
