@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <condition_variable>
 #include <future>
 #include <mutex>
@@ -206,6 +207,41 @@ TEST_F(LockStep, SendsSetPointsWithAnyObjects) {
   ASSERT_TRUE(sut_.step(1, 1));
   EXPECT_EQ(axis_->read(ObjectAddress{0x6081, 0}).value(), 4'321);
   EXPECT_EQ(axis_->read(ObjectAddress{0x6083, 0}).value(), 54'321);
+}
+
+// 6060h = 50 is no mode that the drive has: CiA 301, 06090030h.
+TEST_F(LockStep, ReportsEachValueOfASetPointThatTheDriveRefuses) {
+  ASSERT_TRUE(axis_->enable());
+  std::promise<SetPointRefusal> reported;
+  sut_.on_set_point_refusal([&reported](const SetPointRefusal& refusal) {
+    reported.set_value(refusal);
+  });
+  SetPointFrame frame;
+  frame.axes.push_back({.axis = 1,
+                        .objects = {{.object = {0x6081, 0}, .value = 4'321},
+                                    {.object = {0x6060, 0}, .value = 50}}});
+  ASSERT_TRUE(sut_.send_set_points(1, {&frame, 1}));
+  ASSERT_TRUE(sut_.step(1, 1));
+  std::future<SetPointRefusal> refusal = reported.get_future();
+  ASSERT_EQ(refusal.wait_for(60s), std::future_status::ready);
+  sut_.on_set_point_refusal({});
+  const SetPointRefusal refused = refusal.get();
+  EXPECT_EQ(refused.axis, (AxisId{1, 1}));
+  EXPECT_EQ(refused.object, (ObjectAddress{0x6060, 0}));
+  EXPECT_EQ(refused.code, AbortCode::value_range_exceeded);
+  EXPECT_EQ(axis_->read(ObjectAddress{0x6081, 0}).value(), 4'321) << "the other one is in force";
+}
+
+// What a call waits for is the outcome of the call.
+TEST_F(LockStep, ReportsNoRefusalThatACallReturns) {
+  std::atomic<int> reports = 0;
+  sut_.on_set_point_refusal([&reports](const SetPointRefusal& /*refusal*/) {
+    ++reports;
+  });
+  EXPECT_FALSE(axis_->write(ObjectAddress{0x6060, 0}, 50));
+  ASSERT_TRUE(sut_.step(1, 1));
+  sut_.on_set_point_refusal({});
+  EXPECT_EQ(reports.load(), 0);
 }
 
 TEST_F(LockStep, SendsNoSetPointWithMoreObjectsThanAFrameCarries) {

@@ -94,7 +94,29 @@ void BenchLinks::on_command_reply(const msg::CommandReply& message, const wire::
   discovery_.note_sender(key, source);
   // First: the call that receives the answer has to find the loss of control that it may show.
   holdings_.note_answer(message);
-  if (unanswered_.frames.answer({key, message.sequence_number()}, message)) wakeup_.notify();
+  if (unanswered_.frames.answer({key, message.sequence_number()}, message)) {
+    wakeup_.notify();
+  } else {
+    report_refusals(message);
+  }
+}
+
+void BenchLinks::watch_refusals(std::function<void(const SetPointRefusal&)> observer) {
+  const std::scoped_lock lock(refusal_mutex_);
+  refusal_observer_ = std::move(observer);
+}
+
+/// @param message the answer to a frame that no call waits for
+void BenchLinks::report_refusals(const msg::CommandReply& message) {
+  if (message.refusals().empty()) return;
+  const std::scoped_lock lock(refusal_mutex_);
+  if (!refusal_observer_) return;
+  for (const msg::Refusal& refusal : message.refusals()) {
+    if (refusal.index() == 0) continue;  // the whole command of an axis, or the whole frame
+    refusal_observer_({.axis = {.bench = message.bench(), .axis = refusal.axis()},
+                       .object = {.index = refusal.index(), .subindex = refusal.subindex()},
+                       .code = static_cast<AbortCode>(refusal.reason())});
+  }
 }
 
 // ---- matching --------------------------------------------------------------------------------

@@ -7,6 +7,7 @@
 #include "exchange/unanswered.hpp"
 #include "presence/discovery.hpp"
 #include "presence/target.hpp"
+#include "vdrive/client/session.hpp"
 #include "vdrive/wire/bytes_subscription.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
@@ -17,6 +18,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -86,6 +88,9 @@ class BenchLinks {
   /// @return whether it was broken.
   bool repair(const BenchKey& key);
 
+  /// Session::on_set_point_refusal.
+  void watch_refusals(std::function<void(const SetPointRefusal&)> observer);
+
   /// Gives the axes of an answer back that was read: a next one takes their memory, which is
   /// neither allocated nor cleared again.
   void reuse(std::vector<wire::ReceivedStatus> axes);
@@ -100,6 +105,7 @@ class BenchLinks {
   void take_reply(std::span<const std::byte> sample);
   void on_reply(const wire::Source& source);
   void on_command_reply(const msg::CommandReply& message, const wire::Source& source);
+  void report_refusals(const msg::CommandReply& message);
 
   Link& link_of(const BenchKey& key);
   [[nodiscard]] wire::Source reached_source_of(const BenchKey& key) const;
@@ -126,6 +132,8 @@ class BenchLinks {
   std::unique_ptr<wire::Publication<msg::CommandFrame>> command_publication_;  ///< the same
   RequestAnswer received_;    ///< the newest reply, of the thread that receives
   bool is_received_ = false;  ///< it can be read
+  std::mutex refusal_mutex_;  ///< guards the observer, also while it is called
+  std::function<void(const SetPointRefusal&)> refusal_observer_;
   wire::BytesSubscription reply_subscription_;
   wire::Subscription<msg::CommandReply> command_reply_subscription_;
 };

@@ -338,6 +338,11 @@ void Session::on_event(std::function<void(const Event&)> observer, EventHistory 
   core_->events.watch(std::move(observer), history);
 }
 
+void Session::on_set_point_refusal(std::function<void(const SetPointRefusal&)> observer) {
+  require_own_process(*core_);
+  core_->links.watch_refusals(std::move(observer));
+}
+
 Outcome Session::on_status(std::span<const AxisId> axes, std::chrono::milliseconds period,
                            std::function<void(const Observation&)> observer,
                            std::function<void(const Outcome&)> ended) {

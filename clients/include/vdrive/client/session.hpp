@@ -6,6 +6,8 @@
 #include "vdrive/client/bench.hpp"
 #include "vdrive/client/event.hpp"
 #include "vdrive/client/outcome.hpp"
+#include "vdrive/dictionary/abort_code.hpp"
+#include "vdrive/dictionary/object.hpp"
 
 #include <chrono>
 #include <cstddef>
@@ -122,6 +124,15 @@ struct SetPointFrame {
   std::uint64_t tick = 0;        ///< 0 = the next
   bool drops_waiting = false;    ///< first drops the frames of the session that wait for their tick
   std::vector<SetPoint> axes{};  ///< each once; more than kMostAxesAtOnce are sent in parts
+};
+
+/// A value of a set-point that its drive has refused: the object keeps the one that it has.
+struct SetPointRefusal {
+  AxisId axis;
+  ObjectAddress object;
+  AbortCode code = AbortCode::none;
+
+  friend auto operator<=>(const SetPointRefusal&, const SetPointRefusal&) = default;
 };
 
 /// A saved state of all axes of a bench, which the bench keeps.
@@ -351,7 +362,8 @@ class Session {
   Outcome drop_snapshot(std::uint32_t bench, std::uint64_t snapshot);
 
   /// Sends set-points to axes of one bench, which the session holds, in order, and waits for no
-  /// answer: the status shows what became of them, and on_event() reports a refusal. Frames for
+  /// answer: the status shows what became of them; on_event() reports that one was refused, and
+  /// on_set_point_refusal() each value. Frames for
   /// later ticks, up to 10 s ahead and up to 1,024 of all sessions, wait in the bench; one that
   /// comes too late is refused. Steps no clock.
   /// @return lost when the bench cannot be reached, refused without permission to command; failed,
@@ -379,6 +391,15 @@ class Session {
   /// @param history kept = from the oldest event on that each bench still has
   void on_event(std::function<void(const Event&)> observer,
                 EventHistory history = EventHistory::left_out);
+
+  /// Calls `observer` for each value of send_set_points() that a drive refuses, such as one out of
+  /// the range of its object: up to 256 of a frame. What is refused as a whole, such as a set-point
+  /// for an axis that another session owns, is an event only. It may also be called within a call
+  /// of the program, in any thread.
+  /// @param observer must return at once, throw nothing and call nothing of the session; an empty
+  ///        one ends the reports, and none is under way when this call returns. It replaces the
+  ///        last.
+  void on_set_point_refusal(std::function<void(const SetPointRefusal&)> observer);
 
   /// Calls `observer`, in a thread of the session, with the newest state of these axes: for each of
   /// their benches at most once in `period`, when a tick later than the one before has come. For a
