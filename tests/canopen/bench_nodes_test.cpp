@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -20,8 +21,12 @@
 namespace vdrive::canopen {
 namespace {
 
+using namespace std::chrono_literals;
+using testing::Contains;
 using testing::ElementsAre;
+using testing::Field;
 using testing::IsEmpty;
+using testing::Not;
 using testing::SizeIs;
 
 /// Node 1 and a master on a bus. What the node asks of its drive is kept.
@@ -44,6 +49,31 @@ struct NodeOnABus {
     nodes.update(drives, DriveTime::zero());
   }
 
+  void show(DriveTime now) { nodes.update(drives, now); }
+
+  /// TPDO1 carries 607Ah alone.
+  void map_target() {
+    master.send(data_frame(0x601, {0x23, 0x00, 0x18, 0x01, 0x81, 0x01, 0x00, 0x80}));
+    master.send(data_frame(0x601, {0x2F, 0x00, 0x1A, 0x00, 0, 0, 0, 0}));
+    master.send(data_frame(0x601, {0x23, 0x00, 0x1A, 0x01, 0x20, 0x00, 0x7A, 0x60}));
+    master.send(data_frame(0x601, {0x2F, 0x00, 0x1A, 0x00, 1, 0, 0, 0}));
+    master.send(data_frame(0x601, {0x23, 0x00, 0x18, 0x01, 0x81, 0x01, 0x00, 0x00}));
+    master.frames.clear();
+  }
+
+  /// What the nodes want to have read.
+  struct Question {
+    std::uint32_t ticket = 0;
+    std::vector<ObjectAddress> objects{};
+  };
+
+  void answer(const Question& question, std::int64_t value) {
+    const std::array<DriveValue, 1> values{
+        DriveValue{.object = question.objects.front(), .value = value}};
+    nodes.take_values(0, question.ticket, values);
+  }
+
+  std::vector<Question> questions{};
   std::vector<DriveAccess> accesses{};
   std::deque<bool> told{};  ///< of the connection to a master
   bridge::Reports reports{"test", [](bridge::Severity, const std::string&) {}};
@@ -54,7 +84,7 @@ struct NodeOnABus {
   BenchNodes nodes{bus,
                    store,
                    places,
-                   {.session = kSession},
+                   {.session = kSession, .read_period = 10ms},
                    {.access =
                         [this](std::size_t, const DriveAccess& access) {
                           accesses.push_back(access);
@@ -65,7 +95,12 @@ struct NodeOnABus {
                         },
                     .cycle_power = [](std::size_t) {},
                     .set_points = [] {},
-                    .sync = {}}};
+                    .sync = {},
+                    .read =
+                        [this](std::size_t, std::uint32_t ticket,
+                               const std::vector<ObjectAddress>& objects) {
+                          questions.push_back({.ticket = ticket, .objects = objects});
+                        }}};
   std::array<client::AxisSnapshot, 1> drives{};
 };
 
@@ -134,6 +169,63 @@ TEST(BenchNodes, AnswerEachRequestByItsOwnAccess) {
   EXPECT_THAT(test.master.frames,
               ElementsAre(data_frame(0x581, {0x4B, 0x41, 0x60, 0x00, 0x50, 0x02, 0, 0}),
                           data_frame(0x581, {0x43, 0x64, 0x60, 0x00, 2, 0, 0, 0})));
+}
+
+TEST(BenchNodes, AskForWhatTheStatusDoesNotHaveAtOnceAndThenOnceAPeriod) {
+  NodeOnABus test;
+  EXPECT_THAT(test.questions, IsEmpty()) << "the status has what TPDOs carry by default";
+  test.map_target();
+  ASSERT_THAT(test.questions, SizeIs(1)) << "without a tick";
+  EXPECT_THAT(test.questions[0].objects, ElementsAre(ObjectAddress{0x607A, 0}));
+  test.answer(test.questions[0], 7);
+  test.show(9ms);
+  EXPECT_THAT(test.questions, SizeIs(1));
+  test.show(10ms);
+  EXPECT_THAT(test.questions, SizeIs(2));
+}
+
+TEST(BenchNodes, AskForNothingWhileAnAnswerIsUnderWay) {
+  NodeOnABus test;
+  test.map_target();
+  test.show(50ms);
+  ASSERT_THAT(test.questions, SizeIs(1));
+  test.nodes.take_values(0, test.questions[0].ticket, {});  // the bench did not answer
+  test.show(60ms);
+  EXPECT_THAT(test.questions, SizeIs(2));
+}
+
+TEST(BenchNodes, SendAReadValueWithTheNextTick) {
+  NodeOnABus test;
+  test.map_target();
+  test.master.send(data_frame(0x000, {0x01, 1}));
+  test.show(1ms);
+  EXPECT_THAT(test.master.frames, Not(Contains(Field(&Frame::id, 0x181U)))) << "it has no value";
+  ASSERT_THAT(test.questions, SizeIs(1));
+  test.answer(test.questions[0], 7);
+  EXPECT_THAT(test.master.frames, Not(Contains(Field(&Frame::id, 0x181U))));
+  test.show(2ms);
+  EXPECT_THAT(test.master.frames, Contains(data_frame(0x181, {7, 0, 0, 0})));
+}
+
+TEST(BenchNodes, IgnoreAValueThatWasAskedForByANodeThatIsGone) {
+  NodeOnABus test;
+  test.map_target();
+  test.start();
+  test.map_target();
+  ASSERT_THAT(test.questions, SizeIs(2));
+  test.answer(test.questions[0], 7);
+  test.master.send(data_frame(0x000, {0x01, 1}));
+  test.show(1ms);
+  EXPECT_THAT(test.master.frames, Not(Contains(Field(&Frame::id, 0x181U))));
+}
+
+TEST(BenchNodes, CountWhatTheirDrivesRefuseAlsoOfNodesThatAreGone) {
+  NodeOnABus test;
+  test.nodes.note_refused_set_points(1, 3);
+  test.nodes.note_refused_set_points(2, 5);  // no axis of this bench
+  EXPECT_EQ(test.nodes.counters().refused_set_points, 3U);
+  test.nodes.stop();
+  EXPECT_EQ(test.nodes.counters().refused_set_points, 3U);
 }
 
 }  // namespace

@@ -309,7 +309,7 @@ TEST_F(ElectronicDataSheet, HasTheKeysOfAValueAndNoOthers) {
     EXPECT_FALSE(value.at("ParameterName").empty()) << value.name;
     EXPECT_EQ(value.at("ObjectType"), "0x7") << value.name;
     EXPECT_THAT(value.at("DataType"), MatchesRegex("0x000[2-79]")) << value.name;
-    EXPECT_THAT(value.at("AccessType"), MatchesRegex("ro|wo|rw|rww|const")) << value.name;
+    EXPECT_THAT(value.at("AccessType"), MatchesRegex("ro|wo|rw|const")) << value.name;
     EXPECT_THAT(value.at("PDOMapping"), MatchesRegex("[01]")) << value.name;
     EXPECT_EQ(value.find("LowLimit").has_value(), value.find("HighLimit").has_value())
         << value.name;
@@ -390,7 +390,10 @@ TEST_F(ElectronicDataSheet, WritesNegativeNumbersInDecimal) {
 }
 
 TEST_F(ElectronicDataSheet, HasTheAccessOfCiA306) {
-  EXPECT_EQ(section("6040").at("AccessType"), "rww") << "an RPDO may bring it";
+  EXPECT_EQ(section("6040").at("AccessType"), "rw") << "mapped both ways";
+  EXPECT_EQ(section("6040").at("PDOMapping"), "1");
+  EXPECT_EQ(section("6079").at("PDOMapping"), "1");
+  EXPECT_EQ(section("6502").at("PDOMapping"), "1");
   EXPECT_EQ(section("6041").at("AccessType"), "ro");
   EXPECT_EQ(section("1008").at("AccessType"), "const");
   EXPECT_EQ(section("1010sub1").at("AccessType"), "rw");
@@ -412,7 +415,7 @@ TEST_F(ElectronicDataSheet, HasEveryMappedObject) {
                                     static_cast<std::uint8_t>(entry / 0x100 % 0x100)};
         const SheetSection& object = section_of(address);
         EXPECT_EQ(object.at("PDOMapping"), "1") << object.name;
-        EXPECT_EQ(object.at("AccessType"), first == "160" ? "rww" : "ro") << object.name;
+        EXPECT_EQ(object.at("AccessType"), first == "160" ? "rw" : "ro") << object.name;
         EXPECT_EQ(entry % 0x100, size_of(find_node_object(address)->data_type) * 8) << object.name;
         ++mapped;
       }

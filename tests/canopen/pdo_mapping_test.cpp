@@ -111,9 +111,29 @@ TEST(PdoMappingRecord, RefusesAnObjectOfTheOtherDirectionWith06040041) {
   MappingRecord receive = empty_receive_mapping();
   EXPECT_EQ(receive.write(1, kMapStatusword, kInvalidPdo), AbortCode::cannot_be_mapped_to_pdo);
   EXPECT_EQ(receive.write(1, kMapPosition, kInvalidPdo), AbortCode::cannot_be_mapped_to_pdo);
-  MappingRecord transmit = empty_transmit_mapping();
-  EXPECT_EQ(transmit.write(1, kMapControlword, kInvalidPdo), AbortCode::cannot_be_mapped_to_pdo);
-  EXPECT_EQ(transmit.write(1, kMapTargetPosition, kInvalidPdo), AbortCode::cannot_be_mapped_to_pdo);
+}
+
+// CiA 301, 7.5.2.38: an object that may be read and written may be mapped both ways.
+TEST(PdoMappingRecord, TakesCommandsAndParametersInATpdo) {
+  MappingRecord mapping = empty_transmit_mapping();
+  EXPECT_EQ(mapping.write(1, kMapControlword, kInvalidPdo), AbortCode::none);
+  EXPECT_EQ(mapping.write(2, kMapTargetPosition, kInvalidPdo), AbortCode::none);
+  EXPECT_EQ(mapping.write(3, kMapStatusword, kInvalidPdo), AbortCode::none);
+  EXPECT_EQ(mapping.write(0, 3, kInvalidPdo), AbortCode::none);
+  EXPECT_EQ(mapping.size(), 8U);  // 2 + 4 + 2
+  EXPECT_EQ(mapping.objects()[0].member, nullptr) << "it is read";
+  EXPECT_EQ(mapping.objects()[1].member, nullptr);
+  EXPECT_NE(mapping.objects()[2].member, nullptr) << "the status has it";
+}
+
+TEST(PdoMappingRecord, TakesReadOnlyObjectsThatTheStatusDoesNotHaveInATpdo) {
+  MappingRecord mapping = empty_transmit_mapping();
+  EXPECT_EQ(mapping.write(1, map_entry(0x6079, 0, 32), kInvalidPdo), AbortCode::none);
+  EXPECT_EQ(mapping.write(2, map_entry(0x6502, 0, 32), kInvalidPdo), AbortCode::none);
+  EXPECT_EQ(mapping.write(3, map_entry(0x1003, 0, 8), kInvalidPdo),
+            AbortCode::cannot_be_mapped_to_pdo);
+  EXPECT_EQ(mapping.write(3, map_entry(0x1010, 1, 32), kInvalidPdo),
+            AbortCode::cannot_be_mapped_to_pdo);
 }
 
 TEST(PdoMappingRecord, RefusesAnotherLengthThanThatOfTheTypeWith06040041) {

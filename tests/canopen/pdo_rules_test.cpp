@@ -30,14 +30,16 @@ using namespace std::chrono_literals;
 struct MappableObject {
   std::uint32_t entry = 0;
   bool is_receive = false;
+  bool is_transmit = false;
 };
 
 constexpr std::array kMappable{
-    MappableObject{kMapControlword, true},    MappableObject{kMapMode, true},
-    MappableObject{kMapTargetPosition, true}, MappableObject{kMapTargetVelocity, true},
-    MappableObject{map_entry(5, 0, 8), true}, MappableObject{map_entry(7, 0, 32), true},
-    MappableObject{kMapStatusword, false},    MappableObject{kMapModeDisplay, false},
-    MappableObject{kMapPosition, false},      MappableObject{kMapVelocity, false},
+    MappableObject{kMapControlword, true, true},     MappableObject{kMapMode, true, true},
+    MappableObject{kMapTargetPosition, true, true},  MappableObject{kMapTargetVelocity, true, true},
+    MappableObject{map_entry(5, 0, 8), true, false},
+    MappableObject{map_entry(7, 0, 32), true, false},
+    MappableObject{kMapStatusword, false, true},     MappableObject{kMapModeDisplay, false, true},
+    MappableObject{kMapPosition, false, true},       MappableObject{kMapVelocity, false, true},
 };
 
 constexpr std::array kWrittenObjects{
@@ -108,7 +110,7 @@ std::string wrong_in_pdo(const Registers& registers, std::uint16_t parameters) {
   for (std::uint8_t subindex = 1; subindex <= count; ++subindex) {
     const std::uint32_t entry = registers.at({mapping, subindex});
     const bool is_mappable = std::ranges::any_of(kMappable, [&](const MappableObject& object) {
-      return object.entry == entry && object.is_receive == is_receive;
+      return object.entry == entry && (is_receive ? object.is_receive : object.is_transmit);
     });
     if (!is_mappable) return "an object that cannot be mapped";
     bits += entry & 0xFFU;
@@ -211,6 +213,7 @@ TEST(AnyPdos, StayWithinTheStandardOverAnySequenceOfWrites) {
       now += 700us;
       pdos.receive(pdo_frame(0x80), now);
       pdos.receive(pdo_frame(registers.at({0x1400, 1}) & 0x7FFU, {1, 2, 3, 4, 5, 6, 7, 8}), now);
+      for (const ObjectAddress read : pdos.read_objects()) pdos.set_value({read, now.count()});
       pdos.update(pdo_status(static_cast<std::uint16_t>(now.count() / 700)), now);
       pdos.advance(now);
     }

@@ -368,5 +368,91 @@ TEST(TransmitPdo, HasItsDefaultsAgainAfterAReset) {
   EXPECT_TRUE(pdo.send_due(pdo_status(1), 0ms));
 }
 
+// ---- objects that the status does not have ----------------------------------------------------
+
+/// The first TPDO with 6041h and 607Ah, event-driven.
+TransmitPdo transmit_pdo_with_target() {
+  TransmitPdo pdo(pdo_place(1));
+  remap_pdo(pdo, 0x1800, {kMapStatusword, kMapTargetPosition});
+  return pdo;
+}
+
+std::vector<ObjectAddress> read_objects_of(const TransmitPdo& pdo) {
+  std::vector<ObjectAddress> objects;
+  pdo.add_read_objects(objects);
+  return objects;
+}
+
+TEST(TransmitPdo, NamesWhatItCarriesAndTheStatusDoesNotHave) {
+  EXPECT_THAT(read_objects_of(TransmitPdo(pdo_place(3))), IsEmpty());
+  TransmitPdo pdo = transmit_pdo_with_target();
+  EXPECT_THAT(read_objects_of(pdo), ElementsAre(ObjectAddress{0x607A, 0}));
+  EXPECT_EQ(pdo.write({0x1800, 1}, 0x80000185), AbortCode::none);
+  EXPECT_THAT(read_objects_of(pdo), IsEmpty()) << "it is not valid";
+}
+
+TEST(TransmitPdo, NamesAnObjectOnceThatAnotherOneNeedsToo) {
+  std::vector<ObjectAddress> objects{{0x607A, 0}};
+  transmit_pdo_with_target().add_read_objects(objects);
+  EXPECT_THAT(objects, ElementsAre(ObjectAddress{0x607A, 0}));
+}
+
+TEST(TransmitPdo, CarriesTheValuesThatWereReadLast) {
+  TransmitPdo pdo = transmit_pdo_with_target();
+  pdo.set_value(drive_value(0x607A, -2));
+  EXPECT_THAT(pdo_bytes(pdo.send_due(pdo_status(0x0237), 0ms)),
+              ElementsAre(0x37, 0x02, 0xFE, 0xFF, 0xFF, 0xFF));
+  EXPECT_FALSE(pdo.send_due(pdo_status(0x0237), 1ms));
+  pdo.set_value(drive_value(0x607A, 3));
+  EXPECT_THAT(pdo_bytes(pdo.send_due(pdo_status(0x0237), 2ms)),
+              ElementsAre(0x37, 0x02, 3, 0, 0, 0));
+}
+
+TEST(TransmitPdo, IsNotSentBeforeItHasTheValueOfEachObject) {
+  TransmitPdo pdo(pdo_place(1));
+  remap_pdo(pdo, 0x1800, {kMapTargetPosition, kMapMode});
+  const AxisStatus drive = pdo_status(0x0237);
+  EXPECT_FALSE(pdo.send_due(drive, 0ms));
+  EXPECT_FALSE(pdo.next_due()) << "it waits for no time";
+  EXPECT_FALSE(pdo.answer(drive, 0ms));
+  pdo.set_value(drive_value(0x607A, 1));
+  EXPECT_FALSE(pdo.send_due(drive, 1ms));
+  pdo.set_value(drive_value(0x6060, 8));
+  EXPECT_THAT(pdo_bytes(pdo.send_due(drive, 2ms)), ElementsAre(1, 0, 0, 0, 8));
+}
+
+TEST(TransmitPdo, CountsNoSyncBeforeItHasItsValues) {
+  TransmitPdo pdo = transmit_pdo_with_target();
+  EXPECT_EQ(pdo.write({0x1800, 2}, 2), AbortCode::none);  // every second SYNC
+  const AxisStatus drive = pdo_status(0x0237);
+  for (int sync = 0; sync < 3; ++sync) EXPECT_FALSE(pdo.synchronise(drive, kNoCounter));
+  pdo.set_value(drive_value(0x607A, 1));
+  EXPECT_FALSE(pdo.synchronise(drive, kNoCounter));
+  EXPECT_TRUE(pdo.synchronise(drive, kNoCounter));
+}
+
+TEST(TransmitPdo, IgnoresTheValueOfAnObjectThatItDoesNotCarry) {
+  TransmitPdo pdo = transmit_pdo_with_target();
+  pdo.set_value(drive_value(0x60FF, 7));
+  EXPECT_FALSE(pdo.send_due(pdo_status(0x0237), 0ms));
+}
+
+// What was read before may be long ago.
+TEST(TransmitPdo, ForgetsWhatWasReadWhenItIsNotValid) {
+  TransmitPdo pdo = transmit_pdo_with_target();
+  pdo.set_value(drive_value(0x607A, 1));
+  EXPECT_EQ(pdo.write({0x1800, 1}, 0x80000185), AbortCode::none);
+  EXPECT_EQ(pdo.write({0x1800, 1}, 0x185), AbortCode::none);
+  EXPECT_FALSE(pdo.send_due(pdo_status(0x0237), 0ms));
+  pdo.set_value(drive_value(0x607A, 1));
+  EXPECT_TRUE(pdo.send_due(pdo_status(0x0237), 1ms));
+}
+
+TEST(TransmitPdo, NeedsNoValueAfterAReset) {
+  TransmitPdo pdo = transmit_pdo_with_target();
+  pdo.reset();
+  EXPECT_TRUE(pdo.send_due(pdo_status(0x0237), 0ms));
+}
+
 }  // namespace
 }  // namespace vdrive::canopen

@@ -253,7 +253,7 @@ TEST(Dictionary, OfANodeHasCommunicationObjectsBesideTheRows) {
   EXPECT_EQ(to_line(controlword),
             R"({"index":"0x6040","subindex":0,"name":"DS402 Controlword",)"
             R"("index_name":"DS402 Controlword","object_type":"variable","type":"UNSIGNED16",)"
-            R"("access":"rww","owner":"drive","pdo_mapping":"receive","lower_limit":0,)"
+            R"("access":"rw","owner":"drive","pdo_mapping":"both","lower_limit":0,)"
             R"("upper_limit":65535,"default":0,"adds_node_id":false})");
   EXPECT_TRUE(device_name["upper_limit"].is_null());
   EXPECT_EQ(device_name["default"], "vdrive");

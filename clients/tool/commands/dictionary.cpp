@@ -129,6 +129,8 @@ std::string_view pdo_mapping_of(canopen::PdoMapping mapping) {
       return "transmit";
     case canopen::PdoMapping::receive:
       return "receive";
+    case canopen::PdoMapping::both:
+      return "both";
   }
   return "";
 }

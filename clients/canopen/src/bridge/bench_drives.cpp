@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge/bench_drives.hpp"
 
+#include <chrono>
 #include <utility>
 
 namespace vdrive::canopen {
+namespace {
+
+// Each read is a request to the bench, beside the SDOs of masters: few enough for 127 nodes.
+constexpr std::chrono::milliseconds kReadPeriod{10};
+
+}  // namespace
 
 BenchDrives::BenchDrives(const BusParts& parts, const client::BenchInfo& info,
                          std::span<const NodePlace> places, std::string label)
@@ -11,7 +18,10 @@ BenchDrives::BenchDrives(const BusParts& parts, const client::BenchInfo& info,
       label_(std::move(label)),
       count_(places.size()),
       nodes_(parts.bus, parts.store, places,
-             {.session = parts.session.id(), .software_version = VDRIVE_VERSION}, calls_of_nodes()),
+             {.session = parts.session.id(),
+              .software_version = VDRIVE_VERSION,
+              .read_period = kReadPeriod},
+             calls_of_nodes()),
       self_(std::make_shared<BenchDrives*>(this)) {
   const auto notify = [&loop = parts_.loop, self = std::weak_ptr(self_)] {
     asio::post(loop, [self] {
@@ -76,7 +86,23 @@ BenchNodes::Calls BenchDrives::calls_of_nodes() {
                   (*drives)->link_->send((*drives)->nodes_.take_set_points());
                 });
               },
-          .sync = {}};
+          .sync = {},
+          .read =
+              [this](std::size_t place, std::uint32_t ticket,
+                     const std::vector<ObjectAddress>& objects) {
+                read(place, ticket, objects);
+              }};
+}
+
+void BenchDrives::read(std::size_t place, std::uint32_t ticket,
+                       const std::vector<ObjectAddress>& objects) {
+  const auto answer = [&loop = parts_.loop, self = std::weak_ptr(self_), place,
+                       ticket](const std::vector<DriveValue>& values) {
+    asio::post(loop, [self, place, ticket, values] {
+      if (const auto drives = self.lock()) (*drives)->nodes_.take_values(place, ticket, values);
+    });
+  };
+  link_->read(place, objects, answer);
 }
 
 std::uint64_t BenchDrives::dropped_set_points() const {

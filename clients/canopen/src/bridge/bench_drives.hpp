@@ -7,9 +7,11 @@
 #include "bus/bus.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace vdrive::canopen {
 
@@ -41,12 +43,18 @@ class BenchDrives final {
 
   [[nodiscard]] const BenchNodes& nodes() const noexcept { return nodes_; }
 
+  /// As BenchNodes::note_refused_set_points().
+  void note_refused_set_points(std::uint16_t axis, std::uint64_t count) {
+    nodes_.note_refused_set_points(axis, count);
+  }
+
   /// @return set-points that did not reach the bench.
   [[nodiscard]] std::uint64_t dropped_set_points() const;
 
  private:
   [[nodiscard]] BenchNodes::Calls calls_of_nodes();
   void take_news();
+  void read(std::size_t place, std::uint32_t ticket, const std::vector<ObjectAddress>& objects);
   void report(bridge::Severity severity, const std::string& text) const;
 
   const BusParts parts_;

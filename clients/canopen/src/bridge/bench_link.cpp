@@ -177,6 +177,15 @@ void BenchLink::access(std::size_t place, const DriveAccess& access,
   if (!is_taken) done({.abort = AbortCode::cannot_store_or_transfer});
 }
 
+void BenchLink::read(std::size_t place, std::vector<ObjectAddress> objects,
+                     const std::function<void(const std::vector<DriveValue>&)>& done) {
+  const bool is_taken = post(place, DriveJobs::Kind::access,
+                             [asked = std::move(objects), done](client::Axis& axis) {
+                               done(read_values(axis, asked));
+                             });
+  if (!is_taken) done({});
+}
+
 void BenchLink::tell_connection(std::size_t place, bool is_lost) {
   (void)post(place, DriveJobs::Kind::connection, [this, place, is_lost](client::Axis& axis) {
     report_failure(canopen::tell_connection(axis, is_lost), place);

@@ -60,6 +60,11 @@ class BenchLink {
   /// @param done called with the answer, by a thread of the link or at once
   void access(std::size_t place, const DriveAccess& access,
               const std::function<void(const DriveAnswer&)>& done);
+
+  /// Reads objects, behind what the axis was asked for before.
+  /// @param done likewise, with the values that could be read
+  void read(std::size_t place, std::vector<ObjectAddress> objects,
+            const std::function<void(const std::vector<DriveValue>&)>& done);
   void tell_connection(std::size_t place, bool is_lost);
   void cycle_power(std::size_t place);
 

@@ -45,6 +45,7 @@ void collect_identifiers(const Node& node, std::vector<std::uint16_t>& identifie
 
 void add_counters(NodeCounters& sum, const NodeCounters& more) {
   sum.ignored_set_points += more.ignored_set_points;
+  sum.refused_set_points += more.refused_set_points;
   sum.dropped_pdos += more.dropped_pdos;
   sum.sdo_aborts += more.sdo_aborts;
   sum.sdo_time_outs += more.sdo_time_outs;
@@ -79,6 +80,8 @@ class BenchNodes::Slot final : public NodeHost {
                                 .sync_period = nodes_.options_.sync_period};
     node_.emplace(settings, *this, nodes_.store_.find(ids_.node_id));
     known_changes_.reset();
+    asked_changes_.reset();
+    is_asked_ = false;
     is_loss_untold_ = false;
     node_->start(view_of(drive), nodes_.now_);
   }
@@ -102,6 +105,31 @@ class BenchNodes::Slot final : public NodeHost {
     // Before the answer: with it the node may begin its next access.
     const DriveAccess access = *std::exchange(accessed_, std::nullopt);
     node_->complete(access.ticket, answer, nodes_.now_);
+  }
+
+  // ---- values that the status does not have
+
+  /// Asks for the objects that the TPDOs of the node have had since the last question, if they are
+  /// others.
+  void ask_for_new_values() {
+    if (!node_ || is_asked_ || asked_changes_ == node_->parameter_changes()) return;
+    asked_changes_ = node_->parameter_changes();
+    read_objects_ = node_->read_objects();
+    ask();
+  }
+
+  /// Asks when it is due, of a drive that is shown anew.
+  void ask_for_values() {
+    ask_for_new_values();
+    if (is_asked_ || read_objects_.empty() || !node_) return;
+    const bool is_new_tick = nodes_.now_ != asked_at_;
+    if (is_new_tick && nodes_.now_ - asked_at_ >= nodes_.options_.read_period) ask();
+  }
+
+  void take_values(std::uint32_t ticket, std::span<const DriveValue> values) {
+    if (!node_ || !is_asked_ || ticket != read_ticket_) return;
+    is_asked_ = false;
+    node_->set_values(values);
   }
 
   // ---- what the node does
@@ -147,6 +175,14 @@ class BenchNodes::Slot final : public NodeHost {
   }
 
  private:
+  void ask() {
+    if (read_objects_.empty() || !nodes_.calls_.read) return;
+    is_asked_ = true;
+    asked_at_ = nodes_.now_;
+    ++read_ticket_;
+    nodes_.calls_.read(place_, read_ticket_, read_objects_);
+  }
+
   [[nodiscard]] DriveView view_of(const client::AxisSnapshot& drive) {
     is_owned_ = drive.owner_session == nodes_.options_.session;
     return {.status = drive.status, .is_owned = is_owned_};
@@ -161,6 +197,11 @@ class BenchNodes::Slot final : public NodeHost {
   std::optional<std::uint64_t> known_changes_;  ///< Node::parameter_changes() of identifiers_
   std::optional<DriveAccess> accessed_;         ///< under way, as the node knows it
   std::uint32_t last_ticket_ = 0;               ///< of it, as Calls know it
+  std::vector<ObjectAddress> read_objects_;     ///< for its TPDOs
+  std::optional<std::uint64_t> asked_changes_;  ///< Node::parameter_changes() of read_objects_
+  std::uint32_t read_ticket_ = 0;               ///< of the last question for them
+  DriveTime asked_at_{};                        ///< likewise
+  bool is_asked_ = false;                       ///< it has no answer
   std::optional<Node> node_;
 };
 
@@ -184,6 +225,7 @@ void BenchNodes::start(std::span<const client::AxisSnapshot> drives, DriveTime n
   now_ = now;
   is_running_ = true;
   are_listeners_old_ = true;
+  are_mappings_new_ = true;
   for (std::size_t place = 0; place < slots_.size(); ++place) slots_[place]->start(drives[place]);
   settle();
 }
@@ -201,6 +243,8 @@ void BenchNodes::update(std::span<const client::AxisSnapshot> drives, DriveTime 
   if (!is_running_) return;
   now_ = std::max(now_, now);
   for (std::size_t place = 0; place < slots_.size(); ++place) {
+    // First: where the answer comes within the call it is of the tick that is shown.
+    slots_[place]->ask_for_values();
     slots_[place]->update(drives[place]);
     note_changes(place);
   }
@@ -212,6 +256,17 @@ void BenchNodes::complete(std::size_t place, std::uint32_t ticket, const DriveAn
   slots_.at(place)->complete(ticket, answer);
   note_changes(place);  // of the request that waited behind this one
   settle();
+}
+
+void BenchNodes::take_values(std::size_t place, std::uint32_t ticket,
+                             std::span<const DriveValue> values) {
+  if (is_running_) slots_.at(place)->take_values(ticket, values);
+}
+
+void BenchNodes::note_refused_set_points(std::uint16_t axis, std::uint64_t count) {
+  for (const auto& slot : slots_) {
+    if (slot->ids().axis == axis && slot->node()) slot->node()->note_refused_set_points(count);
+  }
 }
 
 std::vector<client::SetPointFrame> BenchNodes::take_set_points() {
@@ -256,7 +311,16 @@ void BenchNodes::receive(const Frame& frame, std::optional<std::size_t> sender) 
 }
 
 void BenchNodes::note_changes(std::size_t place) {
-  if (slots_[place]->has_new_parameters()) are_listeners_old_ = true;
+  if (!slots_[place]->has_new_parameters()) return;
+  are_listeners_old_ = true;
+  are_mappings_new_ = true;
+}
+
+/// A TPDO that is mapped anew has its values as soon as it can, and not with the next tick: on a
+/// bench that SYNC steps there is none before the SYNC that sends it.
+void BenchNodes::ask_for_new_values() {
+  if (!is_running_ || !std::exchange(are_mappings_new_, false)) return;
+  for (const auto& slot : slots_) slot->ask_for_new_values();
 }
 
 void BenchNodes::refresh_listeners() {
@@ -286,6 +350,7 @@ void BenchNodes::settle() {
     run_drive_calls();
   }
   is_settling_ = false;
+  ask_for_new_values();
   if (set_points_.is_empty() || std::exchange(are_noted_, true)) return;
   calls_.set_points();
 }

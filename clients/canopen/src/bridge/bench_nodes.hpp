@@ -40,12 +40,19 @@ class BenchNodes final : public Port {
     std::function<void(std::size_t place)> cycle_power;
     std::function<void()> set_points;  ///< the first one waits for take_set_points()
     std::function<void()> sync;        ///< all nodes have received SYNC; may be empty
+    /// Reads objects that TPDOs carry and the status does not have; take_values() is the answer,
+    /// also with none of them. A node asks again when it has its answer, not before.
+    std::function<void(std::size_t place, std::uint32_t ticket,
+                       const std::vector<ObjectAddress>& objects)>
+        read{};
   };
 
   struct Options {
     std::uint64_t session = 0;                   ///< that controls the axes
     std::optional<std::uint32_t> sync_period{};  ///< see NodeSettings
     const char* software_version = "";           ///< 100Ah
+    /// Drive time between two Calls::read of a node at least; a new mapping waits for none.
+    DriveTime read_period{};
   };
 
   /// @param bus, store outlive this
@@ -69,6 +76,13 @@ class BenchNodes final : public Port {
 
   /// The answer to Calls::access. One to an access of before the last start() is ignored.
   void complete(std::size_t place, std::uint32_t ticket, const DriveAnswer& answer);
+
+  /// The answer to Calls::read: the values that could be read. They go out with the next SYNC, or
+  /// the next update(). One to a question of before the last start() is ignored.
+  void take_values(std::size_t place, std::uint32_t ticket, std::span<const DriveValue> values);
+
+  /// The drive of the axis has refused values of RPDOs.
+  void note_refused_set_points(std::uint16_t axis, std::uint64_t count);
 
   [[nodiscard]] bool has_set_points() const noexcept { return !set_points_.is_empty(); }
 
@@ -101,6 +115,7 @@ class BenchNodes final : public Port {
   void send(const Outgoing& outgoing);
   void run_drive_calls();
   void note_changes(std::size_t place);
+  void ask_for_new_values();
   void refresh_listeners();
   [[nodiscard]] bool is_sync(const Frame& frame) const;
 
@@ -115,6 +130,7 @@ class BenchNodes final : public Port {
   bool are_noted_ = false;  ///< Calls::set_points was called for what waits
   Listeners listeners_;
   bool are_listeners_old_ = true;
+  bool are_mappings_new_ = true;  ///< a node may have other objects to read
   // Filled within calls of nodes, carried out behind them.
   std::vector<Outgoing> outgoing_;
   std::vector<Outgoing> sending_;  ///< its memory, used in turn

@@ -28,6 +28,17 @@ DriveAnswer carry_out(client::Axis& axis, const DriveAccess& access) {
   return {.value = *value};
 }
 
+std::vector<DriveValue> read_values(client::Axis& axis, std::span<const ObjectAddress> objects) {
+  std::vector<DriveValue> values;
+  const auto readings = axis.read(objects);
+  if (!readings) return values;
+  for (const client::ObjectReading& reading : readings->objects) {
+    if (reading.code != AbortCode::none) continue;
+    values.push_back({.object = reading.object, .value = reading.value});
+  }
+  return values;
+}
+
 client::Outcome tell_connection(client::Axis& axis, bool is_lost) {
   constexpr ObjectAddress kInput = vdrive::describe("test_connection_loss"_object).address;
   // The drive reacts to the edge: an earlier loss, or a test, may have left 1.

@@ -172,6 +172,12 @@ BenchNodes::Calls SteppedBench::calls_of_nodes() {
           .sync =
               [this] {
                 pass_period();
+              },
+          // Time stands: the values are those of the tick that the nodes are shown.
+          .read =
+              [this](std::size_t place, std::uint32_t ticket,
+                     const std::vector<ObjectAddress>& objects) {
+                nodes_.take_values(place, ticket, read_values(axes_.at(place), objects));
               }};
 }
 

@@ -48,6 +48,11 @@ class SteppedBench final {
 
   [[nodiscard]] const BenchNodes& nodes() const noexcept { return nodes_; }
 
+  /// As BenchNodes::note_refused_set_points().
+  void note_refused_set_points(std::uint16_t axis, std::uint64_t count) {
+    nodes_.note_refused_set_points(axis, count);
+  }
+
  private:
   [[nodiscard]] BenchNodes::Calls calls_of_nodes();
   [[nodiscard]] client::Outcome open();

@@ -14,6 +14,7 @@
 #include <initializer_list>
 #include <span>
 #include <utility>
+#include <vector>
 
 namespace vdrive::canopen {
 namespace {
@@ -60,6 +61,16 @@ class Node::Parts final : private PdoHost {
   void complete(std::uint32_t ticket, const DriveAnswer& answer, DriveTime now);
 
   [[nodiscard]] std::optional<DriveTime> next_due() const;
+
+  [[nodiscard]] std::vector<ObjectAddress> read_objects() const { return pdos_.read_objects(); }
+
+  void set_values(std::span<const DriveValue> values) {
+    for (const DriveValue& value : values) pdos_.set_value(value);
+  }
+
+  void note_refused_set_points(std::uint64_t count) noexcept {
+    counters_.refused_set_points += count;
+  }
 
   [[nodiscard]] std::uint8_t id() const noexcept { return node_id_; }
 
@@ -381,6 +392,18 @@ std::optional<DriveTime> Node::next_due() const {
 
 void Node::complete(std::uint32_t ticket, const DriveAnswer& answer, DriveTime now) {
   parts_->complete(ticket, answer, now);
+}
+
+std::vector<ObjectAddress> Node::read_objects() const {
+  return parts_->read_objects();
+}
+
+void Node::set_values(std::span<const DriveValue> values) {
+  parts_->set_values(values);
+}
+
+void Node::note_refused_set_points(std::uint64_t count) noexcept {
+  parts_->note_refused_set_points(count);
 }
 
 std::uint8_t Node::id() const noexcept {

@@ -11,6 +11,8 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace vdrive::canopen {
 
@@ -19,6 +21,7 @@ struct NodeCounters {
   std::uint64_t ignored_set_points = 0;  ///< RPDOs that would have acted while another session owns
                                          ///< the axis: each that acts at once, and of each
                                          ///< synchronous one the last before a SYNC
+  std::uint64_t refused_set_points = 0;  ///< values of RPDOs that the drive refused
   std::uint64_t dropped_pdos = 0;        ///< as PdoCounters::dropped
   std::uint64_t sdo_aborts = 0;          ///< that the node sent
   std::uint64_t sdo_time_outs = 0;       ///< transfers that the client did not continue
@@ -66,6 +69,17 @@ class Node {
 
   /// The answer to NodeHost::begin_access(). One with an old ticket is ignored.
   void complete(std::uint32_t ticket, const DriveAnswer& answer, DriveTime now);
+
+  /// @return objects that TPDOs carry and the status of the drive does not have, each once. The
+  ///         host reads them and passes them to set_values(), again and again; until then those
+  ///         TPDOs are not sent. It changes with parameter_changes() only.
+  [[nodiscard]] std::vector<ObjectAddress> read_objects() const;
+
+  /// What the drive has for them. It sends nothing: SYNC, or the next update(), does.
+  void set_values(std::span<const DriveValue> values);
+
+  /// The drive has refused values of RPDOs: they are counted. CiA 301 has no answer to a PDO.
+  void note_refused_set_points(std::uint64_t count) noexcept;
 
   [[nodiscard]] std::uint8_t id() const noexcept;
   [[nodiscard]] NmtState state() const noexcept;

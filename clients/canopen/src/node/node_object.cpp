@@ -41,12 +41,18 @@ bool is_in_status(ObjectAddress address) {
   });
 }
 
+/// What CiA 301 has of the drive, such as its identity, is mapped into no PDO; the error register
+/// (1001h) is, which the status has.
+constexpr std::uint16_t kFirstOfProfile = 0x2000;
+
 PdoMapping mapping_of_row(const ObjectDescription& row) {
   if (is_in_status(row.address)) return PdoMapping::transmit;
+  if (row.access == Access::read_only) {
+    return row.address.index < kFirstOfProfile ? PdoMapping::none : PdoMapping::transmit;
+  }
   // A PDO would store or clear in each cycle what a master means to store or clear once.
-  const bool is_set_point = row.access == Access::read_write && row.change != Change::memory &&
-                            row.change != Change::history;
-  return is_set_point ? PdoMapping::receive : PdoMapping::none;
+  const bool is_once = row.change == Change::memory || row.change == Change::history;
+  return is_once ? PdoMapping::none : PdoMapping::both;
 }
 
 /// @return the words that all names begin with, such as "Homing Speed"; the first name where there

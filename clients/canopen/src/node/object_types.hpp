@@ -48,9 +48,16 @@ enum class ObjectOwner : std::uint8_t {
 /// Where an object may be mapped (CiA 301, 7.5.2.36 and 7.5.2.38).
 enum class PdoMapping : std::uint8_t {
   none,
-  transmit,  ///< the status of the drive has it
-  receive,   ///< a set-point of the drive may bring it
+  transmit,  ///< into TPDOs: the drive has it, and no PDO may bring it
+  receive,   ///< into RPDOs alone: none is, but it names their direction
+  both,      ///< a set-point of the drive may bring it, and a TPDO shows it
 };
+
+/// @param direction transmit or receive
+/// @return whether PDOs of this direction may carry what is mapped so.
+[[nodiscard]] constexpr bool allows(PdoMapping mapping, PdoMapping direction) noexcept {
+  return mapping == PdoMapping::both || mapping == direction;
+}
 
 /// Shape of the index that an object belongs to (CiA 301, table "Object code").
 enum class ObjectCode : std::uint8_t { variable = 0x7, array = 0x8, record = 0x9 };

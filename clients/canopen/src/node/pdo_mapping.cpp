@@ -35,12 +35,9 @@ Resolved resolve_object(ObjectAddress address, PdoMapping direction) {
   const NodeObject* const object = find_node_object(address);
   // CiA 301 has one code for a missing index and a missing sub-index of a mapped object.
   if (object == nullptr) return {.refusal = AbortCode::object_does_not_exist};
-  if (object->mapping != direction) return {.refusal = AbortCode::cannot_be_mapped_to_pdo};
+  if (!allows(object->mapping, direction)) return {.refusal = AbortCode::cannot_be_mapped_to_pdo};
   Resolved resolved{.object = {.address = address, .type = object->data_type}};
-  if (direction == PdoMapping::transmit) {
-    resolved.object.member = find_published_member(address);
-    if (resolved.object.member == nullptr) resolved.refusal = AbortCode::cannot_be_mapped_to_pdo;
-  }
+  if (direction == PdoMapping::transmit) resolved.object.member = find_published_member(address);
   return resolved;
 }
 

@@ -23,7 +23,7 @@ inline constexpr std::uint16_t kLastDummy = 0x0007;
 struct MappedObject {
   ObjectAddress address;
   NodeDataType type = NodeDataType::unsigned8;
-  const StatusMember* member = nullptr;  ///< of a TPDO: has its value
+  const StatusMember* member = nullptr;  ///< of a TPDO: has its value; nullptr = it is read
 
   [[nodiscard]] bool is_dummy() const noexcept { return address.index <= kLastDummy; }
 };

@@ -106,6 +106,16 @@ void Pdos::update(const AxisStatus& drive, DriveTime now) {
   if (is_started_) send_due(now);
 }
 
+std::vector<ObjectAddress> Pdos::read_objects() const {
+  std::vector<ObjectAddress> objects;
+  for (const TransmitPdo& pdo : transmit_) pdo.add_read_objects(objects);
+  return objects;
+}
+
+void Pdos::set_value(const DriveValue& reading) {
+  for (TransmitPdo& pdo : transmit_) pdo.set_value(reading);
+}
+
 void Pdos::advance(DriveTime now) {
   if (!is_started_) return;
   send_due(now);

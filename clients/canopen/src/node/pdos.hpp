@@ -86,6 +86,13 @@ class Pdos {
   /// The drive after a tick, with 6041h as masters see it: what the next TPDOs carry.
   void update(const AxisStatus& drive, DriveTime now);
 
+  /// @return the objects to read for TPDOs, as TransmitPdo::add_read_objects().
+  [[nodiscard]] std::vector<ObjectAddress> read_objects() const;
+
+  /// What the drive has for one of them: what the TPDOs of the next SYNC, update() or advance()
+  /// carry.
+  void set_value(const DriveValue& reading);
+
   /// Sends TPDOs whose inhibit time or event timer has elapsed; raises the time-outs of RPDOs.
   void advance(DriveTime now);
 

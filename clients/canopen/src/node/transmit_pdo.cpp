@@ -10,6 +10,7 @@ TransmitPdo::TransmitPdo(PdoPlace place) : parameters_(PdoMapping::transmit, pla
 
 void TransmitPdo::reset() {
   parameters_.reset();
+  forget_values();
   restart();
 }
 
@@ -28,11 +29,63 @@ AbortCode TransmitPdo::write(ObjectAddress object, std::uint32_t value) {
   const std::uint8_t type = parameters_.type();
   const AbortCode refusal = parameters_.write(object, value);
   if (was_valid != parameters_.is_valid() || type != parameters_.type()) restart();
+  // The mapping changes only while it is not valid.
+  if (was_valid != parameters_.is_valid()) forget_values();
   return refusal;
 }
 
+// ---- values that are read --------------------------------------------------------------------
+
+void TransmitPdo::add_read_objects(std::vector<ObjectAddress>& objects) const {
+  if (!parameters_.is_valid()) return;
+  for (const MappedObject& object : parameters_.mapping().objects()) {
+    const bool is_known = std::ranges::find(objects, object.address) != objects.end();
+    if (object.member == nullptr && !is_known) objects.push_back(object.address);
+  }
+}
+
+void TransmitPdo::set_value(const DriveValue& reading) {
+  const auto known = std::ranges::find(read_, reading.object, &DriveValue::object);
+  if (known != read_.end()) {
+    known->value = reading.value;
+    return;
+  }
+  const bool is_carried =
+      std::ranges::any_of(parameters_.mapping().objects(), [&reading](const MappedObject& object) {
+        return object.member == nullptr && object.address == reading.object;
+      });
+  if (!is_carried) return;
+  read_.push_back(reading);
+  note_missing_values();
+}
+
+void TransmitPdo::forget_values() {
+  read_.clear();
+  note_missing_values();
+}
+
+void TransmitPdo::note_missing_values() {
+  misses_values_ =
+      std::ranges::any_of(parameters_.mapping().objects(), [this](const MappedObject& object) {
+        return !has_value(object);
+      });
+}
+
+bool TransmitPdo::has_value(const MappedObject& object) const {
+  return object.member != nullptr ||
+         std::ranges::find(read_, object.address, &DriveValue::object) != read_.end();
+}
+
+/// @pre has_value(object)
+std::int64_t TransmitPdo::value_of(const MappedObject& object, const AxisStatus& drive) const {
+  if (object.member != nullptr) return object.member->value(drive);
+  return std::ranges::find(read_, object.address, &DriveValue::object)->value;
+}
+
+// ---- frames ----------------------------------------------------------------------------------
+
 std::optional<Frame> TransmitPdo::synchronise(const AxisStatus& drive, std::uint8_t counter) {
-  if (!parameters_.is_valid()) return std::nullopt;
+  if (!parameters_.is_valid() || misses_values_) return std::nullopt;
   const std::uint8_t type = parameters_.type();
   if (type == kRemoteSynchronous) sample_ = frame_of(drive);
   if (type > kLastSynchronous || !has_begun(counter)) return std::nullopt;
@@ -54,6 +107,7 @@ bool TransmitPdo::is_request(const Frame& frame) const noexcept {
 }
 
 std::optional<Frame> TransmitPdo::answer(const AxisStatus& drive, DriveTime now) {
+  if (misses_values_) return std::nullopt;
   switch (parameters_.type()) {
     case kRemoteSynchronous:
       // Before the first SYNC there is no sample: the present values say more than silence.
@@ -86,7 +140,7 @@ std::optional<DriveTime> TransmitPdo::next_due() const {
 }
 
 bool TransmitPdo::is_event_driven() const noexcept {
-  return parameters_.is_valid() && parameters_.type() >= kFirstEventDriven;
+  return parameters_.is_valid() && !misses_values_ && parameters_.type() >= kFirstEventDriven;
 }
 
 bool TransmitPdo::has_begun(std::uint8_t counter) {
@@ -111,7 +165,7 @@ Frame TransmitPdo::frame_of(const AxisStatus& drive) const {
   Frame frame{.id = parameters_.can_id(), .size = parameters_.mapping().size()};
   std::size_t end = 0;
   for (const MappedObject& object : parameters_.mapping().objects()) {
-    auto bits = static_cast<std::uint64_t>(object.member->value(drive));
+    auto bits = static_cast<std::uint64_t>(value_of(object, drive));
     for (std::size_t i = 0; i < size_of(object.type); ++i) {
       frame.data[end] = static_cast<std::uint8_t>(bits);
       bits >>= 8U;

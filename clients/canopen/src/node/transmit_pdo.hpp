@@ -3,6 +3,7 @@
 
 #include "node/drive_time.hpp"
 #include "node/frame.hpp"
+#include "node/node_host.hpp"
 #include "node/pdo_parameters.hpp"
 #include "vdrive/axis_status.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
@@ -10,6 +11,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 namespace vdrive::canopen {
 
@@ -28,6 +30,10 @@ namespace vdrive::canopen {
 /// Remote frames count while bit 30 of the COB-ID is 0. What falls into an inhibit time is sent
 /// once, at its end, with the bytes of then. With a SYNC counter and a SYNC start value (:06), the
 /// first SYNC that counts for types 0 to 240 is the one with this number.
+///
+/// An object that the status does not have is carried with the value that set_value() brought last.
+/// Until each of them has one, from the moment on in which the PDO becomes valid, nothing is sent
+/// and no SYNC counts: a PDO carries no value that the drive did not have.
 class TransmitPdo {
  public:
   explicit TransmitPdo(PdoPlace place);
@@ -43,6 +49,13 @@ class TransmitPdo {
 
   /// As PdoParameters::write(). Another validity or transmission type restarts it.
   AbortCode write(ObjectAddress object, std::uint32_t value);
+
+  /// Adds the objects to read for it to `objects`, each once: those that it carries and the status
+  /// does not have; none while it is not valid.
+  void add_read_objects(std::vector<ObjectAddress>& objects) const;
+
+  /// What the drive has for one of them; another object is ignored.
+  void set_value(const DriveValue& reading);
 
   /// @param counter of the SYNC, 1 to 240; 0 = it has none
   /// @return the frame to send at this SYNC.
@@ -68,6 +81,10 @@ class TransmitPdo {
   [[nodiscard]] bool has_begun(std::uint8_t counter);
   [[nodiscard]] bool is_inhibited(DriveTime now) const;
   [[nodiscard]] bool has_event(const Frame& present, DriveTime now) const;
+  void forget_values();
+  void note_missing_values();
+  [[nodiscard]] bool has_value(const MappedObject& object) const;
+  [[nodiscard]] std::int64_t value_of(const MappedObject& object, const AxisStatus& drive) const;
   [[nodiscard]] Frame frame_of(const AxisStatus& drive) const;
   Frame mark_sent(const Frame& frame, DriveTime now);
 
@@ -79,6 +96,8 @@ class TransmitPdo {
   bool awaits_sync_start_ = true;  ///< no SYNC has counted yet
   bool is_requested_ = false;      ///< a remote frame has not been answered, types 254 and 255
   bool is_waiting_ = false;        ///< for the end of the inhibit time
+  std::vector<DriveValue> read_;   ///< what set_value() brought since it became valid
+  bool misses_values_ = false;     ///< of an object that it carries
 };
 
 }  // namespace vdrive::canopen
