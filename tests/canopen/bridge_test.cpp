@@ -203,5 +203,37 @@ TEST(PrivateBridge, RefusesAxesThatCannotBeNodes) {
   EXPECT_THROW(bridge.start(), vdrive::settings::ConfigurationError);
 }
 
+/// 6081h is no value of the status: it is read beside the ticks.
+TEST(Bridge, SendsAParameterInATpdoWhenItChanges) {
+  BusOfBench bus(1);
+  ASSERT_TRUE(bus.master().wait_for(0x701));
+  TestMaster& master = bus.master();
+  ASSERT_EQ(master.download(1, {0x1800, 1}, 0x80000181, 4), AbortCode::none);
+  ASSERT_EQ(master.download(1, {0x1A00, 0}, 0, 1), AbortCode::none);
+  ASSERT_EQ(master.download(1, {0x1A00, 1}, 0x60810020, 4), AbortCode::none);
+  ASSERT_EQ(master.download(1, {0x1A00, 0}, 1, 1), AbortCode::none);
+  ASSERT_EQ(master.download(1, {0x1800, 1}, 0x181, 4), AbortCode::none);
+  master.send_nmt(kNmtStart, 1);
+  ASSERT_TRUE(master.wait_for(0x181));
+  ASSERT_EQ(master.download(1, {0x6081, 0}, 4'321, 4), AbortCode::none);
+  EXPECT_TRUE(master.wait_until([&master] {
+    const auto sent = master.newest(0x181);
+    return sent && sent->size == 4 && number_in(*sent, 0, 4) == 4'321;
+  }));
+}
+
+TEST(Bridge, SaysWhichOfItsServersAreNotThere) {
+  const bench::Bench bench({.axes = 1, .clock = ClockMode::realtime});
+  canopen::Settings settings;
+  settings.session.bus = bench.bus();
+  settings.buses.emplace_back().gateways.push_back({});
+  const canopen::CanopenBridge with_gateway(settings);
+  EXPECT_THAT(with_gateway.first_lines().front(), HasSubstr(", no socketcand, session 0x"));
+  settings.buses.front() = {};
+  settings.buses.front().socketcand.push_back({});
+  const canopen::CanopenBridge with_socketcand(settings);
+  EXPECT_THAT(with_socketcand.first_lines().front(), HasSubstr(", no gateway, session 0x"));
+}
+
 }  // namespace
 }  // namespace vdrive::test

@@ -435,5 +435,72 @@ TEST(SteppedBridge, LeavesOutABenchThatCannotBeServedAndSaysWhy) {
   EXPECT_THAT(left_out(stepped, 1ms, 126), HasSubstr("axis 1.2 would be node 128"));
 }
 
+/// TPDO1 of node 1 carries these objects, an entry of 1A00h each.
+/// @param type 1800h:02
+void map_first_tpdo(TestMaster& master, std::int64_t type,
+                    const std::vector<std::int64_t>& entries) {
+  ASSERT_EQ(master.download(1, {0x1800, 1}, 0x80000181, 4), AbortCode::none);
+  ASSERT_EQ(master.download(1, {0x1800, 2}, type, 1), AbortCode::none);
+  ASSERT_EQ(master.download(1, {0x1A00, 0}, 0, 1), AbortCode::none);
+  std::uint8_t subindex = 0;
+  for (const std::int64_t entry : entries) {
+    ++subindex;
+    ASSERT_EQ(master.download(1, {0x1A00, subindex}, entry, 4), AbortCode::none);
+  }
+  ASSERT_EQ(master.download(1, {0x1A00, 0}, subindex, 1), AbortCode::none);
+  ASSERT_EQ(master.download(1, {0x1800, 1}, 0x181, 4), AbortCode::none);
+}
+
+// TPDOs at SYNC n carry what was sampled at n; RPDOs before it act behind it.
+TEST(SteppedBridge, CarriesInATpdoTheTargetThatWasInForceAtTheSample) {
+  BusOfBench bus(1, 1ms);
+  ASSERT_EQ(bus.master().download(1, kTarget, 55, 4), AbortCode::none);
+  ASSERT_NO_FATAL_FAILURE(map_first_tpdo(bus.master(), 1, {0x607A0020, 0x60400010}));
+  bus.master().send_nmt(kStart, 1);
+  bus.master().send(0x401, {0x06, 0x00, 77, 0, 0, 0});  // RPDO3: 6040h and 607Ah
+  bus.sync();
+  const auto before = bus.master().newest(0x181);
+  ASSERT_TRUE(before);
+  ASSERT_EQ(before->size, 6);
+  EXPECT_EQ(number_in(*before, 0, 4), 55);
+  EXPECT_EQ(number_in(*before, 4, 2), 0);
+  bus.sync();
+  const auto behind = bus.master().newest(0x181);
+  ASSERT_TRUE(behind);
+  EXPECT_EQ(number_in(*behind, 0, 4), 77);
+  EXPECT_EQ(number_in(*behind, 4, 2), 0x06);
+}
+
+TEST(SteppedBridge, CarriesInATpdoReadOnlyObjectsThatTheStatusDoesNotHave) {
+  BusOfBench bus(1, 1ms);
+  ASSERT_NO_FATAL_FAILURE(map_first_tpdo(bus.master(), 1, {0x60790020, 0x65020020}));
+  bus.master().send_nmt(kStart, 1);
+  bus.sync();
+  const auto sampled = bus.master().newest(0x181);
+  ASSERT_TRUE(sampled);
+  EXPECT_EQ(number_in(*sampled, 0, 4), bus.read(1, {0x6079, 0}));
+  EXPECT_EQ(number_in(*sampled, 4, 4), bus.read(1, {0x6502, 0}));
+}
+
+// A PDO has no answer. Mode 50 is none that the drive has.
+TEST(SteppedBridge, CountsAValueOfAPdoThatTheDriveRefuses) {
+  BusOfBench bus(1, 1ms);
+  bus.master().send_nmt(kStart, 1);
+  bus.master().send(0x301, {0x06, 0x00, 50});  // RPDO2: 6040h and 6060h
+  bus.sync();
+  EXPECT_TRUE(bus.master().wait_until([&bus] {
+    return bus.nodes().counters().refused_set_points == 1;
+  }));
+  EXPECT_THAT(bus.bridge().counter_lines().front(), HasSubstr(", 1 refused values of PDOs, "));
+}
+
+// The master of an SDO has the abort code.
+TEST(SteppedBridge, CountsNoRefusalOfAnSdoAsThatOfAPdo) {
+  BusOfBench bus(1, 1ms);
+  EXPECT_EQ(bus.master().download(1, kMode, 50, 1), AbortCode::value_range_exceeded);
+  bus.sync(3);
+  EXPECT_EQ(bus.nodes().counters().refused_set_points, 0U);
+}
+
 }  // namespace
 }  // namespace vdrive::test

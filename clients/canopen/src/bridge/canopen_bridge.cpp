@@ -33,6 +33,11 @@ CanopenBridge::CanopenBridge(const Settings& settings)
     : is_private_(settings.is_private),
       benches_(make_private_benches(settings)),
       reports_("vdrive-canopen", {}),
+      refused_([this] {
+        asio::post(loop_, [this] {
+          count_refusals();
+        });
+      }),
       session_(session_options(settings, benches_)),
       find_timer_(loop_) {
   const BridgeParts shared{
@@ -42,18 +47,22 @@ CanopenBridge::CanopenBridge(const Settings& settings)
     buses_.push_back(std::make_unique<ServedBus>(shared, settings, setting, number));
   }
   session_.on_event([this](const client::Event& event) {
-    // The master has an abort code as the answer to its SDO, and a drive that ignores the value of
-    // a PDO says nothing.
+    // The master has an abort code as the answer to its SDO, and refused values of PDOs are counted
+    // one by one.
     if (event.code >= kLowestAbortCode) return;
     const auto text = bridge::refusal_report(event, session_.id());
     if (!text) return;
     reports_.report(bridge::Severity::warning, "bench " + std::to_string(event.bench), *text);
+  });
+  session_.on_set_point_refusal([this](const client::SetPointRefusal& refusal) {
+    refused_.note(refusal);
   });
 }
 
 CanopenBridge::~CanopenBridge() {
   // The session ends after the reports that its observer uses.
   session_.on_event({});
+  session_.on_set_point_refusal({});
   // Calls that wait for a bench end; the axes are given back all the same.
   session_.interrupt();
 }
@@ -88,6 +97,13 @@ void CanopenBridge::find_later() {
   find_timer_.async_wait([this](const AsioError& error) {
     if (!error) find();
   });
+}
+
+/// A PDO has no answer: who looks for its value finds it here.
+void CanopenBridge::count_refusals() {
+  for (const RefusedSetPoints::Count& entry : refused_.take()) {
+    for (const auto& bus : buses_) bus->note_refused_set_points(entry.refusal, entry.count);
+  }
 }
 
 bool CanopenBridge::are_all_there() const {

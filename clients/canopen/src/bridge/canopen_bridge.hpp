@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bridge/refused_set_points.hpp"
 #include "bridge/served_bus.hpp"
 #include "bridge/settings.hpp"
 #include "bus/asio.hpp"
@@ -58,12 +59,14 @@ class CanopenBridge final {
  private:
   void find();
   void find_later();
+  void count_refusals();
   [[nodiscard]] bool are_all_there() const;
 
   asio::io_context loop_{1};  // first: what is posted may outlive who has posted it
   const bool is_private_;
   std::vector<bench::Bench> benches_;
   bridge::Reports reports_;
+  RefusedSetPoints refused_;
   client::Session session_;
   bridge::Worker closer_;
   std::vector<std::unique_ptr<ServedBus>> buses_;

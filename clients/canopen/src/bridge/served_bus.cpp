@@ -2,7 +2,9 @@
 #include "bridge/served_bus.hpp"
 
 #include "topic_names.hpp"
+#include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
@@ -159,6 +161,24 @@ void ServedBus::remove(std::uint32_t bench) {
   report(bridge::Severity::info, bench, "has gone; the bus has " + ids_.text());
 }
 
+void ServedBus::note_refused_set_points(const client::SetPointRefusal& refusal,
+                                        std::uint64_t count) {
+  const auto served = benches_.find(refusal.axis.bench);
+  if (served == benches_.end()) return;
+  if (served->second.drives) {
+    served->second.drives->note_refused_set_points(refusal.axis.axis, count);
+  } else {
+    served->second.stepped->note_refused_set_points(refusal.axis.axis, count);
+  }
+  const std::uint8_t node = node_id_of(refusal.axis, offset_of(refusal.axis.bench));
+  constexpr std::size_t kAbortDigits = 8;
+  // Without the value: equal reports are limited to one a second.
+  shared_.reports.report(bridge::Severity::warning, label_ + ": node " + std::to_string(node),
+                         "the drive refuses what a PDO brings for " + address_text(refusal.object) +
+                             ": " + hex(wire_code(refusal.code), kAbortDigits) + ", " +
+                             std::string(vdrive::describe(refusal.code)));
+}
+
 // ---- questions -------------------------------------------------------------------------------
 
 std::optional<TcpAddress> ServedBus::socketcand() const {
@@ -196,6 +216,9 @@ std::string ServedBus::description() const {
   for (const auto& server : socketcand_) text += ", socketcand " + address_text(server->address());
   for (const auto& server : gateways_) text += ", gateway " + address_text(server->address());
   for (const std::string& interface : setting_.interfaces) text += ", interface " + interface;
+  const bool has_port = !(socketcand_.empty() && gateways_.empty() && interfaces_.empty());
+  if (has_port && socketcand_.empty()) text += ", no socketcand";
+  if (has_port && gateways_.empty()) text += ", no gateway";
   return text;
 }
 
@@ -216,6 +239,7 @@ std::string ServedBus::counters() const {
   return label_ + ": " + std::to_string(bus_.frames()) + " frames, " +
          std::to_string(nodes.dropped_pdos) + " dropped PDOs, " +
          std::to_string(nodes.ignored_set_points) + " PDOs ignored for another session, " +
+         std::to_string(nodes.refused_set_points) + " refused values of PDOs, " +
          std::to_string(dropped) + " dropped set-points, " + std::to_string(nodes.sdo_aborts) +
          " SDO aborts, " + std::to_string(nodes.sdo_time_outs) + " SDO time-outs, " +
          std::to_string(nodes.ignored_frames) + " malformed frames, " +

@@ -61,10 +61,14 @@ class ServedBus final {
   /// @return whether the nodes of every bench that the settings name are there.
   [[nodiscard]] bool are_all_there() const;
 
+  /// Counts and reports values of RPDOs that a drive has refused. Those of other buses are ignored.
+  void note_refused_set_points(const client::SetPointRefusal& refusal, std::uint64_t count);
+
   /// @return why benches are left out, a line each.
   [[nodiscard]] std::vector<std::string> left_out() const;
 
-  /// @return such as "bus 1: 3 nodes (1 to 3), socketcand 127.0.0.1:29536".
+  /// @return such as "bus 1: 3 nodes (1 to 3), socketcand 127.0.0.1:29536, no gateway": also which
+  ///         of its servers are not there, as one that is named replaces the default one.
   [[nodiscard]] std::string description() const;
 
   /// @return such as "bus 1: 1234 frames, ...".
