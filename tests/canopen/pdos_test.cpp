@@ -346,6 +346,20 @@ TEST_F(PdosTest, CarryWhatAMasterRemapsThemTo) {
   EXPECT_THAT(pdo_bytes(host.frames[0]), ElementsAre(0x50, 0x02, 0xFD, 0xFF, 0xFF, 0xFF, 8));
 }
 
+TEST_F(PdosTest, HaveAValueReadOnceForAllTpdosThatCarryIt) {
+  remap_pdo(pdos, 0x1800, {kMapTargetPosition});
+  remap_pdo(pdos, 0x1801, {kMapMode, kMapTargetPosition});
+  EXPECT_THAT(pdos.read_objects(), ElementsAre(ObjectAddress{0x607A, 0}, ObjectAddress{0x6060, 0}));
+  forget();
+  pdos.set_value(drive_value(0x607A, -3));
+  pdos.set_value(drive_value(0x6060, 8));
+  EXPECT_TRUE(host.frames.empty()) << "it goes out with a tick";
+  pdos.update(pdo_status(0x0250), 1ms);
+  ASSERT_THAT(host.frames, SizeIs(2));
+  EXPECT_THAT(pdo_bytes(host.frames[0]), ElementsAre(0xFD, 0xFF, 0xFF, 0xFF));
+  EXPECT_THAT(pdo_bytes(host.frames[1]), ElementsAre(8, 0xFD, 0xFF, 0xFF, 0xFF));
+}
+
 TEST_F(PdosTest, SendATpdoThatBecomesValidInOperation) {
   set({0x1800, 1}, 0x80000185);
   EXPECT_FALSE(pdos.next_due());

@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge/bench_drives.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
 namespace vdrive::canopen {
 namespace {
 
-// Each read is a request to the bench, beside the SDOs of masters: few enough for 127 nodes.
-constexpr std::chrono::milliseconds kReadPeriod{10};
+// Each read of a node is a request to the bench, beside the SDOs of masters: all nodes of a bench
+// together send 1,000 in a second of drive time at most.
+constexpr DriveTime kShortestReadPeriod = std::chrono::milliseconds(10);
+constexpr DriveTime kReadPeriodPerNode = std::chrono::milliseconds(1);
+
+DriveTime read_period_of(std::size_t nodes) {
+  return std::max(kShortestReadPeriod, kReadPeriodPerNode * static_cast<std::int64_t>(nodes));
+}
 
 }  // namespace
 
@@ -20,7 +27,7 @@ BenchDrives::BenchDrives(const BusParts& parts, const client::BenchInfo& info,
       nodes_(parts.bus, parts.store, places,
              {.session = parts.session.id(),
               .software_version = VDRIVE_VERSION,
-              .read_period = kReadPeriod},
+              .read_period = read_period_of(places.size())},
              calls_of_nodes()),
       self_(std::make_shared<BenchDrives*>(this)) {
   const auto notify = [&loop = parts_.loop, self = std::weak_ptr(self_)] {
