@@ -213,7 +213,7 @@ TEST(AnyPdos, StayWithinTheStandardOverAnySequenceOfWrites) {
       now += 700us;
       pdos.receive(pdo_frame(0x80), now);
       pdos.receive(pdo_frame(registers.at({0x1400, 1}) & 0x7FFU, {1, 2, 3, 4, 5, 6, 7, 8}), now);
-      for (const ObjectAddress read : pdos.read_objects()) pdos.set_value({read, now.count()});
+      for (const ObjectAddress asked : pdos.read_objects()) pdos.set_value({asked, now.count()});
       pdos.update(pdo_status(static_cast<std::uint16_t>(now.count() / 700)), now);
       pdos.advance(now);
     }
