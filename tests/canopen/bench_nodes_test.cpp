@@ -81,26 +81,26 @@ struct NodeOnABus {
   Bus bus{};
   RecordedPort master{bus};
   std::array<NodePlace, 1> places{NodePlace{.axis = 1, .node_id = 1}};
-  BenchNodes nodes{bus,
-                   store,
-                   places,
-                   {.session = kSession, .read_period = 10ms},
-                   {.access =
-                        [this](std::size_t, const DriveAccess& access) {
-                          accesses.push_back(access);
-                        },
-                    .tell_connection =
-                        [this](std::size_t, bool is_lost) {
-                          told.push_back(is_lost);
-                        },
-                    .cycle_power = [](std::size_t) {},
-                    .set_points = [] {},
-                    .sync = {},
-                    .read =
-                        [this](std::size_t, std::uint32_t ticket,
-                               const std::vector<ObjectAddress>& objects) {
-                          questions.push_back({.ticket = ticket, .objects = objects});
-                        }}};
+  BenchNodes nodes{
+      bus,
+      store,
+      places,
+      {.session = kSession, .read_period = 10ms},
+      {.access =
+           [this](std::size_t, const DriveAccess& access) {
+             accesses.push_back(access);
+           },
+       .tell_connection =
+           [this](std::size_t, bool is_lost) {
+             told.push_back(is_lost);
+           },
+       .cycle_power = [](std::size_t) {},
+       .set_points = [] {},
+       .sync = {},
+       .read =
+           [this](std::size_t, std::uint32_t ticket, const std::vector<ObjectAddress>& objects) {
+             questions.push_back({.ticket = ticket, .objects = objects});
+           }}};
   std::array<client::AxisSnapshot, 1> drives{};
 };
 

@@ -34,12 +34,16 @@ struct MappableObject {
 };
 
 constexpr std::array kMappable{
-    MappableObject{kMapControlword, true, true},     MappableObject{kMapMode, true, true},
-    MappableObject{kMapTargetPosition, true, true},  MappableObject{kMapTargetVelocity, true, true},
+    MappableObject{kMapControlword, true, true},
+    MappableObject{kMapMode, true, true},
+    MappableObject{kMapTargetPosition, true, true},
+    MappableObject{kMapTargetVelocity, true, true},
     MappableObject{map_entry(5, 0, 8), true, false},
     MappableObject{map_entry(7, 0, 32), true, false},
-    MappableObject{kMapStatusword, false, true},     MappableObject{kMapModeDisplay, false, true},
-    MappableObject{kMapPosition, false, true},       MappableObject{kMapVelocity, false, true},
+    MappableObject{kMapStatusword, false, true},
+    MappableObject{kMapModeDisplay, false, true},
+    MappableObject{kMapPosition, false, true},
+    MappableObject{kMapVelocity, false, true},
 };
 
 constexpr std::array kWrittenObjects{

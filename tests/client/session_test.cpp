@@ -217,9 +217,9 @@ TEST_F(LockStep, ReportsEachValueOfASetPointThatTheDriveRefuses) {
     reported.set_value(refusal);
   });
   SetPointFrame frame;
-  frame.axes.push_back({.axis = 1,
-                        .objects = {{.object = {0x6081, 0}, .value = 4'321},
-                                    {.object = {0x6060, 0}, .value = 50}}});
+  frame.axes.push_back(
+      {.axis = 1,
+       .objects = {{.object = {0x6081, 0}, .value = 4'321}, {.object = {0x6060, 0}, .value = 50}}});
   ASSERT_TRUE(sut_.send_set_points(1, {&frame, 1}));
   ASSERT_TRUE(sut_.step(1, 1));
   std::future<SetPointRefusal> refusal = reported.get_future();

@@ -290,8 +290,8 @@ TEST(Recorder, LastsItsDriveTimeAcrossAJumpOfTheTickNumberAndNamesIt) {
   EXPECT_EQ(summary["jumps_left_out"], 0);
 }
 
-// Samples that come after the pause may still be some of before the jump: the recording goes on until
-// it has one of after it. It has no end of its own, which it could reach before.
+// Samples that come after the pause may still be some of before the jump: the recording goes on
+// until it has one of after it. It has no end of its own, which it could reach before.
 TEST(Recorder, SaysInItsLastLineWhatAJumpSkipped) {
   const RunningService service("--axes 1");
   const TemporaryDirectory directory;

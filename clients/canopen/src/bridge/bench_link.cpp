@@ -179,10 +179,10 @@ void BenchLink::access(std::size_t place, const DriveAccess& access,
 
 void BenchLink::read(std::size_t place, std::vector<ObjectAddress> objects,
                      const std::function<void(const std::vector<DriveValue>&)>& done) {
-  const bool is_taken = post(place, DriveJobs::Kind::access,
-                             [asked = std::move(objects), done](client::Axis& axis) {
-                               done(read_values(axis, asked));
-                             });
+  const bool is_taken =
+      post(place, DriveJobs::Kind::access, [asked = std::move(objects), done](client::Axis& axis) {
+        done(read_values(axis, asked));
+      });
   if (!is_taken) done({});
 }
 
