@@ -176,7 +176,8 @@ endfunction()
 
 # vdrive_compile_together(<target> [APART <file>...] [FOR_LINT])
 # With VDRIVE_UNITY_BUILD up to sixteen sources of the target are compiled at once: they share the
-# reading of their headers and their templates. Names in their unnamed namespaces must differ: the
+# reading of their headers and their templates. clang-tidy goes through all of the headers again for
+# each of its checks, so it reads up to 64. Names in their unnamed namespaces must differ: the
 # wrong one of two functions may fit a call. The architecture test reads the list written here.
 # APART: sources whose names cannot differ. FOR_LINT: only clang-tidy, and a build in which nothing is
 # measured (VDRIVE_OPTIMISE), reads them at once; otherwise each is compiled by itself.
@@ -192,7 +193,11 @@ function(vdrive_compile_together target)
     return()
   endif()
   if(VDRIVE_UNITY_BUILD)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
+    set(batch 16)
+    if(CMAKE_CXX_CLANG_TIDY)
+      set(batch 64)
+    endif()
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
     set_source_files_properties(${arg_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     # A source that is included is no header: its unnamed namespace belongs to one object.
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)

@@ -96,7 +96,7 @@ client::Observation observation() {
   for (std::size_t i = 0; i < 2; ++i) {
     observed.axes[i].id = {1, static_cast<std::uint16_t>(i + 1)};
     observed.axes[i].tick = 5;
-    observed.axes[i].status.position_demand_value = static_cast<std::int32_t>(-7 - i);
+    observed.axes[i].status.position_demand_value = -7 - static_cast<std::int32_t>(i);
   }
   return observed;
 }

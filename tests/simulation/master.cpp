@@ -85,7 +85,7 @@ void Master::lapse(Post& post) {
 
 std::vector<std::uint16_t> Master::some_axes(const View& view) {
   std::vector<std::uint16_t> axes;
-  const std::uint64_t share = random_.between(100, 900);
+  const auto share = static_cast<std::uint64_t>(random_.between(100, 900));
   for (std::size_t index = 0; index < view.statuses.size(); ++index) {
     if (random_.per_mille(share)) axes.push_back(static_cast<std::uint16_t>(index + 1));
   }
@@ -200,7 +200,7 @@ void Master::store(const View& view, Post& post) {
   const bool writes = random_.per_mille(300);
   auto request = new_request(writes ? msg::REQUEST_WRITE
                                     : (forgets ? msg::REQUEST_RESTORE : msg::REQUEST_STORE));
-  for (std::uint64_t count = random_.between(1, 3); count > 0; --count) {
+  for (std::int64_t count = random_.between(1, 3); count > 0; --count) {
     const auto axis = static_cast<std::uint16_t>(1 + random_.below(view.statuses.size()));
     if (!writes) {
       request.axes().push_back(axis);
@@ -236,7 +236,8 @@ void Master::send_frame(const View& view, Post& post) {
   frame.flags((random_.per_mille(200) ? msg::FRAME_ALL_OR_NOTHING : 0U) |
               (random_.per_mille(30) ? msg::FRAME_CANCEL_PENDING : 0U) |
               (random_.per_mille(500) ? msg::FRAME_WANT_REPLY : 0U));
-  const std::uint64_t share = random_.per_mille(200) ? 0 : random_.between(50, 600);
+  const auto share =
+      static_cast<std::uint64_t>(random_.per_mille(200) ? 0 : random_.between(50, 600));
   for (std::size_t index = 0; index < view.statuses.size(); ++index) {
     if (random_.per_mille(share)) {
       auto& command = frame.axes().emplace_back();

@@ -153,11 +153,14 @@ Finished Process::wait() {
   Finished finished;
   finished.output = std::exchange(read_ahead_, {});
   finished.errors = std::exchange(errors_ahead_, {});
-  const auto deadline = Clock::now() + kPatience;
+  // A program that writes goes on: with each piece of output the patience begins anew.
+  auto deadline = Clock::now() + kPatience;
   std::array<pollfd, 2> open{pollfd{output_, POLLIN, 0}, pollfd{errors_, POLLIN, 0}};
   while (open[0].fd >= 0 || open[1].fd >= 0) {
-    if (poll(open.data(), open.size(), 1000) == 0 && Clock::now() > deadline) {
-      report_missed_deadline(program_ + " did not end", kPatience);
+    if (poll(open.data(), open.size(), 1000) != 0) {
+      deadline = Clock::now() + kPatience;
+    } else if (Clock::now() > deadline) {
+      report_missed_deadline(program_ + " did neither write nor end", kPatience);
       send(SIGKILL);
     }
     if (open[0].revents != 0 && !read_some(output_, finished.output)) open[0].fd = -1;

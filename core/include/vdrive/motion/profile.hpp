@@ -89,7 +89,8 @@ class Profile {
   double end_position_ = 0.0;
   std::uint8_t count_ = 0;
   bool reaches_target_ = true;
-  std::array<std::uint8_t, 6> unused_{};  // no byte without a value: snapshots have this
+  // No byte without a value: snapshots have this.
+  [[maybe_unused]] std::array<std::uint8_t, 6> unused_{};
 };
 
 /// Plans the time-optimal trapezoid from any state to rest at `target`: it brakes to the velocity

@@ -59,7 +59,7 @@ class SetPointQueue {
   SetPoint buffered_;
   bool full_ = false;
   bool acknowledge_ = false;
-  std::array<std::uint8_t, 2> unused_{};
+  [[maybe_unused]] std::array<std::uint8_t, 2> unused_{};
 };
 
 }  // namespace vdrive
