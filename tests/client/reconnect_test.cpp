@@ -520,11 +520,9 @@ TEST(Reconnect, APauseOfTheProgramItselfIsNoSilenceOfTheBench) {
   });
   const std::string self = std::to_string(getpid());
   test::Process stopper("/bin/sh", {"-c", "kill -STOP " + self + "; sleep 4; kill -CONT " + self});
-  std::uint64_t missed = 0;
   while (!has_ended) {
     const auto seen = follower->next(5s);
     ASSERT_TRUE(seen) << seen.outcome().message();
-    missed += seen->missed;
   }
   EXPECT_EQ(waited.get(), "");
   EXPECT_EQ(stopper.wait().code, 0);
