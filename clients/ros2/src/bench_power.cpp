@@ -64,9 +64,11 @@ BenchPower::BenchPower(std::uint64_t session, Bench& bench, bridge::Reports& rep
 void BenchPower::want_enabled(bool wanted, bool resets_faults) {
   wants_enabled_ = wanted;
   resets_faults_ = wanted && resets_faults;
-  // Words may be on their way, and the newest state older than they are.
-  if (wanted || attempts_ == 0) to_enable_.assign(to_enable_.size(), wanted);
-  if (wanted) words_due_ = {};
+  // Else words may be on their way, and the newest state older than they are.
+  if (wanted) {
+    to_enable_.assign(to_enable_.size(), true);
+    words_due_ = {};
+  }
   has_to_give_back_ = has_to_give_back_ || wanted;
   bench_.wish(wanted ? ControlWish::take : ControlWish::leave);
   attempts_ = 0;
@@ -97,7 +99,7 @@ BenchPower::Frames BenchPower::words(const client::Observation& state, Clock::ti
     return bridge::owns_all(state.axes, session_) ? enable(state, now) : Frames{};
   }
   if (!has_to_give_back_) return {};
-  note_enabled(state, now);
+  forget_old_words(state, now);
   if (!is_disabled(state)) return disable(state);
   has_to_give_back_ = false;
   bench_.wish(ControlWish::give_back);
@@ -106,7 +108,7 @@ BenchPower::Frames BenchPower::words(const client::Observation& state, Clock::ti
 
 /// Words that were sent before it was wanted no more: an axis that was given back before they act
 /// would be enabled without a master. Most act within a tick or two.
-void BenchPower::note_enabled(const client::Observation& state, Clock::time_point now) {
+void BenchPower::forget_old_words(const client::Observation& state, Clock::time_point now) {
   for (std::size_t i = 0; i < to_enable_.size(); ++i) {
     if (is_enabled(state.axes[i]) || now >= words_due_) to_enable_[i] = false;
   }

@@ -45,7 +45,7 @@ class BenchPower {
  private:
   [[nodiscard]] Frames enable(const client::Observation& state, Clock::time_point now);
   [[nodiscard]] Frames disable(const client::Observation& state);
-  void note_enabled(const client::Observation& state, Clock::time_point now);
+  void forget_old_words(const client::Observation& state, Clock::time_point now);
 
   [[nodiscard]] std::uint16_t axis_number(std::size_t place) const {
     return bench_.joints()[place].axis.axis;
