@@ -269,13 +269,13 @@ TEST(CommunicationObjects, MapTheDefaultsOfTheDeviceProfile) {
 
 TEST(CommunicationObjects, MapByDefaultWhatTheirDirectionMayMap) {
   for (int pdo = 0; pdo < kPdosOfAKind; ++pdo) {
-    for (const auto& [first, mapping] :
-         {std::pair(0x1600, PdoMapping::receive), std::pair(0x1A00, PdoMapping::transmit)}) {
+    for (const auto& [first, direction] :
+         {std::pair(0x1600, PdoDirection::receive), std::pair(0x1A00, PdoDirection::transmit)}) {
       for (const std::int64_t entry : default_mapping(index_of_pdo(first, pdo))) {
         const NodeObject& object =
             dictionary_object(static_cast<std::uint16_t>(entry / 0x10000),
                               static_cast<std::uint8_t>(entry / 0x100 % 0x100));
-        EXPECT_TRUE(allows(object.mapping, mapping)) << object.name;
+        EXPECT_TRUE(allows(object.mapping, direction)) << object.name;
         EXPECT_EQ(size_of(object.data_type) * 8, entry % 0x100) << object.name;
       }
     }

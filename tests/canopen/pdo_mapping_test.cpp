@@ -16,20 +16,20 @@ constexpr bool kValidPdo = true;
 
 /// An RPDO mapping without objects.
 MappingRecord empty_receive_mapping() {
-  MappingRecord mapping(0x1600, PdoMapping::receive);
+  MappingRecord mapping(0x1600, PdoDirection::receive);
   EXPECT_EQ(mapping.write(0, 0, kInvalidPdo), AbortCode::none);
   return mapping;
 }
 
 /// A TPDO mapping without objects.
 MappingRecord empty_transmit_mapping() {
-  MappingRecord mapping(0x1A00, PdoMapping::transmit);
+  MappingRecord mapping(0x1A00, PdoDirection::transmit);
   EXPECT_EQ(mapping.write(0, 0, kInvalidPdo), AbortCode::none);
   return mapping;
 }
 
 TEST(PdoMappingRecord, HasTheDefaultOfTheDictionary) {
-  const MappingRecord mapping(0x1602, PdoMapping::receive);  // 6040h and 607Ah: 2 + 4 bytes
+  const MappingRecord mapping(0x1602, PdoDirection::receive);  // 6040h and 607Ah: 2 + 4 bytes
   EXPECT_EQ(mapping.read(0), 2U);
   EXPECT_EQ(mapping.read(1), kMapControlword);
   EXPECT_EQ(mapping.read(2), kMapTargetPosition);
@@ -40,7 +40,7 @@ TEST(PdoMappingRecord, HasTheDefaultOfTheDictionary) {
 }
 
 TEST(PdoMappingRecord, KnowsWhereTheStatusHasAnObject) {
-  const MappingRecord mapping(0x1A00, PdoMapping::transmit);
+  const MappingRecord mapping(0x1A00, PdoDirection::transmit);
   ASSERT_EQ(mapping.objects().size(), 1U);
   ASSERT_NE(mapping.objects()[0].member, nullptr);
   EXPECT_EQ(mapping.objects()[0].member->name, "ds402_statusword");
@@ -53,14 +53,14 @@ TEST(PdoMappingRecord, RefusesAnEntryOfAValidPdoWith06010000) {
 }
 
 TEST(PdoMappingRecord, RefusesTheCountOfAValidPdoWith06010000) {
-  MappingRecord mapping(0x1602, PdoMapping::receive);
+  MappingRecord mapping(0x1602, PdoDirection::receive);
   EXPECT_EQ(mapping.write(0, 0, kValidPdo), AbortCode::unsupported_access);
   EXPECT_EQ(mapping.write(0, 1, kValidPdo), AbortCode::unsupported_access);
   EXPECT_EQ(mapping.read(0), 2U);
 }
 
 TEST(PdoMappingRecord, RefusesAnEntryWhileItsCountIsNotZeroWith06010000) {
-  MappingRecord mapping(0x1602, PdoMapping::receive);
+  MappingRecord mapping(0x1602, PdoDirection::receive);
   EXPECT_EQ(mapping.write(3, kMapMode, kInvalidPdo), AbortCode::unsupported_access);
   EXPECT_EQ(mapping.read(3), 0U);
 }
@@ -215,21 +215,21 @@ TEST(PdoMappingRecord, RefusesMoreThanEightBytesWith06040042) {
 }
 
 TEST(PdoMappingRecord, RefusesMoreEntriesThanAFrameHasBytesWith06040042) {
-  MappingRecord mapping(0x1602, PdoMapping::receive);
+  MappingRecord mapping(0x1602, PdoDirection::receive);
   EXPECT_EQ(mapping.write(0, 9, kInvalidPdo), AbortCode::pdo_length_exceeded);
   EXPECT_EQ(mapping.write(0, 64, kInvalidPdo), AbortCode::pdo_length_exceeded);
   EXPECT_EQ(mapping.read(0), 2U);
 }
 
 TEST(PdoMappingRecord, RefusesMultiplexPdosAndReservedCountsWith06090030) {
-  MappingRecord mapping(0x1602, PdoMapping::receive);
+  MappingRecord mapping(0x1602, PdoDirection::receive);
   for (const std::uint32_t count : {65U, 0xFDU, 0xFEU, 0xFFU}) {
     EXPECT_EQ(mapping.write(0, count, kInvalidPdo), AbortCode::value_range_exceeded) << count;
   }
 }
 
 TEST(PdoMappingRecord, RefusesACountOverAnEntryThatIsNotUsedWith06020000) {
-  MappingRecord mapping(0x1602, PdoMapping::receive);
+  MappingRecord mapping(0x1602, PdoDirection::receive);
   EXPECT_EQ(mapping.write(0, 3, kInvalidPdo), AbortCode::object_does_not_exist);
   EXPECT_EQ(mapping.read(0), 2U);
 }
@@ -241,7 +241,7 @@ TEST(PdoMappingRecord, TakesZeroForAnEntryThatIsNotUsed) {
 }
 
 TEST(PdoMappingRecord, KeepsTheEntriesBehindItsCount) {
-  MappingRecord mapping(0x1602, PdoMapping::receive);
+  MappingRecord mapping(0x1602, PdoDirection::receive);
   EXPECT_EQ(mapping.write(0, 1, kInvalidPdo), AbortCode::none);
   EXPECT_EQ(mapping.read(2), kMapTargetPosition);
   EXPECT_EQ(mapping.size(), 2U);

@@ -127,8 +127,6 @@ std::string_view pdo_mapping_of(canopen::PdoMapping mapping) {
       return "none";
     case canopen::PdoMapping::transmit:
       return "transmit";
-    case canopen::PdoMapping::receive:
-      return "receive";
     case canopen::PdoMapping::both:
       return "both";
   }

@@ -267,7 +267,7 @@ std::string_view access_text(const NodeObject& object) noexcept {
     case NodeAccess::constant:
       return "const";
     case NodeAccess::read_write:
-      return object.mapping == PdoMapping::receive ? "rww" : "rw";  // rw is mapped both ways
+      return "rw";
   }
   return "";
 }

@@ -26,8 +26,9 @@ struct DataSheetSettings {
 /// @return the data type as CiA 301 spells it, such as "UNSIGNED16".
 [[nodiscard]] std::string_view type_text(NodeDataType type) noexcept;
 
-/// @return the AccessType of CiA 306: "ro", "wo", "const", "rw" (with PDOMapping=1 in both
-///         directions), or "rww" where RPDOs alone may carry the object.
+/// @return the AccessType of CiA 306: "ro", "wo", "const" or "rw"; with PDOMapping=1 "rw" means
+/// both
+///         directions.
 [[nodiscard]] std::string_view access_text(const NodeObject& object) noexcept;
 
 }  // namespace vdrive::canopen

@@ -49,14 +49,16 @@ enum class ObjectOwner : std::uint8_t {
 enum class PdoMapping : std::uint8_t {
   none,
   transmit,  ///< into TPDOs: the drive has it, and no PDO may bring it
-  receive,   ///< into RPDOs alone: none is, but it names their direction
   both,      ///< a set-point of the drive may bring it, and a TPDO shows it
 };
 
-/// @param direction transmit or receive
+/// Seen from the node, as CiA 301 does.
+enum class PdoDirection : std::uint8_t { receive, transmit };
+
 /// @return whether PDOs of this direction may carry what is mapped so.
-[[nodiscard]] constexpr bool allows(PdoMapping mapping, PdoMapping direction) noexcept {
-  return mapping == PdoMapping::both || mapping == direction;
+[[nodiscard]] constexpr bool allows(PdoMapping mapping, PdoDirection direction) noexcept {
+  return mapping == PdoMapping::both ||
+         (mapping == PdoMapping::transmit && direction == PdoDirection::transmit);
 }
 
 /// Shape of the index that an object belongs to (CiA 301, table "Object code").

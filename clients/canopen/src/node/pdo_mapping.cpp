@@ -25,23 +25,23 @@ const StatusMember* find_published_member(ObjectAddress address) {
   return found == members.end() ? nullptr : &*found;
 }
 
-Resolved resolve_dummy(ObjectAddress address, PdoMapping direction) {
+Resolved resolve_dummy(ObjectAddress address, PdoDirection direction) {
   if (address.subindex != 0) return {.refusal = AbortCode::object_does_not_exist};
-  if (direction != PdoMapping::receive) return {.refusal = AbortCode::cannot_be_mapped_to_pdo};
+  if (direction != PdoDirection::receive) return {.refusal = AbortCode::cannot_be_mapped_to_pdo};
   return {.object = {.address = address, .type = static_cast<NodeDataType>(address.index)}};
 }
 
-Resolved resolve_object(ObjectAddress address, PdoMapping direction) {
+Resolved resolve_object(ObjectAddress address, PdoDirection direction) {
   const NodeObject* const object = find_node_object(address);
   // CiA 301 has one code for a missing index and a missing sub-index of a mapped object.
   if (object == nullptr) return {.refusal = AbortCode::object_does_not_exist};
   if (!allows(object->mapping, direction)) return {.refusal = AbortCode::cannot_be_mapped_to_pdo};
   Resolved resolved{.object = {.address = address, .type = object->data_type}};
-  if (direction == PdoMapping::transmit) resolved.object.member = find_published_member(address);
+  if (direction == PdoDirection::transmit) resolved.object.member = find_published_member(address);
   return resolved;
 }
 
-Resolved resolve(std::uint32_t entry, PdoMapping direction) {
+Resolved resolve(std::uint32_t entry, PdoDirection direction) {
   const ObjectAddress address{.index = static_cast<std::uint16_t>(entry >> 16U),
                               .subindex = static_cast<std::uint8_t>((entry >> 8U) & 0xFFU)};
   const bool is_dummy = address.index >= kFirstDummy && address.index <= kLastDummy;
@@ -56,7 +56,7 @@ Resolved resolve(std::uint32_t entry, PdoMapping direction) {
 
 }  // namespace
 
-MappingRecord::MappingRecord(std::uint16_t index, PdoMapping direction)
+MappingRecord::MappingRecord(std::uint16_t index, PdoDirection direction)
     : index_(index), direction_(direction) {
   reset();
 }

@@ -41,7 +41,7 @@ class MappingRecord {
 
   /// With the defaults of the dictionary.
   /// @param direction whether a TPDO or an RPDO has it
-  MappingRecord(std::uint16_t index, PdoMapping direction);
+  MappingRecord(std::uint16_t index, PdoDirection direction);
 
   /// All entries have their defaults again.
   void reset();
@@ -76,7 +76,7 @@ class MappingRecord {
   AbortCode write_entry(std::size_t number, std::uint32_t entry);
 
   std::uint16_t index_;
-  PdoMapping direction_;
+  PdoDirection direction_;
   std::array<std::uint32_t, kMostEntries> entries_{};
   std::array<MappedObject, kMostEntries> objects_{};
   std::uint8_t count_ = 0;

@@ -24,22 +24,22 @@ constexpr std::uint32_t kHighestSyncCounter = 240;
 
 using HundredMicroseconds = std::chrono::duration<std::int64_t, std::ratio<1, 10'000>>;
 
-std::uint16_t parameter_index(PdoMapping direction, std::uint8_t number) {
+std::uint16_t parameter_index(PdoDirection direction, std::uint8_t number) {
   const unsigned first =
-      direction == PdoMapping::receive ? kFirstReceiveParameter : kFirstTransmitParameter;
+      direction == PdoDirection::receive ? kFirstReceiveParameter : kFirstTransmitParameter;
   return static_cast<std::uint16_t>(first + number - 1U);
 }
 
-bool is_transmission_type(std::uint32_t type, PdoMapping direction) {
+bool is_transmission_type(std::uint32_t type, PdoDirection direction) {
   if (type <= kLastSynchronous) return true;
   const std::uint32_t first =
-      direction == PdoMapping::transmit ? kRemoteSynchronous : kFirstEventDriven;
+      direction == PdoDirection::transmit ? kRemoteSynchronous : kFirstEventDriven;
   return type >= first && type <= 0xFF;
 }
 
 }  // namespace
 
-PdoParameters::PdoParameters(PdoMapping direction, PdoPlace place)
+PdoParameters::PdoParameters(PdoDirection direction, PdoPlace place)
     : direction_(direction),
       index_(parameter_index(direction, place.number)),
       node_id_(place.node_id),

@@ -32,7 +32,7 @@ struct PdoPlace {
 class PdoParameters {
  public:
   /// With the defaults of the dictionary.
-  PdoParameters(PdoMapping direction, PdoPlace place);
+  PdoParameters(PdoDirection direction, PdoPlace place);
 
   /// All objects have their defaults again.
   void reset();
@@ -76,7 +76,7 @@ class PdoParameters {
   AbortCode write_event_timer(std::uint32_t value);
   AbortCode write_sync_start(std::uint32_t value);
 
-  PdoMapping direction_;
+  PdoDirection direction_;
   std::uint16_t index_;  ///< of the communication parameter
   std::uint8_t node_id_;
   MappingRecord mapping_;

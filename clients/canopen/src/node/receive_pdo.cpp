@@ -29,7 +29,7 @@ std::int64_t decode(std::span<const std::uint8_t> bytes, NodeDataType type) {
 
 }  // namespace
 
-ReceivePdo::ReceivePdo(PdoPlace place) : parameters_(PdoMapping::receive, place) {}
+ReceivePdo::ReceivePdo(PdoPlace place) : parameters_(PdoDirection::receive, place) {}
 
 void ReceivePdo::reset() {
   parameters_.reset();

@@ -6,7 +6,7 @@
 
 namespace vdrive::canopen {
 
-TransmitPdo::TransmitPdo(PdoPlace place) : parameters_(PdoMapping::transmit, place) {}
+TransmitPdo::TransmitPdo(PdoPlace place) : parameters_(PdoDirection::transmit, place) {}
 
 void TransmitPdo::reset() {
   parameters_.reset();

@@ -363,9 +363,8 @@ class Session {
 
   /// Sends set-points to axes of one bench, which the session holds, in order, and waits for no
   /// answer: the status shows what became of them; on_event() reports that one was refused, and
-  /// on_set_point_refusal() each value. Frames for
-  /// later ticks, up to 10 s ahead and up to 1,024 of all sessions, wait in the bench; one that
-  /// comes too late is refused. Steps no clock.
+  /// on_set_point_refusal() each value. Frames for later ticks, up to 10 s ahead and up to 1,024 of
+  /// all sessions, wait in the bench; one that comes too late is refused. Steps no clock.
   /// @return lost when the bench cannot be reached, refused without permission to command; failed,
   ///         with nothing sent, when a set-point has too many objects.
   Outcome send_set_points(std::uint32_t bench, std::span<const SetPointFrame> frames);
