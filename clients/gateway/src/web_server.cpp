@@ -8,8 +8,6 @@
 #include "vdrive/token_bucket.hpp"
 #include "vdrive/wording.hpp"
 
-// One thread runs the server: nothing to fence, and the thread sanitizer does not support fences.
-#define BOOST_ASIO_DISABLE_FENCED_BLOCK
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// Boost.Asio as every source of vdrive-canopen reads it: its options have to be equal in all.
+/// Boost.Asio as every source of vdrive-canopen reads it.
 
-// One thread runs each context: nothing to fence, and the thread sanitizer does not support fences.
-#ifndef BOOST_ASIO_DISABLE_FENCED_BLOCK
-#define BOOST_ASIO_DISABLE_FENCED_BLOCK
-#endif
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/address.hpp>
