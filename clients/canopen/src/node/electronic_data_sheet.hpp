@@ -27,8 +27,7 @@ struct DataSheetSettings {
 [[nodiscard]] std::string_view type_text(NodeDataType type) noexcept;
 
 /// @return the AccessType of CiA 306: "ro", "wo", "const" or "rw"; with PDOMapping=1 "rw" means
-/// both
-///         directions.
+///         both directions of PDOs.
 [[nodiscard]] std::string_view access_text(const NodeObject& object) noexcept;
 
 }  // namespace vdrive::canopen
