@@ -220,10 +220,11 @@ def services_on(domain):
     found = []
     for command in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
         try:
-            words = command.read_bytes().split(b"\0")
+            line = command.read_bytes()
         except OSError:
             continue  # it has ended
-        if words[0].endswith(b"vdrived") and str(domain).encode() in words:
+        program = line.partition(b"\0")[0]
+        if program.endswith(b"vdrived") and f"\0--domain\0{domain}\0".encode() in line:
             found.append(int(command.parent.name))
     return found
 
