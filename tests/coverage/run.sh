@@ -32,6 +32,7 @@ forget
 "$root/tests/checks/build_preset.sh" coverage
 
 forget
+unset VDRIVE_FULL VDRIVE_NIGHTLY # the promise holds for the counts of a person's run
 run_test() {
   local log=$1/logs/$(basename "$2").log
   "$2" >"$log" 2>&1 || {
