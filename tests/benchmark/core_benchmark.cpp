@@ -31,9 +31,9 @@ void command(vdrive::AxisBank& bank, std::size_t axis, std::uint16_t index, std:
 
 /// Axes on moves that last longer than any benchmark: every second one cruises, the others change
 /// their speed all the way, each with its own numbers.
-vdrive::AxisBank moving_bank(std::size_t axes, vdrive::Coupling coupling) {
+vdrive::AxisBank moving_bank(std::size_t axes, const vdrive::AxisModel& model) {
   vdrive::AxisConfiguration configuration;
-  configuration.model.coupling = coupling;
+  configuration.model = model;
   const std::vector<vdrive::AxisConfiguration> configurations(axes, configuration);
   vdrive::AxisBank bank(configurations, kPeriod);
   for (std::size_t axis = 0; axis < axes; ++axis) {
@@ -60,9 +60,17 @@ bool all_moving(const vdrive::AxisBank& bank) {
   return true;
 }
 
-void tick(benchmark::State& state, vdrive::Coupling coupling) {
+/// With a holding brake, cogging and a motor that heats, too little for a warning.
+vdrive::AxisModel with_effects(vdrive::Coupling coupling) {
+  return {.coupling = coupling,
+          .brake_torque = 2.0,
+          .cogging_torque = 0.05,
+          .motor_thermal_time_constant = 60.0};
+}
+
+void tick(benchmark::State& state, const vdrive::AxisModel& model) {
   const auto axes = static_cast<std::size_t>(state.range(0));
-  vdrive::AxisBank bank = moving_bank(axes, coupling);
+  vdrive::AxisBank bank = moving_bank(axes, model);
   for (auto _ : state) bank.step();
   if (!all_moving(bank)) {
     state.SkipWithError("an axis stopped moving: the figure would not be that of moving axes");
@@ -125,7 +133,7 @@ void plan(benchmark::State& state) {
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  benchmark::RegisterBenchmark("axis_tick_ns", tick, vdrive::Coupling::rigid)
+  benchmark::RegisterBenchmark("axis_tick_ns", tick, vdrive::AxisModel{})
       ->Arg(8)
       ->Arg(64)
       ->Arg(256)
@@ -133,8 +141,19 @@ int main(int argc, char** argv) {
       ->Arg(4096)
       ->Arg(16384)
       ->Repetitions(kRepetitions);
-  benchmark::RegisterBenchmark("axis_tick_two_inertia_ns", tick, vdrive::Coupling::two_inertia)
+  benchmark::RegisterBenchmark("axis_tick_two_inertia_ns", tick,
+                               vdrive::AxisModel{.coupling = vdrive::Coupling::two_inertia})
       ->Arg(64)
+      ->Arg(1024)
+      ->Arg(16384)
+      ->Repetitions(kRepetitions);
+  benchmark::RegisterBenchmark("axis_tick_effects_ns", tick, with_effects(vdrive::Coupling::rigid))
+      ->Arg(64)
+      ->Arg(1024)
+      ->Arg(16384)
+      ->Repetitions(kRepetitions);
+  benchmark::RegisterBenchmark("axis_tick_two_inertia_effects_ns", tick,
+                               with_effects(vdrive::Coupling::two_inertia))
       ->Arg(1024)
       ->Arg(16384)
       ->Repetitions(kRepetitions);

@@ -16,4 +16,5 @@
 
 #include "bank/parameter_memory.hpp"
 #include "drive/state.hpp"
+#include "plant/effects.hpp"
 #include "plant/load_noise.hpp"

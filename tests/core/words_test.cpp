@@ -148,8 +148,9 @@ TEST(Controlword, WithBit7HighGivesOnlyAResetOnItsRisingEdge) {
 TEST(ErrorCode, SetsTheBitsOfItsGroupInTheErrorRegister) {
   // CiA 301, 1001h: bit 0 generic, 1 current, 2 voltage, 3 temperature, 4 communication,
   // 5 device profile.
-  const std::array<std::pair<ErrorCode, std::uint8_t>, 7> expected{{
+  const std::array<std::pair<ErrorCode, std::uint8_t>, 8> expected{{
       {ErrorCode::continuous_over_current, 0b00'0011},
+      {ErrorCode::load_level, 0b00'0011},
       {ErrorCode::dc_link_under_voltage, 0b00'0101},
       {ErrorCode::excess_temperature_drive, 0b00'1001},
       {ErrorCode::parameter_memory, 0b00'0001},
@@ -169,6 +170,7 @@ TEST(ErrorCode, SetsTheBitsOfItsGroupInTheErrorRegister) {
 
 TEST(ErrorCode, HasTheNumbersOfCiA402) {
   EXPECT_EQ(static_cast<int>(ErrorCode::continuous_over_current), 0x2310);
+  EXPECT_EQ(static_cast<int>(ErrorCode::load_level), 0x2350);
   EXPECT_EQ(static_cast<int>(ErrorCode::dc_link_under_voltage), 0x3220);
   EXPECT_EQ(static_cast<int>(ErrorCode::excess_temperature_drive), 0x4310);
   EXPECT_EQ(static_cast<int>(ErrorCode::parameter_memory), 0x5530);
@@ -181,6 +183,7 @@ TEST(ErrorCode, ForcesCoastingWhereTheDriveCannotBrake) {
   EXPECT_TRUE(forces_coasting(ErrorCode::dc_link_under_voltage));
   EXPECT_TRUE(forces_coasting(ErrorCode::incremental_sensor_1_fault));
   EXPECT_FALSE(forces_coasting(ErrorCode::continuous_over_current));
+  EXPECT_FALSE(forces_coasting(ErrorCode::load_level));
   EXPECT_FALSE(forces_coasting(ErrorCode::excess_temperature_drive));
   EXPECT_FALSE(forces_coasting(ErrorCode::life_guard_or_heartbeat));
   EXPECT_FALSE(forces_coasting(ErrorCode::following_error));

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -296,6 +297,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "kg.m2"},
         Refused{"model_above_its_limit", "axes:\n  - number: 1\n    model:\n      backlash: 99",
                 "bench.yaml:4: axes[0].model.backlash = 99: must be from 0 to 6.3 rad"},
+        Refused{"model_end_stops",
+                "axes:\n  - number: 1\n    model: {lower_end_stop: 5, upper_end_stop: 3}",
+                "bench.yaml:3: axes[0].model.lower_end_stop = 5: must be below upper_end_stop = 3 "
+                "UU"},
         Refused{"model_negative", "axes:\n  - number: 1\n    model: {backlash: -1}",
                 "bench.yaml:3: axes[0].model.backlash = -1: must be from 0 to 6.3 rad"},
         Refused{
@@ -642,7 +647,8 @@ TEST(Configuration, AcceptsEachModelParameterUpToItsLimits) {
     EXPECT_EQ(refusal_of(with(parameter.lowest)), "accepted");
     EXPECT_EQ(refusal_of(with(parameter.highest)), "accepted");
     EXPECT_NE(refusal_of(with(parameter.highest * 1.001)), "accepted");
-    EXPECT_NE(refusal_of(with(parameter.lowest * 0.999 - 1e-12)), "accepted");
+    EXPECT_NE(refusal_of(with(parameter.lowest - std::abs(parameter.lowest) * 0.001 - 1e-12)),
+              "accepted");
   }
 }
 

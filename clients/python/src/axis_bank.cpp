@@ -411,7 +411,8 @@ void set_number(AxisModel& model, const std::string& key, const py::handle& valu
       model.*row->member = real_of({py::reinterpret_borrow<py::object>(value)}, {});
       return;
     } catch (const py::type_error&) {
-      raise_configuration_error("model: " + key + " is a number, in " + std::string(row->unit));
+      raise_configuration_error("model: " + key + " is a number" +
+                                (row->unit.empty() ? "" : ", in " + std::string(row->unit)));
     }
   }
   std::vector<std::string> names{"coupling", "feedback"};

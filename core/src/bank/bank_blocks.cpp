@@ -4,6 +4,7 @@
 #include "vdrive/assert.hpp"
 
 #include <algorithm>
+#include <span>
 
 namespace vdrive {
 
@@ -50,6 +51,24 @@ void AxisBank::State::design_blocks() {
   }
   rigid.finish();
   elastic.finish();
+  add_effects();
+}
+
+void AxisBank::State::add_effects() {
+  for (Block& block : blocks) {
+    const std::span axes_of_block(block.axes.data(), block.count);
+    const bool has_any = std::ranges::any_of(axes_of_block, [this](std::uint32_t axis) {
+      return has_effects(configurations[axis].model);
+    });
+    if (!has_any) continue;
+    block.effects = static_cast<std::uint32_t>(effects.size());
+    effects.push_back(no_effects());
+    for (std::uint32_t lane = 0; lane < block.count; ++lane) {
+      const std::uint32_t axis = block.axes[lane];
+      design_effects(axis, {});
+      start_effects(configurations[axis].model, axis, lane, effects.back());
+    }
+  }
 }
 
 }  // namespace vdrive

@@ -24,6 +24,7 @@ void AxisBank::State::for_each_part(Visit visit) {
   visit(statuses.data(), statuses.size());
   visit(memories.data(), memories.size());
   visit(noises.data(), noises.size());
+  visit(effects.data(), effects.size());
 }
 
 bool AxisBank::State::is_sound() const {
@@ -36,11 +37,12 @@ bool AxisBank::State::is_sound() const {
     return is_operating_mode(static_cast<std::int64_t>(drive.mode.actual)) &&
            is_operating_mode(static_cast<std::int64_t>(drive.mode.wanted));
   });
-  const bool has_lanes = std::ranges::all_of(blocks, [](const Block& block) {
+  const bool has_lanes = std::ranges::all_of(blocks, [this](const Block& block) {
     const SteadyBlock& steady = block.state.steady;
     const std::uint64_t lanes =
         steady.lanes | steady.standing | steady.unpowered | block.state.noisy;
-    return lanes >> block.count == 0;
+    const std::uint64_t hot = block.effects == kNoEffects ? 0U : effects[block.effects].state.hot;
+    return (lanes | hot) >> block.count == 0;
   });
   return inside(rigid) && inside(elastic) && has_modes && has_lanes;
 }
@@ -82,7 +84,7 @@ std::uint64_t AxisBank::snapshot_layout() noexcept {
         std::uint64_t{sizeof(RigidParameters)}, std::uint64_t{sizeof(ElasticParameters)},
         std::uint64_t{sizeof(DriveState)}, std::uint64_t{sizeof(DriveRegisters)},
         std::uint64_t{sizeof(AxisStatus)}, std::uint64_t{sizeof(ParameterMemory)},
-        std::uint64_t{sizeof(LoadNoise)},
+        std::uint64_t{sizeof(LoadNoise)}, std::uint64_t{sizeof(EffectBlock)},
         std::uint64_t{std::endian::native == std::endian::little}}) {
     layout = (layout ^ part) * kPrime;
   }

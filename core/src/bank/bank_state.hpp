@@ -5,6 +5,7 @@
 #include "bank/parameter_pool.hpp"
 #include "drive/registers.hpp"
 #include "drive/state.hpp"
+#include "plant/effects.hpp"
 #include "plant/load_noise.hpp"
 #include "plant/servo_block.hpp"
 #include "vdrive/assert.hpp"
@@ -19,19 +20,24 @@
 
 namespace vdrive {
 
+/// Block::effects of a block without effects.
+inline constexpr std::uint32_t kNoEffects = 0xFFFF'FFFF;
+
 /// Up to kLanes axes of one coupling, stepped side by side; see drive/block.hpp.
 struct Block {
   BlockState state{};
   Coupling coupling = Coupling::rigid;
   std::uint32_t pool_index = 0;  // number among the blocks of this coupling
   std::uint32_t count = 0;
+  std::uint32_t effects = kNoEffects;        // number among the blocks with effects
   bool has_play = false;                     // backlash in a lane
   std::array<std::uint32_t, kLanes> axes{};  // by lane, `count` of them
 };
 
-/// Blocks of one coupling that are stepped side by side.
+/// Blocks of one coupling that are stepped side by side, all with effects or all without.
 struct Batch {
   Coupling coupling = Coupling::rigid;
+  bool has_effects = false;
   std::size_t count = 0;  // up to kInterleavedBlocks
   std::array<std::size_t, kInterleavedBlocks> blocks{};
 };
@@ -76,6 +82,7 @@ struct AxisBank::State {
   std::vector<AxisStatus> statuses;             // by axis
   std::vector<ParameterMemory> memories;        // by axis
   std::vector<LoadNoise> noises;                // by axis
+  std::vector<EffectBlock> effects;             // of the blocks that have any
 
   [[nodiscard]] Drive drive(std::size_t block, std::size_t lane) {
     const std::size_t slot = block * kLanes + lane;
@@ -113,6 +120,12 @@ struct AxisBank::State {
 
   void place_axes(Coupling coupling);
   void design_blocks();
+  void add_effects();
+
+  /// @return the effects of a block, or nullptr.
+  [[nodiscard]] EffectBlock* effects_of(const Block& block) {
+    return block.effects == kNoEffects ? nullptr : &effects[block.effects];
+  }
 
   // bank_values.cpp: registers and what is stored of them
 
@@ -131,6 +144,8 @@ struct AxisBank::State {
   void apply_gear(std::size_t axis);
   /// 6072h, 60E0h, 60E1h, 6075h, 6076h and the load torque, through the present gear.
   void apply_torques(std::size_t axis);
+  /// What the effects of an axis are through `gear`; nothing where its block has none.
+  void design_effects(std::size_t axis, const Gear& gear);
 
   // bank_step.cpp: a tick
 
@@ -142,6 +157,14 @@ struct AxisBank::State {
 
   /// Gives the axes of a block that have noise the load torque of this tick.
   void draw_loads(const Block& block);
+
+  /// What the effects of a block do before the servo step.
+  /// @param moved lanes whose frames may have moved
+  void begin_effects(std::size_t block, std::uint64_t moved);
+
+  /// Heats the motors of a block.
+  /// @return the lanes whose load level has changed: their tick is no steady one.
+  std::uint64_t end_effects(std::size_t block);
 
   /// What the axes of a block do before the servo step.
   TickLanes begin_block(std::size_t block);

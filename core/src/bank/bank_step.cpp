@@ -2,7 +2,9 @@
 #include "bank/bank_state.hpp"
 #include "drive/block.hpp"
 #include "drive/demand.hpp"
+#include "drive/faults.hpp"
 #include "drive/tick.hpp"
+#include "plant/effects.hpp"
 #include "plant/load_noise.hpp"
 #include "plant/servo_block.hpp"
 #include "vdrive/assert.hpp"
@@ -31,6 +33,22 @@ bool may_stand_still(const ServoState& servo) {
   return std::ranges::all_of(servo.velocity, [](double velocity) {
     return velocity == 0.0;
   });
+}
+
+/// Where the bits of a block stand before a tick.
+struct TickStart {
+  ServoState servo;
+  EffectState effects;
+};
+
+void note_start(const ServoState& servo, const EffectBlock* effects, TickStart& start) {
+  start.servo = servo;
+  if (effects != nullptr) start.effects = effects->state;
+}
+
+/// @return whether the tick has left every bit as it was.
+bool stands_as(const TickStart& start, const ServoState& servo, const EffectBlock* effects) {
+  return alike(start.servo, servo) && (effects == nullptr || alike(start.effects, effects->state));
 }
 
 template <typename Visit>
@@ -63,6 +81,32 @@ void AxisBank::State::draw_loads(const Block& block) {
   });
 }
 
+void AxisBank::State::begin_effects(std::size_t block_index, std::uint64_t moved) {
+  const Block& block = blocks[block_index];
+  EffectBlock* const of_block = effects_of(block);
+  if (of_block == nullptr) return;
+  for_each_lane(moved, [&](std::size_t lane) {
+    const FrameOrigins& origins = drive(block_index, lane).registers().origins;
+    place_effects(*of_block, lane, {.motor = origins.motor, .load = origins.load});
+  });
+  move_brakes(*of_block, block.state.servo);
+}
+
+std::uint64_t AxisBank::State::end_effects(std::size_t block_index) {
+  const Block& block = blocks[block_index];
+  EffectBlock* const of_block = effects_of(block);
+  if (of_block == nullptr) return 0;
+  heat_motors(*of_block, block.state.servo, block.state.units.current_per_mille);
+  const std::uint64_t hot = lanes_hotter(of_block->state, kWarningHeat) & all_lanes(block);
+  std::uint64_t changed = 0;
+  for_each_lane(hot | of_block->state.hot, [&](std::size_t lane) {
+    Drive drive = this->drive(block_index, lane);
+    if (note_heat(drive, of_block->state.heat[lane])) changed |= std::uint64_t{1} << lane;
+  });
+  of_block->state.hot = hot;
+  return changed;
+}
+
 TickLanes AxisBank::State::begin_block(std::size_t block_index) {
   Block& block = blocks[block_index];
   ensure(block.count > 0, "a block has an axis");
@@ -75,6 +119,7 @@ TickLanes AxisBank::State::begin_block(std::size_t block_index) {
     begin_tick(drive);
   });
   draw_loads(block);
+  begin_effects(block_index, all & ~lanes.steady);
   lanes.across = lanes_across(demand, timing) & all;
   return lanes;
 }
@@ -93,8 +138,9 @@ std::size_t AxisBank::State::cross_segments(const Batch& batch, std::size_t subs
 
 void AxisBank::State::end_block(std::size_t block_index, const TickLanes& lanes) {
   Block& block = blocks[block_index];
-  const std::uint64_t unpowered = lanes.steady & block.state.steady.unpowered;
-  const std::uint64_t holding = lanes.steady & ~unpowered;
+  const std::uint64_t changed = end_effects(block_index);
+  const std::uint64_t unpowered = lanes.steady & block.state.steady.unpowered & ~changed;
+  const std::uint64_t holding = lanes.steady & ~unpowered & ~changed;
   if (unpowered != 0) rest_at_load(block.state.demand, block.state.servo, unpowered);
   const std::uint64_t steady =
       unpowered | (holding != 0 ? end_steady_tick(block.state, holding, timing) : 0U);
@@ -123,17 +169,20 @@ void AxisBank::State::step_batch(const ParameterPool<Parameters>& pool, const Ba
   ServoFeatures features;
   std::uint64_t across = 0;
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled where it is read
-  std::array<ServoState, kInterleavedBlocks> before;
+  std::array<TickStart, kInterleavedBlocks> starts;
   std::array<bool, kInterleavedBlocks> may_settle{};
+  features.effects = batch.has_effects;
   for (std::size_t i = 0; i < batch.count; ++i) {
     Block& block = blocks[batch.blocks[i]];
     may_settle[i] = rests(block) && may_stand_still(block.state.servo);
-    if (may_settle[i]) before[i] = block.state.servo;
+    EffectBlock* const of_block = effects_of(block);
+    if (may_settle[i]) note_start(block.state.servo, of_block, starts[i]);
     lanes[i] = begin_block(batch.blocks[i]);
     across |= lanes[i].across;
     features.general = features.general || !is_plain(block.state.servo);
     features.play = features.play || block.has_play;
-    servo_blocks[i] = {&pool.get(block.pool_index), &block.state.demand, &block.state.servo};
+    servo_blocks[i] = {&pool.get(block.pool_index), &block.state.demand, &block.state.servo,
+                       of_block};
   }
   const std::span<const ServoBlock<Parameters>> work(servo_blocks.data(), batch.count);
   for (std::size_t first = 0; first < timing.substeps;) {
@@ -144,7 +193,8 @@ void AxisBank::State::step_batch(const ParameterPool<Parameters>& pool, const Ba
   for (std::size_t i = 0; i < batch.count; ++i) {
     Block& block = blocks[batch.blocks[i]];
     end_block(batch.blocks[i], lanes[i]);
-    const bool is_settled = may_settle[i] && alike(before[i], block.state.servo);
+    const bool is_settled =
+        may_settle[i] && stands_as(starts[i], block.state.servo, servo_blocks[i].effects);
     ensure(!is_settled || rests(block), "an axis whose servo does not change keeps resting");
     settled[batch.blocks[i]].is_settled = is_settled ? 1U : 0U;
   }
@@ -167,9 +217,11 @@ void AxisBank::State::step_blocks(std::size_t first, std::size_t last) {
       continue;
     }
     const Coupling coupling = blocks[first].coupling;
-    if (batch.count == kInterleavedBlocks || batch.coupling != coupling) {
+    const bool has_effects = blocks[first].effects != kNoEffects;
+    if (batch.count == kInterleavedBlocks || batch.coupling != coupling ||
+        batch.has_effects != has_effects) {
       step_batch(batch);
-      batch = {.coupling = coupling};
+      batch = {.coupling = coupling, .has_effects = has_effects};
     }
     batch.blocks[batch.count] = first;
     ++batch.count;

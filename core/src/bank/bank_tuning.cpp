@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bank/bank_state.hpp"
 #include "drive/registers.hpp"
+#include "plant/effects.hpp"
 #include "plant/servo_design.hpp"
 #include "torque_limit.hpp"
 #include "vdrive/plant/model_parameters.hpp"
@@ -52,8 +53,24 @@ void AxisBank::State::apply_gear(std::size_t axis) {
     } else {
       design_lane(model, gear, timing.substep, drive.lane(), elastic.change(block.pool_index));
     }
+    design_effects(axis, gear);
   }
   apply_torques(axis);
+}
+
+void AxisBank::State::design_effects(std::size_t axis, const Gear& gear) {
+  const Place& place = places[axis];
+  const Block& block = blocks[place.block];
+  EffectBlock* const of_block = effects_of(block);
+  if (of_block == nullptr) return;
+  const double velocity_from_load =
+      block.coupling == Coupling::rigid
+          ? rigid.get(block.pool_index).velocity_from_load[place.lane]
+          : elastic.get(block.pool_index).free_motor_velocity.motor_load[place.lane];
+  vdrive::design_effects(
+      configurations[axis].model, gear,
+      {.period = timing.period_us * 1.0e-6, .velocity_from_load = velocity_from_load}, place.lane,
+      of_block->parameters);
 }
 
 void AxisBank::State::apply_torques(std::size_t axis) {
@@ -71,7 +88,8 @@ void AxisBank::State::apply_torques(std::size_t axis) {
       unit / model.torque_constant / (value("motor_rated_current"_object) * 1.0e-6);
   LoadNoise& noise = noises[axis];
   noise.per_torque = load_torque_factor(model, gear);
-  noise.load = value("test_load_torque"_object) * 1.0e-3 * noise.per_torque;
+  noise.load =
+      (value("test_load_torque"_object) * 1.0e-3 + model.gravity_torque) * noise.per_torque;
   drive.servo().load_torque[drive.lane()] = noise.load;
   const TorqueLimits limits{
       .positive = torque_limit_of(registers, model, "positive_torque_limit_relative"_object),

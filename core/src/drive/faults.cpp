@@ -8,10 +8,24 @@
 
 namespace vdrive {
 
+bool note_heat(Drive& drive, double heat) {
+  LoadLevel& level = drive.state().faults.load_level;
+  const LoadLevel before = level;
+  if (heat <= kWarningHeat) {
+    level = LoadLevel::rated;
+  } else if (heat >= kFaultHeat) {
+    level = LoadLevel::fault;
+  } else if (before == LoadLevel::rated) {
+    level = LoadLevel::warning;
+  }
+  return level != before;
+}
+
 bool cause_present(const Drive& drive) {
-  return std::ranges::any_of(kFaultCauses, [&drive](const FaultCause& cause) {
+  const bool by_input = std::ranges::any_of(kFaultCauses, [&drive](const FaultCause& cause) {
     return reg(drive, cause.input) != 0;
   });
+  return by_input || drive.state().faults.load_level == LoadLevel::fault;
 }
 
 void enter_fault(Drive& drive, ErrorCode code) {

@@ -33,6 +33,18 @@ inline constexpr std::array<FaultCause, 4> kFaultCauses = [] {
   }};
 }();
 
+/// The motor has become too hot (I2t), a cause without an input.
+inline constexpr std::uint8_t kLoadLevelCause = 1U << 4U;
+
+/// Heat of the motor over that which the rated current 6075h makes for ever: above the first one
+/// the drive warns, from the second one on it is a fault.
+inline constexpr double kWarningHeat = 1.0;
+inline constexpr double kFaultHeat = 1.1;
+
+/// Notes the heat of the motor at the end of a tick.
+/// @return whether the load level has changed.
+bool note_heat(Drive& drive, double heat);
+
 /// @return whether a cause persists that refuses the fault reset.
 [[nodiscard]] bool cause_present(const Drive& drive);
 

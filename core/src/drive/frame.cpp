@@ -49,6 +49,8 @@ void shift_frame(Drive& drive, const FrameShift& shift) {
   const double offset = r.index.offset - shift.motor;
   r.index.offset = offset - kUserUnitsPerRevolution * nearest(offset / kUserUnitsPerRevolution);
   r.index.reading -= shift.motor;
+  r.origins.motor -= shift.motor;
+  r.origins.load -= shift.load;
   servo.load_offset[l] += r.gear_ratio * shift.motor - shift.load;
   servo.load_position[l] -= shift.load;
   servo.load_reading[l] -= shift.reading;

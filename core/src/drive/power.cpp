@@ -71,6 +71,16 @@ bool has_power_to_lose(PowerState state) {
          state == PowerState::fault_reaction_active;
 }
 
+/// Raises the fault of a cause that is present. A lost DC link is a fault only where the motor is
+/// powered; elsewhere the axis falls back. A cause that went for a reset and came back before the
+/// tick is a new fault.
+void heed_cause(Drive& drive, std::uint8_t bit, ErrorCode code) {
+  const DriveState& s = drive.state();
+  const bool known = (s.faults.causes & bit) != 0 && is_fault(s.power.machine.state());
+  const bool harmless = bit == kDcLinkCause && !has_power_to_lose(s.power.machine.state());
+  if (!known && !harmless) raise_fault(drive, code);
+}
+
 }  // namespace
 
 PowerOptions power_options(const Drive& drive) {
@@ -119,17 +129,17 @@ void raise_fault(Drive& drive, ErrorCode code) {
   }
 }
 
-/// A lost DC link is a fault only where the motor is powered; elsewhere the axis falls back. A
-/// cause that went for a reset and came back before the tick is a new fault.
 void watch_causes(Drive& drive) {
   DriveState& s = drive.state();
   std::uint8_t present = 0;
   for (const FaultCause& cause : kFaultCauses) {
     if (reg(drive, cause.input) == 0) continue;
     present = static_cast<std::uint8_t>(present | cause.bit);
-    const bool known = (s.faults.causes & cause.bit) != 0 && is_fault(s.power.machine.state());
-    const bool harmless = cause.bit == kDcLinkCause && !has_power_to_lose(s.power.machine.state());
-    if (!known && !harmless) raise_fault(drive, cause.code);
+    heed_cause(drive, cause.bit, cause.code);
+  }
+  if (s.faults.load_level == LoadLevel::fault) {
+    present = static_cast<std::uint8_t>(present | kLoadLevelCause);
+    heed_cause(drive, kLoadLevelCause, ErrorCode::load_level);
   }
   s.faults.causes = present;
   s.faults.dc_link = (present & kDcLinkCause) == 0;

@@ -103,6 +103,13 @@ struct LimitState {
   std::array<std::uint8_t, 5> unused{};
 };
 
+/// How much of the heat that it may have the motor has (I2t).
+enum class LoadLevel : std::uint8_t {
+  rated,    // at most that of the rated current
+  warning,  // more: bit 7 of 6041h
+  fault,    // too much, until it is down to that of the rated current
+};
+
 /// Faults: those that are present, and what they mean.
 struct FaultState {
   std::uint32_t count = 0;  // since power-up
@@ -111,7 +118,8 @@ struct FaultState {
   std::uint8_t causes = 0;  // fault causes present in the last tick
   bool coasting = false;    // the fault allows no braking
   bool dc_link = true;
-  std::array<std::uint8_t, 2> unused{};
+  LoadLevel load_level = LoadLevel::rated;
+  std::array<std::uint8_t, 1> unused{};
 };
 
 /// Power stage.
@@ -175,6 +183,12 @@ struct IndexPulse {
   std::array<std::uint8_t, 7> unused{};
 };
 
+/// Where the frames count from that `shift_frame` moves: the place that was 0 at first power-up.
+struct FrameOrigins {
+  double motor = 0.0;  // in the frame of encoder 1 [UU]
+  double load = 0.0;   // in the frame of the load [UU]
+};
+
 /// 1003h.
 struct ErrorHistory {
   std::array<std::uint32_t, 8> codes{};  // the latest first
@@ -196,6 +210,7 @@ struct DriveRegisters {
   ActiveSetPoint set_point;
   Interpolation interpolation;
   IndexPulse index;
+  FrameOrigins origins;
   ErrorHistory history;
   double gear_ratio = 1.0;     // 3576h over 3577h
   SpeedLimits speed_limits{};  // as they were at transition 4

@@ -25,6 +25,7 @@ bool needs_attention(const Drive& drive, const Mode& mode) {
   return state == PowerState::not_ready_to_switch_on || state == PowerState::quick_stop_active ||
          state == PowerState::fault_reaction_active ||
          s.power.machine.pending() != PowerCommand::none || s.faults.causes != 0 ||
+         s.faults.load_level == LoadLevel::fault ||
          (s.limits.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0 ||
          s.mode.wanted != s.mode.actual || (mode.evolves != nullptr && mode.evolves(drive));
 }
@@ -106,6 +107,7 @@ std::uint16_t statusword(const Drive& drive, const Mode& mode) {
     word |= Statusword::kVoltageEnabled;
   }
   if (s.following_error.shown) word |= Statusword::kFollowingError;
+  if (s.faults.load_level != LoadLevel::rated) word |= Statusword::kWarning;
   return static_cast<std::uint16_t>(word);
 }
 

@@ -126,12 +126,15 @@ struct alignas(64) DemandBlock {
           .acceleration = demand.segment_acceleration[l]};
 }
 
+struct EffectBlock;  // plant/effects.hpp
+
 /// A block as the kernel steps it: equal blocks share their parameters.
 template <typename Parameters>
 struct ServoBlock {
   const Parameters* parameters;
   const DemandBlock* demand;
   ServoState* state;
+  EffectBlock* effects = nullptr;  // where ServoFeatures::effects
 };
 
 /// Sub-steps `first` to `last` - 1 of a tick of `count`, each of `length` [s].
@@ -149,6 +152,7 @@ struct Substeps {
 struct ServoFeatures {
   bool general = false;  // a block is not plain
   bool play = false;     // a block has play (two inertias)
+  bool effects = false;  // all blocks have their effects
 };
 
 /// Servo loops and plant of some blocks over some sub-steps of a tick; the encoders are read behind

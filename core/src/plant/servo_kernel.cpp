@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "plant/effects.hpp"
+#include "plant/load_noise.hpp"
 #include "plant/servo_block.hpp"
 #include "rounding.hpp"
+#include "scramble.hpp"
 #include "vdrive/motion/profile.hpp"
 
 namespace vdrive {
@@ -56,12 +59,30 @@ template <bool kGeneral>
   return s.command[l];
 }
 
+/// @return where encoder 1 sees `position`; `e` is null where no lane has an effect.
+template <bool kEffects>
+[[gnu::always_inline]] inline double seen_by_motor(const EffectBlock* e, std::size_t l,
+                                                   double position) {
+  return kEffects ? position + e->state.motor_noise[l] : position;
+}
+
+/// @return where the encoder of the position loop sees `position`.
+template <bool kEffects>
+[[gnu::always_inline]] inline double seen_by_load(const EffectBlock* e, std::size_t l,
+                                                  double position) {
+  return kEffects ? position + e->state.load_noise[l] : position;
+}
+
 /// Encoder readings at the end of the tick, and the speeds that they give over it.
+template <bool kEffects>
 [[gnu::always_inline]] inline void read_encoders(const LoopParameters& p, ServoState& s,
-                                                 std::size_t l, double tick_rate) {
-  const double motor = quantise(s.position[l], p.counts_per_unit[l], p.units_per_count[l]);
-  const double load = quantise(p.closes_on_load[l] != 0.0 ? s.load_position[l] : s.position[l],
-                               p.load_counts_per_unit[l], p.load_units_per_count[l]);
+                                                 const EffectBlock* e, std::size_t l,
+                                                 double tick_rate) {
+  const double motor = quantise(seen_by_motor<kEffects>(e, l, s.position[l]), p.counts_per_unit[l],
+                                p.units_per_count[l]);
+  const double position = p.closes_on_load[l] != 0.0 ? s.load_position[l] : s.position[l];
+  const double load = quantise(seen_by_load<kEffects>(e, l, position), p.load_counts_per_unit[l],
+                               p.load_units_per_count[l]);
   s.motor_speed[l] = (motor - s.motor_reading[l]) * tick_rate;
   s.load_speed[l] = (load - s.load_reading[l]) * tick_rate;
   s.motor_reading[l] = motor;
@@ -82,6 +103,52 @@ struct Friction {
   const double next = free_velocity - direction * impulse;
   const bool stuck = (next * direction <= 0.0) & (impulse > 0.0);
   return {stuck ? 0.0 : next, direction, stuck};
+}
+
+/// @return what cogging and ripple add to `torque` of a motor at `position`: +0 in a lane that has
+///         neither.
+[[gnu::always_inline]] inline double uneven_torque(const EffectBlock& e, std::size_t l,
+                                                   double position, double torque) {
+  const double angle = position - e.state.motor_origin[l];
+  const EffectParameters& p = e.parameters;
+  const double cogging = p.cogging[l] * sine_of_turns(angle * p.cogging_turns[l]);
+  const double ripple = p.ripple[l] * sine_of_turns(angle * p.ripple_turns[l]);
+  return cogging + torque * ripple + 0.0;  // a sum of -0 would change the sign of another 0
+}
+
+/// @return `torque` with what cogging and ripple add; the same bits where they add nothing.
+[[gnu::always_inline]] inline double with_uneven(double torque, double uneven) {
+  return uneven != 0.0 ? torque + uneven : torque;
+}
+
+/// What the end stops make of the step of a load: it stays at a stop, without a rebound. From
+/// beyond one it can only come back.
+struct CaughtLoad {
+  double position;
+  bool caught;  // the step leads into a stop
+  bool stands;  // and begins there
+};
+
+[[gnu::always_inline]] inline CaughtLoad catch_load(const EffectState& s, std::size_t l,
+                                                    double from, double to) {
+  const double highest = from > s.upper_stop[l] ? from : s.upper_stop[l];
+  const double lowest = from < s.lower_stop[l] ? from : s.lower_stop[l];
+  const double position = clamp(to, lowest, highest);
+  return {position, position != to, position == from};
+}
+
+/// The noise of the encoders at the next instant.
+[[gnu::always_inline]] inline void draw_noise(EffectBlock& e) {
+  EffectState& s = e.state;
+  if (s.noisy == 0) return;
+  s.draws += 2U;  // one for each encoder
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const double motor = e.parameters.motor_noise[l] * noise_of(scramble(s.streams[l] + s.draws));
+    const double load =
+        e.parameters.load_noise[l] * noise_of(scramble(s.streams[l] + s.draws + 1U));
+    s.motor_noise[l] = motor;
+    s.load_noise[l] = e.parameters.shares_encoder[l] != 0.0 ? motor : load;
+  }
 }
 
 /// One increment of the elastic model: velocities and steps of motor and load.
@@ -120,17 +187,23 @@ struct ElasticInput {
 
 /// Linear step, then Coulomb friction on both sides: the velocities without it give its
 /// direction.
-[[gnu::always_inline]] inline ElasticStep advance(const ElasticParameters& p,
+/// @param uneven what cogging and ripple add to the torque of the motor
+template <bool kEffects>
+[[gnu::always_inline]] inline ElasticStep advance(const ElasticParameters& p, const EffectBlock* e,
                                                   const ElasticInput& in, bool engaged, double load,
-                                                  double half_substep) {
+                                                  double uneven, double half_substep) {
   const std::size_t l = in.l;
-  const Friction on_motor = rub(
-      in.motor_velocity, coupled(p.motor_velocity, p.free_motor_velocity, engaged, in, 0.0, load),
-      p.friction_impulse[l]);
+  const double friction = kEffects ? p.friction[l] + e->state.brake[l] : p.friction[l];
+  const double impulse =
+      kEffects ? p.friction_impulse[l] + e->state.brake_impulse[l] : p.friction_impulse[l];
+  const Friction on_motor =
+      rub(in.motor_velocity,
+          coupled(p.motor_velocity, p.free_motor_velocity, engaged, in, uneven, load), impulse);
   const Friction on_load =
       rub(in.load_velocity, coupled(p.load_velocity, p.free_load_velocity, engaged, in, 0.0, load),
           p.load_friction_impulse[l]);
-  const double dm = -on_motor.direction * p.friction[l];
+  const double rubbed = -on_motor.direction * friction;
+  const double dm = kEffects ? with_uneven(rubbed, uneven) : rubbed;
   const double dl = load - on_load.direction * p.load_friction[l];
   const double vm = coupled(p.motor_velocity, p.free_motor_velocity, engaged, in, dm, dl);
   const double xm = coupled(p.motor_position, p.free_motor_position, engaged, in, dm, dl);
@@ -140,16 +213,18 @@ struct ElasticInput {
           on_load.stuck ? 0.0 : vl, on_load.stuck ? half_substep * in.load_velocity : xl};
 }
 
-template <bool kGeneral, bool kPlay>
+template <bool kGeneral, bool kPlay, bool kEffects>
 [[gnu::always_inline]] inline void step_elastic_lane(const ElasticParameters& p, ServoState& state,
-                                                     std::size_t l, const MotionSample& demand,
-                                                     double rate, double half_substep) {
+                                                     const EffectBlock* e, std::size_t l,
+                                                     const MotionSample& demand, double rate,
+                                                     double half_substep) {
   const double xm = state.position[l];
   const double xl = state.load_position[l];
-  const double measured = quantise(xm, p.loop.counts_per_unit[l], p.loop.units_per_count[l]);
+  const double measured = quantise(seen_by_motor<kEffects>(e, l, xm), p.loop.counts_per_unit[l],
+                                   p.loop.units_per_count[l]);
   const double load_measured =
-      quantise(p.loop.closes_on_load[l] != 0.0 ? xl : xm, p.loop.load_counts_per_unit[l],
-               p.loop.load_units_per_count[l]);
+      quantise(seen_by_load<kEffects>(e, l, p.loop.closes_on_load[l] != 0.0 ? xl : xm),
+               p.loop.load_counts_per_unit[l], p.loop.load_units_per_count[l]);
   const double u = control<kGeneral>(p.loop, state, l, demand, measured, load_measured, rate);
   const double torque = kGeneral ? state.torque[l] * state.powered[l] : state.torque[l];
 
@@ -161,40 +236,70 @@ template <bool kGeneral, bool kPlay>
   const bool engaged = !kPlay || ((strain != 0.0) | (play == 0.0));
 
   const ElasticInput in{l, strain, state.velocity[l], state.load_velocity[l], torque, u};
-  const ElasticStep next = advance(p, in, engaged, state.load_torque[l], half_substep);
+  const double uneven = kEffects ? uneven_torque(*e, l, xm, torque) : 0.0;
+  const ElasticStep next =
+      advance<kEffects>(p, e, in, engaged, state.load_torque[l], uneven, half_substep);
   const bool blocked = kGeneral && state.blocked[l] != 0.0;
   state.position[l] = xm + next.motor_step;
   state.velocity[l] = next.motor_velocity;
-  state.load_position[l] = blocked ? xl : xl + next.load_step;
-  state.load_velocity[l] = blocked ? 0.0 : next.load_velocity;
+  const double load_position = blocked ? xl : xl + next.load_step;
+  const double load_velocity = blocked ? 0.0 : next.load_velocity;
+  if constexpr (kEffects) {
+    const CaughtLoad end = catch_load(e->state, l, xl, load_position);
+    state.load_position[l] = end.position;
+    state.load_velocity[l] = end.caught ? 0.0 : load_velocity;
+  } else {
+    state.load_position[l] = load_position;
+    state.load_velocity[l] = load_velocity;
+  }
   state.torque[l] = p.torque_from_torque[l] * torque + p.torque_from_command[l] * u;
 }
 
-template <bool kGeneral>
+/// What the end stops make of a step of a rigid axis from `x`, where its load is at `load_x`.
+[[gnu::always_inline]] inline void hold_at_stops(const RigidParameters& p, const EffectBlock& e,
+                                                 ServoState& state, std::size_t l, double x,
+                                                 double load_x) {
+  const double moved = p.loop.ratio[l] * state.position[l] + state.load_offset[l];
+  const CaughtLoad end = catch_load(e.state, l, load_x, moved);
+  const double at_stop = (end.position - state.load_offset[l]) * e.parameters.motor_per_load[l];
+  // Where it stands its bits stay: the way there and back would round.
+  const double held = end.stands ? x : at_stop;
+  state.position[l] = end.caught ? held : state.position[l];
+  state.velocity[l] = end.caught ? 0.0 : state.velocity[l];
+}
+
+template <bool kGeneral, bool kEffects>
 [[gnu::always_inline]] inline void step_rigid_lane(const RigidParameters& p, ServoState& state,
-                                                   std::size_t l, const MotionSample& demand,
-                                                   double rate, double half_substep) {
+                                                   const EffectBlock* e, std::size_t l,
+                                                   const MotionSample& demand, double rate,
+                                                   double half_substep) {
   const double x = state.position[l];
   const double v = state.velocity[l];
-  const double measured = quantise(x, p.loop.counts_per_unit[l], p.loop.units_per_count[l]);
+  const double measured = quantise(seen_by_motor<kEffects>(e, l, x), p.loop.counts_per_unit[l],
+                                   p.loop.units_per_count[l]);
   const double load_x = p.loop.ratio[l] * x + state.load_offset[l];
   const double load_measured =
-      quantise(p.loop.closes_on_load[l] != 0.0 ? load_x : x, p.loop.load_counts_per_unit[l],
-               p.loop.load_units_per_count[l]);
+      quantise(seen_by_load<kEffects>(e, l, p.loop.closes_on_load[l] != 0.0 ? load_x : x),
+               p.loop.load_counts_per_unit[l], p.loop.load_units_per_count[l]);
   const double u = control<kGeneral>(p.loop, state, l, demand, measured, load_measured, rate);
   const double torque = kGeneral ? state.torque[l] * state.powered[l] : state.torque[l];
-  const double load = state.load_torque[l];
+  const double outside = state.load_torque[l];
+  const double load = kEffects ? with_uneven(outside, uneven_torque(*e, l, x, torque)) : outside;
+  const double rubbing = kEffects ? p.friction[l] + e->state.brake[l] : p.friction[l];
+  const double impulse =
+      kEffects ? p.friction_impulse[l] + e->state.brake_impulse[l] : p.friction_impulse[l];
   const double free_velocity = p.velocity_from_velocity[l] * v +
                                p.velocity_from_torque[l] * torque + p.velocity_from_command[l] * u +
                                p.velocity_from_load[l] * load;
-  const Friction friction = rub(v, free_velocity, p.friction_impulse[l]);
+  const Friction friction = rub(v, free_velocity, impulse);
   const double moved = x + p.position_from_velocity[l] * v + p.position_from_torque[l] * torque +
                        p.position_from_command[l] * u +
-                       p.position_from_load[l] * (load - friction.direction * p.friction[l]);
+                       p.position_from_load[l] * (load - friction.direction * rubbing);
   const double next = friction.stuck ? x + half_substep * v : moved;
   const bool blocked = kGeneral && state.blocked[l] != 0.0;
   state.position[l] = blocked ? x : next;
   state.velocity[l] = blocked ? 0.0 : friction.velocity;
+  if constexpr (kEffects) hold_at_stops(p, *e, state, l, x, load_x);
   state.torque[l] = p.torque_from_torque[l] * torque + p.torque_from_command[l] * u;
 }
 
@@ -214,18 +319,18 @@ template <bool kGeneral>
 [[gnu::always_inline]] inline void place_load(const ElasticParameters& /*p*/, ServoState& /*s*/,
                                               std::size_t /*l*/) {}
 
-template <typename Parameters>
+template <bool kEffects, typename Parameters>
 [[gnu::always_inline]] inline void end_tick(const ServoBlock<Parameters>& block, double tick_rate) {
   VDRIVE_INDEPENDENT_LANES
   for (std::size_t l = 0; l < kLanes; ++l) {
     place_load(*block.parameters, *block.state, l);
-    read_encoders(block.parameters->loop, *block.state, l, tick_rate);
+    read_encoders<kEffects>(block.parameters->loop, *block.state, block.effects, l, tick_rate);
   }
 }
 
 /// The sub-steps of the blocks alternate: `step_lane(block, lane, demand)` of one block does not
 /// wait for that of another.
-template <typename Parameters, typename StepLane>
+template <bool kEffects, typename Parameters, typename StepLane>
 [[gnu::always_inline]] inline void step_blocks(std::span<const ServoBlock<Parameters>> blocks,
                                                const Substeps& substeps, StepLane step_lane) {
   for (std::size_t k = substeps.first; k < substeps.last; ++k) {
@@ -235,60 +340,85 @@ template <typename Parameters, typename StepLane>
       for (std::size_t l = 0; l < kLanes; ++l) {
         step_lane(block, l, demand_at(*block.demand, l, substeps, step));
       }
+      if constexpr (kEffects) draw_noise(*block.effects);
     }
   }
   if (static_cast<double>(substeps.last) != substeps.count) return;
   const double tick_rate = 1.0 / (substeps.count * substeps.length);
-  for (const ServoBlock<Parameters>& block : blocks) end_tick(block, tick_rate);
+  for (const ServoBlock<Parameters>& block : blocks) end_tick<kEffects>(block, tick_rate);
 }
 
-template <bool kGeneral>
+template <bool kGeneral, bool kEffects>
 [[gnu::always_inline]] inline void step_rigid(std::span<const ServoBlock<RigidParameters>> blocks,
                                               const Substeps& substeps) {
   const double rate = 1.0 / substeps.length;
   const double half_substep = 0.5 * substeps.length;
-  step_blocks(
+  step_blocks<kEffects>(
       blocks, substeps,
-      [=](const ServoBlock<RigidParameters>& block, std::size_t l,
-          const MotionSample& demand) __attribute__((always_inline)) {
-        step_rigid_lane<kGeneral>(*block.parameters, *block.state, l, demand, rate, half_substep);
-      });
+      [=](const ServoBlock<RigidParameters>& block, std::size_t l, const MotionSample& demand)
+          __attribute__((always_inline)) {
+            step_rigid_lane<kGeneral, kEffects>(*block.parameters, *block.state, block.effects, l,
+                                                demand, rate, half_substep);
+          });
 }
 
-template <bool kGeneral, bool kPlay>
+template <bool kGeneral, bool kPlay, bool kEffects>
 [[gnu::always_inline]] inline void step_elastic(
     std::span<const ServoBlock<ElasticParameters>> blocks, const Substeps& substeps) {
   const double rate = 1.0 / substeps.length;
   const double half_substep = 0.5 * substeps.length;
-  step_blocks(
+  step_blocks<kEffects>(
       blocks, substeps,
       [=](const ServoBlock<ElasticParameters>& block, std::size_t l, const MotionSample& demand)
           __attribute__((always_inline)) {
-            step_elastic_lane<kGeneral, kPlay>(*block.parameters, *block.state, l, demand, rate,
-                                               half_substep);
+            step_elastic_lane<kGeneral, kPlay, kEffects>(
+                *block.parameters, *block.state, block.effects, l, demand, rate, half_substep);
           });
 }
 
 VDRIVE_VECTOR_CLONES
 void rigid_plain(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps) {
-  step_rigid<false>(blocks, substeps);
+  step_rigid<false, false>(blocks, substeps);
 }
 
 VDRIVE_VECTOR_CLONES
 void rigid_general(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps) {
-  step_rigid<true>(blocks, substeps);
+  step_rigid<true, false>(blocks, substeps);
+}
+
+VDRIVE_VECTOR_CLONES
+void rigid_effects(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps) {
+  step_rigid<false, true>(blocks, substeps);
+}
+
+VDRIVE_VECTOR_CLONES
+void rigid_general_effects(std::span<const ServoBlock<RigidParameters>> blocks,
+                           const Substeps& substeps) {
+  step_rigid<true, true>(blocks, substeps);
 }
 
 VDRIVE_VECTOR_CLONES
 void elastic_plain(std::span<const ServoBlock<ElasticParameters>> blocks,
                    const Substeps& substeps) {
-  step_elastic<false, false>(blocks, substeps);
+  step_elastic<false, false, false>(blocks, substeps);
 }
 
 VDRIVE_VECTOR_CLONES
 void elastic_general(std::span<const ServoBlock<ElasticParameters>> blocks,
                      const Substeps& substeps) {
-  step_elastic<true, true>(blocks, substeps);
+  step_elastic<true, true, false>(blocks, substeps);
+}
+
+VDRIVE_VECTOR_CLONES
+void elastic_effects(std::span<const ServoBlock<ElasticParameters>> blocks,
+                     const Substeps& substeps) {
+  step_elastic<false, false, true>(blocks, substeps);
+}
+
+VDRIVE_VECTOR_CLONES
+void elastic_general_effects(std::span<const ServoBlock<ElasticParameters>> blocks,
+                             const Substeps& substeps) {
+  step_elastic<true, true, true>(blocks, substeps);
 }
 
 }  // namespace
@@ -310,13 +440,17 @@ bool is_plain(const ServoState& state) noexcept {
 
 void step_servo(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps,
                 ServoFeatures features) noexcept {
-  const auto step = features.general ? rigid_general : rigid_plain;
+  const auto plain = features.effects ? rigid_effects : rigid_plain;
+  const auto general = features.effects ? rigid_general_effects : rigid_general;
+  const auto step = features.general ? general : plain;
   step(blocks, substeps);
 }
 
 void step_servo(std::span<const ServoBlock<ElasticParameters>> blocks, const Substeps& substeps,
                 ServoFeatures features) noexcept {
-  const auto step = features.general || features.play ? elastic_general : elastic_plain;
+  const auto plain = features.effects ? elastic_effects : elastic_plain;
+  const auto general = features.effects ? elastic_general_effects : elastic_general;
+  const auto step = features.general || features.play ? general : plain;
   step(blocks, substeps);
 }
 

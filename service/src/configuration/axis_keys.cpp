@@ -124,7 +124,7 @@ void describe_model(const std::string& prefix, std::vector<ConfigurationKey>& ke
     keys.push_back({prefix + std::string(parameter.name),
                     std::string(parameter.what) + ", " + to_text(parameter.lowest) +
                         (parameter.from_zero_if_rigid ? " (rigid: 0)" : "") + " to " +
-                        to_text(parameter.highest) + " " + std::string(parameter.unit) +
+                        with_unit(parameter.highest, parameter) +
                         ". Default: " + to_text(AxisModel{}.*parameter.member) + "."});
   }
 }

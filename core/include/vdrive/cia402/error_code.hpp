@@ -11,6 +11,7 @@ namespace vdrive {
 enum class ErrorCode : std::uint16_t {
   none = 0,
   continuous_over_current = 0x2310,
+  load_level = 0x2350,
   dc_link_under_voltage = 0x3220,
   excess_temperature_drive = 0x4310,
   parameter_memory = 0x5530,

@@ -10,6 +10,10 @@ namespace vdrive {
 /// 4096 user units a motor revolution).
 inline constexpr double kUserUnitsPerRevolution = 4096.0;
 
+/// Values of lower_end_stop and upper_end_stop that stand for none, as those of 607Dh do [UU].
+inline constexpr double kNoLowerEndStop = -2147483648.0;
+inline constexpr double kNoUpperEndStop = 2147483647.0;
+
 /// Mechanics between motor and load.
 enum class Coupling : std::uint8_t {
   rigid,        ///< one inertia; the load follows the motor through the gear exactly
@@ -74,6 +78,31 @@ struct AxisModel {
   double current_loop_bandwidth = 1000.0;  ///< [Hz]
   double velocity_loop_bandwidth = 100.0;  ///< [Hz]
   double position_loop_bandwidth = 16.0;   ///< [Hz]
+
+  double gravity_torque = 0.0;  ///< [N.m] at the load shaft, constant, in its direction
+
+  // The effects: an axis on which they all are as here has none (see has_effects).
+  double brake_torque = 0.0;                 ///< [N.m] of the closed brake, at the motor shaft
+  double brake_release_time = 0.0;           ///< [s] from power on to the open brake
+  double brake_engage_time = 0.0;            ///< [s] from power off to the closed brake
+  double cogging_torque = 0.0;               ///< [N.m] largest, at the motor shaft
+  double cogging_periods = 24.0;             ///< [1/revolution] of the motor
+  double torque_ripple = 0.0;                ///< [%] largest, of the torque of the motor
+  double torque_ripple_periods = 24.0;       ///< [1/revolution] of the motor
+  double encoder_noise = 0.0;                ///< [UU] of encoder 1, root mean square
+  double load_encoder_noise = 0.0;           ///< [UU] of encoder 2, root mean square
+  double encoder_noise_seed = 0.0;           ///< of both; a fraction is cut off
+  double lower_end_stop = kNoLowerEndStop;   ///< [UU] of the load
+  double upper_end_stop = kNoUpperEndStop;   ///< [UU] of the load
+  double motor_thermal_time_constant = 0.0;  ///< [s] of the heat of the motor; 0 = no heat
 };
+
+/// @return whether `model` has a brake, cogging, torque ripple, encoder noise, an end stop or heat.
+[[nodiscard]] constexpr bool has_effects(const AxisModel& model) noexcept {
+  return model.brake_torque != 0.0 || model.cogging_torque != 0.0 || model.torque_ripple != 0.0 ||
+         model.encoder_noise != 0.0 || model.load_encoder_noise != 0.0 ||
+         model.lower_end_stop != kNoLowerEndStop || model.upper_end_stop != kNoUpperEndStop ||
+         model.motor_thermal_time_constant != 0.0;
+}
 
 }  // namespace vdrive

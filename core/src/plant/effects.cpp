@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plant/effects.hpp"
+
+#include "scramble.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <type_traits>
+
+namespace vdrive {
+namespace {
+
+static_assert(std::is_trivially_copyable_v<EffectBlock>);
+
+constexpr double kInfiniteDistance = std::numeric_limits<double>::infinity();
+
+/// Below this a cooling motor is cold: the heat would go on towards 0 for hundreds of time
+/// constants, and no block of the axis could settle.
+constexpr double kColdest = 1.0e-9;
+
+/// @return whole ticks that last `seconds`, rounded up; what a division adds is no tick.
+double ticks_of(double seconds, double period) {
+  constexpr double kRounding = 1.0e-9;
+  return std::max(std::ceil(seconds / period - kRounding), 0.0);
+}
+
+/// The part 1 - exp(-x) of the way to a constant value that is gone in x time constants, as a
+/// quotient with the same bits on every machine: right to x³/12, and at most the whole way.
+double part_of_way(double time_constants) {
+  return std::min(time_constants / (1.0 + 0.5 * time_constants), 1.0);
+}
+
+}  // namespace
+
+EffectBlock no_effects() noexcept {
+  EffectBlock block{};
+  block.parameters.lower_stop.fill(-kInfiniteDistance);
+  block.parameters.upper_stop.fill(kInfiniteDistance);
+  block.parameters.motor_per_load.fill(1.0);
+  block.state.lower_stop.fill(-kInfiniteDistance);
+  block.state.upper_stop.fill(kInfiniteDistance);
+  return block;
+}
+
+void design_effects(const AxisModel& model, const Gear& gear, const EffectDesign& design,
+                    std::size_t lane, EffectParameters& parameters) noexcept {
+  const double unit = torque_unit(model, gear);
+  const bool dual = model.feedback == Feedback::dual_encoder;
+  parameters.cogging[lane] = -model.cogging_torque / unit;
+  parameters.cogging_turns[lane] = model.cogging_periods / kUserUnitsPerRevolution;
+  parameters.ripple[lane] = model.torque_ripple * 0.01;
+  parameters.ripple_turns[lane] = model.torque_ripple_periods / kUserUnitsPerRevolution;
+  parameters.brake[lane] = model.brake_torque / unit;
+  parameters.brake_impulse[lane] = parameters.brake[lane] * design.velocity_from_load;
+  parameters.release_ticks[lane] = ticks_of(model.brake_release_time, design.period);
+  parameters.engage_ticks[lane] = ticks_of(model.brake_engage_time, design.period);
+  parameters.lower_stop[lane] =
+      model.lower_end_stop == kNoLowerEndStop ? -kInfiniteDistance : model.lower_end_stop;
+  parameters.upper_stop[lane] =
+      model.upper_end_stop == kNoUpperEndStop ? kInfiniteDistance : model.upper_end_stop;
+  parameters.motor_per_load[lane] = 1.0 / ratio_of(gear);
+  parameters.motor_noise[lane] = model.encoder_noise;
+  parameters.load_noise[lane] = dual ? model.load_encoder_noise : 0.0;
+  parameters.shares_encoder[lane] = dual ? 0.0 : 1.0;
+  parameters.heat_gain[lane] = model.motor_thermal_time_constant == 0.0
+                                   ? 0.0
+                                   : part_of_way(design.period / model.motor_thermal_time_constant);
+}
+
+void start_effects(const AxisModel& model, std::uint64_t axis, std::size_t lane,
+                   EffectBlock& block) noexcept {
+  EffectState& state = block.state;
+  // Other numbers than the noise of the load has with the same seed.
+  const std::uint64_t seed = ~scramble(static_cast<std::uint64_t>(model.encoder_noise_seed));
+  state.streams[lane] = scramble(seed + axis);
+  if (model.encoder_noise != 0.0 || model.load_encoder_noise != 0.0) {
+    state.noisy |= std::uint64_t{1} << lane;
+  }
+  state.brake_ticks[lane] = block.parameters.engage_ticks[lane];
+  place_effects(block, lane, {});
+}
+
+void place_effects(EffectBlock& block, std::size_t lane, const Origins& origins) noexcept {
+  block.state.motor_origin[lane] = origins.motor;
+  block.state.lower_stop[lane] = block.parameters.lower_stop[lane] + origins.load;
+  block.state.upper_stop[lane] = block.parameters.upper_stop[lane] + origins.load;
+}
+
+void move_brakes(EffectBlock& block, const ServoState& servo) noexcept {
+  const EffectParameters& p = block.parameters;
+  EffectState& s = block.state;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const bool powered = servo.powered[l] != 0.0;
+    const double needed = powered ? p.release_ticks[l] : p.engage_ticks[l];
+    const double ticks = servo.powered[l] == s.powered[l] ? s.brake_ticks[l] : 0.0;
+    const bool has_followed = ticks >= needed;
+    const bool closed = powered != has_followed;
+    s.powered[l] = servo.powered[l];
+    s.brake_ticks[l] = has_followed ? ticks : ticks + 1.0;
+    s.brake[l] = closed ? p.brake[l] : 0.0;
+    s.brake_impulse[l] = closed ? p.brake_impulse[l] : 0.0;
+  }
+}
+
+void heat_motors(EffectBlock& block, const ServoState& servo,
+                 const Lane& current_per_mille) noexcept {
+  EffectState& s = block.state;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const double current = servo.torque[l] * current_per_mille[l] * 1.0e-3;  // over the rated one
+    const double before = s.heat[l];
+    const double heat = before + block.parameters.heat_gain[l] * (current * current - before);
+    s.heat[l] = heat < before && heat < kColdest ? 0.0 : heat;
+  }
+}
+
+std::uint64_t lanes_hotter(const EffectState& state, double heat) noexcept {
+  std::uint64_t lanes = 0;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    lanes |= state.heat[l] > heat ? std::uint64_t{1} << l : 0U;
+  }
+  return lanes;
+}
+
+}  // namespace vdrive
