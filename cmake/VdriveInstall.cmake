@@ -61,6 +61,8 @@ install(FILES ${unit_dir}/vdrive-ros2.service DESTINATION lib/systemd/system COM
 install(FILES ${unit_dir}/vdrive-canopen.service DESTINATION lib/systemd/system COMPONENT canopen)
 install(FILES ${unit_dir}/realtime.conf DESTINATION ${CMAKE_INSTALL_DATADIR}/vdrive
         COMPONENT service)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/axes DESTINATION ${CMAKE_INSTALL_DATADIR}/vdrive
+        COMPONENT service)
 install(FILES ${unit_dir}/vdrived.yaml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/vdrive
         COMPONENT service)
 

@@ -175,10 +175,12 @@ struct LayerRow {
 
 constexpr std::array kDriveLayers{
     LayerRow{"modes/*_state", -1},  // what a mode keeps between ticks
+    LayerRow{"habits_state", -1},   // what 5E20h makes of a drive
     LayerRow{"state", 0},           // what an axis is
     LayerRow{"frame", 1},           //   and where its positions count from
     LayerRow{"block", 2},           //   and its steady ticks, side by side with others
     LayerRow{"registers", 1},       //   and its objects
+    LayerRow{"habits", 2},          // questions about 5E20h
     LayerRow{"faults", 2},          // what is present, the history
     LayerRow{"limits", 2},          // questions
     LayerRow{"stops", 2},           // questions
@@ -189,7 +191,8 @@ constexpr std::array kDriveLayers{
     LayerRow{"mode", 5},            // what a mode is to the drive
     LayerRow{"modes/", 6},          // side by side
     LayerRow{"mode_table", 7},      // one row a mode
-    LayerRow{"tick", 8},           LayerRow{"objects", 9},
+    LayerRow{"controlword", 8},     // obeyed at once or later
+    LayerRow{"tick", 9},           LayerRow{"objects", 10},
 };
 
 /// Which headers of clients/bridge, such as "reports.hpp", a room includes: they stand in no room.

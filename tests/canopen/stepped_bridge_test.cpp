@@ -99,6 +99,21 @@ TEST(SteppedBridge, TakesEveryWritableObjectOfTheDriveAndRefusesTheOthers) {
   }
 }
 
+TEST(SteppedBridge, LetsAMasterMeetTheHabitsOfADrive) {
+  BusOfBench bus(1, 1ms);
+  ASSERT_EQ(bus.master().download(1, {0x5E20, 7}, 20, 2), AbortCode::none);  // power on: 20 ms
+  for (const std::uint8_t word : kEnablingWords) {
+    ASSERT_EQ(bus.master().download(1, kControlword, word, 2), AbortCode::none);
+    bus.sync();
+  }
+  EXPECT_EQ(bus.statusword(1) & 0x6F, 0x23) << "Switched on";
+  bus.sync(30);
+  EXPECT_EQ(bus.statusword(1) & kStateBits, kShowsEnabled);
+  ASSERT_EQ(bus.master().download(1, {0x5E20, 5}, 2, 1), AbortCode::none);  // no other mode now
+  EXPECT_EQ(bus.master().download(1, kMode, 3, 1), AbortCode::refused_in_present_device_state);
+  EXPECT_EQ(bus.master().download(1, {0x5E20, 12}, 1, 2), AbortCode::value_range_exceeded);
+}
+
 TEST(SteppedBridge, EnablesByPdos) {
   BusOfBench bus(2, 1ms);
   bus.master().send_nmt(kStart, 0);

@@ -416,7 +416,8 @@ INSTANTIATE_TEST_SUITE_P(Dictionary, EffectAtEnable, testing::ValuesIn(kAtEnable
 // ---- the rows together
 // -------------------------------------------------------------------------------
 
-/// Objects of single modes; the tests of the modes show their effects.
+/// Objects of single modes and habits of other drives; the tests of the modes and
+/// tests/core/habits_test.cpp show their effects.
 const std::set<std::string> kOfOtherModes{"velocity_window",
                                           "velocity_window_time",
                                           "velocity_threshold_time",
@@ -434,6 +435,20 @@ const std::set<std::string> kOfOtherModes{"velocity_window",
                                           "synchronous_move_duration",
                                           "synchronous_move_acceleration_time",
                                           "synchronous_move_deceleration_time",
+                                          "habit_acknowledge_at_enabling",
+                                          "habit_stream_release_bits",
+                                          "habit_short_quick_stop",
+                                          "habit_transition_16",
+                                          "habit_mode_change_refusal",
+                                          "habit_controlword_loop",
+                                          "habit_power_on_time",
+                                          "habit_mode_display_delay",
+                                          "habit_fault_reset_delay",
+                                          "habit_stream_target_bit",
+                                          "habit_plan_from_rest",
+                                          "habit_statusword_bits",
+                                          "habit_homing_by_level",
+                                          "habit_clear_target_velocity",
                                           "store_all_parameters",
                                           "restore_all_default_parameters"};
 

@@ -164,13 +164,14 @@ TEST(ObjectTable, GivesTheMomentOfEffectFromTheManualsMoreSpecificNotes) {
 }
 
 // docs/reference/wire.md: a write of one of the five acquires a free axis; any session may write
-// 5E00h to 5E0Ah.
+// 5E00h to 5E0Ah and 5E20h.
 TEST(ObjectTable, MarksTheCommandObjectsAndTheTestInputs) {
   std::vector<std::uint16_t> commands;
   std::size_t test_inputs = 0;
   for (const ObjectDescription& object : kObjectTable) {
     const std::uint16_t index = object.address.index;
-    EXPECT_EQ(object.role == Role::test_input, index >= 0x5E00 && index <= 0x5E0A)
+    const bool is_habit = index == 0x5E20;
+    EXPECT_EQ(object.role == Role::test_input, is_habit || (index >= 0x5E00 && index <= 0x5E0A))
         << show(object.address);
     test_inputs += object.role == Role::test_input ? 1U : 0U;
     if (object.role == Role::command) {
@@ -179,7 +180,7 @@ TEST(ObjectTable, MarksTheCommandObjectsAndTheTestInputs) {
     }
   }
   EXPECT_EQ(commands, (std::vector<std::uint16_t>{0x6040, 0x6060, 0x6071, 0x607A, 0x60FF}));
-  EXPECT_EQ(test_inputs, 11U);
+  EXPECT_EQ(test_inputs, 25U);
   EXPECT_FALSE(has_role({0x6040, 1}, Role::command)) << "no such object";
 }
 
@@ -304,6 +305,10 @@ AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
       return kHomingMethods.contains(value) ? AbortCode::none : AbortCode::value_range_exceeded;
     case 0x60F2:  // relative options 0 to 2
       return value <= 2 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case 0x5E20:  // :0C, bits 9, 14 and 15 of the statusword
+      return object.address.subindex != 0x0C || (value & ~0xC200) == 0
+                 ? AbortCode::none
+                 : AbortCode::value_range_exceeded;
     case 0x1003:  // only 0 empties the history
       return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
     case 0x1010:  // "save" and "load", which the sweep does not try

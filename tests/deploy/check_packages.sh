@@ -84,6 +84,9 @@ expected=(
   usr/share/man/man8/vdrive-gateway.8.gz
   usr/share/man/man8/vdrive-ros2.8.gz
   usr/share/man/man8/vdrived.8.gz
+  usr/share/vdrive/axes/habits/old-servo.yaml
+  usr/share/vdrive/axes/habits/slow-brake.yaml
+  usr/share/vdrive/axes/habits/stepper.yaml
   usr/share/vdrive/realtime.conf
   usr/share/vdrive/scenarios/absolute_forward.scn
   usr/share/zsh/vendor-completions/_vdrive

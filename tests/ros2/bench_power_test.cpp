@@ -109,6 +109,20 @@ TEST(BenchPower, ContinuesAfterAQuickStopWithItsPower) {
   EXPECT_THAT(words_of(bench.words(), 2), ElementsAre(0x0F));
 }
 
+TEST(BenchPower, TakesTheWayWithoutPowerWhereADriveHasNoTransition16) {
+  Powered bench;
+  bench.drives.enable();
+  bench.drives.show(1, PowerState::quick_stop_active);
+  bench.power.want_enabled(true, false);
+  EXPECT_THAT(words_of(bench.words(), 2), ElementsAre(0x0F));
+  bench.drives.step();
+  bench.drives.axis(1).status.velocity_demand_value = 100;
+  EXPECT_THAT(words_of(bench.words(500ms), 2), ElementsAre(0x0F)) << "it still brakes";
+  bench.drives.step();
+  bench.drives.axis(1).status.velocity_demand_value = 0;
+  EXPECT_THAT(words_of(bench.words(1s), 2), ElementsAre(0x00, 0x06, 0x07, 0x0F));
+}
+
 TEST(BenchPower, DisablesWhatItHasEnabledAndThenGivesItBack) {
   Powered bench;
   bench.drives.enable();

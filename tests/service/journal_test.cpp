@@ -276,6 +276,24 @@ TEST(Journal, RecordsAConnectionThatTheTestBenchLosesAndAnInterpolation) {
   EXPECT_EQ(result.changes, 5U);
 }
 
+TEST(Journal, RecordsTheHabitsOfADrive) {
+  const JournalFile file;
+  {
+    RecordedBench recorded(unwatched(service::ClockMode::lockstep),
+                           service::open_journal(file.path()));
+    auto& bench = recorded.bench;
+    bench.write(kBob, 1, 0x5E20, 20, 7);  // habit_power_on_time
+    bench.write(kAlice, 1, 0x6040, 0x0F);
+    bench.steps(10);
+    ASSERT_EQ(bench.value(1, 0x6041) & 0x6F, 0x23) << "Switched on";
+    bench.steps(20);
+    ASSERT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27) << "Operation enabled";
+  }
+  const ReplayResult result = replay_with(file, 1);
+  EXPECT_TRUE(result.agrees && result.is_complete) << result.text;
+  EXPECT_EQ(result.changes, 2U);
+}
+
 TEST(Journal, RecordsHowTheAxesOfAnEndingBenchComeToRest) {
   const JournalFile file;
   {

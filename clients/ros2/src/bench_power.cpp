@@ -34,13 +34,14 @@ bool is_enabled(const client::AxisSnapshot& axis) {
   return axis.state() == PowerState::operation_enabled;
 }
 
+/// @param keeps_power from Quick stop active by transition 16, which not every drive has
 /// @return the words that enable an axis again; none where nothing but a reset would help.
-std::vector<std::uint16_t> words_to_enable(PowerState state, bool resets_fault) {
+std::vector<std::uint16_t> words_to_enable(PowerState state, bool resets_fault, bool keeps_power) {
   if (state == PowerState::not_ready_to_switch_on || state == PowerState::fault_reaction_active) {
     return {};
   }
-  // Transition 16: the axis keeps its power.
-  if (state == PowerState::quick_stop_active) return {controlwords::kEnableOperation};
+  if (state == PowerState::quick_stop_active && keeps_power)
+    return {controlwords::kEnableOperation};
   std::vector<std::uint16_t> words;
   if (state == PowerState::fault) {
     if (!resets_fault) return {};
@@ -123,7 +124,9 @@ BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::t
     const bool is_hopeless = axis.state() == PowerState::fault && !resets_faults_;
     if (is_enabled(axis) || is_hopeless) to_enable_[i] = false;
     if (!to_enable_[i]) continue;
-    const auto words = words_to_enable(axis.state(), resets_faults_);
+    // A drive without transition 16 stays where it is: at rest it may take the way without power.
+    const bool keeps_power = attempts_ == 0 || axis.status.velocity_demand_value != 0;
+    const auto words = words_to_enable(axis.state(), resets_faults_, keeps_power);
     ensure(words.size() <= frames.size(), "the longest way has a frame for each word");
     for (std::size_t word = 0; word < words.size(); ++word) {
       frames[word].axes.push_back({.axis = axis_number(i), .controlword = words[word]});

@@ -6,6 +6,7 @@
 #include "calls/axes_stop.hpp"
 #include "calls/lost_control.hpp"
 #include "calls/profile_move.hpp"
+#include "calls/slow_drive.hpp"
 #include "session/session_core.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
@@ -446,7 +447,13 @@ Outcome Axis::home(const HomingOptions& options) {
   }
   if (options.call.until == Until::in_force) return {};
   // From here on bits 13, 12 and 10 belong to this run: it began in the tick that was observed.
-  Outcome seen = call.await_enabled(kEndOfHoming, call.tick(), target_reached);
+  // A drive that has not looked at the word yet still shows what it showed before.
+  const AnswerTime answer_time(call, kLongestLoop);
+  bool has_begun = false;
+  Outcome seen = call.await_enabled(kEndOfHoming, call.tick(), [&](const AxisSnapshot& axis) {
+    has_begun = has_begun || !target_reached(axis);
+    return target_reached(axis) && (has_begun || answer_time.has_ended());
+  });
   if (!seen) {
     seen = explained(std::move(seen), call, core_->wakeup, "with its homing run");
     seen = with_progress(std::move(seen), call, kEndOfHoming, homing_progress(call.snapshot()));

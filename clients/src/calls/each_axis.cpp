@@ -4,6 +4,7 @@
 #include "base/command_words.hpp"
 #include "calls/arrival.hpp"
 #include "calls/lost_control.hpp"
+#include "calls/slow_drive.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
@@ -157,6 +158,10 @@ void EachAxis::close_unless_pending() {
 void EachAxis::finish() {
   if (!has_pending() || options_.until == Until::in_force) return;
   switch (row_.command) {
+    case EachCommand::enable:
+      return await_operation();
+    case EachCommand::reset_fault:
+      return await_reset();
     case EachCommand::disable:
       return await_state(PowerState::ready_to_switch_on);
     case EachCommand::power_cycle:
@@ -322,19 +327,35 @@ Outcome EachAxis::power_cycle() {
   return {};
 }
 
-/// What is done in the tick in which the words are in force.
+/// What is done in the tick in which the words are in force, as nearly every drive does it.
 void EachAxis::judge_in_force() {
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {
     if (!is_pending_[place]) continue;
     const AxisSnapshot& axis = call_.snapshots()[place];
     if (row_.command == EachCommand::enable) {
-      end(place, is_enabled(axis) ? Outcome() : failed_instead_of(kOperationEnabled, axis));
+      judge_enabling(place);
     } else if (row_.command == EachCommand::reset_fault) {
-      const Outcome still = failed_instead_of("the end of the fault", axis);
-      end(place, has_no_fault(axis) ? Outcome()
-                                    : not_in_this_state(still.message() + ", the cause persists"));
+      if (has_no_fault(axis)) end(place, {});
+      if (options_.until == Until::in_force) end_faulty(place);
     }
   }
+}
+
+/// In Switched on power is on its way.
+void EachAxis::judge_enabling(std::size_t place) {
+  const AxisSnapshot& axis = call_.snapshots()[place];
+  if (is_enabled(axis)) return end(place, {});
+  if (options_.until == Until::done) return;
+  const bool is_on_its_way = axis.state() == PowerState::switched_on;
+  end(place, is_on_its_way ? Outcome() : failed_instead_of(kOperationEnabled, axis));
+}
+
+/// Ends the axis at `place`, unless it has ended, where its fault is still there.
+void EachAxis::end_faulty(std::size_t place) {
+  const AxisSnapshot& axis = call_.snapshots()[place];
+  if (!is_pending_[place] || has_no_fault(axis)) return;
+  const Outcome still = failed_instead_of("the end of the fault", axis);
+  end(place, not_in_this_state(still.message() + ", the cause persists"));
 }
 
 // ---- finish ----------------------------------------------------------------------------------
@@ -364,6 +385,34 @@ void EachAxis::await_state(PowerState state) {
     return present == state || is_fault(present);
   });
   fail_unless(to_string(state), has_no_fault);
+}
+
+void EachAxis::await_operation() {
+  const AnswerTime answer_time(call_, kLongestLoop);
+  await_each(kOperationEnabled, call_.tick(), [&](std::size_t place) {
+    return has_answered_enabling(call_.snapshots()[place], answer_time);
+  });
+  fail_unless(kOperationEnabled, is_enabled);
+}
+
+void EachAxis::await_reset() {
+  const AnswerTime answer_time(call_, kLongestReset);
+  await_each("the end of the fault", call_.tick(), [&](std::size_t place) {
+    return answer_time.has_ended() || has_no_fault(call_.snapshots()[place]);
+  });
+  std::vector<std::size_t> faulty;
+  for (std::size_t place = 0; place < is_pending_.size(); ++place) {
+    if (is_pending_[place] && is_fault(call_.snapshots()[place].state())) faulty.push_back(place);
+  }
+  if (faulty.empty()) return;
+  const Outcome held = hold_reset(call_, faulty);
+  for (const std::size_t place : faulty) {
+    if (held) {
+      end_faulty(place);
+    } else {
+      end(place, held);
+    }
+  }
 }
 
 void EachAxis::await_standstill() {

@@ -67,6 +67,10 @@ class EachAxis {
   Outcome stop();
   Outcome power_cycle();
   void judge_in_force();
+  void judge_enabling(std::size_t place);
+  void end_faulty(std::size_t place);
+  void await_operation();
+  void await_reset();
   void await_standstill();
   void await_targets();
   void await_state(PowerState state);

@@ -182,7 +182,19 @@ Outcome ProfileMove::finish() {
   const bool waited = options_.call.until == Until::done;
   if (waited) add_old_ramps(last);
   if (Outcome done = call_.put_in_force({&last, 1}); !done) return done;
+  if (Outcome free = await_next_edge(); !free) return free;
   return waited ? check_limits(at_rest) : Outcome();
+}
+
+/// A drive that looks at its controlword once in a loop has seen that bit 4 has dropped when bit 12
+/// does: before that another edge would be lost. Nearly every drive shows it at once.
+Outcome ProfileMove::await_next_edge() {
+  if (options_.queue) return {};  // bit 12 stays 1 until the buffer is free
+  return call_.await("the end of the acknowledge, bit 12", call_.tick(),
+                     [](const AxisSnapshot& axis) {
+                       return !is_enabled(axis) || axis.mode() != OperatingMode::profile_position ||
+                              !axis.shows(Statusword::kSetPointAcknowledge);
+                     });
 }
 
 Outcome ProfileMove::check_limits(const AxisSnapshot& at_rest) {

@@ -72,6 +72,7 @@ class ProfileMove {
   [[nodiscard]] std::int32_t target_of(std::int32_t value, bool relative) const;
   bool add_old_ramps(Round& round) const;
   void put_back_ramps();
+  Outcome await_next_edge();
   Outcome check_limits(const AxisSnapshot& at_rest);
 
   AxesCall& call_;

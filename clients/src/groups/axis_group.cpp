@@ -5,6 +5,7 @@
 #include "base/command_words.hpp"
 #include "calls/axes_stop.hpp"
 #include "calls/lost_control.hpp"
+#include "calls/slow_drive.hpp"
 #include "groups/group_state.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/wire/origin.hpp"
@@ -88,6 +89,20 @@ Eigen::VectorXd vector_of(const std::vector<AxisSnapshot>& axes, std::int32_t Ax
     values[static_cast<Eigen::Index>(place)] = axes[place].status.*member;
   }
   return values;
+}
+
+/// Waits for drives whose reset acts later, or that have not seen it.
+Outcome await_reset_of_faulty(AxesCall& call) {
+  const AnswerTime answer_time(call, kLongestReset);
+  Outcome seen =
+      call.await("the fault reset", call.tick(), [&answer_time](const AxisSnapshot& axis) {
+        return answer_time.has_ended() || has_no_fault(axis);
+      });
+  std::vector<std::size_t> faulty;
+  for (std::size_t place = 0; place < call.snapshots().size(); ++place) {
+    if (is_fault(call.snapshots()[place].state())) faulty.push_back(place);
+  }
+  return seen && !faulty.empty() ? hold_reset(call, faulty) : seen;
 }
 
 bool is_factor(double factor) {
@@ -289,6 +304,7 @@ Outcome AxisGroup::enable_all(const GroupCallOptions& options) {
   const Answers answers = call.exchange(rounds, Timing::at_once);
   if (!answers.outcome) return state_->explained(answers.outcome);
   Outcome seen = call.await_tick("Operation enabled", answers.tick);
+  if (seen && options.until == Until::done) seen = await_enabling(call);
   return seen ? state_->explained(call.check("Operation enabled", answers.tick)) : seen;
 }
 
@@ -345,6 +361,7 @@ Outcome AxisGroup::reset_all(const GroupCallOptions& options) {
   const Answers answers = call.exchange(rounds, Timing::at_once);
   if (!answers.outcome) return state_->explained(answers.outcome);
   Outcome seen = call.await_tick("the fault reset", answers.tick);
+  if (seen && options.until == Until::done) seen = await_reset_of_faulty(call);
   if (!seen) return seen;
   const auto faulty = std::ranges::find_if(call.snapshots(), [](const AxisSnapshot& axis) {
     return is_fault(axis.state());

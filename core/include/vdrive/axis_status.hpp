@@ -29,7 +29,7 @@ struct AxisStatus {
   std::int16_t torque_actual_value = 0;          ///< 6077h [‰ of rated torque]
   std::int16_t torque_demand = 0;                ///< 6074h [‰ of rated torque]
   std::uint16_t ds402_statusword = 0;            ///< 6041h
-  std::uint16_t ds402_controlword = 0;           ///< 6040h last written; not on the wire
+  std::uint16_t ds402_controlword = 0;           ///< 6040h in force; not on the wire
   std::uint16_t error_code = 0;                  ///< 603Fh
   std::int8_t op_mode_actual = 0;                ///< 6061h
   std::uint8_t motor_op_status = 0;              ///< 3005h, 0 = disabled, 1 = enabled

@@ -56,6 +56,11 @@ constexpr bool stays_in_quick_stop(const PowerOptions& options) {
   return options.quick_stop_option_code >= 5;
 }
 
+constexpr bool has_transition_16(const PowerOptions& options) {
+  return options.transition_16 == Transition16::always ||
+         (options.transition_16 == Transition16::by_option_code && stays_in_quick_stop(options));
+}
+
 /// Conditions that the reaction matrix leaves to settings and option codes.
 bool permitted(PowerState state, PowerCommand command, const PowerOptions& options, bool voltage,
                bool cause_present) {
@@ -64,7 +69,7 @@ bool permitted(PowerState state, PowerCommand command, const PowerOptions& optio
       return voltage &&
              (command != PowerCommand::enable_operation || options.enable_from_switch_on_disabled);
     case quick_stop_active:
-      return command != PowerCommand::enable_operation || stays_in_quick_stop(options);
+      return command != PowerCommand::enable_operation || has_transition_16(options);
     case fault:
       return !cause_present;
     default:

@@ -22,6 +22,9 @@ static_assert(sorted_without_duplicates(), "find_object searches by bisection");
 
 using namespace vdrive::literals;
 
+/// Bits 9, 14 and 15 of 6041h, on which drives differ.
+constexpr std::int64_t kMakerBits = 0xC200;
+
 /// Rows that refuse what they do not mean with 0x06090030, also beyond the range that they show.
 bool is_judged_by_meaning(ObjectRow row) {
   return row == "error_history_count"_object || row == "homing_method"_object;
@@ -43,6 +46,8 @@ AbortCode check_value(ObjectRow row, std::int64_t value) {
       return value <= 2 ? AbortCode::none : AbortCode::value_range_exceeded;
     case "error_history_count"_object:
       return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "habit_statusword_bits"_object:
+      return (value & ~kMakerBits) == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
     case "store_all_parameters"_object:
       return value == kStoreSignature ? AbortCode::none : AbortCode::cannot_store_or_transfer;
     case "restore_all_default_parameters"_object:

@@ -2,6 +2,7 @@
 #include "drive/demand.hpp"
 
 #include "drive/frame.hpp"
+#include "drive/habits.hpp"
 #include "drive/registers.hpp"
 #include "rounding.hpp"
 
@@ -118,7 +119,8 @@ void follow_target(Drive& drive, const MotionRequest& request) {
 }
 
 Profile planned(const Drive& drive, const MotionRequest& request) {
-  const MotionState start{demand_position(drive), demand_velocity(drive)};
+  const double velocity = plans_from_rest(drive, request.kind) ? 0.0 : demand_velocity(drive);
+  const MotionState start{demand_position(drive), velocity};
   switch (request.kind) {
     case Kind::move:
       return plan_move(start, request.target, request.limits);

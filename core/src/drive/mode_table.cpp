@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/mode_table.hpp"
 
+#include "drive/habits.hpp"
 #include "drive/limits.hpp"
 #include "drive/modes/cyclic_position.hpp"
 #include "drive/modes/homing.hpp"
@@ -100,6 +101,7 @@ void follow_mode(Drive& drive) {
     s.attention = true;
     return;
   }
+  if (holds_mode(drive)) return;
   s.mode.actual = s.mode.wanted;
   seed_target(drive);
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/objects.hpp"
 
+#include "drive/controlword.hpp"
 #include "drive/faults.hpp"
+#include "drive/habits.hpp"
 #include "drive/mode_table.hpp"
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
@@ -16,25 +18,15 @@ namespace {
 
 using namespace vdrive::literals;
 
-void write_controlword(Drive& drive, std::uint16_t word) {
-  DriveState& s = drive.state();
-  const std::uint16_t previous = s.controlword;
-  const bool ready_before =
-      operation_enabled(drive) && s.power.machine.pending() == PowerCommand::none;
-  s.controlword = word;
-  act(drive,
-      s.power.machine.command(decode_command(word, previous), power_options(drive),
-                              reg(drive, "test_dc_link_loss"_object) == 0, cause_present(drive)));
-  const bool accepting = ready_before && operation_enabled(drive) &&
-                         s.power.machine.pending() == PowerCommand::none &&
-                         s.mode.wanted == s.mode.actual;
-  mode_of(drive).command(drive, {.previous = previous, .accepting = accepting});
-  s.plan_due = true;
-  s.attention = true;
-}
-
 void write_mode(Drive& drive, OperatingMode wanted) {
   DriveState& s = drive.state();
+  HabitWaits& waits = drive.registers().waits;
+  const std::uint32_t delay = drive.registers().habits.mode;
+  if (wanted == s.mode.actual) {
+    waits.mode = 0;
+  } else if (delay != 0 && wanted != s.mode.wanted) {
+    begin_wait(drive, waits.mode, delay);
+  }
   s.mode.wanted = wanted;
   follow_mode(drive);
   s.attention = true;
@@ -60,6 +52,9 @@ WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexce
   const Change change = describe(row).change;
   if (change == Change::memory) {
     return {};  // the row still reads 1
+  }
+  if (change == Change::mode && refuses_mode_change(drive, static_cast<OperatingMode>(value))) {
+    return {AbortCode::refused_in_present_device_state};
   }
   const std::int64_t previous = std::exchange(drive.registers().values[row], value);
   switch (change) {
@@ -90,6 +85,9 @@ WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexce
       break;
     case Change::history:
       clear_history(drive);
+      break;
+    case Change::habits:
+      update_habits(drive);
       break;
     case Change::connection:
       if (previous == 0 && value != 0) lose_connection(drive);

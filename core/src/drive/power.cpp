@@ -3,6 +3,7 @@
 
 #include "drive/faults.hpp"
 #include "drive/frame.hpp"
+#include "drive/habits.hpp"
 #include "drive/registers.hpp"
 #include "drive/target.hpp"
 #include "drive/window.hpp"
@@ -50,6 +51,7 @@ void enable(Drive& drive) {
       .motor_max_speed_rpm = real(drive, "motor_max_speed_rpm"_object)};
   update_velocity_cap(drive);
   take_control(drive);
+  begin_operation(drive);
 }
 
 /// Transition 16: the interrupted move is forgotten; what still moves is brought to rest.
@@ -81,6 +83,21 @@ void heed_cause(Drive& drive, std::uint8_t bit, ErrorCode code) {
   if (!known && !harmless) raise_fault(drive, code);
 }
 
+/// Counts the present tick of a stop. @return whether the axis stands, and the state may end.
+bool stop_has_ended(Drive& drive) {
+  DriveState& s = drive.state();
+  const DriveRegisters& r = drive.registers();
+  if (s.power.on && s.demand.moving) {
+    s.power.stop_ticks = 0;
+    return false;
+  }
+  const std::uint32_t longest = kLongestStandstillWait_us / drive.timing().period_us;
+  if (s.power.on && !at_rest(drive) && ++s.power.stop_ticks < longest) return false;
+  const bool dwells = s.power.machine.state() == PowerState::quick_stop_active &&
+                      s.power.ticks_in_state < ticks_of_ms(drive, r.settings.quick_stop_dwell_ms);
+  return !dwells;
+}
+
 }  // namespace
 
 PowerOptions power_options(const Drive& drive) {
@@ -90,7 +107,8 @@ PowerOptions power_options(const Drive& drive) {
       .shutdown_option_code = static_cast<std::int8_t>(reg(drive, "shutdown_option_code"_object)),
       .disable_operation_option_code =
           static_cast<std::int8_t>(reg(drive, "disable_operation_option_code"_object)),
-      .enable_from_switch_on_disabled = drive.registers().settings.enable_from_switch_on_disabled};
+      .enable_from_switch_on_disabled = drive.registers().settings.enable_from_switch_on_disabled,
+      .transition_16 = drive.registers().habits.transition_16};
 }
 
 void act(Drive& drive, const TransitionSet& taken) {
@@ -152,16 +170,9 @@ void complete_stops(Drive& drive) {
                         s.power.machine.state() == PowerState::fault_reaction_active ||
                         s.power.machine.pending() != PowerCommand::none;
   if (!stopping || s.power.ticks_in_state == 0) return;
-  DriveRegisters& r = drive.registers();
-  if (s.power.on && s.demand.moving) {
-    s.power.stop_ticks = 0;
-    return;
+  if (cuts_quick_stop(drive) || stop_has_ended(drive)) {
+    act(drive, s.power.machine.stop_finished(power_options(drive)));
   }
-  const std::uint32_t longest = kLongestStandstillWait_us / drive.timing().period_us;
-  if (s.power.on && !at_rest(drive) && ++s.power.stop_ticks < longest) return;
-  const bool dwells = s.power.machine.state() == PowerState::quick_stop_active &&
-                      s.power.ticks_in_state < ticks_of_ms(drive, r.settings.quick_stop_dwell_ms);
-  if (!dwells) act(drive, s.power.machine.stop_finished(power_options(drive)));
 }
 
 void power_up(Drive& drive, bool initialise) noexcept {
@@ -173,9 +184,11 @@ void power_up(Drive& drive, bool initialise) noexcept {
   }
   drive.state() = {};
   r.request = {};
+  r.waits = {};
   clear_history(drive);
   set_power(drive, false);
   update_derived(drive);
+  update_habits(drive);
   if (initialise) complete_power_up(drive);
 }
 
@@ -189,9 +202,11 @@ void complete_power_up(Drive& drive) {
 
 void lose_connection(Drive& drive) noexcept {
   DriveState& s = drive.state();
+  const std::int64_t option = reg(drive, "abort_connection_option_code"_object);
+  if (option != 0) forget_commands(drive);
   const PowerState state = s.power.machine.state();
   if (state != PowerState::operation_enabled && state != PowerState::quick_stop_active) return;
-  switch (reg(drive, "abort_connection_option_code"_object)) {
+  switch (option) {
     case 1:
       raise_fault(drive, ErrorCode::life_guard_or_heartbeat);
       break;

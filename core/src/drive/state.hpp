@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "drive/habits_state.hpp"
 #include "drive/modes/cyclic_position_state.hpp"
 #include "drive/modes/homing_state.hpp"
 #include "drive/modes/profile_position_state.hpp"
@@ -10,6 +11,7 @@
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/power_state_machine.hpp"
+#include "vdrive/cia402/statusword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/motion/profile.hpp"
 
@@ -128,7 +130,7 @@ struct PowerStageState {
   std::uint32_t stop_ticks = 0;      // since the demand of a stop ended
   PowerStateMachine machine;
   bool on = false;
-  std::array<std::uint8_t, 1> unused{};
+  bool waits = false;  // a habit holds something back (drive/habits.hpp)
 };
 
 /// Operating mode.
@@ -154,7 +156,7 @@ struct DriveState {
   PowerStageState power;
   FaultState faults;
   ModeState mode;
-  std::array<std::uint8_t, 2> unused{};
+  std::uint16_t maker_bits = Statusword::kRemote;  // bits 9, 14 and 15 of 6041h, which never change
   ModeStates modes;
   bool attention = true;  // something beside the motion is going on
   bool plan_due = true;   // the motion request may have changed
@@ -209,6 +211,8 @@ struct DriveRegisters {
   MotionRequest request;
   ActiveSetPoint set_point;
   Interpolation interpolation;
+  Habits habits;
+  HabitWaits waits;
   IndexPulse index;
   FrameOrigins origins;
   ErrorHistory history;

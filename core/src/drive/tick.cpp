@@ -2,6 +2,7 @@
 #include "drive/tick.hpp"
 
 #include "drive/block.hpp"
+#include "drive/controlword.hpp"
 #include "drive/demand.hpp"
 #include "drive/frame.hpp"
 #include "drive/limits.hpp"
@@ -27,7 +28,8 @@ bool needs_attention(const Drive& drive, const Mode& mode) {
          s.power.machine.pending() != PowerCommand::none || s.faults.causes != 0 ||
          s.faults.load_level == LoadLevel::fault ||
          (s.limits.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0 ||
-         s.mode.wanted != s.mode.actual || (mode.evolves != nullptr && mode.evolves(drive));
+         s.mode.wanted != s.mode.actual || s.power.waits ||
+         (mode.evolves != nullptr && mode.evolves(drive));
 }
 
 /// Takes whole turns out of positions that have gone far; the plan of before is void.
@@ -40,11 +42,13 @@ void keep_frame(Drive& drive) {
 }
 
 void follow(Drive& drive) {
+  if (drive.state().power.waits) begin_held_back(drive);
   complete_power_up(drive);
   complete_stops(drive);
   watch_causes(drive);
   follow_mode(drive);
   if (const Mode& mode = mode_of(drive); mode.advance != nullptr) mode.advance(drive);
+  if (drive.state().power.waits) end_held_back(drive);
   drive.state().plan_due = true;
 }
 
@@ -100,7 +104,7 @@ std::uint16_t mode_bits(const Drive& drive, const Mode& mode) {
 std::uint16_t statusword(const Drive& drive, const Mode& mode) {
   const DriveState& s = drive.state();
   const PowerState state = s.power.machine.state();
-  unsigned word = statusword_of(state) | Statusword::kRemote | mode_bits(drive, mode);
+  unsigned word = statusword_of(state) | s.maker_bits | mode_bits(drive, mode);
   word |= limit_bits(drive, nearest(demand_position(drive)), nearest(actual_position(drive)));
   // Before transition 1 nothing is known of the DC link yet: 0200h.
   if (s.faults.dc_link && state != PowerState::not_ready_to_switch_on) {

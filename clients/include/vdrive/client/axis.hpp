@@ -123,7 +123,9 @@ class Axis {
   Outcome take_over();
 
   /// Goes through the power states to Operation enabled and sets nothing else. If a quick stop is
-  /// in progress it waits for standstill first. @return refused in a fault: reset it first.
+  /// in progress it waits for standstill first. A drive may power on for a while: until then it
+  /// shows Switched on, in which Until::in_force returns.
+  /// @return refused in a fault: reset it first; failed where the drive stays in another state.
   Outcome enable(const CallOptions& options = {});
 
   /// Shutdown (0006h): to Ready to switch on.
@@ -193,7 +195,8 @@ class Axis {
   /// of an axis that another session owns, and after Session::interrupt(). Acquires nothing.
   Outcome quick_stop(const CallOptions& options = {});
 
-  /// Rising edge of bit 7. @return refused while the cause persists. Without a fault it does
+  /// Rising edge of bit 7, held where a drive does not see a short one. @return refused while the
+  /// cause persists, which a drive has 0.1 s of drive time to show. Without a fault it does
   /// nothing.
   Outcome reset_fault(const CallOptions& options = {});
 

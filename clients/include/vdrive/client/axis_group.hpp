@@ -117,7 +117,7 @@ class AxisGroup {
   /// they are.
   Outcome take_over();
 
-  /// Brings every axis to Operation enabled (MC_GroupEnable).
+  /// Brings every axis to Operation enabled (MC_GroupEnable), as long as that takes its drive.
   /// @return refused, with nothing done, when an axis has a fault.
   Outcome enable_all(const GroupCallOptions& options = {});
 

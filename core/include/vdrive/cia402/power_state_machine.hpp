@@ -23,12 +23,21 @@ class TransitionSet {
   std::uint32_t numbers_ = 0;
 };
 
+/// When Enable operation leads from Quick stop active to Operation enabled: transition 16, which
+/// CiA 402-2 does not recommend.
+enum class Transition16 : std::uint8_t {
+  by_option_code,  ///< where 605Ah keeps the state after the stop, 5 to 8
+  always,
+  never,
+};
+
 /// What the power state machine reads of the option codes and settings.
 struct PowerOptions {
   std::int8_t quick_stop_option_code = 2;         ///< 605Ah, 0 to 8
   std::int8_t shutdown_option_code = 0;           ///< 605Bh, 0 or 1
   std::int8_t disable_operation_option_code = 1;  ///< 605Ch, 0 or 1
   bool enable_from_switch_on_disabled = true;     ///< 000Fh in Switch on disabled enables
+  Transition16 transition_16 = Transition16::by_option_code;
 };
 
 /// Power state machine of CiA 402-2 with the manual's extension: Switch on disabled goes to

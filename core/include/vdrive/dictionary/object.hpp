@@ -62,6 +62,7 @@ enum class Change : std::uint8_t {
   power,           ///< the power state machine, and what the mode in force commands (6040h)
   mode,            ///< the operating mode (6060h)
   history,         ///< the error history is cleared (1003h)
+  habits,          ///< how the drive reads the standard (5E20h)
   connection,      ///< 0 -> 1 loses the connection to the master (5E0Ah)
   memory,          ///< whoever owns the bank stores or restores parameters (1010h, 1011h)
 };

@@ -11,10 +11,11 @@ namespace vdrive {
 /// The object dictionary: each object stands here once. Rows of the manual first name their
 /// category as the manual does; companion rows are those that the drive needs beside them
 /// (CiA 301 communication objects, CiA 402 objects, the test-bench inputs 5E00h..5E0Ah, the
-/// synchronous move 5E10h and the speed limit of the motor 5E11h).
+/// synchronous move 5E10h, the speed limit of the motor 5E11h and the habits of other drives
+/// 5E20h).
 /// Sorted by index and sub-index.
 // clang-format off
-inline constexpr std::array<ObjectDescription, 100> kObjectTable{{
+inline constexpr std::array<ObjectDescription, 114> kObjectTable{{
     {{0x1000, 0x00}, "Device Type", "设备类型", "Device", "device_type",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 131474, "-", Origin::companion},
     {{0x1001, 0x00}, "Error Register", "错误寄存器", "Device", "error_register",
@@ -99,6 +100,34 @@ inline constexpr std::array<ObjectDescription, 100> kObjectTable{{
      DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "us", Origin::companion, Role::parameter, Change::nothing},
     {{0x5E11, 0x00}, "Motor Speed Limit", "电机速度限制", "Motor", "motor_speed_limit",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 136533, "VelUU", Origin::companion},
+    {{0x5E20, 0x01}, "Habit Acknowledge At Enabling", "习性：使能即应答", "Test", "habit_acknowledge_at_enabling",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x02}, "Habit Stream Release Bits", "习性：位流需释放位", "Test", "habit_stream_release_bits",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x03}, "Habit Short Quick Stop", "习性：快停只一拍", "Test", "habit_short_quick_stop",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x04}, "Habit Transition 16", "习性：转换 16", "Test", "habit_transition_16",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 2, 0, "-", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x05}, "Habit Mode Change Refusal", "习性：拒绝切换模式", "Test", "habit_mode_change_refusal",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 3, 0, "-", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x06}, "Habit Controlword Loop", "习性：控制字周期", "Test", "habit_controlword_loop",
+     DataType::unsigned16, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1000, 0, "ms", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x07}, "Habit Power On Time", "习性：上电时间", "Test", "habit_power_on_time",
+     DataType::unsigned16, Access::read_write, Storage::not_stored, Effective::immediately, 0, 10000, 0, "ms", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x08}, "Habit Mode Display Delay", "习性：模式显示延迟", "Test", "habit_mode_display_delay",
+     DataType::unsigned16, Access::read_write, Storage::not_stored, Effective::immediately, 0, 10000, 0, "ms", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x09}, "Habit Fault Reset Delay", "习性：故障复位延迟", "Test", "habit_fault_reset_delay",
+     DataType::unsigned16, Access::read_write, Storage::not_stored, Effective::immediately, 0, 10000, 0, "ms", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x0A}, "Habit Stream Target Bit", "习性：位流到位位", "Test", "habit_stream_target_bit",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x0B}, "Habit Plan From Rest", "习性：从静止规划", "Test", "habit_plan_from_rest",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x0C}, "Habit Statusword Bits", "习性：状态字厂商位", "Test", "habit_statusword_bits",
+     DataType::unsigned16, Access::read_write, Storage::not_stored, Effective::immediately, 0, 49664, 0, "-", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x0D}, "Habit Homing By Level", "习性：回零需保持位 4", "Test", "habit_homing_by_level",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x0E}, "Habit Clear Target Velocity", "习性：使能清目标速度", "Test", "habit_clear_target_velocity",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
     {{0x6007, 0x00}, "Abort Connection Option Code", "通信中断选项码", "Service", "abort_connection_option_code",
      DataType::integer16, Access::read_write, Storage::flash, Effective::immediately, 0, 3, 1, "-", Origin::companion},
     {{0x603F, 0x00}, "Error Code", "错误码", "Service", "error_code",

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/modes/cyclic_position.hpp"
 
+#include "drive/habits.hpp"
 #include "drive/limits.hpp"
 #include "drive/stops.hpp"
+#include "drive/window.hpp"
 #include "rounding.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
@@ -70,11 +72,20 @@ void take_set_point(Drive& drive) {
   if (way.ticks_left != 0) --way.ticks_left;
 }
 
+/// Bit 4 means nothing in this mode, but for a drive that waits for it.
+void command(Drive& drive, const WrittenControlword& word) {
+  if (!drive.registers().habits.gates_stream) ignore_edge(drive, word);
+}
+
 /// The next position that is written streams again.
 void advance(Drive& drive) {
   DriveState& s = drive.state();
   if (!obeys_mode(drive) || !s.modes.cyclic.streams) return;
   s.target.given_up = false;
+  if (holds_stream(drive)) {
+    s.modes.cyclic.begins = true;  // the way begins anew once it is released
+    return;
+  }
   take_set_point(drive);
   s.modes.cyclic.streams =
       !heed_limit_switch(drive, streamed_target(drive) - demand_position(drive));
@@ -92,7 +103,7 @@ double next_position(const Drive& drive) {
 
 MotionRequest ask(const Drive& drive) {
   const DriveState& s = drive.state();
-  if (!s.modes.cyclic.streams) {
+  if (!s.modes.cyclic.streams || holds_stream(drive)) {
     return s.target.given_up ? limit_switch_stop(drive) : ramp_stop(drive, "profile_dec"_object);
   }
   if (runs_into_limit_switch(drive, demand_velocity(drive))) return limit_switch_stop(drive);
@@ -119,7 +130,10 @@ std::uint16_t status_bits(const Drive& drive) {
       drive.registers().interpolation.ticks_left == 0
           ? wrapped(s.target.position) == reg(drive, "position_user_target_value"_object)
           : is_on_its_way(drive);
-  return follows ? Statusword::kFollowsCommand : 0U;
+  if (!follows) return 0U;
+  const bool stands = drive.registers().interpolation.ticks_left == 0 && !s.demand.moving;
+  return static_cast<std::uint16_t>(Statusword::kFollowsCommand |
+                                    reached_when(shows_points(drive) && stands));
 }
 
 /// Each tick goes a piece of the way.
@@ -130,7 +144,7 @@ bool evolves(const Drive& drive) {
 }  // namespace
 
 constinit const Mode kCyclicPosition{.normal_ramp = "profile_dec"_object,
-                                     .command = ignore_edge,
+                                     .command = command,
                                      .take_target = take_position,
                                      .advance = advance,
                                      .ask = ask,

@@ -2,6 +2,7 @@
 #include "drive/modes/homing.hpp"
 
 #include "drive/frame.hpp"
+#include "drive/habits.hpp"
 #include "drive/limits.hpp"
 #include "drive/stops.hpp"
 #include "drive/window.hpp"
@@ -148,7 +149,8 @@ void interrupt(Drive& drive) {
 /// Bit 4 starts a homing run, bit 8 ends it for good.
 void command(Drive& drive, const WrittenControlword& word) {
   DriveState& s = drive.state();
-  if (halted(drive)) interrupt(drive);
+  const bool falling = (word.previous & ~s.controlword & Controlword::kStartHoming) != 0;
+  if (halted(drive) || (falling && homes_by_level(drive))) interrupt(drive);
   const bool rising = (s.controlword & ~word.previous & Controlword::kStartHoming) != 0;
   if (!rising) return;
   if (word.accepting && !halted(drive) && start(drive)) {

@@ -127,9 +127,11 @@ void command(Drive& drive, const WrittenControlword& word) {
     case SetPointOutcome::started:
       start(drive, latched);
       s.target.fresh = true;
+      set_points.greets = false;
       break;
     case SetPointOutcome::buffered:
       s.target.fresh = true;
+      set_points.greets = false;
       break;
     case SetPointOutcome::ignored:
       ++s.ignored_set_points;
@@ -212,7 +214,8 @@ void take_next(Drive& drive) {
 
 /// Bit 10: the target is reached, under halt standstill; bit 12: the acknowledge.
 std::uint16_t status_bits(const Drive& drive) {
-  const bool acknowledged = drive.state().modes.position.queue.acknowledge();
+  const SetPointState& set_points = drive.state().modes.position;
+  const bool acknowledged = set_points.queue.acknowledge() || set_points.greets;
   return static_cast<std::uint16_t>(
       reached_when(halted(drive) ? at_rest(drive) : on_target(drive)) |
       (acknowledged ? Statusword::kSetPointAcknowledge : 0U));

@@ -12,7 +12,8 @@ namespace vdrive {
 struct SetPointState {
   SetPointQueue queue;
   bool active = false;  // the active set-point is not reached yet
-  std::array<std::uint8_t, 3> unused{};
+  bool greets = false;  // bit 12 is shown since transition 4, until a set-point is taken
+  std::array<std::uint8_t, 2> unused{};
 };
 
 }  // namespace vdrive

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/controlword.hpp"
+
+#include "drive/faults.hpp"
+#include "drive/habits.hpp"
+#include "drive/mode_table.hpp"
+#include "drive/power.hpp"
+#include "drive/registers.hpp"
+
+#include <utility>
+
+namespace vdrive {
+namespace {
+
+using namespace vdrive::literals;
+
+PowerState state_of(const Drive& drive) {
+  return drive.state().power.machine.state();
+}
+
+/// What the power state machine does with `command` now.
+void take_command(Drive& drive, PowerCommand command) {
+  act(drive, drive.state().power.machine.command(command, power_options(drive),
+                                                 reg(drive, "test_dc_link_loss"_object) == 0,
+                                                 cause_present(drive)));
+}
+
+/// 5E20h:07. Enable operation leads to Switched on, and from there by itself to Operation enabled.
+/// @return whether it does; elsewhere the command is an ordinary one.
+bool begins_power_on(Drive& drive) {
+  const bool is_disabled = state_of(drive) == PowerState::switch_on_disabled;
+  if (is_disabled && drive.registers().settings.enable_from_switch_on_disabled) {
+    take_command(drive, PowerCommand::shutdown);
+  }
+  if (state_of(drive) == PowerState::ready_to_switch_on) {
+    take_command(drive, PowerCommand::switch_on);
+  }
+  if (state_of(drive) != PowerState::switched_on) return false;
+  HabitWaits& waits = drive.registers().waits;
+  if (waits.power_on == 0) begin_wait(drive, waits.power_on, drive.registers().habits.power_on);
+  return true;
+}
+
+/// 5E20h:09. A reset that is under way does not begin anew.
+/// @return whether the drive takes the reset later.
+bool begins_reset(Drive& drive) {
+  if (state_of(drive) != PowerState::fault) return false;
+  HabitWaits& waits = drive.registers().waits;
+  if (waits.reset == 0) begin_wait(drive, waits.reset, drive.registers().habits.reset);
+  return true;
+}
+
+/// @return whether a habit carries `command` out, later.
+bool holds_back(Drive& drive, PowerCommand command) {
+  const Habits& habits = drive.registers().habits;
+  switch (command) {
+    case PowerCommand::none:
+      return false;
+    case PowerCommand::enable_operation:
+      return habits.power_on != 0 && begins_power_on(drive);
+    case PowerCommand::fault_reset:
+      return habits.reset != 0 && begins_reset(drive);
+    default:
+      drive.registers().waits.power_on = 0;  // another command takes Enable operation back
+      return false;
+  }
+}
+
+bool accepts(const Drive& drive) {
+  return operation_enabled(drive) && drive.state().power.machine.pending() == PowerCommand::none;
+}
+
+/// What a controlword that the drive has seen does.
+void obey(Drive& drive, std::uint16_t word) {
+  DriveState& s = drive.state();
+  const std::uint16_t previous = std::exchange(s.controlword, word);
+  const bool ready_before = accepts(drive);
+  const PowerCommand command = decode_command(word, previous);
+  if (!holds_back(drive, command)) take_command(drive, command);
+  const bool accepting = ready_before && accepts(drive) && s.mode.wanted == s.mode.actual;
+  mode_of(drive).command(drive, {.previous = previous, .accepting = accepting});
+  s.plan_due = true;
+  s.attention = true;
+}
+
+/// @return whether `next`, written over a word that nobody has looked at, hides an edge of bit 4.
+bool hides_edge(std::uint16_t in_force, std::uint16_t waiting, std::uint16_t next) {
+  const unsigned came_and_went = waiting & ~unsigned{in_force} & ~unsigned{next};
+  const unsigned went_and_came = in_force & ~unsigned{waiting} & unsigned{next};
+  return ((came_and_went | went_and_came) & Controlword::kNewSetPoint) != 0;
+}
+
+/// The word that nobody has looked at, if there is one.
+void obey_waiting(Drive& drive) {
+  HabitWaits& waits = drive.registers().waits;
+  if (!std::exchange(waits.has_word, false)) return;
+  obey(drive, waits.word);
+}
+
+/// 5E20h:06. Only the last word before a look counts; an edge that no look shows is counted as one
+/// that was not accepted, so that a test sees the loss.
+void leave_for_look(Drive& drive, std::uint16_t word) {
+  DriveState& s = drive.state();
+  HabitWaits& waits = drive.registers().waits;
+  if (waits.has_word && hides_edge(s.controlword, waits.word, word)) ++s.ignored_set_points;
+  waits.word = word;
+  waits.has_word = true;
+  s.power.waits = true;
+  s.attention = true;
+}
+
+/// @return whether the drive looks at 6040h in this tick. Where the habit has been switched off it
+///         does at once.
+bool looks(Drive& drive) {
+  const std::uint32_t loop = drive.registers().habits.loop;
+  HabitWaits& waits = drive.registers().waits;
+  if (loop == 0) return true;
+  if (waits.look == 0 || waits.look > loop) waits.look = loop;
+  --waits.look;
+  return waits.look == 0;
+}
+
+/// Counts the present tick. @return whether the wait ends with it.
+bool has_ended(std::uint32_t& wait) {
+  if (wait == 0) return false;
+  --wait;
+  return wait == 0;
+}
+
+}  // namespace
+
+void write_controlword(Drive& drive, std::uint16_t word) {
+  if (drive.registers().habits.loop != 0) {
+    leave_for_look(drive, word);
+  } else {
+    obey_waiting(drive);  // from before the habit was switched off
+    obey(drive, word);
+  }
+}
+
+void begin_held_back(Drive& drive) {
+  HabitWaits& waits = drive.registers().waits;
+  if (looks(drive)) obey_waiting(drive);
+  if (state_of(drive) != PowerState::switched_on) {
+    waits.power_on = 0;  // a fault, or the voltage went
+  } else if (has_ended(waits.power_on)) {
+    take_command(drive, PowerCommand::enable_operation);
+  }
+  static_cast<void>(has_ended(waits.mode));  // follow_mode asks for it
+}
+
+void end_held_back(Drive& drive) {
+  HabitWaits& waits = drive.registers().waits;
+  if (has_ended(waits.reset)) {
+    // Whether a cause persists is seen behind the reset, not before it.
+    act(drive, drive.state().power.machine.command(PowerCommand::fault_reset, power_options(drive),
+                                                   true, false));
+  }
+  note_waits(drive);
+}
+
+}  // namespace vdrive
