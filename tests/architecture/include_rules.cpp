@@ -188,6 +188,7 @@ constexpr std::array kDriveLayers{
     LayerRow{"window", 2},          // what has to last
     LayerRow{"power", 3},           // transitions
     LayerRow{"demand", 4},          // requests, plans; no modes
+    LayerRow{"interpolation", 4},   // streamed set-points; no modes
     LayerRow{"mode", 5},            // what a mode is to the drive
     LayerRow{"modes/", 6},          // side by side
     LayerRow{"mode_table", 7},      // one row a mode

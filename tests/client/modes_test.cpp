@@ -481,6 +481,52 @@ TEST_F(Modes, AGroupOfOneStreamsAnAxis) {
   EXPECT_TRUE(group->stop_streaming());
 }
 
+// 606Bh is the velocity at the end of the tick; an offset of another master does not count.
+TEST_F(Modes, AGroupOfOneStreamsVelocities) {
+  ASSERT_TRUE(axis_.write({0x60B1, 0}, 500));
+  auto group = AxisGroup::create(session_, std::vector<Axis>{axis_});
+  ASSERT_TRUE(group);
+  ASSERT_TRUE(group->start_streaming({.what = Streamed::velocities}));
+  EXPECT_EQ(now().mode(), OperatingMode::cyclic_synchronous_velocity);
+  for (int i = 1; i <= 10; ++i) {
+    const auto status = group->stream(Eigen::VectorXd::Constant(1, 100.0 * i));
+    ASSERT_TRUE(status) << status.outcome().message();
+    EXPECT_EQ(status->axes.front().status.velocity_demand_value, 100 * i);
+    EXPECT_TRUE(status->not_following().empty());
+  }
+  EXPECT_THAT(group->stream(Eigen::VectorXd::Constant(1, 3.0e9)).outcome().message(),
+              HasSubstr("the velocity 3000000000.000000 does not fit in 32 bits"));
+  EXPECT_TRUE(group->stop_streaming());
+  EXPECT_EQ(now().status.velocity_demand_value, 0);
+}
+
+// 6074h is the command of the last of 8 servo cycles: one step of an eighth before the end.
+TEST_F(Modes, AGroupOfOneStreamsTorques) {
+  auto group = AxisGroup::create(session_, std::vector<Axis>{axis_});
+  ASSERT_TRUE(group);
+  ASSERT_TRUE(group->start_streaming({.what = Streamed::torques}));
+  for (int i = 1; i <= 10; ++i) {
+    const auto status = group->stream(Eigen::VectorXd::Constant(1, 8.0 * i));
+    ASSERT_TRUE(status) << status.outcome().message();
+    EXPECT_EQ(status->axes.front().status.torque_demand, 8 * i - 1);
+  }
+  EXPECT_THAT(group->stream(Eigen::VectorXd::Constant(1, 40'000.0)).outcome().message(),
+              HasSubstr("the torque 40000.000000 does not fit in 16 bits"));
+  EXPECT_TRUE(group->stop_streaming());
+  EXPECT_EQ(now().mode(), OperatingMode::profile_position);
+}
+
+TEST_F(EndOfAProgram, LeavesAnAxisThatIsStreamedATorqueToTheWatchdog) {
+  const std::uint64_t program = run([](Session& session, Axis& axis) {
+    auto group = AxisGroup::create(session, std::vector<Axis>{axis});
+    ASSERT_TRUE(group && group->start_streaming({.what = Streamed::torques}));
+    for (int i = 1; i <= 10; ++i) ASSERT_TRUE(group->stream(Eigen::VectorXd::Constant(1, 10.0)));
+  });
+  EXPECT_EQ(now().owner_session, program);
+  ASSERT_TRUE(watcher_.step(1, 600));
+  EXPECT_EQ(now().status.error_code, 0x8130);
+}
+
 TEST(OnStatus, ReportsNewerTicksOfTheAxesUntilItIsEnded) {
   const test::BenchOnWire bench("");
   Session session(options_on_wire());

@@ -295,7 +295,7 @@ TEST(CyclicPosition, ALimitSwitchStopsWith6085hAndOnlyANewTargetRestartsMotion) 
 }
 
 TEST(CyclicPosition, AModeChangeWhileStreamingBrakesWith6084h) {
-  for (const std::int64_t mode : {0, 1, 3, 4, 6}) {
+  for (const std::int64_t mode : {0, 1, 3, 4, 6, 7, 9, 10}) {
     SCOPED_TRACE(mode);
     AxisUnderTest axis;
     axis.write("profile_dec", 100'000);
@@ -361,12 +361,13 @@ TEST(CyclicPosition, RunsAtEveryPeriod) {
 // ---- modes of the drive
 // ---------------------------------------------------------------------------
 
-TEST(SupportedDriveModes, AreThoseOfTheManualAndCyclicPosition) {
+TEST(SupportedDriveModes, AreThoseOfTheManualInterpolatedPositionAndTheCyclicOnes) {
+  constexpr std::array<std::int64_t, 9> kWorking{0, 1, 3, 4, 6, 7, 8, 9, 10};
   AxisUnderTest axis;
-  // 6502h: bit n - 1 for mode n, of 1, 3, 4, 6 and 8.
-  EXPECT_EQ(axis.read("supported_drive_modes"), 0xAD);
+  // 6502h: bit n - 1 for mode n, of 1, 3, 4 and 6 to 10.
+  EXPECT_EQ(axis.read("supported_drive_modes"), 0x3ED);
   for (std::int64_t mode = -128; mode <= 127; ++mode) {
-    const bool works = mode == 0 || mode == 1 || mode == 3 || mode == 4 || mode == 6 || mode == 8;
+    const bool works = std::ranges::find(kWorking, mode) != kWorking.end();
     const std::int64_t before = axis.read("op_mode_cmd");
     EXPECT_EQ(axis.try_write("op_mode_cmd", mode),
               works ? AbortCode::none : AbortCode::value_range_exceeded)
@@ -422,6 +423,7 @@ TEST(AxisBankModes, AnAxisGivesTheSameBitsInAnyModesOfOtherAxes) {
     const std::vector<StatusWords> alone = run_beside(coupling, {1, 1, 1, 1, 1, 1, 1});
     for (const std::array<std::int64_t, 7>& modes :
          {std::array<std::int64_t, 7>{3, 4, 8, 3, 4, 8, 6},
+          std::array<std::int64_t, 7>{9, 10, 8, 9, 10, 7, 7},
           std::array<std::int64_t, 7>{4, 4, 4, 4, 4, 4, 4},
           std::array<std::int64_t, 7>{3, 3, 3, 3, 3, 3, 3}}) {
       EXPECT_TRUE(run_beside(coupling, modes) == alone);

@@ -38,9 +38,10 @@ constexpr std::string_view kTable = "core/include/vdrive/dictionary/object_table
 constexpr std::string_view kManualCsv = "tests/data/object-dictionary.csv";
 constexpr std::string_view kCompanionCsv = "tests/data/companion-objects.csv";
 
-/// Modes that 6060h takes; bit n - 1 of 6502h stands for mode n: pp, pv, tq, hm, csp.
-const std::set<std::int64_t> kWorkingModes{0, 1, 3, 4, 6, 8};
-constexpr std::int64_t kModeBits = 0b1010'1101;
+/// Modes that 6060h takes; bit n - 1 of 6502h stands for mode n: pp, pv, tq, hm, ip, csp,
+/// csv, cst.
+const std::set<std::int64_t> kWorkingModes{0, 1, 3, 4, 6, 7, 8, 9, 10};
+constexpr std::int64_t kModeBits = 0b11'1110'1101;
 
 ObjectAddress address_of(const CsvRow& row) {
   return {static_cast<std::uint16_t>(std::stoul(row.at("index"), nullptr, 16)),
@@ -163,10 +164,10 @@ TEST(ObjectTable, GivesTheMomentOfEffectFromTheManualsMoreSpecificNotes) {
   EXPECT_EQ(describe("profile_dec"_object).effective, Effective::immediately);
 }
 
-// docs/reference/wire.md: a write of one of the five acquires a free axis; any session may write
+// docs/reference/wire.md: a write of one of the nine acquires a free axis; any session may write
 // 5E00h to 5E0Ah and 5E20h.
 TEST(ObjectTable, MarksTheCommandObjectsAndTheTestInputs) {
-  std::vector<std::uint16_t> commands;
+  std::vector<ObjectAddress> commands;
   std::size_t test_inputs = 0;
   for (const ObjectDescription& object : kObjectTable) {
     const std::uint16_t index = object.address.index;
@@ -174,19 +175,24 @@ TEST(ObjectTable, MarksTheCommandObjectsAndTheTestInputs) {
     EXPECT_EQ(object.role == Role::test_input, is_habit || (index >= 0x5E00 && index <= 0x5E0A))
         << show(object.address);
     test_inputs += object.role == Role::test_input ? 1U : 0U;
-    if (object.role == Role::command) {
-      EXPECT_EQ(object.address.subindex, 0U);
-      commands.push_back(index);
-    }
+    if (object.role == Role::command) commands.push_back(object.address);
   }
-  EXPECT_EQ(commands, (std::vector<std::uint16_t>{0x6040, 0x6060, 0x6071, 0x607A, 0x60FF}));
+  EXPECT_EQ(commands, (std::vector<ObjectAddress>{{0x6040, 0},
+                                                  {0x6060, 0},
+                                                  {0x6071, 0},
+                                                  {0x607A, 0},
+                                                  {0x60B0, 0},
+                                                  {0x60B1, 0},
+                                                  {0x60B2, 0},
+                                                  {0x60C1, 1},
+                                                  {0x60FF, 0}}));
   EXPECT_EQ(test_inputs, 25U);
   EXPECT_FALSE(has_role({0x6040, 1}, Role::command)) << "no such object";
 }
 
 TEST(ObjectTable, MarksObjectsThatChangeTargetModeOrPowerAsCommands) {
   constexpr std::array kCommanding{Change::power, Change::mode, Change::target,
-                                   Change::planned_target};
+                                   Change::planned_target, Change::record};
   for (const ObjectDescription& object : kObjectTable) {
     EXPECT_EQ(std::ranges::find(kCommanding, object.change) != kCommanding.end(),
               object.role == Role::command)
@@ -303,6 +309,13 @@ AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
       return kWorkingModes.contains(value) ? AbortCode::none : AbortCode::value_range_exceeded;
     case 0x6098:
       return kHomingMethods.contains(value) ? AbortCode::none : AbortCode::value_range_exceeded;
+    case 0x60C0:  // linear
+      return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case 0x60C4: {  // first in, first out; records of 4 bytes
+      const std::uint8_t subindex = object.address.subindex;
+      const bool is_refused = (subindex == 3 && value != 0) || (subindex == 5 && value != 4);
+      return is_refused ? AbortCode::value_range_exceeded : AbortCode::none;
+    }
     case 0x60F2:  // relative options 0 to 2
       return value <= 2 ? AbortCode::none : AbortCode::value_range_exceeded;
     case 0x5E20:  // :0C, bits 9, 14 and 15 of the statusword
@@ -406,7 +419,7 @@ TEST(DictionarySweep, AnUnsupportedModeIsRefusedAndThePresentModeStays) {
     EXPECT_EQ(axis.try_write("op_mode_cmd", mode), AbortCode{0x06090030}) << mode;
     EXPECT_EQ(axis.read("op_mode_cmd"), 1);
   }
-  // Bit n - 1 of 6502h is mode n: pp 0, pv 2, tq 3, hm 5, csp 7.
+  // Bit n - 1 of 6502h is mode n: pp 0, pv 2, tq 3, hm 5, ip 6, csp 7, csv 8, cst 9.
   std::int64_t bits = 0;
   for (const std::int64_t mode : kWorkingModes) {
     bits |= mode == 0 ? 0 : std::int64_t{1} << (mode - 1);
@@ -517,7 +530,7 @@ TEST(ValuesOfAnObject, AreListedWhereTheyAreFew) {
     return values_text(*find_object(name));
   };
   // Modes that 6502h shows, and 0; methods of the drive, and 0; the manual's option codes.
-  EXPECT_EQ(text_of("op_mode_cmd"), "0, 1, 3, 4, 6 or 8");
+  EXPECT_EQ(text_of("op_mode_cmd"), "0, 1, 3, 4, 6, 7, 8, 9 or 10");
   EXPECT_EQ(text_of("homing_method"), "0, 1, 2, 17, 18, 33, 34, 35 or 37");
   EXPECT_EQ(text_of("positioning_option_code"), "0, 1 or 2");
   EXPECT_EQ(text_of("error_history_count"), "0");

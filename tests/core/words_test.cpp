@@ -157,6 +157,7 @@ TEST(ErrorCode, SetsTheBitsOfItsGroupInTheErrorRegister) {
       {ErrorCode::life_guard_or_heartbeat, 0b01'0001},
       {ErrorCode::incremental_sensor_1_fault, 0b10'0001},
       {ErrorCode::following_error, 0b10'0001},
+      {ErrorCode::sync_controller, 0b10'0001},
   }};
   for (const auto& [code, bits] : expected) {
     EXPECT_EQ(error_register_of(code), bits) << describe(code);
@@ -177,6 +178,7 @@ TEST(ErrorCode, HasTheNumbersOfCiA402) {
   EXPECT_EQ(static_cast<int>(ErrorCode::incremental_sensor_1_fault), 0x7305);
   EXPECT_EQ(static_cast<int>(ErrorCode::life_guard_or_heartbeat), 0x8130);
   EXPECT_EQ(static_cast<int>(ErrorCode::following_error), 0x8611);
+  EXPECT_EQ(static_cast<int>(ErrorCode::sync_controller), 0x8700);
 }
 
 TEST(ErrorCode, ForcesCoastingWhereTheDriveCannotBrake) {
@@ -187,6 +189,7 @@ TEST(ErrorCode, ForcesCoastingWhereTheDriveCannotBrake) {
   EXPECT_FALSE(forces_coasting(ErrorCode::excess_temperature_drive));
   EXPECT_FALSE(forces_coasting(ErrorCode::life_guard_or_heartbeat));
   EXPECT_FALSE(forces_coasting(ErrorCode::following_error));
+  EXPECT_FALSE(forces_coasting(ErrorCode::sync_controller));
   EXPECT_FALSE(forces_coasting(ErrorCode::none));
   EXPECT_FALSE(forces_coasting(ErrorCode{0x1234}));
 }
@@ -216,6 +219,14 @@ TEST(BitNames, AreThoseOfTheMode) {
   EXPECT_EQ(statusword_bit_name(0x1000, OperatingMode::profile_velocity), "speed zero");
   EXPECT_EQ(statusword_bit_name(0x2000, OperatingMode::homing), "homing error");
   EXPECT_EQ(statusword_bit_name(0x2000, OperatingMode::profile_position), "following error");
+  EXPECT_EQ(controlword_bit_name(0x0010, OperatingMode::interpolated_position),
+            "enable interpolation");
+  EXPECT_EQ(statusword_bit_name(0x1000, OperatingMode::interpolated_position),
+            "interpolation active");
+  EXPECT_EQ(statusword_bit_name(0x1000, OperatingMode::cyclic_synchronous_velocity),
+            "follows command");
+  EXPECT_EQ(statusword_bit_name(0x1000, OperatingMode::cyclic_synchronous_torque),
+            "follows command");
 }
 
 TEST(BitNames, AreTheSameInEveryModeForTheBitsOfTheState) {

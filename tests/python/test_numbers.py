@@ -107,7 +107,7 @@ def group_of(session):
     (f"benches\\[0\\] = True: {WHOLE} 0 ", lambda s, a: vdrive.StepClock(s, [True])),
     (f"targets\\[1\\] = '2': {WHOLE} -2147483648 to 2147483647 UU$", lambda s, a: group_of(s).move_together([1, "2"])),
     ("targets = 5: must be a sequence$", lambda s, a: group_of(s).queue_move(5)),
-    ("positions\\[0\\] = True: must be a number of UU$", lambda s, a: group_of(s).stream([True, 1])),
+    ("set_points\\[0\\] = True: must be a number$", lambda s, a: group_of(s).stream([True, 1])),
     ("unit = 5: must be a text$", lambda s, a: a.move_to(33.3, unit=5)),
     ("until = 5: must be a text$", lambda s, a: a.enable(until=5)),
     ("text = 1: must be a text$", lambda s, a: s.axis(1)),

@@ -134,6 +134,21 @@ def test_a_streamed_position_is_the_demand_of_the_tick(vdrive_session):
     group.stop_streaming()
 
 
+def test_streamed_velocities_and_torques_are_the_demands_of_the_tick(vdrive_session):
+    group = vdrive.AxisGroup(vdrive_session, ["1.1"])
+    group.enable_all()
+    group.start_streaming(what="velocities")
+    demands = [group.stream([velocity]).axes[0].velocity_demand_value for velocity in (100, 200, 300)]
+    assert demands == [100, 200, 300]
+    group.stop_streaming()
+    group.start_streaming(what="torques")
+    group.stream([8])
+    assert group.stream([8]).axes[0].torque_demand == 8
+    group.stop_streaming()
+    with pytest.raises(ValueError, match='what is "positions", "velocities" or "torques", not "jerks"'):
+        group.start_streaming(what="jerks")
+
+
 def test_following_in_lockstep_steps_one_tick_for_each_sample(vdrive_session):
     begin = vdrive_session.step()
     samples = list(vdrive_session.follow("1.1", count=10))

@@ -71,7 +71,7 @@ namespace vdrive {
 namespace {
 
 TEST(ScratchMode, IsSupported) {
-  EXPECT_TRUE(is_operating_mode(10));
+  EXPECT_TRUE(is_operating_mode(5));
 }
 
 }  // namespace
@@ -180,25 +180,27 @@ RECIPES = [
                "    src/drive/modes/scratch.cpp"),
         after(MODE_TABLE, "#include \"drive/modes/profile_velocity.hpp\"",
               '#include "drive/modes/scratch.hpp"'),
-        after(MODE_TABLE, "ModeRow{OperatingMode::cyclic_synchronous_position",
-              "    ModeRow{OperatingMode::scratch, &kScratch},"),
-        after(OPERATING_MODE, "cyclic_synchronous_position = 8,", "  scratch = 10,"),
-        after(OPERATING_MODE, '"follows command"',
-              '    OperatingModeRow{.mode = OperatingMode::scratch, .name = "scratch"},'),
+        before(MODE_TABLE, "ModeRow{OperatingMode::homing",
+               "    ModeRow{OperatingMode::scratch, &kScratch},"),
+        after(OPERATING_MODE, "profile_torque = 4,", "  scratch = 5,"),
+        before(OPERATING_MODE, "OperatingModeRow{.mode = OperatingMode::homing",
+               '    OperatingModeRow{.mode = OperatingMode::scratch, .name = "scratch"},'),
         whole("tests/core/scratch_test.cpp", MODE_TEST),
         before(CORE_TESTS, "cyclic_position_test.cpp", "          scratch_test.cpp"),
-        instead("tests/core/cyclic_position_test.cpp", '"supported_drive_modes"), 0xAD',
-                '"supported_drive_modes"), 0x2AD'),
-        instead("tests/core/cyclic_position_test.cpp", "mode == 8;", "mode == 8 || mode == 10;"),
-        instead(DICTIONARY_TEST, "kWorkingModes{0, 1, 3, 4, 6, 8}",
-                "kWorkingModes{0, 1, 3, 4, 6, 8, 10}"),
-        instead(DICTIONARY_TEST, "0b1010'1101", "0b10'1010'1101"),
+        instead("tests/core/cyclic_position_test.cpp", '"supported_drive_modes"), 0x3ED',
+                '"supported_drive_modes"), 0x3FD'),
+        instead("tests/core/cyclic_position_test.cpp",
+                "array<std::int64_t, 9> kWorking{0, 1, 3, 4, 6",
+                "array<std::int64_t, 10> kWorking{0, 1, 3, 4, 5, 6"),
+        instead(DICTIONARY_TEST, "kWorkingModes{0, 1, 3, 4, 6", "kWorkingModes{0, 1, 3, 4, 5, 6"),
+        instead(DICTIONARY_TEST, "0b11'1110'1101", "0b11'1111'1101"),
+        instead(DICTIONARY_TEST, '"0, 1, 3, 4, 6, 7', '"0, 1, 3, 4, 5, 6, 7'),
         grown("tests/gateway/directory_test.cpp", r'\["modes"\]\.size\(\), (\d+)U')),
     Recipe(
         "A fault",
-        after("core/include/vdrive/cia402/error_code.hpp", "following_error = 0x8611,",
+        after("core/include/vdrive/cia402/error_code.hpp", "sync_controller = 0x8700,",
               "  scratch_error = 0x8F00,"),
-        after("core/src/cia402/error_code.cpp", '"following error"',
+        after("core/src/cia402/error_code.cpp", '"sync controller error"',
               '    {ErrorCode::scratch_error, "scratch error", 1U << 5U, false},'),
         grown("core/src/cia402/error_code.cpp", r"array<ErrorRow, (\d+)>"),
         after("core/src/drive/faults.hpp", '"test_dc_link_loss"_object',

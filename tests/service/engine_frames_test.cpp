@@ -206,6 +206,27 @@ TEST(CommandFrame, LosesAConnectionOnlyWithoutAllOrNothing) {
   }
 }
 
+// A record that was added would stay added, and one that was dropped would stay dropped.
+TEST(CommandFrame, ChangesABufferOfRecordsOnlyWithoutAllOrNothing) {
+  OwnedBench bench;
+  const auto reason_of = [&bench](ObjectAddress address, std::uint32_t flags) -> std::uint32_t {
+    auto frame = bench.make_frame(kAlice);
+    frame.flags(msg::FRAME_WANT_REPLY | flags);
+    auto& object = add_command(frame, 1).objects().emplace_back();
+    object.index(address.index);
+    object.subindex(address.subindex);
+    object.value(1);
+    bench.receive(frame);
+    const auto reply = bench.command_reply();
+    return reply && !reply->refusals().empty() ? reply->refusals()[0].reason() : 0U;
+  };
+  for (const ObjectAddress address :
+       {ObjectAddress{0x60C1, 1}, ObjectAddress{0x60C4, 2}, ObjectAddress{0x60C4, 6}}) {
+    EXPECT_EQ(reason_of(address, msg::FRAME_ALL_OR_NOTHING), 0x06040041U);
+    EXPECT_EQ(reason_of(address, 0U), 0U);
+  }
+}
+
 TEST(CommandFrame, WithAllOrNothingAppliesAllWhenNoneIsRefused) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);

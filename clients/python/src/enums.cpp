@@ -9,6 +9,7 @@
 
 #include <cctype>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -55,9 +56,10 @@ py::list statusword_bits() {
     const auto bit = static_cast<std::uint16_t>(1U << place);
     const std::string_view common = statusword_bit_name(bit, OperatingMode::none);
     if (!common.empty() && !common.starts_with(kNameless)) add_member(members, common, bit);
+    std::set<std::string_view> added;  // modes may share a name
     for (const OperatingModeRow& row : kOperatingModes) {
       for (const BitName& name : row.status_bits) {
-        if (name.bit == bit) add_member(members, name.name, bit);
+        if (name.bit == bit && added.insert(name.name).second) add_member(members, name.name, bit);
       }
     }
   }

@@ -4,6 +4,7 @@
 #include "axis.hpp"
 #include "py_session.hpp"
 #include "vdrive/client/axis_group.hpp"
+#include "vdrive/text.hpp"
 
 #include <pybind11/eigen.h>
 
@@ -118,13 +119,21 @@ Vector whole_positions(const PyGroup& group, const py::iterable& row, const char
   return vector_for(group, positions);
 }
 
-/// The positions of a path that a program calculates: they are rounded.
-Vector positions_of_path(const PyGroup& group, const py::iterable& row) {
-  std::vector<double> positions;
-  for_each_in(row, "positions", [&positions](const py::object& number, const char* name) {
-    positions.push_back(real_of(Real{number}, {name, "UU"}));
+/// The set-points that a program calculates: they are rounded.
+Vector set_points_of(const PyGroup& group, const py::iterable& row) {
+  std::vector<double> set_points;
+  for_each_in(row, "set_points", [&set_points](const py::object& number, const char* name) {
+    set_points.push_back(real_of(Real{number}, {name}));
   });
-  return vector_for(group, positions);
+  return vector_for(group, set_points);
+}
+
+client::Streamed streamed_of(const std::string& what) {
+  if (what == "positions") return client::Streamed::positions;
+  if (what == "velocities") return client::Streamed::velocities;
+  if (what == "torques") return client::Streamed::torques;
+  throw py::value_error(R"(what is "positions", "velocities" or "torques", not )" +
+                        in_quotes(what));
 }
 
 /// How fast a group moves, as a program gives it.
@@ -263,26 +272,28 @@ void add_state(GroupClass& group) {
 void add_streaming(GroupClass& group) {
   group.def(
       "start_streaming",
-      [](PyGroup& self, const Real& lead, const std::string& pace) {
+      [](PyGroup& self, const Real& lead, const std::string& pace, const std::string& what) {
         const client::StreamOptions options{.lead = nanoseconds_of(lead, "lead"),
-                                            .pace = pace_of(pace)};
+                                            .pace = pace_of(pace),
+                                            .what = streamed_of(what)};
         check(waiting(self.py_session, [&](Session& /*session*/) {
           return self.group.start_streaming(options);
         }));
       },
       py::kw_only(), py::arg("lead") = 0.01, py::arg("pace") = "drive",
-      "Cyclic synchronous position mode on every axis, from rest. `lead`: s ahead in real time.");
+      py::arg("what") = "positions",
+      "The cyclic synchronous mode of `what` on every axis, from rest: \"positions\" (UU), "
+      "\"velocities\" (UU/s) or \"torques\" (per mille of rated). `lead`: s ahead in real time.");
   group.def(
       "stream",
-      [](PyGroup& self, const py::iterable& positions) {
-        const Vector next = positions_of_path(self, positions);
+      [](PyGroup& self, const py::iterable& set_points) {
+        const Vector next = set_points_of(self, set_points);
         return value_or_raise(waiting(self.py_session, [&](Session& /*session*/) {
           return self.group.stream(next);
         }));
       },
-      py::arg("positions"),
-      "The positions of the next tick (UU), rounded to whole ones. In lock-step it steps one "
-      "tick.");
+      py::arg("set_points"),
+      "The set-points of the next tick, rounded to whole ones. In lock-step it steps one tick.");
 }
 
 void add_group_status(py::module_& module) {

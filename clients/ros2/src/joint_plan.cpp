@@ -33,10 +33,18 @@ constexpr double kShareOfNewest = 0.25;
 constexpr int kMostRepeats = 8;
 
 constexpr ObjectAddress kInterpolationTime = describe("interpolation_time_period"_object).address;
+constexpr ObjectAddress kPositionOffset = describe("position_offset"_object).address;
+constexpr ObjectAddress kVelocityOffset = describe("velocity_offset"_object).address;
+constexpr ObjectAddress kTorqueOffset = describe("torque_offset"_object).address;
 
-/// A position for each tick follows: another master may have left another 60C2h.
+/// A position for each tick follows: another master may have left another 60C2h, and offsets.
 client::SetPoint begin_positions(std::uint16_t axis) {
-  return {.axis = axis, .mode = kPositions, .objects = {{kInterpolationTime, 0}}};
+  return {.axis = axis,
+          .mode = kPositions,
+          .objects = {{kInterpolationTime, 0},
+                      {kPositionOffset, 0},
+                      {kVelocityOffset, 0},
+                      {kTorqueOffset, 0}}};
 }
 
 }  // namespace

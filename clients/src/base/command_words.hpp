@@ -25,12 +25,18 @@ inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
   return axis.shows(Statusword::kTargetReached);
 }
 
-/// Without a mode (6060h = 0) the axis stands; in cyclic synchronous position the master has the
-/// way.
-/// @return whether bit 10 shows a target: not in these two modes.
+/// Without a mode (6060h = 0) the axis stands; in the cyclic modes the master has the way.
+/// @return whether bit 10 shows a target: not in these modes.
 [[nodiscard]] inline bool has_target_bit(const AxisSnapshot& axis) {
-  return axis.mode() != OperatingMode::none &&
-         axis.mode() != OperatingMode::cyclic_synchronous_position;
+  const OperatingModeRow* const row = find_operating_mode(axis.mode());
+  return row == nullptr || row->has_target;
+}
+
+/// @return whether the mode presses with a torque, also where the axis stands.
+[[nodiscard]] inline bool has_torque(const AxisSnapshot& axis) {
+  const OperatingModeRow* const row = find_operating_mode(axis.mode());
+  return row != nullptr && row->commands_torque &&
+         axis.state() == PowerState::operation_enabled && axis.status.torque_demand != 0;
 }
 
 /// @return whether an axis that goes on after a halt has reached its target, if it has one.
@@ -54,12 +60,8 @@ inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
 ///         command is on the way to another one. A torque counts as long as it is applied.
 [[nodiscard]] inline bool rests(const AxisSnapshot& axis) {
   if (!is_driven(axis)) return true;
-  if (axis.status.velocity_demand_value != 0) return false;
-  if (!has_target_bit(axis)) return true;
-  const bool has_torque = axis.mode() == OperatingMode::profile_torque &&
-                          axis.state() == PowerState::operation_enabled &&
-                          axis.status.torque_demand != 0;
-  return target_reached(axis) && !has_torque;
+  if (axis.status.velocity_demand_value != 0 || has_torque(axis)) return false;
+  return !has_target_bit(axis) || target_reached(axis);
 }
 
 /// @return whether a quick stop has ended, or has come to rest where 605Ah keeps the state.

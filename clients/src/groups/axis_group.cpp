@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <span>
 #include <utility>
@@ -163,27 +162,31 @@ AxesCall AxisGroup::State::call(const GroupCallOptions& options) {
       }};
 }
 
-Result<std::vector<std::int32_t>> AxisGroup::State::positions_of(
-    const Eigen::VectorXd& values) const {
+Result<std::vector<std::int32_t>> AxisGroup::State::set_points_of(const Eigen::VectorXd& values,
+                                                                  const StreamedRow& row) const {
   if (static_cast<std::size_t>(values.size()) != layout.axes.size()) {
+    const bool is_velocity = row.what == Streamed::velocities;
     return Outcome::refused(wire_code(AbortCode::data_length_does_not_match),
-                            std::to_string(values.size()) + " positions for " +
-                                std::to_string(layout.axes.size()) + " axes");
+                            std::to_string(values.size()) + " " +
+                                (is_velocity ? "velocities" : std::string(row.noun) + "s") +
+                                " for " + std::to_string(layout.axes.size()) + " axes");
   }
-  std::vector<std::int32_t> positions;
+  const ObjectDescription& object = vdrive::describe(row.object);
+  const auto lowest = static_cast<double>(object.lower_limit);
+  const auto highest = static_cast<double>(object.upper_limit);
+  std::vector<std::int32_t> set_points;
   for (const double value : values) {
     const double whole = std::nearbyint(value);
-    constexpr double kLowest = std::numeric_limits<std::int32_t>::min();
-    constexpr double kHighest = std::numeric_limits<std::int32_t>::max();
-    if (!(whole >= kLowest && whole <= kHighest)) {  // NaN too
+    if (!(whole >= lowest && whole <= highest)) {  // NaN too
       return Outcome::refused(wire_code(AbortCode::value_range_exceeded),
-                              "axis " + to_string(layout.axes[positions.size()]) +
-                                  ": the position " + std::to_string(value) +
-                                  " does not fit in 32 bits");
+                              "axis " + to_string(layout.axes[set_points.size()]) + ": the " +
+                                  std::string(row.noun) + " " + std::to_string(value) +
+                                  " does not fit in " +
+                                  std::to_string(8 * size_of(object.data_type)) + " bits");
     }
-    positions.push_back(static_cast<std::int32_t>(whole));
+    set_points.push_back(static_cast<std::int32_t>(whole));
   }
-  return positions;
+  return set_points;
 }
 
 Result<LineRequest> AxisGroup::State::request_of(const Eigen::VectorXd& targets,
@@ -193,7 +196,7 @@ Result<LineRequest> AxisGroup::State::request_of(const Eigen::VectorXd& targets,
     return Outcome::refused(wire_code(AbortCode::value_range_exceeded),
                             "the factors of a move must be above 0 and at most 1");
   }
-  auto positions = positions_of(targets);
+  auto positions = set_points_of(targets, kStreamedRows.front());
   if (!positions) return positions.outcome();
   return LineRequest{.targets = std::move(*positions),
                      .velocity_factor = options.velocity_factor,

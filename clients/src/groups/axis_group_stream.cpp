@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cyclic streaming of positions.
+// Cyclic streaming of positions, velocities and torques.
 #include "base/command_objects.hpp"
 #include "base/command_words.hpp"
 #include "groups/group_state.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
 #include <utility>
 
 namespace vdrive::client {
@@ -13,8 +17,9 @@ namespace {
 
 using namespace literals;
 
-constexpr ObjectAddress kInterpolationTime =
-    vdrive::describe("interpolation_time_period"_object).address;
+/// What another master may have left: a stream has a set-point for each tick, nothing beside it.
+constexpr std::array kLeftOvers{"interpolation_time_period"_object, "position_offset"_object,
+                                "velocity_offset"_object, "torque_offset"_object};
 
 // A change of the mode takes one tick at rest; an axis that moves brakes first.
 constexpr std::chrono::seconds kModeChange{5};
@@ -32,6 +37,19 @@ Round mode_round(const AxesCall& call, OperatingMode mode) {
   }
   round.flags = msg::FRAME_ALL_OR_NOTHING;
   return round;
+}
+
+const StreamedRow& streamed_row(Streamed what) {
+  return kStreamedRows.at(static_cast<std::size_t>(what));
+}
+
+void put_set_point(msg::AxisCommand& command, const StreamedRow& row, std::int32_t value) {
+  if (row.what == Streamed::positions) {
+    command.members(msg::HAS_POSITION_USER_TARGET_VALUE);
+    command.position_user_target_value(value);
+  } else {
+    add_object(command, vdrive::describe(row.object).address, value);
+  }
 }
 
 std::uint64_t lead_of(const Stream& stream) {
@@ -52,35 +70,40 @@ Outcome AxisGroup::start_streaming(const StreamOptions& options) {
     }
   }
   state_->drop_all();
-  Round mode = mode_round(call, OperatingMode::cyclic_synchronous_position);
+  const StreamedRow& row = streamed_row(options.what);
+  Round mode = mode_round(call, row.mode);
   for (Round::Entry& entry : mode.entries) {
-    // A position for each tick: another master may have left another 60C2h.
-    add_object(entry.command, kInterpolationTime, 0);
+    for (const ObjectRow object : kLeftOvers) {
+      add_object(entry.command, vdrive::describe(object).address, 0);
+    }
   }
   const Answers answers = call.exchange({&mode, 1}, Timing::at_once);
   if (!answers.outcome) return state_->explained(answers.outcome);
-  Outcome seen = call.await_enabled(
-      "cyclic synchronous position mode", answers.tick, [](const AxisSnapshot& axis) {
-        return axis.mode() == OperatingMode::cyclic_synchronous_position;
-      });
+  Outcome seen = call.await_enabled(std::string(to_string(row.mode)) + " mode", answers.tick,
+                                    [&row](const AxisSnapshot& axis) {
+                                      return axis.mode() == row.mode;
+                                    });
   if (!seen) return state_->explained(std::move(seen));
-  state_->stream = std::make_unique<Stream>(
-      Stream{.options = options, .call = std::move(call), .in_flight = {}, .next_tick = 0});
+  state_->stream = std::make_unique<Stream>(Stream{.row = row,
+                                                   .options = options,
+                                                   .call = std::move(call),
+                                                   .in_flight = {},
+                                                   .next_tick = 0});
   return {};
 }
 
-Result<GroupStatus> AxisGroup::stream(const Eigen::VectorXd& positions) {
+Result<GroupStatus> AxisGroup::stream(const Eigen::VectorXd& set_points) {
   if (Outcome here = state_->core->discovery.check_process(); !here) return here;
   if (!state_->stream) return not_in_this_state("streaming was not started");
   state_->core->failure.rethrow();
-  const auto whole = state_->positions_of(positions);
+  const StreamedRow& row = state_->stream->row;
+  const auto whole = state_->set_points_of(set_points, row);
   if (!whole) return whole.outcome();
   AxesCall& call = state_->stream->call;
   Round round = call.round_to(every_axis);
   round.is_endless = true;
   for (Round::Entry& entry : round.entries) {
-    entry.command.members(msg::HAS_POSITION_USER_TARGET_VALUE);
-    entry.command.position_user_target_value((*whole)[entry.place]);
+    put_set_point(entry.command, row, (*whole)[entry.place]);
   }
   Outcome sent = call.steps() ? state_->stream_stepping(round) : state_->stream_ahead(round);
   if (!sent) return state_->explained(call.stop_if_lost(std::move(sent)));

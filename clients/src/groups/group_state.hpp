@@ -3,14 +3,18 @@
 
 #include "calls/axes_call.hpp"
 #include "groups/line_times.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/client/axis_group.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -32,12 +36,34 @@ struct LineInHand {
   std::uint64_t start_tick = 0;  ///< in which the set-points are in force
 };
 
-/// Positions on their way in cyclic streaming.
+/// What is streamed: its mode, and the object that takes it.
+struct StreamedRow {
+  Streamed what;
+  OperatingMode mode;
+  ObjectRow object;
+  std::string_view noun;  ///< of one set-point
+};
+
+/// In the order of Streamed.
+inline constexpr std::array kStreamedRows = [] {
+  using namespace vdrive::literals;
+  return std::array{
+      StreamedRow{Streamed::positions, OperatingMode::cyclic_synchronous_position,
+                  "position_user_target_value"_object, "position"},
+      StreamedRow{Streamed::velocities, OperatingMode::cyclic_synchronous_velocity,
+                  "target_velocity"_object, "velocity"},
+      StreamedRow{Streamed::torques, OperatingMode::cyclic_synchronous_torque,
+                  "target_torque"_object, "torque"},
+  };
+}();
+
+/// Set-points on their way in cyclic streaming.
 struct Stream {
+  const StreamedRow& row;
   StreamOptions options;
   AxesCall call;
   std::deque<std::vector<SentFrames>> in_flight;  ///< real time: oldest first
-  std::uint64_t next_tick = 0;                    ///< real time: of the next position; 0 = none yet
+  std::uint64_t next_tick = 0;  ///< real time: of the next set-point; 0 = none yet
 };
 
 /// What copies of a group share.
@@ -59,8 +85,9 @@ struct AxisGroup::State {
   /// A call that reports its progress to `options`.
   AxesCall call(const GroupCallOptions& options);
 
-  /// Vectors of the caller as whole positions.
-  Result<std::vector<std::int32_t>> positions_of(const Eigen::VectorXd& values) const;
+  /// Vectors of the caller as whole set-points, each within its object.
+  Result<std::vector<std::int32_t>> set_points_of(const Eigen::VectorXd& values,
+                                                  const StreamedRow& row) const;
   Result<LineRequest> request_of(const Eigen::VectorXd& targets,
                                  const GroupMoveOptions& options) const;
 

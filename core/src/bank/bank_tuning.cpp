@@ -97,6 +97,7 @@ void AxisBank::State::apply_torques(std::size_t axis) {
   const Block& block = blocks[places[axis].block];
   LoopParameters wanted = block.coupling == Coupling::rigid ? rigid.get(block.pool_index).loop
                                                             : elastic.get(block.pool_index).loop;
+  drive.registers().position_gain = wanted.position_gain[drive.lane()];
   const double upper = wanted.upper_limit[drive.lane()];
   const double lower = wanted.lower_limit[drive.lane()];
   limit_lane(limits, unit, drive.lane(), wanted);

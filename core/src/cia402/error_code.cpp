@@ -24,6 +24,7 @@ constexpr std::array<ErrorRow, 8> kErrors{{
     {ErrorCode::incremental_sensor_1_fault, "incremental sensor 1 fault", 1U << 5U, true},
     {ErrorCode::life_guard_or_heartbeat, "life guard or heartbeat error", 1U << 4U, false},
     {ErrorCode::following_error, "following error", 1U << 5U, false},
+    {ErrorCode::sync_controller, "sync controller error", 1U << 5U, false},
 }};
 
 constexpr auto kCodes = [] {

@@ -42,6 +42,11 @@ AbortCode check_value(ObjectRow row, std::int64_t value) {
       return is_operating_mode(value) ? AbortCode::none : AbortCode::value_range_exceeded;
     case "homing_method"_object:
       return is_homing_method(value) ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "interpolation_sub_mode_select"_object:      // linear
+    case "interpolation_buffer_organization"_object:  // first in, first out
+      return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "interpolation_buffer_record_size"_object:  // one INTEGER32
+      return value == 4 ? AbortCode::none : AbortCode::value_range_exceeded;
     case "positioning_option_code"_object:
       return value <= 2 ? AbortCode::none : AbortCode::value_range_exceeded;
     case "error_history_count"_object:

@@ -72,12 +72,24 @@ void switch_control(Drive& drive, ControlLoop control) {
   }
   if (control == ControlLoop::torque) {
     s.demand.torque = commanded_torque(drive);
+    drive.registers().torque_offset = 0.0;  // the integrator follows the command from now on
     rest_at(drive, servo.load_reading[l]);
   }
   s.demand.control = control;
   servo.closes_position[l] = control == ControlLoop::position ? 1.0 : 0.0;
   servo.torque_control[l] = control == ControlLoop::torque ? 1.0 : 0.0;
   drive.registers().request = {};
+}
+
+/// A torque beside what the loops command shifts the integrator of the velocity loop. Command and
+/// integrator change as if it were added behind the loop, and the servo step has nothing to add.
+void feed_torque(Drive& drive, double torque) {
+  DriveRegisters& r = drive.registers();
+  if (torque == 0.0 && r.torque_offset == 0.0) return;
+  const std::size_t l = drive.lane();
+  const double wanted = torque / drive.block().units.torque_per_mille[l];
+  drive.servo().integrator[l] += wanted - r.torque_offset;
+  r.torque_offset = wanted;
 }
 
 /// A new torque ramps from what is commanded: where a limit cuts the ramp off, not from its end.
@@ -102,7 +114,8 @@ void ramp_torque(Drive& drive, const MotionRequest& request) {
   s.demand.moving = change != 0.0;
 }
 
-/// One tick straight to the streamed target, as far as the speed limit allows.
+/// One tick straight to the streamed position, as far as the speed limit allows. A velocity beside
+/// it is the same to the position loop as a position that lies further on; 6062h does not show it.
 void follow_target(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
   const double period = drive.timing().period_us * 1.0e-6;
@@ -114,8 +127,51 @@ void follow_target(Drive& drive, const MotionRequest& request) {
   rest_at(drive, start);
   drive.demand().velocity[l] = step / period;
   drive.demand().segment_velocity[l] = step / period;
+  if (request.velocity_offset != 0.0) {
+    drive.demand().segment_position[l] =
+        start + request.velocity_offset / drive.registers().position_gain;
+  }
   s.demand.moving = step != 0.0;
   s.target.position = step == distance ? request.target : start + step;
+}
+
+/// One tick to the streamed velocity, within the speed limit, with a constant acceleration.
+void follow_velocity(Drive& drive, const MotionRequest& request) {
+  const double most = request.limits.velocity;
+  const double start = demand_velocity(drive);
+  const double end = std::min(std::max(request.target, -most), most);
+  const std::size_t l = drive.lane();
+  rest_at(drive, demand_position(drive));
+  drive.demand().velocity[l] = end;
+  drive.demand().segment_velocity[l] = start;
+  drive.demand().segment_acceleration[l] = (end - start) / (drive.timing().period_us * 1.0e-6);
+  drive.state().demand.moving = start != 0.0 || end != 0.0;
+}
+
+/// One tick to the streamed torque, the same step in each sub-step.
+void follow_torque(Drive& drive, const MotionRequest& request) {
+  DriveState& s = drive.state();
+  const std::size_t l = drive.lane();
+  const double unit = drive.block().units.torque_per_mille[l];
+  const double change = request.target - s.demand.torque;
+  drive.servo().torque_wanted[l] = s.demand.torque / unit;
+  drive.servo().torque_step[l] = change / unit / drive.timing().substeps;
+  s.demand.torque = request.target;
+  s.demand.moving = change != 0.0;
+}
+
+void follow_stream(Drive& drive, const MotionRequest& request) {
+  switch (request.control) {
+    case ControlLoop::position:
+      follow_target(drive, request);
+      break;
+    case ControlLoop::velocity:
+      follow_velocity(drive, request);
+      break;
+    case ControlLoop::torque:
+      follow_torque(drive, request);
+      break;
+  }
 }
 
 Profile planned(const Drive& drive, const MotionRequest& request) {
@@ -152,6 +208,7 @@ void plan(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
   DriveRegisters& r = drive.registers();
   switch_control(drive, request.control);
+  feed_torque(drive, request.torque_offset);
   s.demand.following = request.kind == Kind::follow;
   const bool same = request == r.request;
   r.request = request;
@@ -160,7 +217,7 @@ void plan(Drive& drive, const MotionRequest& request) {
     if (!same) start_ramp(drive, request);
     ramp_torque(drive, request);
   } else if (request.kind == Kind::follow) {
-    follow_target(drive, request);
+    follow_stream(drive, request);
   } else if (request.kind != Kind::hold && !same) {
     // Without power (hold) the demand follows the actual position.
     start_profile(drive, planned(drive, request));

@@ -7,6 +7,7 @@
 #include "vdrive/cia402/statusword.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace vdrive {
 
@@ -36,6 +37,12 @@ bool at_limit_switch(const Drive& drive, double direction) {
 
 bool runs_into_limit_switch(const Drive& drive, double motion) {
   return motion != 0.0 && at_limit_switch(drive, motion);
+}
+
+bool drifts_into_limit_switch(const Drive& drive) {
+  const double speed = actual_velocity(drive);
+  const auto threshold = static_cast<double>(drive.state().window.threshold);
+  return std::abs(speed) > threshold && runs_into_limit_switch(drive, speed);
 }
 
 std::uint16_t bits_at_limits(const Drive& drive, double internal_demand, double internal_actual) {

@@ -22,6 +22,10 @@ namespace vdrive {
 /// @return whether a limit switch is active in the direction of `motion`, which may be 0.
 [[nodiscard]] bool runs_into_limit_switch(const Drive& drive, double motion);
 
+/// @return whether the axis itself runs into a limit switch; at or below 606Fh it stands. For modes
+///         that command no velocity.
+[[nodiscard]] bool drifts_into_limit_switch(const Drive& drive);
+
 /// @return `limit_bits` of an axis that has limits or active inputs.
 [[nodiscard]] std::uint16_t bits_at_limits(const Drive& drive, double internal_demand,
                                            double internal_actual);

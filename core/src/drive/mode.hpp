@@ -24,7 +24,7 @@ struct Mode {
   /// Command: a controlword was written.
   void (*command)(Drive& drive, const WrittenControlword& word) = nullptr;
 
-  /// Command: 607Ah, 60FFh or 6071h was written.
+  /// Command: 607Ah, 60FFh, 6071h, 60C1h:01 or an offset (60B0h, 60B1h, 60B2h) was written.
   void (*take_target)(Drive& drive, ObjectRow row) = nullptr;
 
   /// Command, before the drive asks for a motion: readings of the last tick take the mode on, a
@@ -36,6 +36,10 @@ struct Mode {
 
   /// Question: the normal stop, where it is another one than that with `normal_ramp`.
   MotionRequest (*normal_stop)(const Drive& drive) = nullptr;
+
+  /// Question: the torque that the mode adds to what the loops command [‰ of rated]; in its stops,
+  /// too. For modes that close the velocity loop.
+  double (*torque_offset)(const Drive& drive) = nullptr;
 
   /// Command, after the plant: counts what has to last.
   void (*watch)(Drive& drive) = nullptr;

@@ -4,7 +4,10 @@
 #include "drive/habits.hpp"
 #include "drive/limits.hpp"
 #include "drive/modes/cyclic_position.hpp"
+#include "drive/modes/cyclic_torque.hpp"
+#include "drive/modes/cyclic_velocity.hpp"
 #include "drive/modes/homing.hpp"
+#include "drive/modes/interpolated_position.hpp"
 #include "drive/modes/profile_position.hpp"
 #include "drive/modes/profile_torque.hpp"
 #include "drive/modes/profile_velocity.hpp"
@@ -40,7 +43,10 @@ constexpr std::array kRows{
     ModeRow{OperatingMode::profile_velocity, &kProfileVelocity},
     ModeRow{OperatingMode::profile_torque, &kProfileTorque},
     ModeRow{OperatingMode::homing, &kHoming},
+    ModeRow{OperatingMode::interpolated_position, &kInterpolatedPosition},
     ModeRow{OperatingMode::cyclic_synchronous_position, &kCyclicPosition},
+    ModeRow{OperatingMode::cyclic_synchronous_velocity, &kCyclicVelocity},
+    ModeRow{OperatingMode::cyclic_synchronous_torque, &kCyclicTorque},
 };
 
 static_assert(std::ranges::equal(kRows, kOperatingModes, {}, &ModeRow::number,
@@ -70,14 +76,8 @@ MotionRequest request_in_operation(const Drive& drive) {
                                                          : mode_of(drive).ask(drive);
 }
 
-}  // namespace
-
-// Only addresses, at compile time: constinit says so.
-// NOLINTNEXTLINE(cppcoreguidelines-interfaces-global-init)
-constinit const std::array<const Mode*, kModeNumbers> kModes = by_number();
-
-MotionRequest requested_motion(const Drive& drive) {
-  if (!drive.state().power.on) return {};
+/// The motion of a powered axis.
+MotionRequest request_of_state(const Drive& drive) {
   switch (drive.state().power.machine.state()) {
     case PowerState::operation_enabled:
       return request_in_operation(drive);
@@ -91,6 +91,21 @@ MotionRequest requested_motion(const Drive& drive) {
     default:
       return {};
   }
+}
+
+}  // namespace
+
+// Only addresses, at compile time: constinit says so.
+// NOLINTNEXTLINE(cppcoreguidelines-interfaces-global-init)
+constinit const std::array<const Mode*, kModeNumbers> kModes = by_number();
+
+MotionRequest requested_motion(const Drive& drive) {
+  if (!drive.state().power.on) return {};
+  MotionRequest request = request_of_state(drive);
+  if (const Mode& mode = mode_of(drive); mode.torque_offset != nullptr) {
+    request.torque_offset = mode.torque_offset(drive);
+  }
+  return request;
 }
 
 void follow_mode(Drive& drive) {

@@ -70,8 +70,9 @@ WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexce
     case Change::plan:
       drive.state().plan_due = true;
       break;
-    case Change::target:
-      take_target(drive, row);  // profile position latches it with the next set-point
+    case Change::target:  // profile position latches it with the next set-point
+    case Change::record:
+      take_target(drive, row);
       break;
     case Change::planned_target:
       take_target(drive, row);
@@ -82,6 +83,9 @@ WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexce
       break;
     case Change::mode:
       write_mode(drive, static_cast<OperatingMode>(value));
+      break;
+    case Change::records:
+      if (value != previous || value == 0) drive.registers().record_buffer.count = 0;
       break;
     case Change::history:
       clear_history(drive);
@@ -109,6 +113,8 @@ std::int64_t read_object(const Drive& drive, ObjectRow row, AbortCode& code) noe
       return drive.state().faults.dc_link ? registers.values[row] : 0;
     case "motor_speed_limit"_object:
       return motor_speed_limit(drive);
+    case "interpolation_buffer_position"_object:
+      return registers.record_buffer.count;
     default:
       break;
   }

@@ -25,6 +25,7 @@ void set_power(Drive& drive, bool powered) {
   drive.state().power.on = powered;
   drive.servo().powered[drive.lane()] = powered ? 1.0 : 0.0;
   drive.servo().integrator[drive.lane()] = 0.0;
+  drive.registers().torque_offset = 0.0;
   drive.state().demand.control = ControlLoop::position;
   drive.servo().closes_position[drive.lane()] = 1.0;
   drive.servo().torque_control[drive.lane()] = 0.0;
@@ -185,6 +186,7 @@ void power_up(Drive& drive, bool initialise) noexcept {
   drive.state() = {};
   r.request = {};
   r.waits = {};
+  r.record_buffer.count = 0;
   clear_history(drive);
   set_power(drive, false);
   update_derived(drive);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "drive/habits_state.hpp"
-#include "drive/modes/cyclic_position_state.hpp"
+#include "drive/modes/cyclic_state.hpp"
 #include "drive/modes/homing_state.hpp"
 #include "drive/modes/profile_position_state.hpp"
 #include "plant/servo_block.hpp"
@@ -16,6 +16,7 @@
 #include "vdrive/motion/profile.hpp"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace vdrive {
@@ -42,9 +43,12 @@ struct MotionRequest {
   Kind kind = Kind::hold;
   ControlLoop control = ControlLoop::position;  // the loop that has to be the outermost one
   std::array<std::uint8_t, 6> unused{};
-  double target = 0.0;  // moves, follow [UU]; velocity [UU/s]; torque [‰ of rated]
+  double target = 0.0;  // moves [UU]; velocity [UU/s]; torque [‰ of rated]; follow: as `control` is
   MotionLimits limits;  // stop: the deceleration; torque: the acceleration is the slope [‰/s]
   MoveTimes times{};    // synchronous move
+  // What the servo gets beside the demand; it needs no new plan.
+  double velocity_offset = 0.0;  // added to what the position loop asks for [UU/s]
+  double torque_offset = 0.0;    // added to what the velocity loop commands [‰ of rated]
 
   friend bool operator==(const MotionRequest& a, const MotionRequest& b) noexcept {
     return a.kind == b.kind && a.target == b.target && a.limits.velocity == b.limits.velocity &&
@@ -55,7 +59,7 @@ struct MotionRequest {
 
 /// Demand generator, beside the lane of its block.
 struct DemandState {
-  double torque = 0.0;  // profile torque, at the end of the tick [‰ of rated]
+  double torque = 0.0;  // torque control, at the end of the tick [‰ of rated]
   ControlLoop control = ControlLoop::position;
   bool moving = false;     // the profile has not ended
   bool following = false;  // the demand of this tick goes to the streamed one
@@ -171,10 +175,23 @@ struct ActiveSetPoint {
   MotionLimits limits;    // that follow from them
 };
 
-/// The way to the position that is streamed in cyclic synchronous position mode.
+/// The way to the set-point that is streamed in a cyclic mode or in interpolated position mode.
 struct Interpolation {
-  std::int32_t set_point = 0;    // 607Ah, as it was when the way began
-  std::uint32_t ticks_left = 0;  // of 60C2h, behind the present tick
+  std::int32_t set_point = 0;      // with its offset, as it was when the way began
+  std::uint32_t ticks_left = 0;    // of 60C2h, behind the present tick
+  std::uint32_t period = 1;        // 60C2h of this way [ticks]
+  std::uint32_t silent_ticks = 0;  // since a set-point was written
+};
+
+/// Records of interpolated position mode that wait, at most; 60C4h:01.
+inline constexpr std::size_t kRecordBufferSize = 16;
+
+/// 60C4h: the records of interpolated position mode that wait.
+struct RecordBuffer {
+  std::array<std::int32_t, kRecordBufferSize> records{};  // 60C1h:01, from `first` round the end
+  std::uint8_t first = 0;
+  std::uint8_t count = 0;
+  std::array<std::uint8_t, 6> unused{};
 };
 
 /// Index pulses of encoder 1.
@@ -213,10 +230,13 @@ struct DriveRegisters {
   Interpolation interpolation;
   Habits habits;
   HabitWaits waits;
+  RecordBuffer record_buffer;
   IndexPulse index;
   FrameOrigins origins;
   ErrorHistory history;
   double gear_ratio = 1.0;     // 3576h over 3577h
+  double position_gain = 1.0;  // of the position loop [1/s]
+  double torque_offset = 0.0;  // part of the integrator that is an offset [UU/s²]
   SpeedLimits speed_limits{};  // as they were at transition 4
   double velocity_cap = 0.0;   // that follows from them with the gear [UU/s]
   AxisSettings settings;

@@ -34,6 +34,15 @@ MotionRequest ramp_stop(const Drive& drive, ObjectRow row) {
   return stop_with(deceleration_of(drive, row));
 }
 
+MotionRequest release_torque(const Drive& drive) {
+  return {.kind = MotionRequest::Kind::torque,
+          .control = ControlLoop::torque,
+          .target = 0.0,
+          .limits = {.velocity = 0.0,
+                     .acceleration = std::max(real(drive, "torque_slope"_object), 1.0),
+                     .deceleration = 1.0}};
+}
+
 MotionRequest limit_switch_stop(const Drive& drive) {
   return ramp_stop(drive, "quick_stop_deceleration"_object);
 }

@@ -21,6 +21,10 @@ namespace vdrive {
 /// @return the stop with the ramp in `row`.
 [[nodiscard]] MotionRequest ramp_stop(const Drive& drive, ObjectRow row);
 
+/// @return the normal stop of the modes that command a torque: it is taken back with 6087h; 0
+///         counts as 1.
+[[nodiscard]] MotionRequest release_torque(const Drive& drive);
+
 /// @return the stop that a limit switch demands: with 6085h.
 [[nodiscard]] MotionRequest limit_switch_stop(const Drive& drive);
 

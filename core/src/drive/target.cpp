@@ -9,6 +9,7 @@ namespace vdrive {
 void drop_targets(Drive& drive) {
   DriveState& s = drive.state();
   s.modes = {};
+  drive.registers().record_buffer.count = 0;
   s.target.given = false;
   s.plan_due = true;
 }

@@ -5,7 +5,7 @@
 
 namespace vdrive {
 
-/// Forgets active and buffered set-points, a streamed target and a homing run.
+/// Forgets active and buffered set-points, streamed ones and a homing run.
 void drop_targets(Drive& drive);
 
 /// Forgets the targets and takes the demand as the target: bit 10 at once, no jump.

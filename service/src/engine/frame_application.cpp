@@ -45,6 +45,12 @@ constexpr std::array<RegisterMember, 6> kRegisterMembers{{
      }},
 }};
 
+/// A lost connection cannot be taken back by a write, neither can a record that was added or
+/// dropped.
+constexpr bool is_undoable(Change change) {
+  return change != Change::connection && change != Change::record && change != Change::records;
+}
+
 constexpr std::uint16_t kKnownMembers = [] {
   std::uint16_t members = msg::HAS_DS402_CONTROLWORD;
   for (const auto& member : kRegisterMembers) {
@@ -188,10 +194,9 @@ bool FrameApplication::apply_registers(const msg::AxisCommand& command, std::siz
 bool FrameApplication::apply_register(std::size_t axis, ObjectRow row, std::int64_t value,
                                       bool undoable) {
   // The controlword has a member, whose place is last. Storing is answered when it is durable, and
-  // frames are answered at once. A lost connection cannot be taken back.
+  // frames are answered at once.
   const Change change = describe(row).change;
-  if (change == Change::power || change == Change::memory ||
-      (undoable && change == Change::connection)) {
+  if (change == Change::power || change == Change::memory || (undoable && !is_undoable(change))) {
     refuse(axes_.number_of(axis), describe(row).address, AbortCode::cannot_be_mapped_to_pdo);
     return false;
   }

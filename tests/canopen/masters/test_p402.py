@@ -241,7 +241,7 @@ def test_it_resets_a_fault(drive, client, node):
 
 
 def test_a_mode_that_the_drive_does_not_have_is_refused(drive, client, node):
-    assert not client.read(node, 0x6502) >> 7 - 1 & 1  # interpolated position
+    assert not client.read(node, 0x6502) >> 5 - 1 & 1  # reserved by CiA 402-2
     with pytest.raises(SdoAbort) as refusal:
-        client.write(node, 0x6060, 0, 7, 1)
+        client.write(node, 0x6060, 0, 5, 1)
     assert refusal.value.code == 0x06090030

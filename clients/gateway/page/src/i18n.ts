@@ -267,7 +267,10 @@ const MODES: Record<(typeof OPERATING_MODES)[number]["mode"], string> = {
   3: "轮廓速度",
   4: "轮廓转矩",
   6: "回零",
+  7: "插补位置",
   8: "周期同步位置",
+  9: "周期同步速度",
+  10: "周期同步转矩",
 };
 
 /** Names of bits as the gateway gives them; the ones of a newer gateway stay English. */
@@ -289,6 +292,7 @@ const BITS: Record<string, string> = {
   "homing attained": "回零完成",
   "homing error": "回零错误",
   "follows command": "跟随指令",
+  "interpolation active": "插补有效",
   "switch on": "接通",
   "enable voltage": "使能电压",
   "enable operation": "使能运行",
@@ -298,6 +302,7 @@ const BITS: Record<string, string> = {
   "change set immediately": "立即更改",
   relative: "相对",
   "start homing": "开始回零",
+  "enable interpolation": "使能插补",
 };
 
 let chosen: Language = "en";

@@ -44,7 +44,7 @@ struct GroupStatus {
   /// 6064h of each axis [UU].
   [[nodiscard]] Eigen::VectorXd actual() const;
 
-  /// In cyclic streaming: the axes whose demand is not the streamed position (bit 12 = 0).
+  /// In cyclic streaming: the axes that do not follow the streamed set-point (bit 12 = 0).
   [[nodiscard]] std::vector<AxisId> not_following() const;
 };
 
@@ -73,11 +73,19 @@ struct GroupMoveOptions {
   GroupCallOptions call{};
 };
 
-/// How a group streams positions.
+/// What a group streams, each in its cyclic synchronous mode.
+enum class Streamed : std::uint8_t {
+  positions,   ///< 607Ah [UU], 6060h = 8
+  velocities,  ///< 60FFh [UU/s], 6060h = 9
+  torques,     ///< 6071h [‰ of rated torque], 6060h = 10
+};
+
+/// How a group streams set-points.
 struct StreamOptions {
-  /// In real time each position goes this far ahead of its tick.
+  /// In real time each set-point goes this far ahead of its tick.
   std::chrono::nanoseconds lead = std::chrono::milliseconds(10);
-  Pace pace = Pace::drive;  ///< lock-step: whether each position steps one tick
+  Pace pace = Pace::drive;  ///< lock-step: whether each set-point steps one tick
+  Streamed what = Streamed::positions;
 };
 
 /// Axes that move together, on one bench or on several that share a clock. A handle: copies refer
@@ -173,20 +181,21 @@ class AxisGroup {
   /// @return refused, naming the first axis whose cause persists.
   Outcome reset_all(const GroupCallOptions& options = {});
 
-  /// Cyclic synchronous position mode (6060h = 8) on every axis, from rest. They stay where they
-  /// are until the first position comes.
+  /// The cyclic synchronous mode of `options.what` on every axis, from rest, without offsets
+  /// (60B0h, 60B1h, 60B2h) and with 60C2h = one tick. They stay where they are until the first
+  /// set-point comes.
   Outcome start_streaming(const StreamOptions& options = {});
 
-  /// The positions of the next tick [UU, rounded], one frame a bench. In lock-step it steps one
-  /// tick and returns its state, with Pace::observe the state before that tick. In real time it
-  /// waits until the bench has come within `lead` of the tick before, which paces the caller, and
-  /// returns the newest state.
-  /// @return failed when an axis failed (the others are stopped), refused when a position came
-  /// late.
-  Result<GroupStatus> stream(const Eigen::VectorXd& positions);
+  /// The set-points of the next tick, rounded to whole ones, one frame a bench. In lock-step it
+  /// steps one tick and returns its state, with Pace::observe the state before that tick. In real
+  /// time it waits until the bench has come within `lead` of the tick before, which paces the
+  /// caller, and returns the newest state. A velocity or a torque stays until the next one.
+  /// @return failed when an axis failed (the others are stopped), refused when a set-point came
+  ///         late or does not fit in its object.
+  Result<GroupStatus> stream(const Eigen::VectorXd& set_points);
 
   /// Back to profile position mode; the axes brake to rest where the stream left them moving.
-  /// @return refused, after that, when one of the last positions came late and was not run.
+  /// @return refused, after that, when one of the last set-points came late and was not run.
   Outcome stop_streaming(const GroupCallOptions& options = {});
 
  private:

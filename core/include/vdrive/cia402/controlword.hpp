@@ -13,6 +13,7 @@ struct Controlword {
   static constexpr std::uint16_t kEnableOperation = 1U << 3U;
   static constexpr std::uint16_t kNewSetPoint = 1U << 4U;           ///< profile position
   static constexpr std::uint16_t kStartHoming = 1U << 4U;           ///< homing
+  static constexpr std::uint16_t kEnableInterpolation = 1U << 4U;   ///< interpolated position
   static constexpr std::uint16_t kChangeSetImmediately = 1U << 5U;  ///< profile position
   static constexpr std::uint16_t kRelative = 1U << 6U;              ///< profile position
   static constexpr std::uint16_t kFaultReset = 1U << 7U;

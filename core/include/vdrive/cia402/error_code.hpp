@@ -18,6 +18,7 @@ enum class ErrorCode : std::uint16_t {
   incremental_sensor_1_fault = 0x7305,
   life_guard_or_heartbeat = 0x8130,
   following_error = 0x8611,
+  sync_controller = 0x8700,
 };
 
 /// @return every error that the drive can have, by number; without `none`.

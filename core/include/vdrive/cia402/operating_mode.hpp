@@ -18,7 +18,10 @@ enum class OperatingMode : std::int8_t {
   profile_velocity = 3,
   profile_torque = 4,
   homing = 6,
+  interpolated_position = 7,
   cyclic_synchronous_position = 8,
+  cyclic_synchronous_velocity = 9,
+  cyclic_synchronous_torque = 10,
 };
 
 /// A bit of the controlword 6040h or the statusword 6041h and its name, such as "speed zero".
@@ -33,11 +36,13 @@ struct OperatingModeRow {
   std::string_view name;                  ///< the standard's
   std::array<BitName, 2> status_bits{};   ///< of 6041h that it reads in its own way
   std::array<BitName, 3> control_bits{};  ///< likewise of 6040h
+  bool has_target = true;                 ///< bit 10 of 6041h says whether a target is reached
+  bool commands_torque = false;           ///< an axis that stands may press with a torque
 };
 
 /// Every operating mode, by rising number: 6502h, the values of 6060h and all names follow from it.
 inline constexpr std::array kOperatingModes{
-    OperatingModeRow{.mode = OperatingMode::none, .name = "none"},
+    OperatingModeRow{.mode = OperatingMode::none, .name = "none", .has_target = false},
     OperatingModeRow{
         .mode = OperatingMode::profile_position,
         .name = "profile position",
@@ -48,15 +53,32 @@ inline constexpr std::array kOperatingModes{
     OperatingModeRow{.mode = OperatingMode::profile_velocity,
                      .name = "profile velocity",
                      .status_bits = {{{Statusword::kSpeedZero, "speed zero"}}}},
-    OperatingModeRow{.mode = OperatingMode::profile_torque, .name = "profile torque"},
+    OperatingModeRow{.mode = OperatingMode::profile_torque,
+                     .name = "profile torque",
+                     .commands_torque = true},
     OperatingModeRow{.mode = OperatingMode::homing,
                      .name = "homing",
                      .status_bits = {{{Statusword::kHomingAttained, "homing attained"},
                                       {Statusword::kHomingError, "homing error"}}},
                      .control_bits = {{{Controlword::kStartHoming, "start homing"}}}},
+    OperatingModeRow{
+        .mode = OperatingMode::interpolated_position,
+        .name = "interpolated position",
+        .status_bits = {{{Statusword::kInterpolationActive, "interpolation active"}}},
+        .control_bits = {{{Controlword::kEnableInterpolation, "enable interpolation"}}}},
     OperatingModeRow{.mode = OperatingMode::cyclic_synchronous_position,
                      .name = "cyclic synchronous position",
-                     .status_bits = {{{Statusword::kFollowsCommand, "follows command"}}}},
+                     .status_bits = {{{Statusword::kFollowsCommand, "follows command"}}},
+                     .has_target = false},
+    OperatingModeRow{.mode = OperatingMode::cyclic_synchronous_velocity,
+                     .name = "cyclic synchronous velocity",
+                     .status_bits = {{{Statusword::kFollowsCommand, "follows command"}}},
+                     .has_target = false},
+    OperatingModeRow{.mode = OperatingMode::cyclic_synchronous_torque,
+                     .name = "cyclic synchronous torque",
+                     .status_bits = {{{Statusword::kFollowsCommand, "follows command"}}},
+                     .has_target = false,
+                     .commands_torque = true},
 };
 
 static_assert(std::ranges::is_sorted(kOperatingModes, {}, &OperatingModeRow::mode));

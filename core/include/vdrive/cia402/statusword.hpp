@@ -23,6 +23,7 @@ struct Statusword {
   static constexpr std::uint16_t kSetPointAcknowledge = 1U << 12U;  ///< profile position
   static constexpr std::uint16_t kSpeedZero = 1U << 12U;            ///< profile velocity
   static constexpr std::uint16_t kHomingAttained = 1U << 12U;       ///< homing
+  static constexpr std::uint16_t kInterpolationActive = 1U << 12U;  ///< interpolated position
   static constexpr std::uint16_t kFollowsCommand = 1U << 12U;       ///< cyclic modes
   static constexpr std::uint16_t kFollowingError = 1U << 13U;       ///< with closed position loop
   static constexpr std::uint16_t kHomingError = 1U << 13U;          ///< homing

@@ -27,7 +27,8 @@ enum class Storage : std::uint8_t { not_stored, flash };
 enum class Effective : std::uint8_t {
   read_only,     ///< never written
   immediately,   ///< in the tick in which the write is in force
-  at_set_point,  ///< latched with the rising edge of controlword bit 4; in mode 8 with a new 607Ah
+  at_set_point,  ///< latched with the rising edge of controlword bit 4; in modes 7 to 10 with a
+                 ///< new set-point
   at_enable,     ///< with the next transition 4
 };
 
@@ -61,6 +62,8 @@ enum class Change : std::uint8_t {
   planned_target,  ///< the mode in force takes it as its target and plans again
   power,           ///< the power state machine, and what the mode in force commands (6040h)
   mode,            ///< the operating mode (6060h)
+  record,          ///< the mode in force takes it as the next one of its records (60C1h:01)
+  records,         ///< waiting records of interpolated position are dropped (60C4h)
   history,         ///< the error history is cleared (1003h)
   habits,          ///< how the drive reads the standard (5E20h)
   connection,      ///< 0 -> 1 loses the connection to the master (5E0Ah)

@@ -11,11 +11,11 @@ namespace vdrive {
 /// The object dictionary: each object stands here once. Rows of the manual first name their
 /// category as the manual does; companion rows are those that the drive needs beside them
 /// (CiA 301 communication objects, CiA 402 objects, the test-bench inputs 5E00h..5E0Ah, the
-/// synchronous move 5E10h, the speed limit of the motor 5E11h and the habits of other drives
-/// 5E20h).
+/// synchronous move 5E10h, the speed limit of the motor 5E11h, missing set-points 5E12h and the
+/// habits of other drives 5E20h).
 /// Sorted by index and sub-index.
 // clang-format off
-inline constexpr std::array<ObjectDescription, 114> kObjectTable{{
+inline constexpr std::array<ObjectDescription, 127> kObjectTable{{
     {{0x1000, 0x00}, "Device Type", "设备类型", "Device", "device_type",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 131474, "-", Origin::companion},
     {{0x1001, 0x00}, "Error Register", "错误寄存器", "Device", "error_register",
@@ -100,6 +100,10 @@ inline constexpr std::array<ObjectDescription, 114> kObjectTable{{
      DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "us", Origin::companion, Role::parameter, Change::nothing},
     {{0x5E11, 0x00}, "Motor Speed Limit", "电机速度限制", "Motor", "motor_speed_limit",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 136533, "VelUU", Origin::companion},
+    {{0x5E12, 0x01}, "Missing Set-Points Extrapolated", "缺失设定点：外推数", "Service", "missing_set_points_extrapolated",
+     DataType::unsigned8, Access::read_write, Storage::flash, Effective::immediately, 0, 255, 0, "-", Origin::companion, Role::parameter, Change::nothing},
+    {{0x5E12, 0x02}, "Missing Set-Points Until Fault", "缺失设定点：故障数", "Service", "missing_set_points_until_fault",
+     DataType::unsigned8, Access::read_write, Storage::flash, Effective::immediately, 0, 255, 0, "-", Origin::companion, Role::parameter, Change::nothing},
     {{0x5E20, 0x01}, "Habit Acknowledge At Enabling", "习性：使能即应答", "Test", "habit_acknowledge_at_enabling",
      DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
     {{0x5E20, 0x02}, "Habit Stream Release Bits", "习性：位流需释放位", "Test", "habit_stream_release_bits",
@@ -220,10 +224,32 @@ inline constexpr std::array<ObjectDescription, 114> kObjectTable{{
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 3413, "VelUU", Origin::companion, Role::parameter, Change::plan},
     {{0x609A, 0x00}, "Homing Acceleration", "回零加速度", "Service", "homing_acceleration",
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 409600, "AccUU", Origin::companion, Role::parameter, Change::plan},
+    {{0x60B0, 0x00}, "Position Offset", "位置偏置", "Output", "position_offset",
+     DataType::integer32, Access::read_write, Storage::not_stored, Effective::immediately, -2147483648, 2147483647, 0, "PosUU", Origin::companion, Role::command, Change::target},
+    {{0x60B1, 0x00}, "Velocity Offset", "速度偏置", "Output", "velocity_offset",
+     DataType::integer32, Access::read_write, Storage::not_stored, Effective::immediately, -2147483648, 2147483647, 0, "VelUU", Origin::companion, Role::command, Change::target},
+    {{0x60B2, 0x00}, "Torque Offset", "转矩偏置", "Output", "torque_offset",
+     DataType::integer16, Access::read_write, Storage::not_stored, Effective::immediately, -32768, 32767, 0, "0.1 % of rated", Origin::companion, Role::command, Change::target},
+    {{0x60C0, 0x00}, "Interpolation Sub Mode Select", "插补子模式选择", "App", "interpolation_sub_mode_select",
+     DataType::integer16, Access::read_write, Storage::flash, Effective::immediately, -32768, 32767, 0, "-", Origin::companion, Role::parameter, Change::nothing},
+    {{0x60C1, 0x01}, "Interpolation Data Record", "插补数据记录", "Output", "interpolation_data_record",
+     DataType::integer32, Access::read_write, Storage::not_stored, Effective::immediately, -2147483648, 2147483647, 0, "PosUU", Origin::companion, Role::command, Change::record},
     {{0x60C2, 0x01}, "Interpolation Time Period", "插补时间周期", "App", "interpolation_time_period",
      DataType::unsigned8, Access::read_write, Storage::flash, Effective::at_set_point, 0, 255, 0, "s x 10^index", Origin::companion, Role::parameter, Change::nothing},
     {{0x60C2, 0x02}, "Interpolation Time Index", "插补时间指数", "App", "interpolation_time_index",
      DataType::integer8, Access::read_write, Storage::flash, Effective::at_set_point, -6, 0, -3, "-", Origin::companion, Role::parameter, Change::nothing},
+    {{0x60C4, 0x01}, "Interpolation Buffer Maximum Size", "插补缓冲最大容量", "App", "interpolation_buffer_maximum_size",
+     DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 16, "-", Origin::companion},
+    {{0x60C4, 0x02}, "Interpolation Buffer Actual Size", "插补缓冲实际容量", "App", "interpolation_buffer_size",
+     DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 1, 16, 1, "-", Origin::companion, Role::parameter, Change::records},
+    {{0x60C4, 0x03}, "Interpolation Buffer Organization", "插补缓冲组织", "App", "interpolation_buffer_organization",
+     DataType::unsigned8, Access::read_write, Storage::flash, Effective::immediately, 0, 255, 0, "-", Origin::companion, Role::parameter, Change::nothing},
+    {{0x60C4, 0x04}, "Interpolation Buffer Position", "插补缓冲位置", "App", "interpolation_buffer_position",
+     DataType::unsigned16, Access::read_only, Storage::not_stored, Effective::read_only, 0, 65535, 0, "-", Origin::companion},
+    {{0x60C4, 0x05}, "Interpolation Buffer Record Size", "插补缓冲记录长度", "App", "interpolation_buffer_record_size",
+     DataType::unsigned8, Access::read_write, Storage::flash, Effective::immediately, 0, 255, 4, "-", Origin::companion, Role::parameter, Change::nothing},
+    {{0x60C4, 0x06}, "Interpolation Buffer Clear", "插补缓冲清除", "App", "interpolation_buffer_clear",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::parameter, Change::records},
     {{0x60C5, 0x00}, "Application Acceleration Limit", "应用加速度限制", "Service", "app_acc_limit",
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 4294967040, "AccUU（加速度单位转换，用户单位）", Origin::manual},
     {{0x60C6, 0x00}, "Application Deceleration Limit", "应用减速度限制", "Service", "app_dec_limit",

@@ -7,7 +7,6 @@
 #include "rounding.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace vdrive {
 namespace {
@@ -19,17 +18,11 @@ void take_torque(Drive& drive, ObjectRow row) {
   if (row == "target_torque"_object) drive.state().target.given_up = false;
 }
 
-/// @return whether the axis itself runs into a limit switch; at or below 606Fh it stands.
-bool runs_in(const Drive& drive) {
-  const double speed = actual_velocity(drive);
-  const auto threshold = static_cast<double>(drive.state().window.threshold);
-  return std::abs(speed) > threshold && runs_into_limit_switch(drive, speed);
-}
-
 /// A torque leads where it points; without one the axis leads where it moves by itself.
 void advance(Drive& drive) {
   const double target = real(drive, "target_torque"_object);
-  heed_limit_switch(drive, target != 0.0 || !runs_in(drive) ? target : actual_velocity(drive));
+  const bool drifts = target == 0.0 && drifts_into_limit_switch(drive);
+  heed_limit_switch(drive, drifts ? actual_velocity(drive) : target);
 }
 
 /// To `target` by the slope 6087h; 0 counts as 1.
@@ -42,16 +35,13 @@ MotionRequest torque_to(const Drive& drive, double target) {
                      .deceleration = 1.0}};
 }
 
-/// The normal ramp takes the torque back.
-MotionRequest normal_stop(const Drive& drive) {
-  return torque_to(drive, 0.0);
-}
-
 /// A limit switch is stronger than halt.
 MotionRequest ask(const Drive& drive) {
-  if (drive.state().target.given_up || runs_in(drive)) return limit_switch_stop(drive);
+  if (drive.state().target.given_up || drifts_into_limit_switch(drive)) {
+    return limit_switch_stop(drive);
+  }
   if (halted(drive)) {
-    return stop_by_option(drive, reg(drive, "halt_option_code"_object), normal_stop(drive));
+    return stop_by_option(drive, reg(drive, "halt_option_code"_object), release_torque(drive));
   }
   return torque_to(drive, real(drive, "target_torque"_object));
 }
@@ -76,7 +66,7 @@ constinit const Mode kProfileTorque{.normal_ramp = "profile_dec"_object,
                                     .take_target = take_torque,
                                     .advance = advance,
                                     .ask = ask,
-                                    .normal_stop = normal_stop,
+                                    .normal_stop = release_torque,
                                     .status_bits = status_bits,
                                     .evolves = evolves};
 

@@ -623,7 +623,19 @@ export const OPERATING_MODES = [
     "name": "homing"
   },
   {
+    "mode": 7,
+    "name": "interpolated position"
+  },
+  {
     "mode": 8,
     "name": "cyclic synchronous position"
+  },
+  {
+    "mode": 9,
+    "name": "cyclic synchronous velocity"
+  },
+  {
+    "mode": 10,
+    "name": "cyclic synchronous torque"
   }
 ] as const;

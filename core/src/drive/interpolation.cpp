@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/interpolation.hpp"
+
+#include "drive/limits.hpp"
+#include "drive/power.hpp"
+#include "drive/registers.hpp"
+#include "rounding.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+namespace vdrive {
+namespace {
+
+using namespace vdrive::literals;
+
+constexpr std::int64_t kLowestTimeIndex = -6;  // of 60C2h:02
+
+/// [us] by 60C2h:02, from the lowest one to 0.
+constexpr std::array<std::int64_t, 7> kInterpolationUnits{1,      10,      100,      1'000,
+                                                          10'000, 100'000, 1'000'000};
+
+static_assert(describe("interpolation_time_index"_object).lower_limit == kLowestTimeIndex &&
+                  describe("interpolation_time_index"_object).upper_limit == 0 &&
+                  static_cast<std::int64_t>(kInterpolationUnits.size()) == 1 - kLowestTimeIndex,
+              "each value of 60C2h:02 has its unit");
+
+/// @return 60C2h in ticks; 0 and 1 both mean the present tick.
+std::uint32_t interpolation_ticks(const Drive& drive) {
+  // In a snapshot of a file a register may have any value.
+  const std::int64_t index =
+      std::clamp<std::int64_t>(reg(drive, "interpolation_time_index"_object), kLowestTimeIndex, 0);
+  const std::int64_t unit = kInterpolationUnits[static_cast<std::size_t>(index - kLowestTimeIndex)];
+  return ticks_of_us(drive, unit * unsigned_reg(drive, "interpolation_time_period"_object));
+}
+
+/// @return how many set-points in a row have not come: one is due 60C2h after the last.
+std::uint32_t missing_set_points(const Drive& drive) {
+  const Interpolation& way = drive.registers().interpolation;
+  return way.silent_ticks / std::max<std::uint32_t>(way.period, 1);
+}
+
+/// What becomes of a position demand while no set-point comes.
+enum class Gap : std::uint8_t {
+  none,          // it stays on the last set-point
+  extrapolated,  // it goes on at its velocity
+  ended,         // it stays where the extrapolation has ended
+};
+
+Gap gap_of(const Drive& drive) {
+  const std::int64_t most = reg(drive, "missing_set_points_extrapolated"_object);
+  const std::uint32_t missing = missing_set_points(drive);
+  if (most == 0 || missing == 0) return Gap::none;
+  return missing <= most ? Gap::extrapolated : Gap::ended;
+}
+
+/// The position demand that goes on at its velocity, up to 607Dh.
+double extrapolated_position(const Drive& drive) {
+  const double period = drive.timing().period_us * 1.0e-6;
+  const double next = demand_position(drive) + demand_velocity(drive) * period;
+  const double shown = wrapped(next);
+  return next + (within_software_limits(drive, shown) - shown);
+}
+
+double next_position(const Drive& drive, std::int32_t set_point) {
+  switch (gap_of(drive)) {
+    case Gap::extrapolated:
+      return extrapolated_position(drive);
+    case Gap::ended:
+      return demand_position(drive);
+    case Gap::none:
+      break;
+  }
+  return part_of_way(drive, demand_position(drive), streamed_position(drive, set_point));
+}
+
+}  // namespace
+
+void note_set_point(Drive& drive) {
+  DriveState& s = drive.state();
+  if (!operation_enabled(drive)) {
+    end_stream(drive);
+    return;
+  }
+  CyclicState& cyclic = s.modes.cyclic;
+  if (cyclic.stream == Stream::none) cyclic.stream = Stream::begins;
+  cyclic.written = true;
+  s.attention = true;
+}
+
+void end_stream(Drive& drive) {
+  drive.state().modes.cyclic = {};
+}
+
+bool take_set_point(Drive& drive, std::int32_t set_point) {
+  CyclicState& cyclic = drive.state().modes.cyclic;
+  Interpolation& way = drive.registers().interpolation;
+  // An extrapolated demand has left the last set-point, which may come again.
+  const bool comes_back = cyclic.written && gap_of(drive) != Gap::none;
+  if (cyclic.stream == Stream::begins || comes_back || set_point != way.set_point) {
+    const std::uint32_t ticks = interpolation_ticks(drive);
+    way.set_point = set_point;
+    way.ticks_left = ticks;
+    way.period = std::max<std::uint32_t>(ticks, 1);
+    cyclic.stream = Stream::runs;
+  }
+  if (way.ticks_left != 0) --way.ticks_left;
+  if (cyclic.written) {
+    way.silent_ticks = 0;
+  } else if (way.silent_ticks != kSaturatedCount) {
+    ++way.silent_ticks;
+  }
+  cyclic.written = false;
+  const std::int64_t fatal = reg(drive, "missing_set_points_until_fault"_object);
+  if (fatal == 0 || missing_set_points(drive) < fatal) return true;
+  raise_fault(drive, ErrorCode::sync_controller);
+  return false;
+}
+
+double part_of_way(const Drive& drive, double start, double target) {
+  const std::uint32_t ticks_left = drive.registers().interpolation.ticks_left;
+  if (ticks_left == 0) return target;
+  return start + (target - start) / (static_cast<double>(ticks_left) + 1.0);
+}
+
+double streamed_position(const Drive& drive, std::int32_t set_point) {
+  const double goal = within_software_limits(drive, set_point);
+  const double whole = nearest(demand_position(drive));
+  return whole + (drive.state().limits.enabled ? goal - wrapped(whole)
+                                               : static_cast<double>(wrapped(goal - whole)));
+}
+
+MotionRequest follow_position(const Drive& drive, std::int32_t set_point) {
+  return {
+      .kind = MotionRequest::Kind::follow,
+      .target = next_position(drive, set_point),
+      .limits = {
+          .velocity = drive.registers().velocity_cap, .acceleration = 1.0, .deceleration = 1.0}};
+}
+
+bool follows_position(const Drive& drive, std::int32_t set_point) {
+  const TargetState& target = drive.state().target;
+  const DriveRegisters& registers = drive.registers();
+  if (!drive.state().demand.following || gap_of(drive) != Gap::none) return false;
+  if (registers.interpolation.ticks_left == 0) return wrapped(target.position) == set_point;
+  const double wanted = set_point;
+  return target.position == registers.request.target &&
+         within_software_limits(drive, wanted) == wanted;
+}
+
+}  // namespace vdrive

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/modes/cyclic_torque.hpp"
+
+#include "drive/interpolation.hpp"
+#include "drive/stops.hpp"
+#include "vdrive/cia402/statusword.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace vdrive {
+namespace {
+
+using namespace vdrive::literals;
+
+/// A command that is further away from its demand is held back [‰ of rated].
+constexpr double kHeldBack = 0.5;
+
+/// 6071h and 60B2h.
+std::int32_t set_point(const Drive& drive) {
+  return static_cast<std::int32_t>(reg(drive, "target_torque"_object) +
+                                   reg(drive, "torque_offset"_object));
+}
+
+void take_torque(Drive& drive, ObjectRow row) {
+  if (row == "target_torque"_object) note_set_point(drive);
+}
+
+/// A torque leads where it points; without one the axis leads where it moves by itself. It goes on
+/// without a master: halt ends the stream, and what is written later streams again.
+void advance(Drive& drive) {
+  if (!obeys_mode(drive) || !is_streaming(drive)) return;
+  if (halted(drive)) {
+    end_stream(drive);
+    return;
+  }
+  drive.state().target.given_up = false;
+  if (!take_set_point(drive, set_point(drive))) return;
+  const double torque = set_point(drive);
+  const bool drifts = torque == 0.0 && drifts_into_limit_switch(drive);
+  if (heed_limit_switch(drive, drifts ? actual_velocity(drive) : torque)) end_stream(drive);
+}
+
+/// The torque that a way begins with: another loop hands over what it commands.
+double demand_torque(const Drive& drive) {
+  const DemandState& demand = drive.state().demand;
+  return demand.control == ControlLoop::torque ? demand.torque : commanded_torque(drive);
+}
+
+/// An axis that has no torque to take back yet is held.
+MotionRequest halt(const Drive& drive) {
+  const std::int64_t option = reg(drive, "halt_option_code"_object);
+  const bool has_torque = drive.state().demand.control == ControlLoop::torque;
+  return option == 1 && !has_torque ? ramp_stop(drive, "profile_dec"_object)
+                                    : stop_by_option(drive, option, release_torque(drive));
+}
+
+/// A limit switch is stronger than halt.
+MotionRequest ask(const Drive& drive) {
+  if (drive.state().target.given_up || drifts_into_limit_switch(drive)) {
+    return limit_switch_stop(drive);
+  }
+  if (halted(drive)) return halt(drive);
+  if (!is_streaming(drive)) return ramp_stop(drive, "profile_dec"_object);
+  const double target = within_torque_limits(drive, set_point(drive));
+  return {.kind = MotionRequest::Kind::follow,
+          .control = ControlLoop::torque,
+          .target = part_of_way(drive, demand_torque(drive), target),
+          .limits = {.velocity = 0.0, .acceleration = 1.0, .deceleration = 1.0}};
+}
+
+/// Bit 12: the command is the streamed torque, or on its way there; neither a stop nor a limit
+/// keeps it away. The last sub-step of a tick commands one step less than its end.
+std::uint16_t status_bits(const Drive& drive) {
+  const DriveState& s = drive.state();
+  const std::size_t l = drive.lane();
+  const double step = drive.servo().torque_step[l] * drive.block().units.torque_per_mille[l];
+  const double wanted = set_point(drive);
+  const bool follows =
+      s.demand.following && within_torque_limits(drive, wanted) == wanted &&
+      std::abs(s.demand.torque - step - commanded_torque(drive)) <= kHeldBack;
+  return follows ? Statusword::kFollowsCommand : 0U;
+}
+
+/// Each tick goes a piece of the way, and the speed may take the axis to a limit switch.
+bool evolves(const Drive& drive) {
+  return drive.state().power.on;
+}
+
+}  // namespace
+
+constinit const Mode kCyclicTorque{.normal_ramp = "profile_dec"_object,
+                                   .command = ignore_edge,
+                                   .take_target = take_torque,
+                                   .advance = advance,
+                                   .ask = ask,
+                                   .normal_stop = release_torque,
+                                   .status_bits = status_bits,
+                                   .evolves = evolves};
+
+}  // namespace vdrive

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "drive/mode.hpp"
+
+namespace vdrive {
+
+/// Cyclic synchronous torque (6061h = 10): 6071h is streamed, bounded by 607Fh.
+extern const Mode kCyclicTorque;
+
+}  // namespace vdrive

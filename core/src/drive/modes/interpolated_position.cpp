@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/modes/interpolated_position.hpp"
+
+#include "drive/interpolation.hpp"
+#include "drive/stops.hpp"
+#include "drive/window.hpp"
+#include "vdrive/cia402/controlword.hpp"
+#include "vdrive/cia402/statusword.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+namespace vdrive {
+namespace {
+
+using namespace vdrive::literals;
+
+static_assert(describe("interpolation_buffer_maximum_size"_object).default_value ==
+                      static_cast<std::int64_t>(kRecordBufferSize) &&
+                  describe("interpolation_buffer_size"_object).upper_limit ==
+                      static_cast<std::int64_t>(kRecordBufferSize),
+              "60C4h shows the buffer that the drive has");
+
+/// Bit 12, interpolation active: bit 4 asks for it, and no stop is stronger.
+bool interpolates(const Drive& drive) {
+  return obeys_mode(drive) && !halted(drive) &&
+         (drive.state().controlword & Controlword::kEnableInterpolation) != 0;
+}
+
+/// 60C4h:02 = 1: no record waits for another one, each begins its way at once, as in mode 8.
+bool has_buffer(const Drive& drive) {
+  return reg(drive, "interpolation_buffer_size"_object) > 1;
+}
+
+/// Whatever a snapshot of a file says.
+std::size_t waiting_records(const Drive& drive) {
+  return std::min<std::size_t>(drive.registers().record_buffer.count, kRecordBufferSize);
+}
+
+/// @return whether a record may be added: 60C4h:06 has opened the buffer, and it is not full.
+bool has_room(const Drive& drive) {
+  const std::size_t size = std::min<std::size_t>(
+      unsigned_reg(drive, "interpolation_buffer_size"_object), kRecordBufferSize);
+  return reg(drive, "interpolation_buffer_clear"_object) != 0 && waiting_records(drive) < size;
+}
+
+/// Records are taken in Operation enabled, also while bit 4 is 0. Without a buffer a record that no
+/// tick has taken is replaced by the next one.
+void take_record(Drive& drive, ObjectRow row) {
+  if (row != "interpolation_data_record"_object || !operation_enabled(drive)) return;
+  const bool buffers = has_buffer(drive);
+  if (buffers && !has_room(drive)) {
+    ++drive.state().ignored_set_points;
+    return;
+  }
+  RecordBuffer& buffer = drive.registers().record_buffer;
+  const std::size_t count = buffers ? waiting_records(drive) : 0;
+  const std::size_t place = (buffer.first + count) % kRecordBufferSize;
+  buffer.records[place] =
+      static_cast<std::int32_t>(reg(drive, "interpolation_data_record"_object));
+  buffer.count = static_cast<std::uint8_t>(count + 1U);
+}
+
+/// The first record of the buffer begins its way where the last one has ended. Without a buffer it
+/// begins at once, and the same record again is no other.
+void pull_record(Drive& drive) {
+  CyclicState& cyclic = drive.state().modes.cyclic;
+  RecordBuffer& buffer = drive.registers().record_buffer;
+  Interpolation& way = drive.registers().interpolation;
+  const bool buffers = has_buffer(drive);
+  const std::size_t count = waiting_records(drive);
+  if (count == 0 || (buffers && is_streaming(drive) && way.ticks_left != 0)) return;
+  const std::size_t first = buffer.first % kRecordBufferSize;
+  const std::int32_t record = buffer.records[first];
+  buffer.first = static_cast<std::uint8_t>((first + 1U) % kRecordBufferSize);
+  buffer.count = static_cast<std::uint8_t>(count - 1U);
+  cyclic.written = true;
+  if (!buffers && is_streaming(drive) && record == way.set_point) return;
+  way.set_point = record;
+  cyclic.stream = Stream::begins;
+}
+
+/// @return the record that the demand goes to.
+std::int32_t present_record(const Drive& drive) {
+  return drive.registers().interpolation.set_point;
+}
+
+/// Bit 4 is a level, which each tick reads.
+void command(Drive& /*drive*/, const WrittenControlword& /*word*/) {}
+
+/// A record moves the axis once: the way that the end of the interpolation has interrupted is
+/// forgotten, and what no tick has taken yet waits.
+void advance(Drive& drive) {
+  DriveState& s = drive.state();
+  if (!interpolates(drive)) {
+    end_stream(drive);
+    return;
+  }
+  pull_record(drive);
+  if (!is_streaming(drive)) return;
+  s.target.given_up = false;
+  if (!take_set_point(drive, present_record(drive))) return;
+  const double target = streamed_position(drive, present_record(drive));
+  if (heed_limit_switch(drive, target - demand_position(drive))) {
+    end_stream(drive);
+    drive.registers().record_buffer.count = 0;
+  }
+}
+
+/// A limit switch is stronger than halt.
+MotionRequest ask(const Drive& drive) {
+  if (drive.state().target.given_up || runs_into_limit_switch(drive, demand_velocity(drive))) {
+    return limit_switch_stop(drive);
+  }
+  const MotionRequest normal = ramp_stop(drive, "profile_dec"_object);
+  if (halted(drive)) {
+    return stop_by_option(drive, reg(drive, "halt_option_code"_object), normal);
+  }
+  return interpolates(drive) && is_streaming(drive) ? follow_position(drive, present_record(drive))
+                                                    : normal;
+}
+
+/// 6067h and 6068h around the last record.
+void watch(Drive& drive) {
+  watch_target_window(drive);
+}
+
+/// @return whether the axis is where the last record says, and none waits.
+bool is_at_last_record(const Drive& drive) {
+  const DriveState& s = drive.state();
+  const bool has_way = is_streaming(drive) && drive.registers().interpolation.ticks_left != 0;
+  const WindowState& window = s.window;
+  return !s.demand.moving && !has_way && waiting_records(drive) == 0 &&
+         (window.position == kWindowOff || window.dwell > window.position_ticks);
+}
+
+/// Bit 10: the last record is reached, under halt standstill; bit 12: interpolation active.
+std::uint16_t status_bits(const Drive& drive) {
+  const bool reached = halted(drive) ? at_rest(drive) : is_at_last_record(drive);
+  return static_cast<std::uint16_t>(reached_when(reached) |
+                                    (interpolates(drive) ? Statusword::kInterpolationActive : 0U));
+}
+
+/// Each tick goes a piece of the way.
+bool evolves(const Drive& drive) {
+  return drive.state().power.on;
+}
+
+}  // namespace
+
+constinit const Mode kInterpolatedPosition{.normal_ramp = "profile_dec"_object,
+                                           .command = command,
+                                           .take_target = take_record,
+                                           .advance = advance,
+                                           .ask = ask,
+                                           .watch = watch,
+                                           .status_bits = status_bits,
+                                           .evolves = evolves};
+
+}  // namespace vdrive

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cyclic synchronous velocity mode (6060h = 9).
+#include "core/support/axis_under_test.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdint>
+#include <limits>
+
+namespace vdrive {
+namespace {
+
+using std::chrono::microseconds;
+using test::AxisUnderTest;
+using enum PowerState;
+
+/// Cyclic velocity in Operation enabled, at rest.
+void enable_cyclic_velocity(AxisUnderTest& axis) {
+  axis.write("op_mode_cmd", 9);
+  axis.command(0x000F);
+}
+
+/// One tick of a stream of velocities.
+void stream_velocity(AxisUnderTest& axis, std::int32_t velocity) {
+  axis.write("target_velocity", velocity);
+  axis.step();
+}
+
+/// @return bit 12.
+bool follows_velocity(const AxisUnderTest& axis) {
+  return (axis.statusword() & 0x1000U) != 0;
+}
+
+TEST(CyclicVelocity, TheDemandIsTheTargetAtTheEndOfItsTick) {
+  AxisUnderTest axis;
+  enable_cyclic_velocity(axis);
+  for (int i = 0; i < 500; ++i) {
+    const std::int32_t velocity = (i * 37) % 12'000 - 4'000;
+    stream_velocity(axis, velocity);
+    ASSERT_EQ(axis.demand_velocity(), velocity);
+    ASSERT_EQ(axis.statusword(), 0x1237) << "bits 10 and 13 are reserved";
+    ASSERT_EQ(axis.demand(), axis.actual()) << "the position loop is open";
+  }
+}
+
+TEST(CyclicVelocity, TheAxisRunsAtTheVelocity) {
+  for (const int sign : {1, -1}) {
+    AxisUnderTest axis;
+    enable_cyclic_velocity(axis);
+    stream_velocity(axis, sign * 40'000);
+    axis.step(1'000);
+    EXPECT_NEAR(axis.velocity(), sign * 40'000, 40);
+    const std::int32_t start = axis.actual();
+    axis.step(1'000);
+    EXPECT_NEAR(axis.actual() - start, sign * 40'000, 40);
+  }
+}
+
+// At a blocked load the torque of the velocity loop shows its demand: 6074h is the command of the
+// last sub-step, which samples 7/8 of the way of the tick.
+TEST(CyclicVelocity, TheVelocityRampsWithinItsTick) {
+  AxisUnderTest axis;
+  axis.write("test_blocked_load", 1);
+  enable_cyclic_velocity(axis);
+  stream_velocity(axis, 8'000);
+  const std::int32_t first = axis.status().torque_demand;
+  axis.step();
+  const std::int32_t second = axis.status().torque_demand;
+  EXPECT_GT(first, 0);
+  EXPECT_GT(second, first) << "the last sub-step of the first tick had 7/8 of the velocity";
+}
+
+TEST(CyclicVelocity, AnOldTargetMovesNothing) {
+  AxisUnderTest axis;
+  axis.write("target_velocity", 50'000);
+  enable_cyclic_velocity(axis);
+  EXPECT_EQ(axis.statusword(), 0x0237) << "no command is followed yet";
+  axis.step(200);
+  EXPECT_EQ(axis.actual(), 0);
+  stream_velocity(axis, 50'000);  // the same value, and the first one that counts
+  EXPECT_EQ(axis.demand_velocity(), 50'000);
+  EXPECT_TRUE(follows_velocity(axis));
+}
+
+TEST(CyclicVelocity, UntilTheFirstTargetTheAxisHoldsItsPosition) {
+  AxisUnderTest axis;
+  enable_cyclic_velocity(axis);
+  axis.write("test_load_torque", 500);
+  axis.step(2'000);
+  EXPECT_NEAR(axis.actual(), 0, 1);
+}
+
+TEST(CyclicVelocity, EnablingAgainNeedsANewTarget) {
+  AxisUnderTest axis;
+  enable_cyclic_velocity(axis);
+  stream_velocity(axis, 10'000);
+  axis.step(100);
+  axis.command(0x0000);
+  axis.step(2'000);
+  axis.command(0x000F);
+  axis.step(100);
+  EXPECT_EQ(axis.demand_velocity(), 0);
+  EXPECT_FALSE(follows_velocity(axis));
+}
+
+TEST(CyclicVelocity, AMissingUpdateHoldsTheVelocity) {
+  AxisUnderTest axis;
+  enable_cyclic_velocity(axis);
+  stream_velocity(axis, 20'000);
+  for (int tick = 0; tick < 1'000; ++tick) {
+    axis.step();
+    ASSERT_EQ(axis.demand_velocity(), 20'000);
+    ASSERT_TRUE(follows_velocity(axis));
+  }
+}
+
+TEST(CyclicVelocity, TheSpeedIsCappedBy607FhAndBit12ShowsIt) {
+  for (const int sign : {1, -1}) {
+    AxisUnderTest axis;
+    axis.write("app_speed_limit", 50'000);
+    enable_cyclic_velocity(axis);
+    stream_velocity(axis, sign * 60'000);
+    EXPECT_EQ(axis.demand_velocity(), sign * 50'000);
+    EXPECT_FALSE(follows_velocity(axis));
+    EXPECT_EQ(axis.read("target_velocity"), sign * 60'000);
+    stream_velocity(axis, sign * 50'000);
+    EXPECT_EQ(axis.demand_velocity(), sign * 50'000);
+    EXPECT_TRUE(follows_velocity(axis));
+  }
+}
+
+TEST(CyclicVelocity, TheVelocityChangesInEqualPartsOver60C2h) {
+  AxisUnderTest axis;
+  axis.write("interpolation_time_period", 10);
+  enable_cyclic_velocity(axis);
+  axis.write("target_velocity", 10'000);
+  for (int tick = 1; tick <= 10; ++tick) {
+    axis.step();
+    ASSERT_EQ(axis.demand_velocity(), 1'000 * tick);
+    ASSERT_TRUE(follows_velocity(axis)) << "on its way";
+  }
+  axis.step();
+  EXPECT_EQ(axis.demand_velocity(), 10'000);
+  axis.write("target_velocity", 0);
+  for (int tick = 1; tick <= 10; ++tick) {
+    axis.step();
+    ASSERT_EQ(axis.demand_velocity(), 10'000 - 1'000 * tick);
+  }
+}
+
+TEST(CyclicVelocity, AVelocityThatIsWrittenAgainDoesNotDelayItsWay) {
+  AxisUnderTest axis;
+  axis.write("interpolation_time_period", 10);
+  enable_cyclic_velocity(axis);
+  for (int tick = 1; tick <= 10; ++tick) {
+    stream_velocity(axis, 10'000);
+    ASSERT_EQ(axis.demand_velocity(), 1'000 * tick);
+  }
+}
+
+TEST(CyclicVelocity, QuickStopBrakesFromTheSpeedOfTheStream) {
+  AxisUnderTest axis;
+  axis.write("quick_stop_deceleration", 100'000);
+  axis.write("quick_stop_option_code", 6);
+  enable_cyclic_velocity(axis);
+  stream_velocity(axis, 30'000);
+  axis.step(200);
+  axis.controlword(0x0002);
+  for (int tick = 1; tick <= 300; ++tick) {
+    stream_velocity(axis, 30'000);
+    ASSERT_NEAR(axis.demand_velocity(), 30'000 - 100 * tick, 1);
+    ASSERT_FALSE(follows_velocity(axis));
+  }
+  axis.step(300);
+  EXPECT_EQ(axis.statusword(), 0x0617);
+  axis.command(0x000F);
+  axis.step(100);
+  EXPECT_EQ(axis.demand_velocity(), 0) << "after transition 16 a new target is needed";
+  stream_velocity(axis, 5'000);
+  EXPECT_EQ(axis.demand_velocity(), 5'000);
+}
+
+TEST(CyclicVelocity, HaltBrakesAndEndsTheStream) {
+  AxisUnderTest axis;
+  axis.write("profile_dec", 100'000);
+  enable_cyclic_velocity(axis);
+  stream_velocity(axis, 30'000);
+  axis.step(200);
+  axis.controlword(0x010F);
+  for (int tick = 1; tick <= 300; ++tick) {
+    stream_velocity(axis, 30'000);
+    ASSERT_NEAR(axis.demand_velocity(), 30'000 - 100 * tick, 1);
+    ASSERT_FALSE(follows_velocity(axis));
+  }
+  axis.command(0x000F);
+  axis.step(100);
+  EXPECT_EQ(axis.demand_velocity(), 0) << "what was written under halt does not start";
+  stream_velocity(axis, 5'000);
+  EXPECT_EQ(axis.demand_velocity(), 5'000);
+}
+
+TEST(CyclicVelocity, ALimitSwitchStopsWith6085hAndOnlyTheOtherDirectionIsLeft) {
+  AxisUnderTest axis;
+  axis.write("quick_stop_deceleration", 100'000);
+  enable_cyclic_velocity(axis);
+  stream_velocity(axis, 30'000);
+  axis.step(200);
+  axis.write("test_positive_limit_input", 1);
+  for (int tick = 1; tick <= 300; ++tick) {
+    stream_velocity(axis, 30'000);
+    ASSERT_NEAR(axis.demand_velocity(), 30'000 - 100 * tick, 1);
+    ASSERT_FALSE(follows_velocity(axis));
+  }
+  stream_velocity(axis, 100);
+  EXPECT_EQ(axis.demand_velocity(), 0);
+  stream_velocity(axis, -100);
+  EXPECT_EQ(axis.demand_velocity(), -100);
+  EXPECT_TRUE(follows_velocity(axis));
+  axis.write("test_positive_limit_input", 0);
+  stream_velocity(axis, 100);
+  EXPECT_EQ(axis.demand_velocity(), 100);
+}
+
+TEST(CyclicVelocity, AModeChangeBrakesWith6084hAndClosesThePositionLoop) {
+  for (const std::int64_t mode : {0, 1, 3, 4, 6, 7, 8, 10}) {
+    SCOPED_TRACE(mode);
+    AxisUnderTest axis;
+    axis.write("profile_dec", 100'000);
+    enable_cyclic_velocity(axis);
+    stream_velocity(axis, 30'000);
+    axis.step(200);
+    axis.write("op_mode_cmd", mode);
+    for (int tick = 1; tick <= 299; ++tick) {
+      axis.step();
+      ASSERT_NEAR(axis.demand_velocity(), 30'000 - 100 * tick, 1);
+      ASSERT_EQ(axis.read("op_mode_actual"), 9);
+    }
+    axis.write("target_velocity", 0);
+    axis.step(300);
+    EXPECT_EQ(axis.read("op_mode_actual"), mode);
+    EXPECT_EQ(axis.state(), operation_enabled);
+  }
+}
+
+TEST(CyclicVelocity, ABlockedAxisHasNoFollowingError) {
+  AxisUnderTest axis;
+  axis.write("following_error_window", 10);
+  axis.write("following_error_time_out", 0);
+  axis.write("test_blocked_load", 1);
+  enable_cyclic_velocity(axis);
+  stream_velocity(axis, 10'000);
+  axis.step(1'000);
+  EXPECT_EQ(axis.statusword(), 0x1237);
+}
+
+TEST(CyclicVelocity, IgnoresAndCountsAnEdgeOfBit4) {
+  AxisUnderTest axis;
+  enable_cyclic_velocity(axis);
+  axis.command(0x001F);
+  EXPECT_EQ(axis.status().ignored_set_points, 1U);
+  EXPECT_FALSE(follows_velocity(axis)) << "bit 12 is no acknowledge here";
+}
+
+TEST(CyclicVelocity, TheOffset60B1hIsAddedAndActsByItself) {
+  AxisUnderTest axis;
+  enable_cyclic_velocity(axis);
+  axis.write("velocity_offset", 500);
+  axis.step(10);
+  EXPECT_EQ(axis.demand_velocity(), 0) << "an offset begins no stream";
+  stream_velocity(axis, 1'000);
+  EXPECT_EQ(axis.demand_velocity(), 1'500);
+  EXPECT_TRUE(follows_velocity(axis));
+  axis.write("velocity_offset", -1'200);
+  axis.step();
+  EXPECT_EQ(axis.demand_velocity(), -200);
+  EXPECT_TRUE(follows_velocity(axis));
+}
+
+TEST(CyclicVelocity, TheSumWithTheOffsetEndsAtTheEndOfTheRegister) {
+  AxisUnderTest axis;
+  enable_cyclic_velocity(axis);
+  axis.write("velocity_offset", std::numeric_limits<std::int32_t>::max());
+  stream_velocity(axis, std::numeric_limits<std::int32_t>::max());
+  EXPECT_EQ(axis.demand_velocity(), 136'533) << "607Fh, and not a sum that has wrapped";
+  EXPECT_FALSE(follows_velocity(axis));
+}
+
+TEST(CyclicVelocity, RunsAtEveryPeriod) {
+  for (const std::int64_t period : {125, 1'000, 10'000}) {
+    AxisUnderTest axis({}, microseconds{period});
+    enable_cyclic_velocity(axis);
+    for (int i = 1; i <= 200; ++i) {
+      stream_velocity(axis, 30 * i);
+      ASSERT_EQ(axis.demand_velocity(), 30 * i);
+    }
+    axis.step_for(microseconds{400'000});
+    EXPECT_NEAR(axis.velocity(), 6'000, 20);
+  }
+}
+
+}  // namespace
+}  // namespace vdrive

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// The table of docs/explanation/decisions.md: with which ramp an axis stops in each mode by each
+// option of 605Ah, 605Dh and 605Eh, and what bits 10, 12 and 13 show meanwhile. Each cell.
+#include "core/support/axis_under_test.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <utility>
+
+namespace vdrive {
+namespace {
+
+using test::AxisUnderTest;
+using enum PowerState;
+
+// Ramps of the stops [UU/s a tick].
+constexpr std::int32_t kBy6084h = 50;
+constexpr std::int32_t kBy609Ah = 80;
+constexpr std::int32_t kBy6085h = 100;
+constexpr std::int32_t kBy60C6h = 200;
+
+/// No stop: the motion goes on.
+constexpr std::int32_t kNoStop = 0;
+/// The torque is taken back with 6087h, no velocity is commanded.
+constexpr std::int32_t kTorqueBack = -1;
+
+/// Bits 10 and 12.
+constexpr std::uint16_t kBit10 = 0x0400;
+constexpr std::uint16_t kBits12And10 = 0x1400;
+constexpr std::uint16_t kBitOf12 = 0x1000;
+constexpr std::uint16_t kModeBitsOf6041h = 0x3400;
+
+/// A mode of the table.
+struct StopRow {
+  std::int64_t mode;
+  const char* name;
+  const char* object;   // that is written in each tick; none = nullptr
+  std::int32_t normal;  // ramp of option 1
+  bool obeys_halt;
+  std::uint16_t moving_bits;  // bits 10, 12 and 13 in motion
+  std::uint16_t halted_bits;  // at rest under halt, 605Dh = 2
+  std::uint16_t word = 0x000F;
+};
+
+constexpr std::array<StopRow, 8> kStopRows{{
+    {1, "profile_position", nullptr, kBy6084h, true, 0, kBit10},
+    {3, "profile_velocity", nullptr, kBy6084h, true, kBit10, kBits12And10},
+    {4, "profile_torque", nullptr, kTorqueBack, true, 0, kBit10},
+    {6, "homing", nullptr, kBy609Ah, true, 0, kBit10},
+    {7, "interpolated_position", "interpolation_data_record", kBy6084h, true, kBitOf12, kBit10,
+     0x001F},
+    {8, "cyclic_position", "position_user_target_value", kBy6084h, false, kBitOf12, kBitOf12},
+    {9, "cyclic_velocity", "target_velocity", kBy6084h, true, kBitOf12, 0},
+    {10, "cyclic_torque", "target_torque", kTorqueBack, true, 0, 0},
+}};
+
+bool has_torque_as_command(const StopRow& row) {
+  return row.mode == 4 || row.mode == 10;
+}
+
+/// An axis that moves at about 30000 UU/s in the mode of its row.
+class MovingAxis {
+ public:
+  explicit MovingAxis(const StopRow& row) : row_(row) {
+    for (const auto& [object, value] : std::array<std::pair<const char*, std::int64_t>, 14>{
+             {{"following_error_window", 0xFFFFFFFF},
+              {"app_speed_limit", 30'000},
+              {"profile_velocity", 30'000},
+              {"profile_acc", 1'000'000},
+              {"profile_dec", 1'000 * kBy6084h},
+              {"homing_acceleration", 1'000 * kBy609Ah},
+              {"quick_stop_deceleration", 1'000 * kBy6085h},
+              {"app_dec_limit", 1'000 * kBy60C6h},
+              {"torque_slope", 8'000},
+              {"homing_method", 18},
+              {"homing_speed_search", 30'000},
+              {"homing_speed_creep", 1'000},
+              {"target_velocity", 30'000},
+              {"target_torque", 1'000}}}) {
+      axis_.write(object, value);
+    }
+    axis_.write("op_mode_cmd", row.mode);
+    axis_.command(row.word);
+    if (row.mode == 1) axis_.write("position_user_target_value", 10'000'000);
+    if (row.mode == 1 || row.mode == 6) axis_.command(0x001F);
+    axis_.command(row.word);
+    run(1'000);
+  }
+
+  AxisUnderTest& axis() { return axis_; }
+
+  /// Ticks with the stream of the mode.
+  void run(int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      if (row_.object != nullptr) axis_.write(row_.object, next_set_point());
+      axis_.step();
+    }
+  }
+
+  /// @return how much slower the demand is with each tick, from the second tick of a stop on.
+  std::int32_t ramp() {
+    run(2);
+    const std::int32_t before = axis_.demand_velocity();
+    run(10);
+    return (std::abs(before) - std::abs(axis_.demand_velocity())) / 10;
+  }
+
+  /// Checks the stop that has been commanded.
+  void expect_stop(std::int32_t expected) {
+    if (expected == kTorqueBack) {
+      // From the torque that friction needs at the speed limit; 606Bh is 0 without a velocity.
+      run(10);
+      EXPECT_EQ(axis_.status().torque_demand, 0);
+      EXPECT_EQ(axis_.demand_velocity(), 0);
+    } else {
+      EXPECT_NEAR(ramp(), expected, 1);
+    }
+  }
+
+ private:
+  std::int64_t next_set_point() {
+    if (row_.mode == 9) return 30'000;
+    if (row_.mode == 10) return 1'000;
+    position_ += 30;
+    return position_;
+  }
+
+  StopRow row_;
+  AxisUnderTest axis_;
+  std::int64_t position_ = 0;
+};
+
+/// @return the ramp of an option 1 to 4 of the three option codes.
+std::int32_t ramp_of_option(const StopRow& row, std::int64_t option) {
+  if (option == 1) return row.normal;
+  return option == 2 ? kBy6085h : kBy60C6h;
+}
+
+class StopOfMode : public testing::TestWithParam<StopRow> {};
+
+TEST_P(StopOfMode, AQuickStopHasTheRampOf605Ah) {
+  const StopRow& row = GetParam();
+  for (std::int64_t option = 1; option <= 8; ++option) {
+    SCOPED_TRACE(option);
+    MovingAxis moving(row);
+    moving.axis().write("quick_stop_option_code", option);
+    moving.axis().controlword(0x0002);
+    moving.expect_stop(ramp_of_option(row, option > 4 ? option - 4 : option));
+  }
+}
+
+TEST_P(StopOfMode, AFaultHasTheRampOf605Eh) {
+  const StopRow& row = GetParam();
+  for (std::int64_t option = 1; option <= 4; ++option) {
+    SCOPED_TRACE(option);
+    MovingAxis moving(row);
+    moving.axis().write("fault_reaction_option_code", option);
+    moving.axis().write("test_over_temperature", 1);
+    moving.expect_stop(ramp_of_option(row, option));
+    EXPECT_EQ(moving.axis().statusword() & kModeBitsOf6041h, 0);
+  }
+}
+
+TEST_P(StopOfMode, AHaltHasTheRampOf605DhOrNone) {
+  const StopRow& row = GetParam();
+  for (std::int64_t option = 1; option <= 4; ++option) {
+    SCOPED_TRACE(option);
+    MovingAxis moving(row);
+    moving.axis().write("halt_option_code", option);
+    moving.axis().controlword(static_cast<std::uint16_t>(row.word | 0x0100U));
+    moving.expect_stop(row.obeys_halt ? ramp_of_option(row, option) : kNoStop);
+    EXPECT_EQ(moving.axis().state(), operation_enabled);
+  }
+}
+
+TEST_P(StopOfMode, DisableOperationHasTheNormalRamp) {
+  const StopRow& row = GetParam();
+  MovingAxis moving(row);
+  moving.axis().controlword(0x0007);
+  moving.expect_stop(row.normal);
+}
+
+TEST_P(StopOfMode, AChangeOfTheModeHasTheRampOfTheOldOneUnderPositionControl) {
+  const StopRow& row = GetParam();
+  MovingAxis moving(row);
+  moving.axis().write("op_mode_cmd", 0);
+  moving.expect_stop(has_torque_as_command(row) ? kBy6084h : row.normal);
+}
+
+TEST_P(StopOfMode, Bits10And12And13AreThoseOfItsMotion) {
+  const StopRow& row = GetParam();
+  MovingAxis moving(row);
+  EXPECT_EQ(moving.axis().statusword() & kModeBitsOf6041h, row.moving_bits);
+}
+
+TEST_P(StopOfMode, Bits10And12And13AreThoseOfItsHalt) {
+  const StopRow& row = GetParam();
+  MovingAxis moving(row);
+  moving.axis().write("halt_option_code", 2);
+  moving.axis().controlword(static_cast<std::uint16_t>(row.word | 0x0100U));
+  moving.run(1'000);
+  EXPECT_EQ(moving.axis().statusword() & kModeBitsOf6041h, row.halted_bits);
+}
+
+TEST_P(StopOfMode, Bit10IsStandstillInAQuickStopThatStays) {
+  MovingAxis moving(GetParam());
+  moving.axis().write("quick_stop_option_code", 6);
+  moving.axis().controlword(0x0002);
+  moving.run(20);
+  EXPECT_EQ(moving.axis().statusword() & kModeBitsOf6041h, 0);
+  moving.run(1'000);
+  EXPECT_EQ(moving.axis().statusword(), 0x0617);
+}
+
+std::string name_of_stop_row(const testing::TestParamInfo<StopRow>& info) {
+  return info.param.name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, StopOfMode, testing::ValuesIn(kStopRows), name_of_stop_row);
+
+}  // namespace
+}  // namespace vdrive
