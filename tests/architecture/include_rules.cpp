@@ -186,6 +186,7 @@ constexpr std::array kDriveLayers{
     LayerRow{"stops", 2},           // questions
     LayerRow{"target", 2},          // forgotten or seeded
     LayerRow{"window", 2},          // what has to last
+    LayerRow{"homing_search", 3},   // ways to a switch or a mechanical stop
     LayerRow{"power", 3},           // transitions
     LayerRow{"demand", 4},          // requests, plans; no modes
     LayerRow{"interpolation", 4},   // streamed set-points; no modes

@@ -167,7 +167,9 @@ test("after taking control the page enables an axis", async () => {
 test("Home stands beside its method, and runs by the chosen one", async () => {
   const method = command("homing_method");
   await waitForText(method.locator("option").first(), /^as set: 35$/);
-  await waitForText(method.locator("option").nth(3), /^17: − limit switch$/);
+  await waitForText(method.locator('option[value="17"]'), /^17: − limit switch$/);
+  await waitForText(method.locator('option[value="7"]'), /^7: \+ home switch → index pulse$/);
+  await waitForText(method.locator('option[value="-3"]'), /^-3: − mechanical stop$/);
   await method.selectOption("37");
   await command("home").click();
   await waitForText(figure("mode"), /homing/);

@@ -385,7 +385,7 @@ TEST_F(ElectronicDataSheet, AddsTheNodeIdInFrontOfACobId) {
 // Readers differ in negative hex numbers: they are decimal.
 TEST_F(ElectronicDataSheet, WritesNegativeNumbersInDecimal) {
   EXPECT_EQ(section("607Dsub1").at("DefaultValue"), "-2147483648");
-  EXPECT_EQ(section("6098").at("LowLimit"), "0");
+  EXPECT_EQ(section("6098").at("LowLimit"), "-4");
   EXPECT_EQ(section("6098").at("HighLimit"), "37");
 }
 

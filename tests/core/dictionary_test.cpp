@@ -291,8 +291,10 @@ TEST(ObjectAddressCheck, NamesTheMissingPartOfEveryUnknownAddress) {
 // ---- each object x {below, lowest, default, highest, above, outside the type} x {read, write}
 // -----
 
-/// 0 and the methods of the sheet, section 6.
-const std::set<std::int64_t> kHomingMethods{0, 1, 2, 17, 18, 33, 34, 35, 37};
+/// 0, the methods of CiA 402-2, which reserves 15, 16, 31 and 32, and those of a mechanical stop.
+const std::set<std::int64_t> kHomingMethods{-4, -3, -2, -1, 0,  1,  2,  3,  4,  5,  6,  7,
+                                            8,  9,  10, 11, 12, 13, 14, 17, 18, 19, 20, 21,
+                                            22, 23, 24, 25, 26, 27, 28, 29, 30, 33, 34, 35, 37};
 
 /// The answer that the sheet requires for a write: access first, then the range of the row (a value
 /// outside the type is outside the row's range too), then the narrower rules of single objects.
@@ -531,7 +533,7 @@ TEST(ValuesOfAnObject, AreListedWhereTheyAreFew) {
   };
   // Modes that 6502h shows, and 0; methods of the drive, and 0; the manual's option codes.
   EXPECT_EQ(text_of("op_mode_cmd"), "0, 1, 3, 4, 6, 7, 8, 9 or 10");
-  EXPECT_EQ(text_of("homing_method"), "0, 1, 2, 17, 18, 33, 34, 35 or 37");
+  EXPECT_EQ(text_of("homing_method"), "-4 to 14, 17 to 30, 33 to 35 or 37");
   EXPECT_EQ(text_of("positioning_option_code"), "0, 1 or 2");
   EXPECT_EQ(text_of("error_history_count"), "0");
   EXPECT_EQ(text_of("halt_option_code"), "1 to 4") << "every value of its range";

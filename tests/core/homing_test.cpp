@@ -912,18 +912,18 @@ TEST(HomingError, NeverShowsBits12And13Together) {
   }
 }
 
+// CiA 402-2 reserves 15, 16, 31 and 32 and has no 36; below 0 are the mechanical stops.
 TEST(HomingMethodObject, AcceptsZeroAndTheSupportedMethodsOnly) {
   AxisUnderTest axis;
-  for (std::int64_t value = 0; value <= 37; ++value) {
-    const bool known =
-        value == 0 || std::find(kMethods.begin(), kMethods.end(), value) != kMethods.end();
+  for (std::int64_t value = -128; value <= 127; ++value) {
+    const bool known = (value >= -4 && value <= 14) || (value >= 17 && value <= 30) ||
+                       (value >= 33 && value <= 35) || value == 37;
     EXPECT_EQ(axis.try_write("homing_method", value),
               known ? AbortCode::none : AbortCode::value_range_exceeded)
         << value;
   }
-  EXPECT_EQ(axis.try_write("homing_method", 38), AbortCode::value_range_exceeded);
-  EXPECT_EQ(axis.try_write("homing_method", -1), AbortCode::value_range_exceeded);
   EXPECT_EQ(axis.try_write("homing_method", 128), AbortCode::value_too_high);
+  EXPECT_EQ(axis.try_write("homing_method", -129), AbortCode::value_too_low);
 }
 
 // ---- software limits

@@ -115,7 +115,7 @@ TEST(ParameterMemory, AcceptsStoredObjectsWithinTheirRange) {
   EXPECT_EQ(AxisBank::check_stored({0x6081, 1}, 5), AbortCode::subindex_does_not_exist);
   EXPECT_EQ(AxisBank::check_stored(kProfileVelocity, -1), AbortCode::value_too_low);
   EXPECT_EQ(AxisBank::check_stored(kProfileVelocity, 0x1'0000'0000), AbortCode::value_too_high);
-  EXPECT_EQ(AxisBank::check_stored({0x6098, 0}, 3), AbortCode::value_range_exceeded);
+  EXPECT_EQ(AxisBank::check_stored({0x6098, 0}, 16), AbortCode::value_range_exceeded);
   EXPECT_EQ(AxisBank::check_stored({0x60F2, 0}, 3), AbortCode::value_range_exceeded);
   AxisBank bank = bank_of({{}});
   EXPECT_EQ(bank.set_stored(0, {0x60F2, 0}, 3), AbortCode::value_range_exceeded);

@@ -86,9 +86,20 @@ TEST(Dictionary, HasEveryObjectAndTheNamesOfBits) {
   EXPECT_EQ(bits("controlword_bits", 3)[4], "");
   EXPECT_EQ(dictionary["disturbances"][0]["kind"], "value");
   EXPECT_EQ(dictionary["disturbances"][1]["kind"], "switch");
-  EXPECT_EQ(
-      dictionary["homing_methods"][2],
-      Json({{"method", 17}, {"direction", -1}, {"limit_switch", true}, {"index_pulse", false}}));
+  const auto homing_method = [&](int number) {
+    for (const Json& row : dictionary["homing_methods"]) {
+      if (row["method"] == number) return row;
+    }
+    return Json();
+  };
+  EXPECT_EQ(homing_method(17), Json({{"method", 17},
+                                     {"direction", -1},
+                                     {"limit_switch", true},
+                                     {"home_switch", false},
+                                     {"hard_stop", false},
+                                     {"index_pulse", false}}));
+  EXPECT_EQ(homing_method(7)["home_switch"], true);
+  EXPECT_EQ(homing_method(-2)["hard_stop"], true);
 }
 
 TEST(Schemas, ReadMembersTheirTypesListsAndThoseThatMayBeLeftOut) {

@@ -327,8 +327,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "from 0 to 4294967295 VelUU"},
         Refused{"parameter_without_a_meaning",
                 "axes:\n  - number: 7\n    parameters:\n      homing_method: 36",
-                "bench.yaml:4: axes[0].parameters.homing_method = 36: must be 0, 1, 2, 17, 18, 33, "
-                "34, 35 or 37"},
+                "bench.yaml:4: axes[0].parameters.homing_method = 36: must be -4 to 14, 17 to 30, "
+                "33 to 35 or 37"},
         Refused{"option_code_without_a_meaning",
                 "axes:\n  - number: 7\n    parameters:\n      0x60F2: 3",
                 "bench.yaml:4: axes[0].parameters.0x60F2 = 3: must be 0, 1 or 2"},
@@ -396,8 +396,8 @@ TEST(Configuration, IsRefusedWithEachMistakeInItsLine) {
             "bench.yaml:5: clock.period_us = 7: must be a whole number from 125 to 10000 us\n"
             "bench.yaml:9: axes[0].parameters.profile_velocity = -1: must be a whole number from 0 "
             "to 4294967295 VelUU\n"
-            "bench.yaml:10: axes[0].parameters.homing_method = 36: must be 0, 1, 2, 17, 18, 33, "
-            "34, 35 or 37\n"
+            "bench.yaml:10: axes[0].parameters.homing_method = 36: must be -4 to 14, 17 to 30, "
+            "33 to 35 or 37\n"
             "bench.yaml:11: axes[1].number = 70000: must be a whole number from 1 to 65535\n"
             "bench.yaml:14: axes[2].model.backlash = 99: must be from 0 to 6.3 rad\n"
             "bench.yaml:15: axes[2].model.motor_inertia = 0: must be from 1e-08 to 10000 kg.m2\n"

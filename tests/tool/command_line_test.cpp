@@ -116,12 +116,12 @@ TEST(CommandLine, ListsTheSubIndicesOfAnIndex) {
             "the dictionary has no object '0x607D:7': 607Dh has the sub-indices 1 and 2");
 }
 
-// 6098h of CiA 402-2: the methods that the drive has, and 0.
+// 6098h of CiA 402-2: the methods that the drive has, of which these are some, and 0.
 TEST(CommandLine, ListsTheHomingMethodsWhereOneIsTaken) {
   const std::vector<std::string> lines =
       dictionary_lines(command<DictionaryCommand>("dictionary homing_method"));
   const std::string help = parse("home --help").text;
-  for (const char* const method : {"1", "2", "17", "18", "33", "34", "35", "37"}) {
+  for (const char* const method : {"-4", "-1", "1", "14", "17", "30", "33", "34", "35", "37"}) {
     EXPECT_THAT(lines, testing::Contains(StartsWith("  " + std::string(method) + " "))) << method;
     EXPECT_THAT(help, HasSubstr(" " + std::string(method) + ": ")) << method;
   }

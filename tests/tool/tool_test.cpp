@@ -155,7 +155,7 @@ TEST_F(ToolInLockStep, ARefusalListsTheSubIndicesAndTheValuesThatAreTaken) {
               HasSubstr("positioning_option_code takes 0, 1 or 2"));
   EXPECT_THAT(call("write 1.1 0x6080 0").errors,
               HasSubstr("motor_max_speed_rpm takes 1 to 4294967295"));
-  const std::string methods = "homing_method takes 0, 1, 2, 17, 18, 33, 34, 35 or 37";
+  const std::string methods = "homing_method takes -4 to 14, 17 to 30, 33 to 35 or 37";
   EXPECT_THAT(call("write 1.1 homing_method 36").errors, HasSubstr(methods));
   ASSERT_EQ(call("enable 1.1").code, 0);
   EXPECT_THAT(call("home 1.1 --method 36").errors, HasSubstr(methods));

@@ -88,7 +88,9 @@ Json homing_methods_json() {
   for (const HomingMethodRow& method : kHomingMethods) {
     list.push_back({{"method", method.number},
                     {"direction", method.direction},
-                    {"limit_switch", method.limit},
+                    {"limit_switch", method.mark == HomingMark::limit_switch},
+                    {"home_switch", method.mark == HomingMark::home_switch},
+                    {"hard_stop", method.mark == HomingMark::hard_stop},
                     {"index_pulse", method.index}});
   }
   return list;
@@ -212,6 +214,7 @@ ChannelInfo dictionary_channel() {
       {"error", object_schema("code:integer name:string")},
       {"bits", object_schema("mode:integer bits:string[]")},
       {"homing_method", object_schema("method:integer direction:integer limit_switch:boolean "
+                                      "home_switch:boolean hard_stop:boolean "
                                       "index_pulse:boolean")},
       {"disturbance", object_schema("name:string object:string kind:string minimum:integer "
                                     "maximum:integer")}};

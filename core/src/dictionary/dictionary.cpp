@@ -62,6 +62,24 @@ AbortCode check_value(ObjectRow row, std::int64_t value) {
   }
 }
 
+/// @return each of some values; of many, which nobody reads one by one, runs such as "17 to 30".
+std::vector<std::string> parts_of_list(const std::vector<std::int64_t>& values) {
+  constexpr std::size_t kSome = 16;
+  constexpr std::size_t kShortestRun = 3;
+  std::vector<std::string> parts;
+  std::size_t first = 0;
+  while (first < values.size()) {
+    std::size_t end = first + 1;
+    while (end < values.size() && values[end] == values[end - 1] + 1) ++end;
+    const bool is_run = values.size() > kSome && end - first >= kShortestRun;
+    std::string part = std::to_string(values[first]);
+    if (is_run) part += " to " + std::to_string(values[end - 1]);
+    parts.push_back(std::move(part));
+    first = is_run ? end : first + 1;
+  }
+  return parts;
+}
+
 }  // namespace
 
 std::string_view describe(AbortCode code) noexcept {
@@ -150,7 +168,7 @@ AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept {
 
 std::vector<std::int64_t> few_values(ObjectRow row) {
   constexpr std::int64_t kMostLooked = 65'535;  // of a 16-bit object
-  constexpr std::size_t kFew = 16;              // a list that a person still reads
+  constexpr std::size_t kFew = 40;              // the methods of 6098h, which a shell completes
   const ObjectDescription& object = describe(row);
   std::vector<std::int64_t> values;
   const bool is_looked_at =
@@ -172,10 +190,11 @@ std::string values_text(ObjectRow row) {
   if (!has_gaps) {
     return std::to_string(object.lower_limit) + " to " + std::to_string(object.upper_limit);
   }
+  const std::vector<std::string> parts = parts_of_list(values);
   std::string text;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (i != 0) text += i + 1 == values.size() ? " or " : ", ";
-    text += std::to_string(values[i]);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (i != 0) text += i + 1 == parts.size() ? " or " : ", ";
+    text += parts[i];
   }
   return text;
 }

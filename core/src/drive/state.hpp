@@ -233,6 +233,7 @@ struct DriveRegisters {
   RecordBuffer record_buffer;
   IndexPulse index;
   FrameOrigins origins;
+  HomingRun homing;
   ErrorHistory history;
   double gear_ratio = 1.0;     // 3576h over 3577h
   double position_gain = 1.0;  // of the position loop [1/s]

@@ -190,6 +190,8 @@ const TEXTS = {
   home: ["Home", "回零"],
   homing_method: ["Homing method (6098h)", "回零方式 (6098h)"],
   to_limit_switch: ["limit switch", "限位开关"],
+  to_home_switch: ["home switch", "原点开关"],
+  to_hard_stop: ["mechanical stop", "机械挡块"],
   to_index_pulse: ["index pulse", "索引脉冲"],
   home_here: ["where the axis is", "当前位置"],
   error_window: ["window 6065h", "窗口 6065h"],

@@ -119,11 +119,12 @@ inline constexpr std::array<ObjectRow, kStoredCount> kStoredRows = [] {
 ///         without a meaning, else that of `check_write`.
 [[nodiscard]] AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept;
 
-/// @return the values that a writable object takes, in ascending order, where they are at most 16;
+/// @return the values that a writable object takes, in ascending order, where they are at most 40;
 ///         empty where they are more.
 [[nodiscard]] std::vector<std::int64_t> few_values(ObjectRow row);
 
-/// @return the values that an object takes, such as "0 to 8" or "0, 1, 3, 4, 6 or 8".
+/// @return the values that an object takes, such as "0 to 8", "0, 1, 3, 4, 6 or 8", or more than 16
+///         of them by their runs: "-4 to 14, 17 to 30, 33 to 35 or 37".
 [[nodiscard]] std::string values_text(ObjectRow row);
 
 namespace literals {

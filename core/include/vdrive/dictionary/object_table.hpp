@@ -11,11 +11,11 @@ namespace vdrive {
 /// The object dictionary: each object stands here once. Rows of the manual first name their
 /// category as the manual does; companion rows are those that the drive needs beside them
 /// (CiA 301 communication objects, CiA 402 objects, the test-bench inputs 5E00h..5E0Ah, the
-/// synchronous move 5E10h, the speed limit of the motor 5E11h, missing set-points 5E12h and the
-/// habits of other drives 5E20h).
+/// synchronous move 5E10h, the speed limit of the motor 5E11h, missing set-points 5E12h, the
+/// mechanical stop of homing 5E18h and the habits of other drives 5E20h).
 /// Sorted by index and sub-index.
 // clang-format off
-inline constexpr std::array<ObjectDescription, 127> kObjectTable{{
+inline constexpr std::array<ObjectDescription, 129> kObjectTable{{
     {{0x1000, 0x00}, "Device Type", "设备类型", "Device", "device_type",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 131474, "-", Origin::companion},
     {{0x1001, 0x00}, "Error Register", "错误寄存器", "Device", "error_register",
@@ -104,6 +104,10 @@ inline constexpr std::array<ObjectDescription, 127> kObjectTable{{
      DataType::unsigned8, Access::read_write, Storage::flash, Effective::immediately, 0, 255, 0, "-", Origin::companion, Role::parameter, Change::nothing},
     {{0x5E12, 0x02}, "Missing Set-Points Until Fault", "缺失设定点：故障数", "Service", "missing_set_points_until_fault",
      DataType::unsigned8, Access::read_write, Storage::flash, Effective::immediately, 0, 255, 0, "-", Origin::companion, Role::parameter, Change::nothing},
+    {{0x5E18, 0x01}, "Homing Stop Torque", "回零机械挡块：转矩", "Service", "homing_stop_torque",
+     DataType::unsigned16, Access::read_write, Storage::flash, Effective::immediately, 0, 65535, 200, "0.1 % of rated", Origin::companion, Role::parameter, Change::nothing},
+    {{0x5E18, 0x02}, "Homing Stop Time", "回零机械挡块：时间", "Service", "homing_stop_time",
+     DataType::unsigned16, Access::read_write, Storage::flash, Effective::immediately, 0, 65535, 100, "ms", Origin::companion, Role::parameter, Change::nothing},
     {{0x5E20, 0x01}, "Habit Acknowledge At Enabling", "习性：使能即应答", "Test", "habit_acknowledge_at_enabling",
      DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
     {{0x5E20, 0x02}, "Habit Stream Release Bits", "习性：位流需释放位", "Test", "habit_stream_release_bits",
@@ -217,7 +221,7 @@ inline constexpr std::array<ObjectDescription, 127> kObjectTable{{
     {{0x6087, 0x00}, "Torque Slope", "转矩斜率", "Service", "torque_slope",
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 10000, "0.1 %/s", Origin::companion, Role::parameter, Change::plan},
     {{0x6098, 0x00}, "Homing Method", "回零方式", "Service", "homing_method",
-     DataType::integer8, Access::read_write, Storage::flash, Effective::at_set_point, 0, 37, 35, "-", Origin::companion, Role::parameter, Change::plan},
+     DataType::integer8, Access::read_write, Storage::flash, Effective::at_set_point, -4, 37, 35, "-", Origin::companion, Role::parameter, Change::plan},
     {{0x6099, 0x01}, "Homing Speed Search", "回零搜索速度", "Service", "homing_speed_search",
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 34133, "VelUU", Origin::companion, Role::parameter, Change::plan},
     {{0x6099, 0x02}, "Homing Speed Creep", "回零低速", "Service", "homing_speed_creep",

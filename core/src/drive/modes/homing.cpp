@@ -3,11 +3,11 @@
 
 #include "drive/frame.hpp"
 #include "drive/habits.hpp"
+#include "drive/homing_search.hpp"
 #include "drive/limits.hpp"
 #include "drive/stops.hpp"
 #include "drive/window.hpp"
 #include "rounding.hpp"
-#include "vdrive/assert.hpp"
 #include "vdrive/cia402/homing_method.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
@@ -19,32 +19,9 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// The method of the present run; a run has one.
-const HomingMethodRow& method_of(const Drive& drive) {
-  const HomingMethodRow* const method = find_homing_method(drive.state().modes.homing.method);
-  ensure(method != nullptr, "a homing run that travels has a method");
-  return *method;
-}
-
 /// @return true from the start of a run to its end, the way back to home included.
 bool runs(HomingStage stage) {
   return stage != HomingStage::idle && stage != HomingStage::done && stage != HomingStage::failed;
-}
-
-/// @return direction in which the present stage travels at 6099h: +1, -1, or 0.
-double direction_of(const Drive& drive) {
-  switch (drive.state().modes.homing.stage) {
-    case HomingStage::search:
-      return method_of(drive).direction;
-    case HomingStage::leave:
-      return -method_of(drive).direction;
-    case HomingStage::index: {
-      const HomingMethodRow& method = method_of(drive);
-      return method.limit ? -method.direction : method.direction;
-    }
-    default:
-      return 0.0;
-  }
 }
 
 /// Index pulse of the motor's encoder, once a revolution: the first one that was passed in
@@ -83,7 +60,7 @@ void attain_at_index(Drive& drive, double place) {
 }
 
 void seek_index(Drive& drive, double before, bool index_input_rose) {
-  const double direction = direction_of(drive);
+  const double direction = homing_direction(drive);
   double place = 0.0;
   if (passed_index(drive, direction, before, place)) {
     attain_at_index(drive, place);
@@ -94,17 +71,12 @@ void seek_index(Drive& drive, double before, bool index_input_rose) {
   }
 }
 
-void leave_limit(Drive& drive) {
-  DriveState& s = drive.state();
-  const double direction = direction_of(drive);
-  if (at_limit_switch(drive, direction)) {
-    s.modes.homing.stage = HomingStage::failed;
-  } else if (!at_limit_switch(drive, -direction) && direction * demand_velocity(drive) > 0.0) {
-    if (method_of(drive).index) {
-      s.modes.homing.stage = HomingStage::index;
-    } else {
-      attain(drive, actual_position(drive));
-    }
+/// The switch or the stop of the method is behind the axis: home is there, or the next index pulse.
+void pass_mark(Drive& drive) {
+  if (homing_method_of(drive).index) {
+    drive.state().modes.homing.stage = HomingStage::index;
+  } else {
+    attain(drive, actual_position(drive));
   }
 }
 
@@ -120,6 +92,7 @@ bool start(Drive& drive) {
   s.modes.homing.method = static_cast<std::int8_t>(reg(drive, "homing_method"_object));
   r.index.input = reg(drive, "test_index_pulse_input"_object) != 0;
   r.index.reading = drive.servo().motor_reading[drive.lane()];
+  begin_homing_search(drive);
   const HomingMethodRow* const method = find_homing_method(s.modes.homing.method);
   const bool has_speeds =
       reg(drive, "homing_speed_search"_object) != 0 && reg(drive, "homing_speed_creep"_object) != 0;
@@ -127,11 +100,8 @@ bool start(Drive& drive) {
     s.modes.homing.stage = HomingStage::failed;
   } else if (method->direction == 0) {
     s.modes.homing.stage = HomingStage::present;
-  } else if (method->limit) {
-    s.modes.homing.stage =
-        at_limit_switch(drive, method->direction) ? HomingStage::leave : HomingStage::search;
   } else {
-    s.modes.homing.stage = HomingStage::index;
+    s.modes.homing.stage = first_homing_stage(drive, *method);
   }
   update_derived(drive);
   return true;
@@ -160,7 +130,48 @@ void command(Drive& drive, const WrittenControlword& word) {
   }
 }
 
-/// Checks switches, index pulse and position of the last tick; may continue with the next stage.
+/// Home is where the axis rests.
+void take_present_position(Drive& drive) {
+  if (drive.state().demand.moving) return;
+  attain(drive, demand_position(drive));
+  rest_at(drive, drive.state().target.position);  // 6099h may be 0: nothing may be left to travel
+}
+
+/// One tick of a run that has not been ended.
+/// @param before reading of encoder 1 in the tick before [UU]
+/// @param index_input_rose whether 5E09h has become 1
+void follow_stage(Drive& drive, double before, bool index_input_rose) {
+  HomingState& homing = drive.state().modes.homing;
+  switch (homing.stage) {
+    case HomingStage::present:
+      take_present_position(drive);
+      break;
+    case HomingStage::search:
+      if (at_limit_switch(drive, homing_direction(drive))) homing.stage = HomingStage::leave;
+      break;
+    case HomingStage::leave:
+      if (leaves_limit_switch(drive)) pass_mark(drive);
+      break;
+    case HomingStage::seek:
+    case HomingStage::seek_back:
+    case HomingStage::clear:
+    case HomingStage::approach:
+      if (passes_home_switch(drive)) pass_mark(drive);
+      break;
+    case HomingStage::push:
+    case HomingStage::press:
+      if (meets_hard_stop(drive)) pass_mark(drive);
+      break;
+    case HomingStage::index:
+      seek_index(drive, before, index_input_rose);
+      break;
+    default:
+      break;
+  }
+}
+
+/// Checks switches, index pulse, torque and position of the last tick; may continue with the next
+/// stage.
 void advance(Drive& drive) {
   DriveState& s = drive.state();
   if (s.target.fresh || !runs(s.modes.homing.stage)) {
@@ -176,25 +187,7 @@ void advance(Drive& drive) {
   const double before = r.index.reading;
   r.index.input = index_input;
   r.index.reading = drive.servo().motor_reading[drive.lane()];
-  switch (s.modes.homing.stage) {
-    case HomingStage::present:
-      if (!s.demand.moving) {
-        attain(drive, demand_position(drive));
-        rest_at(drive, s.target.position);  // 6099h may be 0 here: nothing may be left to travel
-      }
-      break;
-    case HomingStage::search:
-      if (at_limit_switch(drive, direction_of(drive))) s.modes.homing.stage = HomingStage::leave;
-      break;
-    case HomingStage::leave:
-      leave_limit(drive);
-      break;
-    case HomingStage::index:
-      seek_index(drive, before, rose);
-      break;
-    default:
-      break;
-  }
+  follow_stage(drive, before, rose);
 }
 
 MotionRequest normal_stop(const Drive& drive) {
@@ -203,12 +196,12 @@ MotionRequest normal_stop(const Drive& drive) {
 
 /// To and fro at 6099h with 609Ah; the way back to home is a move.
 MotionRequest travel(const Drive& drive) {
-  const bool searches = drive.state().modes.homing.stage == HomingStage::search;
+  const bool searches = searches_at_speed(drive.state().modes.homing.stage);
   const double speed =
       std::min(real(drive, searches ? "homing_speed_search"_object : "homing_speed_creep"_object),
                drive.registers().velocity_cap);
   return {.kind = MotionRequest::Kind::velocity,
-          .target = direction_of(drive) * speed,
+          .target = homing_direction(drive) * speed,
           .limits = {.velocity = speed,
                      .acceleration = acceleration_of(drive, "homing_acceleration"_object),
                      .deceleration = deceleration_of(drive, "homing_acceleration"_object)}};
@@ -221,6 +214,11 @@ MotionRequest ask(const Drive& drive) {
   switch (drive.state().modes.homing.stage) {
     case HomingStage::search:
     case HomingStage::leave:
+    case HomingStage::seek:
+    case HomingStage::seek_back:
+    case HomingStage::clear:
+    case HomingStage::approach:
+    case HomingStage::push:
     case HomingStage::index:
       return travel(drive);
     case HomingStage::back:

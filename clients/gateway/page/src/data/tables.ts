@@ -300,6 +300,12 @@ export const DICTIONARY = {
           "direction": {
             "type": "integer"
           },
+          "hard_stop": {
+            "type": "boolean"
+          },
+          "home_switch": {
+            "type": "boolean"
+          },
           "index_pulse": {
             "type": "boolean"
           },
@@ -314,6 +320,8 @@ export const DICTIONARY = {
           "method",
           "direction",
           "limit_switch",
+          "home_switch",
+          "hard_stop",
           "index_pulse"
         ],
         "type": "object"

@@ -9,8 +9,13 @@ import type { PolledObjects } from "./polled";
 export const HOMING_METHOD = "0x6098";
 type Method = Dictionary["homing_methods"][number];
 
-function methodText({ method, direction, limit_switch, index_pulse }: Method): string {
-  const ways = [limit_switch && t("to_limit_switch"), index_pulse && t("to_index_pulse")].filter((way) => way !== false);
+function methodText({ method, direction, limit_switch, home_switch, hard_stop, index_pulse }: Method): string {
+  const ways = [
+    limit_switch && t("to_limit_switch"),
+    home_switch && t("to_home_switch"),
+    hard_stop && t("to_hard_stop"),
+    index_pulse && t("to_index_pulse"),
+  ].filter((way) => way !== false);
   if (ways.length === 0) return `${method}: ${t("home_here")}`;
   return `${method}: ${direction < 0 ? "−" : "+"} ${ways.join(" → ")}`;
 }
