@@ -141,8 +141,8 @@ std::uint32_t dictionary_check() {
 }
 
 TEST(ObjectTable, HasANewVersionWhenItsRowsChange) {
-  constexpr std::string_view kVersion = "1.2";
-  constexpr std::uint32_t kCheck = 0xC4861C77;  // of the rows of that version
+  constexpr std::string_view kVersion = "1.3";
+  constexpr std::uint32_t kCheck = 0x58B251DA;  // of the rows of that version
   EXPECT_EQ(kDictionaryVersion, kVersion);
   EXPECT_EQ(dictionary_check(), kCheck)
       << "the rows of " << kTable << " have changed: kDictionaryVersion of "

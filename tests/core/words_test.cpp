@@ -148,7 +148,7 @@ TEST(Controlword, WithBit7HighGivesOnlyAResetOnItsRisingEdge) {
 TEST(ErrorCode, SetsTheBitsOfItsGroupInTheErrorRegister) {
   // CiA 301, 1001h: bit 0 generic, 1 current, 2 voltage, 3 temperature, 4 communication,
   // 5 device profile.
-  const std::array<std::pair<ErrorCode, std::uint8_t>, 8> expected{{
+  const std::array<std::pair<ErrorCode, std::uint8_t>, 9> expected{{
       {ErrorCode::continuous_over_current, 0b00'0011},
       {ErrorCode::load_level, 0b00'0011},
       {ErrorCode::dc_link_under_voltage, 0b00'0101},

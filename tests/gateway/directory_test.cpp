@@ -68,8 +68,8 @@ TEST(Parameters, AreNotListedAboveTheLimitOfAxes) {
 TEST(Dictionary, HasEveryObjectAndTheNamesOfBits) {
   const Json dictionary = Json::parse(dictionary_text());
   EXPECT_EQ(dictionary["objects"].size(), kObjectCount);
-  EXPECT_EQ(dictionary["modes"].size(), 9U);        // 0, 1, 3, 4, 6 to 10
-  EXPECT_EQ(dictionary["error_codes"].size(), 9U);  // 8 errors and none
+  EXPECT_EQ(dictionary["modes"].size(), 9U);         // 0, 1, 3, 4, 6 to 10
+  EXPECT_EQ(dictionary["error_codes"].size(), 10U);  // 9 errors and none
   const auto bits = [&](const char* word, int mode) {
     for (const Json& row : dictionary[word]) {
       if (row["mode"] == mode) return row["bits"];

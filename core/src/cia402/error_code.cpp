@@ -15,7 +15,7 @@ struct ErrorRow {
 };
 
 // 1001h: 1 current, 2 voltage, 3 temperature, 4 communication, 5 device profile.
-constexpr std::array<ErrorRow, 8> kErrors{{
+constexpr std::array<ErrorRow, 9> kErrors{{
     {ErrorCode::continuous_over_current, "continuous over-current", 1U << 1U, false},
     {ErrorCode::load_level, "load level fault", 1U << 1U, false},
     {ErrorCode::dc_link_under_voltage, "DC link under-voltage", 1U << 2U, true},
