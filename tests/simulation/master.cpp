@@ -182,7 +182,7 @@ void Master::send_request(const View& view, Post& post) {
         break;
       case 3:
         object.index(0x6060);
-        object.value(random_.per_mille(900) ? random_.pick<std::int8_t>(kModesToSet) : 2);
+        object.value(random_.per_mille(900) ? random_.pick<std::int8_t>(kModesToSet) : 5);
         break;
       default:
         object.index(0x6067);
@@ -322,7 +322,7 @@ void Master::fill(msg::AxisCommand& command, const AxisStatus& status,
   }
   if (status.op_mode_actual == 0 || random_.per_mille(40)) {
     add(msg::HAS_OP_MODE_CMD);
-    command.op_mode_cmd(random_.per_mille(980) ? random_.pick<std::int8_t>(kModesToSet) : 2);
+    command.op_mode_cmd(random_.per_mille(980) ? random_.pick<std::int8_t>(kModesToSet) : 5);
   }
   if (random_.per_mille(300)) {
     add(msg::HAS_PROFILE_VELOCITY);

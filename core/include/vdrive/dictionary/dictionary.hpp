@@ -123,7 +123,7 @@ inline constexpr std::array<ObjectRow, kStoredCount> kStoredRows = [] {
 ///         empty where they are more.
 [[nodiscard]] std::vector<std::int64_t> few_values(ObjectRow row);
 
-/// @return the values that an object takes, such as "0 to 8", "0, 1, 3, 4, 6 or 8", or more than 16
+/// @return the values that an object takes, such as "0 to 8", "0, 1 or 2", or more than 16
 ///         of them by their runs: "-4 to 14, 17 to 30, 33 to 35 or 37".
 [[nodiscard]] std::string values_text(ObjectRow row);
 
