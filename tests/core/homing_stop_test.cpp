@@ -99,18 +99,18 @@ class AxisAtWall {
   bool blocked_ = false;
 };
 
-struct StopRow {
+struct HardStopRow {
   int method;
   int direction;
   double home;
   double error;
 };
 
-class HomingStop : public testing::TestWithParam<StopRow> {};
+class HomingStop : public testing::TestWithParam<HardStopRow> {};
 
 // The walls stand at -5000 and 5000, the index pulses at multiples of 4096.
 TEST_P(HomingStop, IsHomeOrTheIndexPulseBehindItIs) {
-  const StopRow& row = GetParam();
+  const HardStopRow& row = GetParam();
   for (const std::int32_t offset : {0, 1'000, -12'345}) {
     SCOPED_TRACE(offset);
     AxisAtWall bench(row.direction, row.direction * 5'000.0);
@@ -123,7 +123,7 @@ TEST_P(HomingStop, IsHomeOrTheIndexPulseBehindItIs) {
 }
 
 TEST_P(HomingStop, IsFoundByAnAxisThatStandsAtIt) {
-  const StopRow& row = GetParam();
+  const HardStopRow& row = GetParam();
   AxisAtWall bench(row.direction, 0.0);
   ASSERT_NO_FATAL_FAILURE(bench.home(row.method));
   const bool index = row.method > -3;
@@ -131,7 +131,7 @@ TEST_P(HomingStop, IsFoundByAnAxisThatStandsAtIt) {
 }
 
 TEST_P(HomingStop, IsApproachedAtSearchSpeedAndLeftAtCreepSpeed) {
-  const StopRow& row = GetParam();
+  const HardStopRow& row = GetParam();
   AxisAtWall bench(row.direction, row.direction * 5'000.0);
   bench.start(row.method);
   std::int32_t towards = 0;
@@ -150,7 +150,7 @@ TEST_P(HomingStop, IsApproachedAtSearchSpeedAndLeftAtCreepSpeed) {
 }
 
 TEST_P(HomingStop, EndsARunBehindALimitSwitchWithAnError) {
-  const StopRow& row = GetParam();
+  const HardStopRow& row = GetParam();
   AxisAtWall bench(row.direction, row.direction * 5'000.0);
   bench.start(row.method);
   bench.ticks(100);
@@ -162,10 +162,10 @@ TEST_P(HomingStop, EndsARunBehindALimitSwitchWithAnError) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Homing, HomingStop,
-                         testing::Values(StopRow{-1, -1, -4'096.0, 2.0},
-                                         StopRow{-2, +1, 4'096.0, 2.0},
-                                         StopRow{-3, -1, -5'000.0, kStopError},
-                                         StopRow{-4, +1, 5'000.0, kStopError}),
+                         testing::Values(HardStopRow{-1, -1, -4'096.0, 2.0},
+                                         HardStopRow{-2, +1, 4'096.0, 2.0},
+                                         HardStopRow{-3, -1, -5'000.0, kStopError},
+                                         HardStopRow{-4, +1, 5'000.0, kStopError}),
                          [](const auto& row) {
                            return "Minus" + std::to_string(-row.param.method);
                          });
