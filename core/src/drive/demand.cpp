@@ -100,16 +100,21 @@ void start_ramp(Drive& drive, const MotionRequest& request) {
   if (std::abs(s.demand.torque) > std::abs(commanded) + step) s.demand.torque = commanded;
 }
 
+/// One tick from the torque demand by `change`, the same step in each sub-step.
+void step_torque(Drive& drive, double change) {
+  const std::size_t l = drive.lane();
+  const double unit = drive.block().units.torque_per_mille[l];
+  drive.servo().torque_wanted[l] = drive.state().demand.torque / unit;
+  drive.servo().torque_step[l] = change / unit / drive.timing().substeps;
+}
+
 /// One tick of the torque's ramp.
 void ramp_torque(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
   const double most = request.limits.acceleration * drive.timing().period_us * 1.0e-6;
   const double left = request.target - s.demand.torque;
   const double change = std::min(std::max(left, -most), most);
-  const std::size_t l = drive.lane();
-  const double unit = drive.block().units.torque_per_mille[l];
-  drive.servo().torque_wanted[l] = s.demand.torque / unit;
-  drive.servo().torque_step[l] = change / unit / drive.timing().substeps;
+  step_torque(drive, change);
   s.demand.torque = change == left ? request.target : s.demand.torque + change;
   s.demand.moving = change != 0.0;
 }
@@ -148,14 +153,11 @@ void follow_velocity(Drive& drive, const MotionRequest& request) {
   drive.state().demand.moving = start != 0.0 || end != 0.0;
 }
 
-/// One tick to the streamed torque, the same step in each sub-step.
+/// One tick to the streamed torque.
 void follow_torque(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
-  const std::size_t l = drive.lane();
-  const double unit = drive.block().units.torque_per_mille[l];
   const double change = request.target - s.demand.torque;
-  drive.servo().torque_wanted[l] = s.demand.torque / unit;
-  drive.servo().torque_step[l] = change / unit / drive.timing().substeps;
+  step_torque(drive, change);
   s.demand.torque = request.target;
   s.demand.moving = change != 0.0;
 }
