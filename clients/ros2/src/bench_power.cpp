@@ -40,8 +40,9 @@ std::vector<std::uint16_t> words_to_enable(PowerState state, bool resets_fault, 
   if (state == PowerState::not_ready_to_switch_on || state == PowerState::fault_reaction_active) {
     return {};
   }
-  if (state == PowerState::quick_stop_active && keeps_power)
+  if (state == PowerState::quick_stop_active && keeps_power) {
     return {controlwords::kEnableOperation};
+  }
   std::vector<std::uint16_t> words;
   if (state == PowerState::fault) {
     if (!resets_fault) return {};
