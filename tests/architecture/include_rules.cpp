@@ -186,8 +186,10 @@ constexpr std::array kDriveLayers{
     LayerRow{"stops", 2},           // questions
     LayerRow{"target", 2},          // forgotten or seeded
     LayerRow{"window", 2},          // what has to last
+    LayerRow{"vl_units", 2},        // questions: speeds in the units of 6042h
     LayerRow{"homing_search", 3},   // ways to a switch or a mechanical stop
     LayerRow{"power", 3},           // transitions
+    LayerRow{"modulo", 3},          // positions in the range 607Bh
     LayerRow{"demand", 4},          // requests, plans; no modes
     LayerRow{"interpolation", 4},   // streamed set-points; no modes
     LayerRow{"mode", 5},            // what a mode is to the drive

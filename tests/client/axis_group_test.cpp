@@ -296,6 +296,23 @@ TEST_F(LockStepGroup, MovesNoAxisWhenOneAxisCannotStart) {
   EXPECT_EQ(group.status()->demand(), vector({0, 0, 0}));
 }
 
+// A rotary table of 4096 UU a turn: positions from 0 to below 4096.
+TEST_F(LockStepGroup, MovesAModuloAxisWithinItsRangeAndByNoDirection) {
+  AxisGroup group = enabled(3);
+  write("1.3", {0x607B, 2}, 4'096);
+  const Outcome beyond = group.move_together(vector({1000, 1000, 5000}));
+  EXPECT_EQ(beyond.kind(), OutcomeKind::refused);
+  EXPECT_THAT(beyond.message(), HasSubstr("axis 1.3: the target 5000 is outside of its position "
+                                          "range (607Bh), from 0 to below 4096"));
+  write("1.3", kPositioningOption, 2 + 128);
+  EXPECT_THAT(group.move_together(vector({1000, 1000, 1000})).message(),
+              HasSubstr("axis 1.3: positioning_option_code (60F2h) chooses a direction"));
+  EXPECT_EQ(group.status()->demand(), vector({0, 0, 0}));
+  write("1.3", kPositioningOption, 2);
+  ASSERT_TRUE(group.move_together(vector({1000, 1000, 4'000})));
+  EXPECT_EQ(group.status()->demand(), vector({1000, 1000, 4'000}));
+}
+
 TEST_F(LockStepGroup, EnablesNoAxisWhenAnotherSessionHoldsOne) {
   Session other(options_on_wire());
   auto theirs = other.axis("1.3");

@@ -38,10 +38,10 @@ constexpr std::string_view kTable = "core/include/vdrive/dictionary/object_table
 constexpr std::string_view kManualCsv = "tests/data/object-dictionary.csv";
 constexpr std::string_view kCompanionCsv = "tests/data/companion-objects.csv";
 
-/// Modes that 6060h takes; bit n - 1 of 6502h stands for mode n: pp, pv, tq, hm, ip, csp,
+/// Modes that 6060h takes; bit n - 1 of 6502h stands for mode n: pp, vl, pv, tq, hm, ip, csp,
 /// csv, cst.
-const std::set<std::int64_t> kWorkingModes{0, 1, 3, 4, 6, 7, 8, 9, 10};
-constexpr std::int64_t kModeBits = 0b11'1110'1101;
+const std::set<std::int64_t> kWorkingModes{0, 1, 2, 3, 4, 6, 7, 8, 9, 10};
+constexpr std::int64_t kModeBits = 0b11'1110'1111;
 
 ObjectAddress address_of(const CsvRow& row) {
   return {static_cast<std::uint16_t>(std::stoul(row.at("index"), nullptr, 16)),
@@ -164,7 +164,7 @@ TEST(ObjectTable, GivesTheMomentOfEffectFromTheManualsMoreSpecificNotes) {
   EXPECT_EQ(describe("profile_dec"_object).effective, Effective::immediately);
 }
 
-// docs/reference/wire.md: a write of one of the nine acquires a free axis; any session may write
+// docs/reference/wire.md: a write of one of the ten acquires a free axis; any session may write
 // 5E00h to 5E0Ah and 5E20h.
 TEST(ObjectTable, MarksTheCommandObjectsAndTheTestInputs) {
   std::vector<ObjectAddress> commands;
@@ -178,6 +178,7 @@ TEST(ObjectTable, MarksTheCommandObjectsAndTheTestInputs) {
     if (object.role == Role::command) commands.push_back(object.address);
   }
   EXPECT_EQ(commands, (std::vector<ObjectAddress>{{0x6040, 0},
+                                                  {0x6042, 0},
                                                   {0x6060, 0},
                                                   {0x6071, 0},
                                                   {0x607A, 0},
@@ -384,7 +385,7 @@ TEST(DictionarySweep, AWrongSubIndexHasItsOwnAbortCodeForReadAndWrite) {
 
 TEST(DictionarySweep, AnUnknownIndexHasItsOwnAbortCodeForReadAndWrite) {
   AxisUnderTest axis;
-  for (const unsigned index : {0x0000U, 0x0FFFU, 0x2000U, 0x6043U, 0x60F8U, 0xFFFFU}) {
+  for (const unsigned index : {0x0000U, 0x0FFFU, 0x2000U, 0x6045U, 0x60F8U, 0xFFFFU}) {
     const ObjectAddress address{static_cast<std::uint16_t>(index), 0};
     EXPECT_EQ(axis.axis().write(address, 0), AbortCode::object_does_not_exist);
     EXPECT_EQ(axis.axis().read(address).code, AbortCode::object_does_not_exist);
@@ -421,7 +422,7 @@ TEST(DictionarySweep, AnUnsupportedModeIsRefusedAndThePresentModeStays) {
     EXPECT_EQ(axis.try_write("op_mode_cmd", mode), AbortCode{0x06090030}) << mode;
     EXPECT_EQ(axis.read("op_mode_cmd"), 1);
   }
-  // Bit n - 1 of 6502h is mode n: pp 0, pv 2, tq 3, hm 5, ip 6, csp 7, csv 8, cst 9.
+  // Bit n - 1 of 6502h is mode n: pp 0, vl 1, pv 2, tq 3, hm 5, ip 6, csp 7, csv 8, cst 9.
   std::int64_t bits = 0;
   for (const std::int64_t mode : kWorkingModes) {
     bits |= mode == 0 ? 0 : std::int64_t{1} << (mode - 1);
@@ -532,7 +533,7 @@ TEST(ValuesOfAnObject, AreListedWhereTheyAreFew) {
     return values_text(*find_object(name));
   };
   // Modes that 6502h shows, and 0; methods of the drive, and 0; the manual's option codes.
-  EXPECT_EQ(text_of("op_mode_cmd"), "0, 1, 3, 4, 6, 7, 8, 9 or 10");
+  EXPECT_EQ(text_of("op_mode_cmd"), "0, 1, 2, 3, 4, 6, 7, 8, 9 or 10");
   EXPECT_EQ(text_of("homing_method"), "-4 to 14, 17 to 30, 33 to 35 or 37");
   EXPECT_EQ(text_of("positioning_option_code"), "0, 1 or 2");
   EXPECT_EQ(text_of("error_history_count"), "0");

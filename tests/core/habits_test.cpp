@@ -688,5 +688,20 @@ TEST(HabitClearTargetVelocity, BeginsAtStandstill) {
   }
 }
 
+// The inverter whose manual says so is commanded by 6042h.
+TEST(HabitClearTargetVelocity, ClearsThatOfTheVelocityModeToo) {
+  for (const std::int64_t habit : {0, 1}) {
+    SCOPED_TRACE(habit);
+    AxisUnderTest axis;
+    axis.write("habit_clear_target_velocity", habit);
+    axis.write("op_mode_cmd", 2);
+    axis.write("vl_target_velocity", 60);  // 4096 UU/s
+    axis.command(0x007F);
+    axis.step(100);
+    EXPECT_EQ(axis.read("vl_target_velocity"), habit == 0 ? 60 : 0);
+    EXPECT_EQ(axis.demand_velocity(), habit == 0 ? 4'096 : 0);
+  }
+}
+
 }  // namespace
 }  // namespace vdrive

@@ -22,6 +22,11 @@ constexpr std::int32_t kBy6084h = 50;
 constexpr std::int32_t kBy609Ah = 80;
 constexpr std::int32_t kBy6085h = 100;
 constexpr std::int32_t kBy60C6h = 200;
+// 6049h and 604Ah in rpm a second: 1125 x 4096 / 60 = 76800 UU/s², 1800 x 4096 / 60 = 122880 UU/s².
+constexpr std::int64_t kRpmOf6049h = 1'125;
+constexpr std::int64_t kRpmOf604Ah = 1'800;
+constexpr std::int32_t kBy6049h = 77;
+constexpr std::int32_t kBy604Ah = 123;
 
 /// No stop: the motion goes on.
 constexpr std::int32_t kNoStop = 0;
@@ -44,10 +49,12 @@ struct StopRow {
   std::uint16_t moving_bits;  // bits 10, 12 and 13 in motion
   std::uint16_t halted_bits;  // at rest under halt, 605Dh = 2
   std::uint16_t word = 0x000F;
+  std::int32_t quick = kBy6085h;  // ramp of option 2
 };
 
-constexpr std::array<StopRow, 8> kStopRows{{
+constexpr std::array<StopRow, 9> kStopRows{{
     {1, "profile_position", nullptr, kBy6084h, true, 0, kBit10},
+    {2, "velocity", nullptr, kBy6049h, true, kBit10, kBit10, 0x007F, kBy604Ah},
     {3, "profile_velocity", nullptr, kBy6084h, true, kBit10, kBits12And10},
     {4, "profile_torque", nullptr, kTorqueBack, true, 0, kBit10},
     {6, "homing", nullptr, kBy609Ah, true, 0, kBit10},
@@ -58,15 +65,17 @@ constexpr std::array<StopRow, 8> kStopRows{{
     {10, "cyclic_torque", "target_torque", kTorqueBack, true, 0, 0},
 }};
 
-bool has_torque_as_command(const StopRow& row) {
-  return row.mode == 4 || row.mode == 10;
+/// @return whether the normal stop of the mode is none of a position loop: a change of the mode has
+///         6084h.
+bool changes_with_6084h(const StopRow& row) {
+  return row.mode == 2 || row.mode == 4 || row.mode == 10;
 }
 
 /// An axis that moves at about 30000 UU/s in the mode of its row.
 class MovingAxis {
  public:
   explicit MovingAxis(const StopRow& row) : row_(row) {
-    for (const auto& [object, value] : std::array<std::pair<const char*, std::int64_t>, 14>{
+    for (const auto& [object, value] : std::array<std::pair<const char*, std::int64_t>, 17>{
              {{"following_error_window", 0xFFFFFFFF},
               {"app_speed_limit", 30'000},
               {"profile_velocity", 30'000},
@@ -80,6 +89,9 @@ class MovingAxis {
               {"homing_speed_search", 30'000},
               {"homing_speed_creep", 1'000},
               {"target_velocity", 30'000},
+              {"vl_target_velocity", 439},  // rpm: 29969 UU/s
+              {"vl_deceleration_delta_speed", kRpmOf6049h},
+              {"vl_quick_stop_delta_speed", kRpmOf604Ah},
               {"target_torque", 1'000}}}) {
       axis_.write(object, value);
     }
@@ -137,7 +149,7 @@ class MovingAxis {
 /// @return the ramp of an option 1 to 4 of the three option codes.
 std::int32_t ramp_of_option(const StopRow& row, std::int64_t option) {
   if (option == 1) return row.normal;
-  return option == 2 ? kBy6085h : kBy60C6h;
+  return option == 2 ? row.quick : kBy60C6h;
 }
 
 class StopOfMode : public testing::TestWithParam<StopRow> {};
@@ -188,7 +200,7 @@ TEST_P(StopOfMode, AChangeOfTheModeHasTheRampOfTheOldOneUnderPositionControl) {
   const StopRow& row = GetParam();
   MovingAxis moving(row);
   moving.axis().write("op_mode_cmd", 0);
-  moving.expect_stop(has_torque_as_command(row) ? kBy6084h : row.normal);
+  moving.expect_stop(changes_with_6084h(row) ? kBy6084h : row.normal);
 }
 
 TEST_P(StopOfMode, Bits10And12And13AreThoseOfItsMotion) {

@@ -30,9 +30,9 @@ constexpr std::size_t kMostSnapshots = 16;
 constexpr std::uint64_t kMostOverlooked = 1'024;  // numbers below the highest one
 constexpr std::size_t kMostKept = 1'024;          // answers
 constexpr std::ptrdiff_t kMostKeptOfOne = 128;
-constexpr std::array<std::uint16_t, 9> kCommandObjects{0x6040, 0x6060, 0x6071, 0x607A, 0x60B0,
-                                                         0x60B1, 0x60B2, 0x60C1, 0x60FF};
-constexpr std::array<std::int64_t, 9> kModes{0, 1, 3, 4, 6, 7, 8, 9, 10};
+constexpr std::array<std::uint16_t, 10> kCommandObjects{0x6040, 0x6042, 0x6060, 0x6071, 0x607A,
+                                                        0x60B0, 0x60B1, 0x60B2, 0x60C1, 0x60FF};
+constexpr std::array<std::int64_t, 10> kModes{0, 1, 2, 3, 4, 6, 7, 8, 9, 10};
 constexpr std::uint16_t kKnownMembers = 0x7F;
 constexpr std::uint32_t kKnownFlags = 7;
 

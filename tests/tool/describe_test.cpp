@@ -54,7 +54,7 @@ TEST_F(Describe, ShowsBenchOwnerStateFaultAndModelOfAnAxis) {
                     HasSubstr("owner       free"), HasSubstr("lockstep, 1000 us a tick"),
                     HasSubstr("last fault  none"), HasSubstr("faults      0 since power-up"),
                     HasSubstr("rotary, deg; 4096 UU are one revolution"),
-                    HasSubstr("modes       profile position, profile velocity"),
+                    HasSubstr("modes       profile position, velocity, profile velocity"),
                     HasSubstr("rated 3000 mN.m and 5000 mA")));
 }
 

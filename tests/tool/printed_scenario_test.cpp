@@ -40,7 +40,7 @@ TEST(PrintedScenario, IsAcceptedByTheParserOfVdriveRun) {
 
 TEST(PrintedScenario, TakesTheSameTimeAsTheSequence) {
   const std::vector<test::Step> steps{{{{"ds402_controlword", 0x06}}, 3},
-                                      {{{"op_mode_cmd", 2}, {"op_mode_cmd", 1}}, 1}};
+                                      {{{"op_mode_cmd", 5}, {"op_mode_cmd", 1}}, 1}};
   const test::SideBySide run = test::run_side_by_side(steps);
   EXPECT_EQ(test::scenario_of(steps, run.ticks),
             "# vdrived --clock lockstep --config tests/data/whole_units.yaml\n"
@@ -50,7 +50,7 @@ TEST(PrintedScenario, TakesTheSameTimeAsTheSequence) {
             "expect 1.1 0x6061 0\n"
             "expect 1.1 0x6062 0\n"
             "expect 1.1 0x606B 0\n"
-            "refused 0x06090030 write 1.1 op_mode_cmd 2\n"
+            "refused 0x06090030 write 1.1 op_mode_cmd 5\n"
             "write 1.1 op_mode_cmd 1\n"
             "wait 1ms\n"
             "expect 1.1 0x6041 0x231\n"

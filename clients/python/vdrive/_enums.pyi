@@ -15,6 +15,7 @@ class PowerState(enum.IntEnum):
 class OperatingMode(enum.IntEnum):
     NONE = 0
     PROFILE_POSITION = 1
+    VELOCITY = 2
     PROFILE_VELOCITY = 3
     PROFILE_TORQUE = 4
     HOMING = 6

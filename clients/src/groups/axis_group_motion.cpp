@@ -38,7 +38,10 @@ constexpr ObjectAddress kDecelerationTime =
 constexpr std::array kOtherLimits{vdrive::describe("motor_speed_limit"_object).address,
                                   vdrive::describe("app_position_limit_switch"_object).address,
                                   vdrive::describe("user_position_lower_limit"_object).address,
-                                  vdrive::describe("user_position_upper_limit"_object).address};
+                                  vdrive::describe("user_position_upper_limit"_object).address,
+                                  vdrive::describe("min_position_range_limit"_object).address,
+                                  vdrive::describe("max_position_range_limit"_object).address,
+                                  vdrive::describe("positioning_option_code"_object).address};
 
 constexpr auto kLimitObjects = [] {
   std::array<ObjectAddress, kMoveBounds.size() + kOtherLimits.size()> objects{};
@@ -58,7 +61,29 @@ enum LimitObject : std::size_t {
   position_limit_switch,
   lower_limit,
   upper_limit,
+  range_begin,
+  range_end,
+  positioning_option,
 };
+
+/// A line is planned as on linear axes: on a modulo axis (607Bh) its target has to be a position
+/// that 6062h can show, and its way the difference of two such positions.
+Outcome check_range(const std::string& axis, const std::vector<std::int64_t>& values,
+                    std::int64_t target) {
+  constexpr std::int64_t kDirectionBits = 0xC0;  // of 60F2h
+  if (values[range_begin] >= values[range_end]) return {};
+  if (target < values[range_begin] || target >= values[range_end]) {
+    return Outcome::refused(wire_code(AbortCode::value_range_exceeded),
+                            axis + ": the target " + std::to_string(target) +
+                                " is outside of its position range (607Bh), from " +
+                                std::to_string(values[range_begin]) + " to below " +
+                                std::to_string(values[range_end]));
+  }
+  if ((values[positioning_option] & kDirectionBits) == 0) return {};
+  return not_in_this_state(axis +
+                           ": positioning_option_code (60F2h) chooses a direction, which a line "
+                           "cannot keep; write it without bits 6 and 7");
+}
 
 /// The limits of one axis as the drive applies them.
 MotionLimits limits_from(const std::vector<std::int64_t>& values, const LineRequest& request) {
@@ -130,6 +155,7 @@ Result<LineTimes> AxisGroup::State::times_of(AxesCall& call, const LineRequest& 
           wire_code(AbortCode::value_range_exceeded),
           axis + ": the target " + std::to_string(target) + " is beyond its software limits");
     }
+    if (Outcome within = check_range(axis, values, target); !within) return within;
     const auto bounds = std::span(values).first(kMoveBounds.size());
     if (Outcome moves = check_bounds(layout.axes[place], bounds); !moves) return moves;
     const MotionLimits own = limits_from(values, request);

@@ -3,6 +3,7 @@
 #include "drive/block.hpp"
 #include "drive/demand.hpp"
 #include "drive/faults.hpp"
+#include "drive/modulo.hpp"
 #include "drive/tick.hpp"
 #include "plant/effects.hpp"
 #include "plant/load_noise.hpp"
@@ -153,6 +154,9 @@ void AxisBank::State::end_block(std::size_t block_index, const TickLanes& lanes)
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled by the next statement
   NumberBlock numbers;
   round_numbers(block.state, numbers);
+  for_each_lane(block.state.modulo, [&](std::size_t lane) {
+    fold_numbers(this->drive(block_index, lane), numbers);
+  });
   for_each_lane(steady, [&](std::size_t lane) {
     show_numbers(numbers, lane, statuses[block.axes[lane]]);
   });

@@ -11,7 +11,8 @@ namespace vdrive {
 AbortCode check_stored(ObjectAddress object, std::int64_t value) noexcept {
   const auto row = find_object(object);
   if (!row) return check_address(object);
-  return describe(*row).storage == Storage::flash ? check_object_value(*row, value)
+  // What the axis is, its other stored values decide: `load_into` asks it.
+  return describe(*row).storage == Storage::flash ? check_value_on_modulo_axis(*row, value)
                                                   : AbortCode::cannot_store_or_transfer;
 }
 
@@ -21,7 +22,7 @@ AbortCode ParameterMemory::keep(ObjectAddress object, std::int64_t value) noexce
   const auto* const place = std::ranges::lower_bound(kStoredRows, *find_object(object));
   const auto position = static_cast<std::size_t>(place - kStoredRows.begin());
   values[position] = value;
-  present |= std::uint64_t{1} << position;
+  present[position] = true;
   return code;
 }
 
@@ -29,7 +30,7 @@ AbortCode ParameterMemory::keep(ObjectAddress object, std::int64_t value) noexce
 /// initial one.
 void ParameterMemory::load_into(Drive& drive) const noexcept {
   for (std::size_t position = 0; position < kStoredCount; ++position) {
-    if ((present >> position & 1U) != 0) {
+    if (present[position]) {
       static_cast<void>(write_object(drive, kStoredRows[position], values[position]));
     }
   }

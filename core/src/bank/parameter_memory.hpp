@@ -5,6 +5,7 @@
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <type_traits>
 
@@ -13,7 +14,7 @@ namespace vdrive {
 /// What 1010h stored of an axis. Not every object need be there: an earlier program may have stored
 /// it, whose dictionary had fewer.
 struct ParameterMemory {
-  std::uint64_t present = 0;  // bit n: values[n] is of row kStoredRows[n]
+  std::bitset<kStoredCount> present;  // bit n: values[n] is of row kStoredRows[n]
   std::array<std::int64_t, kStoredCount> values{};
 
   /// @return that of AxisBank::check_stored; where it is not none nothing has changed.
@@ -23,7 +24,6 @@ struct ParameterMemory {
   void load_into(Drive& drive) const noexcept;
 };
 
-static_assert(kStoredCount <= 64);
 static_assert(std::is_trivially_copyable_v<ParameterMemory>);
 
 /// @return AbortCode::none when 1010h could store this value of this object.

@@ -30,6 +30,9 @@ bool is_judged_by_meaning(ObjectRow row) {
   return row == "error_history_count"_object || row == "homing_method"_object;
 }
 
+/// Bits 6 and 7 of 60F2h, the rotary axis direction option of CiA 402-2.
+constexpr std::int64_t kDirectionBits = 0x00C0;
+
 bool is_within_type(ObjectRow row, std::int64_t value) {
   const TypeRange type = range_of(describe(row).data_type);
   return value >= type.lowest && value <= type.highest;
@@ -49,6 +52,11 @@ AbortCode check_value(ObjectRow row, std::int64_t value) {
       return value == 4 ? AbortCode::none : AbortCode::value_range_exceeded;
     case "positioning_option_code"_object:
       return value <= 2 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "vl_set_point_factor_numerator"_object:
+    case "vl_set_point_factor_denominator"_object:
+    case "vl_dimension_factor_numerator"_object:
+    case "vl_dimension_factor_denominator"_object:
+      return value != 0 ? AbortCode::none : AbortCode::value_range_exceeded;
     case "error_history_count"_object:
       return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
     case "habit_statusword_bits"_object:
@@ -164,6 +172,12 @@ AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept {
   const bool is_judged =
       code == AbortCode::none || (is_judged_by_meaning(row) && is_within_type(row, value));
   return is_judged ? check_value(row, value) : code;
+}
+
+AbortCode check_value_on_modulo_axis(ObjectRow row, std::int64_t value) noexcept {
+  const bool may_have_direction =
+      row == "positioning_option_code"_object && is_within_type(row, value);
+  return check_object_value(row, may_have_direction ? value & ~kDirectionBits : value);
 }
 
 std::vector<std::int64_t> few_values(ObjectRow row) {

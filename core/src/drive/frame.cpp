@@ -16,6 +16,11 @@ double whole_turns(double position) {
   return kRange * floor_of(nearest(position) / kRange + 0.5);
 }
 
+/// Whole ranges 607Bh that lie between `position` and what is shown of it.
+double whole_ranges(const PositionRange& range, double position) {
+  return range.span * floor_of((nearest(position) - range.lower) / range.span);
+}
+
 }  // namespace
 
 void put_segment(Drive& drive, const Segment& segment) {
@@ -62,11 +67,27 @@ void rebase(Drive& drive) {
   const ServoState& servo = drive.servo();
   const std::size_t l = drive.lane();
   const bool single = drive.registers().single_encoder;
-  const double turns = whole_turns(drive.demand().position[l]);
+  const double demand = drive.demand().position[l];
+  const double turns =
+      is_modulo(drive) ? whole_ranges(drive.registers().range, demand) : whole_turns(demand);
   const double motor = whole_turns(servo.motor_reading[l]);
   const double load = whole_turns(servo.load_position[l]);
   shift_frame(drive,
               {.motor = single ? turns : motor, .load = single ? load : turns, .reading = turns});
+}
+
+std::int32_t shown_position(const Drive& drive, double position) {
+  if (!is_modulo(drive)) return wrapped(position);
+  const double whole = nearest(position);
+  return wrapped(whole - whole_ranges(drive.registers().range, whole));
+}
+
+double shorter_way(const Drive& drive, double distance) {
+  if (!is_modulo(drive)) return wrapped(distance);
+  const double span = drive.registers().range.span;
+  // Backward, so that half a range, which is the end of the interval, is a positive way.
+  const double back = -distance;
+  return -(back - span * floor_of(back / span + 0.5));
 }
 
 }  // namespace vdrive

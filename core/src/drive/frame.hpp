@@ -3,6 +3,8 @@
 
 #include "drive/state.hpp"
 
+#include <cstdint>
+
 namespace vdrive {
 
 // The frame that all positions of an axis count in, and the demand at rest in it.
@@ -27,7 +29,20 @@ struct FrameShift {
 void shift_frame(Drive& drive, const FrameShift& shift);
 
 /// Positions live in a frame that is kept near the 32-bit range: whole turns of the register are
-/// taken out, which is exact, so no position grows with the uptime. A plan of before is void.
+/// taken out, which is exact, so no position grows with the uptime. A plan of before is void. On a
+/// modulo axis they are whole ranges 607Bh: behind it the demand is inside of the range.
 void rebase(Drive& drive);
+
+[[nodiscard]] inline bool is_modulo(const Drive& drive) {
+  return drive.registers().range.span > 0.0;
+}
+
+/// @return `position` [UU] as 6062h and 6064h show it: whole, modulo 2³², on a modulo axis from
+///         607Bh:01 to below 607Bh:02.
+[[nodiscard]] std::int32_t shown_position(const Drive& drive, double position);
+
+/// @return the whole distance `distance` [UU] by the shorter way round the register, on a modulo
+///         axis round its range; of two equal ones the positive one on a modulo axis.
+[[nodiscard]] double shorter_way(const Drive& drive, double distance);
 
 }  // namespace vdrive

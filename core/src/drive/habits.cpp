@@ -60,7 +60,9 @@ void update_habits(Drive& drive) noexcept {
 void begin_operation(Drive& drive) {
   const Habits& habits = drive.registers().habits;
   drive.state().modes.position.greets = habits.acknowledges_enabling;
-  if (habits.clears_velocity) drive.registers().values["target_velocity"_object] = 0;
+  if (!habits.clears_velocity) return;
+  drive.registers().values["target_velocity"_object] = 0;
+  drive.registers().values["vl_target_velocity"_object] = 0;
 }
 
 bool refuses_mode_change(const Drive& drive, OperatingMode wanted) {

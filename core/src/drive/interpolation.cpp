@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/interpolation.hpp"
 
+#include "drive/frame.hpp"
 #include "drive/limits.hpp"
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
@@ -59,7 +60,7 @@ Gap gap_of(const Drive& drive) {
 double extrapolated_position(const Drive& drive) {
   const double period = drive.timing().period_us * 1.0e-6;
   const double next = demand_position(drive) + demand_velocity(drive) * period;
-  const double shown = wrapped(next);
+  const double shown = shown_position(drive, next);
   return next + (within_software_limits(drive, shown) - shown);
 }
 
@@ -127,8 +128,9 @@ double part_of_way(const Drive& drive, double start, double target) {
 double streamed_position(const Drive& drive, std::int32_t set_point) {
   const double goal = within_software_limits(drive, set_point);
   const double whole = nearest(demand_position(drive));
-  return whole + (drive.state().limits.enabled ? goal - wrapped(whole)
-                                               : static_cast<double>(wrapped(goal - whole)));
+  const double way = drive.state().limits.enabled ? goal - shown_position(drive, whole)
+                                                  : shorter_way(drive, goal - whole);
+  return whole + way;
 }
 
 MotionRequest follow_position(const Drive& drive, std::int32_t set_point) {
@@ -143,8 +145,10 @@ bool follows_position(const Drive& drive, std::int32_t set_point) {
   const TargetState& target = drive.state().target;
   const DriveRegisters& registers = drive.registers();
   if (!drive.state().demand.following || gap_of(drive) != Gap::none) return false;
-  if (registers.interpolation.ticks_left == 0) return wrapped(target.position) == set_point;
   const double wanted = set_point;
+  if (registers.interpolation.ticks_left == 0) {
+    return shown_position(drive, target.position) == shown_position(drive, wanted);
+  }
   return target.position == registers.request.target &&
          within_software_limits(drive, wanted) == wanted;
 }

@@ -35,7 +35,7 @@ void end_stream(Drive& drive);
 [[nodiscard]] double part_of_way(const Drive& drive, double start, double target);
 
 /// Question: the internal position [UU] that `set_point` means: within 607Dh, by the shorter way
-/// round the register; with software limits between them.
+/// round the register, on a modulo axis round its range; with software limits between them.
 [[nodiscard]] double streamed_position(const Drive& drive, std::int32_t set_point);
 
 /// Question: the part of this tick of the way to that position, within 607Fh and 6080h.

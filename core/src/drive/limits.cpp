@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/limits.hpp"
 
+#include "drive/frame.hpp"
 #include "drive/registers.hpp"
-#include "rounding.hpp"
 #include "torque_limit.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
@@ -52,8 +52,8 @@ std::uint16_t bits_at_limits(const Drive& drive, double internal_demand, double 
     bits |= Statusword::kInternalLimitActive;
   }
   if (limits.enabled) {
-    const double demand = wrapped(internal_demand);
-    const double actual = wrapped(internal_actual);
+    const double demand = shown_position(drive, internal_demand);
+    const double actual = shown_position(drive, internal_actual);
     if (std::min(demand, actual) <= limits.lower || std::max(demand, actual) >= limits.upper) {
       bits |= Statusword::kInternalLimitActive;
     }

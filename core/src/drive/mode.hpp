@@ -37,6 +37,9 @@ struct Mode {
   /// Question: the normal stop, where it is another one than that with `normal_ramp`.
   MotionRequest (*normal_stop)(const Drive& drive) = nullptr;
 
+  /// Question: the stop by the quick ramp, where it is another one than that with 6085h.
+  MotionRequest (*quick_stop)(const Drive& drive) = nullptr;
+
   /// Question: the torque that the mode adds to what the loops command [‰ of rated]; in its stops,
   /// too. For modes that close the velocity loop.
   double (*torque_offset)(const Drive& drive) = nullptr;
@@ -47,7 +50,8 @@ struct Mode {
   /// Command, after `watch`: takes the next set-point.
   void (*take_next)(Drive& drive) = nullptr;
 
-  /// Question: bits 10, 12 and 13 of 6041h in Operation enabled.
+  /// Question: bits 10 to 13 of 6041h in Operation enabled; bit 11 where the mode itself limits its
+  /// target.
   std::uint16_t (*status_bits)(const Drive& drive) = nullptr;
 
   /// Where the demand moves outside of the target window, `watch` and `take_next` do nothing and

@@ -11,6 +11,7 @@
 #include "drive/modes/profile_position.hpp"
 #include "drive/modes/profile_torque.hpp"
 #include "drive/modes/profile_velocity.hpp"
+#include "drive/modes/velocity.hpp"
 #include "drive/stops.hpp"
 #include "drive/target.hpp"
 #include "drive/window.hpp"
@@ -40,6 +41,7 @@ struct ModeRow {
 constexpr std::array kRows{
     ModeRow{OperatingMode::none, &kNoMode},
     ModeRow{OperatingMode::profile_position, &kProfilePosition},
+    ModeRow{OperatingMode::velocity, &kVelocity},
     ModeRow{OperatingMode::profile_velocity, &kProfileVelocity},
     ModeRow{OperatingMode::profile_torque, &kProfileTorque},
     ModeRow{OperatingMode::homing, &kHoming},
@@ -65,6 +67,15 @@ MotionRequest normal_stop(const Drive& drive) {
   return mode.normal_stop != nullptr ? mode.normal_stop(drive) : ramp_stop(drive, mode.normal_ramp);
 }
 
+/// The stop by the option codes 605Ah and 605Eh.
+MotionRequest stop_of_mode(const Drive& drive, std::int64_t option) {
+  constexpr std::int64_t kQuickRamp = 2;
+  const Mode& mode = mode_of(drive);
+  return option == kQuickRamp && mode.quick_stop != nullptr
+             ? mode.quick_stop(drive)
+             : stop_by_option(drive, option, normal_stop(drive));
+}
+
 MotionRequest request_in_operation(const Drive& drive) {
   const DriveState& s = drive.state();
   if (s.mode.wanted != s.mode.actual) {
@@ -83,11 +94,10 @@ MotionRequest request_of_state(const Drive& drive) {
       return request_in_operation(drive);
     case PowerState::quick_stop_active: {
       const std::int64_t option = reg(drive, "quick_stop_option_code"_object);
-      return stop_by_option(drive, option > 4 ? option - 4 : option, normal_stop(drive));
+      return stop_of_mode(drive, option > 4 ? option - 4 : option);
     }
     case PowerState::fault_reaction_active:
-      return stop_by_option(drive, reg(drive, "fault_reaction_option_code"_object),
-                            normal_stop(drive));
+      return stop_of_mode(drive, reg(drive, "fault_reaction_option_code"_object));
     default:
       return {};
   }

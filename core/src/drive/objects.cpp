@@ -3,10 +3,12 @@
 
 #include "drive/controlword.hpp"
 #include "drive/faults.hpp"
+#include "drive/frame.hpp"
 #include "drive/habits.hpp"
 #include "drive/mode_table.hpp"
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
+#include "drive/vl_units.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -38,6 +40,11 @@ void take_target(Drive& drive, ObjectRow row) {
   if (const Mode& mode = mode_of(drive); mode.take_target != nullptr) mode.take_target(drive, row);
 }
 
+/// The rules of an object for its value, on this axis.
+AbortCode check_on_axis(const Drive& drive, ObjectRow row, std::int64_t value) {
+  return is_modulo(drive) ? check_value_on_modulo_axis(row, value) : check_object_value(row, value);
+}
+
 /// 5E11h: 6080h in the units of 6064h, as far as the object can show it.
 std::int64_t motor_speed_limit(const Drive& drive) {
   const double limit = velocity_of_motor(drive, real(drive, "motor_max_speed_rpm"_object));
@@ -48,7 +55,9 @@ std::int64_t motor_speed_limit(const Drive& drive) {
 }  // namespace
 
 WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexcept {
-  if (const AbortCode code = check_object_value(row, value); code != AbortCode::none) return {code};
+  if (const AbortCode code = check_on_axis(drive, row, value); code != AbortCode::none) {
+    return {code};
+  }
   const Change change = describe(row).change;
   if (change == Change::memory) {
     return {};  // the row still reads 1
@@ -115,6 +124,10 @@ std::int64_t read_object(const Drive& drive, ObjectRow row, AbortCode& code) noe
       return motor_speed_limit(drive);
     case "interpolation_buffer_position"_object:
       return registers.record_buffer.count;
+    case "vl_velocity_demand"_object:
+      return vl_velocity_demand(drive);
+    case "vl_velocity_actual_value"_object:
+      return vl_velocity_actual_value(drive);
     default:
       break;
   }

@@ -38,11 +38,27 @@ void update_limits(Drive& drive) {
       (reg(drive, "test_home_input"_object) != 0 ? kHomeInput : 0U));
 }
 
+/// 607Bh makes a modulo axis of one whose limits are in order. The whole range of the register is
+/// the one that every axis has.
+void update_range(Drive& drive) {
+  const std::int64_t lower = reg(drive, "min_position_range_limit"_object);
+  const std::int64_t upper = reg(drive, "max_position_range_limit"_object);
+  const TypeRange ends = range_of(DataType::integer32);
+  const bool has_range = lower < upper && !(lower == ends.lowest && upper == ends.highest);
+  drive.registers().range = has_range ? PositionRange{.lower = static_cast<double>(lower),
+                                                      .span = static_cast<double>(upper - lower)}
+                                      : PositionRange{};
+  const std::uint64_t lane = std::uint64_t{1} << drive.lane();
+  std::uint64_t& modulo = drive.block().modulo;
+  modulo = has_range ? modulo | lane : modulo & ~lane;
+}
+
 }  // namespace
 
 void update_derived(Drive& drive) noexcept {
   update_windows(drive);
   update_limits(drive);
+  update_range(drive);
   DriveState& s = drive.state();
   drive.block().units.rated_current[drive.lane()] = real(drive, "motor_rated_current"_object);
   drive.servo().blocked[drive.lane()] = reg(drive, "test_blocked_load"_object) != 0 ? 1.0 : 0.0;

@@ -208,6 +208,12 @@ struct FrameOrigins {
   double load = 0.0;   // in the frame of the load [UU]
 };
 
+/// Position range 607Bh of a modulo axis.
+struct PositionRange {
+  double lower = 0.0;  // 607Bh:01 [UU]
+  double span = 0.0;   // 607Bh:02 less 607Bh:01 [UU]; 0 = no modulo axis
+};
+
 /// 1003h.
 struct ErrorHistory {
   std::array<std::uint32_t, 8> codes{};  // the latest first
@@ -234,6 +240,7 @@ struct DriveRegisters {
   IndexPulse index;
   FrameOrigins origins;
   HomingRun homing;
+  PositionRange range;
   ErrorHistory history;
   double gear_ratio = 1.0;     // 3576h over 3577h
   double position_gain = 1.0;  // of the position loop [1/s]
@@ -269,8 +276,9 @@ struct BlockState {
   DemandBlock demand;
   UnitBlock units;
   SteadyBlock steady;
-  std::uint64_t noisy;  // lanes whose load torque has noise
-  std::array<std::uint64_t, 7> unused;
+  std::uint64_t noisy;   // lanes whose load torque has noise
+  std::uint64_t modulo;  // lanes of modulo axes
+  std::array<std::uint64_t, 6> unused;
 };
 
 /// One axis: its state, its lane of the block, its status image. Questions take a

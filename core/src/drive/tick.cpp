@@ -7,6 +7,7 @@
 #include "drive/frame.hpp"
 #include "drive/limits.hpp"
 #include "drive/mode_table.hpp"
+#include "drive/modulo.hpp"
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
 #include "drive/window.hpp"
@@ -91,7 +92,7 @@ void take_next_set_point(Drive& drive, const Mode& mode) {
   }
 }
 
-/// @return bits 10, 12 and 13 of 6041h, as far as the mode in force sets them.
+/// @return bits 10 to 13 of 6041h, as far as the mode in force sets them.
 std::uint16_t mode_bits(const Drive& drive, const Mode& mode) {
   if (operation_enabled(drive)) {
     return mode.status_bits != nullptr ? mode.status_bits(drive) : std::uint16_t{0};
@@ -241,6 +242,7 @@ void show(Drive& drive) noexcept {
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled by the next statement
   NumberBlock numbers;
   round_numbers(drive.block(), numbers);
+  if (is_modulo(drive)) fold_numbers(drive, numbers);
   show(drive, mode_of(drive), numbers);
 }
 

@@ -11,6 +11,7 @@
 #include "vdrive/plant/model_parameters.hpp"
 #include "vdrive/wording.hpp"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <map>
@@ -145,10 +146,11 @@ ObjectRow row_named(const std::string& key, const YamlValue& value) {
 }
 
 /// By the rules that the drive has for a write: what it refuses is refused here, with its line.
+/// What it takes on a modulo axis only, `check_direction` judges.
 std::int64_t read_object_value(const YamlValue& value, ObjectRow row) {
   const ObjectDescription& object = describe(row);
   const auto number = parse_integer(value.text());
-  const AbortCode code = number ? check_object_value(row, *number) : AbortCode::none;
+  const AbortCode code = number ? check_value_on_modulo_axis(row, *number) : AbortCode::none;
   if (number && code == AbortCode::none) return *number;
   if (code == AbortCode::write_of_read_only_object) value.refuse(std::string(describe(code)));
   if (number && !few_values(row).empty()) value.refuse("must be " + values_text(row));
@@ -172,6 +174,31 @@ void check_software_limits(const std::map<ObjectAddress, PlacedValue>& values) {
   if (lower->second.value < upper->second.value) return;
   lower->second.place.refuse("must be below user_position_upper_limit (607Dh:2) = " +
                              std::to_string(upper->second.value));
+}
+
+/// Bits 6 and 7 of 60F2h need a range, and the drive takes them once it has one.
+void check_direction(const std::map<ObjectAddress, PlacedValue>& values) {
+  const ObjectRow option = "positioning_option_code"_object;
+  const auto value = values.find(describe(option).address);
+  if (value == values.end()) return;
+  if (check_object_value(option, value->second.value) == AbortCode::none) return;
+  const auto lower = values.find(describe("min_position_range_limit"_object).address);
+  const auto upper = values.find(describe("max_position_range_limit"_object).address);
+  const std::int64_t first = lower == values.end() ? 0 : lower->second.value;
+  const std::int64_t last = upper == values.end() ? 0 : upper->second.value;
+  if (first < last) return;
+  value->second.place.refuse(
+      "must be " + values_text(option) +
+      ", for bits 6 and 7 are of a modulo axis: min_position_range_limit (607Bh:1) below "
+      "max_position_range_limit (607Bh:2)");
+}
+
+/// The range makes the modulo axis that takes bits 6 and 7 of 60F2h: it is written first.
+void put_range_first(std::vector<InitialValue>& parameters) {
+  const std::uint16_t range = describe("min_position_range_limit"_object).address.index;
+  std::ranges::stable_partition(parameters, [range](const InitialValue& parameter) {
+    return parameter.address.index == range;
+  });
 }
 
 /// What a write of an object does besides keeping its value; empty = nothing.
@@ -229,6 +256,8 @@ void read_parameters(const YamlValue& value, NamedAxis& axis) {
     parameters.push_back({object.address, number});
   });
   check_software_limits(values);
+  check_direction(values);
+  put_range_first(parameters);
 }
 
 /// @return such as "profile_velocity [VelUU]".

@@ -35,7 +35,7 @@ inline rc::Gen<Command> any_command() {
       {2, value_of("profile_dec", ramp)},
       {2, value_of("positioning_option_code", rc::gen::inRange<std::int64_t>(0, 3))},
       // No mode and modes that no drive of this kind has: refused, 6060h keeps its value.
-      {6, value_of("op_mode_cmd", rc::gen::elementOf(Values{0, 0, 1, 1, 1, 2, 5, -1, 127}))},
+      {6, value_of("op_mode_cmd", rc::gen::elementOf(Values{0, 0, 1, 1, 1, 11, 5, -1, 127}))},
       {2, value_of("position_target_reached_window",
                    rc::gen::elementOf(Values{0, 5, 100, 4294967295}))},
       {1, value_of("test_over_temperature", cause)},

@@ -266,6 +266,7 @@ const STATES: Record<PowerState, string> = {
 const MODES: Record<(typeof OPERATING_MODES)[number]["mode"], string> = {
   0: "无",
   1: "轮廓位置",
+  2: "速度",
   3: "轮廓速度",
   4: "轮廓转矩",
   6: "回零",

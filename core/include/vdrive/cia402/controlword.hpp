@@ -16,6 +16,9 @@ struct Controlword {
   static constexpr std::uint16_t kEnableInterpolation = 1U << 4U;   ///< interpolated position
   static constexpr std::uint16_t kChangeSetImmediately = 1U << 5U;  ///< profile position
   static constexpr std::uint16_t kRelative = 1U << 6U;              ///< profile position
+  static constexpr std::uint16_t kEnableRamp = 1U << 4U;            ///< velocity (vl)
+  static constexpr std::uint16_t kUnlockRamp = 1U << 5U;            ///< velocity (vl)
+  static constexpr std::uint16_t kReferenceRamp = 1U << 6U;         ///< velocity (vl)
   static constexpr std::uint16_t kFaultReset = 1U << 7U;
   static constexpr std::uint16_t kHalt = 1U << 8U;
 };

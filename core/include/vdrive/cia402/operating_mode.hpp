@@ -15,6 +15,7 @@ namespace vdrive {
 enum class OperatingMode : std::int8_t {
   none = 0,  ///< empty mode: enabled, no motion
   profile_position = 1,
+  velocity = 2,  ///< of inverters (vl)
   profile_velocity = 3,
   profile_torque = 4,
   homing = 6,
@@ -50,6 +51,11 @@ inline constexpr std::array kOperatingModes{
         .control_bits = {{{Controlword::kNewSetPoint, "new set-point"},
                           {Controlword::kChangeSetImmediately, "change set immediately"},
                           {Controlword::kRelative, "relative"}}}},
+    OperatingModeRow{.mode = OperatingMode::velocity,
+                     .name = "velocity",
+                     .control_bits = {{{Controlword::kEnableRamp, "enable ramp"},
+                                       {Controlword::kUnlockRamp, "unlock ramp"},
+                                       {Controlword::kReferenceRamp, "reference ramp"}}}},
     OperatingModeRow{.mode = OperatingMode::profile_velocity,
                      .name = "profile velocity",
                      .status_bits = {{{Statusword::kSpeedZero, "speed zero"}}}},

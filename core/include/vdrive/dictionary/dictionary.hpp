@@ -119,6 +119,10 @@ inline constexpr std::array<ObjectRow, kStoredCount> kStoredRows = [] {
 ///         without a meaning, else that of `check_write`.
 [[nodiscard]] AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept;
 
+/// The same on a modulo axis (607Bh), which takes bits 6 and 7 of 60F2h, too: the direction in
+/// which it goes to a target.
+[[nodiscard]] AbortCode check_value_on_modulo_axis(ObjectRow row, std::int64_t value) noexcept;
+
 /// @return the values that a writable object takes, in ascending order, where they are at most 40;
 ///         empty where they are more.
 [[nodiscard]] std::vector<std::int64_t> few_values(ObjectRow row);

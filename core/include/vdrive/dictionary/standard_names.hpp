@@ -39,6 +39,8 @@ inline constexpr std::array kStandardNames{
     StandardName{"interpolation_time_period_value", "interpolation_time_period"},
     StandardName{"buffer_organization", "interpolation_buffer_organization"},
     StandardName{"buffer_clear", "interpolation_buffer_clear"},
+    StandardName{"physical_outputs", "digital_outputs"},
+    StandardName{"bit_mask", "digital_outputs_mask"},
     StandardName{"max_acceleration", "app_acc_limit"},
     StandardName{"max_deceleration", "app_dec_limit"},
     StandardName{"positive_torque_limit_value", "positive_torque_limit_relative"},

@@ -3,6 +3,7 @@
 
 #include "drive/frame.hpp"
 #include "drive/limits.hpp"
+#include "drive/modulo.hpp"
 #include "drive/stops.hpp"
 #include "drive/window.hpp"
 #include "rounding.hpp"
@@ -41,10 +42,15 @@ double relative_base(const Drive& drive) {
   }
 }
 
-/// The internal target of `set_point`.
+/// The internal target of `set_point`. The sign of a relative one is its direction, also on a
+/// modulo axis.
 double target_of(const Drive& drive, const SetPoint& set_point) {
   const auto value = static_cast<double>(set_point.position_user_target_value);
-  return within_software_limits(drive, set_point.relative ? relative_base(drive) + value : value);
+  const double target =
+      set_point.relative
+          ? relative_base(drive) + value
+          : target_on_range(drive, value, deceleration_of(drive, "profile_dec"_object));
+  return within_software_limits(drive, target);
 }
 
 MoveTimes times_of(const SetPoint& set_point) {

@@ -619,6 +619,10 @@ export const OPERATING_MODES = [
     "name": "profile position"
   },
   {
+    "mode": 2,
+    "name": "velocity"
+  },
+  {
     "mode": 3,
     "name": "profile velocity"
   },
