@@ -176,6 +176,7 @@ struct LayerRow {
 constexpr std::array kDriveLayers{
     LayerRow{"modes/*_state", -1},  // what a mode keeps between ticks
     LayerRow{"habits_state", -1},   // what 5E20h makes of a drive
+    LayerRow{"probe_state", -1},    // what the touch probes keep between two looks
     LayerRow{"state", 0},           // what an axis is
     LayerRow{"frame", 1},           //   and where its positions count from
     LayerRow{"block", 2},           //   and its steady ticks, side by side with others
@@ -185,6 +186,7 @@ constexpr std::array kDriveLayers{
     LayerRow{"limits", 2},          // questions
     LayerRow{"stops", 2},           // questions
     LayerRow{"target", 2},          // forgotten or seeded
+    LayerRow{"touch_probe", 2},     // edges of the inputs, latched
     LayerRow{"window", 2},          // what has to last
     LayerRow{"vl_units", 2},        // questions: speeds in the units of 6042h
     LayerRow{"homing_search", 3},   // ways to a switch or a mechanical stop

@@ -112,6 +112,11 @@ TEST(CanopenArguments, NameOptionValueAndLimitOfAnError) {
   }
   EXPECT_THAT(problem_of_arguments({.clock = "freerun"}), HasSubstr("--clock: freerun not in"));
   EXPECT_THAT(problem_of_arguments({.axes = 3}), HasSubstr("--axes is that of a private bench"));
+  EXPECT_THAT(problem_of_arguments({.preset = "winder"}),
+              HasSubstr("--preset is that of a private bench"));
+  EXPECT_THAT(problem_of_arguments(
+                  {.is_private = true, .preset = "winder", .bench_configuration = "a.yaml"}),
+              HasSubstr("--preset and --bench-config are both given"));
   EXPECT_THAT(problem_of_arguments({.bench_configuration = "a.yaml"}),
               HasSubstr("--bench-config is that of a private bench"));
   EXPECT_THAT(

@@ -299,6 +299,16 @@ std::vector<EffectRow> bench_rows() {
       {"test_positive_limit_input", 1, 0.0, 2.0, nothing, inputs},
       {"test_negative_limit_input", 1, 0.0, 1.0, nothing, inputs},
       {"test_home_input", 1, 0.0, 4.0, nothing, inputs},
+      // The axis stands at 0, on the switch: at and beyond its position.
+      {"test_switch_positive_limit", 0, 0.0, 2.0, nothing, inputs},
+      {"test_switch_negative_limit", 0, 0.0, 1.0, nothing, inputs},
+      {"test_switch_home", -10, 0.0, 4.0,
+       [](AxisUnderTest& axis) {
+         axis.write("test_switch_home", 10);
+         axis.write("test_switch_home_length", 20);
+       },
+       inputs},
+      {"test_switch_home_length", 20, 0.0, 4.0, nothing, inputs},
       {"error_history_count", 0, 1.0, 0.0,
        [](AxisUnderTest& axis) {
          axis.write("test_over_current", 1);
@@ -443,6 +453,9 @@ const std::set<std::string> kOfOtherModes{"velocity_window",
                                           "interpolation_buffer_organization",
                                           "interpolation_buffer_record_size",
                                           "interpolation_buffer_clear",
+                                          "touch_probe_function",
+                                          "touch_probe_source_1",
+                                          "touch_probe_source_2",
                                           "interpolation_time_period",
                                           "interpolation_time_index",
                                           "vl_target_velocity",

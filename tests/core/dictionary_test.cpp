@@ -165,14 +165,14 @@ TEST(ObjectTable, GivesTheMomentOfEffectFromTheManualsMoreSpecificNotes) {
 }
 
 // docs/reference/wire.md: a write of one of the ten acquires a free axis; any session may write
-// 5E00h to 5E0Ah and 5E20h.
+// 5E00h to 5E0Ah, 5E20h and 5E21h.
 TEST(ObjectTable, MarksTheCommandObjectsAndTheTestInputs) {
   std::vector<ObjectAddress> commands;
   std::size_t test_inputs = 0;
   for (const ObjectDescription& object : kObjectTable) {
     const std::uint16_t index = object.address.index;
-    const bool is_habit = index == 0x5E20;
-    EXPECT_EQ(object.role == Role::test_input, is_habit || (index >= 0x5E00 && index <= 0x5E0A))
+    const bool is_beside = index == 0x5E20 || index == 0x5E21;  // habits, places of switches
+    EXPECT_EQ(object.role == Role::test_input, is_beside || (index >= 0x5E00 && index <= 0x5E0A))
         << show(object.address);
     test_inputs += object.role == Role::test_input ? 1U : 0U;
     if (object.role == Role::command) commands.push_back(object.address);
@@ -187,7 +187,7 @@ TEST(ObjectTable, MarksTheCommandObjectsAndTheTestInputs) {
                                                   {0x60B2, 0},
                                                   {0x60C1, 1},
                                                   {0x60FF, 0}}));
-  EXPECT_EQ(test_inputs, 25U);
+  EXPECT_EQ(test_inputs, 29U);
   EXPECT_FALSE(has_role({0x6040, 1}, Role::command)) << "no such object";
 }
 
@@ -319,6 +319,13 @@ AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
       const bool is_refused = (subindex == 3 && value != 0) || (subindex == 5 && value != 4);
       return is_refused ? AbortCode::value_range_exceeded : AbortCode::none;
     }
+    case 0x60B8: {  // CiA 402-2: bits 6, 7, 14 and 15 are the maker's; source 3 is reserved
+      const bool has_meaning =
+          (value & 0xC0C0) == 0 && (value & 0x000C) != 0x000C && (value & 0x0C00) != 0x0C00;
+      return has_meaning ? AbortCode::none : AbortCode::value_range_exceeded;
+    }
+    case 0x60D0:  // three inputs, and the index pulse: 5
+      return value != 4 ? AbortCode::none : AbortCode::value_range_exceeded;
     case 0x60F2:  // relative options 0 to 2
       return value <= 2 ? AbortCode::none : AbortCode::value_range_exceeded;
     case 0x5E20:  // :0C, bits 9, 14 and 15 of the statusword

@@ -84,9 +84,19 @@ expected=(
   usr/share/man/man8/vdrive-gateway.8.gz
   usr/share/man/man8/vdrive-ros2.8.gz
   usr/share/man/man8/vdrived.8.gz
+  usr/share/vdrive/axes/ball-screw.yaml
+  usr/share/vdrive/axes/conveyor.yaml
+  usr/share/vdrive/axes/geared-elastic.yaml
   usr/share/vdrive/axes/habits/old-servo.yaml
   usr/share/vdrive/axes/habits/slow-brake.yaml
   usr/share/vdrive/axes/habits/stepper.yaml
+  usr/share/vdrive/axes/linear-motor.yaml
+  usr/share/vdrive/axes/nema23-belt.yaml
+  usr/share/vdrive/axes/pick-and-place.yaml
+  usr/share/vdrive/axes/rotary-table.yaml
+  usr/share/vdrive/axes/scara-joint.yaml
+  usr/share/vdrive/axes/vertical.yaml
+  usr/share/vdrive/axes/winder.yaml
   usr/share/vdrive/realtime.conf
   usr/share/vdrive/scenarios/absolute_forward.scn
   usr/share/zsh/vendor-completions/_vdrive

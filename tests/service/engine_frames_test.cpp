@@ -227,6 +227,26 @@ TEST(CommandFrame, ChangesABufferOfRecordsOnlyWithoutAllOrNothing) {
   }
 }
 
+// An edge that a touch probe has latched would be lost when the frame is taken back.
+TEST(CommandFrame, EnablesATouchProbeOnlyWithoutAllOrNothing) {
+  OwnedBench bench;
+  for (const bool is_whole : {true, false}) {
+    auto frame = bench.make_frame(kAlice);
+    frame.flags(msg::FRAME_WANT_REPLY | (is_whole ? msg::FRAME_ALL_OR_NOTHING : 0U));
+    auto& object = add_command(frame, 1).objects().emplace_back();
+    object.index(0x60B8);
+    object.value(0x0011);
+    bench.receive(frame);
+    const auto reply = bench.command_reply();
+    ASSERT_TRUE(reply);
+    ASSERT_EQ(reply->refusals().size(), is_whole ? 1U : 0U);
+    if (is_whole) {
+      EXPECT_EQ(reply->refusals()[0].reason(), 0x06040041U);
+    }
+    EXPECT_EQ(bench.value(1, 0x60B9), is_whole ? 0 : 1);
+  }
+}
+
 TEST(CommandFrame, WithAllOrNothingAppliesAllWhenNoneIsRefused) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);

@@ -237,6 +237,20 @@ TEST(ServiceProcess, RefusesUnknownArguments) {
   Process axes({"--axes", "16385"});
   EXPECT_EQ(axes.wait(), 2);
   EXPECT_EQ(axes.text(), "vdrived: --axes: '16385' must be a whole number from 1 to 16384\n");
+  Process preset({"--preset", "ball-skrew"});
+  EXPECT_EQ(preset.wait(), 2);
+  EXPECT_NE(preset.text().find("pick-and-place"), std::string::npos) << "the names are listed";
+}
+
+TEST(ServiceProcess, HasAxesOfAPreset) {
+  Process three({"--axes", "3", "--preset", "ball-screw", "--print-config"});
+  EXPECT_EQ(three.wait(), 0);
+  EXPECT_NE(three.text().find("axis3"), std::string::npos);
+  EXPECT_NE(three.text().find("409.6"), std::string::npos) << "user units in a millimetre";
+  Process one({"--preset", "winder", "--print-config"});
+  EXPECT_EQ(one.wait(), 0);
+  EXPECT_NE(one.text().find("axis1"), std::string::npos);
+  EXPECT_EQ(one.text().find("axis2"), std::string::npos);
 }
 
 // CLI11 alone says "Could not convert", without the limits, and refuses what every file may have.

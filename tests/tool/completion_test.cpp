@@ -64,7 +64,7 @@ TEST(Completion, OffersObjectsDisturbancesAndValues) {
   EXPECT_THAT(offers({"read", "1.1", "profile_velocity", "profile_a"}), ElementsAre("profile_acc"));
   EXPECT_THAT(offers({"disturb", "1.1", "blo"}), ElementsAre("blocked_load"));
   EXPECT_THAT(offers({"write", "1.1", "op_mode_cmd", ""}),
-              ElementsAre("0", "1", "2", "3", "4", "6", "8"));
+              ElementsAre("0", "1", "10", "2", "3", "4", "6", "7", "8", "9"));
   EXPECT_THAT(offers({"write", "1.1", "app_position_limit_switch", ""}), ElementsAre("0", "1"));
   EXPECT_THAT(offers({"write", "1.1", "profile_velocity", ""}), IsEmpty());
   for (const Words& line :

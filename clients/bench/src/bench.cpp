@@ -3,6 +3,7 @@
 
 #include "configuration/configuration.hpp"
 #include "configuration/configuration_file.hpp"
+#include "configuration/presets.hpp"
 #include "journal/journal_file.hpp"
 #include "local_wire.hpp"
 #include "run/bench_run.hpp"
@@ -66,7 +67,11 @@ void refuse_network(const Configuration& configuration) {
 Configuration configuration_of(const BenchOptions& options) {
   Configuration configuration = read(options);
   refuse_network(configuration);
-  if (options.axes) configuration.axes = service::default_axes(*options.axes);
+  if (!options.preset.empty()) {
+    configuration.axes = service::preset_axes(options.preset, options.axes.value_or(1));
+  } else if (options.axes) {
+    configuration.axes = service::default_axes(*options.axes);
+  }
   if (options.clock) configuration.clock = *options.clock;
   if (options.number) configuration.bench = *options.number;
   configuration.network.bus = options.bus ? options.bus : std::make_shared<wire::LocalBus>();

@@ -40,7 +40,8 @@ bool AxisBank::State::is_sound() const {
   const bool has_lanes = std::ranges::all_of(blocks, [this](const Block& block) {
     const SteadyBlock& steady = block.state.steady;
     const std::uint64_t lanes =
-        steady.lanes | steady.standing | steady.unpowered | block.state.noisy | block.state.modulo;
+        steady.lanes | steady.standing | steady.unpowered | block.state.noisy | block.state.modulo |
+        block.state.probed;
     const std::uint64_t hot = block.effects == kNoEffects ? 0U : effects[block.effects].state.hot;
     return (lanes | hot) >> block.count == 0;
   });

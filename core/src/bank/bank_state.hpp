@@ -174,6 +174,16 @@ struct AxisBank::State {
   std::size_t cross_segments(const Batch& batch, std::size_t substep,
                              std::span<const TickLanes> lanes);
 
+  /// The axes with an enabled touch probe look at their inputs, at the begin of the sub-step.
+  template <typename Parameters>
+  void look_at_probes(const ParameterPool<Parameters>& pool, const Batch& batch,
+                      std::size_t substep);
+
+  /// The servo step of a tick, in pieces where a lane crosses a border or a touch probe looks.
+  template <typename Parameters>
+  void step_pieces(const ParameterPool<Parameters>& pool, const Batch& batch,
+                   std::span<const TickLanes> lanes, ServoFeatures features);
+
   /// What the axes of a block do after the servo step.
   void end_block(std::size_t block, const TickLanes& lanes);
 

@@ -5,14 +5,17 @@
 #include "drive/faults.hpp"
 #include "drive/modulo.hpp"
 #include "drive/tick.hpp"
+#include "drive/touch_probe.hpp"
 #include "plant/effects.hpp"
 #include "plant/load_noise.hpp"
+#include "plant/readings.hpp"
 #include "plant/servo_block.hpp"
 #include "vdrive/assert.hpp"
 
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdint>
 #include <span>
 
 namespace vdrive {
@@ -61,6 +64,7 @@ void for_each_lane(std::uint64_t lanes, Visit visit) {
 
 void AxisBank::State::end_settled(std::size_t block) {
   BlockState& state = blocks[block].state;
+  state.ticks += settled[block].ticks;
   for_each_lane(state.steady.standing, [&](std::size_t lane) {
     state.demand.plan_ticks[lane] += static_cast<double>(settled[block].ticks);
   });
@@ -137,6 +141,55 @@ std::size_t AxisBank::State::cross_segments(const Batch& batch, std::size_t subs
   return last;
 }
 
+template <typename Parameters>
+void AxisBank::State::look_at_probes(const ParameterPool<Parameters>& pool, const Batch& batch,
+                                     std::size_t substep) {
+  constexpr std::uint64_t kNanosecondsAMicrosecond = 1000;
+  const std::uint64_t tick_ns = timing.period_us * kNanosecondsAMicrosecond;
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    Block& block = blocks[batch.blocks[i]];
+    if (block.state.probed == 0) continue;
+    const Parameters& parameters = pool.get(block.pool_index);
+    ServoState& servo = block.state.servo;
+    const std::uint64_t time_ns = block.state.ticks * tick_ns + substep * tick_ns / timing.substeps;
+    const EffectBlock* const of_block = effects_of(block);
+    for_each_lane(block.state.probed, [&](std::size_t lane) {
+      place_load(parameters, servo, lane);
+      const EncoderReadings readings = of_block == nullptr
+                                           ? read_lane<false>(parameters.loop, servo, of_block, lane)
+                                           : read_lane<true>(parameters.loop, servo, of_block, lane);
+      Drive drive = this->drive(batch.blocks[i], lane);
+      look_at_inputs(drive, {.motor_reading = readings.motor,
+                             .position_reading = readings.load,
+                             .time_ns = time_ns});
+    });
+  }
+}
+
+template <typename Parameters>
+void AxisBank::State::step_pieces(const ParameterPool<Parameters>& pool, const Batch& batch,
+                                  std::span<const TickLanes> lanes, ServoFeatures features) {
+  std::array<ServoBlock<Parameters>, kInterleavedBlocks> servo_blocks{};
+  std::uint64_t across = 0;
+  std::uint64_t probed = 0;
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    Block& block = blocks[batch.blocks[i]];
+    across |= lanes[i].across;
+    probed |= block.state.probed;
+    servo_blocks[i] = {&pool.get(block.pool_index), &block.state.demand, &block.state.servo,
+                       effects_of(block)};
+  }
+  const std::span<const ServoBlock<Parameters>> work(servo_blocks.data(), batch.count);
+  if (probed != 0) look_at_probes(pool, batch, 0);
+  for (std::size_t first = 0; first < timing.substeps;) {
+    std::size_t last = across == 0 ? timing.substeps : cross_segments(batch, first, lanes);
+    if (probed != 0) last = first + 1;
+    step_servo(work, {first, last, static_cast<double>(timing.substeps), timing.substep}, features);
+    if (probed != 0) look_at_probes(pool, batch, last);
+    first = last;
+  }
+}
+
 void AxisBank::State::end_block(std::size_t block_index, const TickLanes& lanes) {
   Block& block = blocks[block_index];
   const std::uint64_t changed = end_effects(block_index);
@@ -168,10 +221,8 @@ void AxisBank::State::end_block(std::size_t block_index, const TickLanes& lanes)
 
 template <typename Parameters>
 void AxisBank::State::step_batch(const ParameterPool<Parameters>& pool, const Batch& batch) {
-  std::array<ServoBlock<Parameters>, kInterleavedBlocks> servo_blocks{};
   std::array<TickLanes, kInterleavedBlocks> lanes{};
   ServoFeatures features;
-  std::uint64_t across = 0;
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled where it is read
   std::array<TickStart, kInterleavedBlocks> starts;
   std::array<bool, kInterleavedBlocks> may_settle{};
@@ -179,26 +230,18 @@ void AxisBank::State::step_batch(const ParameterPool<Parameters>& pool, const Ba
   for (std::size_t i = 0; i < batch.count; ++i) {
     Block& block = blocks[batch.blocks[i]];
     may_settle[i] = rests(block) && may_stand_still(block.state.servo);
-    EffectBlock* const of_block = effects_of(block);
-    if (may_settle[i]) note_start(block.state.servo, of_block, starts[i]);
+    if (may_settle[i]) note_start(block.state.servo, effects_of(block), starts[i]);
     lanes[i] = begin_block(batch.blocks[i]);
-    across |= lanes[i].across;
     features.general = features.general || !is_plain(block.state.servo);
     features.play = features.play || block.has_play;
-    servo_blocks[i] = {&pool.get(block.pool_index), &block.state.demand, &block.state.servo,
-                       of_block};
   }
-  const std::span<const ServoBlock<Parameters>> work(servo_blocks.data(), batch.count);
-  for (std::size_t first = 0; first < timing.substeps;) {
-    const std::size_t last = across == 0 ? timing.substeps : cross_segments(batch, first, lanes);
-    step_servo(work, {first, last, static_cast<double>(timing.substeps), timing.substep}, features);
-    first = last;
-  }
+  step_pieces(pool, batch, lanes, features);
   for (std::size_t i = 0; i < batch.count; ++i) {
     Block& block = blocks[batch.blocks[i]];
+    ++block.state.ticks;
     end_block(batch.blocks[i], lanes[i]);
     const bool is_settled =
-        may_settle[i] && stands_as(starts[i], block.state.servo, servo_blocks[i].effects);
+        may_settle[i] && stands_as(starts[i], block.state.servo, effects_of(block));
     ensure(!is_settled || rests(block), "an axis whose servo does not change keeps resting");
     settled[batch.blocks[i]].is_settled = is_settled ? 1U : 0U;
   }

@@ -6,6 +6,7 @@
 #include "drive/tick.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 
@@ -32,6 +33,10 @@ void AxisBank::State::start_axis(std::size_t axis) {
   for (Lane* lane : {&servo.position, &servo.measured, &servo.motor_reading, &servo.load_position,
                      &servo.load_reading}) {
     (*lane)[drive.lane()] = position;
+  }
+  // Objects of the test bench keep their values at a power-up: only here they get their defaults.
+  for (std::size_t row = 0; row < kObjectCount; ++row) {
+    drive.registers().values[row] = kObjectTable[row].default_value;
   }
   drive.registers().settings = configurations[axis].settings;
   drive.registers().single_encoder =

@@ -38,6 +38,13 @@ bool is_within_type(ObjectRow row, std::int64_t value) {
   return value >= type.lowest && value <= type.highest;
 }
 
+/// Bits 6, 7, 14 and 15 of 60B8h are the maker's, who gives them no meaning; 3 is reserved among
+/// the sources in bits 2 and 3, 10 and 11.
+bool is_touch_probe_function(std::int64_t value) {
+  const auto bits = static_cast<std::uint64_t>(value);
+  return (bits & 0xC0C0U) == 0 && (bits & 0x000CU) != 0x000CU && (bits & 0x0C00U) != 0x0C00U;
+}
+
 /// The narrower rules of single objects, for a value within its type.
 AbortCode check_value(ObjectRow row, std::int64_t value) {
   switch (row) {
@@ -57,6 +64,11 @@ AbortCode check_value(ObjectRow row, std::int64_t value) {
     case "vl_dimension_factor_numerator"_object:
     case "vl_dimension_factor_denominator"_object:
       return value != 0 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "touch_probe_function"_object:
+      return is_touch_probe_function(value) ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "touch_probe_source_1"_object:
+    case "touch_probe_source_2"_object:  // the drive has no fourth input
+      return value != 4 ? AbortCode::none : AbortCode::value_range_exceeded;
     case "error_history_count"_object:
       return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
     case "habit_statusword_bits"_object:

@@ -8,6 +8,7 @@
 #include "drive/mode_table.hpp"
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
+#include "drive/touch_probe.hpp"
 #include "drive/vl_units.hpp"
 
 #include <algorithm>
@@ -101,6 +102,9 @@ WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexce
       break;
     case Change::habits:
       update_habits(drive);
+      break;
+    case Change::probe:
+      enable_touch_probes(drive, static_cast<std::uint16_t>(previous));
       break;
     case Change::connection:
       if (previous == 0 && value != 0) lose_connection(drive);

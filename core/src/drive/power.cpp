@@ -6,6 +6,7 @@
 #include "drive/habits.hpp"
 #include "drive/registers.hpp"
 #include "drive/target.hpp"
+#include "drive/touch_probe.hpp"
 #include "drive/window.hpp"
 
 #include <algorithm>
@@ -187,6 +188,7 @@ void power_up(Drive& drive, bool initialise) noexcept {
   r.request = {};
   r.waits = {};
   r.record_buffer.count = 0;
+  forget_touch_probes(drive);
   clear_history(drive);
   set_power(drive, false);
   update_derived(drive);

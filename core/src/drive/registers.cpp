@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/registers.hpp"
 
+#include "rounding.hpp"
+
 #include <algorithm>
+#include <cstddef>
 
 namespace vdrive {
 namespace {
@@ -32,10 +35,36 @@ void update_limits(Drive& drive) {
   limits.upper = static_cast<double>(upper);
   limits.enabled = reg(drive, "app_position_limit_switch"_object) != 0 && lower < upper &&
                    !whole_range && (limits.homed || !drive.registers().settings.limits_need_homing);
-  limits.inputs = static_cast<std::uint8_t>(
-      (reg(drive, "test_negative_limit_input"_object) != 0 ? kNegativeLimitInput : 0U) |
-      (reg(drive, "test_positive_limit_input"_object) != 0 ? kPositiveLimitInput : 0U) |
-      (reg(drive, "test_home_input"_object) != 0 ? kHomeInput : 0U));
+  limits.placed = reg(drive, "test_switch_negative_limit"_object) != ends.lowest ||
+                  reg(drive, "test_switch_positive_limit"_object) != ends.highest ||
+                  reg(drive, "test_switch_home_length"_object) != 0;
+  limits.inputs = active_inputs(drive);
+}
+
+/// Where the switches see the axis: its exact position in the units of 6064h, counted from where
+/// 6064h was 0 when the bank began. They stand at the load, with one encoder, too: its positions
+/// are those of the motor that turn the load so far.
+double machine_position(const Drive& drive) {
+  const ServoState& servo = drive.servo();
+  const DriveRegisters& r = drive.registers();
+  const std::size_t l = drive.lane();
+  return r.single_encoder
+             ? (servo.load_position[l] - servo.load_offset[l]) / r.gear_ratio - r.origins.motor
+             : servo.load_position[l] - r.origins.load;
+}
+
+/// @return the bits of 60FDh of the switches with a place.
+unsigned switches_at(const Drive& drive, double position) {
+  const TypeRange none = range_of(DataType::integer32);
+  const std::int64_t negative = reg(drive, "test_switch_negative_limit"_object);
+  const std::int64_t positive = reg(drive, "test_switch_positive_limit"_object);
+  const double home = real(drive, "test_switch_home"_object);
+  const double length = real(drive, "test_switch_home_length"_object);
+  const bool is_negative = negative != none.lowest && position <= static_cast<double>(negative);
+  const bool is_positive = positive != none.highest && position >= static_cast<double>(positive);
+  const bool is_home = length != 0.0 && position >= home && position <= home + length;
+  return (is_negative ? kNegativeLimitInput : 0U) | (is_positive ? kPositiveLimitInput : 0U) |
+         (is_home ? kHomeInput : 0U);
 }
 
 /// 607Bh makes a modulo axis of one whose limits are in order. The whole range of the register is
@@ -72,6 +101,27 @@ void update_velocity_cap(Drive& drive) noexcept {
       std::min(registers.speed_limits.app_speed_limit,
                velocity_of_motor(drive, registers.speed_limits.motor_max_speed_rpm));
   drive.servo().speed_limit[drive.lane()] = registers.velocity_cap;
+}
+
+std::uint8_t active_inputs(const Drive& drive) noexcept {
+  const unsigned set =
+      (reg(drive, "test_negative_limit_input"_object) != 0 ? kNegativeLimitInput : 0U) |
+      (reg(drive, "test_positive_limit_input"_object) != 0 ? kPositiveLimitInput : 0U) |
+      (reg(drive, "test_home_input"_object) != 0 ? kHomeInput : 0U);
+  const bool placed = drive.state().limits.placed;
+  return static_cast<std::uint8_t>(set |
+                                   (placed ? switches_at(drive, machine_position(drive)) : 0U));
+}
+
+std::optional<double> index_pulse_passed(const Drive& drive, double direction, double before,
+                                         double now) noexcept {
+  const double offset = drive.registers().index.offset;
+  const auto revolutions = [direction, offset](double reading) {
+    return direction * (reading - offset) / kUserUnitsPerRevolution;
+  };
+  const double pulse = floor_of(revolutions(before)) + 1.0;
+  if (pulse > revolutions(now)) return std::nullopt;
+  return direction * pulse * kUserUnitsPerRevolution + offset;
 }
 
 }  // namespace vdrive

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 namespace vdrive {
 
@@ -89,5 +90,16 @@ void update_derived(Drive& drive) noexcept;
 
 /// Applies the speed limits in force with the gear in force; after either has changed.
 void update_velocity_cap(Drive& drive) noexcept;
+
+/// @return bits of 60FDh: the inputs that the test bench sets (5E06h to 5E08h), and the switches
+///         with a place (5E21h) that the axis is on, by its exact position.
+[[nodiscard]] std::uint8_t active_inputs(const Drive& drive) noexcept;
+
+/// Index pulse of encoder 1, once a revolution of the motor, on the way from one reading to another
+/// [UU in the motor's frame]. One on which the motor stood does not count.
+/// @param direction +1 or -1
+/// @return the place of the first pulse that is passed in `direction`, or nothing.
+[[nodiscard]] std::optional<double> index_pulse_passed(const Drive& drive, double direction,
+                                                       double before, double now) noexcept;
 
 }  // namespace vdrive

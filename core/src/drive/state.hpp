@@ -5,6 +5,7 @@
 #include "drive/modes/cyclic_state.hpp"
 #include "drive/modes/homing_state.hpp"
 #include "drive/modes/profile_position_state.hpp"
+#include "drive/probe_state.hpp"
 #include "plant/servo_block.hpp"
 #include "vdrive/axis_configuration.hpp"
 #include "vdrive/axis_status.hpp"
@@ -106,7 +107,8 @@ struct LimitState {
   bool enabled = false;     // 3535h
   bool homed = false;       // a homing run found home since power-up
   std::uint8_t inputs = 0;  // 60FDh
-  std::array<std::uint8_t, 5> unused{};
+  bool placed = false;      // a switch has a place (5E21h): the inputs follow the position
+  std::array<std::uint8_t, 4> unused{};
 };
 
 /// How much of the heat that it may have the motor has (I2t).
@@ -241,6 +243,7 @@ struct DriveRegisters {
   FrameOrigins origins;
   HomingRun homing;
   PositionRange range;
+  TouchProbeState touch_probe;
   ErrorHistory history;
   double gear_ratio = 1.0;     // 3576h over 3577h
   double position_gain = 1.0;  // of the position loop [1/s]
@@ -278,7 +281,9 @@ struct BlockState {
   SteadyBlock steady;
   std::uint64_t noisy;   // lanes whose load torque has noise
   std::uint64_t modulo;  // lanes of modulo axes
-  std::array<std::uint64_t, 6> unused;
+  std::uint64_t probed;  // lanes with an enabled touch probe
+  std::uint64_t ticks;   // since the bank began, without those that a settled block leaves out now
+  std::array<std::uint64_t, 4> unused;
 };
 
 /// One axis: its state, its lane of the block, its status image. Questions take a

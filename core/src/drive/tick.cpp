@@ -28,7 +28,7 @@ bool needs_attention(const Drive& drive, const Mode& mode) {
          state == PowerState::fault_reaction_active ||
          s.power.machine.pending() != PowerCommand::none || s.faults.causes != 0 ||
          s.faults.load_level == LoadLevel::fault ||
-         (s.limits.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0 ||
+         (s.limits.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0 || s.limits.placed ||
          s.mode.wanted != s.mode.actual || s.power.waits ||
          (mode.evolves != nullptr && mode.evolves(drive));
 }
@@ -208,6 +208,9 @@ void begin_tick(Drive& drive) noexcept {
 }
 
 void watch_tick(Drive& drive) noexcept {
+  if (LimitState& limits = drive.state().limits; limits.placed) {
+    limits.inputs = active_inputs(drive);
+  }
   const Mode& mode = mode_of(drive);
   watch(drive, mode);
   take_next_set_point(drive, mode);

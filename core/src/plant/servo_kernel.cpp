@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plant/effects.hpp"
 #include "plant/load_noise.hpp"
+#include "plant/readings.hpp"
 #include "plant/servo_block.hpp"
-#include "rounding.hpp"
 #include "scramble.hpp"
 #include "vdrive/motion/profile.hpp"
 
 namespace vdrive {
 namespace {
-
-[[gnu::always_inline]] inline double quantise(double x, double per_unit, double unit) {
-  return nearest(x * per_unit) * unit;
-}
 
 [[gnu::always_inline]] inline double clamp(double x, double lower, double upper) {
   const double below_upper = x > upper ? upper : x;
@@ -59,34 +55,16 @@ template <bool kGeneral>
   return s.command[l];
 }
 
-/// @return where encoder 1 sees `position`; `e` is null where no lane has an effect.
-template <bool kEffects>
-[[gnu::always_inline]] inline double seen_by_motor(const EffectBlock* e, std::size_t l,
-                                                   double position) {
-  return kEffects ? position + e->state.motor_noise[l] : position;
-}
-
-/// @return where the encoder of the position loop sees `position`.
-template <bool kEffects>
-[[gnu::always_inline]] inline double seen_by_load(const EffectBlock* e, std::size_t l,
-                                                  double position) {
-  return kEffects ? position + e->state.load_noise[l] : position;
-}
-
 /// Encoder readings at the end of the tick, and the speeds that they give over it.
 template <bool kEffects>
 [[gnu::always_inline]] inline void read_encoders(const LoopParameters& p, ServoState& s,
                                                  const EffectBlock* e, std::size_t l,
                                                  double tick_rate) {
-  const double motor = quantise(seen_by_motor<kEffects>(e, l, s.position[l]), p.counts_per_unit[l],
-                                p.units_per_count[l]);
-  const double position = p.closes_on_load[l] != 0.0 ? s.load_position[l] : s.position[l];
-  const double load = quantise(seen_by_load<kEffects>(e, l, position), p.load_counts_per_unit[l],
-                               p.load_units_per_count[l]);
-  s.motor_speed[l] = (motor - s.motor_reading[l]) * tick_rate;
-  s.load_speed[l] = (load - s.load_reading[l]) * tick_rate;
-  s.motor_reading[l] = motor;
-  s.load_reading[l] = load;
+  const EncoderReadings readings = read_lane<kEffects>(p, s, e, l);
+  s.motor_speed[l] = (readings.motor - s.motor_reading[l]) * tick_rate;
+  s.load_speed[l] = (readings.load - s.load_reading[l]) * tick_rate;
+  s.motor_reading[l] = readings.motor;
+  s.load_reading[l] = readings.load;
 }
 
 /// Velocity after a sub-step with Coulomb friction: `free_velocity` is the result without it,
@@ -309,15 +287,6 @@ template <bool kGeneral, bool kEffects>
   const double first = demand.plan_ticks[l] * substeps.count;
   return sample(segment_of(demand, l), (first + k) * substeps.length);
 }
-
-/// Load of a rigid axis; a load on a shaft has its position from the model.
-[[gnu::always_inline]] inline void place_load(const RigidParameters& p, ServoState& s,
-                                              std::size_t l) {
-  s.load_position[l] = p.loop.ratio[l] * s.position[l] + s.load_offset[l];
-}
-
-[[gnu::always_inline]] inline void place_load(const ElasticParameters& /*p*/, ServoState& /*s*/,
-                                              std::size_t /*l*/) {}
 
 template <bool kEffects, typename Parameters>
 [[gnu::always_inline]] inline void end_tick(const ServoBlock<Parameters>& block, double tick_rate) {

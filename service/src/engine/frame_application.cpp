@@ -46,9 +46,10 @@ constexpr std::array<RegisterMember, 6> kRegisterMembers{{
 }};
 
 /// A lost connection cannot be taken back by a write, neither can a record that was added or
-/// dropped.
+/// dropped, nor an edge that a touch probe has latched.
 constexpr bool is_undoable(Change change) {
-  return change != Change::connection && change != Change::record && change != Change::records;
+  return change != Change::connection && change != Change::record && change != Change::records &&
+         change != Change::probe;
 }
 
 constexpr std::uint16_t kKnownMembers = [] {

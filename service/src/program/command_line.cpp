@@ -6,6 +6,7 @@
 #include "configuration/configuration_help.hpp"
 #include "configuration/configuration_warnings.hpp"
 #include "configuration/mechanics.hpp"
+#include "configuration/presets.hpp"
 #include "journal/journal.hpp"
 #include "journal/replay.hpp"
 #include "program/service.hpp"
@@ -74,6 +75,7 @@ struct Arguments {
   std::optional<std::int64_t> period;
   std::optional<std::uint32_t> bench;
   std::optional<std::size_t> axes;
+  std::optional<std::string> preset;
   std::optional<std::uint32_t> domain;
   std::optional<std::string> security;
   std::optional<double> rate;
@@ -150,6 +152,9 @@ void declare_bench(CLI::App& app, Arguments& arguments) {
                  "N default axes numbered from 1, up to " + std::to_string(kMaxAxes))
       ->transform(whole_number(1, static_cast<std::int64_t>(kMaxAxes)))
       ->type_name("N");
+  app.add_option("--preset", arguments.preset,
+                 "Machine of these axes, one without --axes: " + choice_of(preset_names()))
+      ->type_name("NAME");
 }
 
 void declare_program(CLI::App& app, Arguments& arguments) {
@@ -214,7 +219,11 @@ ClockMode clock_named(const std::string& name) {
 void override(Configuration& configuration, const Arguments& arguments) {
   if (arguments.clock) configuration.clock = clock_named(*arguments.clock);
   if (arguments.period) configuration.period = std::chrono::microseconds{*arguments.period};
-  if (arguments.axes) configuration.axes = default_axes(*arguments.axes);
+  if (arguments.preset) {
+    configuration.axes = preset_axes(*arguments.preset, arguments.axes.value_or(1));
+  } else if (arguments.axes) {
+    configuration.axes = default_axes(*arguments.axes);
+  }
   configuration.bench = arguments.bench.value_or(configuration.bench);
   configuration.network.domain = arguments.domain.value_or(configuration.network.domain);
   configuration.network.security = arguments.security.value_or(configuration.network.security);

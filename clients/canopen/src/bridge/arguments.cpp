@@ -49,10 +49,15 @@ ClockMode take_clock(const std::string& text) {
   return *clock_mode_named(text);
 }
 
+/// @return whether an option says what a private bench is made of.
+bool describes_benches(const Arguments& arguments) {
+  return arguments.axes || arguments.preset || arguments.bench_configuration;
+}
+
 bool names_a_bus(const Arguments& arguments) {
   return !arguments.benches.empty() || !arguments.node_offsets.empty() ||
          !arguments.socketcand.empty() || !arguments.gateways.empty() ||
-         !arguments.interfaces.empty() || arguments.axes || arguments.bench_configuration;
+         !arguments.interfaces.empty() || describes_benches(arguments);
 }
 
 /// Gives each bench its offset, or all of them the only one.
@@ -77,6 +82,7 @@ std::vector<BenchSetting> benches_of(const Arguments& arguments, bool is_private
     BenchSetting& bench = benches.emplace_back();
     bench.number = number;
     bench.axes = arguments.axes;
+    bench.preset = arguments.preset.value_or("");
     bench.configuration = arguments.bench_configuration.value_or("");
   }
   set_offsets(arguments.node_offsets, benches);
@@ -89,8 +95,7 @@ void apply_to_bus(const Arguments& arguments, bool is_private, BusSetting& bus) 
   }
   if (!arguments.gateways.empty()) bus.gateways = take_addresses("--gateway", arguments.gateways);
   if (!arguments.interfaces.empty()) bus.interfaces = arguments.interfaces;
-  const bool names_benches =
-      !arguments.benches.empty() || arguments.axes || arguments.bench_configuration;
+  const bool names_benches = !arguments.benches.empty() || describes_benches(arguments);
   // Offsets alone are those of the benches that the file has named.
   if (!names_benches && !bus.benches.empty()) {
     return set_offsets(arguments.node_offsets, bus.benches);
@@ -114,14 +119,15 @@ void apply_arguments(const Arguments& arguments, Settings& settings) {
   const std::string clock = text_of_option("--clock", arguments.clock);
   const std::string sync_steps = text_of_option("--sync-steps", arguments.sync_steps);
   const std::string state = text_of_option("--state", arguments.state);
+  (void)text_of_option("--preset", arguments.preset);
   (void)text_of_option("--bench-config", arguments.bench_configuration);
-  if (arguments.axes && arguments.bench_configuration) {
-    throw ConfigurationError("--axes and --bench-config are both given: name one of them");
+  const std::string option = arguments.axes ? "--axes" : "--preset";
+  if ((arguments.axes || arguments.preset) && arguments.bench_configuration) {
+    throw ConfigurationError(option + " and --bench-config are both given: name one of them");
   }
   settings.is_private = settings.is_private || arguments.is_private;
-  const bool describes = arguments.axes || arguments.bench_configuration;
-  if (describes && !settings.is_private) {
-    throw ConfigurationError(std::string(arguments.axes ? "--axes" : "--bench-config") +
+  if (describes_benches(arguments) && !settings.is_private) {
+    throw ConfigurationError((arguments.bench_configuration ? "--bench-config" : option) +
                              " is that of a private bench; add --private");
   }
   if (!clock.empty()) settings.clock = take_clock(clock);

@@ -20,6 +20,7 @@ struct Arguments {
   std::vector<std::string> interfaces{};
   bool is_private = false;
   std::optional<std::size_t> axes{};
+  std::optional<std::string> preset{};
   std::optional<std::string> bench_configuration{};
   std::optional<std::string> clock{};
   std::optional<std::string> sync_steps{};

@@ -59,6 +59,9 @@ void declare_benches(CLI::App& app, Arguments& arguments) {
                  "Axes of a private bench, 1 to " + std::to_string(kMostNodes) + "; default: 1")
       ->transform(bridge::whole_number(1, static_cast<std::int64_t>(kMostNodes)))
       ->type_name("N");
+  add_text(app, "--preset", arguments.preset,
+           "Machine of the axes of a private bench, as that of vdrived; default: the default axis")
+      ->type_name("NAME");
   add_text(app, "--bench-config", arguments.bench_configuration,
            "Configuration of a private bench, a file as that of vdrived")
       ->type_name("FILE");

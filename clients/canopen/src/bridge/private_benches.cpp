@@ -12,6 +12,7 @@ namespace {
 bench::BenchOptions options_of(const Settings& settings, const BenchSetting& bench) {
   return {.configuration_file = bench.configuration,
           .axes = bench.axes,
+          .preset = bench.preset,
           .clock = settings.clock,
           .number = bench.number,
           .state_directory = settings.state};

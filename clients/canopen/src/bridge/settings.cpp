@@ -70,12 +70,17 @@ BenchSetting read_bench(const YamlValue& map) {
           constexpr auto kMost = static_cast<std::int64_t>(kMostNodes);
           bench.axes = static_cast<std::size_t>(value.integer({1, kMost, ""}));
         }},
+       {"preset",
+        [&](const YamlValue& value) {
+          bench.preset = value.text();
+        }},
        {"config", [&](const YamlValue& value) {
           bench.configuration = value.text();
         }}});
   if (!has_number) map.refuse("needs the key bench, the number of the bench");
-  if (bench.axes && !bench.configuration.empty()) {
-    map.refuse("axes and config are both given: name one of them");
+  if ((bench.axes || !bench.preset.empty()) && !bench.configuration.empty()) {
+    map.refuse((bench.axes ? std::string("axes") : std::string("preset")) +
+               " and config are both given: name one of them");
   }
   return bench;
 }
@@ -166,7 +171,7 @@ void check_benches(const Settings& settings) {
     for (const BenchSetting& bench : bus.benches) {
       const std::string name = "bench " + std::to_string(bench.number);
       if (!taken.insert(bench.number).second) throw ConfigurationError(name + " is given twice");
-      const bool is_described = bench.axes || !bench.configuration.empty();
+      const bool is_described = bench.axes || !bench.preset.empty() || !bench.configuration.empty();
       if (is_described && !settings.is_private) {
         throw ConfigurationError(
             name + ": axes and the configuration are those of a private bench; add --private");

@@ -31,6 +31,7 @@ struct BenchSetting {
   std::uint32_t number = 1;
   std::int32_t node_offset = 0;           ///< node id = number of the axis + offset
   std::optional<std::size_t> axes{};      ///< private: default axes, 1 to kMostNodes
+  std::string preset{};                   ///< private: machine of these axes; empty = default axes
   std::filesystem::path configuration{};  ///< private: file as that of vdrived
 };
 

@@ -66,6 +66,7 @@ enum class Change : std::uint8_t {
   records,         ///< waiting records of interpolated position are dropped (60C4h)
   history,         ///< the error history is cleared (1003h)
   habits,          ///< how the drive reads the standard (5E20h)
+  probe,           ///< the touch probes are enabled or disabled (60B8h)
   connection,      ///< 0 -> 1 loses the connection to the master (5E0Ah)
   memory,          ///< whoever owns the bank stores or restores parameters (1010h, 1011h)
 };

@@ -7,7 +7,6 @@
 #include "drive/limits.hpp"
 #include "drive/stops.hpp"
 #include "drive/window.hpp"
-#include "rounding.hpp"
 #include "vdrive/cia402/homing_method.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
@@ -24,18 +23,13 @@ bool runs(HomingStage stage) {
   return stage != HomingStage::idle && stage != HomingStage::done && stage != HomingStage::failed;
 }
 
-/// Index pulse of the motor's encoder, once a revolution: the first one that was passed in
-/// `direction` since the reading `before`. One on which the motor stood does not count.
+/// The first index pulse that was passed in `direction` since the reading `before`.
 /// @return true and its place in the motor's frame [UU].
 bool passed_index(const Drive& drive, double direction, double before, double& place) {
-  const double offset = drive.registers().index.offset;
-  const auto revolutions = [direction, offset](double reading) {
-    return direction * (reading - offset) / kUserUnitsPerRevolution;
-  };
-  const double pulse = floor_of(revolutions(before)) + 1.0;
-  if (pulse > revolutions(drive.servo().motor_reading[drive.lane()])) return false;
-  place = direction * pulse * kUserUnitsPerRevolution + offset;
-  return true;
+  const auto pulse =
+      index_pulse_passed(drive, direction, before, drive.servo().motor_reading[drive.lane()]);
+  if (pulse) place = *pulse;
+  return pulse.has_value();
 }
 
 /// `home` [UU] becomes position 607Ch: the frame of all positions moves, the mechanics do not.

@@ -38,6 +38,8 @@ struct BenchOptions {
   std::string configuration{};
   std::filesystem::path configuration_file{};  ///< instead of `configuration`
   std::optional<std::size_t> axes{};           ///< 1 to kMostAxes default axes, instead of its own
+  /// The axes are of this machine (docs/reference/presets.md), one without `axes`; empty = none.
+  std::string preset{};
   /// Nothing = that of the configuration, or without one lock-step.
   std::optional<ClockMode> clock{};
   std::optional<std::uint32_t> number{};    ///< of the bench, 1 to kHighestNumber
