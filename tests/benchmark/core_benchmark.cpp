@@ -5,6 +5,7 @@
 // figure: the median of the repetitions.
 #include "figure_reporter.hpp"
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/motion/jerk_profile.hpp"
 #include "vdrive/motion/profile.hpp"
 
 #include <benchmark/benchmark.h>
@@ -30,8 +31,9 @@ void command(vdrive::AxisBank& bank, std::size_t axis, std::uint16_t index, std:
 }
 
 /// Axes on moves that last longer than any benchmark: every second one cruises, the others change
-/// their speed all the way, each with its own numbers.
-vdrive::AxisBank moving_bank(std::size_t axes, const vdrive::AxisModel& model) {
+/// their speed all the way, each with its own numbers. With limited jerk these change their
+/// acceleration, too, for 100 s.
+vdrive::AxisBank moving_bank(std::size_t axes, const vdrive::AxisModel& model, bool has_jerk) {
   vdrive::AxisConfiguration configuration;
   configuration.model = model;
   const std::vector<vdrive::AxisConfiguration> configurations(axes, configuration);
@@ -42,7 +44,14 @@ vdrive::AxisBank moving_bank(std::size_t axes, const vdrive::AxisModel& model) {
     command(bank, axis, 0x6060, 1);
     command(bank, axis, 0x607A, axis % 3 == 0 ? -2'000'000'000 : 2'000'000'000);
     command(bank, axis, 0x6081, cruises ? 20'000 + 100 * spread : 100'000);
-    command(bank, axis, 0x6083, cruises ? 409'600 : 40 + spread);
+    command(bank, axis, 0x6083, cruises || has_jerk ? 409'600 : 40 + spread);
+    if (has_jerk) {
+      command(bank, axis, 0x6086, 3);
+      if (bank.write(axis, {0x60A4, 1}, cruises ? 100'000'000 : 20) != vdrive::AbortCode::none) {
+        std::cerr << "write refused\n";
+        std::abort();
+      }
+    }
     command(bank, axis, 0x6040, 0x0F);
     command(bank, axis, 0x6040, 0x3F);
   }
@@ -68,9 +77,9 @@ vdrive::AxisModel with_effects(vdrive::Coupling coupling) {
           .motor_thermal_time_constant = 60.0};
 }
 
-void tick(benchmark::State& state, const vdrive::AxisModel& model) {
+void tick(benchmark::State& state, const vdrive::AxisModel& model, bool has_jerk) {
   const auto axes = static_cast<std::size_t>(state.range(0));
-  vdrive::AxisBank bank = moving_bank(axes, model);
+  vdrive::AxisBank bank = moving_bank(axes, model, has_jerk);
   for (auto _ : state) bank.step();
   if (!all_moving(bank)) {
     state.SkipWithError("an axis stopped moving: the figure would not be that of moving axes");
@@ -128,12 +137,43 @@ void plan(benchmark::State& state) {
       1.0e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
+/// The cases of `plan` with limited jerk, and an acceleration at the start.
+void jerk_plan(benchmark::State& state) {
+  struct Case {
+    vdrive::MotionSample start;
+    double target;
+    vdrive::MotionLimits limits;
+    vdrive::MotionJerk jerk;
+  };
+
+  std::mt19937_64 random(42);
+  std::uniform_real_distribution<double> position(-1.0e6, 1.0e6);
+  std::uniform_real_distribution<double> velocity(-1.5e5, 1.5e5);
+  std::uniform_real_distribution<double> acceleration(1.0e3, 1.0e6);
+  std::uniform_real_distribution<double> jerk(1.0e4, 1.0e8);
+  std::uniform_real_distribution<double> part(-1.0, 1.0);
+  std::vector<Case> cases(4096);
+  for (Case& c : cases) {
+    c.limits = {std::abs(velocity(random)) + 1.0, acceleration(random), acceleration(random)};
+    c.jerk = {jerk(random), jerk(random)};
+    c.start = {position(random), velocity(random), part(random) * c.limits.deceleration};
+    c.target = position(random);
+  }
+  std::size_t i = 0;
+  for (auto _ : state) {
+    const Case& c = cases[i++ % cases.size()];
+    benchmark::DoNotOptimize(vdrive::plan_jerk_move(c.start, c.target, c.limits, c.jerk));
+  }
+  state.counters["value"] = benchmark::Counter(
+      1.0e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  benchmark::RegisterBenchmark("axis_tick_ns", tick, vdrive::AxisModel{})
+  benchmark::RegisterBenchmark("axis_tick_ns", tick, vdrive::AxisModel{}, false)
       ->Arg(8)
       ->Arg(64)
       ->Arg(256)
@@ -142,18 +182,23 @@ int main(int argc, char** argv) {
       ->Arg(16384)
       ->Repetitions(kRepetitions);
   benchmark::RegisterBenchmark("axis_tick_two_inertia_ns", tick,
-                               vdrive::AxisModel{.coupling = vdrive::Coupling::two_inertia})
+                               vdrive::AxisModel{.coupling = vdrive::Coupling::two_inertia}, false)
       ->Arg(64)
       ->Arg(1024)
       ->Arg(16384)
       ->Repetitions(kRepetitions);
-  benchmark::RegisterBenchmark("axis_tick_effects_ns", tick, with_effects(vdrive::Coupling::rigid))
+  benchmark::RegisterBenchmark("axis_tick_effects_ns", tick, with_effects(vdrive::Coupling::rigid),
+                               false)
       ->Arg(64)
       ->Arg(1024)
       ->Arg(16384)
       ->Repetitions(kRepetitions);
   benchmark::RegisterBenchmark("axis_tick_two_inertia_effects_ns", tick,
-                               with_effects(vdrive::Coupling::two_inertia))
+                               with_effects(vdrive::Coupling::two_inertia), false)
+      ->Arg(1024)
+      ->Arg(16384)
+      ->Repetitions(kRepetitions);
+  benchmark::RegisterBenchmark("axis_tick_jerk_ns", tick, vdrive::AxisModel{}, true)
       ->Arg(1024)
       ->Arg(16384)
       ->Repetitions(kRepetitions);
@@ -166,6 +211,7 @@ int main(int argc, char** argv) {
       ->Arg(16384)
       ->Repetitions(kRepetitions);
   benchmark::RegisterBenchmark("plan_ns", plan)->Repetitions(kRepetitions);
+  benchmark::RegisterBenchmark("jerk_plan_ns", jerk_plan)->Repetitions(kRepetitions);
   vdrive::test::FigureReporter reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);
   benchmark::Shutdown();

@@ -217,6 +217,27 @@ TEST_F(LockStepGroup, MovesTogetherScaledToTheSlowest) {
   EXPECT_LE(tick(), before + 1049 + 21);
 }
 
+TEST_F(LockStepGroup, SharesTheJerkTimeOfAnAxisWithLimitedJerk) {
+  AxisGroup group = enabled(3);
+  write("1.2", kProfileType, 3);
+  const Eigen::VectorXd starts = group.status()->demand();
+  const Eigen::VectorXd targets = vector({20'000, -10'000, 5000});
+  Watch watch(starts, targets);
+  const std::uint64_t before = tick();
+  const Outcome moved = group.move_together(targets, {.call = watch.options()});
+  ASSERT_TRUE(moved) << moved.message();
+  EXPECT_EQ(group.status()->demand(), targets);
+  EXPECT_LE(watch.deviation(), 1.0);
+  EXPECT_EQ(watch.spread(), 0U);
+  EXPECT_EQ(watch.arrived(), 3U);
+  // The path has the speed and the ramps of axis 1: 68267/20000 = 3.41 /s and 20.48 /s², and the
+  // jerk of axis 2: 4096000/10000 = 409.6 /s³, which takes 50 ms for the ramps: 166.7 ms + 50 ms
+  // each. A path of 1 at 3.41 /s: 293 ms + 216.7 ms = 509.6 ms. Counted as above.
+  EXPECT_GE(tick(), before + 510);
+  EXPECT_LE(tick(), before + 510 + 21);
+  EXPECT_NEAR(static_cast<double>(*session_.axis("1.1")->read(kMoveJerkTime)), 50'000.0, 10.0);
+}
+
 TEST_F(LockStepGroup, ResetsTheTimesOfASynchronousMoveBeforeAnOrdinaryMove) {
   AxisGroup group = enabled(2);
   ASSERT_TRUE(group.move_together(vector({1000, 2000})));

@@ -61,6 +61,55 @@ TEST(LineTimes, RoundUpToWholeTicks) {
   EXPECT_EQ(times->duration % microseconds{2000}, microseconds{0});
 }
 
+TEST(LineTimes, GrowByTheJerkTimeOfTheRamps) {
+  // 200000 UU/s³ take 50 ms for the 10000 UU/s² of each ramp, which lasts as much longer; 1000 UU
+  // at 1000 UU/s. The second axis has no limit of its own.
+  const MotionLimits limits{.velocity = 1000, .acceleration = 10'000, .deceleration = 10'000};
+  const std::vector ways{AxisWay{.distance = 1000, .limits = limits, .jerk = {200'000, 200'000}},
+                         way(100, {.velocity = 1e6, .acceleration = 1e9, .deceleration = 1e9})};
+  const auto times = plan_line(ways, kPeriod);
+  ASSERT_TRUE(times);
+  EXPECT_EQ(times->jerk, microseconds{50'000});
+  EXPECT_EQ(times->acceleration, microseconds{150'000});
+  EXPECT_EQ(times->deceleration, microseconds{150'000});
+  EXPECT_NEAR(static_cast<double>(times->duration.count()), 1'150'000, 1'000);
+  for (const AxisWay& each : ways) EXPECT_TRUE(keeps_limits(each, *times));
+}
+
+TEST(LineTimes, OfAShortDistanceFollowFromTheJerkAlone) {
+  // Four times T with 2·J·T³ = 2 UU: T = 0.1 s for 1000 UU/s³.
+  const MotionLimits limits{.velocity = 100, .acceleration = 200, .deceleration = 200};
+  const std::vector ways{AxisWay{.distance = 2, .limits = limits, .jerk = {1'000, 1'000}}};
+  const auto times = plan_line(ways, kPeriod);
+  ASSERT_TRUE(times);
+  EXPECT_NEAR(static_cast<double>(times->jerk.count()), 100'000, 1);
+  EXPECT_NEAR(static_cast<double>(times->duration.count()), 400'000, 1'000);
+  EXPECT_TRUE(keeps_limits(ways.front(), *times));
+}
+
+TEST(LineTimes, KeepTheJerkOfEveryAxis) {
+  std::mt19937_64 random(13);
+  const auto magnitude = [&](double low, double high) {
+    return std::pow(10.0, std::uniform_real_distribution<double>(low, high)(random));
+  };
+  for (int run = 0; run < 5'000; ++run) {
+    std::vector<AxisWay> ways;
+    for (int axis = 0; axis < 4; ++axis) {
+      ways.push_back({.distance = std::floor(magnitude(0, 6)) + 0.5,
+                      .limits = {.velocity = std::floor(magnitude(3, 6)),
+                                 .acceleration = std::floor(magnitude(3, 7)),
+                                 .deceleration = std::floor(magnitude(3, 7))},
+                      .jerk = {std::floor(magnitude(4, 9)), std::floor(magnitude(4, 9))}});
+    }
+    const auto times = plan_line(ways, kPeriod);
+    ASSERT_TRUE(times) << "run " << run;
+    for (const AxisWay& each : ways) ASSERT_TRUE(keeps_limits(each, *times)) << "run " << run;
+    ASSERT_GE(times->acceleration, 2 * times->jerk);
+    ASSERT_GE(times->deceleration, 2 * times->jerk);
+    ASSERT_GE(times->duration, times->acceleration + times->deceleration);
+  }
+}
+
 TEST(LineTimes, OfNoDistanceAreZero) {
   const std::vector ways{way(0, {.velocity = 0, .acceleration = 1, .deceleration = 1})};
   const auto times = plan_line(ways, kPeriod);

@@ -182,7 +182,33 @@ std::vector<EffectRow> motion_rows() {
     axis.step();
     return static_cast<double>(axis.status().op_mode_actual);
   };
+  // A halt from a constant velocity, in its second tick: J·((2 ms)² - (1 ms)²)/2 over 1 ms.
+  constexpr double kTrapezoid = 409'600.0;
+  constexpr double kOfDefaultJerk = 6'144.0;  // 4096000 units/s³
+  const auto begin_of_halt = [](AxisUnderTest& axis) {
+    axis.command(0x010F);
+    return ramp(axis);
+  };
+  const auto moving_with_jerk = [](AxisUnderTest& axis) {
+    axis.write("motion_profile_type", 3);
+    moving(axis);
+  };
+  const auto moving_with_second_jerk = [moving_with_jerk](AxisUnderTest& axis) {
+    axis.write("profile_jerk_2", 40'960'000);
+    moving_with_jerk(axis);
+  };
+  const auto moving_with_two_jerks = [moving_with_jerk](AxisUnderTest& axis) {
+    axis.write("profile_jerk_use", 2);
+    moving_with_jerk(axis);
+  };
   return {
+      {"motion_profile_type", 3, kTrapezoid, kOfDefaultJerk, moving, begin_of_halt, 1'000.0},
+      {"profile_jerk_use", 2, kOfDefaultJerk, 61'440.0, moving_with_second_jerk, begin_of_halt,
+       1'000.0},
+      {"profile_jerk_1", 40'960'000, kOfDefaultJerk, 61'440.0, moving_with_jerk, begin_of_halt,
+       1'000.0},
+      {"profile_jerk_2", 40'960'000, kOfDefaultJerk, 61'440.0, moving_with_two_jerks, begin_of_halt,
+       1'000.0},
       {"ds402_controlword", 0x0006, 0x27, 0x21, enabled, control_state},
       {"op_mode_cmd", 0, 1.0, 0.0, enabled, mode},
       {"profile_acc", 200'000, 409'600.0, 200'000.0, speeding_up, ramp, 1'000.0},
@@ -478,6 +504,7 @@ const std::set<std::string> kOfOtherModes{"velocity_window",
                                           "synchronous_move_duration",
                                           "synchronous_move_acceleration_time",
                                           "synchronous_move_deceleration_time",
+                                          "synchronous_move_jerk_time",
                                           "habit_acknowledge_at_enabling",
                                           "habit_stream_release_bits",
                                           "habit_short_quick_stop",

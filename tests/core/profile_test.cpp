@@ -744,7 +744,7 @@ class LongRunningDrive {
   /// The given number of ticks after the plan, in its segment number `segment`.
   void go_to(double ticks, std::size_t segment) {
     block_.demand.plan_ticks[0] = ticks;
-    put_segment(axis_, profile().segment(segment));
+    put_segment(axis_, with_jerk(profile().segment(segment)));
   }
 
   [[nodiscard]] const Profile& profile() const { return registers_.profile; }

@@ -22,6 +22,7 @@ using std::chrono::microseconds;
 constexpr ObjectAddress kDuration{0x5E10, 1};
 constexpr ObjectAddress kAccelerationTime{0x5E10, 2};
 constexpr ObjectAddress kDecelerationTime{0x5E10, 3};
+constexpr ObjectAddress kJerkTime{0x5E10, 4};
 constexpr std::int64_t kUnlimited = 4294967040;
 
 struct Times {
@@ -301,6 +302,71 @@ TEST_F(TwoAxes, ABufferedSynchronousMoveStartsFromRestWithItsOwnTimes) {
   for (int tick = 0; tick < 501; ++tick) group.bank().step();
   EXPECT_EQ(group.demand(0), 0);
   EXPECT_EQ(group.demand(1), 0);
+}
+
+TEST_F(TwoAxes, TheJerkTimeRoundsBothRampsAndLeavesThePeak) {
+  group.write(0, kJerkTime, 50'000);
+  group.write(1, kJerkTime, 50'000);
+  // 60000 UU in 700 ms with ramps of 100 ms: 60000 / (0.7 - 0.1) s = 100000 UU/s. The acceleration
+  // grows for 50 ms to 100000 / (0.1 - 0.05) = 2e6 UU/s², by 4e7 UU/s³, and shrinks for 50 ms.
+  group.start({60'000, 20'000}, {700'000, 100'000, 100'000});
+  for (int tick = 0; tick < 20; ++tick) group.bank().step();
+  EXPECT_EQ(group.bank().status(0).velocity_demand_value, 8'000);  // 4e7·0.02²/2
+  for (int tick = 20; tick < 50; ++tick) group.bank().step();
+  EXPECT_EQ(group.bank().status(0).velocity_demand_value, 50'000);
+  for (int tick = 50; tick < 300; ++tick) group.bank().step();
+  EXPECT_EQ(group.bank().status(0).velocity_demand_value, 100'000);
+  EXPECT_EQ(group.bank().status(1).velocity_demand_value, 33'333);
+  EXPECT_EQ(group.demand(0), 25'000);  // 100000·(0.3 - 0.1/2)
+  for (int tick = 300; tick < 699; ++tick) group.bank().step();
+  EXPECT_NE(group.bank().status(0).velocity_demand_value, 0);
+  group.bank().step();
+  EXPECT_EQ(group.demand(0), 60'000);
+  EXPECT_EQ(group.demand(1), 20'000);
+  EXPECT_EQ(group.bank().status(0).velocity_demand_value, 0);
+}
+
+TEST_F(TwoAxes, HaltAndResumeWithAJerkTimeStayOnTheStraightLine) {
+  group.write(0, kJerkTime, 60'000);
+  group.write(1, kJerkTime, 60'000);
+  const std::vector<std::int32_t> starts{0, 0};
+  const std::vector<std::int32_t> targets{90'000, -30'000};
+  group.start(targets, {900'000, 200'000, 300'000});
+  for (int tick = 0; tick < 120; ++tick) group.bank().step();  // the first ramp is not over
+  group.command(0x010F);
+  for (int tick = 0; tick < 600; ++tick) {
+    group.bank().step();
+    ASSERT_LE(deviation(group, starts, targets), 1.0) << tick;
+  }
+  ASSERT_EQ(group.bank().status(0).velocity_demand_value, 0);
+  ASSERT_NE(group.demand(0), targets[0]);
+  group.command(0x000F);
+  for (int tick = 0; tick < 1'500; ++tick) {
+    group.bank().step();
+    ASSERT_LE(deviation(group, starts, targets), 1.0) << tick;
+  }
+  EXPECT_EQ(group.demand(0), targets[0]);
+  EXPECT_EQ(group.demand(1), targets[1]);
+}
+
+TEST_F(TwoAxes, AJerkTimeThatARampHasNoRoomForIsNotAccepted) {
+  for (const std::int64_t jerk_time : {50'000, 50'001}) {
+    Group fresh(1);
+    fresh.write(0, kJerkTime, jerk_time);
+    fresh.start({60'000}, {750'000, 100'000, 200'000});
+    EXPECT_EQ(fresh.bank().ignored_set_points(0), jerk_time > 50'000 ? 1U : 0U) << jerk_time;
+  }
+}
+
+TEST_F(TwoAxes, AJerkTimeNeedsMoreAcceleration) {
+  // 100000 UU/s in 100 ms: 1e6 UU/s² at once, 100000 / (0.1 - 0.02) = 1.25e6 UU/s² with 20 ms.
+  for (const std::int64_t limit : {1'249'999, 1'250'001}) {
+    Group fresh(1);
+    fresh.write(0, {0x60C5, 0}, limit);
+    fresh.write(0, kJerkTime, 20'000);
+    fresh.start({60'000}, {750'000, 100'000, 200'000});
+    EXPECT_EQ(fresh.bank().ignored_set_points(0), limit < 1'250'000 ? 1U : 0U) << limit;
+  }
 }
 
 TEST_F(TwoAxes, ADurationOf0GivesAnOrdinaryMove) {

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -180,21 +181,41 @@ bool has_velocity(const AxisSnapshot& axis) {
   return axis.mode() == OperatingMode::profile_velocity && target_reached(axis);
 }
 
+/// A ramp of limited jerk begins and ends without acceleration: at each end one unit of the
+/// velocity takes √(2/J), twice that where the acceleration comes back from the other direction.
+/// @param jerk [UU/s³]
+/// @return the even ramp [UU/s²] that takes as long for one unit.
+std::int64_t even_ramp_of(std::int64_t jerk) {
+  return static_cast<std::int64_t>(std::sqrt(static_cast<double>(jerk) / 8.0));
+}
+
+std::int64_t take_last(std::vector<std::int64_t>& values) {
+  const std::int64_t last = values.back();
+  values.pop_back();
+  return last;
+}
+
 /// @param slowest receives the slowest ramp that the drive may use [UU/s²]
 /// @return refused where the drive would accept the velocity and never reach it.
 Outcome check_velocity(AxesCall& call, std::int32_t velocity, const VelocityOptions& options,
                        std::int64_t& slowest) {
   std::vector<ObjectAddress> objects(kMoveBounds.begin(), kMoveBounds.end());
-  objects.push_back(vdrive::describe("motor_speed_limit"_object).address);
+  for (const ObjectRow row : {"motor_speed_limit"_object, "motion_profile_type"_object,
+                              "profile_jerk_1"_object, "profile_jerk_2"_object}) {
+    objects.push_back(vdrive::describe(row).address);
+  }
   auto values = call.read(objects);
   if (!values) return values.outcome();
   std::vector<std::int64_t>& bounds = values->front();
-  const std::int64_t motor_speed = bounds.back();
-  bounds.pop_back();
+  const std::int64_t second_jerk = take_last(bounds);
+  const std::int64_t jerk = std::min(take_last(bounds), second_jerk);
+  const bool has_jerk = take_last(bounds) != 0;  // 6086h
+  const std::int64_t motor_speed = take_last(bounds);
   bounds[0] = std::abs(std::int64_t{velocity});  // 6081h is of profile position mode
   bounds[1] = options.acceleration.value_or(bounds[1]);
   bounds[2] = options.deceleration.value_or(bounds[2]);
   slowest = std::min({bounds[1], bounds[2], bounds[4], bounds[5]});
+  if (has_jerk) slowest = std::min(slowest, even_ramp_of(jerk));
   if (velocity == 0) return {};
   if (Outcome good = check_bounds(call.snapshot().id, bounds); !good) return good;
   return check_speed(call.snapshot().id, velocity,

@@ -33,6 +33,7 @@ constexpr ObjectAddress kAccelerationTime =
     vdrive::describe("synchronous_move_acceleration_time"_object).address;
 constexpr ObjectAddress kDecelerationTime =
     vdrive::describe("synchronous_move_deceleration_time"_object).address;
+constexpr ObjectAddress kJerkTime = vdrive::describe("synchronous_move_jerk_time"_object).address;
 
 /// What the times of a line depend on, in the order of LimitObject: kMoveBounds, then the others.
 constexpr std::array kOtherLimits{vdrive::describe("motor_speed_limit"_object).address,
@@ -41,7 +42,11 @@ constexpr std::array kOtherLimits{vdrive::describe("motor_speed_limit"_object).a
                                   vdrive::describe("user_position_upper_limit"_object).address,
                                   vdrive::describe("min_position_range_limit"_object).address,
                                   vdrive::describe("max_position_range_limit"_object).address,
-                                  vdrive::describe("positioning_option_code"_object).address};
+                                  vdrive::describe("positioning_option_code"_object).address,
+                                  vdrive::describe("motion_profile_type"_object).address,
+                                  vdrive::describe("profile_jerk_use"_object).address,
+                                  vdrive::describe("profile_jerk_1"_object).address,
+                                  vdrive::describe("profile_jerk_2"_object).address};
 
 constexpr auto kLimitObjects = [] {
   std::array<ObjectAddress, kMoveBounds.size() + kOtherLimits.size()> objects{};
@@ -64,6 +69,10 @@ enum LimitObject : std::size_t {
   range_begin,
   range_end,
   positioning_option,
+  motion_profile_type,
+  profile_jerk_use,
+  profile_jerk_1,
+  profile_jerk_2,
 };
 
 /// A line is planned as on linear axes: on a modulo axis (607Bh) its target has to be a position
@@ -100,6 +109,15 @@ MotionLimits limits_from(const std::vector<std::int64_t>& values, const LineRequ
       .deceleration = request.deceleration_factor * ramp(profile_deceleration, deceleration_limit)};
 }
 
+/// The jerk of one axis as the drive applies it.
+MotionJerk jerk_from(const std::vector<std::int64_t>& values) {
+  constexpr std::int64_t kLimitedJerk = 3;  // of 6086h
+  if (values[motion_profile_type] != kLimitedJerk) return {};
+  const bool has_two = values[profile_jerk_use] == 2;
+  return {.acceleration = static_cast<double>(values[profile_jerk_1]),
+          .deceleration = static_cast<double>(values[has_two ? profile_jerk_2 : profile_jerk_1])};
+}
+
 void add_word(msg::AxisCommand& command, std::uint16_t word) {
   command.members(static_cast<std::uint16_t>(command.members() | msg::HAS_DS402_CONTROLWORD));
   command.ds402_controlword(word);
@@ -127,6 +145,7 @@ std::array<Round, 3> start_rounds(const AxesCall& call, const LineRequest& reque
     add_object(edge, kDuration, times.duration.count());
     add_object(edge, kAccelerationTime, times.acceleration.count());
     add_object(edge, kDecelerationTime, times.deceleration.count());
+    add_object(edge, kJerkTime, times.jerk.count());
     add_target(edge, request.targets[place]);
     add_word(edge,
              kEnableOperation | Controlword::kNewSetPoint | Controlword::kChangeSetImmediately);
@@ -161,7 +180,8 @@ Result<LineTimes> AxisGroup::State::times_of(AxesCall& call, const LineRequest& 
     const MotionLimits own = limits_from(values, request);
     const double way =
         static_cast<double>(target) - call.snapshots()[place].status.position_demand_value;
-    ways.push_back({.distance = std::abs(way) + kBesideDemand, .limits = own});
+    ways.push_back(
+        {.distance = std::abs(way) + kBesideDemand, .limits = own, .jerk = jerk_from(values)});
   }
   const auto times = plan_line(ways, call.period());
   if (times) return *times;

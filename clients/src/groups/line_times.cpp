@@ -28,6 +28,51 @@ MotionLimits along_path(std::span<const AxisWay> ways) {
   return path;
 }
 
+/// Jerk of the path parameter [1/s³]; infinite where no axis limits it.
+MotionJerk jerk_along_path(std::span<const AxisWay> ways) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  MotionJerk path{.acceleration = kInfinity, .deceleration = kInfinity};
+  for (const AxisWay& way : ways) {
+    if (way.distance == 0.0 || !is_limited(way.jerk)) continue;
+    path.acceleration = std::min(path.acceleration, way.jerk.acceleration / way.distance);
+    path.deceleration = std::min(path.deceleration, way.jerk.deceleration / way.distance);
+  }
+  return path;
+}
+
+/// @return the time [s] in which the acceleration grows and shrinks in both ramps to `peak`.
+double jerk_time(double peak, const MotionLimits& path, const MotionJerk& jerk) {
+  const auto of_ramp = [peak](double highest, double of_path) {
+    return std::min(highest / of_path, std::sqrt(peak / of_path));
+  };
+  return std::max(of_ramp(path.acceleration, jerk.acceleration),
+                  of_ramp(path.deceleration, jerk.deceleration));
+}
+
+/// @return whether the ramps to `peak` and back leave room for it on the path.
+bool ramps_fit(double peak, const MotionLimits& path, const MotionJerk& jerk) {
+  const double grows = jerk_time(peak, path, jerk);
+  const double up = std::max(peak / path.acceleration + grows, 2.0 * grows);
+  const double down = std::max(peak / path.deceleration + grows, 2.0 * grows);
+  return 0.5 * peak * (up + down) <= 1.0;
+}
+
+/// @return the highest speed of the path parameter [1/s] whose ramps fit.
+double highest_peak(const MotionLimits& path, const MotionJerk& jerk) {
+  constexpr int kHalvings = 100;  // more than a double has bits
+  const double triangle = std::sqrt(2.0 * path.acceleration * path.deceleration /
+                                    (path.acceleration + path.deceleration));
+  const double peak = std::min(path.velocity, triangle);
+  if (std::isinf(jerk.acceleration) || ramps_fit(peak, path, jerk)) return peak;
+  double low = 0.0;
+  double high = peak;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (ramps_fit(middle, path, jerk) ? low : high) = middle;
+  }
+  return low;
+}
+
 /// @return `seconds` in whole microseconds, rounded up, at least one. A whole number stays one in
 ///         spite of its last bits.
 microseconds rounded_up(double seconds) {
@@ -40,13 +85,17 @@ microseconds rounded_up(double seconds) {
 
 bool keeps_limits(const AxisWay& way, const LineTimes& times) noexcept {
   // The same expressions as the drive's own check, to the last bit.
-  const MotionLimits needed =
-      limits_of(way.distance,
-                {.duration = static_cast<double>(times.duration.count()) * kMicrosecond,
-                 .acceleration = static_cast<double>(times.acceleration.count()) * kMicrosecond,
-                 .deceleration = static_cast<double>(times.deceleration.count()) * kMicrosecond});
+  const MoveTimes seconds{
+      .duration = static_cast<double>(times.duration.count()) * kMicrosecond,
+      .acceleration = static_cast<double>(times.acceleration.count()) * kMicrosecond,
+      .deceleration = static_cast<double>(times.deceleration.count()) * kMicrosecond,
+      .jerk = static_cast<double>(times.jerk.count()) * kMicrosecond};
+  const MotionLimits needed = limits_of(way.distance, seconds);
+  const MotionJerk jerk = jerk_of(needed, seconds);
+  const bool keeps_jerk = !is_limited(way.jerk) || (jerk.acceleration <= way.jerk.acceleration &&
+                                                    jerk.deceleration <= way.jerk.deceleration);
   return needed.velocity <= way.limits.velocity && needed.acceleration <= way.limits.acceleration &&
-         needed.deceleration <= way.limits.deceleration;
+         needed.deceleration <= way.limits.deceleration && keeps_jerk;
 }
 
 std::optional<LineTimes> plan_line(std::span<const AxisWay> ways, microseconds period) {
@@ -55,15 +104,19 @@ std::optional<LineTimes> plan_line(std::span<const AxisWay> ways, microseconds p
   });
   if (!any) return LineTimes{};
   const MotionLimits path = along_path(ways);
-  const double triangle = std::sqrt(2.0 * path.acceleration * path.deceleration /
-                                    (path.acceleration + path.deceleration));
-  const double peak = std::min(path.velocity, triangle);
+  const MotionJerk jerk = jerk_along_path(ways);
+  const double peak = highest_peak(path, jerk);
   // One second more than the longest, so that what is rounded up below fits its type.
   if (!(1.0 / peak < static_cast<double>(kLongest.count()) * kMicrosecond + 1.0)) {
     return std::nullopt;
   }
   LineTimes times{.acceleration = rounded_up(peak / path.acceleration),
                   .deceleration = rounded_up(peak / path.deceleration)};
+  if (!std::isinf(jerk.acceleration)) {
+    times.jerk = rounded_up(jerk_time(peak, path, jerk));
+    times.acceleration = std::max(times.acceleration + times.jerk, 2 * times.jerk);
+    times.deceleration = std::max(times.deceleration + times.jerk, 2 * times.jerk);
+  }
   const microseconds ramps = times.acceleration + times.deceleration;
   const double ramp_seconds = static_cast<double>(ramps.count()) * kMicrosecond;
   const microseconds shortest = std::max(ramps, rounded_up(0.5 * ramp_seconds + 1.0 / peak));

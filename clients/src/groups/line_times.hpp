@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/motion/jerk_profile.hpp"
 #include "vdrive/motion/profile.hpp"
 
 #include <chrono>
@@ -13,6 +14,7 @@ namespace vdrive::client {
 struct AxisWay {
   double distance = 0.0;  ///< [UU] >= 0
   MotionLimits limits;
+  MotionJerk jerk{};  ///< not limited: trapezoids
 };
 
 /// Common times of the axes of a line, as 5E10h takes them.
@@ -20,13 +22,16 @@ struct LineTimes {
   std::chrono::microseconds duration{0};
   std::chrono::microseconds acceleration{0};
   std::chrono::microseconds deceleration{0};
+  std::chrono::microseconds jerk{0};  ///< at both ends of both ramps
 };
 
-/// The shortest trapezoid that all axes can share, in whole microseconds and whole ticks.
+/// The shortest profile that all axes can share, in whole microseconds and whole ticks.
 ///
 /// Along the path s = 0..1 an axis with the way D and the limits v, a, d allows v/D, a/D and d/D;
 /// the smallest of each count. Without a cruise the peak is p² = 2ad/(a + d). Rounding up makes the
 /// ramps and the duration longer, never an axis faster than its limits.
+/// Where axes have limited jerk, the smallest of j/D counts as well: a ramp to the peak p grows for
+/// min(a/j, √(p/j)), which all axes share at both ends of both ramps, and lasts as much longer.
 /// @return all 0 when no axis has a way; nothing when one has a way and may not move, or when the
 ///         duration exceeds what 5E10h can hold, 2^32 - 1 us
 [[nodiscard]] std::optional<LineTimes> plan_line(std::span<const AxisWay> ways,

@@ -37,15 +37,20 @@ bool AxisBank::State::is_sound() const {
     return is_operating_mode(static_cast<std::int64_t>(drive.mode.actual)) &&
            is_operating_mode(static_cast<std::int64_t>(drive.mode.wanted));
   });
+  const bool has_segments =
+      std::ranges::all_of(drive_registers, [](const DriveRegisters& registers) {
+        return registers.profile.segment_count() <= Profile::kMaximumSegments &&
+               registers.jerk_profile.segment_count() <= JerkProfile::kMaximumSegments;
+      });
   const bool has_lanes = std::ranges::all_of(blocks, [this](const Block& block) {
     const SteadyBlock& steady = block.state.steady;
-    const std::uint64_t lanes =
-        steady.lanes | steady.standing | steady.unpowered | block.state.noisy | block.state.modulo |
-        block.state.probed;
+    const std::uint64_t lanes = steady.lanes | steady.standing | steady.unpowered |
+                                block.state.noisy | block.state.modulo | block.state.probed |
+                                block.state.jerk_limited;
     const std::uint64_t hot = block.effects == kNoEffects ? 0U : effects[block.effects].state.hot;
     return (lanes | hot) >> block.count == 0;
   });
-  return inside(rigid) && inside(elastic) && has_modes && has_lanes;
+  return inside(rigid) && inside(elastic) && has_modes && has_segments && has_lanes;
 }
 
 AxisBank::Snapshot AxisBank::snapshot() const {

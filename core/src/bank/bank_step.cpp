@@ -234,6 +234,7 @@ void AxisBank::State::step_batch(const ParameterPool<Parameters>& pool, const Ba
     lanes[i] = begin_block(batch.blocks[i]);
     features.general = features.general || !is_plain(block.state.servo);
     features.play = features.play || block.has_play;
+    features.jerk = features.jerk || block.state.jerk_limited != 0;
   }
   step_pieces(pool, batch, lanes, features);
   for (std::size_t i = 0; i < batch.count; ++i) {

@@ -27,7 +27,8 @@ constexpr std::int64_t kMakerBits = 0xC200;
 
 /// Rows that refuse what they do not mean with 0x06090030, also beyond the range that they show.
 bool is_judged_by_meaning(ObjectRow row) {
-  return row == "error_history_count"_object || row == "homing_method"_object;
+  return row == "error_history_count"_object || row == "homing_method"_object ||
+         row == "motion_profile_type"_object || row == "profile_jerk_use"_object;
 }
 
 /// Bits 6 and 7 of 60F2h, the rotary axis direction option of CiA 402-2.
@@ -52,6 +53,10 @@ AbortCode check_value(ObjectRow row, std::int64_t value) {
       return is_operating_mode(value) ? AbortCode::none : AbortCode::value_range_exceeded;
     case "homing_method"_object:
       return is_homing_method(value) ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "motion_profile_type"_object:  // a trapezoid, or limited jerk
+      return value == 0 || value == 3 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "profile_jerk_use"_object:
+      return value == 1 || value == 2 ? AbortCode::none : AbortCode::value_range_exceeded;
     case "interpolation_sub_mode_select"_object:      // linear
     case "interpolation_buffer_organization"_object:  // first in, first out
       return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;

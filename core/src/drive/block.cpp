@@ -22,6 +22,44 @@ constexpr std::array<std::uint64_t, kLanes> kBits{1, 2, 4, 8, 16, 32, 64, 128};
   return std::abs(demand - load) <= steady.following_error_window[l];
 }
 
+/// Ends the steady tick of lanes, see end_steady_tick.
+template <bool kJerk>
+[[gnu::always_inline]] inline std::uint64_t end_ticks(BlockState& block, std::uint64_t lanes,
+                                                      const TickTiming& timing) {
+  const double substeps = timing.substeps;
+  const double substep = timing.substep;
+  DemandBlock& demand = block.demand;
+  std::uint64_t steady = 0;
+  VDRIVE_INDEPENDENT_LANES
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const double ticks = demand.plan_ticks[l] + 1.0;
+    const double time = (ticks * substeps) * substep;
+    const MotionSample now = sample_lane<kJerk>(demand, l, time);
+    const double load = nearest(block.servo.load_reading[l]);
+    const bool is_steady = (lanes & kBits[l]) != 0U;
+    const bool stands = (block.steady.standing & kBits[l]) != 0U;
+    const bool in_segment = time < demand.end_time[l];
+    const bool in_window = follows(block.steady, l, nearest(now.position), load);
+    const bool as_before = is_near(block.steady, l, load) == stands;
+    const bool moves_on = is_steady & in_segment & in_window & as_before;
+    demand.plan_ticks[l] = moves_on ? ticks : demand.plan_ticks[l];
+    demand.position[l] = moves_on ? now.position : demand.position[l];
+    demand.velocity[l] = moves_on ? now.velocity : demand.velocity[l];
+    steady |= moves_on ? kBits[l] : 0U;
+  }
+  return steady;
+}
+
+VDRIVE_VECTOR_CLONES
+std::uint64_t end_plain_ticks(BlockState& block, std::uint64_t lanes, const TickTiming& timing) {
+  return end_ticks<false>(block, lanes, timing);
+}
+
+VDRIVE_VECTOR_CLONES
+std::uint64_t end_jerk_ticks(BlockState& block, std::uint64_t lanes, const TickTiming& timing) {
+  return end_ticks<true>(block, lanes, timing);
+}
+
 }  // namespace
 
 VDRIVE_VECTOR_CLONES
@@ -47,31 +85,10 @@ std::uint64_t lanes_across(const DemandBlock& demand, const TickTiming& timing) 
   return lanes;
 }
 
-VDRIVE_VECTOR_CLONES
 std::uint64_t end_steady_tick(BlockState& block, std::uint64_t lanes,
                               const TickTiming& timing) noexcept {
-  const double substeps = timing.substeps;
-  const double substep = timing.substep;
-  DemandBlock& demand = block.demand;
-  std::uint64_t steady = 0;
-  VDRIVE_INDEPENDENT_LANES
-  for (std::size_t l = 0; l < kLanes; ++l) {
-    const double ticks = demand.plan_ticks[l] + 1.0;
-    const double time = (ticks * substeps) * substep;
-    const MotionSample now = sample(segment_of(demand, l), time);
-    const double load = nearest(block.servo.load_reading[l]);
-    const bool is_steady = (lanes & kBits[l]) != 0U;
-    const bool stands = (block.steady.standing & kBits[l]) != 0U;
-    const bool in_segment = time < demand.end_time[l];
-    const bool in_window = follows(block.steady, l, nearest(now.position), load);
-    const bool as_before = is_near(block.steady, l, load) == stands;
-    const bool moves_on = is_steady & in_segment & in_window & as_before;
-    demand.plan_ticks[l] = moves_on ? ticks : demand.plan_ticks[l];
-    demand.position[l] = moves_on ? now.position : demand.position[l];
-    demand.velocity[l] = moves_on ? now.velocity : demand.velocity[l];
-    steady |= moves_on ? kBits[l] : 0U;
-  }
-  return steady;
+  return block.jerk_limited != 0 ? end_jerk_ticks(block, lanes, timing)
+                                 : end_plain_ticks(block, lanes, timing);
 }
 
 VDRIVE_VECTOR_CLONES

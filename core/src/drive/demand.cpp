@@ -8,11 +8,37 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace vdrive {
 namespace {
 
 using Kind = MotionRequest::Kind;
+
+/// @return what `ask` says of the plan in force.
+template <typename Ask>
+auto of_plan(const Drive& drive, Ask ask) {
+  const DriveRegisters& r = drive.registers();
+  return drive.state().demand.by_jerk ? ask(r.jerk_profile) : ask(r.profile);
+}
+
+double plan_duration(const Drive& drive) {
+  return of_plan(drive, [](const auto& plan) {
+    return plan.duration();
+  });
+}
+
+double plan_end(const Drive& drive) {
+  return of_plan(drive, [](const auto& plan) {
+    return plan.end_position();
+  });
+}
+
+JerkSegment plan_segment_at(const Drive& drive, double time) {
+  return of_plan(drive, [time](const auto& plan) {
+    return with_jerk(plan.segment_at(time));
+  });
+}
 
 /// What the end of a profile means for the target.
 void finish_motion(Drive& drive) {
@@ -20,7 +46,9 @@ void finish_motion(Drive& drive) {
   const DriveRegisters& r = drive.registers();
   if (s.target.arrived || !s.power.on) return;
   if (r.request.kind == Kind::move || r.request.kind == Kind::synchronous_move) {
-    s.target.arrived = r.profile.reaches_target();
+    s.target.arrived = of_plan(drive, [](const auto& plan) {
+      return plan.reaches_target();
+    });
   } else if (!s.target.given && !s.target.given_up) {
     s.target.position = nearest(demand_position(drive));
     s.target.arrived = true;
@@ -31,19 +59,19 @@ void finish_motion(Drive& drive) {
 void go_along(Drive& drive, double time) {
   DemandBlock& demand = drive.demand();
   const std::size_t l = drive.lane();
-  const MotionSample now = sample(segment_of(demand, l), time);
+  const MotionSample now = drive.state().demand.by_jerk ? sample(jerk_segment_of(demand, l), time)
+                                                        : sample(segment_of(demand, l), time);
   demand.position[l] = now.position;
   demand.velocity[l] = now.velocity;
 }
 
 /// The tick ends in another segment, or behind the profile.
 void enter_segment(Drive& drive, double time) {
-  const Profile& profile = drive.registers().profile;
-  if (time >= profile.duration()) {
-    rest_at(drive, profile.end_position());
+  if (time >= plan_duration(drive)) {
+    rest_at(drive, plan_end(drive));
     return;
   }
-  put_segment(drive, profile.segment_at(time));
+  put_segment(drive, plan_segment_at(drive, time));
   go_along(drive, time);
 }
 
@@ -52,7 +80,7 @@ void move_along(Drive& drive) {
   DemandBlock& demand = drive.demand();
   const std::size_t l = drive.lane();
   demand.plan_ticks[l] += 1.0;
-  const double time = (demand.plan_ticks[l] * drive.timing().substeps) * drive.timing().substep;
+  const double time = plan_time(drive);
   if (time < demand.end_time[l]) {
     go_along(drive, time);
   } else {
@@ -191,15 +219,47 @@ Profile planned(const Drive& drive, const MotionRequest& request) {
   }
 }
 
-void start_profile(Drive& drive, const Profile& profile) {
+/// @return whether the motion needs a plan with jerk. A synchronous move has its times of its own.
+bool needs_jerk(const MotionRequest& request) {
+  return request.kind == Kind::synchronous_move ? request.times.jerk > 0.0
+                                                : is_limited(request.jerk);
+}
+
+JerkProfile planned_by_jerk(const Drive& drive, const MotionRequest& request) {
+  const bool from_rest = plans_from_rest(drive, request.kind);
+  const MotionSample start{demand_position(drive), from_rest ? 0.0 : demand_velocity(drive),
+                           from_rest ? 0.0 : demand_acceleration(drive)};
+  switch (request.kind) {
+    case Kind::move:
+      return plan_jerk_move(start, request.target, request.limits, request.jerk);
+    case Kind::synchronous_move:
+      return plan_timed_jerk_move(start.position, request.target, request.times);
+    case Kind::velocity:
+      return plan_jerk_velocity(start, request.target, request.limits, request.jerk);
+    default:
+      return plan_jerk_stop(start, request.limits.deceleration, request.jerk);
+  }
+}
+
+void start_motion(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
-  drive.registers().profile = profile;
+  DriveRegisters& r = drive.registers();
+  std::uint64_t& jerk_limited = drive.block().jerk_limited;
+  const std::uint64_t bit = std::uint64_t{1} << drive.lane();
+  s.demand.by_jerk = needs_jerk(request);
+  if (s.demand.by_jerk) {
+    r.jerk_profile = planned_by_jerk(drive, request);
+    jerk_limited |= bit;
+  } else {
+    r.profile = planned(drive, request);
+    jerk_limited &= ~bit;
+  }
   s.target.arrived = false;
-  if (profile.segment_count() == 0) {
-    rest_at(drive, profile.end_position());
+  if (!(plan_duration(drive) > 0.0)) {
+    rest_at(drive, plan_end(drive));
     return;
   }
-  put_segment(drive, profile.segment(0));
+  put_segment(drive, plan_segment_at(drive, 0.0));
   drive.demand().plan_ticks[drive.lane()] = 0.0;
   s.demand.moving = true;
 }
@@ -222,7 +282,7 @@ void plan(Drive& drive, const MotionRequest& request) {
     follow_stream(drive, request);
   } else if (request.kind != Kind::hold && !same) {
     // Without power (hold) the demand follows the actual position.
-    start_profile(drive, planned(drive, request));
+    start_motion(drive, request);
   }
 }
 
@@ -235,7 +295,7 @@ std::size_t cross_segments(Drive& drive, std::size_t substep) {
     return (first + static_cast<double>(k)) * timing.substep;
   };
   const double end_time = demand.end_time[l];
-  const Segment segment = drive.registers().profile.segment_at(time_at(substep));
+  const JerkSegment segment = plan_segment_at(drive, time_at(substep));
   put_segment(drive, segment);
   demand.end_time[l] = end_time;
   while (substep < timing.substeps && time_at(substep) < segment.end_time) ++substep;

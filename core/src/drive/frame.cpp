@@ -3,6 +3,7 @@
 
 #include "rounding.hpp"
 
+#include <cstdint>
 #include <limits>
 
 namespace vdrive {
@@ -23,14 +24,26 @@ double whole_ranges(const PositionRange& range, double position) {
 
 }  // namespace
 
-void put_segment(Drive& drive, const Segment& segment) {
+void put_segment(Drive& drive, const JerkSegment& segment) {
   DemandBlock& demand = drive.demand();
   const std::size_t l = drive.lane();
   demand.segment_position[l] = segment.position;
   demand.segment_velocity[l] = segment.velocity;
   demand.segment_acceleration[l] = segment.acceleration;
+  demand.segment_jerk[l] = segment.jerk;
   demand.reference_time[l] = segment.reference_time;
   demand.end_time[l] = segment.end_time;
+}
+
+double plan_time(const Drive& drive) {
+  const double ticks = drive.demand().plan_ticks[drive.lane()];
+  return (ticks * drive.timing().substeps) * drive.timing().substep;
+}
+
+double demand_acceleration(const Drive& drive) {
+  if (!drive.state().demand.moving) return 0.0;
+  const JerkSegment segment = jerk_segment_of(drive.demand(), drive.lane());
+  return sample(segment, plan_time(drive)).acceleration;
 }
 
 void rest_at(Drive& drive, double position) {
@@ -40,6 +53,7 @@ void rest_at(Drive& drive, double position) {
   demand.velocity[l] = 0.0;
   demand.plan_ticks[l] = 0.0;
   put_segment(drive, {.end_time = kInfinity, .position = position});
+  drive.block().jerk_limited &= ~(std::uint64_t{1} << l);
   drive.state().demand.moving = false;
 }
 

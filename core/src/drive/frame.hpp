@@ -13,7 +13,13 @@ namespace vdrive {
 inline constexpr double kFrame = 1099511627776.0;
 
 /// Puts `segment` into the lane of the axis, from now on.
-void put_segment(Drive& drive, const Segment& segment);
+void put_segment(Drive& drive, const JerkSegment& segment);
+
+/// @return the time of the end of the last tick since the plan [s].
+[[nodiscard]] double plan_time(const Drive& drive);
+
+/// @return the acceleration of the demand at the end of the last tick [UU/s²].
+[[nodiscard]] double demand_acceleration(const Drive& drive);
 
 /// The demand rests at `position` [UU].
 void rest_at(Drive& drive, double position);

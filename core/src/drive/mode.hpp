@@ -21,6 +21,9 @@ struct Mode {
   /// Ramp object of the normal stop [UU/s²].
   ObjectRow normal_ramp = 0;
 
+  /// The normal stop is by the profile of 6086h, as the motions of the mode are.
+  bool has_profile_type = false;
+
   /// Command: a controlword was written.
   void (*command)(Drive& drive, const WrittenControlword& word) = nullptr;
 

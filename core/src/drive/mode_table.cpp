@@ -62,9 +62,24 @@ consteval std::array<const Mode*, kModeNumbers> by_number() {
   return modes;
 }
 
+/// The stop with the normal ramp of the mode in force.
+MotionRequest normal_ramp_stop(const Drive& drive) {
+  const Mode& mode = mode_of(drive);
+  return mode.has_profile_type ? profile_stop(drive, mode.normal_ramp)
+                               : ramp_stop(drive, mode.normal_ramp);
+}
+
 MotionRequest normal_stop(const Drive& drive) {
   const Mode& mode = mode_of(drive);
-  return mode.normal_stop != nullptr ? mode.normal_stop(drive) : ramp_stop(drive, mode.normal_ramp);
+  return mode.normal_stop != nullptr ? mode.normal_stop(drive) : normal_ramp_stop(drive);
+}
+
+/// The normal stop where something is wrong: with limited jerk an axis that speeds up would get
+/// faster first.
+MotionRequest urgent_normal_stop(const Drive& drive) {
+  MotionRequest request = normal_stop(drive);
+  request.jerk = {};
+  return request;
 }
 
 /// The stop by the option codes 605Ah and 605Eh.
@@ -73,15 +88,14 @@ MotionRequest stop_of_mode(const Drive& drive, std::int64_t option) {
   const Mode& mode = mode_of(drive);
   return option == kQuickRamp && mode.quick_stop != nullptr
              ? mode.quick_stop(drive)
-             : stop_by_option(drive, option, normal_stop(drive));
+             : stop_by_option(drive, option, urgent_normal_stop(drive));
 }
 
 MotionRequest request_in_operation(const Drive& drive) {
   const DriveState& s = drive.state();
   if (s.mode.wanted != s.mode.actual) {
-    return runs_into_limit_switch(drive, demand_velocity(drive))
-               ? limit_switch_stop(drive)
-               : ramp_stop(drive, mode_of(drive).normal_ramp);
+    return runs_into_limit_switch(drive, demand_velocity(drive)) ? limit_switch_stop(drive)
+                                                                 : normal_ramp_stop(drive);
   }
   return s.power.machine.pending() != PowerCommand::none ? normal_stop(drive)
                                                          : mode_of(drive).ask(drive);

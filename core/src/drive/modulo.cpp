@@ -3,6 +3,7 @@
 
 #include "drive/frame.hpp"
 #include "drive/registers.hpp"
+#include "drive/stops.hpp"
 #include "rounding.hpp"
 
 #include <cmath>
@@ -30,6 +31,10 @@ RotaryDirection direction_of(const Drive& drive) {
 /// Where the demand would come to rest, whole: a part of a unit is no reason for a turn.
 double place_of_rest(const Drive& drive, double deceleration) {
   const double velocity = demand_velocity(drive);
+  if (const MotionJerk jerk = profile_jerk(drive); is_limited(jerk)) {
+    const MotionSample start{demand_position(drive), velocity, demand_acceleration(drive)};
+    return nearest(plan_jerk_stop(start, deceleration, jerk).end_position());
+  }
   return nearest(demand_position(drive) + velocity * std::abs(velocity) / (2.0 * deceleration));
 }
 

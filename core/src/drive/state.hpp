@@ -14,6 +14,7 @@
 #include "vdrive/cia402/power_state_machine.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/motion/jerk_profile.hpp"
 #include "vdrive/motion/profile.hpp"
 
 #include <array>
@@ -47,6 +48,7 @@ struct MotionRequest {
   double target = 0.0;  // moves [UU]; velocity [UU/s]; torque [‰ of rated]; follow: as `control` is
   MotionLimits limits;  // stop: the deceleration; torque: the acceleration is the slope [‰/s]
   MoveTimes times{};    // synchronous move
+  MotionJerk jerk{};    // stops, moves, velocity; not limited: trapezoids
   // What the servo gets beside the demand; it needs no new plan.
   double velocity_offset = 0.0;  // added to what the position loop asks for [UU/s]
   double torque_offset = 0.0;    // added to what the velocity loop commands [‰ of rated]
@@ -54,7 +56,8 @@ struct MotionRequest {
   friend bool operator==(const MotionRequest& a, const MotionRequest& b) noexcept {
     return a.kind == b.kind && a.target == b.target && a.limits.velocity == b.limits.velocity &&
            a.limits.acceleration == b.limits.acceleration &&
-           a.limits.deceleration == b.limits.deceleration;
+           a.limits.deceleration == b.limits.deceleration &&
+           a.jerk.acceleration == b.jerk.acceleration && a.jerk.deceleration == b.jerk.deceleration;
   }
 };
 
@@ -64,7 +67,8 @@ struct DemandState {
   ControlLoop control = ControlLoop::position;
   bool moving = false;     // the profile has not ended
   bool following = false;  // the demand of this tick goes to the streamed one
-  std::array<std::uint8_t, 5> unused{};
+  bool by_jerk = false;    // the plan is DriveRegisters::jerk_profile
+  std::array<std::uint8_t, 4> unused{};
 };
 
 /// Where the present motion is to end.
@@ -163,6 +167,7 @@ struct DriveState {
   FaultState faults;
   ModeState mode;
   std::uint16_t maker_bits = Statusword::kRemote;  // bits 9, 14 and 15 of 6041h, which never change
+  std::array<std::uint8_t, 4> unused{};
   ModeStates modes;
   bool attention = true;  // something beside the motion is going on
   bool plan_due = true;   // the motion request may have changed
@@ -233,6 +238,7 @@ struct SpeedLimits {
 struct DriveRegisters {
   std::array<std::int64_t, kObjectCount> values{};
   Profile profile;
+  JerkProfile jerk_profile;
   MotionRequest request;
   ActiveSetPoint set_point;
   Interpolation interpolation;
@@ -279,11 +285,12 @@ struct BlockState {
   DemandBlock demand;
   UnitBlock units;
   SteadyBlock steady;
-  std::uint64_t noisy;   // lanes whose load torque has noise
-  std::uint64_t modulo;  // lanes of modulo axes
-  std::uint64_t probed;  // lanes with an enabled touch probe
-  std::uint64_t ticks;   // since the bank began, without those that a settled block leaves out now
-  std::array<std::uint64_t, 4> unused;
+  std::uint64_t noisy;         // lanes whose load torque has noise
+  std::uint64_t modulo;        // lanes of modulo axes
+  std::uint64_t probed;        // lanes with an enabled touch probe
+  std::uint64_t jerk_limited;  // lanes that move along a plan with jerk
+  std::uint64_t ticks;  // since the bank began, without those that a settled block leaves out now
+  std::array<std::uint64_t, 3> unused;
 };
 
 /// One axis: its state, its lane of the block, its status image. Questions take a

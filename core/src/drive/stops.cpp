@@ -25,6 +25,16 @@ double deceleration_of(const Drive& drive, ObjectRow row) {
   return within(drive, row, "app_dec_limit"_object);
 }
 
+MotionJerk profile_jerk(const Drive& drive) {
+  constexpr std::int64_t kLimitedJerk = 3;
+  if (reg(drive, "motion_profile_type"_object) != kLimitedJerk) return {};
+  // In a snapshot of a file a register may have any value.
+  const double first = std::max(real(drive, "profile_jerk_1"_object), 1.0);
+  const double second = std::max(real(drive, "profile_jerk_2"_object), 1.0);
+  const bool has_two = reg(drive, "profile_jerk_use"_object) == 2;
+  return {.acceleration = first, .deceleration = has_two ? second : first};
+}
+
 MotionRequest stop_with(double deceleration) {
   return {.kind = MotionRequest::Kind::stop,
           .limits = {.velocity = 0.0, .acceleration = 1.0, .deceleration = deceleration}};
@@ -32,6 +42,12 @@ MotionRequest stop_with(double deceleration) {
 
 MotionRequest ramp_stop(const Drive& drive, ObjectRow row) {
   return stop_with(deceleration_of(drive, row));
+}
+
+MotionRequest profile_stop(const Drive& drive, ObjectRow row) {
+  MotionRequest request = ramp_stop(drive, row);
+  request.jerk = profile_jerk(drive);
+  return request;
 }
 
 MotionRequest release_torque(const Drive& drive) {

@@ -15,11 +15,17 @@ namespace vdrive {
 /// @return the ramp in `row` [UU/s²] within 60C6h; 0 counts as 1.
 [[nodiscard]] double deceleration_of(const Drive& drive, ObjectRow row);
 
+/// @return 60A3h and 60A4h where 6086h has limited jerk in force, else no limit.
+[[nodiscard]] MotionJerk profile_jerk(const Drive& drive);
+
 /// @return the stop with `deceleration` [UU/s²].
 [[nodiscard]] MotionRequest stop_with(double deceleration);
 
 /// @return the stop with the ramp in `row`.
 [[nodiscard]] MotionRequest ramp_stop(const Drive& drive, ObjectRow row);
+
+/// @return the same by the profile of 6086h.
+[[nodiscard]] MotionRequest profile_stop(const Drive& drive, ObjectRow row);
 
 /// @return the normal stop of the modes that command a torque: it is taken back with 6087h; 0
 ///         counts as 1.

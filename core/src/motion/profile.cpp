@@ -152,8 +152,8 @@ MotionLimits limits_of(double displacement, const MoveTimes& times) noexcept {
   const double ramps = 0.5 * (times.acceleration + times.deceleration);
   const double peak = std::abs(displacement) / (times.duration - ramps);
   return {.velocity = peak,
-          .acceleration = peak / times.acceleration,
-          .deceleration = peak / times.deceleration};
+          .acceleration = peak / (times.acceleration - times.jerk),
+          .deceleration = peak / (times.deceleration - times.jerk)};
 }
 
 Profile plan_timed_move(double start, double target, const MoveTimes& times) noexcept {

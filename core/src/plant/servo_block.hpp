@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lanes.hpp"
+#include "vdrive/motion/jerk_profile.hpp"
 #include "vdrive/motion/profile.hpp"
 
 #include <cstddef>
@@ -115,15 +116,41 @@ struct alignas(64) DemandBlock {
   Lane plan_ticks;            // since the plan
   Lane position;              // at the end of the last tick [UU]
   Lane velocity;              // at the end of the last tick [UU/s]
+  Lane segment_jerk;          // 0 outside of BlockState::jerk_limited [UU/s³]
 };
 
-/// @return the segment in force of lane `l`.
+/// @return the segment in force of lane `l`, which has no jerk.
 [[gnu::always_inline]] inline Segment segment_of(const DemandBlock& demand, std::size_t l) {
   return {.end_time = demand.end_time[l],
           .reference_time = demand.reference_time[l],
           .position = demand.segment_position[l],
           .velocity = demand.segment_velocity[l],
           .acceleration = demand.segment_acceleration[l]};
+}
+
+/// @return the segment in force of lane `l`.
+[[gnu::always_inline]] inline JerkSegment jerk_segment_of(const DemandBlock& demand,
+                                                          std::size_t l) {
+  return {.end_time = demand.end_time[l],
+          .reference_time = demand.reference_time[l],
+          .position = demand.segment_position[l],
+          .velocity = demand.segment_velocity[l],
+          .acceleration = demand.segment_acceleration[l],
+          .jerk = demand.segment_jerk[l]};
+}
+
+/// @return the demand of lane `l` at `time` [s] since its plan. A lane without jerk has the bits
+///         that it has without `kJerk`, which every lane may have.
+template <bool kJerk>
+[[gnu::always_inline]] inline MotionSample sample_lane(const DemandBlock& demand, std::size_t l,
+                                                       double time) {
+  const MotionSample even = sample(segment_of(demand, l), time);
+  if constexpr (!kJerk) return even;
+  const MotionSample changing = sample(jerk_segment_of(demand, l), time);
+  const bool has_jerk = demand.segment_jerk[l] != 0.0;
+  return {has_jerk ? changing.position : even.position,
+          has_jerk ? changing.velocity : even.velocity,
+          has_jerk ? changing.acceleration : even.acceleration};
 }
 
 struct EffectBlock;  // plant/effects.hpp
@@ -153,6 +180,7 @@ struct ServoFeatures {
   bool general = false;  // a block is not plain
   bool play = false;     // a block has play (two inertias)
   bool effects = false;  // all blocks have their effects
+  bool jerk = false;     // a lane moves along a plan with jerk
 };
 
 /// Servo loops and plant of some blocks over some sub-steps of a tick; the encoders are read behind

@@ -282,10 +282,11 @@ template <bool kGeneral, bool kEffects>
 }
 
 /// The segment of lane `l` at sub-step `k` of the tick.
+template <bool kJerk>
 [[gnu::always_inline]] inline MotionSample demand_at(const DemandBlock& demand, std::size_t l,
                                                      const Substeps& substeps, double k) {
   const double first = demand.plan_ticks[l] * substeps.count;
-  return sample(segment_of(demand, l), (first + k) * substeps.length);
+  return sample_lane<kJerk>(demand, l, (first + k) * substeps.length);
 }
 
 template <bool kEffects, typename Parameters>
@@ -299,7 +300,7 @@ template <bool kEffects, typename Parameters>
 
 /// The sub-steps of the blocks alternate: `step_lane(block, lane, demand)` of one block does not
 /// wait for that of another.
-template <bool kEffects, typename Parameters, typename StepLane>
+template <bool kEffects, bool kJerk, typename Parameters, typename StepLane>
 [[gnu::always_inline]] inline void step_blocks(std::span<const ServoBlock<Parameters>> blocks,
                                                const Substeps& substeps, StepLane step_lane) {
   for (std::size_t k = substeps.first; k < substeps.last; ++k) {
@@ -307,7 +308,7 @@ template <bool kEffects, typename Parameters, typename StepLane>
     for (const ServoBlock<Parameters>& block : blocks) {
       VDRIVE_INDEPENDENT_LANES
       for (std::size_t l = 0; l < kLanes; ++l) {
-        step_lane(block, l, demand_at(*block.demand, l, substeps, step));
+        step_lane(block, l, demand_at<kJerk>(*block.demand, l, substeps, step));
       }
       if constexpr (kEffects) draw_noise(*block.effects);
     }
@@ -317,12 +318,12 @@ template <bool kEffects, typename Parameters, typename StepLane>
   for (const ServoBlock<Parameters>& block : blocks) end_tick<kEffects>(block, tick_rate);
 }
 
-template <bool kGeneral, bool kEffects>
+template <bool kGeneral, bool kEffects, bool kJerk>
 [[gnu::always_inline]] inline void step_rigid(std::span<const ServoBlock<RigidParameters>> blocks,
                                               const Substeps& substeps) {
   const double rate = 1.0 / substeps.length;
   const double half_substep = 0.5 * substeps.length;
-  step_blocks<kEffects>(
+  step_blocks<kEffects, kJerk>(
       blocks, substeps,
       [=](const ServoBlock<RigidParameters>& block, std::size_t l, const MotionSample& demand)
           __attribute__((always_inline)) {
@@ -331,12 +332,12 @@ template <bool kGeneral, bool kEffects>
           });
 }
 
-template <bool kGeneral, bool kPlay, bool kEffects>
+template <bool kGeneral, bool kPlay, bool kEffects, bool kJerk>
 [[gnu::always_inline]] inline void step_elastic(
     std::span<const ServoBlock<ElasticParameters>> blocks, const Substeps& substeps) {
   const double rate = 1.0 / substeps.length;
   const double half_substep = 0.5 * substeps.length;
-  step_blocks<kEffects>(
+  step_blocks<kEffects, kJerk>(
       blocks, substeps,
       [=](const ServoBlock<ElasticParameters>& block, std::size_t l, const MotionSample& demand)
           __attribute__((always_inline)) {
@@ -347,47 +348,82 @@ template <bool kGeneral, bool kPlay, bool kEffects>
 
 VDRIVE_VECTOR_CLONES
 void rigid_plain(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps) {
-  step_rigid<false, false>(blocks, substeps);
+  step_rigid<false, false, false>(blocks, substeps);
+}
+
+VDRIVE_VECTOR_CLONES
+void rigid_jerk(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps) {
+  step_rigid<false, false, true>(blocks, substeps);
 }
 
 VDRIVE_VECTOR_CLONES
 void rigid_general(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps) {
-  step_rigid<true, false>(blocks, substeps);
+  step_rigid<true, false, false>(blocks, substeps);
+}
+
+VDRIVE_VECTOR_CLONES
+void rigid_general_jerk(std::span<const ServoBlock<RigidParameters>> blocks,
+                        const Substeps& substeps) {
+  step_rigid<true, false, true>(blocks, substeps);
 }
 
 VDRIVE_VECTOR_CLONES
 void rigid_effects(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps) {
-  step_rigid<false, true>(blocks, substeps);
+  step_rigid<false, true, false>(blocks, substeps);
 }
 
 VDRIVE_VECTOR_CLONES
 void rigid_general_effects(std::span<const ServoBlock<RigidParameters>> blocks,
                            const Substeps& substeps) {
-  step_rigid<true, true>(blocks, substeps);
+  step_rigid<true, true, false>(blocks, substeps);
+}
+
+/// Of effects and jerk there is one variant: a plain block has the same bits by the general one.
+VDRIVE_VECTOR_CLONES
+void rigid_effects_jerk(std::span<const ServoBlock<RigidParameters>> blocks,
+                        const Substeps& substeps) {
+  step_rigid<true, true, true>(blocks, substeps);
 }
 
 VDRIVE_VECTOR_CLONES
 void elastic_plain(std::span<const ServoBlock<ElasticParameters>> blocks,
                    const Substeps& substeps) {
-  step_elastic<false, false, false>(blocks, substeps);
+  step_elastic<false, false, false, false>(blocks, substeps);
+}
+
+VDRIVE_VECTOR_CLONES
+void elastic_jerk(std::span<const ServoBlock<ElasticParameters>> blocks, const Substeps& substeps) {
+  step_elastic<false, false, false, true>(blocks, substeps);
 }
 
 VDRIVE_VECTOR_CLONES
 void elastic_general(std::span<const ServoBlock<ElasticParameters>> blocks,
                      const Substeps& substeps) {
-  step_elastic<true, true, false>(blocks, substeps);
+  step_elastic<true, true, false, false>(blocks, substeps);
+}
+
+VDRIVE_VECTOR_CLONES
+void elastic_general_jerk(std::span<const ServoBlock<ElasticParameters>> blocks,
+                          const Substeps& substeps) {
+  step_elastic<true, true, false, true>(blocks, substeps);
 }
 
 VDRIVE_VECTOR_CLONES
 void elastic_effects(std::span<const ServoBlock<ElasticParameters>> blocks,
                      const Substeps& substeps) {
-  step_elastic<false, false, true>(blocks, substeps);
+  step_elastic<false, false, true, false>(blocks, substeps);
 }
 
 VDRIVE_VECTOR_CLONES
 void elastic_general_effects(std::span<const ServoBlock<ElasticParameters>> blocks,
                              const Substeps& substeps) {
-  step_elastic<true, true, true>(blocks, substeps);
+  step_elastic<true, true, true, false>(blocks, substeps);
+}
+
+VDRIVE_VECTOR_CLONES
+void elastic_effects_jerk(std::span<const ServoBlock<ElasticParameters>> blocks,
+                          const Substeps& substeps) {
+  step_elastic<true, true, true, true>(blocks, substeps);
 }
 
 }  // namespace
@@ -409,17 +445,26 @@ bool is_plain(const ServoState& state) noexcept {
 
 void step_servo(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps,
                 ServoFeatures features) noexcept {
-  const auto plain = features.effects ? rigid_effects : rigid_plain;
-  const auto general = features.effects ? rigid_general_effects : rigid_general;
-  const auto step = features.general ? general : plain;
+  auto* step = features.general ? rigid_general : rigid_plain;
+  if (features.effects) {
+    step = features.general ? rigid_general_effects : rigid_effects;
+    if (features.jerk) step = rigid_effects_jerk;
+  } else if (features.jerk) {
+    step = features.general ? rigid_general_jerk : rigid_jerk;
+  }
   step(blocks, substeps);
 }
 
 void step_servo(std::span<const ServoBlock<ElasticParameters>> blocks, const Substeps& substeps,
                 ServoFeatures features) noexcept {
-  const auto plain = features.effects ? elastic_effects : elastic_plain;
-  const auto general = features.effects ? elastic_general_effects : elastic_general;
-  const auto step = features.general || features.play ? general : plain;
+  const bool is_general = features.general || features.play;
+  auto* step = is_general ? elastic_general : elastic_plain;
+  if (features.effects) {
+    step = is_general ? elastic_general_effects : elastic_effects;
+    if (features.jerk) step = elastic_effects_jerk;
+  } else if (features.jerk) {
+    step = is_general ? elastic_general_jerk : elastic_jerk;
+  }
   step(blocks, substeps);
 }
 

@@ -16,7 +16,7 @@ namespace vdrive {
 /// 5E21h).
 /// Sorted by index and sub-index.
 // clang-format off
-inline constexpr std::array<ObjectDescription, 168> kObjectTable{{
+inline constexpr std::array<ObjectDescription, 173> kObjectTable{{
     {{0x1000, 0x00}, "Device Type", "设备类型", "Device", "device_type",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 131474, "-", Origin::companion},
     {{0x1001, 0x00}, "Error Register", "错误寄存器", "Device", "error_register",
@@ -98,6 +98,8 @@ inline constexpr std::array<ObjectDescription, 168> kObjectTable{{
     {{0x5E10, 0x02}, "Synchronous Move Acceleration Time", "同步移动加速时间", "Service", "synchronous_move_acceleration_time",
      DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "us", Origin::companion, Role::parameter, Change::nothing},
     {{0x5E10, 0x03}, "Synchronous Move Deceleration Time", "同步移动减速时间", "Service", "synchronous_move_deceleration_time",
+     DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "us", Origin::companion, Role::parameter, Change::nothing},
+    {{0x5E10, 0x04}, "Synchronous Move Jerk Time", "同步移动加加速时间", "Service", "synchronous_move_jerk_time",
      DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "us", Origin::companion, Role::parameter, Change::nothing},
     {{0x5E11, 0x00}, "Motor Speed Limit", "电机速度限制", "Motor", "motor_speed_limit",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 136533, "VelUU", Origin::companion},
@@ -261,6 +263,8 @@ inline constexpr std::array<ObjectDescription, 168> kObjectTable{{
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 409600, "AccUU（加速度单位转换，用户单位）", Origin::manual, Role::parameter, Change::plan},
     {{0x6085, 0x00}, "Quick Stop Deceleration", "快速停机减速度", "Service", "quick_stop_deceleration",
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 2048000, "AccUU", Origin::companion},
+    {{0x6086, 0x00}, "Motion Profile Type", "运动轮廓类型", "App", "motion_profile_type",
+     DataType::integer16, Access::read_write, Storage::flash, Effective::immediately, 0, 3, 0, "-", Origin::companion, Role::parameter, Change::plan},
     {{0x6087, 0x00}, "Torque Slope", "转矩斜率", "Service", "torque_slope",
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 10000, "0.1 %/s", Origin::companion, Role::parameter, Change::plan},
     {{0x6098, 0x00}, "Homing Method", "回零方式", "Service", "homing_method",
@@ -271,6 +275,12 @@ inline constexpr std::array<ObjectDescription, 168> kObjectTable{{
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 3413, "VelUU", Origin::companion, Role::parameter, Change::plan},
     {{0x609A, 0x00}, "Homing Acceleration", "回零加速度", "Service", "homing_acceleration",
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 409600, "AccUU", Origin::companion, Role::parameter, Change::plan},
+    {{0x60A3, 0x00}, "Profile Jerk Use", "轮廓加加速度个数", "App", "profile_jerk_use",
+     DataType::unsigned8, Access::read_write, Storage::flash, Effective::immediately, 1, 2, 1, "-", Origin::companion, Role::parameter, Change::plan},
+    {{0x60A4, 0x01}, "Profile Jerk 1", "轮廓加加速度 1", "App", "profile_jerk_1",
+     DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 1, 4294967295, 4096000, "JerkUU", Origin::companion, Role::parameter, Change::plan},
+    {{0x60A4, 0x02}, "Profile Jerk 2", "轮廓加加速度 2", "App", "profile_jerk_2",
+     DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 1, 4294967295, 4096000, "JerkUU", Origin::companion, Role::parameter, Change::plan},
     {{0x60B0, 0x00}, "Position Offset", "位置偏置", "Output", "position_offset",
      DataType::integer32, Access::read_write, Storage::not_stored, Effective::immediately, -2147483648, 2147483647, 0, "PosUU", Origin::companion, Role::command, Change::target},
     {{0x60B1, 0x00}, "Velocity Offset", "速度偏置", "Output", "velocity_offset",

@@ -103,20 +103,23 @@ class Profile {
 [[nodiscard]] Profile plan_move(const MotionState& start, double target,
                                 const MotionLimits& limits) noexcept;
 
-/// Times of a move from rest to rest [s]: `duration` >= acceleration + deceleration > 0.
+/// Times of a move from rest to rest [s]: `duration` >= acceleration + deceleration > 0, both of
+/// these >= 2·jerk.
 struct MoveTimes {
   double duration = 0.0;
   double acceleration = 0.0;
   double deceleration = 0.0;
+  double jerk = 0.0;  ///< in which the acceleration grows, and shrinks, in both ramps; 0 = at once
 };
 
-/// @return the peak velocity and the accelerations of a trapezoid over `displacement` [user units]
-///         in these times.
+/// @return the peak velocity and the highest accelerations of a move over `displacement` [user
+///         units] in these times. The jerk time changes neither the peak velocity nor the way of a
+///         ramp, which is even around its middle.
 [[nodiscard]] MotionLimits limits_of(double displacement, const MoveTimes& times) noexcept;
 
 /// Plans the trapezoid from rest at `start` to rest at `target` that takes exactly these times,
-/// also over no distance: moves with the same times keep the proportions of their displacements all
-/// the way and end together (5E10h).
+/// without a jerk time, also over no distance: moves with the same times keep the proportions of
+/// their displacements all the way and end together (5E10h).
 [[nodiscard]] Profile plan_timed_move(double start, double target, const MoveTimes& times) noexcept;
 
 /// Plans the change to the velocity `target` [user units/s], capped by `limits.velocity`, which is

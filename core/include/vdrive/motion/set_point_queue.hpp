@@ -13,6 +13,7 @@ struct SetPoint {
   std::uint32_t synchronous_move_duration = 0;           ///< 5E10h:01 [us], 0 = off
   std::uint32_t synchronous_move_acceleration_time = 0;  ///< 5E10h:02 [us]
   std::uint32_t synchronous_move_deceleration_time = 0;  ///< 5E10h:03 [us]
+  std::uint32_t synchronous_move_jerk_time = 0;          ///< 5E10h:04 [us], 0 = no limit
   bool relative = false;                                 ///< controlword bit 6
   std::array<std::uint8_t, 3> unused{};  ///< no byte without a value: snapshots have this
 };

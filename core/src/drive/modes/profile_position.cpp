@@ -27,6 +27,7 @@ SetPoint candidate(const Drive& drive) {
               unsigned_reg(drive, "synchronous_move_acceleration_time"_object),
           .synchronous_move_deceleration_time =
               unsigned_reg(drive, "synchronous_move_deceleration_time"_object),
+          .synchronous_move_jerk_time = unsigned_reg(drive, "synchronous_move_jerk_time"_object),
           .relative = (drive.state().controlword & Controlword::kRelative) != 0};
 }
 
@@ -57,7 +58,8 @@ MoveTimes times_of(const SetPoint& set_point) {
   constexpr double kMicrosecond = 1.0e-6;
   return {.duration = set_point.synchronous_move_duration * kMicrosecond,
           .acceleration = set_point.synchronous_move_acceleration_time * kMicrosecond,
-          .deceleration = set_point.synchronous_move_deceleration_time * kMicrosecond};
+          .deceleration = set_point.synchronous_move_deceleration_time * kMicrosecond,
+          .jerk = set_point.synchronous_move_jerk_time * kMicrosecond};
 }
 
 bool is_synchronous(const SetPoint& set_point) {
@@ -65,11 +67,12 @@ bool is_synchronous(const SetPoint& set_point) {
 }
 
 /// @return whether the times of a synchronous move (5E10h) leave it room: from rest, with time to
-///         accelerate and to decelerate.
+///         accelerate and to decelerate, and for the jerk at both ends of these.
 bool times_fit(const Drive& drive, const SetPoint& set_point) {
   const MoveTimes times = times_of(set_point);
   return !drive.state().demand.moving && times.acceleration > 0.0 && times.deceleration > 0.0 &&
-         times.acceleration + times.deceleration <= times.duration;
+         times.acceleration + times.deceleration <= times.duration &&
+         2.0 * times.jerk <= std::min(times.acceleration, times.deceleration);
 }
 
 /// An absolute target counts from the frame that the set-point will start in: a synchronous move,
@@ -160,7 +163,13 @@ void advance(Drive& drive) {
 }
 
 MotionRequest normal_stop(const Drive& drive) {
-  return ramp_stop(drive, "profile_dec"_object);
+  return profile_stop(drive, "profile_dec"_object);
+}
+
+/// Of the ramps that follow from the times of a synchronous move.
+MotionJerk synchronous_jerk(const Drive& drive) {
+  const ActiveSetPoint& set_point = drive.registers().set_point;
+  return jerk_of(set_point.limits, set_point.times);
 }
 
 /// From rest the plan of the common times; after a halt what is left, with the same ramps and the
@@ -172,13 +181,16 @@ MotionRequest synchronous_move(const Drive& drive) {
   return {.kind = planned ? Kind::synchronous_move : Kind::move,
           .target = target.position,
           .limits = r.set_point.limits,
-          .times = r.set_point.times};
+          .times = r.set_point.times,
+          .jerk = synchronous_jerk(drive)};
 }
 
 MotionRequest halt(const Drive& drive, bool synchronous) {
   const std::int64_t option = reg(drive, "halt_option_code"_object);
-  return synchronous && option == 1 ? stop_with(drive.registers().set_point.limits.deceleration)
-                                    : stop_by_option(drive, option, normal_stop(drive));
+  if (!synchronous || option != 1) return stop_by_option(drive, option, normal_stop(drive));
+  MotionRequest request = stop_with(drive.registers().set_point.limits.deceleration);
+  request.jerk = synchronous_jerk(drive);
+  return request;
 }
 
 /// A limit switch stops what runs into it.
@@ -194,7 +206,8 @@ MotionRequest ask(const Drive& drive) {
           .target = s.target.position,
           .limits = {.velocity = std::min(r.set_point.velocity, r.velocity_cap),
                      .acceleration = acceleration_of(drive, "profile_acc"_object),
-                     .deceleration = deceleration_of(drive, "profile_dec"_object)}};
+                     .deceleration = deceleration_of(drive, "profile_dec"_object)},
+          .jerk = profile_jerk(drive)};
 }
 
 /// 6067h and 6068h around the target.
@@ -230,6 +243,7 @@ std::uint16_t status_bits(const Drive& drive) {
 }  // namespace
 
 constinit const Mode kProfilePosition{.normal_ramp = "profile_dec"_object,
+                                      .has_profile_type = true,
                                       .command = command,
                                       .advance = advance,
                                       .ask = ask,

@@ -8,6 +8,7 @@
 #include "vdrive/cia402/statusword.hpp"
 
 #include <cmath>
+#include <cstdint>
 
 namespace vdrive {
 namespace {
@@ -30,15 +31,18 @@ MotionRequest ask(const Drive& drive) {
                         .target = real(drive, "target_velocity"_object),
                         .limits = {.velocity = drive.registers().velocity_cap,
                                    .acceleration = acceleration_of(drive, "profile_acc"_object),
-                                   .deceleration = deceleration_of(drive, "profile_dec"_object)}};
+                                   .deceleration = deceleration_of(drive, "profile_dec"_object)},
+                        .jerk = profile_jerk(drive)};
   if (halted(drive)) {
+    const std::int64_t option = reg(drive, "halt_option_code"_object);
     request.target = 0.0;
-    request.limits.deceleration = option_deceleration(drive, reg(drive, "halt_option_code"_object),
-                                                      request.limits.deceleration);
+    request.limits.deceleration = option_deceleration(drive, option, request.limits.deceleration);
+    if (option != 1) request.jerk = {};
   }
   if (s.target.given_up) request.target = 0.0;
   if (s.target.given_up || runs_into_limit_switch(drive, demand_velocity(drive))) {
     request.limits.deceleration = deceleration_of(drive, "quick_stop_deceleration"_object);
+    request.jerk = {};
   }
   return request;
 }
@@ -63,6 +67,7 @@ std::uint16_t status_bits(const Drive& drive) {
 }  // namespace
 
 constinit const Mode kProfileVelocity{.normal_ramp = "profile_dec"_object,
+                                      .has_profile_type = true,
                                       .command = ignore_edge,
                                       .take_target = take_velocity,
                                       .advance = advance,

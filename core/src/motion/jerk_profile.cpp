@@ -1,0 +1,548 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Symbols: v, a velocity and acceleration; V, A, D the limits of velocity, acceleration and
+// deceleration; J the jerk: of the acceleration where v and a have one sign, else of the
+// deceleration; w = a²/2.
+//
+// 1. Change of the velocity. While a > 0 the velocity grows, and dw/dv = a·da/dv = da/dt: the jerk
+// is the slope of w over v. All limits are lines in this plane. On the way to the velocity u the
+// acceleration may be, where v < 0 (slowing down), w <= D²/2; where v > 0 (speeding up), w <= A²/2;
+// at v = 0 both; and it has to end at u: w <= J·(u - v). The fastest way is the largest w(v) that
+// keeps these bounds and rises by no more than J: it rises, stays at its cap, and falls, once for
+// v < 0 and once for v > 0. A larger w(v) everywhere is a shorter time, because dt = dv/√(2w).
+//   With a < 0 first of all a comes back to 0 with the full jerk, which takes v to the "settled"
+// velocity: v - a²/2J. Above it (u larger) the way is the one above, below it the mirrored one.
+// That covers a start that is forced over V: the settled velocity lies above u = V, so the way
+// turns round there at once. A start above its cap falls with the full jerk until it is at the
+// cap: no more violation than J forces.
+//
+// 2. Move. `stop` is the change to u = 0; it ends at P(v, a), measured from where it begins. If the
+// target lies beyond the end of a stop that begins now, the axis goes for u = +V first and stops
+// later, else for u = -V. So a move is: along the change to ±V until the instant τ, then a stop.
+// The change to +V is never behind any other motion from this start, and, with the time reversed,
+// no motion that is faster than the stop comes to rest at its end; so no motion gets there earlier.
+//   The end of the stop grows with τ: along a stop dP/dt + v = 0, so with the jerk j of the change,
+// and j' of the stop in the same state, its end moves by ∂P/∂a·(j - j'). Who has more acceleration
+// stops farther ahead (∂P/∂a >= 0), and j >= j', since both jerks have the same bounds there and
+// the change takes the highest. Where j = j' (the fall to u, the way back into limits) τ does not
+// matter. So the instant is the root of a monotonic function: found piece by piece, within a piece
+// by the secant of its bracket. This is also what makes the two pieces of deceleration with a
+// weaker one in between, where the target lies a little beyond the end of the stop: the change to
+// +V is left while a < 0. An overshoot that J forces is a stop that ends behind the target: u = -V.
+//
+// 3. At most twelve segments. A change has at most two pieces of the return of a to 0 (the jerk may
+// change at v = 0), and of the rises, caps and falls on both sides of v = 0 five: for D > A it
+// falls to A at v = 0 and does not rise behind it; for D < A it does not fall before it; for D = A
+// neither. Where it begins above a cap, its first piece is a fall instead of the rise. A stop has
+// two and three, from (±V, 0) three, and where a brakes already three.
+//   With a cruise: 2 + 5 + 1 + 3 = 11. Without one the change is left in one of its pieces: in the
+// return after at most 2, where a brakes (3); on the first side after at most 2 + 2 (2 + 3); on the
+// second side after at most 2 + 4, with v and a of one sign, whose return is one piece (1 + 3).
+// That is 5, 9 and 10. The twelfth is for rounding: where the fall to u begins at v = 0 with A up
+// to the last bit, a rise or a cap of almost no length may come before it.
+#include "vdrive/motion/jerk_profile.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace vdrive {
+namespace {
+
+/// A piece of constant jerk, and the state at its begin.
+struct Piece {
+  double duration = 0.0;
+  double velocity = 0.0;
+  double acceleration = 0.0;
+  double jerk = 0.0;
+};
+
+/// @return the way in the first `time` of `piece`.
+double way_of(const Piece& piece, double time) {
+  constexpr double kSixth = 1.0 / 6.0;
+  return (piece.velocity + (0.5 * piece.acceleration + kSixth * piece.jerk * time) * time) * time;
+}
+
+double velocity_after(const Piece& piece, double time) {
+  return piece.velocity + (piece.acceleration + 0.5 * piece.jerk * time) * time;
+}
+
+double acceleration_after(const Piece& piece, double time) {
+  return piece.acceleration + piece.jerk * time;
+}
+
+/// Pieces one after the other.
+struct Ramp {
+  static constexpr std::size_t kMaximumPieces = 8;
+
+  std::array<Piece, kMaximumPieces> pieces{};
+  std::size_t count = 0;
+};
+
+double way_of(const Ramp& ramp) {
+  double way = 0.0;
+  for (std::size_t i = 0; i < ramp.count; ++i) {
+    way += way_of(ramp.pieces[i], ramp.pieces[i].duration);
+  }
+  return way;
+}
+
+double half_square(double a) {
+  return 0.5 * a * a;
+}
+
+/// @return the time in which the acceleration goes evenly from `from` to `to` (>= 0 both) while the
+///         velocity changes by `span`. Of two accelerations close to each other the difference
+///         would lose its digits.
+double time_over(double span, double from, double to) {
+  const double sum = from + to;
+  return sum > 0.0 ? 2.0 * span / sum : 0.0;
+}
+
+/// @return the velocity at which the acceleration is 0 if it goes there at once.
+double settled_velocity(double velocity, double acceleration, const MotionJerk& jerk) {
+  const double direction = acceleration < 0.0 ? -1.0 : 1.0;
+  const double along = direction * velocity;
+  const double w = half_square(acceleration);
+  if (along >= 0.0) return velocity + direction * (w / jerk.acceleration);
+  const double until_rest = -along * jerk.deceleration;
+  if (w <= until_rest) return velocity + direction * (w / jerk.deceleration);
+  return direction * ((w - until_rest) / jerk.acceleration);
+}
+
+/// One side of v = 0 on the way to a higher velocity.
+struct Side {
+  double end_velocity = 0.0;
+  double end_acceleration = 0.0;  // >= 0, the highest that is allowed there, at most the cap
+  double cap = 0.0;               // highest acceleration
+  double jerk = 0.0;
+};
+
+/// Makes the change to a higher velocity; `sign` mirrors it.
+class RampBuilder {
+ public:
+  RampBuilder(double sign, double velocity, double acceleration)
+      : sign_(sign), velocity_(sign * velocity), acceleration_(sign * acceleration) {}
+
+  /// Takes an acceleration below 0 back to 0.
+  void settle(const MotionJerk& jerk) {
+    if (acceleration_ >= 0.0) return;
+    double w = half_square(acceleration_);
+    if (velocity_ > 0.0) {
+      const double until_rest = velocity_ * jerk.deceleration;
+      if (w <= until_rest) {
+        add(-acceleration_ / jerk.deceleration, jerk.deceleration);
+        reach(velocity_ - w / jerk.deceleration, 0.0);
+        return;
+      }
+      w -= until_rest;
+      const double at_rest = std::sqrt(2.0 * w);
+      add(time_over(velocity_, -acceleration_, at_rest), jerk.deceleration);
+      reach(0.0, -at_rest);
+    }
+    add(-acceleration_ / jerk.acceleration, jerk.acceleration);
+    reach(velocity_ - w / jerk.acceleration, 0.0);
+  }
+
+  /// Goes to the end of `side` with the largest acceleration that its bounds allow.
+  void cover(const Side& side) {
+    const double span = std::max(side.end_velocity - velocity_, 0.0);
+    const double most = side.jerk * span;
+    const double w = half_square(acceleration_);
+    const double w_end = half_square(side.end_acceleration);
+    if (w - w_end >= most) {
+      fall_all_the_way(side, span, w - most);
+    } else if (w_end - w >= most) {
+      const double end = std::sqrt(2.0 * (w + most));
+      add(time_over(span, acceleration_, end), side.jerk);
+      reach(side.end_velocity, end);
+    } else {
+      go_to_peak(side, most + (w_end - w));
+      fall_to_end(side, w_end);
+    }
+  }
+
+  [[nodiscard]] double velocity() const { return velocity_; }
+
+  [[nodiscard]] const Ramp& ramp() const { return ramp_; }
+
+ private:
+  void fall_all_the_way(const Side& side, double span, double w_left) {
+    // Where it has to end with 0, what is left of w is rounding, and its root would not be small.
+    const bool ends = side.end_acceleration == 0.0;
+    const double end = ends ? 0.0 : std::sqrt(2.0 * w_left);
+    add(ends ? acceleration_ / side.jerk : time_over(span, acceleration_, end), -side.jerk);
+    reach(side.end_velocity, end);
+  }
+
+  /// From below the cap up to it or to a lower peak, from above it down to the cap.
+  /// @param twice_gain of w, if nothing capped it
+  void go_to_peak(const Side& side, double twice_gain) {
+    const double w = half_square(acceleration_);
+    const double w_cap = half_square(side.cap);
+    if (w > w_cap) {
+      add((acceleration_ - side.cap) / side.jerk, -side.jerk);
+      reach(velocity_ + (w - w_cap) / side.jerk, side.cap);
+      return;
+    }
+    const double free_gain = 0.5 * twice_gain;
+    const bool is_capped = free_gain >= w_cap - w;
+    const double gain = is_capped ? w_cap - w : free_gain;
+    const double peak = is_capped ? side.cap : std::sqrt(2.0 * (w + gain));
+    add(time_over(gain / side.jerk, acceleration_, peak), side.jerk);
+    reach(velocity_ + gain / side.jerk, peak);
+  }
+
+  /// From the peak, which is held where there is room.
+  void fall_to_end(const Side& side, double w_end) {
+    const double lost = std::max(half_square(acceleration_) - w_end, 0.0) / side.jerk;
+    if (acceleration_ == side.cap) {
+      const double begin = side.end_velocity - lost;
+      add((begin - velocity_) / side.cap, 0.0);
+      reach(begin, side.cap);
+    }
+    add(time_over(lost, acceleration_, side.end_acceleration), -side.jerk);
+    reach(side.end_velocity, side.end_acceleration);
+  }
+
+  void add(double duration, double jerk) {
+    if (!(duration > 0.0)) return;
+    ensure(ramp_.count < Ramp::kMaximumPieces, "a change of the velocity has eight pieces at most");
+    ramp_.pieces[ramp_.count] = {.duration = duration,
+                                 .velocity = sign_ * velocity_,
+                                 .acceleration = sign_ * acceleration_,
+                                 .jerk = sign_ * jerk};
+    ++ramp_.count;
+  }
+
+  void reach(double velocity, double acceleration) {
+    velocity_ = velocity;
+    acceleration_ = acceleration;
+  }
+
+  double sign_;
+  double velocity_;
+  double acceleration_;
+  Ramp ramp_;
+};
+
+/// What a motion may use.
+struct Rules {
+  MotionLimits limits;
+  MotionJerk jerk;
+};
+
+/// @return the fastest change of the velocity to `target`, which ends without acceleration.
+Ramp change_velocity(double velocity, double acceleration, double target, const Rules& rules) {
+  const auto& [limits, jerk] = rules;
+  const double sign = target >= settled_velocity(velocity, acceleration, jerk) ? 1.0 : -1.0;
+  RampBuilder builder(sign, velocity, acceleration);
+  builder.settle(jerk);
+  const double goal = sign * target;
+  if (goal <= 0.0) {
+    builder.cover({.end_velocity = goal, .cap = limits.deceleration, .jerk = jerk.deceleration});
+    return builder.ramp();
+  }
+  if (builder.velocity() < 0.0) {
+    const double steady = std::min(limits.acceleration, limits.deceleration);
+    builder.cover({.end_velocity = 0.0,
+                   .end_acceleration = std::min(steady, std::sqrt(2.0 * jerk.acceleration * goal)),
+                   .cap = limits.deceleration,
+                   .jerk = jerk.deceleration});
+  }
+  builder.cover({.end_velocity = goal, .cap = limits.acceleration, .jerk = jerk.acceleration});
+  return builder.ramp();
+}
+
+/// @return the stop that begins `time` into `piece`.
+Ramp stop_after(const Piece& piece, double time, const Rules& rules) {
+  return change_velocity(velocity_after(piece, time), acceleration_after(piece, time), 0.0, rules);
+}
+
+/// Narrows an interval around the root of a growing function by its secant. An end that stays
+/// counts half (Illinois); where three steps in a row do not halve the interval, the next one does.
+class Bracket {
+ public:
+  /// @param length of the interval, which begins at 0
+  /// @param below the function at 0, < 0
+  /// @param above the same at `length`, > 0
+  Bracket(double length, double below, double above)
+      : high_(length), below_(below), above_(above) {}
+
+  /// @return where to look next; an end of the interval when no number is left inside of it.
+  [[nodiscard]] double next() const {
+    const double width = high_ - low_;
+    const double secant = high_ - width * (above_ / (above_ - below_));
+    const bool trusts = slow_steps_ < kSlow && secant > low_ && secant < high_;
+    return trusts ? secant : low_ + 0.5 * width;
+  }
+
+  [[nodiscard]] bool has_inside(double time) const { return time > low_ && time < high_; }
+
+  [[nodiscard]] double high() const { return high_; }
+
+  /// @param error the function at `time`
+  void narrow(double time, double error) {
+    const double width = high_ - low_;
+    if (error < 0.0) {
+      low_ = time;
+      below_ = error;
+      above_ *= stayed_ == End::high ? 0.5 : 1.0;
+      stayed_ = End::high;
+    } else {
+      high_ = time;
+      above_ = error;
+      below_ *= stayed_ == End::low ? 0.5 : 1.0;
+      stayed_ = End::low;
+    }
+    const bool was_halved = slow_steps_ == kSlow;
+    const bool is_slow = high_ - low_ > 0.5 * width;
+    slow_steps_ = is_slow && !was_halved ? slow_steps_ + 1 : 0;
+  }
+
+ private:
+  enum class End : std::uint8_t { none, low, high };
+
+  static constexpr int kSlow = 3;
+
+  double low_ = 0.0;
+  double high_;
+  double below_;
+  double above_;
+  int slow_steps_ = 0;
+  End stayed_ = End::none;
+};
+
+/// Searches the instant at which a change of the velocity has to be left for the stop.
+class LeaveSearch {
+ public:
+  /// @param direction of the change, +1 or -1
+  /// @param distance to the target
+  LeaveSearch(const Rules& rules, double direction, double distance)
+      : rules_(rules), direction_(direction), distance_(distance) {}
+
+  /// @param begin way to the begin of `piece`
+  /// @return how far behind the target, in the direction, the axis stops if it leaves `piece` after
+  ///         `time`.
+  [[nodiscard]] double beyond(const Piece& piece, double begin, double time) const {
+    const double way = way_of(piece, time) + way_of(stop_after(piece, time, rules_));
+    return direction_ * ((begin + way) - distance_);
+  }
+
+  /// @param below `beyond` at the begin of the piece, < 0
+  /// @param above the same at its end
+  /// @return the time in the piece after which the stop ends at the target, up to rounding.
+  [[nodiscard]] double solve(const Piece& piece, double begin, double below, double above) const {
+    constexpr int kMaximumSteps = 256;  // four for each bit of the time; some eight are usual
+    constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+    const double enough = kEpsilon * (std::abs(distance_) + std::abs(begin));
+    if (!(above > enough)) return piece.duration;
+    Bracket bracket(piece.duration, below, above);
+    for (int step = 0; step < kMaximumSteps; ++step) {
+      const double time = bracket.next();
+      if (!bracket.has_inside(time)) break;
+      const double error = beyond(piece, begin, time);
+      if (std::abs(error) <= enough) return time;
+      bracket.narrow(time, error);
+    }
+    return bracket.high();
+  }
+
+ private:
+  const Rules& rules_;
+  double direction_;
+  double distance_;
+};
+
+}  // namespace
+
+/// Appends pieces; see JerkProfile.
+class JerkProfileBuilder {
+ public:
+  explicit JerkProfileBuilder(double start_position) noexcept
+      : profile_(start_position), position_(start_position) {}
+
+  void add(const Piece& piece) noexcept {
+    if (!(piece.duration > 0.0)) return;
+    append(piece);
+    position_ += way_of(piece, piece.duration);
+  }
+
+  void add(const Ramp& ramp) noexcept {
+    for (std::size_t i = 0; i < ramp.count; ++i) add(ramp.pieces[i]);
+  }
+
+  [[nodiscard]] double position() const noexcept { return position_; }
+
+  /// The last piece ends at rest, exactly at `position`: it counts back from there.
+  [[nodiscard]] JerkProfile finish_at(double position, bool reaches_target) noexcept {
+    if (profile_.count_ > 0) {
+      JerkSegment& last = profile_.segments_[profile_.count_ - 1U];
+      last.reference_time = last.end_time;
+      last.position = position;
+      last.velocity = 0.0;
+      last.acceleration = 0.0;
+    }
+    profile_.end_position_ = position;
+    profile_.reaches_target_ = reaches_target;
+    return profile_;
+  }
+
+  /// Travels on without end.
+  [[nodiscard]] JerkProfile finish_running(double velocity) noexcept {
+    append(Piece{.duration = std::numeric_limits<double>::infinity(), .velocity = velocity});
+    profile_.end_position_ = position_;
+    return profile_;
+  }
+
+ private:
+  /// Pieces of one jerk are one segment, which is one border less for the tick.
+  void append(const Piece& piece) noexcept {
+    const bool goes_on = profile_.count_ > 0 && piece.jerk != 0.0 &&
+                         profile_.segments_[profile_.count_ - 1U].jerk == piece.jerk;
+    if (!goes_on) {
+      ensure(profile_.count_ < JerkProfile::kMaximumSegments, "a plan has twelve segments at most");
+      profile_.segments_[profile_.count_] = {.reference_time = time_,
+                                             .position = position_,
+                                             .velocity = piece.velocity,
+                                             .acceleration = piece.acceleration,
+                                             .jerk = piece.jerk};
+      ++profile_.count_;
+    }
+    time_ += piece.duration;
+    profile_.segments_[profile_.count_ - 1U].end_time = time_;
+  }
+
+  JerkProfile profile_;
+  double position_;
+  double time_ = 0.0;
+};
+
+namespace {
+
+/// The pieces of `change` up to the instant at which the stop has to begin, and the stop.
+/// @param below LeaveSearch::beyond at the begin of the change, < 0
+void leave_in_time(JerkProfileBuilder& builder, const Ramp& change, const LeaveSearch& search,
+                   double below, const Rules& rules) {
+  double begin = 0.0;
+  for (std::size_t i = 0; i < change.count; ++i) {
+    const Piece& piece = change.pieces[i];
+    const double above = search.beyond(piece, begin, piece.duration);
+    if (above < 0.0 && i + 1 < change.count) {
+      builder.add(piece);
+      begin += way_of(piece, piece.duration);
+      below = above;
+      continue;
+    }
+    const double time = search.solve(piece, begin, below, above);
+    Piece first = piece;
+    first.duration = time;
+    builder.add(first);
+    builder.add(stop_after(piece, time, rules));
+    return;
+  }
+}
+
+}  // namespace
+
+JerkSegment JerkProfile::segment_at(double time) const noexcept {
+  if (time >= duration()) {
+    return {.end_time = std::numeric_limits<double>::infinity(), .position = end_position_};
+  }
+  std::size_t i = 0;
+  while (time >= segments_[i].end_time) ++i;
+  return segments_[i];
+}
+
+MotionSample JerkProfile::at(double time) const noexcept {
+  if (time >= duration()) return {end_position_, 0.0, 0.0};  // at an infinite time, too
+  return sample(segment_at(time), std::max(time, 0.0));
+}
+
+JerkProfile plan_jerk_move(const MotionSample& start, double target, const MotionLimits& limits,
+                           const MotionJerk& jerk) noexcept {
+  const Rules rules{limits, jerk};
+  JerkProfileBuilder builder(start.position);
+  const Ramp stop = change_velocity(start.velocity, start.acceleration, 0.0, rules);
+  const double distance = target - start.position;
+  const double rest = way_of(stop);
+  if (rest == distance) {
+    builder.add(stop);
+    return builder.finish_at(target, true);
+  }
+  if (limits.velocity == 0.0) {
+    builder.add(stop);
+    return builder.finish_at(builder.position(), builder.position() == target);
+  }
+  const double direction = distance > rest ? 1.0 : -1.0;
+  const double fastest = direction * limits.velocity;
+  const Ramp change = change_velocity(start.velocity, start.acceleration, fastest, rules);
+  const Ramp brake = change_velocity(fastest, 0.0, 0.0, rules);
+  const double cruise = direction * (distance - (way_of(change) + way_of(brake)));
+  if (cruise >= 0.0) {
+    builder.add(change);
+    builder.add(Piece{.duration = cruise / limits.velocity, .velocity = fastest});
+    builder.add(brake);
+  } else {
+    const LeaveSearch search(rules, direction, distance);
+    leave_in_time(builder, change, search, direction * (rest - distance), rules);
+  }
+  return builder.finish_at(target, true);
+}
+
+MotionJerk jerk_of(const MotionLimits& limits, const MoveTimes& times) noexcept {
+  if (!(times.jerk > 0.0 && limits.acceleration > 0.0)) return {};
+  return {.acceleration = limits.acceleration / times.jerk,
+          .deceleration = limits.deceleration / times.jerk};
+}
+
+JerkProfile plan_timed_jerk_move(double start, double target, const MoveTimes& times) noexcept {
+  JerkProfileBuilder builder(start);
+  const MotionLimits limits = limits_of(target - start, times);
+  const MotionJerk jerk = jerk_of(limits, times);
+  const double direction = target < start ? -1.0 : 1.0;
+  const double peak = direction * limits.velocity;
+  const double a = direction * limits.acceleration;
+  const double d = direction * limits.deceleration;
+  const double rounded = times.jerk;  // at both ends of both ramps
+  const double gain = 0.5 * a * rounded;
+  const double loss = 0.5 * d * rounded;
+  builder.add(Piece{.duration = rounded, .jerk = direction * jerk.acceleration});
+  builder.add(
+      Piece{.duration = times.acceleration - 2.0 * rounded, .velocity = gain, .acceleration = a});
+  builder.add(Piece{.duration = rounded,
+                    .velocity = peak - gain,
+                    .acceleration = a,
+                    .jerk = -direction * jerk.acceleration});
+  builder.add(Piece{.duration = times.duration - times.acceleration - times.deceleration,
+                    .velocity = peak});
+  builder.add(Piece{.duration = rounded, .velocity = peak, .jerk = -direction * jerk.deceleration});
+  builder.add(Piece{
+      .duration = times.deceleration - 2.0 * rounded, .velocity = peak - loss, .acceleration = -d});
+  builder.add(Piece{.duration = rounded,
+                    .velocity = loss,
+                    .acceleration = -d,
+                    .jerk = direction * jerk.deceleration});
+  return builder.finish_at(target, true);
+}
+
+JerkProfile plan_jerk_velocity(const MotionSample& start, double target, const MotionLimits& limits,
+                               const MotionJerk& jerk) noexcept {
+  const double wanted = std::min(std::max(target, -limits.velocity), limits.velocity);
+  JerkProfileBuilder builder(start.position);
+  builder.add(change_velocity(start.velocity, start.acceleration, wanted, {limits, jerk}));
+  return wanted == 0.0 ? builder.finish_at(builder.position(), true)
+                       : builder.finish_running(wanted);
+}
+
+JerkProfile plan_jerk_stop(const MotionSample& start, double deceleration,
+                           const MotionJerk& jerk) noexcept {
+  const MotionLimits limits{
+      .velocity = 0.0, .acceleration = deceleration, .deceleration = deceleration};
+  return plan_jerk_velocity(start, 0.0, limits, jerk);
+}
+
+}  // namespace vdrive

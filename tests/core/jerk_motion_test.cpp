@@ -1,0 +1,409 @@
+// SPDX-License-Identifier: Apache-2.0
+// 6086h, 60A3h and 60A4h: which motions of an axis have limited jerk, and how it changes from one
+// plan to the next.
+#include "core/support/axis_under_test.hpp"
+#include "core/support/random_cases.hpp"
+#include "vdrive/axis_bank.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+namespace vdrive {
+namespace {
+
+using test::AxisUnderTest;
+using test::Random;
+using enum PowerState;
+
+constexpr std::int32_t kNormalTick = 410;  // default of 6084h: 409600 UU/s² for 1 ms
+constexpr std::int32_t kQuickTick = 2048;  // default of 6085h: 2048000 UU/s² for 1 ms
+
+/// Sets the profile to limited jerk [UU/s³].
+void limit_jerk(AxisUnderTest& axis, std::int64_t jerk) {
+  axis.write("motion_profile_type", 3);
+  axis.write("profile_jerk_1", jerk);
+}
+
+/// Starts a move at once, also in motion.
+void start_move(AxisUnderTest& axis, std::int64_t target) {
+  axis.write("position_user_target_value", target);
+  axis.controlword(0x002F);
+  axis.command(0x003F);
+}
+
+/// @return what the demand's velocity loses in the next tick.
+std::int32_t lost_in_a_tick(AxisUnderTest& axis) {
+  const std::int32_t before = axis.demand_velocity();
+  axis.step();
+  return before - axis.demand_velocity();
+}
+
+/// At 10000 units/s towards a far target, with the default jerk of 4096000 UU/s³.
+void run_with_jerk(AxisUnderTest& axis) {
+  limit_jerk(axis, 4'096'000);
+  axis.write("following_error_window", 0xFFFFFFFF);
+  axis.write("profile_velocity", 10'000);
+  axis.enable();
+  start_move(axis, 1'000'000);
+  axis.step(200);  // 0.1 s: twice the root of 10000/4096000
+  ASSERT_EQ(axis.demand_velocity(), 10'000);
+}
+
+// ---- objects ------------------------------------------------------------------------------------
+
+TEST(LimitedJerk, IsOffByDefault) {
+  const AxisUnderTest axis;
+  EXPECT_EQ(axis.read("motion_profile_type"), 0);
+  EXPECT_EQ(axis.read("profile_jerk_use"), 1);
+  EXPECT_EQ(axis.read("profile_jerk_1"), 4'096'000);
+  EXPECT_EQ(axis.read("profile_jerk_2"), 4'096'000);
+  EXPECT_EQ(axis.read("synchronous_move_jerk_time"), 0);
+}
+
+TEST(LimitedJerk, RefusesProfilesAndNumbersOfJerksThatItHasNot) {
+  AxisUnderTest axis;
+  for (const int value : {-1, 1, 2, 4, 32'767}) {
+    EXPECT_EQ(axis.try_write("motion_profile_type", value), AbortCode::value_range_exceeded)
+        << value;
+  }
+  EXPECT_EQ(axis.try_write("motion_profile_type", 32'768), AbortCode::value_too_high);
+  for (const int value : {0, 3, 4, 255}) {
+    EXPECT_EQ(axis.try_write("profile_jerk_use", value), AbortCode::value_range_exceeded) << value;
+  }
+  EXPECT_EQ(axis.try_write("profile_jerk_1", 0), AbortCode::value_too_low);
+  EXPECT_EQ(axis.try_write("profile_jerk_2", 0), AbortCode::value_too_low);
+  EXPECT_EQ(axis.try_write("profile_jerk_1", 4'294'967'295), AbortCode::none);
+}
+
+// ---- moves --------------------------------------------------------------------------------------
+
+TEST(LimitedJerk, RoundsBothRampsOfAMove) {
+  // 1000 UU/s by 6000 UU/s² and 60000 UU/s³: ramps of 1000/6000 + 6000/60000 = 0.26667 s and 133.33
+  // units, 9.73333 s between them, 10.26667 s in all.
+  AxisUnderTest axis;
+  limit_jerk(axis, 60'000);
+  axis.write("profile_velocity", 1'000);
+  axis.write("profile_acc", 6'000);
+  axis.write("profile_dec", 6'000);
+  axis.enable();
+  start_move(axis, 10'000);
+  axis.step(99);
+  EXPECT_EQ(axis.demand(), 10);  // 60000·0.1³/6
+  EXPECT_EQ(axis.demand_velocity(), 300);
+  axis.step(900);
+  EXPECT_NEAR(axis.demand(), 867, 1);  // 133.33 + 1000·(1 - 0.26667)
+  EXPECT_EQ(axis.demand_velocity(), 1'000);
+  axis.step(9'167);
+  EXPECT_NEAR(axis.demand_velocity(), 298, 1);  // 99.67 ms before the end: 60000·0.09967²/2
+  axis.step(99);
+  EXPECT_FALSE(axis.reached());
+  axis.step();
+  EXPECT_EQ(axis.demand(), 10'000);
+  EXPECT_EQ(axis.demand_velocity(), 0);
+  EXPECT_NE(axis.step_until(
+                [&axis] {
+                  return axis.reached();
+                },
+                200),
+            0U);
+}
+
+TEST(LimitedJerk, HasASecondJerkForTheSpeedThatShrinks) {
+  AxisUnderTest axis;
+  axis.write("profile_jerk_use", 2);
+  axis.write("profile_jerk_2", 40'960'000);
+  run_with_jerk(axis);
+  axis.command(0x012F);
+  // 40960000 UU/s³ over the second tick: 40960000·(4e-6 - 1e-6)/2 = 61 UU/s.
+  EXPECT_NEAR(lost_in_a_tick(axis), 61, 1);
+}
+
+/// The demand's velocity in each tick, and whether its second difference is that of limited jerk.
+class SmoothAxis {
+ public:
+  // 1e8 UU/s³: 100 UU/s more or less from tick to tick; a ramp of 1e6 UU/s² gives 1000 at once.
+  static constexpr std::int32_t kJerkStep = 100;
+  static constexpr std::int32_t kRounding = 3;
+
+  SmoothAxis() {
+    limit_jerk(axis_, 100'000'000);
+    axis_.write("following_error_window", 0xFFFFFFFF);
+    axis_.write("profile_velocity", 100'000);
+    axis_.write("profile_acc", 1'000'000);
+    axis_.write("profile_dec", 1'000'000);
+    axis_.enable();
+  }
+
+  AxisUnderTest& axis() { return axis_; }
+
+  /// One tick, which must be smooth.
+  void step() {
+    axis_.step();
+    note();
+  }
+
+  void step(int ticks) {
+    for (int i = 0; i < ticks; ++i) step();
+  }
+
+  /// Judges the tick that was just done.
+  void note() {
+    const std::int32_t velocity = axis_.demand_velocity();
+    const std::int32_t change = velocity - velocity_;
+    EXPECT_LE(std::abs(change - change_), kJerkStep + kRounding) << "tick " << axis_.ticks();
+    EXPECT_LE(std::abs(change), 1'000 + kRounding) << "tick " << axis_.ticks();
+    velocity_ = velocity;
+    change_ = change;
+  }
+
+ private:
+  AxisUnderTest axis_;
+  std::int32_t velocity_ = 0;
+  std::int32_t change_ = 0;
+};
+
+TEST(LimitedJerk, StaysLimitedFromOnePlanToTheNext) {
+  SmoothAxis sut;
+  AxisUnderTest& axis = sut.axis();
+  Random random(11);
+  for (int change = 0; change < 400; ++change) {
+    SCOPED_TRACE("change " + std::to_string(change));
+    switch (random.below(5)) {
+      case 0:
+        axis.write("profile_acc", static_cast<std::int64_t>(100'000 + random.below(900'001)));
+        break;
+      case 1:
+        axis.write("profile_dec", static_cast<std::int64_t>(100'000 + random.below(900'001)));
+        break;
+      case 2:
+        axis.controlword(0x010F);
+        break;
+      default:
+        axis.write("profile_velocity", static_cast<std::int64_t>(1'000 + random.below(99'001)));
+        axis.write("position_user_target_value",
+                   static_cast<std::int64_t>(random.below(200'001)) - 100'000);
+        axis.controlword(0x002F);
+        axis.controlword(0x003F);
+        break;
+    }
+    sut.step(1 + static_cast<int>(random.below(150)));
+    if (testing::Test::HasFailure()) return;
+  }
+  axis.write("profile_velocity", 100'000);
+  axis.controlword(0x002F);
+  axis.write("position_user_target_value", 4'711);
+  axis.controlword(0x003F);
+  sut.step(4'000);
+  EXPECT_EQ(axis.demand(), 4'711);
+  EXPECT_EQ(axis.demand_velocity(), 0);
+}
+
+TEST(LimitedJerk, BeginsWithTheAccelerationThatATrapezoidHas) {
+  AxisUnderTest axis;
+  axis.write("profile_velocity", 100'000);
+  axis.enable();
+  start_move(axis, 10'000'000);
+  axis.step(50);
+  limit_jerk(axis, 4'096'000);
+  EXPECT_NEAR(lost_in_a_tick(axis), -kNormalTick, 1) << "the ramp goes on";
+  axis.write("motion_profile_type", 0);
+  EXPECT_NEAR(lost_in_a_tick(axis), -kNormalTick, 1);
+}
+
+// ---- stops --------------------------------------------------------------------------------------
+
+TEST(LimitedJerk, RoundsAHaltByTheProfileRampOnly) {
+  for (const int option : {1, 2, 3}) {
+    AxisUnderTest axis;
+    axis.write("halt_option_code", option);
+    run_with_jerk(axis);
+    axis.controlword(0x012F);
+    const std::int32_t lost = lost_in_a_tick(axis);
+    if (option == 1) {
+      EXPECT_EQ(lost, 2) << "4096000 UU/s³ for 1 ms";
+    } else {
+      EXPECT_GE(lost, kQuickTick) << option;
+    }
+  }
+}
+
+TEST(LimitedJerk, RoundsTheRampOfDisableOperation) {
+  AxisUnderTest axis;
+  axis.write("disable_operation_option_code", 1);
+  run_with_jerk(axis);
+  axis.controlword(0x0007);
+  EXPECT_EQ(lost_in_a_tick(axis), 2);
+  EXPECT_NE(axis.step_until(
+                [&axis] {
+                  return axis.state() == switched_on;
+                },
+                2'000),
+            0U);
+}
+
+TEST(LimitedJerk, RoundsTheRampOfAModeChange) {
+  AxisUnderTest axis;
+  run_with_jerk(axis);
+  axis.write("op_mode_cmd", 3);
+  EXPECT_EQ(lost_in_a_tick(axis), 2);
+}
+
+TEST(LimitedJerk, IsNotInAQuickStop) {
+  for (const int option : {1, 2, 5, 6}) {
+    AxisUnderTest axis;
+    axis.write("quick_stop_option_code", option);
+    run_with_jerk(axis);
+    axis.controlword(0x0002);
+    EXPECT_NEAR(lost_in_a_tick(axis), option % 4 == 1 ? kNormalTick : kQuickTick, 1) << option;
+  }
+}
+
+TEST(LimitedJerk, IsNotInAFaultReaction) {
+  for (const int option : {1, 2}) {
+    AxisUnderTest axis;
+    axis.write("fault_reaction_option_code", option);
+    run_with_jerk(axis);
+    axis.write("test_over_current", 1);
+    EXPECT_NEAR(lost_in_a_tick(axis), option == 1 ? kNormalTick : kQuickTick, 1) << option;
+  }
+}
+
+TEST(LimitedJerk, IsNotInTheStopAtALimitSwitch) {
+  AxisUnderTest axis;
+  run_with_jerk(axis);
+  axis.write("test_positive_limit_input", 1);
+  EXPECT_NEAR(lost_in_a_tick(axis), kQuickTick, 1);
+}
+
+TEST(LimitedJerk, MakesAnAxisThatSpeedsUpFasterBeforeItHalts) {
+  // 0.05 s: 4096000·0.05 = 204800 UU/s² and 5120 UU/s. The acceleration ends 0.05 s later, with
+  // 10240 UU/s.
+  AxisUnderTest axis;
+  limit_jerk(axis, 4'096'000);
+  axis.write("following_error_window", 0xFFFFFFFF);
+  axis.write("profile_velocity", 100'000);
+  axis.enable();
+  start_move(axis, 1'000'000);
+  axis.step(49);
+  ASSERT_EQ(axis.demand_velocity(), 5'120);
+  axis.controlword(0x012F);
+  axis.step(50);
+  EXPECT_EQ(axis.demand_velocity(), 10'240);
+  axis.step(1'000);
+  EXPECT_EQ(axis.demand_velocity(), 0);
+  EXPECT_TRUE(axis.reached()) << "it stands";
+}
+
+// ---- other modes --------------------------------------------------------------------------------
+
+TEST(LimitedJerk, RoundsTheRampsOfProfileVelocity) {
+  AxisUnderTest axis;
+  limit_jerk(axis, 4'096'000);
+  axis.write("op_mode_cmd", 3);
+  axis.command(0x000F);
+  axis.write("target_velocity", 10'000);
+  axis.step(20);
+  EXPECT_NEAR(axis.demand_velocity(), 819, 1);  // 4096000·0.02²/2
+  axis.step(100);
+  EXPECT_EQ(axis.demand_velocity(), 10'000);  // twice the root of 10000/4096000 = 0.0988 s
+  axis.write("target_velocity", -10'000);
+  axis.step(20);
+  EXPECT_NEAR(axis.demand_velocity(), 9'181, 1);
+  axis.step(300);
+  EXPECT_EQ(axis.demand_velocity(), -10'000);
+  axis.controlword(0x010F);
+  EXPECT_EQ(lost_in_a_tick(axis), -2);
+  axis.step(300);
+  EXPECT_EQ(axis.demand_velocity(), 0);
+}
+
+TEST(LimitedJerk, IsNotInAHaltOfProfileVelocityByAnotherRamp) {
+  AxisUnderTest axis;
+  limit_jerk(axis, 4'096'000);
+  axis.write("halt_option_code", 2);
+  axis.write("op_mode_cmd", 3);
+  axis.command(0x000F);
+  axis.write("target_velocity", 10'000);
+  axis.step(200);
+  ASSERT_EQ(axis.demand_velocity(), 10'000);
+  axis.controlword(0x010F);
+  EXPECT_NEAR(lost_in_a_tick(axis), kQuickTick, 1);
+}
+
+TEST(LimitedJerk, IsNotInHoming) {
+  AxisUnderTest axis;
+  limit_jerk(axis, 4'096'000);
+  axis.write("homing_method", 34);
+  axis.write("op_mode_cmd", 6);
+  axis.command(0x000F);
+  axis.controlword(0x001F);
+  axis.step(2);
+  EXPECT_NEAR(std::abs(axis.demand_velocity()), 2 * kNormalTick, kNormalTick + 1)
+      << "609Ah at once; with limited jerk 8 UU/s at most";
+}
+
+// ---- the bank -----------------------------------------------------------------------------------
+
+/// Axes on a move each, the first of them with limited jerk where `has_jerk`.
+AxisBank moving_axes(std::size_t count, bool has_jerk) {
+  AxisBank bank(std::vector<AxisConfiguration>(count), std::chrono::microseconds{1000});
+  for (std::size_t axis = 0; axis < count; ++axis) {
+    const auto write = [&bank, axis](const char* name, std::int64_t value) {
+      EXPECT_EQ(bank.write(axis, AxisUnderTest::address_of(name), value), AbortCode::none) << name;
+    };
+    if (axis == 0 && has_jerk) write("motion_profile_type", 3);
+    write("position_user_target_value", 20'000 + 1'000 * static_cast<std::int64_t>(axis));
+    write("op_mode_cmd", 1);
+    write("ds402_controlword", 0x0F);
+    write("ds402_controlword", 0x1F);
+  }
+  return bank;
+}
+
+TEST(LimitedJerk, ChangesNoBitOfTheOtherAxes) {
+  constexpr std::size_t kAxes = 10;  // two blocks
+  AxisBank with = moving_axes(kAxes, true);
+  AxisBank without = moving_axes(kAxes, false);
+  for (int tick = 0; tick < 1'500; ++tick) {
+    with.step();
+    without.step();
+    for (std::size_t axis = 1; axis < kAxes; ++axis) {
+      const AxisStatus& left = with.status(axis);
+      const AxisStatus& right = without.status(axis);
+      ASSERT_EQ(left.position_demand_value, right.position_demand_value) << tick;
+      ASSERT_EQ(left.load_position_actual_value, right.load_position_actual_value) << tick;
+      ASSERT_EQ(left.velocity_demand_value, right.velocity_demand_value) << tick;
+      ASSERT_EQ(left.torque_demand, right.torque_demand) << tick;
+      ASSERT_EQ(left.ds402_statusword, right.ds402_statusword) << tick;
+    }
+  }
+  EXPECT_EQ(with.status(0).position_demand_value, 20'000);
+}
+
+TEST(LimitedJerk, GoesOnFromASnapshot) {
+  AxisBank bank = moving_axes(2, true);
+  for (int tick = 0; tick < 120; ++tick) bank.step();
+  const AxisBank::Snapshot middle = bank.snapshot();
+  std::vector<std::int32_t> positions;
+  for (int tick = 0; tick < 800; ++tick) {
+    bank.step();
+    positions.push_back(bank.status(0).load_position_actual_value);
+  }
+  EXPECT_EQ(bank.status(0).position_demand_value, 20'000);
+  bank.restore(bank.snapshot_from(middle.bytes()));
+  for (std::size_t tick = 0; tick < positions.size(); ++tick) {
+    bank.step();
+    ASSERT_EQ(bank.status(0).load_position_actual_value, positions[tick]) << tick;
+  }
+}
+
+}  // namespace
+}  // namespace vdrive
