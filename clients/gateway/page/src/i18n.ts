@@ -306,6 +306,9 @@ const BITS: Record<string, string> = {
   relative: "相对",
   "start homing": "开始回零",
   "enable interpolation": "使能插补",
+  "enable ramp": "使能斜坡",
+  "unlock ramp": "解锁斜坡",
+  "reference ramp": "斜坡给定",
 };
 
 let chosen: Language = "en";
