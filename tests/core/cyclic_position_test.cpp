@@ -295,7 +295,7 @@ TEST(CyclicPosition, ALimitSwitchStopsWith6085hAndOnlyANewTargetRestartsMotion) 
 }
 
 TEST(CyclicPosition, AModeChangeWhileStreamingBrakesWith6084h) {
-  for (const std::int64_t mode : {0, 1, 3, 4, 6, 7, 9, 10}) {
+  for (const std::int64_t mode : {0, 1, 2, 3, 4, 6, 7, 9, 10}) {
     SCOPED_TRACE(mode);
     AxisUnderTest axis;
     axis.write("profile_dec", 100'000);

@@ -223,7 +223,7 @@ TEST(CyclicVelocity, ALimitSwitchStopsWith6085hAndOnlyTheOtherDirectionIsLeft) {
 }
 
 TEST(CyclicVelocity, AModeChangeBrakesWith6084hAndClosesThePositionLoop) {
-  for (const std::int64_t mode : {0, 1, 3, 4, 6, 7, 8, 10}) {
+  for (const std::int64_t mode : {0, 1, 2, 3, 4, 6, 7, 8, 10}) {
     SCOPED_TRACE(mode);
     AxisUnderTest axis;
     axis.write("profile_dec", 100'000);

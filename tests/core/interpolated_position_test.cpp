@@ -358,7 +358,7 @@ TEST(InterpolatedPosition, ALimitSwitchStopsWith6085hAndDropsTheRecords) {
 }
 
 TEST(InterpolatedPosition, AModeChangeBrakesAndForgetsTheRecords) {
-  for (const std::int64_t mode : {0, 1, 3, 4, 6, 8, 9, 10}) {
+  for (const std::int64_t mode : {0, 1, 2, 3, 4, 6, 8, 9, 10}) {
     SCOPED_TRACE(mode);
     AxisUnderTest axis;
     axis.write("profile_dec", 1'000'000);

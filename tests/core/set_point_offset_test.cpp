@@ -246,7 +246,7 @@ TEST(TorqueOffset, IsWithinTheTorqueLimits) {
 }
 
 TEST(TorqueOffset, ChangesNothingInOtherModes) {
-  for (const std::int64_t mode : {0, 1, 3, 4, 6, 7}) {
+  for (const std::int64_t mode : {0, 1, 2, 3, 4, 6, 7}) {
     AxisUnderTest axis;
     axis.write("op_mode_cmd", mode);
     axis.command(0x000F);

@@ -519,7 +519,7 @@ TEST(VelocityMode, DisableOperationAndShutdownBrakeWith6049hByTheirOption) {
 }
 
 TEST(VelocityMode, AModeChangeWhileTurningBrakesWith6084hFirst) {
-  for (const std::int64_t mode : {0, 1, 3, 4, 6, 8}) {
+  for (const std::int64_t mode : {0, 1, 3, 4, 6, 7, 8, 9, 10}) {
     SCOPED_TRACE(mode);
     AxisUnderTest axis;
     ASSERT_NO_FATAL_FAILURE(turn_at_300(axis));

@@ -155,9 +155,9 @@ void AxisBank::State::look_at_probes(const ParameterPool<Parameters>& pool, cons
     const EffectBlock* const of_block = effects_of(block);
     for_each_lane(block.state.probed, [&](std::size_t lane) {
       place_load(parameters, servo, lane);
-      const EncoderReadings readings = of_block == nullptr
-                                           ? read_lane<false>(parameters.loop, servo, of_block, lane)
-                                           : read_lane<true>(parameters.loop, servo, of_block, lane);
+      const EncoderReadings readings =
+          of_block == nullptr ? read_lane<false>(parameters.loop, servo, of_block, lane)
+                              : read_lane<true>(parameters.loop, servo, of_block, lane);
       Drive drive = this->drive(batch.blocks[i], lane);
       look_at_inputs(drive, {.motor_reading = readings.motor,
                              .position_reading = readings.load,
