@@ -10,7 +10,7 @@
 namespace vdrive {
 namespace {
 
-constexpr std::uint16_t kIdle = 0x000F;
+constexpr std::uint16_t kBit4Low = 0x000F;
 constexpr std::uint16_t kEdge = 0x001F;
 constexpr std::uint16_t kImmediateEdge = 0x003F;
 
@@ -27,7 +27,7 @@ class SetPointHandshake : public testing::Test {
   bool accepting = true;
 
  private:
-  std::uint16_t previous_ = kIdle;
+  std::uint16_t previous_ = kBit4Low;
 };
 
 TEST_F(SetPointHandshake, StartsWithoutAcknowledge) {
@@ -46,7 +46,7 @@ TEST_F(SetPointHandshake, OnlyTheRisingEdgeLatches) {
 
   EXPECT_EQ(write(kEdge, false), SetPointOutcome::none);
   EXPECT_EQ(write(kImmediateEdge, true), SetPointOutcome::none) << "bit 5 alone is no edge";
-  EXPECT_EQ(write(kIdle, true), SetPointOutcome::none);
+  EXPECT_EQ(write(kBit4Low, true), SetPointOutcome::none);
 }
 
 TEST_F(SetPointHandshake, AcknowledgeStaysWhileBit4IsHeld) {
@@ -54,21 +54,21 @@ TEST_F(SetPointHandshake, AcknowledgeStaysWhileBit4IsHeld) {
   write(kEdge, true);
   EXPECT_TRUE(queue.acknowledge());
 
-  write(kIdle, true);
+  write(kBit4Low, true);
   EXPECT_FALSE(queue.acknowledge());
 }
 
 TEST_F(SetPointHandshake, SecondSetPointIsBufferedAndKeepsTheAcknowledge) {
   write(kEdge, false);
-  write(kIdle, true);
+  write(kBit4Low, true);
 
   EXPECT_EQ(write(kEdge, true, {.position_user_target_value = 2}), SetPointOutcome::buffered);
-  write(kIdle, true);
+  write(kBit4Low, true);
   EXPECT_TRUE(queue.acknowledge()) << "the buffer is full";
   EXPECT_TRUE(queue.full());
 
   SetPoint next;
-  EXPECT_TRUE(queue.take_buffered(kIdle, next));
+  EXPECT_TRUE(queue.take_buffered(kBit4Low, next));
   EXPECT_EQ(next.position_user_target_value, 2);
   EXPECT_FALSE(queue.acknowledge());
   EXPECT_FALSE(queue.full());
@@ -76,34 +76,34 @@ TEST_F(SetPointHandshake, SecondSetPointIsBufferedAndKeepsTheAcknowledge) {
 
 TEST_F(SetPointHandshake, TakingTheBufferKeepsTheAcknowledgeWhileBit4IsHeld) {
   write(kEdge, false);
-  write(kIdle, true);
+  write(kBit4Low, true);
   write(kEdge, true);
 
   SetPoint next;
   EXPECT_TRUE(queue.take_buffered(kEdge, next));
   EXPECT_TRUE(queue.acknowledge());
-  write(kIdle, true);
+  write(kBit4Low, true);
   EXPECT_FALSE(queue.acknowledge());
 }
 
 TEST_F(SetPointHandshake, ThirdSetPointIsIgnoredAndTheBufferedOneIsKept) {
   write(kEdge, false, {.position_user_target_value = 1});
-  write(kIdle, true);
+  write(kBit4Low, true);
   write(kEdge, true, {.position_user_target_value = 2});
-  write(kIdle, true);
+  write(kBit4Low, true);
 
   EXPECT_EQ(write(kEdge, true, {.position_user_target_value = 3}), SetPointOutcome::ignored);
   EXPECT_TRUE(queue.acknowledge());
   SetPoint next;
-  ASSERT_TRUE(queue.take_buffered(kIdle, next));
+  ASSERT_TRUE(queue.take_buffered(kBit4Low, next));
   EXPECT_EQ(next.position_user_target_value, 2);
 }
 
 TEST_F(SetPointHandshake, ImmediateSetPointRunsAtOnceAndEmptiesTheBuffer) {
   write(kEdge, false);
-  write(kIdle, true);
+  write(kBit4Low, true);
   write(kEdge, true);
-  write(kIdle, true);
+  write(kBit4Low, true);
 
   EXPECT_EQ(write(kImmediateEdge, true), SetPointOutcome::started);
   EXPECT_FALSE(queue.full());
@@ -114,12 +114,12 @@ TEST_F(SetPointHandshake, ImmediateSetPointRunsAtOnceAndEmptiesTheBuffer) {
 
 TEST_F(SetPointHandshake, BufferKeepsVelocityAndRelativeFlagOfItsEdge) {
   write(kEdge, false);
-  write(kIdle, true);
+  write(kBit4Low, true);
   write(kEdge, true,
         {.position_user_target_value = -7, .profile_velocity = 0xFFFFFFFF, .relative = true});
 
   SetPoint next;
-  ASSERT_TRUE(queue.take_buffered(kIdle, next));
+  ASSERT_TRUE(queue.take_buffered(kBit4Low, next));
   EXPECT_EQ(next.position_user_target_value, -7);
   EXPECT_EQ(next.profile_velocity, 0xFFFFFFFFU);
   EXPECT_TRUE(next.relative);
@@ -138,23 +138,23 @@ TEST_F(SetPointHandshake, EdgeIsIgnoredAndNotAcknowledgedWhenTheDriveAcceptsNone
 
 TEST_F(SetPointHandshake, DroppingTheBufferKeepsTheAcknowledgeWhileBit4IsHeld) {
   write(kEdge, false);
-  write(kIdle, true);
+  write(kBit4Low, true);
   write(kEdge, true);
 
   queue.drop_buffered(kEdge);
   EXPECT_FALSE(queue.full());
   EXPECT_TRUE(queue.acknowledge());
-  write(kIdle, true);
+  write(kBit4Low, true);
   EXPECT_FALSE(queue.acknowledge());
 
   write(kEdge, true);
-  queue.drop_buffered(kIdle);
+  queue.drop_buffered(kBit4Low);
   EXPECT_FALSE(queue.acknowledge());
 }
 
 TEST_F(SetPointHandshake, ClearDropsBufferAndAcknowledge) {
   write(kEdge, false);
-  write(kIdle, true);
+  write(kBit4Low, true);
   write(kEdge, true);
 
   queue.clear();

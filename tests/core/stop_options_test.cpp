@@ -18,17 +18,17 @@ using test::AxisUnderTest;
 using enum PowerState;
 
 // Ramps that cannot be confused: from 40000/s they take 0.8 s, 0.4 s and 0.2 s.
-constexpr std::int64_t kNormalRamp = 50'000;     // 6084h
-constexpr std::int64_t kQuickRamp = 100'000;     // 6085h
-constexpr std::int64_t kSteepestRamp = 200'000;  // 60C6h
+constexpr std::int64_t kRampOf6084h = 50'000;
+constexpr std::int64_t kRampOf6085h = 100'000;
+constexpr std::int64_t kRampOf60C6h = 200'000;
 constexpr std::int32_t kSpeed = 40'000;
 
 /// Moving with constant speed, controlword 001Fh.
 void start_moving(AxisUnderTest& axis) {
   axis.write("profile_acc", 1'000'000);
-  axis.write("profile_dec", kNormalRamp);
-  axis.write("quick_stop_deceleration", kQuickRamp);
-  axis.write("app_dec_limit", kSteepestRamp);
+  axis.write("profile_dec", kRampOf6084h);
+  axis.write("quick_stop_deceleration", kRampOf6085h);
+  axis.write("app_dec_limit", kRampOf60C6h);
   axis.write("profile_velocity", kSpeed);
   axis.enable();
   axis.write("position_user_target_value", 10'000'000);
@@ -40,11 +40,11 @@ void start_moving(AxisUnderTest& axis) {
 std::int64_t ramp_of_stop(std::int64_t option) {
   switch (option) {
     case 1:
-      return kNormalRamp;
+      return kRampOf6084h;
     case 2:
-      return kQuickRamp;
+      return kRampOf6085h;
     default:
-      return kSteepestRamp;
+      return kRampOf60C6h;
   }
 }
 
@@ -139,7 +139,7 @@ TEST(StopOptions, TheQuickRampIsCappedBy60C6hAnd0CountsAs1) {
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.write("quick_stop_deceleration", 1'000'000);
   axis.command(0x0002);
-  expect_braking(axis, quick_stop_active, kSteepestRamp);
+  expect_braking(axis, quick_stop_active, kRampOf60C6h);
 
   AxisUnderTest slow;
   ASSERT_NO_FATAL_FAILURE(start_moving(slow));
@@ -210,7 +210,7 @@ TEST(StopOptions, ReEnablingAfterAModeChangeInTheQuickStopShowsNoTargetReachedIn
   axis.write("quick_stop_option_code", 6);
   axis.write("position_target_reached_window", 0xFFFFFFFF);
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
-  axis.write("quick_stop_deceleration", kNormalRamp);
+  axis.write("quick_stop_deceleration", kRampOf6084h);
   axis.command(0x0002);
   axis.step(100);
   axis.write("op_mode_cmd", 0);
@@ -268,7 +268,7 @@ TEST(StopOptions, Shutdown1BrakesInOperationEnabledFirst) {
   axis.write("shutdown_option_code", 1);
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.command(0x0006);
-  expect_braking(axis, operation_enabled, kNormalRamp);
+  expect_braking(axis, operation_enabled, kRampOf6084h);
   EXPECT_EQ(axis.statusword(), 0x0231);
 }
 
@@ -283,7 +283,7 @@ TEST(StopOptions, DisableOperation1BrakesInOperationEnabledFirst) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.command(0x0007);
-  expect_braking(axis, operation_enabled, kNormalRamp);
+  expect_braking(axis, operation_enabled, kRampOf6084h);
   EXPECT_EQ(axis.statusword(), 0x0233);
 }
 
@@ -433,7 +433,7 @@ TEST(StopOptions, ALostMasterIsAFaultByDefault) {
   EXPECT_EQ(axis.step(), 0x021F);
   EXPECT_EQ(axis.read("error_code"), 0x8130);
   EXPECT_EQ(axis.read("error_register") & 0x10, 0x10);
-  expect_braking(axis, fault_reaction_active, kQuickRamp);  // 605Eh = 2
+  expect_braking(axis, fault_reaction_active, kRampOf6085h);  // 605Eh = 2
   EXPECT_EQ(axis.statusword(), 0x0218);
   EXPECT_EQ(axis.step(1'000), 0x0218) << "latched, never resuming by itself";
   EXPECT_EQ(axis.command(0x0086), 0x0250);
@@ -454,7 +454,7 @@ TEST(StopOptions, ALostMasterIsAQuickStopWith6007hAt3) {
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.axis().report_connection_loss();
   EXPECT_EQ(axis.step(), 0x0217);
-  expect_braking(axis, quick_stop_active, kQuickRamp);
+  expect_braking(axis, quick_stop_active, kRampOf6085h);
   EXPECT_EQ(axis.statusword(), 0x0250);
 }
 
@@ -515,7 +515,7 @@ TEST(StopOptions, RepeatedWritesOfRampsDoNotDelayTheEndOfAStop) {
   axis.command(0x0002);
   const std::uint64_t ticks = axis.step_until(
       [&axis] {
-        axis.write("profile_dec", kNormalRamp);
+        axis.write("profile_dec", kRampOf6084h);
         axis.write("position_target_reached_window", 100);
         return axis.state() == switch_on_disabled;
       },

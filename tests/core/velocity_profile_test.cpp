@@ -146,13 +146,13 @@ TEST(PlanVelocity, KeepsThePresentVelocityWithoutARamp) {
   EXPECT_EQ(profile.at(3.0).position, 215.0);
 }
 
-struct Case {
+struct VelocityCase {
   MotionState start;
   double target = 0.0;
   MotionLimits limits;
 };
 
-Case random_velocity_case(Random& random) {
+VelocityCase random_velocity_case(Random& random) {
   const auto magnitude = [&random](double most) {
     return most * std::pow(10.0, -6.0 * random.unit());
   };
@@ -166,7 +166,7 @@ Case random_velocity_case(Random& random) {
                      .deceleration = magnitude(4.0e9)}};
 }
 
-void expect_properties(const Case& c) {
+void expect_properties(const VelocityCase& c) {
   const Profile profile = plan_velocity(c.start, c.target, c.limits);
   const double goal = capped(c.target, c.limits);
   const double time = least_time(c.start.velocity, goal, c.limits);
@@ -218,7 +218,7 @@ TEST(PlanVelocity, HoldsItsPropertiesInRandomCases) {
 TEST(PlanVelocity, IsSymmetricInTheSign) {
   Random random(12);
   for (int i = 0; i < 2'000; ++i) {
-    const Case c = random_velocity_case(random);
+    const VelocityCase c = random_velocity_case(random);
     const Profile a = plan_velocity(c.start, c.target, c.limits);
     const Profile b = plan_velocity({-c.start.position, -c.start.velocity}, -c.target, c.limits);
     const double time = change_time(a);
