@@ -19,8 +19,15 @@
 // 2. Move. `stop` is the change to u = 0; it ends at P(v, a), measured from where it begins. If the
 // target lies beyond the end of a stop that begins now, the axis goes for u = +V first and stops
 // later, else for u = -V. So a move is: along the change to ±V until the instant τ, then a stop.
-// The change to +V is never behind any other motion from this start, and, with the time reversed,
-// no motion that is faster than the stop comes to rest at its end; so no motion gets there earlier.
+// With one jerk the change to +V is never behind any other motion from this start, and, with the
+// time reversed, no motion that is faster than the stop comes to rest at its end; so no motion gets
+// there earlier.
+//   With two jerks that holds for motions which never go backward: there the acceleration of each
+//   of
+// them is bounded by the same jerk, and a lower peak only costs time. Others can gain: backward the
+// acceleration for the way forward grows with the jerk of the deceleration, and a larger overshoot
+// ends it with that of the acceleration. Such ways are not taken: who asks for a ramp with another
+// jerk at its end does not ask for a start in the wrong direction.
 //   The end of the stop grows with τ: along a stop dP/dt + v = 0, so with the jerk j of the change,
 // and j' of the stop in the same state, its end moves by ∂P/∂a·(j - j'). Who has more acceleration
 // stops farther ahead (∂P/∂a >= 0), and j >= j', since both jerks have the same bounds there and
@@ -38,7 +45,8 @@
 //   With a cruise: 2 + 5 + 1 + 3 = 11. Without one the change is left in one of its pieces: in the
 // return after at most 2, where a brakes (3); on the first side after at most 2 + 2 (2 + 3); on the
 // second side after at most 2 + 4, with v and a of one sign, whose return is one piece (1 + 3).
-// That is 5, 9 and 10. The twelfth is for rounding: where the fall to u begins at v = 0 with A up
+// That is 5, 9 and 10, and one more where the stop holds its velocity to make up for a leaving time
+// that no number has. The twelfth is for rounding: where the fall to u begins at v = 0 with A up
 // to the last bit, a rise or a cap of almost no length may come before it.
 #include "vdrive/motion/jerk_profile.hpp"
 
@@ -282,7 +290,7 @@ class Bracket {
 
   [[nodiscard]] bool has_inside(double time) const { return time > low_ && time < high_; }
 
-  [[nodiscard]] double high() const { return high_; }
+  [[nodiscard]] double low() const { return low_; }
 
   /// @param error the function at `time`
   void narrow(double time, double error) {
@@ -316,6 +324,12 @@ class Bracket {
   End stayed_ = End::none;
 };
 
+/// When to leave a piece, and by how much the stop from there ends before the target.
+struct Leave {
+  double time = 0.0;
+  double missing = 0.0;  // >= 0; 0 up to rounding of the way
+};
+
 /// Searches the instant at which a change of the velocity has to be left for the stop.
 class LeaveSearch {
  public:
@@ -334,22 +348,25 @@ class LeaveSearch {
 
   /// @param below `beyond` at the begin of the piece, < 0
   /// @param above the same at its end
-  /// @return the time in the piece after which the stop ends at the target, up to rounding.
-  [[nodiscard]] double solve(const Piece& piece, double begin, double below, double above) const {
+  [[nodiscard]] Leave solve(const Piece& piece, double begin, double below, double above) const {
     constexpr int kMaximumSteps = 256;  // four for each bit of the time; some eight are usual
     constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
     const double enough = kEpsilon * (std::abs(distance_) + std::abs(begin));
-    if (!(above > enough)) return piece.duration;
+    if (!(above > enough)) return {.time = piece.duration};
     Bracket bracket(piece.duration, below, above);
+    double missing = -below;
     for (int step = 0; step < kMaximumSteps; ++step) {
       const double time = bracket.next();
       if (!bracket.has_inside(time)) break;
       const double error = beyond(piece, begin, time);
-      if (std::abs(error) <= enough) return time;
+      if (std::abs(error) <= enough) return {.time = time};
+      if (error < 0.0) missing = -error;
       bracket.narrow(time, error);
     }
-    return bracket.high();
+    return {.time = bracket.low(), .missing = missing};
   }
+
+  [[nodiscard]] double direction() const { return direction_; }
 
  private:
   const Rules& rules_;
@@ -423,6 +440,22 @@ class JerkProfileBuilder {
 
 namespace {
 
+/// Adds a stop whose way is longer by `missing`. The end of a stop that first takes a long time to
+/// end its acceleration moves by more than rounding from one number of the leaving time to the
+/// next; it holds the velocity that it gets to then, for less time than the piece behind takes. At
+/// almost no velocity that is too short, but there the end moves by rounding only.
+void add_longer(JerkProfileBuilder& builder, const Ramp& stop, double direction, double missing) {
+  for (std::size_t i = 0; i < stop.count; ++i) {
+    const Piece& piece = stop.pieces[i];
+    const double speed = direction * piece.velocity;
+    if (missing > 0.0 && piece.acceleration == 0.0 && missing < speed * piece.duration) {
+      builder.add(Piece{.duration = missing / speed, .velocity = piece.velocity});
+      missing = 0.0;
+    }
+    builder.add(piece);
+  }
+}
+
 /// The pieces of `change` up to the instant at which the stop has to begin, and the stop.
 /// @param below LeaveSearch::beyond at the begin of the change, < 0
 void leave_in_time(JerkProfileBuilder& builder, const Ramp& change, const LeaveSearch& search,
@@ -437,11 +470,11 @@ void leave_in_time(JerkProfileBuilder& builder, const Ramp& change, const LeaveS
       below = above;
       continue;
     }
-    const double time = search.solve(piece, begin, below, above);
+    const Leave leave = search.solve(piece, begin, below, above);
     Piece first = piece;
-    first.duration = time;
+    first.duration = leave.time;
     builder.add(first);
-    builder.add(stop_after(piece, time, rules));
+    add_longer(builder, stop_after(piece, leave.time, rules), search.direction(), leave.missing);
     return;
   }
 }
