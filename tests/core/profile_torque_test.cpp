@@ -389,6 +389,28 @@ TEST(ProfileTorque, DisableOperationReducesTheTorqueAndWaitsForStandstill) {
   EXPECT_LE(std::abs(axis.velocity()), 10) << "stopped by friction within the longest wait of 1 s";
 }
 
+TEST(ProfileTorque, DisableOperationAndShutdownReduceATorqueThatPressesFirst) {
+  for (const std::uint16_t word : {std::uint16_t{0x0007}, std::uint16_t{0x0006}}) {
+    AxisUnderTest axis;
+    axis.write("test_blocked_load", 1);
+    axis.write("torque_slope", 8'000);  // 8 per mille a tick
+    axis.write("shutdown_option_code", 1);
+    axis.write("disable_operation_option_code", 1);
+    enable_profile_torque(axis);
+    axis.write("target_torque", 400);
+    axis.step(100);
+    ASSERT_EQ(axis.status().torque_demand, 400);
+    axis.controlword(word);
+    for (int tick = 1; tick <= 50; ++tick) {
+      axis.step();
+      ASSERT_EQ(axis.status().torque_demand, 400 - 8 * tick + 1) << tick;
+      ASSERT_EQ(axis.state(), operation_enabled);
+    }
+    axis.step(2);
+    EXPECT_EQ(axis.state(), word == 0x0007 ? switched_on : ready_to_switch_on);
+  }
+}
+
 TEST(ProfileTorque, AModeChangeWhileRunningBrakesWith6084h) {
   for (const std::int64_t mode : {1, 3, 6, 8}) {
     SCOPED_TRACE(mode);

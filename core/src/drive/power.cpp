@@ -85,11 +85,18 @@ void heed_cause(Drive& drive, std::uint8_t bit, ErrorCode code) {
   if (!known && !harmless) raise_fault(drive, code);
 }
 
+/// @return whether there is a motion to end, or a torque to take back: one that presses against a
+///         load moves nothing.
+bool has_demand(const Drive& drive) {
+  const DemandState& demand = drive.state().demand;
+  return demand.moving || (demand.control == ControlLoop::torque && demand.torque != 0.0);
+}
+
 /// Counts the present tick of a stop. @return whether the axis stands, and the state may end.
 bool stop_has_ended(Drive& drive) {
   DriveState& s = drive.state();
   const DriveRegisters& r = drive.registers();
-  if (s.power.on && s.demand.moving) {
+  if (s.power.on && has_demand(drive)) {
     s.power.stop_ticks = 0;
     return false;
   }
