@@ -293,17 +293,18 @@ TEST(ObjectAddressCheck, NamesTheMissingPartOfEveryUnknownAddress) {
 // -----
 
 /// 0, the methods of CiA 402-2, which reserves 15, 16, 31 and 32, and those of a mechanical stop.
-const std::set<std::int64_t> kHomingMethods{-4, -3, -2, -1, 0,  1,  2,  3,  4,  5,  6,  7,
-                                            8,  9,  10, 11, 12, 13, 14, 17, 18, 19, 20, 21,
-                                            22, 23, 24, 25, 26, 27, 28, 29, 30, 33, 34, 35, 37};
+const std::set<std::int64_t> kHomingMethods{-4, -3, -2, -1, 0,  1,  2,  3,  4,  5,  6,  7,  8,
+                                            9,  10, 11, 12, 13, 14, 17, 18, 19, 20, 21, 22, 23,
+                                            24, 25, 26, 27, 28, 29, 30, 33, 34, 35, 37};
 
 /// The answer that the sheet requires for a write: access first, then the range of the row (a value
 /// outside the type is outside the row's range too), then the narrower rules of single objects.
 AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
   if (object.access == Access::read_only) return AbortCode::write_of_read_only_object;
-  // 1003h:00, "write 0 to sub 0 empties it; any other value is refused", and 6098h, "0 or a
-  // supported method": for any range of the row.
-  const bool by_meaning = object.address.index == 0x1003 || object.address.index == 0x6098;
+  // 1003h:00, "write 0 to sub 0 empties it; any other value is refused", 6098h, "0 or a supported
+  // method", 6086h and 60A3h: for any range of the row.
+  constexpr std::array<std::uint16_t, 4> kByMeaning{0x1003, 0x6086, 0x6098, 0x60A3};
+  const bool by_meaning = std::ranges::find(kByMeaning, object.address.index) != kByMeaning.end();
   const TypeRange type = range_of(object.data_type);
   if (value > (by_meaning ? type.highest : object.upper_limit)) return AbortCode::value_too_high;
   if (value < (by_meaning ? type.lowest : object.lower_limit)) return AbortCode::value_too_low;
@@ -312,6 +313,10 @@ AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
       return kWorkingModes.contains(value) ? AbortCode::none : AbortCode::value_range_exceeded;
     case 0x6098:
       return kHomingMethods.contains(value) ? AbortCode::none : AbortCode::value_range_exceeded;
+    case 0x6086:  // a trapezoid, limited jerk
+      return value == 0 || value == 3 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case 0x60A3:  // one jerk for both ramps, or one for each
+      return value == 1 || value == 2 ? AbortCode::none : AbortCode::value_range_exceeded;
     case 0x60C0:  // linear
       return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
     case 0x60C4: {  // first in, first out; records of 4 bytes

@@ -416,10 +416,18 @@ TEST(InterpolatedPosition, ABlockedAxisHasAFollowingError) {
   axis.write("following_error_time_out", 0);
   axis.write("test_blocked_load", 1);
   enable_interpolated_position(axis, 1, 0x001F);
+  // 100 UU a tick: outside of 6065h with the second tick, longer than 6066h = 0 with the third.
   add_record(axis, 1'000);
-  axis.step(50);
-  EXPECT_EQ(axis.statusword(), 0x2218);
+  axis.step(2);
+  EXPECT_EQ(axis.statusword(), 0x1237);
+  axis.step();
+  EXPECT_EQ(axis.statusword(), 0x221F) << "the fault reaction, bit 13";
   EXPECT_EQ(axis.read("error_code"), 0x8611);
+  // 605Eh = 2: from 100000 UU/s by 6085h = 2048000 UU/s² within 49 ticks.
+  axis.step(48);
+  EXPECT_EQ(axis.statusword(), 0x221F);
+  axis.step(3);
+  EXPECT_EQ(axis.statusword(), 0x2218);
 }
 
 // ---- objects ------------------------------------------------------------------------------------

@@ -126,15 +126,31 @@ TEST(ParameterMemory, AcceptsStoredObjectsWithinTheirRange) {
   EXPECT_THROW(bank_of({bad}), std::invalid_argument);
 }
 
+/// @return another value than the default, where the object takes one.
+std::int64_t other_value(const ObjectDescription& object) {
+  switch (object.address.index) {
+    case 0x6086:  // 0 and 3
+      return 3;
+    case 0x6098:
+      return 17;
+    case 0x60C0:  // the only value
+      return object.default_value;
+    case 0x60C4:  // :03 and :05 have one value only
+      if (object.address.subindex == 3 || object.address.subindex == 5) return object.default_value;
+      break;
+    default:
+      break;
+  }
+  return object.default_value == object.lower_limit ? object.lower_limit + 1 : object.lower_limit;
+}
+
 TEST(ParameterMemory, HoldsEveryObjectThatTheTableStores) {
   std::size_t count = 0;
   for (const ObjectDescription& row : kObjectTable) {
     if (row.storage != Storage::flash) continue;
     ++count;
     AxisBank bank = bank_of({{}});
-    const std::int64_t other = row.address.index == 0x6098            ? 17
-                               : row.default_value == row.lower_limit ? row.lower_limit + 1
-                                                                      : row.lower_limit;
+    const std::int64_t other = other_value(row);
     ASSERT_EQ(bank.set_stored(0, row.address, other), AbortCode::none) << row.variable_name;
     bank.power_cycle(0);
     EXPECT_EQ(value(bank, row.address), other) << row.variable_name;
