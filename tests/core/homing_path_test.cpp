@@ -34,7 +34,7 @@ constexpr Cam kPositiveSide{9'000, kEndless};    // 3 and 4
 constexpr Cam kNegativeSide{-kEndless, -9'000};  // 5 and 6
 
 /// An axis between its switches, and what a person beside it writes down of a run:
-///   > >> < <<  the demand has creep or search speed, positive or negative
+///   > >> < <<  the demand keeps creep or search speed, positive or negative
 ///   H h        the home switch becomes active, inactive
 ///   P N        the positive or negative limit switch becomes active
 ///   .          homing attained
@@ -51,6 +51,8 @@ class HomingCourse {
     axis.write("homing_method", method);
     axis.controlword(0x001F);
     way.clear();
+    demand_ = 0;
+    speed_ = 0;
     tick();
   }
 
@@ -112,9 +114,15 @@ class HomingCourse {
 
   void note(const std::string& word) { way += way.empty() ? word : " " + word; }
 
+  /// A speed that the demand has for two ticks is one at which it travels. From search speed down
+  /// to creep speed lie 75 ticks of 609Ah, without a remainder ((34133 - 3413) / 409.6), so each
+  /// ramp that brakes or turns round has the creep speed for one tick, and leaves it.
   void note_speed() {
     const std::int32_t speed = axis.demand_velocity();
-    if (speed == speed_ || (std::abs(speed) != kFast && std::abs(speed) != kCreep)) return;
+    const bool keeps = speed == demand_;
+    demand_ = speed;
+    if (!keeps || speed == speed_) return;
+    if (std::abs(speed) != kFast && std::abs(speed) != kCreep) return;
     speed_ = speed;
     const std::string sign = speed > 0 ? ">" : "<";
     note(std::abs(speed) == kFast ? sign + sign : sign);
@@ -135,7 +143,8 @@ class HomingCourse {
   }
 
   Cam cam_;
-  std::int32_t speed_ = 0;
+  std::int32_t demand_ = 0;  // of the tick before [UU/s]
+  std::int32_t speed_ = 0;   // that was noted last [UU/s]
   bool home_ = false;
   bool positive_ = false;
   bool negative_ = false;
