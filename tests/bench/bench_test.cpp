@@ -104,6 +104,27 @@ TEST(Bench, WithANumberThatIsOnTheBusIsRefusedByName) {
   }
 }
 
+// 4096 UU a turn of 10 mm: deploy/axes/ball-screw.yaml.
+TEST(Bench, OfAPresetHasAxesOfThatMachine) {
+  const Bench bench({.axes = 2, .preset = "ball-screw"});
+  Session session = bench.session();
+  const auto found = session.find_bench();
+  ASSERT_TRUE(found) << found.outcome().message();
+  ASSERT_EQ(found->axes.size(), 2U);
+  EXPECT_EQ(found->axes[1].unit, (Unit{.kind = UnitKind::linear, .name = "mm", .size = 409.6}));
+}
+
+TEST(Bench, OfAnUnknownPresetIsRefusedWithTheNamesThatThereAre) {
+  EXPECT_THAT(preset_names(), testing::Contains("winder"));
+  try {
+    const Bench bench({.preset = "ball-skrew"});
+    FAIL() << "there is such a machine";
+  } catch (const BenchError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("ball-skrew"));
+    for (const std::string& name : preset_names()) EXPECT_THAT(error.what(), HasSubstr(name));
+  }
+}
+
 TEST(Bench, MeetsOthersOnItsBusAndNoneOfAnother) {
   const Bench one({.number = 1});
   const Bench two({.number = 2, .bus = one.bus()});

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What vdrive.Bench takes, and benches that meet, in a process and over DDS."""
+import pathlib
+
 import pytest
 import vdrive
 
@@ -22,6 +24,9 @@ OVER = pytest.mark.parametrize("over", ["local", "dds"])
     ({"config": "/"}, "config = '/': Is a directory"),
     ({"config": ""}, "config = '': must be a path"),
     ({"state": ""}, "state = '': must be a path"),
+    # The names are those of deploy/axes.
+    ({"preset": "ball-skrew"}, "preset = 'ball-skrew': must be one of ball-screw, conveyor, .*, winder$"),
+    ({"preset": ""}, "preset = '': must be one of ball-screw, "),
 ])
 def test_a_value_that_no_bench_can_have_is_named_with_its_limit(over, options, message):
     with pytest.raises(vdrive.ConfigurationError, match=message):
@@ -35,6 +40,7 @@ def test_a_value_that_no_bench_can_have_is_named_with_its_limit(over, options, m
     ({"number": [1]}, r"number = \[1\]: must be a whole number from 1 to 65535"),
     ({"config": 7}, "config = 7: must be a path"),
     ({"journal": 1.5}, "journal = 1.5: must be a path"),
+    ({"preset": 7}, "preset = 7: must be the name of a machine"),
     ({"beside": 2}, "beside = 2: must be a vdrive.Bench"),
 ])
 def test_a_value_of_a_wrong_type_is_named(over, options, message):
@@ -111,6 +117,38 @@ def test_axes_replace_those_of_a_configuration(over, tmp_path):
     config.write_text("axes: [{number: 7, name: alone}]\n")
     with vdrive.Bench(3, config=config, over=over) as bench, bench.session() as session:
         assert [axis.id for axis in session.axes()] == ["1.1", "1.2", "1.3"]
+
+
+# A ball screw counts 5 um: 409.6 of 4096 UU a turn for each of its 10 mm; a winder counts turns.
+@OVER
+@pytest.mark.parametrize("options, axes, unit", [
+    ({"axes": 3, "preset": "ball-screw"}, ["1.1", "1.2", "1.3"], ("mm", 409.6)),
+    ({"preset": "winder"}, ["1.1"], ("rev", 4096)),
+])
+def test_a_preset_says_of_which_machine_the_axes_are(over, options, axes, unit):
+    with vdrive.Bench(over=over, **options) as bench, bench.session() as session:
+        found = session.axes()
+        assert [axis.id for axis in found] == axes
+        assert {(axis.unit.name, axis.unit.size) for axis in found} == {unit}
+
+
+def test_a_preset_replaces_the_axes_of_a_configuration(tmp_path):
+    config = tmp_path / "one.yaml"
+    config.write_text("bench: {number: 4}\naxes: [{number: 7, name: alone}]\n")
+    with vdrive.Bench(preset="vertical", config=config) as bench, bench.session() as session:
+        assert [axis.id for axis in session.axes()] == ["4.1"]
+
+
+def test_the_presets_are_the_files_of_deploy():
+    files = (pathlib.Path(__file__).resolve().parents[2] / "deploy/axes").glob("*.yaml")
+    assert list(vdrive.PRESETS) == sorted(file.stem for file in files)
+
+
+@pytest.mark.vdrive(axes=2, preset="linear-motor")
+def test_the_marker_chooses_the_machine(vdrive_session):
+    # 24 mm a turn of the load: 4096 / 24 UU a millimetre.
+    assert [axis.unit.name for axis in vdrive_session.axes()] == ["mm", "mm"]
+    assert vdrive_session.axis("1.2").unit.size == pytest.approx(4096 / 24)
 
 
 def test_no_bench_at_all_is_refused(vdrive_benches):

@@ -165,6 +165,7 @@ def test_the_arguments_of_the_bus_are_those_of_the_program(fake, tmp_path):
     for options, words in (
             ({}, ["--axes", "3"]),
             ({"axes": 1, "clock": "realtime"}, ["--axes", "1", "--clock", "realtime"]),
+            ({"preset": "winder"}, ["--axes", "3", "--preset", "winder"]),
             ({"sync_steps": 0.001}, ["--axes", "3", "--sync-steps", "1000us"]),
             ({"clock": "lockstep", "sync_steps": 1, "node_offset": 4},
              ["--axes", "3", "--clock", "lockstep", "--sync-steps", "1000000us", "--node-offset", "4"]),
@@ -191,6 +192,8 @@ def test_the_arguments_of_the_bus_are_those_of_the_program(fake, tmp_path):
     ({"sync_steps": 0.01, "clock": "realtime"}, "sync_steps= is of a bus in lock-step"),
     ({"config": "nowhere.yaml"}, "config = 'nowhere.yaml': No such file or directory"),
     ({"config": __file__, "axes": 2}, "axes= and config= both say which axes there are"),
+    ({"config": __file__, "preset": "winder"}, "preset= and config= both say which axes there are"),
+    ({"preset": "winda"}, "preset = 'winda': must be one of ball-screw, "),
     ({"program": ""}, "program = '': must be a path"),
 ])
 def test_a_value_that_no_bus_can_have_is_named_with_its_limit(options, message):
@@ -203,6 +206,7 @@ def test_a_value_that_no_bus_can_have_is_named_with_its_limit(options, message):
     ({"axes": "2"}, "axes = '2': must be a whole number"), ({"config": 7}, "config = 7: must be a path"),
     ({"sync_steps": "1ms"}, "sync_steps = '1ms'"), ({"program": 1}, "program = 1: must be a path"),
     ({"arguments": "--state x"}, "arguments = '--state x': must be a list of words"),
+    ({"preset": 7}, "preset = 7: must be the name of a machine"),
 ])
 def test_a_value_of_a_wrong_type_is_named(options, message):
     with pytest.raises(TypeError) as error:

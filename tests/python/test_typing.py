@@ -106,6 +106,7 @@ def test_a_test_suite_of_a_user_has_no_error(checked):
     ('axis.move_to("1000")', 'Argument 1 to "move_to" of "Axis" has incompatible type "str"'),
     ('bench.session().axis(1)', 'Argument 1 to "axis" of "Session" has incompatible type "int"'),
     ('vdrive.Bench(clock="lockstp")', 'Argument "clock" to "Bench" has incompatible type'),
+    ("vdrive.Bench(preset=7)", 'Argument "preset" to "Bench" has incompatible type "int"'),
     ('vdrive.canopen.Bus(clock="freerun")', 'Argument "clock" to "Bus" has incompatible type'),
     ('bench.session(find_timout=1.0)', 'Unexpected keyword argument "find_timout" for "session" of "Bench"'),
     ('bench.session(silence="1")', 'Argument "silence" to "session" of "Bench" has incompatible type "str"'),

@@ -17,6 +17,7 @@
 #include <exception>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace vdrive::bench {
 namespace {
@@ -143,6 +144,10 @@ class Bench::Parts {
   service::BenchRun run_;
   std::optional<wire::LocalBus::WorkPlace> work_;
 };
+
+std::vector<std::string> preset_names() {
+  return service::preset_names();
+}
 
 void check(const BenchOptions& options) {
   static_cast<void>(with_bench_errors([&] {

@@ -29,12 +29,14 @@ py::tuple names_of_clock_modes() {
   return names;
 }
 
-std::shared_ptr<LocalBench> make(std::optional<std::size_t> axes, const std::string& config,
-                                 const std::string& clock, std::optional<std::uint32_t> number,
-                                 const std::string& state, const std::string& journal,
+std::shared_ptr<LocalBench> make(std::optional<std::size_t> axes, const std::string& preset,
+                                 const std::string& config, const std::string& clock,
+                                 std::optional<std::uint32_t> number, const std::string& state,
+                                 const std::string& journal,
                                  const std::shared_ptr<LocalBench>& beside) {
   const bench::BenchOptions options{.configuration_file = config,
                                     .axes = axes,
+                                    .preset = preset,
                                     .clock = clock_of(clock),
                                     .number = number,
                                     .state_directory = state,
@@ -66,9 +68,9 @@ void LocalBench::close() {
 void add_local_bench(py::module_& module) {
   py::class_<LocalBench, std::shared_ptr<LocalBench>>(
       module, "LocalBench", "A bench in this process; use it through vdrive.Bench.")
-      .def(py::init(&make), py::kw_only(), py::arg("axes") = py::none(), py::arg("config") = "",
-           py::arg("clock") = "lockstep", py::arg("number") = py::none(), py::arg("state") = "",
-           py::arg("journal") = "", py::arg("beside") = py::none(),
+      .def(py::init(&make), py::kw_only(), py::arg("axes") = py::none(), py::arg("preset") = "",
+           py::arg("config") = "", py::arg("clock") = "lockstep", py::arg("number") = py::none(),
+           py::arg("state") = "", py::arg("journal") = "", py::arg("beside") = py::none(),
            "Makes the bench, on the bus of `beside` if that is given.")
       .def_property_readonly(
           "number",
@@ -78,6 +80,7 @@ void add_local_bench(py::module_& module) {
           "Its number on its bus.")
       .def("close", &LocalBench::close, "Ends the bench.");
   module.attr("CLOCK_MODES") = names_of_clock_modes();
+  module.attr("PRESETS") = py::tuple(py::cast(bench::preset_names()));
   module.attr("MOST_AXES") = bench::kMostAxes;
   module.attr("HIGHEST_BENCH") = bench::kHighestNumber;
 }

@@ -30,6 +30,7 @@ from ._observers import Observer
 from ._recording import Recording, load
 from ._vdrive import (
     DISTURBANCES,
+    PRESETS,
     Axis,
     AxisBank,
     AxisGroup,
@@ -83,6 +84,7 @@ del _function
 
 __all__ = [
     "DISTURBANCES",
+    "PRESETS",
     "AsyncStream",
     "Axis",
     "AxisBank",

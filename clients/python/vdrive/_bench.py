@@ -43,6 +43,16 @@ def _one_of(name: str, value: Any, words: tuple[str, ...]) -> Any:
     return value
 
 
+def _preset(value: str | None) -> str:
+    """Return the name of a machine, which is there; empty for none."""
+    if value is None:
+        return ""
+    if not isinstance(value, str):
+        raise TypeError(f"preset = {value!r}: must be the name of a machine")
+    name: str = _one_of("preset", value, _vdrive.PRESETS)
+    return name
+
+
 def _path(name: str, value: Path | None) -> str:
     """Return the path as a text, empty for none."""
     if value is None:
@@ -84,7 +94,8 @@ class Bench:
     its own, a child process too, meets only a bench over DDS.
     """
 
-    def __init__(self, axes: _vdrive.NumberSpec | None = None, *, config: Path | None = None,
+    def __init__(self, axes: _vdrive.NumberSpec | None = None, *, preset: str | None = None,
+                 config: Path | None = None,
                  clock: Literal["lockstep", "realtime", "freerun"] = "lockstep",
                  over: Literal["local", "dds"] = "local", number: _vdrive.NumberSpec | None = None,
                  state: Path | None = None, journal: Path | None = None,
@@ -93,13 +104,14 @@ class Bench:
         """Make the bench.
 
         axes: number of default axes, 1 to 16384; without it and without `config` the demo bench with
-        two axes. config: a file in YAML; `axes` replaces the axes that it has. clock: "lockstep", "realtime" or
-        "freerun". over: "local", or "dds" for a service of its own on a DDS domain. number: of the
-        bench, 1 to 65535, by default that of the configuration, 1 without one. state: directory where
-        parameters can be stored. journal: file that `vdrived --replay` reads. beside: another bench
-        of the same form; the sessions of both meet both. Only over DDS: arguments, further ones of
-        vdrived; service, path of vdrived, by default that of find_service(); domain, 0 to 232, that
-        of the benches to meet, instead of `beside`.
+        two axes. preset: the axes are of this machine, one of vdrive.PRESETS; without `axes` there is
+        one. config: a file in YAML; `axes` and `preset` replace the axes that it has. clock:
+        "lockstep", "realtime" or "freerun". over: "local", or "dds" for a service of its own on a DDS
+        domain. number: of the bench, 1 to 65535, by default that of the configuration, 1 without one.
+        state: directory where parameters can be stored. journal: file that `vdrived --replay` reads.
+        beside: another bench of the same form; the sessions of both meet both. Only over DDS:
+        arguments, further ones of vdrived; service, path of vdrived, by default that of
+        find_service(); domain, 0 to 232, that of the benches to meet, instead of `beside`.
 
         A value that is out of range, unknown or contradicts another one raises ConfigurationError,
         one of a wrong type TypeError; both name the argument.
@@ -112,7 +124,8 @@ class Bench:
         number = _whole("number", number, 1, _vdrive.HIGHEST_BENCH)
         domain = _whole("domain", domain, 0, _vdrive.HIGHEST_DOMAIN)
         self._check_beside(beside)
-        of_both: dict[str, Any] = {"clock": _one_of("clock", clock, _vdrive.CLOCK_MODES),
+        of_both: dict[str, Any] = {"preset": _preset(preset),
+                   "clock": _one_of("clock", clock, _vdrive.CLOCK_MODES),
                    "config": _configuration(config),
                    "state": _path("state", state), "journal": _path("journal", journal)}
         if self._is_local:

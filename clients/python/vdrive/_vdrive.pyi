@@ -51,6 +51,7 @@ __version__: str
 DISTURBANCES: tuple[str, ...]
 COMMANDS: tuple[str, ...]
 CLOCK_MODES: tuple[str, ...]
+PRESETS: tuple[str, ...]
 MOST_AXES: int
 HIGHEST_BENCH: int
 HIGHEST_DOMAIN: int
@@ -153,6 +154,7 @@ class LocalBench:
         self,
         *,
         axes: int | None = None,
+        preset: str = "",
         config: str = "",
         clock: Literal["lockstep", "realtime", "freerun"] = "lockstep",
         number: int | None = None,

@@ -22,7 +22,7 @@ import time
 import weakref
 
 from . import _vdrive
-from ._bench import _configuration, _one_of, _path, _whole, _words
+from ._bench import _configuration, _one_of, _path, _preset, _whole, _words
 from ._errors import ConfigurationError, Failed, Forked, NotFound
 
 TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
@@ -108,19 +108,19 @@ class Bus:
     channel: str = "can0"
     """The name of the bus for a client of socketcand."""
 
-    def __init__(self, axes: _vdrive.NumberSpec | None = None, *,
+    def __init__(self, axes: _vdrive.NumberSpec | None = None, *, preset: str | None = None,
                  clock: Literal["realtime", "lockstep"] | None = None,
                  sync_steps: float | None = None, config: Path | None = None,
                  node_offset: _vdrive.NumberSpec = 0, program: Path | None = None,
                  arguments: Iterable[object] = ()) -> None:
         """Start the program, and wait until its nodes have booted.
 
-        axes: number of default axes, 1 to 127; 3 without it and without `config`. config: a file in
-        YAML that describes the bench. clock: "lockstep", where time passes by SYNC alone, or
-        "realtime"; the first one with `sync_steps`, which it needs, else the other. sync_steps: drive
-        time that each SYNC lets pass, in s, 0.000125 to 10. node_offset: what is added to the number
-        of an axis for its node-ID, 0 to 126. program: path of vdrive-canopen, by default that of
-        find_program(). arguments: further ones of it.
+        axes: number of default axes, 1 to 127; 3 without it and without `config`. preset: the axes are
+        of this machine, one of vdrive.PRESETS. config: a file in YAML that describes the bench. clock:
+        "lockstep", where time passes by SYNC alone, or "realtime"; the first one with `sync_steps`,
+        which it needs, else the other. sync_steps: drive time that each SYNC lets pass, in s, 0.000125
+        to 10. node_offset: what is added to the number of an axis for its node-ID, 0 to 126. program:
+        path of vdrive-canopen, by default that of find_program(). arguments: further ones of it.
 
         A value that is out of range, unknown or contradicts another one raises ConfigurationError,
         one of a wrong type TypeError; both name the argument. What the program itself refuses raises
@@ -133,10 +133,12 @@ class Bus:
         self._is_closed = False
         offset = _whole("node_offset", node_offset, 0, _HIGHEST_NODE - 1) or 0
         axes = _whole("axes", axes, 1, _HIGHEST_NODE)
+        preset = _preset(preset)
         config = _configuration(config)
-        if axes is not None and config:
-            raise ConfigurationError("axes= and config= both say which axes there are: leave one of "
-                                     "them out")
+        for name, given in (("axes", axes is not None), ("preset", bool(preset))):
+            if given and config:
+                raise ConfigurationError(f"{name}= and config= both say which axes there are: leave "
+                                         "one of them out")
         if axes is None and not config:
             axes = _USUAL_AXES
         if axes is not None and axes + offset > _HIGHEST_NODE:
@@ -148,8 +150,8 @@ class Bus:
         if period is not None and clock == "realtime":
             raise ConfigurationError('sync_steps= is of a bus in lock-step: clock="lockstep"')
         options: list[str] = []
-        for name, value in (("axes", axes), ("bench-config", config), ("clock", clock),
-                            ("sync-steps", period), ("node-offset", offset or None)):
+        for name, value in (("axes", axes), ("preset", preset), ("bench-config", config),
+                            ("clock", clock), ("sync-steps", period), ("node-offset", offset or None)):
             options += [] if value in (None, "") else [f"--{name}", str(value)]
         self._path = _path("program", program) or find_program()
         self._program = _vdrive.PrivateProgram(

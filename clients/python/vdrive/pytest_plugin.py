@@ -204,10 +204,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line(
-        "markers", "vdrive(axes=None, config=None, clock='lockstep', over='local', ...): "
+        "markers", "vdrive(axes=None, preset=None, config=None, clock='lockstep', over='local', ...): "
         "the private bench of this test, with the arguments of vdrive.Bench")
     config.addinivalue_line(
-        "markers", "vdrive_can(axes=1, clock=None, sync_steps=None, config=None, ...): "
+        "markers", "vdrive_can(axes=1, preset=None, clock=None, sync_steps=None, config=None, ...): "
         "the CAN bus of this test, with the arguments of vdrive.canopen.Bus")
 
 

@@ -11,6 +11,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace vdrive::bench {
 
@@ -29,6 +30,10 @@ class NeedsNetwork : public BenchError {
  public:
   using BenchError::BenchError;
 };
+
+/// @return the machines that BenchOptions::preset may name, such as "ball-screw", in alphabetical
+///         order.
+[[nodiscard]] std::vector<std::string> preset_names();
 
 /// What a bench is made of. The defaults are the demo bench of vdrived, two axes of the default
 /// motor and load, in lock-step.
