@@ -84,6 +84,16 @@ TEST(Dictionary, HasEveryObjectAndTheNamesOfBits) {
   EXPECT_EQ(bits("controlword_bits", 1)[4], "new set-point");
   EXPECT_EQ(bits("controlword_bits", 6)[4], "start homing");
   EXPECT_EQ(bits("controlword_bits", 3)[4], "");
+  // CiA 402-2: velocity mode (vl) and interpolated position mode (ip).
+  EXPECT_EQ(bits("controlword_bits", 2)[4], "enable ramp");
+  EXPECT_EQ(bits("controlword_bits", 2)[5], "unlock ramp");
+  EXPECT_EQ(bits("controlword_bits", 2)[6], "reference ramp");
+  EXPECT_EQ(bits("controlword_bits", 7)[4], "enable interpolation");
+  EXPECT_EQ(bits("statusword_bits", 7)[12], "interpolation active");
+  for (const int cyclic : {8, 9, 10}) {
+    EXPECT_EQ(bits("statusword_bits", cyclic)[12], "follows command") << cyclic;
+    EXPECT_EQ(bits("controlword_bits", cyclic)[4], "") << cyclic;
+  }
   EXPECT_EQ(dictionary["disturbances"][0]["kind"], "value");
   EXPECT_EQ(dictionary["disturbances"][1]["kind"], "switch");
   const auto homing_method = [&](int number) {

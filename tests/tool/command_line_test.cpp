@@ -116,6 +116,20 @@ TEST(CommandLine, ListsTheSubIndicesOfAnIndex) {
             "the dictionary has no object '0x607D:7': 607Dh has the sub-indices 1 and 2");
 }
 
+// 6060h of CiA 402-2: 5 is reserved.
+TEST(CommandLine, ListsTheOperatingModesWhereOneIsTakenOrShown) {
+  for (const char* const object : {"op_mode_cmd", "0x6061"}) {
+    const std::vector<std::string> lines =
+        dictionary_lines(command<DictionaryCommand>("dictionary " + std::string(object)));
+    EXPECT_THAT(lines,
+                AllOf(testing::Contains("  0   none"), testing::Contains("  2   velocity"),
+                      testing::Contains("  7   interpolated position"),
+                      testing::Contains("  9   cyclic synchronous velocity"),
+                      testing::Contains("  10  cyclic synchronous torque"), testing::SizeIs(13)))
+        << object << ": title and row, a title, and 0 to 4 and 6 to 10";
+  }
+}
+
 // 6098h of CiA 402-2: the methods that the drive has, of which these are some, and 0.
 TEST(CommandLine, ListsTheHomingMethodsWhereOneIsTaken) {
   const std::vector<std::string> lines =

@@ -11,7 +11,6 @@
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
 
-#include <limits>
 #include <utility>
 
 namespace vdrive::gateway {
@@ -57,14 +56,14 @@ Json modes_json() {
   return list;
 }
 
-// The core has a function and no table of them: what it does not know has one common description.
+Json error_code_json(ErrorCode code) {
+  return {{"code", static_cast<std::uint16_t>(code)}, {"name", describe(code)}};
+}
+
 Json error_codes_json() {
-  const std::string_view unknown = describe(static_cast<ErrorCode>(1));
   Json list = Json::array();
-  for (std::uint32_t code = 0; code <= std::numeric_limits<std::uint16_t>::max(); ++code) {
-    const std::string_view name = describe(static_cast<ErrorCode>(code));
-    if (name != unknown) list.push_back({{"code", code}, {"name", name}});
-  }
+  list.push_back(error_code_json(ErrorCode::none));
+  for (const ErrorCode code : error_codes()) list.push_back(error_code_json(code));
   return list;
 }
 

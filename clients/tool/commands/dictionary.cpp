@@ -9,6 +9,7 @@
 #include "node/node_object.hpp"
 #include "terminal/columns.hpp"
 #include "vdrive/cia402/homing_method.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
@@ -96,17 +97,34 @@ bool is_listed(const ObjectDescription& row, const DictionaryCommand& command) {
          });
 }
 
-/// What the values of an object mean, below its row where the object is asked for.
+std::string line_of_value(std::int64_t value, std::string_view meaning) {
+  return "  " + padded(std::to_string(value), 4) + std::string(meaning);
+}
+
+void add_modes(const std::string& title, std::vector<std::string>& lines) {
+  lines.push_back(title);
+  for (const OperatingModeRow& row : kOperatingModes) {
+    lines.push_back(line_of_value(static_cast<std::int64_t>(row.mode), row.name));
+  }
+}
+
+void add_homing_methods(std::vector<std::string>& lines) {
+  lines.emplace_back("homing_method (6098h) takes");
+  lines.push_back(line_of_value(0, "no method: a homing run ends with a homing error"));
+  for (const HomingMethodRow& row : kHomingMethods) {
+    lines.push_back(line_of_value(row.number, row.what));
+  }
+}
+
+/// What the values of an object mean, below the rows where the object is asked for.
 void add_meanings(const DictionaryCommand& command, std::vector<std::string>& lines) {
   using namespace vdrive::literals;
-  const bool is_asked =
-      !command.objects.empty() && is_listed(describe("homing_method"_object), command);
-  if (!is_asked) return;
-  lines.emplace_back("homing_method (6098h) takes");
-  lines.emplace_back("  0   no method: a homing run ends with a homing error");
-  for (const HomingMethodRow& row : kHomingMethods) {
-    lines.push_back("  " + padded(std::to_string(row.number), 4) + std::string(row.what));
-  }
+  const auto is_asked = [&command](ObjectRow row) {
+    return !command.objects.empty() && is_listed(describe(row), command);
+  };
+  if (is_asked("op_mode_cmd"_object)) add_modes("op_mode_cmd (6060h) takes", lines);
+  if (is_asked("op_mode_actual"_object)) add_modes("op_mode_actual (6061h) shows", lines);
+  if (is_asked("homing_method"_object)) add_homing_methods(lines);
 }
 
 std::string_view object_type_of(canopen::ObjectCode code) {
