@@ -3,6 +3,7 @@
 // clients/gateway/page/src/data/tables.ts is written from the schemas of the gateway and the tables
 // of the core.
 #include "descriptions.hpp"
+#include "vdrive/cia402/bit_names.hpp"
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/power_state.hpp"
@@ -153,6 +154,23 @@ Json schema_of(const ChannelInfo& channel) {
   return Json::parse(channel.schema);
 }
 
+/// Every name of a bit of 6040h and 6041h, in any mode.
+Json bit_names() {
+  constexpr unsigned kBits = 16;
+  std::set<std::string> names;
+  for (const OperatingModeRow& row : kOperatingModes) {
+    for (unsigned place = 0; place < kBits; ++place) {
+      const auto bit = static_cast<std::uint16_t>(1U << place);
+      names.emplace(statusword_bit_name(bit, row.mode));
+      names.emplace(controlword_bit_name(bit, row.mode));
+    }
+  }
+  names.erase("");  // of a bit without a name
+  Json rows = Json::array();
+  for (const std::string& name : names) rows.push_back(name);
+  return rows;
+}
+
 std::string page_tables() {
   Json states = Json::array();
   for (const PowerState state : kPowerStates) states.push_back(statusword_row(state));
@@ -168,7 +186,7 @@ std::string page_tables() {
          constant("CONTROL", schema_of(control_channel())) +
          constant("DICTIONARY", schema_of(dictionary_channel())) +
          constant("POWER_STATES", states) + constant("TRANSITIONS", transition_rows()) +
-         constant("OPERATING_MODES", modes);
+         constant("OPERATING_MODES", modes) + constant("BIT_NAMES", bit_names());
 }
 
 const char* const kFile = VDRIVE_SOURCE_DIR "/clients/gateway/page/src/data/tables.ts";

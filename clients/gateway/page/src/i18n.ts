@@ -2,7 +2,7 @@
 // Every text of the page in English and Chinese.
 
 import { POWER_STATE_NAMES, type PowerState } from "./data/power";
-import { OPERATING_MODES } from "./data/tables";
+import { BIT_NAMES, OPERATING_MODES } from "./data/tables";
 
 export type Language = "en" | "zh";
 
@@ -277,7 +277,7 @@ const MODES: Record<(typeof OPERATING_MODES)[number]["mode"], string> = {
 };
 
 /** Names of bits as the gateway gives them; the ones of a newer gateway stay English. */
-const BITS: Record<string, string> = {
+const BITS: Record<(typeof BIT_NAMES)[number], string> = {
   "ready to switch on": "准备接通",
   "switched on": "已接通",
   "operation enabled": "运行使能",
@@ -288,6 +288,7 @@ const BITS: Record<string, string> = {
   warning: "警告",
   remote: "远程",
   "target reached": "到达目标",
+  "bit 12": "位 12",
   "internal limit active": "内部限制有效",
   "set-point acknowledge": "设定点应答",
   "following error": "跟随误差",
@@ -361,7 +362,8 @@ export function stateName(state: PowerState): string {
 }
 
 export function bitName(name: string): string {
-  return chosen === "zh" ? (BITS[name] ?? name) : name;
+  const known: Record<string, string | undefined> = BITS;
+  return chosen === "zh" ? (known[name] ?? name) : name;
 }
 
 export function modeName(mode: number): string {

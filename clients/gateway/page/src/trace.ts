@@ -4,7 +4,7 @@
 import { History } from "./data/history";
 import type { Moment } from "./data/moments";
 import { decodePowerState, STATUS_BIT, wayBetween, type PowerState } from "./data/power";
-import { CONTROL_BIT, heldSetPoints, type HeldSetPoints } from "./data/setpoints";
+import { CONTROL_BIT, hasHandshake, heldSetPoints, type HeldSetPoints } from "./data/setpoints";
 import { addressOf, topicOf, type AxisRef, type Model } from "./model";
 import type { Message, NumberArray } from "./protocol/cdr";
 
@@ -162,6 +162,7 @@ export class Trace {
     const ticks = message["tick"] as BigUint64Array;
     const columns = MEMBERS.map(({ name }) => message[name] as NumberArray | undefined);
     const words = message["ds402_statusword"] as Uint16Array;
+    const modes = message["op_mode_actual"] as Int8Array | undefined;
     const codes = message["error_code"] as Uint16Array | undefined;
     const ignored = message["ignored_set_points"] as Uint32Array | undefined;
     const written = message["ds402_controlword"] as Uint16Array | undefined;
@@ -181,7 +182,8 @@ export class Trace {
       this.lastTick = tick;
       columns.forEach((column, at) => (this.sample[at] = Number(column?.[i] ?? 0)));
       const time = (tick - this.originTick) * this.period;
-      this.takeBits(time, tick, words[i], written?.[i], ignored?.[i] ?? 0);
+      this.takeBits(time, tick, words[i], written?.[i], modes?.[i]);
+      this.takeIgnored(time, ignored?.[i] ?? 0);
       this.takeError(tick, Number(codes?.[i] ?? 0));
       this.history.append(time, this.sample);
     }
@@ -196,7 +198,7 @@ export class Trace {
     return this.ticksLeftOut;
   }
 
-  private takeBits(time: number, tick: number, word: number, written: number | undefined, ignored: number): void {
+  private takeBits(time: number, tick: number, word: number, written: number | undefined, mode: number | undefined): void {
     const control = written ?? this.controlword ?? 0;
     const at = MEMBERS.length;
     this.sample[at] = control & CONTROL_BIT.newSetPoint ? 1 : 0;
@@ -205,7 +207,7 @@ export class Trace {
     const before = this.statusword;
     if (before !== undefined && before !== word) {
       const rose = word & ~before;
-      if (rose & STATUS_BIT.acknowledge) this.note(time, "accepted");
+      if (rose & STATUS_BIT.acknowledge && hasHandshake(mode)) this.note(time, "accepted");
       if (rose & STATUS_BIT.targetReached) this.note(time, "reached");
       const from = decodePowerState(before);
       const to = decodePowerState(word);
@@ -214,9 +216,12 @@ export class Trace {
         this.noteMoment({ tick, state: to });
       }
     }
+    this.statusword = word;
+  }
+
+  private takeIgnored(time: number, ignored: number): void {
     if (this.ignored !== undefined && ignored > this.ignored) this.note(time, "ignored");
     this.ignored = ignored;
-    this.statusword = word;
   }
 
   private takeError(tick: number, code: number): void {

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { heldSetPoints } from "../src/data/setpoints";
+import { hasHandshake, heldSetPoints } from "../src/data/setpoints";
 
 // Statuswords of Operation enabled, voltage on, remote: 0237h; bit 10 = 0400h, bit 12 = 1000h.
 const MOVING = 0x0237;
@@ -25,6 +25,11 @@ test("an acknowledge that outlasts bit 4 means a waiting set-point", () => {
 test("while bit 4 is set, bit 5 means that none waits, and without it the number is unknown", () => {
   assert.deepEqual(heldSetPoints(0x3f, MOVING_ACKNOWLEDGED, 1), { active: 1, waiting: 0 });
   assert.deepEqual(heldSetPoints(0x1f, MOVING_ACKNOWLEDGED, 1), { active: 1, waiting: undefined });
+});
+
+test("only profile position mode has the handshake of set-points", () => {
+  assert.ok(hasHandshake(1) && hasHandshake(undefined));
+  for (const mode of [0, 2, 3, 4, 6, 7, 8, 9, 10]) assert.ok(!hasHandshake(mode), String(mode));
 });
 
 test("in another mode or state, and under halt, the words do not show set-points", () => {

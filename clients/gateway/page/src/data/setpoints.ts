@@ -11,6 +11,11 @@ export const CONTROL_BIT = {
 
 const PROFILE_POSITION = 1;
 
+/** @return whether bit 4 is a new set-point and bit 12 its acknowledge; before 6061h is known, too. */
+export function hasHandshake(mode: number | undefined): boolean {
+  return mode === undefined || mode === PROFILE_POSITION;
+}
+
 export interface HeldSetPoints {
   /** 1 while the drive moves to a target */
   active: 0 | 1;

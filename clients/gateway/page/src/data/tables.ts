@@ -651,3 +651,38 @@ export const OPERATING_MODES = [
     "name": "cyclic synchronous torque"
   }
 ] as const;
+
+export const BIT_NAMES = [
+  "bit 12",
+  "change set immediately",
+  "enable interpolation",
+  "enable operation",
+  "enable ramp",
+  "enable voltage",
+  "fault",
+  "fault reset",
+  "following error",
+  "follows command",
+  "halt",
+  "homing attained",
+  "homing error",
+  "internal limit active",
+  "interpolation active",
+  "new set-point",
+  "operation enabled",
+  "quick stop",
+  "ready to switch on",
+  "reference ramp",
+  "relative",
+  "remote",
+  "set-point acknowledge",
+  "speed zero",
+  "start homing",
+  "switch on",
+  "switch on disabled",
+  "switched on",
+  "target reached",
+  "unlock ramp",
+  "voltage enabled",
+  "warning"
+] as const;

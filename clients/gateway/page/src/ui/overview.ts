@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every axis of every bench: a table that draws only the visible rows.
 
-import { decodePowerState, STATUS_BIT } from "../data/power";
+import { decodePowerState } from "../data/power";
 import { matches, sorted, type Filter, type Order, type Row, type SortKey } from "../data/rows";
 import { formatAge, formatHex, formatPermille, formatUnits } from "../data/units";
 import { modeName, stateName, t, type TextKey } from "../i18n";
@@ -51,8 +51,7 @@ function readRow(model: Model, row: TableRow, now: number): void {
   row.age = model.age(bench, now);
   row.place = place ?? -1;
   if (place === undefined) return;
-  const word = at(bench, "ds402_statusword", place);
-  row.state = decodePowerState(word);
+  row.state = decodePowerState(at(bench, "ds402_statusword", place));
   row.mode = at(bench, "op_mode_actual", place);
   row.position = at(bench, "load_position_actual_value", place);
   row.velocity = at(bench, "load_velocity_actual_value", place);
@@ -60,9 +59,8 @@ function readRow(model: Model, row: TableRow, now: number): void {
   row.error = at(bench, "load_position_error_value", place);
   row.fault = at(bench, "error_code", place);
   row.owner = model.ownerName(BigInt(bench.numbers("owner_session")?.[place] ?? 0), true);
-  const active = row.state === "operation_enabled" || row.state === "quick_stop_active" || row.state === "fault_reaction_active";
-  const travelling = row.mode === 1 && row.state === "operation_enabled" && (word & STATUS_BIT.targetReached) === 0;
-  row.moving = Math.abs(row.velocity) > MOVING_FROM || (active && travelling);
+  // In every mode: a slow demand is no noise.
+  row.moving = Math.abs(row.velocity) > MOVING_FROM || at(bench, "velocity_demand_value", place) !== 0;
 }
 
 /** The elements of one row, used for whichever row is at that place of the screen. */

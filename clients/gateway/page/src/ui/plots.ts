@@ -4,6 +4,7 @@
 import uPlot from "uplot";
 import { niceRange, type Points } from "../data/history";
 import { marksOf, type Mark, type MarkKind } from "../data/moments";
+import { hasHandshake } from "../data/setpoints";
 import { formatTime, isoDate, timeText } from "../data/times";
 import { formatHex, formatNumber, toShown, type Scale } from "../data/units";
 import { stateName, t, type TextKey } from "../i18n";
@@ -69,9 +70,10 @@ const WINDOWS = [1, 2, 5, 10, 30, 60, 120, 300, LONGEST_WINDOW_S];
 const AXIS_WIDTH = 78;
 const RIGHT_MARGIN = 14;
 const TIME_AXIS_HEIGHT = 22;
-const BITS: { series: Series; text: TextKey }[] = [
-  { series: "new_set_point", text: "bit4" },
-  { series: "acknowledge", text: "bit12" },
+/** `number`: of a bit that the handshake of set-points uses, and other modes in their own way */
+const BITS: { series: Series; text: TextKey; number?: number }[] = [
+  { series: "new_set_point", text: "bit4", number: 4 },
+  { series: "acknowledge", text: "bit12", number: 12 },
   { series: "reached", text: "bit10" },
 ];
 const STRIP_ROW = 20;
@@ -466,6 +468,7 @@ export class Plots implements View {
     const right = this.width - RIGHT_MARGIN;
     const place = (time: number) => AXIS_WIDTH + ((time - from) / (to - from)) * (right - AXIS_WIDTH);
     context.font = "11px system-ui, sans-serif";
+    const handshake = hasHandshake(this.trace.last["op_mode_actual"]);
     BITS.forEach((bit, row) => {
       const bottom = (row + 1) * STRIP_ROW - 4 + 12;
       context.strokeStyle = colour("grid");
@@ -488,7 +491,8 @@ export class Plots implements View {
       context.stroke();
       context.fillStyle = colour("muted");
       context.textAlign = "right";
-      context.fillText(t(bit.text), AXIS_WIDTH - 8, bottom - 1);
+      const text = handshake || bit.number === undefined ? t(bit.text) : `${t("bit")} ${bit.number}`;
+      context.fillText(text, AXIS_WIDTH - 8, bottom - 1);
     });
     for (const { time, kind } of this.trace.marks) {
       if (time < from || time > to) continue;
