@@ -278,6 +278,26 @@ def scenario(bus):
         return client.seen
 
 
+def test_speeds_in_rpm_and_latched_positions_are_objects_of_a_node():
+    with vdrive.canopen.Bus(axes=1, sync_steps=PERIOD) as bus, CanClient(bus.host, bus.port) as client:
+        client.nmt(START, 1)
+        client.write(1, 0x5E21, 3, 1000, 4)  # the home switch, 500 UU long
+        client.write(1, 0x5E21, 4, 500, 4)
+        client.write(1, 0x60B8, 0, 0x11, 2)  # probe 1, the first rising edge of that switch
+        client.write(1, 0x6060, 0, 2, 1)
+        client.write(1, 0x6042, 0, 60, 2)
+        for word in (0x06, 0x07, 0x0F, 0x7F):  # the last one with the bits of the ramp
+            client.write(1, 0x6040, 0, word, 2)
+            client.sync()
+        for _ in range(500):
+            client.sync()
+        assert client.read(1, 0x6061) == 2 and client.read(1, 0x6043, signed=True) == 60
+        assert abs(client.read(1, 0x6044, signed=True) - 60) <= 1
+        # On, a rising edge is stored: 4096 UU/s are 0.5 UU in a sub-step of 125 us.
+        assert client.read(1, 0x60B9) == 3
+        assert client.read(1, 0x60BA, signed=True) in (1000, 1001)
+
+
 def test_in_lockstep_a_test_repeats_itself_frame_by_frame():
     runs = []
     for _ in range(2):
