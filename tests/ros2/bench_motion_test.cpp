@@ -9,6 +9,7 @@
 namespace vdrive::ros2 {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::Each;
 using testing::ElementsAre;
@@ -82,7 +83,27 @@ TEST(BenchMotion, SendsAVelocityBehindThePositionsThatAreOnTheirWay) {
   const auto frames = with_axes(fake.drive().take_sent());
   ASSERT_THAT(frames, SizeIs(1));
   EXPECT_EQ(frames[0].tick, FakeBench::kBegin + 41) << "positions are sent up to 40 ticks ahead";
-  EXPECT_EQ(frames[0].axes[0].velocity, 500);
+  EXPECT_EQ(frames[0].axes[0].mode, OperatingMode::cyclic_synchronous_velocity);
+  EXPECT_FALSE(frames[0].axes[0].velocity) << "it waits for its mode";
+  fake.run(100);
+  EXPECT_EQ(fake.drive().axis(0).status.velocity_demand_value, 500);
+}
+
+TEST(BenchMotion, ChangesTheModeOfAJointThatMoves) {
+  Commanded fake;
+  const client::AxisSnapshot& axis = fake.drive().axis(0);
+  fake.command(0, CommandInterface::velocity, 1.0);
+  fake.run(100);
+  EXPECT_EQ(axis.status.velocity_demand_value, 1'000);
+  fake.command(0, CommandInterface::effort, 1.5);
+  fake.run(150);
+  EXPECT_EQ(axis.mode(), OperatingMode::cyclic_synchronous_torque);
+  EXPECT_EQ(axis.status.torque_demand, 500) << "1.5 N.m of 0.003 N.m";
+  fake.command(0, CommandInterface::position, 0.5);
+  fake.run(600);
+  EXPECT_EQ(axis.mode(), OperatingMode::cyclic_synchronous_position);
+  EXPECT_EQ(fake.demand(0), 500) << "0.5 rad of 0.001 rad";
+  EXPECT_FALSE(fake.motion().is_busy());
 }
 
 TEST(BenchMotion, IgnoresACommandThatItCannotCarryOutAndReportsIt) {
@@ -98,13 +119,19 @@ TEST(BenchMotion, IgnoresACommandThatItCannotCarryOutAndReportsIt) {
                           "0x000000000000000b: the command is ignored"));
 }
 
-TEST(BenchMotion, EndsAllPlansWhenOneOfTheirAxesFails) {
+TEST(BenchMotion, EndsAllPlansWhenOneOfTheirAxesFailsAndBrakesWhatRunsFreely) {
   Commanded fake;
   fake.command(0, CommandInterface::position, 1.0);
   fake.command(1, CommandInterface::velocity, 1.0);
+  fake.run(150);
+  EXPECT_EQ(fake.drive().axis(1).status.velocity_demand_value, 1'000);
   fake.drive().show(0, PowerState::fault);
   fake.turn();
-  EXPECT_THAT(fake.motion().duties(), Each(Duty::none));
+  EXPECT_THAT(fake.motion().duties(), ElementsAre(Duty::none, Duty::velocity));
+  EXPECT_THAT(fake.written.lines,
+              Contains(AllOf(HasSubstr("joint y: joint x "), HasSubstr(": it brakes"))));
+  fake.run(100);
+  EXPECT_EQ(fake.drive().axis(1).status.velocity_demand_value, 0);
 }
 
 TEST(BenchMotion, GoesOnWhereTheBenchHoldsAndKeepsALargerDistance) {
@@ -134,6 +161,7 @@ TEST(BenchMotion, BrakesAJointThatGetsNoCommandInTime) {
   fake.command(0, CommandInterface::velocity, 1.0);
   fake.run(50);
   EXPECT_THAT(fake.written.lines, IsEmpty());
+  EXPECT_EQ(fake.drive().axis(0).status.velocity_demand_value, 1'000);
   fake.run(1);
   EXPECT_THAT(fake.written.lines, ElementsAre("joint x: no command for 0.05 s: it brakes"));
   EXPECT_EQ(with_axes(fake.drive().take_sent()).back().axes[0].velocity, 0);

@@ -56,7 +56,7 @@ class FakeBench {
     return joints;
   }
 
-  /// Positions of 10 rad, 5 rad/s, 50 rad/s² and 3 N.m.
+  /// Positions of 10 rad, 5 rad/s, 50 rad/s², 3 N.m and 30 N.m/s.
   static JointLimits limits() {
     return {.lower = -10.0,
             .upper = 10.0,
@@ -65,7 +65,8 @@ class FakeBench {
             .deceleration = 50.0,
             .ramp = 50.0,
             .effort = 3.0,
-            .effort_per_mille = 0.003};
+            .effort_per_mille = 0.003,
+            .effort_slope = 30.0};
   }
 
   client::AxisSnapshot& axis(std::size_t place) { return state_.axes[place]; }
@@ -126,7 +127,10 @@ class FakeBench {
     client::AxisSnapshot& axis = state_.axes[point.axis - 1U];
     if (point.mode) axis.status.op_mode_actual = static_cast<std::int8_t>(*point.mode);
     if (point.position) axis.status.position_demand_value = *point.position;
+    if (point.torque) axis.status.torque_demand = *point.torque;
     axis.status.velocity_demand_value = point.velocity.value_or(0);
+    axis.status.ds402_statusword =
+        static_cast<std::uint16_t>(axis.status.ds402_statusword | Statusword::kFollowsCommand);
     if (!point.controlword) return;
     PowerState state = PowerState::operation_enabled;
     if (*point.controlword == controlwords::kShutdown) state = PowerState::ready_to_switch_on;

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -28,10 +29,19 @@ struct Planned {
             .period = 0.001};
   }
 
-  /// Sends the position of the next tick and passes it.
+  /// Passes the tick in which the drive takes the mode of the duty.
+  void enter() {
+    const auto mode = plan.mode_point(now(), drives.tick() + 1);
+    ASSERT_TRUE(mode);
+    (void)drives.take({{.axes = {*mode}}});
+    drives.step();
+    EXPECT_TRUE(plan.settles(now()));
+  }
+
+  /// Sends the set-point of the next tick and passes it.
   void step() {
     client::SetPointFrame frame{.tick = drives.tick() + 1};
-    frame.axes.push_back(plan.position_point(now(), frame.tick));
+    frame.axes.push_back(plan.next_point(now(), frame.tick));
     (void)drives.take({frame});
     drives.step();
   }
@@ -40,9 +50,9 @@ struct Planned {
 TEST(JointPlan, GoesToAPositionInTheModeOfPositionsAndHoldsIt) {
   Planned joint;
   EXPECT_TRUE(joint.plan.go_to(joint.now(), 0.1));
-  const auto first = joint.plan.position_point(joint.now(), joint.drives.tick() + 1);
+  const auto first = joint.plan.next_point(joint.now(), joint.drives.tick() + 1);
   EXPECT_EQ(first.mode, OperatingMode::cyclic_synchronous_position);
-  for (int tick = 0; tick < 1'000 && joint.plan.has_positions(); ++tick) joint.step();
+  for (int tick = 0; tick < 1'000 && joint.plan.streams(); ++tick) joint.step();
   EXPECT_EQ(joint.plan.duty(), Duty::hold);
   EXPECT_EQ(joint.drives.axis(0).status.position_demand_value, 100) << "0.1 rad of 0.001 rad";
   EXPECT_EQ(joint.plan.motion(joint.now(), joint.drives.tick()).position, 0.1);
@@ -68,27 +78,87 @@ TEST(JointPlan, ComesToRestBeforeItFollowsPositions) {
   EXPECT_EQ(joint.plan.duty(), Duty::track);
 }
 
-TEST(JointPlan, SendsAVelocityOnceAndAgainWhereTheDriveDidNotTakeIt) {
+TEST(JointPlan, SendsTheModeOfAVelocityFirstAndAgainWhereTheDriveDidNotTakeIt) {
   Planned joint;
-  joint.plan.run(joint.now(), Duty::velocity, 1.5);
+  EXPECT_FALSE(joint.plan.run(joint.now(), Duty::velocity, 1.5)) << "no velocity is sent yet";
   const std::uint64_t reached = joint.drives.tick() + 3;
-  const auto point = joint.plan.free_point(joint.now(), reached);
+  const auto point = joint.plan.mode_point(joint.now(), reached);
   ASSERT_TRUE(point);
-  EXPECT_EQ(point->mode, OperatingMode::profile_velocity);
-  EXPECT_EQ(point->velocity, 1500) << "1.5 rad/s of 0.001 rad/s";
-  EXPECT_FALSE(joint.plan.free_point(joint.now(), reached));
+  EXPECT_EQ(point->mode, OperatingMode::cyclic_synchronous_velocity);
+  EXPECT_EQ(point->objects.size(), 4U) << "60C2h and the offsets 60B0h, 60B1h and 60B2h";
+  EXPECT_FALSE(point->velocity) << "the drive would drop it";
+  EXPECT_FALSE(joint.plan.mode_point(joint.now(), reached)) << "it is on its way";
   for (int tick = 0; tick < 4; ++tick) joint.drives.step();
-  EXPECT_TRUE(joint.plan.free_point(joint.now(), joint.drives.tick() + 3))
+  EXPECT_FALSE(joint.plan.settles(joint.now()));
+  EXPECT_TRUE(joint.plan.mode_point(joint.now(), joint.drives.tick() + 3))
       << "its tick has passed, and 6061h shows another mode";
 }
 
-TEST(JointPlan, SendsAnEffortInThousandthsOfTheRatedTorque) {
+TEST(JointPlan, RampsToAVelocityAndKeepsIt) {
+  Planned joint;
+  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.enter();
+  const AxisStatus& shown = joint.drives.axis(0).status;
+  std::int32_t last = 0;
+  int ticks = 0;
+  while (joint.plan.streams() && ++ticks < 1'000) {
+    joint.step();
+    // 50 rad/s² are 0.05 rad/s a tick, 50 of 0.001 rad/s, rounded twice.
+    EXPECT_LE(shown.velocity_demand_value - last, 51);
+    last = shown.velocity_demand_value;
+  }
+  EXPECT_EQ(last, 1'000);
+  EXPECT_NEAR(ticks, 20, 1) << "1 rad/s by 0.05 rad/s a tick";
+  joint.drives.step();
+  EXPECT_EQ(joint.plan.check_end(joint.now()), JointPlan::End::reached);
+  EXPECT_FALSE(joint.plan.run(joint.now(), Duty::velocity, 1.0)) << "the drive has it";
+  EXPECT_FALSE(joint.plan.streams());
+}
+
+// 0.1 rad/s every 10 ms are 10 rad/s²: 10 of 0.001 rad/s in each tick.
+TEST(JointPlan, LeadsAStreamOfVelocitiesInAStraightLine) {
+  Planned joint;
+  joint.plan.run(joint.now(), Duty::velocity, 0.1);
+  joint.enter();
+  const AxisStatus& shown = joint.drives.axis(0).status;
+  for (int command = 2; command <= 20; ++command) {
+    joint.plan.run(joint.now(), Duty::velocity, 0.1 * command);
+    for (int tick = 0; tick < 10; ++tick) {
+      const std::int32_t before = shown.velocity_demand_value;
+      joint.step();
+      if (command > 8) {
+        EXPECT_NEAR(shown.velocity_demand_value - before, 10, 1) << "rounded twice";
+      }
+    }
+  }
+}
+
+TEST(JointPlan, ReachesAVelocityThatIsRepeated) {
+  Planned joint;
+  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.enter();
+  for (int tick = 0; tick < 30; ++tick) {
+    joint.plan.run(joint.now(), Duty::velocity, 1.0);
+    if (joint.plan.streams()) joint.step();
+  }
+  EXPECT_EQ(joint.drives.axis(0).status.velocity_demand_value, 1'000);
+  EXPECT_FALSE(joint.plan.streams()) << "its line was not begun anew";
+}
+
+TEST(JointPlan, RampsToAnEffortInThousandthsOfTheRatedTorque) {
   Planned joint;
   joint.plan.run(joint.now(), Duty::effort, -1.5);
-  const auto point = joint.plan.free_point(joint.now(), joint.drives.tick() + 1);
-  ASSERT_TRUE(point);
-  EXPECT_EQ(point->mode, OperatingMode::profile_torque);
-  EXPECT_EQ(point->torque, -500) << "-1.5 N.m of 0.003 N.m";
+  joint.enter();
+  EXPECT_EQ(joint.drives.axis(0).mode(), OperatingMode::cyclic_synchronous_torque);
+  const AxisStatus& shown = joint.drives.axis(0).status;
+  int last = 0;
+  for (int tick = 0; tick < 1'000 && joint.plan.streams(); ++tick) {
+    joint.step();
+    // 30 N.m/s are 0.03 N.m a tick, 10 of 0.003 N.m, rounded twice.
+    EXPECT_GE(shown.torque_demand - last, -11);
+    last = shown.torque_demand;
+  }
+  EXPECT_EQ(last, -500) << "-1.5 N.m of 0.003 N.m";
 }
 
 TEST(JointPlan, BrakesWhatVelocityOrEffortMoveAndNothingElse) {
@@ -99,6 +169,21 @@ TEST(JointPlan, BrakesWhatVelocityOrEffortMoveAndNothingElse) {
   joint.plan.run(joint.now(), Duty::effort, 1.0);
   EXPECT_TRUE(joint.plan.brake_free());
   EXPECT_EQ(joint.plan.duty(), Duty::velocity);
+  EXPECT_TRUE(joint.plan.is_entering()) << "the drive brakes when its mode changes";
+}
+
+TEST(JointPlan, BrakesAVelocityOnItsRamp) {
+  Planned joint;
+  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.enter();
+  while (joint.plan.streams()) joint.step();
+  EXPECT_TRUE(joint.plan.brake_free());
+  const AxisStatus& shown = joint.drives.axis(0).status;
+  joint.step();
+  EXPECT_NEAR(shown.velocity_demand_value, 950, 1) << "0.05 rad/s a tick";
+  while (joint.plan.streams()) joint.step();
+  EXPECT_EQ(shown.velocity_demand_value, 0);
+  EXPECT_FALSE(joint.plan.brake_free());
 }
 
 TEST(JointPlan, BrakesOnceWithoutACommandInTime) {
@@ -109,7 +194,68 @@ TEST(JointPlan, BrakesOnceWithoutACommandInTime) {
   joint.drives.step();
   EXPECT_TRUE(joint.plan.brake_without_command(joint.now(), 0.1));
   EXPECT_FALSE(joint.plan.brake_without_command(joint.now(), 0.1));
-  EXPECT_EQ(joint.plan.free_point(joint.now(), joint.drives.tick() + 1)->velocity, 0);
+  joint.enter();
+  EXPECT_EQ(joint.plan.next_point(joint.now(), joint.drives.tick() + 1).velocity, 0);
+}
+
+TEST(JointPlan, GetsALastVelocityAgainThatTheDriveDoesNotFollow) {
+  Planned joint;
+  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.enter();
+  for (int repeat = 0; repeat <= 8; ++repeat) {
+    while (joint.plan.streams()) {
+      (void)joint.plan.next_point(joint.now(), joint.drives.tick() + 1);  // lost
+      joint.drives.step();
+    }
+    EXPECT_EQ(joint.plan.check_end(joint.now()), JointPlan::End::open) << "its tick is now";
+    joint.drives.step();
+    const JointPlan::End expected = repeat < 8 ? JointPlan::End::refused : JointPlan::End::given_up;
+    ASSERT_EQ(joint.plan.check_end(joint.now()), expected) << repeat;
+    if (expected == JointPlan::End::refused) joint.plan.repeat_end(joint.now());
+  }
+  EXPECT_TRUE(joint.plan.run(joint.now(), Duty::velocity, 1.0)) << "a command is tried again";
+}
+
+TEST(JointPlan, WritesAVelocityThatTheDriveHoldsBackOnlyWithACommand) {
+  Planned joint;
+  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.enter();
+  while (joint.plan.streams()) joint.step();
+  joint.drives.axis(0).status.velocity_demand_value = 0;
+  joint.drives.show(0, PowerState::operation_enabled);  // bit 12 is 0: a limit switch, a halt
+  joint.drives.step();
+  EXPECT_EQ(joint.plan.check_end(joint.now()), JointPlan::End::open);
+  EXPECT_FALSE(joint.plan.streams());
+  EXPECT_TRUE(joint.plan.run(joint.now(), Duty::velocity, 1.0));
+  EXPECT_TRUE(joint.plan.streams());
+}
+
+// The bench has passed the set-points that were sent, and holds the velocity of the last one.
+TEST(JointPlan, LeadsOnFromTheVelocityThatTheDriveHolds) {
+  Planned joint;
+  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.enter();
+  for (int tick = 0; tick < 10; ++tick) joint.step();
+  const std::int32_t held = joint.drives.axis(0).status.velocity_demand_value;
+  joint.drives.count_from(joint.drives.tick() + 50);
+  EXPECT_EQ(joint.plan.start_again(joint.now()), 0U) << "it follows no trajectory";
+  joint.step();
+  EXPECT_NEAR(joint.drives.axis(0).status.velocity_demand_value, held + 50, 1)
+      << "0.05 rad/s a tick";
+}
+
+// Its state may be older than a mode that is on its way to the drive.
+TEST(JointPlan, WaitsForAModeThatIsShownAlreadyUntilItWasReached) {
+  Planned joint;
+  joint.drives.axis(0).status.op_mode_actual =
+      static_cast<std::int8_t>(OperatingMode::cyclic_synchronous_velocity);
+  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  EXPECT_FALSE(joint.plan.settles(joint.now())) << "it was not sent";
+  EXPECT_TRUE(joint.plan.mode_point(joint.now(), joint.drives.tick() + 2));
+  joint.drives.step();
+  EXPECT_FALSE(joint.plan.settles(joint.now()));
+  joint.drives.step();
+  EXPECT_TRUE(joint.plan.settles(joint.now()));
 }
 
 TEST(JointPlan, StartsAgainWhereTheDriveHolds) {
@@ -122,7 +268,7 @@ TEST(JointPlan, StartsAgainWhereTheDriveHolds) {
   const JointMotion motion = joint.plan.motion(joint.now(), joint.drives.tick());
   EXPECT_EQ(motion.position, held);
   EXPECT_EQ(motion.velocity, 0.0);
-  for (int tick = 0; tick < 1'000 && joint.plan.has_positions(); ++tick) joint.step();
+  for (int tick = 0; tick < 1'000 && joint.plan.streams(); ++tick) joint.step();
   EXPECT_EQ(joint.drives.axis(0).status.position_demand_value, 100) << "its goal is the same";
 }
 
@@ -144,8 +290,8 @@ TEST(JointPlan, GetsItsLastSetPointAgainUpToEightTimes) {
   Planned joint;
   EXPECT_TRUE(joint.plan.go_to(joint.now(), 0.1));
   for (int repeat = 0; repeat <= 8; ++repeat) {
-    while (joint.plan.has_positions()) {
-      (void)joint.plan.position_point(joint.now(), joint.drives.tick() + 1);  // lost
+    while (joint.plan.streams()) {
+      (void)joint.plan.next_point(joint.now(), joint.drives.tick() + 1);  // lost
       joint.drives.step();
     }
     EXPECT_EQ(joint.plan.check_end(joint.now()), JointPlan::End::open) << "its tick is now";
@@ -161,7 +307,7 @@ TEST(JointPlan, GetsItsLastSetPointAgainUpToEightTimes) {
 TEST(JointPlan, ThatReachedItsEndIsChecked) {
   Planned joint;
   EXPECT_TRUE(joint.plan.go_to(joint.now(), 0.1));
-  while (joint.plan.has_positions()) joint.step();
+  while (joint.plan.streams()) joint.step();
   joint.drives.step();
   EXPECT_EQ(joint.plan.check_end(joint.now()), JointPlan::End::reached);
 }

@@ -54,7 +54,7 @@ TEST(PlanWatch, EndsAllPlansOfABenchThatIsLost) {
 TEST(PlanWatch, LeavesPlansAloneWhileAllIsWell) {
   Watched sut;
   sut.follow(0, 3);
-  (void)sut.stream.positions(sut.now());
+  (void)sut.stream.points(sut.now());
   EXPECT_THAT(sut.watch.check(sut.now()), IsEmpty());
   EXPECT_EQ(sut.plans[0].trajectory(), 3U);
   EXPECT_THAT(sut.written.lines, IsEmpty());
@@ -64,7 +64,7 @@ TEST(PlanWatch, EndsATrajectoryThatTheBenchHasOvertakenAndKeepsALargerDistance) 
   Watched sut;
   sut.follow(0, 3);
   sut.follow(1, 3);
-  (void)sut.stream.positions(sut.now());  // up to tick 1,100
+  (void)sut.stream.points(sut.now());  // up to tick 1,100
   sut.drives.count_from(1'101);
   const auto broken = sut.watch.check(sut.now());
   ASSERT_THAT(broken, SizeIs(2)) << "one a joint";
@@ -78,7 +78,7 @@ TEST(PlanWatch, RepeatsTheEndOfAMotionThatTheDriveDidNotTakeAndThenReportsIt) {
   EXPECT_TRUE(sut.plans[0].go_to(sut.now().joint(0), 0.1));
   sut.stream.begin(sut.drives.tick());
   for (int tick = 0; tick < 2'000 && sut.written.lines.empty(); ++tick) {
-    (void)sut.stream.positions(sut.now());  // lost on the way
+    (void)sut.stream.points(sut.now());  // lost on the way
     sut.drives.step();
     EXPECT_THAT(sut.watch.check(sut.now()), IsEmpty());
   }

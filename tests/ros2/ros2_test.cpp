@@ -555,7 +555,7 @@ TEST(Ros2Commands, RunAtAVelocityAndBrakeWhenTheWriterEnds) {
   ASSERT_TRUE(bench.stepper().step_until([&] {
     return bench.axis().status.velocity_demand_value == std::lround(2.0 / kUnit);
   }));
-  EXPECT_EQ(bench.axis().mode(), OperatingMode::profile_velocity);
+  EXPECT_EQ(bench.axis().mode(), OperatingMode::cyclic_synchronous_velocity);
   bench.stepper().step(100);
   EXPECT_NEAR(*bench.peer().velocity("x"), 2.0, 0.1);
   bench.peer().stop_commanding();
@@ -572,13 +572,66 @@ TEST(Ros2Commands, ApplyAnEffortAndGoBackToPositions) {
   ASSERT_TRUE(bench.stepper().step_until([&] {
     return bench.axis().status.torque_demand == 100;
   }));
-  EXPECT_EQ(bench.axis().mode(), OperatingMode::profile_torque);
+  EXPECT_EQ(bench.axis().mode(), OperatingMode::cyclic_synchronous_torque);
   EXPECT_NEAR(bench.peer().state("x")->effort()[0], 0.3, 0.02);
   bench.peer().command({"x"}, {0.1});
   EXPECT_TRUE(bench.stepper().step_until([&] {
     return bench.axis().status.position_demand_value == std::lround(0.1 / kUnit);
   }));
   EXPECT_EQ(bench.axis().mode(), OperatingMode::cyclic_synchronous_position);
+}
+
+TEST(Ros2Commands, OfVelocityKeepTheRampInEachTick) {
+  LockStep bench("--enable --rate 1000");
+  bench.peer().command_velocity({"x"}, {20.0});
+  // Of the default axis: 409,600 UU/s², so 409.6 UU/s a tick, rounded twice; 20 rad/s are 13,038.
+  std::int32_t velocity = 0;
+  for (int tick = 0; tick < 400; ++tick) {
+    bench.stepper().step(1);
+    const std::int32_t now = bench.axis().status.velocity_demand_value;
+    EXPECT_LE(std::abs(now - velocity), 411) << tick;
+    velocity = now;
+  }
+  EXPECT_EQ(velocity, std::lround(20.0 / kUnit));
+}
+
+TEST(Ros2Commands, ChangeTheModeOfAJointThatMoves) {
+  LockStep bench;
+  bench.peer().command({"x"}, {20.0});
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.velocity_demand_value > 1'000;
+  }));
+  bench.peer().command_velocity({"x"}, {-2.0});
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.velocity_demand_value == std::lround(-2.0 / kUnit);
+  }));
+  EXPECT_EQ(bench.axis().mode(), OperatingMode::cyclic_synchronous_velocity);
+  bench.peer().command_effort({"x"}, {0.3});  // 100 ‰ of the rated 3 N.m
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().mode() == OperatingMode::cyclic_synchronous_torque &&
+           bench.axis().status.torque_demand == 100;
+  }));
+  bench.peer().command({"x"}, {0.0});
+  EXPECT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().mode() == OperatingMode::cyclic_synchronous_position &&
+           bench.axis().status.position_demand_value == 0;
+  }));
+}
+
+TEST(Ros2Commands, OfVelocityDoNotWaitForThe60C2hOfAnotherMaster) {
+  LockStep bench("");
+  auto axis = bench.session().axis("1.1").value();
+  ASSERT_TRUE(axis.write({0x60C2, 1}, 200));
+  bench.peer().enable(true);
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return is_enabled(bench.session(), "1.1");
+  }));
+  bench.stepper().step(10);
+  bench.peer().command_velocity({"x"}, {2.0});
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.velocity_demand_value == std::lround(2.0 / kUnit);
+  }));
+  EXPECT_EQ(axis.read(ObjectAddress{0x60C2, 1}).value(), 0);
 }
 
 TEST(Ros2Commands, BrakeAfterTheTimeOutOfTheConfiguration) {

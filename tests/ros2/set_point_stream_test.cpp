@@ -45,8 +45,7 @@ TEST(SetPointStream, BeginsBehindTheLeadOrWhereItIsWanted) {
 TEST(SetPointStream, SendsNothingForJointsThatRest) {
   Streamed sut;
   EXPECT_FALSE(sut.stream.is_running());
-  EXPECT_THAT(sut.stream.positions(sut.now()), IsEmpty());
-  EXPECT_THAT(sut.stream.free_points(sut.now()), IsEmpty());
+  EXPECT_THAT(sut.stream.points(sut.now()), IsEmpty());
   EXPECT_THAT(sut.stream.modes(sut.now()), IsEmpty());
 }
 
@@ -57,7 +56,7 @@ TEST(SetPointStream, FillsALargerWindowForATrajectory) {
   sut.plans[0].follow(sut.now().joint(0), std::make_shared<const JointPath>(JointMotion{}, points),
                       sut.stream.sent_until(), 1);
   EXPECT_TRUE(sut.stream.is_running());
-  EXPECT_THAT(sut.stream.positions(sut.now()), SizeIs(81)) << "ticks 1,020 to 1,100";
+  EXPECT_THAT(sut.stream.points(sut.now()), SizeIs(81)) << "ticks 1,020 to 1,100";
   EXPECT_EQ(sut.stream.sent_until(), 1'100U);
 }
 
@@ -65,12 +64,22 @@ TEST(SetPointStream, SendsVelocityAndEffortOfAllJointsInOneFrame) {
   Streamed sut;
   sut.plans[0].run(sut.now().joint(0), Duty::velocity, 1.0);
   sut.plans[1].run(sut.now().joint(1), Duty::effort, 1.5);
-  const auto frames = sut.stream.free_points(sut.now());
-  ASSERT_THAT(frames, SizeIs(1));
-  EXPECT_EQ(frames[0].tick, 0U) << "at once: no position is on its way";
+  const auto modes = sut.stream.modes(sut.now());
+  ASSERT_THAT(modes, SizeIs(1));
+  EXPECT_EQ(modes[0].tick, 0U) << "at once: no set-point is on its way";
+  ASSERT_THAT(modes[0].axes, SizeIs(2));
+  EXPECT_EQ(modes[0].axes[0].mode, OperatingMode::cyclic_synchronous_velocity);
+  EXPECT_EQ(modes[0].axes[1].mode, OperatingMode::cyclic_synchronous_torque);
+  EXPECT_THAT(sut.stream.points(sut.now()), IsEmpty()) << "the drives are not in them yet";
+  (void)sut.drives.take(modes);
+  sut.drives.step();
+  EXPECT_THAT(sut.stream.modes(sut.now()), IsEmpty());
+  const auto frames = sut.stream.points(sut.now());
+  ASSERT_THAT(frames, SizeIs(21)) << "ticks 1,021 to 1,041";
+  EXPECT_EQ(frames[0].tick, 1'021U);
   ASSERT_THAT(frames[0].axes, SizeIs(2));
-  EXPECT_EQ(frames[0].axes[0].velocity, 1'000);
-  EXPECT_EQ(frames[0].axes[1].torque, 500);
+  EXPECT_EQ(frames[0].axes[0].velocity, 50) << "50 rad/s² for a tick";
+  EXPECT_EQ(frames[0].axes[1].torque, 10) << "30 N.m/s for a tick";
 }
 
 TEST(SetPointStream, BeginsWithPositionsOnceAJointHasComeToRest) {
@@ -78,12 +87,12 @@ TEST(SetPointStream, BeginsWithPositionsOnceAJointHasComeToRest) {
   sut.drives.axis(0).status.velocity_demand_value = 100;
   EXPECT_FALSE(sut.plans[0].go_to(sut.now().joint(0), 0.5));
   EXPECT_THAT(sut.stream.modes(sut.now()), SizeIs(1)) << "the mode of positions";
-  EXPECT_THAT(sut.stream.positions(sut.now()), IsEmpty());
+  EXPECT_THAT(sut.stream.points(sut.now()), IsEmpty());
   sut.drives.axis(0).status.velocity_demand_value = 0;
   sut.drives.axis(0).status.op_mode_actual =
       static_cast<std::int8_t>(OperatingMode::cyclic_synchronous_position);
   EXPECT_THAT(sut.stream.modes(sut.now()), IsEmpty());
-  EXPECT_THAT(sut.stream.positions(sut.now()), SizeIs(21)) << "ticks 1,020 to 1,040";
+  EXPECT_THAT(sut.stream.points(sut.now()), SizeIs(21)) << "ticks 1,020 to 1,040";
 }
 
 }  // namespace

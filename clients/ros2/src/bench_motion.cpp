@@ -62,17 +62,19 @@ void BenchMotion::command(const JointCommand& command) {
   }
   const JointNow joint = now_.joint(place);
   const bool ran = stream_.is_running();
-  if (command.interface != CommandInterface::position) {
-    const bool is_velocity = command.interface == CommandInterface::velocity;
-    plan.run(joint, is_velocity ? Duty::velocity : Duty::effort, command.value);
-  } else if (plan.go_to(joint, command.value) && !ran) {
-    stream_.begin(joint.tick);
-  }
+  const bool is_velocity = command.interface == CommandInterface::velocity;
+  const bool begins =
+      command.interface == CommandInterface::position
+          ? plan.go_to(joint, command.value)
+          : plan.run(joint, is_velocity ? Duty::velocity : Duty::effort, command.value);
+  if (begins && !ran) stream_.begin(joint.tick);
 }
 
 void BenchMotion::stop_free_joints(const std::string& reason) {
   for (std::size_t i = 0; i < plans_.size(); ++i) {
+    const bool ran = stream_.is_running();
     if (!plans_[i].brake_free()) continue;
+    if (!ran && stream_.is_running()) stream_.begin(now_.tick());
     reports_.report(Severity::warning, bench_.joints()[i].label(), reason + ": it brakes");
   }
 }
@@ -127,14 +129,16 @@ BrokenTrajectories BenchMotion::update(Clock::time_point now) {
   stream_.set_rate(now_.seen.rate);
   power_.report_faults(*now_.seen.state);
   // Power first: no set-point goes to a joint that is not enabled any more.
-  if (const std::string problem = first_obstacle(); !problem.empty()) end_all(problem);
+  if (const std::string problem = first_obstacle(); !problem.empty()) {
+    const std::vector<std::size_t> running = free_joints();
+    end_all(problem);
+    brake_joints(running, problem);
+  }
   send(power_.words(*now_.seen.state, now));
   std::ranges::move(watch_.check(now_), std::back_inserter(broken));
-  // A joint that has come to rest here gets its first position in this turn.
+  // A joint that is in its mode here gets its first set-point in this turn.
   send(stream_.modes(now_));
-  // Velocities after positions: they act behind the last tick that positions were sent for.
-  send(stream_.positions(now_));
-  send(stream_.free_points(now_));
+  send(stream_.points(now_));
   if (power_.is_keep_alive_due(*now_.seen.state)) send({client::SetPointFrame{}});
   return broken;
 }
@@ -147,6 +151,23 @@ std::string BenchMotion::first_obstacle() const {
     if (!problem.empty()) return bench_.joints()[i].label() + " " + problem;
   }
   return {};
+}
+
+/// @return the joints that velocity or effort move and that can be commanded.
+std::vector<std::size_t> BenchMotion::free_joints() const {
+  std::vector<std::size_t> joints;
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    if (plans_[i].runs_freely() && obstacle(i).empty()) joints.push_back(i);
+  }
+  return joints;
+}
+
+/// Positions end by themselves; a velocity or an effort would stay in force without a plan.
+void BenchMotion::brake_joints(const std::vector<std::size_t>& joints, const std::string& reason) {
+  for (const std::size_t place : joints) {
+    plans_[place].run(now_.joint(place), Duty::velocity, 0.0);
+    reports_.report(Severity::warning, bench_.joints()[place].label(), reason + ": it brakes");
+  }
 }
 
 void BenchMotion::send(const SetPointStream::Frames& frames) {

@@ -9,6 +9,7 @@
 #include "set_point_stream.hpp"
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -95,6 +96,8 @@ class BenchMotion {
  private:
   [[nodiscard]] std::string obstacle(std::size_t place) const;
   [[nodiscard]] std::string first_obstacle() const;
+  [[nodiscard]] std::vector<std::size_t> free_joints() const;
+  void brake_joints(const std::vector<std::size_t>& joints, const std::string& reason);
   void send(const SetPointStream::Frames& frames);
 
   const std::uint64_t session_;

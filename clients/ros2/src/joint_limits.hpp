@@ -18,6 +18,7 @@ struct JointLimits {
   double ramp = kNone;              ///< the lowest of 6083h, 6084h, 60C5h and 60C6h
   double effort = kNone;            ///< 6072h [N.m or N]
   double effort_per_mille = 0.001;  ///< [N.m or N] of 1 ‰ of the rated torque
+  double effort_slope = kNone;      ///< 6087h [N.m/s or N/s]
 };
 
 /// A joint in one instant [rad or m, s].

@@ -2,6 +2,7 @@
 #include "joint_plan.hpp"
 
 #include "vdrive/assert.hpp"
+#include "vdrive/cia402/statusword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
@@ -14,17 +15,15 @@ namespace {
 
 using namespace vdrive::literals;
 
-constexpr OperatingMode kPositions = OperatingMode::cyclic_synchronous_position;
-
-// The line to a position takes longer than the interval of positions: one that is late by this part
-// of the interval does not stop the joint.
+// The line to a value takes longer than the interval of values: one that is late by this part of
+// the interval does not stop the joint.
 constexpr double kMargin = 0.5;
 constexpr double kShortestMargin = 0.004;  // [s] the delays of one machine
 
-// Positions that are further apart are single goals, not a stream: a line over such a time would
-// be a slow motion where a person asks for a quick one.
+// Values that are further apart are single goals, not a stream: a line over such a time would be a
+// slow motion where a person asks for a quick one.
 constexpr double kLongestInterval = 0.1;  // [s]
-constexpr double kFirstInterval = 0.01;   // [s] until a second position shows the interval
+constexpr double kFirstInterval = 0.01;   // [s] until a second value shows the interval
 
 // One late command changes the line by a quarter: writers without a real-time system are uneven.
 constexpr double kShareOfNewest = 0.25;
@@ -37,14 +36,18 @@ constexpr ObjectAddress kPositionOffset = describe("position_offset"_object).add
 constexpr ObjectAddress kVelocityOffset = describe("velocity_offset"_object).address;
 constexpr ObjectAddress kTorqueOffset = describe("torque_offset"_object).address;
 
-/// A position for each tick follows: another master may have left another 60C2h, and offsets.
-client::SetPoint begin_positions(std::uint16_t axis) {
-  return {.axis = axis,
-          .mode = kPositions,
-          .objects = {{kInterpolationTime, 0},
-                      {kPositionOffset, 0},
-                      {kVelocityOffset, 0},
-                      {kTorqueOffset, 0}}};
+/// A set-point for each tick follows: another master may have left another 60C2h, and offsets.
+client::SetPoint begin_stream(std::uint16_t axis, OperatingMode mode) {
+  return {
+      .axis = axis,
+      .mode = mode,
+      .objects = {
+          {kInterpolationTime, 0}, {kPositionOffset, 0}, {kVelocityOffset, 0}, {kTorqueOffset, 0}}};
+}
+
+/// @return `effort` in thousandths of the rated torque.
+std::int16_t per_mille(const JointNow& now, double effort) noexcept {
+  return static_cast<std::int16_t>(std::lround(effort / now.limits.effort_per_mille));
 }
 
 }  // namespace
@@ -55,10 +58,24 @@ std::string_view to_string(Duty duty) noexcept {
   return kNames[static_cast<std::size_t>(duty)];
 }
 
+OperatingMode JointPlan::mode() const noexcept {
+  if (duty_ == Duty::velocity) return OperatingMode::cyclic_synchronous_velocity;
+  if (duty_ == Duty::effort) return OperatingMode::cyclic_synchronous_torque;
+  return OperatingMode::cyclic_synchronous_position;
+}
+
+/// @return what the drive is to do in this tick: the value that a line of this duty begins with.
+double JointPlan::value_of_drive(const JointNow& now) const noexcept {
+  return duty_ == Duty::effort ? now.axis.status.torque_demand * now.limits.effort_per_mille
+                               : now.demand().velocity;
+}
+
 bool JointPlan::moves_by_itself(const JointNow& now) const noexcept {
-  if (duty_ == Duty::hold || has_positions()) return false;
-  return duty_ == Duty::effort || duty_ == Duty::settle ||
-         now.axis.status.velocity_demand_value != 0;
+  if (duty_ == Duty::hold || duty_ == Duty::track || duty_ == Duty::trajectory) return false;
+  if (duty_ == Duty::effort || is_entering() || streams()) return true;
+  // The last velocity is 0, but those before it may be on their way.
+  const bool is_under_way = ends_at_ != 0 && now.tick <= ends_at_;
+  return is_under_way || now.axis.status.velocity_demand_value != 0;
 }
 
 JointMotion JointPlan::motion(const JointNow& now, std::uint64_t tick) const {
@@ -76,34 +93,74 @@ JointMotion JointPlan::motion(const JointNow& now, std::uint64_t tick) const {
 
 // ---- commands --------------------------------------------------------------------------------
 
-bool JointPlan::go_to(const JointNow& now, double position) {
-  const double passed = now.seconds(std::exchange(commanded_at_, now.tick), now.tick);
+/// @return [s] since the command before
+double JointPlan::note_command(const JointNow& now) {
   is_lost_ = false;
+  return now.seconds(std::exchange(commanded_at_, now.tick), now.tick);
+}
+
+/// @return [s] that the line to a new value takes
+double JointPlan::time_of_line(const JointNow& now, double passed, bool begins) {
+  if (begins || interval_ == 0.0) {
+    interval_ = kFirstInterval;
+  } else if (passed < kLongestInterval) {
+    interval_ += kShareOfNewest * (std::max(passed, now.period) - interval_);
+  }
+  return interval_ + std::max(kShortestMargin, kMargin * interval_);
+}
+
+bool JointPlan::go_to(const JointNow& now, double position) {
+  const double passed = note_command(now);
   if (moves_by_itself(now)) {
-    if (duty_ != Duty::settle) sent_for_ = 0;
-    duty_ = Duty::settle;
+    if (duty_ != Duty::settle) enter(Duty::settle);
     value_ = position;
     return false;
   }
   if (duty_ == Duty::hold && position_ == position) return false;  // it is there
   const bool begins = duty_ != Duty::track;
-  if (begins) {
-    track(motion(now, now.tick), position);
-    interval_ = 0.0;
-  }
-  if (!begins && passed < kLongestInterval) {
-    interval_ += kShareOfNewest * (std::max(passed, now.period) - interval_);
-  } else if (interval_ == 0.0) {
-    interval_ = kFirstInterval;
-  }
-  tracker().go_to(position, interval_ + std::max(kShortestMargin, kMargin * interval_));
+  if (begins) track(motion(now, now.tick), position);
+  tracker().go_to(position, time_of_line(now, passed, begins));
   return begins;
 }
 
-void JointPlan::run(const JointNow& now, Duty duty, double value) {
-  is_lost_ = false;
-  commanded_at_ = now.tick;
-  set_free(duty, value);
+bool JointPlan::run(const JointNow& now, Duty duty, double value) {
+  const double passed = note_command(now);
+  if (duty_ != duty) enter(duty);
+  const double over = time_of_line(now, passed, is_entering());
+  // The same value again lets its line go on. One that the drive should show by now, and does not,
+  // is written again: a limit switch may have held it back.
+  const bool is_missed = !streams() && ends_at_ != 0 && now.tick > ends_at_;
+  const bool is_new = value_ != value || is_missed;
+  const double last = std::exchange(value_, value);
+  return !is_entering() && is_new && lead_to_value(last, over);
+}
+
+/// A drive drops set-points of a mode that it is not in yet: the first one waits.
+void JointPlan::enter(Duty duty) {
+  duty_ = duty;
+  tracker_.reset();
+  path_.reset();
+  line_.reset();
+  is_entered_ = false;
+  sent_for_ = 0;
+  enters_at_ = 0;
+  ends_at_ = 0;
+  repeats_ = 0;
+}
+
+/// @param last that was sent, where no line leads on from it
+/// @return whether a line begins with this
+bool JointPlan::lead_to_value(double last, double over) {
+  const bool begins = !line_.has_value();
+  if (begins) line_.emplace(last);
+  line().go_to(value_, over);
+  ends_at_ = 0;
+  return begins;
+}
+
+void JointPlan::lead_from_drive(const JointNow& now) {
+  line_.reset();
+  lead_to_value(value_of_drive(now), kFirstInterval);
 }
 
 void JointPlan::follow(const JointNow& now, std::shared_ptr<const JointPath> path,
@@ -111,6 +168,7 @@ void JointPlan::follow(const JointNow& now, std::shared_ptr<const JointPath> pat
   ensure(path != nullptr, "a trajectory has the path of its joint");
   duty_ = Duty::trajectory;
   tracker_.reset();
+  line_.reset();
   path_ = std::move(path);
   begin_ = begin;
   trajectory_ = number;
@@ -125,15 +183,11 @@ void JointPlan::brake(const JointNow& now, std::uint64_t tick) {
 }
 
 bool JointPlan::brake_free() {
-  const bool moves = duty_ == Duty::effort || (duty_ == Duty::velocity && value_ != 0.0);
-  if (moves) set_free(Duty::velocity, 0.0);
-  return moves;
-}
-
-void JointPlan::set_free(Duty duty, double value) {
-  is_due_ = is_due_ || duty_ != duty || value_ != value;
-  duty_ = duty;
-  value_ = value;
+  if (!runs_freely()) return false;
+  if (duty_ == Duty::effort) enter(Duty::velocity);
+  const double last = std::exchange(value_, 0.0);
+  if (!is_entering()) lead_to_value(last, 0.0);
+  return true;
 }
 
 JointTracker& JointPlan::tracker() {
@@ -141,9 +195,15 @@ JointTracker& JointPlan::tracker() {
   return *tracker_;
 }
 
+ValueLine& JointPlan::line() {
+  ensure(line_.has_value(), "a joint on the way to a velocity or an effort has its line");
+  return *line_;
+}
+
 void JointPlan::track(const JointMotion& start, double goal) {
   tracker_.emplace(start);
   tracker_->go_to(goal, kFirstInterval);
+  line_.reset();
   duty_ = Duty::track;
 }
 
@@ -162,6 +222,7 @@ std::uint64_t JointPlan::start_again(const JointNow& now) {
   const JointMotion rest{now.demand().position, 0.0, 0.0};  // it holds
   const std::uint64_t ended = trajectory();
   if (duty_ == Duty::track) track(rest, tracker().goal());
+  if (is_free()) lead_from_drive(now);
   if (ended == 0) return 0;
   *this = {};
   duty_ = Duty::hold;
@@ -169,34 +230,76 @@ std::uint64_t JointPlan::start_again(const JointNow& now) {
   return ended;
 }
 
+/// @return whether the drive does what the last set-point commands.
+bool JointPlan::is_at_end(const JointNow& now) const noexcept {
+  const AxisStatus& shown = now.axis.status;
+  if (duty_ == Duty::velocity) return shown.velocity_demand_value == now.user_units(value_);
+  // 6074h is what the drive commands, rounded.
+  if (duty_ == Duty::effort) return std::abs(shown.torque_demand - per_mille(now, value_)) <= 1;
+  return shown.position_demand_value == now.user_units(position_);
+}
+
 JointPlan::End JointPlan::check_end(const JointNow& now) {
-  if (duty_ != Duty::hold || ends_at_ == 0 || now.tick <= ends_at_) return End::open;
+  if (streams() || ends_at_ == 0 || now.tick <= ends_at_) return End::open;
+  const bool is_there = is_at_end(now);
+  // A stop or a limit of the drive, such as that of the speed, shows nothing of what it received.
+  const bool is_held_back = is_free() && !now.axis.shows(Statusword::kFollowsCommand);
+  if (!is_there && is_held_back) return End::open;
   ends_at_ = 0;
-  const bool is_there = now.axis.status.position_demand_value == now.user_units(position_);
   if (!is_there && ++repeats_ <= kMostRepeats) return End::refused;
   repeats_ = 0;
   if (is_there) return End::reached;
-  // It holds where the drive stands: the next command for the same position is a motion again.
-  position_ = now.demand().position;
+  // It stays at what the drive does: the next command of the same value is a motion again.
+  if (is_free()) {
+    value_ = value_of_drive(now);
+  } else {
+    position_ = now.demand().position;
+  }
   return End::given_up;
 }
 
 void JointPlan::repeat_end(const JointNow& now) {
+  if (is_free()) {
+    lead_from_drive(now);
+    return;
+  }
   track({now.demand().position, 0.0, 0.0}, position_);  // it holds
   commanded_at_ = now.tick;
 }
 
-/// A drive changes its mode at rest, and follows positions from then on.
+/// A drive changes its mode at rest, and takes its set-points from then on.
 bool JointPlan::settles(const JointNow& now) {
-  const bool rests = now.axis.mode() == kPositions && now.axis.status.velocity_demand_value == 0;
-  if (duty_ != Duty::settle || !rests) return false;
+  const bool has_mode = sent_for_ != 0 && now.tick >= enters_at_ && now.axis.mode() == mode();
+  if (!is_entering() || !has_mode) return false;
+  if (is_free()) {
+    is_entered_ = true;
+    lead_from_drive(now);
+    return true;
+  }
+  if (now.axis.status.velocity_demand_value != 0) return false;
   track(now.demand(), value_);
   return true;
 }
 
 // ---- set-points ------------------------------------------------------------------------------
 
-client::SetPoint JointPlan::position_point(const JointNow& now, std::uint64_t tick) {
+client::SetPoint JointPlan::next_point(const JointNow& now, std::uint64_t tick) {
+  const std::uint16_t axis = now.joint.axis.axis;
+  client::SetPoint point =
+      now.axis.mode() == mode() ? client::SetPoint{.axis = axis} : begin_stream(axis, mode());
+  const bool ends = is_free() ? put_value(now, point) : put_position(now, tick, point);
+  if (ends) {
+    if (!is_free()) duty_ = Duty::hold;
+    ends_at_ = tick;
+    tracker_.reset();
+    path_.reset();
+    line_.reset();
+  }
+  return point;
+}
+
+/// @return whether it is the last position of the motion
+bool JointPlan::put_position(const JointNow& now, std::uint64_t tick, client::SetPoint& point) {
   bool ends = false;
   if (duty_ == Duty::track) {
     position_ = tracker().step(now.period, now.limits).position;
@@ -206,40 +309,30 @@ client::SetPoint JointPlan::position_point(const JointNow& now, std::uint64_t ti
     position_ = path_->at(time).position;
     ends = time >= path_->duration();
   }
-  const std::uint16_t axis = now.joint.axis.axis;
-  client::SetPoint point =
-      now.axis.mode() == kPositions ? client::SetPoint{.axis = axis} : begin_positions(axis);
   point.position = now.user_units(position_);
-  if (ends) {
-    duty_ = Duty::hold;
-    ends_at_ = tick;
-    tracker_.reset();
-    path_.reset();
-  }
-  return point;
+  return ends;
 }
 
-std::optional<client::SetPoint> JointPlan::free_point(const JointNow& now, std::uint64_t tick) {
-  const bool is_velocity = duty_ == Duty::velocity;
-  if (!is_velocity && duty_ != Duty::effort) return std::nullopt;
-  const OperatingMode mode =
-      is_velocity ? OperatingMode::profile_velocity : OperatingMode::profile_torque;
-  const bool is_missed = now.axis.mode() != mode && now.tick > sent_for_;
-  if (!std::exchange(is_due_, false) && !is_missed) return std::nullopt;
-  sent_for_ = tick;
-  client::SetPoint point{.axis = now.joint.axis.axis, .mode = mode};
-  if (is_velocity) {
-    point.velocity = now.user_units(value_);
+/// @return whether it is the value that was commanded
+bool JointPlan::put_value(const JointNow& now, client::SetPoint& point) {
+  const JointLimits& limits = now.limits;
+  // The drive's own profiles take a ramp of 0 for 1, too: a joint can always be stopped.
+  if (duty_ == Duty::velocity) {
+    const double ramp = std::max(limits.ramp, now.joint.si_per_user_unit);
+    point.velocity = now.user_units(line().step(now.period, ramp));
   } else {
-    point.torque = static_cast<std::int16_t>(std::lround(value_ / now.limits.effort_per_mille));
+    const double slope = std::max(limits.effort_slope, limits.effort_per_mille);
+    point.torque = per_mille(now, line().step(now.period, slope));
   }
-  return point;
+  return line().is_at_goal();
 }
 
 std::optional<client::SetPoint> JointPlan::mode_point(const JointNow& now, std::uint64_t tick) {
-  if (duty_ != Duty::settle || now.tick <= sent_for_) return std::nullopt;
+  if (!is_entering() || now.tick <= sent_for_) return std::nullopt;
+  // It shows this mode already, and another one may be on its way: only later it is the new one.
+  if (sent_for_ == 0 && now.axis.mode() == mode()) enters_at_ = tick;
   sent_for_ = tick;
-  return begin_positions(now.joint.axis.axis);
+  return begin_stream(now.joint.axis.axis, mode());
 }
 
 }  // namespace vdrive::ros2

@@ -28,6 +28,7 @@ constexpr std::array kLimitObjects{"app_speed_limit"_object,
                                    "profile_acc"_object,
                                    "profile_dec"_object,
                                    "max_torque"_object,
+                                   "torque_slope"_object,
                                    "motor_rated_torque"_object,
                                    "gear_ratio_numerator"_object,
                                    "gear_ratio_denominator"_object};
@@ -65,6 +66,7 @@ std::optional<JointLimits> limits_of(const client::Axis& axis, const ServedJoint
                    .gear_ratio_numerator = value("gear_ratio_numerator"_object),
                    .gear_ratio_denominator = value("gear_ratio_denominator"_object)});
   limits.effort = real("max_torque"_object) * limits.effort_per_mille;
+  limits.effort_slope = real("torque_slope"_object) * limits.effort_per_mille;
   return limits;
 }
 

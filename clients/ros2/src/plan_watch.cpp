@@ -31,12 +31,15 @@ void PlanWatch::check_commands(const BenchNow& now) {
   if (command_timeout_ <= 0.0) return;
   for (std::size_t i = 0; i < plans_.size(); ++i) {
     if (plans_[i].duty() == Duty::none) continue;
+    const bool ran = stream_.is_running();
     if (!plans_[i].brake_without_command(now.joint(i), command_timeout_)) continue;
+    if (!ran && stream_.is_running()) stream_.begin(now.tick());
     warn(now, i, "no command for " + text_of(command_timeout_) + " s: it brakes");
   }
 }
 
-/// A bench that has passed the last set-point that it received holds: what follows starts there.
+/// A bench that has passed the last set-point that it received stays at it: what follows starts
+/// there.
 BrokenTrajectories PlanWatch::catch_up(const BenchNow& now) {
   BrokenTrajectories broken;
   if (!stream_.is_running() || now.tick() <= stream_.sent_until()) return broken;
@@ -44,7 +47,7 @@ BrokenTrajectories PlanWatch::catch_up(const BenchNow& now) {
                              std::to_string(now.tick() - stream_.sent_until()) +
                              " ticks ahead of its set-points";
   for (std::size_t i = 0; i < plans_.size(); ++i) {
-    if (!plans_[i].has_positions()) continue;
+    if (!plans_[i].streams()) continue;
     const std::uint64_t number = plans_[i].start_again(now.joint(i));
     if (number != 0) broken.push_back({.number = number, .reason = reason});
   }
@@ -53,10 +56,10 @@ BrokenTrajectories PlanWatch::catch_up(const BenchNow& now) {
 }
 
 /// A bench that is late to receive the last set-points of a motion refuses them, and the drive
-/// holds before its goal: it gets them again.
+/// stays before its goal: it gets them again.
 void PlanWatch::check_ends(const BenchNow& now) {
   for (std::size_t i = 0; i < plans_.size(); ++i) {
-    if (plans_[i].duty() != Duty::hold) continue;
+    if (plans_[i].duty() == Duty::none) continue;
     const JointNow joint = now.joint(i);
     const JointPlan::End end = plans_[i].check_end(joint);
     if (end == JointPlan::End::given_up) {

@@ -24,7 +24,7 @@ Frames frame_of(std::uint64_t tick, std::size_t joints, const Point& point) {
 }  // namespace
 
 bool SetPointStream::is_running() const {
-  return std::ranges::any_of(plans_, &JointPlan::has_positions);
+  return std::ranges::any_of(plans_, &JointPlan::streams);
 }
 
 void SetPointStream::begin(std::uint64_t tick, std::uint64_t wanted) {
@@ -39,10 +39,12 @@ void SetPointStream::catch_up(std::uint64_t tick) {
 }
 
 Frames SetPointStream::modes(const BenchNow& now) {
-  const std::uint64_t reached = now.tick() + lead_.lead();
-  return frame_of(0, plans_.size(), [&](std::size_t place) -> std::optional<client::SetPoint> {
+  // At once, but after the set-points of another mode that were sent before.
+  const std::uint64_t tick = sent_until_ > now.tick() ? sent_until_ + 1 : 0;
+  const std::uint64_t reached = std::max(tick, now.tick() + lead_.lead());
+  return frame_of(tick, plans_.size(), [&](std::size_t place) -> std::optional<client::SetPoint> {
     JointPlan& plan = plans_[place];
-    if (plan.duty() != Duty::settle) return std::nullopt;
+    if (!plan.is_entering()) return std::nullopt;
     const JointNow joint = now.joint(place);
     const bool ran = is_running();
     if (!plan.settles(joint)) return plan.mode_point(joint, reached);
@@ -51,7 +53,7 @@ Frames SetPointStream::modes(const BenchNow& now) {
   });
 }
 
-Frames SetPointStream::positions(const BenchNow& now) {
+Frames SetPointStream::points(const BenchNow& now) {
   const bool has_trajectory = std::ranges::count(plans_, Duty::trajectory, &JointPlan::duty) > 0;
   const std::uint64_t last = now.tick() + lead_.window(has_trajectory);
   Frames frames;
@@ -59,23 +61,12 @@ Frames SetPointStream::positions(const BenchNow& now) {
     ++sent_until_;
     client::SetPointFrame frame{.tick = sent_until_};
     for (std::size_t place = 0; place < plans_.size(); ++place) {
-      if (!plans_[place].has_positions()) continue;
-      frame.axes.push_back(plans_[place].position_point(now.joint(place), sent_until_));
+      if (!plans_[place].streams()) continue;
+      frame.axes.push_back(plans_[place].next_point(now.joint(place), sent_until_));
     }
     frames.push_back(std::move(frame));
   }
   return frames;
-}
-
-Frames SetPointStream::free_points(const BenchNow& now) {
-  // Velocities and torques act at once, but after positions that were sent before.
-  const std::uint64_t tick = sent_until_ > now.tick() ? sent_until_ + 1 : 0;
-  const std::uint64_t reached = std::max(tick, now.tick() + lead_.lead());
-  return frame_of(tick, plans_.size(), [&](std::size_t place) -> std::optional<client::SetPoint> {
-    JointPlan& plan = plans_[place];
-    if (plan.duty() != Duty::velocity && plan.duty() != Duty::effort) return std::nullopt;
-    return plan.free_point(now.joint(place), reached);
-  });
 }
 
 }  // namespace vdrive::ros2

@@ -24,7 +24,7 @@ class SetPointStream {
   /// @param rate drive time over wall time
   void set_rate(double rate) noexcept { lead_.set_rate(rate); }
 
-  /// @return whether positions are on their way, and go on.
+  /// @return whether set-points are on their way, and go on.
   [[nodiscard]] bool is_running() const;
 
   /// @return the last tick that has set-points.
@@ -46,14 +46,11 @@ class SetPointStream {
   /// Nothing is on its way any more.
   void clear() noexcept { sent_until_ = 0; }
 
-  /// @return the mode of positions, for joints that come to rest; those that do begin.
+  /// @return the modes that joints wait for; those whose drive is in it begin.
   [[nodiscard]] Frames modes(const BenchNow& now);
 
-  /// @return positions up to the tick that they are sent ahead for.
-  [[nodiscard]] Frames positions(const BenchNow& now);
-
-  /// @return velocities and efforts that are due.
-  [[nodiscard]] Frames free_points(const BenchNow& now);
+  /// @return set-points up to the tick that they are sent ahead for.
+  [[nodiscard]] Frames points(const BenchNow& now);
 
  private:
   SetPointLead lead_;
