@@ -103,6 +103,9 @@ class Motion;
 /// does not allow is refused with 0x08000022 and changes nothing. `failed` means that the drive
 /// accepted the command and that a fault, a lost enable or a halt ended it. A call that waits for a
 /// motion ends when another session takes the axis: refused, with that session and its program.
+///
+/// Positions, velocities or torques for each tick, in the cyclic synchronous modes 8, 9 and 10, are
+/// streamed by a group of this one axis: AxisGroup::start_streaming().
 class Axis {
  public:
   [[nodiscard]] const AxisId& id() const noexcept { return id_; }
