@@ -110,7 +110,7 @@ TEST(NodeObjects, HaveTheCountsOfTheDrivesArraysWhichTheCoreLacks) {
   EXPECT_EQ(default_at(0x1010, 0), 1);
   EXPECT_EQ(default_at(0x1011, 0), 1);
   EXPECT_EQ(default_at(0x1018, 0), 4);
-  EXPECT_EQ(default_at(0x5E10, 0), 4);
+  EXPECT_EQ(default_at(0x5E10, 0), 5);
   EXPECT_EQ(default_at(0x607D, 0), 2);
   EXPECT_EQ(default_at(0x6099, 0), 2);
   EXPECT_EQ(dictionary_object(0x607D).owner, ObjectOwner::node);

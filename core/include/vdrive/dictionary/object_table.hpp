@@ -16,7 +16,7 @@ namespace vdrive {
 /// 5E21h).
 /// Sorted by index and sub-index.
 // clang-format off
-inline constexpr std::array<ObjectDescription, 173> kObjectTable{{
+inline constexpr std::array<ObjectDescription, 174> kObjectTable{{
     {{0x1000, 0x00}, "Device Type", "设备类型", "Device", "device_type",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 131474, "-", Origin::companion},
     {{0x1001, 0x00}, "Error Register", "错误寄存器", "Device", "error_register",
@@ -101,6 +101,8 @@ inline constexpr std::array<ObjectDescription, 173> kObjectTable{{
      DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "us", Origin::companion, Role::parameter, Change::nothing},
     {{0x5E10, 0x04}, "Synchronous Move Jerk Time", "同步移动加加速时间", "Service", "synchronous_move_jerk_time",
      DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "us", Origin::companion, Role::parameter, Change::nothing},
+    {{0x5E10, 0x05}, "Synchronous Move Reference Way", "同步移动参考行程", "Service", "synchronous_move_reference_way",
+     DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "PosUU", Origin::companion, Role::parameter, Change::nothing},
     {{0x5E11, 0x00}, "Motor Speed Limit", "电机速度限制", "Motor", "motor_speed_limit",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 136533, "VelUU", Origin::companion},
     {{0x5E12, 0x01}, "Missing Set-Points Extrapolated", "缺失设定点：外推数", "Service", "missing_set_points_extrapolated",

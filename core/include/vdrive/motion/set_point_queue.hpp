@@ -14,6 +14,7 @@ struct SetPoint {
   std::uint32_t synchronous_move_acceleration_time = 0;  ///< 5E10h:02 [us]
   std::uint32_t synchronous_move_deceleration_time = 0;  ///< 5E10h:03 [us]
   std::uint32_t synchronous_move_jerk_time = 0;          ///< 5E10h:04 [us], 0 = no limit
+  std::uint32_t synchronous_move_reference_way = 0;      ///< 5E10h:05 [user units], 0 = from rest
   bool relative = false;                                 ///< controlword bit 6
   std::array<std::uint8_t, 3> unused{};  ///< no byte without a value: snapshots have this
 };

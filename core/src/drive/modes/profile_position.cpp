@@ -28,6 +28,8 @@ SetPoint candidate(const Drive& drive) {
           .synchronous_move_deceleration_time =
               unsigned_reg(drive, "synchronous_move_deceleration_time"_object),
           .synchronous_move_jerk_time = unsigned_reg(drive, "synchronous_move_jerk_time"_object),
+          .synchronous_move_reference_way =
+              unsigned_reg(drive, "synchronous_move_reference_way"_object),
           .relative = (drive.state().controlword & Controlword::kRelative) != 0};
 }
 
@@ -66,22 +68,36 @@ bool is_synchronous(const SetPoint& set_point) {
   return set_point.synchronous_move_duration != 0;
 }
 
-/// @return whether the times of a synchronous move (5E10h) leave it room: from rest, with time to
-///         accelerate and to decelerate, and for the jerk at both ends of these.
+/// @return whether the times of `set_point` are those of its own way, and not of another one.
+bool is_timed(const SetPoint& set_point) {
+  return is_synchronous(set_point) && set_point.synchronous_move_reference_way == 0;
+}
+
+/// @return whether the times of a synchronous move (5E10h) leave it room: from rest where they are
+///         its own, with time to accelerate and to decelerate, and for the jerk at both ends of
+///         these.
 bool times_fit(const Drive& drive, const SetPoint& set_point) {
   const MoveTimes times = times_of(set_point);
-  return !drive.state().demand.moving && times.acceleration > 0.0 && times.deceleration > 0.0 &&
+  const bool from_here = !is_timed(set_point) || !drive.state().demand.moving;
+  return from_here && times.acceleration > 0.0 && times.deceleration > 0.0 &&
          times.acceleration + times.deceleration <= times.duration &&
          2.0 * times.jerk <= std::min(times.acceleration, times.deceleration);
 }
 
-/// An absolute target counts from the frame that the set-point will start in: a synchronous move,
-/// which is judged by its way, has to be in that frame before it can be judged.
+/// An absolute target counts from the frame that the set-point will start in: a synchronous move
+/// that is judged by its own way has to be in that frame before it can be judged.
 void enter_frame(Drive& drive, const SetPoint& set_point) {
-  if (is_synchronous(set_point) && times_fit(drive, set_point)) {
+  if (is_timed(set_point) && times_fit(drive, set_point)) {
     rebase(drive);
     rest_at(drive, demand_position(drive));
   }
+}
+
+/// @return the way [UU] that the times of a synchronous move to `target` are of, without a sign
+///         where it is a reference way.
+double way_of_times(const Drive& drive, const SetPoint& set_point, double target) {
+  return is_timed(set_point) ? target - demand_position(drive)
+                             : set_point.synchronous_move_reference_way;
 }
 
 /// @return whether `set_point` may start now, in the frame of `enter_frame`: a synchronous move
@@ -89,7 +105,7 @@ void enter_frame(Drive& drive, const SetPoint& set_point) {
 bool can_start(const Drive& drive, const SetPoint& set_point) {
   if (!is_synchronous(set_point)) return true;
   if (!times_fit(drive, set_point)) return false;
-  const double way = target_of(drive, set_point) - demand_position(drive);
+  const double way = way_of_times(drive, set_point, target_of(drive, set_point));
   const MotionLimits limits = limits_of(way, times_of(set_point));
   return limits.velocity <= drive.registers().velocity_cap &&
          limits.acceleration <= std::max(real(drive, "app_acc_limit"_object), 1.0) &&
@@ -107,8 +123,10 @@ void start(Drive& drive, const SetPoint& set_point) {
               .unplanned = true};
   r.set_point.velocity = static_cast<double>(set_point.profile_velocity);
   r.set_point.times = times_of(set_point);
+  r.set_point.reference_way = set_point.synchronous_move_reference_way;
   if (r.set_point.times.duration > 0.0) {
-    r.set_point.limits = limits_of(s.target.position - demand_position(drive), r.set_point.times);
+    r.set_point.limits =
+        limits_of(way_of_times(drive, set_point, s.target.position), r.set_point.times);
     if (r.set_point.limits.deceleration == 0.0) {
       r.set_point.limits.deceleration = 1.0;  // no way: a halt plans its stop all the same
     }
@@ -173,12 +191,15 @@ MotionJerk synchronous_jerk(const Drive& drive) {
 }
 
 /// From rest the plan of the common times; after a halt what is left, with the same ramps and the
-/// same peak, so that axes which halt and continue together stay on their line.
+/// same peak, so that axes which halt and continue together stay on their line. With a reference
+/// way the same from any state: plans of axes whose states, ways and limits have one proportion
+/// have it, too.
 MotionRequest synchronous_move(const Drive& drive) {
   const DriveRegisters& r = drive.registers();
   const TargetState& target = drive.state().target;
-  const bool planned = target.unplanned || r.request.kind == Kind::synchronous_move;
-  return {.kind = planned ? Kind::synchronous_move : Kind::move,
+  const bool timed = r.set_point.reference_way == 0.0 &&
+                     (target.unplanned || r.request.kind == Kind::synchronous_move);
+  return {.kind = timed ? Kind::synchronous_move : Kind::move,
           .target = target.position,
           .limits = r.set_point.limits,
           .times = r.set_point.times,
