@@ -529,6 +529,76 @@ TEST_F(LockStepGroup, HaltAndResumeKeepTheAxesOnTheirStraightLine) {
   EXPECT_EQ(watch.arrived(), 3U);
 }
 
+TEST_F(LockStepGroup, GoesOnAlongItsLineWithLimitedJerkWhileItSpeedsUp) {
+  AxisGroup group = enabled(3);
+  for (const char* axis : {"1.1", "1.2", "1.3"}) write(axis, kProfileType, 3);
+  const Eigen::VectorXd further = vector({40'000, -20'000, 10'000});
+  Watch watch(group.status()->demand(), further);
+  const std::uint64_t before = tick();
+  ASSERT_TRUE(group.move_together(vector({20'000, -10'000, 5'000}), at_start()));
+  ASSERT_TRUE(session_.step(1, 60));
+  const Outcome moved = group.move_together(further, {.call = watch.options()});
+  ASSERT_TRUE(moved) << moved.message();
+  EXPECT_EQ(group.status()->demand(), further);
+  EXPECT_LE(watch.deviation(), 1.0);
+  EXPECT_EQ(watch.arrived(), 3U);
+  // The last speeds of the shorter ways are rounded to 0 before that of the longest.
+  EXPECT_LE(watch.spread(), 2U);
+  // Axis 1 has both lines' limits: 68267 UU/s after 68267/409600 s + 409600/4096000 s = 266.7 ms,
+  // which needs 9102 UU. The ramp goes on: 40000/68267 s = 585.9 ms and 266.7 ms, as from rest.
+  // Ramps that are rounded up to microseconds may need another tick, and the window time follows.
+  EXPECT_GE(tick(), before + 852);
+  EXPECT_LE(tick(), before + 855 + 21);
+  EXPECT_EQ(*session_.axis("1.1")->read(kMoveReferenceWay), 0) << "an ordinary move follows";
+}
+
+TEST_F(LockStepGroup, StopsOnItsLineBeforeItsEndAndTurnsBack) {
+  AxisGroup group = enabled(3);
+  const Eigen::VectorXd starts = group.status()->demand();
+  ASSERT_TRUE(group.move_together(vector({100'000, -50'000, 33'000}), at_start()));
+  ASSERT_TRUE(session_.step(1, 500));
+  const Eigen::VectorXd before = vector({60'000, -30'000, 19'800});
+  Watch stop(starts, before);
+  GroupMoveOptions on_the_way{.call = stop.options()};
+  on_the_way.call.until = Until::in_force;
+  ASSERT_TRUE(group.move_together(before, on_the_way));
+  ASSERT_TRUE(session_.step(1, 100));
+  // Still fast: the axes stop first, and come back.
+  Watch back(starts, before);
+  const Outcome moved = group.move_together(starts, {.call = back.options()});
+  ASSERT_TRUE(moved) << moved.message();
+  EXPECT_EQ(group.status()->demand(), starts);
+  EXPECT_LE(stop.deviation(), 1.0);
+  EXPECT_LE(back.deviation(), 1.0);
+}
+
+TEST_F(LockStepGroup, ATargetBesideTheLineIsRefusedAndTheAxesGoOn) {
+  AxisGroup group = enabled(2);
+  const Eigen::VectorXd targets = vector({100'000, 50'000});
+  ASSERT_TRUE(group.move_together(targets, at_start()));
+  ASSERT_TRUE(session_.step(1, 300));
+  const Outcome refused = group.move_together(vector({100'000, 0}));
+  EXPECT_EQ(refused.code(), kRefusedInState);
+  EXPECT_THAT(refused.message(),
+              HasSubstr("axis 1.2: its target (607Ah) is 0 UU, where the line that the axes move "
+                        "along has 50000 UU, give or take 1"));
+  const Outcome arrived = group.wait_all();
+  ASSERT_TRUE(arrived) << arrived.message();
+  EXPECT_EQ(group.status()->demand(), targets);
+}
+
+TEST_F(LockStepGroup, ALineDoesNotStartWhileAnAxisMovesWithoutOne) {
+  AxisGroup group = enabled(2);
+  MoveOptions move;
+  move.call.until = Until::in_force;
+  ASSERT_TRUE(session_.axis("1.2")->move_to(100'000, move));
+  ASSERT_TRUE(session_.step(1, 100));
+  const Outcome refused = group.move_together(vector({0, 200'000}));
+  EXPECT_EQ(refused.code(), kRefusedInState);
+  EXPECT_THAT(refused.message(),
+              HasSubstr("axis 1.2 still moves: its velocity demand (606Bh) is "));
+}
+
 TEST_F(LockStepGroup, QuickStopEndsInSwitchOnDisabledAndDropsTheQueue) {
   AxisGroup group = enabled(2);
   ASSERT_TRUE(group.move_together(vector({100'000, 100'000}), at_start()));
@@ -553,7 +623,8 @@ TEST_F(LockStepGroup, ATimeOutNamesTheAxisThatWasLate) {
   EXPECT_THAT(late.message(), HasSubstr("axis 1.1"));
   EXPECT_EQ(tick(), before + 100);
   EXPECT_EQ(group.status()->state, GroupState::moving) << "the motion continues";
-  EXPECT_THAT(group.move_together(vector({0, 0, 0})).message(), HasSubstr("axis 1.1 still moves"));
+  EXPECT_THAT(group.move_together(vector({0, 500, 0})).message(),
+              HasSubstr("axis 1.2: its target (607Ah) is 500 UU"));
   const Outcome halted = group.halt_all();
   ASSERT_TRUE(halted) << halted.message();
 }

@@ -166,6 +166,22 @@ TEST_F(DriveWithHabits, AGroupMoveOfADriveThatLooksOnceIn4MsIsRefused) {
   EXPECT_EQ(axis_.status().value().status.position_demand_value, 0);
 }
 
+// k: the axis would lose its speed, and its line.
+TEST_F(DriveWithHabits, AGroupLineInMotionOfADriveThatPlansFromRestIsRefused) {
+  have("habit_plan_from_rest", 1);
+  auto group = AxisGroup::create(session_, std::array{axis_, other_}).value();
+  ASSERT_TRUE(group.enable_all());
+  GroupMoveOptions start;
+  start.call.until = Until::in_force;
+  ASSERT_TRUE(group.move_together(Eigen::Vector2d(100'000.0, 50'000.0), start));
+  ASSERT_TRUE(session_.step(1, 100));
+  const Outcome refused = group.move_together(Eigen::Vector2d(200'000.0, 100'000.0));
+  EXPECT_EQ(refused.kind(), OutcomeKind::refused);
+  EXPECT_THAT(refused.message(), HasSubstr("axis 1.1: habit_plan_from_rest (5E20h:0B) is 1"));
+  ASSERT_TRUE(group.wait_all()) << "the line in hand goes on";
+  EXPECT_EQ(axis_.status().value().status.position_demand_value, 100'000);
+}
+
 // g
 TEST_F(DriveWithHabits, EnablingWaitsForThePowerOfTheDrive) {
   have("habit_power_on_time", 300);

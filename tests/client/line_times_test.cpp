@@ -110,6 +110,75 @@ TEST(LineTimes, KeepTheJerkOfEveryAxis) {
   }
 }
 
+/// The limits that a drive takes from times and its way.
+MotionLimits limits_with(const LineTimes& times, double distance) {
+  const auto seconds = [](microseconds time) {
+    return static_cast<double>(time.count()) * 1.0e-6;
+  };
+  return limits_of(distance, {.duration = seconds(times.duration),
+                              .acceleration = seconds(times.acceleration),
+                              .deceleration = seconds(times.deceleration),
+                              .jerk = seconds(times.jerk)});
+}
+
+TEST(LineTimes, OfALineInMotionLeadToTheFullSpeedHoweverShortItIs) {
+  // The ramps to 1000 UU/s and back are 50 + 100 UU: 150/7 = 21.4 ways of 7 UU.
+  const std::vector ways{way(7, {.velocity = 1000, .acceleration = 10'000, .deceleration = 5000})};
+  const auto moving = plan_moving_line(ways);
+  ASSERT_TRUE(moving);
+  EXPECT_EQ(moving->stretch, 22U);
+  EXPECT_EQ(moving->times.acceleration, microseconds{100'000});
+  EXPECT_EQ(moving->times.deceleration, microseconds{200'000});
+  // 154 UU at 1000 UU/s, and half of both ramps.
+  EXPECT_NEAR(static_cast<double>(moving->times.duration.count()), 304'000, 2);
+  const MotionLimits limits = limits_with(moving->times, 7.0 * moving->stretch);
+  EXPECT_NEAR(limits.velocity, 1000, 0.1);
+  EXPECT_NEAR(limits.acceleration, 10'000, 1);
+  EXPECT_NEAR(limits.deceleration, 5000, 1);
+}
+
+TEST(LineTimes, OfALineInMotionKeepTheLimitsOfEveryAxis) {
+  std::mt19937_64 random(17);
+  const auto magnitude = [&](double low, double high) {
+    return std::pow(10.0, std::uniform_real_distribution<double>(low, high)(random));
+  };
+  for (int run = 0; run < 5'000; ++run) {
+    std::vector<AxisWay> ways;
+    for (int axis = 0; axis < 4; ++axis) {
+      ways.push_back({.distance = std::floor(magnitude(0, 6)),
+                      .limits = {.velocity = std::floor(magnitude(3, 6)),
+                                 .acceleration = std::floor(magnitude(3, 7)),
+                                 .deceleration = std::floor(magnitude(3, 7))},
+                      .jerk = {std::floor(magnitude(4, 9)), std::floor(magnitude(4, 9))}});
+    }
+    const auto moving = plan_moving_line(ways);
+    ASSERT_TRUE(moving) << "run " << run;
+    for (AxisWay& each : ways) {
+      each.distance *= moving->stretch;
+      ASSERT_LE(each.distance, 4294967295.0) << "run " << run;
+      ASSERT_TRUE(keeps_limits(each, moving->times)) << "run " << run;
+    }
+  }
+}
+
+TEST(LineTimes, OfALineInMotionAreMissingBeyondTheRangeOfTheObject) {
+  const MotionLimits limits{.velocity = 1000, .acceleration = 1e9, .deceleration = 1e9};
+  EXPECT_TRUE(plan_moving_line(std::vector{way(4'294'900, limits)}));
+  EXPECT_FALSE(plan_moving_line(std::vector{way(4'294'968, limits)}));
+}
+
+TEST(LineTimes, OfALineInMotionGiveATimeThatCoversAStopAndTheWayBack) {
+  // Ramps of 0.1 s and 0.2 s, 1 /s. At 1 /s with the whole way left: 1 s and half of a ramp of 0.2
+  // s are the time itself. At 1 /s with no way left: 0.2 s for 0.1 of the way, and back with both
+  // ramps by a peak of sqrt(2·0.1·10·5/15) = 0.82 /s in 0.24 s.
+  const LineTimes times{.duration = microseconds{1'150'000},
+                        .acceleration = microseconds{100'000},
+                        .deceleration = microseconds{200'000}};
+  EXPECT_GE(longest_duration(times, 1.0, 1.0), microseconds{1'100'000});
+  EXPECT_GE(longest_duration(times, 0.0, 1.0), microseconds{440'000});
+  EXPECT_LE(longest_duration(times, 1.0, 1.0), microseconds{5'000'000});
+}
+
 TEST(LineTimes, OfNoDistanceAreZero) {
   const std::vector ways{way(0, {.velocity = 0, .acceleration = 1, .deceleration = 1})};
   const auto times = plan_line(ways, kPeriod);

@@ -32,6 +32,7 @@ inline constexpr ObjectAddress kOverCurrent{0x5E02, 0};
 inline constexpr ObjectAddress kPositiveLimit{0x5E06, 0};
 inline constexpr ObjectAddress kMoveDuration{0x5E10, 1};
 inline constexpr ObjectAddress kMoveJerkTime{0x5E10, 4};
+inline constexpr ObjectAddress kMoveReferenceWay{0x5E10, 5};
 inline constexpr ObjectAddress kProfileType{0x6086, 0};
 
 inline constexpr auto kRefusedInState = wire_code(AbortCode::refused_in_present_device_state);

@@ -222,6 +222,11 @@ std::optional<LineRequest> AxisGroup::State::next_request() {
   return next;
 }
 
+void AxisGroup::State::drop_queue() {
+  const std::scoped_lock lock(mutex);
+  queue.clear();
+}
+
 void AxisGroup::State::drop_all() {
   const std::scoped_lock lock(mutex);
   line.reset();

@@ -13,9 +13,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace vdrive::client {
 namespace {
@@ -34,6 +36,8 @@ constexpr ObjectAddress kAccelerationTime =
 constexpr ObjectAddress kDecelerationTime =
     vdrive::describe("synchronous_move_deceleration_time"_object).address;
 constexpr ObjectAddress kJerkTime = vdrive::describe("synchronous_move_jerk_time"_object).address;
+constexpr ObjectAddress kReferenceWay =
+    vdrive::describe("synchronous_move_reference_way"_object).address;
 
 /// What the times of a line depend on, in the order of LimitObject: kMoveBounds, then the others.
 constexpr std::array kOtherLimits{vdrive::describe("motor_speed_limit"_object).address,
@@ -46,7 +50,8 @@ constexpr std::array kOtherLimits{vdrive::describe("motor_speed_limit"_object).a
                                   vdrive::describe("motion_profile_type"_object).address,
                                   vdrive::describe("profile_jerk_use"_object).address,
                                   vdrive::describe("profile_jerk_1"_object).address,
-                                  vdrive::describe("profile_jerk_2"_object).address};
+                                  vdrive::describe("profile_jerk_2"_object).address,
+                                  vdrive::describe("habit_plan_from_rest"_object).address};
 
 constexpr auto kLimitObjects = [] {
   std::array<ObjectAddress, kMoveBounds.size() + kOtherLimits.size()> objects{};
@@ -73,6 +78,7 @@ enum LimitObject : std::size_t {
   profile_jerk_use,
   profile_jerk_1,
   profile_jerk_2,
+  habit_plan_from_rest,
 };
 
 /// A line is planned as on linear axes: on a modulo axis (607Bh) its target has to be a position
@@ -92,6 +98,14 @@ Outcome check_range(const std::string& axis, const std::vector<std::int64_t>& va
   return not_in_this_state(axis +
                            ": positioning_option_code (60F2h) chooses a direction, which a line "
                            "cannot keep; write it without bits 6 and 7");
+}
+
+/// A drive that forgets the speed of a moving axis leaves the line.
+Outcome check_habit(const std::string& axis, const std::vector<std::int64_t>& values) {
+  if (values[habit_plan_from_rest] == 0) return {};
+  return not_in_this_state(axis +
+                           ": habit_plan_from_rest (5E20h:0B) is 1, and has to be 0 for a line "
+                           "that starts in motion");
 }
 
 /// The limits of one axis as the drive applies them.
@@ -132,7 +146,7 @@ void add_target(msg::AxisCommand& command, std::int32_t target) {
 /// The whole handshake: bit 4 low, the set-point's edge with the common times, bit 4 low again. The
 /// drive latches the times with the edge; cleared, they do not outlast it.
 std::array<Round, 3> start_rounds(const AxesCall& call, const LineRequest& request,
-                                  const LineTimes& times) {
+                                  const LinePlan& plan) {
   std::array<Round, 3> rounds{call.round_of(kEnableOperation, every_axis),
                               call.round_of(kEnableOperation, every_axis),
                               call.round_of(kEnableOperation, every_axis)};
@@ -142,16 +156,25 @@ std::array<Round, 3> start_rounds(const AxesCall& call, const LineRequest& reque
     before.members(static_cast<std::uint16_t>(before.members() | msg::HAS_OP_MODE_CMD));
     before.op_mode_cmd(static_cast<std::int8_t>(OperatingMode::profile_position));
     msg::AxisCommand& edge = rounds[1].entries[place].command;
-    add_object(edge, kDuration, times.duration.count());
-    add_object(edge, kAccelerationTime, times.acceleration.count());
-    add_object(edge, kDecelerationTime, times.deceleration.count());
-    add_object(edge, kJerkTime, times.jerk.count());
+    add_object(edge, kDuration, plan.times.duration.count());
+    add_object(edge, kAccelerationTime, plan.times.acceleration.count());
+    add_object(edge, kDecelerationTime, plan.times.deceleration.count());
+    add_object(edge, kJerkTime, plan.times.jerk.count());
+    add_object(edge, kReferenceWay, plan.reference_ways[place]);
     add_target(edge, request.targets[place]);
     add_word(edge,
              kEnableOperation | Controlword::kNewSetPoint | Controlword::kChangeSetImmediately);
     add_object(rounds[2].entries[place].command, kDuration, 0);
+    add_object(rounds[2].entries[place].command, kReferenceWay, 0);
   }
   return rounds;
+}
+
+std::vector<std::int32_t> demands_of(std::span<const AxisSnapshot> axes) {
+  std::vector<std::int32_t> demands;
+  demands.reserve(axes.size());
+  for (const AxisSnapshot& axis : axes) demands.push_back(axis.status.position_demand_value);
+  return demands;
 }
 
 bool demand_arrived(const AxisSnapshot& axis, std::int32_t target) {
@@ -160,7 +183,8 @@ bool demand_arrived(const AxisSnapshot& axis, std::int32_t target) {
 
 }  // namespace
 
-Result<LineTimes> AxisGroup::State::times_of(AxesCall& call, const LineRequest& request) const {
+Result<std::vector<AxisWay>> AxisGroup::State::ways_of(AxesCall& call, const LineRequest& request,
+                                                       bool in_motion) const {
   const auto limits = call.read(kLimitObjects);
   if (!limits) return limits.outcome();
   std::vector<AxisWay> ways;
@@ -175,6 +199,9 @@ Result<LineTimes> AxisGroup::State::times_of(AxesCall& call, const LineRequest& 
           axis + ": the target " + std::to_string(target) + " is beyond its software limits");
     }
     if (Outcome within = check_range(axis, values, target); !within) return within;
+    if (in_motion) {
+      if (Outcome keeps = check_habit(axis, values); !keeps) return keeps;
+    }
     const auto bounds = std::span(values).first(kMoveBounds.size());
     if (Outcome moves = check_bounds(layout.axes[place], bounds); !moves) return moves;
     const MotionLimits own = limits_from(values, request);
@@ -183,8 +210,10 @@ Result<LineTimes> AxisGroup::State::times_of(AxesCall& call, const LineRequest& 
     ways.push_back(
         {.distance = std::abs(way) + kBesideDemand, .limits = own, .jerk = jerk_from(values)});
   }
-  const auto times = plan_line(ways, call.period());
-  if (times) return *times;
+  return ways;
+}
+
+Outcome AxisGroup::State::takes_too_long(std::span<const AxisWay> ways) const {
   const auto slowest = std::ranges::max_element(ways, {}, [](const AxisWay& way) {
     return way.distance / way.limits.velocity;
   });
@@ -193,28 +222,67 @@ Result<LineTimes> AxisGroup::State::times_of(AxesCall& call, const LineRequest& 
       " would take longer than a synchronous move can last, 4294 s");
 }
 
+Result<LinePlan> AxisGroup::State::plan_from_rest(AxesCall& call,
+                                                  const LineRequest& request) const {
+  const auto ways = ways_of(call, request, false);
+  if (!ways) return ways.outcome();
+  const auto times = plan_line(*ways, call.period());
+  if (!times) return takes_too_long(*ways);
+  return LinePlan{.times = *times,
+                  .reference_ways = std::vector<std::int64_t>(request.targets.size(), 0),
+                  .duration = times->duration,
+                  .course = {.origin = demands_of(call.snapshots()), .farthest = request.targets}};
+}
+
+/// In real time the axes are further on when the line starts: only its course counts, along which
+/// each axis plans from where it is then.
+Result<LinePlan> AxisGroup::State::plan_in_motion(AxesCall& call, const LineRequest& request) {
+  const std::vector<AxisSnapshot>& axes = call.snapshots();
+  const auto moving = line_in_hand();
+  auto course = continued_course(moving ? std::optional(moving->course) : std::nullopt, axes,
+                                 request.targets);
+  if (!course) return course.outcome();
+  auto ways = ways_of(call, request, true);
+  if (!ways) return ways.outcome();
+  const std::vector<double> along = ways_along(*course);
+  for (std::size_t place = 0; place < along.size(); ++place) {
+    (*ways)[place].distance = along[place];
+  }
+  const auto plan = plan_moving_line(*ways);
+  if (!plan) return takes_too_long(*ways);
+  LinePlan line{
+      .times = plan->times, .reference_ways = {}, .duration = {}, .course = std::move(*course)};
+  double left = 0.0;
+  double speed = 0.0;
+  for (std::size_t place = 0; place < along.size(); ++place) {
+    const double way = along[place] * plan->stretch;
+    const AxisStatus& status = axes[place].status;
+    const double ahead = static_cast<double>(request.targets[place]) - status.position_demand_value;
+    left = std::max(left, std::abs(ahead) / way);
+    speed = std::max(speed, std::abs(static_cast<double>(status.velocity_demand_value)) / way);
+    line.reference_ways.push_back(std::llround(way));
+  }
+  line.duration = longest_duration(plan->times, left, speed);
+  return line;
+}
+
 Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
   if (Outcome able = call.require(is_enabled, "a move", "Operation enabled"); !able) return able;
-  for (const AxisSnapshot& axis : call.snapshots()) {
-    if (axis.status.velocity_demand_value != 0) {
-      return not_in_this_state("axis " + to_string(axis.id) + " still moves");
-    }
-  }
-  const auto times = times_of(call, request);
-  if (!times) return times.outcome();
-  const Answers answers = call.exchange(start_rounds(call, request, *times), Timing::common_tick);
+  const auto plan = is_on_the_move(call.snapshots()) ? plan_in_motion(call, request)
+                                                     : plan_from_rest(call, request);
+  if (!plan) return plan.outcome();
+  const Answers answers = call.exchange(start_rounds(call, request, *plan), Timing::common_tick);
   if (answers.outcome && answers.ignored.empty()) {
-    LineInHand started{.starts = {},
-                       .targets = request.targets,
-                       .duration = times->duration,
-                       .start_tick = answers.tick};
-    for (const AxisSnapshot& axis : call.snapshots()) {
-      started.starts.push_back(axis.status.position_demand_value);
-    }
-    set_line(std::move(started));
+    set_line(LineInHand{.starts = demands_of(call.snapshots()),
+                        .targets = request.targets,
+                        .duration = plan->duration,
+                        .start_tick = answers.tick,
+                        .course = plan->course});
     return {};
   }
-  if (answers.outcome.kind() == OutcomeKind::lost) return call.stop_others(answers.outcome);
+  const bool is_lost = answers.outcome.kind() == OutcomeKind::lost;
+  if (is_lost || answers.tick != 0) set_line(std::nullopt);
+  if (is_lost) return call.stop_others(answers.outcome);
   if (answers.tick != 0) withdraw(call);
   if (!answers.outcome) return answers.outcome;
   return not_in_this_state("axis " + to_string(layout.axes[answers.ignored.front()]) +
@@ -223,13 +291,17 @@ Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
 }
 
 /// Takes back a start in which not every axis took part: the others get a set-point where they
-/// stand. The round that clears the common times may be the one that was refused: left in force,
-/// they would make the next set-point of the axis a synchronous one, also one of no length.
+/// stand, axes that moved before after a halt. The round that clears the common times may be the
+/// one that was refused: left in force, they would make the next set-point of the axis a
+/// synchronous one, also one of no length.
 void AxisGroup::State::withdraw(AxesCall& call) {
   Round halt = call.round_of(kHalt, every_axis);
-  for (Round::Entry& entry : halt.entries) add_object(entry.command, kDuration, 0);
+  for (Round::Entry& entry : halt.entries) {
+    add_object(entry.command, kDuration, 0);
+    add_object(entry.command, kReferenceWay, 0);
+  }
   const Answers halted = call.exchange({&halt, 1}, Timing::at_once);
-  if (!call.steps()) {
+  if (!call.steps() || is_on_the_move(call.snapshots())) {
     (void)call.await("standstill", halted.tick, [](const AxisSnapshot& axis) {
       return !is_enabled(axis) || stands_still(axis);
     });
@@ -277,7 +349,11 @@ Outcome AxisGroup::State::await_line(AxesCall& call, const GroupCallOptions& opt
 
 Outcome AxisGroup::State::run(AxesCall& call, const LineRequest& request,
                               const GroupCallOptions& options) {
-  drop_all();
+  if (is_on_the_move(call.snapshots())) {
+    drop_queue();  // refused, this line leaves the axes on the one in hand
+  } else {
+    drop_all();
+  }
   if (Outcome started = start(call, request); !started) return started;
   if (options.until == Until::done) return await_line(call, options, true);
   return call.await_enabled("the start", line_in_hand()->start_tick, every_axis);

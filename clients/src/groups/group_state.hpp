@@ -2,6 +2,7 @@
 #pragma once
 
 #include "calls/axes_call.hpp"
+#include "groups/line_course.hpp"
 #include "groups/line_times.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/client/axis_group.hpp"
@@ -14,6 +15,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -32,8 +34,17 @@ struct LineRequest {
 struct LineInHand {
   std::vector<std::int32_t> starts;
   std::vector<std::int32_t> targets;
-  std::chrono::microseconds duration{0};
-  std::uint64_t start_tick = 0;  ///< in which the set-points are in force
+  std::chrono::microseconds duration{0};  ///< at most, where the line started in motion
+  std::uint64_t start_tick = 0;           ///< in which the set-points are in force
+  LineCourse course;
+};
+
+/// What the axes get with their targets.
+struct LinePlan {
+  LineTimes times;
+  std::vector<std::int64_t> reference_ways;  ///< 5E10h:05 [UU]; each 0 from rest
+  std::chrono::microseconds duration{0};     ///< at most, where the line starts in motion
+  LineCourse course;
 };
 
 /// What is streamed: its mode, and the object that takes it.
@@ -91,7 +102,9 @@ struct AxisGroup::State {
   Result<LineRequest> request_of(const Eigen::VectorXd& targets,
                                  const GroupMoveOptions& options) const;
 
-  /// Hands a line to the axes, from rest; no time passes in lock-step.
+  /// Hands a line to the axes, from rest or along the line in hand; no time passes in lock-step
+  /// unless moving axes have to be halted again. The line in hand stays when it is refused before
+  /// anything is in force.
   Outcome start(AxesCall& call, const LineRequest& request);
 
   /// @return whether the demands have come to rest on their targets.
@@ -106,6 +119,7 @@ struct AxisGroup::State {
   [[nodiscard]] std::optional<LineInHand> line_in_hand();
   void set_line(std::optional<LineInHand> started);
   std::optional<LineRequest> next_request();
+  void drop_queue();
 
   /// Nothing is left to do: after a stop or a failure.
   void drop_all();
@@ -123,7 +137,13 @@ struct AxisGroup::State {
   void collect_rest() const;
 
  private:
-  Result<LineTimes> times_of(AxesCall& call, const LineRequest& request) const;
+  /// @return what the axes may do on their ways to the targets from where they are; the distances
+  ///         are for a line from rest.
+  Result<std::vector<AxisWay>> ways_of(AxesCall& call, const LineRequest& request,
+                                       bool in_motion) const;
+  [[nodiscard]] Outcome takes_too_long(std::span<const AxisWay> ways) const;
+  Result<LinePlan> plan_from_rest(AxesCall& call, const LineRequest& request) const;
+  Result<LinePlan> plan_in_motion(AxesCall& call, const LineRequest& request);
   static void withdraw(AxesCall& call);
 };
 

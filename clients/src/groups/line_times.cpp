@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 namespace vdrive::client {
 namespace {
@@ -14,6 +15,7 @@ using std::chrono::microseconds;
 constexpr double kMicrosecond = 1.0e-6;
 // What 5E10h holds.
 constexpr microseconds kLongest{std::numeric_limits<std::uint32_t>::max()};
+constexpr double kLongestWay = std::numeric_limits<std::uint32_t>::max();  // [UU]
 
 /// Limits of the path parameter [1/s, 1/s²].
 MotionLimits along_path(std::span<const AxisWay> ways) {
@@ -49,12 +51,17 @@ double jerk_time(double peak, const MotionLimits& path, const MotionJerk& jerk) 
                   of_ramp(path.deceleration, jerk.deceleration));
 }
 
-/// @return whether the ramps to `peak` and back leave room for it on the path.
-bool ramps_fit(double peak, const MotionLimits& path, const MotionJerk& jerk) {
+/// @return how much of the path the ramps to `peak` and back need.
+double way_of_ramps(double peak, const MotionLimits& path, const MotionJerk& jerk) {
   const double grows = jerk_time(peak, path, jerk);
   const double up = std::max(peak / path.acceleration + grows, 2.0 * grows);
   const double down = std::max(peak / path.deceleration + grows, 2.0 * grows);
-  return 0.5 * peak * (up + down) <= 1.0;
+  return 0.5 * peak * (up + down);
+}
+
+/// @return whether the ramps to `peak` and back leave room for it on the path.
+bool ramps_fit(double peak, const MotionLimits& path, const MotionJerk& jerk) {
+  return way_of_ramps(peak, path, jerk) <= 1.0;
 }
 
 /// @return the highest speed of the path parameter [1/s] whose ramps fit.
@@ -127,6 +134,38 @@ std::optional<LineTimes> plan_line(std::span<const AxisWay> ways, microseconds p
   while (times.duration <= kLongest && !std::ranges::all_of(ways, kept)) times.duration += period;
   if (times.duration > kLongest) return std::nullopt;
   return times;
+}
+
+std::optional<MovingTimes> plan_moving_line(std::span<const AxisWay> ways) {
+  // The duration ends nothing: whole ticks would only make it longer, and the axes slower.
+  constexpr microseconds kFinest{1};
+  const MotionLimits path = along_path(ways);
+  const double needed = way_of_ramps(path.velocity, path, jerk_along_path(ways));
+  const double longest = std::ranges::max_element(ways, {}, &AxisWay::distance)->distance;
+  // One more than needed: rounded up, the ramps get longer.
+  const double stretch =
+      std::max(1.0, std::min(std::floor(needed) + 1.0, std::floor(kLongestWay / longest)));
+  std::vector<AxisWay> stretched(ways.begin(), ways.end());
+  for (AxisWay& way : stretched) way.distance *= stretch;
+  const auto times = plan_line(stretched, kFinest);
+  if (!times) return std::nullopt;
+  return MovingTimes{.times = *times, .stretch = static_cast<std::uint32_t>(stretch)};
+}
+
+microseconds longest_duration(const LineTimes& times, double left, double speed) noexcept {
+  constexpr double kForever = 1.0e9;  // [s]; nanoseconds hold it, too
+  const auto seconds = [](microseconds time) {
+    return static_cast<double>(time.count()) * kMicrosecond;
+  };
+  const double ramps = seconds(times.acceleration + times.deceleration);
+  const double peak = 1.0 / (seconds(times.duration) - 0.5 * ramps);
+  // The speed may be above the peak, and grow for a while. In the worst case the axes stop, which
+  // takes `stop`, and come back from rest.
+  const double ratio = 1.0 + speed / peak;
+  const double stop = ratio * ramps;
+  const double back = left + ratio * peak * stop;
+  const double longest = std::min(stop + ramps + back / peak, kForever);
+  return microseconds{static_cast<std::int64_t>(longest / kMicrosecond) + 1};
 }
 
 }  // namespace vdrive::client

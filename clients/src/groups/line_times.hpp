@@ -5,6 +5,7 @@
 #include "vdrive/motion/profile.hpp"
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -36,6 +37,26 @@ struct LineTimes {
 ///         duration exceeds what 5E10h can hold, 2^32 - 1 us
 [[nodiscard]] std::optional<LineTimes> plan_line(std::span<const AxisWay> ways,
                                                  std::chrono::microseconds period);
+
+/// Common times of a line that starts in motion, of ways that are `stretch` times as long.
+struct MovingTimes {
+  LineTimes times;
+  std::uint32_t stretch = 1;
+};
+
+/// Times from which the highest speed, ramps and jerk follow that all axes can share in any state,
+/// as 5E10h:05 takes them: `ways` only have the proportions of the line, and are stretched until
+/// the ramps to the full speed fit, as far as 5E10h:05 can hold them. The way that is left and the
+/// speed of the axes do not count.
+/// @param ways each whole and at least 1 UU
+/// @return nothing where plan_line() of the stretched ways has nothing
+[[nodiscard]] std::optional<MovingTimes> plan_moving_line(std::span<const AxisWay> ways);
+
+/// An estimate from above of how long a line takes that starts in motion.
+/// @param left of the way to the target, and `speed` [1/s], both in stretched ways and without a
+///        sign
+[[nodiscard]] std::chrono::microseconds longest_duration(const LineTimes& times, double left,
+                                                         double speed) noexcept;
 
 /// @return whether an axis that goes its way in these times stays within its limits.
 [[nodiscard]] bool keeps_limits(const AxisWay& way, const LineTimes& times) noexcept;

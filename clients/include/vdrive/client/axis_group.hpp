@@ -134,14 +134,18 @@ class AxisGroup {
 
   /// A straight line in axis space to absolute positions [UU, rounded to whole ones]
   /// (MC_MoveLinearAbsolute): all axes start on one tick, keep the proportions of their ways and
-  /// arrive on one tick, the slowest at its limit. Starts from rest; drops the queue.
+  /// arrive on one tick, the slowest at its limit. Starts from rest, or while the axes move along a
+  /// line of this group to a target that lies on that line too: further on, a stop before its end,
+  /// or back. Drops the queue.
   ///
-  /// The times are chosen for ways that are half a unit longer: an axis at rest may stand up to
-  /// half a unit beside the position that 6062h shows.
-  /// @return refused, with nothing moved, when an axis cannot take part: not enabled, moving,
-  ///         beyond its software limits, or a move of more than 4294 s. Where an axis ignores its
-  ///         set-point the others are stopped before the tick in lock-step, and halted in real
-  ///         time.
+  /// From rest the times are chosen for ways that are half a unit longer: an axis at rest may stand
+  /// up to half a unit beside the position that 6062h shows. In motion the axes stay on their line
+  /// and arrive together up to the rounding to whole units.
+  /// @return refused, with nothing changed, when an axis cannot take part: not enabled, beyond its
+  ///         software limits, a move of more than 4294 s, or in motion and not on one line with the
+  ///         target: the message has what is beside the line, and what the line has there. Where
+  ///         an axis ignores its set-point the others are stopped before the tick in lock-step,
+  ///         and halted in real time or where they moved.
   Outcome move_together(const Eigen::VectorXd& targets, const GroupMoveOptions& options = {});
 
   /// The same by displacements from the demand positions (MC_MoveLinearRelative).

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "groups/line_course.hpp"
+
+#include "calls/axes_call.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+// Targets that are rounded to whole units lie this far beside a line at most [UU].
+constexpr double kTargetRounding = 1.0;
+
+// Demands lie further beside it: each is rounded, the axes may have begun half a unit beside their
+// origin, and the course may have changed by the rounding of its target [UU].
+constexpr double kDemandRounding = 3.0;
+
+/// The axis with the longest way, which is the measure of the others.
+class Measure {
+ public:
+  explicit Measure(const LineCourse& course) : course_(course) {
+    for (std::size_t place = 1; place < course.origin.size(); ++place) {
+      if (std::abs(way(place)) > std::abs(way(longest_))) longest_ = place;
+    }
+  }
+
+  /// @return the way [UU] of the axis at `place`.
+  [[nodiscard]] double way(std::size_t place) const {
+    return static_cast<double>(course_.farthest[place]) - course_.origin[place];
+  }
+
+  [[nodiscard]] std::size_t longest() const { return longest_; }
+
+  /// @return how many ways the axis with the longest way has gone at `position` [UU].
+  [[nodiscard]] double share(double position) const {
+    return of_way(position - course_.origin[longest_]);
+  }
+
+  /// @return `value` of the axis with the longest way as a part of its way.
+  [[nodiscard]] double of_way(double value) const {
+    const double measure = way(longest_);
+    return measure == 0.0 ? 0.0 : value / measure;
+  }
+
+  /// @return where the axis at `place` is at this share of its way [UU].
+  [[nodiscard]] double position(std::size_t place, double share) const {
+    return course_.origin[place] + share * way(place);
+  }
+
+ private:
+  const LineCourse& course_;
+  std::size_t longest_ = 0;
+};
+
+/// What one axis has, and what the line has in its place.
+struct OnLine {
+  std::string_view what;  ///< with its object
+  std::string_view unit;
+  std::int32_t value = 0;
+  double of_line = 0.0;
+  double rounding = 0.0;  ///< that is allowed
+};
+
+Outcome check_on_line(const AxisId& axis, const OnLine& seen) {
+  constexpr double kNoise = 1.0e-6;  // of the calculation
+  if (std::abs(seen.value - seen.of_line) <= seen.rounding + kNoise) return {};
+  const std::string unit = " " + std::string(seen.unit);
+  return not_in_this_state("axis " + to_string(axis) + ": its " + std::string(seen.what) + " is " +
+                           std::to_string(seen.value) + unit +
+                           ", where the line that the axes move along has " +
+                           std::to_string(std::llround(seen.of_line)) + unit + ", give or take " +
+                           std::to_string(std::llround(std::floor(seen.rounding))) +
+                           ": a line starts from rest, or goes on along the one in hand");
+}
+
+Outcome check_motion(const Measure& measure, std::span<const AxisSnapshot> axes) {
+  const AxisStatus& first = axes[measure.longest()].status;
+  const double share = measure.share(first.position_demand_value);
+  const double speed = measure.of_way(first.velocity_demand_value);  // [1/s]
+  for (std::size_t place = 0; place < axes.size(); ++place) {
+    const AxisStatus& status = axes[place].status;
+    Outcome velocity =
+        check_on_line(axes[place].id, {.what = "velocity demand (606Bh)",
+                                       .unit = "UU/s",
+                                       .value = status.velocity_demand_value,
+                                       .of_line = speed * measure.way(place),
+                                       .rounding = 1.0 + kDemandRounding * std::abs(speed)});
+    if (!velocity) return velocity;
+    Outcome position = check_on_line(axes[place].id, {.what = "position demand (6062h)",
+                                                      .unit = "UU",
+                                                      .value = status.position_demand_value,
+                                                      .of_line = measure.position(place, share),
+                                                      .rounding = kDemandRounding});
+    if (!position) return position;
+  }
+  return {};
+}
+
+/// Beyond its farthest target a line is known less exactly, by as much as that is rounded.
+Outcome check_targets(const Measure& measure, std::span<const AxisSnapshot> axes,
+                      std::span<const std::int32_t> targets) {
+  const double share = measure.share(targets[measure.longest()]);
+  for (std::size_t place = 0; place < axes.size(); ++place) {
+    Outcome target = check_on_line(axes[place].id,
+                                   {.what = "target (607Ah)",
+                                    .unit = "UU",
+                                    .value = targets[place],
+                                    .of_line = measure.position(place, share),
+                                    .rounding = kTargetRounding * std::max(1.0, std::abs(share))});
+    if (!target) return target;
+  }
+  return {};
+}
+
+}  // namespace
+
+bool is_on_the_move(std::span<const AxisSnapshot> axes) noexcept {
+  return std::ranges::any_of(axes, [](const AxisSnapshot& axis) {
+    return axis.status.velocity_demand_value != 0;
+  });
+}
+
+Result<LineCourse> continued_course(const std::optional<LineCourse>& in_hand,
+                                    std::span<const AxisSnapshot> axes,
+                                    std::span<const std::int32_t> targets) {
+  if (!in_hand) {
+    const auto moving = std::ranges::find_if(axes, [](const AxisSnapshot& axis) {
+      return axis.status.velocity_demand_value != 0;
+    });
+    return not_in_this_state("axis " + to_string(moving->id) +
+                             " still moves: its velocity demand (606Bh) is " +
+                             std::to_string(moving->status.velocity_demand_value) +
+                             " UU/s, and has to be 0 where no line of this group is in hand");
+  }
+  const Measure measure(*in_hand);
+  if (Outcome moves = check_motion(measure, axes); !moves) return moves;
+  if (Outcome leads = check_targets(measure, axes, targets); !leads) return leads;
+  LineCourse course = *in_hand;
+  if (std::abs(measure.share(targets[measure.longest()])) > 1.0) {
+    course.farthest.assign(targets.begin(), targets.end());
+  }
+  return course;
+}
+
+std::vector<double> ways_along(const LineCourse& course) {
+  const Measure measure(course);
+  std::vector<double> ways;
+  for (std::size_t place = 0; place < course.origin.size(); ++place) {
+    // Also an axis without a way needs one: with 0 it would have to be at rest (5E10h:05).
+    ways.push_back(std::max(1.0, std::abs(measure.way(place))));
+  }
+  return ways;
+}
+
+}  // namespace vdrive::client
