@@ -7,6 +7,7 @@
 
 #include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -338,6 +339,57 @@ TEST(RotaryDirection, IsNothingToARelativeTargetWhoseSignIsItsDirection) {
     ASSERT_NO_FATAL_FAILURE(follow_set_point(axis, 0x005F, way));
     EXPECT_EQ(way.units(), distance);
   }
+}
+
+/// Weak loops lag behind while the axis accelerates: target, demand and actual position differ.
+TEST(RotaryDirection, LeavesTheBaseOfARelativeTargetToBits0And1) {
+  for (const std::int64_t option : {0, 1, 2}) {
+    SCOPED_TRACE(option);
+    AxisConfiguration configuration = table_at(0);
+    configuration.model.position_loop_bandwidth = 2.0;
+    configuration.model.velocity_loop_bandwidth = 10.0;
+    AxisUnderTest axis(configuration);
+    axis.write("positioning_option_code", option + 64);
+    axis.enable();
+    axis.write("position_user_target_value", 3'000);
+    axis.command(0x007F);
+    axis.step(60);
+    axis.command(0x000F);
+    const std::array<std::int64_t, 3> bases{3'000, axis.demand(), axis.actual()};
+    ASSERT_NE(bases[1], bases[2]);
+    axis.write("position_user_target_value", 500);
+    axis.command(0x007F);
+    ASSERT_NE(axis.step_until(
+                  [&axis] {
+                    return axis.reached();
+                  },
+                  20'000),
+              0U);
+    EXPECT_EQ(axis.demand(), bases.at(static_cast<std::size_t>(option)) + 500);
+  }
+}
+
+TEST(RotaryDirection, OfABufferedTargetIsThatOfItsEdge) {
+  AxisUnderTest axis(table_at(0));
+  axis.enable();
+  Way way(axis);
+  axis.write("positioning_option_code", kPositive);
+  axis.write("position_user_target_value", 1'000);
+  axis.command(0x001F);
+  way.note();
+  axis.command(0x000F);
+  way.note();
+  axis.write("positioning_option_code", kNegative);
+  axis.write("position_user_target_value", 2'000);
+  axis.command(0x001F);
+  way.note();
+  axis.write("positioning_option_code", kShortest);
+  for (int ticks = 0; ticks < 5'000 && !axis.reached(); ++ticks) {
+    axis.step();
+    way.note();
+  }
+  EXPECT_EQ(axis.demand(), 2'000);
+  EXPECT_EQ(way.units(), 1'000 - 3'096) << "the shorter way from 1000 were 1000 forward";
 }
 
 TEST(RotaryDirection, IsWithoutEffectOnceTheRangeIsGone) {

@@ -587,6 +587,24 @@ TEST_F(ProfilePosition, ABufferedRelativeMoveCountsFromTheMomentItBecomesActive)
   }
 }
 
+TEST_F(ProfilePosition, ABufferedRelativeMoveKeepsThe60F2hOfItsEdge) {
+  axis.write("following_error_window", 0xFFFFFFFF);
+  axis.write("position_target_reached_window", 0xFFFFFFFF);  // reached where the profile ends
+  axis.write("positioning_option_code", 0);
+  axis.enable();
+  axis.write("test_blocked_load", 1);  // 6064h stays 0
+  axis.write("position_user_target_value", 10'000);
+  axis.command(0x001F);
+  axis.command(0x000F);
+  axis.write("position_user_target_value", 5'000);
+  axis.command(0x005F);
+  axis.write("positioning_option_code", 2);
+  axis.command(0x000F);
+  run_to_target();
+  EXPECT_EQ(axis.actual(), 0);
+  EXPECT_EQ(axis.demand(), 15'000) << "from the target before, not from 6064h";
+}
+
 TEST_F(ProfilePosition, ARelativeMoveOf0DoesNotRun) {
   axis.enable();
   axis.write("position_user_target_value", 0);

@@ -3,6 +3,7 @@
 
 #include "vdrive/cia402/homing_method.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
+#include "vdrive/cia402/positioning_option.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <algorithm>
@@ -30,9 +31,6 @@ bool is_judged_by_meaning(ObjectRow row) {
   return row == "error_history_count"_object || row == "homing_method"_object ||
          row == "motion_profile_type"_object || row == "profile_jerk_use"_object;
 }
-
-/// Bits 6 and 7 of 60F2h, the rotary axis direction option of CiA 402-2.
-constexpr std::int64_t kDirectionBits = 0x00C0;
 
 bool is_within_type(ObjectRow row, std::int64_t value) {
   const TypeRange type = range_of(describe(row).data_type);
@@ -194,7 +192,8 @@ AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept {
 AbortCode check_value_on_modulo_axis(ObjectRow row, std::int64_t value) noexcept {
   const bool may_have_direction =
       row == "positioning_option_code"_object && is_within_type(row, value);
-  return check_object_value(row, may_have_direction ? value & ~kDirectionBits : value);
+  return check_object_value(
+      row, may_have_direction ? value & ~PositioningOption::kDirectionBits : value);
 }
 
 std::vector<std::int64_t> few_values(ObjectRow row) {

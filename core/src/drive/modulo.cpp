@@ -5,6 +5,7 @@
 #include "drive/registers.hpp"
 #include "drive/stops.hpp"
 #include "rounding.hpp"
+#include "vdrive/cia402/positioning_option.hpp"
 
 #include <cmath>
 #include <cstddef>
@@ -13,19 +14,14 @@
 namespace vdrive {
 namespace {
 
-using namespace vdrive::literals;
-
-/// Bits 6 and 7 of 60F2h, the rotary axis direction option of CiA 402-2.
+/// The values of bits 6 and 7 of 60F2h.
 enum class RotaryDirection : std::uint8_t { as_linear, negative, positive, shortest };
 
-constexpr unsigned kFirstDirectionBit = 6;
-constexpr std::int64_t kDirectionMask = 3;
-
 /// Bits that an axis kept from before it lost its range mean nothing.
-RotaryDirection direction_of(const Drive& drive) {
+RotaryDirection direction_of(const Drive& drive, std::int64_t option) {
   if (!is_modulo(drive) || drive.state().limits.enabled) return RotaryDirection::as_linear;
-  const std::int64_t option = reg(drive, "positioning_option_code"_object);
-  return static_cast<RotaryDirection>((option >> kFirstDirectionBit) & kDirectionMask);
+  return static_cast<RotaryDirection>((option & PositioningOption::kDirectionBits) >>
+                                      PositioningOption::kFirstDirectionBit);
 }
 
 /// Where the demand would come to rest, whole: a part of a unit is no reason for a turn.
@@ -54,8 +50,9 @@ void fold_numbers(const Drive& drive, NumberBlock& numbers) noexcept {
   }
 }
 
-double target_on_range(const Drive& drive, double target, double deceleration) {
-  const RotaryDirection direction = direction_of(drive);
+double target_on_range(const Drive& drive, double target, std::int64_t option,
+                       double deceleration) {
+  const RotaryDirection direction = direction_of(drive, option);
   if (direction == RotaryDirection::as_linear) return target;
   const double span = drive.registers().range.span;
   const double ranges = (target - place_of_rest(drive, deceleration)) / span;

@@ -4,6 +4,8 @@
 #include "drive/block.hpp"
 #include "drive/state.hpp"
 
+#include <cstdint>
+
 namespace vdrive {
 
 // What the position range 607Bh means to a modulo axis.
@@ -13,10 +15,12 @@ namespace vdrive {
 void fold_numbers(const Drive& drive, NumberBlock& numbers) noexcept;
 
 /// @param target absolute [UU], by 607Ah
+/// @param option 60F2h, as the set-point has latched it
 /// @param deceleration of the next stop [UU/s²]
-/// @return where the set-point leads, in the frame of the demand [UU]: by bits 6 and 7 of 60F2h, as
-///         seen from where the demand would come to rest; without them, and where software limits
-///         are in force, `target` itself.
-[[nodiscard]] double target_on_range(const Drive& drive, double target, double deceleration);
+/// @return where the set-point leads, in the frame of the demand [UU]: by bits 6 and 7 of `option`,
+///         as seen from where the demand would come to rest; without them, and where software
+///         limits are in force, `target` itself.
+[[nodiscard]] double target_on_range(const Drive& drive, double target, std::int64_t option,
+                                     double deceleration);
 
 }  // namespace vdrive

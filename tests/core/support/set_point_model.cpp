@@ -17,6 +17,7 @@ namespace {
 struct ModelSetPoint {
   std::int64_t value = 0;
   double velocity = 0.0;
+  std::int64_t option = 2;
   bool relative = false;
 };
 
@@ -226,7 +227,7 @@ class Model {
   }
 
   void set_point(std::uint16_t word, bool accepting) {
-    const ModelSetPoint latched{target_register_, velocity_register_, (word & 0x40U) != 0};
+    const ModelSetPoint latched{target_register_, velocity_register_, option_, (word & 0x40U) != 0};
     note("relative set-point", accepting && latched.relative);
     if (!accepting) {
       ++ignored_;
@@ -252,7 +253,7 @@ class Model {
     if (next.relative) {
       const std::array<double, 3> bases{target_, std::nearbyint(x_),
                                         static_cast<double>(axis_.actual())};
-      base = bases[static_cast<std::size_t>(option_)];
+      base = bases[static_cast<std::size_t>(next.option)];
     }
     target_ = base + static_cast<double>(next.value);
     set_point_velocity_ = next.velocity;

@@ -15,8 +15,9 @@ struct SetPoint {
   std::uint32_t synchronous_move_deceleration_time = 0;  ///< 5E10h:03 [us]
   std::uint32_t synchronous_move_jerk_time = 0;          ///< 5E10h:04 [us], 0 = no limit
   std::uint32_t synchronous_move_reference_way = 0;      ///< 5E10h:05 [user units], 0 = from rest
+  std::uint16_t positioning_option_code = 0;             ///< 60F2h
   bool relative = false;                                 ///< controlword bit 6
-  std::array<std::uint8_t, 3> unused{};  ///< no byte without a value: snapshots have this
+  std::array<std::uint8_t, 1> unused{};  ///< no byte without a value: snapshots have this
 };
 
 /// What became of a written controlword.

@@ -7,9 +7,11 @@
 #include "drive/stops.hpp"
 #include "drive/window.hpp"
 #include "rounding.hpp"
+#include "vdrive/cia402/positioning_option.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
 #include <algorithm>
+#include <cstdint>
 
 namespace vdrive {
 namespace {
@@ -30,12 +32,14 @@ SetPoint candidate(const Drive& drive) {
           .synchronous_move_jerk_time = unsigned_reg(drive, "synchronous_move_jerk_time"_object),
           .synchronous_move_reference_way =
               unsigned_reg(drive, "synchronous_move_reference_way"_object),
+          .positioning_option_code =
+              static_cast<std::uint16_t>(reg(drive, "positioning_option_code"_object)),
           .relative = (drive.state().controlword & Controlword::kRelative) != 0};
 }
 
-/// 60F2h: what a relative set-point counts from (bits 0 and 1).
-double relative_base(const Drive& drive) {
-  switch (reg(drive, "positioning_option_code"_object)) {
+/// What a relative set-point with this 60F2h counts from: bits 0 and 1, whatever the direction.
+double relative_base(const Drive& drive, std::int64_t option) {
+  switch (option & PositioningOption::kRelativeBits) {
     case 0:
       return drive.state().target.position;
     case 1:
@@ -49,10 +53,11 @@ double relative_base(const Drive& drive) {
 /// modulo axis.
 double target_of(const Drive& drive, const SetPoint& set_point) {
   const auto value = static_cast<double>(set_point.position_user_target_value);
+  const std::int64_t option = set_point.positioning_option_code;
   const double target =
       set_point.relative
-          ? relative_base(drive) + value
-          : target_on_range(drive, value, deceleration_of(drive, "profile_dec"_object));
+          ? relative_base(drive, option) + value
+          : target_on_range(drive, value, option, deceleration_of(drive, "profile_dec"_object));
   return within_software_limits(drive, target);
 }
 
