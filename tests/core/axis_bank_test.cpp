@@ -431,6 +431,32 @@ TEST(AxisBank, RefusesBytesWithAModeThatTheDriveDoesNotHave) {
   }
 }
 
+TEST(AxisBank, RefusesBytesWithAHomingRunByAMethodThatTheDriveDoesNotHave) {
+  const AxisBank bank(mixed_axes(1), microseconds{1000});
+  const auto bytes_of_run = [](std::int64_t method) {
+    AxisBank homing(mixed_axes(1), microseconds{1000});
+    homing.write(0, {0x6060, 0}, 6);
+    homing.write(0, {0x6040, 0}, 0x0F);
+    homing.step();
+    homing.write(0, {0x6098, 0}, method);
+    homing.write(0, {0x6040, 0}, 0x1F);
+    return homing.snapshot().bytes();
+  };
+  const auto one = bytes_of_run(1);
+  const auto two = bytes_of_run(2);
+  EXPECT_NO_THROW(static_cast<void>(bank.snapshot_from(two)));
+  for (const int method : {0, 15, 36, -5}) {
+    auto forged = two;
+    // What differs is the method: its register, and that of the run.
+    for (std::size_t i = 0; i < forged.size(); ++i) {
+      if (one[i] == std::byte{1} && two[i] == std::byte{2}) {
+        forged[i] = static_cast<std::byte>(method);
+      }
+    }
+    EXPECT_THROW(static_cast<void>(bank.snapshot_from(forged)), std::invalid_argument) << method;
+  }
+}
+
 TEST(AxisBank, SavesIntoASnapshotWithoutAllocation) {
   AxisBank bank(mixed_axes(13), microseconds{1000});
   AxisBank::Snapshot snapshot = bank.snapshot();

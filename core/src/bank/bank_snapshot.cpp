@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bank/bank_state.hpp"
+#include "vdrive/cia402/homing_method.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
@@ -37,6 +38,11 @@ bool AxisBank::State::is_sound() const {
     return is_operating_mode(static_cast<std::int64_t>(drive.mode.actual)) &&
            is_operating_mode(static_cast<std::int64_t>(drive.mode.wanted));
   });
+  const bool has_methods = std::ranges::all_of(drive_states, [](const DriveState& drive) {
+    const HomingState& homing = drive.modes.homing;
+    const bool runs = homing.stage != HomingStage::idle && homing.stage != HomingStage::failed;
+    return !runs || find_homing_method(homing.method) != nullptr;
+  });
   const bool has_segments =
       std::ranges::all_of(drive_registers, [](const DriveRegisters& registers) {
         return registers.profile.segment_count() <= Profile::kMaximumSegments &&
@@ -50,7 +56,7 @@ bool AxisBank::State::is_sound() const {
     const std::uint64_t hot = block.effects == kNoEffects ? 0U : effects[block.effects].state.hot;
     return (lanes | hot) >> block.count == 0;
   });
-  return inside(rigid) && inside(elastic) && has_modes && has_segments && has_lanes;
+  return inside(rigid) && inside(elastic) && has_modes && has_methods && has_segments && has_lanes;
 }
 
 AxisBank::Snapshot AxisBank::snapshot() const {

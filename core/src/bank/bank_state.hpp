@@ -112,8 +112,8 @@ struct AxisBank::State {
   /// follows from the configuration is left out.
   template <typename Visit>
   void for_each_part(Visit visit);
-  /// Whether no index leads outside of a pool, of the table of modes, of the segments of a plan or
-  /// of the lanes of a block; for state that comes from a file.
+  /// Whether no index leads outside of a pool, of the tables of modes and of homing methods, of the
+  /// segments of a plan or of the lanes of a block; for state that comes from a file.
   [[nodiscard]] bool is_sound() const;
 
   // bank_blocks.cpp: axes become lanes of blocks
