@@ -27,7 +27,7 @@ struct Mode {
   /// Command: a controlword was written.
   void (*command)(Drive& drive, const WrittenControlword& word) = nullptr;
 
-  /// Command: 607Ah, 60FFh, 6071h, 60C1h:01 or an offset (60B0h, 60B1h, 60B2h) was written.
+  /// Command: 607Ah, 6042h, 60FFh, 6071h, 60C1h:01 or an offset (60B0h, 60B1h, 60B2h) was written.
   void (*take_target)(Drive& drive, ObjectRow row) = nullptr;
 
   /// Command, before the drive asks for a motion: readings of the last tick take the mode on, a

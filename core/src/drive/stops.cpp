@@ -50,13 +50,17 @@ MotionRequest profile_stop(const Drive& drive, ObjectRow row) {
   return request;
 }
 
-MotionRequest release_torque(const Drive& drive) {
+MotionRequest torque_to(const Drive& drive, double target) {
   return {.kind = MotionRequest::Kind::torque,
           .control = ControlLoop::torque,
-          .target = 0.0,
+          .target = target,
           .limits = {.velocity = 0.0,
                      .acceleration = std::max(real(drive, "torque_slope"_object), 1.0),
                      .deceleration = 1.0}};
+}
+
+MotionRequest release_torque(const Drive& drive) {
+  return torque_to(drive, 0.0);
 }
 
 MotionRequest limit_switch_stop(const Drive& drive) {

@@ -27,8 +27,10 @@ namespace vdrive {
 /// @return the same by the profile of 6086h.
 [[nodiscard]] MotionRequest profile_stop(const Drive& drive, ObjectRow row);
 
-/// @return the normal stop of the modes that command a torque: it is taken back with 6087h; 0
-///         counts as 1.
+/// @return the ramp of the torque to `target` [‰ of rated] with 6087h; 0 counts as 1.
+[[nodiscard]] MotionRequest torque_to(const Drive& drive, double target);
+
+/// @return the normal stop of the modes that command a torque: it is taken back with 6087h.
 [[nodiscard]] MotionRequest release_torque(const Drive& drive);
 
 /// @return the stop that a limit switch demands: with 6085h.

@@ -6,7 +6,7 @@
 #include "drive/window.hpp"
 #include "rounding.hpp"
 
-#include <algorithm>
+#include <cstdint>
 
 namespace vdrive {
 namespace {
@@ -25,16 +25,6 @@ void advance(Drive& drive) {
   heed_limit_switch(drive, drifts ? actual_velocity(drive) : target);
 }
 
-/// To `target` by the slope 6087h; 0 counts as 1.
-MotionRequest torque_to(const Drive& drive, double target) {
-  return {.kind = MotionRequest::Kind::torque,
-          .control = ControlLoop::torque,
-          .target = within_torque_limits(drive, target),
-          .limits = {.velocity = 0.0,
-                     .acceleration = std::max(real(drive, "torque_slope"_object), 1.0),
-                     .deceleration = 1.0}};
-}
-
 /// A limit switch is stronger than halt.
 MotionRequest ask(const Drive& drive) {
   if (drive.state().target.given_up || drifts_into_limit_switch(drive)) {
@@ -43,7 +33,7 @@ MotionRequest ask(const Drive& drive) {
   if (halted(drive)) {
     return stop_by_option(drive, reg(drive, "halt_option_code"_object), release_torque(drive));
   }
-  return torque_to(drive, real(drive, "target_torque"_object));
+  return torque_to(drive, within_torque_limits(drive, real(drive, "target_torque"_object)));
 }
 
 /// Bit 10: the torque command has arrived at 6071h; neither a limit nor a stop keeps it away.
