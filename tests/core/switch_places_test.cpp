@@ -69,6 +69,34 @@ TEST(SwitchPlaces, MakeTheInputsFollowThePosition) {
   ASSERT_EQ(axis.actual(), 11'900);
 }
 
+// A table of 4096 UU a turn, which starts at 500 and goes on in one direction.
+TEST(SwitchPlaces, OfAHomeSwitchAreInEachTurnOfAModuloAxis) {
+  for (const int sign : {1, -1}) {
+    AxisConfiguration configuration;
+    configuration.initial_position = 500;
+    configuration.parameters = {{AxisUnderTest::address_of("max_position_range_limit"), 4'096}};
+    AxisUnderTest axis(configuration);
+    axis.write("test_switch_home", 3'000);
+    axis.write("test_switch_home_length", 200);
+    axis.write("op_mode_cmd", 3);
+    axis.command(0x000F);
+    axis.write("target_velocity", sign * 20'000);
+    int seen = 0;
+    bool is_on = false;
+    for (int tick = 0; tick < 1'000; ++tick) {
+      axis.step();
+      const std::int32_t actual = axis.actual();
+      const bool was_on = is_on;
+      is_on = axis.read("digital_inputs") == kHomeSwitch;
+      seen += is_on && !was_on ? 1 : 0;
+      if (actual == 3'000 || actual == 3'200) continue;  // at the edge itself either is right
+      ASSERT_EQ(is_on, actual > 3'000 && actual < 3'200) << actual;
+    }
+    // 1 s at 20000 UU/s, less the half of the ramp of 0.05 s: 19500 UU, 4.7 turns.
+    EXPECT_EQ(seen, 5);
+  }
+}
+
 TEST(SwitchPlaces, AreSeenWithoutPowerToo) {
   AxisUnderTest axis;
   axis.write("test_switch_negative_limit", -1'000);

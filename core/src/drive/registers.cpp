@@ -53,18 +53,26 @@ double machine_position(const Drive& drive) {
              : servo.load_position[l] - r.origins.load;
 }
 
+/// A modulo axis comes to the place of its home switch in each turn of its range.
+/// @return whether the home switch has a place, and is active at `position`.
+bool is_on_home_switch(const Drive& drive, double position) {
+  const double begin = real(drive, "test_switch_home"_object);
+  const double length = real(drive, "test_switch_home_length"_object);
+  const double span = drive.registers().range.span;
+  const double place =
+      span > 0.0 ? position - span * floor_of((position - begin) / span) : position;
+  return length != 0.0 && place >= begin && place <= begin + length;
+}
+
 /// @return the bits of 60FDh of the switches with a place.
 unsigned switches_at(const Drive& drive, double position) {
   const TypeRange none = range_of(DataType::integer32);
   const std::int64_t negative = reg(drive, "test_switch_negative_limit"_object);
   const std::int64_t positive = reg(drive, "test_switch_positive_limit"_object);
-  const double home = real(drive, "test_switch_home"_object);
-  const double length = real(drive, "test_switch_home_length"_object);
   const bool is_negative = negative != none.lowest && position <= static_cast<double>(negative);
   const bool is_positive = positive != none.highest && position >= static_cast<double>(positive);
-  const bool is_home = length != 0.0 && position >= home && position <= home + length;
   return (is_negative ? kNegativeLimitInput : 0U) | (is_positive ? kPositiveLimitInput : 0U) |
-         (is_home ? kHomeInput : 0U);
+         (is_on_home_switch(drive, position) ? kHomeInput : 0U);
 }
 
 /// 607Bh makes a modulo axis of one whose limits are in order. The whole range of the register is
@@ -86,8 +94,8 @@ void update_range(Drive& drive) {
 
 void update_derived(Drive& drive) noexcept {
   update_windows(drive);
-  update_limits(drive);
   update_range(drive);
+  update_limits(drive);
   DriveState& s = drive.state();
   drive.block().units.rated_current[drive.lane()] = real(drive, "motor_rated_current"_object);
   drive.servo().blocked[drive.lane()] = reg(drive, "test_blocked_load"_object) != 0 ? 1.0 : 0.0;
