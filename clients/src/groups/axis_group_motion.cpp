@@ -6,6 +6,7 @@
 #include "calls/axes_stop.hpp"
 #include "calls/profile_move.hpp"
 #include "groups/group_state.hpp"
+#include "vdrive/cia402/positioning_option.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/plant/axis_model.hpp"
 
@@ -85,7 +86,6 @@ enum LimitObject : std::size_t {
 /// that 6062h can show, and its way the difference of two such positions.
 Outcome check_range(const std::string& axis, const std::vector<std::int64_t>& values,
                     std::int64_t target) {
-  constexpr std::int64_t kDirectionBits = 0xC0;  // of 60F2h
   if (values[range_begin] >= values[range_end]) return {};
   if (target < values[range_begin] || target >= values[range_end]) {
     return Outcome::refused(wire_code(AbortCode::value_range_exceeded),
@@ -94,7 +94,7 @@ Outcome check_range(const std::string& axis, const std::vector<std::int64_t>& va
                                 std::to_string(values[range_begin]) + " to below " +
                                 std::to_string(values[range_end]));
   }
-  if ((values[positioning_option] & kDirectionBits) == 0) return {};
+  if ((values[positioning_option] & PositioningOption::kDirectionBits) == 0) return {};
   return not_in_this_state(axis +
                            ": positioning_option_code (60F2h) chooses a direction, which a line "
                            "cannot keep; write it without bits 6 and 7");
