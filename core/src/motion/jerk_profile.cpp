@@ -22,9 +22,8 @@
 // With one jerk the change to +V is never behind any other motion from this start, and, with the
 // time reversed, no motion that is faster than the stop comes to rest at its end; so no motion gets
 // there earlier.
-//   With two jerks that holds for motions which never go backward: there the acceleration of each
-//   of
-// them is bounded by the same jerk, and a lower peak only costs time. Others can gain: backward the
+//   With two jerks that holds for motions which never go backward: there one jerk bounds the
+// acceleration of each of them, and a lower peak only costs time. Others can gain: backward the
 // acceleration for the way forward grows with the jerk of the deceleration, and a larger overshoot
 // ends it with that of the acceleration. Such ways are not taken: who asks for a ramp with another
 // jerk at its end does not ask for a start in the wrong direction.

@@ -57,8 +57,8 @@ struct SpelledAddress {
 
 /// What a refusal of an object leaves open.
 /// @return such as "607Dh has the sub-indices 1 and 2" for AbortCode::subindex_does_not_exist and
-///         "homing_method takes 0, 1, 2 or 17" for a value that the object does not take; empty for
-///         every other code.
+///         "positioning_option_code takes 0, 1 or 2" for a value that the object does not take;
+///         empty for every other code.
 [[nodiscard]] std::string advice_on(ObjectAddress object, AbortCode code);
 
 }  // namespace vdrive
