@@ -6,7 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <random>
+#include <sstream>
+#include <string>
 #include <vector>
 
 namespace vdrive::client {
@@ -18,6 +21,19 @@ constexpr microseconds kPeriod{1000};
 
 AxisWay way(double distance, const MotionLimits& limits) {
   return {.distance = distance, .limits = limits};
+}
+
+/// The ways of a failing case as an initialiser that can be pasted into a test.
+std::string ways_text(const std::vector<AxisWay>& ways) {
+  std::ostringstream text;
+  text << std::setprecision(17) << "const std::vector<AxisWay> ways{";
+  for (const AxisWay& each : ways) {
+    text << "{.distance = " << each.distance << ", .limits = {" << each.limits.velocity << ", "
+         << each.limits.acceleration << ", " << each.limits.deceleration << "}, .jerk = {"
+         << each.jerk.acceleration << ", " << each.jerk.deceleration << "}}, ";
+  }
+  text << "};";
+  return text.str();
 }
 
 TEST(LineTimes, OfOneAxisAreItsOwnTrapezoid) {
@@ -102,11 +118,11 @@ TEST(LineTimes, KeepTheJerkOfEveryAxis) {
                       .jerk = {std::floor(magnitude(4, 9)), std::floor(magnitude(4, 9))}});
     }
     const auto times = plan_line(ways, kPeriod);
-    ASSERT_TRUE(times) << "run " << run;
-    for (const AxisWay& each : ways) ASSERT_TRUE(keeps_limits(each, *times)) << "run " << run;
-    ASSERT_GE(times->acceleration, 2 * times->jerk);
-    ASSERT_GE(times->deceleration, 2 * times->jerk);
-    ASSERT_GE(times->duration, times->acceleration + times->deceleration);
+    ASSERT_TRUE(times) << ways_text(ways);
+    for (const AxisWay& each : ways) ASSERT_TRUE(keeps_limits(each, *times)) << ways_text(ways);
+    ASSERT_GE(times->acceleration, 2 * times->jerk) << ways_text(ways);
+    ASSERT_GE(times->deceleration, 2 * times->jerk) << ways_text(ways);
+    ASSERT_GE(times->duration, times->acceleration + times->deceleration) << ways_text(ways);
   }
 }
 
@@ -152,11 +168,11 @@ TEST(LineTimes, OfALineInMotionKeepTheLimitsOfEveryAxis) {
                       .jerk = {std::floor(magnitude(4, 9)), std::floor(magnitude(4, 9))}});
     }
     const auto moving = plan_moving_line(ways);
-    ASSERT_TRUE(moving) << "run " << run;
-    for (AxisWay& each : ways) {
-      each.distance *= moving->stretch;
-      ASSERT_LE(each.distance, 4294967295.0) << "run " << run;
-      ASSERT_TRUE(keeps_limits(each, moving->times)) << "run " << run;
+    ASSERT_TRUE(moving) << ways_text(ways);
+    for (AxisWay stretched : ways) {
+      stretched.distance *= moving->stretch;
+      ASSERT_LE(stretched.distance, 4294967295.0) << ways_text(ways);
+      ASSERT_TRUE(keeps_limits(stretched, moving->times)) << ways_text(ways);
     }
   }
 }

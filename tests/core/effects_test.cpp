@@ -14,6 +14,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -310,11 +311,16 @@ TEST(EncoderNoise, IsThatOfTheMotorWhereThereIsOneEncoder) {
   configuration.model.encoder_noise = 20.0;
   configuration.model.load_encoder_noise = 500.0;
   AxisUnderTest axis(configuration);
+  int noisy = 0;
   for (int tick = 0; tick < 100; ++tick) {
     axis.step();
     ASSERT_EQ(axis.actual(), axis.status().motor_position_actual_value);
     ASSERT_EQ(axis.velocity(), axis.status().motor_velocity_actual_value);
+    // Four evenly spread parts: at most √12 = 3.5 times the root mean square.
+    ASSERT_LE(std::abs(axis.actual()), 70) << "the noise of encoder 2 does not count";
+    noisy += axis.actual() != 0 ? 1 : 0;
   }
+  EXPECT_GE(noisy, 80);
 }
 
 TEST(EncoderNoise, IsTheSameForTheSameSeedAndAnotherForAnotherSeedAndAxis) {

@@ -324,7 +324,7 @@ TEST(HabitTransition16, IsAnOptionOfThePowerStateMachine) {
 
 // ---- e: changes of the mode are refused ---------------------------------------------------------
 
-TEST(HabitModeChangeRefusal, UnderHalt) {
+TEST(HabitModeChangeRefusal, RefusesAnotherModeUnderHalt) {
   AxisUnderTest axis;
   axis.write("habit_mode_change_refusal", 1);
   axis.enable();
@@ -340,7 +340,7 @@ TEST(HabitModeChangeRefusal, UnderHalt) {
   EXPECT_EQ(axis.status().op_mode_actual, 3);
 }
 
-TEST(HabitModeChangeRefusal, BehindSwitchedOn) {
+TEST(HabitModeChangeRefusal, RefusesAnotherModeBehindSwitchedOn) {
   AxisUnderTest axis;
   axis.write("habit_mode_change_refusal", 2);
   for (const std::uint16_t word : Words<3>{0x0000, 0x0006, 0x0007}) {
@@ -356,6 +356,20 @@ TEST(HabitModeChangeRefusal, BehindSwitchedOn) {
   ASSERT_NO_FATAL_FAILURE(fail(axis));
   EXPECT_EQ(axis.try_write("op_mode_cmd", 3), AbortCode::refused_in_present_device_state);
   EXPECT_EQ(axis.try_write("op_mode_cmd", 2'000), AbortCode::value_too_high) << "as ever";
+}
+
+TEST(HabitModeChangeRefusal, RefusesAnotherModeInBothCasesWith3) {
+  AxisUnderTest axis;
+  axis.write("habit_mode_change_refusal", 3);
+  axis.command(0x0006);
+  axis.command(0x0107);
+  ASSERT_EQ(axis.state(), switched_on);
+  EXPECT_EQ(axis.try_write("op_mode_cmd", 3), AbortCode::refused_in_present_device_state);
+  axis.command(0x0007);
+  EXPECT_EQ(axis.try_write("op_mode_cmd", 3), AbortCode::none);
+  axis.command(0x000F);
+  ASSERT_EQ(axis.state(), operation_enabled);
+  EXPECT_EQ(axis.try_write("op_mode_cmd", 1), AbortCode::refused_in_present_device_state);
 }
 
 // ---- f: controlwords are looked at once a loop --------------------------------------------------

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iomanip>
 #include <random>
 
 namespace vdrive::ros2 {
@@ -58,10 +59,14 @@ TEST(ValueLine, KeepsItsSlopeForAnyValues) {
   ValueLine line(0.0);
   double before = 0.0;
   for (int command = 0; command < 2'000; ++command) {
-    line.go_to(goals(random), times(random));
+    const double goal = goals(random);
+    const double time = times(random);
+    line.go_to(goal, time);
     for (int tick = 0; tick < 17; ++tick) {
       const double now = line.step(kPeriod, 100.0);
-      ASSERT_LE(std::abs(now - before), 0.1 + 1e-12);
+      ASSERT_LE(std::abs(now - before), 0.1 + 1e-12)
+          << std::setprecision(17) << "at " << before << ": line.go_to(" << goal << ", " << time
+          << "), tick " << tick;
       before = now;
     }
   }
