@@ -75,18 +75,15 @@ TEST_P(HomingEndStop, IsFoundAtTheSamePlaceAgain) {
   EXPECT_NEAR(home(axis), 0.0, 3.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Homing, HomingEndStop,
-                         testing::Values(EndStopRow{-1, Coupling::rigid},
-                                         EndStopRow{-2, Coupling::rigid},
-                                         EndStopRow{-3, Coupling::rigid},
-                                         EndStopRow{-4, Coupling::rigid},
-                                         EndStopRow{-3, Coupling::two_inertia},
-                                         EndStopRow{-2, Coupling::two_inertia}),
-                         [](const auto& row) {
-                           return std::string(row.param.coupling == Coupling::rigid ? "Rigid"
-                                                                                    : "Elastic") +
-                                  "Minus" + std::to_string(-row.param.method);
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Homing, HomingEndStop,
+    testing::Values(EndStopRow{-1, Coupling::rigid}, EndStopRow{-2, Coupling::rigid},
+                    EndStopRow{-3, Coupling::rigid}, EndStopRow{-4, Coupling::rigid},
+                    EndStopRow{-3, Coupling::two_inertia}, EndStopRow{-2, Coupling::two_inertia}),
+    [](const auto& row) {
+      return std::string(row.param.coupling == Coupling::rigid ? "Rigid" : "Elastic") + "Minus" +
+             std::to_string(-row.param.method);
+    });
 
 }  // namespace
 }  // namespace vdrive

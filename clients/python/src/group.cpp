@@ -273,9 +273,8 @@ void add_streaming(GroupClass& group) {
   group.def(
       "start_streaming",
       [](PyGroup& self, const Real& lead, const std::string& pace, const std::string& what) {
-        const client::StreamOptions options{.lead = nanoseconds_of(lead, "lead"),
-                                            .pace = pace_of(pace),
-                                            .what = streamed_of(what)};
+        const client::StreamOptions options{
+            .lead = nanoseconds_of(lead, "lead"), .pace = pace_of(pace), .what = streamed_of(what)};
         check(waiting(self.py_session, [&](Session& /*session*/) {
           return self.group.start_streaming(options);
         }));

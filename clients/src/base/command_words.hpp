@@ -35,8 +35,8 @@ inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
 /// @return whether the mode presses with a torque, also where the axis stands.
 [[nodiscard]] inline bool has_torque(const AxisSnapshot& axis) {
   const OperatingModeRow* const row = find_operating_mode(axis.mode());
-  return row != nullptr && row->commands_torque &&
-         axis.state() == PowerState::operation_enabled && axis.status.torque_demand != 0;
+  return row != nullptr && row->commands_torque && axis.state() == PowerState::operation_enabled &&
+         axis.status.torque_demand != 0;
 }
 
 /// @return whether an axis that goes on after a halt has reached its target, if it has one.

@@ -84,11 +84,8 @@ Outcome AxisGroup::start_streaming(const StreamOptions& options) {
                                       return axis.mode() == row.mode;
                                     });
   if (!seen) return state_->explained(std::move(seen));
-  state_->stream = std::make_unique<Stream>(Stream{.row = row,
-                                                   .options = options,
-                                                   .call = std::move(call),
-                                                   .in_flight = {},
-                                                   .next_tick = 0});
+  state_->stream = std::make_unique<Stream>(Stream{
+      .row = row, .options = options, .call = std::move(call), .in_flight = {}, .next_tick = 0});
   return {};
 }
 

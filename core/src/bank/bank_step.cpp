@@ -159,9 +159,9 @@ void AxisBank::State::look_at_probes(const ParameterPool<Parameters>& pool, cons
           of_block == nullptr ? read_lane<false>(parameters.loop, servo, of_block, lane)
                               : read_lane<true>(parameters.loop, servo, of_block, lane);
       Drive drive = this->drive(batch.blocks[i], lane);
-      look_at_inputs(drive, {.motor_reading = readings.motor,
-                             .position_reading = readings.load,
-                             .time_ns = time_ns});
+      look_at_inputs(
+          drive,
+          {.motor_reading = readings.motor, .position_reading = readings.load, .time_ns = time_ns});
     });
   }
 }

@@ -59,9 +59,8 @@ inline constexpr std::array kOperatingModes{
     OperatingModeRow{.mode = OperatingMode::profile_velocity,
                      .name = "profile velocity",
                      .status_bits = {{{Statusword::kSpeedZero, "speed zero"}}}},
-    OperatingModeRow{.mode = OperatingMode::profile_torque,
-                     .name = "profile torque",
-                     .commands_torque = true},
+    OperatingModeRow{
+        .mode = OperatingMode::profile_torque, .name = "profile torque", .commands_torque = true},
     OperatingModeRow{.mode = OperatingMode::homing,
                      .name = "homing",
                      .status_bits = {{{Statusword::kHomingAttained, "homing attained"},

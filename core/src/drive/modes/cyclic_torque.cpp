@@ -77,9 +77,8 @@ std::uint16_t status_bits(const Drive& drive) {
   const std::size_t l = drive.lane();
   const double step = drive.servo().torque_step[l] * drive.block().units.torque_per_mille[l];
   const double wanted = set_point(drive);
-  const bool follows =
-      s.demand.following && within_torque_limits(drive, wanted) == wanted &&
-      std::abs(s.demand.torque - step - commanded_torque(drive)) <= kHeldBack;
+  const bool follows = s.demand.following && within_torque_limits(drive, wanted) == wanted &&
+                       std::abs(s.demand.torque - step - commanded_torque(drive)) <= kHeldBack;
   return follows ? Statusword::kFollowsCommand : 0U;
 }
 

@@ -52,12 +52,12 @@ MotionRequest ask(const Drive& drive) {
     return limit_switch_stop(drive);
   }
   if (!is_streaming(drive)) return stop(drive);
-  return {.kind = MotionRequest::Kind::follow,
-          .control = ControlLoop::velocity,
-          .target = part_of_way(drive, demand_velocity(drive), set_point(drive)),
-          .limits = {.velocity = drive.registers().velocity_cap,
-                     .acceleration = 1.0,
-                     .deceleration = 1.0}};
+  return {
+      .kind = MotionRequest::Kind::follow,
+      .control = ControlLoop::velocity,
+      .target = part_of_way(drive, demand_velocity(drive), set_point(drive)),
+      .limits = {
+          .velocity = drive.registers().velocity_cap, .acceleration = 1.0, .deceleration = 1.0}};
 }
 
 double torque_offset(const Drive& drive) {

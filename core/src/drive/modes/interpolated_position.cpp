@@ -57,8 +57,7 @@ void take_record(Drive& drive, ObjectRow row) {
   RecordBuffer& buffer = drive.registers().record_buffer;
   const std::size_t count = buffers ? waiting_records(drive) : 0;
   const std::size_t place = (buffer.first + count) % kRecordBufferSize;
-  buffer.records[place] =
-      static_cast<std::int32_t>(reg(drive, "interpolation_data_record"_object));
+  buffer.records[place] = static_cast<std::int32_t>(reg(drive, "interpolation_data_record"_object));
   buffer.count = static_cast<std::uint8_t>(count + 1U);
 }
 
