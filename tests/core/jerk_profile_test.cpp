@@ -229,6 +229,52 @@ TEST(JerkProfile, ComesBackWithinALowerAccelerationAtOnce) {
   EXPECT_NEAR(profile.at(0.1).velocity, 20.0, 1.0e-11);  // (150 + 50)/2·0.1
 }
 
+TEST(JerkProfile, ComesBackWithinALowerVelocityAtOnce) {
+  // From 100 to 50 units/s: 50/200 + 200/1000 = 0.45 s, also where the target is far ahead.
+  const MotionLimits limits{.velocity = 50.0, .acceleration = 200.0, .deceleration = 200.0};
+  const JerkProfile profile = plan_jerk_move({0.0, 100.0, 0.0}, 1.0e4, limits, kJerk);
+
+  EXPECT_NEAR(profile.at(0.2).acceleration, -200.0, 1.0e-9);
+  EXPECT_NEAR(profile.at(0.25).velocity, 70.0, 1.0e-11);
+  EXPECT_NEAR(profile.at(0.45).velocity, 50.0, 1.0e-11);
+  EXPECT_EQ(profile.at(0.46).velocity, 50.0);
+  EXPECT_EQ(profile.at(100.0).velocity, 50.0);
+}
+
+TEST(JerkProfile, GoesBeyondItsTargetWhereTheJerkIsLoweredAtTheBeginOfItsBraking) {
+  // With 1000 units/s³ the stop from 100 units/s is the 35 units to the target. With 500 the
+  // acceleration takes 0.4 s, to 60 units/s and 100·0.4 - 500·0.4³/6 = 104/3 units; 0.3 s and 9
+  // units more to 0 at -200 units/s²: no motion turns before 131/3 units. A stop takes 45.
+  const MotionJerk lowered{.acceleration = 500.0, .deceleration = 500.0};
+  const JerkProfile profile = plan_jerk_move({0.0, 100.0, 0.0}, 35.0, kLimits, lowered);
+
+  double highest = 0.0;
+  int turns = 0;
+  for (double time = 1.0e-3; time < profile.duration(); time += 1.0e-3) {
+    highest = std::max(highest, profile.at(time).position);
+    turns +=
+        (profile.at(time).velocity < 0.0) != (profile.at(time - 1.0e-3).velocity < 0.0) ? 1 : 0;
+  }
+  EXPECT_GE(highest, 131.0 / 3.0 - 1.0e-3);
+  EXPECT_LT(highest, 45.0);
+  EXPECT_EQ(turns, 1);
+  EXPECT_EQ(profile.end_position(), 35.0);
+}
+
+TEST(JerkProfile, TurnsBeforeItsTargetWhereTheJerkIsLoweredAtTheEndOfItsBraking) {
+  // 20 units/s at -200 units/s²: with 1000 units/s³ 0.2 s and 20·0.2 - 200·0.2²/2 + 1000·0.2³/6 =
+  // 4/3 units to rest. With 500 the acceleration ends after 0.4 s, at -20 units/s and -8/3 units.
+  // From there to 20 units/s takes 2·√(40/500) s over no way, the stop 2·√(20/500) s and 4 units.
+  const MotionJerk lowered{.acceleration = 500.0, .deceleration = 500.0};
+  const JerkProfile profile = plan_jerk_move({0.0, 20.0, -200.0}, 4.0 / 3.0, kLimits, lowered);
+
+  EXPECT_NEAR(profile.at(0.4).velocity, -20.0, 1.0e-11);
+  EXPECT_NEAR(profile.at(0.4).position, -8.0 / 3.0, 1.0e-11);
+  EXPECT_EQ(profile.end_position(), 4.0 / 3.0);
+  // A target that rounding moves by 1e-15 units costs (1e-15/500)^(1/3) = 1e-6 s at most.
+  EXPECT_NEAR(profile.duration(), 0.4 + 2.0 * std::sqrt(0.08) + 0.4, 1.0e-5);
+}
+
 TEST(JerkProfile, StaysWithoutVelocity) {
   const MotionLimits none{.velocity = 0.0, .acceleration = 200.0, .deceleration = 200.0};
   const JerkProfile still = plan_jerk_move({3.0, 0.0, 0.0}, 10.0, none, kJerk);
@@ -381,6 +427,48 @@ double forced_speed(const JerkCase& c, double direction) {
   return std::max(settled, c.limits.velocity);
 }
 
+/// @return the direction, 1 or -1, against which nothing forces the motion: the start does not go
+///         backward, its acceleration ends before that, and the target lies ahead of the fastest
+///         stop. Else 0.
+double kept_direction(const JerkCase& c, const JerkTolerance& slack) {
+  const double rest = plan_jerk_velocity(c.start, 0.0, c.limits, c.jerk).end_position();
+  if (std::abs(c.target - rest) <= slack.position) return 0.0;
+  const double direction = c.target > rest ? 1.0 : -1.0;
+  const double speed = direction * c.start.velocity;
+  const double w = 0.5 * c.start.acceleration * c.start.acceleration;
+  const bool brakes = direction * c.start.acceleration < 0.0;
+  return speed < 0.0 || (brakes && w > speed * c.jerk.deceleration) ? 0.0 : direction;
+}
+
+/// @return the lowest and the highest velocity: none against the direction that it has to keep.
+std::pair<double, double> allowed_velocities(const JerkCase& c, const JerkTolerance& slack) {
+  const double kept = kept_direction(c, slack);
+  const double backward = kept > 0.0 ? 0.0 : forced_speed(c, -1.0);
+  const double forward = kept < 0.0 ? 0.0 : forced_speed(c, 1.0);
+  return {-backward - slack.velocity, forward + slack.velocity};
+}
+
+/// @return the shortest time in which the velocity falls by `span`, from no acceleration to none.
+double time_of_fall(double span, double deceleration, double jerk) {
+  const bool is_capped = span > deceleration * deceleration / jerk;
+  return is_capped ? span / deceleration + deceleration / jerk : 2.0 * std::sqrt(span / jerk);
+}
+
+/// A start above the velocity limit, or forced over it, is back as soon as the jerk allows: the
+/// acceleration ends, then the rest of the velocity goes with the deceleration and its jerk.
+void expect_back_at_its_velocity(const JerkCase& c, const JerkProfile& profile,
+                                 const JerkTolerance& slack) {
+  for (const double direction : {1.0, -1.0}) {
+    const double acceleration = direction * c.start.acceleration;
+    if (direction * c.start.velocity < 0.0 || acceleration < 0.0) continue;
+    const double over = settled_speed(c.start, c.jerk, direction) - c.limits.velocity;
+    if (over <= 0.0) continue;
+    const double time = acceleration / c.jerk.acceleration +
+                        time_of_fall(over, c.limits.deceleration, c.jerk.deceleration);
+    ASSERT_LE(direction * profile.at(time).velocity, c.limits.velocity + 4.0 * slack.velocity) << c;
+  }
+}
+
 /// @return by how much the acceleration is outside of its limits in this state.
 double excess_of(const JerkCase& c, const MotionSample& state, const JerkTolerance& slack) {
   const double direction = state.velocity < 0.0 ? -1.0 : 1.0;
@@ -395,8 +483,7 @@ double excess_of(const JerkCase& c, const MotionSample& state, const JerkToleran
 
 void expect_within_limits(const JerkCase& c, const JerkProfile& profile,
                           const JerkTolerance& slack) {
-  const double highest = forced_speed(c, 1.0) + slack.velocity;
-  const double lowest = -forced_speed(c, -1.0) - slack.velocity;
+  const auto [lowest, highest] = allowed_velocities(c, slack);
   double begin = 0.0;
   // As long as the acceleration of the start falls at the full jerk, nothing can be done.
   bool only_returns = true;
@@ -469,6 +556,7 @@ TEST(JerkProfileProperty, KeepsItsLimitsAndEndsExactlyInEveryPlan) {
     ASSERT_LE(profile.segment_count(), JerkProfile::kMaximumSegments) << c;
     expect_continuous(c, profile, slack);
     expect_within_limits(c, profile, slack);
+    expect_back_at_its_velocity(c, profile, slack);
     if (i % 16 == 0) {
       expect_the_mirror_image(c, profile);
       expect_the_same_time_from_its_middle(c, profile, slack, random);

@@ -22,11 +22,12 @@
 // With one jerk the change to +V is never behind any other motion from this start, and, with the
 // time reversed, no motion that is faster than the stop comes to rest at its end; so no motion gets
 // there earlier.
-//   With two jerks that holds for motions which never go backward: there one jerk bounds the
-// acceleration of each of them, and a lower peak only costs time. Others can gain: backward the
-// acceleration for the way forward grows with the jerk of the deceleration, and a larger overshoot
-// ends it with that of the acceleration. Such ways are not taken: who asks for a ramp with another
-// jerk at its end does not ask for a start in the wrong direction.
+//   With two jerks that holds where the axis does not have to turn, among the motions which do not:
+// there the acceleration of each of them is bounded by the same jerk, and a lower peak only costs
+// time. Others can gain: backward the acceleration for the way forward grows with the jerk of the
+// deceleration, and a larger overshoot ends it with that of the acceleration. Such ways are not
+// taken: who asks for another jerk where an axis slows down does not ask for a start in the wrong
+// direction.
 //   The end of the stop grows with τ: along a stop dP/dt + v = 0, so with the jerk j of the change,
 // and j' of the stop in the same state, its end moves by ∂P/∂a·(j - j'). Who has more acceleration
 // stops farther ahead (∂P/∂a >= 0), and j >= j', since both jerks have the same bounds there and

@@ -109,8 +109,9 @@ class JerkProfile {
 // direction to the smaller of both, `jerk` (is_limited) bounds its change. Where the start is
 // outside of limits, or leads out of them because the acceleration cannot end at once, the motion
 // comes back as fast as the jerk allows, without a reversal for that. "Fastest" is among all
-// motions where both jerks are equal. With two it is among those that never go backward: a motion
-// that takes a run-up, or overshoots more than it has to, could then be earlier.
+// motions where both jerks are equal. With two it is among those that never go backward, where the
+// start and the target allow one: a motion that takes a run-up could be earlier, and where the axis
+// has to turn also one that overshoots more than it has to.
 
 /// Plans the fastest motion to rest at `target` [user units]. With a velocity limit of 0 it brakes
 /// to rest and stays there.
