@@ -12,6 +12,8 @@
 #include "support/axis_invariants.hpp"
 #include "support/effort.hpp"
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/cia402/homing_method.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/power_state.hpp"
 
 #include <gtest/gtest.h>
@@ -44,6 +46,7 @@ constexpr std::int64_t kMostOutstanding = 17;  // one under way and 16 that wait
 
 constexpr ObjectAddress kControlword{0x6040, 0};
 constexpr ObjectAddress kAbortConnection{0x6007, 0};
+constexpr ObjectAddress kStatuswordBits{0x5E20, 0x0C};
 
 /// The first invariant that was broken.
 class Verdict {
@@ -112,7 +115,8 @@ class SimulatedDrive final : public NodeHost {
     bank_.step();
     const AxisStatus& status = bank_.status(0);
     const PowerState state = bank_.power_state(0);
-    const char* const violated = test::violated_invariant(status, state);
+    const char* const violated =
+        test::violated_invariant(status, state, bank_.read(0, kStatuswordBits).value);
     verdict_.demand(violated == nullptr, violated == nullptr ? "" : violated);
     const bool enables = state == PowerState::operation_enabled && state != last_;
     const bool leaves_fault = last_ == PowerState::fault && state != last_;
@@ -228,21 +232,72 @@ class RandomMaster {
     return request(static_cast<std::uint8_t>(0x23U | (4U - size) << 2U), object.address, value);
   }
 
-  /// What moves the axis, or changes how the node communicates.
-  Frame useful_write() {
-    constexpr std::array<std::uint32_t, 10> kWords{0x06, 0x07, 0x0F, 0x0F,  0x1F,
-                                                   0x3F, 0x80, 0x02, 0x10F, 0x00};
-    switch (random_.below(7)) {
+  /// 0 or a mode of 6502h.
+  std::int8_t any_mode() { return static_cast<std::int8_t>(pick(kOperatingModes).mode); }
+
+  /// A target or an offset of any mode.
+  Frame set_point() {
+    const auto position = static_cast<std::uint32_t>(random_.below(200'000));
+    const auto small = static_cast<std::uint32_t>(random_.below(500));
+    switch (random_.below(8)) {
       case 0:
       case 1:
-        return request(0x2B, kControlword, pick(kWords));
+        return request(0x23, {0x607A, 0}, position);
       case 2:
-        return request(0x2F, {0x6060, 0}, pick(std::array<std::uint32_t, 6>{1, 3, 4, 6, 8, 0}));
+        return request(0x2B, {0x6042, 0}, small);
       case 3:
-        return request(0x23, {0x607A, 0}, static_cast<std::uint32_t>(random_.below(200'000)));
+        return request(0x2B, {0x6071, 0}, small);
       case 4:
-        return request(0x23, {0x1016, 1}, 0x9'0000 + static_cast<std::uint32_t>(random_.below(40)));
+        return request(0x23, {0x60C1, 1}, position);
       case 5:
+        return request(0x23, {0x60FF, 0}, position);
+      case 6:
+        return request(0x23, {pick(std::array<std::uint16_t, 2>{0x60B0, 0x60B1}), 0}, small);
+      default:
+        return request(0x2B, {0x60B2, 0}, small);
+    }
+  }
+
+  /// What the modes, the touch probes and the profiles read.
+  Frame setting() {
+    switch (random_.below(6)) {
+      case 0: {
+        const auto method = static_cast<std::uint8_t>(pick(kHomingMethods).number);
+        return request(0x2F, {0x6098, 0}, method);
+      }
+      case 1:
+        return request(0x2B, {0x60B8, 0},
+                       pick(std::array<std::uint32_t, 4>{0x0000, 0x0033, 0x0037, 0x3733}));
+      case 2:
+        return request(0x2F, {0x60C2, 1}, static_cast<std::uint32_t>(random_.below(20)));
+      case 3:
+        return request(0x23, {0x60C4, 2}, 1U + static_cast<std::uint32_t>(random_.below(16)));
+      case 4:
+        return request(0x2F, {0x60C4, 6}, random_.one_in(4) ? 0U : 1U);
+      default:
+        return request(0x2B, {0x6086, 0}, random_.one_in(2) ? 0U : 3U);
+    }
+  }
+
+  /// What moves the axis, or changes how the node communicates.
+  Frame useful_write() {
+    constexpr std::array<std::uint32_t, 11> kWords{0x06, 0x07, 0x0F, 0x0F,  0x1F, 0x3F,
+                                                   0x7F, 0x80, 0x02, 0x10F, 0x00};
+    switch (random_.below(10)) {
+      case 0:
+      case 1:
+      case 2:
+        return request(0x2B, kControlword, pick(kWords));
+      case 3:
+        return request(0x2F, {0x6060, 0}, static_cast<std::uint32_t>(any_mode()));
+      case 4:
+      case 5:
+        return set_point();
+      case 6:
+        return setting();
+      case 7:
+        return request(0x23, {0x1016, 1}, 0x9'0000 + static_cast<std::uint32_t>(random_.below(40)));
+      case 8:
         return request(0x2F, {0x1029, 1}, static_cast<std::uint32_t>(random_.below(3)));
       default:
         return random_.one_in(2) ? request(0x23, {0x1010, 1}, 0x6576'6173)
@@ -261,13 +316,16 @@ class RandomMaster {
 
   Frame receive_pdo() {
     constexpr std::array<std::uint8_t, 4> kSizes{2, 3, 6, 6};  // of the default mappings
-    constexpr std::array<std::uint8_t, 8> kWords{0x06, 0x07, 0x0F, 0x0F, 0x1F, 0x3F, 0x80, 0x00};
+    constexpr std::size_t kModePdo = 1;                        // 6040h and 6060h
+    constexpr std::array<std::uint8_t, 9> kWords{0x06, 0x07, 0x0F, 0x0F, 0x1F,
+                                                 0x3F, 0x7F, 0x80, 0x00};
     const std::size_t number = random_.below(kSizes.size());
     Frame frame{.id = 0x200U + 0x100U * static_cast<std::uint32_t>(number) + kSimulatedNode,
                 .size = kSizes.at(number)};
     for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(random_.below(4));
     frame.data[0] = pick(kWords);
     frame.data[1] = random_.one_in(8) ? 1 : 0;
+    if (number == kModePdo) frame.data[2] = static_cast<std::uint8_t>(any_mode());
     if (random_.one_in(20)) frame.size = static_cast<std::uint8_t>(random_.below(9));
     return frame;
   }
@@ -300,8 +358,10 @@ struct MasterReport {
   std::uint64_t faults = 0;
   std::uint64_t emergencies = 0;
   std::uint64_t time_outs = 0;
+  std::uint32_t modes = 0;  ///< that were in force in Operation enabled, as in 6502h
 
   void add(const MasterReport& other) {
+    modes |= other.modes;
     requests += other.requests;
     enabled_ticks += other.enabled_ticks;
     faults += other.faults;
@@ -342,7 +402,7 @@ class MasterSimulation {
     const std::uint32_t faults = drive_.status().fault_count;
     const DriveView view = drive_.step();
     report_.faults += view.status.fault_count > faults ? 1U : 0U;
-    report_.enabled_ticks += drive_.state() == PowerState::operation_enabled ? 1U : 0U;
+    note_mode(view.status);
     now_ += kTick;
     const NmtState before = node_.state();
     node_.update(view, now_);
@@ -354,6 +414,13 @@ class MasterSimulation {
     observe(before_advance);
     const auto due = node_.next_due();
     verdict_.demand(!due || *due > now_, "advance() does all that is due");
+  }
+
+  void note_mode(const AxisStatus& status) {
+    if (drive_.state() != PowerState::operation_enabled) return;
+    ++report_.enabled_ticks;
+    const auto mode = static_cast<unsigned>(status.op_mode_actual);
+    if (mode != 0) report_.modes |= 1U << (mode - 1U);
   }
 
   void receive(const Frame& frame) {
@@ -453,6 +520,7 @@ TEST(MasterSimulation, KeepsEveryInvariantAndAnswersEverySdoRequestInEverySeed) 
   EXPECT_GT(sum.enabled_ticks, seeds);
   EXPECT_GT(sum.faults, 0U);
   EXPECT_GT(sum.emergencies, seeds / 10);
+  EXPECT_EQ(sum.modes, kSupportedDriveModes);
 }
 
 TEST(MasterSimulation, GivesTheSameFramesForTheSameSeed) {

@@ -26,6 +26,7 @@ constexpr int kMostActions = 64;
 constexpr ObjectAddress kTestLoadTorque{0x5E00, 0};
 constexpr ObjectAddress kTestBlockedLoad{0x5E01, 0};
 constexpr ObjectAddress kTestEncoderFailure{0x5E04, 0};
+constexpr ObjectAddress kStatuswordBits{0x5E20, 0x0C};
 constexpr ObjectAddress kErrorHistory{0x1003, 0};
 constexpr ObjectAddress kControlword{0x6040, 0};
 constexpr ObjectAddress kMode{0x6060, 0};
@@ -40,7 +41,8 @@ class Bench {
   void step() {
     bank_.step();
     for (std::size_t axis = 0; axis < kAxes; ++axis) {
-      const char* const violated = violated_invariant(bank_.status(axis), bank_.power_state(axis));
+      const char* const violated = violated_invariant(bank_.status(axis), bank_.power_state(axis),
+                                                      bank_.read(axis, kStatuswordBits).value);
       demand(violated == nullptr, violated);
       check_rest(axis);
     }
@@ -190,7 +192,7 @@ void check_healed(Bench& bench, std::size_t axis) {
   for (std::size_t row = 0; row < kObjectCount; ++row) {
     const ObjectDescription& object = describe(static_cast<ObjectRow>(row));
     if (object.address >= kTestLoadTorque && object.address.index < 0x5F00) {
-      bank.write(axis, object.address, 0);
+      bank.write(axis, object.address, object.default_value);  // 0 is a place of a switch
     }
   }
   bank.write(axis, kTestBlockedLoad, 1);
