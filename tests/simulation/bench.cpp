@@ -12,6 +12,9 @@ namespace vdrive::simulation {
 namespace {
 
 constexpr std::uint64_t kSabotageFrom = 200;  // [ticks], when axes are enabled and move
+constexpr std::uint64_t kRepeatEach = 1'009;  // [ticks]
+constexpr int kRepeatedTicks = 20;
+constexpr unsigned kCountedBack = 5'000;  // more edges than 16 ticks may have
 
 /// The configuration as a broken service uses it.
 service::Configuration as_taken(service::Configuration configuration, Sabotage sabotage) {
@@ -57,6 +60,7 @@ Bench::Bench(const service::Configuration& configuration, const std::vector<Axis
   for (std::size_t axis = 0; axis < limits.size(); ++axis) {
     watches_.emplace_back(static_cast<std::uint16_t>(axis + 1), limits[axis], configuration.period);
     watches_.back().begin(engine_.bank().status(axis), engine_.bank().power_state(axis));
+    probes_.emplace_back(static_cast<std::uint16_t>(axis + 1), limits[axis]);
   }
   engine_.queue_status();
   take_images();
@@ -268,9 +272,42 @@ void Bench::after_tick() {
     happenings_.fail(Invariant::kCommanded, 0, "tick " + std::to_string(model_.tick()),
                      "tick " + std::to_string(image_.tick));
   }
+  look_at_probes();
+  if (happenings_.tick() % kRepeatEach == 0) check_repeat();
   model_.check_owners(image_.owners);
   take_parameters();
   model_.end_tick(image_.status);
+}
+
+/// Of one axis in each tick: all of them would take as long as the tick.
+void Bench::look_at_probes() {
+  if (model_.was_restored()) {
+    for (ProbeWatch& probe : probes_) probe.begin();
+  }
+  const std::size_t axis = happenings_.tick() % probes_.size();
+  ProbeWatch::Look look = ProbeWatch::look_at(engine_.bank(), axis);
+  if (sabotage_ == Sabotage::counts_back && happenings_.tick() > kSabotageFrom) {
+    look.counters.front() = static_cast<std::uint16_t>(look.counters.front() - kCountedBack);
+  }
+  probes_[axis].check(look, probes_.size(), happenings_);
+}
+
+/// A copy of the axes takes a snapshot, runs, is restored from the bytes of the snapshot and runs
+/// again.
+void Bench::check_repeat() {
+  AxisBank axes = engine_.bank();
+  const AxisBank::Snapshot before = axes.snapshot();
+  for (int tick = 0; tick < kRepeatedTicks; ++tick) axes.step();
+  const std::uint64_t first = axes.status_hash();
+  axes.restore(axes.snapshot_from(before.bytes()));
+  if (sabotage_ == Sabotage::restores_otherwise) {
+    for (std::size_t axis = 0; axis < axes.size(); ++axis) axes.write(axis, {0x5E00, 0}, 2'000);
+  }
+  for (int tick = 0; tick < kRepeatedTicks; ++tick) axes.step();
+  if (axes.status_hash() != first) {
+    happenings_.fail(Invariant::kRepeat, 0, std::to_string(first),
+                     std::to_string(axes.status_hash()));
+  }
 }
 
 void Bench::take_images() {
@@ -418,6 +455,9 @@ void Bench::spoil(service::StatusImage& image) {
         break;
       case Sabotage::wrong_state:
         status.ds402_statusword ^= rests ? Statusword::kReadyToSwitchOn : 0U;
+        break;
+      case Sabotage::bits_of_another_mode:
+        status.ds402_statusword |= rests ? Statusword::kSetPointAcknowledge : 0U;
         break;
       case Sabotage::two_owners:
         image.owners[axis].session += image.owners[axis].session != 0 ? 2 : 0;

@@ -10,6 +10,7 @@
 #include "simulation/disk.hpp"
 #include "simulation/happenings.hpp"
 #include "simulation/network.hpp"
+#include "simulation/probe_watch.hpp"
 #include "simulation/store_model.hpp"
 #include "store/parameter_saver.hpp"
 #include "support/local_inbox.hpp"
@@ -34,6 +35,9 @@ enum class Sabotage : std::uint8_t {
   torque_beyond_limit,
   error_code_without_fault,
   wrong_state,
+  bits_of_another_mode,
+  counts_back,
+  restores_otherwise,
   resumes_by_itself,
   two_owners,
   accepts_stale_epochs,
@@ -134,6 +138,8 @@ class Bench {
   void cycle_lockstep();
   void step_by_request(service::Arrival& arrival);
   void after_tick();
+  void look_at_probes();
+  void check_repeat();
   void take_images();
   void spoil(service::StatusImage& image);
   bool spoil(const ClientMessage& message);
@@ -159,6 +165,7 @@ class Bench {
   std::optional<service::FreerunDriver> freerun_;
   ControlModel model_;
   std::vector<AxisWatch> watches_;
+  std::vector<ProbeWatch> probes_;
   std::deque<ClientMessage> in_inbox_;  ///< as they were sent
   service::StatusImage image_;          ///< of the last tick
   std::int64_t answers_held_until_ = 0;

@@ -44,12 +44,19 @@ bool is_store_object(std::uint16_t index) {
   return index == kStoreObject || index == kRestoreObject;
 }
 
+/// What cannot be taken back once it is written: records and touch probes.
+bool is_final(ObjectAddress address) {
+  return address.index == 0x60C1 || address.index == 0x60B8 ||
+         (address.index == 0x60C4 && (address.subindex == 2 || address.subindex == 6));
+}
+
 bool is_test_input(std::uint16_t index) {
   return index >= 0x5E00 && index <= 0x5E0A;
 }
 
 /// What the actors request is one of these.
-std::uint32_t verdict(ObjectAddress address, std::int64_t value) {
+std::uint32_t verdict(ObjectAddress address, std::int64_t value, bool is_modulo) {
+  constexpr std::int64_t kHighestOption = 2;  // of 60F2h on an axis without a range
   switch (address.index) {
     case 0x6041:
       return kReadOnly;
@@ -57,6 +64,8 @@ std::uint32_t verdict(ObjectAddress address, std::int64_t value) {
       return kNoObject;
     case 0x6060:
       return std::ranges::find(kModes, value) == kModes.end() ? kOutOfRange : 0;
+    case 0x60F2:
+      return value > kHighestOption && !is_modulo ? kOutOfRange : 0;
     default:
       return 0;
   }
@@ -100,7 +109,12 @@ ControlModel::ControlModel(const service::Configuration& configuration, std::uin
       rate_(configuration.clock == service::ClockMode::realtime ? configuration.rate : 0.0),
       axes_(configuration.axes.size()) {
   for (std::size_t index = 0; index < axes_.size(); ++index) {
-    axes_[index].number = configuration.axes[index].number;
+    const auto& axis = configuration.axes[index];
+    axes_[index].number = axis.number;
+    axes_[index].is_modulo =
+        std::ranges::any_of(axis.configuration.parameters, [](const InitialValue& initial) {
+          return initial.address.index == 0x607B;
+        });
   }
   count_watchdog();
 }
@@ -391,12 +405,12 @@ void ControlModel::apply(const msg::CommandFrame& frame) {
   }
   if ((frame.flags() & msg::FRAME_ALL_OR_NOTHING) == 0) {
     for (const auto* const command : commands) {
-      write_members(*command, answer);
+      write_members(*command, false, answer);
       write_controlword(*command, frame.sequence_number());
     }
   } else if (answer.refusals.empty()) {
     const std::vector<Axis> before = axes_;
-    for (const auto* const command : commands) write_members(*command, answer);
+    for (const auto* const command : commands) write_members(*command, true, answer);
     if (!answer.refusals.empty()) axes_ = before;
     for (const auto* const command : commands) {
       if (answer.refusals.empty()) write_controlword(*command, frame.sequence_number());
@@ -415,12 +429,12 @@ std::uint32_t ControlModel::judge_command(const msg::AxisCommand& command, std::
   return (command.members() & ~kKnownMembers) != 0 ? msg::REASON_UNKNOWN_MEMBERS : msg::REASON_NONE;
 }
 
-bool ControlModel::write_members(const msg::AxisCommand& command, FrameAnswer& answer) {
+bool ControlModel::write_members(const msg::AxisCommand& command, bool whole, FrameAnswer& answer) {
   Axis& axis = *axis_of(command.axis());
   const auto put = [&](ObjectAddress address, std::int64_t value) {
-    const std::uint32_t code = address.index == 0x6040 || is_store_object(address.index)
-                                   ? kNotInFrames
-                                   : write(axis, command.axis(), address, value);
+    const bool is_out =
+        address.index == 0x6040 || is_store_object(address.index) || (whole && is_final(address));
+    const std::uint32_t code = is_out ? kNotInFrames : write(axis, command.axis(), address, value);
     if (code != 0) {
       answer.refusals.push_back({command.axis(), address.index, address.subindex, code});
     }
@@ -451,7 +465,7 @@ void ControlModel::write_controlword(const msg::AxisCommand& command, std::uint6
 
 std::uint32_t ControlModel::write(Axis& axis, std::uint16_t number, ObjectAddress address,
                                   std::int64_t value) {
-  if (const std::uint32_t code = verdict(address, value); code != 0) return code;
+  if (const std::uint32_t code = verdict(address, value, axis.is_modulo); code != 0) return code;
   Registers& registers = axis.registers;
   switch (address.index) {
     case 0x6040: {

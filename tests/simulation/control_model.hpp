@@ -136,6 +136,7 @@ class ControlModel {
     std::uint32_t epoch = 0;
     std::uint64_t last_sequence = 0;
     bool was_enabled = false;
+    bool is_modulo = false;  ///< 607Bh, as configured: nobody writes it
     Registers registers;
     std::optional<StoredValues> memory;  ///< in force from the next power-up on
     AxisCauses causes;
@@ -244,7 +245,8 @@ class ControlModel {
   void apply(const msg::CommandFrame& frame);
   std::uint32_t judge_command(const msg::AxisCommand& command, std::uint64_t session,
                               std::set<std::uint16_t>& named);
-  bool write_members(const msg::AxisCommand& command, FrameAnswer& answer);
+  /// @param whole the frame is applied whole or not at all
+  bool write_members(const msg::AxisCommand& command, bool whole, FrameAnswer& answer);
   void write_controlword(const msg::AxisCommand& command, std::uint64_t sequence);
   std::uint32_t write(Axis& axis, std::uint16_t number, ObjectAddress address, std::int64_t value);
 

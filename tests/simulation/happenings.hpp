@@ -18,6 +18,11 @@ struct Invariant {
   static constexpr std::string_view kSpeed = "607Fh and 6080h are respected";
   static constexpr std::string_view kRange = "607Dh is respected";
   static constexpr std::string_view kTorque = "6072h, 60E0h and 60E1h are respected";
+  static constexpr std::string_view kJerk = "60A4h is respected";
+  static constexpr std::string_view kModulo = "607Bh is respected";
+  static constexpr std::string_view kHoming = "bits 12 and 13 exclude each other in homing";
+  static constexpr std::string_view kProbe = "touch probes show what they can have seen";
+  static constexpr std::string_view kRepeat = "a restored snapshot runs the same ticks again";
   static constexpr std::string_view kResume = "nothing resumes by itself";
   static constexpr std::string_view kOwner = "one owner an axis, of the current epoch";
   static constexpr std::string_view kRevoked = "no command of a revoked epoch is executed";

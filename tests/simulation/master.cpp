@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/master.hpp"
 
+#include "vdrive/cia402/homing_method.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
@@ -12,11 +14,42 @@ namespace {
 
 constexpr std::int64_t kKeepAlive = 25 * kMillisecond;
 constexpr std::int64_t kUnitsPerTurn = 4'096;
-constexpr std::array<std::uint16_t, 20> kWordsInOperation{
-    0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x001F, 0x001F, 0x001F,
-    0x001F, 0x001F, 0x003F, 0x003F, 0x005F, 0x010F, 0x0002, 0x0006, 0x0007, 0x0000};
-constexpr std::array<std::int8_t, 8> kModesToSet{1, 1, 1, 3, 4, 6, 8, 0};
-constexpr std::array<std::int8_t, 4> kHomingMethods{35, 33, 34, 1};
+constexpr std::array<std::uint16_t, 22> kWordsInOperation{
+    0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x001F, 0x001F, 0x001F, 0x001F,
+    0x001F, 0x003F, 0x003F, 0x005F, 0x007F, 0x007F, 0x010F, 0x0002, 0x0006, 0x0007, 0x0000};
+constexpr std::int8_t kNoMode = 5;  // of 6060h
+
+/// What masters set beside their set-points: offsets, touch probes, 60C2h, the buffer of records,
+/// ways round the range of a modulo axis.
+struct Setting {
+  ObjectAddress address;
+  std::array<std::int64_t, 6> values;
+};
+
+constexpr std::array kSettings{Setting{{0x60B0, 0}, {0, 0, 100, -100, 50, -50}},
+                               Setting{{0x60B1, 0}, {0, 0, 2'000, -2'000, 5'000, -5'000}},
+                               Setting{{0x60B2, 0}, {0, 0, 50, -50, 200, -200}},
+                               Setting{{0x60B8, 0}, {0, 0x0011, 0x0033, 0x0037, 0x3300, 0x373B}},
+                               Setting{{0x60C2, 1}, {0, 1, 2, 4, 10, 20}},
+                               Setting{{0x60C4, 2}, {1, 1, 1, 2, 4, 16}},
+                               Setting{{0x60C4, 6}, {0, 1, 1, 1, 1, 1}},
+                               Setting{{0x60D0, 1}, {1, 2, 3, 5, 1, 5}},
+                               Setting{{0x60F2, 0}, {0, 1, 2, 2 + 64, 2 + 128, 2 + 192}}};
+
+std::int32_t near_to(std::int32_t value, std::int64_t change) {
+  return static_cast<std::int32_t>(std::clamp<std::int64_t>(value + change, INT32_MIN, INT32_MAX));
+}
+
+void add_object(msg::AxisCommand& command, ObjectAddress address, std::int64_t value) {
+  auto& object = command.objects().emplace_back();
+  object.index(address.index);
+  object.subindex(address.subindex);
+  object.value(value);
+}
+
+void add_member(msg::AxisCommand& command, std::uint16_t member) {
+  command.members(static_cast<std::uint16_t>(command.members() | member));
+}
 
 }  // namespace
 
@@ -167,31 +200,42 @@ void Master::send_request(const View& view, Post& post) {
       object.index(random_.pick<std::uint16_t>(kRead));
       continue;
     }
-    switch (random_.below(5)) {
-      case 0:
-        object.index(0x6040);
-        object.value(word_for(view.statuses[object.axis() - 1U]));
-        break;
-      case 1:
-        object.index(0x607A);
-        object.value(random_.between(-20, 20) * kUnitsPerTurn);
-        break;
-      case 2:
-        object.index(0x60FF);
-        object.value(random_.between(-120'000, 120'000));
-        break;
-      case 3:
-        object.index(0x6060);
-        object.value(random_.per_mille(900) ? random_.pick<std::int8_t>(kModesToSet) : 5);
-        break;
-      default:
-        object.index(0x6067);
-        object.value(new_stamp(request.incarnation(), 0));
-        break;
-    }
+    write_any(object, view, request);
   }
   if (random_.per_mille(temper_.rudeness)) request.client(0);
   this->post(std::move(request), post);
+}
+
+void Master::write_any(msg::ObjectAccess& object, const View& view, const msg::Request& request) {
+  switch (random_.below(6)) {
+    case 0:
+      object.index(0x6040);
+      object.value(word_for(view.statuses[object.axis() - 1U]));
+      break;
+    case 1:
+      object.index(0x607A);
+      object.value(random_.between(-20, 20) * kUnitsPerTurn);
+      break;
+    case 2:
+      object.index(0x60FF);
+      object.value(random_.between(-120'000, 120'000));
+      break;
+    case 3:
+      object.index(0x6060);
+      object.value(random_.per_mille(900) ? draw_mode() : kNoMode);
+      break;
+    case 4: {
+      const Setting& setting = random_.pick<Setting>(kSettings);
+      object.index(setting.address.index);
+      object.subindex(setting.address.subindex);
+      object.value(random_.pick<std::int64_t>(setting.values));
+      break;
+    }
+    default:
+      object.index(0x6067);
+      object.value(new_stamp(request.incarnation(), 0));
+      break;
+  }
 }
 
 /// Stores or forgets axes, as a request or by their objects.
@@ -303,54 +347,77 @@ std::uint16_t Master::word_for(const AxisStatus& status) {
   }
 }
 
-void Master::add_object(msg::AxisCommand& command, std::uint16_t index, std::int64_t value) {
-  auto& object = command.objects().emplace_back();
-  object.index(index);
-  object.value(value);
+/// Profile position most often, else any mode or none.
+std::int8_t Master::draw_mode() {
+  const OperatingMode mode = random_.per_mille(300)
+                                 ? OperatingMode::profile_position
+                                 : random_.pick<OperatingModeRow>(kOperatingModes).mode;
+  return static_cast<std::int8_t>(mode);
+}
+
+/// What the mode in force takes: targets anywhere, streamed ones near to the demand.
+void Master::add_set_point(msg::AxisCommand& command, const AxisStatus& status) {
+  switch (static_cast<OperatingMode>(status.op_mode_actual)) {
+    case OperatingMode::velocity:
+      add_object(command, {0x6042, 0}, random_.between(-2'200, 2'200));
+      break;
+    case OperatingMode::profile_velocity:
+      add_object(command, {0x60FF, 0}, random_.between(-120'000, 120'000));
+      break;
+    case OperatingMode::profile_torque:
+    case OperatingMode::cyclic_synchronous_torque:
+      add_object(command, {0x6071, 0}, random_.between(-800, 800));
+      break;
+    case OperatingMode::homing:
+      add_object(command, {0x6098, 0}, random_.pick<HomingMethodRow>(kHomingMethods).number);
+      break;
+    case OperatingMode::interpolated_position:
+      add_object(command, {0x60C1, 1},
+                 near_to(status.position_demand_value, random_.between(-200, 200)));
+      break;
+    case OperatingMode::cyclic_synchronous_position:
+      add_member(command, msg::HAS_POSITION_USER_TARGET_VALUE);
+      command.position_user_target_value(
+          near_to(status.position_demand_value, random_.between(-200, 200)));
+      break;
+    case OperatingMode::cyclic_synchronous_velocity:
+      add_object(command, {0x60FF, 0},
+                 near_to(status.velocity_demand_value, random_.between(-10'000, 10'000)));
+      break;
+    default:
+      add_member(command, msg::HAS_POSITION_USER_TARGET_VALUE);
+      command.position_user_target_value(
+          static_cast<std::int32_t>(random_.between(-20 * kUnitsPerTurn, 20 * kUnitsPerTurn)));
+      break;
+  }
+}
+
+void Master::add_setting(msg::AxisCommand& command) {
+  const Setting& setting = random_.pick<Setting>(kSettings);
+  add_object(command, setting.address, random_.pick<std::int64_t>(setting.values));
 }
 
 /// A command that suits the state of the axis, with a stamp that identifies its sender.
 void Master::fill(msg::AxisCommand& command, const AxisStatus& status,
                   const msg::CommandFrame& frame) {
-  add_object(command, 0x6067, new_stamp(frame.incarnation(), frame.epoch()));
-  const auto add = [&](std::uint16_t member) {
-    command.members(static_cast<std::uint16_t>(command.members() | member));
-  };
+  add_object(command, {0x6067, 0}, new_stamp(frame.incarnation(), frame.epoch()));
   if (random_.per_mille(850)) {
-    add(msg::HAS_DS402_CONTROLWORD);
+    add_member(command, msg::HAS_DS402_CONTROLWORD);
     command.ds402_controlword(word_for(status));
   }
   if (status.op_mode_actual == 0 || random_.per_mille(40)) {
-    add(msg::HAS_OP_MODE_CMD);
-    command.op_mode_cmd(random_.per_mille(980) ? random_.pick<std::int8_t>(kModesToSet) : 5);
+    add_member(command, msg::HAS_OP_MODE_CMD);
+    command.op_mode_cmd(random_.per_mille(980) ? draw_mode() : kNoMode);
   }
   if (random_.per_mille(300)) {
-    add(msg::HAS_PROFILE_VELOCITY);
+    add_member(command, msg::HAS_PROFILE_VELOCITY);
     command.profile_velocity(static_cast<std::uint32_t>(random_.between(1'000, 130'000)));
   }
-  switch (status.op_mode_actual) {
-    case 3:
-      add_object(command, 0x60FF, random_.between(-120'000, 120'000));
-      break;
-    case 4:
-      add_object(command, 0x6071, random_.between(-800, 800));
-      break;
-    case 6:
-      add_object(command, 0x6098, random_.pick<std::int8_t>(kHomingMethods));
-      break;
-    case 8:
-      add(msg::HAS_POSITION_USER_TARGET_VALUE);
-      command.position_user_target_value(static_cast<std::int32_t>(std::clamp<std::int64_t>(
-          status.position_demand_value + random_.between(-200, 200), INT32_MIN, INT32_MAX)));
-      break;
-    default:
-      add(msg::HAS_POSITION_USER_TARGET_VALUE);
-      command.position_user_target_value(
-          static_cast<std::int32_t>(random_.between(-20 * kUnitsPerTurn, 20 * kUnitsPerTurn)));
-      break;
-  }
+  add_set_point(command, status);
+  if (random_.per_mille(60)) add_setting(command);
   if (random_.per_mille(temper_.rudeness)) {
-    add_object(command, random_.per_mille(500) ? 0x6041 : 0x6040, 0);
+    const std::uint16_t index = random_.per_mille(500) ? 0x6041 : 0x6040;
+    add_object(command, {index, 0}, 0);
   }
 }
 

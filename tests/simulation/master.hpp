@@ -69,7 +69,10 @@ class Master {
   void spoil(msg::CommandFrame& frame);
   void fill(msg::AxisCommand& command, const AxisStatus& status, const msg::CommandFrame& frame);
   std::uint16_t word_for(const AxisStatus& status);
-  void add_object(msg::AxisCommand& command, std::uint16_t index, std::int64_t value);
+  void add_set_point(msg::AxisCommand& command, const AxisStatus& status);
+  void add_setting(msg::AxisCommand& command);
+  std::int8_t draw_mode();
+  void write_any(msg::ObjectAccess& object, const View& view, const msg::Request& request);
   msg::CommandFrame new_frame(const View& view);
   msg::Request new_request(std::uint32_t kind);
   std::uint32_t new_stamp(std::uint64_t incarnation, std::uint32_t epoch);

@@ -2,6 +2,7 @@
 #include "simulation/simulation.hpp"
 
 #include "simulation/disturber.hpp"
+#include "simulation/drawn_axis.hpp"
 #include "simulation/master.hpp"
 
 #include <algorithm>
@@ -17,27 +18,15 @@ constexpr std::size_t kDisturber = 2;  // place on the network
 constexpr std::size_t kStepper = 3;
 constexpr std::int64_t kStepPatience = 60 * kMillisecond;
 
-/// Limits of the axes of this seed; each axis has its own.
-std::vector<AxisLimits> draw_limits(std::size_t axes, Random& random) {
-  std::vector<AxisLimits> limits(axes);
-  for (AxisLimits& axis : limits) {
-    axis.speed = random.per_mille(500) ? 136'533 : random.between(20'000, 136'000);
-    const std::int64_t most = random.between(1'000, 3'000);
-    const auto within = [&] {
-      return random.per_mille(500) ? most : random.between(500, most);
-    };
-    axis.positive_torque = within();
-    axis.negative_torque = within();
-    axis.has_range = random.per_mille(500);
-    axis.lower = -random.between(10'000, 60'000);
-    axis.upper = random.between(10'000, 60'000);
-    axis.abort_connection = static_cast<int>(random.per_mille(700) ? 1 : random.below(4));
-  }
+std::vector<AxisLimits> limits_of(const std::vector<DrawnAxis>& axes) {
+  std::vector<AxisLimits> limits;
+  limits.reserve(axes.size());
+  for (const DrawnAxis& axis : axes) limits.push_back(axis.limits);
   return limits;
 }
 
-service::Configuration configuration_of(const Options& options,
-                                        const std::vector<AxisLimits>& limits, Random& random) {
+service::Configuration configuration_of(const Options& options, const std::vector<DrawnAxis>& axes,
+                                        Random& random) {
   constexpr std::array kClocks{service::ClockMode::realtime, service::ClockMode::realtime,
                                service::ClockMode::lockstep, service::ClockMode::freerun};
   constexpr std::array<std::chrono::microseconds, 8> kPeriods{
@@ -55,17 +44,10 @@ service::Configuration configuration_of(const Options& options,
   configuration.watchdog = std::chrono::milliseconds{100};
   configuration.watchdog_is_chosen = random.per_mille(500);
   configuration.axes = service::default_axes(options.axes);
-  for (std::size_t place = 0; place < limits.size(); ++place) {
-    const AxisLimits& axis = limits[place];
-    configuration.axes[place].configuration.parameters = {
-        {{0x607F, 0}, axis.speed},
-        {{0x6072, 0}, std::max(axis.positive_torque, axis.negative_torque)},
-        {{0x60E0, 0}, axis.positive_torque},
-        {{0x60E1, 0}, axis.negative_torque},
-        {{0x3535, 0}, axis.has_range ? 1 : 0},
-        {{0x607D, 1}, axis.lower},
-        {{0x607D, 2}, axis.upper},
-        {{0x6007, 0}, axis.abort_connection}};
+  for (std::size_t place = 0; place < axes.size(); ++place) {
+    AxisConfiguration& axis = configuration.axes[place].configuration;
+    axis.model = axes[place].model;
+    axis.parameters = axes[place].parameters;
   }
   return configuration;
 }
@@ -97,8 +79,9 @@ class World {
       : options_(options),
         random_(options.seed),
         happenings_(options.trace),
-        limits_(draw_limits(options.axes, random_)),
-        configuration_(configuration_of(options, limits_, random_)),
+        axes_(draw_axes(options.axes, options.play == Play::everything, random_)),
+        limits_(limits_of(axes_)),
+        configuration_(configuration_of(options, axes_, random_)),
         post_(draw_habits(random_), random_.next()),
         back_(draw_habits(random_), random_.next()),
         frames_back_(draw_habits(random_), random_.next()),
@@ -213,6 +196,7 @@ class World {
   const Options options_;
   Random random_;
   Happenings happenings_;
+  std::vector<DrawnAxis> axes_;
   std::vector<AxisLimits> limits_;
   service::Configuration configuration_;
   SimulatedTime time_;

@@ -3,6 +3,7 @@
 // Seeds of the simulation, and the proof that each of its checks can fail.
 #include "simulation/simulation.hpp"
 
+#include "simulation/probe_watch.hpp"
 #include "support/axis_invariants.hpp"
 #include "support/effort.hpp"
 
@@ -154,7 +155,14 @@ INSTANTIATE_TEST_SUITE_P(
                     Sabotage::error_code_without_fault,
                     {test::StatusInvariant::kErrorCode}},
         SabotageRow{"WrongState", Sabotage::wrong_state, {test::StatusInvariant::kState}},
-        SabotageRow{"ResumesByItself", Sabotage::resumes_by_itself, {Invariant::kResume}},
+        SabotageRow{"BitsOfAnotherMode",
+                    Sabotage::bits_of_another_mode,
+                    {test::StatusInvariant::kModeBits}},
+        SabotageRow{"CountsBack", Sabotage::counts_back, {Invariant::kProbe}},
+        SabotageRow{"RestoresOtherwise", Sabotage::restores_otherwise, {Invariant::kRepeat}},
+        SabotageRow{"ResumesByItself",
+                    Sabotage::resumes_by_itself,
+                    {Invariant::kResume, Invariant::kCommanded}},
         SabotageRow{"TwoOwners", Sabotage::two_owners, {Invariant::kOwner}},
         SabotageRow{"AcceptsStaleEpochs",
                     Sabotage::accepts_stale_epochs,
@@ -241,6 +249,141 @@ TEST(AxisWatch, DetectsAnAxisThatStaysTooFastWithUnusedTorque) {
     const Happenings happenings = brake_with(static_cast<std::int16_t>(torque));
     ASSERT_TRUE(happenings.violation()) << torque;
     EXPECT_EQ(happenings.violation()->invariant, Invariant::kSpeed) << torque;
+  }
+}
+
+/// A demand in profile position that stands for five ticks of 1 ms and then goes faster by
+/// `changes` [UU/s], under a jerk of 4,000,000 UU/s³: 4 UU/s more or less from tick to tick, and 3
+/// of rounding.
+Happenings speed_up_by(const std::vector<std::int32_t>& changes, std::uint8_t inputs = 0) {
+  AxisLimits limits;
+  limits.jerk = 4.0e6;
+  limits.positive_torque = limits.negative_torque = 1'000;
+  AxisWatch watch(1, limits, std::chrono::milliseconds{1});
+  Happenings happenings(nullptr);
+  AxisStatus status;
+  status.ds402_statusword = 0x0237;  // Operation enabled
+  status.motor_op_status = 1;
+  status.op_mode_actual = 1;
+  watch.begin(status, PowerState::operation_enabled);
+  std::vector<std::int32_t> all(5, 0);
+  all.insert(all.end(), changes.begin(), changes.end());
+  for (const std::int32_t change : all) {
+    status.digital_inputs = inputs;
+    status.velocity_demand_value += change;
+    status.load_velocity_actual_value = status.velocity_demand_value;
+    status.position_demand_value += status.velocity_demand_value / 1'000;
+    status.load_position_actual_value = status.position_demand_value;
+    watch.check(status, PowerState::operation_enabled, {}, {}, false, happenings);
+  }
+  return happenings;
+}
+
+TEST(AxisWatch, AllowsADemandOfLimitedJerk) {
+  const Happenings happenings = speed_up_by({2, 6, 10, 14, 18, 16, 12, 8, 4, 0, -4, -8, -4, 0});
+  EXPECT_FALSE(happenings.violation()) << happenings.violation()->invariant;
+}
+
+TEST(AxisWatch, DetectsAJerkBeyondTheLimit) {
+  const std::vector<std::vector<std::int32_t>> jerky{{8}, {4, 8, 16}, {4, 8, 4, -4}, {-410}};
+  for (const std::vector<std::int32_t>& changes : jerky) {
+    const Happenings happenings = speed_up_by(changes);
+    ASSERT_TRUE(happenings.violation()) << changes.back();
+    EXPECT_EQ(happenings.violation()->invariant, Invariant::kJerk) << changes.back();
+  }
+}
+
+TEST(AxisWatch, AllowsAnyJerkAtALimitSwitch) {
+  const Happenings happenings = speed_up_by({400, 400, -800}, 0x02);
+  EXPECT_FALSE(happenings.violation()) << happenings.violation()->invariant;
+}
+
+/// A modulo axis of 0 to 1000 in Operation enabled whose positions go through `places` at 100 UU a
+/// tick of 1 ms.
+Happenings turn_through(const std::vector<std::int32_t>& places) {
+  AxisLimits limits;
+  limits.range_span = 1'000;
+  limits.positive_torque = limits.negative_torque = 1'000;
+  AxisWatch watch(1, limits, std::chrono::milliseconds{1});
+  Happenings happenings(nullptr);
+  AxisStatus status;
+  status.ds402_statusword = 0x0237;
+  status.motor_op_status = 1;
+  status.op_mode_actual = 1;
+  status.velocity_demand_value = status.load_velocity_actual_value = 100'000;
+  status.position_demand_value = status.load_position_actual_value = places.front();
+  watch.begin(status, PowerState::operation_enabled);
+  for (const std::int32_t place : places) {
+    status.position_demand_value = status.load_position_actual_value = place;
+    watch.check(status, PowerState::operation_enabled, {}, {}, false, happenings);
+  }
+  return happenings;
+}
+
+TEST(AxisWatch, AllowsAModuloAxisToPassTheEndOfItsRange) {
+  const Happenings happenings = turn_through({800, 900, 0, 100, 0, 900});
+  EXPECT_FALSE(happenings.violation()) << happenings.violation()->invariant;
+}
+
+TEST(AxisWatch, DetectsAModuloAxisOutsideOfItsRange) {
+  for (const std::int32_t outside : {1'000, -1}) {
+    const std::int32_t before = outside < 0 ? 99 : 900;
+    const Happenings happenings = turn_through({before, outside});
+    ASSERT_TRUE(happenings.violation()) << outside;
+    EXPECT_EQ(happenings.violation()->invariant, Invariant::kModulo) << outside;
+  }
+}
+
+TEST(AxisWatch, DetectsAModuloAxisThatJumps) {
+  // 500 of 1000 either way; 100 UU, 14 by the strongest acceleration and 6 of blur are allowed.
+  const Happenings happenings = turn_through({900, 400});
+  ASSERT_TRUE(happenings.violation());
+  EXPECT_EQ(happenings.violation()->invariant, Invariant::kNoJump);
+}
+
+// 16 ticks have at most 272 edges.
+TEST(ProbeWatch, AllowsCountersThatOverflowOrBeginAnew) {
+  struct Counts {
+    std::uint16_t before;
+    std::uint16_t now;
+  };
+
+  for (const Counts& counts :
+       {Counts{65'500, 65'535}, Counts{65'500, 30}, Counts{40'000, 0}, Counts{40'000, 272}}) {
+    ProbeWatch watch(1, {});
+    Happenings happenings(nullptr);
+    ProbeWatch::Look look;
+    look.function = 0x0013;
+    look.status = 0x0003;
+    look.counters.front() = counts.before;
+    watch.check(look, 16, happenings);
+    look.counters.front() = counts.now;
+    watch.check(look, 16, happenings);
+    EXPECT_FALSE(happenings.violation()) << counts.now;
+  }
+}
+
+TEST(ProbeWatch, DetectsWhatNoProbeCanHaveSeen) {
+  AxisLimits limits;
+  limits.range_span = 4'096;
+  ProbeWatch::Look counted;
+  counted.counters.back() = 10'000;
+  ProbeWatch::Look disabled;
+  disabled.status = 0x0001;  // 60B8h is 0
+  ProbeWatch::Look enabled;
+  enabled.function = 0x0100;  // and 60B9h is 0
+  ProbeWatch::Look unsampled;
+  unsampled.function = 0x0011;
+  unsampled.status = 0x0005;  // a negative edge
+  ProbeWatch::Look outside;
+  outside.positions.front() = 4'096;
+  for (const ProbeWatch::Look& look : {counted, disabled, enabled, unsampled, outside}) {
+    ProbeWatch watch(1, limits);
+    Happenings happenings(nullptr);
+    watch.check({}, 16, happenings);
+    watch.check(look, 16, happenings);
+    ASSERT_TRUE(happenings.violation()) << look.function << ' ' << look.status;
+    EXPECT_EQ(happenings.violation()->invariant, Invariant::kProbe);
   }
 }
 

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/drawn_axis.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+namespace vdrive::simulation {
+namespace {
+
+/// Limits that hold in every mode, as objects of the axis.
+void draw_limits(DrawnAxis& axis, Random& random) {
+  AxisLimits& limits = axis.limits;
+  limits.speed = random.per_mille(500) ? 136'533 : random.between(20'000, 136'000);
+  const std::int64_t most = random.between(1'000, 3'000);
+  const auto within = [&] {
+    return random.per_mille(500) ? most : random.between(500, most);
+  };
+  limits.positive_torque = within();
+  limits.negative_torque = within();
+  limits.has_range = random.per_mille(500);
+  limits.lower = -random.between(10'000, 60'000);
+  limits.upper = random.between(10'000, 60'000);
+  limits.abort_connection = static_cast<int>(random.per_mille(700) ? 1 : random.below(4));
+}
+
+void add_jerk(DrawnAxis& axis, Random& random) {
+  constexpr std::array<std::int64_t, 4> kJerks{4'096'000, 4'096'000, 10'000'000, 50'000'000};
+  const std::int64_t first = random.pick<std::int64_t>(kJerks);
+  const std::int64_t second = random.pick<std::int64_t>(kJerks);
+  const bool has_two = random.per_mille(500);
+  axis.limits.has_jerk = true;
+  axis.limits.jerk = static_cast<double>(has_two ? std::max(first, second) : first);
+  axis.parameters.insert(axis.parameters.end(), {{{0x6086, 0}, 3},
+                                                 {{0x60A3, 0}, has_two ? 2 : 1},
+                                                 {{0x60A4, 1}, first},
+                                                 {{0x60A4, 2}, second}});
+}
+
+/// With 0 in its range. Software limits would hide its ends.
+void add_range(DrawnAxis& axis, Random& random) {
+  axis.limits.has_range = false;
+  axis.limits.range_span = random.between(1'000, 50'000);
+  axis.limits.range_lower = -random.between(0, axis.limits.range_span - 1);
+  axis.parameters.push_back({{0x607B, 1}, axis.limits.range_lower});
+  axis.parameters.push_back({{0x607B, 2}, axis.limits.range_lower + axis.limits.range_span});
+}
+
+void add_switches(DrawnAxis& axis, Random& random) {
+  axis.parameters.insert(axis.parameters.end(), {{{0x5E21, 1}, -random.between(15'000, 60'000)},
+                                                 {{0x5E21, 2}, random.between(15'000, 60'000)},
+                                                 {{0x5E21, 3}, random.between(-10'000, 10'000)},
+                                                 {{0x5E21, 4}, random.between(50, 5'000)}});
+}
+
+void add_end_stops(DrawnAxis& axis, Random& random) {
+  axis.model.lower_end_stop = static_cast<double>(-random.between(20'000, 80'000));
+  axis.model.upper_end_stop = static_cast<double>(random.between(20'000, 80'000));
+}
+
+/// A weight has a brake that holds it. Together they are weaker than kStrongest of the watch allows
+/// for; ripple would go beyond the limits of the torque.
+void add_effects(DrawnAxis& axis, Random& random) {
+  AxisModel& model = axis.model;
+  if (random.per_mille(500)) {
+    model.gravity_torque = random.per_mille(500) ? 0.3 : -0.3;
+    model.brake_torque = 1.5;
+    model.brake_release_time = 0.02;
+    model.brake_engage_time = 0.03;
+  }
+  if (random.per_mille(500)) model.cogging_torque = 0.05;
+  if (random.per_mille(500)) {
+    model.encoder_noise = 0.1;
+    model.load_encoder_noise = 0.1;
+    model.encoder_noise_seed = static_cast<double>(random.below(1'000'000));
+  }
+  if (random.per_mille(500)) model.motor_thermal_time_constant = 10.0;
+  axis.limits.is_pushed =
+      model.gravity_torque != 0.0 || model.cogging_torque != 0.0 || model.encoder_noise != 0.0;
+}
+
+/// All but 5E20h:05, whose refusals depend on what the axis does within a tick.
+struct Habit {
+  std::uint8_t subindex;
+  std::int64_t highest;
+  bool holds_back;  ///< up to that many ms
+};
+
+constexpr std::array kDrawnHabits{
+    Habit{0x01, 1, false}, Habit{0x02, 1, false}, Habit{0x03, 1, false}, Habit{0x04, 2, false},
+    Habit{0x06, 8, true},  Habit{0x07, 60, true}, Habit{0x08, 30, true}, Habit{0x09, 30, true},
+    Habit{0x0A, 1, false}, Habit{0x0B, 1, false}, Habit{0x0D, 1, false}, Habit{0x0E, 1, false}};
+
+void add_habits(DrawnAxis& axis, Random& random) {
+  constexpr double kMillisecond_s = 1.0e-3;
+  constexpr double kWholeTicks_s = 0.01;  // what rounding up to ticks of 2 ms adds, and more
+  axis.limits.jerk = 0.0;                 // 5E20h:0B plans from rest
+  for (const Habit& habit : kDrawnHabits) {
+    if (!random.per_mille(250)) continue;
+    const std::int64_t value = random.between(1, habit.highest);
+    axis.parameters.push_back({{0x5E20, habit.subindex}, value});
+    if (!habit.holds_back) continue;
+    axis.limits.delay += static_cast<double>(value) * kMillisecond_s + kWholeTicks_s;
+  }
+  if (random.per_mille(250)) {
+    constexpr std::array<std::int64_t, 3> kMakerBits{0x0200, 0x4000, 0xC000};
+    axis.limits.maker_bits = random.pick<std::int64_t>(kMakerBits);
+    axis.parameters.push_back({{0x5E20, 0x0C}, axis.limits.maker_bits});
+  }
+}
+
+void add_monitor(DrawnAxis& axis, Random& random) {
+  axis.parameters.push_back({{0x5E12, 1}, random.between(0, 3)});
+  axis.parameters.push_back({{0x5E12, 2}, random.per_mille(500) ? 0 : 200});
+}
+
+// What is drawn later may overrule what is drawn before. A new kind is a row.
+constexpr std::array kKinds{add_jerk,    add_range,  add_switches, add_end_stops,
+                            add_effects, add_habits, add_monitor};
+
+void add_limits(DrawnAxis& axis) {
+  const AxisLimits& limits = axis.limits;
+  axis.parameters.insert(axis.parameters.end(),
+                         {{{0x607F, 0}, limits.speed},
+                          {{0x6072, 0}, std::max(limits.positive_torque, limits.negative_torque)},
+                          {{0x60E0, 0}, limits.positive_torque},
+                          {{0x60E1, 0}, limits.negative_torque},
+                          {{0x3535, 0}, limits.has_range ? 1 : 0},
+                          {{0x607D, 1}, limits.lower},
+                          {{0x607D, 2}, limits.upper},
+                          {{0x6007, 0}, limits.abort_connection}});
+}
+
+}  // namespace
+
+std::vector<DrawnAxis> draw_axes(std::size_t count, bool kinds, Random& random) {
+  std::array<bool, kKinds.size()> has_kind{};
+  for (bool& has : has_kind) has = kinds && random.per_mille(500);
+  std::vector<DrawnAxis> axes(count);
+  for (DrawnAxis& axis : axes) {
+    draw_limits(axis, random);
+    for (std::size_t kind = 0; kind < kKinds.size(); ++kind) {
+      if (has_kind.at(kind) && random.per_mille(400)) kKinds.at(kind)(axis, random);
+    }
+    add_limits(axis);
+  }
+  return axes;
+}
+
+}  // namespace vdrive::simulation

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "simulation/axis_watch.hpp"
+#include "simulation/happenings.hpp"
+#include "vdrive/axis_bank.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace vdrive::simulation {
+
+/// Checks the touch probes of one axis (60B8h to 60BDh, 60D5h to 60D8h), from time to time.
+class ProbeWatch {
+ public:
+  static constexpr std::size_t kEdges = 4;  ///< positive and negative, of two probes
+
+  /// What the axis shows of its probes.
+  struct Look {
+    unsigned function = 0;                         ///< 60B8h
+    unsigned status = 0;                           ///< 60B9h
+    std::array<std::int64_t, kEdges> positions{};  ///< 60BAh to 60BDh [UU]
+    std::array<std::uint16_t, kEdges> counters{};  ///< 60D5h to 60D8h
+  };
+
+  ProbeWatch(std::uint16_t number, const AxisLimits& limits) : number_(number), limits_(limits) {}
+
+  [[nodiscard]] static Look look_at(const AxisBank& bank, std::size_t axis);
+
+  /// @param ticks since the last check, at most
+  void check(const Look& now, std::uint64_t ticks, Happenings& happenings);
+
+  /// The following checks start again.
+  void begin() { has_last_ = false; }
+
+ private:
+  void check_status(const Look& now, Happenings& happenings) const;
+  void check_positions(const Look& now, Happenings& happenings) const;
+  void check_counters(const Look& now, std::uint64_t ticks, Happenings& happenings) const;
+
+  std::uint16_t number_;
+  AxisLimits limits_;
+  Look last_;
+  bool has_last_ = false;
+};
+
+}  // namespace vdrive::simulation
