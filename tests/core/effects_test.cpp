@@ -118,6 +118,18 @@ TEST(HoldingBrake, HoldsTheMotorOfAnElasticAxis) {
   EXPECT_NEAR(axis.actual(), 0, 1);
 }
 
+TEST(HoldingBrake, LetsTheLoadOfAnElasticAxisHangOnItsShaft) {
+  // However strong the brake is, the shaft of 20 N.m/rad carries the 0.6 N.m: 0.03 rad = 19.6 UU.
+  for (const double brake_torque : {2.0, 20.0, 200.0}) {
+    AxisConfiguration configuration = braked_axis(brake_torque, Coupling::two_inertia);
+    configuration.model.coupling_stiffness = 20.0;
+    AxisUnderTest axis(configuration);
+    axis.step(2'000);
+    EXPECT_EQ(axis.status().motor_position_actual_value, 0) << brake_torque;
+    EXPECT_NEAR(axis.actual(), -0.03 * kUnitsPerRadian, 1.0) << brake_torque;
+  }
+}
+
 TEST(HoldingBrake, SlipsUnderMoreThanItsTorque) {
   AxisUnderTest axis(braked_axis(0.5));
   axis.step(200);

@@ -163,6 +163,18 @@ struct ElasticInput {
   return is_engaged ? with_shaft : without;
 }
 
+/// Friction of the brake in a sub-step: all of it where the motor slips, else as much as holds the
+/// motor. The linear model takes it over the whole sub-step and passes on through the shaft what
+/// is too much: the load would hang on the brake, and not on the shaft.
+[[gnu::always_inline]] inline double brake_friction(const ElasticParameters& p,
+                                                    const EffectBlock& e, std::size_t l,
+                                                    double free_velocity,
+                                                    const Friction& on_motor) {
+  const double missing = on_motor.direction * free_velocity - p.friction_impulse[l];
+  const double held = (missing > 0.0 ? missing : 0.0) / p.free_motor_velocity.motor_load[l];
+  return on_motor.stuck ? held : e.state.brake[l];
+}
+
 /// Linear step, then Coulomb friction on both sides: the velocities without it give its
 /// direction.
 /// @param uneven what cogging and ripple add to the torque of the motor
@@ -171,12 +183,13 @@ template <bool kEffects>
                                                   const ElasticInput& in, bool engaged, double load,
                                                   double uneven, double half_substep) {
   const std::size_t l = in.l;
-  const double friction = kEffects ? p.friction[l] + e->state.brake[l] : p.friction[l];
   const double impulse =
       kEffects ? p.friction_impulse[l] + e->state.brake_impulse[l] : p.friction_impulse[l];
-  const Friction on_motor =
-      rub(in.motor_velocity,
-          coupled(p.motor_velocity, p.free_motor_velocity, engaged, in, uneven, load), impulse);
+  const double free_velocity =
+      coupled(p.motor_velocity, p.free_motor_velocity, engaged, in, uneven, load);
+  const Friction on_motor = rub(in.motor_velocity, free_velocity, impulse);
+  const double friction =
+      kEffects ? p.friction[l] + brake_friction(p, *e, l, free_velocity, on_motor) : p.friction[l];
   const Friction on_load =
       rub(in.load_velocity, coupled(p.load_velocity, p.free_load_velocity, engaged, in, 0.0, load),
           p.load_friction_impulse[l]);
