@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <set>
@@ -77,6 +78,22 @@ TEST(Strangers, TheStepperSeesEachEdge) {
   stepper.expect_moves();
   const client::Outcome homed = stepper.axis.home({.method = 37, .call = {}});
   EXPECT_TRUE(homed) << homed.message();
+}
+
+TEST(Strangers, TheStepperFollowsAStreamFromItsFirstPositionOn) {
+  Stranger stepper("stepper.yaml");
+  auto group =
+      client::AxisGroup::create(stepper.session, std::array<client::Axis, 1>{stepper.axis}).value();
+  ASSERT_TRUE(group.enable_all());
+  const client::Outcome started = group.start_streaming();
+  ASSERT_TRUE(started) << started.message();
+  for (int tick = 1; tick <= 20; ++tick) {
+    const auto shown = group.stream(Eigen::VectorXd::Constant(1, 10.0 * tick));
+    ASSERT_TRUE(shown) << shown.outcome().message();
+    ASSERT_TRUE(shown->not_following().empty()) << tick;
+    ASSERT_EQ(shown->demand()[0], 10.0 * tick);
+  }
+  EXPECT_TRUE(group.stop_streaming());
 }
 
 TEST(Strangers, TheOldServoNeedsItsModeBeforeItsPower) {

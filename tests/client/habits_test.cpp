@@ -14,7 +14,6 @@
 #include <cstdint>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 namespace vdrive::client {
 namespace {
@@ -71,18 +70,27 @@ TEST_F(DriveWithHabits, MovesWhereBit12IsUpAfterEnabling) {
   expect_move_to(-500);
 }
 
-// b: the client leaves bits 4 to 6 at 0, as the standard has it.
-TEST_F(DriveWithHabits, AStreamWithoutBits4To6IsShownAsNotFollowed) {
+// b
+TEST_F(DriveWithHabits, StreamsPositionsWithBits4To6WhereTheyAreNeeded) {
   have("habit_stream_release_bits", 1);
   auto group = AxisGroup::create(session_, std::array{axis_, other_}).value();
   ASSERT_TRUE(group.enable_all());
   ASSERT_TRUE(group.start_streaming());
   const auto shown = group.stream(Eigen::Vector2d(50.0, 50.0));
   ASSERT_TRUE(shown) << shown.outcome().message();
-  EXPECT_EQ(shown->not_following(), std::vector<AxisId>{axis_.id()});
-  EXPECT_EQ(shown->demand()[0], 0.0);
+  EXPECT_THAT(shown->not_following(), SizeIs(0));
+  EXPECT_EQ(shown->demand()[0], 50.0);
   EXPECT_EQ(shown->demand()[1], 50.0);
-  EXPECT_TRUE(group.stop_streaming());
+  EXPECT_EQ(axis_.read(kControlword).value(), 0x007F);
+  EXPECT_EQ(other_.read(kControlword).value(), 0x000F) << "a drive without the habit";
+  ASSERT_TRUE(group.halt_all());
+  GroupCallOptions at_once;
+  at_once.until = Until::in_force;
+  ASSERT_TRUE(group.resume_all(at_once));
+  EXPECT_EQ(axis_.read(kControlword).value(), 0x007F);
+  ASSERT_TRUE(group.stop_streaming());
+  EXPECT_EQ(axis_.read(kControlword).value(), 0x000F);
+  expect_move_to(1'000);
 }
 
 // c, d
@@ -151,19 +159,18 @@ TEST_F(DriveWithHabits, MovesHomesAndStopsADriveThatLooksOnceIn4Ms) {
   expect_enabled();
 }
 
-// f: a group hands the common times over in one tick.
+// f: the axis would start up to 4 ms behind the others.
 TEST_F(DriveWithHabits, AGroupMoveOfADriveThatLooksOnceIn4MsIsRefused) {
   have("habit_controlword_loop", 4);
   auto group = AxisGroup::create(session_, std::array{axis_, other_}).value();
   const Outcome enabled = group.enable_all();
   ASSERT_TRUE(enabled) << enabled.message();
-  ASSERT_TRUE(axis_.write(kMode, 1));
-  ASSERT_TRUE(other_.write(kMode, 1));
-  const Outcome moved = group.move_together(Eigen::Vector2d(1'000.0, 1'000.0));
-  EXPECT_EQ(moved.kind(), OutcomeKind::refused);
-  EXPECT_THAT(moved.message(), HasSubstr("axis 1.1 ignored the set-point"));
+  const Outcome refused = group.move_together(Eigen::Vector2d(1'000.0, 1'000.0));
+  EXPECT_EQ(refused.kind(), OutcomeKind::refused);
+  EXPECT_THAT(refused.message(), HasSubstr("axis 1.1: habit_controlword_loop (5E20h:06) is 4"));
   ASSERT_TRUE(session_.step(1, 500));
   EXPECT_EQ(axis_.status().value().status.position_demand_value, 0);
+  EXPECT_EQ(other_.status().value().status.position_demand_value, 0) << "no axis has started";
 }
 
 // k: the axis would lose its speed, and its line.
@@ -213,6 +220,17 @@ TEST_F(DriveWithHabits, WaitsForTheModeThatIsShownLate) {
   EXPECT_TRUE(homed) << homed.message();
   const Outcome running = axis_.run_at(1'000);
   EXPECT_TRUE(running) << running.message();
+}
+
+TEST_F(DriveWithHabits, AGroupMoveWaitsForTheModeThatIsShownLate) {
+  have("habit_mode_display_delay", 100);
+  auto group = AxisGroup::create(session_, std::array{axis_, other_}).value();
+  ASSERT_TRUE(group.enable_all());
+  ASSERT_EQ(axis_.status().value().mode(), OperatingMode::none);
+  const Outcome moved = group.move_together(Eigen::Vector2d(1'000.0, -500.0));
+  EXPECT_TRUE(moved) << moved.message();
+  EXPECT_EQ(axis_.status().value().status.position_demand_value, 1'000);
+  EXPECT_EQ(other_.status().value().status.position_demand_value, -500);
 }
 
 // i

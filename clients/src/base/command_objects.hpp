@@ -17,4 +17,10 @@ inline void add_object(msg::AxisCommand& command, ObjectAddress address, std::in
   object.value(value);
 }
 
+/// Adds the controlword of a command, or replaces it.
+inline void add_word(msg::AxisCommand& command, std::uint16_t word) {
+  command.members(static_cast<std::uint16_t>(command.members() | msg::HAS_DS402_CONTROLWORD));
+  command.ds402_controlword(word);
+}
+
 }  // namespace vdrive::client

@@ -18,6 +18,12 @@ using controlwords::kShutdown;
 using controlwords::kSwitchOn;
 inline constexpr std::uint16_t kHalt = kEnableOperation | Controlword::kHalt;
 
+/// With bits 4 to 6, which cyclic synchronous position does not have: a drive with the habit
+/// 5E20h:02 follows positions only while they are 1.
+inline constexpr std::uint16_t kReleaseStream = kEnableOperation | Controlword::kNewSetPoint |
+                                                Controlword::kChangeSetImmediately |
+                                                Controlword::kRelative;
+
 /// The first value of 605Ah after which an axis stays in Quick stop active.
 inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
 

@@ -52,7 +52,8 @@ constexpr std::array kOtherLimits{vdrive::describe("motor_speed_limit"_object).a
                                   vdrive::describe("profile_jerk_use"_object).address,
                                   vdrive::describe("profile_jerk_1"_object).address,
                                   vdrive::describe("profile_jerk_2"_object).address,
-                                  vdrive::describe("habit_plan_from_rest"_object).address};
+                                  vdrive::describe("habit_plan_from_rest"_object).address,
+                                  vdrive::describe("habit_controlword_loop"_object).address};
 
 constexpr auto kLimitObjects = [] {
   std::array<ObjectAddress, kMoveBounds.size() + kOtherLimits.size()> objects{};
@@ -80,6 +81,7 @@ enum LimitObject : std::size_t {
   profile_jerk_1,
   profile_jerk_2,
   habit_plan_from_rest,
+  habit_controlword_loop,
 };
 
 /// A line is planned as on linear axes: on a modulo axis (607Bh) its target has to be a position
@@ -100,9 +102,17 @@ Outcome check_range(const std::string& axis, const std::vector<std::int64_t>& va
                            "cannot keep; write it without bits 6 and 7");
 }
 
-/// A drive that forgets the speed of a moving axis leaves the line.
-Outcome check_habit(const std::string& axis, const std::vector<std::int64_t>& values) {
-  if (values[habit_plan_from_rest] == 0) return {};
+/// A drive leaves the line that forgets the speed of a moving axis, and one that looks at its
+/// controlword once in a while: nobody knows when it would start.
+Outcome check_habits(const std::string& axis, const std::vector<std::int64_t>& values,
+                     bool in_motion) {
+  if (values[habit_controlword_loop] != 0) {
+    return not_in_this_state(axis + ": habit_controlword_loop (5E20h:06) is " +
+                             std::to_string(values[habit_controlword_loop]) +
+                             ", and has to be 0 for a line: the axis would start later than the "
+                             "others");
+  }
+  if (!in_motion || values[habit_plan_from_rest] == 0) return {};
   return not_in_this_state(axis +
                            ": habit_plan_from_rest (5E20h:0B) is 1, and has to be 0 for a line "
                            "that starts in motion");
@@ -130,11 +140,6 @@ MotionJerk jerk_from(const std::vector<std::int64_t>& values) {
   const bool has_two = values[profile_jerk_use] == 2;
   return {.acceleration = static_cast<double>(values[profile_jerk_1]),
           .deceleration = static_cast<double>(values[has_two ? profile_jerk_2 : profile_jerk_1])};
-}
-
-void add_word(msg::AxisCommand& command, std::uint16_t word) {
-  command.members(static_cast<std::uint16_t>(command.members() | msg::HAS_DS402_CONTROLWORD));
-  command.ds402_controlword(word);
 }
 
 void add_target(msg::AxisCommand& command, std::int32_t target) {
@@ -177,6 +182,27 @@ std::vector<std::int32_t> demands_of(std::span<const AxisSnapshot> axes) {
   return demands;
 }
 
+/// A drive that shows its mode late (5E20h:08) takes no set-point until then: where one does, the
+/// axes get the mode before the line, and not with it.
+Outcome await_late_mode(AxesCall& call) {
+  constexpr OperatingMode kMode = OperatingMode::profile_position;
+  const auto has_mode = [](const AxisSnapshot& axis) {
+    return axis.mode() == kMode;
+  };
+  if (std::ranges::all_of(call.snapshots(), has_mode)) return {};
+  const auto delays =
+      call.read(std::array{vdrive::describe("habit_mode_display_delay"_object).address});
+  if (!delays) return delays.outcome();
+  const bool is_late = std::ranges::any_of(*delays, [](const std::vector<std::int64_t>& values) {
+    return values.front() != 0;
+  });
+  if (!is_late) return {};
+  const Round mode = mode_round(call, kMode);
+  const Answers answers = call.exchange({&mode, 1}, Timing::at_once);
+  if (!answers.outcome) return answers.outcome;
+  return call.await_enabled(std::string(to_string(kMode)) + " mode", answers.tick, has_mode);
+}
+
 bool demand_arrived(const AxisSnapshot& axis, std::int32_t target) {
   return axis.status.position_demand_value == target && axis.status.velocity_demand_value == 0;
 }
@@ -199,9 +225,7 @@ Result<std::vector<AxisWay>> AxisGroup::State::ways_of(AxesCall& call, const Lin
           axis + ": the target " + std::to_string(target) + " is beyond its software limits");
     }
     if (Outcome within = check_range(axis, values, target); !within) return within;
-    if (in_motion) {
-      if (Outcome keeps = check_habit(axis, values); !keeps) return keeps;
-    }
+    if (Outcome keeps = check_habits(axis, values, in_motion); !keeps) return keeps;
     const auto bounds = std::span(values).first(kMoveBounds.size());
     if (Outcome moves = check_bounds(layout.axes[place], bounds); !moves) return moves;
     const MotionLimits own = limits_from(values, request);
@@ -268,8 +292,11 @@ Result<LinePlan> AxisGroup::State::plan_in_motion(AxesCall& call, const LineRequ
 
 Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
   if (Outcome able = call.require(is_enabled, "a move", "Operation enabled"); !able) return able;
-  const auto plan = is_on_the_move(call.snapshots()) ? plan_in_motion(call, request)
-                                                     : plan_from_rest(call, request);
+  const bool in_motion = is_on_the_move(call.snapshots());
+  if (!in_motion) {
+    if (Outcome moded = await_late_mode(call); !moded) return moded;
+  }
+  const auto plan = in_motion ? plan_in_motion(call, request) : plan_from_rest(call, request);
   if (!plan) return plan.outcome();
   const Answers answers = call.exchange(start_rounds(call, request, *plan), Timing::common_tick);
   if (answers.outcome && answers.ignored.empty()) {
@@ -444,7 +471,12 @@ Outcome AxisGroup::resume_all(const GroupCallOptions& options) {
   AxesCall call = state_->call(options);
   if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
   if (Outcome able = call.require(is_enabled, "resuming", "Operation enabled"); !able) return able;
-  const Round resume = call.round_of(kEnableOperation, every_axis);
+  Round resume = call.round_of(kEnableOperation, every_axis);
+  if (state_->stream) {
+    for (const std::size_t place : state_->stream->released) {
+      add_word(resume.entries[place].command, kReleaseStream);
+    }
+  }
   const Answers answers = call.exchange({&resume, 1}, Timing::common_tick);
   if (!answers.outcome) {
     const Round halt = call.round_of(kHalt, every_axis);

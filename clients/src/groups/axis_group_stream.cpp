@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace vdrive::client {
 namespace {
@@ -28,16 +29,6 @@ constexpr std::chrono::seconds kModeChange{5};
 constexpr std::uint64_t kShortestLead = 2;
 // A bench refuses a frame that is more than 10 s ahead, and keeps 1,024 of all sessions.
 constexpr std::chrono::seconds kLongestLead{1};
-
-Round mode_round(const AxesCall& call, OperatingMode mode) {
-  Round round = call.round_to(every_axis);
-  for (Round::Entry& entry : round.entries) {
-    entry.command.members(msg::HAS_OP_MODE_CMD);
-    entry.command.op_mode_cmd(static_cast<std::int8_t>(mode));
-  }
-  round.flags = msg::FRAME_ALL_OR_NOTHING;
-  return round;
-}
 
 const StreamedRow& streamed_row(Streamed what) {
   return kStreamedRows.at(static_cast<std::size_t>(what));
@@ -58,7 +49,44 @@ std::uint64_t lead_of(const Stream& stream) {
                            stream.call.period()));
 }
 
+/// Releases the positions of drives that follow them only with bits 4 to 6 of 6040h (5E20h:02).
+/// Each gets the place where it stands before, so that bit 12 shows the release.
+/// @param released receives their places
+Outcome release_positions(AxesCall& call, std::vector<std::size_t>& released) {
+  const auto habits =
+      call.read(std::array{vdrive::describe("habit_stream_release_bits"_object).address});
+  if (!habits) return habits.outcome();
+  Round round;
+  for (std::size_t place = 0; place < habits->size(); ++place) {
+    if ((*habits)[place].front() == 0) continue;
+    released.push_back(place);
+    msg::AxisCommand command = call.command_to(place);
+    command.members(msg::HAS_POSITION_USER_TARGET_VALUE);
+    command.position_user_target_value(call.snapshots()[place].status.position_demand_value);
+    add_word(command, kReleaseStream);
+    round.entries.push_back({place, std::move(command)});
+  }
+  if (released.empty()) return {};
+  const Answers answers = call.exchange({&round, 1}, Timing::at_once);
+  if (!answers.outcome) return answers.outcome;
+  return call.await_enabled("the release of its positions, bit 12", answers.tick,
+                            [&](std::size_t place) {
+                              return std::ranges::find(released, place) == released.end() ||
+                                     call.snapshots()[place].shows(Statusword::kFollowsCommand);
+                            });
+}
+
 }  // namespace
+
+Round mode_round(const AxesCall& call, OperatingMode mode) {
+  Round round = call.round_to(every_axis);
+  for (Round::Entry& entry : round.entries) {
+    entry.command.members(msg::HAS_OP_MODE_CMD);
+    entry.command.op_mode_cmd(static_cast<std::int8_t>(mode));
+  }
+  round.flags = msg::FRAME_ALL_OR_NOTHING;
+  return round;
+}
 
 Outcome AxisGroup::start_streaming(const StreamOptions& options) {
   AxesCall call = state_->call({});
@@ -83,9 +111,15 @@ Outcome AxisGroup::start_streaming(const StreamOptions& options) {
                                     [&row](const AxisSnapshot& axis) {
                                       return axis.mode() == row.mode;
                                     });
+  std::vector<std::size_t> released;
+  if (seen && row.what == Streamed::positions) seen = release_positions(call, released);
   if (!seen) return state_->explained(std::move(seen));
-  state_->stream = std::make_unique<Stream>(Stream{
-      .row = row, .options = options, .call = std::move(call), .in_flight = {}, .next_tick = 0});
+  state_->stream = std::make_unique<Stream>(Stream{.row = row,
+                                                   .options = options,
+                                                   .call = std::move(call),
+                                                   .in_flight = {},
+                                                   .next_tick = 0,
+                                                   .released = std::move(released)});
   return {};
 }
 
@@ -164,10 +198,16 @@ Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
   Outcome rest;
   while (rest && !state_->stream->in_flight.empty()) rest = state_->collect_oldest();
   state_->collect_rest();
+  const std::vector<std::size_t> released = std::move(state_->stream->released);
   state_->stream.reset();
   AxesCall call = state_->call(options);
   if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
-  const Round mode = mode_round(call, OperatingMode::profile_position);
+  Round mode = mode_round(call, OperatingMode::profile_position);
+  for (const std::size_t place : released) {  // bit 4 has to drop before its next edge
+    if (is_enabled(call.snapshots()[place])) {
+      add_word(mode.entries[place].command, kEnableOperation);
+    }
+  }
   const Answers answers = call.exchange({&mode, 1}, Timing::at_once);
   if (!answers.outcome) return state_->explained(answers.outcome);
   const bool to_the_end = options.until == Until::done;

@@ -74,7 +74,8 @@ struct Stream {
   StreamOptions options;
   AxesCall call;
   std::deque<std::vector<SentFrames>> in_flight;  ///< real time: oldest first
-  std::uint64_t next_tick = 0;  ///< real time: of the next set-point; 0 = none yet
+  std::uint64_t next_tick = 0;          ///< real time: of the next set-point; 0 = none yet
+  std::vector<std::size_t> released{};  ///< places of the axes that have kReleaseStream
 };
 
 /// What copies of a group share.
@@ -103,8 +104,8 @@ struct AxisGroup::State {
                                  const GroupMoveOptions& options) const;
 
   /// Hands a line to the axes, from rest or along the line in hand; no time passes in lock-step
-  /// unless moving axes have to be halted again. The line in hand stays when it is refused before
-  /// anything is in force.
+  /// unless a drive shows its mode late, or moving axes have to be halted again. The line in hand
+  /// stays when it is refused before anything is in force.
   Outcome start(AxesCall& call, const LineRequest& request);
 
   /// @return whether the demands have come to rest on their targets.
@@ -146,6 +147,9 @@ struct AxisGroup::State {
   Result<LinePlan> plan_in_motion(AxesCall& call, const LineRequest& request);
   static void withdraw(AxesCall& call);
 };
+
+/// @return a round that sets the mode of every axis, or of none.
+[[nodiscard]] Round mode_round(const AxesCall& call, OperatingMode mode);
 
 /// @return the time-out of a call that is no move.
 [[nodiscard]] std::chrono::nanoseconds timeout_of(const GroupCallOptions& options);
