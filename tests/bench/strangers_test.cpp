@@ -18,6 +18,7 @@ namespace {
 
 const std::filesystem::path kStrangers = VDRIVE_SOURCE_DIR "/deploy/axes/habits";
 constexpr ObjectAddress kStrangersMode{0x6060, 0};
+constexpr ObjectAddress kStrangersLoop{0x5E20, 6};
 
 /// The axis of the bench of one of the files, in lock-step.
 struct Stranger {
@@ -94,6 +95,20 @@ TEST(Strangers, TheStepperFollowsAStreamFromItsFirstPositionOn) {
     ASSERT_EQ(shown->demand()[0], 10.0 * tick);
   }
   EXPECT_TRUE(group.stop_streaming());
+}
+
+// The words 0006h, 0007h and 000Fh come in one tick, of which it sees the last one.
+TEST(Strangers, ADriveThatLooksOnceIn4MsIsEnabledWordByWordWhereItNeedsEach) {
+  Stranger old("old-servo.yaml");
+  ASSERT_TRUE(old.axis.write(kStrangersLoop, 4));
+  const client::Outcome enabled = old.axis.enable();
+  ASSERT_TRUE(enabled) << enabled.message();
+  ASSERT_TRUE(old.axis.disable());
+  auto group =
+      client::AxisGroup::create(old.session, std::array<client::Axis, 1>{old.axis}).value();
+  const client::Outcome all = group.enable_all();
+  ASSERT_TRUE(all) << all.message();
+  EXPECT_EQ(old.axis.status().value().state(), PowerState::operation_enabled);
 }
 
 TEST(Strangers, TheOldServoNeedsItsModeBeforeItsPower) {

@@ -141,11 +141,19 @@ TEST_F(DriveWithHabits, MovesHomesAndStopsADriveThatLooksOnceIn4Ms) {
   have("habit_controlword_loop", 4);
   expect_enabled();
   for (const std::int32_t target : {1'000, 2'000, -300}) expect_move_to(target);
+  // 2000 UU at 2000 UU/s.
+  const std::uint64_t before = axis_.status().value().tick;
+  const std::int64_t usual = axis_.read(kVelocity).value();
+  MoveOptions slowly;
+  slowly.velocity = 2'000;
+  const Outcome moved = axis_.move_to(1'700, slowly);
+  ASSERT_TRUE(moved) << moved.message();
+  EXPECT_GE(axis_.status().value().tick, before + 1'000);
+  EXPECT_EQ(axis_.read(kVelocity).value(), usual);
   for (int run = 0; run < 2; ++run) {
     const Outcome homed = axis_.home({.method = 37, .offset = 100, .call = {}});
     ASSERT_TRUE(homed) << homed.message();
     EXPECT_TRUE(axis_.status().value().shows(Statusword::kHomingAttained));
-    ASSERT_TRUE(session_.step(1, 4)) << "the drive sees that bit 4 has dropped";
   }
   const Outcome running = axis_.run_at(5'000);
   EXPECT_TRUE(running) << running.message();

@@ -481,7 +481,8 @@ Outcome Axis::home(const HomingOptions& options) {
     return explain_loss(*core_, std::move(seen), {&id_, 1});
   }
   Outcome result = homing_result(call);
-  const Outcome dropped = call.put_in_force({kEnableOperation});  // bit 4, for the next edge
+  Outcome dropped = call.put_in_force({kEnableOperation});  // bit 4, for the next edge
+  if (dropped) dropped = await_look(call);
   return result ? explain_loss(*core_, dropped, {&id_, 1}) : result;
 }
 

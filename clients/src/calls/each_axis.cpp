@@ -191,6 +191,14 @@ void EachAxis::end_all(const Outcome& outcome) {
   }
 }
 
+std::vector<std::size_t> EachAxis::pending_places() const {
+  std::vector<std::size_t> places;
+  for (std::size_t place = 0; place < is_pending_.size(); ++place) {
+    if (is_pending_[place]) places.push_back(place);
+  }
+  return places;
+}
+
 bool EachAxis::has_pending() const {
   return std::ranges::find(is_pending_, true) != is_pending_.end();
 }
@@ -388,10 +396,16 @@ void EachAxis::await_state(PowerState state) {
 }
 
 void EachAxis::await_operation() {
-  const AnswerTime answer_time(call_, kLongestLoop);
-  await_each(kOperationEnabled, call_.tick(), [&](std::size_t place) {
-    return has_answered_enabling(call_.snapshots()[place], answer_time);
-  });
+  const auto await_each_answer = [this] {
+    const AnswerTime answer_time(call_, kLongestLoop);
+    await_each(kOperationEnabled, call_.tick(), [&](std::size_t place) {
+      return has_answered_enabling(call_.snapshots()[place], answer_time);
+    });
+  };
+  await_each_answer();
+  const auto walked = walk_to_operation(call_, pending_places());
+  if (!walked) return end_all(walked.outcome());
+  if (*walked) await_each_answer();
   fail_unless(kOperationEnabled, is_enabled);
 }
 

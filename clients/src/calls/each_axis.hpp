@@ -69,6 +69,7 @@ class EachAxis {
   void judge_in_force();
   void judge_enabling(std::size_t place);
   void end_faulty(std::size_t place);
+  [[nodiscard]] std::vector<std::size_t> pending_places() const;
   void await_operation();
   void await_reset();
   void await_standstill();

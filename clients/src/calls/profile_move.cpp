@@ -63,9 +63,12 @@ Outcome ProfileMove::prepare() {
   objects.push_back(vdrive::describe("motor_speed_limit"_object).address);
   objects.push_back(vdrive::describe("ds402_controlword"_object).address);
   objects.push_back(vdrive::describe("positioning_option_code"_object).address);
+  objects.push_back(vdrive::describe("habit_controlword_loop"_object).address);
   auto values = call_.read(objects);
   if (!values) return values.outcome();
   bounds_ = std::move(values->front());
+  looks_once_in_a_loop_ = bounds_.back() != 0;
+  bounds_.pop_back();
   positioning_option_ = bounds_.back();
   bounds_.pop_back();
   controlword_ = static_cast<std::uint16_t>(bounds_.back());
@@ -128,20 +131,31 @@ Outcome ProfileMove::start(std::int32_t target, bool relative) {
     rounds.push_back(call_.round_of(dropped, every_axis));
   }
   rounds.push_back(set_point(target, relative));
-  if (options_.velocity) {
-    Round& old_velocity = rounds.emplace_back(call_.round_to(every_axis));
-    msg::AxisCommand& command = old_velocity.entries.front().command;
-    add_members(command, msg::HAS_PROFILE_VELOCITY);
-    command.profile_velocity(static_cast<std::uint32_t>(bounds_[velocity]));
-  }
+  // The drive takes 6081h when it sees the edge: mostly in the tick of the edge.
+  const bool keeps_velocity = options_.velocity && looks_once_in_a_loop_;
+  if (options_.velocity && !keeps_velocity) rounds.push_back(old_velocity());
   if (Outcome done = call_.put_in_force(rounds); !done) {
     if (done.kind() == OutcomeKind::refused) put_back_ramps();
     return done;
   }
   // From here on bits 12 and 10 belong to this set-point: it acts in the tick that was observed.
-  return call_.await_enabled("the acknowledge, bit 12", call_.tick(), [](const AxisSnapshot& axis) {
-    return axis.shows(Statusword::kSetPointAcknowledge);
-  });
+  Outcome taken =
+      call_.await_enabled("the acknowledge, bit 12", call_.tick(), [](const AxisSnapshot& axis) {
+        return axis.shows(Statusword::kSetPointAcknowledge);
+      });
+  if (!keeps_velocity) return taken;
+  const Round velocity_back = old_velocity();
+  Outcome back = call_.put_in_force({&velocity_back, 1});
+  return taken ? back : taken;
+}
+
+/// 6081h is of this move alone.
+Round ProfileMove::old_velocity() const {
+  Round round = call_.round_to(every_axis);
+  msg::AxisCommand& command = round.entries.front().command;
+  add_members(command, msg::HAS_PROFILE_VELOCITY);
+  command.profile_velocity(static_cast<std::uint32_t>(bounds_[velocity]));
+  return round;
 }
 
 Outcome ProfileMove::await_target() {

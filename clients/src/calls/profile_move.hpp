@@ -58,7 +58,7 @@ class ProfileMove {
   Outcome prepare();
 
   /// Hands the set-point over, and waits for bit 12. 6081h, which the drive takes with the
-  /// set-point, has its old value again at once.
+  /// set-point, has its old value again at once; behind bit 12 where the drive looks seldom.
   Outcome start(std::int32_t target, bool relative);
 
   /// Waits until the axis is at its target; see await_target of arrival.hpp.
@@ -69,6 +69,7 @@ class ProfileMove {
 
  private:
   [[nodiscard]] Round set_point(std::int32_t target, bool relative) const;
+  [[nodiscard]] Round old_velocity() const;
   [[nodiscard]] std::int32_t target_of(std::int32_t value, bool relative) const;
   bool add_old_ramps(Round& round) const;
   void put_back_ramps();
@@ -80,9 +81,10 @@ class ProfileMove {
   const MoveOptions& options_;
   std::uint16_t controlword_ = 0;
   std::int64_t positioning_option_ = 0;
-  std::vector<std::int64_t> bounds_;  ///< of kMoveBounds, before the move
-  std::int32_t target_ = 0;           ///< absolute
-  bool wraps_ = false;                ///< the way to it leads through the end of the register
+  std::vector<std::int64_t> bounds_;   ///< of kMoveBounds, before the move
+  std::int32_t target_ = 0;            ///< absolute
+  bool wraps_ = false;                 ///< the way to it leads through the end of the register
+  bool looks_once_in_a_loop_ = false;  ///< the drive, at 6040h: 5E20h:06
 };
 
 }  // namespace vdrive::client

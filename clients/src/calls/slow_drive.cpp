@@ -2,12 +2,30 @@
 #include "calls/slow_drive.hpp"
 
 #include "base/command_words.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
+#include <array>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 namespace vdrive::client {
 namespace {
+
+using namespace literals;
+
+/// @return of each axis the time between two looks at 6040h; 0, it obeys each word, also where the
+///         bench does not say it.
+std::vector<std::chrono::milliseconds> loops_of(AxesCall& call) {
+  std::vector<std::chrono::milliseconds> loops(call.snapshots().size());
+  const auto values =
+      call.read(std::array{vdrive::describe("habit_controlword_loop"_object).address});
+  for (std::size_t place = 0; values && place < loops.size(); ++place) {
+    loops[place] = std::chrono::milliseconds((*values)[place].front());
+  }
+  return loops;
+}
 
 Round round_of_word(const AxesCall& call, std::uint16_t word, std::span<const std::size_t> places) {
   Round round;
@@ -20,6 +38,34 @@ Round round_of_word(const AxesCall& call, std::uint16_t word, std::span<const st
   return round;
 }
 
+bool is_under_way(const AxisSnapshot& axis) {
+  return !is_enabled(axis) && has_no_fault(axis);
+}
+
+/// Gives each of these axes, which are under way, its next word of enabling.
+Outcome take_a_step(AxesCall& call, std::span<const std::size_t> places) {
+  Round round;
+  std::vector<PowerState> before;
+  for (const AxisSnapshot& axis : call.snapshots()) before.push_back(axis.state());
+  for (const std::size_t place : places) {
+    Round own = round_of_word(call, enabling_words(before[place]).front(), {&place, 1});
+    round.entries.push_back(std::move(own.entries.front()));
+  }
+  if (Outcome done = call.put_in_force({&round, 1}); !done) return done;
+  const AnswerTime answer_time(call, kLongestLoop);
+  return call.await("the next power state", call.tick(), [&](std::size_t place) {
+    return answer_time.has_ended() || call.snapshots()[place].state() != before[place] ||
+           std::ranges::find(places, place) == places.end();
+  });
+}
+
+Outcome await_all_answers(AxesCall& call) {
+  const AnswerTime answer_time(call, kLongestLoop);
+  return call.await("Operation enabled", call.tick(), [&answer_time](const AxisSnapshot& axis) {
+    return has_answered_enabling(axis, answer_time);
+  });
+}
+
 }  // namespace
 
 bool has_answered_enabling(const AxisSnapshot& axis, const AnswerTime& answer_time) {
@@ -29,10 +75,41 @@ bool has_answered_enabling(const AxisSnapshot& axis, const AnswerTime& answer_ti
 }
 
 Outcome await_enabling(AxesCall& call) {
-  const AnswerTime answer_time(call, kLongestLoop);
-  return call.await("Operation enabled", call.tick(), [&answer_time](const AxisSnapshot& axis) {
-    return has_answered_enabling(axis, answer_time);
+  if (Outcome seen = await_all_answers(call); !seen) return seen;
+  std::vector<std::size_t> places(call.snapshots().size());
+  std::iota(places.begin(), places.end(), std::size_t{0});
+  const auto walked = walk_to_operation(call, places);
+  if (!walked) return walked.outcome();
+  return *walked ? await_all_answers(call) : Outcome();
+}
+
+Result<bool> walk_to_operation(AxesCall& call, std::span<const std::size_t> places) {
+  std::vector<std::size_t> late(places.begin(), places.end());
+  const auto drop_those_there = [&call, &late] {
+    std::erase_if(late, [&call](std::size_t place) {
+      return !is_under_way(call.snapshots()[place]);
+    });
+  };
+  drop_those_there();
+  if (late.empty()) return false;
+  const std::vector<std::chrono::milliseconds> loops = loops_of(call);
+  std::erase_if(late, [&loops](std::size_t place) {
+    return loops[place].count() == 0;
   });
+  if (late.empty()) return false;
+  for (std::size_t step = 0; step < kEnablingWords.size() && !late.empty(); ++step) {
+    if (Outcome stepped = take_a_step(call, late); !stepped) return stepped;
+    drop_those_there();
+  }
+  return true;
+}
+
+Outcome await_look(AxesCall& call) {
+  const auto loops = loops_of(call);
+  const auto longest = *std::ranges::max_element(loops);
+  if (longest.count() == 0) return {};
+  return call.await_tick("the drive to look at its controlword",
+                         call.tick() + ticks_of(longest, call.period()));
 }
 
 Outcome hold_reset(AxesCall& call, std::span<const std::size_t> places) {

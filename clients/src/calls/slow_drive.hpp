@@ -38,8 +38,18 @@ class AnswerTime {
 ///         fault, or does nothing. In Switched on power is on its way, for as long as that takes.
 [[nodiscard]] bool has_answered_enabling(const AxisSnapshot& axis, const AnswerTime& answer_time);
 
-/// Waits for the answer of every axis to Enable operation.
+/// Waits for the answer of every axis to Enable operation; walk_to_operation() where that helps.
 Outcome await_enabling(AxesCall& call);
+
+/// For axes that were given the words of enabling in one tick and have not gone to Operation
+/// enabled: a drive with a loop (5E20h:06) may have seen the last one only. It gets one word after
+/// the other, each when the one before has had its effect.
+/// @param places of these axes; the others, those in a fault and those without a loop get nothing
+/// @return whether an axis got a word.
+Result<bool> walk_to_operation(AxesCall& call, std::span<const std::size_t> places);
+
+/// Waits until a drive with a loop (5E20h:06) has seen the word that is in force.
+Outcome await_look(AxesCall& call);
 
 /// For axes whose fault has outlasted a pulse of bit 7: holds the bit until the fault has ended, or
 /// for kLongestReset, and takes it back.
