@@ -167,6 +167,22 @@ TEST_F(DriveWithHabits, MovesHomesAndStopsADriveThatLooksOnceIn4Ms) {
   expect_enabled();
 }
 
+// f: the state before the stop is not the one behind it.
+TEST_F(DriveWithHabits, AQuickStopOfADriveThatLooksSeldomEndsAtStandstill) {
+  have("habit_controlword_loop", 16);
+  auto group = AxisGroup::create(session_, std::array{axis_, other_}).value();
+  for (const bool by_group : {false, true}) {
+    SCOPED_TRACE(by_group);
+    expect_enabled();
+    const Outcome running = axis_.run_at(5'000);
+    ASSERT_TRUE(running) << running.message();
+    const Outcome stopped = by_group ? group.quick_stop_all() : axis_.quick_stop();
+    EXPECT_TRUE(stopped) << stopped.message();
+    EXPECT_EQ(state(), PowerState::switch_on_disabled);
+    EXPECT_EQ(axis_.status().value().status.velocity_demand_value, 0);
+  }
+}
+
 // f: the axis would start up to 4 ms behind the others.
 TEST_F(DriveWithHabits, AGroupMoveOfADriveThatLooksOnceIn4MsIsRefused) {
   have("habit_controlword_loop", 4);

@@ -2,6 +2,7 @@
 #include "calls/axes_stop.hpp"
 
 #include "base/command_words.hpp"
+#include "calls/slow_drive.hpp"
 #include "session/session_core.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 
@@ -109,7 +110,9 @@ Outcome AxesStop::quick_stop(Until until) {
   const Answers answers = exchange(round, Timing::at_once);
   if (!answers.outcome) return answers.outcome;
   Outcome seen = call_.await_tick("the quick stop", answers.tick);
-  return seen && until == Until::done ? call_.await_quick_stops() : seen;
+  if (!seen || until != Until::done) return seen;
+  seen = await_stop_seen(call_);
+  return seen ? call_.await_quick_stops() : seen;
 }
 
 }  // namespace vdrive::client

@@ -171,6 +171,7 @@ void EachAxis::finish() {
     case EachCommand::resume:
       return await_targets();
     case EachCommand::quick_stop:
+      if (const Outcome seen = await_stop_seen(call_); !seen) return end_all(seen);
       await_quick_stops();
       return fail_unless(kQuickStopEnd, has_no_fault);
     default:

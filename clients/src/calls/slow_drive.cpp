@@ -112,6 +112,13 @@ Outcome await_look(AxesCall& call) {
                          call.tick() + ticks_of(longest, call.period()));
 }
 
+Outcome await_stop_seen(AxesCall& call) {
+  const AnswerTime answer_time(call, kLongestLoop);
+  return call.await("the quick stop", call.tick(), [&answer_time](const AxisSnapshot& axis) {
+    return answer_time.has_ended() || !is_enabled(axis);
+  });
+}
+
 Outcome hold_reset(AxesCall& call, std::span<const std::size_t> places) {
   const Round held = round_of_word(call, Controlword::kFaultReset, places);
   if (Outcome done = call.put_in_force({&held, 1}); !done) return done;

@@ -51,6 +51,10 @@ Result<bool> walk_to_operation(AxesCall& call, std::span<const std::size_t> plac
 /// Waits until a drive with a loop (5E20h:06) has seen the word that is in force.
 Outcome await_look(AxesCall& call);
 
+/// Waits until no axis that was given a quick stop is in Operation enabled any more, or until it
+/// has had the time of the longest loop: that state is the one before the stop.
+Outcome await_stop_seen(AxesCall& call);
+
 /// For axes whose fault has outlasted a pulse of bit 7: holds the bit until the fault has ended, or
 /// for kLongestReset, and takes it back.
 /// @param places of these axes
