@@ -2,9 +2,11 @@
 #include "core/support/allocation_guard.hpp"
 #include "publish/event_text.hpp"
 #include "service/engine_under_test.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <limits>
 
 namespace vdrive::test {
@@ -186,64 +188,110 @@ TEST(CommandFrame, WithAllOrNothingChangesNothingWhenOneIsRefused) {
   EXPECT_EQ(bench.counters.commands_refused.get(), 2U);
 }
 
-// A connection that was lost would stay lost when another object of the frame is refused.
-TEST(CommandFrame, LosesAConnectionOnlyWithoutAllOrNothing) {
-  OwnedBench bench;
-  for (const bool is_whole : {true, false}) {
-    auto frame = bench.make_frame(kAlice);
-    frame.flags(msg::FRAME_WANT_REPLY | (is_whole ? msg::FRAME_ALL_OR_NOTHING : 0U));
-    auto& object = add_command(frame, 1).objects().emplace_back();
-    object.index(0x5E0A);
-    object.value(1);
-    bench.receive(frame);
-    const auto reply = bench.command_reply();
-    ASSERT_TRUE(reply);
-    ASSERT_EQ(reply->refusals().size(), is_whole ? 1U : 0U);
-    if (is_whole) {
-      EXPECT_EQ(reply->refusals()[0].reason(), 0x06040041U);
-    }
-    EXPECT_EQ(bench.value(1, 0x5E0A), is_whole ? 0 : 1);
-  }
+/// A frame of Alice to axis 1, applied whole or not at all, that writes `value`.
+/// @param is_refused it writes 6041h behind it, which is read-only
+msg::CommandFrame whole_frame(OwnedBench& bench, ObjectAddress address, std::int64_t value,
+                              bool is_refused) {
+  auto frame = bench.make_frame(kAlice);
+  frame.flags(msg::FRAME_ALL_OR_NOTHING | msg::FRAME_WANT_REPLY);
+  auto& objects = add_command(frame, 1).objects();
+  auto& object = objects.emplace_back();
+  object.index(address.index);
+  object.subindex(address.subindex);
+  object.value(value);
+  if (is_refused) objects.emplace_back().index(0x6041);
+  return frame;
 }
 
-// A record that was added would stay added, and one that was dropped would stay dropped.
-TEST(CommandFrame, ChangesABufferOfRecordsOnlyWithoutAllOrNothing) {
-  OwnedBench bench;
-  const auto reason_of = [&bench](ObjectAddress address, std::uint32_t flags) -> std::uint32_t {
-    auto frame = bench.make_frame(kAlice);
-    frame.flags(msg::FRAME_WANT_REPLY | flags);
-    auto& object = add_command(frame, 1).objects().emplace_back();
-    object.index(address.index);
-    object.subindex(address.subindex);
-    object.value(1);
-    bench.receive(frame);
-    const auto reply = bench.command_reply();
-    return reply && !reply->refusals().empty() ? reply->refusals()[0].reason() : 0U;
+// What such a write does would stay when its register got the old value back.
+TEST(CommandFrame, WithAllOrNothingDoesWhatActsAtOnceOnlyWhenNoneIsRefused) {
+  struct ActingWrite {
+    ObjectAddress address;
+    std::int64_t value;
+    std::int64_t before;
   };
-  for (const ObjectAddress address :
-       {ObjectAddress{0x60C1, 1}, ObjectAddress{0x60C4, 2}, ObjectAddress{0x60C4, 6}}) {
-    EXPECT_EQ(reason_of(address, msg::FRAME_ALL_OR_NOTHING), 0x06040041U);
-    EXPECT_EQ(reason_of(address, 0U), 0U);
+
+  for (const ActingWrite& write : {ActingWrite{{0x5E0A, 0}, 1, 0}, ActingWrite{{0x60C1, 1}, 1, 0},
+                                   ActingWrite{{0x60C4, 2}, 2, 1}, ActingWrite{{0x60C4, 6}, 1, 0},
+                                   ActingWrite{{0x60B8, 0}, 0x0011, 0}}) {
+    SCOPED_TRACE(address_text(write.address));
+    OwnedBench bench;
+    for (const bool is_refused : {true, false}) {
+      bench.receive(whole_frame(bench, write.address, write.value, is_refused));
+      EXPECT_EQ(bench.command_reply()->refusals().size(), is_refused ? 1U : 0U);
+      EXPECT_EQ(bench.value(1, write.address.index, write.address.subindex),
+                is_refused ? write.before : write.value);
+      const bool has_probe = !is_refused && write.address.index == 0x60B8;
+      EXPECT_EQ(bench.value(1, 0x60B9), has_probe ? 1 : 0);
+    }
   }
 }
 
-// An edge that a touch probe has latched would be lost when the frame is taken back.
-TEST(CommandFrame, EnablesATouchProbeOnlyWithoutAllOrNothing) {
+// The first write of a set-point begins a stream, to whatever its register says then.
+TEST(CommandFrame, WithAllOrNothingBeginsNoStreamWhenOneIsRefused) {
+  struct OldSetPoint {
+    int mode;
+    std::uint16_t object;
+    std::int64_t value;
+  };
+
+  for (const OldSetPoint& old : {OldSetPoint{7, 0x60C1, 5'000}, OldSetPoint{8, 0x607A, 5'000},
+                                 OldSetPoint{9, 0x60FF, 5'000}, OldSetPoint{10, 0x6071, 500}}) {
+    SCOPED_TRACE(old.mode);
+    OwnedBench bench;
+    const std::uint8_t subindex = old.object == 0x60C1 ? 1 : 0;
+    bench.write(kAlice, 1, old.object, old.value, subindex);
+    bench.write(kAlice, 1, 0x6060, old.mode);
+    bench.write(kAlice, 1, 0x6040, old.mode == 7 ? 0x1F : 0x0F);
+    bench.steps(10);
+    ASSERT_EQ(bench.value(1, 0x6061), old.mode);
+    bench.receive(whole_frame(bench, {old.object, subindex}, 2 * old.value, true));
+    ASSERT_EQ(bench.command_reply()->refusals().size(), 1U);
+    EXPECT_EQ(bench.value(1, old.object, subindex), old.value);
+    bench.steps(50);
+    EXPECT_EQ(bench.value(1, 0x6064), 0);
+    EXPECT_EQ(bench.value(1, 0x606B), 0);
+  }
+}
+
+TEST(CommandFrame, WithAllOrNothingGivesNoTargetBehindALimitSwitchWhenOneIsRefused) {
   OwnedBench bench;
-  for (const bool is_whole : {true, false}) {
-    auto frame = bench.make_frame(kAlice);
-    frame.flags(msg::FRAME_WANT_REPLY | (is_whole ? msg::FRAME_ALL_OR_NOTHING : 0U));
-    auto& object = add_command(frame, 1).objects().emplace_back();
-    object.index(0x60B8);
-    object.value(0x0011);
-    bench.receive(frame);
+  bench.write(kAlice, 1, 0x6060, 3);
+  bench.write(kAlice, 1, 0x60FF, 1'000);
+  bench.write(kAlice, 1, 0x6040, 0x0F);
+  bench.steps(50);
+  ASSERT_EQ(bench.value(1, 0x606B), 1'000);
+  bench.write(kAlice, 1, 0x5E06, 1);  // the positive limit switch
+  bench.steps(50);
+  ASSERT_EQ(bench.value(1, 0x606B), 0);
+  bench.receive(whole_frame(bench, {0x60FF, 0}, -1'000, true));
+  ASSERT_EQ(bench.command_reply()->refusals().size(), 1U);
+  bench.write(kAlice, 1, 0x5E06, 0);
+  bench.steps(50);
+  EXPECT_EQ(bench.value(1, 0x606B), 0) << "60FFh waits for its next write";
+}
+
+TEST(CommandFrame, WithAllOrNothingKeepsTheErrorHistoryWhenOneIsRefused) {
+  OwnedBench bench;
+  bench.write(kAlice, 1, 0x5E02, 1);  // over-current
+  bench.steps(1);
+  ASSERT_EQ(bench.value(1, 0x1003), 1);
+  bench.receive(whole_frame(bench, {0x1003, 0}, 0, true));
+  EXPECT_EQ(bench.value(1, 0x1003), 1);
+}
+
+// 607Bh decides on 60F2h, 5E20h:05 on 6060h: what is judged first would be judged by the old value.
+TEST(CommandFrame, WithAllOrNothingRefusesObjectsThatDecideOnOthers) {
+  OwnedBench bench;
+  for (const ObjectAddress address :
+       {ObjectAddress{0x607B, 1}, ObjectAddress{0x607B, 2}, ObjectAddress{0x5E20, 5}}) {
+    SCOPED_TRACE(address_text(address));
+    bench.receive(whole_frame(bench, address, 1, false));
     const auto reply = bench.command_reply();
     ASSERT_TRUE(reply);
-    ASSERT_EQ(reply->refusals().size(), is_whole ? 1U : 0U);
-    if (is_whole) {
-      EXPECT_EQ(reply->refusals()[0].reason(), 0x06040041U);
-    }
-    EXPECT_EQ(bench.value(1, 0x60B9), is_whole ? 0 : 1);
+    ASSERT_EQ(reply->refusals().size(), 1U);
+    EXPECT_EQ(reply->refusals()[0].reason(), 0x06040041U);
+    EXPECT_EQ(bench.value(1, address.index, address.subindex), 0);
   }
 }
 

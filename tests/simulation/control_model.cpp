@@ -44,12 +44,6 @@ bool is_store_object(std::uint16_t index) {
   return index == kStoreObject || index == kRestoreObject;
 }
 
-/// What cannot be taken back once it is written: records and touch probes.
-bool is_final(ObjectAddress address) {
-  return address.index == 0x60C1 || address.index == 0x60B8 ||
-         (address.index == 0x60C4 && (address.subindex == 2 || address.subindex == 6));
-}
-
 bool is_test_input(std::uint16_t index) {
   return index >= 0x5E00 && index <= 0x5E0A;
 }
@@ -405,12 +399,12 @@ void ControlModel::apply(const msg::CommandFrame& frame) {
   }
   if ((frame.flags() & msg::FRAME_ALL_OR_NOTHING) == 0) {
     for (const auto* const command : commands) {
-      write_members(*command, false, answer);
+      write_members(*command, answer);
       write_controlword(*command, frame.sequence_number());
     }
   } else if (answer.refusals.empty()) {
     const std::vector<Axis> before = axes_;
-    for (const auto* const command : commands) write_members(*command, true, answer);
+    for (const auto* const command : commands) write_members(*command, answer);
     if (!answer.refusals.empty()) axes_ = before;
     for (const auto* const command : commands) {
       if (answer.refusals.empty()) write_controlword(*command, frame.sequence_number());
@@ -429,11 +423,10 @@ std::uint32_t ControlModel::judge_command(const msg::AxisCommand& command, std::
   return (command.members() & ~kKnownMembers) != 0 ? msg::REASON_UNKNOWN_MEMBERS : msg::REASON_NONE;
 }
 
-bool ControlModel::write_members(const msg::AxisCommand& command, bool whole, FrameAnswer& answer) {
+bool ControlModel::write_members(const msg::AxisCommand& command, FrameAnswer& answer) {
   Axis& axis = *axis_of(command.axis());
   const auto put = [&](ObjectAddress address, std::int64_t value) {
-    const bool is_out =
-        address.index == 0x6040 || is_store_object(address.index) || (whole && is_final(address));
+    const bool is_out = address.index == 0x6040 || is_store_object(address.index);
     const std::uint32_t code = is_out ? kNotInFrames : write(axis, command.axis(), address, value);
     if (code != 0) {
       answer.refusals.push_back({command.axis(), address.index, address.subindex, code});

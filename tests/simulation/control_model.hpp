@@ -245,8 +245,7 @@ class ControlModel {
   void apply(const msg::CommandFrame& frame);
   std::uint32_t judge_command(const msg::AxisCommand& command, std::uint64_t session,
                               std::set<std::uint16_t>& named);
-  /// @param whole the frame is applied whole or not at all
-  bool write_members(const msg::AxisCommand& command, bool whole, FrameAnswer& answer);
+  bool write_members(const msg::AxisCommand& command, FrameAnswer& answer);
   void write_controlword(const msg::AxisCommand& command, std::uint64_t sequence);
   std::uint32_t write(Axis& axis, std::uint16_t number, ObjectAddress address, std::int64_t value);
 

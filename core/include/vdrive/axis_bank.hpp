@@ -59,6 +59,9 @@ class AxisBank {
   AbortCode write(std::size_t axis, ObjectAddress object, std::int64_t value) noexcept;
   AbortCode write(std::size_t axis, ObjectRow row, std::int64_t value) noexcept;
 
+  /// @return what `write` would return now. Changes nothing.
+  [[nodiscard]] AbortCode check(std::size_t axis, ObjectRow row, std::int64_t value) const noexcept;
+
   /// Reads an object of axis `axis` (< size()).
   [[nodiscard]] ReadResult read(std::size_t axis, ObjectAddress object) const noexcept;
   [[nodiscard]] ReadResult read(std::size_t axis, ObjectRow row) const noexcept;

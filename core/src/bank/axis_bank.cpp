@@ -85,6 +85,10 @@ AbortCode AxisBank::write(std::size_t axis, ObjectRow row, std::int64_t value) n
   return state_->write(axis, row, value);
 }
 
+AbortCode AxisBank::check(std::size_t axis, ObjectRow row, std::int64_t value) const noexcept {
+  return check_object(state_->drive(axis), row, value);
+}
+
 ReadResult AxisBank::read(std::size_t axis, ObjectAddress object) const noexcept {
   const auto row = find_object(object);
   return row ? read(axis, *row) : ReadResult{check_address(object), 0};

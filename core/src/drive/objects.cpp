@@ -41,11 +41,6 @@ void take_target(Drive& drive, ObjectRow row) {
   if (const Mode& mode = mode_of(drive); mode.take_target != nullptr) mode.take_target(drive, row);
 }
 
-/// The rules of an object for its value, on this axis.
-AbortCode check_on_axis(const Drive& drive, ObjectRow row, std::int64_t value) {
-  return is_modulo(drive) ? check_value_on_modulo_axis(row, value) : check_object_value(row, value);
-}
-
 /// 5E11h: 6080h in the units of 6064h, as far as the object can show it.
 std::int64_t motor_speed_limit(const Drive& drive) {
   const double limit = velocity_of_motor(drive, real(drive, "motor_max_speed_rpm"_object));
@@ -55,16 +50,22 @@ std::int64_t motor_speed_limit(const Drive& drive) {
 
 }  // namespace
 
+AbortCode check_object(const Drive& drive, ObjectRow row, std::int64_t value) noexcept {
+  const AbortCode code =
+      is_modulo(drive) ? check_value_on_modulo_axis(row, value) : check_object_value(row, value);
+  if (code != AbortCode::none) return code;
+  const bool is_refused = describe(row).change == Change::mode &&
+                          refuses_mode_change(drive, static_cast<OperatingMode>(value));
+  return is_refused ? AbortCode::refused_in_present_device_state : AbortCode::none;
+}
+
 WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexcept {
-  if (const AbortCode code = check_on_axis(drive, row, value); code != AbortCode::none) {
+  if (const AbortCode code = check_object(drive, row, value); code != AbortCode::none) {
     return {code};
   }
   const Change change = describe(row).change;
   if (change == Change::memory) {
     return {};  // the row still reads 1
-  }
-  if (change == Change::mode && refuses_mode_change(drive, static_cast<OperatingMode>(value))) {
-    return {AbortCode::refused_in_present_device_state};
   }
   const std::int64_t previous = std::exchange(drive.registers().values[row], value);
   switch (change) {

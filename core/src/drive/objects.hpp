@@ -18,6 +18,10 @@ struct WriteResult {
   ServoUpdate servo = ServoUpdate::none;  ///< none when the write is refused
 };
 
+/// @return what `write_object` would answer now; see AxisBank::check.
+[[nodiscard]] AbortCode check_object(const Drive& drive, ObjectRow row,
+                                     std::int64_t value) noexcept;
+
 /// A write that the dictionary allows; see AxisBank::write. The one place that knows what a Change
 /// means.
 WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexcept;

@@ -45,11 +45,11 @@ constexpr std::array<RegisterMember, 6> kRegisterMembers{{
      }},
 }};
 
-/// A lost connection cannot be taken back by a write, neither can a record that was added or
-/// dropped, nor an edge that a touch probe has latched.
-constexpr bool is_undoable(Change change) {
-  return change != Change::connection && change != Change::record && change != Change::records &&
-         change != Change::probe;
+/// Objects by which an axis judges others: 607Bh decides on 60F2h, 5E20h:05 on 6060h. A frame that
+/// is applied whole is judged before any of it is written.
+constexpr bool decides_on_others(ObjectRow row) {
+  return row == "min_position_range_limit"_object || row == "max_position_range_limit"_object ||
+         row == "habit_mode_change_refusal"_object;
 }
 
 constexpr std::uint16_t kKnownMembers = [] {
@@ -74,7 +74,6 @@ FrameApplication::FrameApplication(BenchAxes& axes, AxisWriter& writer, Masters&
       named_in_(axes.size()) {
   reply_.refusals().reserve(msg::MAX_AXES_PER_FRAME);
   reply_.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
-  undo_.reserve(msg::MAX_AXES_PER_FRAME * (kRegisterMembers.size() + msg::MAX_OBJECTS_PER_AXIS));
 }
 
 void FrameApplication::apply(const msg::CommandFrame& frame) {
@@ -139,24 +138,28 @@ void FrameApplication::apply_each(const msg::CommandFrame& frame) {
       counters_.commands_refused.add();
       continue;
     }
-    const bool whole = apply_registers(commands[position], target.axis, false);
+    const bool whole = pass_registers(commands[position], target.axis, Pass::write);
     apply_controlword(commands[position], target.axis, frame.sequence_number());
     (whole ? counters_.commands_applied : counters_.commands_refused).add();
   }
 }
 
-/// Registers of all axes first: a controlword acts at once, a register can be put back.
+/// Writes nothing before everything is accepted: a write does more than to change its register, and
+/// the old value would not take that back.
 void FrameApplication::apply_all_or_nothing(const msg::CommandFrame& frame) {
-  undo_.clear();
   bool accepted = true;
   const auto& commands = frame.axes();
   for (std::size_t position = 0; position < commands.size(); ++position) {
-    accepted = apply_registers(commands[position], targets_[position].axis, true) && accepted;
+    accepted = pass_registers(commands[position], targets_[position].axis, Pass::judge) && accepted;
   }
   if (!accepted) {
-    take_back();
     counters_.commands_refused.add(commands.size());
     return;
+  }
+  for (std::size_t position = 0; position < commands.size(); ++position) {
+    const std::size_t axis = targets_[position].axis;
+    const bool written = pass_registers(commands[position], axis, Pass::write);
+    ensure(written, "a register that was accepted is written");
   }
   for (std::size_t position = 0; position < commands.size(); ++position) {
     apply_controlword(commands[position], targets_[position].axis, frame.sequence_number());
@@ -164,26 +167,19 @@ void FrameApplication::apply_all_or_nothing(const msg::CommandFrame& frame) {
   counters_.commands_applied.add(commands.size());
 }
 
-/// The latest write first.
-void FrameApplication::take_back() {
-  for (; !undo_.empty(); undo_.pop_back()) {
-    const Undo& undo = undo_.back();
-    axes_.write(undo.axis, undo.row, undo.value);
-  }
-}
-
-bool FrameApplication::apply_registers(const msg::AxisCommand& command, std::size_t axis,
-                                       bool undoable) {
+/// @return whether each of them is accepted.
+bool FrameApplication::pass_registers(const msg::AxisCommand& command, std::size_t axis,
+                                      Pass pass) {
   bool accepted = true;
   for (const auto& member : kRegisterMembers) {
     if ((command.members() & member.bit) != 0) {
-      accepted = apply_register(axis, member.row, member.value(command), undoable) && accepted;
+      accepted = pass_register(axis, member.row, member.value(command), pass) && accepted;
     }
   }
   for (const auto& object : command.objects()) {
     const ObjectAddress address{object.index(), object.subindex()};
     if (const auto row = find_object(address)) {
-      accepted = apply_register(axis, *row, object.value(), undoable) && accepted;
+      accepted = pass_register(axis, *row, object.value(), pass) && accepted;
     } else {
       refuse(command.axis(), address, check_address(address));
       accepted = false;
@@ -192,26 +188,19 @@ bool FrameApplication::apply_registers(const msg::AxisCommand& command, std::siz
   return accepted;
 }
 
-bool FrameApplication::apply_register(std::size_t axis, ObjectRow row, std::int64_t value,
-                                      bool undoable) {
+bool FrameApplication::pass_register(std::size_t axis, ObjectRow row, std::int64_t value,
+                                     Pass pass) {
   // The controlword has a member, whose place is last. Storing is answered when it is durable, and
   // frames are answered at once.
   const Change change = describe(row).change;
-  if (change == Change::power || change == Change::memory || (undoable && !is_undoable(change))) {
-    refuse(axes_.number_of(axis), describe(row).address, AbortCode::cannot_be_mapped_to_pdo);
-    return false;
+  const bool judges = pass == Pass::judge;
+  AbortCode code = AbortCode::cannot_be_mapped_to_pdo;
+  if (change != Change::power && change != Change::memory && !(judges && decides_on_others(row))) {
+    // Past the AxisWriter: a register begins no halt.
+    code = judges ? axes_.bank().check(axis, row, value) : axes_.write(axis, row, value);
   }
-  const ReadResult before = undoable ? axes_.bank().read(axis, row) : ReadResult{};
-  // Past the AxisWriter: a register begins no halt.
-  const AbortCode code = axes_.write(axis, row, value);
-  if (code != AbortCode::none) {
-    refuse(axes_.number_of(axis), describe(row).address, code);
-    return false;
-  }
-  if (undoable && before.code == AbortCode::none && undo_.size() < undo_.capacity()) {
-    undo_.push_back({axis, row, before.value});
-  }
-  return true;
+  if (code != AbortCode::none) refuse(axes_.number_of(axis), describe(row).address, code);
+  return code == AbortCode::none;
 }
 
 void FrameApplication::apply_controlword(const msg::AxisCommand& command, std::size_t axis,

@@ -31,11 +31,10 @@ class FrameApplication {
     bool is_refused = false;
   };
 
-  /// A register before it was overwritten by a frame that may have to be taken back.
-  struct Undo {
-    std::size_t axis = 0;
-    ObjectRow row = 0;
-    std::int64_t value = 0;
+  /// What happens to the registers of a command.
+  enum class Pass : std::uint8_t {
+    judge,  ///< of a frame that is applied whole or not at all: refuses, writes nothing
+    write,
   };
 
   void begin(const msg::CommandFrame& frame);
@@ -44,9 +43,8 @@ class FrameApplication {
                              Target& target);
   void apply_each(const msg::CommandFrame& frame);
   void apply_all_or_nothing(const msg::CommandFrame& frame);
-  void take_back();
-  bool apply_registers(const msg::AxisCommand& command, std::size_t axis, bool undoable);
-  bool apply_register(std::size_t axis, ObjectRow row, std::int64_t value, bool undoable);
+  bool pass_registers(const msg::AxisCommand& command, std::size_t axis, Pass pass);
+  bool pass_register(std::size_t axis, ObjectRow row, std::int64_t value, Pass pass);
   void apply_controlword(const msg::AxisCommand& command, std::size_t axis, std::uint64_t sequence);
   void refuse(std::uint16_t axis, ObjectAddress address, Reason reason);
 
@@ -58,7 +56,6 @@ class FrameApplication {
   Counters& counters_;
   msg::CommandReply reply_;              ///< of the frame that is being applied
   std::vector<Target> targets_;          ///< of its commands
-  std::vector<Undo> undo_;               ///< its writes
   std::vector<std::uint32_t> named_in_;  ///< by index: the last frame that named the axis
   std::uint32_t frame_count_ = 0;
 };
