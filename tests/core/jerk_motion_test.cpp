@@ -283,6 +283,44 @@ TEST(LimitedJerk, IsNotInTheStopAtALimitSwitch) {
   EXPECT_NEAR(lost_in_a_tick(axis), kQuickTick, 1);
 }
 
+// A stop of 2048000 UU/s² that ends with a jerk of 4096000 UU/s³ would go on for 0.5 s, by 512000
+// UU/s: backward, and faster than any limit.
+TEST(LimitedJerk, TakesOfAStopThatEndsInMotionWhatItCanEndBeforeStandstill) {
+  AxisUnderTest axis;
+  axis.write("quick_stop_option_code", 6);
+  run_with_jerk(axis);
+  axis.controlword(0x0002);
+  axis.step(2);
+  ASSERT_NEAR(axis.demand_velocity(), 10'000 - 2 * kQuickTick, 1);  // 5904
+  axis.controlword(0x000F);                                         // transition 16
+  // The root of 2·4096000·5904 is 219920 UU/s², which ends after 54 ms; 217872 on the average of
+  // the first tick.
+  EXPECT_NEAR(lost_in_a_tick(axis), 218, 1);
+  for (int tick = 0; tick < 60; ++tick) {
+    axis.step();
+    EXPECT_GE(axis.demand_velocity(), 0) << tick;
+  }
+  EXPECT_EQ(axis.demand_velocity(), 0);
+}
+
+TEST(LimitedJerk, KeepsItsSpeedBehindAStopThatALimitSwitchLetsGo) {
+  AxisUnderTest axis;
+  run_with_jerk(axis);
+  start_move(axis, 0);  // on the near side of the switch
+  axis.write("test_positive_limit_input", 1);
+  axis.step(3);
+  ASSERT_NEAR(axis.demand_velocity(), 9'998 - 3 * kQuickTick, 1);  // 3854
+  axis.write("test_positive_limit_input", 0);
+  // The root of 2·4096000·3854 is 177685 UU/s²; the way back has more of it: 178 + 2 UU/s.
+  EXPECT_NEAR(lost_in_a_tick(axis), 180, 1);
+  for (int tick = 0; tick < 1'000; ++tick) {
+    axis.step();
+    ASSERT_LE(std::abs(axis.demand_velocity()), 10'000) << tick;
+  }
+  EXPECT_EQ(axis.demand(), 0);
+  EXPECT_EQ(axis.demand_velocity(), 0);
+}
+
 TEST(LimitedJerk, MakesAnAxisThatSpeedsUpFasterBeforeItHalts) {
   // 0.05 s: 4096000·0.05 = 204800 UU/s² and 5120 UU/s. The acceleration ends 0.05 s later, with
   // 10240 UU/s.

@@ -82,8 +82,6 @@ void AxisWatch::begin(const AxisStatus& now, PowerState state) {
   last_change_ = 0;
   standing_ticks_ = 0;
   is_rounded_ = false;
-  idle_ticks_ = 0;
-  is_cut_ = limits_.has_jerk;
 }
 
 void AxisWatch::check(const AxisStatus& now, PowerState state, const AxisCauses& causes,
@@ -103,7 +101,6 @@ void AxisWatch::check(const AxisStatus& now, PowerState state, const AxisCauses&
   has_test_input_ = registers.has_test_input();
   since_word_s_ = causes.commanded ? 0.0 : since_word_s_ + period_s_;
   const bool commanded = since_word_s_ <= limits_.delay;
-  note_cut_stop(now, state);
   check_jump(now, registers, commanded, happenings);
   check_rest(now, happenings);
   check_speed(now, happenings);
@@ -177,18 +174,6 @@ void AxisWatch::check_rest(const AxisStatus& now, Happenings& happenings) {
   rest_speed_ = speed_of(now);
 }
 
-/// The stops at a limit switch and in Quick stop active have no limited jerk. Where one of them
-/// ends before the axis stands, its acceleration is handed to a profile that has: this jerk may
-/// lead the demand anywhere before.
-void AxisWatch::note_cut_stop(const AxisStatus& now, PowerState state) {
-  constexpr int kIdleTicks = 3;
-  idle_ticks_ = now.velocity_demand_value == 0 ? idle_ticks_ + 1 : 0;
-  const bool stops = is_at_limit_switch(now) || is_at_limit_switch(last_) ||
-                     state == PowerState::quick_stop_active ||
-                     last_state_ == PowerState::quick_stop_active;
-  is_cut_ = limits_.has_jerk && (stops || (is_cut_ && idle_ticks_ < kIdleTicks));
-}
-
 bool AxisWatch::brakes_at_its_limit(const AxisStatus& now) const {
   const bool is_strongest = now.load_velocity_actual_value < 0
                                 ? now.torque_demand >= limits_.positive_torque - 1
@@ -200,10 +185,6 @@ bool AxisWatch::brakes_at_its_limit(const AxisStatus& now) const {
 /// it only falls. The actual speed may be above it for as long as a loop needs to settle; an axis
 /// that a load drove far beyond it, for as long as the drive brakes with all its torque.
 void AxisWatch::check_speed(const AxisStatus& now, Happenings& happenings) {
-  if (is_cut_) {
-    calm_s_ = 0.0;
-    return;
-  }
   const std::int64_t demand = std::abs(std::int64_t{now.velocity_demand_value});
   const std::int64_t demand_before = std::abs(std::int64_t{last_.velocity_demand_value});
   const std::int64_t highest = std::max({limits_.speed, demand_before, speed_of(last_)});
@@ -271,7 +252,7 @@ void AxisWatch::check_range(const AxisStatus& now, bool commanded, Happenings& h
       now.position_demand_value >= limits_.lower && now.position_demand_value <= limits_.upper;
   // A drive that is enabled anew begins at the actual position, which may have swung beyond.
   const bool begins = now.op_mode_actual != last_.op_mode_actual || (commanded && !is_inside);
-  if (!is_led || begins || is_cut_) {
+  if (!is_led || begins) {
     is_contained_ = false;
   } else if (is_contained_ && !is_inside) {
     happenings.fail(Invariant::kRange, number_,

@@ -20,7 +20,6 @@ struct AxisLimits {
   std::int64_t positive_torque = 0;  ///< the lower of 6072h and 60E0h [per mille]
   std::int64_t negative_torque = 0;
   int abort_connection = 1;      ///< 6007h
-  bool has_jerk = false;         ///< 6086h = 3
   double jerk = 0.0;             ///< the higher one of 60A4h in use [UU/s³]; 0 = not checked
   std::int64_t range_lower = 0;  ///< 607Bh:01 [UU]
   std::int64_t range_span = 0;   ///< 607Bh:02 less 607Bh:01 [UU]; 0 = no modulo axis
@@ -51,7 +50,6 @@ class AxisWatch {
   void check_rest(const AxisStatus& now, Happenings& happenings);
   [[nodiscard]] bool brakes_at_its_limit(const AxisStatus& now) const;
   void check_speed(const AxisStatus& now, Happenings& happenings);
-  void note_cut_stop(const AxisStatus& now, PowerState state);
   [[nodiscard]] bool may_be_rounded(const AxisStatus& now) const;
   void check_jerk(const AxisStatus& now, Happenings& happenings);
   void check_range(const AxisStatus& now, bool commanded, Happenings& happenings);
@@ -74,8 +72,6 @@ class AxisWatch {
   std::int64_t last_change_ = 0;  ///< of 606Bh in the last tick [UU/s]
   int standing_ticks_ = 0;        ///< for how long the demand of a profile has stood
   bool is_rounded_ = false;       ///< nothing but profiles led the demand since it stood
-  int idle_ticks_ = 0;            ///< for how long 606Bh has been 0
-  bool is_cut_ = false;           ///< a stop without limited jerk may have been cut short
 };
 
 }  // namespace vdrive::simulation

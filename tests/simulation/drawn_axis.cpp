@@ -29,7 +29,6 @@ void add_jerk(DrawnAxis& axis, Random& random) {
   const std::int64_t first = random.pick<std::int64_t>(kJerks);
   const std::int64_t second = random.pick<std::int64_t>(kJerks);
   const bool has_two = random.per_mille(500);
-  axis.limits.has_jerk = true;
   axis.limits.jerk = static_cast<double>(has_two ? std::max(first, second) : first);
   axis.parameters.insert(axis.parameters.end(), {{{0x6086, 0}, 3},
                                                  {{0x60A3, 0}, has_two ? 2 : 1},

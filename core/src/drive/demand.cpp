@@ -227,8 +227,9 @@ bool needs_jerk(const MotionRequest& request) {
 
 JerkProfile planned_by_jerk(const Drive& drive, const MotionRequest& request) {
   const bool from_rest = plans_from_rest(drive, request.kind);
-  const MotionSample start{demand_position(drive), from_rest ? 0.0 : demand_velocity(drive),
-                           from_rest ? 0.0 : demand_acceleration(drive)};
+  const MotionSample start{
+      demand_position(drive), from_rest ? 0.0 : demand_velocity(drive),
+      from_rest ? 0.0 : starting_acceleration(drive, request.limits, request.jerk)};
   switch (request.kind) {
     case Kind::move:
       return plan_jerk_move(start, request.target, request.limits, request.jerk);

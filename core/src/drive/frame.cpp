@@ -3,6 +3,8 @@
 
 #include "rounding.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -20,6 +22,13 @@ double whole_turns(double position) {
 /// Whole ranges 607Bh that lie between `position` and what is shown of it.
 double whole_ranges(const PositionRange& range, double position) {
   return range.span * floor_of((nearest(position) - range.lower) / range.span);
+}
+
+/// Of the demand at the end of the last tick [UU/s²].
+double demand_acceleration(const Drive& drive) {
+  if (!drive.state().demand.moving) return 0.0;
+  const JerkSegment segment = jerk_segment_of(drive.demand(), drive.lane());
+  return sample(segment, plan_time(drive)).acceleration;
 }
 
 }  // namespace
@@ -40,10 +49,18 @@ double plan_time(const Drive& drive) {
   return (ticks * drive.timing().substeps) * drive.timing().substep;
 }
 
-double demand_acceleration(const Drive& drive) {
-  if (!drive.state().demand.moving) return 0.0;
-  const JerkSegment segment = jerk_segment_of(drive.demand(), drive.lane());
-  return sample(segment, plan_time(drive)).acceleration;
+double starting_acceleration(const Drive& drive, const MotionLimits& limits,
+                             const MotionJerk& jerk) {
+  const double acceleration = demand_acceleration(drive);
+  const std::size_t l = drive.lane();
+  if ((drive.block().jerk_limited & (std::uint64_t{1} << l)) != 0) return acceleration;
+  const double velocity = drive.demand().velocity[l];
+  const double direction = velocity < 0.0 ? -1.0 : 1.0;
+  const double speed = std::abs(velocity);
+  const double room = std::max(limits.velocity - speed, 0.0);
+  const double most = std::min(limits.acceleration, std::sqrt(2.0 * jerk.acceleration * room));
+  const double least = -std::min(limits.deceleration, std::sqrt(2.0 * jerk.deceleration * speed));
+  return direction * std::min(std::max(direction * acceleration, least), most);
 }
 
 void rest_at(Drive& drive, double position) {

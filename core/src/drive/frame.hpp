@@ -18,8 +18,11 @@ void put_segment(Drive& drive, const JerkSegment& segment);
 /// @return the time of the end of the last tick since the plan [s].
 [[nodiscard]] double plan_time(const Drive& drive);
 
-/// @return the acceleration of the demand at the end of the last tick [UU/s²].
-[[nodiscard]] double demand_acceleration(const Drive& drive);
+/// @return the acceleration [UU/s²] with which a plan of limited jerk begins: that of the demand. A
+///         motion without limited jerk, such as a stop that is cut short, hands over as much as is
+///         within `limits` and can end by `jerk` before the speed is at its limit or 0.
+[[nodiscard]] double starting_acceleration(const Drive& drive, const MotionLimits& limits,
+                                           const MotionJerk& jerk);
 
 /// The demand rests at `position` [UU].
 void rest_at(Drive& drive, double position);

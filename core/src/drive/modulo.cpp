@@ -28,7 +28,10 @@ RotaryDirection direction_of(const Drive& drive, std::int64_t option) {
 double place_of_rest(const Drive& drive, double deceleration) {
   const double velocity = demand_velocity(drive);
   if (const MotionJerk jerk = profile_jerk(drive); is_limited(jerk)) {
-    const MotionSample start{demand_position(drive), velocity, demand_acceleration(drive)};
+    const MotionLimits limits{
+        .velocity = 0.0, .acceleration = deceleration, .deceleration = deceleration};
+    const MotionSample start{demand_position(drive), velocity,
+                             starting_acceleration(drive, limits, jerk)};
     return nearest(plan_jerk_stop(start, deceleration, jerk).end_position());
   }
   return nearest(demand_position(drive) + velocity * std::abs(velocity) / (2.0 * deceleration));
