@@ -348,12 +348,15 @@ TEST(InterpolatedPosition, ALimitSwitchStopsWith6085hAndDropsTheRecords) {
   axis.step();
   EXPECT_NEAR(axis.demand_velocity(), 99'000, 1);
   EXPECT_EQ(axis.read("interpolation_buffer_position"), 0);
+  EXPECT_FALSE(is_interpolating(axis));
   axis.step(400);
   EXPECT_EQ(axis.demand(), 5'500);
+  EXPECT_FALSE(is_interpolating(axis)) << "until the next record";
   add_record(axis, 5'400);
   for (int tick = 1; tick <= 10; ++tick) {
     axis.step();
     ASSERT_EQ(axis.demand(), 5'500 - 10 * tick) << "away from the switch";
+    ASSERT_TRUE(is_interpolating(axis));
   }
 }
 

@@ -238,12 +238,11 @@ void AxisWatch::check_jerk(const AxisStatus& now, Happenings& happenings) {
 
 /// A demand that began at rest within the range and was led by profiles only stays there. A
 /// streamed one stays while it follows: it needs no ramp to stop at the end, but a stop from its
-/// speed does, such as that of a limit switch in interpolated position.
+/// speed does.
 void AxisWatch::check_range(const AxisStatus& now, bool commanded, Happenings& happenings) {
   if (!limits_.has_range) return;
   const bool streams = is_mode(now, OperatingMode::cyclic_synchronous_position) ||
-                       (is_mode(now, OperatingMode::interpolated_position) &&
-                        !is_at_limit_switch(now) && !is_at_limit_switch(last_));
+                       is_mode(now, OperatingMode::interpolated_position);
   const bool follows = streams && (now.ds402_statusword & Statusword::kFollowsCommand) != 0;
   const bool is_led = now.motor_op_status == 1 &&
                       (is_mode(now, OperatingMode::profile_position) || follows) &&

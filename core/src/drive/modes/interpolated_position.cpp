@@ -22,7 +22,7 @@ static_assert(describe("interpolation_buffer_maximum_size"_object).default_value
                       static_cast<std::int64_t>(kRecordBufferSize),
               "60C4h shows the buffer that the drive has");
 
-/// Bit 12, interpolation active: bit 4 asks for it, and no stop is stronger.
+/// Bit 4 asks for an interpolation, and no stop by command is stronger.
 bool interpolates(const Drive& drive) {
   return obeys_mode(drive) && !halted(drive) &&
          (drive.state().controlword & Controlword::kEnableInterpolation) != 0;
@@ -107,11 +107,14 @@ void advance(Drive& drive) {
   }
 }
 
+/// @return whether a limit switch stops the axis, or has ended the last record.
+bool is_stopped_by_switch(const Drive& drive) {
+  return drive.state().target.given_up || runs_into_limit_switch(drive, demand_velocity(drive));
+}
+
 /// A limit switch is stronger than halt.
 MotionRequest ask(const Drive& drive) {
-  if (drive.state().target.given_up || runs_into_limit_switch(drive, demand_velocity(drive))) {
-    return limit_switch_stop(drive);
-  }
+  if (is_stopped_by_switch(drive)) return limit_switch_stop(drive);
   const MotionRequest normal = ramp_stop(drive, "profile_dec"_object);
   if (halted(drive)) {
     return stop_by_option(drive, reg(drive, "halt_option_code"_object), normal);
@@ -137,8 +140,9 @@ bool is_at_last_record(const Drive& drive) {
 /// Bit 10: the last record is reached, under halt standstill; bit 12: interpolation active.
 std::uint16_t status_bits(const Drive& drive) {
   const bool reached = halted(drive) ? at_rest(drive) : is_at_last_record(drive);
+  const bool is_active = interpolates(drive) && !is_stopped_by_switch(drive);
   return static_cast<std::uint16_t>(reached_when(reached) |
-                                    (interpolates(drive) ? Statusword::kInterpolationActive : 0U));
+                                    (is_active ? Statusword::kInterpolationActive : 0U));
 }
 
 /// Each tick goes a piece of the way.
