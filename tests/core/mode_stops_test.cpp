@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of docs/explanation/decisions.md: with which ramp an axis stops in each mode by each
-// option of 605Ah, 605Dh and 605Eh, and what bits 10, 12 and 13 show meanwhile. Each cell.
+// option of 605Ah, 605Bh, 605Dh and 605Eh and at a limit switch, and what bits 10, 12 and 13 show
+// meanwhile. Each cell.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -50,6 +51,7 @@ struct StopRow {
   std::uint16_t halted_bits;  // at rest under halt, 605Dh = 2
   std::uint16_t word = 0x000F;
   std::int32_t quick = kBy6085h;  // ramp of option 2
+  std::int32_t at_switch = kBy6085h;
 };
 
 constexpr std::array<StopRow, 9> kStopRows{{
@@ -57,7 +59,7 @@ constexpr std::array<StopRow, 9> kStopRows{{
     {2, "velocity", nullptr, kBy6049h, true, kBit10, kBit10, 0x007F, kBy604Ah},
     {3, "profile_velocity", nullptr, kBy6084h, true, kBit10, kBits12And10},
     {4, "profile_torque", nullptr, kTorqueBack, true, 0, kBit10},
-    {6, "homing", nullptr, kBy609Ah, true, 0, kBit10},
+    {6, "homing", nullptr, kBy609Ah, true, 0, kBit10, 0x000F, kBy6085h, kBy609Ah},
     {7, "interpolated_position", "interpolation_data_record", kBy6084h, true, kBitOf12, kBit10,
      0x001F},
     {8, "cyclic_position", "position_user_target_value", kBy6084h, false, kBitOf12, kBitOf12},
@@ -194,6 +196,29 @@ TEST_P(StopOfMode, DisableOperationHasTheNormalRamp) {
   MovingAxis moving(row);
   moving.axis().controlword(0x0007);
   moving.expect_stop(row.normal);
+}
+
+TEST_P(StopOfMode, ShutdownHasTheRampOf605BhOrNone) {
+  const StopRow& row = GetParam();
+  MovingAxis moving(row);
+  moving.axis().write("shutdown_option_code", 1);
+  moving.axis().controlword(0x0006);
+  moving.expect_stop(row.normal);
+  MovingAxis coasting(row);
+  coasting.axis().write("shutdown_option_code", 0);
+  coasting.axis().controlword(0x0006);
+  coasting.run(1);
+  EXPECT_EQ(coasting.axis().state(), ready_to_switch_on);
+  EXPECT_EQ(coasting.axis().status().motor_op_status, 0);
+}
+
+TEST_P(StopOfMode, ALimitSwitchHasTheRampOf6085hAndNoBitOfAMotion) {
+  const StopRow& row = GetParam();
+  MovingAxis moving(row);
+  moving.axis().write("test_positive_limit_input", 1);
+  moving.expect_stop(row.at_switch);
+  moving.run(100);
+  EXPECT_EQ(moving.axis().statusword() & kModeBitsOf6041h, 0);
 }
 
 TEST_P(StopOfMode, AChangeOfTheModeHasTheRampOfTheOldOneUnderPositionControl) {
