@@ -557,7 +557,7 @@ test("while an axis moves the page says that it goes on without the page, and le
   assert.equal(await leavingAsks(), false);
   await page.fill("#move-target", "200000");
   await command("move").click();
-  await waitForText(page.locator(".motion"), /^Moving under the control of this page, also when it is closed: 1.1$/);
+  await waitForText(page.locator(".motion"), /^Moving or pressing under the control of this page, also when it is closed: 1.1$/);
   assert.equal(await leavingAsks(), true);
 });
 
@@ -751,7 +751,7 @@ test("an axis that moves on without its page is named to the next one", async ()
   await other.click('[data-test="move"]');
   await waitForText(figure("velocity"), /−\d\d.\d{3}/);
   await other.close();
-  await waitForText(page.locator(".motion"), /^Moving, and controlled by nobody .take control, or STOP.: 1.1$/);
+  await waitForText(page.locator(".motion"), /^Moving or pressing, and controlled by nobody .take control, or STOP.: 1.1$/);
   await command("stop").click();
   await waitForText(page.locator(".motion"), /^$/);
 });

@@ -70,6 +70,9 @@ TEST(Dictionary, HasEveryObjectAndTheNamesOfBits) {
   EXPECT_EQ(dictionary["objects"].size(), kObjectCount);
   EXPECT_EQ(dictionary["modes"].size(), 10U);        // 0 to 4, 6 to 10
   EXPECT_EQ(dictionary["error_codes"].size(), 10U);  // 9 errors and none
+  for (const Json& row : dictionary["modes"]) {
+    EXPECT_EQ(row["commands_torque"], row["mode"] == 4 || row["mode"] == 10) << row["mode"];
+  }
   const auto bits = [&](const char* word, int mode) {
     for (const Json& row : dictionary[word]) {
       if (row["mode"] == mode) return row["bits"];

@@ -51,7 +51,9 @@ Json object_json(const ObjectDescription& row) {
 Json modes_json() {
   Json list = Json::array();
   for (const OperatingModeRow& row : kOperatingModes) {
-    list.push_back({{"mode", static_cast<int>(row.mode)}, {"name", row.name}});
+    list.push_back({{"mode", static_cast<int>(row.mode)},
+                    {"name", row.name},
+                    {"commands_torque", row.commands_torque}});
   }
   return list;
 }
@@ -209,7 +211,7 @@ ChannelInfo dictionary_channel() {
                                "title_zh:string category:string type:string access:string "
                                "minimum:integer maximum:integer default:integer unit:string "
                                "storage:string effect:string")},
-      {"mode", object_schema("mode:integer name:string")},
+      {"mode", object_schema("mode:integer name:string commands_torque:boolean")},
       {"error", object_schema("code:integer name:string")},
       {"bits", object_schema("mode:integer bits:string[]")},
       {"homing_method", object_schema("method:integer direction:integer limit_switch:boolean "

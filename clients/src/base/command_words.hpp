@@ -38,13 +38,6 @@ inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
   return row == nullptr || row->has_target;
 }
 
-/// @return whether the mode presses with a torque, also where the axis stands.
-[[nodiscard]] inline bool has_torque(const AxisSnapshot& axis) {
-  const OperatingModeRow* const row = find_operating_mode(axis.mode());
-  return row != nullptr && row->commands_torque && axis.state() == PowerState::operation_enabled &&
-         axis.status.torque_demand != 0;
-}
-
 /// @return whether an axis that goes on after a halt has reached its target, if it has one.
 [[nodiscard]] inline bool has_no_way_left(const AxisSnapshot& axis) {
   return !has_target_bit(axis) || target_reached(axis);
@@ -66,7 +59,7 @@ inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
 ///         command is on the way to another one. A torque counts as long as it is applied.
 [[nodiscard]] inline bool rests(const AxisSnapshot& axis) {
   if (!is_driven(axis)) return true;
-  if (axis.status.velocity_demand_value != 0 || has_torque(axis)) return false;
+  if (axis.status.velocity_demand_value != 0 || axis.has_torque()) return false;
   return !has_target_bit(axis) || target_reached(axis);
 }
 

@@ -30,9 +30,7 @@ class InterruptAside {
 };
 
 bool has_motion(const client::AxisSnapshot& axis) {
-  const OperatingModeRow* const row = find_operating_mode(axis.mode());
-  const bool has_torque = row != nullptr && row->commands_torque && axis.status.torque_demand != 0;
-  return axis.status.velocity_demand_value != 0 || has_torque;
+  return axis.status.velocity_demand_value != 0 || axis.has_torque();
 }
 
 /// The command may have ended before it had control: the axis of another session is not halted.

@@ -2,6 +2,7 @@
 // What the gateway sends about benches and axes, and what this browser has chosen.
 
 import { EVENT_HISTORY, EventList } from "./data/events";
+import { movesOrPresses } from "./data/motion";
 import { BENCH_DESCRIPTION, BENCH_STATE, CONTROL, DICTIONARY } from "./data/tables";
 import type { Scale } from "./data/units";
 import { scaleOf, USER_UNITS } from "./data/units";
@@ -284,18 +285,24 @@ export class Model {
     this.connection.open();
   }
 
-  /** @return the axes that move under the control of this page, or under nobody's. */
+  /** @return the axes that move or press under the control of this page, or under nobody's. */
   moving(): Moving {
     const moving: Moving = { own: [], free: [] };
     const own = this.ownSession();
+    const torqueModes = new Set(this.dictionary?.modes.filter((row) => row.commands_torque).map((row) => row.mode));
     for (const bench of this.sortedBenches()) {
-      const speeds = bench.numbers("velocity_demand_value");
       const owners = bench.numbers("owner_session");
       // The last frame stays when a bench ends, and when the view that showed its status is left.
       const isOld = this.isGone(bench, performance.now()) || !this.ends.has(`${bench.topic}/status`);
-      if (speeds === undefined || owners === undefined || isOld) continue;
+      if (owners === undefined || isOld) continue;
       for (const [axis, place] of bench.places) {
-        if (Number(speeds[place]) === 0) continue;
+        const at = (member: string): number => Number(bench.numbers(member)?.[place] ?? 0);
+        const demand = {
+          statusword: at("ds402_statusword"),
+          velocity: at("velocity_demand_value"),
+          torque: at("torque_demand"),
+        };
+        if (!movesOrPresses(demand, torqueModes.has(at("op_mode_actual")))) continue;
         const owner = BigInt(owners[place]);
         if (owner === own) moving.own.push(`${bench.number}.${axis}`);
         else if (owner === 0n) moving.free.push(`${bench.number}.${axis}`);

@@ -41,6 +41,13 @@ struct AxisSnapshot {
     return static_cast<OperatingMode>(status.op_mode_actual);
   }
 
+  /// @return whether its mode presses with a torque, also where the axis stands.
+  [[nodiscard]] bool has_torque() const noexcept {
+    const OperatingModeRow* const row = find_operating_mode(mode());
+    return row != nullptr && row->commands_torque && state() == PowerState::operation_enabled &&
+           status.torque_demand != 0;
+  }
+
   /// @return whether all of `bits` are 1 in 6041h.
   [[nodiscard]] bool shows(std::uint16_t bits) const noexcept {
     return (status.ds402_statusword & bits) == bits;

@@ -331,6 +331,9 @@ export const DICTIONARY = {
     "modes": {
       "items": {
         "properties": {
+          "commands_torque": {
+            "type": "boolean"
+          },
           "mode": {
             "type": "integer"
           },
@@ -340,7 +343,8 @@ export const DICTIONARY = {
         },
         "required": [
           "mode",
-          "name"
+          "name",
+          "commands_torque"
         ],
         "type": "object"
       },

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a drive does to its axis, as one status shows it.
+
+import { decodePowerState } from "./power";
+
+export interface Demand {
+  /** 6041h */
+  statusword: number;
+  /** 606Bh */
+  velocity: number;
+  /** 6074h */
+  torque: number;
+}
+
+/** @param commandsTorque the mode commands a torque, with which an axis that stands may press
+ *  @return whether the drive moves its axis or presses with it. */
+export function movesOrPresses({ statusword, velocity, torque }: Demand, commandsTorque: boolean): boolean {
+  const presses = commandsTorque && torque !== 0 && decodePowerState(statusword) === "operation_enabled";
+  return velocity !== 0 || presses;
+}
