@@ -181,6 +181,22 @@ TEST(BenchMotion, ReportsWhatABenchDoesNotTake) {
   EXPECT_THAT(written.lines, ElementsAre("bench 1: the bench is away")) << "the keep-alive";
 }
 
+// Habit b of docs/guides/be-another-drive.md: bits 4 to 6 of 6040h release the stream.
+TEST(BenchMotion, ReportsADriveThatHoldsItsStreamAndWritesNoWordToIt) {
+  Commanded fake;
+  fake.drive().hold_streams();
+  fake.command(0, CommandInterface::position, 0.1);
+  for (int tick = 0; tick < 5'000 && fake.written.lines.empty(); ++tick) fake.run(1);
+  EXPECT_THAT(fake.written.lines,
+              ElementsAre("joint x: the drive does not take its last set-point"));
+  EXPECT_EQ(fake.demand(0), 0);
+  const auto frames = with_axes(fake.drive().take_sent());
+  EXPECT_FALSE(frames.empty());
+  for (const client::SetPointFrame& frame : frames) {
+    EXPECT_FALSE(frame.axes.front().controlword);
+  }
+}
+
 TEST(BenchMotion, BrakesWhatRunsFreelyWhenNobodyCommandsAnyMore) {
   Commanded fake;
   fake.command(0, CommandInterface::velocity, 1.0);

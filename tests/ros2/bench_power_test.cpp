@@ -123,6 +123,63 @@ TEST(BenchPower, TakesTheWayWithoutPowerWhereADriveHasNoTransition16) {
   EXPECT_THAT(words_of(bench.words(1s), 2), ElementsAre(0x00, 0x06, 0x07, 0x0F));
 }
 
+// Habit c of docs/guides/be-another-drive.md; d is the one without transition 16.
+TEST(BenchPower, EnablesADriveWhoseQuickStopEndsBeforeItsWord) {
+  Powered bench;
+  bench.drives.enable();
+  bench.drives.show(1, PowerState::quick_stop_active);
+  bench.power.want_enabled(true, false);
+  EXPECT_THAT(words_of(bench.words(), 2), ElementsAre(0x0F));
+  bench.drives.show(1, PowerState::switch_on_disabled);
+  bench.drives.step();
+  EXPECT_THAT(words_of(bench.words(500ms), 2), ElementsAre(0x06, 0x07, 0x0F));
+}
+
+// Habit f: of words that come in one tick the drive sees the last one.
+TEST(BenchPower, LeavesAFaultToAPersonWhereADriveHasNotSeenTheReset) {
+  Powered bench;
+  bench.drives.enable();
+  bench.drives.show(0, PowerState::fault);
+  bench.power.want_enabled(true, true);
+  EXPECT_THAT(words_of(bench.words(), 1), ElementsAre(0x80, 0x06, 0x07, 0x0F));
+  for (int attempt = 1; attempt <= 10; ++attempt) {
+    bench.drives.step();
+    EXPECT_THAT(bench.words(attempt * 500ms), IsEmpty()) << attempt;
+  }
+}
+
+// Habit g: in Switched on until the power is there.
+TEST(BenchPower, RepeatsOnlyTheLastWordWhileThePowerOfADriveIsOnItsWay) {
+  Powered bench;
+  bench.power.want_enabled(true, false);
+  EXPECT_THAT(bench.words(), SizeIs(3));
+  bench.drives.show(0, PowerState::switched_on);
+  bench.drives.show(1, PowerState::switched_on);
+  bench.drives.step();
+  EXPECT_THAT(bench.words(300ms), IsEmpty());
+  const auto frames = bench.words(500ms);
+  EXPECT_THAT(words_of(frames, 1), ElementsAre(0x0F)) << "no word takes the last one back";
+  EXPECT_THAT(words_of(frames, 2), ElementsAre(0x0F));
+  bench.drives.enable();
+  bench.drives.step();
+  EXPECT_THAT(bench.words(1s), IsEmpty());
+  EXPECT_THAT(bench.written.lines, IsEmpty());
+}
+
+// Habit i: the words behind the reset come in the fault, which ignores them.
+TEST(BenchPower, EnablesADriveThatResetsItsFaultLate) {
+  Powered bench;
+  bench.drives.enable();
+  bench.drives.show(0, PowerState::fault);
+  bench.power.want_enabled(true, true);
+  EXPECT_THAT(words_of(bench.words(), 1), ElementsAre(0x80, 0x06, 0x07, 0x0F));
+  bench.drives.step();
+  EXPECT_THAT(bench.words(20ms), IsEmpty()) << "it still shows the fault";
+  bench.drives.show(0, PowerState::switch_on_disabled);
+  bench.drives.step();
+  EXPECT_THAT(words_of(bench.words(500ms), 1), ElementsAre(0x06, 0x07, 0x0F));
+}
+
 TEST(BenchPower, DisablesWhatItHasEnabledAndThenGivesItBack) {
   Powered bench;
   bench.drives.enable();

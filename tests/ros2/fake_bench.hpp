@@ -85,6 +85,9 @@ class FakeBench {
     }
   }
 
+  /// From now on positions move no drive.
+  void hold_streams() { holds_streams_ = true; }
+
   /// Does what a link does: takes the wishes of the bridge, and hands it what the bench shows.
   void link(Bench& bench) {
     const Bench::Wishes wishes = bench.take_wishes();
@@ -126,7 +129,7 @@ class FakeBench {
   void apply(const client::SetPoint& point) {
     client::AxisSnapshot& axis = state_.axes[point.axis - 1U];
     if (point.mode) axis.status.op_mode_actual = static_cast<std::int8_t>(*point.mode);
-    if (point.position) axis.status.position_demand_value = *point.position;
+    if (point.position && !holds_streams_) axis.status.position_demand_value = *point.position;
     if (point.torque) axis.status.torque_demand = *point.torque;
     axis.status.velocity_demand_value = point.velocity.value_or(0);
     axis.status.ds402_statusword =
@@ -145,6 +148,7 @@ class FakeBench {
   std::vector<client::SetPointFrame> waiting_;
   std::vector<client::SetPointFrame> sent_;
   std::vector<ControlWish> control_wishes_;
+  bool holds_streams_ = false;
 };
 
 /// Reports, and the lines that were written.
