@@ -84,35 +84,35 @@ void note_set_point(Drive& drive) {
     end_stream(drive);
     return;
   }
-  CyclicState& cyclic = s.modes.cyclic;
-  if (cyclic.stream == Stream::none) cyclic.stream = Stream::begins;
-  cyclic.written = true;
+  StreamState& stream = s.modes.stream;
+  if (stream.stage == StreamStage::none) stream.stage = StreamStage::begins;
+  stream.written = true;
   s.attention = true;
 }
 
 void end_stream(Drive& drive) {
-  drive.state().modes.cyclic = {};
+  drive.state().modes.stream = {};
 }
 
 bool take_set_point(Drive& drive, std::int32_t set_point) {
-  CyclicState& cyclic = drive.state().modes.cyclic;
+  StreamState& stream = drive.state().modes.stream;
   Interpolation& way = drive.registers().interpolation;
   // An extrapolated demand has left the last set-point, which may come again.
-  const bool comes_back = cyclic.written && gap_of(drive) != Gap::none;
-  if (cyclic.stream == Stream::begins || comes_back || set_point != way.set_point) {
+  const bool comes_back = stream.written && gap_of(drive) != Gap::none;
+  if (stream.stage == StreamStage::begins || comes_back || set_point != way.set_point) {
     const std::uint32_t ticks = interpolation_ticks(drive);
     way.set_point = set_point;
     way.ticks_left = ticks;
     way.period = std::max<std::uint32_t>(ticks, 1);
-    cyclic.stream = Stream::runs;
+    stream.stage = StreamStage::runs;
   }
   if (way.ticks_left != 0) --way.ticks_left;
-  if (cyclic.written) {
+  if (stream.written) {
     way.silent_ticks = 0;
   } else if (way.silent_ticks != kSaturatedCount) {
     ++way.silent_ticks;
   }
-  cyclic.written = false;
+  stream.written = false;
   const std::int64_t fatal = reg(drive, "missing_set_points_until_fault"_object);
   if (fatal == 0 || missing_set_points(drive) < fatal) return true;
   raise_fault(drive, ErrorCode::sync_controller);

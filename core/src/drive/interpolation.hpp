@@ -12,7 +12,7 @@ namespace vdrive {
 
 /// @return whether a set-point was written that counts.
 [[nodiscard]] inline bool is_streaming(const Drive& drive) {
-  return drive.state().modes.cyclic.stream != Stream::none;
+  return drive.state().modes.stream.stage != StreamStage::none;
 }
 
 /// Command: the set-point of the mode in force was written. It counts from its first write in

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "drive/habits_state.hpp"
-#include "drive/modes/cyclic_state.hpp"
 #include "drive/modes/homing_state.hpp"
 #include "drive/modes/profile_position_state.hpp"
+#include "drive/modes/stream_state.hpp"
 #include "drive/probe_state.hpp"
 #include "plant/servo_block.hpp"
 #include "vdrive/axis_configuration.hpp"
@@ -153,7 +153,7 @@ struct ModeState {
 struct ModeStates {
   SetPointState position;
   HomingState homing;
-  CyclicState cyclic;
+  StreamState stream;
 };
 
 /// What every tick touches of an axis.

@@ -35,7 +35,7 @@ void advance(Drive& drive) {
   if (!obeys_mode(drive) || !is_streaming(drive)) return;
   s.target.given_up = false;
   if (holds_stream(drive)) {
-    s.modes.cyclic.stream = Stream::begins;  // the way begins anew once it is released
+    s.modes.stream.stage = StreamStage::begins;  // the way begins anew once it is released
     return;
   }
   if (!take_set_point(drive, set_point(drive))) return;

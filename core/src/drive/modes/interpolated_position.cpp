@@ -64,7 +64,7 @@ void take_record(Drive& drive, ObjectRow row) {
 /// The first record of the buffer begins its way where the last one has ended. Without a buffer it
 /// begins at once, and the same record again is no other.
 void pull_record(Drive& drive) {
-  CyclicState& cyclic = drive.state().modes.cyclic;
+  StreamState& stream = drive.state().modes.stream;
   RecordBuffer& buffer = drive.registers().record_buffer;
   Interpolation& way = drive.registers().interpolation;
   const bool buffers = has_buffer(drive);
@@ -74,10 +74,10 @@ void pull_record(Drive& drive) {
   const std::int32_t record = buffer.records[first];
   buffer.first = static_cast<std::uint8_t>((first + 1U) % kRecordBufferSize);
   buffer.count = static_cast<std::uint8_t>(count - 1U);
-  cyclic.written = true;
+  stream.written = true;
   if (!buffers && is_streaming(drive) && record == way.set_point) return;
   way.set_point = record;
-  cyclic.stream = Stream::begins;
+  stream.stage = StreamStage::begins;
 }
 
 /// @return the record that the demand goes to.

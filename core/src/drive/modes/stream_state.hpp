@@ -6,15 +6,15 @@
 namespace vdrive {
 
 /// Whether set-points are streamed.
-enum class Stream : std::uint8_t {
+enum class StreamStage : std::uint8_t {
   none,    // the set-point was not written since the mode is in force
   begins,  // it was; no tick has taken it yet
   runs,
 };
 
 /// Cyclic modes and interpolated position: the stream of set-points.
-struct CyclicState {
-  Stream stream = Stream::none;
+struct StreamState {
+  StreamStage stage = StreamStage::none;
   bool written = false;  // a set-point, since a tick last took one
 };
 
