@@ -11,11 +11,10 @@
 namespace vdrive::gateway {
 namespace {
 
-constexpr std::string_view kHexPrefix = "0x";
-
-// So the hexadecimal sub-index of object_key is also a decimal one, as parse_address reads it.
+// parse_address reads a sub-index as a decimal number.
+constexpr std::size_t kDigitsOfSubindex = 2;
 static_assert(std::ranges::all_of(kObjectTable, [](const ObjectDescription& object) {
-  return object.address.subindex < 10;
+  return object.address.subindex < 100;
 }));
 
 }  // namespace
@@ -35,7 +34,8 @@ KnownBench known_bench(client::BenchInfo info) {
 std::string object_key(ObjectAddress object) {
   std::string text = hex(object.index, 4);
   if (object.subindex != 0) {
-    text.append(":").append(hex(object.subindex, 2).substr(kHexPrefix.size()));
+    const std::string digits = std::to_string(object.subindex);
+    text.append(":").append(kDigitsOfSubindex - digits.size(), '0').append(digits);
   }
   return text;
 }

@@ -33,7 +33,7 @@ function asNumber(value: string | number): number {
 export function objectAddress(row: ObjectRow): string {
   const index = asNumber(row.index).toString(16).toUpperCase().padStart(4, "0");
   const sub = asNumber(row.sub_index);
-  return `0x${index}` + (sub === 0 ? "" : `:${sub.toString(16).toUpperCase().padStart(2, "0")}`);
+  return `0x${index}` + (sub === 0 ? "" : `:${String(sub).padStart(2, "0")}`);
 }
 
 function isWritable(row: ObjectRow): boolean {
