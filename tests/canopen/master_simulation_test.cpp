@@ -18,6 +18,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -47,6 +48,9 @@ constexpr std::int64_t kMostOutstanding = 17;  // one under way and 16 that wait
 constexpr ObjectAddress kControlword{0x6040, 0};
 constexpr ObjectAddress kAbortConnection{0x6007, 0};
 constexpr ObjectAddress kStatuswordBits{0x5E20, 0x0C};
+constexpr ObjectAddress kControlwordLoop{0x5E20, 0x06};
+constexpr ObjectAddress kPowerOnTime{0x5E20, 0x07};
+constexpr ObjectAddress kFaultResetDelay{0x5E20, 0x09};
 
 /// The first invariant that was broken.
 class Verdict {
@@ -59,6 +63,21 @@ class Verdict {
 
  private:
   std::string broken_;
+};
+
+/// The last tick in which a command may still act. 5E20h lets a drive carry it out later.
+class HeldBack {
+ public:
+  /// A command came before `tick`; the drive carries it out at most `delay` ticks after it.
+  void hold(std::uint64_t tick, std::uint64_t delay) { last_ = std::max(last_, tick + delay); }
+
+  /// The drive has dropped the command.
+  void forget() { last_ = 0; }
+
+  [[nodiscard]] bool may_act(std::uint64_t tick) const { return tick <= last_; }
+
+ private:
+  std::uint64_t last_ = 0;
 };
 
 /// The bench behind a node: one axis of the core.
@@ -90,7 +109,9 @@ class SimulatedDrive final : public NodeHost {
 
   void power_cycle() override {
     bank_.power_cycle(0);
-    may_resume_ = true;
+    enabling_.forget();
+    reset_.forget();
+    reset_.hold(tick_, 0);  // a power cycle ends a fault
   }
 
   bool store(const std::map<ObjectAddress, std::uint32_t>& /*parameters*/) override { return true; }
@@ -120,9 +141,11 @@ class SimulatedDrive final : public NodeHost {
     verdict_.demand(violated == nullptr, violated == nullptr ? "" : violated);
     const bool enables = state == PowerState::operation_enabled && state != last_;
     const bool leaves_fault = last_ == PowerState::fault && state != last_;
-    verdict_.demand(may_resume_ || (!enables && !leaves_fault), "nothing resumes by itself");
+    verdict_.demand(
+        (!enables || enabling_.may_act(tick_)) && (!leaves_fault || reset_.may_act(tick_)),
+        "nothing resumes by itself");
     last_ = state;
-    may_resume_ = false;
+    ++tick_;
     return {.status = status, .is_owned = is_owned};
   }
 
@@ -137,8 +160,32 @@ class SimulatedDrive final : public NodeHost {
  private:
   AbortCode write(ObjectAddress object, std::int64_t value) {
     const AbortCode code = bank_.write(0, object, value);
-    if (object == kControlword && code == AbortCode::none) may_resume_ = true;
+    if (code != AbortCode::none) return code;
+    if (object == kControlword) {
+      enabling_.hold(tick_, enabling_delay());
+      reset_.hold(tick_, reset_delay());
+    } else if (object.index == kControlwordLoop.index) {
+      // A word that waits for a look is carried out with the delays that are in force then.
+      if (enabling_.may_act(tick_)) enabling_.hold(tick_, enabling_delay());
+      if (reset_.may_act(tick_)) reset_.hold(tick_, reset_delay());
+    }
     return code;
+  }
+
+  /// 5E20h holds back a word until the drive looks at it. The power stage needs time after that.
+  [[nodiscard]] std::uint64_t enabling_delay() {
+    return delay(kControlwordLoop) + delay(kPowerOnTime);
+  }
+
+  /// So does a fault reset.
+  [[nodiscard]] std::uint64_t reset_delay() {
+    return delay(kControlwordLoop) + delay(kFaultResetDelay);
+  }
+
+  /// @return an object of 5E20h in ticks, which are as long as its unit, 1 ms.
+  [[nodiscard]] std::uint64_t delay(ObjectAddress object) {
+    static_assert(kTick == std::chrono::milliseconds{1});
+    return static_cast<std::uint64_t>(bank_.read(0, object).value);
   }
 
   /// As 6007h says: 0 nothing, 1 fault, 2 without power, 3 quick stop.
@@ -147,6 +194,7 @@ class SimulatedDrive final : public NodeHost {
     const std::int64_t reaction = bank_.read(0, kAbortConnection).value;
     bank_.report_connection_loss(0);
     const PowerState after = bank_.power_state(0);
+    if (reaction != 0) enabling_.forget();  // a lost master enables nothing later
     const bool was_active =
         before == PowerState::operation_enabled || before == PowerState::quick_stop_active;
     if (!was_active) return;
@@ -158,11 +206,13 @@ class SimulatedDrive final : public NodeHost {
   Verdict& verdict_;
   AxisConfiguration configuration_;
   AxisBank bank_{std::span(&configuration_, 1), kTick};
+  std::uint64_t tick_ = 1;  ///< the next one
   PowerState last_ = bank_.power_state(0);
   std::vector<Frame> frames_;
   std::optional<DriveAccess> access_;
   bool is_lost_ = false;
-  bool may_resume_ = false;  ///< a controlword was written, or the drive was switched off and on
+  HeldBack enabling_;  ///< what a controlword commands
+  HeldBack reset_;     ///< what a controlword commands, or a power cycle
 };
 
 /// Frames of masters, by chance.

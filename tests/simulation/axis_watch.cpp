@@ -104,7 +104,7 @@ void AxisWatch::check(const AxisStatus& now, PowerState state, const AxisCauses&
   check_jump(now, registers, commanded, happenings);
   check_rest(now, happenings);
   check_speed(now, happenings);
-  check_jerk(now, happenings);
+  check_jerk(now, causes, happenings);
   check_range(now, commanded, happenings);
   check_modulo(now, happenings);
   check_torque(now, happenings);
@@ -200,9 +200,14 @@ void AxisWatch::check_speed(const AxisStatus& now, Happenings& happenings) {
   }
 }
 
-/// Stops at limit switches have no limited jerk, nor have those that end Operation enabled.
-bool AxisWatch::may_be_rounded(const AxisStatus& now) const {
-  return limits_.jerk > 0.0 && now.motor_op_status == 1 && last_.motor_op_status == 1 &&
+/// Stops at limit switches have no limited jerk, nor have those that end Operation enabled. The
+/// statuses of two ticks do not show that an axis was without power between them: transition 4 then
+/// begins with a demand at rest.
+bool AxisWatch::may_be_rounded(const AxisStatus& now, const AxisCauses& causes) const {
+  constexpr int kDisableVoltage = 2;  // of 6007h
+  const bool was_off = causes.switched_off || causes.cycled ||
+                       (causes.lost && limits_.abort_connection == kDisableVoltage);
+  return limits_.jerk > 0.0 && !was_off && now.motor_op_status == 1 && last_.motor_op_status == 1 &&
          last_state_ == PowerState::operation_enabled &&
          decode_power_state(now.ds402_statusword) == PowerState::operation_enabled &&
          now.op_mode_actual == last_.op_mode_actual && has_profile(now) &&
@@ -213,11 +218,12 @@ bool AxisWatch::may_be_rounded(const AxisStatus& now) const {
 /// From a demand that has stood on, as long as profiles alone lead it, the velocity changes from
 /// tick to tick by at most jerk x period² more or less than in the tick before: its second
 /// difference. It has two units of rounding, of three whole values.
-void AxisWatch::check_jerk(const AxisStatus& now, Happenings& happenings) {
+void AxisWatch::check_jerk(const AxisStatus& now, const AxisCauses& causes,
+                           Happenings& happenings) {
   constexpr int kStandingTicks = 3;
   constexpr double kRounding = 3.0;
   const std::int64_t change = std::int64_t{now.velocity_demand_value} - last_.velocity_demand_value;
-  if (!may_be_rounded(now)) {
+  if (!may_be_rounded(now, causes)) {
     is_rounded_ = false;
     standing_ticks_ = 0;
   } else if (is_rounded_) {

@@ -50,8 +50,8 @@ class AxisWatch {
   void check_rest(const AxisStatus& now, Happenings& happenings);
   [[nodiscard]] bool brakes_at_its_limit(const AxisStatus& now) const;
   void check_speed(const AxisStatus& now, Happenings& happenings);
-  [[nodiscard]] bool may_be_rounded(const AxisStatus& now) const;
-  void check_jerk(const AxisStatus& now, Happenings& happenings);
+  [[nodiscard]] bool may_be_rounded(const AxisStatus& now, const AxisCauses& causes) const;
+  void check_jerk(const AxisStatus& now, const AxisCauses& causes, Happenings& happenings);
   void check_range(const AxisStatus& now, bool commanded, Happenings& happenings);
   void check_modulo(const AxisStatus& now, Happenings& happenings) const;
   void check_torque(const AxisStatus& now, Happenings& happenings) const;

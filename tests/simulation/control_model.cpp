@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/control_model.hpp"
 
+#include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/power_state.hpp"
 
 #include <algorithm>
@@ -462,9 +463,14 @@ std::uint32_t ControlModel::write(Axis& axis, std::uint16_t number, ObjectAddres
   Registers& registers = axis.registers;
   switch (address.index) {
     case 0x6040: {
+      const auto word = static_cast<std::uint16_t>(value);
       const bool halts = (value & kHalt) != 0 && (registers.controlword & kHalt) == 0;
-      registers.controlword = static_cast<std::uint16_t>(value);
+      const PowerCommand command = decode_command(word, registers.controlword);
+      registers.controlword = word;
       axis.causes.commanded = true;
+      if (command == PowerCommand::disable_voltage || command == PowerCommand::shutdown) {
+        axis.causes.switched_off = true;
+      }
       if (halts) drop_of_axis(number);
       break;
     }

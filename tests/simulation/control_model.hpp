@@ -45,7 +45,8 @@ struct Registers {
 
 /// The changes of an axis since the previous tick.
 struct AxisCauses {
-  bool commanded = false;  ///< a controlword was written
+  bool commanded = false;     ///< a controlword was written
+  bool switched_off = false;  ///< a controlword was Disable voltage or Shutdown
   bool cycled = false;
   bool lost = false;  ///< its master fell silent
 };

@@ -12,6 +12,7 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <cstddef>
 #include <ostream>
 #include <sstream>
 #include <string>
@@ -255,7 +256,9 @@ TEST(AxisWatch, DetectsAnAxisThatStaysTooFastWithUnusedTorque) {
 /// A demand in profile position that stands for five ticks of 1 ms and then goes faster by
 /// `changes` [UU/s], under a jerk of 4,000,000 UU/s³: 4 UU/s more or less from tick to tick, and 3
 /// of rounding.
-Happenings speed_up_by(const std::vector<std::int32_t>& changes, std::uint8_t inputs = 0) {
+/// @param causes of the last change
+Happenings speed_up_by(const std::vector<std::int32_t>& changes, std::uint8_t inputs = 0,
+                       const AxisCauses& causes = {}) {
   AxisLimits limits;
   limits.jerk = 4.0e6;
   limits.positive_torque = limits.negative_torque = 1'000;
@@ -268,13 +271,16 @@ Happenings speed_up_by(const std::vector<std::int32_t>& changes, std::uint8_t in
   watch.begin(status, PowerState::operation_enabled);
   std::vector<std::int32_t> all(5, 0);
   all.insert(all.end(), changes.begin(), changes.end());
-  for (const std::int32_t change : all) {
+  for (std::size_t tick = 0; tick < all.size(); ++tick) {
+    const std::int32_t change = all[tick];
     status.digital_inputs = inputs;
     status.velocity_demand_value += change;
     status.load_velocity_actual_value = status.velocity_demand_value;
     status.position_demand_value += status.velocity_demand_value / 1'000;
     status.load_position_actual_value = status.position_demand_value;
-    watch.check(status, PowerState::operation_enabled, {}, {}, false, happenings);
+    const bool is_last = tick + 1 == all.size();
+    watch.check(status, PowerState::operation_enabled, is_last ? causes : AxisCauses{}, {}, false,
+                happenings);
   }
   return happenings;
 }
@@ -290,6 +296,27 @@ TEST(AxisWatch, DetectsAJerkBeyondTheLimit) {
     const Happenings happenings = speed_up_by(changes);
     ASSERT_TRUE(happenings.violation()) << changes.back();
     EXPECT_EQ(happenings.violation()->invariant, Invariant::kJerk) << changes.back();
+  }
+}
+
+// The demand is at 4 + 8 + 12 + 12 = 36 UU/s when it jumps to rest: transition 4 begins there.
+TEST(AxisWatch, AllowsAnAxisThatIsEnabledAnewBetweenTwoTicksToBeginAtRest) {
+  const std::vector<std::int32_t> changes{4, 8, 12, 12, -36};
+  for (const AxisCauses& causes : {AxisCauses{.commanded = true, .switched_off = true},
+                                   AxisCauses{.commanded = true, .cycled = true}}) {
+    const Happenings happenings = speed_up_by(changes, 0, causes);
+    EXPECT_FALSE(happenings.violation()) << happenings.violation()->invariant;
+  }
+}
+
+// 6007h is 1 in this axis: a lost master does not switch it off.
+TEST(AxisWatch, DetectsADemandThatJumpsToRestWithoutASwitchedOffPowerStage) {
+  const std::vector<std::int32_t> changes{4, 8, 12, 12, -36};
+  for (const AxisCauses& causes :
+       {AxisCauses{.commanded = true}, AxisCauses{.commanded = true, .lost = true}}) {
+    const Happenings happenings = speed_up_by(changes, 0, causes);
+    ASSERT_TRUE(happenings.violation());
+    EXPECT_EQ(happenings.violation()->invariant, Invariant::kJerk);
   }
 }
 

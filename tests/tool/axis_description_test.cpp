@@ -47,8 +47,8 @@ client::ObjectReading& reading_of(client::Readings& readings, ObjectAddress obje
   return *std::ranges::find(readings.objects, object, &client::ObjectReading::object);
 }
 
-TEST(AxisDescription, NeedsOneRequest) {
-  EXPECT_THAT(described_objects(), SizeIs(Le(client::kMostObjectsAtOnce)));
+TEST(AxisDescription, NeedsTwoRequests) {
+  EXPECT_THAT(described_objects(), SizeIs(Le(2 * client::kMostObjectsAtOnce)));
 }
 
 // The high word of an error field is free for a manufacturer.
