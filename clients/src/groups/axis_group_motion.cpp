@@ -274,7 +274,7 @@ Result<LinePlan> AxisGroup::State::plan_in_motion(AxesCall& call, const LineRequ
   }
   const auto plan = plan_moving_line(*ways);
   if (!plan) return takes_too_long(*ways);
-  LinePlan line{
+  LinePlan planned{
       .times = plan->times, .reference_ways = {}, .duration = {}, .course = std::move(*course)};
   double left = 0.0;
   double speed = 0.0;
@@ -284,10 +284,10 @@ Result<LinePlan> AxisGroup::State::plan_in_motion(AxesCall& call, const LineRequ
     const double ahead = static_cast<double>(request.targets[place]) - status.position_demand_value;
     left = std::max(left, std::abs(ahead) / way);
     speed = std::max(speed, std::abs(static_cast<double>(status.velocity_demand_value)) / way);
-    line.reference_ways.push_back(std::llround(way));
+    planned.reference_ways.push_back(std::llround(way));
   }
-  line.duration = longest_duration(plan->times, left, speed);
-  return line;
+  planned.duration = longest_duration(plan->times, left, speed);
+  return planned;
 }
 
 Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {

@@ -17,7 +17,9 @@ bool has_room_between_stops(const AxisModel& model) {
 }  // namespace
 
 std::string with_unit(double number, const ModelParameter& parameter) {
-  return to_text(number) + (parameter.unit.empty() ? "" : " " + std::string(parameter.unit));
+  std::string text = to_text(number);
+  if (!parameter.unit.empty()) text.append(" ").append(parameter.unit);
+  return text;
 }
 
 std::optional<std::string> limits_broken(const AxisModel& model, const ModelParameter& parameter) {
