@@ -3,7 +3,6 @@
 
 #include "vdrive/assert.hpp"
 #include "vdrive/cia402/statusword.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,8 +11,6 @@
 
 namespace vdrive::ros2 {
 namespace {
-
-using namespace vdrive::literals;
 
 // The line to a value takes longer than the interval of values: one that is late by this part of
 // the interval does not stop the joint.
@@ -31,18 +28,9 @@ constexpr double kShareOfNewest = 0.25;
 // A set-point that comes too late again and again is lost elsewhere: the operator has to know.
 constexpr int kMostRepeats = 8;
 
-constexpr ObjectAddress kInterpolationTime = describe("interpolation_time_period"_object).address;
-constexpr ObjectAddress kPositionOffset = describe("position_offset"_object).address;
-constexpr ObjectAddress kVelocityOffset = describe("velocity_offset"_object).address;
-constexpr ObjectAddress kTorqueOffset = describe("torque_offset"_object).address;
-
-/// A set-point for each tick follows: another master may have left another 60C2h, and offsets.
+/// A set-point for each tick follows.
 client::SetPoint begin_stream(std::uint16_t axis, OperatingMode mode) {
-  return {
-      .axis = axis,
-      .mode = mode,
-      .objects = {
-          {kInterpolationTime, 0}, {kPositionOffset, 0}, {kVelocityOffset, 0}, {kTorqueOffset, 0}}};
+  return {.axis = axis, .mode = mode, .objects = client::objects_before_stream()};
 }
 
 /// @return `effort` in thousandths of the rated torque.

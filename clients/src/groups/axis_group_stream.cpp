@@ -3,6 +3,7 @@
 #include "base/command_objects.hpp"
 #include "base/command_words.hpp"
 #include "groups/group_state.hpp"
+#include "vdrive/client/session.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
@@ -17,10 +18,6 @@ namespace vdrive::client {
 namespace {
 
 using namespace literals;
-
-/// What another master may have left: a stream has a set-point for each tick, nothing beside it.
-constexpr std::array kLeftOvers{"interpolation_time_period"_object, "position_offset"_object,
-                                "velocity_offset"_object, "torque_offset"_object};
 
 // A change of the mode takes one tick at rest; an axis that moves brakes first.
 constexpr std::chrono::seconds kModeChange{5};
@@ -101,8 +98,8 @@ Outcome AxisGroup::start_streaming(const StreamOptions& options) {
   const StreamedRow& row = streamed_row(options.what);
   Round mode = mode_round(call, row.mode);
   for (Round::Entry& entry : mode.entries) {
-    for (const ObjectRow object : kLeftOvers) {
-      add_object(entry.command, vdrive::describe(object).address, 0);
+    for (const ObjectValue& left_over : objects_before_stream()) {
+      add_object(entry.command, left_over.object, left_over.value);
     }
   }
   const Answers answers = call.exchange({&mode, 1}, Timing::at_once);

@@ -160,6 +160,18 @@ Outcome check_objects(std::span<const SetPointFrame> frames) {
 
 }  // namespace
 
+std::vector<ObjectValue> objects_before_stream() {
+  using namespace literals;
+  constexpr std::array kLeftOvers{"interpolation_time_period"_object, "position_offset"_object,
+                                  "velocity_offset"_object, "torque_offset"_object};
+  std::vector<ObjectValue> objects;
+  objects.reserve(kLeftOvers.size());
+  for (const ObjectRow row : kLeftOvers) {
+    objects.push_back({.object = vdrive::describe(row).address, .value = 0});
+  }
+  return objects;
+}
+
 struct StatusReports::State {
   explicit State(std::shared_ptr<SessionCore> shared)
       : core(std::move(shared)), thread(core->reports) {}

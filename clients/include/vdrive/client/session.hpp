@@ -119,6 +119,10 @@ struct SetPoint {
   std::vector<ObjectValue> objects{};
 };
 
+/// Objects to write before a stream that has a set-point for each tick and nothing beside it, each
+/// 0: 60C2h:01 and the offsets 60B0h, 60B1h and 60B2h, which another master may have left.
+[[nodiscard]] std::vector<ObjectValue> objects_before_stream();
+
 /// Set-points that are in force in one tick.
 struct SetPointFrame {
   std::uint64_t tick = 0;        ///< 0 = the next
