@@ -408,6 +408,23 @@ TEST_F(EndOfAProgram, LeavesAnAxisThatRunsBySetPointsToTheWatchdog) {
   expect_stop_by_the_watchdog(program);
 }
 
+// 6042h has no member of its own in a set-point. 60 rpm are 4096 UU/s: 4096 units a revolution.
+TEST_F(EndOfAProgram, LeavesAnAxisThatRunsByAnObjectOfASetPointToTheWatchdog) {
+  const std::uint64_t program = run([](Session& session, Axis& axis) {
+    const SetPointFrame frame{.axes = {{.axis = 1,
+                                        .mode = OperatingMode::velocity,
+                                        .controlword = 0x007F,
+                                        .objects = {{.object = {0x6042, 0}, .value = 60}}}}};
+    ASSERT_TRUE(session.send_set_points(1, {&frame, 1}));
+    ASSERT_TRUE(axis.wait_until(
+        [](const AxisSnapshot& seen) {
+          return seen.status.velocity_demand_value == 4'096;
+        },
+        20s));
+  });
+  expect_stop_by_the_watchdog(program);
+}
+
 TEST_F(EndOfAProgram, GivesAnAxisBackThatWasSeenToStop) {
   (void)run([](Session& session, Axis& axis) {
     EXPECT_FALSE(axis.run_at(10'000, {.acceleration = 100, .call = {.timeout = 1s}}));

@@ -105,14 +105,12 @@ msg::AxisCommand command_of(const SetPoint& point) {
   return command;
 }
 
+/// @return whether the mode in force takes the object as its set-point, or adds it as an offset.
 bool is_target(const ObjectValue& value) {
-  using namespace literals;
-  constexpr std::array kTargets{
-      vdrive::describe("position_user_target_value"_object).address,
-      vdrive::describe("target_velocity"_object).address,
-      vdrive::describe("target_torque"_object).address,
-  };
-  return std::ranges::find(kTargets, value.object) != kTargets.end();
+  const auto row = find_object(value.object);
+  if (!row) return false;
+  const Change change = vdrive::describe(*row).change;
+  return change == Change::target || change == Change::planned_target || change == Change::record;
 }
 
 /// @return whether the axis may run from then on.
