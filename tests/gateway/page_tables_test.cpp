@@ -21,6 +21,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -154,20 +155,28 @@ Json schema_of(const ChannelInfo& channel) {
   return Json::parse(channel.schema);
 }
 
-/// Every name of a bit of 6040h and 6041h, in any mode.
-Json bit_names() {
+/// Every name of a bit of 6040h and 6041h, in any mode, and the Chinese ones of each.
+std::map<std::string_view, std::set<std::string_view>> bit_names() {
   constexpr unsigned kBits = 16;
-  std::set<std::string> names;
+  std::map<std::string_view, std::set<std::string_view>> names;
   for (const OperatingModeRow& row : kOperatingModes) {
     for (unsigned place = 0; place < kBits; ++place) {
       const auto bit = static_cast<std::uint16_t>(1U << place);
-      names.emplace(statusword_bit_name(bit, row.mode));
-      names.emplace(controlword_bit_name(bit, row.mode));
+      for (const BitName& found :
+           {statusword_bit_names(bit, row.mode), controlword_bit_names(bit, row.mode)}) {
+        names[found.name].insert(found.name_zh);
+      }
     }
   }
   names.erase("");  // of a bit without a name
+  return names;
+}
+
+Json bit_name_rows() {
   Json rows = Json::array();
-  for (const std::string& name : names) rows.push_back(name);
+  for (const auto& [name, chinese] : bit_names()) {
+    rows.push_back({{"name", name}, {"name_zh", *chinese.begin()}});
+  }
   return rows;
 }
 
@@ -176,7 +185,8 @@ std::string page_tables() {
   for (const PowerState state : kPowerStates) states.push_back(statusword_row(state));
   Json modes = Json::array();
   for (const OperatingModeRow& row : kOperatingModes) {
-    modes.push_back({{"mode", static_cast<int>(row.mode)}, {"name", row.name}});
+    modes.push_back(
+        {{"mode", static_cast<int>(row.mode)}, {"name", row.name}, {"name_zh", row.name_zh}});
   }
   return "// SPDX-License-Identifier: Apache-2.0\n"
          "// Written from the schemas of the gateway and the tables of the core, not by hand:\n"
@@ -186,7 +196,7 @@ std::string page_tables() {
          constant("CONTROL", schema_of(control_channel())) +
          constant("DICTIONARY", schema_of(dictionary_channel())) +
          constant("POWER_STATES", states) + constant("TRANSITIONS", transition_rows()) +
-         constant("OPERATING_MODES", modes) + constant("BIT_NAMES", bit_names());
+         constant("OPERATING_MODES", modes) + constant("BIT_NAMES", bit_name_rows());
 }
 
 const char* const kFile = VDRIVE_SOURCE_DIR "/clients/gateway/page/src/data/tables.ts";
@@ -199,6 +209,15 @@ TEST(PageTables, AreThoseOfTheGatewayAndTheCore) {
   const std::string kept{std::istreambuf_iterator<char>(file), {}};
   EXPECT_EQ(kept, tables) << "write it again: VDRIVE_WRITE_PAGE_TABLES=1 gateway_parts_test "
                              "--gtest_filter='PageTables.*'";
+}
+
+// The page finds the Chinese name of a bit by the English one.
+TEST(PageTables, HaveOneChineseNameOfEachModeAndBit) {
+  for (const OperatingModeRow& row : kOperatingModes) EXPECT_FALSE(row.name_zh.empty()) << row.name;
+  for (const auto& [name, chinese] : bit_names()) {
+    EXPECT_EQ(chinese.size(), 1U) << name;
+    EXPECT_FALSE(chinese.contains("")) << name;
+  }
 }
 
 TEST(PageTables, HaveEachTransitionOfTheStandard) {

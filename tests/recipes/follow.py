@@ -184,7 +184,9 @@ RECIPES = [
                "    ModeRow{OperatingMode::scratch, &kScratch},"),
         after(OPERATING_MODE, "profile_torque = 4,", "  scratch = 5,"),
         before(OPERATING_MODE, "OperatingModeRow{.mode = OperatingMode::homing",
-               '    OperatingModeRow{.mode = OperatingMode::scratch, .name = "scratch"},'),
+               '    OperatingModeRow{.mode = OperatingMode::scratch,\n'
+               '                     .name = "scratch",\n'
+               '                     .name_zh = "草稿"},'),
         whole("tests/core/scratch_test.cpp", MODE_TEST),
         before(CORE_TESTS, "cyclic_position_test.cpp", "          scratch_test.cpp"),
         instead("tests/core/cyclic_position_test.cpp", '"supported_drive_modes"), 0x3EF',

@@ -251,7 +251,7 @@ const TEXTS = {
 
 export type TextKey = keyof typeof TEXTS;
 
-/** The Chinese names of states and modes; the English ones are those of the core. */
+/** The Chinese names of states; the English ones are those of the core. */
 const STATES: Record<PowerState, string> = {
   not_ready_to_switch_on: "未准备好接通",
   switch_on_disabled: "禁止接通",
@@ -261,55 +261,6 @@ const STATES: Record<PowerState, string> = {
   quick_stop_active: "快速停机",
   fault_reaction_active: "故障反应",
   fault: "故障",
-};
-
-const MODES: Record<(typeof OPERATING_MODES)[number]["mode"], string> = {
-  0: "无",
-  1: "轮廓位置",
-  2: "速度",
-  3: "轮廓速度",
-  4: "轮廓转矩",
-  6: "回零",
-  7: "插补位置",
-  8: "周期同步位置",
-  9: "周期同步速度",
-  10: "周期同步转矩",
-};
-
-/** Names of bits as the gateway gives them; the ones of a newer gateway stay English. */
-const BITS: Record<(typeof BIT_NAMES)[number], string> = {
-  "ready to switch on": "准备接通",
-  "switched on": "已接通",
-  "operation enabled": "运行使能",
-  fault: "故障",
-  "voltage enabled": "电压使能",
-  "quick stop": "快速停机（0 有效）",
-  "switch on disabled": "禁止接通",
-  warning: "警告",
-  remote: "远程",
-  "target reached": "到达目标",
-  "bit 12": "位 12",
-  "internal limit active": "内部限制有效",
-  "set-point acknowledge": "设定点应答",
-  "following error": "跟随误差",
-  "speed zero": "零速",
-  "homing attained": "回零完成",
-  "homing error": "回零错误",
-  "follows command": "跟随指令",
-  "interpolation active": "插补有效",
-  "switch on": "接通",
-  "enable voltage": "使能电压",
-  "enable operation": "使能运行",
-  "fault reset": "故障复位",
-  halt: "暂停",
-  "new set-point": "新设定点",
-  "change set immediately": "立即更改",
-  relative: "相对",
-  "start homing": "开始回零",
-  "enable interpolation": "使能插补",
-  "enable ramp": "使能斜坡",
-  "unlock ramp": "解锁斜坡",
-  "reference ramp": "斜坡给定",
 };
 
 let chosen: Language = "en";
@@ -361,12 +312,13 @@ export function stateName(state: PowerState): string {
   return pick([POWER_STATE_NAMES[state], STATES[state]]);
 }
 
+/** @param name as the gateway gives it; the ones of a newer gateway stay English */
 export function bitName(name: string): string {
-  const known: Record<string, string | undefined> = BITS;
-  return chosen === "zh" ? (known[name] ?? name) : name;
+  const row = BIT_NAMES.find((candidate) => candidate.name === name);
+  return row === undefined ? name : pick([row.name, row.name_zh]);
 }
 
 export function modeName(mode: number): string {
   const row = OPERATING_MODES.find((candidate) => candidate.mode === mode);
-  return row === undefined ? String(mode) : pick([row.name, MODES[row.mode]]);
+  return row === undefined ? String(mode) : pick([row.name, row.name_zh]);
 }

@@ -17,4 +17,10 @@ namespace vdrive {
 /// @return its name as `mode` reads it, such as "new set-point"; empty where it has none.
 [[nodiscard]] std::string_view controlword_bit_name(std::uint16_t bit, OperatingMode mode) noexcept;
 
+/// @return the same name of `bit` in both languages.
+[[nodiscard]] BitName statusword_bit_names(std::uint16_t bit, OperatingMode mode) noexcept;
+
+/// @return likewise of a bit of the controlword.
+[[nodiscard]] BitName controlword_bit_names(std::uint16_t bit, OperatingMode mode) noexcept;
+
 }  // namespace vdrive

@@ -25,16 +25,18 @@ enum class OperatingMode : std::int8_t {
   cyclic_synchronous_torque = 10,
 };
 
-/// A bit of the controlword 6040h or the statusword 6041h and its name, such as "speed zero".
+/// A bit of the controlword 6040h or the statusword 6041h and its names, such as "speed zero".
 struct BitName {
   std::uint16_t bit = 0;
   std::string_view name;
+  std::string_view name_zh;
 };
 
 /// What people read about an operating mode.
 struct OperatingModeRow {
   OperatingMode mode = OperatingMode::none;
   std::string_view name;                  ///< the standard's
+  std::string_view name_zh;               ///< in Chinese, as those of objects
   std::array<BitName, 2> status_bits{};   ///< of 6041h that it reads in its own way
   std::array<BitName, 3> control_bits{};  ///< likewise of 6040h
   bool has_target = true;                 ///< bit 10 of 6041h says whether a target is reached
@@ -43,47 +45,64 @@ struct OperatingModeRow {
 
 /// Every operating mode, by rising number: 6502h, the values of 6060h and all names follow from it.
 inline constexpr std::array kOperatingModes{
-    OperatingModeRow{.mode = OperatingMode::none, .name = "none", .has_target = false},
     OperatingModeRow{
-        .mode = OperatingMode::profile_position,
-        .name = "profile position",
-        .status_bits = {{{Statusword::kSetPointAcknowledge, "set-point acknowledge"}}},
-        .control_bits = {{{Controlword::kNewSetPoint, "new set-point"},
-                          {Controlword::kChangeSetImmediately, "change set immediately"},
-                          {Controlword::kRelative, "relative"}}}},
-    OperatingModeRow{.mode = OperatingMode::velocity,
-                     .name = "velocity",
-                     .control_bits = {{{Controlword::kEnableRamp, "enable ramp"},
-                                       {Controlword::kUnlockRamp, "unlock ramp"},
-                                       {Controlword::kReferenceRamp, "reference ramp"}}}},
+        .mode = OperatingMode::none, .name = "none", .name_zh = "无", .has_target = false},
+    OperatingModeRow{.mode = OperatingMode::profile_position,
+                     .name = "profile position",
+                     .name_zh = "轮廓位置",
+                     .status_bits = {{{Statusword::kSetPointAcknowledge, "set-point acknowledge",
+                                       "设定点应答"}}},
+                     .control_bits = {{{Controlword::kNewSetPoint, "new set-point", "新设定点"},
+                                       {Controlword::kChangeSetImmediately,
+                                        "change set immediately", "立即更改"},
+                                       {Controlword::kRelative, "relative", "相对"}}}},
+    OperatingModeRow{
+        .mode = OperatingMode::velocity,
+        .name = "velocity",
+        .name_zh = "速度",
+        .control_bits = {{{Controlword::kEnableRamp, "enable ramp", "使能斜坡"},
+                          {Controlword::kUnlockRamp, "unlock ramp", "解锁斜坡"},
+                          {Controlword::kReferenceRamp, "reference ramp", "斜坡给定"}}}},
     OperatingModeRow{.mode = OperatingMode::profile_velocity,
                      .name = "profile velocity",
-                     .status_bits = {{{Statusword::kSpeedZero, "speed zero"}}}},
-    OperatingModeRow{
-        .mode = OperatingMode::profile_torque, .name = "profile torque", .commands_torque = true},
+                     .name_zh = "轮廓速度",
+                     .status_bits = {{{Statusword::kSpeedZero, "speed zero", "零速"}}}},
+    OperatingModeRow{.mode = OperatingMode::profile_torque,
+                     .name = "profile torque",
+                     .name_zh = "轮廓转矩",
+                     .commands_torque = true},
     OperatingModeRow{.mode = OperatingMode::homing,
                      .name = "homing",
-                     .status_bits = {{{Statusword::kHomingAttained, "homing attained"},
-                                      {Statusword::kHomingError, "homing error"}}},
-                     .control_bits = {{{Controlword::kStartHoming, "start homing"}}}},
+                     .name_zh = "回零",
+                     .status_bits = {{{Statusword::kHomingAttained, "homing attained", "回零完成"},
+                                      {Statusword::kHomingError, "homing error", "回零错误"}}},
+                     .control_bits = {{{Controlword::kStartHoming, "start homing", "开始回零"}}}},
     OperatingModeRow{
         .mode = OperatingMode::interpolated_position,
         .name = "interpolated position",
-        .status_bits = {{{Statusword::kInterpolationActive, "interpolation active"}}},
-        .control_bits = {{{Controlword::kEnableInterpolation, "enable interpolation"}}}},
-    OperatingModeRow{.mode = OperatingMode::cyclic_synchronous_position,
-                     .name = "cyclic synchronous position",
-                     .status_bits = {{{Statusword::kFollowsCommand, "follows command"}}},
-                     .has_target = false},
-    OperatingModeRow{.mode = OperatingMode::cyclic_synchronous_velocity,
-                     .name = "cyclic synchronous velocity",
-                     .status_bits = {{{Statusword::kFollowsCommand, "follows command"}}},
-                     .has_target = false},
-    OperatingModeRow{.mode = OperatingMode::cyclic_synchronous_torque,
-                     .name = "cyclic synchronous torque",
-                     .status_bits = {{{Statusword::kFollowsCommand, "follows command"}}},
-                     .has_target = false,
-                     .commands_torque = true},
+        .name_zh = "插补位置",
+        .status_bits = {{{Statusword::kInterpolationActive, "interpolation active", "插补有效"}}},
+        .control_bits = {{{Controlword::kEnableInterpolation, "enable interpolation",
+                           "使能插补"}}}},
+    OperatingModeRow{
+        .mode = OperatingMode::cyclic_synchronous_position,
+        .name = "cyclic synchronous position",
+        .name_zh = "周期同步位置",
+        .status_bits = {{{Statusword::kFollowsCommand, "follows command", "跟随指令"}}},
+        .has_target = false},
+    OperatingModeRow{
+        .mode = OperatingMode::cyclic_synchronous_velocity,
+        .name = "cyclic synchronous velocity",
+        .name_zh = "周期同步速度",
+        .status_bits = {{{Statusword::kFollowsCommand, "follows command", "跟随指令"}}},
+        .has_target = false},
+    OperatingModeRow{
+        .mode = OperatingMode::cyclic_synchronous_torque,
+        .name = "cyclic synchronous torque",
+        .name_zh = "周期同步转矩",
+        .status_bits = {{{Statusword::kFollowsCommand, "follows command", "跟随指令"}}},
+        .has_target = false,
+        .commands_torque = true},
 };
 
 static_assert(std::ranges::is_sorted(kOperatingModes, {}, &OperatingModeRow::mode));

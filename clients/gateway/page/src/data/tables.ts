@@ -616,77 +616,183 @@ export const TRANSITIONS = [
 export const OPERATING_MODES = [
   {
     "mode": 0,
-    "name": "none"
+    "name": "none",
+    "name_zh": "无"
   },
   {
     "mode": 1,
-    "name": "profile position"
+    "name": "profile position",
+    "name_zh": "轮廓位置"
   },
   {
     "mode": 2,
-    "name": "velocity"
+    "name": "velocity",
+    "name_zh": "速度"
   },
   {
     "mode": 3,
-    "name": "profile velocity"
+    "name": "profile velocity",
+    "name_zh": "轮廓速度"
   },
   {
     "mode": 4,
-    "name": "profile torque"
+    "name": "profile torque",
+    "name_zh": "轮廓转矩"
   },
   {
     "mode": 6,
-    "name": "homing"
+    "name": "homing",
+    "name_zh": "回零"
   },
   {
     "mode": 7,
-    "name": "interpolated position"
+    "name": "interpolated position",
+    "name_zh": "插补位置"
   },
   {
     "mode": 8,
-    "name": "cyclic synchronous position"
+    "name": "cyclic synchronous position",
+    "name_zh": "周期同步位置"
   },
   {
     "mode": 9,
-    "name": "cyclic synchronous velocity"
+    "name": "cyclic synchronous velocity",
+    "name_zh": "周期同步速度"
   },
   {
     "mode": 10,
-    "name": "cyclic synchronous torque"
+    "name": "cyclic synchronous torque",
+    "name_zh": "周期同步转矩"
   }
 ] as const;
 
 export const BIT_NAMES = [
-  "bit 12",
-  "change set immediately",
-  "enable interpolation",
-  "enable operation",
-  "enable ramp",
-  "enable voltage",
-  "fault",
-  "fault reset",
-  "following error",
-  "follows command",
-  "halt",
-  "homing attained",
-  "homing error",
-  "internal limit active",
-  "interpolation active",
-  "new set-point",
-  "operation enabled",
-  "quick stop",
-  "ready to switch on",
-  "reference ramp",
-  "relative",
-  "remote",
-  "set-point acknowledge",
-  "speed zero",
-  "start homing",
-  "switch on",
-  "switch on disabled",
-  "switched on",
-  "target reached",
-  "unlock ramp",
-  "voltage enabled",
-  "warning"
+  {
+    "name": "bit 12",
+    "name_zh": "位 12"
+  },
+  {
+    "name": "change set immediately",
+    "name_zh": "立即更改"
+  },
+  {
+    "name": "enable interpolation",
+    "name_zh": "使能插补"
+  },
+  {
+    "name": "enable operation",
+    "name_zh": "使能运行"
+  },
+  {
+    "name": "enable ramp",
+    "name_zh": "使能斜坡"
+  },
+  {
+    "name": "enable voltage",
+    "name_zh": "使能电压"
+  },
+  {
+    "name": "fault",
+    "name_zh": "故障"
+  },
+  {
+    "name": "fault reset",
+    "name_zh": "故障复位"
+  },
+  {
+    "name": "following error",
+    "name_zh": "跟随误差"
+  },
+  {
+    "name": "follows command",
+    "name_zh": "跟随指令"
+  },
+  {
+    "name": "halt",
+    "name_zh": "暂停"
+  },
+  {
+    "name": "homing attained",
+    "name_zh": "回零完成"
+  },
+  {
+    "name": "homing error",
+    "name_zh": "回零错误"
+  },
+  {
+    "name": "internal limit active",
+    "name_zh": "内部限制有效"
+  },
+  {
+    "name": "interpolation active",
+    "name_zh": "插补有效"
+  },
+  {
+    "name": "new set-point",
+    "name_zh": "新设定点"
+  },
+  {
+    "name": "operation enabled",
+    "name_zh": "运行使能"
+  },
+  {
+    "name": "quick stop",
+    "name_zh": "快速停机（0 有效）"
+  },
+  {
+    "name": "ready to switch on",
+    "name_zh": "准备接通"
+  },
+  {
+    "name": "reference ramp",
+    "name_zh": "斜坡给定"
+  },
+  {
+    "name": "relative",
+    "name_zh": "相对"
+  },
+  {
+    "name": "remote",
+    "name_zh": "远程"
+  },
+  {
+    "name": "set-point acknowledge",
+    "name_zh": "设定点应答"
+  },
+  {
+    "name": "speed zero",
+    "name_zh": "零速"
+  },
+  {
+    "name": "start homing",
+    "name_zh": "开始回零"
+  },
+  {
+    "name": "switch on",
+    "name_zh": "接通"
+  },
+  {
+    "name": "switch on disabled",
+    "name_zh": "禁止接通"
+  },
+  {
+    "name": "switched on",
+    "name_zh": "已接通"
+  },
+  {
+    "name": "target reached",
+    "name_zh": "到达目标"
+  },
+  {
+    "name": "unlock ramp",
+    "name_zh": "解锁斜坡"
+  },
+  {
+    "name": "voltage enabled",
+    "name_zh": "电压使能"
+  },
+  {
+    "name": "warning",
+    "name_zh": "警告"
+  }
 ] as const;
