@@ -181,6 +181,46 @@ TEST(BenchMotion, ReportsWhatABenchDoesNotTake) {
   EXPECT_THAT(written.lines, ElementsAre("bench 1: the bench is away")) << "the keep-alive";
 }
 
+// Habit e of docs/guides/be-another-drive.md, behind an enabling that has written the mode.
+TEST(BenchMotion, FollowsPositionsWhereADriveRefusesAnotherModeAndWaitsForOne) {
+  Commanded fake;
+  fake.drive().axis(0).status.op_mode_actual =
+      static_cast<std::int8_t>(OperatingMode::cyclic_synchronous_position);
+  fake.drive().keep_modes();
+  fake.command(0, CommandInterface::position, 0.1);
+  fake.run(300);
+  EXPECT_EQ(fake.demand(0), 100) << "0.1 rad of 0.001 rad";
+  (void)fake.drive().take_sent();
+  fake.command(0, CommandInterface::velocity, 1.0);
+  fake.run(200);
+  const auto frames = with_axes(fake.drive().take_sent());
+  EXPECT_FALSE(frames.empty());
+  for (const client::SetPointFrame& frame : frames) {
+    EXPECT_EQ(frame.axes.front().mode, OperatingMode::cyclic_synchronous_velocity);
+    EXPECT_FALSE(frame.axes.front().velocity);
+  }
+  EXPECT_EQ(fake.demand(0), 100);
+  fake.command(0, CommandInterface::position, 0.2);
+  fake.run(300);
+  EXPECT_EQ(fake.demand(0), 200);
+}
+
+// Habit h: 6061h follows 6060h later. 1 rad/s takes 20 ms with 50 rad/s².
+TEST(BenchMotion, WaitsForAModeThatADriveShowsLate) {
+  Commanded fake;
+  fake.drive().delay_modes(100);
+  fake.command(0, CommandInterface::velocity, 1.0);
+  fake.run(100);
+  const auto frames = with_axes(fake.drive().take_sent());
+  EXPECT_FALSE(frames.empty());
+  for (const client::SetPointFrame& frame : frames) {
+    EXPECT_FALSE(frame.axes.front().velocity);
+  }
+  fake.run(150);
+  EXPECT_EQ(fake.drive().axis(0).status.velocity_demand_value, 1'000);
+  EXPECT_THAT(fake.written.lines, IsEmpty());
+}
+
 // Habit b of docs/guides/be-another-drive.md: bits 4 to 6 of 6040h release the stream.
 TEST(BenchMotion, ReportsADriveThatHoldsItsStreamAndWritesNoWordToIt) {
   Commanded fake;

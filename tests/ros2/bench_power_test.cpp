@@ -6,7 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <memory>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
 
 namespace vdrive::ros2 {
 namespace {
@@ -50,6 +52,17 @@ std::vector<std::uint16_t> words_of(const BenchPower::Frames& frames, std::uint1
     }
   }
   return words;
+}
+
+/// The modes (6060h) that the words of an axis bring, 0 = none.
+std::vector<int> modes_of(const BenchPower::Frames& frames, std::uint16_t axis) {
+  std::vector<int> modes;
+  for (const client::SetPointFrame& frame : frames) {
+    for (const client::SetPoint& point : frame.axes) {
+      if (point.axis == axis) modes.push_back(point.mode ? static_cast<int>(*point.mode) : 0);
+    }
+  }
+  return modes;
 }
 
 TEST(BenchPower, SendsTheWordsThatEachAxisNeedsOnceItControlsAll) {
@@ -107,6 +120,38 @@ TEST(BenchPower, ContinuesAfterAQuickStopWithItsPower) {
   bench.drives.show(1, PowerState::quick_stop_active);
   bench.power.want_enabled(true, false);
   EXPECT_THAT(words_of(bench.words(), 2), ElementsAre(0x0F));
+}
+
+// Habit e of docs/guides/be-another-drive.md: a drive that has power takes no other mode.
+TEST(BenchPower, WritesTheModeOfEachJointBeforeItsPower) {
+  FakeBench drives({"x", "y"});
+  std::vector<ServedJoint> joints = drives.joints();
+  joints[1].interface = CommandInterface::velocity;
+  Bench bench(drives.info(), joints);
+  WrittenReports written;
+  BenchPower power(FakeBench::kSession, bench, written.reports);
+  for (std::size_t place = 0; place < 2; ++place) {
+    drives.axis(place).owner_session = FakeBench::kSession;
+  }
+  drives.show(1, PowerState::fault);
+  power.want_enabled(true, true);
+  drives.link(bench);
+  const auto frames = power.words(*bench.seen().state, kPowerBegin);
+  EXPECT_THAT(words_of(frames, 1), ElementsAre(0x06, 0x07, 0x0F));
+  EXPECT_THAT(modes_of(frames, 1), ElementsAre(0, 0, 8)) << "a joint without an interface";
+  EXPECT_THAT(words_of(frames, 2), ElementsAre(0x80, 0x06, 0x07, 0x0F));
+  EXPECT_THAT(modes_of(frames, 2), ElementsAre(0, 0, 0, 9)) << "not in the fault";
+  EXPECT_THAT(frames[2].axes[0].objects, SizeIs(4)) << "60C2h:01 and three offsets";
+}
+
+TEST(BenchPower, LeavesTheModeOfAnAxisThatMayStillBrake) {
+  Powered bench;
+  bench.drives.enable();
+  bench.drives.show(1, PowerState::quick_stop_active);
+  bench.power.want_enabled(true, false);
+  EXPECT_THAT(modes_of(bench.words(), 2), ElementsAre(0));
+  bench.drives.step();
+  EXPECT_THAT(modes_of(bench.words(500ms), 2), ElementsAre(0, 0, 0, 8)) << "without its power";
 }
 
 TEST(BenchPower, TakesTheWayWithoutPowerWhereADriveHasNoTransition16) {

@@ -4,11 +4,13 @@
 #include "bench.hpp"
 #include "reports.hpp"
 #include "vdrive/cia402/controlword.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/client/session.hpp"
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -88,6 +90,12 @@ class FakeBench {
   /// From now on positions move no drive.
   void hold_streams() { holds_streams_ = true; }
 
+  /// From now on drives take no other mode.
+  void keep_modes() { keeps_modes_ = true; }
+
+  /// From now on drives show and have a mode this much later.
+  void delay_modes(std::uint64_t ticks) { mode_delay_ = ticks; }
+
   /// Does what a link does: takes the wishes of the bridge, and hands it what the bench shows.
   void link(Bench& bench) {
     const Bench::Wishes wishes = bench.take_wishes();
@@ -117,18 +125,41 @@ class FakeBench {
       for (const client::SetPoint& point : frame.axes) apply(point);
       return true;
     });
+    std::erase_if(late_modes_, [this](const auto& late) {
+      if (late.second.tick > state_.tick) return false;
+      state_.axes[late.first - 1U].status.op_mode_actual =
+          static_cast<std::int8_t>(late.second.mode);
+      return true;
+    });
   }
 
   /// The number of the tick jumps, and the bench drops the frames that wait.
   void count_from(std::uint64_t tick) {
     state_.tick = tick;
     waiting_.clear();
+    late_modes_.clear();
   }
 
  private:
+  /// A mode that is not in force yet.
+  struct LateMode {
+    OperatingMode mode = OperatingMode::none;
+    std::uint64_t tick = 0;  ///< in which it is
+  };
+
+  void take_mode(std::uint16_t number, OperatingMode mode) {
+    if (keeps_modes_) return;
+    if (axis(number - 1U).mode() == mode) {
+      late_modes_.erase(number);
+      return;
+    }
+    LateMode& late = late_modes_[number];
+    if (late.mode != mode) late = {.mode = mode, .tick = state_.tick + mode_delay_};
+  }
+
   void apply(const client::SetPoint& point) {
     client::AxisSnapshot& axis = state_.axes[point.axis - 1U];
-    if (point.mode) axis.status.op_mode_actual = static_cast<std::int8_t>(*point.mode);
+    if (point.mode) take_mode(point.axis, *point.mode);
     if (point.position && !holds_streams_) axis.status.position_demand_value = *point.position;
     if (point.torque) axis.status.torque_demand = *point.torque;
     axis.status.velocity_demand_value = point.velocity.value_or(0);
@@ -148,7 +179,10 @@ class FakeBench {
   std::vector<client::SetPointFrame> waiting_;
   std::vector<client::SetPointFrame> sent_;
   std::vector<ControlWish> control_wishes_;
+  std::map<std::uint16_t, LateMode> late_modes_;  ///< by the number of the axis
+  std::uint64_t mode_delay_ = 0;                  ///< [ticks]
   bool holds_streams_ = false;
+  bool keeps_modes_ = false;
 };
 
 /// Reports, and the lines that were written.

@@ -515,6 +515,29 @@ TEST(Ros2Commands, KeepTheSoftwareLimits) {
   }));
 }
 
+// Habit e of docs/guides/be-another-drive.md.
+TEST(Ros2Commands, MoveADriveThatTakesNoOtherModeWithItsPower) {
+  LockStep bench("");
+  auto axis = bench.session().axis("1.1").value();
+  ASSERT_TRUE(axis.write({0x5E20, 5}, 2));
+  bench.peer().enable(true);
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return is_enabled(bench.session(), "1.1");
+  }));
+  EXPECT_EQ(bench.axis().mode(), OperatingMode::cyclic_synchronous_position);
+  bench.stepper().step(10);
+  bench.peer().command({"x"}, {100 * kUnit});
+  EXPECT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.position_demand_value == 100;
+  }));
+  bench.peer().command_velocity({"x"}, {2.0});
+  EXPECT_TRUE(bench.stepper().step_until([&] {
+    return bench.peer().log().find("a command was refused") != std::string::npos;
+  })) << bench.peer().log();
+  EXPECT_EQ(bench.axis().mode(), OperatingMode::cyclic_synchronous_position);
+  EXPECT_EQ(bench.axis().status.velocity_demand_value, 0);
+}
+
 // After a pause the state of the bridge is old: its set-points are for past ticks.
 TEST(Ros2Commands, ReachTheirGoalAfterAPauseOfTheBridge) {
   const RunningService service("--clock realtime");

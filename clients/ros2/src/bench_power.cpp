@@ -2,6 +2,7 @@
 #include "bench_power.hpp"
 
 #include "control_keeper.hpp"
+#include "stream_begin.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/enabling_words.hpp"
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace vdrive::ros2 {
 namespace {
@@ -132,6 +134,9 @@ BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::t
     for (std::size_t word = 0; word < words.size(); ++word) {
       frames[word].axes.push_back({.axis = axis_number(i), .controlword = words[word]});
     }
+    // An axis that keeps its power may still brake: another mode would brake it in another way.
+    const bool keeps_mode = axis.state() == PowerState::quick_stop_active && keeps_power;
+    if (!words.empty() && !keeps_mode) put_mode(i, frames[words.size() - 1].axes.back());
   }
   resets_faults_ = false;  // a fault that comes back is for a person
   // The way of some axes is shorter than that of others.
@@ -147,6 +152,15 @@ BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::t
   words_due_ = now + kRepeatWords;
   words_tick_ = state.tick;
   return frames;
+}
+
+/// Some drives take another mode before they have power only (5E20h:05). It comes with the last
+/// word, in Switched on: some do not take it in a fault either.
+void BenchPower::put_mode(std::size_t place, client::SetPoint& last) const {
+  const auto interface = bench_.joints()[place].interface.value_or(CommandInterface::position);
+  client::SetPoint point = begin_stream(last.axis, mode_of(interface));
+  point.controlword = last.controlword;
+  last = std::move(point);
 }
 
 BenchPower::Frames BenchPower::disable(const client::Observation& state) {

@@ -6,13 +6,14 @@
 #include "vdrive/client/session.hpp"
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace vdrive::ros2 {
 
-/// Enables the axes of a bench, disables those that it has enabled, and keeps the bench informed
-/// that their master lives. Time is an argument. For one thread.
+/// Enables the axes of a bench in the modes of their joints, disables those that it has enabled,
+/// and keeps the bench informed that their master lives. Time is an argument. For one thread.
 class BenchPower {
  public:
   using Clock = std::chrono::steady_clock;
@@ -44,6 +45,7 @@ class BenchPower {
 
  private:
   [[nodiscard]] Frames enable(const client::Observation& state, Clock::time_point now);
+  void put_mode(std::size_t place, client::SetPoint& last) const;
   [[nodiscard]] Frames disable(const client::Observation& state);
   void forget_old_words(const client::Observation& state, Clock::time_point now);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "joint_plan.hpp"
 
+#include "stream_begin.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
@@ -28,11 +29,6 @@ constexpr double kShareOfNewest = 0.25;
 // A set-point that comes too late again and again is lost elsewhere: the operator has to know.
 constexpr int kMostRepeats = 8;
 
-/// A set-point for each tick follows.
-client::SetPoint begin_stream(std::uint16_t axis, OperatingMode mode) {
-  return {.axis = axis, .mode = mode, .objects = client::objects_before_stream()};
-}
-
 /// @return `effort` in thousandths of the rated torque.
 std::int16_t per_mille(const JointNow& now, double effort) noexcept {
   return static_cast<std::int16_t>(std::lround(effort / now.limits.effort_per_mille));
@@ -47,9 +43,9 @@ std::string_view to_string(Duty duty) noexcept {
 }
 
 OperatingMode JointPlan::mode() const noexcept {
-  if (duty_ == Duty::velocity) return OperatingMode::cyclic_synchronous_velocity;
-  if (duty_ == Duty::effort) return OperatingMode::cyclic_synchronous_torque;
-  return OperatingMode::cyclic_synchronous_position;
+  if (duty_ == Duty::velocity) return mode_of(CommandInterface::velocity);
+  if (duty_ == Duty::effort) return mode_of(CommandInterface::effort);
+  return mode_of(CommandInterface::position);
 }
 
 /// @return what the drive is to do in this tick: the value that a line of this duty begins with.
