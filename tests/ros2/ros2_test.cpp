@@ -515,6 +515,28 @@ TEST(Ros2Commands, KeepTheSoftwareLimits) {
   }));
 }
 
+// 6062h shows no place beyond the range: the bridge would go there again and again.
+TEST(Ros2Commands, KeepWithinThePositionRangeOfAModuloAxis) {
+  LockStep bench("");
+  auto axis = bench.session().axis("1.1").value();
+  ASSERT_TRUE(axis.write({0x607B, 1}, -2'048));
+  ASSERT_TRUE(axis.write({0x607B, 2}, 2'048));
+  bench.peer().enable(true);
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return is_enabled(bench.session(), "1.1");
+  }));
+  bench.stepper().step(10);
+  // The limits are read again every two seconds of wall time.
+  ASSERT_TRUE(bench.peer().wait([&] {
+    bench.peer().command({"x"}, {2'048 * kUnit});
+    return bench.peer().log().find("is beyond the limits") != std::string::npos;
+  }));
+  bench.peer().command({"x"}, {2'047 * kUnit});
+  EXPECT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.position_demand_value == 2'047;
+  }));
+}
+
 // Habit e of docs/guides/be-another-drive.md.
 TEST(Ros2Commands, MoveADriveThatTakesNoOtherModeWithItsPower) {
   LockStep bench("");

@@ -10,7 +10,7 @@ namespace vdrive::ros2 {
 struct JointLimits {
   static constexpr double kNone = std::numeric_limits<double>::infinity();
 
-  double lower = -kNone;            ///< 607Dh:1 where 3535h switches it on, else what 607Ah holds
+  double lower = -kNone;            ///< 607Dh:1 where 3535h switches it on, within 607Bh
   double upper = kNone;             ///< 607Dh:2
   double velocity = kNone;          ///< the lower one of 607Fh and 5E11h, which follows from 6080h
   double acceleration = kNone;      ///< 60C5h

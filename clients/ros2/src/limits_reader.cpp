@@ -23,6 +23,8 @@ constexpr std::array kLimitObjects{"app_speed_limit"_object,
                                    "app_position_limit_switch"_object,
                                    "user_position_lower_limit"_object,
                                    "user_position_upper_limit"_object,
+                                   "min_position_range_limit"_object,
+                                   "max_position_range_limit"_object,
                                    "app_acc_limit"_object,
                                    "app_dec_limit"_object,
                                    "profile_acc"_object,
@@ -59,8 +61,16 @@ std::optional<JointLimits> limits_of(const client::Axis& axis, const ServedJoint
   const double lower = real("user_position_lower_limit"_object);
   const double upper = real("user_position_upper_limit"_object);
   const bool has_limits = real("app_position_limit_switch"_object) != 0.0 && lower < upper;
-  limits.lower = (has_limits ? lower : kLowestPosition) * unit;
-  limits.upper = (has_limits ? upper : kHighestPosition) * unit;
+  // On a modulo axis 6062h shows the end of a motion inside of the range only: beyond it the bridge
+  // would take the axis for one that has not arrived.
+  const double first = real("min_position_range_limit"_object);
+  const double end = real("max_position_range_limit"_object);
+  const bool has_range = first < end;
+  limits.lower =
+      std::max(has_limits ? lower : kLowestPosition, has_range ? first : kLowestPosition) * unit;
+  limits.upper =
+      std::min(has_limits ? upper : kHighestPosition, has_range ? end - 1.0 : kHighestPosition) *
+      unit;
   limits.effort_per_mille = bridge::effort_per_mille(
       joint.unit, {.motor_rated_torque = value("motor_rated_torque"_object),
                    .gear_ratio_numerator = value("gear_ratio_numerator"_object),
