@@ -153,6 +153,17 @@ def test_a_touch_probe_latches_where_a_move_passes_the_home_switch(axis):
     assert 5000 <= position <= 5003 and time > 0
 
 
+def test_a_habit_of_another_drive_is_an_object_that_its_calls_wait_for(axis):
+    axis.write("habit_power_on_time", 300)
+    assert axis.read((0x5E20, 7)) == axis.read("0x5E20:7") == 300
+    before = axis.status().tick
+    axis.enable()  # the drive shows Switched on for 300 ms
+    assert axis.status().tick >= before + 300
+    with pytest.raises(vdrive.Error) as refusal:
+        axis.write("habit_mode_change_refusal", 4)
+    assert refusal.value.code == 0x06090031  # too high
+
+
 def test_a_unit_converts_between_user_units_and_degrees(axis):
     # 4096 user units a revolution.
     assert axis.unit.name == "deg"
