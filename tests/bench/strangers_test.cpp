@@ -37,6 +37,22 @@ struct Stranger {
     EXPECT_EQ(*read, value) << object;
   }
 
+  /// A group of the axis alone.
+  client::AxisGroup group() {
+    return client::AxisGroup::create(session, std::array<client::Axis, 1>{axis}).value();
+  }
+
+  /// @return [UU] where the load is.
+  [[nodiscard]] std::int32_t position() const {
+    return axis.status().value().status.load_position_actual_value;
+  }
+
+  void expect_moves_together(client::AxisGroup& axes, std::int32_t target) const {
+    const client::Outcome moved = axes.move_together(Eigen::VectorXd::Constant(1, target));
+    ASSERT_TRUE(moved) << moved.message();
+    EXPECT_EQ(axis.status().value().status.position_demand_value, target);
+  }
+
   void expect_moves() {
     for (const std::int32_t target : {2'000, -2'000}) {
       const client::Outcome moved = axis.move_to(target);
@@ -63,13 +79,41 @@ TEST(Strangers, TheSlowBrakeIsWaitedFor) {
   ASSERT_TRUE(enabled) << enabled.message();
   EXPECT_GE(slow.axis.status().value().tick, before + 300);
   slow.expect_moves();
+  // Without power it falls until its brake holds it: for 30 ms with 0.6 N.m on 6e-4 kg.m2.
   ASSERT_TRUE(slow.axis.disturb(client::Disturbance::over_current));
   ASSERT_TRUE(slow.session.step(1, 100));
+  const std::int32_t caught = slow.position();
+  EXPECT_LT(caught, -2'100);
+  ASSERT_TRUE(slow.session.step(1, 100));
+  EXPECT_EQ(slow.position(), caught);
   ASSERT_TRUE(slow.axis.end_disturbances());
   slow.expect_value("habit_power_on_time", 300);
   const client::Outcome reset = slow.axis.reset_fault();
   ASSERT_TRUE(reset) << reset.message();
   EXPECT_TRUE(slow.axis.enable());
+}
+
+// Habit g and the brake of the model add up. The motor stands still with 0.6 N.m of its 3 N.m; its
+// friction of 0.05 N.m may carry 17 ‰ of them.
+TEST(Strangers, TheWeightOfTheSlowBrakeIsOnItsBrakeUntilThatIsOpen) {
+  Stranger slow("slow-brake.yaml");
+  ASSERT_TRUE(slow.session.step(1, 200));
+  ASSERT_TRUE(slow.axis.enable());
+  EXPECT_EQ(slow.position(), 0) << "the brake has held it";
+  EXPECT_LT(slow.axis.status().value().status.torque_actual_value, 100);
+  ASSERT_TRUE(slow.session.step(1, 3'000));
+  EXPECT_NEAR(slow.axis.status().value().status.torque_actual_value, 200, 25);
+  EXPECT_NEAR(slow.position(), 0, 3);
+}
+
+TEST(Strangers, AGroupWaitsForTheSlowBrakeAndItsMode) {
+  Stranger slow("slow-brake.yaml");
+  auto group = slow.group();
+  const std::uint64_t before = slow.axis.status().value().tick;
+  const client::Outcome enabled = group.enable_all();
+  ASSERT_TRUE(enabled) << enabled.message();
+  EXPECT_GE(slow.axis.status().value().tick, before + 300);
+  for (const std::int32_t target : {2'000, -2'000}) slow.expect_moves_together(group, target);
 }
 
 TEST(Strangers, TheStepperSeesEachEdge) {
@@ -81,10 +125,19 @@ TEST(Strangers, TheStepperSeesEachEdge) {
   EXPECT_TRUE(homed) << homed.message();
 }
 
+// Habit f: the axis would start later than the others.
+TEST(Strangers, AGroupOfSteppersHasNoLines) {
+  Stranger stepper("stepper.yaml");
+  auto group = stepper.group();
+  ASSERT_TRUE(group.enable_all());
+  const client::Outcome refused = group.move_together(Eigen::VectorXd::Constant(1, 1'000.0));
+  EXPECT_EQ(refused.kind(), client::OutcomeKind::refused) << refused.message();
+  EXPECT_EQ(stepper.axis.status().value().status.position_demand_value, 0);
+}
+
 TEST(Strangers, TheStepperFollowsAStreamFromItsFirstPositionOn) {
   Stranger stepper("stepper.yaml");
-  auto group =
-      client::AxisGroup::create(stepper.session, std::array<client::Axis, 1>{stepper.axis}).value();
+  auto group = stepper.group();
   ASSERT_TRUE(group.enable_all());
   const client::Outcome started = group.start_streaming();
   ASSERT_TRUE(started) << started.message();
@@ -104,8 +157,7 @@ TEST(Strangers, ADriveThatLooksOnceIn4MsIsEnabledWordByWordWhereItNeedsEach) {
   const client::Outcome enabled = old.axis.enable();
   ASSERT_TRUE(enabled) << enabled.message();
   ASSERT_TRUE(old.axis.disable());
-  auto group =
-      client::AxisGroup::create(old.session, std::array<client::Axis, 1>{old.axis}).value();
+  auto group = old.group();
   const client::Outcome all = group.enable_all();
   ASSERT_TRUE(all) << all.message();
   EXPECT_EQ(old.axis.status().value().state(), PowerState::operation_enabled);
@@ -123,6 +175,18 @@ TEST(Strangers, TheOldServoNeedsItsModeBeforeItsPower) {
   EXPECT_TRUE(old.axis.quick_stop());
   EXPECT_TRUE(old.axis.enable());
   EXPECT_EQ(old.axis.status().value().status.ds402_statusword & 0xC000, 0x4000);
+}
+
+TEST(Strangers, AGroupOfTheOldServoNeedsItsModeBeforeItsPower) {
+  Stranger old("old-servo.yaml");
+  auto group = old.group();
+  ASSERT_TRUE(group.enable_all());
+  const client::Outcome refused = group.move_together(Eigen::VectorXd::Constant(1, 1'000.0));
+  EXPECT_EQ(refused.code(), wire_code(AbortCode::refused_in_present_device_state));
+  ASSERT_TRUE(group.disable_all());
+  ASSERT_TRUE(old.axis.write(kStrangersMode, 1));
+  ASSERT_TRUE(group.enable_all());
+  for (const std::int32_t target : {2'000, -2'000}) old.expect_moves_together(group, target);
 }
 
 }  // namespace

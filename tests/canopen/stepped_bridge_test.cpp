@@ -138,6 +138,53 @@ TEST(SteppedBridge, TakesEveryControlwordThatCameBeforeSync) {
   EXPECT_EQ(bus.statusword(1) & kStateBits, kShowsEnabled);
 }
 
+// Habit f of docs/guides/be-another-drive.md. 8 periods of SYNC are two loops of 4 ms.
+TEST(SteppedBridge, LeavesTheLastWordBeforeSyncToADriveThatLooksSeldom) {
+  BusOfBench bus(1, 1ms);
+  TestMaster& master = bus.master();
+  master.send_nmt(kStart, 1);
+  ASSERT_EQ(master.download(1, {0x5E20, 6}, 4, 2), AbortCode::none);
+  ASSERT_EQ(master.download(1, kMode, 1, 1), AbortCode::none);
+  ASSERT_EQ(master.download(1, kTarget, 1000, 4), AbortCode::none);
+  master.send(0x201, {0x06, 0});
+  master.send(0x201, {0x07, 0});
+  bus.sync(8);
+  EXPECT_EQ(bus.statusword(1) & kStateBits, 0x40) << "0007h in Switch on disabled does nothing";
+  for (const std::uint8_t word : kEnablingWords) {
+    master.send(0x201, {word, 0});
+    bus.sync(8);
+  }
+  EXPECT_EQ(bus.statusword(1) & kStateBits, kShowsEnabled);
+  master.send(0x201, {0x1F, 0});
+  master.send(0x201, {0x0F, 0});
+  bus.sync(8);
+  EXPECT_EQ(bus.statusword(1) & kShowsAcknowledge, 0) << "nobody has seen bit 4";
+  EXPECT_EQ(bus.read(1, {0x6062, 0}, true), 0);
+  master.send(0x201, {0x1F, 0});
+  bus.sync(8);
+  EXPECT_NE(bus.statusword(1) & kShowsAcknowledge, 0);
+  bus.sync(8);
+  EXPECT_GT(bus.read(1, {0x6062, 0}, true), 0);
+}
+
+// Habit f: 13 periods begin one later in the loop of 4 each time, so that one of 4 words is seen.
+TEST(SteppedBridge, LosesThreeOfFourWordsThatLastOneSyncOfALoopOfFour) {
+  BusOfBench bus(1, 1ms);
+  TestMaster& master = bus.master();
+  master.send_nmt(kStart, 1);
+  ASSERT_EQ(master.download(1, {0x5E20, 6}, 4, 2), AbortCode::none);
+  int seen = 0;
+  for (int pulse = 0; pulse < 4; ++pulse) {
+    master.send(0x201, {0x06, 0});
+    bus.sync();
+    if ((bus.statusword(1) & kStateBits) == 0x21) ++seen;
+    master.send(0x201, {0x00, 0});
+    bus.sync(12);
+    EXPECT_EQ(bus.statusword(1) & kStateBits, 0x40) << pulse;
+  }
+  EXPECT_EQ(seen, 1);
+}
+
 TEST(SteppedBridge, MovesInProfilePositionBySdo) {
   BusOfBench bus(1, 1ms);
   ASSERT_EQ(bus.master().download(1, kMode, 1, 1), AbortCode::none);
