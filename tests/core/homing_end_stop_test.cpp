@@ -79,7 +79,8 @@ INSTANTIATE_TEST_SUITE_P(
     Homing, HomingEndStop,
     testing::Values(EndStopRow{-1, Coupling::rigid}, EndStopRow{-2, Coupling::rigid},
                     EndStopRow{-3, Coupling::rigid}, EndStopRow{-4, Coupling::rigid},
-                    EndStopRow{-3, Coupling::two_inertia}, EndStopRow{-2, Coupling::two_inertia}),
+                    EndStopRow{-1, Coupling::two_inertia}, EndStopRow{-2, Coupling::two_inertia},
+                    EndStopRow{-3, Coupling::two_inertia}, EndStopRow{-4, Coupling::two_inertia}),
     [](const auto& row) {
       return std::string(row.param.coupling == Coupling::rigid ? "Rigid" : "Elastic") + "Minus" +
              std::to_string(-row.param.method);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ways of the homing methods 1 to 34 against the drawings of CiA 402-2, homing mode: speeds and
-// edges in their order, from every start.
+// The ways of the homing methods 1 to 34 against the drawings of CiA 402-2, homing mode, and those
+// of the methods -1 to -4: speeds and edges in their order, from every start.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -28,6 +28,8 @@ struct Cam {
   double last = kEndless;
 };
 
+constexpr double kStop = 20'000;  // end stops stand at -kStop and kStop, before the limit switches
+
 constexpr Cam kNoCam{};
 constexpr Cam kMiddle{9'000, 15'000};            // methods 7 to 14
 constexpr Cam kPositiveSide{9'000, kEndless};    // 3 and 4
@@ -37,10 +39,13 @@ constexpr Cam kNegativeSide{-kEndless, -9'000};  // 5 and 6
 ///   > >> < <<  the demand keeps creep or search speed, positive or negative
 ///   H h        the home switch becomes active, inactive
 ///   P N        the positive or negative limit switch becomes active
+///   S          the load comes to an end stop
 ///   .          homing attained
 class HomingCourse {
  public:
-  explicit HomingCourse(double from, Cam cam = kNoCam) : axis(at(from)), place(from), cam_(cam) {
+  /// @param stop end stops stand at -stop and stop [UU]
+  explicit HomingCourse(double from, Cam cam = kNoCam, double stop = kEndless)
+      : axis(at(from, stop)), place(from), cam_(cam), stop_(stop) {
     set_switches();
     axis.write("op_mode_cmd", 6);
     axis.controlword(0x000F);
@@ -104,9 +109,13 @@ class HomingCourse {
   std::string way;  ///< of the present run
 
  private:
-  static AxisConfiguration at(double position) {
+  static AxisConfiguration at(double position, double stop) {
     AxisConfiguration configuration;
     configuration.initial_position = static_cast<std::int32_t>(position);
+    if (stop < kEndless) {
+      configuration.model.lower_end_stop = -stop;
+      configuration.model.upper_end_stop = stop;
+    }
     return configuration;
   }
 
@@ -132,6 +141,10 @@ class HomingCourse {
     set("test_home_input", place >= cam_.first && place <= cam_.last, home_, "H", "h");
     set("test_positive_limit_input", place >= kPositiveEnd, positive_, "P", "");
     set("test_negative_limit_input", place <= kNegativeEnd, negative_, "N", "");
+    // 6064h is a whole number, and shows the stop within 1 UU.
+    const bool stands = std::abs(place) >= stop_ - 1.5;
+    if (stands && !stands_ && !attained()) note("S");
+    stands_ = stands;
   }
 
   void set(const char* object, bool active, bool& known, const char* on, const char* off) {
@@ -143,6 +156,8 @@ class HomingCourse {
   }
 
   Cam cam_;
+  double stop_;
+  bool stands_ = false;      // at an end stop
   std::int32_t demand_ = 0;  // of the tick before [UU/s]
   std::int32_t speed_ = 0;   // that was noted last [UU/s]
   bool home_ = false;
@@ -156,7 +171,8 @@ struct PathRow {
   double start;
   const char* way;
   double home;
-  double error;  ///< that one tick of the speed makes at which home is passed [UU]
+  double error;            ///< that one tick of the speed makes at which home is passed [UU]
+  double stop = kEndless;  ///< end stops stand at -stop and stop [UU]
 };
 
 std::ostream& operator<<(std::ostream& out, const PathRow& row) {
@@ -166,7 +182,7 @@ std::ostream& operator<<(std::ostream& out, const PathRow& row) {
 class HomingPath : public testing::TestWithParam<PathRow> {};
 
 TEST_P(HomingPath, IsThatOfTheDrawing) {
-  HomingCourse course(GetParam().start, GetParam().cam);
+  HomingCourse course(GetParam().start, GetParam().cam, GetParam().stop);
   ASSERT_NO_FATAL_FAILURE(course.home(GetParam().method));
   EXPECT_EQ(course.way, GetParam().way);
   EXPECT_NEAR(course.place, GetParam().home, GetParam().error);
@@ -180,6 +196,7 @@ TEST_P(HomingPath, IsThatOfTheDrawing) {
 constexpr double kAtIndex = 1.5;
 constexpr double kAtCreep = 5.5;
 constexpr double kAtSearch = 36.5;
+constexpr double kAtStop = 1.5;  // it does not give way
 
 // Index pulses lie at multiples of 4096: -12288, -8192, -4096, 4096, 8192, 12288, 16384.
 const std::vector<PathRow> kLimitPaths{
@@ -195,8 +212,35 @@ const std::vector<PathRow> kLimitPaths{
     {18, kNoCam, 0, ">> P < .", 30'000, kAtCreep},
     {18, kNoCam, 31'000, "< .", 30'000, kAtCreep},
     {18, kNoCam, -31'000, ">> P < .", 30'000, kAtCreep},
-    {33, kNoCam, 100, "< .", 0, kAtIndex},
-    {34, kNoCam, 100, "> .", 4'096, kAtIndex},
+};
+
+// The mark on which the axis stands does not count, nor the one just behind it: a revolution lies
+// before the next. Up to creep speed the axis travels 3413² / (2 x 409600) = 14 UU, so the mark
+// just ahead is passed before.
+const std::vector<PathRow> kIndexPaths{
+    {33, kNoCam, 100, "< .", 0, kAtIndex},     {33, kNoCam, 1, ".", 0, kAtIndex},
+    {33, kNoCam, 0, "< .", -4'096, kAtIndex},  {33, kNoCam, -1, "< .", -4'096, kAtIndex},
+    {34, kNoCam, 100, "> .", 4'096, kAtIndex}, {34, kNoCam, -1, ".", 0, kAtIndex},
+    {34, kNoCam, 0, "> .", 4'096, kAtIndex},   {34, kNoCam, 1, "> .", 4'096, kAtIndex},
+};
+
+// Methods of the maker, as docs/explanation/decisions.md has them: to the end stop at search speed,
+// then -1 and -2 leave it at creep speed for the index pulse, and -3 and -4 have home at it. An
+// axis that stands at the stop is there before it has search speed: 64 UU of lag take 18 ticks, in
+// which 609Ah comes to 7241 UU/s. An axis at the other stop has the same way as one between both.
+const std::vector<PathRow> kStopPaths{
+    {-1, kNoCam, 0, "<< S > .", -16'384, kAtIndex, kStop},
+    {-1, kNoCam, -kStop, "> .", -16'384, kAtIndex, kStop},
+    {-1, kNoCam, kStop, "<< S > .", -16'384, kAtIndex, kStop},
+    {-2, kNoCam, 0, ">> S < .", 16'384, kAtIndex, kStop},
+    {-2, kNoCam, kStop, "< .", 16'384, kAtIndex, kStop},
+    {-2, kNoCam, -kStop, ">> S < .", 16'384, kAtIndex, kStop},
+    {-3, kNoCam, 0, "<< S .", -kStop, kAtStop, kStop},
+    {-3, kNoCam, -kStop, ".", -kStop, kAtStop, kStop},
+    {-3, kNoCam, kStop, "<< S .", -kStop, kAtStop, kStop},
+    {-4, kNoCam, 0, ">> S .", kStop, kAtStop, kStop},
+    {-4, kNoCam, kStop, ".", kStop, kAtStop, kStop},
+    {-4, kNoCam, -kStop, ">> S .", kStop, kAtStop, kStop},
 };
 
 // The home switch reaches to the end of the travel, so no limit switch is met. Home is left of the
@@ -321,11 +365,14 @@ const std::vector<PathRow> kNegativePaths{
 
 std::string path_name(const testing::TestParamInfo<PathRow>& row) {
   const auto start = static_cast<int>(row.param.start);
-  return std::to_string(row.param.method) + (start < 0 ? "FromMinus" : "From") +
-         std::to_string(std::abs(start));
+  const int method = row.param.method;
+  return (method < 0 ? "Minus" : "") + std::to_string(std::abs(method)) +
+         (start < 0 ? "FromMinus" : "From") + std::to_string(std::abs(start));
 }
 
 INSTANTIATE_TEST_SUITE_P(LimitSwitch, HomingPath, testing::ValuesIn(kLimitPaths), path_name);
+INSTANTIATE_TEST_SUITE_P(IndexPulse, HomingPath, testing::ValuesIn(kIndexPaths), path_name);
+INSTANTIATE_TEST_SUITE_P(EndStop, HomingPath, testing::ValuesIn(kStopPaths), path_name);
 INSTANTIATE_TEST_SUITE_P(HomeSwitchAtTheEnd, HomingPath, testing::ValuesIn(kStepPaths), path_name);
 INSTANTIATE_TEST_SUITE_P(FirstPositive, HomingPath, testing::ValuesIn(kPositivePaths), path_name);
 INSTANTIATE_TEST_SUITE_P(FirstNegative, HomingPath, testing::ValuesIn(kNegativePaths), path_name);
