@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of docs/explanation/decisions.md: with which ramp an axis stops in each mode by each
-// option of 605Ah, 605Bh, 605Dh and 605Eh and at a limit switch, and what bits 10, 12 and 13 show
-// meanwhile. Each cell.
+// option of 605Ah to 605Eh and at a limit switch, and what bits 10, 12 and 13 show meanwhile. Each
+// cell.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -135,6 +135,16 @@ class MovingAxis {
     }
   }
 
+  /// Checks that the axis has lost its power in `state`, and its speed not. In a tick friction
+  /// takes (0.05 N.m + 2e-4 N.m.s/rad x 46 rad/s) / 6e-4 kg.m2 = 99 rad/s², which is 64 UU/s.
+  void expect_coasting(PowerState state) {
+    EXPECT_EQ(axis_.state(), state);
+    EXPECT_EQ(axis_.status().motor_op_status, 0);
+    EXPECT_EQ(axis_.status().current_actual_value, 0);
+    EXPECT_EQ(axis_.demand_velocity(), 0);
+    EXPECT_GT(axis_.velocity(), 29'500);
+  }
+
  private:
   std::int64_t next_set_point() {
     if (row_.mode == 9) return 30'000;
@@ -208,8 +218,36 @@ TEST_P(StopOfMode, ShutdownHasTheRampOf605BhOrNone) {
   coasting.axis().write("shutdown_option_code", 0);
   coasting.axis().controlword(0x0006);
   coasting.run(1);
-  EXPECT_EQ(coasting.axis().state(), ready_to_switch_on);
-  EXPECT_EQ(coasting.axis().status().motor_op_status, 0);
+  coasting.expect_coasting(ready_to_switch_on);
+}
+
+TEST_P(StopOfMode, DisableOperationHasNoRampWith605ChAt0) {
+  MovingAxis coasting(GetParam());
+  coasting.axis().write("disable_operation_option_code", 0);
+  coasting.axis().controlword(0x0007);
+  coasting.run(1);
+  coasting.expect_coasting(switched_on);
+}
+
+// The state of a stop shows for a tick also where there is nothing to wait for.
+TEST_P(StopOfMode, AQuickStopHasNoRampWith605AhAt0) {
+  MovingAxis coasting(GetParam());
+  coasting.axis().write("quick_stop_option_code", 0);
+  coasting.axis().controlword(0x0002);
+  coasting.run(1);
+  coasting.expect_coasting(quick_stop_active);
+  coasting.run(1);
+  coasting.expect_coasting(switch_on_disabled);
+}
+
+TEST_P(StopOfMode, AFaultHasNoRampWith605EhAt0) {
+  MovingAxis coasting(GetParam());
+  coasting.axis().write("fault_reaction_option_code", 0);
+  coasting.axis().write("test_over_temperature", 1);
+  coasting.run(1);
+  coasting.expect_coasting(fault_reaction_active);
+  coasting.run(1);
+  coasting.expect_coasting(fault);
 }
 
 TEST_P(StopOfMode, ALimitSwitchHasTheRampOf6085hAndNoBitOfAMotion) {
