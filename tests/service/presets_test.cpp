@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The axes of deploy/axes: each is good, moves without ringing and settles in the time that
-// docs/reference/presets.md says.
+// The axes of deploy/axes: each is good, has the units, speeds and ramps that
+// docs/reference/presets.md says, moves without ringing and settles in the time of that table.
 #include "configuration/presets.hpp"
 
 #include "configuration/configuration_file.hpp"
 #include "configuration/configuration_warnings.hpp"
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/quantity.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <ostream>
 #include <span>
 #include <string>
@@ -25,25 +27,63 @@ namespace {
 
 using namespace std::chrono_literals;
 using namespace vdrive::literals;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
+/// A row of docs/reference/presets.md.
 struct Machine {
   const char* name;
-  std::int64_t settling_ms;  // docs/reference/presets.md
+  UnitKind kind;
+  const char* unit;
+  double gear;        ///< turns of the motor for one of the load
+  const char* turn;   ///< how far a turn of the load moves it
+  const char* speed;  ///< 6081h
+  const char* ramp;   ///< 6083h and 6084h
+  std::int64_t settling_ms;
+  std::int64_t jerk_time_ms = 0;  ///< of each ramp; 0 = the jerk has no limit
 
   friend std::ostream& operator<<(std::ostream& out, const Machine& machine) {
     return out << machine.name;
   }
 };
 
+constexpr UnitKind kLinear = UnitKind::linear;
+constexpr UnitKind kRotary = UnitKind::rotary;
+
+// A belt on a drum of 80 mm moves it by 80 mm x pi = 251.3 mm a turn, one on 20 mm by 62.83 mm. A
+// toothed belt has 20 teeth of 2 mm a turn.
 const std::vector<Machine> kMachines{
-    {"ball-screw", 5},  {"conveyor", 5},       {"geared-elastic", 450}, {"linear-motor", 5},
-    {"nema23-belt", 5}, {"pick-and-place", 5}, {"rotary-table", 5},     {"scara-joint", 350},
-    {"vertical", 5},    {"winder", 5}};
+    {"ball-screw", kLinear, "mm", 1, "10 mm", "400 mm/s", "4 m/s2", 5},
+    {"conveyor", kLinear, "mm", 10, "251.3 mm", "500 mm/s", "1 m/s2", 5},
+    {"geared-elastic", kRotary, "deg", 50, "360 deg", "270 deg/s", "1000 deg/s2", 5, 50},
+    {"linear-motor", kLinear, "mm", 1, "24 mm", "2 m/s", "20 m/s2", 5},
+    {"nema23-belt", kLinear, "mm", 1, "40 mm", "500 mm/s", "4 m/s2", 5},
+    {"pick-and-place", kLinear, "mm", 1, "62.83 mm", "2 m/s", "20 m/s2", 5},
+    {"rotary-table", kRotary, "deg", 36, "360 deg", "300 deg/s", "720 deg/s2", 5},
+    {"scara-joint", kRotary, "deg", 80, "360 deg", "180 deg/s", "900 deg/s2", 5, 56},
+    {"vertical", kLinear, "mm", 1, "5 mm", "200 mm/s", "2 m/s2", 5},
+    {"winder", kRotary, "rev", 20, "1 rev", "1 rev/s", "0.5 rev/s2", 5},
+};
 
 std::filesystem::path file_of(const std::string& name) {
   return std::filesystem::path(VDRIVE_SOURCE_DIR) / "deploy" / "axes" / (name + ".yaml");
+}
+
+/// @return the line of docs/reference/presets.md about a preset; empty = there is none.
+std::string row_of_document(const std::string& name) {
+  std::ifstream document(std::filesystem::path(VDRIVE_SOURCE_DIR) / "docs/reference/presets.md");
+  const std::string begin = "| `" + name + "` |";
+  for (std::string line; std::getline(document, line);) {
+    if (line.starts_with(begin)) return line;
+  }
+  return "";
+}
+
+/// @return [UU], [UU/s] or [UU/s²]; 0 where the axis has no such unit.
+double in_user_units(std::string text, Dimension dimension, const Unit& unit) {
+  std::erase(text, ' ');
+  return to_user_units(read_quantity(text, dimension), unit).value_or(0.0);
 }
 
 std::string refusal_of_preset(const std::string& name, std::size_t count) {
@@ -120,12 +160,21 @@ AxisBank enabled_axis(const std::string& preset) {
   return bank;
 }
 
-/// @return a target that is far enough for the speed of the axis: its ramps take v²/a.
+/// @return how long the acceleration of a ramp grows [ms]; 0 = it has no limit of its jerk.
+double jerk_time(const AxisBank& bank) {
+  if (get_value(bank, "motion_profile_type"_object) != 3) return 0.0;
+  const auto ramp = static_cast<double>(get_value(bank, "profile_acc"_object));
+  return 1'000.0 * ramp / static_cast<double>(get_value(bank, "profile_jerk_1"_object));
+}
+
+/// @return a target that is far enough for the speed of the axis: each of its ramps lasts v/a and
+///         its jerk time, at v/2 on average.
 std::int32_t far_target(const AxisBank& bank) {
-  const std::int64_t speed = get_value(bank, "profile_velocity"_object);
-  const std::int64_t ramp = get_value(bank, "profile_acc"_object);
-  EXPECT_EQ(get_value(bank, "profile_dec"_object), ramp);
-  return static_cast<std::int32_t>(speed * speed / ramp * 6 / 5);
+  constexpr double kMore = 1.2;
+  const auto speed = static_cast<double>(get_value(bank, "profile_velocity"_object));
+  const auto ramp = static_cast<double>(get_value(bank, "profile_acc"_object));
+  EXPECT_EQ(get_value(bank, "profile_dec"_object), get_value(bank, "profile_acc"_object));
+  return static_cast<std::int32_t>(kMore * speed * (speed / ramp + 1.0e-3 * jerk_time(bank)));
 }
 
 void start_move(AxisBank& bank, std::int32_t target) {
@@ -134,10 +183,15 @@ void start_move(AxisBank& bank, std::int32_t target) {
   put_value(bank, "ds402_controlword"_object, 0x001F);
 }
 
+/// How the load comes to rest behind the end of the demand.
+struct Settling {
+  std::int64_t ticks = 0;   ///< after which it has been within a window for good
+  std::int64_t swings = 0;  ///< times that it was outside of the window
+};
+
 /// Moves to `target`. A home switch (5E21h) about it sees where the load is, which the encoder of
-/// the motor does not. @return ticks behind the end of the demand after which the load has been
-/// within `window` of the target for good.
-std::int64_t ticks_beyond(AxisBank& bank, std::int32_t target, std::int64_t window) {
+/// the motor does not.
+Settling settle_at(AxisBank& bank, std::int32_t target, std::int64_t window) {
   constexpr unsigned kHomeSwitch = 1U << 2U;  // of 60FDh
   put_value(bank, "test_switch_home"_object, target - window);
   put_value(bank, "test_switch_home_length"_object, 2 * window);
@@ -148,25 +202,62 @@ std::int64_t ticks_beyond(AxisBank& bank, std::int32_t target, std::int64_t wind
   };
   for (int tick = 0; tick < kLongestMotion && !has_arrived(); ++tick) bank.step();
   EXPECT_TRUE(has_arrived()) << "at " << bank.status(0).position_demand_value << " of " << target;
-  std::int64_t last = 0;
+  Settling settling;
+  bool was_outside = false;
   for (int tick = 1; tick <= kWatched; ++tick) {
     bank.step();
-    if ((bank.status(0).digital_inputs & kHomeSwitch) == 0) last = tick;
+    const bool outside = (bank.status(0).digital_inputs & kHomeSwitch) == 0;
+    if (outside) settling.ticks = tick;
+    if (outside && !was_outside) ++settling.swings;
+    was_outside = outside;
   }
   EXPECT_EQ(bank.power_state(0), PowerState::operation_enabled) << "no fault on the way";
-  return last;
+  return settling;
 }
+
+TEST_P(Preset, HasTheUnitsOfItsMachineAndItsSpeeds) {
+  const Machine& machine = GetParam();
+  const NamedAxis axis = preset_axes(machine.name, 1).front();
+  const AxisBank bank(std::span(&axis.configuration, 1), 1ms);
+  EXPECT_EQ(axis.unit.kind, machine.kind);
+  EXPECT_EQ(axis.unit.name, machine.unit);
+  // All have one encoder, on the motor. The lengths of a turn have four digits.
+  const double turn = kUserUnitsPerRevolution * machine.gear;
+  EXPECT_NEAR(in_user_units(machine.turn, Dimension::position, axis.unit), turn, 2.0e-4 * turn);
+  const auto speed = static_cast<double>(get_value(bank, "profile_velocity"_object));
+  EXPECT_NEAR(in_user_units(machine.speed, Dimension::velocity, axis.unit), speed, 1.0);
+  const auto ramp = static_cast<double>(get_value(bank, "profile_acc"_object));
+  EXPECT_NEAR(in_user_units(machine.ramp, Dimension::acceleration, axis.unit), ramp, 1.0);
+  EXPECT_NEAR(jerk_time(bank), static_cast<double>(machine.jerk_time_ms), 0.5);
+}
+
+TEST_P(Preset, HasItsRowInTheDocument) {
+  const Machine& machine = GetParam();
+  std::string cells =
+      std::string("| ") + machine.turn + " | " + machine.speed + ", " + machine.ramp;
+  if (machine.jerk_time_ms != 0) {
+    cells += ", jerk time " + std::to_string(machine.jerk_time_ms) + " ms";
+  }
+  cells += " | " + std::to_string(machine.settling_ms) + " ms |";
+  EXPECT_THAT(row_of_document(machine.name), EndsWith(cells));
+}
+
+// A load that rings is outside of the window again and again, on one side and on the other. One
+// that does not may come to rest from one side, and swing once to the other.
+constexpr std::int64_t kMostSwings = 2;
 
 TEST_P(Preset, MovesWithoutRingingAndSettlesInItsTime) {
   AxisBank bank = enabled_axis(GetParam().name);
   const std::int32_t far = far_target(bank);
-  EXPECT_EQ(ticks_beyond(bank, far, kSwing), 0) << "the load swings";
-  EXPECT_EQ(ticks_beyond(bank, 0, kSwing), 0) << "the load swings";
-  const std::int64_t there = ticks_beyond(bank, far, kNear);
-  const std::int64_t back = ticks_beyond(bank, 0, kNear);
-  RecordProperty("settling_ms", std::to_string(std::max(there, back)));
-  EXPECT_LE(there, GetParam().settling_ms) << "ms behind the end of the demand";
-  EXPECT_LE(back, GetParam().settling_ms) << "ms behind the end of the demand";
+  EXPECT_EQ(settle_at(bank, far, kSwing).ticks, 0) << "the load swings";
+  EXPECT_EQ(settle_at(bank, 0, kSwing).ticks, 0) << "the load swings";
+  const Settling there = settle_at(bank, far, kNear);
+  const Settling back = settle_at(bank, 0, kNear);
+  RecordProperty("settling_ms", std::to_string(std::max(there.ticks, back.ticks)));
+  EXPECT_LE(there.ticks, GetParam().settling_ms) << "ms behind the end of the demand";
+  EXPECT_LE(back.ticks, GetParam().settling_ms) << "ms behind the end of the demand";
+  EXPECT_LE(there.swings, kMostSwings) << "the load rings";
+  EXPECT_LE(back.swings, kMostSwings) << "the load rings";
 }
 
 TEST_P(Preset, ReachesItsSpeedAndStopsQuicklyFromItWithoutAFault) {
