@@ -173,6 +173,62 @@ TEST(HoldingBrake, CatchesAFallingAxisItsEngageTimeAfterThePowerStageIsOff) {
   EXPECT_EQ(axis.velocity(), 0);
 }
 
+TEST(HoldingBrake, StaysClosedWhenThePowerGoesBeforeItHasOpened) {
+  AxisConfiguration configuration = braked_axis(2.0);
+  configuration.model.brake_release_time = 0.05;
+  configuration.model.brake_engage_time = 0.03;
+  AxisUnderTest axis(configuration);
+  axis.enable();
+  axis.step(9);
+  axis.command(0x0000);  // after 10 of 50 ticks
+  for (int tick = 1; tick <= 200; ++tick) {
+    ASSERT_EQ(axis.actual(), 0) << tick;
+    ASSERT_EQ(axis.velocity(), 0) << tick;
+    axis.step();
+  }
+  axis.enable();
+  axis.step(49);
+  EXPECT_EQ(axis.status().torque_actual_value, 0) << "its time begins anew with the next power on";
+  axis.step(11);
+  EXPECT_GT(axis.status().torque_actual_value, 20) << "the motor takes the weight over";
+}
+
+TEST(HoldingBrake, StaysOpenWhenThePowerComesBeforeItHasClosed) {
+  AxisConfiguration configuration = smooth_axis();
+  configuration.model.brake_torque = 2.0;
+  configuration.model.brake_release_time = 0.05;
+  configuration.model.brake_engage_time = 0.03;
+  AxisUnderTest axis(configuration);
+  axis.write("profile_acc", 100'000);
+  axis.write("position_user_target_value", 50'000);
+  axis.enable();
+  axis.step(100);
+  axis.command(0x0000);
+  axis.step(9);
+  axis.command(0x000F);  // after 10 of 30 ticks
+  axis.controlword(0x003F);
+  std::int32_t most = 0;  // [‰]
+  for (int tick = 1; tick <= 40; ++tick) {
+    axis.step();
+    most = std::max<std::int32_t>(most, axis.status().torque_actual_value);
+  }
+  // 100,000 UU/s² are 153 rad/s², which take 0.092 N.m or 31 ‰ of 3 N.m. The closed brake would
+  // take 667 ‰, and open in the 50th tick.
+  EXPECT_NEAR(most, 31, 15);
+  // The demand has gone 0.5 · 100,000 · 0.04² = 80 UU.
+  EXPECT_NEAR(axis.actual(), 80, 10);
+}
+
+TEST(HoldingBrake, IsClosedInTheFirstTickWithPower) {
+  AxisConfiguration configuration = braked_axis(2.0);
+  configuration.model.brake_release_time = 0.05;
+  AxisUnderTest axis(configuration);
+  axis.enable();  // no tick without power before
+  axis.step(48);
+  EXPECT_EQ(axis.actual(), 0);
+  EXPECT_EQ(axis.status().torque_actual_value, 0);
+}
+
 TEST(HoldingBrake, IsClosedFromPowerUpOnAndThroughAPowerCycle) {
   AxisConfiguration configuration = braked_axis(2.0);
   configuration.model.brake_engage_time = 5.0;

@@ -76,6 +76,8 @@ void start_effects(const AxisModel& model, std::uint64_t axis, std::size_t lane,
   if (model.encoder_noise != 0.0 || model.load_encoder_noise != 0.0) {
     state.noisy |= std::uint64_t{1} << lane;
   }
+  state.brake[lane] = block.parameters.brake[lane];
+  state.brake_impulse[lane] = block.parameters.brake_impulse[lane];
   state.brake_ticks[lane] = block.parameters.engage_ticks[lane];
   place_effects(block, lane, {});
 }
@@ -94,7 +96,8 @@ void move_brakes(EffectBlock& block, const ServoState& servo) noexcept {
     const double needed = powered ? p.release_ticks[l] : p.engage_ticks[l];
     const double ticks = servo.powered[l] == s.powered[l] ? s.brake_ticks[l] : 0.0;
     const bool has_followed = ticks >= needed;
-    const bool closed = powered != has_followed;
+    // Until it follows it stays as it is, whatever the power stage did meanwhile.
+    const bool closed = has_followed ? !powered : s.brake[l] != 0.0;
     s.powered[l] = servo.powered[l];
     s.brake_ticks[l] = has_followed ? ticks : ticks + 1.0;
     s.brake[l] = closed ? p.brake[l] : 0.0;

@@ -36,7 +36,7 @@ struct alignas(64) EffectParameters {
 
 /// State of the effects of a block.
 struct alignas(64) EffectState {
-  Lane brake;          // Coulomb friction of the brake as it is now [UU/s²]
+  Lane brake;          // Coulomb friction of the brake as it is now, 0 = open or none [UU/s²]
   Lane brake_impulse;  // its effect on the velocity of a sub-step [UU/s]
   Lane powered;        // ServoState::powered of the last tick
   Lane brake_ticks;    // since the power stage was switched, at most until the brake has followed
