@@ -17,6 +17,7 @@ constexpr double kEndStop = 5'000.0;  // on both sides of the start [UU]
 struct EndStopRow {
   int method;
   Coupling coupling;
+  double noise = 0.0;  // of both encoders, root mean square [UU]
 };
 
 class HomingEndStop : public testing::TestWithParam<EndStopRow> {
@@ -24,6 +25,8 @@ class HomingEndStop : public testing::TestWithParam<EndStopRow> {
   static AxisConfiguration machine() {
     AxisConfiguration configuration;
     configuration.model.coupling = GetParam().coupling;
+    configuration.model.encoder_noise = GetParam().noise;
+    configuration.model.load_encoder_noise = GetParam().noise;
     configuration.model.lower_end_stop = -kEndStop;
     configuration.model.upper_end_stop = kEndStop;
     return configuration;
@@ -75,14 +78,18 @@ TEST_P(HomingEndStop, IsFoundAtTheSamePlaceAgain) {
   EXPECT_NEAR(home(axis), 0.0, 3.0);
 }
 
+// Noise of 0.05 UU makes √2 · 0.05 UU / 1 ms = 71 UU/s of 606Ch, and 606Fh is 10 UU/s: the axis
+// stands by its place, which changes by less than 606Fh · 5E18h:02 = 1 UU.
 INSTANTIATE_TEST_SUITE_P(
     Homing, HomingEndStop,
     testing::Values(EndStopRow{-1, Coupling::rigid}, EndStopRow{-2, Coupling::rigid},
                     EndStopRow{-3, Coupling::rigid}, EndStopRow{-4, Coupling::rigid},
                     EndStopRow{-1, Coupling::two_inertia}, EndStopRow{-2, Coupling::two_inertia},
-                    EndStopRow{-3, Coupling::two_inertia}, EndStopRow{-4, Coupling::two_inertia}),
+                    EndStopRow{-3, Coupling::two_inertia}, EndStopRow{-4, Coupling::two_inertia},
+                    EndStopRow{-1, Coupling::rigid, 0.05}, EndStopRow{-3, Coupling::rigid, 0.05}),
     [](const auto& row) {
-      return std::string(row.param.coupling == Coupling::rigid ? "Rigid" : "Elastic") + "Minus" +
+      return std::string(row.param.noise != 0.0 ? "Noisy" : "") +
+             (row.param.coupling == Coupling::rigid ? "Rigid" : "Elastic") + "Minus" +
              std::to_string(-row.param.method);
     });
 

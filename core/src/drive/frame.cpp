@@ -88,6 +88,7 @@ void shift_frame(Drive& drive, const FrameShift& shift) {
   r.origins.motor -= shift.motor;
   r.origins.load -= shift.load;
   r.touch_probe.motor_reading -= shift.motor;
+  r.homing.pressed_at -= shift.reading;
   servo.load_offset[l] += r.gear_ratio * shift.motor - shift.load;
   servo.load_position[l] -= shift.load;
   servo.load_reading[l] -= shift.reading;

@@ -59,6 +59,19 @@ void meet_limit_switch(Drive& drive) {
   go_on(drive, turns ? HomingStage::seek_back : HomingStage::failed);
 }
 
+/// A tick within 606Fh begins it. From then on the place counts, which may change by the way of
+/// that speed in 5E18h:02: the velocity of one tick is the difference of two readings, in which
+/// little noise is much.
+/// @return whether the axis stands.
+bool keeps_its_place(const Drive& drive) {
+  constexpr double kSecondsAMillisecond = 1.0e-3;
+  const HomingRun& run = drive.registers().homing;
+  const auto threshold = static_cast<double>(drive.state().window.threshold);
+  if (run.pressing == 0) return std::abs(actual_velocity(drive)) <= threshold;
+  const double way = threshold * real(drive, "homing_stop_time"_object) * kSecondsAMillisecond;
+  return std::abs(actual_position(drive) - run.pressed_at) <= way;
+}
+
 /// @return whether the axis stands against something in `direction`.
 bool presses_on_stop(const Drive& drive, double direction) {
   const std::size_t l = drive.lane();
@@ -68,9 +81,8 @@ bool presses_on_stop(const Drive& drive, double direction) {
   const double wanted =
       within_torque_limits(drive, direction * real(drive, "homing_stop_torque"_object));
   const double lag = demand_position(drive) - actual_position(drive);
-  return direction * lag >= kLagAtStop &&
-         std::abs(actual_velocity(drive)) <= static_cast<double>(drive.state().window.threshold) &&
-         direction * torque >= direction * wanted - 0.5;
+  return direction * lag >= kLagAtStop && direction * torque >= direction * wanted - 0.5 &&
+         keeps_its_place(drive);
 }
 
 }  // namespace
@@ -169,11 +181,12 @@ bool meets_hard_stop(Drive& drive) {
     return false;
   }
   const bool presses = presses_on_stop(drive, direction);
-  std::uint32_t& ticks = drive.registers().homing.pressing;
-  count_ticks(presses, ticks);
+  HomingRun& run = drive.registers().homing;
+  if (run.pressing == 0) run.pressed_at = actual_position(drive);
+  count_ticks(presses, run.pressing);
   drive.state().modes.homing.stage = presses ? HomingStage::press : HomingStage::push;
   // The first tick starts the time: it has lasted n ticks with the n + 1st.
-  return ticks > ticks_of_ms(drive, reg(drive, "homing_stop_time"_object));
+  return run.pressing > ticks_of_ms(drive, reg(drive, "homing_stop_time"_object));
 }
 
 }  // namespace vdrive

@@ -32,6 +32,7 @@ struct HomingState {
 
 /// The same, as far as only a run looks at it.
 struct HomingRun {
+  double pressed_at = 0.0;     // where the axis was in the first of the ticks `pressing` [UU]
   std::uint32_t pressing = 0;  // ticks for which the axis stands against its mechanical stop
   bool home_input = false;     // home switch as it was in the last tick
   bool turned = false;         // demand and axis go the way of the present stage
