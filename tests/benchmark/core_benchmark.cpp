@@ -22,6 +22,7 @@ namespace {
 
 constexpr std::chrono::microseconds kPeriod{1000};
 constexpr int kRepetitions = 9;
+constexpr int kControlwordLoop = 4;  // 5E20h:06 of axes with a habit [ms, a tick each]
 
 void command(vdrive::AxisBank& bank, std::size_t axis, std::uint16_t index, std::int64_t value) {
   if (bank.write(axis, {index, 0}, value) != vdrive::AbortCode::none) {
@@ -30,12 +31,17 @@ void command(vdrive::AxisBank& bank, std::size_t axis, std::uint16_t index, std:
   }
 }
 
+/// What the axes of a figure have that is off by default.
+enum class Extra { none, jerk, habit };
+
 /// Axes on moves that last longer than any benchmark: every second one cruises, the others change
 /// their speed all the way, each with its own numbers. With limited jerk these change their
 /// acceleration, too, for 100 s.
-vdrive::AxisBank moving_bank(std::size_t axes, const vdrive::AxisModel& model, bool has_jerk) {
+vdrive::AxisBank moving_bank(std::size_t axes, const vdrive::AxisModel& model, Extra extra) {
+  const bool has_jerk = extra == Extra::jerk;
   vdrive::AxisConfiguration configuration;
   configuration.model = model;
+  if (extra == Extra::habit) configuration.parameters = {{{0x5E20, 0x06}, kControlwordLoop}};
   const std::vector<vdrive::AxisConfiguration> configurations(axes, configuration);
   vdrive::AxisBank bank(configurations, kPeriod);
   for (std::size_t axis = 0; axis < axes; ++axis) {
@@ -53,8 +59,9 @@ vdrive::AxisBank moving_bank(std::size_t axes, const vdrive::AxisModel& model, b
       }
     }
     command(bank, axis, 0x6040, 0x0F);
-    command(bank, axis, 0x6040, 0x3F);
   }
+  for (int tick = 0; tick < kControlwordLoop; ++tick) bank.step();
+  for (std::size_t axis = 0; axis < axes; ++axis) command(bank, axis, 0x6040, 0x3F);
   for (int tick = 0; tick < 300; ++tick) bank.step();
   return bank;
 }
@@ -77,9 +84,19 @@ vdrive::AxisModel with_effects(vdrive::Coupling coupling) {
           .motor_thermal_time_constant = 60.0};
 }
 
-void tick(benchmark::State& state, const vdrive::AxisModel& model, bool has_jerk) {
+/// With what acts in each sub-step: noise of the encoders, and ripple. The end stops are out of
+/// reach.
+vdrive::AxisModel with_noise() {
+  return {.torque_ripple = 1.0,
+          .encoder_noise = 0.01,
+          .load_encoder_noise = 0.01,
+          .lower_end_stop = -2.1e9,
+          .upper_end_stop = 2.1e9};
+}
+
+void tick(benchmark::State& state, const vdrive::AxisModel& model, Extra extra) {
   const auto axes = static_cast<std::size_t>(state.range(0));
-  vdrive::AxisBank bank = moving_bank(axes, model, has_jerk);
+  vdrive::AxisBank bank = moving_bank(axes, model, extra);
   for (auto _ : state) bank.step();
   if (!all_moving(bank)) {
     state.SkipWithError("an axis stopped moving: the figure would not be that of moving axes");
@@ -173,7 +190,7 @@ void jerk_plan(benchmark::State& state) {
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  benchmark::RegisterBenchmark("axis_tick_ns", tick, vdrive::AxisModel{}, false)
+  benchmark::RegisterBenchmark("axis_tick_ns", tick, vdrive::AxisModel{}, Extra::none)
       ->Arg(8)
       ->Arg(64)
       ->Arg(256)
@@ -182,23 +199,32 @@ int main(int argc, char** argv) {
       ->Arg(16384)
       ->Repetitions(kRepetitions);
   benchmark::RegisterBenchmark("axis_tick_two_inertia_ns", tick,
-                               vdrive::AxisModel{.coupling = vdrive::Coupling::two_inertia}, false)
+                               vdrive::AxisModel{.coupling = vdrive::Coupling::two_inertia},
+                               Extra::none)
       ->Arg(64)
       ->Arg(1024)
       ->Arg(16384)
       ->Repetitions(kRepetitions);
   benchmark::RegisterBenchmark("axis_tick_effects_ns", tick, with_effects(vdrive::Coupling::rigid),
-                               false)
+                               Extra::none)
       ->Arg(64)
       ->Arg(1024)
       ->Arg(16384)
       ->Repetitions(kRepetitions);
   benchmark::RegisterBenchmark("axis_tick_two_inertia_effects_ns", tick,
-                               with_effects(vdrive::Coupling::two_inertia), false)
+                               with_effects(vdrive::Coupling::two_inertia), Extra::none)
       ->Arg(1024)
       ->Arg(16384)
       ->Repetitions(kRepetitions);
-  benchmark::RegisterBenchmark("axis_tick_jerk_ns", tick, vdrive::AxisModel{}, true)
+  benchmark::RegisterBenchmark("axis_tick_jerk_ns", tick, vdrive::AxisModel{}, Extra::jerk)
+      ->Arg(1024)
+      ->Arg(16384)
+      ->Repetitions(kRepetitions);
+  benchmark::RegisterBenchmark("axis_tick_noise_ns", tick, with_noise(), Extra::none)
+      ->Arg(1024)
+      ->Arg(16384)
+      ->Repetitions(kRepetitions);
+  benchmark::RegisterBenchmark("axis_tick_habits_ns", tick, vdrive::AxisModel{}, Extra::habit)
       ->Arg(1024)
       ->Arg(16384)
       ->Repetitions(kRepetitions);
