@@ -6,6 +6,7 @@
 
 #include "core/support/axis_under_test.hpp"
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/axis_status.hpp"
 #include "vdrive/plant/model_parameters.hpp"
 
 #include <gtest/gtest.h>
@@ -13,11 +14,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive {
@@ -406,6 +409,41 @@ TEST(EncoderNoise, IsTheSameForTheSameSeedAndAnotherForAnotherSeedAndAxis) {
   // Of whole numbers with a deviation of 20 one pair in 70 is equal.
   EXPECT_LT(as_other_axis, 10);
   EXPECT_LT(as_other_encoder, 10);
+}
+
+// The numbers are drawn for a whole block; the segments of a move cut the tick of the block.
+TEST(EncoderNoise, OfAnAxisIsTheSameWhateverItsNeighboursDo) {
+  std::vector<AxisConfiguration> axes = noisy_axes(1, 1.0);
+  axes.front().model.encoder_noise = 0.05;
+  axes.front().model.load_encoder_noise = 0.05;
+  AxisBank alone(axes, microseconds{1000});
+  axes.resize(8);
+  axes[3].model.encoder_noise = 20.0;
+  axes[4].model.brake_torque = 2.0;
+  AxisBank among_others(axes, microseconds{1000});
+  const auto write = [](AxisBank& bank, std::size_t axis, std::string_view object,
+                        std::int64_t value) {
+    ASSERT_EQ(bank.write(axis, AxisUnderTest::address_of(object), value), AbortCode::none);
+  };
+  const auto move = [&write](AxisBank& bank, std::size_t axis, std::int32_t target) {
+    write(bank, axis, "op_mode_cmd", 1);
+    write(bank, axis, "position_user_target_value", target);
+    write(bank, axis, "ds402_controlword", 0x000F);
+    write(bank, axis, "ds402_controlword", 0x003F);
+  };
+  for (int tick = 0; tick < 1'000; ++tick) {
+    if (tick == 100) {
+      move(alone, 0, 5'000);
+      move(among_others, 0, 5'000);
+    }
+    if (tick % 37 == 0) move(among_others, 1 + static_cast<std::size_t>(tick) % 7, tick * 11);
+    alone.step();
+    among_others.step();
+    for (const StatusMember& member : status_members()) {
+      ASSERT_EQ(member.value(alone.status(0)), member.value(among_others.status(0)))
+          << member.name << " in tick " << tick;
+    }
+  }
 }
 
 TEST(EncoderNoise, LetsAnEnabledAxisHoldItsPosition) {
