@@ -56,7 +56,7 @@ struct StopRow {
 
 constexpr std::array<StopRow, 9> kStopRows{{
     {1, "profile_position", nullptr, kBy6084h, true, 0, kBit10},
-    {2, "velocity", nullptr, kBy6049h, true, kBit10, kBit10, 0x007F, kBy604Ah},
+    {2, "velocity", nullptr, kBy6049h, true, kBit10, kBit10, 0x007F, kBy604Ah, kBy604Ah},
     {3, "profile_velocity", nullptr, kBy6084h, true, kBit10, kBits12And10},
     {4, "profile_torque", nullptr, kTorqueBack, true, 0, kBit10},
     {6, "homing", nullptr, kBy609Ah, true, 0, kBit10, 0x000F, kBy6085h, kBy609Ah},
@@ -67,10 +67,9 @@ constexpr std::array<StopRow, 9> kStopRows{{
     {10, "cyclic_torque", "target_torque", kTorqueBack, true, 0, 0},
 }};
 
-/// @return whether the normal stop of the mode is none of a position loop: a change of the mode has
-///         6084h.
-bool changes_with_6084h(const StopRow& row) {
-  return row.mode == 2 || row.mode == 4 || row.mode == 10;
+/// @return the ramp of a change of the mode, before which a torque is no stop.
+std::int32_t ramp_of_change(const StopRow& row) {
+  return row.normal == kTorqueBack ? kBy6084h : row.normal;
 }
 
 /// An axis that moves at about 30000 UU/s in the mode of its row.
@@ -250,7 +249,7 @@ TEST_P(StopOfMode, AFaultHasNoRampWith605EhAt0) {
   coasting.expect_coasting(fault);
 }
 
-TEST_P(StopOfMode, ALimitSwitchHasTheRampOf6085hAndNoBitOfAMotion) {
+TEST_P(StopOfMode, ALimitSwitchHasTheRampOfItsModeAndNoBitOfAMotion) {
   const StopRow& row = GetParam();
   MovingAxis moving(row);
   moving.axis().write("test_positive_limit_input", 1);
@@ -263,7 +262,7 @@ TEST_P(StopOfMode, AChangeOfTheModeHasTheRampOfTheOldOneUnderPositionControl) {
   const StopRow& row = GetParam();
   MovingAxis moving(row);
   moving.axis().write("op_mode_cmd", 0);
-  moving.expect_stop(changes_with_6084h(row) ? kBy6084h : row.normal);
+  moving.expect_stop(ramp_of_change(row));
 }
 
 TEST_P(StopOfMode, Bits10And12And13AreThoseOfItsMotion) {

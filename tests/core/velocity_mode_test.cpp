@@ -254,7 +254,8 @@ TEST_P(VelocityRampBits, DecideOnTheRamp) {
   }
 }
 
-const std::array<RampBits, 8> kRampBits{{
+// Halt by 605Dh = 1 brakes with 6049h: 2048 in ten ticks, where bit 4 = 0 alone has 604Ah.
+const std::array<RampBits, 12> kRampBits{{
     {"all", 0x007F, 0},
     {"without_enable", 0x006F, 4'096},
     {"without_unlock", 0x005F, 0},
@@ -263,6 +264,10 @@ const std::array<RampBits, 8> kRampBits{{
     {"unlock_alone", 0x002F, 4'096},
     {"reference_alone", 0x004F, 4'096},
     {"none", 0x000F, 4'096},
+    {"halt_alone", 0x010F, 2'048},
+    {"halt_and_unlock", 0x012F, 2'048},
+    {"halt_without_enable", 0x016F, 2'048},
+    {"halt_without_unlock", 0x015F, 2'048},
 }};
 
 INSTANTIATE_TEST_SUITE_P(Words, VelocityRampBits, testing::ValuesIn(kRampBits),
@@ -374,15 +379,15 @@ TEST(VelocityMode, 607FhBoundsTheSpeedAndBit11ShowsIt) {
   EXPECT_FALSE(axis.limit_active());
 }
 
-TEST(VelocityMode, ALimitSwitchStopsWith6085hAndOnlyANew6042hStartsAgain) {
+TEST(VelocityMode, ALimitSwitchStopsWith604AhAndOnlyANew6042hStartsAgain) {
   for (const int sign : {1, -1}) {
     SCOPED_TRACE(sign);
     const char* const input = sign > 0 ? "test_positive_limit_input" : "test_negative_limit_input";
     AxisUnderTest axis;
     ASSERT_NO_FATAL_FAILURE(turn_at_300(axis, sign));
     axis.write(input, 1);
-    axis.step(100);
-    EXPECT_EQ(axis.demand_velocity(), sign * (kSpeedOf300 - 10'000));
+    axis.step(10);
+    EXPECT_EQ(axis.demand_velocity(), sign * (kSpeedOf300 - 4'096));
     EXPECT_TRUE(axis.limit_active());
     axis.step(300);
     EXPECT_EQ(axis.demand_velocity(), 0);
@@ -518,19 +523,31 @@ TEST(VelocityMode, DisableOperationAndShutdownBrakeWith6049hByTheirOption) {
   }
 }
 
-TEST(VelocityMode, AModeChangeWhileTurningBrakesWith6084hFirst) {
+TEST(VelocityMode, AModeChangeWhileTurningBrakesWith6049hFirst) {
   for (const std::int64_t mode : {0, 1, 3, 4, 6, 7, 8, 9, 10}) {
     SCOPED_TRACE(mode);
     AxisUnderTest axis;
     ASSERT_NO_FATAL_FAILURE(turn_at_300(axis));
     axis.write("op_mode_cmd", mode);
-    axis.step(100);
-    EXPECT_NEAR(axis.demand_velocity(), kSpeedOf300 - 5'000, 1);
+    axis.step(10);
+    EXPECT_NEAR(axis.demand_velocity(), kSpeedOf300 - 2'048, 1);
     EXPECT_EQ(axis.read("op_mode_actual"), 2);
     axis.step(500);
     EXPECT_EQ(axis.read("op_mode_actual"), mode);
     EXPECT_EQ(axis.state(), PowerState::operation_enabled);
   }
+}
+
+TEST(VelocityMode, AModeChangeBrakesWith604AhAtALimitSwitch) {
+  AxisUnderTest axis;
+  ASSERT_NO_FATAL_FAILURE(turn_at_300(axis));
+  axis.write("op_mode_cmd", 1);
+  axis.step(10);
+  axis.write("test_positive_limit_input", 1);
+  axis.step(10);
+  EXPECT_NEAR(axis.demand_velocity(), kSpeedOf300 - 2'048 - 4'096, 1);
+  axis.step(200);
+  EXPECT_EQ(axis.read("op_mode_actual"), 1);
 }
 
 // ---- properties

@@ -18,7 +18,8 @@ struct WrittenControlword {
 /// What an operating mode is to the rest of the drive. Its file in drive/modes fills in what it
 /// needs; what it leaves out does nothing.
 struct Mode {
-  /// Ramp object of the normal stop [UU/s²].
+  /// Ramp object of the normal stop [UU/s²], and of a change of the mode where the normal stop
+  /// takes a torque back.
   ObjectRow normal_ramp = 0;
 
   /// The normal stop is by the profile of 6086h, as the motions of the mode are.
@@ -40,7 +41,8 @@ struct Mode {
   /// Question: the normal stop, where it is another one than that with `normal_ramp`.
   MotionRequest (*normal_stop)(const Drive& drive) = nullptr;
 
-  /// Question: the stop by the quick ramp, where it is another one than that with 6085h.
+  /// Question: the stop by the quick ramp and at a limit switch, where it is another one than that
+  /// with 6085h.
   MotionRequest (*quick_stop)(const Drive& drive) = nullptr;
 
   /// Question: the torque that the mode adds to what the loops command [‰ of rated]; in its stops,

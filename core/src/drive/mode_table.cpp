@@ -91,12 +91,20 @@ MotionRequest stop_of_mode(const Drive& drive, std::int64_t option) {
              : stop_by_option(drive, option, urgent_normal_stop(drive));
 }
 
+/// The stop before a change of the mode: the next one begins at rest, so that a torque is not taken
+/// back but the axis is stopped.
+MotionRequest stop_before_change(const Drive& drive) {
+  if (runs_into_limit_switch(drive, demand_velocity(drive))) {
+    const Mode& mode = mode_of(drive);
+    return mode.quick_stop != nullptr ? mode.quick_stop(drive) : limit_switch_stop(drive);
+  }
+  const MotionRequest normal = normal_stop(drive);
+  return normal.control == ControlLoop::torque ? normal_ramp_stop(drive) : normal;
+}
+
 MotionRequest request_in_operation(const Drive& drive) {
   const DriveState& s = drive.state();
-  if (s.mode.wanted != s.mode.actual) {
-    return runs_into_limit_switch(drive, demand_velocity(drive)) ? limit_switch_stop(drive)
-                                                                 : normal_ramp_stop(drive);
-  }
+  if (s.mode.wanted != s.mode.actual) return stop_before_change(drive);
   return s.power.machine.pending() != PowerCommand::none ? normal_stop(drive)
                                                          : mode_of(drive).ask(drive);
 }

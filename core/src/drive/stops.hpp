@@ -33,7 +33,8 @@ namespace vdrive {
 /// @return the normal stop of the modes that command a torque: it is taken back with 6087h.
 [[nodiscard]] MotionRequest release_torque(const Drive& drive);
 
-/// @return the stop that a limit switch demands: with 6085h.
+/// @return the stop that a limit switch demands in a mode without a quick ramp of its own: with
+///         6085h.
 [[nodiscard]] MotionRequest limit_switch_stop(const Drive& drive);
 
 /// Option codes 605Ah, 605Dh, 605Eh: 1 normal ramp, 2 quick ramp, 3 and 4 the steepest there is.

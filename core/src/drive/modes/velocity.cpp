@@ -38,7 +38,7 @@ double destination(const Drive& drive) {
 /// [UU/s²]; a limit switch is stronger than halt, and halt than bits 4 to 6.
 double deceleration(const Drive& drive) {
   if (drive.state().target.given_up || runs_into_limit_switch(drive, demand_velocity(drive))) {
-    return deceleration_of(drive, "quick_stop_deceleration"_object);
+    return vl_quick_stop_deceleration(drive);
   }
   if (halted(drive)) {
     constexpr std::int64_t kQuickRamp = 2;
@@ -98,8 +98,7 @@ std::uint16_t status_bits(const Drive& drive) {
 
 }  // namespace
 
-constinit const Mode kVelocity{.normal_ramp = "profile_dec"_object,
-                               .command = command,
+constinit const Mode kVelocity{.command = command,
                                .take_target = take_velocity,
                                .advance = advance,
                                .ask = ask,
