@@ -257,6 +257,17 @@ TEST(CyclicTorque, AppliesNoTorqueWithoutPower) {
   EXPECT_EQ(axis.status().torque_demand, 0);
 }
 
+TEST(CyclicTorque, ABlockedAxisHasNoFollowingError) {
+  AxisUnderTest axis;
+  axis.write("following_error_window", 0);
+  axis.write("following_error_time_out", 0);
+  axis.write("test_blocked_load", 1);
+  enable_cyclic_torque(axis);
+  stream_torque(axis, 500);
+  axis.step(1'000);
+  EXPECT_EQ(axis.statusword(), 0x1237) << "bit 13 is reserved";
+}
+
 TEST(CyclicTorque, IgnoresAndCountsAnEdgeOfBit4) {
   AxisUnderTest axis;
   enable_cyclic_torque(axis);

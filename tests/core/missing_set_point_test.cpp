@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -89,6 +90,35 @@ TEST(MissingSetPoints, ThatAreReplacedAreNoCommandThatIsFollowed) {
   for (int tick = 0; tick < 50; ++tick) {
     axis.step();
     ASSERT_FALSE(shows_bit_12(axis)) << tick;
+  }
+}
+
+// Bit 12 of mode 7 says that bit 4 has its interpolation, not where the demand comes from.
+TEST(MissingSetPoints, ThatAreReplacedLeaveTheInterpolationActive) {
+  AxisUnderTest axis;
+  axis.write("missing_set_points_extrapolated", 2);
+  enable_streamed(axis, kStreamedModes[0]);
+  stream_five(axis, kStreamedModes[0]);
+  for (int tick = 1; tick <= 50; ++tick) {
+    axis.step();
+    ASSERT_EQ(axis.demand(), 500 + 10 * std::min(tick, 20));
+    ASSERT_TRUE(shows_bit_12(axis)) << tick;
+  }
+}
+
+// The speed of the demand ends with the last one that is replaced: no ramp.
+TEST(MissingSetPoints, ThatAreReplacedNoLongerStopTheDemandInOneTick) {
+  for (const StreamedMode& row : {kStreamedModes[0], kStreamedModes[1]}) {
+    SCOPED_TRACE(row.object);
+    AxisUnderTest axis;
+    axis.write("missing_set_points_extrapolated", 2);
+    enable_streamed(axis, row);
+    stream_five(axis, row);
+    axis.step(20);
+    ASSERT_EQ(axis.demand_velocity(), 10'000);
+    axis.step();
+    EXPECT_EQ(axis.demand_velocity(), 0);
+    EXPECT_EQ(axis.demand(), 700);
   }
 }
 
