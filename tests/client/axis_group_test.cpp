@@ -16,11 +16,14 @@
 #include <cmath>
 #include <condition_variable>
 #include <cstdlib>
+#include <functional>
 #include <limits>
 #include <map>
 #include <mutex>
 #include <numbers>
+#include <optional>
 #include <random>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -703,6 +706,43 @@ TEST_F(LockStepGroup, StreamsACircle) {
   ASSERT_TRUE(group.move_together(vector({500, 500}))) << "profile position is back";
 }
 
+// 606Bh is the velocity at the end of the tick.
+TEST_F(LockStepGroup, StreamsVelocitiesOfThreeAxes) {
+  AxisGroup group = enabled(3);
+  ASSERT_TRUE(group.start_streaming({.what = Streamed::velocities}));
+  const std::uint64_t before = tick();
+  for (int step = 1; step <= 100; ++step) {
+    const auto seen = group.stream(vector({100.0 * step, -50.0 * step, 0.0}));
+    ASSERT_TRUE(seen) << seen.outcome().message();
+    ASSERT_THAT(seen->not_following(), IsEmpty());
+    ASSERT_EQ(seen->axes[0].status.velocity_demand_value, 100 * step);
+    ASSERT_EQ(seen->axes[1].status.velocity_demand_value, -50 * step);
+    ASSERT_EQ(seen->axes[2].status.velocity_demand_value, 0);
+  }
+  EXPECT_EQ(tick(), before + 100);
+  ASSERT_TRUE(group.stop_streaming());
+  EXPECT_EQ(group.status()->state, GroupState::standby);
+  ASSERT_TRUE(group.move_together(vector({0, 0, 0}))) << "profile position is back";
+}
+
+// 6074h is the command of the last of 8 servo cycles: one step of an eighth before the end.
+TEST_F(LockStepGroup, StreamsTorquesOfThreeAxes) {
+  AxisGroup group = enabled(3);
+  ASSERT_TRUE(group.start_streaming({.what = Streamed::torques}));
+  const std::uint64_t before = tick();
+  for (int step = 1; step <= 10; ++step) {
+    const auto seen = group.stream(vector({8.0 * step, -16.0 * step, 0.0}));
+    ASSERT_TRUE(seen) << seen.outcome().message();
+    ASSERT_THAT(seen->not_following(), IsEmpty());
+    ASSERT_EQ(seen->axes[0].status.torque_demand, 8 * step - 1);
+    ASSERT_EQ(seen->axes[1].status.torque_demand, -16 * step + 2);
+    ASSERT_EQ(seen->axes[2].status.torque_demand, 0);
+  }
+  EXPECT_EQ(tick(), before + 10);
+  ASSERT_TRUE(group.stop_streaming());
+  EXPECT_EQ(group.status()->state, GroupState::standby);
+}
+
 TEST_F(LockStepGroup, AStreamReportsTheAxesThatDoNotFollow) {
   AxisGroup group = enabled(2);
   ASSERT_TRUE(group.start_streaming({.pace = Pace::observe}));
@@ -954,17 +994,17 @@ TEST(TwoServices, StartInTheSameTickInRealTime) {
   EXPECT_EQ(judged, 3) << "moves of which both benches were seen, without a jump";
 }
 
-/// Streams 1,000 positions. @return whether each came in time.
-testing::AssertionResult stream_a_ramp(AxisGroup& group, const GroupStatus& from) {
+/// Streams 1,000 set-points. @return whether each came in time.
+testing::AssertionResult stream_a_thousand(
+    AxisGroup& group, Streamed what, const std::function<Eigen::VectorXd(int)>& set_points_of) {
   // A busy machine may take longer than 10 ms to let this thread run.
-  if (const Outcome started = group.start_streaming({.lead = 400ms}); !started) {
-    return testing::AssertionFailure() << started.message();
-  }
+  const Outcome started = group.start_streaming({.lead = 400ms, .what = what});
+  if (!started) return testing::AssertionFailure() << started.message();
   std::uint64_t first = 0;
   std::uint64_t last = 0;
   Outcome streamed;
   for (int step = 1; step <= 1'000 && streamed; ++step) {
-    const auto seen = group.stream(from.demand() + vector({step * 2.0, -step * 1.0}));
+    const auto seen = group.stream(set_points_of(step));
     streamed = seen.outcome();
     if (!seen) break;
     first = first == 0 ? seen->tick : first;
@@ -973,29 +1013,71 @@ testing::AssertionResult stream_a_ramp(AxisGroup& group, const GroupStatus& from
   const Outcome stopped = group.stop_streaming();
   if (streamed) streamed = stopped;
   if (!streamed) return testing::AssertionFailure() << streamed.message();
-  EXPECT_GE(last - first, 500U) << "paced by the clock: 1,000 positions, 400 of them ahead";
+  EXPECT_GE(last - first, 500U) << "paced by the clock: 1,000 set-points, 400 of them ahead";
   return testing::AssertionSuccess();
 }
 
-TEST(RealtimeGroup, StreamsAheadOfTheClock) {
-  const BenchOnWire bench(patient("--clock realtime --axes 2"));
-  SessionOptions streaming = options_on_wire();
-  streaming.keep_alive = KeepAlive::user_frames;
-  Session session(streaming);
-  auto group = AxisGroup::create(session, names(1, 1, 2));
-  ASSERT_TRUE(group->enable_all());
-  // A machine that stands still for longer than the lead makes a position late: from the start.
-  for (int attempt = 0; attempt < 10; ++attempt) {
-    const auto from = group->status();
-    ASSERT_TRUE(from) << from.outcome().message();
-    const auto is_in_time = stream_a_ramp(*group, *from);
-    if (is_in_time) {
-      EXPECT_EQ(group->status()->demand(), from->demand() + vector({2'000, -1'000}));
-      return;
+/// Two enabled axes in real time, whose session lives on its set-points.
+class RealtimeStream {
+ public:
+  RealtimeStream() {
+    if (!group_) throw std::runtime_error(group_.outcome().message());
+    if (const Outcome enabled = group_->enable_all(); !enabled) {
+      throw std::runtime_error(enabled.message());
     }
-    ASSERT_THAT(is_in_time.message(), HasSubstr("too late")) << "attempt " << attempt;
   }
-  FAIL() << "a position was late in each of 10 attempts";
+
+  /// A machine that stands still for longer than the lead makes a set-point late: from the start.
+  /// @param set_points_of the steps 1 to 1000 of a stream from the demand that it gets
+  /// @return the way of 6062h, or none where a set-point was late in each of 10 attempts.
+  std::optional<Eigen::VectorXd> way_of(
+      Streamed what,
+      const std::function<Eigen::VectorXd(const Eigen::VectorXd&, int)>& set_points_of) {
+    for (int attempt = 0; attempt < 10; ++attempt) {
+      const Eigen::VectorXd from = group_->status().value().demand();
+      const auto is_in_time = stream_a_thousand(*group_, what, [&](int step) {
+        return set_points_of(from, step);
+      });
+      if (is_in_time) return group_->status().value().demand() - from;
+      EXPECT_THAT(is_in_time.message(), HasSubstr("too late")) << "attempt " << attempt;
+      if (testing::Test::HasFailure()) break;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  static SessionOptions options() {
+    SessionOptions streaming = options_on_wire();
+    streaming.keep_alive = KeepAlive::user_frames;
+    return streaming;
+  }
+
+  BenchOnWire bench_{patient("--clock realtime --axes 2")};
+  Session session_{options()};
+  Result<AxisGroup> group_ = AxisGroup::create(session_, names(1, 1, 2));
+};
+
+TEST(RealtimeGroup, StreamsAheadOfTheClock) {
+  RealtimeStream stream;
+  const auto way = stream.way_of(Streamed::positions, [](const Eigen::VectorXd& from, int step) {
+    return Eigen::VectorXd(from + vector({step * 2.0, -step * 1.0}));
+  });
+  ASSERT_TRUE(way) << "a position was late in each of 10 attempts";
+  EXPECT_EQ(*way, vector({2'000, -1'000}));
+}
+
+// Up to 20000 UU/s in half a second and back: 20000 / 2 UU. The position loop is open, 6062h is
+// where the axes are.
+TEST(RealtimeGroup, StreamsVelocitiesAheadOfTheClock) {
+  RealtimeStream stream;
+  const auto way =
+      stream.way_of(Streamed::velocities, [](const Eigen::VectorXd& /*from*/, int step) {
+        const double speed = 40.0 * std::min(step, 1'000 - step);
+        return vector({speed, -speed / 2.0});
+      });
+  ASSERT_TRUE(way) << "a velocity was late in each of 10 attempts";
+  EXPECT_NEAR((*way)[0], 10'000, 10);
+  EXPECT_NEAR((*way)[1], -5'000, 10);
 }
 
 TEST(RealtimeGroup, AMonitorStopsTheOtherAxesWhileNoCallWaits) {
