@@ -233,6 +233,62 @@ TEST(SteppedBridge, StreamsPositionsBySync) {
   }
 }
 
+/// A set-point that an RPDO brings with the controlword, and what the drive shows of it.
+struct StreamRow {
+  const char* name;
+  std::int64_t mode;
+  std::uint8_t word;   // low byte of 6040h
+  std::int64_t entry;  // of 1602h
+  std::int64_t step;   // from SYNC to SYNC
+  ObjectAddress shown;
+  std::int64_t shown_step;
+  std::int64_t shown_short;  // of the steps, in each tick
+};
+
+// 6042h: 3 rpm are 204.8 UU/s, of which the ramp of 6048h, 6000 rpm/s, allows two in a tick; 6043h
+// is in rpm. 6074h is the command of the last of the 8 servo cycles of a tick, one step of an
+// eighth before its end.
+constexpr std::array<StreamRow, 4> kStreamRows{{
+    {"Velocity", 2, 0x7F, 0x60420010, 3, {0x6043, 0}, 3, 0},
+    {"InterpolatedPosition", 7, 0x1F, 0x60C10120, 2, {0x6062, 0}, 2, 0},
+    {"CyclicVelocity", 9, 0x0F, 0x60FF0020, -100, {0x606B, 0}, -100, 0},
+    {"CyclicTorque", 10, 0x0F, 0x60710010, 80, {0x6074, 0}, 80, 10},
+}};
+
+class StreamBySync : public testing::TestWithParam<StreamRow> {};
+
+// RPDOs before SYNC n act at n, in every mode as positions do.
+TEST_P(StreamBySync, ActsInTheTickBehindSync) {
+  const StreamRow& row = GetParam();
+  BusOfBench bus(1, 1ms);
+  TestMaster& master = bus.master();
+  ASSERT_EQ(master.download(1, {0x1402, 1}, 0x80000401, 4), AbortCode::none);
+  ASSERT_EQ(master.download(1, {0x1402, 2}, 1, 1), AbortCode::none);
+  ASSERT_EQ(master.download(1, {0x1602, 0}, 0, 1), AbortCode::none);
+  ASSERT_EQ(master.download(1, {0x1602, 1}, 0x60400010, 4), AbortCode::none);
+  ASSERT_EQ(master.download(1, {0x1602, 2}, row.entry, 4), AbortCode::none);
+  ASSERT_EQ(master.download(1, {0x1602, 0}, 2, 1), AbortCode::none);
+  ASSERT_EQ(master.download(1, {0x1402, 1}, 0x401, 4), AbortCode::none);
+  ASSERT_EQ(master.download(1, kMode, row.mode, 1), AbortCode::none);
+  ASSERT_NO_FATAL_FAILURE(enable_by_sdo(bus, 1));
+  master.send_nmt(kStart, 1);
+  const auto size = static_cast<std::size_t>(row.entry & 0xFF) / 8;
+  for (std::int64_t step = 1; step <= 10; ++step) {
+    std::vector<std::uint8_t> data{row.word, 0x00};
+    for (const std::uint8_t byte : little_endian(row.step * step, size)) data.push_back(byte);
+    master.send(0x401, data);
+    bus.sync();
+    EXPECT_EQ(bus.read(1, row.shown, true), row.shown_step * step - row.shown_short) << step;
+  }
+  EXPECT_EQ(bus.statusword(1) & kStateBits, kShowsEnabled);
+  EXPECT_EQ(bus.nodes().counters().refused_set_points, 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(SteppedBridge, StreamBySync, testing::ValuesIn(kStreamRows),
+                         [](const auto& row) {
+                           return std::string(row.param.name);
+                         });
+
 TEST(SteppedBridge, LetsTimePassAtSyncAlone) {
   BusOfBench bus(2, 5ms);
   const std::uint64_t begin = tick_of(bus);
