@@ -21,7 +21,7 @@ constexpr int kPinnedTicks = 4'000;
 // modes 2, 7, 9 and 10, switches with a place, the effects of a real axis and the habits of other
 // drives. All of them are off here, and then no bit may change. A new member of AxisStatus changes
 // the number as well: take the new one from a commit that adds the member and nothing else.
-constexpr std::uint64_t kHashOfDefaultAxes = 0;  // TODO_HASH
+constexpr std::uint64_t kHashOfDefaultAxes = 0xE8B0'2E21'7BA6'4E53;
 
 std::int64_t mode_of_default_axis(std::size_t axis) {
   constexpr std::array<std::int64_t, 4> kPinnedModes{1, 3, 6, 8};

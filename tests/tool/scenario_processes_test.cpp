@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenarios as processes: what ends a wait of theirs, and what an interrupt leaves to be done.
 #include "support/test_domain.hpp"
+#include "tool/json_lines.hpp"
 #include "tool/process.hpp"
 #include "vdrive/client.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include <csignal>
 #include <string>
@@ -17,8 +17,6 @@ namespace {
 using namespace std::chrono_literals;
 using testing::AllOf;
 using testing::HasSubstr;
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kPatient =
     "--clock realtime --axes 2 --config " VDRIVE_SOURCE_DIR "/tests/data/patient.yaml";

@@ -195,11 +195,10 @@ void check_direction(const std::map<ObjectAddress, PlacedValue>& values) {
 
 /// The range makes the modulo axis that takes bits 6 and 7 of 60F2h: it is written first.
 void put_range_first(std::vector<InitialValue>& parameters) {
-  const std::uint16_t range = describe("min_position_range_limit"_object).address.index;
-  std::stable_partition(parameters.begin(), parameters.end(),
-                        [range](const InitialValue& parameter) {
-                          return parameter.address.index == range;
-                        });
+  constexpr std::uint16_t kRange = describe("min_position_range_limit"_object).address.index;
+  std::stable_partition(parameters.begin(), parameters.end(), [](const InitialValue& parameter) {
+    return parameter.address.index == kRange;
+  });
 }
 
 /// What a write of an object does besides keeping its value; empty = nothing.

@@ -101,7 +101,8 @@ class JerkProfile {
   double end_position_ = 0.0;
   std::uint8_t count_ = 0;
   bool reaches_target_ = true;
-  std::array<std::uint8_t, 6> unused_{};  // no byte without a value: snapshots have this
+  // No byte without a value: snapshots have this.
+  [[maybe_unused]] std::array<std::uint8_t, 6> unused_{};
 };
 
 // The plans below begin at any position, velocity and acceleration. `limits` bound the velocity and
