@@ -20,7 +20,6 @@
 // pattern and these instants gets farther. What it has more than the target falls with h².
 #include "core/support/linear_programme.hpp"
 #include "core/support/random_cases.hpp"
-#include "support/effort.hpp"
 #include "vdrive/motion/jerk_profile.hpp"
 
 #include <gtest/gtest.h>
@@ -40,7 +39,6 @@ namespace vdrive {
 namespace {
 
 using test::LinearProgramme;
-using test::number_of;
 using test::Random;
 
 /// A part of a motion in which the velocity keeps its sign.
@@ -634,11 +632,8 @@ class Search {
 };
 
 std::uint64_t judged_moves() {
-#ifdef __OPTIMIZE__
-  return number_of<std::uint64_t>({.usual = 20, .full = 1'000, .nightly = 20'000});
-#else
-  return 3;
-#endif
+  return test::number_if_optimised<std::uint64_t>({.usual = 20, .full = 1'000, .nightly = 10'000},
+                                                  3);
 }
 
 void judge(const JudgedMove& m, const std::vector<Pattern>& patterns, Judged& sum) {

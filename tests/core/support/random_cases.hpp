@@ -15,6 +15,18 @@ inline std::uint64_t case_count(std::uint64_t by_day, std::uint64_t nightly) {
   return number_of<std::uint64_t>({.usual = by_day, .full = by_day, .nightly = nightly});
 }
 
+/// Number of random cases of a program that is compiled with optimisation, as core_jerk_test is;
+/// `unoptimised` in every run of a build without it.
+template <typename Number>
+[[nodiscard]] Number number_if_optimised([[maybe_unused]] const Effort<Number>& effort,
+                                         [[maybe_unused]] Number unoptimised) {
+#ifdef __OPTIMIZE__
+  return number_of(effort);
+#else
+  return unoptimised;
+#endif
+}
+
 /// SplitMix64: the same numbers on every machine.
 class Random {
  public:
