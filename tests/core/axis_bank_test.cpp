@@ -507,6 +507,38 @@ TEST(AxisBank, DoesNotAllocateInWriteReadAndStep) {
   EXPECT_EQ(allocations, 0U);
 }
 
+TEST(AxisBank, DoesNotAllocateWithLimitedJerk) {
+  AxisBank bank(mixed_axes(13), microseconds{1000});
+  for (std::size_t axis = 0; axis < bank.size(); ++axis) {
+    ASSERT_EQ(bank.write(axis, object("motion_profile_type"), 3), AbortCode::none);
+    ASSERT_EQ(bank.write(axis, object("profile_jerk_1"), 10'000'000), AbortCode::none);
+    ASSERT_EQ(bank.write(axis, object("op_mode_cmd"), 1), AbortCode::none);
+    ASSERT_EQ(bank.write(axis, object("ds402_controlword"), 0x0F), AbortCode::none);
+  }
+  bank.step();
+  std::uint64_t allocations = 0;
+  {
+    const AllocationGuard guard;
+    Random random(5);
+    for (int tick = 0; tick < 500; ++tick) {
+      for (std::size_t axis = 0; axis < bank.size(); ++axis) {
+        if (!random.one_in(20)) continue;
+        bank.write(axis, object("position_user_target_value"),
+                   static_cast<std::int64_t>(random.below(400'000)) - 200'000);
+        bank.write(axis, object("ds402_controlword"), random.one_in(4) ? 0x010F : 0x2F);
+      }
+      bank.step();
+      for (std::size_t axis = 0; axis < bank.size(); ++axis) {
+        bank.write(axis, object("ds402_controlword"), 0x3F);
+      }
+      bank.step();
+    }
+    allocations = guard.count();
+  }
+  EXPECT_EQ(allocations, 0U);
+  EXPECT_NE(bank.status(0).position_demand_value, 0) << "it moved";
+}
+
 TEST(AxisBank, DoesNotAllocateForAnyObjectThatCanBeWritten) {
   AxisBank bank(mixed_axes(6), microseconds{1000});
   std::uint64_t allocations = 0;

@@ -129,12 +129,12 @@ TEST(LimitedJerk, HasASecondJerkForTheSpeedThatShrinks) {
 /// The demand's velocity in each tick, and whether its second difference is that of limited jerk.
 class SmoothAxis {
  public:
-  // 1e8 UU/s³: 100 UU/s more or less from tick to tick; a ramp of 1e6 UU/s² gives 1000 at once.
-  static constexpr std::int32_t kJerkStep = 100;
   static constexpr std::int32_t kRounding = 3;
 
+  // 1e8 UU/s³: 100 UU/s more or less from tick to tick; a ramp of 1e6 UU/s² gives 1000 at once.
   SmoothAxis() {
-    limit_jerk(axis_, 100'000'000);
+    limit_jerk(axis_, kFirstJerk);
+    axis_.write("profile_jerk_2", kFirstJerk);
     axis_.write("following_error_window", 0xFFFFFFFF);
     axis_.write("profile_velocity", 100'000);
     axis_.write("profile_acc", 1'000'000);
@@ -143,6 +143,17 @@ class SmoothAxis {
   }
 
   AxisUnderTest& axis() { return axis_; }
+
+  /// Sets the jerk of both ramps, and that both count [UU/s³], also in motion.
+  void set_jerks(std::int64_t first, std::int64_t second) {
+    axis_.write("profile_jerk_use", 2);
+    axis_.write("profile_jerk_1", first);
+    axis_.write("profile_jerk_2", second);
+    // A second difference has a part of the tick before.
+    old_jerk_ = std::max(jerk_, since_change_ < 2 ? old_jerk_ : 0);
+    jerk_ = std::max(first, second);
+    since_change_ = 0;
+  }
 
   /// One tick, which must be smooth.
   void step() {
@@ -158,52 +169,164 @@ class SmoothAxis {
   void note() {
     const std::int32_t velocity = axis_.demand_velocity();
     const std::int32_t change = velocity - velocity_;
-    EXPECT_LE(std::abs(change - change_), kJerkStep + kRounding) << "tick " << axis_.ticks();
+    const std::int64_t jerk = since_change_ < 2 ? std::max(jerk_, old_jerk_) : jerk_;
+    EXPECT_LE(std::abs(change - change_), jerk / 1'000'000 + kRounding) << "tick " << axis_.ticks();
     EXPECT_LE(std::abs(change), 1'000 + kRounding) << "tick " << axis_.ticks();
+    ++since_change_;
     velocity_ = velocity;
     change_ = change;
   }
 
  private:
+  static constexpr std::int64_t kFirstJerk = 100'000'000;
+
   AxisUnderTest axis_;
   std::int32_t velocity_ = 0;
   std::int32_t change_ = 0;
+  std::int64_t jerk_ = kFirstJerk;
+  std::int64_t old_jerk_ = 0;
+  int since_change_ = 2;
 };
 
-TEST(LimitedJerk, StaysLimitedFromOnePlanToTheNext) {
-  SmoothAxis sut;
-  AxisUnderTest& axis = sut.axis();
-  Random random(11);
-  for (int change = 0; change < 400; ++change) {
+/// A test with random changes in motion, and its seed.
+class LimitedJerkInMotion : public testing::TestWithParam<std::uint64_t> {
+ protected:
+  static constexpr int kChanges = 100;
+
+  SmoothAxis& smooth() { return smooth_; }
+
+  AxisUnderTest& axis() { return smooth_.axis(); }
+
+  Random& random() { return random_; }
+
+  /// @return from -most to most.
+  std::int64_t any_up_to(std::uint64_t most) {
+    return static_cast<std::int64_t>(random_.below(2 * most + 1)) - static_cast<std::int64_t>(most);
+  }
+
+  void change_a_ramp() {
+    axis().write(random_.one_in(2) ? "profile_acc" : "profile_dec",
+                 static_cast<std::int64_t>(100'000 + random_.below(900'001)));
+  }
+
+  /// From 10 to 1000 UU/s a tick more or less.
+  void change_the_jerks() {
+    const auto any = [this] {
+      return static_cast<std::int64_t>(10'000'000 +
+                                       random_.below(random_.one_in(2) ? 90'000'001 : 990'000'001));
+    };
+    const std::int64_t first = any();
+    smooth_.set_jerks(first, random_.one_in(2) ? first : any());
+  }
+
+  void new_target(std::int64_t target) {
+    axis().write("position_user_target_value", target);
+    axis().controlword(0x002F);
+    smooth_.step();
+    axis().controlword(0x003F);
+  }
+
+  /// To the other side, and a halt while it turns.
+  void halt_in_a_reversal() {
+    const std::int64_t way = axis().demand_velocity() > 0 ? -200'000 : 200'000;
+    new_target(axis().demand() + way);
+    smooth_.step(1 + static_cast<int>(random_.below(300)));
+    axis().controlword(0x012F);
+  }
+
+  void run_on() { smooth_.step(1 + static_cast<int>(random_.below(150))); }
+
+ private:
+  SmoothAxis smooth_;
+  Random random_{GetParam()};
+};
+
+INSTANTIATE_TEST_SUITE_P(Seeds, LimitedJerkInMotion, testing::Range<std::uint64_t>(1, 21));
+
+TEST_P(LimitedJerkInMotion, StaysLimitedFromOnePlanToTheNext) {
+  for (int change = 0; change < kChanges && !HasFailure(); ++change) {
     SCOPED_TRACE("change " + std::to_string(change));
-    switch (random.below(5)) {
+    switch (random().below(6)) {
       case 0:
-        axis.write("profile_acc", static_cast<std::int64_t>(100'000 + random.below(900'001)));
+        change_a_ramp();
         break;
       case 1:
-        axis.write("profile_dec", static_cast<std::int64_t>(100'000 + random.below(900'001)));
+        change_the_jerks();
         break;
       case 2:
-        axis.controlword(0x010F);
+        axis().controlword(0x010F);
+        break;
+      case 3:
+        halt_in_a_reversal();
         break;
       default:
-        axis.write("profile_velocity", static_cast<std::int64_t>(1'000 + random.below(99'001)));
-        axis.write("position_user_target_value",
-                   static_cast<std::int64_t>(random.below(200'001)) - 100'000);
-        axis.controlword(0x002F);
-        axis.controlword(0x003F);
+        axis().write("profile_velocity", static_cast<std::int64_t>(1'000 + random().below(99'001)));
+        new_target(any_up_to(100'000));
         break;
     }
-    sut.step(1 + static_cast<int>(random.below(150)));
-    if (testing::Test::HasFailure()) return;
+    run_on();
   }
-  axis.write("profile_velocity", 100'000);
-  axis.controlword(0x002F);
-  axis.write("position_user_target_value", 4'711);
-  axis.controlword(0x003F);
-  sut.step(4'000);
-  EXPECT_EQ(axis.demand(), 4'711);
-  EXPECT_EQ(axis.demand_velocity(), 0);
+  if (HasFailure()) return;
+  smooth().set_jerks(100'000'000, 100'000'000);
+  axis().write("profile_velocity", 100'000);
+  new_target(4'711);
+  smooth().step(10'000);
+  EXPECT_EQ(axis().demand(), 4'711);
+  EXPECT_EQ(axis().demand_velocity(), 0);
+}
+
+TEST_P(LimitedJerkInMotion, StaysLimitedInProfileVelocityMode) {
+  axis().write("op_mode_cmd", 3);
+  smooth().step();
+  for (int change = 0; change < kChanges && !HasFailure(); ++change) {
+    SCOPED_TRACE("change " + std::to_string(change));
+    switch (random().below(5)) {
+      case 0:
+        change_a_ramp();
+        break;
+      case 1:
+        change_the_jerks();
+        break;
+      case 2:
+        axis().controlword(random().one_in(2) ? 0x010F : 0x000F);
+        break;
+      default:
+        axis().write("target_velocity", any_up_to(100'000));
+        break;
+    }
+    run_on();
+  }
+  if (HasFailure()) return;
+  smooth().set_jerks(100'000'000, 100'000'000);
+  axis().write("target_velocity", 4'711);
+  axis().controlword(0x000F);
+  smooth().step(4'000);
+  EXPECT_EQ(axis().demand_velocity(), 4'711);
+}
+
+TEST_P(LimitedJerkInMotion, BeginsAndEndsWithoutAJumpOfTheVelocity) {
+  // A trapezoid changes the acceleration at once, but no plan changes the velocity by more than its
+  // ramp in a tick.
+  std::int32_t before = 0;
+  for (int change = 0; change < kChanges && !HasFailure(); ++change) {
+    SCOPED_TRACE("change " + std::to_string(change));
+    if (random().one_in(2)) {
+      axis().write("motion_profile_type", random().one_in(2) ? 3 : 0);
+    } else {
+      axis().write("position_user_target_value", any_up_to(100'000));
+      axis().controlword(0x002F);
+      axis().step();
+      EXPECT_LE(std::abs(axis().demand_velocity() - before), 1'000 + SmoothAxis::kRounding);
+      before = axis().demand_velocity();
+      axis().controlword(0x003F);
+    }
+    for (std::uint64_t left = 1 + random().below(150); left > 0; --left) {
+      axis().step();
+      EXPECT_LE(std::abs(axis().demand_velocity() - before), 1'000 + SmoothAxis::kRounding)
+          << "tick " << axis().ticks();
+      before = axis().demand_velocity();
+    }
+  }
 }
 
 TEST(LimitedJerk, BeginsWithTheAccelerationThatATrapezoidHas) {
