@@ -119,11 +119,12 @@ def test_axes_replace_those_of_a_configuration(over, tmp_path):
         assert [axis.id for axis in session.axes()] == ["1.1", "1.2", "1.3"]
 
 
-# A ball screw counts 5 um: 409.6 of 4096 UU a turn for each of its 10 mm; a winder counts turns.
+# A ball screw has 4096 UU a turn, 409.6 for each of its 10 mm. The encoder of the winder is on its
+# motor: 20 turns of 4096 UU behind a gear of 20:1 are one of the reel.
 @OVER
 @pytest.mark.parametrize("options, axes, unit", [
     ({"axes": 3, "preset": "ball-screw"}, ["1.1", "1.2", "1.3"], ("mm", 409.6)),
-    ({"preset": "winder"}, ["1.1"], ("rev", 4096)),
+    ({"preset": "winder"}, ["1.1"], ("rev", 81920)),
 ])
 def test_a_preset_says_of_which_machine_the_axes_are(over, options, axes, unit):
     with vdrive.Bench(over=over, **options) as bench, bench.session() as session:

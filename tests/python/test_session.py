@@ -145,7 +145,7 @@ def test_streamed_velocities_and_torques_are_the_demands_of_the_tick(vdrive_sess
     group.stream([8])
     assert group.stream([8]).axes[0].torque_demand == 8
     group.stop_streaming()
-    with pytest.raises(ValueError, match='what is "positions", "velocities" or "torques", not "jerks"'):
+    with pytest.raises(ValueError, match="what is \"positions\", \"velocities\" or \"torques\", not 'jerks'"):
         group.start_streaming(what="jerks")
 
 
