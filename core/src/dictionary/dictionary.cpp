@@ -45,44 +45,50 @@ bool is_touch_probe_function(std::int64_t value) {
 }
 
 /// The narrower rules of single objects, for a value within its type.
-AbortCode check_value(ObjectRow row, std::int64_t value) {
+bool has_meaning(ObjectRow row, std::int64_t value) {
   switch (row) {
     case "op_mode_cmd"_object:
-      return is_operating_mode(value) ? AbortCode::none : AbortCode::value_range_exceeded;
+      return is_operating_mode(value);
     case "homing_method"_object:
-      return is_homing_method(value) ? AbortCode::none : AbortCode::value_range_exceeded;
+      return is_homing_method(value);
     case "motion_profile_type"_object:  // a trapezoid, or limited jerk
-      return value == 0 || value == 3 ? AbortCode::none : AbortCode::value_range_exceeded;
+      return value == 0 || value == 3;
     case "profile_jerk_use"_object:
-      return value == 1 || value == 2 ? AbortCode::none : AbortCode::value_range_exceeded;
+      return value == 1 || value == 2;
     case "interpolation_sub_mode_select"_object:      // linear
     case "interpolation_buffer_organization"_object:  // first in, first out
-      return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "error_history_count"_object:                // cleared
+      return value == 0;
     case "interpolation_buffer_record_size"_object:  // one INTEGER32
-      return value == 4 ? AbortCode::none : AbortCode::value_range_exceeded;
+      return value == 4;
     case "positioning_option_code"_object:
-      return value <= 2 ? AbortCode::none : AbortCode::value_range_exceeded;
+      return value <= 2;
     case "vl_set_point_factor_numerator"_object:
     case "vl_set_point_factor_denominator"_object:
     case "vl_dimension_factor_numerator"_object:
     case "vl_dimension_factor_denominator"_object:
-      return value != 0 ? AbortCode::none : AbortCode::value_range_exceeded;
+      return value != 0;
     case "touch_probe_function"_object:
-      return is_touch_probe_function(value) ? AbortCode::none : AbortCode::value_range_exceeded;
+      return is_touch_probe_function(value);
     case "touch_probe_source_1"_object:
     case "touch_probe_source_2"_object:  // the drive has no fourth input
-      return value != 4 ? AbortCode::none : AbortCode::value_range_exceeded;
-    case "error_history_count"_object:
-      return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
+      return value != 4;
     case "habit_statusword_bits"_object:
-      return (value & ~kMakerBits) == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
+      return (value & ~kMakerBits) == 0;
     case "store_all_parameters"_object:
-      return value == kStoreSignature ? AbortCode::none : AbortCode::cannot_store_or_transfer;
+      return value == kStoreSignature;
     case "restore_all_default_parameters"_object:
-      return value == kRestoreSignature ? AbortCode::none : AbortCode::cannot_store_or_transfer;
+      return value == kRestoreSignature;
     default:
-      return AbortCode::none;
+      return true;
   }
+}
+
+AbortCode check_value(ObjectRow row, std::int64_t value) {
+  if (has_meaning(row, value)) return AbortCode::none;
+  const bool is_signature =
+      row == "store_all_parameters"_object || row == "restore_all_default_parameters"_object;
+  return is_signature ? AbortCode::cannot_store_or_transfer : AbortCode::value_range_exceeded;
 }
 
 /// @return each of some values; of many, which nobody reads one by one, runs such as "17 to 30".

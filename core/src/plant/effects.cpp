@@ -30,6 +30,11 @@ double part_of_way(double time_constants) {
   return std::min(time_constants / (1.0 + 0.5 * time_constants), 1.0);
 }
 
+/// @return the place of an end stop; `infinite` where the parameter is `none`.
+double end_stop(double parameter, double none, double infinite) {
+  return parameter == none ? infinite : parameter;
+}
+
 }  // namespace
 
 EffectBlock no_effects() noexcept {
@@ -54,10 +59,8 @@ void design_effects(const AxisModel& model, const Gear& gear, const EffectDesign
   parameters.brake_impulse[lane] = parameters.brake[lane] * design.velocity_from_load;
   parameters.release_ticks[lane] = ticks_of(model.brake_release_time, design.period);
   parameters.engage_ticks[lane] = ticks_of(model.brake_engage_time, design.period);
-  parameters.lower_stop[lane] =
-      model.lower_end_stop == kNoLowerEndStop ? -kInfiniteDistance : model.lower_end_stop;
-  parameters.upper_stop[lane] =
-      model.upper_end_stop == kNoUpperEndStop ? kInfiniteDistance : model.upper_end_stop;
+  parameters.lower_stop[lane] = end_stop(model.lower_end_stop, kNoLowerEndStop, -kInfiniteDistance);
+  parameters.upper_stop[lane] = end_stop(model.upper_end_stop, kNoUpperEndStop, kInfiniteDistance);
   parameters.motor_per_load[lane] = 1.0 / ratio_of(gear);
   parameters.motor_noise[lane] = model.encoder_noise;
   parameters.load_noise[lane] = dual ? model.load_encoder_noise : 0.0;

@@ -158,9 +158,9 @@ struct EffectBlock;  // plant/effects.hpp
 /// A block as the kernel steps it: equal blocks share their parameters.
 template <typename Parameters>
 struct ServoBlock {
-  const Parameters* parameters;
-  const DemandBlock* demand;
-  ServoState* state;
+  const Parameters* parameters = nullptr;
+  const DemandBlock* demand = nullptr;
+  ServoState* state = nullptr;
   EffectBlock* effects = nullptr;  // where ServoFeatures::effects
 };
 
