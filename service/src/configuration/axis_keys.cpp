@@ -13,8 +13,11 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <limits>
 #include <map>
+#include <utility>
+#include <vector>
 
 namespace vdrive::service {
 namespace {
@@ -196,9 +199,14 @@ void check_direction(const std::map<ObjectAddress, PlacedValue>& values) {
 /// The range makes the modulo axis that takes bits 6 and 7 of 60F2h: it is written first.
 void put_range_first(std::vector<InitialValue>& parameters) {
   constexpr std::uint16_t kRange = describe("min_position_range_limit"_object).address.index;
-  std::stable_partition(parameters.begin(), parameters.end(), [](const InitialValue& parameter) {
+  const auto is_of_range = [](const InitialValue& parameter) {
     return parameter.address.index == kRange;
-  });
+  };
+  std::vector<InitialValue> ordered;
+  ordered.reserve(parameters.size());
+  std::ranges::copy_if(parameters, std::back_inserter(ordered), is_of_range);
+  std::ranges::remove_copy_if(parameters, std::back_inserter(ordered), is_of_range);
+  parameters = std::move(ordered);
 }
 
 /// What a write of an object does besides keeping its value; empty = nothing.
