@@ -237,7 +237,12 @@ Roots roots_of(const JerkSegment& segment) {
     roots.add(begin + q / segment.jerk);
     roots.add(begin + 2.0 * v / q);
   }
-  std::sort(roots.times.begin(), roots.times.begin() + static_cast<std::ptrdiff_t>(roots.count));
+  // Three at most: for the sort of the library gcc 12 warns of elements beyond.
+  for (std::size_t i = 1; i < roots.count; ++i) {
+    for (std::size_t j = i; j > 0 && roots.times.at(j) < roots.times.at(j - 1); --j) {
+      std::swap(roots.times.at(j), roots.times.at(j - 1));
+    }
+  }
   return roots;
 }
 
