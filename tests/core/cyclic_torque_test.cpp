@@ -27,11 +27,6 @@ void stream_torque(AxisUnderTest& axis, std::int32_t torque) {
   axis.step();
 }
 
-/// @return bit 12.
-bool follows_torque(const AxisUnderTest& axis) {
-  return (axis.statusword() & 0x1000U) != 0;
-}
-
 /// Under `torque` at the speed that 607Fh allows, 40000 UU/s; ramps of 50, 100 and 200 UU/s a tick.
 void run_with_streamed(AxisUnderTest& axis, std::int32_t torque) {
   axis.write("profile_dec", 50'000);
@@ -70,7 +65,7 @@ TEST(CyclicTorque, TheTorqueChangesInEqualPartsOver60C2h) {
     axis.step();
     // 80 a tick, 10 a servo cycle: the last cycle commands 10 less than the end.
     ASSERT_EQ(axis.status().torque_demand, 80 * tick - 10);
-    ASSERT_TRUE(follows_torque(axis)) << "on its way";
+    ASSERT_TRUE(axis.follows_command()) << "on its way";
   }
   axis.step();
   EXPECT_EQ(axis.status().torque_demand, 800);
@@ -95,7 +90,7 @@ TEST(CyclicTorque, AMissingUpdateHoldsTheTorque) {
   stream_torque(axis, 300);
   axis.step(1'000);
   EXPECT_EQ(axis.status().torque_demand, 300);
-  EXPECT_TRUE(follows_torque(axis));
+  EXPECT_TRUE(axis.follows_command());
 }
 
 TEST(CyclicTorque, TakesTheTorqueOverFromTheLoopThatHeldTheAxis) {
@@ -119,15 +114,15 @@ TEST(CyclicTorque, TheTorqueIsLimitedBy6072h60E0hAnd60E1hAndBit12ShowsIt) {
   stream_torque(axis, 1'000);
   axis.step();
   EXPECT_EQ(axis.status().torque_demand, 500);
-  EXPECT_FALSE(follows_torque(axis));
+  EXPECT_FALSE(axis.follows_command());
   stream_torque(axis, -1'000);
   axis.step();
   EXPECT_EQ(axis.status().torque_demand, -200);
-  EXPECT_FALSE(follows_torque(axis));
+  EXPECT_FALSE(axis.follows_command());
   EXPECT_EQ(axis.read("target_torque"), -1'000);
   stream_torque(axis, -200);
   axis.step();
-  EXPECT_TRUE(follows_torque(axis));
+  EXPECT_TRUE(axis.follows_command());
 }
 
 TEST(CyclicTorque, TheSpeedIsBoundedBy607FhAndBit12ShowsIt) {
@@ -135,7 +130,7 @@ TEST(CyclicTorque, TheSpeedIsBoundedBy607FhAndBit12ShowsIt) {
     AxisUnderTest axis;
     ASSERT_NO_FATAL_FAILURE(run_with_streamed(axis, sign * 1'000));
     EXPECT_LE(std::abs(axis.velocity()), 40'001);
-    EXPECT_FALSE(follows_torque(axis)) << "the speed limit holds the torque back";
+    EXPECT_FALSE(axis.follows_command()) << "the speed limit holds the torque back";
     EXPECT_EQ(axis.demand(), axis.actual());
   }
 }
@@ -145,7 +140,7 @@ TEST(CyclicTorque, QuickStopBrakesUnderPositionControl) {
   axis.write("quick_stop_option_code", 6);
   ASSERT_NO_FATAL_FAILURE(run_with_streamed(axis, 1'000));
   axis.command(0x0002);
-  EXPECT_FALSE(follows_torque(axis));
+  EXPECT_FALSE(axis.follows_command());
   const std::int32_t first = axis.demand_velocity();
   axis.step(100);
   EXPECT_NEAR(axis.demand_velocity(), first - 100 * 100, 1) << "6085h";
@@ -154,7 +149,7 @@ TEST(CyclicTorque, QuickStopBrakesUnderPositionControl) {
   axis.command(0x000F);
   axis.step(100);
   EXPECT_EQ(axis.demand_velocity(), 0) << "after transition 16 a new target is needed";
-  EXPECT_FALSE(follows_torque(axis));
+  EXPECT_FALSE(axis.follows_command());
 }
 
 TEST(CyclicTorque, HaltTakesTheTorqueBackWith6087hAndEndsTheStream) {
@@ -168,7 +163,7 @@ TEST(CyclicTorque, HaltTakesTheTorqueBackWith6087hAndEndsTheStream) {
   for (int tick = 1; tick <= 50; ++tick) {
     stream_torque(axis, 400);
     ASSERT_EQ(axis.status().torque_demand, 400 - 8 * tick + 1) << tick;
-    ASSERT_FALSE(follows_torque(axis));
+    ASSERT_FALSE(axis.follows_command());
   }
   axis.step();
   EXPECT_EQ(axis.status().torque_demand, 0);
@@ -201,7 +196,7 @@ TEST(CyclicTorque, ALimitSwitchStopsWith6085hAndOnlyTheOtherDirectionIsLeft) {
   const std::int32_t first = axis.demand_velocity();
   for (int tick = 0; tick < 100; ++tick) stream_torque(axis, 1'000);
   EXPECT_NEAR(axis.demand_velocity(), first - 100 * 100, 1);
-  EXPECT_FALSE(follows_torque(axis));
+  EXPECT_FALSE(axis.follows_command());
   axis.step(1'000);
   EXPECT_EQ(axis.velocity(), 0);
   stream_torque(axis, -100);
@@ -236,11 +231,11 @@ TEST(CyclicTorque, TheOffset60B2hIsAddedAndActsByItself) {
   stream_torque(axis, 200);
   axis.step();
   EXPECT_EQ(axis.status().torque_demand, 300);
-  EXPECT_TRUE(follows_torque(axis));
+  EXPECT_TRUE(axis.follows_command());
   axis.write("torque_offset", -500);
   axis.step(2);
   EXPECT_EQ(axis.status().torque_demand, -300);
-  EXPECT_TRUE(follows_torque(axis));
+  EXPECT_TRUE(axis.follows_command());
 }
 
 TEST(CyclicTorque, AppliesNoTorqueWithoutPower) {
@@ -284,7 +279,7 @@ TEST(CyclicTorque, RunsAtEveryPeriod) {
       stream_torque(axis, 8 * i);
       axis.step();
       ASSERT_EQ(axis.status().torque_demand, 8 * i);
-      ASSERT_TRUE(follows_torque(axis));
+      ASSERT_TRUE(axis.follows_command());
     }
   }
 }

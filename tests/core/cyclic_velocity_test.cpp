@@ -27,11 +27,6 @@ void stream_velocity(AxisUnderTest& axis, std::int32_t velocity) {
   axis.step();
 }
 
-/// @return bit 12.
-bool follows_velocity(const AxisUnderTest& axis) {
-  return (axis.statusword() & 0x1000U) != 0;
-}
-
 TEST(CyclicVelocity, TheDemandIsTheTargetAtTheEndOfItsTick) {
   AxisUnderTest axis;
   enable_cyclic_velocity(axis);
@@ -83,7 +78,7 @@ TEST(CyclicVelocity, AnOldTargetMovesNothing) {
   EXPECT_EQ(axis.actual(), 0);
   stream_velocity(axis, 50'000);  // the same value, and the first one that counts
   EXPECT_EQ(axis.demand_velocity(), 50'000);
-  EXPECT_TRUE(follows_velocity(axis));
+  EXPECT_TRUE(axis.follows_command());
 }
 
 TEST(CyclicVelocity, UntilTheFirstTargetTheAxisHoldsItsPosition) {
@@ -104,7 +99,7 @@ TEST(CyclicVelocity, EnablingAgainNeedsANewTarget) {
   axis.command(0x000F);
   axis.step(100);
   EXPECT_EQ(axis.demand_velocity(), 0);
-  EXPECT_FALSE(follows_velocity(axis));
+  EXPECT_FALSE(axis.follows_command());
 }
 
 TEST(CyclicVelocity, AMissingUpdateHoldsTheVelocity) {
@@ -114,7 +109,7 @@ TEST(CyclicVelocity, AMissingUpdateHoldsTheVelocity) {
   for (int tick = 0; tick < 1'000; ++tick) {
     axis.step();
     ASSERT_EQ(axis.demand_velocity(), 20'000);
-    ASSERT_TRUE(follows_velocity(axis));
+    ASSERT_TRUE(axis.follows_command());
   }
 }
 
@@ -125,11 +120,11 @@ TEST(CyclicVelocity, TheSpeedIsCappedBy607FhAndBit12ShowsIt) {
     enable_cyclic_velocity(axis);
     stream_velocity(axis, sign * 60'000);
     EXPECT_EQ(axis.demand_velocity(), sign * 50'000);
-    EXPECT_FALSE(follows_velocity(axis));
+    EXPECT_FALSE(axis.follows_command());
     EXPECT_EQ(axis.read("target_velocity"), sign * 60'000);
     stream_velocity(axis, sign * 50'000);
     EXPECT_EQ(axis.demand_velocity(), sign * 50'000);
-    EXPECT_TRUE(follows_velocity(axis));
+    EXPECT_TRUE(axis.follows_command());
   }
 }
 
@@ -141,7 +136,7 @@ TEST(CyclicVelocity, TheVelocityChangesInEqualPartsOver60C2h) {
   for (int tick = 1; tick <= 10; ++tick) {
     axis.step();
     ASSERT_EQ(axis.demand_velocity(), 1'000 * tick);
-    ASSERT_TRUE(follows_velocity(axis)) << "on its way";
+    ASSERT_TRUE(axis.follows_command()) << "on its way";
   }
   axis.step();
   EXPECT_EQ(axis.demand_velocity(), 10'000);
@@ -173,7 +168,7 @@ TEST(CyclicVelocity, QuickStopBrakesFromTheSpeedOfTheStream) {
   for (int tick = 1; tick <= 300; ++tick) {
     stream_velocity(axis, 30'000);
     ASSERT_NEAR(axis.demand_velocity(), 30'000 - 100 * tick, 1);
-    ASSERT_FALSE(follows_velocity(axis));
+    ASSERT_FALSE(axis.follows_command());
   }
   axis.step(300);
   EXPECT_EQ(axis.statusword(), 0x0617);
@@ -194,7 +189,7 @@ TEST(CyclicVelocity, HaltBrakesAndEndsTheStream) {
   for (int tick = 1; tick <= 300; ++tick) {
     stream_velocity(axis, 30'000);
     ASSERT_NEAR(axis.demand_velocity(), 30'000 - 100 * tick, 1);
-    ASSERT_FALSE(follows_velocity(axis));
+    ASSERT_FALSE(axis.follows_command());
   }
   axis.command(0x000F);
   axis.step(100);
@@ -213,13 +208,13 @@ TEST(CyclicVelocity, ALimitSwitchStopsWith6085hAndOnlyTheOtherDirectionIsLeft) {
   for (int tick = 1; tick <= 300; ++tick) {
     stream_velocity(axis, 30'000);
     ASSERT_NEAR(axis.demand_velocity(), 30'000 - 100 * tick, 1);
-    ASSERT_FALSE(follows_velocity(axis));
+    ASSERT_FALSE(axis.follows_command());
   }
   stream_velocity(axis, 100);
   EXPECT_EQ(axis.demand_velocity(), 0);
   stream_velocity(axis, -100);
   EXPECT_EQ(axis.demand_velocity(), -100);
-  EXPECT_TRUE(follows_velocity(axis));
+  EXPECT_TRUE(axis.follows_command());
   axis.write("test_positive_limit_input", 0);
   stream_velocity(axis, 100);
   EXPECT_EQ(axis.demand_velocity(), 100);
@@ -262,7 +257,7 @@ TEST(CyclicVelocity, IgnoresAndCountsAnEdgeOfBit4) {
   enable_cyclic_velocity(axis);
   axis.command(0x001F);
   EXPECT_EQ(axis.status().ignored_set_points, 1U);
-  EXPECT_FALSE(follows_velocity(axis)) << "bit 12 is no acknowledge here";
+  EXPECT_FALSE(axis.follows_command()) << "bit 12 is no acknowledge here";
 }
 
 TEST(CyclicVelocity, TheOffset60B1hIsAddedAndActsByItself) {
@@ -273,11 +268,11 @@ TEST(CyclicVelocity, TheOffset60B1hIsAddedAndActsByItself) {
   EXPECT_EQ(axis.demand_velocity(), 0) << "an offset begins no stream";
   stream_velocity(axis, 1'000);
   EXPECT_EQ(axis.demand_velocity(), 1'500);
-  EXPECT_TRUE(follows_velocity(axis));
+  EXPECT_TRUE(axis.follows_command());
   axis.write("velocity_offset", -1'200);
   axis.step();
   EXPECT_EQ(axis.demand_velocity(), -200);
-  EXPECT_TRUE(follows_velocity(axis));
+  EXPECT_TRUE(axis.follows_command());
 }
 
 TEST(CyclicVelocity, TheSumWithTheOffsetEndsAtTheEndOfTheRegister) {
@@ -286,7 +281,7 @@ TEST(CyclicVelocity, TheSumWithTheOffsetEndsAtTheEndOfTheRegister) {
   axis.write("velocity_offset", std::numeric_limits<std::int32_t>::max());
   stream_velocity(axis, std::numeric_limits<std::int32_t>::max());
   EXPECT_EQ(axis.demand_velocity(), 136'533) << "607Fh, and not a sum that has wrapped";
-  EXPECT_FALSE(follows_velocity(axis));
+  EXPECT_FALSE(axis.follows_command());
 }
 
 TEST(CyclicVelocity, RunsAtEveryPeriod) {

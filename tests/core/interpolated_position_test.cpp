@@ -33,11 +33,6 @@ void add_record(AxisUnderTest& axis, std::int32_t record) {
   axis.write("interpolation_data_record", record);
 }
 
-/// @return bit 12.
-bool is_interpolating(const AxisUnderTest& axis) {
-  return (axis.statusword() & 0x1000U) != 0;
-}
-
 // ---- bit 4 --------------------------------------------------------------------------------------
 
 TEST(InterpolatedPosition, IsInactiveUntilBit4) {
@@ -76,7 +71,7 @@ TEST(InterpolatedPosition, BitFourIsALevel) {
   AxisUnderTest axis;
   axis.write("op_mode_cmd", 7);
   axis.command(0x001F);  // it was up before the mode could be active
-  EXPECT_TRUE(is_interpolating(axis));
+  EXPECT_TRUE(axis.interpolates());
   EXPECT_EQ(axis.status().ignored_set_points, 0U);
 }
 
@@ -348,15 +343,15 @@ TEST(InterpolatedPosition, ALimitSwitchStopsWith6085hAndDropsTheRecords) {
   axis.step();
   EXPECT_NEAR(axis.demand_velocity(), 99'000, 1);
   EXPECT_EQ(axis.read("interpolation_buffer_position"), 0);
-  EXPECT_FALSE(is_interpolating(axis));
+  EXPECT_FALSE(axis.interpolates());
   axis.step(400);
   EXPECT_EQ(axis.demand(), 5'500);
-  EXPECT_FALSE(is_interpolating(axis)) << "until the next record";
+  EXPECT_FALSE(axis.interpolates()) << "until the next record";
   add_record(axis, 5'400);
   for (int tick = 1; tick <= 10; ++tick) {
     axis.step();
     ASSERT_EQ(axis.demand(), 5'500 - 10 * tick) << "away from the switch";
-    ASSERT_TRUE(is_interpolating(axis));
+    ASSERT_TRUE(axis.interpolates());
   }
 }
 
@@ -407,7 +402,7 @@ TEST(InterpolatedPosition, StaysWithin607FhAnd607Dh) {
     ASSERT_EQ(axis.demand(), 20 * tick) << "the way leads to the limit";
   }
   EXPECT_TRUE(axis.limit_active());
-  EXPECT_TRUE(is_interpolating(axis));
+  EXPECT_TRUE(axis.interpolates());
   add_record(axis, -2'000);
   axis.step();
   EXPECT_EQ(axis.demand(), 160) << "40 a tick are within 607Fh";

@@ -39,11 +39,6 @@ void aim_at(AxisUnderTest& axis, std::int32_t position) {
   axis.write("position_user_target_value", position);
 }
 
-/// @return bit 12.
-bool is_on_the_way(const AxisUnderTest& axis) {
-  return (axis.statusword() & 0x1000U) != 0;
-}
-
 // ---- the way ------------------------------------------------------------------------------------
 
 TEST(InterpolationPeriod, EndsExactlyOnTheTargetAfterItsTime) {
@@ -54,12 +49,12 @@ TEST(InterpolationPeriod, EndsExactlyOnTheTargetAfterItsTime) {
     axis.step();
     ASSERT_EQ(axis.demand(), 100 * tick);
     ASSERT_EQ(axis.demand_velocity(), 100'000);
-    ASSERT_TRUE(is_on_the_way(axis));
+    ASSERT_TRUE(axis.follows_command());
   }
   axis.step();
   EXPECT_EQ(axis.demand(), 1'000);
   EXPECT_EQ(axis.demand_velocity(), 0);
-  EXPECT_TRUE(is_on_the_way(axis));
+  EXPECT_TRUE(axis.follows_command());
 }
 
 TEST(InterpolationPeriod, MovesTheDemandByTheSamePartInEachTickOfBothDirections) {
@@ -100,7 +95,7 @@ TEST(InterpolationPeriod, GivesAConstantSpeedToAStreamWhoseSyncHasThisPeriod) {
       axis.step();
       ASSERT_EQ(axis.demand(), 200 * sync + 20 * tick);
       ASSERT_EQ(axis.demand_velocity(), 20'000);
-      ASSERT_TRUE(is_on_the_way(axis));
+      ASSERT_TRUE(axis.follows_command());
     }
   }
 }
@@ -121,7 +116,7 @@ TEST(InterpolationPeriod, TakesTheShortWayAcrossTheEndsOfTheRegister) {
       axis.step();
       ASSERT_EQ(axis.demand(), behind(100 * tick));
       ASSERT_EQ(axis.demand_velocity(), sign * 100'000);
-      ASSERT_TRUE(is_on_the_way(axis));
+      ASSERT_TRUE(axis.follows_command());
     }
     axis.step(1'000);
     EXPECT_NEAR(axis.actual(), behind(1'000), 1);
@@ -167,7 +162,7 @@ TEST(InterpolationPeriod, StartsANewWayFromThePresentDemand) {
     axis.step();
     ASSERT_EQ(axis.demand(), 400 - 40 * tick);
     ASSERT_EQ(axis.demand_velocity(), -40'000);
-    ASSERT_TRUE(is_on_the_way(axis));
+    ASSERT_TRUE(axis.follows_command());
   }
   axis.step();
   EXPECT_EQ(axis.demand(), 0);
@@ -205,7 +200,7 @@ TEST(InterpolationPeriod, HoldsTheTargetWithoutANewSetPoint) {
   for (int tick = 0; tick < 300; ++tick) {
     ASSERT_EQ(axis.demand(), 1'000);
     ASSERT_EQ(axis.demand_velocity(), 0);
-    ASSERT_TRUE(is_on_the_way(axis));
+    ASSERT_TRUE(axis.follows_command());
     axis.step();
   }
   EXPECT_NEAR(axis.actual(), 1'000, 1);
@@ -220,7 +215,7 @@ TEST(InterpolationPeriod, DoesNotBeginWithASetPointFromBeforeTheMode) {
   enable_interpolating(axis, 10);
   axis.step(50);
   EXPECT_EQ(axis.demand(), 0);
-  EXPECT_FALSE(is_on_the_way(axis));
+  EXPECT_FALSE(axis.follows_command());
   aim_at(axis, 1'000);  // the same value, and the first one that counts
   axis.step();
   EXPECT_EQ(axis.demand(), 100);
@@ -285,7 +280,7 @@ TEST(InterpolationPeriod, FollowsItsFormulaForAnySetPoints) {
         --left;
       }
       ASSERT_NEAR(axis.demand(), demand, 0.5 + 1.0e-6) << tick;
-      ASSERT_EQ(is_on_the_way(axis), streams) << tick;
+      ASSERT_EQ(axis.follows_command(), streams) << tick;
     }
   }
 }
@@ -429,11 +424,11 @@ TEST(InterpolationPeriod, LeavesTheSpeedWithin607FhAndBit12ShowsIt) {
       axis.step();
       ASSERT_EQ(axis.demand(), sign * 50 * tick);
       ASSERT_EQ(axis.demand_velocity(), sign * 50'000);
-      ASSERT_FALSE(is_on_the_way(axis)) << "also when the time is over";
+      ASSERT_FALSE(axis.follows_command()) << "also when the time is over";
     }
     axis.step();
     EXPECT_EQ(axis.demand(), sign * 1'020);
-    EXPECT_TRUE(is_on_the_way(axis));
+    EXPECT_TRUE(axis.follows_command());
   }
 }
 
@@ -448,7 +443,7 @@ TEST(InterpolationPeriod, LeadsToTheSoftwareLimitAndBit12ShowsIt) {
     for (int tick = 1; tick <= 10; ++tick) {
       axis.step();
       ASSERT_EQ(axis.demand(), sign * 20 * tick);
-      ASSERT_FALSE(is_on_the_way(axis)) << "not to the position that was written";
+      ASSERT_FALSE(axis.follows_command()) << "not to the position that was written";
     }
     EXPECT_TRUE(axis.limit_active());
     axis.step(50);
@@ -457,7 +452,7 @@ TEST(InterpolationPeriod, LeadsToTheSoftwareLimitAndBit12ShowsIt) {
     for (int tick = 1; tick <= 10; ++tick) {
       axis.step();
       ASSERT_EQ(axis.demand(), sign * (200 - 10 * tick));
-      ASSERT_TRUE(is_on_the_way(axis));
+      ASSERT_TRUE(axis.follows_command());
     }
   }
 }
@@ -474,7 +469,7 @@ TEST(InterpolationPeriod, BringsAnAxisBackFromBeyondASoftwareLimitInEqualParts) 
   for (int tick = 1; tick <= 10; ++tick) {
     axis.step();
     ASSERT_EQ(axis.demand(), -500 + 45 * tick);
-    ASSERT_TRUE(is_on_the_way(axis));
+    ASSERT_TRUE(axis.follows_command());
   }
 }
 
@@ -512,7 +507,7 @@ void expect_braking_on_the_way(AxisUnderTest& axis) {
   for (int tick = 1; tick <= 99; ++tick) {
     axis.step();
     ASSERT_NEAR(axis.demand_velocity(), 100'000 - 1'000 * tick, 1) << tick;
-    ASSERT_FALSE(is_on_the_way(axis));
+    ASSERT_FALSE(axis.follows_command());
   }
   axis.step(300);
   ASSERT_EQ(axis.demand(), 5'500);
@@ -527,7 +522,7 @@ TEST(InterpolationPeriod, IsOverAtALimitSwitchAndAWayFromItHasTheWholeTime) {
   for (int tick = 1; tick <= 10; ++tick) {
     axis.step();
     ASSERT_EQ(axis.demand(), 5'500 - 10 * tick);
-    ASSERT_TRUE(is_on_the_way(axis));
+    ASSERT_TRUE(axis.follows_command());
   }
 }
 
@@ -540,7 +535,7 @@ TEST(InterpolationPeriod, IsOverAtAQuickStop) {
   axis.step(50);
   EXPECT_EQ(axis.state(), operation_enabled);
   EXPECT_EQ(axis.demand(), 5'500) << "the rest of the way is forgotten";
-  EXPECT_FALSE(is_on_the_way(axis));
+  EXPECT_FALSE(axis.follows_command());
   aim_at(axis, 5'600);
   axis.step();
   EXPECT_EQ(axis.demand(), 5'510);
@@ -563,7 +558,7 @@ TEST(InterpolationPeriod, IsOverInAFault) {
   const std::int32_t rest = axis.demand();
   axis.step(50);
   EXPECT_EQ(axis.demand(), rest);
-  EXPECT_FALSE(is_on_the_way(axis));
+  EXPECT_FALSE(axis.follows_command());
 }
 
 TEST(InterpolationPeriod, IsOverWhenTheModeChanges) {
@@ -580,7 +575,7 @@ TEST(InterpolationPeriod, IsOverWhenTheModeChanges) {
   axis.step(50);
   EXPECT_EQ(axis.read("op_mode_actual"), 8);
   EXPECT_EQ(axis.demand(), 5'500);
-  EXPECT_FALSE(is_on_the_way(axis));
+  EXPECT_FALSE(axis.follows_command());
 }
 
 TEST(InterpolationPeriod, IsNotChangedByAHalt) {
@@ -590,7 +585,7 @@ TEST(InterpolationPeriod, IsNotChangedByAHalt) {
   for (int tick = 6; tick <= 10; ++tick) {
     axis.step();
     ASSERT_EQ(axis.demand(), 100 * tick) << "this mode ignores it";
-    ASSERT_TRUE(is_on_the_way(axis));
+    ASSERT_TRUE(axis.follows_command());
   }
 }
 

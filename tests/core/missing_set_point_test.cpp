@@ -42,11 +42,6 @@ void stream_five(AxisUnderTest& axis, const StreamedMode& row) {
   }
 }
 
-/// @return bit 12.
-bool shows_bit_12(const AxisUnderTest& axis) {
-  return (axis.statusword() & 0x1000U) != 0;
-}
-
 TEST(MissingSetPoints, AreHeldAndNoFaultByDefault) {
   for (const StreamedMode& row : kStreamedModes) {
     SCOPED_TRACE(row.object);
@@ -57,7 +52,7 @@ TEST(MissingSetPoints, AreHeldAndNoFaultByDefault) {
     axis.write(row.object, 0);
     axis.step(3'000);
     EXPECT_EQ(axis.state(), operation_enabled);
-    EXPECT_TRUE(shows_bit_12(axis)) << "the drive follows the last command";
+    EXPECT_TRUE(axis.follows_command()) << "the drive follows the last command";
   }
 }
 
@@ -86,10 +81,10 @@ TEST(MissingSetPoints, ThatAreReplacedAreNoCommandThatIsFollowed) {
   axis.write("missing_set_points_extrapolated", 2);
   enable_streamed(axis, kStreamedModes[1]);
   stream_five(axis, kStreamedModes[1]);
-  EXPECT_TRUE(shows_bit_12(axis));
+  EXPECT_TRUE(axis.follows_command());
   for (int tick = 0; tick < 50; ++tick) {
     axis.step();
-    ASSERT_FALSE(shows_bit_12(axis)) << tick;
+    ASSERT_FALSE(axis.follows_command()) << tick;
   }
 }
 
@@ -102,7 +97,7 @@ TEST(MissingSetPoints, ThatAreReplacedLeaveTheInterpolationActive) {
   for (int tick = 1; tick <= 50; ++tick) {
     axis.step();
     ASSERT_EQ(axis.demand(), 500 + 10 * std::min(tick, 20));
-    ASSERT_TRUE(shows_bit_12(axis)) << tick;
+    ASSERT_TRUE(axis.follows_command()) << tick;
   }
 }
 
@@ -134,7 +129,7 @@ TEST(MissingSetPoints, AreOverWithTheNextOneAlsoOfTheSameValue) {
   for (int tick = 1; tick <= 10; ++tick) {
     axis.step();
     ASSERT_EQ(axis.demand(), 700 - 20 * tick);
-    ASSERT_TRUE(shows_bit_12(axis));
+    ASSERT_TRUE(axis.follows_command());
   }
 }
 
@@ -189,7 +184,7 @@ TEST(MissingSetPoints, AreHeldWhereTheyAreVelocitiesOrTorques) {
     stream_five(axis, row);
     axis.step(100);
     EXPECT_EQ(row.mode == 9 ? axis.demand_velocity() : axis.status().torque_demand, 500);
-    EXPECT_TRUE(shows_bit_12(axis));
+    EXPECT_TRUE(axis.follows_command());
   }
 }
 

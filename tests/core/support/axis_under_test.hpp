@@ -127,6 +127,16 @@ class AxisUnderTest {
     return (statusword() & Statusword::kSetPointAcknowledge) != 0;
   }
 
+  /// In the cyclic modes.
+  [[nodiscard]] bool follows_command() const {
+    return (statusword() & Statusword::kFollowsCommand) != 0;
+  }
+
+  /// In interpolated position.
+  [[nodiscard]] bool interpolates() const {
+    return (statusword() & Statusword::kInterpolationActive) != 0;
+  }
+
   [[nodiscard]] bool limit_active() const {
     return (statusword() & Statusword::kInternalLimitActive) != 0;
   }
