@@ -158,11 +158,11 @@ struct AxisBank::State {
   /// Gives the axes of a block that have noise the load torque of this tick.
   void draw_loads(const Block& block);
 
-  /// What the effects of a block do before the servo step.
+  /// What the effects of a block that has any do before the servo step.
   /// @param moved lanes whose frames may have moved
   void begin_effects(std::size_t block, std::uint64_t moved);
 
-  /// Heats the motors of a block.
+  /// Heats the motors of a block with effects.
   /// @return the lanes whose load level has changed: their tick is no steady one.
   std::uint64_t end_effects(std::size_t block);
 

@@ -88,27 +88,25 @@ void AxisBank::State::draw_loads(const Block& block) {
 
 void AxisBank::State::begin_effects(std::size_t block_index, std::uint64_t moved) {
   const Block& block = blocks[block_index];
-  EffectBlock* const of_block = effects_of(block);
-  if (of_block == nullptr) return;
+  EffectBlock& of_block = effects[block.effects];
   for_each_lane(moved, [&](std::size_t lane) {
     const FrameOrigins& origins = drive(block_index, lane).registers().origins;
-    place_effects(*of_block, lane, {.motor = origins.motor, .load = origins.load});
+    place_effects(of_block, lane, {.motor = origins.motor, .load = origins.load});
   });
-  move_brakes(*of_block, block.state.servo);
+  move_brakes(of_block, block.state.servo);
 }
 
 std::uint64_t AxisBank::State::end_effects(std::size_t block_index) {
   const Block& block = blocks[block_index];
-  EffectBlock* const of_block = effects_of(block);
-  if (of_block == nullptr) return 0;
-  heat_motors(*of_block, block.state.servo, block.state.units.current_per_mille);
-  const std::uint64_t hot = lanes_hotter(of_block->state, kWarningHeat) & all_lanes(block);
+  EffectBlock& of_block = effects[block.effects];
+  heat_motors(of_block, block.state.servo, block.state.units.current_per_mille);
+  const std::uint64_t hot = lanes_hotter(of_block.state, kWarningHeat) & all_lanes(block);
   std::uint64_t changed = 0;
-  for_each_lane(hot | of_block->state.hot, [&](std::size_t lane) {
+  for_each_lane(hot | of_block.state.hot, [&](std::size_t lane) {
     Drive drive = this->drive(block_index, lane);
-    if (note_heat(drive, of_block->state.heat[lane])) changed |= std::uint64_t{1} << lane;
+    if (note_heat(drive, of_block.state.heat[lane])) changed |= std::uint64_t{1} << lane;
   });
-  of_block->state.hot = hot;
+  of_block.state.hot = hot;
   return changed;
 }
 
@@ -118,13 +116,14 @@ TickLanes AxisBank::State::begin_block(std::size_t block_index) {
   const DemandBlock& demand = block.state.demand;
   const std::uint64_t all = all_lanes(block);
   TickLanes lanes{.steady = block.state.steady.lanes & ~lanes_out_of_frame(demand) & all};
-  end_steadiness(block_index, block.state.steady.lanes & ~lanes.steady);
+  const std::uint64_t out_of_frame = block.state.steady.lanes & ~lanes.steady;
+  if (out_of_frame != 0) end_steadiness(block_index, out_of_frame);
   for_each_lane(all & ~lanes.steady, [this, block_index](std::size_t lane) {
     Drive drive = this->drive(block_index, lane);
     begin_tick(drive);
   });
   draw_loads(block);
-  begin_effects(block_index, all & ~lanes.steady);
+  if (block.effects != kNoEffects) begin_effects(block_index, all & ~lanes.steady);
   lanes.across = lanes_across(demand, timing) & all;
   return lanes;
 }
@@ -192,13 +191,14 @@ void AxisBank::State::step_pieces(const ParameterPool<Parameters>& pool, const B
 
 void AxisBank::State::end_block(std::size_t block_index, const TickLanes& lanes) {
   Block& block = blocks[block_index];
-  const std::uint64_t changed = end_effects(block_index);
+  const std::uint64_t changed = block.effects == kNoEffects ? 0U : end_effects(block_index);
   const std::uint64_t unpowered = lanes.steady & block.state.steady.unpowered & ~changed;
   const std::uint64_t holding = lanes.steady & ~unpowered & ~changed;
   if (unpowered != 0) rest_at_load(block.state.demand, block.state.servo, unpowered);
   const std::uint64_t steady =
       unpowered | (holding != 0 ? end_steady_tick(block.state, holding, timing) : 0U);
-  end_steadiness(block_index, lanes.steady & ~steady);
+  const std::uint64_t ended = lanes.steady & ~steady;
+  if (ended != 0) end_steadiness(block_index, ended);
   const std::uint64_t others = all_lanes(block) & ~steady;
   for_each_lane(others, [this, block_index](std::size_t lane) {
     Drive drive = this->drive(block_index, lane);

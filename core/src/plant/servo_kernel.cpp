@@ -99,20 +99,14 @@ struct Friction {
   return uneven != 0.0 ? torque + uneven : torque;
 }
 
-/// What the end stops make of the step of a load: it stays at a stop, without a rebound. From
-/// beyond one it can only come back.
-struct CaughtLoad {
-  double position;
-  bool caught;  // the step leads into a stop
-  bool stands;  // and begins there
-};
-
-[[gnu::always_inline]] inline CaughtLoad catch_load(const EffectState& s, std::size_t l,
-                                                    double from, double to) {
+/// @return where a step of a load ends between the end stops: it stays at a stop, without a
+/// rebound.
+///         From beyond one it can only come back.
+[[gnu::always_inline]] inline double between_stops(const EffectState& s, std::size_t l, double from,
+                                                   double to) {
   const double highest = from > s.upper_stop[l] ? from : s.upper_stop[l];
   const double lowest = from < s.lower_stop[l] ? from : s.lower_stop[l];
-  const double position = clamp(to, lowest, highest);
-  return {position, position != to, position == from};
+  return clamp(to, lowest, highest);
 }
 
 /// The noise of the encoders at the next instant.
@@ -236,9 +230,9 @@ template <bool kGeneral, bool kPlay, bool kEffects>
   const double load_position = blocked ? xl : xl + next.load_step;
   const double load_velocity = blocked ? 0.0 : next.load_velocity;
   if constexpr (kEffects) {
-    const CaughtLoad end = catch_load(e->state, l, xl, load_position);
-    state.load_position[l] = end.position;
-    state.load_velocity[l] = end.caught ? 0.0 : load_velocity;
+    const double end = between_stops(e->state, l, xl, load_position);
+    state.load_position[l] = end;
+    state.load_velocity[l] = end != load_position ? 0.0 : load_velocity;
   } else {
     state.load_position[l] = load_position;
     state.load_velocity[l] = load_velocity;
@@ -251,12 +245,13 @@ template <bool kGeneral, bool kPlay, bool kEffects>
                                                  ServoState& state, std::size_t l, double x,
                                                  double load_x) {
   const double moved = p.loop.ratio[l] * state.position[l] + state.load_offset[l];
-  const CaughtLoad end = catch_load(e.state, l, load_x, moved);
-  const double at_stop = (end.position - state.load_offset[l]) * e.parameters.motor_per_load[l];
+  const double end = between_stops(e.state, l, load_x, moved);
+  const double at_stop = (end - state.load_offset[l]) * e.parameters.motor_per_load[l];
   // Where it stands its bits stay: the way there and back would round.
-  const double held = end.stands ? x : at_stop;
-  state.position[l] = end.caught ? held : state.position[l];
-  state.velocity[l] = end.caught ? 0.0 : state.velocity[l];
+  const double held = end == load_x ? x : at_stop;
+  const bool caught = end != moved;
+  state.position[l] = caught ? held : state.position[l];
+  state.velocity[l] = caught ? 0.0 : state.velocity[l];
 }
 
 template <bool kGeneral, bool kEffects>
