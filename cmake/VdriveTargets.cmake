@@ -97,9 +97,20 @@ function(vdrive_target_defaults target)
     endif()
   endif()
   if(VDRIVE_SANITIZE)
-    target_compile_options(${target} PRIVATE -fsanitize=${VDRIVE_SANITIZE} -fno-sanitize-recover=all
+    set(sanitizers ${VDRIVE_SANITIZE})
+    if(sanitizers MATCHES "address" AND CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/tests"
+       AND NOT VDRIVE_BUILD_FUZZERS)
+      # The expressions of a test are no part of what is tested: with all checks they take as long to
+      # compile as everything else.
+      set(sanitizers address)
+    endif()
+    target_compile_options(${target} PRIVATE -fsanitize=${sanitizers} -fno-sanitize-recover=all
                                              -fno-omit-frame-pointer)
-    if(target MATCHES "^vdrive_(core|engine|service|simulation_world)$")
+    target_compile_definitions(${target} PRIVATE VDRIVE_SANITIZED)
+    if(VDRIVE_SANITIZE MATCHES "thread")
+      target_compile_definitions(${target} PRIVATE VDRIVE_WATCHES_THREADS)
+    endif()
+    if(target MATCHES "^vdrive_(codec|core|engine|messages|simulation_world|wire)$")
       # What every test runs through: the tests take a third of the time, and the build hardly longer.
       target_compile_options(${target} PRIVATE $<$<CONFIG:Debug>:-O1>)
     endif()
@@ -159,28 +170,26 @@ endfunction()
 # vdrive_precompile(<target> <header>...)
 # Headers of libraries that most sources of the target include: reading them takes longer than the
 # rest of a source file. Not where clang-tidy reads the sources: there each file stands by itself.
-# Not where the sources of the target are so few that those compiled together read them once or
-# twice: that takes no longer than to compile the headers, and nothing has to wait for it.
+# Not where the sources of the target are compiled together, and read them once or twice: that takes no
+# longer than to compile the headers, and nothing has to wait for it.
 function(vdrive_precompile target)
   if(CMAKE_CXX_CLANG_TIDY)
     return()
   endif()
-  get_target_property(sources ${target} SOURCES)
-  list(FILTER sources INCLUDE REGEX "\\.cpp$")
-  list(LENGTH sources count)
-  if(VDRIVE_UNITY_BUILD AND count LESS_EQUAL 32)
+  get_target_property(together ${target} UNITY_BUILD)
+  if(together)
     return()
   endif()
   target_precompile_headers(${target} PRIVATE ${ARGN})
 endfunction()
 
 # vdrive_compile_together(<target> [APART <file>...] [FOR_LINT])
-# With VDRIVE_UNITY_BUILD up to sixteen sources of the target are compiled at once: they share the
-# reading of their headers and their templates. clang-tidy goes through all of the headers again for
-# each of its checks, so it reads up to 64. Names in their unnamed namespaces must differ: the
+# With VDRIVE_UNITY_BUILD up to 64 sources of the target are compiled at once: they share the reading of
+# their headers and their templates, and clang-tidy goes through all of the headers again for each of its
+# checks. Names in their unnamed namespaces must differ: the
 # wrong one of two functions may fit a call. The architecture test reads the list written here.
 # APART: sources whose names cannot differ. FOR_LINT: only clang-tidy, and a build in which nothing is
-# measured (VDRIVE_OPTIMISE), reads them at once; otherwise each is compiled by itself.
+# measured (VDRIVE_OPTIMISE, VDRIVE_SANITIZE), reads them at once; otherwise each is compiled by itself.
 function(vdrive_compile_together target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "FOR_LINT" "" "APART")
   get_target_property(together ${target} SOURCES)
@@ -189,15 +198,11 @@ function(vdrive_compile_together target)
   list(TRANSFORM together PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
   list(JOIN together "\n" together)
   file(WRITE ${PROJECT_BINARY_DIR}/compiled_together/${target}.txt "${together}\n")
-  if(arg_FOR_LINT AND NOT CMAKE_CXX_CLANG_TIDY AND VDRIVE_OPTIMISE STREQUAL "ALL")
+  if(arg_FOR_LINT AND NOT CMAKE_CXX_CLANG_TIDY AND NOT VDRIVE_SANITIZE AND VDRIVE_OPTIMISE STREQUAL "ALL")
     return()
   endif()
   if(VDRIVE_UNITY_BUILD)
-    set(batch 16)
-    if(CMAKE_CXX_CLANG_TIDY)
-      set(batch 64)
-    endif()
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 64)
     set_source_files_properties(${arg_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     # A source that is included is no header: its unnamed namespace belongs to one object.
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
@@ -248,12 +253,12 @@ endforeach()
 endfunction()
 
 # vdrive_add_test(<name> LABEL unit|dds|full SOURCES <file>... [LIBRARIES <target>...]
-#                 [TIMED <regex>] [FULL <regex>] [CALCULATES] [BRIDGE])
+#                 [TIMED <regex>] [FULL <regex>] [CALCULATES] [BRIDGE] [ONE_THREAD])
 # A GoogleTest program with one ctest case per test, run each in a process of its own (unit tests
 # under a sanitizer: one case for the program); TIMED: its tests whose names match hold promises
 # about time; FULL: those whose names match have the label full; CALCULATES: its tests wait for
 # nothing, and run with the lowest priority; BRIDGE: it tests a bridge, its tests have the label
-# bridge, too. ./tests/run.sh runs the labels unit and dds without those of bridges, and builds the
+# bridge, too; ONE_THREAD: it starts no thread, so a build that searches for data races leaves it out. ./tests/run.sh runs the labels unit and dds without those of bridges, and builds the
 # target chosen_tests for that; tests of the label full wait or calculate long, and run with --full only
 # (docs/explanation/testing.md). A program sees
 #   VDRIVE_SOURCE_DIR   the source tree, for tests/data and the scenarios
@@ -262,12 +267,16 @@ endfunction()
 # With VDRIVE_NIGHTLY=1 in the environment a test may run its long count. The target unit_tests
 # builds everything of that label, dds_tests and full_tests alike.
 function(vdrive_add_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "CALCULATES;BRIDGE" "LABEL;TIMED;FULL" "SOURCES;LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "CALCULATES;BRIDGE;ONE_THREAD" "LABEL;TIMED;FULL" "SOURCES;LIBRARIES")
   if(NOT arg_LABEL MATCHES "^(unit|dds|full)$" OR NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "vdrive_add_test(${name} LABEL unit|dds|full SOURCES ... [LIBRARIES ...])")
   endif()
   add_executable(${name} ${arg_SOURCES})
   vdrive_target_defaults(${name})
+  if(arg_ONE_THREAD AND VDRIVE_SANITIZE MATCHES "thread")
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+    return()
+  endif()
   target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} GTest::gmock GTest::gtest_main)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_compile_definitions(${name} PRIVATE VDRIVE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

@@ -26,7 +26,7 @@ constexpr std::size_t kMostOfABench = 1'024 * kKibi;  ///< of two axes, with its
 /// and 128 to its requests (1.7 KiB), 0.7 MiB in all.
 constexpr std::size_t kMostOfAMovedBench = kMostOfABench + 750 * kKibi;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef VDRIVE_SANITIZED
 constexpr bool kIsMeasured = false;  // a sanitizer has memory of its own for each byte
 #else
 constexpr bool kIsMeasured = true;

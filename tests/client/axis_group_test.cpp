@@ -765,7 +765,7 @@ TEST_F(LockStepGroup, RefusesAMonitorInLockStep) {
 }
 
 // A sanitizer needs many times the time, and finds the same in fewer moves.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef VDRIVE_SANITIZED
 constexpr int kRandomMoves = 20;
 #else
 constexpr int kRandomMoves = 400;

@@ -39,9 +39,9 @@ void move_to(AxisUnderTest& axis, std::int32_t target) {
 }
 
 TEST(SwitchPlaces, AreNowhereByDefault) {
-  constexpr std::int32_t kLowest = std::numeric_limits<std::int32_t>::min();
-  constexpr std::int32_t kHighest = std::numeric_limits<std::int32_t>::max();
-  for (const std::int32_t position : {kLowest, 0, kHighest}) {
+  constexpr std::int32_t kLeast = std::numeric_limits<std::int32_t>::min();
+  constexpr std::int32_t kGreatest = std::numeric_limits<std::int32_t>::max();
+  for (const std::int32_t position : {kLeast, 0, kGreatest}) {
     AxisConfiguration configuration;
     configuration.initial_position = position;
     AxisUnderTest axis(configuration);

@@ -30,7 +30,7 @@ const bool kIsQuiet = [] {
 /// How many seeds: `full` of an optimised build with --full, a third of them in a usual run. Builds
 /// of sanitizers and without optimisation are slow: `debug`. By night 20 times as many.
 std::uint64_t count_of(std::uint64_t full, std::uint64_t debug) {
-#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(NDEBUG) && !defined(VDRIVE_SANITIZED)
   static_cast<void>(debug);
   const std::uint64_t usual = full / 3;
 #else

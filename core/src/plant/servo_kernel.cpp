@@ -99,8 +99,7 @@ struct Friction {
   return uneven != 0.0 ? torque + uneven : torque;
 }
 
-/// @return where a step of a load ends between the end stops: it stays at a stop, without a
-/// rebound.
+/// @return where a step of a load ends between the end stops: it stays at a stop, without rebound.
 ///         From beyond one it can only come back.
 [[gnu::always_inline]] inline double between_stops(const EffectState& s, std::size_t l, double from,
                                                    double to) {

@@ -5,22 +5,12 @@
 #include <cstdlib>
 #include <new>
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || \
-    __has_feature(memory_sanitizer)
-#define VDRIVE_SANITIZER_OWNS_MALLOC
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define VDRIVE_SANITIZER_OWNS_MALLOC
-#endif
-
 namespace {
 
 thread_local bool armed = false;
 thread_local std::uint64_t allocations = 0;
 
-void count_allocation() noexcept {
+[[maybe_unused]] void count_allocation() noexcept {
   if (armed) ++allocations;
 }
 
@@ -43,7 +33,7 @@ std::uint64_t AllocationGuard::count() const {
 
 }  // namespace vdrive::test
 
-#if !defined(VDRIVE_SANITIZER_OWNS_MALLOC) && defined(__GLIBC__)
+#if !defined(VDRIVE_SANITIZED) && defined(__GLIBC__)
 
 // glibc's own entry points, under which the replacements below reach the heap. operator new of the
 // standard library ends in malloc and is counted there.
@@ -76,7 +66,7 @@ void* aligned_alloc(std::size_t alignment, std::size_t size) {
 
 }  // extern "C"
 
-#else
+#elif !defined(VDRIVE_WATCHES_THREADS)
 
 void* operator new(std::size_t size) {
   count_allocation();

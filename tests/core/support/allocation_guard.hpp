@@ -6,7 +6,8 @@
 namespace vdrive::test {
 
 /// Counts the allocations of this thread during its lifetime: operator new in every form and, where
-/// no sanitizer owns them, malloc, calloc, realloc and aligned_alloc. Link allocation_guard.cpp.
+/// no sanitizer owns them, malloc, calloc, realloc and aligned_alloc; nothing where the sanitizer
+/// of threads owns all of them. Link allocation_guard.cpp.
 class AllocationGuard {
  public:
   AllocationGuard();
