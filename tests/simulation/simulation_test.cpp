@@ -27,12 +27,12 @@ const bool kIsQuiet = [] {
   return true;
 }();
 
-/// How many seeds: `full` of an optimised build with --full, a third of them in a usual run. Builds
+/// How many seeds: `full` of an optimised build with --full, a sixth of them in a usual run. Builds
 /// of sanitizers and without optimisation are slow: `debug`. By night 20 times as many.
 std::uint64_t count_of(std::uint64_t full, std::uint64_t debug) {
 #if defined(NDEBUG) && !defined(VDRIVE_SANITIZED)
   static_cast<void>(debug);
-  const std::uint64_t usual = full / 3;
+  const std::uint64_t usual = full / 6;
 #else
   full = debug;
   const std::uint64_t usual = debug;
