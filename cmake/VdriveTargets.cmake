@@ -101,7 +101,7 @@ function(vdrive_target_defaults target)
     if(sanitizers MATCHES "address" AND CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/tests"
        AND NOT VDRIVE_BUILD_FUZZERS)
       # The expressions of a test are no part of what is tested: with all checks they take as long to
-      # compile as everything else.
+      # compile as everything else. Fuzzers are built of sources of the rooms.
       set(sanitizers address)
     endif()
     target_compile_options(${target} PRIVATE -fsanitize=${sanitizers} -fno-sanitize-recover=all
@@ -186,8 +186,8 @@ endfunction()
 # vdrive_compile_together(<target> [APART <file>...] [FOR_LINT])
 # With VDRIVE_UNITY_BUILD up to 64 sources of the target are compiled at once: they share the reading of
 # their headers and their templates, and clang-tidy goes through all of the headers again for each of its
-# checks. Names in their unnamed namespaces must differ: the
-# wrong one of two functions may fit a call. The architecture test reads the list written here.
+# checks. Names in their unnamed namespaces must differ: the wrong one of two functions may fit a call.
+# The architecture test reads the list written here.
 # APART: sources whose names cannot differ. FOR_LINT: only clang-tidy, and a build in which nothing is
 # measured (VDRIVE_OPTIMISE, VDRIVE_SANITIZE), reads them at once; otherwise each is compiled by itself.
 function(vdrive_compile_together target)
@@ -258,8 +258,9 @@ endfunction()
 # under a sanitizer: one case for the program); TIMED: its tests whose names match hold promises
 # about time; FULL: those whose names match have the label full; CALCULATES: its tests wait for
 # nothing, and run with the lowest priority; BRIDGE: it tests a bridge, its tests have the label
-# bridge, too; ONE_THREAD: it starts no thread, so a build that searches for data races leaves it out. ./tests/run.sh runs the labels unit and dds without those of bridges, and builds the
-# target chosen_tests for that; tests of the label full wait or calculate long, and run with --full only
+# bridge, too; ONE_THREAD: it starts no thread, so a build that searches for data races leaves it out.
+# ./tests/run.sh runs the labels unit and dds without those of bridges, and builds the target
+# chosen_tests for that; tests of the label full wait or calculate long, and run with --full only
 # (docs/explanation/testing.md). A program sees
 #   VDRIVE_SOURCE_DIR   the source tree, for tests/data and the scenarios
 #   VDRIVE_SERVICE, VDRIVE_TOOL   (not label unit) the programs vdrived and vdrive of this build; a test without
