@@ -70,7 +70,7 @@ void AxisBank::State::design_effects(std::size_t axis, const Gear& gear) {
   vdrive::design_effects(
       configurations[axis].model, gear,
       {.period = timing.period_us * 1.0e-6, .velocity_from_load = velocity_from_load}, place.lane,
-      of_block->parameters);
+      *of_block);
 }
 
 void AxisBank::State::apply_torques(std::size_t axis) {

@@ -30,6 +30,20 @@ double part_of_way(double time_constants) {
   return std::min(time_constants / (1.0 + 0.5 * time_constants), 1.0);
 }
 
+void set_lane(std::uint64_t& lanes, std::size_t lane, bool is_set) {
+  const std::uint64_t of_lane = std::uint64_t{1} << lane;
+  lanes = is_set ? lanes | of_lane : lanes & ~of_lane;
+}
+
+/// @return whether a power stage was switched since the last tick.
+bool is_switched(const EffectState& state, const ServoState& servo) {
+  std::uint64_t others = 0;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    others |= servo.powered[l] == state.powered[l] ? 0U : 1U;
+  }
+  return others != 0;
+}
+
 /// @return the place of an end stop; `infinite` where the parameter is `none`.
 double end_stop(double parameter, double none, double infinite) {
   return parameter == none ? infinite : parameter;
@@ -48,7 +62,8 @@ EffectBlock no_effects() noexcept {
 }
 
 void design_effects(const AxisModel& model, const Gear& gear, const EffectDesign& design,
-                    std::size_t lane, EffectParameters& parameters) noexcept {
+                    std::size_t lane, EffectBlock& block) noexcept {
+  EffectParameters& parameters = block.parameters;
   const double unit = torque_unit(model, gear);
   const bool dual = model.feedback == Feedback::dual_encoder;
   parameters.cogging[lane] = -model.cogging_torque / unit;
@@ -68,6 +83,12 @@ void design_effects(const AxisModel& model, const Gear& gear, const EffectDesign
   parameters.heat_gain[lane] = model.motor_thermal_time_constant == 0.0
                                    ? 0.0
                                    : part_of_way(design.period / model.motor_thermal_time_constant);
+  set_lane(parameters.cogged, lane, parameters.cogging[lane] != 0.0);
+  set_lane(parameters.rippled, lane, parameters.ripple[lane] != 0.0);
+  set_lane(parameters.stopped, lane,
+           parameters.lower_stop[lane] != -kInfiniteDistance ||
+               parameters.upper_stop[lane] != kInfiniteDistance);
+  set_lane(block.state.following, lane, true);
 }
 
 void start_effects(const AxisModel& model, std::uint64_t axis, std::size_t lane,
@@ -94,6 +115,8 @@ void place_effects(EffectBlock& block, std::size_t lane, const Origins& origins)
 void move_brakes(EffectBlock& block, const ServoState& servo) noexcept {
   const EffectParameters& p = block.parameters;
   EffectState& s = block.state;
+  if (s.following == 0 && !is_switched(s, servo)) return;
+  s.following = 0;
   for (std::size_t l = 0; l < kLanes; ++l) {
     const bool powered = servo.powered[l] != 0.0;
     const double needed = powered ? p.release_ticks[l] : p.engage_ticks[l];
@@ -101,6 +124,7 @@ void move_brakes(EffectBlock& block, const ServoState& servo) noexcept {
     const bool has_followed = ticks >= needed;
     // Until it follows it stays as it is, whatever the power stage did meanwhile.
     const bool closed = has_followed ? !powered : s.brake[l] != 0.0;
+    s.following |= has_followed ? 0U : std::uint64_t{1} << l;
     s.powered[l] = servo.powered[l];
     s.brake_ticks[l] = has_followed ? ticks : ticks + 1.0;
     s.brake[l] = closed ? p.brake[l] : 0.0;

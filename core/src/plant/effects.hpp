@@ -27,11 +27,15 @@ struct alignas(64) EffectParameters {
   Lane engage_ticks;   // from power off to the closed brake
   Lane lower_stop;     // of the load, as counted at first power-up; -infinity = none [UU]
   Lane upper_stop;     // of the load, as counted at first power-up; infinity = none [UU]
-  Lane motor_per_load;  // motor over load revolutions
-  Lane motor_noise;     // encoder 1, root mean square [UU]
-  Lane load_noise;      // encoder of the position loop, root mean square [UU]
-  Lane shares_encoder;  // 1 = the position loop uses encoder 1
-  Lane heat_gain;       // part of its way that the heat goes in a tick; 0 = no heat
+  Lane motor_per_load;    // motor over load revolutions
+  Lane motor_noise;       // encoder 1, root mean square [UU]
+  Lane load_noise;        // encoder of the position loop, root mean square [UU]
+  Lane shares_encoder;    // 1 = the position loop uses encoder 1
+  Lane heat_gain;         // part of its way that the heat goes in a tick; 0 = no heat
+  std::uint64_t cogged;   // lanes with cogging
+  std::uint64_t rippled;  // lanes with ripple
+  std::uint64_t stopped;  // lanes with an end stop
+  std::array<std::uint64_t, 5> unused;
 };
 
 /// State of the effects of a block.
@@ -50,7 +54,8 @@ struct alignas(64) EffectState {
   std::uint64_t draws;                        // of encoder noise, two each sub-step
   std::uint64_t noisy;                        // lanes with encoder noise
   std::uint64_t hot;                          // lanes above the rated heat
-  std::array<std::uint64_t, 5> unused;
+  std::uint64_t following;                    // lanes whose brake may change without a switch
+  std::array<std::uint64_t, 4> unused;
 };
 
 /// The effects of a block whose axes have any.
@@ -76,9 +81,9 @@ struct EffectDesign {
   double velocity_from_load;  // effect of 1 UU/s² at the motor on the velocity of a sub-step [s]
 };
 
-/// Fills one lane.
+/// Fills one lane; its brake takes the new values in the next tick.
 void design_effects(const AxisModel& model, const Gear& gear, const EffectDesign& design,
-                    std::size_t lane, EffectParameters& parameters) noexcept;
+                    std::size_t lane, EffectBlock& block) noexcept;
 
 /// A lane that is filled begins: its brake is closed, its noise depends on the model's seed and
 /// `axis`.

@@ -83,15 +83,35 @@ struct Friction {
   return {stuck ? 0.0 : next, direction, stuck};
 }
 
-/// @return what cogging and ripple add to `torque` of a motor at `position`: +0 in a lane that has
-///         neither.
-[[gnu::always_inline]] inline double uneven_torque(const EffectBlock& e, std::size_t l,
-                                                   double position, double torque) {
-  const double angle = position - e.state.motor_origin[l];
+/// Torque of the motor in a sub-step.
+template <bool kGeneral>
+[[gnu::always_inline]] inline double torque_of(const ServoState& s, std::size_t l) {
+  return kGeneral ? s.torque[l] * s.powered[l] : s.torque[l];
+}
+
+/// What cogging and ripple add to the torques of the motors in a sub-step: +0 in a lane that has
+/// neither. Most blocks have no ripple: its sine is a loop of its own.
+template <bool kGeneral>
+[[gnu::always_inline]] inline void find_uneven(const EffectBlock& e, const ServoState& s,
+                                               Lane& uneven) {
   const EffectParameters& p = e.parameters;
-  const double cogging = p.cogging[l] * sine_of_turns(angle * p.cogging_turns[l]);
-  const double ripple = p.ripple[l] * sine_of_turns(angle * p.ripple_turns[l]);
-  return cogging + torque * ripple + 0.0;  // a sum of -0 would change the sign of another 0
+  uneven = {};
+  if (p.cogged != 0) {
+    VDRIVE_INDEPENDENT_LANES
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const double angle = s.position[l] - e.state.motor_origin[l];
+      // A -0 would change the sign of another 0.
+      uneven[l] = p.cogging[l] * sine_of_turns(angle * p.cogging_turns[l]) + 0.0;
+    }
+  }
+  if (p.rippled != 0) {
+    VDRIVE_INDEPENDENT_LANES
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const double angle = s.position[l] - e.state.motor_origin[l];
+      const double ripple = p.ripple[l] * sine_of_turns(angle * p.ripple_turns[l]);
+      uneven[l] += torque_of<kGeneral>(s, l) * ripple;
+    }
+  }
 }
 
 /// @return `torque` with what cogging and ripple add; the same bits where they add nothing.
@@ -200,8 +220,8 @@ template <bool kEffects>
 template <bool kGeneral, bool kPlay, bool kEffects>
 [[gnu::always_inline]] inline void step_elastic_lane(const ElasticParameters& p, ServoState& state,
                                                      const EffectBlock* e, std::size_t l,
-                                                     const MotionSample& demand, double rate,
-                                                     double half_substep) {
+                                                     const MotionSample& demand, double uneven,
+                                                     double rate, double half_substep) {
   const double xm = state.position[l];
   const double xl = state.load_position[l];
   const double measured = quantise(seen_by_motor<kEffects>(e, l, xm), p.loop.counts_per_unit[l],
@@ -210,7 +230,7 @@ template <bool kGeneral, bool kPlay, bool kEffects>
       quantise(seen_by_load<kEffects>(e, l, p.loop.closes_on_load[l] != 0.0 ? xl : xm),
                p.loop.load_counts_per_unit[l], p.loop.load_units_per_count[l]);
   const double u = control<kGeneral>(p.loop, state, l, demand, measured, load_measured, rate);
-  const double torque = kGeneral ? state.torque[l] * state.powered[l] : state.torque[l];
+  const double torque = torque_of<kGeneral>(state, l);
 
   // Inside the play both inertias are on their own; outside it the shaft is twisted by the rest.
   const double twist = p.loop.ratio[l] * xm + state.load_offset[l] - xl;
@@ -220,29 +240,20 @@ template <bool kGeneral, bool kPlay, bool kEffects>
   const bool engaged = !kPlay || ((strain != 0.0) | (play == 0.0));
 
   const ElasticInput in{l, strain, state.velocity[l], state.load_velocity[l], torque, u};
-  const double uneven = kEffects ? uneven_torque(*e, l, xm, torque) : 0.0;
   const ElasticStep next =
       advance<kEffects>(p, e, in, engaged, state.load_torque[l], uneven, half_substep);
   const bool blocked = kGeneral && state.blocked[l] != 0.0;
   state.position[l] = xm + next.motor_step;
   state.velocity[l] = next.motor_velocity;
-  const double load_position = blocked ? xl : xl + next.load_step;
-  const double load_velocity = blocked ? 0.0 : next.load_velocity;
-  if constexpr (kEffects) {
-    const double end = between_stops(e->state, l, xl, load_position);
-    state.load_position[l] = end;
-    state.load_velocity[l] = end != load_position ? 0.0 : load_velocity;
-  } else {
-    state.load_position[l] = load_position;
-    state.load_velocity[l] = load_velocity;
-  }
+  state.load_position[l] = blocked ? xl : xl + next.load_step;
+  state.load_velocity[l] = blocked ? 0.0 : next.load_velocity;
   state.torque[l] = p.torque_from_torque[l] * torque + p.torque_from_command[l] * u;
 }
 
-/// What the end stops make of a step of a rigid axis from `x`, where its load is at `load_x`.
-[[gnu::always_inline]] inline void hold_at_stops(const RigidParameters& p, const EffectBlock& e,
-                                                 ServoState& state, std::size_t l, double x,
-                                                 double load_x) {
+/// What the end stops make of a step of a rigid axis, which had its motor at `x`.
+[[gnu::always_inline]] inline void hold_lane(const RigidParameters& p, const EffectBlock& e,
+                                             ServoState& state, std::size_t l, double x) {
+  const double load_x = p.loop.ratio[l] * x + state.load_offset[l];
   const double moved = p.loop.ratio[l] * state.position[l] + state.load_offset[l];
   const double end = between_stops(e.state, l, load_x, moved);
   const double at_stop = (end - state.load_offset[l]) * e.parameters.motor_per_load[l];
@@ -253,11 +264,31 @@ template <bool kGeneral, bool kPlay, bool kEffects>
   state.velocity[l] = caught ? 0.0 : state.velocity[l];
 }
 
+/// What the end stops make of a step of a load on a shaft, which was at `x`.
+[[gnu::always_inline]] inline void hold_lane(const ElasticParameters& /*p*/, const EffectBlock& e,
+                                             ServoState& state, std::size_t l, double x) {
+  const double moved = state.load_position[l];
+  const double end = between_stops(e.state, l, x, moved);
+  state.load_position[l] = end;
+  state.load_velocity[l] = end != moved ? 0.0 : state.load_velocity[l];
+}
+
+/// @return where a step begins, of what hold_lane() asks for.
+[[gnu::always_inline]] inline const Lane& begin_of(const RigidParameters& /*p*/,
+                                                   const ServoState& state) {
+  return state.position;
+}
+
+[[gnu::always_inline]] inline const Lane& begin_of(const ElasticParameters& /*p*/,
+                                                   const ServoState& state) {
+  return state.load_position;
+}
+
 template <bool kGeneral, bool kEffects>
 [[gnu::always_inline]] inline void step_rigid_lane(const RigidParameters& p, ServoState& state,
                                                    const EffectBlock* e, std::size_t l,
-                                                   const MotionSample& demand, double rate,
-                                                   double half_substep) {
+                                                   const MotionSample& demand, double uneven,
+                                                   double rate, double half_substep) {
   const double x = state.position[l];
   const double v = state.velocity[l];
   const double measured = quantise(seen_by_motor<kEffects>(e, l, x), p.loop.counts_per_unit[l],
@@ -267,9 +298,9 @@ template <bool kGeneral, bool kEffects>
       quantise(seen_by_load<kEffects>(e, l, p.loop.closes_on_load[l] != 0.0 ? load_x : x),
                p.loop.load_counts_per_unit[l], p.loop.load_units_per_count[l]);
   const double u = control<kGeneral>(p.loop, state, l, demand, measured, load_measured, rate);
-  const double torque = kGeneral ? state.torque[l] * state.powered[l] : state.torque[l];
+  const double torque = torque_of<kGeneral>(state, l);
   const double outside = state.load_torque[l];
-  const double load = kEffects ? with_uneven(outside, uneven_torque(*e, l, x, torque)) : outside;
+  const double load = kEffects ? with_uneven(outside, uneven) : outside;
   const double rubbing = kEffects ? p.friction[l] + e->state.brake[l] : p.friction[l];
   const double impulse =
       kEffects ? p.friction_impulse[l] + e->state.brake_impulse[l] : p.friction_impulse[l];
@@ -284,7 +315,6 @@ template <bool kGeneral, bool kEffects>
   const bool blocked = kGeneral && state.blocked[l] != 0.0;
   state.position[l] = blocked ? x : next;
   state.velocity[l] = blocked ? 0.0 : friction.velocity;
-  if constexpr (kEffects) hold_at_stops(p, *e, state, l, x, load_x);
   state.torque[l] = p.torque_from_torque[l] * torque + p.torque_from_command[l] * u;
 }
 
@@ -306,18 +336,34 @@ template <bool kEffects, typename Parameters>
 }
 
 /// The sub-steps of the blocks alternate: `step_lane(block, lane, demand)` of one block does not
-/// wait for that of another.
-template <bool kEffects, bool kJerk, typename Parameters, typename StepLane>
+/// wait for that of another. What only some blocks with effects need is in loops of its own.
+template <bool kGeneral, bool kEffects, bool kJerk, typename Parameters, typename StepLane>
 [[gnu::always_inline]] inline void step_blocks(std::span<const ServoBlock<Parameters>> blocks,
                                                const Substeps& substeps, StepLane step_lane) {
   for (std::size_t k = substeps.first; k < substeps.last; ++k) {
     const auto step = static_cast<double>(k);
     for (const ServoBlock<Parameters>& block : blocks) {
+      const Parameters& parameters = *block.parameters;
+      ServoState& state = *block.state;
+      Lane uneven{};
+      Lane begin{};
+      if constexpr (kEffects) {
+        find_uneven<kGeneral>(*block.effects, state, uneven);
+        begin = begin_of(parameters, state);
+      }
       VDRIVE_INDEPENDENT_LANES
       for (std::size_t l = 0; l < kLanes; ++l) {
-        step_lane(block, l, demand_at<kJerk>(*block.demand, l, substeps, step));
+        step_lane(block, l, demand_at<kJerk>(*block.demand, l, substeps, step), uneven[l]);
       }
-      if constexpr (kEffects) draw_noise(*block.effects);
+      if constexpr (kEffects) {
+        if (block.effects->parameters.stopped != 0) {
+          VDRIVE_INDEPENDENT_LANES
+          for (std::size_t l = 0; l < kLanes; ++l) {
+            hold_lane(parameters, *block.effects, state, l, begin[l]);
+          }
+        }
+        draw_noise(*block.effects);
+      }
     }
   }
   if (static_cast<double>(substeps.last) != substeps.count) return;
@@ -330,13 +376,13 @@ template <bool kGeneral, bool kEffects, bool kJerk>
                                               const Substeps& substeps) {
   const double rate = 1.0 / substeps.length;
   const double half_substep = 0.5 * substeps.length;
-  step_blocks<kEffects, kJerk>(
+  step_blocks<kGeneral, kEffects, kJerk>(
       blocks, substeps,
-      [=](const ServoBlock<RigidParameters>& block, std::size_t l, const MotionSample& demand)
-          __attribute__((always_inline)) {
-            step_rigid_lane<kGeneral, kEffects>(*block.parameters, *block.state, block.effects, l,
-                                                demand, rate, half_substep);
-          });
+      [=](const ServoBlock<RigidParameters>& block, std::size_t l, const MotionSample& demand,
+          double uneven) __attribute__((always_inline)) {
+        step_rigid_lane<kGeneral, kEffects>(*block.parameters, *block.state, block.effects, l,
+                                            demand, uneven, rate, half_substep);
+      });
 }
 
 template <bool kGeneral, bool kPlay, bool kEffects, bool kJerk>
@@ -344,13 +390,13 @@ template <bool kGeneral, bool kPlay, bool kEffects, bool kJerk>
     std::span<const ServoBlock<ElasticParameters>> blocks, const Substeps& substeps) {
   const double rate = 1.0 / substeps.length;
   const double half_substep = 0.5 * substeps.length;
-  step_blocks<kEffects, kJerk>(
+  step_blocks<kGeneral, kEffects, kJerk>(
       blocks, substeps,
-      [=](const ServoBlock<ElasticParameters>& block, std::size_t l, const MotionSample& demand)
-          __attribute__((always_inline)) {
-            step_elastic_lane<kGeneral, kPlay, kEffects>(
-                *block.parameters, *block.state, block.effects, l, demand, rate, half_substep);
-          });
+      [=](const ServoBlock<ElasticParameters>& block, std::size_t l, const MotionSample& demand,
+          double uneven) __attribute__((always_inline)) {
+        step_elastic_lane<kGeneral, kPlay, kEffects>(*block.parameters, *block.state, block.effects,
+                                                     l, demand, uneven, rate, half_substep);
+      });
 }
 
 VDRIVE_VECTOR_CLONES
