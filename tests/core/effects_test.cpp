@@ -140,6 +140,21 @@ TEST(HoldingBrake, SlipsUnderMoreThanItsTorque) {
   EXPECT_NEAR(axis.actual(), -0.5 * (1.0 / 6.0e-3) * kUnitsPerRadian * 0.04, 1.5);
 }
 
+TEST(HoldingBrake, MeetsTheLoadOfAGearThatIsSetWhileItIsClosed) {
+  AxisConfiguration configuration = smooth_axis();
+  configuration.model.gravity_torque = -0.3;
+  configuration.model.brake_torque = 0.4;
+  AxisUnderTest axis(configuration);
+  axis.step(1'000);
+  ASSERT_EQ(axis.status().motor_position_actual_value, 0);
+  axis.write("gear_ratio_numerator", 2);
+  axis.step(200);
+  // At the motor the weight is 0.6 N.m now, and the inertia of the load four times its 3e-4 kg.m2:
+  // 0.2 N.m are left on 15e-4 kg.m2.
+  EXPECT_NEAR(axis.status().motor_position_actual_value,
+              -0.5 * (0.2 / 15.0e-4) * kUnitsPerRadian * 0.04, 1.5);
+}
+
 TEST(HoldingBrake, OpensItsReleaseTimeAfterThePowerStageIsOn) {
   AxisConfiguration configuration = braked_axis(2.0);
   configuration.model.brake_release_time = 0.05;

@@ -44,6 +44,22 @@ bool is_switched(const EffectState& state, const ServoState& servo) {
   return others != 0;
 }
 
+/// A tick of the brake of lane `l`.
+/// @return whether it has followed the power stage.
+bool move_brake(const EffectParameters& p, const ServoState& servo, std::size_t l, EffectState& s) {
+  const bool powered = servo.powered[l] != 0.0;
+  const double needed = powered ? p.release_ticks[l] : p.engage_ticks[l];
+  const double ticks = servo.powered[l] == s.powered[l] ? s.brake_ticks[l] : 0.0;
+  const bool has_followed = ticks >= needed;
+  // Until it follows it stays as it is, whatever the power stage did meanwhile.
+  const bool closed = has_followed ? !powered : s.brake[l] != 0.0;
+  s.powered[l] = servo.powered[l];
+  s.brake_ticks[l] = has_followed ? ticks : ticks + 1.0;
+  s.brake[l] = closed ? p.brake[l] : 0.0;
+  s.brake_impulse[l] = closed ? p.brake_impulse[l] : 0.0;
+  return has_followed;
+}
+
 /// @return the place of an end stop; `infinite` where the parameter is `none`.
 double end_stop(double parameter, double none, double infinite) {
   return parameter == none ? infinite : parameter;
@@ -113,22 +129,11 @@ void place_effects(EffectBlock& block, std::size_t lane, const Origins& origins)
 }
 
 void move_brakes(EffectBlock& block, const ServoState& servo) noexcept {
-  const EffectParameters& p = block.parameters;
-  EffectState& s = block.state;
-  if (s.following == 0 && !is_switched(s, servo)) return;
-  s.following = 0;
+  EffectState& state = block.state;
+  if (state.following == 0 && !is_switched(state, servo)) return;
+  state.following = 0;
   for (std::size_t l = 0; l < kLanes; ++l) {
-    const bool powered = servo.powered[l] != 0.0;
-    const double needed = powered ? p.release_ticks[l] : p.engage_ticks[l];
-    const double ticks = servo.powered[l] == s.powered[l] ? s.brake_ticks[l] : 0.0;
-    const bool has_followed = ticks >= needed;
-    // Until it follows it stays as it is, whatever the power stage did meanwhile.
-    const bool closed = has_followed ? !powered : s.brake[l] != 0.0;
-    s.following |= has_followed ? 0U : std::uint64_t{1} << l;
-    s.powered[l] = servo.powered[l];
-    s.brake_ticks[l] = has_followed ? ticks : ticks + 1.0;
-    s.brake[l] = closed ? p.brake[l] : 0.0;
-    s.brake_impulse[l] = closed ? p.brake_impulse[l] : 0.0;
+    if (!move_brake(block.parameters, servo, l, state)) state.following |= std::uint64_t{1} << l;
   }
 }
 

@@ -273,6 +273,15 @@ template <bool kGeneral, bool kPlay, bool kEffects>
   state.load_velocity[l] = end != moved ? 0.0 : state.load_velocity[l];
 }
 
+/// The end stops of a block whose steps began at `begin`.
+template <typename Parameters>
+[[gnu::always_inline]] inline void hold_at_stops(const Parameters& p, const EffectBlock& e,
+                                                 ServoState& state, const Lane& begin) {
+  if (e.parameters.stopped == 0) return;
+  VDRIVE_INDEPENDENT_LANES
+  for (std::size_t l = 0; l < kLanes; ++l) hold_lane(p, e, state, l, begin[l]);
+}
+
 /// @return where a step begins, of what hold_lane() asks for.
 [[gnu::always_inline]] inline const Lane& begin_of(const RigidParameters& /*p*/,
                                                    const ServoState& state) {
@@ -335,35 +344,39 @@ template <bool kEffects, typename Parameters>
   }
 }
 
-/// The sub-steps of the blocks alternate: `step_lane(block, lane, demand)` of one block does not
-/// wait for that of another. What only some blocks with effects need is in loops of its own.
+/// One sub-step of the lanes of a block. What only some blocks with effects need is in loops of its
+/// own.
+template <bool kGeneral, bool kEffects, bool kJerk, typename Parameters, typename StepLane>
+[[gnu::always_inline]] inline void step_block(const ServoBlock<Parameters>& block,
+                                              const Substeps& substeps, double k,
+                                              StepLane step_lane) {
+  const Parameters& parameters = *block.parameters;
+  ServoState& state = *block.state;
+  Lane uneven{};
+  Lane begin{};
+  if constexpr (kEffects) {
+    find_uneven<kGeneral>(*block.effects, state, uneven);
+    begin = begin_of(parameters, state);
+  }
+  VDRIVE_INDEPENDENT_LANES
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    step_lane(block, l, demand_at<kJerk>(*block.demand, l, substeps, k), uneven[l]);
+  }
+  if constexpr (kEffects) {
+    hold_at_stops(parameters, *block.effects, state, begin);
+    draw_noise(*block.effects);
+  }
+}
+
+/// The sub-steps of the blocks alternate: `step_lane(block, lane, demand, uneven)` of one block
+/// does not wait for that of another.
 template <bool kGeneral, bool kEffects, bool kJerk, typename Parameters, typename StepLane>
 [[gnu::always_inline]] inline void step_blocks(std::span<const ServoBlock<Parameters>> blocks,
                                                const Substeps& substeps, StepLane step_lane) {
   for (std::size_t k = substeps.first; k < substeps.last; ++k) {
     const auto step = static_cast<double>(k);
     for (const ServoBlock<Parameters>& block : blocks) {
-      const Parameters& parameters = *block.parameters;
-      ServoState& state = *block.state;
-      Lane uneven{};
-      Lane begin{};
-      if constexpr (kEffects) {
-        find_uneven<kGeneral>(*block.effects, state, uneven);
-        begin = begin_of(parameters, state);
-      }
-      VDRIVE_INDEPENDENT_LANES
-      for (std::size_t l = 0; l < kLanes; ++l) {
-        step_lane(block, l, demand_at<kJerk>(*block.demand, l, substeps, step), uneven[l]);
-      }
-      if constexpr (kEffects) {
-        if (block.effects->parameters.stopped != 0) {
-          VDRIVE_INDEPENDENT_LANES
-          for (std::size_t l = 0; l < kLanes; ++l) {
-            hold_lane(parameters, *block.effects, state, l, begin[l]);
-          }
-        }
-        draw_noise(*block.effects);
-      }
+      step_block<kGeneral, kEffects, kJerk>(block, substeps, step, step_lane);
     }
   }
   if (static_cast<double>(substeps.last) != substeps.count) return;
