@@ -84,12 +84,13 @@ function(vdrive_target_defaults target)
     target_compile_options(${target} PRIVATE -O0 -U_FORTIFY_SOURCE)
   endif()
   if(arg_GENERATED)
-    set_target_properties(${target} PROPERTIES CXX_CLANG_TIDY "")
     target_compile_options(${target} PRIVATE -w)
   else()
     target_compile_options(${target} PRIVATE ${vdrive_warnings}
                                              $<$<BOOL:${VDRIVE_WARNINGS_AS_ERRORS}>:-Werror>)
-    if(CMAKE_CXX_CLANG_TIDY)
+    if(VDRIVE_LINT)
+      set_target_properties(${target} PROPERTIES CXX_COMPILER_LAUNCHER ${PROJECT_SOURCE_DIR}/tests/checks/lint.sh)
+      set_property(GLOBAL APPEND PROPERTY vdrive_linted $<TARGET_OBJECTS:${target}>)
       # The build system knows a file's headers, but not that its lint depends on these rules.
       set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/.clang-tidy)
       file(SHA256 ${PROJECT_SOURCE_DIR}/.clang-tidy rules)
@@ -99,7 +100,7 @@ function(vdrive_target_defaults target)
   if(VDRIVE_SANITIZE)
     set(sanitizers ${VDRIVE_SANITIZE})
     if(sanitizers MATCHES "address" AND CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/tests"
-       AND NOT VDRIVE_BUILD_FUZZERS)
+       AND NOT CMAKE_CURRENT_SOURCE_DIR STREQUAL "${PROJECT_SOURCE_DIR}/tests/fuzz")
       # The expressions of a test are no part of what is tested: with all checks they take as long to
       # compile as everything else. Fuzzers are built of sources of the rooms.
       set(sanitizers address)
@@ -173,7 +174,7 @@ endfunction()
 # Not where the sources of the target are compiled together, and read them once or twice: that takes no
 # longer than to compile the headers, and nothing has to wait for it.
 function(vdrive_precompile target)
-  if(CMAKE_CXX_CLANG_TIDY)
+  if(VDRIVE_LINT)
     return()
   endif()
   get_target_property(together ${target} UNITY_BUILD)
@@ -192,13 +193,14 @@ endfunction()
 # measured (VDRIVE_OPTIMISE, VDRIVE_SANITIZE), reads them at once; otherwise each is compiled by itself.
 function(vdrive_compile_together target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "FOR_LINT" "" "APART")
+  set_target_properties(${target} PROPERTIES vdrive_apart "${arg_APART}")
   get_target_property(together ${target} SOURCES)
   list(REMOVE_ITEM together ${arg_APART})
   list(FILTER together INCLUDE REGEX "\\.cpp$")
   list(TRANSFORM together PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
   list(JOIN together "\n" together)
   file(WRITE ${PROJECT_BINARY_DIR}/compiled_together/${target}.txt "${together}\n")
-  if(arg_FOR_LINT AND NOT CMAKE_CXX_CLANG_TIDY AND NOT VDRIVE_SANITIZE AND VDRIVE_OPTIMISE STREQUAL "ALL")
+  if(arg_FOR_LINT AND NOT VDRIVE_LINT AND NOT VDRIVE_SANITIZE AND VDRIVE_OPTIMISE STREQUAL "ALL")
     return()
   endif()
   if(VDRIVE_UNITY_BUILD)
@@ -253,12 +255,15 @@ endforeach()
 endfunction()
 
 # vdrive_add_test(<name> LABEL unit|dds|full SOURCES <file>... [LIBRARIES <target>...]
-#                 [TIMED <regex>] [FULL <regex>] [CALCULATES] [BRIDGE] [ONE_THREAD])
+#                 [TIMED <regex>] [FULL <regex>] [CALCULATES] [BRIDGE] [ONE_THREAD] [THREADS <filter>]
+#                 [SHARDS <number>])
 # A GoogleTest program with one ctest case per test, run each in a process of its own (unit tests
-# under a sanitizer: one case for the program); TIMED: its tests whose names match hold promises
+# under a sanitizer: one case for the program, or SHARDS cases with a part of its tests each, where
+# it takes longer than others); TIMED: its tests whose names match hold promises
 # about time; FULL: those whose names match have the label full; CALCULATES: its tests wait for
 # nothing, and run with the lowest priority; BRIDGE: it tests a bridge, its tests have the label
-# bridge, too; ONE_THREAD: it starts no thread, so a build that searches for data races leaves it out.
+# bridge, too; ONE_THREAD: it starts no thread, so a build that searches for data races leaves it out; THREADS: only
+# its tests of this filter of GoogleTest start threads, such a build runs no others.
 # ./tests/run.sh runs the labels unit and dds without those of bridges, and builds the target
 # chosen_tests for that; tests of the label full wait or calculate long, and run with --full only
 # (docs/explanation/testing.md). A program sees
@@ -268,7 +273,7 @@ endfunction()
 # With VDRIVE_NIGHTLY=1 in the environment a test may run its long count. The target unit_tests
 # builds everything of that label, dds_tests and full_tests alike.
 function(vdrive_add_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "CALCULATES;BRIDGE;ONE_THREAD" "LABEL;TIMED;FULL" "SOURCES;LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "CALCULATES;BRIDGE;ONE_THREAD" "LABEL;TIMED;FULL;SHARDS;THREADS" "SOURCES;LIBRARIES")
   if(NOT arg_LABEL MATCHES "^(unit|dds|full)$" OR NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "vdrive_add_test(${name} LABEL unit|dds|full SOURCES ... [LIBRARIES ...])")
   endif()
@@ -305,9 +310,21 @@ function(vdrive_add_test name)
     target_link_libraries(${name} PRIVATE vdrive_test_support)
   endif()
   if(VDRIVE_SANITIZE AND arg_LABEL STREQUAL "unit")
-    # A program that a sanitizer watches takes long to start: all of its tests run in one process.
-    add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
-    set_tests_properties(${name} PROPERTIES LABELS "${labels}" TIMEOUT 1800)
+    # A program that a sanitizer watches takes long to start: many of its tests run in one process.
+    if(NOT arg_SHARDS)
+      set(arg_SHARDS 1)
+    endif()
+    set(filter)
+    if(arg_THREADS AND VDRIVE_SANITIZE MATCHES "thread")
+      set(filter "--gtest_filter=${arg_THREADS}")
+    endif()
+    foreach(shard RANGE 1 ${arg_SHARDS})
+      math(EXPR index "${shard} - 1")
+      add_test(NAME ${name}.${shard} COMMAND ${name} --gtest_brief=1 ${filter})
+      set_tests_properties(
+        ${name}.${shard} PROPERTIES LABELS "${labels}" TIMEOUT 1800
+                                    ENVIRONMENT "GTEST_TOTAL_SHARDS=${arg_SHARDS};GTEST_SHARD_INDEX=${index}")
+    endforeach()
     return()
   endif()
   set(order)

@@ -49,13 +49,13 @@ test_packages=(
   faketime # a clock that is ahead, for certificates that expire
   fastdds-tools # the discovery server of the network tests
   fish # completion of the tool
-  gcovr # coverage of core/
   iproute2 # hosts of the network tests
   libbenchmark-dev
   libclang-rt-dev # sanitizers and fuzzers with clang
   libgmock-dev
   libgtest-dev
   librapidcheck-dev
+  llvm # coverage of core/
   man-db
   mypy # the types of the Python module
   nftables # loss and blocked multicast in the network tests

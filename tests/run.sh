@@ -19,7 +19,7 @@
 #   --presets-until MINUTES
 #               begins the build of no preset later than that after the start, and skips its test:
 #               where a run is ended from outside, a slow machine shows less rather than nothing
-#   --nightly   --full with their long counts (VDRIVE_NIGHTLY=1)
+#   --nightly   --full with their long counts (VDRIVE_NIGHTLY=1), and the fuzzers search for new inputs
 #   --retry-deadlines
 #               runs a test once more, alone, when it promises something about wall time (label
 #               timed) and failed by a deadline; never after a signal, a report of a sanitizer, an
@@ -71,7 +71,7 @@ if $full; then
   export VDRIVE_FULL=1
   preset=release
   setup_options+=(--page --browser --judges)
-  presets=(fuzz asan tidy tsan coverage) # what is skipped first comes last
+  presets=(asan tidy tsan) # what is skipped first comes last
   steps=$((3 + ${#presets[@]}))
   options=(-D VDRIVE_CHECK_PRESETS=ON -D VDRIVE_BUILD_BENCHMARKS=ON)
 else

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds one of the checking presets: build_preset.sh asan|tsan|tidy|fuzz|coverage
-# For tidy the build is the check: a file is linted again only when it, a header of it, .clang-tidy
+# Builds one of the checking presets: build_preset.sh asan|tsan|tidy|fuzz [TARGET]
+# TARGET: only this one, instead of all that the check needs. For tidy the build is the check: a file is linted again only when it, a header of it, .clang-tidy
 # or its compile options have changed. Exit code 77: tests/run.sh found no time for this preset.
 set -euo pipefail
 
@@ -14,10 +14,12 @@ if [[ " ${VDRIVE_SKIPPED_PRESETS:-} " == *" $preset "* ]]; then
 fi
 
 case $preset in
-  tidy) options=(--keep-going) ;;
-  fuzz) options=(--target fuzzers) ;;
-  coverage) options=(-D VDRIVE_BUILD_TESTS=ON --target core_tests) ;;
-  *) options=(-D VDRIVE_BUILD_TESTS=ON --target unit_tests) ;;
+  tidy) options=(--keep-going --target "${2:-lint}") ;;
+  fuzz) options=(--target "${2:-fuzzers}") ;;
+  asan)
+    options=(-D VDRIVE_BUILD_TESTS=ON --target "${2:-unit_tests}")
+    [[ -n ${2:-} ]] || options+=(--target fuzzers) ;;
+  *) options=(-D VDRIVE_BUILD_TESTS=ON --target "${2:-unit_tests}") ;;
 esac
 # clang-tidy counts the warnings that it does not show, even with --quiet.
 "$root/deploy/build.sh" --preset "$preset" "${options[@]}" 2>&1 |

@@ -3,9 +3,11 @@
 # Builds the fuzzers and runs each over its kept corpus, its files of the tree, and new inputs, one
 # a processor at a time.
 #
-#   tests/fuzz/run.sh [--seconds N] [--keep] [fuzzer...]
+#   tests/fuzz/run.sh [--seconds N] [--kept] [--keep] [fuzzer...]
 #
 #   --seconds N   how long each fuzzer searches for new inputs, default 6; 300 with VDRIVE_NIGHTLY=1
+#   --kept        no new inputs, in the preset asan, which has no guidance for a search; with
+#                 VDRIVE_NIGHTLY=1 it searches all the same
 #   --keep        make the kept corpus, tests/fuzz/corpus, anew: the smallest set of inputs found
 #                 so far that reaches all the code that any of them reaches, and what is called
 #                 fixed-...: inputs that failed once
@@ -25,6 +27,8 @@ declare -A max_length=(
 seconds=6
 [[ ${VDRIVE_NIGHTLY:-} == 1 ]] && seconds=300
 keep=false
+kept_only=false
+preset=fuzz
 fuzzers=()
 
 fail() {
@@ -37,6 +41,8 @@ while (($#)); do
     --seconds)
       (($# >= 2)) && [[ $2 =~ ^[1-9][0-9]*$ ]] || fail "--seconds needs a whole number above 0"
       seconds=$2 && shift ;;
+    --kept)
+      [[ ${VDRIVE_NIGHTLY:-} == 1 ]] || kept_only=true ;;
     --keep) keep=true ;;
     *)
       [[ -n ${max_length[$1]:-} ]] || fail "'$1' is none of ${!max_length[*]}"
@@ -66,7 +72,7 @@ seed() {
 run() {
   local program=$1 log=$work/$1.log
   shift
-  if ! "$work/fuzz/$program" "$@" >"$log" 2>&1; then
+  if ! "$root/build/$preset/fuzz/$program" "$@" >"$log" 2>&1; then
     tail --lines 100 "$log" >&2
     echo "$program found a failing input; its path is in the last lines" >&2
     exit 1
@@ -74,7 +80,10 @@ run() {
   echo "$program: $(grep --extended-regexp '^(Done|#[0-9]+.DONE)' "$log" | tail --lines 1)"
 }
 
-"$root/tests/checks/build_preset.sh" fuzz
+if $kept_only; then
+  preset=asan
+fi
+"$root/tests/checks/build_preset.sh" $preset fuzzers
 
 search() {
   local fuzzer=$1
@@ -86,9 +95,10 @@ search() {
   local options=(-max_len="${max_length[$fuzzer]}" -len_control=10 -timeout=20 -verbosity=1
     -print_funcs=0 -artifact_prefix="$work/failures/$fuzzer-")
   [[ -f $here/dictionary/$fuzzer.dict ]] && options+=(-dict="$here/dictionary/$fuzzer.dict")
-  echo "$fuzzer: $(find "$kept" -type f | wc -l) kept inputs, then $seconds s"
+  echo "$fuzzer: $(find "$kept" -type f | wc -l) kept inputs"
   # Every kept input first, without a time limit; then new ones, for the given time.
   run "$fuzzer" "${options[@]}" -runs=0 "$kept" "$seeds"
+  $kept_only && return
   run "$fuzzer" "${options[@]}" -max_total_time="$seconds" "$found" "$kept" "$seeds"
   if $keep; then
     rm -rf "$fresh"
