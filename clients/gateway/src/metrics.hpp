@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bench_watch.hpp"
-#include "web_server.hpp"
+#include "web_counters.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -3,7 +3,6 @@
 
 #include "protocol.hpp"
 #include "tcp_listen.hpp"
-#include "vdrive/assert.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/token_bucket.hpp"
 #include "vdrive/wording.hpp"
@@ -21,6 +20,7 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <map>
 #include <stdexcept>
@@ -443,13 +443,6 @@ void open(tcp::acceptor& acceptor, const ListenAddress& listen) {
 }
 
 }  // namespace
-
-std::string_view to_string(CutOff cut_off) noexcept {
-  static constexpr std::array<std::string_view, kCutOffs> kNames{"silent", "unread", "flood"};
-  const auto place = static_cast<std::size_t>(cut_off);
-  ensure(place < kNames.size(), "every cut-off has a name");
-  return kNames[place];
-}
 
 struct WebServer::State {
   struct Timer {
