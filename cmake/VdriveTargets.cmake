@@ -92,9 +92,13 @@ function(vdrive_target_defaults target)
       set_target_properties(${target} PROPERTIES CXX_COMPILER_LAUNCHER ${PROJECT_SOURCE_DIR}/tests/checks/lint.sh)
       set_property(GLOBAL APPEND PROPERTY vdrive_linted $<TARGET_OBJECTS:${target}>)
       # The build system knows a file's headers, but not that its lint depends on these rules.
-      set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/.clang-tidy)
-      file(SHA256 ${PROJECT_SOURCE_DIR}/.clang-tidy rules)
-      target_compile_definitions(${target} PRIVATE VDRIVE_LINT_RULES=0x${rules})
+      set(lint_rules "")
+      foreach(file IN ITEMS .clang-tidy tests/checks/lint.sh)
+        set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${file})
+        file(SHA256 ${PROJECT_SOURCE_DIR}/${file} sum)
+        string(APPEND lint_rules ${sum})
+      endforeach()
+      target_compile_definitions(${target} PRIVATE VDRIVE_LINT_RULES=0x${lint_rules})
     endif()
   endif()
   if(VDRIVE_SANITIZE)
@@ -257,13 +261,15 @@ endfunction()
 # vdrive_add_test(<name> LABEL unit|dds|full SOURCES <file>... [LIBRARIES <target>...]
 #                 [TIMED <regex>] [FULL <regex>] [CALCULATES] [BRIDGE] [ONE_THREAD] [THREADS <filter>]
 #                 [SHARDS <number>])
-# A GoogleTest program with one ctest case per test, run each in a process of its own (unit tests
-# under a sanitizer: one case for the program, or SHARDS cases with a part of its tests each, where
-# it takes longer than others); TIMED: its tests whose names match hold promises
-# about time; FULL: those whose names match have the label full; CALCULATES: its tests wait for
-# nothing, and run with the lowest priority; BRIDGE: it tests a bridge, its tests have the label
-# bridge, too; ONE_THREAD: it starts no thread, so a build that searches for data races leaves it out; THREADS: only
-# its tests of this filter of GoogleTest start threads, such a build runs no others.
+# A GoogleTest program with one ctest case per test, run each in a process of its own. Under a sanitizer
+# a unit test program is one case.
+#   TIMED       its tests whose names match hold promises about time
+#   FULL        its tests whose names match have the label full
+#   CALCULATES  its tests wait for nothing, and run with the lowest priority
+#   BRIDGE      it tests a bridge, its tests have the label bridge, too
+#   ONE_THREAD  it starts no thread: a build that searches for data races leaves it out
+#   THREADS     only its tests of this filter of GoogleTest start threads: such a build runs no others
+#   SHARDS      it takes long under a sanitizer: so many cases, with a part of its tests each
 # ./tests/run.sh runs the labels unit and dds without those of bridges, and builds the target
 # chosen_tests for that; tests of the label full wait or calculate long, and run with --full only
 # (docs/explanation/testing.md). A program sees
@@ -323,6 +329,7 @@ function(vdrive_add_test name)
       add_test(NAME ${name}.${shard} COMMAND ${name} --gtest_brief=1 ${filter})
       set_tests_properties(
         ${name}.${shard} PROPERTIES LABELS "${labels}" TIMEOUT 1800
+                                    FAIL_REGULAR_EXPRESSION "] 0 tests from"
                                     ENVIRONMENT "GTEST_TOTAL_SHARDS=${arg_SHARDS};GTEST_SHARD_INDEX=${index}")
     endforeach()
     return()

@@ -72,8 +72,9 @@ if $full; then
   preset=release
   setup_options+=(--page --browser --judges)
   presets=(asan tidy tsan) # what is skipped first comes last
+  [[ ${VDRIVE_NIGHTLY:-} == 1 ]] && presets=(asan fuzz tidy tsan)
   steps=$((3 + ${#presets[@]}))
-  options=(-D VDRIVE_CHECK_PRESETS=ON -D VDRIVE_BUILD_BENCHMARKS=ON)
+  options=(-D VDRIVE_CHECK_PRESETS=ON -D VDRIVE_BUILD_BENCHMARKS=ON -D VDRIVE_TESTS_BY_CLANG=ON)
 else
   left_out='^(bridge|full)$' # a test of the label full has that of its program, too
   if $bridges; then

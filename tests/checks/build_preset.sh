@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Builds one of the checking presets: build_preset.sh asan|tsan|tidy|fuzz [TARGET]
-# TARGET: only this one, instead of all that the check needs. For tidy the build is the check: a file is linted again only when it, a header of it, .clang-tidy
-# or its compile options have changed. Exit code 77: tests/run.sh found no time for this preset.
+# TARGET: only this one, instead of all that the check needs. For tidy the build is the check: lint.sh
+# reads what linted.txt does not have. Exit code 77: tests/run.sh found no time for this preset.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Builds a checking preset and runs its unit tests: check_preset.sh asan|tsan|tidy
+# Those of the core run under asan in tests/coverage/run.sh, which counts what they reach.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -9,9 +10,8 @@ preset=$1
 "$root/tests/checks/build_preset.sh" "$preset"
 if [[ $preset != tidy ]]; then
   cd "$root"
-  # The instrumented code is ten times slower: the counts of a person's run. The fuzzers search on.
+  # The instrumented code is ten times slower: the counts of a person's run.
   unset VDRIVE_FULL VDRIVE_NIGHTLY
-  # Those of the core run in tests/coverage/run.sh, in the same preset, where they count what they reach.
   left_out=()
   [[ $preset == asan ]] && left_out=(--exclude-regex '^core_')
   ctest --preset "$preset" --label-regex '^unit$' "${left_out[@]}"

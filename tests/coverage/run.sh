@@ -7,7 +7,7 @@
 #   tests/coverage/run.sh
 #
 # Prints a row for each file; build/asan/coverage/report/index.html has the uncovered lines. A branch is
-# the value, true or false, of a condition that stands in the source; what is constant has none.
+# a condition of the source that is true, or false, or a case of a switch. A constant condition has none.
 # Exit code 0: promise kept; 1: below it, a test failed, or nothing could be measured; 77: tests/run.sh
 # found no time for this preset.
 set -euo pipefail

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the fuzzers and runs each over its kept corpus, its files of the tree, and new inputs, one
-# a processor at a time.
+# Builds the fuzzers and runs each over its kept corpus and its files of the tree, then over new inputs,
+# one a processor at a time.
 #
 #   tests/fuzz/run.sh [--seconds N] [--kept] [--keep] [fuzzer...]
 #
@@ -36,20 +36,25 @@ fail() {
   exit 2
 }
 
+searches=false
 while (($#)); do
   case $1 in
     --seconds)
+      searches=true
       (($# >= 2)) && [[ $2 =~ ^[1-9][0-9]*$ ]] || fail "--seconds needs a whole number above 0"
       seconds=$2 && shift ;;
     --kept)
       [[ ${VDRIVE_NIGHTLY:-} == 1 ]] || kept_only=true ;;
-    --keep) keep=true ;;
+    --keep) searches=true && keep=true ;;
     *)
       [[ -n ${max_length[$1]:-} ]] || fail "'$1' is none of ${!max_length[*]}"
       fuzzers+=("$1") ;;
   esac
   shift
 done
+if $kept_only && $searches; then
+  fail "--kept searches for no inputs: --seconds and --keep have no meaning with it"
+fi
 ((${#fuzzers[@]})) || fuzzers=(core_fuzz message_fuzz datagram_fuzz configuration_fuzz
   scenario_fuzz gateway_fuzz recording_fuzz ros_fuzz socketcand_fuzz canopen_gateway_fuzz
   canopen_frame_fuzz)
@@ -96,7 +101,7 @@ search() {
     -print_funcs=0 -artifact_prefix="$work/failures/$fuzzer-")
   [[ -f $here/dictionary/$fuzzer.dict ]] && options+=(-dict="$here/dictionary/$fuzzer.dict")
   echo "$fuzzer: $(find "$kept" -type f | wc -l) kept inputs"
-  # Every kept input first, without a time limit; then new ones, for the given time.
+  # Every kept input first, without a time limit; then new ones, for the given time, without --kept.
   run "$fuzzer" "${options[@]}" -runs=0 "$kept" "$seeds"
   $kept_only && return
   run "$fuzzer" "${options[@]}" -max_total_time="$seconds" "$found" "$kept" "$seeds"

@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# The launcher of the compiler for tests where VDRIVE_TESTS_BY_CLANG is on:
+# by_clang.sh GCC CLANG [LAUNCHER...] GCC ARGUMENT...
+# CLANG compiles in the place of GCC, without the options that it does not know.
+set -euo pipefail
+
+gcc=$1
+clang=$2
+shift 2
+command=()
+for argument in "$@"; do
+  case $argument in
+    "$gcc") command+=("$clang") ;;
+    -fpch-preprocess | --param=* | -Wno-subobject-linkage) ;;
+    *) command+=("$argument") ;;
+  esac
+done
+# A precompiled header would include the one that it replaces.
+[[ $* == *" -x c++-header "* ]] && rm -f "$(sed 's/.* -o \([^ ]*\) .*/\1/' <<<"$*")"
+exec "${command[@]}"
