@@ -901,7 +901,10 @@ TEST(Journal, AllocatesNothingInTheTickThread) {
 
 #ifdef VDRIVE_REPLAY_PROGRAMS
 TEST(Replay, AgreesInBuildsForOtherProcessorsAndInstructionSets) {
-  if (!__builtin_cpu_supports("x86-64-v3")) GTEST_SKIP() << "this processor cannot run them";
+  // What x86-64-v3 has beyond v2; clang 14 does not know the level by its name here.
+  const bool has_v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                      __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+  if (!has_v3) GTEST_SKIP() << "this processor cannot run them";
   const JournalFile file;
   {
     RecordedBench recorded(many_kinds(30), service::open_journal(file.path()));
