@@ -2,13 +2,13 @@
 // `vdrive record` beside other programs, and of services that end, freeze or stand still.
 #include "convert.hpp"
 #include "support/temporary_directory.hpp"
+#include "tool/json_lines.hpp"
 #include "tool/process.hpp"
 #include "tool/pseudo_terminal.hpp"
 #include "tool/screen.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include <chrono>
 #include <csignal>
@@ -27,8 +27,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::chrono::seconds kDeadline{60};
 

@@ -75,7 +75,7 @@ static inline uint64_t next_key(Filler* filler, int bits) {
 }
 
 static inline double next_real(Filler* filler) {
-  static const double odd[] = {-0.0, INFINITY, NAN, DBL_TRUE_MIN};
+  static const double odd[] = {-0.0, HUGE_VAL, __builtin_nan(""), DBL_TRUE_MIN};
   (void)next_word(filler);
   switch (filler->filling) {
     case kEmpty:
