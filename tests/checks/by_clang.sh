@@ -13,9 +13,10 @@ for argument in "$@"; do
   case $argument in
     "$gcc") command+=("$clang") ;;
     -fpch-preprocess | --param=* | -Wno-subobject-linkage) ;;
+    *.gch) # a precompiled header would include the one that it replaces
+      rm -f "$argument"
+      command+=("$argument") ;;
     *) command+=("$argument") ;;
   esac
 done
-# A precompiled header would include the one that it replaces.
-[[ $* == *" -x c++-header "* ]] && rm -f "$(sed 's/.* -o \([^ ]*\) .*/\1/' <<<"$*")"
 exec "${command[@]}"
