@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // `vdrive bench`: private benches over DDS, nothing left behind.
+#include "tool/json_lines.hpp"
 #include "tool/marked_calls.hpp"
 #include "tool/process.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include <csignal>
 
@@ -14,8 +14,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::SizeIs;
-
-using Json = nlohmann::ordered_json;
 
 class Measurement : public MarkedCalls {};
 

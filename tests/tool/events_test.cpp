@@ -2,10 +2,10 @@
 // `vdrive events`: the history of a bench.
 #include "support/bench_on_wire.hpp"
 #include "tool/call.hpp"
+#include "tool/json_lines.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include <string>
 
@@ -18,8 +18,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
-
-using Json = nlohmann::ordered_json;
 
 class Events : public testing::Test {
  protected:

@@ -3,11 +3,11 @@
 // The benches are in the processes of the files, or services (vdrive_run_over_dds).
 #include "support/bench_on_wire.hpp"
 #include "support/signals.hpp"
+#include "tool/json_lines.hpp"
 #include "tool/marked_calls.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include <sys/types.h>
 
@@ -26,8 +26,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 using testing::SizeIs;
-
-using Json = nlohmann::ordered_json;
 
 /// On the wire of this run.
 class PrivateBenches : public MarkedCalls {

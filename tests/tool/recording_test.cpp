@@ -4,10 +4,10 @@
 #include "support/bench_on_wire.hpp"
 #include "support/temporary_directory.hpp"
 #include "tool/call.hpp"
+#include "tool/json_lines.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include <cstdint>
 #include <filesystem>
@@ -21,8 +21,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
-
-using Json = nlohmann::ordered_json;
 
 /// A bench, and a place for recordings.
 class McapRecordingOf {

@@ -3,6 +3,7 @@
 #include "support/bench_on_wire.hpp"
 #include "support/temporary_directory.hpp"
 #include "tool/call.hpp"
+#include "tool/json_lines.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,8 +18,6 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kPatient =
     "--clock realtime --axes 2 --config " VDRIVE_SOURCE_DIR "/tests/data/patient.yaml";
