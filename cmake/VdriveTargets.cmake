@@ -25,6 +25,16 @@ if(PROJECT_IS_TOP_LEVEL AND VDRIVE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   endif()
 endif()
 
+# Tests are some hundred programs: lld links them in a third of the time of the usual linker. It also
+# links all else of a build that nobody uses.
+if(PROJECT_IS_TOP_LEVEL)
+  include(CheckLinkerFlag)
+  check_linker_flag(CXX -fuse-ld=lld VDRIVE_HAS_LLD)
+  if(VDRIVE_HAS_LLD AND (VDRIVE_SANITIZE OR VDRIVE_OPTIMISE STREQUAL "DRIVE"))
+    add_link_options(-fuse-ld=lld)
+  endif()
+endif()
+
 # The thread sanitizer of this compiler generation maps fixed addresses and does not start where
 # the kernel randomises more bits of them than it knows. CMake runs test programs, and asks them
 # for their tests, through this prefix.

@@ -55,6 +55,7 @@ test_packages=(
   libgmock-dev
   libgtest-dev
   librapidcheck-dev
+  lld # links tests in a third of the time
   llvm # coverage of core/
   man-db
   mypy # the types of the Python module
