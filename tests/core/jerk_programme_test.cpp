@@ -632,8 +632,7 @@ class Search {
 };
 
 std::uint64_t judged_moves() {
-  return test::number_if_optimised<std::uint64_t>({.usual = 20, .full = 1'000, .nightly = 10'000},
-                                                  3);
+  return test::number_if_optimised<std::uint64_t>({.usual = 20, .full = 200, .nightly = 10'000}, 3);
 }
 
 void judge(const JudgedMove& m, const std::vector<Pattern>& patterns, Judged& sum) {
