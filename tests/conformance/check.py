@@ -208,7 +208,10 @@ def main():
             parser.error(f"--page {page}: its name is none of {', '.join(PAGES)}")
 
     if arguments.results:
-        tests, state = verdicts(arguments.results), "ran and passed"
+        try:
+            tests, state = verdicts(arguments.results), "ran and passed"
+        except (OSError, ElementTree.ParseError) as error:
+            parser.error(f"--results: {error}")
     else:
         tests, state = known_tests(arguments.ctest, arguments.build.resolve()), "are there"
     errors = 0
