@@ -14,6 +14,6 @@ if [[ $preset != tidy ]]; then
   unset VDRIVE_FULL VDRIVE_NIGHTLY
   left_out=()
   [[ $preset == asan ]] && left_out=(--exclude-regex '^core_')
-  # As tests/checks/CMakeLists.txt says: after whatever else wants a processor.
+  # At the priority of an idle machine, see tests/checks/CMakeLists.txt.
   chrt --idle 0 ctest --preset "$preset" --label-regex '^unit$' "${left_out[@]}"
 fi

@@ -43,6 +43,12 @@ esac
 exit 1
 """
 
+# In the place of tests/conformance/check.py: a statement without its test when there is a file "missing".
+CONFORMANCE = """#!/bin/sh
+for option in "$@"; do echo "reads ${option##*/}"; done
+test ! -e missing
+"""
+
 
 class Scripts(unittest.TestCase):
     def setUp(self):
@@ -56,6 +62,9 @@ class Scripts(unittest.TestCase):
         for name in ("setup.sh", "build.sh"):
             (self.root / "deploy" / name).write_text("#!/bin/sh\n", encoding="utf-8")
             (self.root / "deploy" / name).chmod(0o755)
+        (self.root / "tests/conformance").mkdir()
+        (self.root / "tests/conformance/check.py").write_text(CONFORMANCE, encoding="utf-8")
+        (self.root / "tests/conformance/check.py").chmod(0o755)
         for name, text in (("CMakePresets.json", PRESETS), ("CMakeLists.txt", PROJECT), ("test.sh", PROGRAM)):
             (self.root / name).write_text(text, encoding="utf-8")
 
@@ -93,6 +102,21 @@ class Scripts(unittest.TestCase):
         code, text = self.run_script(["A.Late:late:dds:timed", "A.Crash:crash:dds"], "run.sh", "--retry-deadlines")
         self.assertEqual(code, 1, text)
         self.assertIn("beside other tests: signal: SEGFAULT", text)
+
+    def test_a_full_run_reads_from_its_results_that_each_statement_is_held(self):
+        code, text = self.run_script(["A.Good:good:unit"], "run.sh", "--full")
+        self.assertEqual((code, text.splitlines()[-1:]), (0, ["reads first.xml"]), text)
+        (self.root / "missing").touch()
+        self.assertEqual(self.run_script(["A.Good:good:unit"], "run.sh", "--full")[0], 1)
+
+    def test_a_promise_that_passed_at_its_second_run_holds_its_statement(self):
+        code, text = self.run_script(["A.Late:late:dds:timed"], "run.sh", "--full", "--retry-deadlines")
+        self.assertEqual((code, text.splitlines()[-2:]), (0, ["reads first.xml", "reads again.xml"]), text)
+
+    def test_a_run_of_chosen_tests_says_nothing_of_statements(self):
+        code, text = self.run_script(["A.Good:good:unit"], "run.sh", "--full", "--tests-regex", "Good")
+        self.assertEqual(code, 0, text)
+        self.assertNotIn("reads", text)
 
     def test_a_repetition_counts_failures_and_ends_its_load(self):
         code, text = self.run_script(["A.Late:late:dds", "A.Good:good:unit"], "repeat.sh", "3", "--load", "spin:1")
