@@ -235,13 +235,12 @@ function(vdrive_add_executable target)
 endfunction()
 
 # A test that holds a promise about wall time has the label timed beside its own, and these
-# properties: two of them run at a time, of the eight jobs of the preset release, and before all
-# others. Beside them runs one test that only calculates, with the lowest priority (CALCULATES). A
+# properties: two of them run at a time, of the six jobs of the preset release, before all others. A
 # machine without a free processor cannot keep such a promise: .ci/run repeats a test with this
 # label that failed by a deadline.
-set(VDRIVE_TIMED_TEST PROCESSORS 4 COST 900)
-# Before what takes long, for the place beside timed tests. While others keep the machine busy, the
-# lowest priority gets next to nothing: such a test may end after all of them.
+set(VDRIVE_TIMED_TEST PROCESSORS 3 COST 900)
+# Early: while others keep the machine busy, the lowest priority gets next to nothing, and such a test may
+# end after all of them.
 set(VDRIVE_CALCULATING_TEST COST 500 TIMEOUT 1800)
 find_program(VDRIVE_CHRT chrt)
 
@@ -268,13 +267,45 @@ endforeach()
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
 endfunction()
 
+# Gives ctest a case for each suite of a GoogleTest program, and for each test that is timed or full.
+function(vdrive_discover_suites name labels properties timed full)
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake)
+  get_target_property(emulator ${name} CROSSCOMPILING_EMULATOR)
+  if(NOT emulator)
+    set(emulator "")
+  endif()
+  add_custom_command(
+    TARGET ${name}
+    POST_BUILD
+    BYPRODUCTS ${output}
+    COMMAND
+      ${CMAKE_COMMAND} -D "program=$<TARGET_FILE:${name}>" -D "emulator=${emulator}" -D "name=${name}" -D
+      "directory=${CMAKE_CURRENT_BINARY_DIR}" -D "output=${output}" -D "labels=${labels}" -D
+      "properties=${properties}" -D "timed=${timed}" -D "timed_properties=${VDRIVE_TIMED_TEST}" -D "full=${full}"
+      -P ${PROJECT_SOURCE_DIR}/cmake/discover_suites.cmake
+    VERBATIM)
+  string(CONFIGURE [[
+if(EXISTS "@output@")
+  include("@output@")
+else()
+  add_test(@name@_is_not_built "")
+  set_tests_properties(@name@_is_not_built PROPERTIES LABELS "@labels@")
+endif()
+]] text @ONLY)
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}_cases.cmake)
+  file(WRITE ${file} "${text}")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
+endfunction()
+
 # vdrive_add_test(<name> LABEL unit|dds|full SOURCES <file>... [LIBRARIES <target>...]
-#                 [TIMED <regex>] [FULL <regex>] [CALCULATES] [BRIDGE] [ONE_THREAD] [THREADS <filter>]
-#                 [SHARDS <number>])
-# A GoogleTest program with one ctest case per test, run each in a process of its own. Under a sanitizer
-# a unit test program is one case.
-#   TIMED       its tests whose names match hold promises about time
-#   FULL        its tests whose names match have the label full
+#                 [TIMED <regex>] [FULL <regex>] [EACH] [CALCULATES] [BRIDGE] [ONE_THREAD]
+#                 [THREADS <filter>] [SHARDS <number>])
+# A GoogleTest program. Each of its tests is a case of ctest and has a process of its own; with the label
+# unit each suite: most of these tests take less time than their process takes to start. Under a
+# sanitizer a unit test program is one case.
+#   EACH        its tests take long: each is a case, also with the label unit
+#   TIMED       its tests whose names match hold promises about time; each is a case
+#   FULL        its tests whose names match have the label full; each is a case
 #   CALCULATES  its tests wait for nothing, and run with the lowest priority
 #   BRIDGE      it tests a bridge, its tests have the label bridge, too
 #   ONE_THREAD  it starts no thread: a build that searches for data races leaves it out
@@ -289,7 +320,7 @@ endfunction()
 # With VDRIVE_NIGHTLY=1 in the environment a test may run its long count. The target unit_tests
 # builds everything of that label, dds_tests and full_tests alike.
 function(vdrive_add_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "CALCULATES;BRIDGE;ONE_THREAD" "LABEL;TIMED;FULL;SHARDS;THREADS" "SOURCES;LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "EACH;CALCULATES;BRIDGE;ONE_THREAD" "LABEL;TIMED;FULL;SHARDS;THREADS" "SOURCES;LIBRARIES")
   if(NOT arg_LABEL MATCHES "^(unit|dds|full)$" OR NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "vdrive_add_test(${name} LABEL unit|dds|full SOURCES ... [LIBRARIES ...])")
   endif()
@@ -350,6 +381,10 @@ function(vdrive_add_test name)
     if(VDRIVE_CHRT)
       set_target_properties(${name} PROPERTIES CROSSCOMPILING_EMULATOR "${VDRIVE_CHRT};--idle;0")
     endif()
+  endif()
+  if(arg_LABEL STREQUAL "unit" AND NOT arg_EACH)
+    vdrive_discover_suites(${name} "${labels}" "${order}" "${arg_TIMED}" "${arg_FULL}")
+    return()
   endif()
   gtest_discover_tests(
     ${name}

@@ -27,9 +27,9 @@
 #               exception or a wrong value (tests/checks/failures.py judges). For machines that
 #               others use, too. Both results are in the last lines
 #
-# The steps and their times are written to standard error, ctest's summary is written last. A preset
-# is a test too (label checks), so that the summary covers all of them. What was built and
-# linted once is not done again.
+# The steps and their times are written to standard error. Last are ctest's summary and the number of
+# tests: a suite of unit tests is one line of ctest. A preset is a test too (label checks), so that the
+# summary covers all of them. What was built and linted once is not done again.
 #
 # A failed test is red: nothing is tried twice, except with --retry-deadlines. How often a test
 # fails, also beside other work, is shown by tests/repeat.sh. Exit code 0: each test passed.
@@ -128,15 +128,17 @@ check_conformance() {
   fi
 }
 
-if ctest --preset $preset "${ctest_arguments[@]}" --output-junit "$results/first.xml" \
-  --output-log "$results/first.log"; then
+code=0
+ctest --preset $preset "${ctest_arguments[@]}" --output-junit "$results/first.xml" \
+  --output-log "$results/first.log" || code=1
+[[ -s $results/first.xml ]] || exit $code
+# ctest counts its cases, and a suite of GoogleTest is one.
+"$root/tests/checks/results.py" count "$results/first.xml" >&2
+if ((code == 0)); then
   check_conformance
   exit
 fi
-
-if ! $retry || [[ ! -s $results/first.xml ]]; then
-  exit 1
-fi
+$retry || exit 1
 ctest --preset $preset --show-only=json-v1 >"$results/labels.json"
 mapfile -t late < <("$judge" late "$results/first" "$results/labels.json")
 readonly most=10 # more tests than these are late for one reason

@@ -31,7 +31,8 @@ import json
 import pathlib
 import re
 import sys
-import xml.etree.ElementTree as ElementTree
+
+import results
 
 SANITIZER, SIGNAL, EXCEPTION = "sanitizer", "signal", "exception"
 TIME_LIMIT, NOT_RUN, WRONG_VALUE, DEADLINE = "time limit", "not run", "wrong value", "deadline"
@@ -165,18 +166,29 @@ def judge(status, output):
     return Failure(WRONG_VALUE, shorten(lines[-1]) if lines else status)
 
 
+def failures_of_case(case, status):
+    """The failures of the tests of a case, by the name of the test; by that of the case when all passed."""
+    if len(case.tests) < 2:
+        return {case.tests[0].name: judge(status, case.output)}
+    failed = {test.name: judge(status if test.verdict == results.UNFINISHED else "Failed", test.output)
+              for test in case.tests if test.verdict in (results.FAILED, results.UNFINISHED)}
+    return failed or {case.name: judge(status, case.output)}
+
+
 def failures_of(run):
     """The failed tests of a run by name, and the number of tests that ran."""
-    suite = ElementTree.parse(f"{run}.xml").getroot()
-    outputs = {case.get("name"): case.findtext("system-out") or "" for case in suite.iter("testcase")}
+    cases = {case.name: case for case in results.cases_of(f"{run}.xml")}
     log = pathlib.Path(f"{run}.log").read_text(encoding="utf-8", errors="replace")
     statuses = dict(LISTED.findall(log[log.rfind("The following tests FAILED:"):])) \
         if "The following tests FAILED:" in log else {}
     # A status that no one lists must not be lost.
-    for case in suite.iter("testcase"):
-        if case.get("status") == "fail":
-            statuses.setdefault(case.get("name"), "Failed")
-    return {name: judge(status, outputs.get(name, "")) for name, status in statuses.items()}, len(outputs)
+    for case in cases.values():
+        if case.status == "fail":
+            statuses.setdefault(case.name, "Failed")
+    failures = {}
+    for name, status in statuses.items():
+        failures.update(failures_of_case(cases[name], status) if name in cases else {name: judge(status, "")})
+    return failures, sum(len(case.tests) for case in cases.values())
 
 
 def timed_tests(labels):

@@ -244,6 +244,20 @@ class Runs(unittest.TestCase):
         code, text = self.call(failures.table, runs=[self.run_of("1", [("A.Other", None, "")])], markdown=True)
         self.assertEqual((code, text), (0, "1 run of 1 tests: no failure\n"))
 
+    def test_the_failed_tests_of_a_suite_are_named(self):
+        passed = "[ RUN      ] A.Good\n[       OK ] A.Good (0 ms)\n"
+        failed = f"[ RUN      ] A.Bad/3\n{WRONG}[  FAILED  ] A.Bad/3, where GetParam() = 4 (1 ms)\n"
+        ended = "[ RUN      ] A.Ends\n"
+        run = self.run_of("1", [("a_test.A", "Failed", passed + failed)])
+        found, count = failures.failures_of(run)
+        self.assertEqual([(name, failure.kind) for name, failure in found.items()], [("A.Bad/3", "wrong value")])
+        self.assertEqual(count, 2)
+        found, count = failures.failures_of(self.run_of("1", [("a_test.A", "SEGFAULT", passed + failed + ended)]))
+        self.assertEqual([(name, failure.kind) for name, failure in found.items()],
+                         [("A.Bad/3", "wrong value"), ("A.Ends", "signal")])
+        found, count = failures.failures_of(self.run_of("1", [("a_test.A", "SEGFAULT", passed + passed)]))
+        self.assertEqual([(name, failure.kind) for name, failure in found.items()], [("a_test.A", "signal")])
+
     def test_a_failure_that_no_list_names_is_kept(self):
         run = self.run_of("1", [("A.Other", "Failed", gtest(WRONG))])
         (self.folder / "1.log").write_text("cut off", encoding="utf-8")

@@ -11,8 +11,8 @@ that exist, ran and passed.
                        have run and passed, in one of the files
     --page FILE        a page with the name of one of the two; default: both
 
-Each table of a page that begins with a column "id" ends with a column "held by": GoogleTest names
-as ctest prints them, in backticks, separated by <br>. Identifiers of conformance.md: O-607D:01 an
+Each table of a page that begins with a column "id" ends with a column "held by": names of tests as
+tests/checks/results.py prints them, in backticks, separated by <br>. Identifiers of conformance.md: O-607D:01 an
 object of the manual's table, M-12 a statement of the manual, A-12 an ambiguity, R-12 a rule of
 interoperability; of conformance-canopen.md: O-1017 an object of CiA 301, C-12 a clause of CiA 301,
 D-12 one of CiA 402 on CANopen, M-12 a rule that masters rely on. A test that was skipped, disabled
@@ -22,14 +22,15 @@ that is wrong.
 import argparse
 import collections
 import csv
-import json
 import pathlib
 import re
-import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "checks"))
+import results  # noqa: E402  pylint: disable=wrong-import-position
+
 REFERENCE = ROOT / "docs" / "reference"
 OBJECTS = ROOT / "tests" / "data" / "object-dictionary.csv"
 NUMBERED = re.compile(r"([A-NP-Z])-([1-9][0-9]*)")
@@ -158,24 +159,15 @@ def check_page(text, page=PAGES["conformance.md"]):
     return rows, findings + page.check_objects(rows)
 
 
-def known_tests(ctest, build):
-    """The names of the build's tests: name -> None."""
-    shown = subprocess.run([ctest, "--test-dir", build, "--show-only=json-v1"], check=True,
-                           capture_output=True, text=True)
-    return {test["name"]: None for test in json.loads(shown.stdout)["tests"]}
-
-
-def verdicts(files):
-    """Name -> None when it ran and passed in one of the files, else why not."""
+def verdicts(reports):
+    """Name -> None when it ran and passed in one of the reports, else why not."""
     result = {}
-    for file in files:
-        for case in ElementTree.parse(file).getroot().iter("testcase"):
-            name, status = case.get("name"), case.get("status")
-            skipped = case.find("skipped")
-            if status == "run" and skipped is None:
-                result[name] = None
-            elif result.get(name, "") is not None:
-                result[name] = "failed" if status == "fail" else "did not run"
+    for report in reports:
+        for test in (test for case in results.cases_of(report) for test in case.tests):
+            if test.verdict == results.PASSED:
+                result[test.name] = None
+            elif result.get(test.name, "") is not None:
+                result[test.name] = test.verdict
     return result
 
 
@@ -213,7 +205,8 @@ def main():
         except (OSError, ElementTree.ParseError) as error:
             parser.error(f"--results: {error}")
     else:
-        tests, state = known_tests(arguments.ctest, arguments.build.resolve()), "are there"
+        tests = dict.fromkeys(results.names_of(arguments.build.resolve(), arguments.ctest))
+        state = "are there"
     errors = 0
     for page in pages:
         rows, findings = check_page(page.read_text(encoding="utf-8"), PAGES[page.name])

@@ -97,12 +97,21 @@ class ThePageOfCanopen(unittest.TestCase):
 
 
 # As ctest 3.25 writes them.
-RESULTS = """<testsuite name="Linux-c++" tests="5">
+RESULTS = """<testsuite name="Linux-c++" tests="6">
   <testcase name="Suite.Passes" classname="Suite.Passes" time="0.1" status="run"/>
   <testcase name="Suite.Fails" classname="Suite.Fails" time="0.1" status="fail"><failure message=""/></testcase>
   <testcase name="Suite.Skips" classname="Suite.Skips" time="0.1" status="notrun">
     <skipped message="SKIP_REGULAR_EXPRESSION_MATCHED"/></testcase>
   <testcase name="Suite.IsDisabled" classname="Suite.IsDisabled" time="0" status="disabled"/>
+  <testcase name="a_test.Whole/Other" classname="a_test.Whole/Other" time="0.1" status="fail"><system-out>
+[ RUN      ] Whole/Other.Passes/0
+[       OK ] Whole/Other.Passes/0 (0 ms)
+[ RUN      ] Whole/Other.Skips
+[  SKIPPED ] Whole/Other.Skips (0 ms)
+[ RUN      ] Whole/Other.Fails
+[  FAILED  ] Whole/Other.Fails (0 ms)
+[ RUN      ] Whole/Other.Crashes
+</system-out></testcase>
 </testsuite>
 """
 
@@ -134,6 +143,12 @@ class ANamedTest(unittest.TestCase):
 
     def test_a_disabled_test_is_found(self):
         self.assertEqual(self.findings_of("Suite.IsDisabled"), ["line 7, M-1: Suite.IsDisabled did not run"])
+
+    def test_each_test_of_a_suite_is_read_from_its_output(self):
+        for name, finding in (("Passes/0", None), ("Skips", "did not run"), ("Fails", "failed"),
+                              ("Crashes", "did not end"), ("IsNotThere", "is not there")):
+            self.assertEqual(self.findings_of("Whole/Other." + name),
+                             [f"line 7, M-1: Whole/Other.{name} {finding}"] if finding else [])
 
     def test_a_test_that_passed_in_one_of_two_runs_gives_no_finding(self):
         again = RESULTS.replace("Suite.Fails", "Suite.Other").replace("Suite.Passes", "Suite.Fails")
