@@ -18,7 +18,7 @@ case $preset in
   fuzz) options=(--target "${2:-fuzzers}") ;;
   asan)
     options=(-D VDRIVE_BUILD_TESTS=ON --target "${2:-unit_tests}")
-    [[ -n ${2:-} ]] || options+=(--target fuzzers) ;;
+    [[ -n ${2:-} ]] || options+=(--target fuzzers --target all_verify_interface_header_sets) ;;
   *) options=(-D VDRIVE_BUILD_TESTS=ON --target "${2:-unit_tests}") ;;
 esac
 # clang-tidy counts the warnings that it does not show, even with --quiet.
