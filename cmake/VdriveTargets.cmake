@@ -235,7 +235,7 @@ function(vdrive_add_executable target)
 endfunction()
 
 # A test that holds a promise about wall time has the label timed beside its own, and these
-# properties: two of them run at a time, of the seven jobs of the preset release, before all others. A
+# properties: two of them run at a time, of the six jobs of the preset release, before all others. A
 # machine without a free processor cannot keep such a promise: .ci/run repeats a test with this
 # label that failed by a deadline.
 set(VDRIVE_TIMED_TEST PROCESSORS 3 COST 900)
