@@ -102,7 +102,10 @@ def main():
     command.add_argument("build")
     command.set_defaults(function=names)
     arguments = parser.parse_args()
-    return arguments.function(arguments)
+    try:
+        return arguments.function(arguments)
+    except (OSError, ElementTree.ParseError, subprocess.CalledProcessError) as error:
+        parser.error(str(error))
 
 
 if __name__ == "__main__":
