@@ -244,32 +244,22 @@ set(VDRIVE_TIMED_TEST PROCESSORS 3 COST 900)
 set(VDRIVE_CALCULATING_TEST COST 500 TIMEOUT 1800)
 find_program(VDRIVE_CHRT chrt)
 
-# Gives the tests of a GoogleTest program their labels: timed and full to those whose names match the
-# regular expressions. Only ctest knows these names, and gtest_discover_tests cannot pass a list of
-# labels on.
-function(vdrive_set_labels name labels timed full)
-  string(CONFIGURE [[
-foreach(test IN LISTS @name@_TESTS)
-  set(labels "@labels@")
-  if(test MATCHES [==[@full@]==])
-    set(labels full)
-  endif()
-  set(properties)
-  if(test MATCHES [==[@timed@]==])
-    list(APPEND labels timed)
-    set(properties @VDRIVE_TIMED_TEST@)
-  endif()
-  set_tests_properties("${test}" PROPERTIES LABELS "${labels}" ${properties})
-endforeach()
-]] text @ONLY)
-  set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake)
+# The interpreter of the system, whose headers and numpy are packages: one of a user may stand first in
+# PATH, and take ten times as long to start.
+find_program(VDRIVE_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)
+
+# vdrive_include_in_ctest(<name> <text>)
+# ctest reads the text when it starts: only then is there what builds have written.
+function(vdrive_include_in_ctest name text)
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}.cmake)
   file(WRITE ${file} "${text}")
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
 endfunction()
 
-# Gives ctest a case for each suite of a GoogleTest program, and for each test that is timed or full.
-function(vdrive_discover_suites name labels properties timed full)
-  set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake)
+# Gives ctest the cases of a GoogleTest program. gtest_discover_tests knows no suites, and gives all tests
+# the same labels.
+function(vdrive_discover_tests name labels properties timed full each)
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}_tests.cmake)
   get_target_property(emulator ${name} CROSSCOMPILING_EMULATOR)
   if(NOT emulator)
     set(emulator "")
@@ -281,8 +271,8 @@ function(vdrive_discover_suites name labels properties timed full)
     COMMAND
       ${CMAKE_COMMAND} -D "program=$<TARGET_FILE:${name}>" -D "emulator=${emulator}" -D "name=${name}" -D
       "directory=${CMAKE_CURRENT_BINARY_DIR}" -D "output=${output}" -D "labels=${labels}" -D
-      "properties=${properties}" -D "timed=${timed}" -D "timed_properties=${VDRIVE_TIMED_TEST}" -D "full=${full}"
-      -P ${PROJECT_SOURCE_DIR}/cmake/discover_suites.cmake
+      "properties=${properties}" -D "timed=${timed}" -D "timed_properties=${VDRIVE_TIMED_TEST}" -D "full=${full}" -D
+      "each=${each}" -P ${PROJECT_SOURCE_DIR}/cmake/discover_tests.cmake
     VERBATIM)
   string(CONFIGURE [[
 if(EXISTS "@output@")
@@ -292,9 +282,7 @@ else()
   set_tests_properties(@name@_is_not_built PROPERTIES LABELS "@labels@")
 endif()
 ]] text @ONLY)
-  set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}_cases.cmake)
-  file(WRITE ${file} "${text}")
-  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
+  vdrive_include_in_ctest(${name}_cases "${text}")
 endfunction()
 
 # vdrive_add_test(<name> LABEL unit|dds|full SOURCES <file>... [LIBRARIES <target>...]
@@ -382,24 +370,10 @@ function(vdrive_add_test name)
       set_target_properties(${name} PROPERTIES CROSSCOMPILING_EMULATOR "${VDRIVE_CHRT};--idle;0")
     endif()
   endif()
-  if(arg_LABEL STREQUAL "unit" AND NOT arg_EACH)
-    vdrive_discover_suites(${name} "${labels}" "${order}" "${arg_TIMED}" "${arg_FULL}")
-    return()
+  if(NOT arg_LABEL STREQUAL "unit")
+    set(arg_EACH ON)
   endif()
-  gtest_discover_tests(
-    ${name}
-    NO_PRETTY_VALUES # rows of a table have names; their bytes help no reader
-    DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS ${arg_LABEL} ${order})
-  if(arg_TIMED OR arg_FULL OR arg_BRIDGE)
-    set(no_test "^$")
-    foreach(group IN ITEMS TIMED FULL)
-      if(NOT arg_${group})
-        set(arg_${group} ${no_test})
-      endif()
-    endforeach()
-    vdrive_set_labels(${name} "${labels}" ${arg_TIMED} ${arg_FULL})
-  endif()
+  vdrive_discover_tests(${name} "${labels}" "${order}" "${arg_TIMED}" "${arg_FULL}" ${arg_EACH})
 endfunction()
 
 # vdrive_program_of(<document> <file>)

@@ -29,7 +29,7 @@ import xml.etree.ElementTree as ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "checks"))
-import results  # noqa: E402  pylint: disable=wrong-import-position
+import results  # pylint: disable=wrong-import-position
 
 REFERENCE = ROOT / "docs" / "reference"
 OBJECTS = ROOT / "tests" / "data" / "object-dictionary.csv"

@@ -4,9 +4,12 @@
 #
 #   cmake -D program=FILE -D emulator=COMMAND -D name=NAME -D directory=WORKING_DIRECTORY -D output=FILE
 #         -D labels=LIST -D properties=LIST -D timed=REGEX -D timed_properties=LIST -D full=REGEX
-#         -P discover_suites.cmake
+#         -D each=BOOL -P discover_tests.cmake
 #
 #   timed, full   a test whose name matches stands alone: it has the label timed, or full
+#   each          all tests stand alone
+#
+# A test that stands alone and skips itself is skipped for ctest, too.
 
 execute_process(
   COMMAND ${emulator} ${program} --gtest_list_tests
@@ -67,11 +70,11 @@ foreach(line IN LISTS lines)
       list(APPEND test_labels timed)
       set(test_properties "${timed_properties}")
     endif()
-    if(test_labels STREQUAL labels)
-      math(EXPR others "${others} + 1")
-    else()
+    if(each OR NOT test_labels STREQUAL labels)
       list(APPEND alone ${test})
-      add_case(${test} ${test} "${test_labels}" ${test_properties})
+      add_case(${test} ${test} "${test_labels}" ${test_properties} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+    else()
+      math(EXPR others "${others} + 1")
     endif()
   elseif(line MATCHES "^  |\\.$")
     message(FATAL_ERROR "${program}: '${line}' is no name of a test or of a suite")
