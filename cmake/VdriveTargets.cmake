@@ -12,16 +12,24 @@ set(vdrive_warnings
     -Woverloaded-virtual
     -Wdouble-promotion)
 
+# With large pages for its memory clang takes a tenth less time, where the kernel has them for programs
+# that ask. gcc takes longer with them.
+set(vdrive_clang_environment env GLIBC_TUNABLES=glibc.malloc.hugetlb=1)
+
 # The compiler cache is found, never required. Its two settings beyond the defaults: precompiled
 # headers are cached only with this sloppiness, and paths below the source tree are made relative
 # so that a second clone of the repository starts warm.
 find_program(VDRIVE_CCACHE ccache)
-if(PROJECT_IS_TOP_LEVEL AND VDRIVE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER
-      ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
-      CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${VDRIVE_CCACHE})
-  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    set(vdrive_ccache_options -fpch-preprocess)
+if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${vdrive_clang_environment})
+  endif()
+  if(VDRIVE_CCACHE)
+    list(APPEND CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_SLOPPINESS=pch_defines,time_macros
+         CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${VDRIVE_CCACHE})
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+      set(vdrive_ccache_options -fpch-preprocess)
+    endif()
   endif()
 endif()
 
