@@ -247,6 +247,8 @@ endfunction()
 # machine without a free processor cannot keep such a promise: .ci/run repeats a test with this
 # label that failed by a deadline.
 set(VDRIVE_TIMED_TEST PROCESSORS 3 COST 900)
+# Most tests over DDS wait: they begin before suites of unit tests, which take the processor to the end.
+set(VDRIVE_DDS_TEST COST 10)
 # Early: while others keep the machine busy, the lowest priority gets next to nothing, and such a test may
 # end after all of them.
 set(VDRIVE_CALCULATING_TEST COST 500 TIMEOUT 1800)
@@ -372,6 +374,9 @@ function(vdrive_add_test name)
     return()
   endif()
   set(order)
+  if(NOT arg_LABEL STREQUAL "unit")
+    set(order ${VDRIVE_DDS_TEST})
+  endif()
   if(arg_CALCULATES)
     set(order ${VDRIVE_CALCULATING_TEST})
     if(VDRIVE_CHRT)
