@@ -79,7 +79,7 @@ if $full; then
   presets=(asan tidy tsan) # what is skipped first comes last
   [[ ${VDRIVE_NIGHTLY:-} == 1 ]] && presets=(asan fuzz tidy tsan)
   steps=$((3 + ${#presets[@]}))
-  options=(-D VDRIVE_CHECK_PRESETS=ON -D VDRIVE_BUILD_BENCHMARKS=ON -D VDRIVE_TESTS_BY_CLANG=ON)
+  options=(-D VDRIVE_CHECK_PRESETS=ON -D VDRIVE_TESTS_BY_CLANG=ON)
 else
   left_out='^bridge$'
   if $bridges; then
