@@ -3,7 +3,7 @@
 # Builds one of the checking presets: build_preset.sh asan|tsan|tidy|fuzz [TARGET]
 # TARGET: only this one, instead of all that the check needs. For tidy the build is the check: lint.sh
 # reads what linted.txt does not have. tsan builds the benchmarks, too: that shows that they compile, in
-# half the time of the preset release, in which they measure. Exit code 77: tests/run.sh found no time for
+# 60 % of the time of the preset release, in which they measure. Exit code 77: tests/run.sh found no time for
 # this preset.
 set -euo pipefail
 
