@@ -101,6 +101,45 @@ def test_ctrl_c_ends_the_wait_for_another_stepper():
     assert output == "interrupted\n", errors
 
 
+def test_ctrl_c_ends_a_wait_of_a_child_that_another_thread_forked():
+    """The thread that forks is the main thread of the child; in the parent it was none."""
+    process = begin("""
+        import os, signal, sys, threading, vdrive
+
+        def child():
+            # From another thread: the wait below has begun by then, or begins with the signal.
+            threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+            with vdrive.Bench(1) as bench, bench.session() as session:
+                try:
+                    session.events().next()
+                except KeyboardInterrupt:
+                    print("interrupted", flush=True)
+
+        def fork():
+            session.step()  # a call of this thread, which is not the main thread yet
+            number = os.fork()
+            if number == 0:
+                child()
+                os._exit(0)
+            os.waitpid(number, 0)
+
+        with vdrive.Bench(1) as bench, bench.session() as session:
+            session.step()
+            thread = threading.Thread(target=fork)
+            thread.start()
+            thread.join()
+        """)
+    try:
+        output, errors = process.communicate(timeout=PATIENCE)
+    except subprocess.TimeoutExpired:
+        for child in pathlib.Path(f"/proc/{process.pid}/task").glob("*/children"):
+            for number in child.read_text().split():
+                os.kill(int(number), signal.SIGKILL)
+        process.kill()
+        pytest.fail("it did not end: " + process.communicate()[1])
+    assert output == "interrupted\n", errors
+
+
 def test_ctrl_c_ends_the_start_of_a_private_bench(tmp_path):
     # A service that is started and never ready.
     service = tmp_path / "vdrived"
