@@ -8,6 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -16,6 +19,7 @@
 #include <iterator>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::bench {
@@ -165,6 +169,39 @@ TEST(Bench, EndsInTheMiddleOfAMoveOfARealtimeBench) {
   ASSERT_EQ(moved.wait_for(seconds(5)), std::future_status::ready);
   // What it sees first: that the axis has lost its power, or that the bench has ended.
   EXPECT_THAT(moved.get(), testing::AnyOf(OutcomeKind::failed, OutcomeKind::lost));
+}
+
+/// @return how often each thread of this process but the calling one has waited, most first.
+std::vector<unsigned long> waits_of_other_threads() {
+  constexpr std::string_view kLabel = "\nvoluntary_ctxt_switches:";
+  std::vector<unsigned long> waits;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    if (task.path().filename() == std::to_string(gettid())) continue;
+    const std::string status = test::text_of(task.path() / "status");
+    const std::size_t label = status.find(kLabel);
+    if (label != std::string::npos)
+      waits.push_back(std::stoul(status.substr(label + kLabel.size())));
+  }
+  std::sort(waits.rbegin(), waits.rend());
+  return waits;
+}
+
+TEST(Bench, OfRealTimeThatNobodyWatchesWakesOneThreadInEveryTick) {
+  const Bench bench({.clock = ClockMode::realtime});
+  // Its threads: the one of the ticks, the one of the status, the one of the reports. Where nobody
+  // reads, the second and the third wait for 5 ms, so for five ticks.
+  std::vector<unsigned long> before = waits_of_other_threads();
+  EXPECT_TRUE(test::holds_soon([&before] {
+    const std::vector<unsigned long> now = waits_of_other_threads();
+    if (now.size() < 3 || now.size() != before.size()) {
+      before = now;
+      return false;
+    }
+    if (now[0] - before[0] < 200) return false;
+    const bool are_rare = 2 * (now[1] - before[1]) < now[0] - before[0];
+    before = now;  // a thread that was late may have had fewer waits: the next 200 decide
+    return are_rare;
+  }));
 }
 
 TEST(Bench, OfFreerunPassesDriveTimeByItself) {
