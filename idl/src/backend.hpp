@@ -90,7 +90,8 @@ class Backend {
   [[nodiscard]] virtual std::vector<OtherParticipant> others(std::string_view beginning) const = 0;
   [[nodiscard]] virtual bool knows_who_is_there() const noexcept = 0;
   [[nodiscard]] virtual bool has(const Source& source) const noexcept = 0;
-  virtual bool run_local_work() = 0;
+  virtual LocalWork run_local_work(std::uint32_t bench) = 0;
+  virtual bool make_room(std::uint32_t bench) = 0;
   [[nodiscard]] virtual GuardCounts guard_counts() const = 0;
 };
 

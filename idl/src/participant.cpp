@@ -32,8 +32,12 @@ bool Participant::has(const Source& source) const noexcept {
   return backend_->has(source);
 }
 
-bool Participant::run_local_work() {
-  return backend_->run_local_work();
+LocalWork Participant::run_local_work(std::uint32_t bench) {
+  return backend_->run_local_work(bench);
+}
+
+bool Participant::make_room(std::uint32_t bench) {
+  return backend_->make_room(bench);
 }
 
 GuardCounts Participant::guard_counts() const {

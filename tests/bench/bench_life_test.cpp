@@ -222,6 +222,33 @@ TEST(Observer, MayCallTheBench) {
   EXPECT_TRUE(outcome) << outcome.message();
 }
 
+/// Causes a refusal that no call waits for: 6060h = 50 is no mode of the drive.
+Outcome cause_a_refusal(Session& session) {
+  auto axis = session.axis("1.1");
+  if (!axis) return axis.outcome();
+  if (Outcome enabled = axis->enable(); !enabled) return enabled;
+  client::SetPointFrame frame;
+  frame.axes.push_back({.axis = 1, .objects = {{.object = {0x6060, 0}, .value = 50}}});
+  if (Outcome sent = session.send_set_points(1, {&frame, 1}); !sent) return sent;
+  return session.step(1, 1).outcome();
+}
+
+TEST(Observer, OfRefusalsMayCallTheBench) {
+  const Bench bench;
+  std::promise<Outcome> stepped;
+  bool has_stepped = false;
+  Session session = bench.session();
+  session.on_set_point_refusal([&](const client::SetPointRefusal&) {
+    if (std::exchange(has_stepped, true)) return;
+    stepped.set_value(session.step(1, 1).outcome());
+  });
+  ASSERT_TRUE(cause_a_refusal(session));
+  auto ended = stepped.get_future();
+  ASSERT_EQ(ended.wait_for(kLong), std::future_status::ready);
+  EXPECT_TRUE(ended.get());
+  session.on_set_point_refusal({});
+}
+
 TEST(Observer, ThatBlocksHoldsUpNoCall) {
   const Bench bench;
   std::promise<void> begun;
@@ -286,6 +313,23 @@ TEST(Observer, ThatThrowsReachesTheNextCallOnce) {
   }
   EXPECT_EQ(thrown_by_calls(session), "of the observer of events");
   EXPECT_TRUE(cause_an_event(session)) << "its reports have ended";
+}
+
+TEST(Observer, OfRefusalsThatThrowsReachesTheNextCallOnce) {
+  const Bench bench;
+  Session session = bench.session();
+  session.on_set_point_refusal([](const client::SetPointRefusal&) {
+    throw std::domain_error("of the observer of refusals");
+  });
+  std::string thrown = "nothing";
+  try {
+    ASSERT_TRUE(cause_a_refusal(session));
+    thrown = thrown_by_calls(session);
+  } catch (const std::domain_error& error) {  // the step came after the report
+    thrown = error.what();
+  }
+  EXPECT_EQ(thrown, "of the observer of refusals");
+  EXPECT_TRUE(cause_a_refusal(session)) << "its reports have ended";
 }
 
 constexpr std::array<client::AxisId, 1> kFirstAxis{{{1, 1}}};
@@ -1198,6 +1242,29 @@ TEST(Fork, RefusesABenchOfTheChildOnTheBusOfTheParent) {
                          : 1;
             }),
             0);
+}
+
+// A thread of the parent may have the locks of the bus at the fork.
+TEST(Fork, LetsTheChildAbandonASessionThatItInherited) {
+  const Bench bench;
+  Session session = bench.session();
+  Session busy = bench.session();
+  std::atomic<bool> ends{false};
+  std::thread abandons([&] {
+    while (!ends) busy.abandon();
+  });
+  int failures = 0;
+  for (int count = 0; count < 200 && failures == 0; ++count) {
+    failures += exit_code_of([&] {
+                  session.abandon();
+                  return 0;
+                }) == 0
+                    ? 0
+                    : 1;
+  }
+  ends = true;
+  abandons.join();
+  EXPECT_EQ(failures, 0);
 }
 
 TEST(Fork, LeavesTheLocksOfTheParentToTheParent) {

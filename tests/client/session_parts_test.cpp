@@ -68,22 +68,35 @@ TEST(Wakeup, WakesACallInAnotherThread) {
 }
 
 TEST(Wakeup, WorksUntilSomethingHasChangedAndTellsWhetherItWorked) {
+  constexpr std::uint32_t kBench = 3;
   Wakeup sut;
-  EXPECT_FALSE(sut.work(sut.changes()));  // there is no work
+  EXPECT_FALSE(sut.work(sut.changes(), kBench));  // there is no work
   int left = 5;
-  sut.work_with([&] {
-    if (left == 0) return false;
+  sut.work_with([&](std::uint32_t bench) {
+    EXPECT_EQ(bench, kBench);
+    if (left == 0) return wire::LocalWork::none;
     if (--left == 2) sut.notify();
-    return true;
+    return wire::LocalWork::done;
   });
   const std::uint64_t changes = sut.changes();
-  EXPECT_TRUE(sut.work(changes));
+  EXPECT_TRUE(sut.work(changes, kBench));
   EXPECT_EQ(left, 2);
-  EXPECT_FALSE(sut.work(changes)) << "it has changed";
+  EXPECT_FALSE(sut.work(changes, kBench)) << "it has changed";
   EXPECT_EQ(left, 2);
-  EXPECT_TRUE(sut.work(sut.changes()));
+  EXPECT_TRUE(sut.work(sut.changes(), kBench));
   EXPECT_EQ(left, 0);
-  EXPECT_FALSE(sut.work(sut.changes()));
+  EXPECT_FALSE(sut.work(sut.changes(), kBench));
+}
+
+TEST(Wakeup, ComesAgainSoonWhereAnotherThreadWorks) {
+  Wakeup sut;
+  sut.work_with([](std::uint32_t /*bench*/) {
+    return wire::LocalWork::elsewhere;
+  });
+  EXPECT_FALSE(sut.work(sut.changes(), 1));
+  const auto deadline = Wakeup::Clock::now() + 10s;
+  sut.work_until(sut.changes(), 1, deadline);
+  EXPECT_LT(Wakeup::Clock::now(), deadline) << "that thread may leave the rest to this one";
 }
 
 TEST(Wakeup, WaitsNoLongerThanItsDeadline) {

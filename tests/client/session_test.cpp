@@ -209,6 +209,21 @@ TEST_F(LockStep, SendsSetPointsWithAnyObjects) {
   EXPECT_EQ(axis_->read(ObjectAddress{0x6083, 0}).value(), 54'321);
 }
 
+// In lock-step a bench takes what arrived when somebody waits for it: its queue has 1,024 places.
+TEST_F(LockStep, LosesNoSetPointOfMoreThanItsQueueTakes) {
+  constexpr std::int64_t kFrames = 3'000;
+  ASSERT_TRUE(axis_->enable());
+  SetPointFrame frame;
+  frame.axes.push_back({.axis = 1, .objects = {{.object = {0x6067, 0}, .value = 0}}});
+  for (std::int64_t value = 1; value <= kFrames; ++value) {
+    frame.axes.front().objects.front().value = value;
+    ASSERT_TRUE(sut_.send_set_points(1, {&frame, 1}));
+  }
+  const auto stepped = sut_.step(1, 1);
+  ASSERT_TRUE(stepped) << stepped.outcome().message();
+  EXPECT_EQ(axis_->read(ObjectAddress{0x6067, 0}).value(), kFrames);
+}
+
 // 6060h = 50 is no mode that the drive has: CiA 301, 06090030h.
 TEST_F(LockStep, ReportsEachValueOfASetPointThatTheDriveRefuses) {
   ASSERT_TRUE(axis_->enable());

@@ -13,7 +13,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <string>
 #include <thread>
@@ -182,20 +184,107 @@ TEST_F(LocalBusTest, RefusesASecondServiceOfOneName) {
   EXPECT_NO_THROW((void)join("vdrived 2", Role::service));
 }
 
-TEST_F(LocalBusTest, RunsTheWorkOfPlacesThatAreThere) {
+constexpr std::uint32_t kBench = 7;
+
+TEST_F(LocalBusTest, DoesTheWorkOfABenchThatIsThere) {
   Participant client = join("vdrive client", Role::client);
-  EXPECT_FALSE(client.run_local_work());
+  EXPECT_EQ(client.run_local_work(kBench), LocalWork::none);
   int rounds = 0;
   {
-    const LocalBus::WorkPlace place(bus_, [&] {
-      return ++rounds <= 2;
-    });
-    EXPECT_TRUE(client.run_local_work());
-    EXPECT_TRUE(client.run_local_work());
-    EXPECT_FALSE(client.run_local_work());
+    const LocalBus::WorkPlace place(bus_, kBench,
+                                    {.run =
+                                         [&] {
+                                           return ++rounds <= 2 ? LocalWork::done : LocalWork::none;
+                                         },
+                                     .has_room = {}});
+    EXPECT_EQ(client.run_local_work(kBench), LocalWork::done);
+    EXPECT_EQ(client.run_local_work(kBench + 1), LocalWork::none) << "of another bench";
+    EXPECT_EQ(client.run_local_work(kBench), LocalWork::done);
+    EXPECT_EQ(client.run_local_work(kBench), LocalWork::none);
   }
-  EXPECT_FALSE(client.run_local_work());
+  EXPECT_EQ(client.run_local_work(kBench), LocalWork::none);
   EXPECT_EQ(rounds, 3);
+}
+
+TEST_F(LocalBusTest, MakesRoomByTheWorkOfTheBench) {
+  Participant client = join("vdrive client", Role::client);
+  EXPECT_TRUE(client.make_room(kBench)) << "there is no such bench";
+  int waiting = 3;
+  int rounds = 0;
+  const LocalBus::WorkPlace place(bus_, kBench,
+                                  {.run =
+                                       [&] {
+                                         ++rounds;
+                                         --waiting;
+                                         return LocalWork::done;
+                                       },
+                                   .has_room =
+                                       [&] {
+                                         return waiting < 2;
+                                       }});
+  EXPECT_FALSE(client.make_room(kBench)) << "two are left";
+  EXPECT_TRUE(client.make_room(kBench));
+  EXPECT_TRUE(client.make_room(kBench));
+  EXPECT_EQ(rounds, 2) << "where there is room, nothing is done";
+}
+
+// A thread works for one bench; the other ones come and go.
+TEST_F(LocalBusTest, LetsABenchEndWhileAThreadWorksForAnotherOne) {
+  Participant client = join("vdrive client", Role::client);
+  std::promise<void> begun;
+  std::promise<void> released;
+  const LocalBus::WorkPlace busy(bus_, kBench,
+                                 {.run =
+                                      [&] {
+                                        begun.set_value();
+                                        released.get_future().wait();
+                                        return LocalWork::done;
+                                      },
+                                  .has_room = {}});
+  std::thread worker([&] {
+    client.run_local_work(kBench);
+  });
+  begun.get_future().wait();
+  auto others = std::async(std::launch::async, [&] {
+    for (int count = 0; count < 10; ++count) {
+      const LocalBus::WorkPlace other(bus_, kBench + 1, {.run = {}, .has_room = {}});
+    }
+  });
+  EXPECT_EQ(others.wait_for(std::chrono::seconds(20)), std::future_status::ready);
+  released.set_value();
+  worker.join();
+}
+
+// More senders than one reader can follow: one of them always delivers.
+TEST_F(LocalBusTest, LetsASubscriptionJoinWhileSamplesAreDeliveredWithoutAPause) {
+  constexpr int kSenders = 4;
+  Participant receiver = join("receiver");
+  std::atomic<int> received{0};
+  const Subscription<msg::BenchState> slow(receiver, [&](const auto&, const Source&) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(200);
+    while (std::chrono::steady_clock::now() < end) {
+    }
+    ++received;
+  });
+  std::atomic<bool> ends{false};
+  std::vector<std::thread> senders;
+  for (int thread = 0; thread < kSenders; ++thread) {
+    senders.emplace_back([&] {
+      Participant sender = join("sender");
+      Publication<msg::BenchState> publication(sender);
+      while (!ends) static_cast<void>(publication.write(msg::BenchState()));
+    });
+  }
+  while (received < 10 * kSenders) std::this_thread::yield();
+  auto joined = std::async(std::launch::async, [&] {
+    Participant guest = join("guest");
+    for (int count = 0; count < 20; ++count) {
+      const Subscription<msg::BenchState> passing(guest, [](const auto&, const Source&) {});
+    }
+  });
+  EXPECT_EQ(joined.wait_for(std::chrono::seconds(20)), std::future_status::ready);
+  ends = true;
+  for (auto& sender : senders) sender.join();
 }
 
 TEST_F(LocalBusTest, CarriesSamplesOfManyThreadsWhileSubscriptionsComeAndGo) {

@@ -117,11 +117,18 @@ class Bench::Parts {
             },
             service::LockstepThreads::callers) {
     run_.start();
-    if (run_.configuration().clock == ClockMode::lockstep) {
-      work_.emplace(bus_, [this] {
-        return run_.work();
-      });
-    }
+    const bool is_lockstep = run_.configuration().clock == ClockMode::lockstep;
+    work_.emplace(bus_, number(),
+                  wire::LocalBus::Work{.run =
+                                           [this, is_lockstep] {
+                                             return is_lockstep ? run_.work()
+                                                                : wire::LocalWork::none;
+                                           },
+                                       .has_room =
+                                           [this] {
+                                             return run_.has_room();
+                                           }});
+    bus_->run_work(number());  // of sessions that have found the bench already
   }
 
   ~Parts() {

@@ -70,15 +70,29 @@ std::uint64_t Wakeup::changes() const {
   return changes_;
 }
 
-bool Wakeup::work(std::uint64_t changes) {
-  bool has_worked = false;
+Wakeup::Worked Wakeup::work_while(std::uint64_t changes, std::uint32_t bench) {
+  Worked worked;
   // Without the lock, which what it changes takes.
-  while (work_ && this->changes() == changes && work_()) has_worked = true;
-  return has_worked;
+  while (work_ && this->changes() == changes) {
+    const wire::LocalWork work = work_(bench);
+    worked.has_worked |= work == wire::LocalWork::done;
+    worked.is_elsewhere = work == wire::LocalWork::elsewhere;
+    if (work != wire::LocalWork::done) break;
+  }
+  return worked;
+}
+
+bool Wakeup::work(std::uint64_t changes, std::uint32_t bench) {
+  return work_while(changes, bench).has_worked;
+}
+
+void Wakeup::work_until(std::uint64_t changes, std::uint32_t bench, Clock::time_point deadline) {
+  constexpr std::chrono::milliseconds kPeriod{1};
+  const bool is_elsewhere = work_while(changes, bench).is_elsewhere;
+  wait_until(changes, is_elsewhere ? std::min(deadline, Clock::now() + kPeriod) : deadline);
 }
 
 void Wakeup::wait_until(std::uint64_t changes, Clock::time_point deadline) {
-  static_cast<void>(work(changes));
   std::unique_lock lock(mutex_);
   changed_.wait_until(lock, deadline, [&] {
     return changes_ != changes;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/wire/local_bus.hpp"
 #include "vdrive/wire/origin.hpp"
 
 #include <chrono>
@@ -21,9 +22,11 @@ class Wakeup {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Before the first wait: `work` is what a thread that is about to wait does first
-  /// (wire::Participant::run_local_work). It returns whether there was some.
-  void work_with(std::function<bool()> work) { work_ = std::move(work); }
+  /// Before the first wait: `work` is what a thread that is about to wait for a bench does first
+  /// (wire::Participant::run_local_work).
+  void work_with(std::function<wire::LocalWork(std::uint32_t bench)> work) {
+    work_ = std::move(work);
+  }
 
   /// Something has changed. To be called after the change.
   void notify();
@@ -58,16 +61,27 @@ class Wakeup {
   ///         no change after it.
   [[nodiscard]] std::uint64_t changes() const;
 
-  /// Works as long as there is some work and there were no more than `changes`.
+  /// Works for the bench as long as there is some work and there were no more than `changes`.
   /// @return whether there was some.
-  bool work(std::uint64_t changes);
+  bool work(std::uint64_t changes, std::uint32_t bench);
 
-  /// Works, then waits until there were more than `changes`, or for the deadline.
+  /// Works for the bench, then waits until there were more than `changes`, or for the deadline. A
+  /// wait that another thread works for ends after a millisecond: this one may have to go on.
+  void work_until(std::uint64_t changes, std::uint32_t bench, Clock::time_point deadline);
+
+  /// Waits until there were more than `changes`, or for the deadline.
   void wait_until(std::uint64_t changes, Clock::time_point deadline);
 
  private:
+  struct Worked {
+    bool has_worked = false;
+    bool is_elsewhere = false;  ///< the rest
+  };
+
+  Worked work_while(std::uint64_t changes, std::uint32_t bench);
+
   const wire::Origin origin_;
-  std::function<bool()> work_;
+  std::function<wire::LocalWork(std::uint32_t bench)> work_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::uint64_t changes_ = 0;

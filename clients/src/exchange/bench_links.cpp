@@ -44,6 +44,7 @@ BenchLinks::BenchLinks(wire::Participant& participant, std::uint64_t session, Di
                        Holdings& holdings, UnansweredMessages& unanswered, Wakeup& wakeup,
                        ObserverFailure& failure)
     : session_(session),
+      participant_(participant),
       discovery_(discovery),
       holdings_(holdings),
       unanswered_(unanswered),
@@ -227,9 +228,13 @@ bool BenchLinks::repair(const BenchKey& key) {
 template <typename Message>
 bool BenchLinks::send_patiently(wire::Publication<Message>& publication, const OpenLink& link,
                                 const Message& message) {
-  if (publication.write(message)) return true;
+  // The locks of this link are held: no handler takes them.
+  const auto is_sent = [&] {
+    return participant_.make_room(link.key.number) && publication.write(message);
+  };
+  if (is_sent()) return true;
   const auto deadline = Clock::now() + kFullQueue;
-  while (!publication.write(message)) {
+  while (!is_sent()) {
     if (Clock::now() >= deadline || !discovery_.is_alive(link.key, discovery_.silence())) {
       return false;
     }

@@ -88,7 +88,9 @@ class BenchLinks {
   /// @return whether it was broken.
   bool repair(const BenchKey& key);
 
-  /// Session::on_set_point_refusal.
+  /// Calls `observer`, in the thread that delivers the answer of a bench, for each value of a frame
+  /// that no call waits for and that is refused. It only keeps what it gets, see RefusalWatcher.
+  /// @param observer an empty one ends the reports; it replaces the last
   void watch_refusals(std::function<void(const SetPointRefusal&)> observer);
 
   /// Gives the axes of an answer back that was read: a next one takes their memory, which is
@@ -120,6 +122,7 @@ class BenchLinks {
 
   const std::uint64_t session_;
   std::atomic<bool> is_closed_ = false;
+  wire::Participant& participant_;
   Discovery& discovery_;
   Holdings& holdings_;
   UnansweredMessages& unanswered_;

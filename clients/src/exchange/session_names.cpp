@@ -168,11 +168,11 @@ std::optional<SessionName> SessionNames::find(std::uint32_t bench, std::uint64_t
     // Before the look: what arrives after it ends the wait at once.
     const std::uint64_t changes = wakeup_.changes();
     if (auto name = look_up(bench, session)) return name;
-    if (wakeup_.work(changes)) continue;
+    if (wakeup_.work(changes, bench)) continue;
     const auto end = end_of_wait(bench, session);
     const auto now = Clock::now();
     if (now >= end || wakeup_.is_interrupted()) return std::nullopt;
-    wakeup_.wait_until(changes, std::min(end, now + kLookPeriod));
+    wakeup_.work_until(changes, bench, std::min(end, now + kLookPeriod));
   }
 }
 

@@ -43,7 +43,7 @@ class Waiter {
       const std::uint64_t changes = wakeup_.changes();
       if (condition()) return {};
       // On the local bus most waits need no more: the answer comes with the work.
-      if (wakeup_.work(changes) && condition()) return {};
+      if (wakeup_.work(changes, target.key.number) && condition()) return {};
       const auto now = Wakeup::Clock::now();
       const bool is_broken = links_.repair(target.key);
       // Again, before any reason to give up: the answer may have arrived during the repair.
@@ -52,7 +52,7 @@ class Waiter {
       // Each time anew: a pause of this program moves it.
       const auto deadline = begin + patience.timeout + (discovery_.own_pauses() - pauses);
       if (Wakeup::Clock::now() >= deadline) return timed_out(target);
-      wakeup_.wait_until(changes,
+      wakeup_.work_until(changes, target.key.number,
                          std::min(deadline, now + (is_broken ? kReconnectPeriod : kPeriod)));
     }
   }

@@ -350,7 +350,7 @@ void Session::on_event(std::function<void(const Event&)> observer, EventHistory 
 
 void Session::on_set_point_refusal(std::function<void(const SetPointRefusal&)> observer) {
   require_own_process(*core_);
-  core_->links.watch_refusals(std::move(observer));
+  core_->refusals.watch(std::move(observer));
 }
 
 Outcome Session::on_status(std::span<const AxisId> axes, std::chrono::milliseconds period,

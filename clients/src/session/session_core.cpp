@@ -68,13 +68,14 @@ SessionCore::SessionCore(const SessionOptions& chosen)
                return observer.first_tick_of_stream(target_of(bench),
                                                     bench.info.axes.front().id.axis);
              }),
+      refusals(links, failure, reports),
       statuses(discovery, stream, failure,
                [this](const Target& target, std::span<const std::uint16_t> axes) {
                  return observer.observe(target, axes);
                }),
       status_reports(reports) {
-  wakeup.work_with([this] {
-    return participant.run_local_work();
+  wakeup.work_with([this](std::uint32_t bench) {
+    return participant.run_local_work(bench);
   });
 }
 
@@ -90,6 +91,7 @@ void SessionCore::end() {
 }
 
 void SessionCore::abandon() noexcept {
+  if (!discovery.check_process()) return;
   // In this order: a call that waits must not send again what was not answered.
   links.close();
   clocks.abandon();

@@ -16,6 +16,7 @@
 #include "exchange/waiter.hpp"
 #include "presence/discovery.hpp"
 #include "streams/event_watcher.hpp"
+#include "streams/refusal_watcher.hpp"
 #include "streams/service_watcher.hpp"
 #include "streams/status_stream.hpp"
 #include "streams/status_watcher.hpp"
@@ -29,7 +30,7 @@
 namespace vdrive::client {
 
 /// What is behind a Session: its parts, each with the state that is its own. A part uses parts
-/// above it only. Handlers of DDS threads fill the state and wake the calls that wait.
+/// above it only. Handlers of the wire fill the state and wake the calls that wait.
 class SessionCore : public std::enable_shared_from_this<SessionCore> {
  public:
   /// @throws what Session throws
@@ -66,6 +67,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   Observer observer;
   ServiceWatcher watcher;
   EventWatcher events;
+  RefusalWatcher refusals;
   StatusWatcher statuses;
   ReportThread status_reports;  ///< of Session::on_status
 };

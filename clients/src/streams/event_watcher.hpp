@@ -9,14 +9,13 @@
 #include "vdrive_messages.h"
 
 #include <functional>
-#include <optional>
 #include <stop_token>
 #include <utility>
 
 namespace vdrive::client {
 
-/// Reports the events of benches to the program, in a thread of its own: the thread of DDS must not
-/// wait for a program that commands axes. Thread-safe.
+/// Reports the events of benches to the program, in a thread of its own: the one that delivers must
+/// not wait for a program that commands axes. Thread-safe.
 class EventWatcher {
  public:
   /// @return the tick from which on events of a bench are new.
@@ -39,7 +38,6 @@ class EventWatcher {
   void on_event(Watch& watch, const msg::Event& message) const;
   void run(Watch& watch, const std::stop_token& stop,
            const std::function<void(const Event&)>& observe) const;
-  [[nodiscard]] static std::optional<msg::Event> next(Watch& watch, const std::stop_token& stop);
   bool meet(const BenchKey& key, Watch& watch, const std::stop_token& stop) const;
 
   wire::Participant& participant_;

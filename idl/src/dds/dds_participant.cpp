@@ -9,6 +9,7 @@
 #include "network_backend.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
+#include "vdrive/wire/local_bus.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/ports.hpp"
 #include "vdrive/wire/security.hpp"
@@ -252,7 +253,9 @@ class DdsBackend final : public Backend {
 
   [[nodiscard]] bool has(const Source& /*source*/) const noexcept override { return false; }
 
-  bool run_local_work() override { return false; }
+  LocalWork run_local_work(std::uint32_t /*bench*/) override { return LocalWork::none; }
+
+  bool make_room(std::uint32_t /*bench*/) override { return true; }
 
   [[nodiscard]] GuardCounts guard_counts() const override;
 

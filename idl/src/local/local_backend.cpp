@@ -9,7 +9,9 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <chrono>
 #include <cstdint>
+#include <thread>
 #include <utility>
 
 namespace vdrive::wire {
@@ -72,22 +74,50 @@ LocalBus::LocalBus() : parts_(std::make_unique<Parts>()) {}
 
 LocalBus::~LocalBus() = default;
 
-LocalBus::WorkPlace::WorkPlace(std::shared_ptr<LocalBus> bus, Work work)
-    : bus_(std::move(bus)), work_(std::move(work)) {
-  const std::scoped_lock lock(bus_->parts().working);
-  bus_->parts().work.push_back(&work_);
+std::shared_ptr<LocalBus::Parts::Place> LocalBus::Parts::place_of(std::uint32_t bench) {
+  const std::scoped_lock lock(placing);
+  const auto found = places.find(bench);
+  return found == places.end() ? nullptr : found->second;
+}
+
+LocalBus::WorkPlace::WorkPlace(std::shared_ptr<LocalBus> bus, std::uint32_t bench, Work work)
+    : bus_(std::move(bus)), bench_(bench) {
+  auto place = std::make_shared<Parts::Place>();
+  place->work = std::move(work);
+  const std::scoped_lock lock(bus_->parts().placing);
+  bus_->parts().places[bench_] = std::move(place);
 }
 
 LocalBus::WorkPlace::~WorkPlace() {
-  const std::scoped_lock lock(bus_->parts().working);
-  std::erase(bus_->parts().work, &work_);
+  std::shared_ptr<Parts::Place> place;
+  {
+    const std::scoped_lock lock(bus_->parts().placing);
+    place = std::move(bus_->parts().places.extract(bench_).mapped());
+  }
+  // No thread finds the place any more: those that have it run it once.
+  const std::scoped_lock lock(place->in_use);
+  place->has_ended = true;
 }
 
-bool LocalBus::run_work() {
-  const std::shared_lock lock(parts_->working);
-  bool has_worked = false;
-  for (const Work* const work : parts_->work) has_worked |= (*work)();
-  return has_worked;
+LocalWork LocalBus::run_work(std::uint32_t bench) {
+  const auto place = parts_->place_of(bench);
+  if (!place) return LocalWork::none;
+  const std::shared_lock lock(place->in_use);
+  return place->has_ended ? LocalWork::none : place->work.run();
+}
+
+bool LocalBus::make_room(std::uint32_t bench) {
+  constexpr std::chrono::milliseconds kMoment{1};
+  const auto place = parts_->place_of(bench);
+  if (!place) return true;
+  {
+    const std::shared_lock lock(place->in_use);
+    if (place->has_ended || place->work.has_room()) return true;
+    place->work.run();
+    if (place->work.has_room()) return true;
+  }
+  std::this_thread::sleep_for(kMoment);
+  return false;
 }
 
 std::uint64_t LocalBus::join_clock(const BenchClock& clock, std::uint64_t session) {
@@ -177,12 +207,14 @@ LocalWriter::LocalWriter(std::shared_ptr<LocalBus> bus, const Source& source, To
       observer_(std::move(observer)) {
   auto& parts = bus_->parts();
   const std::scoped_lock lock(parts.members);
-  parts.writers[place_of(topic_)].push_back(this);
+  auto& writers = parts.writers[place_of(topic_)];
+  writers.reserve(writers.size() + 1);
   for (LocalReader* const reader : parts.readers[place_of(topic_)]) {
     matches_.add(reader->id());
     reader->matches().add(id_);
   }
   if (matches_.count() != 0) report_matches();
+  writers.push_back(this);  // last: no place is left of a writer that was not made
 }
 
 LocalWriter::~LocalWriter() {
@@ -215,8 +247,9 @@ bool LocalWriter::write(const void* data) noexcept {
     thread_local std::vector<std::byte> sample;  // keeps its capacity
     sample.resize(support_of(topic_).encoded_size(data));
     const std::size_t size = support_of(topic_).encode(data, sample);
+    if (size == 0) return false;
     publish(std::span(sample).first(size));
-    return size != 0;
+    return true;
   } catch (...) {  // no memory
     return false;
   }
@@ -250,12 +283,14 @@ LocalReader::LocalReader(std::shared_ptr<LocalBus> bus, const Source& source, To
     : bus_(std::move(bus)), id_(new_endpoint(source)), topic_(topic), sink_(std::move(sink)) {
   auto& parts = bus_->parts();
   const std::scoped_lock lock(parts.members);
-  parts.readers[place_of(topic_)].push_back(this);
+  auto& readers = parts.readers[place_of(topic_)];
+  readers.reserve(readers.size() + 1);
   for (LocalWriter* const writer : parts.writers[place_of(topic_)]) {
     matches_.add(writer->id());
     writer->match(*this);
     writer->replay(*this);
   }
+  readers.push_back(this);  // last: no place is left of a reader that was not made
 }
 
 LocalReader::~LocalReader() {

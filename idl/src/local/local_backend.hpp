@@ -2,6 +2,7 @@
 #pragma once
 
 #include "backend.hpp"
+#include "local/fair_shared_mutex.hpp"
 #include "message_support.hpp"
 #include "vdrive/wire/local_bus.hpp"
 #include "vdrive/wire/origin.hpp"
@@ -29,8 +30,19 @@ class LocalWriter;
 using SourceKey = std::pair<std::uint64_t, std::uint32_t>;
 
 /// Who is on a bus. A thread that delivers a sample has `members` shared; a reader or writer that
-/// comes or goes has it alone, so that nothing is delivered to what has gone.
+/// comes or goes has it alone, so that nothing is delivered to what has gone. A handler writes no
+/// sample: it would take `members` twice.
 struct LocalBus::Parts {
+  /// The work of a bench, as long as a thread runs it.
+  struct Place {
+    Work work;
+    std::shared_mutex in_use;  ///< shared by the threads that run the work
+    bool has_ended = false;    ///< guarded by in_use
+  };
+
+  /// @return nothing where no such bench is on the bus.
+  [[nodiscard]] std::shared_ptr<Place> place_of(std::uint32_t bench);
+
   const Origin origin;
 
   std::mutex counting;  ///< no other lock is taken with it: handlers ask who is there
@@ -38,7 +50,7 @@ struct LocalBus::Parts {
   /// Theirs: each call of a session asks for every bench that it knows.
   std::vector<SourceKey> sources;  ///< in ascending order
 
-  std::shared_mutex members;
+  FairSharedMutex members;
   std::array<std::vector<LocalReader*>, kTopics.size()> readers;
   std::array<std::vector<LocalWriter*>, kTopics.size()> writers;
 
@@ -46,8 +58,8 @@ struct LocalBus::Parts {
   std::map<std::pair<BenchClock, std::uint64_t>, std::uint64_t>
       joined_threads;  ///< by clock and session
 
-  std::shared_mutex working;  ///< shared by threads that run work
-  std::vector<const Work*> work;
+  std::mutex placing;                                      ///< no other lock is taken with it
+  std::map<std::uint32_t, std::shared_ptr<Place>> places;  ///< by bench
 };
 
 /// A participant on a local bus.
@@ -73,7 +85,9 @@ class LocalBackend final : public Backend {
 
   [[nodiscard]] bool has(const Source& source) const noexcept override;
 
-  bool run_local_work() override { return bus_->run_work(); }
+  LocalWork run_local_work(std::uint32_t bench) override { return bus_->run_work(bench); }
+
+  bool make_room(std::uint32_t bench) override { return bus_->make_room(bench); }
 
   [[nodiscard]] GuardCounts guard_counts() const override { return {}; }
 

@@ -236,20 +236,23 @@ void BenchRun::start_lockstep() {
   });
 }
 
-bool BenchRun::work() {
+wire::LocalWork BenchRun::work() {
+  // A thread does not work for others as long as they send. What is left belongs to threads that
+  // wait, and they come again.
+  constexpr int kMostRounds = 8;
   const WorksFor bench(name_.c_str());
-  bool has_worked = false;
+  int rounds = 0;
   is_work_wanted_ = true;
   // Whoever finds the lock taken leaves: the thread that has it looks again after it has given it
   // back.
-  while (is_work_wanted_) {
+  while (is_work_wanted_ && rounds < kMostRounds) {
     const std::unique_lock lock(working_, std::try_to_lock);
-    if (!lock.owns_lock()) return has_worked;
+    if (!lock.owns_lock()) return rounds > 0 ? wire::LocalWork::done : wire::LocalWork::elsewhere;
     is_work_wanted_ = false;
-    while (!stop_ && lockstep_->round()) has_worked = true;
+    while (!stop_ && rounds < kMostRounds && lockstep_->round()) ++rounds;
     report_once();
   }
-  return has_worked;
+  return rounds > 0 ? wire::LocalWork::done : wire::LocalWork::none;
 }
 
 void BenchRun::publish_status() {

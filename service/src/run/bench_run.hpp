@@ -23,6 +23,7 @@
 #include "seam/queues.hpp"
 #include "store/parameter_saver.hpp"
 #include "store/parameter_store.hpp"
+#include "vdrive/wire/local_bus.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -87,9 +88,11 @@ class BenchRun {
 
   /// Lock-step in the threads of callers: takes what arrived, lets time pass as far as the steps
   /// allow, and answers, unless another thread does so at this moment. That thread takes what
-  /// arrived meanwhile, too. Any thread; never waits.
-  /// @return whether there was anything.
-  bool work();
+  /// arrived meanwhile, too, but not for ever. Any thread; never waits.
+  wire::LocalWork work();
+
+  /// @return whether clients may send: half of the queue of arrivals is free. Any thread.
+  [[nodiscard]] bool has_room() const noexcept { return inbox_.has_room(); }
 
   [[nodiscard]] bool has_run() const noexcept { return liveness_.has_begun(); }
 

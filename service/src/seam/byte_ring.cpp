@@ -119,4 +119,10 @@ std::size_t ByteRing::size() const noexcept {
   return written > read ? static_cast<std::size_t>(written - read) : 0;
 }
 
+std::size_t ByteRing::bytes() const noexcept {
+  const std::uint64_t read = positions_.read.load(std::memory_order_acquire);
+  const std::uint64_t written = positions_.written.load(std::memory_order_acquire);
+  return written > read ? static_cast<std::size_t>(written - read) : 0;
+}
+
 }  // namespace vdrive::service

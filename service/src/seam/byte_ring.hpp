@@ -70,6 +70,9 @@ class ByteRing {
   /// @return how many records wait; exact only when no thread uses the ring.
   [[nodiscard]] std::size_t size() const noexcept;
 
+  /// @return how many bytes they take; exact only when no thread uses the ring.
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
   [[nodiscard]] std::size_t capacity() const noexcept { return memory_.size(); }
 
  private:

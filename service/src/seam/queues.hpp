@@ -79,6 +79,12 @@ class Inbox {
 
   [[nodiscard]] std::size_t size() const noexcept { return arrivals_.size(); }
 
+  /// @return whether no more than half of its room is taken. Any thread.
+  [[nodiscard]] bool has_room() const noexcept {
+    return arrivals_.size() <= InboxWriter::kCapacity / 2 &&
+           arrivals_.bytes() <= arrivals_.capacity() / 2;
+  }
+
   /// @return what did not fit, oldest first.
   std::optional<TurnedAway> next_turned_away();
 

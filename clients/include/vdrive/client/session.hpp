@@ -395,13 +395,12 @@ class Session {
   void on_event(std::function<void(const Event&)> observer,
                 EventHistory history = EventHistory::left_out);
 
-  /// Calls `observer` for each value of send_set_points() that a drive refuses, such as one out of
-  /// the range of its object: up to 256 of a frame. What is refused as a whole, such as a set-point
-  /// for an axis that another session owns, is an event only. It may also be called within a call
-  /// of the program, in any thread.
-  /// @param observer must return at once, throw nothing and call nothing of the session; an empty
-  ///        one ends the reports, and none is under way when this call returns. It replaces the
-  ///        last.
+  /// Calls `observer`, in a thread of the session, for each value of send_set_points() that a drive
+  /// refuses, such as one out of the range of its object: up to 256 of a frame. What is refused as
+  /// a whole, such as a set-point for an axis that another session owns, is an event only. A
+  /// program that is slow loses the oldest of 65,536.
+  /// @param observer must not end the session; an empty one ends the reports, and none is under way
+  ///        when this call returns, but the one that makes it. It replaces the last.
   void on_set_point_refusal(std::function<void(const SetPointRefusal&)> observer);
 
   /// Calls `observer`, in a thread of the session, with the newest state of these axes: for each of

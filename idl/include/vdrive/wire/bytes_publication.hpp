@@ -19,7 +19,8 @@ class WriterEnd;  ///< known inside the wire room only
 /// QoS: like `Publication`, for a program that does not decode messages.
 class BytesPublication {
  public:
-  /// Runs in a DDS thread with the participants of the subscriptions that match now; must not wait.
+  /// Runs with the participants of the subscriptions that match now, in a DDS thread, on a local
+  /// bus in the thread of what comes or goes; must not wait.
   using Observer = std::function<void(const std::vector<Source>& matched)>;
 
   /// @throws NotPermitted when the permissions of a closed participant do not name the topic;

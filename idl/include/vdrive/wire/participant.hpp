@@ -14,8 +14,9 @@
 
 namespace vdrive::wire {
 
-class Backend;   ///< known inside the wire room only
-class LocalBus;  ///< vdrive/wire/local_bus.hpp
+class Backend;                        ///< known inside the wire room only
+class LocalBus;                       ///< vdrive/wire/local_bus.hpp
+enum class LocalWork : std::uint8_t;  ///< there, too
 
 /// What a participant is for. A client ignores other clients, so that the joins and leaves of many
 /// clients cost nothing.
@@ -106,10 +107,15 @@ class Participant {
   /// false.
   [[nodiscard]] bool has(const Source& source) const noexcept;
 
-  /// Runs what benches of this process leave to the threads of their clients (LocalBus::WorkPlace).
-  /// Over DDS there is nothing. The caller holds no lock that a handler of a subscription takes.
-  /// @return whether there was anything.
-  bool run_local_work();
+  /// Does work that a bench of this process leaves to the threads of its clients
+  /// (LocalBus::WorkPlace). Over DDS there is none. The caller holds no lock that a handler of a
+  /// subscription takes.
+  LocalWork run_local_work(std::uint32_t bench);
+
+  /// Before a client sends to a bench: one of this process may have to work off first what it has
+  /// received. Over DDS the writer waits instead. The caller holds no lock that a handler takes.
+  /// @return whether the bench has room; if not, the call has waited for a moment.
+  bool make_room(std::uint32_t bench);
 
   /// @return what the guard has done; all zero without a guard.
   [[nodiscard]] GuardCounts guard_counts() const;

@@ -56,7 +56,8 @@ class AnySubscription {
 template <typename Message>
 class Subscription final : public AnySubscription {
  public:
-  /// Runs in the DDS receive thread: must be short, must not wait and must not write a message.
+  /// Runs in the DDS receive thread, on a local bus in the thread that writes: must be short, must
+  /// not wait and must not write a message.
   /// The message is valid during the call; its sequences and strings are within the bounds of the
   /// IDL (others are dropped and counted as malformed). No handler runs after the destructor
   /// returned.
