@@ -5,7 +5,8 @@
 figures.py pairs FILE   lines of {"pair":1,"tree":"old","figure":...,"axes":...,"value":...}: for each
                         figure the medians of both trees, and the median, the least and the greatest
                         of the ratios new / old of the pairs
-figures.py table FILE   lines of {"figure":...,"axes":...,"value":...}: one row a figure
+figures.py table FILE   lines of {"figure":...,"axes":...,"value":...}: one row a figure; those with an
+                        "aim" show it beside the value
 """
 import json
 import statistics
@@ -20,7 +21,7 @@ def lines_of(file):
 def name_of(line):
     axes = line.get("axes")
     name = line["figure"] if axes is None else f'{line["figure"]} {axes}'
-    conditions = [f"{key}={line[key]}" for key in ("clients", "priority") if key in line]
+    conditions = [f"{key}={line[key]}" for key in ("over", "clients", "priority") if key in line]
     return " ".join([name, *conditions])
 
 
@@ -56,7 +57,9 @@ def print_pairs(lines):
 
 
 def print_table(lines):
-    print_rows([("figure", "value")] + [(name_of(line), number(line["value"])) for line in lines])
+    print_rows([("figure", "value", "aim")] +
+               [(name_of(line), number(line["value"]), number(line["aim"]) if "aim" in line else "")
+                for line in lines])
 
 
 def main(arguments):
