@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bench in this process: what it costs to make one, and to step it.
+// A bench in this process beside a given vdrived over DDS, by the client library and in turns: what
+// it costs to make one, to step it, and to let drive time pass.
 //
-//   vdrive_local_benchmark [STEPS]     one JSON line a figure: median and 99th percentile
-#include <nlohmann/json.hpp>
+//   vdrive_local_benchmark VDRIVED ROUNDS
+//
+// Prints JSON lines: {"figure":"bench_step_us_p50","over":"local","axes":64,"value":...,"aim":6}.
+// The 64 axes move all the time. Percentiles are those of all rounds together;
+// bench_shown_above_bare_us is the median of the differences within a round.
+#include "private_bench.hpp"
+
 #include <vdrive/bench/bench.hpp>
 #include <vdrive/client.hpp>
 
@@ -13,7 +19,7 @@
 #include <cstdint>
 #include <exception>
 #include <iostream>
-#include <span>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -21,107 +27,234 @@
 
 namespace {
 
+using namespace vdrive;
 using namespace vdrive::client;
-using vdrive::bench::Bench;
+using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
+using Microseconds = std::chrono::duration<double, std::micro>;
 
 constexpr std::size_t kAxes = 64;
-constexpr std::size_t kRecorded = 10'000;  // ticks
-
-void print(std::string_view what, std::vector<double> times, std::string_view unit) {
-  std::ranges::sort(times);
-  std::cout << nlohmann::json{{"what", what},
-                              {"p50", times.at(times.size() / 2)},
-                              {"p99", times.at(times.size() * 99 / 100)},
-                              {"unit", unit}}
-            << '\n';
-}
-
-/// @return how long each of `count` calls took [us].
-template <typename Call>
-std::vector<double> times_of(std::size_t count, const Call& call) {
-  std::vector<double> times;
-  times.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto begin = Clock::now();
-    call();
-    times.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
-  }
-  return times;
-}
+constexpr std::size_t kSteps = 5'000;        // of each kind in a round
+constexpr std::size_t kKept = 10'000;        // ticks
+constexpr std::chrono::seconds kWaited{10};  // of drive time
 
 void require(const Outcome& outcome) {
   if (!outcome) throw std::runtime_error(outcome.message());
 }
 
-/// Every axis moves far, slowly enough to move all the time, each to its own place.
+/// A bench in lock-step with a session on it, in one of the two forms.
+class BenchInUse {
+ public:
+  /// @param service the program vdrived; empty = in this process
+  BenchInUse(const std::string& service, std::size_t axes) {
+    SessionOptions options;
+    options.find_timeout = 30s;
+    if (service.empty()) {
+      local_.emplace(bench::BenchOptions{.axes = axes});
+      options.bus = local_->bus();
+    } else {
+      const std::vector<std::string> words{"--clock", "lockstep", "--axes", std::to_string(axes)};
+      remote_.emplace(service, words);
+      if (const auto problem = remote_->wait_until_ready()) throw std::runtime_error(*problem);
+      options.domain = remote_->domain();
+    }
+    session_.emplace(options);
+  }
+
+  [[nodiscard]] Session& session() { return *session_; }
+
+ private:
+  std::optional<bench::Bench> local_;
+  std::optional<process::PrivateBench> remote_;
+  std::optional<Session> session_;
+};
+
+/// Of all rounds [us].
+struct Times {
+  std::vector<double> bare;
+  std::vector<double> shown;
+  std::vector<double> above;  ///< median of the shown steps of a round less that of the bare ones
+  std::vector<double> kept;
+  std::vector<double> waited;
+  std::vector<double> lived;
+};
+
+struct Form {
+  std::string_view over;
+  std::string service;
+  Times times{};
+  std::optional<BenchInUse> moving{};
+};
+
+using Forms = std::array<Form, 2>;
+
+/// @return the value that this share of the times does not exceed.
+double quantile(std::vector<double> times, double share) {
+  std::ranges::sort(times);
+  return times.at(static_cast<std::size_t>(share * static_cast<double>(times.size())));
+}
+
+double median(const std::vector<double>& times) {
+  return quantile(times, 0.5);
+}
+
+template <typename Call>
+double time_of(const Call& call) {
+  const auto begin = Clock::now();
+  call();
+  return Microseconds(Clock::now() - begin).count();
+}
+
+/// @return how long each of kSteps calls took [us].
+template <typename Call>
+std::vector<double> times_of_steps(const Call& call) {
+  std::vector<double> times;
+  times.reserve(kSteps);
+  for (std::size_t i = 0; i < kSteps; ++i) times.push_back(time_of(call));
+  return times;
+}
+
+void append(std::vector<double>& to, const std::vector<double>& times) {
+  to.insert(to.end(), times.begin(), times.end());
+}
+
+std::vector<AxisId> ids_of_all(Session& session) {
+  std::vector<AxisId> ids;
+  for (const Axis& axis : session.axes(1).value()) ids.push_back(axis.id());
+  return ids;
+}
+
+/// For 40 rounds and more: half of the axes at a speed of their own, half accelerating.
 void let_all_move(Session& session) {
-  auto axes = session.axes(1).value();
-  for (Axis& axis : axes) {
+  for (Axis& axis : session.axes(1).value()) {
+    const std::uint32_t number = axis.id().axis;
+    const bool cruises = number % 2 == 0;
     require(axis.enable());
-    const std::int32_t target = 1'000'000'000 + 1'000 * axis.id().axis;
-    require(axis.move_to(target, {.velocity = 40'000, .call = {.until = Until::in_force}}));
+    require(axis.move_to(number % 3 == 0 ? -2'000'000'000 : 2'000'000'000,
+                         {.velocity = cruises ? 20'000 + 100 * number : 100'000,
+                          .acceleration = cruises ? 409'600 : 10 + number,
+                          .call = {.until = Until::in_force}}));
+  }
+  static_cast<void>(session.wait(1, 1s).value());  // until each has a speed that shows
+}
+
+/// @return the present tick.
+/// @throws std::runtime_error when an axis does not move
+std::uint64_t tick_in_motion(Session& session, const std::vector<AxisId>& ids) {
+  const Observation present = session.observe(ids).value();
+  if (present.axes.size() != kAxes ||
+      std::ranges::any_of(present.axes, [](const AxisSnapshot& axis) {
+        return axis.status.velocity_demand_value == 0;
+      })) {
+    throw std::runtime_error("an axis stopped moving");
+  }
+  return present.tick;
+}
+
+void measure_steps(Session& session, const std::vector<AxisId>& ids, Times& times) {
+  const std::vector<double> bare = times_of_steps([&] {
+    static_cast<void>(session.step(1, 1).value());
+  });
+  // There from now on only: a bare step has none beside it.
+  Follower follower = session.follow(ids, Pace::drive).value();
+  Observation sample;
+  const std::vector<double> shown = times_of_steps([&] {
+    require(follower.next(10s, sample));
+  });
+  append(times.bare, bare);
+  append(times.shown, shown);
+  times.above.push_back(median(shown) - median(bare));
+}
+
+/// @param memory for the samples of all ticks
+void measure_kept(Session& session, const std::vector<AxisId>& ids,
+                  std::vector<AxisSnapshot>& memory, Times& times) {
+  Follower follower = session.follow(ids, Pace::drive).value();
+  Observation sample;
+  auto place = memory.begin();
+  times.kept.push_back(time_of([&] {
+    for (std::size_t tick = 0; tick < kKept; ++tick) {
+      require(follower.next(10s, sample));
+      place = std::ranges::copy(sample.axes, place).out;
+    }
+  }));
+  if (place != memory.end()) throw std::runtime_error("a sample does not show all axes");
+}
+
+void measure_round(Form& form, const std::vector<AxisId>& ids, std::vector<AxisSnapshot>& memory) {
+  constexpr std::uint64_t kTicks = 2 * kSteps + kKept + kWaited / 1ms;
+  Session& session = form.moving->session();
+  const std::uint64_t begin = tick_in_motion(session, ids);
+  measure_steps(session, ids, form.times);
+  measure_kept(session, ids, memory, form.times);
+  form.times.waited.push_back(time_of([&] {
+    static_cast<void>(session.wait(1, kWaited).value());
+  }));
+  if (tick_in_motion(session, ids) != begin + kTicks) {
+    throw std::runtime_error("a step was not one of one tick");
   }
 }
 
-void measure_steps(std::size_t steps) {
-  const Bench bench({.axes = kAxes});
-  Session session = bench.session();
-  let_all_move(session);
-  print("one-tick step, 64 axes moving, none shown",
-        times_of(steps,
-                 [&] {
-                   static_cast<void>(session.step(1, 1).value());
-                 }),
-        "us");
-  std::vector<AxisId> ids;
-  for (const Axis& axis : session.axes(1).value()) ids.push_back(axis.id());
-  Follower follower = session.follow(ids, Pace::drive).value();
-  Observation sample;
-  print("the same, all shown",
-        times_of(steps,
-                 [&] {
-                   require(follower.next(std::chrono::seconds(1), sample));
-                 }),
-        "us");
-  std::vector<AxisSnapshot> recorded(kRecorded * kAxes);
-  print("10 s of drive time, 64 axes moving, every tick kept",
-        times_of(9,
-                 [&] {
-                   auto place = recorded.begin();
-                   for (std::size_t tick = 0; tick < kRecorded; ++tick) {
-                     require(follower.next(std::chrono::seconds(1), sample));
-                     place = std::ranges::copy(sample.axes, place).out;
-                   }
-                 }),
-        "us");
-  print("10 s of drive time, 64 axes moving, nobody looks",
-        times_of(9,
-                 [&] {
-                   static_cast<void>(session.wait(1, std::chrono::seconds(10)).value());
-                 }),
-        "us");
+/// A bench of two axes is made, its first axis is read, and it ends.
+void measure_life(Form& form) {
+  form.times.lived.push_back(time_of([&] {
+    BenchInUse bench(form.service, 2);
+    static_cast<void>(bench.session().axis("1.1").value().status().value());
+  }));
 }
 
-void measure_lives() {
-  print("bench of two axes made, first axis read, ended",
-        times_of(101,
-                 [] {
-                   const Bench bench({.axes = 2});
-                   Session session = bench.session();
-                   static_cast<void>(session.axis("1.1").value().status().value());
-                 }),
-        "us");
+/// @param aim of the bench in this process; 0 = none
+void print(std::string_view figure, const Form& form, std::size_t axes, double value, double aim) {
+  std::cout << R"({"figure":")" << figure << R"(","over":")" << form.over << R"(","axes":)" << axes
+            << R"(,"value":)" << value;
+  if (aim != 0.0) std::cout << R"(,"aim":)" << aim;
+  std::cout << "}\n";
+}
+
+void print(const Form& form) {
+  const Times& times = form.times;
+  const bool is_local = form.service.empty();
+  const auto aim = [is_local](double value) {
+    return is_local ? value : 0.0;
+  };
+  print("bench_step_us_p50", form, kAxes, median(times.bare), aim(6));
+  print("bench_step_us_p99", form, kAxes, quantile(times.bare, 0.99), aim(10));
+  print("bench_shown_step_us_p50", form, kAxes, median(times.shown), aim(8));
+  print("bench_shown_step_us_p99", form, kAxes, quantile(times.shown, 0.99), 0);
+  print("bench_shown_above_bare_us", form, kAxes, median(times.above), is_local ? 0 : 5);
+  print("bench_kept_10_s_ms", form, kAxes, median(times.kept) / 1'000, 0);
+  print("bench_waited_10_s_ms", form, kAxes, median(times.waited) / 1'000, aim(25));
+  print("bench_life_ms", form, 2, median(times.lived) / 1'000, aim(3));
+}
+
+int measure(const std::string& service, int rounds) {
+  Forms forms{Form{.over = "local", .service = ""}, Form{.over = "dds", .service = service}};
+  // First: a process that has much memory starts another one later.
+  for (int round = 0; round < rounds; ++round) {
+    for (Form& form : forms) measure_life(form);
+  }
+  for (Form& form : forms) {
+    form.moving.emplace(form.service, kAxes);
+    let_all_move(form.moving->session());
+  }
+  const std::vector<AxisId> ids = ids_of_all(forms.front().moving->session());
+  std::vector<AxisSnapshot> memory(kKept * kAxes);
+  for (int round = 0; round < rounds; ++round) {
+    for (Form& form : forms) measure_round(form, ids, memory);
+  }
+  for (const Form& form : forms) print(form);
+  return 0;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int count, char** arguments) {
+  if (count != 3) {
+    std::cerr << "usage: vdrive_local_benchmark VDRIVED ROUNDS\n";
+    return 2;
+  }
   try {
-    const std::span arguments(argv, static_cast<std::size_t>(argc));
-    measure_steps(arguments.size() > 1 ? std::stoul(arguments[1]) : 20'000);
-    measure_lives();
-    return 0;
+    return measure(arguments[1], std::stoi(arguments[2]));
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return 1;
