@@ -1,17 +1,21 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""The cost of the Python module beside the C++ library, in the same run.
+"""The cost of the Python module beside the C++ library, and in a process beside DDS, in the same run.
 
   python_figures.py [--build build/release] [--rounds 9] [--steps 2000] [--axes 256] [--seconds 20] [--runs 1]
-                    [--only bank|steps|bench|stream]
+                    [--only bank|steps|bench|fixture|stream ...]
 
 Bank: ticks of 4,096 moving axes of the drive alone, in C++ (axis_tick_ns of vdrive_core_benchmark) and from
 Python in turn; in Python also with a look at every status, and a write to each axis.
 Steps: rounds of one-tick steps of a private bench in lock-step, C++ and Python in turn; the medians of
 the rounds and the median of the ratios of neighbours. Bench: 64 axes in motion, in the process and over
-DDS in turn: a step, a step that shows all axes, and 10 s of drive time recorded. Stream: every status of a bench in real time
-at 1 kHz, taken as numpy arrays; samples that were lost on the way or dropped. One JSON line a
-figure. Needs the targets vdrived, vdrive_python, vdrive_core_benchmark and vdrive_step_benchmark, and Debian's python3.
+DDS in turn: a step, a step that shows all axes, and 10 s of drive time recorded; and a bench of two axes
+that is made, read and ended. Fixture: what the fixture of pytest adds to a test, a bench of two axes and a
+session on it, both forms in turn. Stream: every status of a bench in real time at 1 kHz, taken as numpy
+arrays; samples that were lost on the way or dropped.
+
+Prints one JSON line a figure, as vdrive_local_benchmark does; what else is worth a look goes to standard
+error. Needs the targets vdrived, vdrive_python, vdrive_core_benchmark and vdrive_step_benchmark.
 """
 import argparse
 import contextlib
@@ -29,8 +33,14 @@ from hops import Hops, free_port
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
-def figure(name, **values):
-    print(json.dumps({"figure": name, **values}), flush=True)
+def figure(name, axes, value, over=None, aim=None):
+    line = {"figure": name, "over": over, "axes": axes, "value": round(value, 4), "aim": aim}
+    print(json.dumps({key: value for key, value in line.items() if value is not None}), flush=True)
+
+
+def figure_of_ratios(name, axes, ratios, aim, over=None):
+    figure(name, axes, statistics.median(ratios), over, aim)
+    print(name, [round(ratio, 2) for ratio in sorted(ratios)], file=sys.stderr)
 
 
 def steps_in_python(session, count):
@@ -51,12 +61,12 @@ def measure_steps(vdrive, options):
         for _ in range(options.rounds):
             output = subprocess.run([program, str(bench.domain), str(options.steps)], check=True,
                                     capture_output=True, text=True).stdout
-            in_cpp.append(float(output.split()[0]))
+            in_cpp.append(float(output))
             in_python.append(steps_in_python(session, options.steps))
     ratios = [python / cpp for python, cpp in zip(in_python, in_cpp)]
-    figure("python_step_us", cpp=round(statistics.median(in_cpp), 1),
-           python=round(statistics.median(in_python), 1), ratio=round(statistics.median(ratios), 3),
-           ratios=[round(ratio, 2) for ratio in sorted(ratios)])
+    figure("cpp_step_us", 1, statistics.median(in_cpp), over="dds")
+    figure("python_step_us", 1, statistics.median(in_python), over="dds")
+    figure_of_ratios("python_step_ratio", 1, ratios, over="dds", aim=1.5)
 
 
 BANK_AXES = 4096
@@ -112,57 +122,112 @@ def measure_bank(vdrive, options):
     if not speed.all():
         raise RuntimeError("an axis stopped moving")
     in_cpp, in_python, looking = (statistics.median(column) for column in zip(*rounds))
-    ratios = sorted(python / cpp for cpp, python, _ in rounds)
-    figure("python_bank_tick_us", axes=BANK_AXES, cpp=round(in_cpp, 1), python=round(in_python, 1),
-           ratio=round(statistics.median(ratios), 3), ratios=[round(ratio, 2) for ratio in ratios],
-           looking=round(looking, 1), write=round(median_us(write, 100), 1))
+    figure("cpp_bank_tick_us", BANK_AXES, in_cpp)
+    figure("python_bank_tick_us", BANK_AXES, in_python)
+    figure_of_ratios("python_bank_tick_ratio", BANK_AXES,
+                     [python / cpp for cpp, python, _ in rounds], aim=1.2)
+    figure("python_bank_tick_and_look_us", BANK_AXES, looking)
+    figure("python_bank_write_us", BANK_AXES, median_us(write, 100))
 
 
 BENCH_AXES = 64
 RECORDED = 10_000  # ticks
+FORMS = ("local", "dds")
+
+
+def let_all_move(session):
+    """Start the moves of local_benchmark.cpp."""
+    for number, axis in enumerate(session.axes(), 1):
+        axis.enable()
+        speed, ramp = (20_000 + 100 * number, 409_600) if number % 2 == 0 else (100_000, 10 + number)
+        axis.move_to(-2_000_000_000 if number % 3 == 0 else 2_000_000_000, velocity=speed,
+                     acceleration=ramp, until="in_force")
+    session.wait(1.0)  # until each has a speed that shows
 
 
 def times_of(session, options):
     """Return the times of a step and of an observation in us, and of a recording in ms."""
+    step_us = steps_in_python(session, options.steps)
     followed = session.follow()
     followed_us = median_us(followed.__next__, options.steps)
     followed.close()
     begin = time.perf_counter()
     recording = session.record(ticks=RECORDED)
     recorded_ms = 1000 * (time.perf_counter() - begin)
-    if not recording["velocity"][-1].all():
+    if recording.frames.shape != (RECORDED, BENCH_AXES) or recording.missed:
+        raise RuntimeError("a tick or an axis was not recorded")
+    if not recording["velocity_demand_value"][-1].all():
         raise RuntimeError("an axis stopped moving")
-    return steps_in_python(session, options.steps), followed_us, recorded_ms
+    return step_us, followed_us, recorded_ms
+
+
+def life_ms(vdrive, over):
+    """Return how long it takes to make a bench of two axes, to read its first axis and to end it."""
+    begin = time.perf_counter()
+    with vdrive.Bench(2, over=over) as bench, bench.session() as session:
+        session.axis("1.1").status()
+    return 1000 * (time.perf_counter() - begin)
 
 
 def measure_bench(vdrive, options):
-    program = options.build / "tests/benchmark/vdrive_step_benchmark"
-    rounds = {"local": [], "dds": []}
-    in_cpp = []
-    with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as benches:
-        # Without the watchdog the axes go on while a session that does not own them steps.
-        config = pathlib.Path(folder) / "bench.yaml"
-        config.write_text("watchdog: {timeout_ms: off}\n", encoding="utf-8")
-        local, remote = (benches.enter_context(vdrive.Bench(BENCH_AXES, config=config, over=over))
-                         for over in rounds)
-        near, far = (benches.enter_context(bench.session()) for bench in (local, remote))
-        for session in (near, far):
-            for number, axis in enumerate(session.axes()):
-                axis.enable()
-                axis.move_to(1_000_000_000 + 1000 * number, velocity=40_000, until="in_force")
+    lives, rounds = {over: [] for over in FORMS}, {over: [] for over in FORMS}
+    for _ in range(options.rounds):
+        for over in FORMS:
+            lives[over].append(life_ms(vdrive, over))
+    with contextlib.ExitStack() as benches:
+        sessions = {}
+        for over in FORMS:
+            bench = benches.enter_context(vdrive.Bench(BENCH_AXES, over=over))
+            sessions[over] = benches.enter_context(bench.session())
+            let_all_move(sessions[over])
         for _ in range(options.rounds):
-            for over, session in (("local", near), ("dds", far)):
-                rounds[over].append(times_of(session, options))
-            output = subprocess.run([program, str(remote.domain), str(options.steps)], check=True,
-                                    capture_output=True, text=True).stdout
-            in_cpp.append([float(line.split()[0]) for line in output.splitlines()])
-    for over, times in rounds.items():
-        step, follow, record = (statistics.median(column) for column in zip(*times))
-        figure("python_bench", over=over, axes=BENCH_AXES, step_us=round(step, 2), follow_us=round(follow, 2),
-               record_10s_ms=round(record, 1))
-    bare, shown = (statistics.median(column) for column in zip(*in_cpp))
-    figure("cpp_step_over_dds_us", axes=BENCH_AXES, bare=round(bare, 1), shown=round(shown, 1),
-           difference=round(statistics.median(both[1] - both[0] for both in in_cpp), 1))
+            for over in FORMS:
+                rounds[over].append(times_of(sessions[over], options))
+    for over in FORMS:
+        step, follow, record = (statistics.median(column) for column in zip(*rounds[over]))
+        follow_aim, record_aim, life_aim = (12, 80, 3) if over == "local" else (None, None, None)
+        figure("python_bench_step_us", BENCH_AXES, step, over)
+        figure("python_bench_follow_us", BENCH_AXES, follow, over, follow_aim)
+        figure("python_bench_record_10_s_ms", BENCH_AXES, record, over, record_aim)
+        figure("python_bench_life_ms", 2, statistics.median(lives[over]), over, life_aim)
+
+
+TESTS = """
+import pytest
+
+@pytest.mark.parametrize("number", range({count}))
+def test_without(number):
+    pass
+
+@pytest.mark.parametrize("number", range({count}))
+def test_with(vdrive_session, number):
+    assert len(vdrive_session.axes()) == 2
+"""
+TESTS_OF = {"local": 200, "dds": 10}
+
+
+def run_pytest(options, file, test, over):
+    """Return how long the run takes in ms."""
+    begin = time.perf_counter()
+    subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--vdrive-over",
+                    over, f"{file}::{test}"], check=True, cwd=file.parent, stdout=subprocess.DEVNULL,
+                   env={**os.environ, "PYTHONPATH": str(options.build / "python")})
+    return 1000 * (time.perf_counter() - begin)
+
+
+def measure_fixture(options):
+    times = {over: [] for over in FORMS}
+    with tempfile.TemporaryDirectory() as folder:
+        for _ in range(options.rounds):
+            for over in FORMS:
+                file = pathlib.Path(folder) / f"test_{over}.py"
+                file.write_text(TESTS.format(count=TESTS_OF[over]), encoding="utf-8")
+                without, used = (run_pytest(options, file, test, over)
+                                 for test in ("test_without", "test_with"))
+                times[over].append((used - without) / TESTS_OF[over])
+    for over in FORMS:
+        figure("pytest_fixture_ms", 2, statistics.median(times[over]), over,
+               aim=10 if over == "local" else None)
 
 
 def measure_stream(vdrive, options):
@@ -183,9 +248,11 @@ def measure_stream(vdrive, options):
                 highest = max(highest, int(frames["load_position_actual_value"].max(initial=0)))
                 time.sleep(0.01)  # a program that has other work: it takes ten samples at once
             took = time.monotonic() - begin
-            figure("python_stream", axes=options.axes, seconds=round(took, 1), samples=samples,
-                   lost=missed, dropped=stream.dropped, hops=hops.so_far(),
-                   core_percent=round(100 * (time.process_time() - busy) / took, 1))
+            figure("python_stream_samples", options.axes, samples)
+            figure("python_stream_lost", options.axes, missed, aim=0)
+            figure("python_stream_dropped", options.axes, stream.dropped)
+            figure("python_stream_cores", options.axes, (time.process_time() - busy) / took)
+            print("python_stream", hops.so_far(), file=sys.stderr)
 
 
 def main():
@@ -196,19 +263,23 @@ def main():
     parser.add_argument("--axes", type=int, default=256)
     parser.add_argument("--seconds", type=float, default=20)
     parser.add_argument("--runs", type=int, default=1, help="of the stream")
-    parser.add_argument("--only", choices=("bank", "steps", "bench", "stream"))
+    parts = ("bank", "steps", "bench", "fixture", "stream")
+    parser.add_argument("--only", choices=parts, nargs="+", default=parts)
     options = parser.parse_args()
+    options.build = options.build.resolve()
     sys.path.insert(0, str(options.build / "python"))
     os.environ.setdefault("VDRIVE_SERVICE", str(options.build / "bin/vdrived"))
     import vdrive
 
-    if options.rounds and options.only in (None, "bank"):
+    if "bank" in options.only:
         measure_bank(vdrive, options)
-    if options.rounds and options.only in (None, "steps"):
+    if "steps" in options.only:
         measure_steps(vdrive, options)
-    if options.rounds and options.only in (None, "bench"):
+    if "bench" in options.only:
         measure_bench(vdrive, options)
-    for _ in range(options.runs if options.only in (None, "stream") else 0):
+    if "fixture" in options.only:
+        measure_fixture(options)
+    for _ in range(options.runs if "stream" in options.only else 0):
         measure_stream(vdrive, options)
 
 
