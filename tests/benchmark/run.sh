@@ -1,18 +1,21 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the benchmarks and runs all of them, some 11 minutes; prints one JSON line for each figure on
-# standard output (figures.py table FILE makes a table of them):
+# Builds the benchmarks of the parts below and runs them, some 14 minutes; prints one JSON line for
+# each figure on standard output (figures.py table FILE makes a table of them):
 #   {"figure":"axis_tick_ns","axes":1024,"value":...}
 # Everything else goes to standard error. The figures of the network stand beside those of the DDS
 # library alone, taken in the same run. Needs a machine without other work, and permission to use the
-# loopback interface.
+# loopback interface. The gateway has gateway.py.
 #
-#   ./tests/benchmark/run.sh [--quick] [--only core|service|steps|status|start|canopen|lateness]
+#   ./tests/benchmark/run.sh [--quick]
+#                            [--only core|service|steps|status|start|bench|python|canopen|lateness]
 #
 #   --quick    short runs, for a first estimate
 #   --only     one part: ticks of the bank; ticks, threads, stores and publication of the engine;
-#              steps over DDS; status that clients receive, and recordings; start, list and scenarios;
-#              CANopen nodes, alone and behind a socketcand server; how late ticks begin
+#              steps over DDS; status that clients receive, and recordings; start and list; a bench in
+#              the process beside one over DDS, from C++, Python, pytest and `vdrive test`; the Python
+#              module beside C++; CANopen nodes, alone and behind a socketcand server; how late ticks
+#              begin
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -21,14 +24,14 @@ rounds=21
 follow_seconds=20
 longest_seconds=60
 steps=3
-scenarios=5
+few_rounds=5
 only=
 while (($#)); do
   case $1 in
-    --quick) rounds=5 follow_seconds=4 longest_seconds=10 steps=1 scenarios=1 ;;
+    --quick) rounds=5 follow_seconds=4 longest_seconds=10 steps=1 few_rounds=1 ;;
     --only)
       only=${2-} && shift
-      if ! [[ $only =~ ^(core|service|steps|status|start|canopen|lateness)$ ]]; then
+      if ! [[ $only =~ ^(core|service|steps|status|start|bench|python|canopen|lateness)$ ]]; then
         echo "run: --only '$only' is no part" >&2 && exit 2
       fi ;;
     *) echo "run: unknown option '$1'" >&2 && exit 2 ;;
@@ -42,6 +45,7 @@ done
   --target vdrive_parameter_benchmark --target vdrive_publication_benchmark \
   --target vdrive_bare_benchmark --target vdrive_wire_benchmark --target vdrive_follow_benchmark \
   --target vdrive_threads_benchmark --target vdrive_lateness_benchmark \
+  --target vdrive_local_benchmark --target vdrive_step_benchmark --target vdrive_python \
   --target vdrive-canopen --target vdrive_canopen_benchmark
 
 build=$root/build/release
@@ -117,28 +121,43 @@ status() {
   "$root/tests/benchmark/record.py" --axes 1024 --seconds $follow_seconds
 }
 
+start() {
+  follow 1 1 --axes 10000
+  measure_list 1024
+}
+
 # The time of `vdrive test` of the project's scenarios, in turns without and with DDS.
 measure_scenarios() {
-  local wire attempt begin end
-  for ((attempt = 0; attempt < scenarios; ++attempt)); do
-    for wire in local dds; do
+  local over aim attempt begin end
+  for ((attempt = 0; attempt < few_rounds; ++attempt)); do
+    for over in local dds; do
+      [[ $over == local ]] && aim=',"aim":2000' || aim=
       begin=$(date +%s%N)
-      "$build/bin/vdrive" test --over $wire "$root"/clients/scenarios/*.scn >"$work/scenarios"
+      "$build/bin/vdrive" test --over $over "$root"/clients/scenarios/*.scn >"$work/scenarios"
       end=$(date +%s%N)
-      figure scenarios_over_${wire}_ms 2 $(((end - begin) / 1000000))
+      printf '{"figure":"scenarios_ms","over":"%s","value":%d%s}\n' $over \
+        $(((end - begin) / 1000000)) "$aim"
     done
   done
 }
 
-start() {
-  follow 1 1 --axes 10000
-  measure_list 1024
+python_figures() {
+  "$root/tests/benchmark/python_figures.py" --rounds $few_rounds --seconds $follow_seconds --only "$@"
+}
+
+bench() {
+  "$programs/vdrive_local_benchmark" "$service" $rounds
+  python_figures bench fixture
   measure_scenarios
+}
+
+python() {
+  python_figures bank steps stream
 }
 
 canopen() {
   "$programs/vdrive_canopen_benchmark" --benchmark_min_time=0.1
-  "$root/tests/benchmark/canopen.py" --seconds $((follow_seconds / 2)) --rounds $scenarios
+  "$root/tests/benchmark/canopen.py" --seconds $((follow_seconds / 2)) --rounds $few_rounds
 }
 
 lateness() {
@@ -155,7 +174,7 @@ lateness() {
 # the tool took seconds; without them none.
 run_part() {
   case $1 in
-    steps | status | start | canopen) "$1" ;;
+    steps | status | start | bench | python | canopen) "$1" ;;
     *)
       keep_awake
       "$1"
@@ -164,7 +183,7 @@ run_part() {
   esac
 }
 
-for part in core service steps status start canopen lateness; do
+for part in core service steps status start bench python canopen lateness; do
   if [[ -z $only || $only == "$part" ]]; then
     run_part "$part"
   fi
