@@ -68,24 +68,24 @@ TEST(Wakeup, WakesACallInAnotherThread) {
 }
 
 TEST(Wakeup, WorksUntilSomethingHasChangedAndTellsWhetherItWorked) {
-  constexpr std::uint32_t kBench = 3;
+  constexpr std::uint32_t kWorked = 3;
   Wakeup sut;
-  EXPECT_FALSE(sut.work(sut.changes(), kBench));  // there is no work
+  EXPECT_FALSE(sut.work(sut.changes(), kWorked));  // there is no work
   int left = 5;
   sut.work_with([&](std::uint32_t bench) {
-    EXPECT_EQ(bench, kBench);
+    EXPECT_EQ(bench, kWorked);
     if (left == 0) return wire::LocalWork::none;
     if (--left == 2) sut.notify();
     return wire::LocalWork::done;
   });
   const std::uint64_t changes = sut.changes();
-  EXPECT_TRUE(sut.work(changes, kBench));
+  EXPECT_TRUE(sut.work(changes, kWorked));
   EXPECT_EQ(left, 2);
-  EXPECT_FALSE(sut.work(changes, kBench)) << "it has changed";
+  EXPECT_FALSE(sut.work(changes, kWorked)) << "it has changed";
   EXPECT_EQ(left, 2);
-  EXPECT_TRUE(sut.work(sut.changes(), kBench));
+  EXPECT_TRUE(sut.work(sut.changes(), kWorked));
   EXPECT_EQ(left, 0);
-  EXPECT_FALSE(sut.work(sut.changes(), kBench));
+  EXPECT_FALSE(sut.work(sut.changes(), kWorked));
 }
 
 TEST(Wakeup, ComesAgainSoonWhereAnotherThreadWorks) {
