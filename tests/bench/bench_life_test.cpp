@@ -956,7 +956,7 @@ TEST(Session, ThatOutlivesItsBenchIsLostInEveryCall) {
 /// @param is_waiting asked with another session of the bench until it is true: the wait has begun
 /// @return the outcome of a wait in another thread, during which the bench ended.
 template <typename Wait, typename IsWaiting>
-OutcomeKind end_during(const BenchOptions& options, const Wait& wait, const IsWaiting& is_waiting) {
+OutcomeKind end_during(const BenchOptions& options, const Wait& wait, IsWaiting is_waiting) {
   std::optional<Bench> bench(std::in_place, options);
   Session session = bench->session();
   Session other = bench->session();
@@ -1001,6 +1001,27 @@ TEST(Bench, ThatEndsEndsTheWaitsOfOtherThreadsAtOnce) {
       return has_seen.load();
     };
     EXPECT_EQ(end_during({.clock = clock}, follow, follows), OutcomeKind::lost) << to_string(clock);
+  }
+}
+
+// It ends while the jog starts: at each time one look of another session later.
+TEST(Bench, ThatEndsEndsAJogAtOnce) {
+  for (int looks = 0; looks < 20; ++looks) {
+    const auto jog = [](Session& session) {
+      auto axis = session.axis("1.1");
+      if (Outcome enabled = axis->enable(); !enabled) return enabled;
+      return axis->jog(1'000, [](const client::AxisSnapshot&) {
+        return true;
+      });
+    };
+    const auto has_begun = [left = looks](Session& other) mutable {
+      const auto status = other.axis("1.1")->status();
+      return status && status->state() == PowerState::operation_enabled && left-- == 0;
+    };
+    // What it sees first: that the axis has lost its power, or that the bench has ended.
+    ASSERT_THAT(end_during({.clock = ClockMode::realtime}, jog, has_begun),
+                testing::AnyOf(OutcomeKind::failed, OutcomeKind::lost))
+        << "after " << looks << " looks";
   }
 }
 

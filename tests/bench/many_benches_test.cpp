@@ -131,7 +131,7 @@ TEST(AThousandBenches, OfTenBusesAreAllMovedAndStepped) {
   }
 }
 
-/// A call runs the work of every bench of its bus, so only some of them move.
+/// A call looks at every bench of its bus, so only some of them move.
 TEST(AThousandBenches, MeetOnOneBus) {
   constexpr std::uint32_t kBenches = kThousand;
   const std::vector<Bench> benches = benches_on_one_bus(kBenches);

@@ -164,6 +164,7 @@ Outcome ObservedAxes::next(BenchPart& part) {
 }
 
 Outcome ObservedAxes::advance(std::uint64_t ticks, milliseconds patience) {
+  if (Outcome there = require_a_bench(); !there) return there;
   Outcome result;
   for (BenchPart& part : parts_) {
     if (part.is_lost) continue;
@@ -180,6 +181,7 @@ Outcome ObservedAxes::advance(std::uint64_t ticks, milliseconds patience) {
 }
 
 Outcome ObservedAxes::refresh() {
+  if (Outcome there = require_a_bench(); !there) return there;
   for (BenchPart& part : parts_) {
     if (part.is_lost) continue;
     Outcome seen = part.feed ? catch_up(part)
@@ -225,8 +227,18 @@ Outcome ObservedAxes::align() {
 Outcome ObservedAxes::note_lost(BenchPart& part, Outcome outcome) const {
   if (outcome.kind() != OutcomeKind::lost) return outcome;
   part.is_lost = true;
-  if (caller_ == Caller::axis) return outcome;
-  return Outcome::lost(axes_of(*part.bench) + ": " + outcome.message());
+  part.loss = caller_ == Caller::axis
+                  ? std::move(outcome)
+                  : Outcome::lost(axes_of(*part.bench) + ": " + outcome.message());
+  return part.loss;
+}
+
+/// A call that continues without the bench that it has lost would wait for ticks that never come.
+Outcome ObservedAxes::require_a_bench() const {
+  const bool is_any_there = std::ranges::any_of(parts_, [](const BenchPart& part) {
+    return !part.is_lost;
+  });
+  return is_any_there || parts_.empty() ? Outcome() : parts_.front().loss;
 }
 
 Outcome ObservedAxes::note(BenchPart& part, Result<Observation> sample) const {

@@ -48,6 +48,7 @@ struct BenchPart {
   Observation seen;
   std::uint64_t skipped = 0;  ///< ticks since the first observation that the number jumped over
   bool is_lost = false;
+  Outcome loss{};  ///< why it is lost
 };
 
 /// One axis or more, on one bench or more, tick by tick: all benches show the same tick.
@@ -127,6 +128,7 @@ class ObservedAxes {
   Outcome catch_up(BenchPart& part);
   Outcome next(BenchPart& part);
   Outcome align();
+  [[nodiscard]] Outcome require_a_bench() const;
   Outcome note(BenchPart& part, Result<Observation> sample) const;
   void publish();
 
