@@ -43,6 +43,27 @@ bool is_whole(const ByteRing::Record& record, std::size_t size, std::uint8_t val
          });
 }
 
+// A record of 10 bytes takes 16 behind its head: records begin at a multiple of 8.
+TEST(ByteRing, CountsTheRecordsThatWaitAndTheirBytes) {
+  Memory memory(256);
+  ByteRing producer = memory.end();
+  ByteRing consumer = memory.end();
+  EXPECT_EQ(consumer.bytes(), 0U);
+  ASSERT_TRUE(put(producer, 10, 1));
+  ASSERT_TRUE(put(producer, 16, 2));
+  EXPECT_EQ(consumer.size(), 2U);
+  EXPECT_EQ(consumer.bytes(), 2 * (kHead + 16));
+  ASSERT_TRUE(consumer.front());
+  consumer.pop();
+  EXPECT_EQ(consumer.size(), 1U);
+  EXPECT_EQ(consumer.bytes(), kHead + 16);
+  ASSERT_TRUE(consumer.front());
+  consumer.pop();
+  EXPECT_EQ(consumer.bytes(), 0U);
+  ASSERT_TRUE(put(producer, 10, 3)) << "an empty ring begins anew";
+  EXPECT_EQ(consumer.bytes(), kHead + 16);
+}
+
 TEST(ByteRing, GivesRecordsInTheirOrder) {
   Memory memory(256);
   ByteRing producer = memory.end();

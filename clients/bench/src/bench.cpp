@@ -117,12 +117,10 @@ class Bench::Parts {
             },
             service::LockstepThreads::callers) {
     run_.start();
-    const bool is_lockstep = run_.configuration().clock == ClockMode::lockstep;
     work_.emplace(bus_, number(),
                   wire::LocalBus::Work{.run =
-                                           [this, is_lockstep] {
-                                             return is_lockstep ? run_.work()
-                                                                : wire::LocalWork::none;
+                                           [this] {
+                                             return run_.work();
                                            },
                                        .has_room =
                                            [this] {

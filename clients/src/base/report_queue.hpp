@@ -38,6 +38,12 @@ class ReportQueue {
     return item;
   }
 
+  /// Drops what waits.
+  void clear() {
+    const std::scoped_lock lock(mutex_);
+    items_.clear();
+  }
+
   /// Waits for that time, or until a stop is requested.
   void pause(const std::stop_token& stop, std::chrono::milliseconds period) {
     std::unique_lock lock(mutex_);

@@ -253,7 +253,7 @@ Outcome AxesCall::send(std::span<const Round> rounds, std::uint64_t apply_at,
   for (const BenchPart& part : parts) sent.push_back({.target = part.target, .sequences = {}});
   const auto send_to = [&](std::size_t i, std::span<const Round> some) -> Outcome {
     const auto frames = frames_of(some, parts[i], axes_.layout(), apply_at);
-    if (frames.empty() || parts[i].is_lost) return {};
+    if (frames.empty() || parts[i].is_lost()) return {};
     return core_->commands.send(sent[i], frames);
   };
   // One bench gets its frames with no frame of another thread between them.
@@ -392,7 +392,7 @@ Outcome AxesCall::renew_control(const Round& round) {
     const bool has_lost = std::ranges::any_of(part.bench->places, [this](std::size_t place) {
       return is_taken(place);
     });
-    if (!has_lost || part.is_lost) continue;
+    if (!has_lost || part.is_lost()) continue;
     std::vector<std::uint16_t> left;
     for (const Round::Entry& entry : round.entries) {
       const AxisId& id = axes_.layout().axes[entry.place];

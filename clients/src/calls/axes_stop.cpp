@@ -64,7 +64,7 @@ Answers AxesStop::exchange(const Round& round, Timing timing) {
     answers = call_.exchange(own, timing);
   }
   for (BenchPart& part : call_.axes().parts()) {
-    if (!part.is_lost) stop_others(part, round, answers);
+    if (!part.is_lost()) stop_others(part, round, answers);
   }
   call_.note_in_force(answers.tick);
   return answers;

@@ -512,9 +512,7 @@ Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnap
   std::int64_t slowest = 0;
   if (Outcome started = start_velocity(call, motion, velocity, options, slowest); !started) {
     // What was sent may be in force although the wait for it has failed.
-    const bool is_sent = started.kind() != OutcomeKind::refused;
-    const bool is_there = started.kind() != OutcomeKind::lost;
-    if (is_enabled(call.snapshot()) && is_sent && is_there) {
+    if (is_enabled(call.snapshot()) && started.kind() != OutcomeKind::refused) {
       (void)end_jog(core_, call, options.call.timeout);
     }
     return explain_loss(*core_, std::move(started), {&id_, 1});

@@ -167,11 +167,11 @@ Outcome ObservedAxes::advance(std::uint64_t ticks, milliseconds patience) {
   if (Outcome there = require_a_bench(); !there) return there;
   Outcome result;
   for (BenchPart& part : parts_) {
-    if (part.is_lost) continue;
+    if (part.is_lost()) continue;
     Outcome seen =
         part.feed ? next(part)
                   : note(part, core_->clocks.step(part.target, ticks, part.bench->axes, patience));
-    if (!seen && !part.is_lost) return seen;
+    if (!seen && !part.is_lost()) return seen;
     if (!seen && result) result = std::move(seen);
   }
   if (!result) return result;
@@ -183,7 +183,7 @@ Outcome ObservedAxes::advance(std::uint64_t ticks, milliseconds patience) {
 Outcome ObservedAxes::refresh() {
   if (Outcome there = require_a_bench(); !there) return there;
   for (BenchPart& part : parts_) {
-    if (part.is_lost) continue;
+    if (part.is_lost()) continue;
     Outcome seen = part.feed ? catch_up(part)
                              : note(part, core_->clocks.step(part.target, 0, part.bench->axes));
     if (!seen) return seen;
@@ -195,7 +195,7 @@ Outcome ObservedAxes::refresh() {
 
 Outcome ObservedAxes::look_again() {
   for (BenchPart& part : parts_) {
-    if (part.is_lost || !part.feed || core_->discovery.is_paused(part.target.key)) continue;
+    if (part.is_lost() || !part.feed || core_->discovery.is_paused(part.target.key)) continue;
     const auto since = core_->observer.completed_tick(part.target, part.bench->axes.front());
     if (!since) return note_lost(part, since.outcome());
     while (part.seen.tick < *since) {
@@ -215,7 +215,7 @@ Outcome ObservedAxes::align() {
     moved = false;
     for (const BenchPart& part : parts_) newest = std::max(newest, part.seen.tick);
     for (BenchPart& part : parts_) {
-      while (!part.is_lost && part.seen.tick < newest) {
+      while (!part.is_lost() && part.seen.tick < newest) {
         if (Outcome seen = next(part); !seen) return seen;
         moved = true;
       }
@@ -226,7 +226,6 @@ Outcome ObservedAxes::align() {
 
 Outcome ObservedAxes::note_lost(BenchPart& part, Outcome outcome) const {
   if (outcome.kind() != OutcomeKind::lost) return outcome;
-  part.is_lost = true;
   part.loss = caller_ == Caller::axis
                   ? std::move(outcome)
                   : Outcome::lost(axes_of(*part.bench) + ": " + outcome.message());
@@ -235,10 +234,8 @@ Outcome ObservedAxes::note_lost(BenchPart& part, Outcome outcome) const {
 
 /// A call that continues without the bench that it has lost would wait for ticks that never come.
 Outcome ObservedAxes::require_a_bench() const {
-  const bool is_any_there = std::ranges::any_of(parts_, [](const BenchPart& part) {
-    return !part.is_lost;
-  });
-  return is_any_there || parts_.empty() ? Outcome() : parts_.front().loss;
+  const bool are_all_lost = std::ranges::all_of(parts_, &BenchPart::is_lost);
+  return are_all_lost && !parts_.empty() ? parts_.front().loss : Outcome();
 }
 
 Outcome ObservedAxes::note(BenchPart& part, Result<Observation> sample) const {
@@ -251,7 +248,7 @@ Outcome ObservedAxes::note(BenchPart& part, Result<Observation> sample) const {
 
 void ObservedAxes::publish() {
   for (const BenchPart& part : parts_) {
-    if (part.is_lost) continue;
+    if (part.is_lost()) continue;
     for (std::size_t i = 0; i < part.bench->places.size(); ++i) {
       AxisSnapshot& axis = snapshots_[part.bench->places[i]];
       axis = part.seen.axes[i];
@@ -269,7 +266,7 @@ void ObservedAxes::publish() {
 
 bool ObservedAxes::is_present(const AxisSnapshot& axis) const {
   return std::ranges::any_of(parts_, [&axis](const BenchPart& part) {
-    return part.bench->number == axis.id.bench && !part.is_lost;
+    return part.bench->number == axis.id.bench && !part.is_lost();
   });
 }
 

@@ -47,8 +47,9 @@ struct BenchPart {
   std::shared_ptr<StatusFeed> feed;  ///< none in lock-step
   Observation seen;
   std::uint64_t skipped = 0;  ///< ticks since the first observation that the number jumped over
-  bool is_lost = false;
-  Outcome loss{};  ///< why it is lost
+  Outcome loss{};             ///< why the bench is lost, if it is
+
+  [[nodiscard]] bool is_lost() const { return !loss; }
 };
 
 /// One axis or more, on one bench or more, tick by tick: all benches show the same tick.

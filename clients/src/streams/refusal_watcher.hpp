@@ -2,10 +2,12 @@
 #pragma once
 
 #include "base/observer_failure.hpp"
+#include "base/report_queue.hpp"
 #include "base/report_thread.hpp"
 #include "exchange/bench_links.hpp"
 #include "vdrive/client/session.hpp"
 
+#include <cstddef>
 #include <functional>
 
 namespace vdrive::client {
@@ -21,8 +23,13 @@ class RefusalWatcher {
   void watch(std::function<void(const SetPointRefusal&)> observer);
 
  private:
+  /// A program may count them: 256 frames of 256 values each fit.
+  static constexpr std::size_t kMostWaiting = 65'536;
+
   BenchLinks& links_;
   ObserverFailure& failure_;
+  /// Of all watches: whichever thread remains of two that begin at once has what arrives.
+  ReportQueue<SetPointRefusal, kMostWaiting> waiting_;
   ReportThread thread_;
 };
 

@@ -240,6 +240,7 @@ wire::LocalWork BenchRun::work() {
   // A thread does not work for others as long as they send. What is left belongs to threads that
   // wait, and they come again.
   constexpr int kMostRounds = 8;
+  if (!works_in_callers()) return wire::LocalWork::none;
   const WorksFor bench(name_.c_str());
   int rounds = 0;
   is_work_wanted_ = true;

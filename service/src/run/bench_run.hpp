@@ -88,7 +88,8 @@ class BenchRun {
 
   /// Lock-step in the threads of callers: takes what arrived, lets time pass as far as the steps
   /// allow, and answers, unless another thread does so at this moment. That thread takes what
-  /// arrived meanwhile, too, but not for ever. Any thread; never waits.
+  /// arrived meanwhile, too, but not for ever. A bench with threads of its own leaves nothing to
+  /// callers. Any thread; never waits.
   wire::LocalWork work();
 
   /// @return whether clients may send: half of the queue of arrivals is free. Any thread.

@@ -120,8 +120,10 @@ std::size_t ByteRing::size() const noexcept {
 }
 
 std::size_t ByteRing::bytes() const noexcept {
-  const std::uint64_t read = positions_.read.load(std::memory_order_acquire);
   const std::uint64_t written = positions_.written.load(std::memory_order_acquire);
+  // An empty ring begins at the start of its memory again: what lies before that is no record.
+  const std::uint64_t read = std::max(positions_.read.load(std::memory_order_acquire),
+                                      positions_.begin.load(std::memory_order_relaxed));
   return written > read ? static_cast<std::size_t>(written - read) : 0;
 }
 
