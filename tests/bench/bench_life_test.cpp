@@ -1004,6 +1004,22 @@ TEST(Bench, ThatEndsEndsTheWaitsOfOtherThreadsAtOnce) {
   }
 }
 
+TEST(Bench, EndsAConditionThatIsSlowerThanItsTicksByAnInterrupt) {
+  const Bench bench({.clock = ClockMode::realtime});
+  Session session = bench.session();
+  Session other = bench.session();
+  int calls = 0;
+  const auto slow = [&](const client::AxisSnapshot& /*seen*/) {
+    // Five ticks: from the second call on there is always a sample that waits.
+    EXPECT_TRUE(other.wait(1, milliseconds(5)));
+    if (++calls == 3) session.interrupt();
+    return calls == 100;
+  };
+  const auto seen = session.axis("1.1")->wait_until(slow, seconds(60));
+  EXPECT_EQ(seen.outcome().kind(), OutcomeKind::failed) << seen.outcome().message();
+  EXPECT_EQ(calls, 3);
+}
+
 // It ends while the jog starts: at each time one look of another session later.
 TEST(Bench, ThatEndsEndsAJogAtOnce) {
   for (int looks = 0; looks < 20; ++looks) {

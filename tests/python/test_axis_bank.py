@@ -141,6 +141,7 @@ def test_a_snapshot_that_does_not_fit_is_refused_with_the_reason():
             (bank, snapshot[:-1], "damaged"),
             (bank, snapshot + b"x", "damaged"),
             (bank, bytes(damaged), "damaged"),
+            (bank, snapshot[:40] + bytes([snapshot[40] ^ 1]) + snapshot[41:], "damaged"),  # the tick
             (bank, bytes(older), "another version"),
             (bank, vdrive.AxisBank(5).snapshot(), "5 axes, the bank has 4"),
             (bank, vdrive.AxisBank(4, period=0.002).snapshot(), "2000 us.* 1000 us"),

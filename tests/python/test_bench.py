@@ -153,5 +153,23 @@ def test_the_marker_chooses_the_machine(vdrive_session):
 
 
 def test_no_bench_at_all_is_refused(vdrive_benches):
-    with pytest.raises(vdrive.ConfigurationError, match="count = 0: must be 1 or more"):
+    with pytest.raises(vdrive.ConfigurationError, match="count = 0: must be from 1 to 65535"):
         vdrive_benches(0)
+    with pytest.raises(TypeError, match="count = '2'"):
+        vdrive_benches("2")
+
+
+def test_the_numbers_of_several_benches_are_not_chosen(vdrive_benches):
+    with pytest.raises(vdrive.ConfigurationError, match="number = 3: vdrive_benches chooses it"):
+        vdrive_benches(2, number=3)
+
+
+@pytest.mark.vdrive(3)
+def test_the_marker_takes_the_number_of_axes_without_its_name(vdrive_session):
+    assert len(vdrive_session.axes()) == 3
+
+
+@pytest.mark.parametrize("path, reason", [("a\0b", "a\\\\x00b"), (b"\xff", "UTF-8")])
+def test_a_path_that_cannot_be_one_is_refused_by_its_name(path, reason):
+    with pytest.raises(vdrive.ConfigurationError, match=f"state = .*{reason}"):
+        vdrive.Bench(1, state=path)

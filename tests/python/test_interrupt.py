@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ctrl-C, other signals, and processes that are killed."""
+import asyncio
 import contextlib
 import os
 import pathlib
@@ -173,24 +174,113 @@ class Alarm(Exception):
 
 
 @contextlib.contextmanager
-def alarm_in(seconds):
-    """A timer whose signal raises Alarm in the main thread."""
-    def ring(number, frame):
-        raise Alarm
-
-    before = signal.signal(signal.SIGALRM, ring)
+def handler_of_alarm(handler):
+    before = signal.signal(signal.SIGALRM, handler)
     try:
-        signal.setitimer(signal.ITIMER_REAL, seconds)
         yield
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
 
 
+@contextlib.contextmanager
+def alarm_in(seconds):
+    """A timer whose signal raises Alarm in the main thread; 0: only its handler."""
+    def ring(number, frame):
+        raise Alarm
+
+    with handler_of_alarm(ring):
+        signal.setitimer(signal.ITIMER_REAL, seconds)
+        yield
+
+
 def test_a_handler_that_raises_ends_a_wait_with_its_exception(vdrive_session):
     with alarm_in(0.2), pytest.raises(Alarm):
         vdrive_session.events().next()
     assert vdrive_session.step() > 0
+
+
+def test_a_handler_that_returns_ends_the_wait_for_an_item_of_a_stream(vdrive_session):
+    stream = vdrive_session.events()
+    for wait in (lambda: stream.next(PATIENCE), lambda: next(stream)):
+        with handler_of_alarm(lambda number, frame: None), pytest.raises(vdrive.Failed, match="interrupted"):
+            signal.setitimer(signal.ITIMER_REAL, 0.1)
+            wait()
+    assert stream.next(0) is None
+
+
+def test_signals_at_any_moment_leave_the_session_as_it_was(vdrive_session):
+    """Also those that come while a call begins or ends."""
+    axis = vdrive_session.axis("1.1")
+    stream = vdrive_session.events()
+    delays = [20e-6 + 1e-6 * step for step in range(150)]
+    with alarm_in(0.0):
+        for call in (vdrive_session.step, axis.status, lambda: stream.next(0)):
+            for delay in 4 * delays:
+                with pytest.raises(Alarm):
+                    signal.setitimer(signal.ITIMER_REAL, delay)
+                    while True:
+                        call()
+                assert vdrive_session.step() > 0
+
+
+def test_a_signal_in_a_callback_ends_the_wait_of_its_session_alone(vdrive_benches):
+    first, second = vdrive_benches(2, axes=1)
+    with first.session(bench=1) as outer, second.session(bench=2) as inner:
+        def condition(status):
+            signal.raise_signal(signal.SIGALRM)
+            assert inner.step() > 0  # begins with the signal of the outer wait
+            return False
+
+        with handler_of_alarm(lambda number, frame: None), pytest.raises(vdrive.Failed, match="interrupted"):
+            outer.axis("1.1").wait_until(condition)
+        assert outer.step() > 0 and inner.step() > 0
+
+
+def test_the_loop_of_asyncio_has_the_signals_of_a_call_in_a_callback(vdrive_session):
+    axis = vdrive_session.axis("1.1")
+
+    async def run():
+        rung = asyncio.Event()
+        asyncio.get_running_loop().add_signal_handler(signal.SIGUSR1, rung.set)
+        with contextlib.suppress(vdrive.Failed):
+            axis.wait_until(lambda status: axis.wait_until(
+                lambda again: signal.raise_signal(signal.SIGUSR1) or True).tick > 0)
+        await asyncio.wait_for(rung.wait(), PATIENCE)
+
+    asyncio.run(run())
+    assert vdrive_session.step() > 0
+
+
+def test_a_signal_of_a_forked_process_is_not_of_its_parent(vdrive_session):
+    children = []
+
+    def condition(status):
+        if not children:
+            children.append(os.fork())
+            if children[0] == 0:
+                signal.raise_signal(signal.SIGALRM)
+                os._exit(0)
+            os.waitpid(children[0], 0)
+        return status.tick > 20
+
+    with handler_of_alarm(lambda number, frame: None):
+        assert vdrive_session.axis("1.1").wait_until(condition).tick > 20
+
+
+@pytest.mark.vdrive(clock="realtime")
+def test_a_signal_ends_the_wait_for_a_condition_that_is_slower_than_the_ticks(vdrive_bench, vdrive_session):
+    other = vdrive_bench.session()
+    calls = []
+
+    def condition(status):
+        other.wait(0.005)  # five ticks: from the second call on there is always one that waits
+        calls.append(status.tick)
+        if len(calls) == 3:
+            signal.raise_signal(signal.SIGALRM)
+
+    with handler_of_alarm(lambda number, frame: None), pytest.raises(vdrive.Failed, match="interrupted"):
+        vdrive_session.axis("1.1").wait_until(condition, timeout=1.0)  # that are 1,000 calls
 
 
 def test_an_interrupted_take_loses_no_sample_and_counts_each_once(vdrive_session):

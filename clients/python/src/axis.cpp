@@ -310,7 +310,7 @@ void add_jog(AxisClass& axis) {
               speed,
               [&](const AxisSnapshot& status) {
                 return kept.run(false, [&] {
-                  return held(status).cast<bool>();
+                  return is_true(held(status));
                 });
               },
               options);
@@ -430,7 +430,7 @@ void add_observing(AxisClass& axis) {
           return self.axis.wait_until(
               [&](const AxisSnapshot& status) {
                 return kept.run(true, [&] {
-                  return condition(status).cast<bool>();
+                  return is_true(condition(status));
                 });
               },
               limit);

@@ -17,7 +17,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -28,7 +27,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -50,7 +48,7 @@ struct SnapshotHead {
   std::uint64_t period_us = 0;
   std::uint64_t configuration = 0;  // check value
   std::uint64_t tick = 0;
-  std::uint64_t state = 0;  // check value
+  std::uint64_t check = 0;  // of all before it and of the state
 };
 
 static_assert(std::has_unique_object_representations_v<SnapshotHead>);
@@ -64,6 +62,16 @@ void append(std::string& content, const Plain& plain) {
   std::array<char, sizeof(Plain)> bytes{};
   std::memcpy(bytes.data(), &plain, sizeof(Plain));
   content.append(bytes.data(), bytes.size());
+}
+
+/// @return what `head.check` is with this state.
+std::uint64_t check_of(SnapshotHead head, std::string_view state) {
+  head.check = 0;
+  std::string begin;
+  append(begin, head);
+  const py::object crc32 = py::module_::import("zlib").attr("crc32");
+  return crc32(py::bytes(state.data(), state.size()), crc32(py::bytes(begin)))
+      .cast<std::uint64_t>();
 }
 
 /// @return a number that differs when a bank is built in another way.
@@ -84,42 +92,10 @@ std::uint64_t check_of(std::span<const AxisConfiguration> axes) {
   return check_of(py::bytes(content));
 }
 
-/// The steps that are under way, for the end of the interpreter: a thread that comes back after it
-/// would be ended inside of our code. Guarded by the interpreter lock but for `ending`.
-struct RunningSteps {
-  Origin origin;
-  int count = 0;
-  std::atomic<bool> ending = false;
-};
-
-RunningSteps& running_steps() {
-  static std::optional<RunningSteps> steps;
-  // The threads of the parent are not here.
-  if (!steps || steps->origin.is_inherited()) steps.emplace();
-  return *steps;
-}
-
-/// Python calls it at its exit.
-void end_steps() {
-  RunningSteps& steps = running_steps();
-  steps.ending = true;
-  while (steps.count > 0) {
-    const py::gil_scoped_release unlocked;
-    std::this_thread::yield();
-  }
-}
-
-/// Ticks of a bank without the interpreter lock, up to `ticks`. @return how many there were.
-std::int64_t step_unlocked(AxisBank& bank, std::int64_t ticks) {
-  RunningSteps& steps = running_steps();
-  std::int64_t done = 0;
-  ++steps.count;
-  {
-    const py::gil_scoped_release unlocked;
-    for (; done < ticks && !steps.ending; ++done) bank.step();
-  }
-  --steps.count;
-  return done;
+/// Ticks of a bank without the interpreter lock.
+void step_unlocked(AxisBank& bank, std::int64_t ticks) {
+  const Unlocked unlocked;
+  for (std::int64_t done = 0; done < ticks && !is_late(); ++done) bank.step();
 }
 
 /// A bank, and the thread that uses it. Every member is guarded by the interpreter lock but for the
@@ -197,11 +173,10 @@ std::uint64_t PyAxisBank::step(const Number& count) {
   const Use use(*this);
   const auto most = std::max<std::int64_t>(1, kAxisTicksAtOnce / static_cast<std::int64_t>(size()));
   while (ticks > 0) {
-    const std::int64_t wanted = std::min(ticks, most);
-    const std::int64_t done = step_unlocked(use.bank(), wanted);
-    tick_ += static_cast<std::uint64_t>(done);
-    if (done < wanted) throw std::runtime_error("the interpreter ends");
-    ticks -= done;
+    const std::int64_t part = std::min(ticks, most);
+    step_unlocked(use.bank(), part);
+    tick_ += static_cast<std::uint64_t>(part);
+    ticks -= part;
     handle_signals();
   }
   return tick_;
@@ -214,8 +189,8 @@ py::bytes PyAxisBank::snapshot() {
   SnapshotHead head{.axes = size(),
                     .period_us = static_cast<std::uint64_t>(bank_.period().count()),
                     .configuration = configuration_,
-                    .tick = tick_,
-                    .state = check_of(py::bytes(first, state.size()))};
+                    .tick = tick_};
+  head.check = check_of(head, std::string_view(first, state.size()));
   std::string content;
   content.reserve(sizeof head + state.size());
   append(content, head);
@@ -245,7 +220,7 @@ void PyAxisBank::restore(const py::bytes& snapshot) {
   std::memcpy(&head, content.data(), std::min(sizeof head, content.size()));
   check(head);
   const std::string_view state = content.substr(std::min(sizeof head, content.size()));
-  if (check_of(py::bytes(state.data(), state.size())) != head.state) {
+  if (check_of(head, state) != head.check) {
     throw py::value_error("the snapshot cannot be restored: its " + std::to_string(content.size()) +
                           " bytes are damaged");
   }
@@ -530,8 +505,8 @@ void add_access(BankClass& bank) {
       .def(
           "power_cycle",
           [](PyAxisBank& self, const Number& axis) {
-            AxisBank& cycled = PyAxisBank::Use(self).bank();
-            cycled.power_cycle(checked_axis(cycled, axis));
+            const PyAxisBank::Use use(self);
+            use.bank().power_cycle(checked_axis(use.bank(), axis));
           },
           py::arg("axis"),
           "Switches an axis off and on again: the position stays, faults are gone.")
@@ -554,7 +529,6 @@ void add_axis_bank(py::module_& module) {
            "`parameters`: values of objects from power-up on.");
   add_bank_state(bank);
   add_access(bank);
-  py::module_::import("atexit").attr("register")(py::cpp_function(&end_steps));
 }
 
 }  // namespace vdrive::python

@@ -4,6 +4,7 @@
 
 #include "arguments.hpp"
 #include "fork.hpp"
+#include "interpreter_lock.hpp"
 #include "kept_in_thread.hpp"
 #include "private_bench.hpp"
 
@@ -35,7 +36,7 @@ class OwnBench {
   /// bench is its parent's.
   void close() {
     if (origin_.is_inherited()) return;
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     bench_.end();
   }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fork.hpp"
 
+#include "interpreter_lock.hpp"
+#include "signal_watch.hpp"
+
 #include <unistd.h>
 
 #include <cstdio>
@@ -32,6 +35,8 @@ void end_without_statics(int status, void* /*unused*/) {
 }
 
 void begin_child() {
+  forget_calls_of_parent();
+  forget_signals_of_parent();
   if (first_session()) on_exit(&end_without_statics, nullptr);
 }
 

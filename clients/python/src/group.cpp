@@ -50,7 +50,7 @@ class GroupCall {
  public:
   GroupCall(const PyGroup& group, const OptionalReal& timeout, const std::string& until,
             Progress progress)
-      : progress_(std::move(progress)), session_(group.py_session->session()) {
+      : progress_(std::move(progress)), py_session_(group.py_session) {
     if (timeout) options.timeout = nanoseconds_of(*timeout, "timeout");
     options.until = until_of(until);
     if (!progress_) return;
@@ -68,7 +68,7 @@ class GroupCall {
     const Outcome outcome = waiting(group.py_session, [&](Session& /*session*/) {
       return call(group.group);
     });
-    if (has_raised_) session_->end_interrupt();
+    if (has_raised_) py_session_->end_interrupt();
     kept_.raise_again();
     check(outcome);
   }
@@ -81,11 +81,11 @@ class GroupCall {
     });
     if (goes_on || has_raised_) return;
     has_raised_ = true;
-    session_->interrupt();
+    py_session_->interrupt();
   }
 
   Progress progress_;
-  std::shared_ptr<Session> session_;
+  SharedPySession py_session_;
   KeptException kept_;
   bool has_raised_ = false;
 };

@@ -2,6 +2,7 @@
 // A bench in the interpreter's process.
 #include "local_bench.hpp"
 
+#include "interpreter_lock.hpp"
 #include "vdrive/clock_mode.hpp"
 
 #include <array>
@@ -43,7 +44,7 @@ std::shared_ptr<LocalBench> make(std::optional<std::size_t> axes, const std::str
                                     .journal = journal,
                                     .bus = beside ? beside->bus() : nullptr};
   try {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     return made_here<LocalBench>(options);
   } catch (const bench::BenchError& error) {
     raise_configuration_error(error.what());
@@ -61,7 +62,7 @@ std::shared_ptr<wire::LocalBus> LocalBench::bus() const {
 void LocalBench::close() {
   if (origin_.is_inherited()) return;
   // Without the interpreter lock: a call of another thread may have to end first, and needs it.
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   bench_.reset();
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fork.hpp"
-#include "py_session.hpp"
+#include "interpreter_lock.hpp"
 #include "python.hpp"
 #include "vdrive/client/disturbance.hpp"
 #include "vdrive/client/session.hpp"
@@ -34,6 +34,5 @@ PYBIND11_MODULE(_vdrive, module) {
   vdrive::python::complete_classes(module);
   vdrive::python::watch_forks();
   // Python's last act before it takes itself apart: axes are given back, threads have ended.
-  py::module_::import("atexit").attr("register")(
-      py::cpp_function(&vdrive::python::close_all_sessions));
+  py::module_::import("atexit").attr("register")(py::cpp_function(&vdrive::python::end_calls));
 }

@@ -4,6 +4,7 @@
 #include "child_process.hpp"
 #include "errors.hpp"
 #include "fork.hpp"
+#include "interpreter_lock.hpp"
 #include "kept_in_thread.hpp"
 #include "private_bench.hpp"
 #include "python.hpp"
@@ -36,7 +37,7 @@ class OwnProgram {
   [[nodiscard]] std::optional<int> wait(const Real& patience) const {
     process::ChildProcess& program = get();
     const std::chrono::milliseconds most = milliseconds_of(patience, "patience");
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     return program.wait(most);
   }
 
@@ -44,7 +45,7 @@ class OwnProgram {
   void stop(const Real& patience) const {
     process::ChildProcess& program = get();
     const std::chrono::milliseconds most = milliseconds_of(patience, "patience");
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     program.stop(most);
   }
 

@@ -2,9 +2,13 @@
 #include "py_session.hpp"
 
 #include <algorithm>
+#include <chrono>
 
 namespace vdrive::python {
 namespace {
+
+// For a callback that returns late; one that waits for close() never does.
+constexpr std::chrono::seconds kPatienceOfClose{5};
 
 /// Every session that Python has. Guarded by the interpreter lock, which whoever forks holds.
 std::vector<std::weak_ptr<PySession>>& registry() {
@@ -16,19 +20,66 @@ std::vector<std::weak_ptr<PySession>>& registry() {
 
 SharedPySession open_py_session(const client::SessionOptions& options) {
   SharedPySession py_session = made_here<PySession>(options);
-  const py::gil_scoped_acquire locked;
-  std::erase_if(registry(), [](const auto& other) {
-    return other.expired();
-  });
-  registry().push_back(py_session);
+  const Locked locked;
+  if (locked) {
+    std::erase_if(registry(), [](const auto& other) {
+      return other.expired();
+    });
+    registry().push_back(py_session);
+  } else {
+    py_session->close();
+  }
   return py_session;
 }
 
+namespace {
+
+/// Without the mutex of the session: to make an exception runs Python, and lets other threads run.
+[[noreturn]] void raise_closed() {
+  raise(client::Outcome::failed("the session is closed"));
+}
+
+}  // namespace
+
+PySession::Use::Use(PySession& owner) : owner_(&owner) {
+  stop_late_thread();
+  owner.origin_.require_own("the session");
+  {
+    const std::scoped_lock lock(owner.mutex_);
+    session_ = owner.session_;
+    if (session_) owner.callers_.push_back(std::this_thread::get_id());
+  }
+  if (!session_) raise_closed();
+}
+
+PySession::Use::~Use() {
+  if (!session_) return;
+  if (owner_->is_inherited()) {  // a callback has forked
+    leave(std::move(session_));
+    return;
+  }
+  std::unique_lock lock(owner_->mutex_);
+  const bool is_last = owner_->callers_.size() == 1 && !owner_->session_;
+  lock.unlock();
+  // What gives the axes back is no call that waits for motion.
+  if (is_last) session_->end_interrupt();
+  session_.reset();
+  lock.lock();
+  owner_->callers_.erase(std::ranges::find(owner_->callers_, std::this_thread::get_id()));
+  lock.unlock();
+  owner_->has_ended_.notify_all();
+}
+
 std::shared_ptr<client::Session> PySession::session() const {
+  stop_late_thread();
   origin_.require_own("the session");
-  const std::scoped_lock lock(mutex_);
-  if (!session_) raise(client::Outcome::failed("the session is closed"));
-  return session_;
+  std::shared_ptr<client::Session> session;
+  {
+    const std::scoped_lock lock(mutex_);
+    session = session_;
+  }
+  if (!session) raise_closed();
+  return session;
 }
 
 bool PySession::is_closed() const {
@@ -38,11 +89,26 @@ bool PySession::is_closed() const {
 }
 
 void PySession::adopt(const std::shared_ptr<Dependent>& dependent) {
+  {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(dependents_, [](const auto& other) {
+      return other.expired();
+    });
+    if (session_) return dependents_.push_back(dependent);
+  }
+  dependent->close();
+}
+
+void PySession::interrupt() noexcept {
+  if (is_inherited()) return;
   const std::scoped_lock lock(mutex_);
-  std::erase_if(dependents_, [](const auto& other) {
-    return other.expired();
-  });
-  dependents_.push_back(dependent);
+  if (session_) session_->interrupt();
+}
+
+void PySession::end_interrupt() noexcept {
+  if (is_inherited()) return;
+  const std::scoped_lock lock(mutex_);
+  if (session_) session_->end_interrupt();
 }
 
 void PySession::close() noexcept {
@@ -59,9 +125,15 @@ void PySession::close() noexcept {
   for (const auto& weak : dependents) {
     if (const auto dependent = weak.lock()) dependent->close();
   }
-  // What gives the axes back is no call that waits for motion; a call of another thread has ended
-  // by now, or ends the session with it.
-  session->end_interrupt();
+  std::unique_lock lock(mutex_);
+  has_ended_.wait_for(lock, kPatienceOfClose, [this] {
+    return std::ranges::all_of(callers_, [](std::thread::id caller) {
+      return caller == std::this_thread::get_id();
+    });
+  });
+  // What gives the axes back is no call that waits for motion.
+  if (callers_.empty()) session->end_interrupt();
+  lock.unlock();
 }
 
 void close_all_sessions() {
@@ -69,7 +141,7 @@ void close_all_sessions() {
   for (const auto& weak : registry()) {
     if (auto py_session = weak.lock()) sessions.push_back(std::move(py_session));
   }
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   for (const SharedPySession& py_session : sessions) py_session->close();
 }
 

@@ -3,15 +3,18 @@
 
 #include "errors.hpp"
 #include "fork.hpp"
+#include "interpreter_lock.hpp"
 #include "python.hpp"
 #include "signal_watch.hpp"
 #include "vdrive/client/session.hpp"
 
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -44,6 +47,25 @@ class PySession {
   PySession(const PySession&) = delete;
   PySession& operator=(const PySession&) = delete;
 
+  /// A call that uses the session, which ends no earlier. Ends in the thread that began it.
+  class Use {
+   public:
+    /// With the interpreter lock. @throws py::error_already_set as session()
+    explicit Use(PySession& owner);
+    ~Use();
+    Use(Use&&) = default;
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+    Use& operator=(Use&&) = delete;
+
+    [[nodiscard]] client::Session& session() const noexcept { return *session_; }
+
+   private:
+    PySession* owner_;
+    std::shared_ptr<client::Session> session_;  ///< nothing in one that was moved from
+  };
+
+  /// With the interpreter lock.
   /// @return the session, which ends no earlier than what is returned.
   /// @throws py::error_already_set when it was closed, and in a forked process
   [[nodiscard]] std::shared_ptr<client::Session> session() const;
@@ -54,11 +76,16 @@ class PySession {
   /// @return whether this process was forked from the one that opened the session.
   [[nodiscard]] bool is_inherited() const noexcept { return origin_.is_inherited(); }
 
-  /// Closes `dependent` before the session.
+  /// Closes `dependent` before the session, at once when that is closed.
   void adopt(const std::shared_ptr<Dependent>& dependent);
 
-  /// Ends the calls that wait, and the session. Without the interpreter lock. Any thread. Does
-  /// nothing in a forked process.
+  /// As those of the session, while it is not closed. Any thread.
+  void interrupt() noexcept;
+  void end_interrupt() noexcept;
+
+  /// Ends the calls of all threads, waits for those of others, and ends the session. A call that
+  /// does not end, because a callback does not return, ends the session when it ends. Without the
+  /// interpreter lock. Any thread. Does nothing in a forked process.
   void close() noexcept;
 
   /// The bench of calls that name none. Guarded by the interpreter lock.
@@ -70,8 +97,10 @@ class PySession {
 
  private:
   const Origin origin_;
-  mutable std::mutex mutex_;
+  mutable std::mutex mutex_;  ///< whoever holds it never asks for the interpreter lock
   std::shared_ptr<client::Session> session_;
+  std::vector<std::thread::id> callers_;  ///< the thread of each Use
+  std::condition_variable has_ended_;     ///< a Use
   std::vector<std::weak_ptr<Dependent>> dependents_;
 };
 
@@ -86,18 +115,18 @@ inline void handle_signals() {
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
 
-/// Calls `call` without the interpreter lock. A signal that arrives meanwhile calls `end_wait`.
+/// Calls `call` without the interpreter lock. A signal that arrives meanwhile calls `end_wait`, and
+/// `wait_again` after the call.
 /// @throws py::error_already_set with what a handler of a signal raises
 template <typename Call>
-auto interruptible(std::function<void()> end_wait, const std::function<void()>& wait_again,
-                   const Call& call) {
-  SignalWatch watch(std::move(end_wait));
+auto interruptible(SignalWatch::Call end_wait, SignalWatch::Call wait_again, const Call& call) {
+  SignalWatch watch(std::move(end_wait), std::move(wait_again));
   handle_signals();  // one that came just before the watch began
   auto result = [&call] {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     return call();
   }();
-  if (watch.end()) wait_again();
+  watch.end();
   handle_signals();
   return result;
 }
@@ -107,28 +136,39 @@ auto interruptible(std::function<void()> end_wait, const std::function<void()>& 
 ///         raises
 template <typename Call>
 auto waiting(const SharedPySession& py_session, const Call& call) {
-  const std::shared_ptr<client::Session> session = py_session->session();
+  PySession::Use begun(*py_session);
+  PySession* const interrupted = py_session.get();
   return interruptible(
-      [session] {
-        session->interrupt();
+      [interrupted] {
+        interrupted->interrupt();
       },
-      [&session] {
-        session->end_interrupt();
+      [interrupted] {
+        interrupted->end_interrupt();
       },
       [&] {
-        return call(*session);
+        // Ends before the thread asks for the interpreter lock, which may be late: see Unlocked.
+        const PySession::Use use(std::move(begun));
+        return call(use.session());
       });
+}
+
+/// @return whether Python takes the value as true.
+/// @throws py::error_already_set with what the value raises
+inline bool is_true(const py::object& value) {
+  const int truth = PyObject_IsTrue(value.ptr());
+  if (truth < 0) throw py::error_already_set();
+  return truth != 0;
 }
 
 /// An exception that Python raised in a callback: kept while C++ ends the call, raised after it.
 class KeptException {
  public:
   /// Calls `call` with the interpreter lock. @return what it returns, or `otherwise` when it, or a
-  /// call before, raised an exception.
+  /// call before, raised an exception, and while the interpreter ends.
   template <typename Value, typename Call>
   Value run(Value otherwise, const Call& call) {
-    const py::gil_scoped_acquire locked;
-    if (exception_) return otherwise;
+    const Locked locked;
+    if (!locked || exception_) return otherwise;
     try {
       return call();
     } catch (py::error_already_set& error) {
@@ -146,7 +186,7 @@ class KeptException {
   std::unique_ptr<py::error_already_set> exception_;
 };
 
-/// Ends every open session: Python calls it at its exit.
+/// Ends every open session. With the interpreter lock.
 void close_all_sessions();
 
 }  // namespace vdrive::python

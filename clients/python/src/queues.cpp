@@ -3,6 +3,7 @@
 #include "queues.hpp"
 
 #include "axis.hpp"
+#include "interpreter_lock.hpp"
 #include "status.hpp"
 
 #include <pybind11/numpy.h>
@@ -45,18 +46,23 @@ std::deque<Item> take(Source& source, std::size_t most, const OptionalReal& time
   const std::chrono::nanoseconds patience =
       timeout ? nanoseconds_of(*timeout, "timeout") : kWithoutTimeout;
   Queue<Item>& queue = source.queue();
+  bool is_interrupted = false;
   std::deque<Item> items = interruptible(
       [&queue] {
         queue.wake();
       },
-      [&queue] {
+      [&] {
         queue.wait_again();
+        is_interrupted = true;
       },
       [&] {
         return queue.take(most, patience);
       });
-  if (items.empty()) {
-    if (const auto outcome = queue.ended(); outcome) check(*outcome);
+  if (!items.empty()) return items;
+  if (const auto outcome = queue.ended(); outcome) {
+    check(*outcome);
+  } else if (is_interrupted && patience > std::chrono::nanoseconds(0)) {
+    raise(Outcome::failed("the wait was interrupted"));
   }
   return items;
 }
@@ -80,7 +86,7 @@ Item next_of(Source& source) {
 
 template <typename Source>
 void close_source(Source& source) {
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   source.close();
 }
 

@@ -4,6 +4,7 @@
 
 #include "arguments.hpp"
 #include "convert.hpp"
+#include "interpreter_lock.hpp"
 #include "python.hpp"
 #include "sample_order.hpp"
 #include "status.hpp"
@@ -76,7 +77,7 @@ py::tuple read_recording(const std::string& path) {
   Loaded loaded;
   std::string problem;
   {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     try {
       loaded = load(path);
     } catch (const recording::RecordingError& error) {
@@ -160,7 +161,7 @@ void write_samples(const std::string& path, const FrameView& frames, Saved& save
 /// @return what `call` threw, empty when it threw nothing. Without the interpreter lock.
 template <typename Call>
 std::string problem_of(const Call& call) {
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   try {
     call();
   } catch (const recording::RecordingError& error) {

@@ -3,6 +3,7 @@
 
 #include "arguments.hpp"
 #include "axis.hpp"
+#include "interpreter_lock.hpp"
 #include "local_bench.hpp"
 #include "queues.hpp"
 #include "status.hpp"
@@ -72,7 +73,7 @@ SharedPySession open_session(const OptionalNumber& domain, std::vector<std::stri
       .program = program.empty() ? name_of_script() : std::move(program)};
   try {
     if (!local) require_dds();
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     return open_py_session(options);
   } catch (const std::runtime_error& error) {
     raise_configuration_error(error.what());
@@ -80,7 +81,7 @@ SharedPySession open_session(const OptionalNumber& domain, std::vector<std::stri
 }
 
 void close_session(PySession& self) {
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   self.close();
 }
 
@@ -112,13 +113,37 @@ struct PyFollower {
   std::optional<std::uint64_t> left;
   Frames kept;  ///< what a take() had received when it raised
 
+  /// Samples of those that are left for one call; another thread may call meanwhile. Guarded by the
+  /// interpreter lock. What was not received is left again at its end.
+  class Share {
+   public:
+    /// @param size at most as many as are left
+    Share(PyFollower& follower, std::uint64_t size) : follower_(follower), size_(size) {
+      if (follower_.left) *follower_.left -= size_;
+    }
+
+    ~Share() {
+      if (follower_.left) *follower_.left += size_ - received;
+    }
+
+    Share(const Share&) = delete;
+    Share& operator=(const Share&) = delete;
+
+    std::uint64_t received = 0;
+
+   private:
+    PyFollower& follower_;
+    std::uint64_t size_;
+  };
+
   client::Observation next() {
     if (left && *left == 0) throw py::stop_iteration();
     client::Observation sample;
+    Share one(*this, 1);
     check(waiting(py_session, [this, &sample](Session& /*session*/) {
       return follower->next(patience, sample);
     }));
-    if (left) --*left;
+    one.received = 1;
     return sample;
   }
 
@@ -136,14 +161,15 @@ struct PyFollower {
       }
       return Outcome();
     };
+    Share share(*this, count);
     try {
       check(waiting(py_session, receive));
     } catch (...) {
-      if (left) *left -= frames.size();
+      share.received = frames.size();
       kept = std::move(frames);
       throw;
     }
-    if (left) *left -= frames.size();
+    share.received = count;
     return frames.take(count);
   }
 };
@@ -194,7 +220,7 @@ std::shared_ptr<ReportedQueue<Item>> reported(const SharedPySession& self,
   const std::shared_ptr<Session> session = self->session();
   const auto before = std::static_pointer_cast<ReportedQueue<Item>>(place.lock());
   auto queue = [&] {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     if (before) before->leave_place();
     return made_here<ReportedQueue<Item>>(session, capacity, std::move(observe));
   }();
@@ -504,7 +530,7 @@ void add_ends(SessionClass& session) {
       "abandon",
       [](const PySession& self) {
         const std::shared_ptr<Session> abandoned = self.session();
-        const py::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         abandoned->abandon();
       },
       "Ends the session as a kill of its program would: it sends nothing any more and releases no "
@@ -563,15 +589,14 @@ void add_follower(py::module_& module) {
       .def_property_readonly(
           "lateness",
           [](const PyFollower& self) {
-            const py::gil_scoped_release
-                unlocked;  // a call of another thread may wait for a sample
+            const Unlocked unlocked;  // a call of another thread may wait for a sample
             return self.follower->lateness();
           },
           "How far its samples were behind the bench: a Lateness.")
       .def(
           "close",
           [](PyFollower& self) {
-            const py::gil_scoped_release unlocked;
+            const Unlocked unlocked;
             self.follower->close();
           },
           "Ends it.");

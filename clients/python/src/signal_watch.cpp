@@ -16,7 +16,6 @@
 #include <cstddef>
 #include <mutex>
 #include <optional>
-#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -38,16 +37,11 @@ class Watcher {
 
   [[nodiscard]] int file() const noexcept { return ends_[1]; }
 
-  /// @return what was to be called before.
-  std::function<void()> begin(std::function<void()> end_wait);
+  void begin(SignalWatch::Wait& wait);
 
-  struct Signals {
-    std::string numbers;  ///< one byte each
-    bool has_ended_wait = false;
-  };
-
-  /// @return what has come since begin().
-  Signals end(std::function<void()> outer);
+  /// Ends the innermost wait: it has all signals that have come.
+  /// @param for_outer who reads them does so after the outer wait
+  void end(const SignalWatch::Wait& wait, bool for_outer);
 
  private:
   [[noreturn]] void run();
@@ -56,8 +50,7 @@ class Watcher {
   std::array<int, 2> ends_{-1, -1};
   const Origin origin_;
   std::mutex mutex_;
-  std::function<void()> end_wait_;
-  Signals signals_;
+  SignalWatch::Wait* innermost_ = nullptr;
 };
 
 Watcher::Watcher() {
@@ -74,16 +67,16 @@ Watcher::Watcher() {
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
-std::function<void()> Watcher::begin(std::function<void()> end_wait) {
+void Watcher::begin(SignalWatch::Wait& wait) {
   const std::scoped_lock lock(mutex_);
-  return std::exchange(end_wait_, std::move(end_wait));
+  wait.outer = std::exchange(innermost_, &wait);
 }
 
-Watcher::Signals Watcher::end(std::function<void()> outer) {
+void Watcher::end(const SignalWatch::Wait& wait, bool for_outer) {
   const std::scoped_lock lock(mutex_);
   read_signals();
-  end_wait_ = std::move(outer);
-  return std::exchange(signals_, {});
+  innermost_ = wait.outer;
+  if (for_outer && innermost_ != nullptr) innermost_->signals += wait.signals;
 }
 
 /// Called with the mutex held.
@@ -91,10 +84,11 @@ void Watcher::read_signals() {
   std::array<char, 64> numbers{};
   const ssize_t count = read(ends_[0], numbers.data(), numbers.size());
   for (std::size_t i = 0; count > 0 && i < static_cast<std::size_t>(count); ++i) {
-    signals_.numbers.push_back(numbers.at(i));
-    if (!ends_waits(numbers.at(i)) || !end_wait_) continue;
-    end_wait_();
-    signals_.has_ended_wait = true;
+    if (innermost_ == nullptr) continue;
+    innermost_->signals.push_back(numbers.at(i));
+    if (!ends_waits(numbers.at(i))) continue;
+    innermost_->end();
+    innermost_->has_ended = true;
   }
 }
 
@@ -107,10 +101,15 @@ void Watcher::run() {
   }
 }
 
-/// Never destroyed: its thread ends with the process. A forked process has no such thread, and gets
-/// its own. Guarded by the interpreter lock.
-Watcher& watcher() {
+/// Never destroyed: its thread ends with the process. Guarded by the interpreter lock.
+Watcher*& only_watcher() {
   static Watcher* only = nullptr;  // NOLINT(*-avoid-non-const-global-variables): see above
+  return only;
+}
+
+/// A forked process has no thread of its parent, and gets its own.
+Watcher& watcher() {
+  Watcher*& only = only_watcher();
   if (only == nullptr || !only->is_of_this_process()) {
     only = new Watcher();  // NOLINT(cppcoreguidelines-owning-memory): on purpose, see above
   }
@@ -161,10 +160,15 @@ bool is_main_thread() {
 
 }  // namespace
 
-SignalWatch::SignalWatch(std::function<void()> end_wait) : is_on_(is_main_thread()) {
+SignalWatch::SignalWatch(Call end_wait, Call wait_again)
+    : wait_{.end = std::move(end_wait), .signals{}},
+      wait_again_(std::move(wait_again)),
+      is_on_(is_main_thread()) {
   if (!is_on_) return;
-  outer_file_ = set_wakeup_file(watcher().file());
-  outer_ = watcher().begin(std::move(end_wait));
+  const int own_file = watcher().file();
+  outer_file_ = set_wakeup_file(own_file);
+  is_inner_ = outer_file_ == own_file;
+  watcher().begin(wait_);
 }
 
 SignalWatch::~SignalWatch() {
@@ -174,17 +178,24 @@ SignalWatch::~SignalWatch() {
   }
 }
 
-bool SignalWatch::end() {
-  if (!std::exchange(is_on_, false)) return false;
+void SignalWatch::end() {
+  if (!std::exchange(is_on_, false)) return;
+  // A callback may have forked: then the watcher is another one.
+  if (is_inner_) outer_file_ = watcher().file();
   if (!restore_wakeup_file(outer_file_)) restore_wakeup_file(-1);
-  const Watcher::Signals signals = watcher().end(std::move(outer_));
-  const bool has_reader = outer_file_ >= 0 && outer_file_ != watcher().file();
+  watcher().end(wait_, is_inner_);
+  if (wait_.has_ended) wait_again_();
+  if (is_inner_ || outer_file_ < 0 || wait_.signals.empty()) return;
   // Such as the loop of asyncio, to which the interpreter would have written them.
-  if (has_reader && !signals.numbers.empty()) {
-    const ssize_t written = write(outer_file_, signals.numbers.data(), signals.numbers.size());
-    static_cast<void>(written);
-  }
-  return signals.has_ended_wait;
+  const ssize_t written = write(outer_file_, wait_.signals.data(), wait_.signals.size());
+  static_cast<void>(written);
+}
+
+void forget_signals_of_parent() {
+  const Watcher* const parents = only_watcher();
+  if (parents == nullptr || parents->is_of_this_process()) return;
+  const int file = set_wakeup_file(-1);
+  if (file != parents->file()) restore_wakeup_file(file);
 }
 
 }  // namespace vdrive::python

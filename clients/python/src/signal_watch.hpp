@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 namespace vdrive::python {
 
@@ -13,22 +14,38 @@ namespace vdrive::python {
 /// handlers in the main thread only.
 class SignalWatch {
  public:
+  using Call = std::function<void()>;
+
   /// Needs the interpreter lock.
   /// @param end_wait called in another thread, must neither wait nor throw
-  explicit SignalWatch(std::function<void()> end_wait);
+  /// @param wait_again called by end() after `end_wait`, must not throw
+  SignalWatch(Call end_wait, Call wait_again);
 
   /// Needs the interpreter lock.
   ~SignalWatch();
   SignalWatch(const SignalWatch&) = delete;
   SignalWatch& operator=(const SignalWatch&) = delete;
 
-  /// Ends the watch. @return whether `end_wait` was called.
-  bool end();
+  /// Ends the watch. Needs the interpreter lock.
+  void end();
+
+  /// What is watched, as the thread that waits for signals sees it.
+  struct Wait {
+    Call end;
+    Wait* outer = nullptr;  ///< the one in whose callback this one is
+    std::string signals;    ///< numbers, one byte each, of those that have come
+    bool has_ended = false;
+  };
 
  private:
-  std::function<void()> outer_;  ///< of the wait in whose callback this one is
+  Wait wait_;
+  Call wait_again_;
   int outer_file_ = -1;
+  bool is_inner_ = false;  ///< in a callback of a wait that is watched
   bool is_on_ = false;
 };
+
+/// In a forked process: its signals are not for its parent. Needs the interpreter lock.
+void forget_signals_of_parent();
 
 }  // namespace vdrive::python

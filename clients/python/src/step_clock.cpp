@@ -43,9 +43,12 @@ class OwnClock final : public Dependent {
 
   [[nodiscard]] double now() {
     origin.require_own("the clock");
-    const std::scoped_lock lock(mutex_);
-    if (!clock_) raise(Outcome::failed("the clock is closed"));
-    return seconds_of(clock_->now());
+    return value_or_raise([this]() -> client::Result<double> {
+      const Unlocked unlocked;  // a step of another thread may be under way
+      const std::scoped_lock lock(mutex_);
+      if (!clock_) return Outcome::failed("the clock is closed");
+      return seconds_of(clock_->now());
+    }());
   }
 
  private:
@@ -120,7 +123,7 @@ void add_step_clock(py::module_& module) {
       .def(
           "close",
           [](OwnClock& self) {
-            const py::gil_scoped_release unlocked;
+            const Unlocked unlocked;
             self.close();
           },
           "Leaves the clock of each bench.")
@@ -129,7 +132,7 @@ void add_step_clock(py::module_& module) {
              return self;
            })
       .def("__exit__", [](OwnClock& self, const py::args& /*exception*/) {
-        const py::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         self.close();
       });
 }

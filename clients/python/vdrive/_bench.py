@@ -63,7 +63,17 @@ def _path(name: str, value: Path | None) -> str:
         raise TypeError(f"{name} = {value!r}: must be a path") from None
     if not path:
         raise ConfigurationError(f"{name} = '': must be a path")
+    if "\0" in path or not _is_utf8(path):
+        raise ConfigurationError(f"{name} = {path!r}: must be a path in UTF-8, without NUL")
     return path
+
+
+def _is_utf8(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _configuration(value: Path | None) -> str:

@@ -22,6 +22,34 @@ if TYPE_CHECKING:
 
 _running: weakref.WeakSet[Observer] = weakref.WeakSet()
 
+# The threads of observers that have not ended, and which thread waits for which of them.
+_changed = threading.Condition()
+_alive: set[threading.Thread] = set()
+_waits_for: dict[threading.Thread, threading.Thread] = {}
+
+
+def _wait_for(thread: threading.Thread) -> None:
+    """Wait for the end of a thread, but not of one that waits for the caller."""
+    caller = threading.current_thread()
+
+    def is_in_a_circle() -> bool:
+        other: threading.Thread | None = thread
+        while other is not None and other is not caller:
+            other = _waits_for.get(other)
+        return other is caller
+
+    with _changed:
+        _waits_for[caller] = thread
+        try:
+            _changed.wait_for(lambda: thread not in _alive or is_in_a_circle())
+        finally:
+            del _waits_for[caller]
+
+
+def _check_function(function: object) -> None:
+    if not callable(function):
+        raise TypeError(f"function = {function!r}: must be callable")
+
 
 class Observer:
     """Calls a function from threads of Python, until close() or the end of the session.
@@ -33,8 +61,9 @@ class Observer:
 
     def __init__(self, function: Callable[[Any], object], streams: Sequence[Stream],
                  on_end: Callable[[Exception], object] | None = None) -> None:
-        if not callable(function):
-            raise TypeError(f"function = {function!r}: must be callable")
+        _check_function(function)
+        if on_end is not None and not callable(on_end):
+            raise TypeError(f"on_end = {on_end!r}: must be callable")
         self._process = os.getpid()
         self._function = function
         self._streams = streams
@@ -45,7 +74,7 @@ class Observer:
                                           name="vdrive observer") for stream in streams]
         _running.add(self)
         for thread in self._threads:
-            thread.start()
+            self._start(thread)
 
     def __repr__(self) -> str:
         return "<vdrive.Observer>"
@@ -56,7 +85,7 @@ class Observer:
         return self._error
 
     def close(self) -> None:
-        """End the calls; one that runs ends first, unless it is the caller.
+        """End the calls; one that runs ends first, unless it is the caller or waits for it.
 
         It does nothing in a forked process: the threads are its parent's.
         """
@@ -66,10 +95,23 @@ class Observer:
         for stream in self._streams:
             stream.close()
         for thread in self._threads:
-            if thread is not threading.current_thread():
-                thread.join()
+            _wait_for(thread)
+
+    @staticmethod
+    def _start(thread: threading.Thread) -> None:
+        with _changed:
+            thread.start()
+            _alive.add(thread)  # before its end, which needs the lock
 
     def _run(self, stream: Stream) -> None:
+        try:
+            self._observe(stream)
+        finally:
+            with _changed:
+                _alive.discard(threading.current_thread())
+                _changed.notify_all()
+
+    def _observe(self, stream: Stream) -> None:
         try:
             for item in stream:
                 if self._closed.is_set():
@@ -85,7 +127,7 @@ class Observer:
     def _call(self, function: Callable[[Any], object], argument: Any) -> None:
         try:
             function(argument)
-        except Exception:
+        except BaseException:  # SystemExit, too: it would end a thread that is not the program's
             self._report()
 
     @staticmethod
@@ -105,7 +147,15 @@ def _close_all() -> None:
 
 
 # A forked process has none of these threads.
-os.register_at_fork(after_in_child=_running.clear)
+def _forget_threads_of_parent() -> None:
+    global _changed
+    _changed = threading.Condition()
+    _running.clear()
+    _alive.clear()
+    _waits_for.clear()
+
+
+os.register_at_fork(after_in_child=_forget_threads_of_parent)
 # Functions run in the reverse order of their registration: this one before the end of the sessions.
 atexit.register(_close_all)
 
@@ -118,6 +168,7 @@ def on_event(self: _vdrive.Session, observer: Callable[[_vdrive.Event], object],
     the session has found. It takes the place of events() and of the observer before: a session has
     one stream of events.
     """
+    _check_function(observer)  # before the observer of now loses its place
     return Observer(observer, [self.events(history=history)])
 
 
@@ -128,6 +179,7 @@ def watch_services(self: _vdrive.Session,
     First for each service that is there. Returns the Observer. It takes the place of
     service_changes() and of the observer before.
     """
+    _check_function(observer)
     return Observer(observer, [self.service_changes()])
 
 
@@ -141,6 +193,7 @@ def on_status(self: _vdrive.Session, observer: Callable[[_vdrive.Observation], o
     that restarts is followed. The calls for a bench end when it has sent nothing for the `patience`
     of the session: then `on_end(error)` is called, with the Lost that says why.
     """
+    _check_function(observer)
     benches: dict[int, list[_vdrive.Axis]] = {}
     for handle in self._axes_of(axes):
         benches.setdefault(handle.bench, []).append(handle)

@@ -213,7 +213,20 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def _options_of(request: pytest.FixtureRequest) -> Options:
     options: Options = {"over": request.config.getoption("--vdrive-over")}
-    for marker in reversed(list(request.node.iter_markers("vdrive"))):  # the closest one last
+    options.update(_marked(request, "vdrive"))
+    return options
+
+
+def _marked(request: pytest.FixtureRequest, name: str) -> Options:
+    """Return the arguments that the markers of a test give; of the closest one where several do."""
+    import vdrive
+
+    options: Options = {}
+    for marker in reversed(list(request.node.iter_markers(name))):  # the closest one last
+        if len(marker.args) > 1:
+            raise vdrive.ConfigurationError(
+                f"pytest.mark.{name}{marker.args!r}: only `axes` may be given without its name")
+        options.update(zip(("axes",), marker.args))
         options.update(marker.kwargs)
     return options
 
@@ -267,12 +280,19 @@ def vdrive_benches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPat
     marker and of the call. Benches of another call do not meet them. All end with the test.
     """
     import vdrive
+    from vdrive import _vdrive
 
     with contextlib.ExitStack() as made:
         def make(count: int, **options: Any) -> list[vdrive.Bench]:
-            if count < 1:
-                raise vdrive.ConfigurationError(f"count = {count}: must be 1 or more")
+            try:
+                count = _vdrive.whole_number("count", count, 1, _vdrive.HIGHEST_BENCH)
+            except ValueError as error:
+                raise vdrive.ConfigurationError(str(error)) from None
             options = {**_options_of(request), **options}
+            for name in ("number", "beside"):
+                if name in options:
+                    raise vdrive.ConfigurationError(
+                        f"{name} = {options[name]!r}: vdrive_benches chooses it: leave it out")
             benches: list[vdrive.Bench] = []
             for number in range(1, count + 1):
                 beside = benches[0] if benches else None
@@ -293,9 +313,7 @@ def vdrive_can(request: pytest.FixtureRequest) -> Iterator[vdrive.canopen.Bus]:
     """
     from vdrive import canopen  # not for tests that have no bus: reading it takes time
 
-    options: Options = {}
-    for marker in reversed(list(request.node.iter_markers("vdrive_can"))):  # the closest one last
-        options.update(marker.kwargs)
+    options = _marked(request, "vdrive_can")
     if "config" not in options:
         options.setdefault("axes", 1)
     with canopen.Bus(**options) as bus:

@@ -156,7 +156,10 @@ Outcome ObservedAxes::next(BenchPart& part) {
     auto sample = core_->stream.next(
         part.target, *part.feed,
         {.timeout = kSamplePatience, .may_interrupt = true, .needs_drive_time = is_axis});
-    if (stop_.stop_requested()) return Outcome::failed("interrupted");
+    // Also while samples wait: a slow condition is always behind.
+    if (stop_.stop_requested() || core_->wakeup.is_interrupted()) {
+      return Outcome::failed("interrupted");
+    }
     if (is_axis || sample.outcome().kind() != OutcomeKind::timed_out) {
       return note(part, std::move(sample));
     }

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "interpreter_lock.hpp"
+
+#include "py_session.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+namespace vdrive::python {
+namespace {
+
+using namespace std::chrono_literals;
+
+// For calls that no session ends, such as the start of a bench.
+constexpr auto kPatienceAtExit = 1s;
+constexpr auto kLook = 1ms;
+
+struct Calls {
+  std::atomic<bool> end = false;
+  std::atomic<std::thread::id> ender;  ///< the thread in which the interpreter ends
+  std::atomic<int> under_way = 0;      ///< without the interpreter lock
+  std::atomic<int> asking_for_lock = 0;
+};
+
+/// Never destroyed: threads rest in it until the process ends.
+Calls& calls() {
+  static Calls* const only = new Calls;  // NOLINT(cppcoreguidelines-owning-memory): see above
+  return *only;
+}
+
+/// Calls of this thread, one in the callback of the other.
+int& own_calls() {
+  thread_local int count = 0;
+  return count;
+}
+
+[[noreturn]] void rest() {
+  while (true) std::this_thread::sleep_for(1h);
+}
+
+/// @return whether `lock` was called. The end of the interpreter waits for it, or it does not
+/// begin.
+template <typename Lock>
+bool ask_for_lock(const Lock& lock) {
+  ++calls().asking_for_lock;
+  const bool may_ask = !is_late();
+  if (may_ask) lock();
+  --calls().asking_for_lock;
+  return may_ask;
+}
+
+}  // namespace
+
+bool is_late() noexcept {
+  return calls().end && calls().ender.load() != std::this_thread::get_id();
+}
+
+void stop_late_thread() {
+  if (!is_late()) return;
+  PyEval_SaveThread();
+  rest();
+}
+
+Unlocked::Unlocked() {
+  stop_late_thread();
+  ++calls().under_way;
+  ++own_calls();
+  state_ = PyEval_SaveThread();
+}
+
+Unlocked::~Unlocked() {
+  --own_calls();
+  --calls().under_way;
+  const bool is_back = ask_for_lock([this] {
+    PyEval_RestoreThread(state_);
+  });
+  if (!is_back) rest();
+}
+
+Locked::Locked() {
+  ask_for_lock([this] {
+    lock_.emplace();
+  });
+}
+
+void end_calls() {
+  Calls& all = calls();
+  all.ender = std::this_thread::get_id();
+  all.end = true;
+  close_all_sessions();
+  const py::gil_scoped_release unlocked;
+  const auto end = std::chrono::steady_clock::now() + kPatienceAtExit;
+  while (all.under_way > own_calls() && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(kLook);
+  }
+  while (all.asking_for_lock > 0) std::this_thread::sleep_for(kLook);
+}
+
+void forget_calls_of_parent() noexcept {
+  calls().under_way = own_calls();
+  calls().asking_for_lock = 0;
+}
+
+}  // namespace vdrive::python
