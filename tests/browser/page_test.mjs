@@ -37,10 +37,11 @@ const command = (name) => page.locator(`[data-test="${name}"]`);
 const betweenLooks = () => new Promise((resolve) => setTimeout(resolve, 50));
 
 /** Waits until the element has a text that fits; the failure shows the last one. */
-async function waitForText(locator, pattern, patience = PATIENCE_MS) {
+async function waitForText(locator, pattern, patience = PATIENCE_MS, beforeEachLook = async () => undefined) {
   const deadline = Date.now() + patience;
   let text = "";
   do {
+    await beforeEachLook();
     text = (await locator.textContent({ timeout: PATIENCE_MS })) ?? "";
     if (pattern.test(text)) return text;
     await betweenLooks();
@@ -252,7 +253,14 @@ test("a paused plot stands still and its samples are saved as CSV", async () => 
           requestAnimationFrame(() => requestAnimationFrame(() => done(canvas.toDataURL())));
         }),
     );
-  const before = await picture();
+  // A busy page rests from drawing for half a second at most: then it still shows what was before the pause.
+  let before = "";
+  const deadline = Date.now() + PATIENCE_MS;
+  for (let next = await picture(); next !== before; next = await picture()) {
+    assert.ok(Date.now() < deadline, "[deadline] the plot does not stand still");
+    before = next;
+    await new Promise((resolve) => setTimeout(resolve, 700));
+  }
   const [download] = await Promise.all([page.waitForEvent("download"), page.click("text=CSV")]);
   const text = await readFile(await download.path(), "utf8");
   const lines = text.trimEnd().split("\n");
@@ -423,8 +431,10 @@ test("an event leads to its time in the plots, where the fault has its name, als
   const event = () => page.locator(".events li", { hasText: "fault 0x8611" }).locator("button").first();
   await event().click();
   await resetZoom("enabled").waitFor();
-  await page.locator(".plot .u-over").first().hover();
-  await waitForText(page.locator(".cursor-text"), /^Cursor \d\d:\d\d:\d\d\.\d{3}, tick \d+: .*8611h following error/);
+  // Where rows above it come and go, the plot moves away from under a pointer that rests; a person follows it.
+  const hover = () => page.locator(".plot .u-over").first().hover();
+  const named = /^Cursor \d\d:\d\d:\d\d\.\d{3}, tick \d+: .*8611h following error/;
+  await waitForText(page.locator(".cursor-text"), named, PATIENCE_MS, hover);
   await command("pause").click();
   await resetZoom("disabled").waitFor();
   await page.click("nav a >> nth=2");

@@ -716,6 +716,14 @@ TEST(StateDirectoryRights, ThatWasOpenToOthersIsNarrowedWithItsLock) {
   EXPECT_EQ(rights_of(lock), fs::perms::owner_read | fs::perms::owner_write);
 }
 
+TEST(StateDirectoryRights, AreRefusedWhereEverybodyMayWriteAndStayAsTheyAre) {
+  const TemporaryDirectory directory;
+  fs::permissions(directory.path(), fs::perms{01777});  // such as /tmp
+  EXPECT_THAT(refusal_of_directory(directory.path()),
+              testing::HasSubstr("everybody may write to it"));
+  EXPECT_EQ(rights_of(directory.path()), fs::perms{01777});
+}
+
 TEST(StateDirectoryRights, MayBeReachedThroughALinkOfItsOwnUserAndItsFilesMayNot) {
   const TemporaryDirectory parent;
   const fs::path real = parent.path() / "real";

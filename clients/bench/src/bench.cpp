@@ -73,6 +73,10 @@ Configuration configuration_of(const BenchOptions& options) {
   } else if (options.axes) {
     configuration.axes = service::default_axes(*options.axes);
   }
+  if (options.clock && !clock_mode_named(to_string(*options.clock))) {
+    throw BenchError("clock = " + std::to_string(static_cast<int>(*options.clock)) +
+                     ": no clock mode");
+  }
   if (options.clock) configuration.clock = *options.clock;
   if (options.number) configuration.bench = *options.number;
   configuration.network.bus = options.bus ? options.bus : std::make_shared<wire::LocalBus>();

@@ -272,14 +272,17 @@ void BenchRun::publish_waiting_status() {
 }
 
 /// After the last thread has ended. Axes that still have power, because there was no time to
-/// brake, lose it in one last tick; every receiver sees it.
+/// brake, lose it in one last tick; every receiver on a network sees it. For the sessions of its
+/// own process the bench is gone: a wait that saw an axis without power first would say so, and not
+/// that the bench is lost.
 void BenchRun::switch_off() noexcept {
   publish_waiting_status();
   if (engine_.has_power()) {
     engine_.shut_down(Braking::none);
     engine_.step();
   }
-  if (status_.last_tick() != engine_.tick()) {
+  const bool has_receivers = lockstep_threads_ == LockstepThreads::own;
+  if (has_receivers && status_.last_tick() != engine_.tick()) {
     engine_.queue_status();
     publish_waiting_status();
   }

@@ -81,6 +81,8 @@ class SystemFiles final : public FileOperations {
       return is_of_root ? Privacy::kept : Privacy::foreign;
     }
     if ((status.st_mode & kOfOthers) == 0) return Privacy::kept;
+    // Others have files in such a directory: it is /tmp, or a volume.
+    if (S_ISDIR(status.st_mode) && (status.st_mode & S_IWOTH) != 0) return Privacy::foreign;
     if (::fchmod(file, status.st_mode & S_IRWXU) == 0) return Privacy::narrowed;
     if (errno != EROFS) fail("fchmod");
     return Privacy::kept;  // nobody can write there
