@@ -22,8 +22,8 @@ class Session;
 /// for it, or whose program is gone, is taken off the clock by the service.
 ///
 /// With a bench in this process (vdrive::bench) the thread that grants last runs the step. There a
-/// thread joins a clock with one session only: a thread that has joined a clock with two sessions
-/// waits for ever, since the step of one needs the grant of the other.
+/// thread joins a clock with one session only, and another one of its is refused: the step of each
+/// would wait for ever for the grant of the other.
 ///
 /// Steps that several threads ask for at once follow each other.
 class StepClock {
