@@ -332,6 +332,28 @@ TEST(Observer, OfRefusalsThatThrowsReachesTheNextCallOnce) {
   EXPECT_TRUE(cause_a_refusal(session)) << "its reports have ended";
 }
 
+TEST(Observer, OfEachKindThatThrowsReachesACallOfItsOwn) {
+  const Bench bench;
+  Session session = bench.session();
+  std::promise<void> has_begun;
+  session.on_event([&](const Event&) {
+    has_begun.set_value();
+    throw std::domain_error("of events");
+  });
+  {
+    Session other = bench.session();
+    ASSERT_TRUE(cause_an_event(other));
+  }
+  ASSERT_EQ(has_begun.get_future().wait_for(kLong), std::future_status::ready);
+  session.watch_services([](const client::ServiceChange&) {
+    throw std::domain_error("of services");
+  });
+  const std::string first = thrown_by_calls(session);
+  const std::string second = thrown_by_calls(session);
+  EXPECT_THAT((std::array{first, second}),
+              testing::UnorderedElementsAre("of events", "of services"));
+}
+
 constexpr std::array<client::AxisId, 1> kFirstAxis{{{1, 1}}};
 
 /// An observer of the status throws. @return whether its reports have ended in time.

@@ -4,14 +4,15 @@
 #include "base/wakeup.hpp"
 #include "vdrive/wire/origin.hpp"
 
+#include <deque>
 #include <exception>
 #include <mutex>
 #include <utility>
 
 namespace vdrive::client {
 
-/// What a function of the program has thrown in a thread of the session: the next call of the
-/// session throws it to the program. Thread-safe.
+/// What functions of the program have thrown in threads of the session: the next calls of the
+/// session throw it to the program, each call one exception. Thread-safe.
 class ObserverFailure {
  public:
   explicit ObserverFailure(const Wakeup& wakeup) : wakeup_(wakeup) {}
@@ -26,13 +27,13 @@ class ObserverFailure {
       has_returned = true;
     } catch (...) {
       const std::scoped_lock lock(mutex_);
-      if (!thrown_) thrown_ = std::current_exception();
+      thrown_.push_back(std::current_exception());
     }
     reporting() = outer;
     return has_returned;
   }
 
-  /// Throws the first exception that was not thrown yet, once. Throws nothing in a call that stops
+  /// Throws the oldest exception that was not thrown yet, once. Throws nothing in a call that stops
   /// axes: it has to stop them. Nothing either in a call of another observer, whose failure it is
   /// not, or in a forked process.
   void rethrow() {
@@ -40,9 +41,11 @@ class ObserverFailure {
     std::exception_ptr thrown;
     {
       const std::scoped_lock lock(mutex_);
-      thrown = std::exchange(thrown_, nullptr);
+      if (thrown_.empty()) return;
+      thrown = std::move(thrown_.front());
+      thrown_.pop_front();
     }
-    if (thrown) std::rethrow_exception(thrown);
+    std::rethrow_exception(thrown);
   }
 
  private:
@@ -55,7 +58,7 @@ class ObserverFailure {
   const wire::Origin origin_;
   const Wakeup& wakeup_;
   std::mutex mutex_;
-  std::exception_ptr thrown_;
+  std::deque<std::exception_ptr> thrown_;  ///< at most one of each observer that was begun
 };
 
 }  // namespace vdrive::client

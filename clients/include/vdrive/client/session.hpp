@@ -249,9 +249,10 @@ class StatusReports {
 /// Observers (watch_services, on_event, on_status, report_status) run in threads of the session,
 /// never in a call of the program. They may call the session, wait, and end or replace their own
 /// reports. An exception that leaves an observer ends its reports. The next call that needs a bench
-/// throws it, once: a call of the session, of its axes and groups, Follower::next, StepClock::join,
-/// StepClock::step or StepClock::step_for. Not a call that stops axes (see interrupt()) or gives
-/// them back (release), nor present_benches, no_bench_found, on_event, watch_services, abandon and
+/// throws it, once; of several observers each call throws the exception of one: a call of the
+/// session, of its axes and groups, Follower::next, StepClock::join, StepClock::step or
+/// StepClock::step_for. Not a call that stops axes (see interrupt()) or gives them back (release),
+/// nor present_benches, no_bench_found, on_event, watch_services, abandon and
 /// AxisGroup::queue_move, nor a call of an observer of the same session.
 ///
 /// A process that was forked cannot use the session of its parent: calls return lost there, those
