@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same program over the local bus and over DDS: the same answers, the same axes in every tick
-// that is seen, and the same journal, which has every tick.
+// The same programs over the local bus and over DDS: the same answers, the same axes in every tick
+// that is seen, the same events, and the same journal, which has every tick.
 #include "bench/random_program.hpp"
 #include "client/session_options.hpp"
 #include "support/effort.hpp"
+#include "support/journal_comparison.hpp"
 #include "support/temporary_directory.hpp"
 #include "tool/process.hpp"
 #include "vdrive/bench/bench.hpp"
@@ -11,9 +12,9 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <iostream>
 #include <string>
 
 namespace vdrive::bench {
@@ -29,21 +30,19 @@ constexpr const char* kConfiguration = VDRIVE_SOURCE_DIR "/tests/data/patient.ya
 /// The same bench over both wires, each with a journal.
 class BothWires : public testing::Test {
  protected:
-  void run_sequences(Session& local, Session& over_dds) {
-    const std::array sessions{&local, &over_dds};
-    std::array<std::uint64_t, 2> begins{};
-    for (std::size_t wire = 0; wire < sessions.size(); ++wire) {
-      begins[wire] = sessions[wire]->take_snapshot(1).value();
-    }
+  /// @param local, over_dds each two sessions with a bench
+  static void run_sequences(ProgrammedBench& local, ProgrammedBench& over_dds) {
     for (std::uint32_t seed = 1; seed <= kSequences; ++seed) {
-      std::array<std::string, 2> logs;
-      for (std::size_t wire = 0; wire < sessions.size(); ++wire) {
-        ASSERT_TRUE(sessions[wire]->release(1));
-        ASSERT_TRUE(sessions[wire]->restore_snapshot(1, begins[wire]));
-        logs[wire] = RandomProgram(*sessions[wire], seed).run();
-      }
-      ASSERT_EQ(logs[0], logs[1]) << "seed " << seed;
+      ASSERT_EQ(difference_of(local.run(seed), over_dds.run(seed)), "") << "seed " << seed;
     }
+  }
+
+  static void expect_same_news(ProgrammedBench& local, ProgrammedBench& over_dds) {
+    EXPECT_EQ(local.await_same_news(over_dds), "");
+    EXPECT_FALSE(local.refusals().empty());
+    const std::uint64_t compared = told_to_both(local.events(), over_dds.events());
+    std::cout << compared << " of " << local.events().count() << " events compared\n";
+    EXPECT_GT(compared, kSequences);
   }
 
   [[nodiscard]] std::filesystem::path path(const char* name) const {
@@ -54,7 +53,7 @@ class BothWires : public testing::Test {
   const test::TemporaryDirectory directory_;
 };
 
-TEST_F(BothWires, GiveARandomProgramTheSameAnswersTheSameAxesAndTheSameJournal) {
+TEST_F(BothWires, GiveRandomProgramsTheSameAnswersAxesEventsAndJournal) {
   {
     test::RunningService running("--clock lockstep --config " + std::string(kConfiguration) +
                                  " --axes " + std::to_string(kAxes) + " --state " +
@@ -65,19 +64,20 @@ TEST_F(BothWires, GiveARandomProgramTheSameAnswersTheSameAxesAndTheSameJournal) 
                        .clock = ClockMode::lockstep,
                        .state_directory = path("state.local"),
                        .journal = path("journal.local")});
-    Session over_dds(test::options());
-    Session local = bench.session();
-    run_sequences(local, over_dds);
+    Session first_over_dds(test::options());
+    Session second_over_dds(test::options());
+    Session first_local = bench.session();
+    Session second_local = bench.session();
+    ProgrammedBench over_dds(first_over_dds, second_over_dds);
+    ProgrammedBench local(first_local, second_local);
+    ASSERT_NO_FATAL_FAILURE(run_sequences(local, over_dds));
+    expect_same_news(local, over_dds);
     ASSERT_EQ(running.stop().code, 0);
   }
-  const auto local = records_of(path("journal.local"));
-  const auto over_dds = records_of(path("journal.dds"));
-  ASSERT_EQ(local.size(), over_dds.size());
-  EXPECT_GT(local.size(), kSequences);  // a snapshot each
-  for (std::size_t i = 0; i < local.size(); ++i) {
-    ASSERT_TRUE(local[i] == over_dds[i])
-        << "record " << i << " of " << local.size() << ", of kind " << local[i].index();
-  }
+  const test::JournalComparison journals =
+      test::compare_journals(path("journal.local"), path("journal.dds"));
+  ASSERT_EQ(journals.difference, "");
+  EXPECT_GT(journals.snapshots, kSequences);  // one each, and that of the start
 }
 
 }  // namespace

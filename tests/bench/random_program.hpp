@@ -1,124 +1,170 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "journal/journal_file.hpp"
+#include "support/event_log.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/client.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
 
-#include <array>
-#include <chrono>
+#include <Eigen/Core>
+
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
+#include <mutex>
 #include <optional>
 #include <random>
-#include <span>
 #include <sstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace vdrive::bench {
 
-inline constexpr int kCommandsOfAProgram = 25;
+inline constexpr int kCommandsOfAProgram = 16;
 
 /// What a program sees of its calls and of the axes; two programs are compared by it.
 class ProgramLog {
  public:
-  void note(const client::Outcome& outcome) {
-    text_ << static_cast<int>(outcome.kind()) << ' ' << outcome.code() << ' ' << outcome.message()
-          << '\n';
+  explicit ProgramLog(const test::SessionNumbers& numbers) : numbers_(numbers) {}
+
+  void note(const client::Outcome& outcome);
+  void note(const client::Result<client::Observation>& seen);
+  void note(const client::Result<client::GroupStatus>& status);
+  void note(const client::Result<client::Readings>& readings);
+
+  /// The value of a call, such as the tick that it has reached.
+  void note(const client::Result<std::uint64_t>& value) {
+    note(value.outcome());
+    if (value) text_ << *value << '\n';
   }
 
-  void note(const client::Observation& seen) {
-    text_ << "tick " << seen.tick;
-    for (const client::AxisSnapshot& axis : seen.axes) {
-      text_ << (axis.owner_session == 0 ? " free" : " owned") << axis.owner_epoch << '/'
-            << axis.last_sequence;
-      for (const StatusMember& member : status_members()) {
-        if (member.is_published) text_ << ' ' << member.value(axis.status);
-      }
-    }
-    text_ << '\n';
-  }
+  /// What comes next is a result of this command.
+  void begin(const char* command) { text_ << command << ": "; }
 
   [[nodiscard]] std::string text() const { return text_.str(); }
 
  private:
+  void note(const std::vector<client::AxisSnapshot>& axes);
+
+  const test::SessionNumbers& numbers_;
   std::ostringstream text_;
 };
 
-/// A random program: the same for the same seed.
+/// @return the first line in which two logs differ, behind what came before it; empty = none.
+[[nodiscard]] std::string difference_of(const std::string& one, const std::string& other);
+
+/// A random program of two sessions in one thread: the same for the same seed.
 class RandomProgram {
  public:
-  RandomProgram(client::Session& session, std::uint32_t seed) : session_(session), random_(seed) {
-    for (client::Axis& axis : session_.axes(1).value()) {
-      ids_.push_back(axis.id());
-      axes_.push_back(axis);
-    }
-  }
+  /// @param second takes axes from the first one, which lets time pass
+  RandomProgram(client::Session& first, client::Session& second,
+                const test::SessionNumbers& numbers, std::uint32_t seed);
 
-  std::string run() {
-    for (int count = 0; count < kCommandsOfAProgram; ++count) {
-      command(axes_[below(axes_.size())]);
-      const auto seen = session_.observe(ids_);
-      log_.note(seen.outcome());
-      if (seen) log_.note(*seen);
-    }
-    return log_.text();
-  }
+  /// @return what the program saw.
+  std::string run();
 
  private:
+  struct Command;
+
   std::uint32_t below(std::size_t count) { return static_cast<std::uint32_t>(random_() % count); }
 
-  void command(client::Axis& axis) {
-    const client::CallOptions at_once{.timeout = std::chrono::seconds(2),
-                                      .until = client::Until::in_force};
-    const auto target = static_cast<std::int32_t>(below(40'000)) - 20'000;
-    switch (below(13)) {
-      case 0:
-      case 1:
-        return log_.note(axis.enable(at_once));
-      case 2:
-      case 3:
-        return log_.note(axis.move_to(
-            target, {.velocity = 1'000 + below(50'000), .queue = below(2) == 0, .call = at_once}));
-      case 4:
-        return log_.note(axis.halt(at_once));
-      case 5:
-        return log_.note(axis.resume(at_once));
-      case 6:
-        return log_.note(axis.quick_stop(at_once));
-      case 7:
-        return log_.note(axis.reset_fault(at_once));
-      case 8:
-        return log_.note(axis.write({0x6081, 0}, below(200'000)).outcome());
-      case 9:
-        return log_.note(axis.disturb(client::Disturbance::load_torque, below(2'000)).outcome());
-      case 10:
-        return log_.note(axis.disable(at_once));
-      case 11:
-        return log_.note(axis.store());
-      default:
-        return log_.note(session_.step(1, 1 + below(400)).outcome());
-    }
+  [[nodiscard]] std::int32_t any_target() {
+    return static_cast<std::int32_t>(below(40'000)) - 20'000;
   }
 
-  client::Session& session_;
+  [[nodiscard]] client::Axis& any_axis() { return axes_[below(axes_.size())]; }
+
+  void observe();
+
+  // What a program may do.
+  void enable();
+  void disable();
+  void move();
+  void move_to_the_end();
+  void halt();
+  void resume();
+  void quick_stop();
+  void reset_fault();
+  void write();
+  void read();
+  void disturb();
+  void store();
+  void power_cycle();
+  void home();
+  void run_at();
+  void apply_torque();
+  void jog();
+  void step();
+  void send_burst();
+  void send_burst_ahead();
+  void use_group();
+  void stream();
+  void take_control();
+  void use_second_session();
+  void use_clock();
+  void use_snapshot();
+
+  void enable_group();
+  void send(std::uint64_t first_tick);
+  [[nodiscard]] client::SetPoint set_point(std::size_t place, OperatingMode mode,
+                                           std::int32_t number);
+  [[nodiscard]] Eigen::VectorXd any_targets();
+
+  client::Session& first_;
+  client::Session& second_;
   std::minstd_rand random_;
   std::vector<client::AxisId> ids_;
   std::vector<client::Axis> axes_;
+  std::vector<client::Axis> axes_of_second_;
+  std::optional<client::AxisGroup> group_;
+  std::optional<client::StepClock> clock_;
+  client::Observation seen_;  ///< the newest
   ProgramLog log_;
 };
 
-/// A journal without its head, which names the network.
-inline std::vector<service::JournalRecord> records_of(const std::filesystem::path& file) {
-  std::ifstream bytes(file, std::ios::binary);
-  service::JournalReader reader(bytes);
-  std::vector<service::JournalRecord> records;
-  while (auto record = reader.next()) records.push_back(std::move(*record));
-  return records;
-}
+/// A bench in lock-step for random programs, two sessions with it, and the events that they are
+/// told.
+class ProgrammedBench {
+ public:
+  /// @param first, second sessions with one bench, which has the number 1; they outlive this object
+  ProgrammedBench(client::Session& first, client::Session& second);
+  ~ProgrammedBench();
+  ProgrammedBench(const ProgrammedBench&) = delete;
+  ProgrammedBench& operator=(const ProgrammedBench&) = delete;
+
+  /// Puts the axes back, runs the program of this seed, and waits for the events that it caused.
+  /// @return what the program saw
+  /// @throws std::runtime_error where an event does not come
+  std::string run(std::uint32_t seed);
+
+  /// Waits until its sessions were told of the same events and refused set-points as those of
+  /// another bench: what a bench leaves out of equal events is told a second later.
+  /// @return the first difference after a deadline, or an empty text
+  [[nodiscard]] std::string await_same_news(ProgrammedBench& other);
+
+  [[nodiscard]] const test::EventLog& events() const { return events_of_first_; }
+
+  /// @return the values of set-points that were refused, in the order in which that was told.
+  [[nodiscard]] std::vector<client::SetPointRefusal> refusals() const;
+
+ private:
+  [[nodiscard]] std::string difference_from(const ProgrammedBench& other) const;
+  void put_back();
+  void await_events();
+  void cause_equal_events();
+  [[nodiscard]] bool is_left_out_after_wait() const;
+
+  client::Session& first_;
+  client::Session& second_;
+  test::SessionNumbers numbers_;
+  test::EventLog events_of_first_;
+  test::EventLog events_of_second_;
+  std::vector<client::Axis> axes_;
+  client::Axis axis_of_second_;
+  std::vector<client::AxisId> ids_;
+  client::AxisGroup group_;
+  std::uint64_t begin_;       ///< snapshot
+  std::uint64_t caused_ = 0;  ///< by cause_equal_events
+  mutable std::mutex mutex_;
+  std::vector<client::SetPointRefusal> refusals_;  ///< with the mutex
+};
 
 }  // namespace vdrive::bench
