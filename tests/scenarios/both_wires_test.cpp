@@ -1,16 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 // `vdrive test` over both wires: every scenario of the project, scenarios that fail, and one with
-// every command that a scenario may have give the same verdicts, cases and messages.
+// every command that a scenario may have give the same verdicts, cases and messages. The scenarios
+// of the project have the same events, and the same journal, which has every tick.
+#include "base/exit_code.hpp"
+#include "client/session_options.hpp"
 #include "command_table.hpp"
+#include "output/junit.hpp"
+#include "scenarios/scenario_files.hpp"
+#include "scenarios/scenario_run.hpp"
 #include "support/effort.hpp"
+#include "support/event_log.hpp"
+#include "support/journal_comparison.hpp"
+#include "support/process_tree.hpp"
 #include "support/temporary_directory.hpp"
+#include "terminal/terminal.hpp"
+#include "tool/call.hpp"
 #include "tool/process.hpp"
+#include "vdrive/bench/bench.hpp"
+#include "vdrive/client.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -122,6 +137,91 @@ TEST_F(BothWires, GiveTheSameVerdictOfTheScenariosOfTheProject) {
   const Verdicts verdicts = test_over_both(files);
   EXPECT_EQ(verdicts.code, 0);
   EXPECT_THAT(verdicts.lines, SizeIs(files.size() + 1)) << "one of each file, and the sum";
+}
+
+/// A session that carries out a scenario, and the events that it is told of.
+class ScenarioSession {
+ public:
+  explicit ScenarioSession(const client::SessionOptions& options)
+      : session_(options),
+        numbers_({{session_.id(), "the session"}}),
+        events_(session_, numbers_) {}
+
+  /// @return exit code, lines of JSON and messages.
+  Finished run(const std::string& file) {
+    return captured([&] {
+      const auto scenarios = tool::ScenarioFiles{.files = {file}}.load(tool::commands());
+      tool::JunitReport no_report("");
+      tool::Terminal terminal;
+      const client::Outcome outcome =
+          tool::run_scenarios(scenarios, {.is_json = true, .is_private = true, .timeout = {}},
+                              no_report, session_, terminal);
+      return static_cast<int>(tool::exit_code_of(outcome.kind()));
+    });
+  }
+
+  /// Causes an event, and waits for it: the events before it are known then.
+  [[nodiscard]] bool await_events() {
+    constexpr std::uint32_t kTaken = 1;
+    const auto told = [this] {
+      return events_.numbers_of(client::EventKind::snapshot, 0, kTaken, session_.id()).told;
+    };
+    const std::uint64_t before = told();
+    session_.take_snapshot(kBench).outcome().or_throw();
+    return holds_soon([&] {
+      return told() > before;
+    });
+  }
+
+  [[nodiscard]] const EventLog& events() const { return events_; }
+
+ private:
+  static constexpr std::uint32_t kBench = 1;
+
+  client::Session session_;
+  SessionNumbers numbers_;
+  EventLog events_;
+};
+
+/// The same scenario in a bench of this process and over DDS.
+void expect_same_run(ScenarioSession& local, ScenarioSession& over_dds, const std::string& file) {
+  const Finished here = local.run(file);
+  const Finished there = over_dds.run(file);
+  EXPECT_EQ(here.code, 0) << here.errors;
+  EXPECT_EQ(there.code, 0) << there.errors;
+  EXPECT_EQ(lines_without_times(here), lines_without_times(there));
+  EXPECT_EQ(here.errors, there.errors);
+  EXPECT_TRUE(local.await_events());
+  EXPECT_TRUE(over_dds.await_events());
+  EXPECT_EQ(difference_of(local.events(), over_dds.events()), "");
+  EXPECT_EQ(told_to_both(local.events(), over_dds.events()), local.events().count())
+      << "a scenario causes fewer equal events than a bench lets pass at once";
+}
+
+TEST_F(BothWires, GiveTheSameEventsAndJournalOfTheScenariosOfTheProject) {
+  std::uint64_t ticks = 0;
+  for (const std::string& file : scenarios_of_the_project()) {
+    SCOPED_TRACE(file);
+    const TemporaryDirectory directory;
+    const std::filesystem::path journal_over_dds = directory.path() / "journal.dds";
+    const std::filesystem::path journal_here = directory.path() / "journal.local";
+    {
+      RunningService service("--clock lockstep --journal " + journal_over_dds.string());
+      const bench::Bench bench({.journal = journal_here});
+      {
+        client::SessionOptions options;
+        options.bus = bench.bus();
+        ScenarioSession local(options);
+        ScenarioSession over_dds(test::options());
+        expect_same_run(local, over_dds, file);
+      }
+      EXPECT_EQ(service.stop().code, 0);
+    }
+    const JournalComparison journals = compare_journals(journal_here, journal_over_dds);
+    EXPECT_EQ(journals.difference, "");
+    ticks += journals.ticks;
+  }
+  EXPECT_GT(ticks, 1'000U) << "a scenario lets time pass";
 }
 
 TEST_F(BothWires, GiveTheSameMessagesOfScenariosThatFail) {

@@ -93,7 +93,9 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
-Finished call_in_process(std::vector<std::string> arguments, const std::string& input) {
+}  // namespace
+
+Finished captured(const std::function<int()>& work, const std::string& input) {
   const auto begin = std::chrono::steady_clock::now();
   const SignalsKept signals;
   (void)std::fflush(stdout);
@@ -101,7 +103,7 @@ Finished call_in_process(std::vector<std::string> arguments, const std::string& 
   const StreamInMemory out(STDOUT_FILENO, "");
   const StreamInMemory errors(STDERR_FILENO, "");
   Finished finished;
-  finished.code = static_cast<int>(tool::run_tool(std::move(arguments), local_bus()));
+  finished.code = work();
   finished.output = out.content();
   finished.errors = errors.content();
   finished.duration = std::chrono::duration_cast<std::chrono::milliseconds>(
@@ -109,15 +111,17 @@ Finished call_in_process(std::vector<std::string> arguments, const std::string& 
   return finished;
 }
 
-}  // namespace
-
 Finished call(const std::string& words, const std::string& input) {
   return call(words_of(words), input);
 }
 
 Finished call(std::vector<std::string> arguments, const std::string& input) {
-  return runs_over_dds() ? tool(std::move(arguments), input)
-                         : call_in_process(std::move(arguments), input);
+  if (runs_over_dds()) return tool(std::move(arguments), input);
+  return captured(
+      [&arguments] {
+        return static_cast<int>(tool::run_tool(std::move(arguments), local_bus()));
+      },
+      input);
 }
 
 }  // namespace vdrive::test

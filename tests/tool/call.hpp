@@ -3,6 +3,7 @@
 
 #include "tool/process.hpp"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,5 +16,9 @@ namespace vdrive::test {
 
 /// The same with arguments as they are.
 [[nodiscard]] Finished call(std::vector<std::string> arguments, const std::string& input = "");
+
+/// Runs a part of the tool with the standard streams of this process from and to memory.
+/// @return its exit code, and what it has written
+[[nodiscard]] Finished captured(const std::function<int()>& work, const std::string& input = "");
 
 }  // namespace vdrive::test
