@@ -119,6 +119,31 @@ TEST(ScenarioVerdict, NamesTheSignalThatEndedTheProcess) {
   EXPECT_EQ(sut.suite.cases[0].error, "ended by signal 9");
 }
 
+TEST(ScenarioVerdict, HasACaseForACrashBehindTheFirstLine) {
+  const ScenarioVerdict sut = verdict_of(
+      scenario_of_two_lines(),
+      {.code = -11, .output = R"({"line":2,"outcome":"ok","seconds":0.5})", .errors = ""});
+
+  ASSERT_EQ(sut.suite.cases.size(), 3U);
+  EXPECT_FALSE(sut.suite.cases[0].is_skipped);
+  EXPECT_TRUE(sut.suite.cases[1].is_skipped);
+  EXPECT_EQ(sut.suite.cases[2].name, "end");
+  EXPECT_EQ(sut.suite.cases[2].error, "ended by signal 11");
+}
+
+TEST(ScenarioVerdict, HasACaseForAFailureThatIsNoneOfALine) {
+  const ScenarioVerdict sut =
+      verdict_of(scenario_of_two_lines(), {.code = 1,
+                                           .output = R"({"line":2,"outcome":"ok"})"
+                                                     "\n"
+                                                     R"({"line":4,"outcome":"ok"})",
+                                           .errors = "vdrive: release: lost\n"});
+
+  ASSERT_EQ(sut.suite.cases.size(), 3U);
+  EXPECT_EQ(sut.suite.cases[2].name, "end");
+  EXPECT_EQ(sut.suite.cases[2].error, "vdrive: release: lost");
+}
+
 TEST(ScenarioVerdict, IsInterruptedUntilTheScenarioHasRun) {
   const ScenarioVerdict sut = not_started(scenario_of_two_lines());
 

@@ -30,6 +30,25 @@ JunitCase skipped_case(const std::string& name) {
   return test;
 }
 
+JunitCase error_case(const std::string& name, int code, const std::string& message) {
+  JunitCase error;
+  error.name = name;
+  error.error = message;
+  error.type = std::string(code == static_cast<int>(ExitCode::usage) ? "usage" : "failed");
+  return error;
+}
+
+bool has_failure(const JunitSuite& suite) {
+  return std::ranges::any_of(suite.cases, [](const JunitCase& test) {
+    return test.failure || test.error;
+  });
+}
+
+/// @return what a process that failed has said last. One that was interrupted says nothing.
+std::string last_of(const std::vector<std::string>& messages) {
+  return messages.empty() ? "interrupted" : messages.back();
+}
+
 /// What a line printed: its end, where it is a stream.
 class LineOutput {
  public:
@@ -125,11 +144,9 @@ ScenarioVerdict not_started(const Scenario& scenario) {
 }
 
 ScenarioVerdict failed_to_start(const Scenario& scenario, int code, const std::string& message) {
-  JunitCase error;
-  error.name = "start";
-  error.error = message;
-  error.type = std::string(code == static_cast<int>(ExitCode::usage) ? "usage" : "failed");
-  return {.code = code, .messages = {message}, .suite = {scenario.file, {std::move(error)}}};
+  return {.code = code,
+          .messages = {message},
+          .suite = {scenario.file, {error_case("start", code, message)}}};
 }
 
 ScenarioVerdict verdict_of(const Scenario& scenario, const EndedRun& run) {
@@ -138,8 +155,7 @@ ScenarioVerdict verdict_of(const Scenario& scenario, const EndedRun& run) {
   if (run.code < 0) messages.push_back("ended by signal " + std::to_string(-run.code));
   LineResults results = results_of(scenario, run.output);
   if (code != 0 && results.empty()) {
-    ScenarioVerdict verdict =
-        failed_to_start(scenario, code, messages.empty() ? "interrupted" : messages.back());
+    ScenarioVerdict verdict = failed_to_start(scenario, code, last_of(messages));
     verdict.messages = std::move(messages);
     return verdict;
   }
@@ -154,6 +170,9 @@ ScenarioVerdict verdict_of(const Scenario& scenario, const EndedRun& run) {
         found == results.end() ? skipped_case(name) : std::move(found->second));
     test.name = name;
     test.line = line.number;
+  }
+  if (code != 0 && (run.code < 0 || !has_failure(verdict.suite))) {
+    verdict.suite.cases.push_back(error_case("end", code, last_of(verdict.messages)));
   }
   return verdict;
 }

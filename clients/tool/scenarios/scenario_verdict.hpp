@@ -50,7 +50,8 @@ struct EndedRun {
 [[nodiscard]] ScenarioVerdict failed_to_start(const Scenario& scenario, int code,
                                               const std::string& message);
 
-/// @return the verdict with a case for each line; a line without a result was skipped.
+/// @return the verdict with a case for each line; a line without a result was skipped. An end that
+///         no line explains, such as a crash, is a case too.
 [[nodiscard]] ScenarioVerdict verdict_of(const Scenario& scenario, const EndedRun& run);
 
 }  // namespace vdrive::tool
