@@ -8,6 +8,7 @@
 #include "execution/output.hpp"
 #include "language/bench_names.hpp"
 #include "language/command_line.hpp"
+#include "language/global_options.hpp"
 #include "terminal/terminal.hpp"
 #include "values/value.hpp"
 #include "vdrive/wire/ports.hpp"
@@ -91,6 +92,8 @@ ExitCode run_command(std::vector<std::string> arguments, const std::shared_ptr<w
   if (!arguments.empty() && arguments.front() == "__complete") {
     return complete({arguments.begin() + 1, arguments.end()}, bus, terminal);
   }
+  const bool is_one_of_several = !arguments.empty() && arguments.front() == kOneOfSeveral;
+  if (is_one_of_several) arguments.erase(arguments.begin());
   Invocation invocation = parse_command_line(commands(), std::move(arguments));
   if (!invocation.command) {
     std::string text = invocation.text;
@@ -99,6 +102,7 @@ ExitCode run_command(std::vector<std::string> arguments, const std::shared_ptr<w
     return ExitCode::ok;
   }
   invocation.options.bus = bus;
+  invocation.options.is_one_of_several = is_one_of_several;
   const Command& command = *invocation.command;
   const Program program{invocation.options, commands(), terminal};
   if (command.row->start != nullptr) return command.row->start(command.arguments, program);

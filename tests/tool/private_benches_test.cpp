@@ -198,6 +198,62 @@ TEST_F(PrivateBenches, ThatCrashFailTheirFileAlone) {
   EXPECT_TRUE(all_have_ended());
 }
 
+TEST_F(PrivateBenches, OfRunThatCrashFailTheirFileAlone) {
+  for (const int signal : {SIGSEGV, SIGKILL}) {
+    Process call = start_on_wire(
+        "run", {"--private", file("first.scn", "enable 1.1\n"), file("long.scn", kLong),
+                file("last.scn", "expect 1.1 position 0\n"), "--junit", report()});
+    ASSERT_THAT(call.read_line(), HasSubstr("enable 1.1"));
+    ASSERT_THAT(call.read_line(), HasSubstr("passed  "));
+    ASSERT_THAT(call.read_line(), HasSubstr("enable 1.1"));
+    ASSERT_THAT(call.read_line(), HasSubstr("move 1.1"));
+    const auto run = process_with({"__file", "long.scn"});
+    ASSERT_TRUE(run);
+    send_signal(*run, signal);
+    const Finished finished = call.wait();
+    EXPECT_EQ(finished.code, 1);
+    EXPECT_THAT(finished.output,
+                AllOf(HasSubstr("failed  "), HasSubstr("long.scn, 1 of 3 lines done"),
+                      HasSubstr("expect 1.1 position 0"), HasSubstr("last.scn, 1 line")));
+    EXPECT_THAT(finished.errors,
+                AllOf(HasSubstr("long.scn: ended by signal " + std::to_string(signal)),
+                      HasSubstr("2 of 3 files passed")));
+    EXPECT_THAT(text_of(report()),
+                AllOf(HasSubstr("first.scn\" tests=\"1\" failures=\"0\" skipped=\"0\""),
+                      HasSubstr("long.scn\" tests=\"4\" failures=\"0\" skipped=\"2\" errors=\"1\""),
+                      HasSubstr("last.scn\" tests=\"1\" failures=\"0\" skipped=\"0\"")));
+    EXPECT_TRUE(all_have_ended());
+  }
+}
+
+// As the files of `run` without --private: what changes meanwhile, and what can be read once only.
+TEST_F(PrivateBenches, OfRunCarryOutWhatWasReadAtTheStart) {
+  const std::string last = file("last.scn", "expect 1.1 position 0\n");
+  Process call(VDRIVE_TOOL,
+               {"run", "--private", "--over", runs_over_dds() ? "dds" : "local", "-", last},
+               "let axis = 1.1\nenable ${axis}  # from a pipe\n");
+  ASSERT_THAT(call.read_line(), HasSubstr("   2  enable 1.1"));
+  std::filesystem::remove(last);
+  const Finished finished = call.wait();
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+  EXPECT_THAT(finished.output,
+              AllOf(HasSubstr("passed  <stdin>, 1 line"), HasSubstr("last.scn, 1 line"),
+                    HasSubstr("2 of 2 files passed")));
+}
+
+TEST_F(PrivateBenches, OfRunEndWithTheReaderOfItsOutput) {
+  const std::string line = "expect 1.1" + std::string(350, ' ') + "position 0\n";
+  std::string more_than_a_pipe_holds;
+  for (int i = 0; i < 250; ++i) more_than_a_pipe_holds += line;
+  Process call = start_on_wire("run", {"--private", file("a.scn", more_than_a_pipe_holds),
+                                       file("b.scn", "enable 1.1\n"), "--junit", report()});
+  ASSERT_THAT(call.read_line(), HasSubstr("expect 1.1"));
+  call.stop_reading();
+  const Finished finished = call.wait();
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+  EXPECT_THAT(text_of(report()), AllOf(HasSubstr("a.scn"), Not(HasSubstr("b.scn"))));
+}
+
 /// Ends a call by a signal once its scenario runs.
 class TestRunEndedBy : public PrivateBenches, public testing::WithParamInterface<int> {};
 
@@ -226,6 +282,20 @@ TEST_P(PrivateRunEndedBy, ASignalRunsTheFinalLines) {
   const Finished finished = call.wait();
   EXPECT_EQ(finished.code, 130);
   EXPECT_THAT(finished.output, HasSubstr("disable 1.1"));
+  EXPECT_TRUE(all_have_ended());
+}
+
+TEST_P(PrivateRunEndedBy, ASignalRunsTheFinalLinesOfOneFileAndNoFurtherFile) {
+  Process call = start_on_wire("run", {file("a.scn", kLong), file("b.scn", "enable 1.2\n"),
+                                       "--private", "--junit", report()});
+  ASSERT_THAT(call.read_line(), HasSubstr("enable"));
+  ASSERT_THAT(call.read_line(), HasSubstr("move"));
+  call.send(GetParam());
+  const Finished finished = call.wait();
+  EXPECT_EQ(finished.code, 130);
+  EXPECT_THAT(finished.output, AllOf(HasSubstr("disable 1.1"), Not(HasSubstr("enable 1.2"))));
+  EXPECT_THAT(text_of(report()),
+              AllOf(HasSubstr("<testsuites tests=\"3\" failures=\"1\""), Not(HasSubstr("b.scn"))));
   EXPECT_TRUE(all_have_ended());
 }
 

@@ -72,35 +72,72 @@ bool has_ended_within(int handle, std::chrono::milliseconds patience) {
   }
 }
 
+/// The descriptors of a child in this process.
+struct Streams {
+  int input;
+  int output;
+  int errors;
+  bool are_shared;
+};
+
+/// In the child. @return whether it has the descriptor under this number.
+bool give(int descriptor, int number) {
+  // dup2 of a number to itself lets exec close it.
+  return descriptor == number ? fcntl(number, F_SETFD, 0) == 0  // NOLINT(*-vararg)
+                              : dup2(descriptor, number) >= 0;
+}
+
+/// In the child.
+bool give_all(const Streams& streams) {
+  // First the input: another number that is given may be that of its descriptor.
+  if (!give(streams.input, STDIN_FILENO)) return false;
+  if (streams.are_shared) return give(streams.output, kChildResults);
+  return give(streams.output, STDOUT_FILENO) && give(streams.errors, STDERR_FILENO);
+}
+
 /// In the child, between fork and exec: system calls only.
 [[noreturn]] void become(const std::vector<char*>& command, const std::vector<char*>& environment,
-                         int output, int errors, pid_t parent) {
+                         const Streams& streams, pid_t parent) {
   constexpr int kCannotStart = 127;
   sigset_t none;
   sigemptyset(&none);
   // NOLINTNEXTLINE(concurrency-mt-unsafe): of the only thread of the child
   sigprocmask(SIG_SETMASK, &none, nullptr);
   (void)std::signal(SIGPIPE, SIG_DFL);
+  // A terminal may stop what writes to it from another process group.
+  if (streams.are_shared) (void)std::signal(SIGTTOU, SIG_IGN);
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(kCannotStart);  // it has ended before the line above
-  const int input = open("/dev/null", O_RDONLY | O_CLOEXEC);
-  if (input < 0 || dup2(input, STDIN_FILENO) < 0 || dup2(output, STDOUT_FILENO) < 0 ||
-      dup2(errors, STDERR_FILENO) < 0) {
-    _exit(kCannotStart);
-  }
+  if (!give_all(streams)) _exit(kCannotStart);
   execve(command.front(), command.data(), environment.data());
   _exit(kCannotStart);
 }
 
-pid_t start(std::vector<std::string> command, std::vector<std::string> changes, int output,
-            int errors) {
+/// @return a file in memory with this text, to be read from its beginning.
+int file_of(const std::string& text) {
+  const int file = checked(memfd_create("input", MFD_CLOEXEC), "memfd_create");
+  for (std::size_t written = 0; written < text.size();) {
+    const std::string_view rest = std::string_view(text).substr(written);
+    const ssize_t count = pwrite(file, rest.data(), rest.size(), static_cast<off_t>(written));
+    if (count <= 0) {
+      const int error = errno;
+      close(file);
+      throw std::system_error(error, std::generic_category(), "input of a program");
+    }
+    written += static_cast<std::size_t>(count);
+  }
+  return file;
+}
+
+pid_t start(std::vector<std::string> command, std::vector<std::string> changes,
+            const Streams& streams) {
   std::vector<std::string> environment = environment_with(std::move(changes));
   const std::vector<char*> arguments = pointers_to(command);
   const std::vector<char*> variables = pointers_to(environment);
   const pid_t parent = getpid();
   const pid_t child = checked(fork(), "fork");
-  if (child == 0) become(arguments, variables, output, errors, parent);
+  if (child == 0) become(arguments, variables, streams, parent);
   return child;
 }
 
@@ -131,10 +168,15 @@ Descriptor::~Descriptor() {
   if (number_ >= 0) close(number_);
 }
 
-ChildProcess::ChildProcess(std::vector<std::string> command, std::vector<std::string> environment)
+ChildProcess::ChildProcess(std::vector<std::string> command, std::vector<std::string> environment,
+                           const ChildStreams& streams)
     : output_(checked(memfd_create("output", MFD_CLOEXEC), "memfd_create")),
       errors_(checked(memfd_create("errors", MFD_CLOEXEC), "memfd_create")),
-      id_(start(std::move(command), std::move(environment), output_.get(), errors_.get())),
+      id_(start(std::move(command), std::move(environment),
+                {.input = Descriptor(file_of(streams.input)).get(),
+                 .output = output_.get(),
+                 .errors = errors_.get(),
+                 .are_shared = streams.are_shared})),
       handle_(handle_of(id_)) {}
 
 ChildProcess::~ChildProcess() {

@@ -25,16 +25,26 @@ class Descriptor {
   int number_;
 };
 
+/// What a child reads, and where it writes.
+struct ChildStreams {
+  std::string input{};      ///< what it reads on standard input
+  bool are_shared = false;  ///< it writes where this program does
+};
+
+/// Where a child with shared streams writes what output() has.
+constexpr int kChildResults = 3;
+
 /// A program that this one has started. It receives SIGTERM when the thread that started it ends,
 /// so that a killed tool leaves nothing behind. It is in a process group of its own: Ctrl-C reaches
-/// it through send() only. Standard input is empty; its output is kept in memory.
+/// it through send() only. Its output is kept in memory unless it is shared.
 class ChildProcess {
  public:
   /// @param command the program's path, then its arguments
   /// @param environment changes of that of this process: NAME=VALUE, or NAME for a variable that
   /// goes
   /// @throws std::system_error
-  ChildProcess(std::vector<std::string> command, std::vector<std::string> environment = {});
+  ChildProcess(std::vector<std::string> command, std::vector<std::string> environment = {},
+               const ChildStreams& streams = {});
 
   /// Kills it, if it still runs.
   ~ChildProcess();
@@ -53,7 +63,7 @@ class ChildProcess {
   /// Readable once the program has ended.
   [[nodiscard]] int descriptor() const noexcept { return handle_.get(); }
 
-  /// What it has written so far.
+  /// What it has written so far; with shared streams no errors, and what it wrote to kChildResults.
   [[nodiscard]] std::string output() const;
   [[nodiscard]] std::string errors() const;
 

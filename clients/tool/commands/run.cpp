@@ -6,10 +6,10 @@
 #include "execution/connection.hpp"
 #include "language/arguments.hpp"
 #include "output/junit.hpp"
+#include "scenarios/scenario_process.hpp"
 #include "scenarios/scenario_run.hpp"
 
 #include <exception>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,7 +42,7 @@ void RunCommand::declare(Arguments& arguments) {
   if (arguments.place() != Place::command_line) return;  // a shell has its session
   arguments.flag("--private", is_private,
                  "Each file on a new bench in lock-step that only this program reaches, instead of "
-                 "a bench that runs already");
+                 "a bench that runs already; each of several files in a process of its own");
   benches.declare(arguments);
   arguments.then([this] {
     if (!is_private && !benches.arguments().empty()) {
@@ -65,6 +65,7 @@ client::Outcome RunCommand::run(CommandContext& context) const {
 /// network that cannot be used.
 ExitCode RunCommand::start(const Program& program) const {
   const GlobalOptions& options = program.options;
+  if (options.is_one_of_several) return start_one_of_several(program);
   JunitReport junit(scenarios.junit);
   try {
     if (is_private) benches.check(options);
@@ -83,21 +84,65 @@ ExitCode RunCommand::start(const Program& program) const {
   }
 }
 
+/// One file is carried out here. Of several each is carried out by a process of its own.
 ExitCode RunCommand::start_privately(const std::vector<Scenario>& loaded, JunitReport& junit,
                                      const Program& program) const {
-  const GlobalOptions& options = program.options;
+  const RunOptions run = options_of_private_run(program);
   return run_interruptible(program, [&](Interrupt& interrupt) {
-    std::optional<PrivateSession> session;
+    {
+      PrivateSession bench(benches, program.options, interrupt);
+      if (loaded.size() == 1) {
+        return run_scenarios(loaded, run, junit, bench.session(), program.terminal);
+      }
+      client::Outcome found =
+          check_scenarios(loaded, run, junit, bench.session(), program.terminal);
+      if (!found) return found;
+    }
     return run_scenarios_apart(
-        loaded,
-        {.is_json = options.json, .is_live = live, .is_private = true, .timeout = options.timeout},
-        junit,
-        [&]() -> client::Session& {
-          session.reset();
-          return session.emplace(benches, options, interrupt).session();
+        loaded, run, junit,
+        [&](const Scenario& scenario) {
+          return command_of_one(scenario, program.options);
         },
-        program.terminal);
+        interrupt, program.terminal);
   });
+}
+
+/// The other end of start_privately().
+ExitCode RunCommand::start_one_of_several(const Program& program) const {
+  FileResults results;
+  try {
+    benches.check(program.options);
+    const std::vector<Scenario> loaded{scenarios.load_from_input(program.commands)};
+    RunOptions run = options_of_private_run(program);
+    run.on_result = [&results](const Json& result) {
+      results.put(result);
+    };
+    return run_interruptible(program, [&](Interrupt& interrupt) {
+      JunitReport none("");
+      PrivateSession bench(benches, program.options, interrupt);
+      client::Outcome outcome = run_scenarios(loaded, run, none, bench.session(), program.terminal);
+      results.end(outcome ? "" : outcome.message(), program.terminal);
+      return outcome;
+    });
+  } catch (const std::exception& error) {
+    results.end(error.what(), program.terminal);
+    throw;
+  }
+}
+
+RunOptions RunCommand::options_of_private_run(const Program& program) const {
+  return {.is_json = program.options.json,
+          .is_live = live,
+          .is_private = true,
+          .timeout = program.options.timeout};
+}
+
+std::vector<std::string> RunCommand::command_of_one(const Scenario& scenario,
+                                                    const GlobalOptions& options) const {
+  std::vector<std::string> words{std::string(kOneOfSeveral), "run", "--private"};
+  if (options.json) words.emplace_back("--json");
+  if (live) words.emplace_back("--live");
+  return command_of_process(words, scenario, scenarios, benches, options);
 }
 
 extern const CommandRow kRun = row_of<RunCommand>({.name = "run",

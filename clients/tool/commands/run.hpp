@@ -5,6 +5,7 @@
 #include "output/junit.hpp"
 #include "scenarios/private_benches.hpp"
 #include "scenarios/scenario_files.hpp"
+#include "scenarios/scenario_run.hpp"
 
 namespace vdrive::tool {
 
@@ -21,6 +22,10 @@ struct RunCommand {
  private:
   ExitCode start_privately(const std::vector<Scenario>& loaded, JunitReport& junit,
                            const Program& program) const;
+  ExitCode start_one_of_several(const Program& program) const;
+  [[nodiscard]] RunOptions options_of_private_run(const Program& program) const;
+  [[nodiscard]] std::vector<std::string> command_of_one(const Scenario& scenario,
+                                                        const GlobalOptions& options) const;
 };
 
 }  // namespace vdrive::tool

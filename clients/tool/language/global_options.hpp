@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::wire {
@@ -16,6 +17,10 @@ class LocalBus;
 }  // namespace vdrive::wire
 
 namespace vdrive::tool {
+
+/// In front of `run --private ... FILE`: GlobalOptions::is_one_of_several. Such a process reads the
+/// text of the file from standard input, and tells the one that has started it what it finds.
+constexpr std::string_view kOneOfSeveral = "__file";
 
 /// Options that stand before or after the command.
 struct GlobalOptions {
@@ -27,6 +32,7 @@ struct GlobalOptions {
   std::vector<std::string> network_given;      ///< names of those above in the command line
   bool json = false;
   std::shared_ptr<wire::LocalBus> bus{};  ///< of the benches of this process, instead of a network
+  bool is_one_of_several = false;         ///< this process carries out one file of a run
   std::optional<Duration> timeout;        ///< wall time to find a service, drive time of motion
 };
 

@@ -102,6 +102,7 @@ class ScenarioReader {
     if (number == 1 && line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
     try {
       check_length(line);
+      scenario_.source.append(line).append("\n");
       take_line(number, line.substr(0, comment_start(line)));
     } catch (const UsageError& error) {
       throw UsageError(escaped(scenario_.file, kShownOfMessage) + ":" + std::to_string(number) +

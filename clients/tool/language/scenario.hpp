@@ -29,6 +29,7 @@ struct Scenario {
   std::vector<ScenarioLine> lines{};
   std::set<std::string> variables{};  ///< that it uses
   std::string mistake{};              ///< why it cannot be carried out; empty = it can
+  std::string source{};               ///< the text of the file, as it was read
 };
 
 /// What becomes of a file with a mistake among others.

@@ -4,10 +4,12 @@
 #include "base/usage_error.hpp"
 #include "language/arguments.hpp"
 #include "language/variables.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <filesystem>
+#include <iostream>
 #include <iterator>
 #include <system_error>
 
@@ -58,6 +60,11 @@ std::vector<Scenario> ScenarioFiles::load(CommandTable commands, Mistake mistake
     }
   }
   return load_scenarios(commands, names, settings_of(settings), mistake);
+}
+
+Scenario ScenarioFiles::load_from_input(CommandTable commands) const {
+  ensure(files.size() == 1, "one input has one name");
+  return parse_scenario(commands, std::cin, files.front(), settings_of(settings));
 }
 
 }  // namespace vdrive::tool

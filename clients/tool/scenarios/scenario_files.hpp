@@ -21,6 +21,9 @@ struct ScenarioFiles {
   /// @throws UsageError for a mistake in a file or in a setting, and for a directory without one.
   [[nodiscard]] std::vector<Scenario> load(CommandTable commands,
                                            Mistake mistake = Mistake::refuses_all) const;
+
+  /// @return the only file, with the text on standard input. @throws UsageError as above
+  [[nodiscard]] Scenario load_from_input(CommandTable commands) const;
 };
 
 }  // namespace vdrive::tool

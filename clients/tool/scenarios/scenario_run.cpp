@@ -2,16 +2,20 @@
 #include "scenarios/scenario_run.hpp"
 
 #include "base/usage_error.hpp"
+#include "child_process.hpp"
 #include "execution/command_context.hpp"
 #include "execution/failure_report.hpp"
 #include "output/live_view.hpp"
 #include "output/report.hpp"
+#include "scenarios/scenario_process.hpp"
 #include "scenarios/scenario_verdict.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
+#include <exception>
 #include <memory>
 #include <utility>
 
@@ -20,6 +24,33 @@ namespace {
 
 using client::Outcome;
 using Clock = std::chrono::steady_clock;
+
+/// Reports the end of a scenario. @param done lines that were carried out
+void report_end(const Scenario& scenario, bool passed, std::size_t done, bool is_json,
+                Terminal& terminal) {
+  if (is_json) {
+    terminal.print(to_line({{"file", scenario.file},
+                            {"passed", passed},
+                            {"lines", scenario.lines.size()},
+                            {"done", done}}));
+    return;
+  }
+  terminal.print(
+      colored(terminal, passed ? Color::green : Color::red, passed ? "passed" : "failed") + "  " +
+      escaped(scenario.file, kShownOfMessage) + ", " + lines_text(done, scenario.lines.size()));
+}
+
+/// Reports the end of all of several. @return the failure, if not all of them passed.
+Outcome report_all(std::size_t passed, std::size_t all, bool is_json, Terminal& terminal) {
+  const std::string text =
+      std::to_string(passed) + " of " + counted(all, "file", "files") + " passed";
+  if (is_json) {
+    terminal.print(to_line({{"files", all}, {"passed", passed}}));
+  } else if (passed == all) {
+    terminal.print(text);
+  }
+  return passed == all ? Outcome() : Outcome::failed(text);
+}
 
 /// One run: what it needs, and what it has found out so far.
 class ScenarioRun {
@@ -73,7 +104,7 @@ class ScenarioRun {
     }
     live_view_.reset();
     if (!outcome) put_back();
-    report(outcome);
+    report_end(scenario_, static_cast<bool>(outcome), done_, options_.is_json, terminal_);
     return outcome;
   }
 
@@ -139,11 +170,11 @@ class ScenarioRun {
     test.duration = Clock::now() - start;
     ++done_;
     if (outcome) {
-      if (options_.is_json) print_json(line, outcome, test.duration);
+      report_line(line, outcome, test.duration);
       return outcome;
     }
     FailureReport report = report_failure(line.command, outcome, context_);
-    if (options_.is_json) print_json(line, outcome, test.duration, report);
+    report_line(line, outcome, test.duration, report);
     test.failure = outcome.message();
     test.type = failure_type(outcome, context_.judge.found());
     test.text = failure_text(scenario_, line,
@@ -169,8 +200,9 @@ class ScenarioRun {
   }
 
   /// @param failure of an outcome that is none: nothing
-  void print_json(const ScenarioLine& line, const Outcome& outcome, Clock::duration duration,
-                  const FailureReport& failure = {}) {
+  void report_line(const ScenarioLine& line, const Outcome& outcome, Clock::duration duration,
+                   const FailureReport& failure = {}) {
+    if (!options_.is_json && !options_.on_result) return;
     Json json{{"file", scenario_.file}, {"line", line.number}, {"command", line.text}};
     add_outcome(json, outcome);
     if (context_.judge.found()) json.update(*context_.judge.found());
@@ -181,22 +213,8 @@ class ScenarioRun {
       json["advice"] = failure.advice;
     }
     json["seconds"] = std::chrono::duration<double>(duration).count();
-    terminal_.print(to_line(json));
-  }
-
-  void report(const Outcome& outcome) {
-    if (options_.is_json) {
-      terminal_.print(to_line({{"file", scenario_.file},
-                               {"passed", static_cast<bool>(outcome)},
-                               {"lines", scenario_.lines.size()},
-                               {"done", done_}}));
-    } else {
-      const bool passed = static_cast<bool>(outcome);
-      terminal_.print(
-          colored(terminal_, passed ? Color::green : Color::red, passed ? "passed" : "failed") +
-          "  " + escaped(scenario_.file, kShownOfMessage) + ", " +
-          lines_text(done_, scenario_.lines.size()));
-    }
+    if (options_.is_json) terminal_.print(to_line(json));
+    if (options_.on_result) options_.on_result(json);
   }
 
   const Scenario& scenario_;
@@ -228,19 +246,16 @@ std::vector<JunitSuite> suites_without_axes(const std::vector<Scenario>& scenari
   return suites;
 }
 
-/// Several scenarios, of one session or each of its own.
+/// Several scenarios in one session.
 class ScenarioRuns {
  public:
-  /// @param next empty = one session for all
   ScenarioRuns(const std::vector<Scenario>& scenarios, const RunOptions& options,
-               client::Session& first, Terminal& terminal, NextSession next = nullptr)
-      : scenarios_(scenarios),
-        options_(options),
-        session_(&first),
-        next_(std::move(next)),
-        terminal_(terminal) {
+               client::Session& session, Terminal& terminal)
+      : scenarios_(scenarios), options_(options), session_(session), terminal_(terminal) {
     runs_.reserve(scenarios.size());
-    for (const Scenario& scenario : scenarios) runs_.push_back(run_of(scenario));
+    for (const Scenario& scenario : scenarios) {
+      runs_.push_back(std::make_unique<ScenarioRun>(scenario, options, session, terminal));
+    }
   }
 
   /// @return not_found, with suites() that report it.
@@ -251,8 +266,6 @@ class ScenarioRuns {
       suites_ = suites_without_axes(scenarios_, scenarios_[i], found);
       return found;
     }
-    // They have to end before the session that checked them.
-    for (std::size_t i = 1; next_ && i < runs_.size(); ++i) runs_[i].reset();
     return {};
   }
 
@@ -265,61 +278,113 @@ class ScenarioRuns {
       if (outcome) ++passed;
       if (!outcome) terminal_.complain("vdrive: " + outcome.message());
     }
-    return report(passed);
+    return report_all(passed, runs_.size(), options_.is_json, terminal_);
   }
 
   [[nodiscard]] const std::vector<JunitSuite>& suites() const { return suites_; }
 
  private:
-  using Run = std::unique_ptr<ScenarioRun>;
-
-  [[nodiscard]] Run run_of(const Scenario& scenario) {
-    return std::make_unique<ScenarioRun>(scenario, options_, *session_, terminal_);
-  }
-
   Outcome run_one(std::size_t place) {
-    if (!runs_[place]) {
-      session_ = &next_();
-      runs_[place] = run_of(scenarios_[place]);
-      if (Outcome found = runs_[place]->find_axes(); !found) {
-        was_interrupted_ = session_->is_interrupted();
-        suites_.push_back({scenarios_[place].file, {{.name = "axes", .error = found.message()}}});
-        return found;
-      }
-    }
     Outcome outcome = runs_[place]->run();
     was_interrupted_ = runs_[place]->was_interrupted();
     suites_.push_back(std::move(*runs_[place]).suite());
-    if (next_) runs_[place].reset();
     // The next file is a master of its own.
-    if (Outcome released = session_->release(); !released && outcome) return released;
+    if (Outcome released = session_.release(); !released && outcome) return released;
     return outcome;
-  }
-
-  Outcome report(std::size_t passed) {
-    const std::string text =
-        std::to_string(passed) + " of " + counted(runs_.size(), "file", "files") + " passed";
-    if (options_.is_json) {
-      terminal_.print(to_line({{"files", runs_.size()}, {"passed", passed}}));
-    } else if (passed == runs_.size()) {
-      terminal_.print(text);
-    }
-    return passed == runs_.size() ? Outcome() : Outcome::failed(text);
   }
 
   const std::vector<Scenario>& scenarios_;
   const RunOptions& options_;
-  client::Session* session_;
-  const NextSession next_;
+  client::Session& session_;
   Terminal& terminal_;
   bool was_interrupted_ = false;
-  std::vector<Run> runs_;
+  std::vector<std::unique_ptr<ScenarioRun>> runs_;
   std::vector<JunitSuite> suites_;
 };
 
-Outcome run_all(ScenarioRuns& runs, JunitReport& junit) {
-  Outcome outcome = runs.find_axes();
-  if (outcome) outcome = runs.run();
+/// Several scenarios, each in a process of its own.
+class ScenariosApart {
+ public:
+  ScenariosApart(const std::vector<Scenario>& scenarios, const RunOptions& options,
+                 const ProcessOfScenario& process, Interrupt& interrupt, Terminal& terminal)
+      : scenarios_(scenarios),
+        options_(options),
+        process_(process),
+        interrupt_(interrupt),
+        terminal_(terminal) {}
+
+  Outcome run() {
+    std::size_t passed = 0;
+    for (const Scenario& scenario : scenarios_) {
+      if (interrupt_.happened()) break;
+      ScenarioVerdict verdict = run_one(scenario);
+      if (verdict.code == 0) ++passed;
+      suites_.push_back(std::move(verdict.suite));
+      // What a reader does not want any more is no failure.
+      if (output_ == FileEnd::Stream::closed_by_reader) return {};
+      if (output_ == FileEnd::Stream::failed) break;
+    }
+    if (interrupt_.happened()) return Outcome::failed("interrupted");
+    return report_all(passed, scenarios_.size(), options_.is_json, terminal_);
+  }
+
+  [[nodiscard]] const std::vector<JunitSuite>& suites() const { return suites_; }
+
+ private:
+  ScenarioVerdict run_one(const Scenario& scenario) {
+    try {
+      return run_process(scenario);
+    } catch (const std::exception& error) {
+      return report_unreported(
+          scenario, failed_to_start(scenario, static_cast<int>(ExitCode::failed), error.what()));
+    }
+  }
+
+  /// The process reports its end itself.
+  ScenarioVerdict run_process(const Scenario& scenario) {
+    process::ChildProcess run(process_(scenario), {},
+                              {.input = scenario.source, .are_shared = true});
+    interrupt_.arm([&run] {
+      run.send(SIGINT);
+    });
+    const int code = run.wait().value();
+    interrupt_.disarm();
+    const std::string results = run.output();
+    if (const auto end = end_of_file(results)) {
+      output_ = end->output;
+      // A file that has passed has passed, also where its output was lost.
+      return verdict_of(
+          scenario,
+          {.code = end->failure.empty() ? 0 : code, .output = results, .errors = end->failure});
+    }
+    // The signal may come before the process can turn it into an exit code.
+    if (interrupt_.happened() && results.empty()) return not_started(scenario);
+    EndedRun ended{.code = code, .output = results, .errors = ""};
+    if (code >= 0) ended.errors = "ended with exit code " + std::to_string(code);
+    if (code == 0) ended.code = static_cast<int>(ExitCode::failed);  // not without its last words
+    return report_unreported(scenario, verdict_of(scenario, ended));
+  }
+
+  ScenarioVerdict report_unreported(const Scenario& scenario, ScenarioVerdict verdict) {
+    report_end(scenario, false, verdict.done, options_.is_json, terminal_);
+    for (const std::string& message : verdict.messages) {
+      terminal_.complain("vdrive: " + escaped(scenario.file, kShownOfMessage) + ": " + message);
+    }
+    return verdict;
+  }
+
+  const std::vector<Scenario>& scenarios_;
+  const RunOptions& options_;
+  const ProcessOfScenario& process_;
+  Interrupt& interrupt_;
+  Terminal& terminal_;
+  FileEnd::Stream output_ = FileEnd::Stream::open;
+  std::vector<JunitSuite> suites_;
+};
+
+/// @return the outcome, or why the report could not be written.
+template <typename Runs>
+Outcome with_report(Outcome outcome, const Runs& runs, JunitReport& junit) {
   const auto unwritten = junit.write(runs.suites());
   return outcome && unwritten ? Outcome::failed(*unwritten) : outcome;
 }
@@ -329,13 +394,24 @@ Outcome run_all(ScenarioRuns& runs, JunitReport& junit) {
 Outcome run_scenarios(const std::vector<Scenario>& scenarios, const RunOptions& options,
                       JunitReport& junit, client::Session& session, Terminal& terminal) {
   ScenarioRuns runs(scenarios, options, session, terminal);
-  return run_all(runs, junit);
+  Outcome outcome = runs.find_axes();
+  if (outcome) outcome = runs.run();
+  return with_report(std::move(outcome), runs, junit);
+}
+
+Outcome check_scenarios(const std::vector<Scenario>& scenarios, const RunOptions& options,
+                        JunitReport& junit, client::Session& session, Terminal& terminal) {
+  ScenarioRuns runs(scenarios, options, session, terminal);
+  Outcome found = runs.find_axes();
+  return found ? found : with_report(std::move(found), runs, junit);
 }
 
 Outcome run_scenarios_apart(const std::vector<Scenario>& scenarios, const RunOptions& options,
-                            JunitReport& junit, const NextSession& next, Terminal& terminal) {
-  ScenarioRuns runs(scenarios, options, next(), terminal, next);
-  return run_all(runs, junit);
+                            JunitReport& junit, const ProcessOfScenario& process,
+                            Interrupt& interrupt, Terminal& terminal) {
+  ScenariosApart runs(scenarios, options, process, interrupt, terminal);
+  Outcome outcome = runs.run();
+  return with_report(std::move(outcome), runs, junit);
 }
 
 }  // namespace vdrive::tool

@@ -3,6 +3,8 @@
 
 #include "language/scenario.hpp"
 #include "output/junit.hpp"
+#include "output/report.hpp"
+#include "terminal/interrupt.hpp"
 #include "terminal/terminal.hpp"
 #include "vdrive/client/session.hpp"
 
@@ -18,6 +20,8 @@ struct RunOptions {
   bool is_live = false;     ///< show the axes while time passes, also when not on a terminal
   bool is_private = false;  ///< the bench ends with this program, and no other reaches it
   std::optional<Duration> timeout;
+  std::function<void(const Json&)> on_result{};  ///< called with the result of each line, as --json
+                                                 ///< has it; empty = nobody asks
 };
 
 /// Runs scenarios one after the other, each until its first failure and then its final lines, and
@@ -28,13 +32,19 @@ struct RunOptions {
 client::Outcome run_scenarios(const std::vector<Scenario>& scenarios, const RunOptions& options,
                               JunitReport& junit, client::Session& session, Terminal& terminal);
 
-/// @return the session of the next file; that of the file before has ended.
-using NextSession = std::function<client::Session&()>;
+/// Checks the axes of all scenarios as run_scenarios() does, and writes the report if one is not
+/// there. Nothing is carried out.
+client::Outcome check_scenarios(const std::vector<Scenario>& scenarios, const RunOptions& options,
+                                JunitReport& junit, client::Session& session, Terminal& terminal);
 
-/// The same, with a session for each file. All files are checked with that of the first: their
-/// benches are equal.
+/// @return the command line of the process of a scenario.
+using ProcessOfScenario = std::function<std::vector<std::string>(const Scenario&)>;
+
+/// The same as run_scenarios(), each scenario in a process of its own: a crash is a failure of one
+/// file. An interrupt is passed on to the process that runs.
 client::Outcome run_scenarios_apart(const std::vector<Scenario>& scenarios,
                                     const RunOptions& options, JunitReport& junit,
-                                    const NextSession& next, Terminal& terminal);
+                                    const ProcessOfScenario& process, Interrupt& interrupt,
+                                    Terminal& terminal);
 
 }  // namespace vdrive::tool

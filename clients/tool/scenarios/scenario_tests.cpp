@@ -5,10 +5,9 @@
 #include "base/usage_error.hpp"
 #include "child_process.hpp"
 #include "language/scenario.hpp"
-#include "language/variables.hpp"
 #include "output/junit.hpp"
 #include "output/report.hpp"
-#include "private_bench.hpp"
+#include "scenarios/scenario_process.hpp"
 #include "scenarios/scenario_verdict.hpp"
 #include "terminal/terminal.hpp"
 #include "vdrive/text.hpp"
@@ -136,7 +135,8 @@ class ScenarioTests {
 
   ScenarioVerdict test(std::size_t place) {
     const Scenario& scenario = scenarios_[place];
-    process::ChildProcess run(command_to_run(scenario));
+    process::ChildProcess run(command_of_process({"run", "--private", "--json"}, scenario,
+                                                 tests_.scenarios, tests_.benches, options_));
     const Job job(*this, place, [&run] {
       run.send(SIGINT);
     });
@@ -156,27 +156,6 @@ class ScenarioTests {
       if (is_interrupted_ && !deadline) deadline = Clock::now() + kFinalLines;
       if (deadline && Clock::now() > *deadline) run.send(SIGKILL);
     }
-  }
-
-  [[nodiscard]] std::vector<std::string> command_to_run(const Scenario& scenario) const {
-    std::vector<std::string> command{process::own_program(), "run", "--private", "--json"};
-    for (std::string& word : tests_.benches.arguments()) command.push_back(std::move(word));
-    if (options_.timeout) {
-      const auto timeout = std::chrono::duration_cast<std::chrono::microseconds>(*options_.timeout);
-      command.insert(command.end(), {"--timeout", std::to_string(timeout.count()) + "us"});
-    }
-    if (std::ranges::count(options_.network_given, "--security") != 0) {
-      command.insert(command.end(), {"--security", options_.security});
-    }
-    for (const auto& [name, value] : settings_of(tests_.scenarios.settings)) {
-      // Another file's variable is unknown there.
-      if (scenario.variables.contains(name)) {
-        command.emplace_back("--set");
-        command.emplace_back(name).append("=").append(value);
-      }
-    }
-    command.insert(command.end(), {"--", scenario.file});
-    return command;
   }
 
   void report(const Scenario& scenario, const ScenarioVerdict& verdict, Clock::duration duration) {
