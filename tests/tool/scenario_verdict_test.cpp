@@ -41,6 +41,19 @@ TEST(ScenarioVerdict, HasACaseForEachLineWithItsTime) {
   EXPECT_FALSE(sut.suite.cases[1].is_skipped);
 }
 
+// Such as of a pipe, which the process of the file finds empty.
+TEST(ScenarioVerdict, OfAFileWhoseLinesWereNotAllCarriedOutIsNoPass) {
+  for (const std::string output : {R"({"line":2,"outcome":"ok"})", ""}) {
+    const ScenarioVerdict sut =
+        verdict_of(scenario_of_two_lines(), {.code = 0, .output = output, .errors = ""});
+
+    EXPECT_EQ(sut.code, 1);
+    ASSERT_EQ(sut.messages.size(), 1U);
+    EXPECT_THAT(sut.messages.front(), testing::HasSubstr("lift.scn: has other lines than when it"));
+    EXPECT_TRUE(sut.suite.cases.back().error) << "in the report, too";
+  }
+}
+
 TEST(ScenarioVerdict, SkipsTheLinesBehindAFailure) {
   const ScenarioVerdict sut = verdict_of(
       scenario_of_two_lines(), {.code = 5,

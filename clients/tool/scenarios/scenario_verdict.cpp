@@ -150,10 +150,20 @@ ScenarioVerdict failed_to_start(const Scenario& scenario, int code, const std::s
 }
 
 ScenarioVerdict verdict_of(const Scenario& scenario, const EndedRun& run) {
-  const int code = run.code >= 0 ? run.code : static_cast<int>(ExitCode::failed);
+  constexpr int kFailed = static_cast<int>(ExitCode::failed);
+  int code = run.code >= 0 ? run.code : kFailed;
   std::vector<std::string> messages = lines_of(run.errors);
   if (run.code < 0) messages.push_back("ended by signal " + std::to_string(-run.code));
   LineResults results = results_of(scenario, run.output);
+  // Its process reads the file once more: a pipe, and a file that was changed, have other lines
+  // then.
+  if (code == 0 && results.size() != scenario.lines.size()) {
+    code = kFailed;
+    messages.push_back("vdrive: " + escaped(scenario.file, kShownOfMessage) +
+                       ": has other lines than when it was read first: " +
+                       lines_text(results.size(), scenario.lines.size()) +
+                       "; a pipe can be read once, by vdrive run --private");
+  }
   if (code != 0 && results.empty()) {
     ScenarioVerdict verdict = failed_to_start(scenario, code, last_of(messages));
     verdict.messages = std::move(messages);
