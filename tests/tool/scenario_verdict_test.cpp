@@ -112,13 +112,18 @@ TEST(ScenarioVerdict, KeepsTheEndOfWhatAStreamPrinted) {
 }
 
 TEST(ScenarioVerdict, TakesNoOutputOfACommandForAResult) {
-  const ScenarioVerdict sut = verdict_of(
-      scenario_of_two_lines(),
-      {.code = 0, .output = "no JSON\n[2]\n{\"line\":2}\n{\"outcome\":\"ok\"}\n", .errors = ""});
+  const std::string printed = "no JSON\n[2]\n{\"line\":4}\n{\"outcome\":\"refused\"}\n";
+  const ScenarioVerdict sut =
+      verdict_of(scenario_of_two_lines(), {.code = 0,
+                                           .output = R"({"line":2,"outcome":"ok"})"
+                                                     "\n" +
+                                                     printed + R"({"line":4,"outcome":"ok"})",
+                                           .errors = ""});
 
+  EXPECT_EQ(sut.code, 0);
   ASSERT_EQ(sut.suite.cases.size(), 2U);
-  EXPECT_TRUE(sut.suite.cases[0].is_skipped);
-  EXPECT_TRUE(sut.suite.cases[1].is_skipped);
+  for (const JunitCase& test : sut.suite.cases) EXPECT_FALSE(test.is_skipped || test.failure);
+  EXPECT_EQ(sut.suite.cases[1].output, printed);
 }
 
 TEST(ScenarioVerdict, NamesTheSignalThatEndedTheProcess) {
