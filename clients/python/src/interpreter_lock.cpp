@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <thread>
+#include <type_traits>
 
 namespace vdrive::python {
 namespace {
@@ -23,10 +24,12 @@ struct Calls {
   std::atomic<int> asking_for_lock = 0;
 };
 
-/// Never destroyed: threads rest in it until the process ends.
+// Threads rest in their calls until the process ends, behind the destructors of statics.
+static_assert(std::is_trivially_destructible_v<Calls>);
+
 Calls& calls() {
-  static Calls* const only = new Calls;  // NOLINT(cppcoreguidelines-owning-memory): see above
-  return *only;
+  static Calls only;
+  return only;
 }
 
 /// Calls of this thread, one in the callback of the other.
@@ -50,6 +53,14 @@ bool ask_for_lock(const Lock& lock) {
   return may_ask;
 }
 
+/// @return what gives the lock back.
+PyThreadState* begin_call() {
+  stop_late_thread();
+  ++calls().under_way;
+  ++own_calls();
+  return PyEval_SaveThread();
+}
+
 }  // namespace
 
 bool is_late() noexcept {
@@ -62,12 +73,7 @@ void stop_late_thread() {
   rest();
 }
 
-Unlocked::Unlocked() {
-  stop_late_thread();
-  ++calls().under_way;
-  ++own_calls();
-  state_ = PyEval_SaveThread();
-}
+Unlocked::Unlocked() : state_(begin_call()) {}
 
 Unlocked::~Unlocked() {
   --own_calls();

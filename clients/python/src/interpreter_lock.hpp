@@ -21,7 +21,7 @@ class Unlocked {
   Unlocked& operator=(const Unlocked&) = delete;
 
  private:
-  PyThreadState* state_ = nullptr;
+  PyThreadState* state_;
 };
 
 /// Takes the interpreter lock while it lives, in a thread that gave it up.
