@@ -120,12 +120,16 @@ def test_an_observer_of_two_benches_may_close_itself_in_both_threads(vdrive_benc
         both = threading.Barrier(2)
         ended = threading.Semaphore(0)
 
+        is_made = threading.Event()
+
         def close(observation):
+            is_made.wait(PATIENCE)
             both.wait(PATIENCE)
             observer.close()
             ended.release()
 
         observer = session.on_status(close, ["1.1", "2.1"], period=0.01)
+        is_made.set()
         for _ in range(2):
             assert ended.acquire(timeout=PATIENCE)
 
@@ -135,18 +139,20 @@ def test_observers_may_close_each_other(vdrive_benches):
     with bench.session() as session:
         both = threading.Barrier(2)
         observers = []
+        ended = threading.Semaphore(0)
 
         def close(other):
             both.wait(PATIENCE)
             observers[other].close()
+            ended.release()
 
         has_both = threading.Event()
         for other in (1, 0):
             observers.append(session.on_status(
                 lambda observation, other=other: has_both.wait(PATIENCE) and close(other), "1.1", period=0.01))
         has_both.set()
-        for observer in observers:
-            observer.close()
+        for _ in observers:
+            assert ended.acquire(timeout=PATIENCE)
 
 
 def test_a_function_that_is_none_leaves_the_observer_before_alone(vdrive_session):
@@ -180,13 +186,15 @@ def test_an_exception_of_any_kind_does_not_end_an_observer(vdrive_session, monke
 ENDS = {
     "a move": "axis.move_to(10**9, velocity=10, timeout=1e6)",
     "a condition": "axis.wait_until(lambda status: False, timeout=1e6)",
+    "a condition with a call": "axis.wait_until(lambda status: bool(other.wait(0.001)) and False, timeout=1e6)",
+    "an observer with a call": "session.on_event(lambda event: session.wait(1e6)); axis.disable(); session.wait(1e6)",
     "steps": "[session.step() for _ in iter(int, 1)]",
     "a follower": "[None for _ in session.follow('1.1')]",
     "a stream": "[None for _ in session.stream('1.1')]",
     "status": "[axis.status() for _ in iter(int, 1)]",
     "sessions": "[bench.session().close() for _ in iter(int, 1)]",
     "benches": "[vdrive.Bench(1).close() for _ in iter(int, 1)]",
-    "observers": "[session.on_status(print, period=0.01).close() for _ in iter(int, 1)]",
+    "observers": "[session.on_status(id, period=0.01).close() for _ in iter(int, 1)]",
     "a bank": "bank.step(2**60)",
     "banks": "[vdrive.AxisBank(10).step(5) for _ in iter(int, 1)]",
 }
@@ -198,9 +206,13 @@ def test_a_daemon_thread_in_a_call_does_not_disturb_the_end_of_the_interpreter(n
     if (name, clock) == ("steps", "realtime"):
         pytest.skip("there are no steps")
     assert run(f"""
-        import threading, vdrive
+        import atexit, threading, time
+        begin = [0.0]
+        # Registered first, it runs last. 5 s are the patience for a callback that does not return.
+        atexit.register(lambda: print("late") if time.monotonic() > begin[0] + 4 else None)
+        import vdrive
         bench = vdrive.Bench(1, clock="{clock}")
-        session = bench.session()
+        session, other = bench.session(), bench.session()
         axis = session.axis("1.1")
         axis.enable()
         bank = vdrive.AxisBank(64)
@@ -215,5 +227,6 @@ def test_a_daemon_thread_in_a_call_does_not_disturb_the_end_of_the_interpreter(n
 
         for _ in range(2): threading.Thread(target=call, daemon=True).start()
         has_begun.wait()
-        session.axis("1.1").status()
-        """.replace("print", "id")) == (0, "")
+        other.axis("1.1").status()
+        begin[0] = time.monotonic()
+        """) == (0, "")

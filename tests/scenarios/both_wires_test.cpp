@@ -113,26 +113,30 @@ class BothWires : public testing::Test {
 const std::filesystem::path kScenarios =
     std::filesystem::path(VDRIVE_SOURCE_DIR) / "clients" / "scenarios";
 
-/// @return every scenario of the project with --full, which takes half a minute of a processor;
-/// else
-///         one of each kind, of those that take the least drive time.
-std::vector<std::string> scenarios_of_the_project() {
+/// @return one scenario of each kind, of those that take the least drive time.
+std::vector<std::string> short_scenarios() {
   std::vector<std::string> files;
-  if (!number_of<bool>({.usual = false, .full = true, .nightly = true})) {
-    for (const char* const name : {"blocked_axis", "fault_reset", "homing", "quick_stop",
-                                   "refusals", "software_limits", "speed_limit"}) {
-      files.push_back(kScenarios / (std::string(name) + ".scn"));
-    }
-    return files;
+  for (const char* const name : {"blocked_axis", "fault_reset", "homing", "quick_stop", "refusals",
+                                 "software_limits", "speed_limit"}) {
+    files.push_back(kScenarios / (std::string(name) + ".scn"));
   }
+  return files;
+}
+
+/// @return every scenario of the project with --full, which takes half a minute of a processor;
+///         else the short ones.
+std::vector<std::string> scenarios_of_the_project() {
+  if (!number_of<bool>({.usual = false, .full = true, .nightly = true})) return short_scenarios();
+  std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(kScenarios)) {
     if (entry.path().extension() == ".scn") files.push_back(entry.path());
   }
   return files;
 }
 
+// The verdicts of all are compared with their events and ticks below; here are those of a report.
 TEST_F(BothWires, GiveTheSameVerdictOfTheScenariosOfTheProject) {
-  const std::vector<std::string> files = scenarios_of_the_project();
+  const std::vector<std::string> files = short_scenarios();
   ASSERT_FALSE(files.empty());
   const Verdicts verdicts = test_over_both(files);
   EXPECT_EQ(verdicts.code, 0);

@@ -18,7 +18,8 @@ constexpr auto kPatienceAtExit = 1s;
 constexpr auto kLook = 1ms;
 
 struct Calls {
-  std::atomic<bool> end = false;
+  std::atomic<bool> end = false;       ///< no call goes back to Python
+  std::atomic<bool> is_over = false;   ///< nor does a call in the callback of another one
   std::atomic<std::thread::id> ender;  ///< the thread in which the interpreter ends
   std::atomic<int> under_way = 0;      ///< without the interpreter lock
   std::atomic<int> asking_for_lock = 0;
@@ -42,12 +43,16 @@ int& own_calls() {
   while (true) std::this_thread::sleep_for(1h);
 }
 
+bool is_ender() {
+  return calls().ender.load() == std::this_thread::get_id();
+}
+
 /// @return whether `lock` was called. The end of the interpreter waits for it, or it does not
 /// begin.
 template <typename Lock>
 bool ask_for_lock(const Lock& lock) {
   ++calls().asking_for_lock;
-  const bool may_ask = !is_late();
+  const bool may_ask = !calls().is_over || is_ender();
   if (may_ask) lock();
   --calls().asking_for_lock;
   return may_ask;
@@ -64,11 +69,12 @@ PyThreadState* begin_call() {
 }  // namespace
 
 bool is_late() noexcept {
-  return calls().end && calls().ender.load() != std::this_thread::get_id();
+  return calls().end && !is_ender();
 }
 
 void stop_late_thread() {
-  if (!is_late()) return;
+  // A call in a callback fails, so that the outer one ends and gives up what it holds.
+  if (!is_late() || own_calls() > 0) return;
   PyEval_SaveThread();
   rest();
 }
@@ -78,13 +84,16 @@ Unlocked::Unlocked() : state_(begin_call()) {}
 Unlocked::~Unlocked() {
   --own_calls();
   --calls().under_way;
+  if (is_late() && own_calls() == 0) rest();
   const bool is_back = ask_for_lock([this] {
     PyEval_RestoreThread(state_);
   });
   if (!is_back) rest();
+  stop_late_thread();  // the end began meanwhile
 }
 
 Locked::Locked() {
+  if (is_late()) return;  // a callback does not begin any more
   ask_for_lock([this] {
     lock_.emplace();
   });
@@ -100,6 +109,7 @@ void end_calls() {
   while (all.under_way > own_calls() && std::chrono::steady_clock::now() < end) {
     std::this_thread::sleep_for(kLook);
   }
+  all.is_over = true;
   while (all.asking_for_lock > 0) std::this_thread::sleep_for(kLook);
 }
 

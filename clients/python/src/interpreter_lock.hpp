@@ -8,7 +8,8 @@
 /// The interpreter lock, also while the interpreter ends. From that moment on CPython ends each
 /// thread that asks for its lock, inside of the call that asks: it unwinds the stack of C++, which
 /// ends the process. Only daemon threads are left then. So from end_calls() on they never ask
-/// again: their call ends, and they rest until the process ends.
+/// again: their call ends, and they rest until the process ends. A callback that Python runs in
+/// such a call, and that does not return within some seconds, is left to CPython.
 namespace vdrive::python {
 
 /// Gives the interpreter lock up while it lives.
@@ -39,7 +40,7 @@ class Locked {
 /// @return whether the interpreter ends, and this thread with it. Any thread.
 [[nodiscard]] bool is_late() noexcept;
 
-/// Never returns in a thread that is_late(). With the lock.
+/// Never returns in a thread that is_late() and in no other call. With the lock.
 void stop_late_thread();
 
 /// What Python does at its exit: ends every session, and the calls of the threads that are left.

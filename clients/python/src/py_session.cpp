@@ -142,6 +142,8 @@ void close_all_sessions() {
     if (auto py_session = weak.lock()) sessions.push_back(std::move(py_session));
   }
   const Unlocked unlocked;
+  // First all: a call of one may be in a callback of a call of another one.
+  for (const SharedPySession& py_session : sessions) py_session->interrupt();
   for (const SharedPySession& py_session : sessions) py_session->close();
 }
 

@@ -6,6 +6,7 @@ import atexit
 import os
 import sys
 import threading
+import time
 import weakref
 
 from . import _vdrive  # noqa: F401  It registers the end of the sessions, which ours comes before.
@@ -22,14 +23,16 @@ if TYPE_CHECKING:
 
 _running: weakref.WeakSet[Observer] = weakref.WeakSet()
 
+_PATIENCE_AT_EXIT = 1.0
+
 # The threads of observers that have not ended, and which thread waits for which of them.
 _changed = threading.Condition()
 _alive: set[threading.Thread] = set()
 _waits_for: dict[threading.Thread, threading.Thread] = {}
 
 
-def _wait_for(thread: threading.Thread) -> None:
-    """Wait for the end of a thread, but not of one that waits for the caller."""
+def _wait_for(thread: threading.Thread, patience: float | None = None) -> None:
+    """Wait for the end of a thread, at most so long, but not of one that waits for the caller."""
     caller = threading.current_thread()
 
     def is_in_a_circle() -> bool:
@@ -39,11 +42,15 @@ def _wait_for(thread: threading.Thread) -> None:
         return other is caller
 
     with _changed:
+        before = _waits_for.get(caller)  # of a wait in which the handler of a signal closes another one
         _waits_for[caller] = thread
         try:
-            _changed.wait_for(lambda: thread not in _alive or is_in_a_circle())
+            _changed.wait_for(lambda: thread not in _alive or is_in_a_circle(), patience)
         finally:
-            del _waits_for[caller]
+            if before is None:
+                del _waits_for[caller]
+            else:
+                _waits_for[caller] = before
 
 
 def _check_function(function: object) -> None:
@@ -72,7 +79,8 @@ class Observer:
         self._closed = threading.Event()
         self._threads = [threading.Thread(target=self._run, args=(stream,), daemon=True,
                                           name="vdrive observer") for stream in streams]
-        _running.add(self)
+        with _changed:
+            _running.add(self)
         for thread in self._threads:
             self._start(thread)
 
@@ -91,11 +99,15 @@ class Observer:
         """
         if self._process != os.getpid():
             return
+        self._end()
+        for thread in self._threads:
+            _wait_for(thread)
+
+    def _end(self) -> None:
+        """End the calls, without a wait for one that runs."""
         self._closed.set()
         for stream in self._streams:
             stream.close()
-        for thread in self._threads:
-            _wait_for(thread)
 
     @staticmethod
     def _start(thread: threading.Thread) -> None:
@@ -142,8 +154,15 @@ class Observer:
 
 
 def _close_all() -> None:
-    for observer in list(_running):
-        observer.close()
+    """End all observers at the exit. A call that does not end is ended with the sessions, after this."""
+    with _changed:
+        observers = list(_running)
+    for observer in observers:
+        observer._end()
+    end = time.monotonic() + _PATIENCE_AT_EXIT
+    for observer in observers:
+        for thread in observer._threads:
+            _wait_for(thread, max(0.0, end - time.monotonic()))
 
 
 # A forked process has none of these threads.

@@ -10,14 +10,16 @@ void RefusalWatcher::watch(std::function<void(const SetPointRefusal&)> observer)
   links_.watch_refusals({});
   thread_.stop();  // ends the last watch
   if (!observer) return;
-  waiting_.clear();
-  thread_.start([this, observe = std::move(observer)](const std::stop_token& stop) {
-    failure_.run([&] {
-      while (const auto refusal = waiting_.next(stop)) observe(*refusal);
-    });
-  });
-  links_.watch_refusals([this](const SetPointRefusal& refusal) {
-    waiting_.put(refusal);
+  waiting_->clear();
+  thread_.start(
+      [this, waiting = waiting_, observe = std::move(observer)](const std::stop_token& stop) {
+        failure_.run([&] {
+          while (const auto refusal = waiting->next(stop)) observe(*refusal);
+        });
+      });
+  // Not this object: the links outlive it, and replies arrive until they end.
+  links_.watch_refusals([waiting = waiting_](const SetPointRefusal& refusal) {
+    waiting->put(refusal);
   });
 }
 

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 
 namespace vdrive::client {
 
@@ -25,11 +26,12 @@ class RefusalWatcher {
  private:
   /// A program may count them: 256 frames of 256 values each fit.
   static constexpr std::size_t kMostWaiting = 65'536;
+  using Waiting = ReportQueue<SetPointRefusal, kMostWaiting>;
 
   BenchLinks& links_;
   ObserverFailure& failure_;
   /// Of all watches: whichever thread remains of two that begin at once has what arrives.
-  ReportQueue<SetPointRefusal, kMostWaiting> waiting_;
+  std::shared_ptr<Waiting> waiting_ = std::make_shared<Waiting>();
   ReportThread thread_;
 };
 

@@ -350,9 +350,12 @@ class ScenariosApart {
     const int code = run.wait().value();
     interrupt_.disarm();
     const std::string results = run.output();
-    if (const auto end = end_of_file(results)) {
-      output_ = end->output;
-      // A file that has passed has passed, also where its output was lost.
+    const auto end = end_of_file(results);
+    if (end) output_ = end->output;
+    // A file that has passed has passed, also where its output was lost; not where the process has
+    // ended badly after its last words, in the end of its bench.
+    const bool has_ended_well = code == 0 || output_ != FileEnd::Stream::open;
+    if (end && code >= 0 && (has_ended_well || !end->failure.empty() || interrupt_.happened())) {
       return verdict_of(
           scenario,
           {.code = end->failure.empty() ? 0 : code, .output = results, .errors = end->failure});
