@@ -16,6 +16,11 @@ std::vector<std::weak_ptr<PySession>>& registry() {
   return sessions;
 }
 
+/// Without the mutex of the session: to make an exception runs Python, and lets other threads run.
+[[noreturn]] void raise_closed() {
+  raise(client::Outcome::failed("the session is closed"));
+}
+
 }  // namespace
 
 SharedPySession open_py_session(const client::SessionOptions& options) {
@@ -31,15 +36,6 @@ SharedPySession open_py_session(const client::SessionOptions& options) {
   }
   return py_session;
 }
-
-namespace {
-
-/// Without the mutex of the session: to make an exception runs Python, and lets other threads run.
-[[noreturn]] void raise_closed() {
-  raise(client::Outcome::failed("the session is closed"));
-}
-
-}  // namespace
 
 PySession::Use::Use(PySession& owner) : owner_(&owner) {
   stop_late_thread();
