@@ -85,6 +85,7 @@ class Backend {
   [[nodiscard]] virtual std::unique_ptr<ReaderEnd> make_reader(TopicId topic, SampleSink sink) = 0;
 
   // What Participant promises, by the same names.
+  [[nodiscard]] virtual std::string place() const = 0;
   [[nodiscard]] virtual Source source() const noexcept = 0;
   virtual void announce_again() = 0;
   [[nodiscard]] virtual std::vector<OtherParticipant> others(std::string_view beginning) const = 0;
@@ -92,6 +93,10 @@ class Backend {
   [[nodiscard]] virtual bool has(const Source& source) const noexcept = 0;
   virtual LocalWork run_local_work(std::uint32_t bench) = 0;
   virtual bool make_room(std::uint32_t bench) = 0;
+  [[nodiscard]] virtual std::uint64_t join_clock(const ClockOfBench& clock,
+                                                 std::uint64_t session) = 0;
+  virtual void leave_clock(const ClockOfBench& clock, std::uint64_t session) noexcept = 0;
+  virtual void leave_clocks(std::uint64_t session) noexcept = 0;
   [[nodiscard]] virtual GuardCounts guard_counts() const = 0;
 };
 

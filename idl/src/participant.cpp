@@ -40,6 +40,22 @@ bool Participant::make_room(std::uint32_t bench) {
   return backend_->make_room(bench);
 }
 
+std::string Participant::place() const {
+  return backend_->place();
+}
+
+std::uint64_t Participant::join_clock(const ClockOfBench& clock, std::uint64_t session) {
+  return backend_->join_clock(clock, session);
+}
+
+void Participant::leave_clock(const ClockOfBench& clock, std::uint64_t session) noexcept {
+  backend_->leave_clock(clock, session);
+}
+
+void Participant::leave_clocks(std::uint64_t session) noexcept {
+  backend_->leave_clocks(session);
+}
+
 GuardCounts Participant::guard_counts() const {
   return backend_->guard_counts();
 }

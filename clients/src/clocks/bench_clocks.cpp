@@ -32,7 +32,7 @@ std::string step_of(const Target& target) {
   return "step of " + name_of(target);
 }
 
-wire::LocalBus::BenchClock clock_of(const BenchKey& key) {
+wire::ClockOfBench clock_of(const BenchKey& key) {
   return {.bench = key.number, .incarnation = key.incarnation};
 }
 
@@ -69,14 +69,13 @@ void fill_samples(const RequestAnswer& answer, std::size_t first,
 }  // namespace
 
 BenchClocks::BenchClocks(std::uint64_t session, Requests& requests, Holdings& holdings,
-                         Discovery& discovery, const Wakeup& wakeup,
-                         std::shared_ptr<wire::LocalBus> bus)
+                         Discovery& discovery, const Wakeup& wakeup, wire::Participant& participant)
     : session_(session),
       requests_(requests),
       holdings_(holdings),
       discovery_(discovery),
       wakeup_(wakeup),
-      bus_(std::move(bus)) {}
+      participant_(participant) {}
 
 Result<std::uint64_t> BenchClocks::set_rate(const Target& target, double rate) {
   msg::Request request;
@@ -131,11 +130,11 @@ void BenchClocks::leave_all() {
 }
 
 void BenchClocks::abandon() noexcept {
-  if (bus_) bus_->leave_clocks(session_);
+  participant_.leave_clocks(session_);
 }
 
 Outcome BenchClocks::note_thread(const Target& target) {
-  const std::uint64_t other = bus_ ? bus_->join_clock(clock_of(target.key), session_) : 0;
+  const std::uint64_t other = participant_.join_clock(clock_of(target.key), session_);
   if (other == 0) return {};
   return Outcome::refused(
       msg::REASON_MISSING_STEPPER,
@@ -146,7 +145,7 @@ Outcome BenchClocks::note_thread(const Target& target) {
 }
 
 void BenchClocks::forget_thread(const BenchKey& key) {
-  if (bus_) bus_->leave_clock(clock_of(key), session_);
+  participant_.leave_clock(clock_of(key), session_);
 }
 
 Result<StepLock> BenchClocks::lock_steps(const Target& target, Clock::time_point deadline) {

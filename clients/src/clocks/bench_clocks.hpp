@@ -8,7 +8,7 @@
 #include "presence/discovery.hpp"
 #include "presence/target.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
-#include "vdrive/wire/local_bus.hpp"
+#include "vdrive/wire/participant.hpp"
 #include "vdrive_messages.h"
 
 #include <chrono>
@@ -43,9 +43,8 @@ using StepLock = std::unique_lock<TurnMutex>;
 /// steps that several threads ask for at once follow each other.
 class BenchClocks {
  public:
-  /// @param bus that the session is on; none = a network
   BenchClocks(std::uint64_t session, Requests& requests, Holdings& holdings, Discovery& discovery,
-              const Wakeup& wakeup, std::shared_ptr<wire::LocalBus> bus);
+              const Wakeup& wakeup, wire::Participant& participant);
 
   Result<std::uint64_t> set_rate(const Target& target, double rate);
 
@@ -111,10 +110,10 @@ class BenchClocks {
   Holdings& holdings_;
   Discovery& discovery_;
   const Wakeup& wakeup_;
-  const std::shared_ptr<wire::LocalBus> bus_;  ///< knows which threads have joined clocks
-  mutable std::mutex mutex_;                   ///< guards the grants
-  std::map<BenchKey, Grant> grants_;           ///< of the clocks that this session has joined
-  std::map<BenchKey, TurnMutex> steps_;        ///< each orders the steps of a clock
+  wire::Participant& participant_;       ///< knows which threads have joined clocks
+  mutable std::mutex mutex_;             ///< guards the grants
+  std::map<BenchKey, Grant> grants_;     ///< of the clocks that this session has joined
+  std::map<BenchKey, TurnMutex> steps_;  ///< each orders the steps of a clock
 };
 
 }  // namespace vdrive::client

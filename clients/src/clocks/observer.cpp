@@ -141,7 +141,7 @@ Result<std::uint64_t> Observer::completed_tick(const Target& target, std::uint16
 }
 
 std::uint64_t Observer::first_tick_of_stream(const Target& target, std::uint16_t axis) {
-  if (discovery_.is_on_bus()) {
+  if (discovery_.knows_who_is_there()) {
     if (const auto tick = completed_tick(target, axis)) return *tick;
   }
   return discovery_.tick(target.key);

@@ -215,20 +215,20 @@ std::string Discovery::what_is_there() const {
 }
 
 std::string Discovery::place() const {
-  return options_.bus ? " on this bus" : " on domain " + std::to_string(*options_.domain);
+  return " " + participant_.place();
 }
 
 /// @return through which interfaces this session looks, which matters where it sees nothing.
 std::string Discovery::interfaces() const {
-  if (options_.bus) return {};
+  if (knows_who_is_there()) return {};
   return options_.interfaces.empty() ? ", loopback only"
                                      : ", interfaces" + marked(" ", options_.interfaces);
 }
 
-/// @return the next step of a person whose session found no bench; nothing on a bus, which has no
-///         tool.
+/// @return the next step of a person whose session found no bench; nothing where all that there is
+///         was seen.
 std::string Discovery::advice() const {
-  if (options_.bus) return {};
+  if (knows_who_is_there()) return {};
   return "; next step: vdrive --domain " + std::to_string(*options_.domain) +
          marked(" --interface ", options_.interfaces) + " doctor";
 }

@@ -45,8 +45,10 @@ class Discovery {
   /// @return lost in a process that was forked from the one of this session.
   [[nodiscard]] Outcome check_process() const;
 
-  /// @return whether this session meets the benches of its process, not those of a network.
-  [[nodiscard]] bool is_on_bus() const noexcept { return participant_.knows_who_is_there(); }
+  /// @return whether a bench that is not seen is not there: wire::Participant::knows_who_is_there.
+  [[nodiscard]] bool knows_who_is_there() const noexcept {
+    return participant_.knows_who_is_there();
+  }
 
   // ---- waiting for a bench
 

@@ -59,7 +59,7 @@ SessionCore::SessionCore(const SessionOptions& chosen)
       requests(id, links, unanswered.requests, waiter),
       commands(links, holdings, unanswered.frames, waiter),
       control(options.keep_alive, requests, holdings, links, names),
-      clocks(id, requests, holdings, discovery, wakeup, options.bus),
+      clocks(id, requests, holdings, discovery, wakeup, participant),
       stream(participant, discovery, waiter, wakeup),
       observer(discovery, links, requests, clocks, stream, waiter),
       watcher(discovery, stream, failure, reports),

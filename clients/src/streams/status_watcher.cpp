@@ -84,10 +84,10 @@ std::optional<Observation> StatusWatcher::begin(Bench& bench, const Target& targ
   return std::move(*shown);
 }
 
-/// On a bus at once: who is there is a fact. Else a time in which this program did not run does not
+/// At once where it is known who is there. Else a time in which this program did not run does not
 /// count.
 bool StatusWatcher::is_absent_for_good(Bench& bench) const {
-  if (discovery_.is_on_bus()) return true;
+  if (discovery_.knows_who_is_there()) return true;
   const auto now = Clock::now() - discovery_.own_pauses();
   if (!bench.absent_since) bench.absent_since = now;
   return now - *bench.absent_since >= discovery_.patience();

@@ -245,6 +245,10 @@ class DdsBackend final : public Backend {
                                          WriterEnd::Observer observer) override;
   std::unique_ptr<ReaderEnd> make_reader(TopicId topic, SampleSink sink) override;
 
+  [[nodiscard]] std::string place() const override {
+    return "on domain " + std::to_string(domain_);
+  }
+
   [[nodiscard]] Source source() const noexcept override;
   void announce_again() override;
   [[nodiscard]] std::vector<OtherParticipant> others(std::string_view beginning) const override;
@@ -257,11 +261,20 @@ class DdsBackend final : public Backend {
 
   bool make_room(std::uint32_t /*bench*/) override { return true; }
 
+  std::uint64_t join_clock(const ClockOfBench& /*clock*/, std::uint64_t /*session*/) override {
+    return 0;
+  }
+
+  void leave_clock(const ClockOfBench& /*clock*/, std::uint64_t /*session*/) noexcept override {}
+
+  void leave_clocks(std::uint64_t /*session*/) noexcept override {}
+
   [[nodiscard]] GuardCounts guard_counts() const override;
 
   [[nodiscard]] DdsEntities& entities() noexcept { return entities_; }
 
  private:
+  std::uint32_t domain_;
   std::shared_ptr<Guard> guard_;  ///< none without
   DdsEntities entities_;
 };
@@ -282,7 +295,8 @@ DdsEntities& dds_entities(Participant& participant) {
 namespace {
 
 DdsBackend::DdsBackend(const NetworkSettings& settings, const std::string& name)
-    : guard_(settings.guard ? std::make_shared<Guard>(settings) : nullptr) {
+    : domain_(settings.domain),
+      guard_(settings.guard ? std::make_shared<Guard>(settings) : nullptr) {
   if (settings.domain > kHighestDomain) {
     throw NetworkError("DDS domain " + std::to_string(settings.domain) +
                        " is above the highest domain " + std::to_string(kHighestDomain));

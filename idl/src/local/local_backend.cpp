@@ -120,29 +120,6 @@ bool LocalBus::make_room(std::uint32_t bench) {
   return false;
 }
 
-std::uint64_t LocalBus::join_clock(const BenchClock& clock, std::uint64_t session) {
-  const std::uint64_t thread = number_of_this_thread();
-  const std::scoped_lock lock(parts_->joining);
-  for (const auto& [joined, its_thread] : parts_->joined_threads) {
-    const auto& [its_clock, other] = joined;
-    if (its_thread == thread && its_clock == clock && other != session) return other;
-  }
-  parts_->joined_threads[{clock, session}] = thread;
-  return 0;
-}
-
-void LocalBus::leave_clock(const BenchClock& clock, std::uint64_t session) noexcept {
-  const std::scoped_lock lock(parts_->joining);
-  parts_->joined_threads.erase({clock, session});
-}
-
-void LocalBus::leave_clocks(std::uint64_t session) noexcept {
-  const std::scoped_lock lock(parts_->joining);
-  std::erase_if(parts_->joined_threads, [session](const auto& joined) {
-    return joined.first.second == session;
-  });
-}
-
 // ---- participant -------------------------------------------------------------------------------
 
 std::unique_ptr<Backend> make_local_backend(const NetworkSettings& settings,
@@ -169,6 +146,29 @@ LocalBackend::~LocalBackend() {
   const std::scoped_lock lock(bus_->parts().counting);
   std::erase(bus_->parts().participants, this);
   std::erase(bus_->parts().sources, as_numbers(source_));
+}
+
+std::uint64_t LocalBackend::join_clock(const ClockOfBench& clock, std::uint64_t session) {
+  const std::uint64_t thread = number_of_this_thread();
+  const std::scoped_lock lock(bus_->parts().joining);
+  for (const auto& [joined, its_thread] : bus_->parts().joined_threads) {
+    const auto& [its_clock, other] = joined;
+    if (its_thread == thread && its_clock == clock && other != session) return other;
+  }
+  bus_->parts().joined_threads[{clock, session}] = thread;
+  return 0;
+}
+
+void LocalBackend::leave_clock(const ClockOfBench& clock, std::uint64_t session) noexcept {
+  const std::scoped_lock lock(bus_->parts().joining);
+  bus_->parts().joined_threads.erase({clock, session});
+}
+
+void LocalBackend::leave_clocks(std::uint64_t session) noexcept {
+  const std::scoped_lock lock(bus_->parts().joining);
+  std::erase_if(bus_->parts().joined_threads, [session](const auto& joined) {
+    return joined.first.second == session;
+  });
 }
 
 std::unique_ptr<WriterEnd> LocalBackend::make_writer(TopicId topic, Form form,

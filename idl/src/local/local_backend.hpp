@@ -55,7 +55,7 @@ struct LocalBus::Parts {
   std::array<std::vector<LocalWriter*>, kTopics.size()> writers;
 
   std::mutex joining;  ///< no other lock is taken with it
-  std::map<std::pair<BenchClock, std::uint64_t>, std::uint64_t>
+  std::map<std::pair<ClockOfBench, std::uint64_t>, std::uint64_t>
       joined_threads;  ///< by clock and session
 
   std::mutex placing;                                      ///< no other lock is taken with it
@@ -75,6 +75,8 @@ class LocalBackend final : public Backend {
                                          WriterEnd::Observer observer) override;
   std::unique_ptr<ReaderEnd> make_reader(TopicId topic, SampleSink sink) override;
 
+  [[nodiscard]] std::string place() const override { return "on this bus"; }
+
   [[nodiscard]] Source source() const noexcept override { return source_; }
 
   void announce_again() override {}
@@ -88,6 +90,10 @@ class LocalBackend final : public Backend {
   LocalWork run_local_work(std::uint32_t bench) override { return bus_->run_work(bench); }
 
   bool make_room(std::uint32_t bench) override { return bus_->make_room(bench); }
+
+  std::uint64_t join_clock(const ClockOfBench& clock, std::uint64_t session) override;
+  void leave_clock(const ClockOfBench& clock, std::uint64_t session) noexcept override;
+  void leave_clocks(std::uint64_t session) noexcept override;
 
   [[nodiscard]] GuardCounts guard_counts() const override { return {}; }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -57,26 +56,6 @@ class LocalBus {
   /// Before a client sends to a bench: runs its work when it has no room; where another thread runs
   /// it, waits for that for a moment. @return whether the bench has room.
   bool make_room(std::uint32_t bench);
-
-  /// The clock of a bench: of one run of it.
-  struct BenchClock {
-    std::uint32_t bench = 0;
-    std::uint64_t incarnation = 0;
-
-    friend auto operator<=>(const BenchClock&, const BenchClock&) = default;
-  };
-
-  /// Notes that the calling thread joins the clock with this session. Of two sessions that one
-  /// thread has joined to a clock none could step: the step of one waits for the grant of the
-  /// other, and the thread that waits grants nothing.
-  /// @return the session with which this thread has joined the clock already; 0 = none.
-  [[nodiscard]] std::uint64_t join_clock(const BenchClock& clock, std::uint64_t session);
-
-  /// The session has left the clock.
-  void leave_clock(const BenchClock& clock, std::uint64_t session) noexcept;
-
-  /// The session has left every clock.
-  void leave_clocks(std::uint64_t session) noexcept;
 
   struct Parts;  ///< known inside the wire room only
 

@@ -4,6 +4,7 @@
 #include "vdrive/wire/guard.hpp"
 #include "vdrive/wire/source.hpp"
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -73,6 +74,14 @@ struct OtherParticipant {
   std::string place{};  ///< NetworkSettings::place; anything of a stranger, empty where it has none
 };
 
+/// The clock of a bench: of one run of it.
+struct ClockOfBench {
+  std::uint32_t bench = 0;
+  std::uint64_t incarnation = 0;
+
+  friend auto operator<=>(const ClockOfBench&, const ClockOfBench&) = default;
+};
+
 /// A program's place among those that exchange the messages of vdrive: a DDS domain participant, or
 /// a place on the local bus of this process. Must outlive its publications and subscriptions.
 /// Over DDS it shows no type objects, and announces itself every 100 ms with a lease of 600 s (2 s
@@ -87,6 +96,9 @@ class Participant {
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
+
+  /// @return where it is, in words for people: "on this bus", or "on domain 7".
+  [[nodiscard]] std::string place() const;
 
   /// @return what its messages show as their source.
   [[nodiscard]] Source source() const noexcept;
@@ -116,6 +128,19 @@ class Participant {
   /// received. Over DDS the writer waits instead. The caller holds no lock that a handler takes.
   /// @return whether the bench has room; if not, the call has waited for a moment.
   bool make_room(std::uint32_t bench);
+
+  /// Notes that the calling thread joins the clock with this session. Of two sessions on a local
+  /// bus that one thread has joined to a clock none could step: the step of one waits for the grant
+  /// of the other, and the thread that waits grants nothing. Over DDS each waits for its answer
+  /// alone.
+  /// @return the session with which this thread has joined the clock already; 0 = none.
+  [[nodiscard]] std::uint64_t join_clock(const ClockOfBench& clock, std::uint64_t session);
+
+  /// The session has left the clock.
+  void leave_clock(const ClockOfBench& clock, std::uint64_t session) noexcept;
+
+  /// The session has left every clock.
+  void leave_clocks(std::uint64_t session) noexcept;
 
   /// @return what the guard has done; all zero without a guard.
   [[nodiscard]] GuardCounts guard_counts() const;
