@@ -7,6 +7,7 @@
 #include "support/bench_on_wire.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/client/axis.hpp"
+#include "vdrive/client/step_clock.hpp"
 #include "vdrive/dictionary/object_table.hpp"
 
 #include <gmock/gmock.h>
@@ -624,6 +625,48 @@ TEST_F(LockStep, ASampleThatIsAStepIsNeverLate) {
   EXPECT_EQ(follower->lateness().samples, 3U);
   EXPECT_EQ(follower->lateness().late, 0U);
   EXPECT_EQ(follower->lateness().longest, 0ms);
+}
+
+TEST_F(LockStep, AFollowerThatStepsAloneHasASampleAtOnce) {
+  auto follower = sut_.follow({{1, 1}}, Pace::drive);
+  ASSERT_TRUE(follower);
+  const std::uint64_t before = *sut_.step(1, 0);
+  Observation sample;
+  const auto seen = follower->next_at_once(sample);
+  ASSERT_TRUE(seen);
+  EXPECT_TRUE(*seen) << seen->message();
+  EXPECT_EQ(sample.tick, before + 1);
+}
+
+TEST_F(LockStep, AFollowerThatStepsWithOthersHasNoSampleAtOnce) {
+  auto follower = sut_.follow({{1, 1}}, Pace::drive);
+  ASSERT_TRUE(follower);
+  const auto clock = StepClock::join(sut_, std::array<std::uint32_t, 1>{1});
+  ASSERT_TRUE(clock);
+  const std::uint64_t before = *sut_.step(1, 0);
+  Observation sample;
+  EXPECT_FALSE(follower->next_at_once(sample));
+  EXPECT_EQ(*sut_.step(1, 0), before);
+  ASSERT_TRUE(follower->next(10s, sample));
+  EXPECT_EQ(sample.tick, before + 1);
+}
+
+TEST_F(LockStep, AnObserverHasThoseSamplesAtOnceThatHaveArrived) {
+  auto follower = sut_.follow({{1, 1}}, Pace::observe);
+  ASSERT_TRUE(follower);
+  Observation sample;
+  EXPECT_FALSE(follower->next_at_once(sample));
+  Session stepper(options_on_wire());
+  // Matching takes some time: step until a sample arrives.
+  const auto deadline = std::chrono::steady_clock::now() + 10s;
+  std::optional<Outcome> seen;
+  while (!seen) {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    ASSERT_TRUE(stepper.step(1, 1));
+    seen = follower->next_at_once(sample);
+  }
+  EXPECT_TRUE(*seen) << seen->message();
+  EXPECT_GT(sample.tick, 0U);
 }
 
 TEST_F(LockStep, StoresASampleInMemoryOfTheProgram) {

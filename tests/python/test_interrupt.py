@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ctrl-C, other signals, and processes that are killed."""
 import asyncio
+import collections
 import contextlib
 import os
 import pathlib
@@ -298,6 +299,30 @@ def test_an_interrupted_take_loses_no_sample_and_counts_each_once(vdrive_session
     assert ticks == list(range(begin + 1, begin + count + 1))
     with pytest.raises(StopIteration):
         next(follower)
+
+
+def test_a_signal_ends_a_loop_over_a_follower_that_runs_no_python(vdrive_session):
+    with alarm_in(0.1), pytest.raises(Alarm):
+        collections.deque(vdrive_session.follow("1.1"), maxlen=0)
+
+
+def test_a_signal_ends_the_wait_for_a_follower_that_another_thread_uses(vdrive_session):
+    follower = vdrive_session.follow("1.1", pace="observe", patience=PATIENCE)
+    failures = []
+
+    def wait():
+        try:
+            next(follower)
+        except vdrive.Failed as error:
+            failures.append(str(error))
+
+    thread = threading.Thread(target=wait)
+    thread.start()
+    with alarm_in(0.2), pytest.raises(Alarm):
+        next(follower)
+    vdrive_session.interrupt()  # the signal may have come before the wait
+    thread.join(PATIENCE)
+    assert ["interrupted" in failure for failure in failures] == [True]
 
 
 def test_a_take_that_fails_at_once_needs_no_memory_for_its_count(vdrive_session):

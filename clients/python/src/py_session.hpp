@@ -131,6 +131,19 @@ auto interruptible(SignalWatch::Call end_wait, SignalWatch::Call wait_again, con
   return result;
 }
 
+/// Calls `call(session)` without the interpreter lock. No signal ends it: for calls that wait for
+/// nobody, and that would take less time than the system calls of a SignalWatch.
+/// @throws py::error_already_set when the session was closed, and with what the handler of a signal
+///         that came before raises
+template <typename Call>
+auto at_once(const SharedPySession& py_session, const Call& call) {
+  handle_signals();  // a loop that is not Python's own, such as deque(follower), asks nowhere else
+  PySession::Use begun(*py_session);
+  const Unlocked unlocked;
+  const PySession::Use use(std::move(begun));
+  return call(use.session());
+}
+
 /// Calls `call(session)` without the interpreter lock; Ctrl-C interrupts the session.
 /// @throws py::error_already_set when the session was closed, and with what a handler of a signal
 ///         raises

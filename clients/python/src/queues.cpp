@@ -296,6 +296,13 @@ Outcome StepFollower::next(std::chrono::milliseconds patience, Observation& samp
   return follower_->next(patience, sample);
 }
 
+std::optional<Outcome> StepFollower::next_at_once(Observation& sample) {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock) return std::nullopt;
+  if (!follower_) return Outcome::failed("the follower is closed");
+  return follower_->next_at_once(sample);
+}
+
 client::Lateness StepFollower::lateness() {
   const std::scoped_lock lock(mutex_);
   return follower_ ? follower_->lateness() : last_lateness_;

@@ -140,9 +140,15 @@ struct PyFollower {
     if (left && *left == 0) throw py::stop_iteration();
     client::Observation sample;
     Share one(*this, 1);
-    check(waiting(py_session, [this, &sample](Session& /*session*/) {
-      return follower->next(patience, sample);
-    }));
+    auto seen = at_once(py_session, [this, &sample](Session& /*session*/) {
+      return follower->next_at_once(sample);
+    });
+    if (!seen) {
+      seen = waiting(py_session, [this, &sample](Session& /*session*/) {
+        return follower->next(patience, sample);
+      });
+    }
+    check(*seen);
     one.received = 1;
     return sample;
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 namespace vdrive::client {
@@ -59,6 +60,16 @@ Outcome Follower::next(std::chrono::milliseconds patience, Observation& sample) 
       state_->target, *state_->feed,
       {patience, true, state_->pace == Pace::drive, Silence::is_bridged}, sample);
   if (seen) state_->note_seen(sample);
+  return seen;
+}
+
+std::optional<Outcome> Follower::next_at_once(Observation& sample) {
+  if (!state_->feed) {
+    if (state_->core->clocks.grant_of(state_->target.key)) return std::nullopt;
+    return next(kStepPatience, sample);
+  }
+  Outcome seen = next(std::chrono::milliseconds(0), sample);
+  if (seen.kind() == OutcomeKind::timed_out) return std::nullopt;
   return seen;
 }
 

@@ -185,6 +185,12 @@ class Follower {
   /// @param sample the next one on success, else as it was
   Outcome next(std::chrono::milliseconds patience, Observation& sample);
 
+  /// The same for a sample that has come already, or that a step of this session alone makes.
+  /// Cannot be interrupted.
+  /// @param sample the next one on success, else as it was
+  /// @return nothing when the sample depends on the time, or on the steps of others: see next()
+  std::optional<Outcome> next_at_once(Observation& sample);
+
   /// @return since the follower was made.
   [[nodiscard]] Lateness lateness() const noexcept;
 
@@ -250,7 +256,7 @@ class StatusReports {
 /// never in a call of the program. They may call the session, wait, and end or replace their own
 /// reports. An exception that leaves an observer ends its reports. The next call that needs a bench
 /// throws it, once; of several observers each call throws the exception of one: a call of the
-/// session, of its axes and groups, Follower::next, StepClock::join, StepClock::step or
+/// session, of its axes and groups, of its followers, StepClock::join, StepClock::step or
 /// StepClock::step_for. Not a call that stops axes (see interrupt()) or gives them back (release),
 /// nor present_benches, no_bench_found, on_event, watch_services, abandon and
 /// AxisGroup::queue_move, nor a call of an observer of the same session.
