@@ -627,6 +627,21 @@ TEST_F(LockStep, ASampleThatIsAStepIsNeverLate) {
   EXPECT_EQ(follower->lateness().longest, 0ms);
 }
 
+TEST_F(LockStep, ASessionThatStepsAloneStepsAtOnceAsFarAsOneRequestDoes) {
+  constexpr std::uint64_t kTicksOfARequest = 2000;
+  const std::uint64_t before = *sut_.step(1, 0);
+  const auto reached = sut_.step_at_once(1, kTicksOfARequest);
+  ASSERT_TRUE(reached);
+  ASSERT_TRUE(*reached) << reached->outcome().message();
+  EXPECT_EQ(**reached, before + kTicksOfARequest);
+  EXPECT_FALSE(sut_.step_at_once(1, kTicksOfARequest + 1));
+  EXPECT_FALSE(sut_.step_at_once(2, 1)) << "there is no such bench";
+  const auto clock = StepClock::join(sut_, std::array<std::uint32_t, 1>{1});
+  ASSERT_TRUE(clock);
+  EXPECT_FALSE(sut_.step_at_once(1, 1));
+  EXPECT_EQ(*sut_.step(1, 0), before + kTicksOfARequest);
+}
+
 TEST_F(LockStep, AFollowerThatStepsAloneHasASampleAtOnce) {
   auto follower = sut_.follow({{1, 1}}, Pace::drive);
   ASSERT_TRUE(follower);

@@ -165,6 +165,15 @@ auto waiting(const SharedPySession& py_session, const Call& call) {
       });
 }
 
+/// Calls `at_once_call(session)` as at_once() does and, where that returns nothing, `wait(session)`
+/// as waiting() does. @return what the last one returned
+template <typename Quick, typename Wait>
+auto at_once_or_waiting(const SharedPySession& py_session, const Quick& at_once_call,
+                        const Wait& wait) {
+  auto result = at_once(py_session, at_once_call);
+  return result ? std::move(*result) : waiting(py_session, wait);
+}
+
 /// @return whether Python takes the value as true.
 /// @throws py::error_already_set with what the value raises
 inline bool is_true(const py::object& value) {

@@ -140,15 +140,14 @@ struct PyFollower {
     if (left && *left == 0) throw py::stop_iteration();
     client::Observation sample;
     Share one(*this, 1);
-    auto seen = at_once(py_session, [this, &sample](Session& /*session*/) {
-      return follower->next_at_once(sample);
-    });
-    if (!seen) {
-      seen = waiting(py_session, [this, &sample](Session& /*session*/) {
-        return follower->next(patience, sample);
-      });
-    }
-    check(*seen);
+    check(at_once_or_waiting(
+        py_session,
+        [this, &sample](Session& /*session*/) {
+          return follower->next_at_once(sample);
+        },
+        [this, &sample](Session& /*session*/) {
+          return follower->next(patience, sample);
+        }));
     one.received = 1;
     return sample;
   }
@@ -338,9 +337,15 @@ void add_clock(SessionClass& session) {
       "step",
       [](const SharedPySession& self, const Number& ticks, const OptionalNumber& bench) {
         const std::uint64_t count = count_of(ticks, "ticks");
-        return of_bench(self, bench, [count](Session& stepped, std::uint32_t number) {
-          return stepped.step(number, count);
-        });
+        const std::uint32_t number = bench_number(self, bench);
+        return value_or_raise(at_once_or_waiting(
+            self,
+            [&](Session& stepped) {
+              return stepped.step_at_once(number, count);
+            },
+            [&](Session& stepped) {
+              return stepped.step(number, count);
+            }));
       },
       py::arg("ticks") = 1, py::kw_only(), py::arg("bench") = py::none(),
       "Steps a lock-step bench. Returns the tick reached.");

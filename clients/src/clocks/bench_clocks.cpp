@@ -161,6 +161,10 @@ Result<StepLock> BenchClocks::lock_steps(const Target& target, Clock::time_point
   return lock;
 }
 
+bool BenchClocks::steps_at_once(const Target& target, std::uint64_t ticks) const {
+  return ticks <= kTicksPerRequest && !grant_of(target.key);
+}
+
 std::optional<Grant> BenchClocks::grant_of(const BenchKey& key) const {
   const std::scoped_lock lock(mutex_);
   const auto grant = grants_.find(key);

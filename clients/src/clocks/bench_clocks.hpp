@@ -60,6 +60,9 @@ class BenchClocks {
   Outcome step(const Target& target, std::uint64_t ticks, std::span<const std::uint16_t> axes,
                std::chrono::milliseconds patience, Silence silence, Observation& sample);
 
+  /// @return whether one request of this session alone steps that far: no interrupt ends it.
+  [[nodiscard]] bool steps_at_once(const Target& target, std::uint64_t ticks) const;
+
   /// Makes this session a stepper of the bench. @return the present tick; refused where a step
   /// would wait for ever: on a bus, where this thread has joined the clock with another session.
   Result<std::uint64_t> join(const Target& target);

@@ -65,7 +65,7 @@ Outcome Follower::next(std::chrono::milliseconds patience, Observation& sample) 
 
 std::optional<Outcome> Follower::next_at_once(Observation& sample) {
   if (!state_->feed) {
-    if (state_->core->clocks.grant_of(state_->target.key)) return std::nullopt;
+    if (!state_->core->clocks.steps_at_once(state_->target, 1)) return std::nullopt;
     return next(kStepPatience, sample);
   }
   Outcome seen = next(std::chrono::milliseconds(0), sample);

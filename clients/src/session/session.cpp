@@ -253,6 +253,13 @@ Result<std::uint64_t> Session::step(std::uint32_t bench, std::uint64_t ticks) {
   return reached->tick;
 }
 
+std::optional<Result<std::uint64_t>> Session::step_at_once(std::uint32_t bench,
+                                                           std::uint64_t ticks) {
+  const auto target = core_->discovery.present_target(bench);
+  if (!target || !core_->clocks.steps_at_once(*target, ticks)) return std::nullopt;
+  return step(bench, ticks);
+}
+
 Result<std::uint64_t> Session::set_rate(std::uint32_t bench, double rate) {
   const auto target = core_->links.connect(bench);
   if (!target) return target.outcome();

@@ -339,6 +339,11 @@ class Session {
   ///         clock and this session has not; timed_out, naming the stepper that time waits for.
   Result<std::uint64_t> step(std::uint32_t bench, std::uint64_t ticks);
 
+  /// The same for a bench that is present, where one request of this session alone steps it. Cannot
+  /// be interrupted.
+  /// @return nothing when the step depends on others, or is too long for one request: see step()
+  std::optional<Result<std::uint64_t>> step_at_once(std::uint32_t bench, std::uint64_t ticks);
+
   /// Sets how fast drive time passes on a realtime bench, for everybody.
   /// @param rate drive time over wall time: 0 = pause, 0.1 to 100
   /// @return the tick in which the rate changed; refused outside of the range and under another
