@@ -869,6 +869,58 @@ Calls calls_of_axis(Axis& axis) {
            [&] {
              return axis.write({0x6067, 0}, 9).outcome();
            }},
+          {"move_by",
+           [&] {
+             return axis.move_by(5);
+           }},
+          {"home",
+           [&] {
+             return axis.home();
+           }},
+          {"run_at",
+           [&] {
+             return axis.run_at(100);
+           }},
+          {"apply_torque",
+           [&] {
+             return axis.apply_torque(10);
+           }},
+          {"jog",
+           [&] {
+             return axis.jog(100, [](const client::AxisSnapshot&) {
+               return true;
+             });
+           }},
+          {"store",
+           [&] {
+             return axis.store();
+           }},
+          {"power_cycle",
+           [&] {
+             return axis.power_cycle();
+           }},
+          {"disturb",
+           [&] {
+             return axis.disturb(client::Disturbance::load_torque, 5).outcome();
+           }},
+          {"end_disturbances",
+           [&] {
+             return axis.end_disturbances();
+           }},
+          {"restore_defaults",
+           [&] {
+             return axis.restore_defaults();
+           }},
+          {"wait_until",
+           [&] {
+             return axis
+                 .wait_until(
+                     [](const client::AxisSnapshot&) {
+                       return false;
+                     },
+                     seconds(5))
+                 .outcome();
+           }},
           {"axis.acquire",
            [&] {
              return axis.acquire();
@@ -895,6 +947,14 @@ Calls calls_of_group(client::AxisGroup& group) {
           {"move_together",
            [&, targets] {
              return group.move_together(targets);
+           }},
+          {"group.move_by",
+           [&, targets] {
+             return group.move_by(targets);
+           }},
+          {"group.take_over",
+           [&] {
+             return group.take_over();
            }},
           {"queue_move",
            [&, targets] {

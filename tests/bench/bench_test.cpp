@@ -47,7 +47,28 @@ TEST(Bench, IsFoundAtOnceAndHasItsAxes) {
   EXPECT_EQ(benches.front().clock_mode, ClockMode::lockstep);
 }
 
-TEST(Bench, MovesAnAxisInLockStepWithoutAThreadASocketOrAFile) {
+/// @return the lines of /proc/self/maps that name a file in memory, such as one of memfd_create.
+std::size_t count_files_in_memory() {
+  const std::string maps = test::text_of("/proc/self/maps");
+  std::size_t count = 0;
+  for (auto at = maps.find("/memfd:"); at != std::string::npos; at = maps.find("/memfd:", at + 1)) {
+    ++count;
+  }
+  return count;
+}
+
+/// @return the children of this process.
+std::string children() {
+  std::string numbers;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    numbers += test::text_of(task.path() / "children");
+  }
+  return numbers;
+}
+
+TEST(Bench, MovesAnAxisInLockStepWithoutAThreadASocketAFileOrAChild) {
+  const std::size_t in_memory = count_files_in_memory();
+  const std::string before = children();
   const std::size_t threads = count_entries("/proc/self/task");
   const std::size_t files = count_entries("/proc/self/fd");
   const Bench bench;
@@ -62,6 +83,44 @@ TEST(Bench, MovesAnAxisInLockStepWithoutAThreadASocketOrAFile) {
   EXPECT_EQ(status->status.load_position_actual_value, 10'000);
   EXPECT_EQ(count_entries("/proc/self/task"), threads);
   EXPECT_EQ(count_entries("/proc/self/fd"), files);
+  EXPECT_EQ(count_files_in_memory(), in_memory);
+  EXPECT_EQ(children(), before);
+}
+
+TEST(Bench, HasTheAxesOfAStruct) {
+  std::vector<AxisConfiguration> axes(3);
+  axes[1].initial_position = 4096;
+  axes[2].parameters = {{.address = {0x6081, 0}, .value = 1234}};
+  const Bench bench({.axis_configurations = axes, .period = std::chrono::microseconds(250)});
+  Session session = bench.session();
+  const auto benches = session.find_benches();
+  ASSERT_EQ(benches.size(), 1U);
+  EXPECT_EQ(benches.front().axes.size(), 3U);
+  EXPECT_EQ(benches.front().period, std::chrono::microseconds(250));
+  EXPECT_EQ(session.axis("1.2")->status()->status.load_position_actual_value, 4096);
+  EXPECT_EQ(*session.axis("1.3")->read({0x6081, 0}), 1234);
+}
+
+TEST(Bench, RefusesAStructOfAxesThatIsWrongByName) {
+  const auto refusal_of = [](const BenchOptions& options) -> std::string {
+    try {
+      const Bench bench(options);
+    } catch (const BenchError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  std::vector<AxisConfiguration> axes(2);
+  EXPECT_EQ(refusal_of({.axes = 2, .axis_configurations = axes}),
+            "axis_configurations and axes are both given: name one of them");
+  EXPECT_EQ(refusal_of({.preset = "ball-screw", .axis_configurations = axes}),
+            "axis_configurations and preset are both given: name one of them");
+  axes[1].model.load_inertia = -1.0;
+  EXPECT_THAT(refusal_of({.axis_configurations = axes}), HasSubstr("load_inertia = -1"));
+  axes[1] = {};
+  axes[1].parameters = {{.address = {0x1234, 0}, .value = 1}};
+  EXPECT_THAT(refusal_of({.axis_configurations = axes}), HasSubstr("1234h"));
+  EXPECT_THAT(refusal_of({.period = std::chrono::microseconds(0)}), HasSubstr("period = 0"));
 }
 
 TEST(Bench, LosesTheConnectionOfAnAxisByADisturbance) {

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Benches in the process of their user."""
+import gc
 import os
 import threading
+import weakref
 
 import pytest
 import vdrive
@@ -143,3 +145,29 @@ def test_a_journal_that_cannot_be_written_is_named(tmp_path):
     for file, reason in ((there, "is not empty"), (tmp_path / "no" / "run.journal", "cannot be written: No such file")):
         with pytest.raises(vdrive.ConfigurationError, match=f"^journal .*{file.name}: {reason}"):
             vdrive.Bench(over="local", journal=file)
+
+
+def test_a_session_keeps_the_bench_that_gave_it():
+    session = vdrive.Bench(axes=1).session()
+    gc.collect()
+    assert session.axis("1.1").status().tick == 0
+    assert session.step(3) == 3
+    session.close()
+
+
+def test_a_bench_and_its_sessions_that_nobody_has_any_more_end():
+    bench = vdrive.Bench(axes=1)
+    sessions = [bench.session(), bench.session()]
+    ends = [weakref.ref(thing) for thing in (bench, *sessions)]
+    del bench, sessions
+    gc.collect()
+    assert [end() for end in ends] == [None, None, None]
+
+
+def test_a_bench_in_the_process_needs_no_domain(monkeypatch):
+    for domain in ("abc", "", "999"):
+        monkeypatch.setenv("VDRIVE_DOMAIN", domain)
+        with vdrive.Bench(axes=1) as bench, bench.session() as session:
+            assert session.step() == 1
+    with pytest.raises((vdrive.Error, RuntimeError), match="VDRIVE_DOMAIN"):
+        vdrive.Session()

@@ -14,6 +14,7 @@
 #include "vdrive/wire/origin.hpp"
 #include "vdrive/wire/participant.hpp"
 
+#include <cstddef>
 #include <exception>
 #include <string>
 #include <utility>
@@ -65,10 +66,30 @@ void refuse_network(const Configuration& configuration) {
   if (network.domain != defaults.domain) refuse("network.domain");
 }
 
+/// @throws BenchError where two options say which axes there are
+void refuse_two_kinds_of_axes(const BenchOptions& options) {
+  if (options.axis_configurations.empty()) return;
+  if (options.axes || !options.preset.empty()) {
+    throw BenchError(std::string("axis_configurations and ") + (options.axes ? "axes" : "preset") +
+                     " are both given: name one of them");
+  }
+}
+
+std::vector<service::NamedAxis> axes_of(const std::vector<AxisConfiguration>& configurations) {
+  std::vector<service::NamedAxis> axes = service::default_axes(configurations.size());
+  for (std::size_t index = 0; index < axes.size(); ++index) {
+    axes[index].configuration = configurations[index];
+  }
+  return axes;
+}
+
 Configuration configuration_of(const BenchOptions& options) {
+  refuse_two_kinds_of_axes(options);
   Configuration configuration = read(options);
   refuse_network(configuration);
-  if (!options.preset.empty()) {
+  if (!options.axis_configurations.empty()) {
+    configuration.axes = axes_of(options.axis_configurations);
+  } else if (!options.preset.empty()) {
     configuration.axes = service::preset_axes(options.preset, options.axes.value_or(1));
   } else if (options.axes) {
     configuration.axes = service::default_axes(*options.axes);
@@ -78,6 +99,7 @@ Configuration configuration_of(const BenchOptions& options) {
                      ": no clock mode");
   }
   if (options.clock) configuration.clock = *options.clock;
+  if (options.period) configuration.period = *options.period;
   if (options.number) configuration.bench = *options.number;
   configuration.network.bus = options.bus ? options.bus : std::make_shared<wire::LocalBus>();
   service::check(configuration);

@@ -46,6 +46,8 @@ std::shared_ptr<LocalBench> make(std::optional<std::size_t> axes, const std::str
   try {
     const Unlocked unlocked;
     return made_here<LocalBench>(options);
+  } catch (const bench::NeedsNetwork& error) {
+    raise_configuration_error(std::string(error.what()) + ": vdrive.Bench(..., over=\"dds\")");
   } catch (const bench::BenchError& error) {
     raise_configuration_error(error.what());
   }

@@ -19,9 +19,13 @@ namespace {
 // A bench publishes its state every 50 ms, in every clock mode.
 constexpr std::chrono::milliseconds kShortestSilence{50};
 
-/// @return the options with their domain.
+/// @return the options with their domain; on a bus with none: then nothing of a network counts.
 SessionOptions checked(SessionOptions options) {
-  if (!options.domain) options.domain = default_domain();
+  if (options.bus) {
+    options.domain.reset();
+  } else if (!options.domain) {
+    options.domain = default_domain();
+  }
   if (options.silence >= kShortestSilence) return options;
   throw std::runtime_error("the time without samples after which a service is lost, " +
                            std::to_string(options.silence.count()) + " ms, is below 50 ms");
@@ -35,7 +39,7 @@ std::uint64_t random_session() {
 }
 
 wire::NetworkSettings settings_of(const SessionOptions& options) {
-  return {.domain = *options.domain,
+  return {.domain = options.domain.value_or(0),
           .interfaces = options.interfaces,
           .peers = options.peers,
           .discovery_servers = options.discovery_servers,

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/axis_configuration.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/clock_mode.hpp"
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -45,6 +47,11 @@ struct BenchOptions {
   std::optional<std::size_t> axes{};           ///< 1 to kMostAxes default axes, instead of its own
   /// The axes are of this machine (docs/reference/presets.md), one without `axes`; empty = none.
   std::string preset{};
+  /// The axes, numbered from 1, instead of those of the configuration, of `axes` and of `preset`: 1
+  /// to kMostAxes, each with motor, load and settings as AxisBank takes them. Empty = none.
+  std::vector<AxisConfiguration> axis_configurations{};
+  /// Of a tick, 125 us to 10 ms. Nothing = that of the configuration, or without one 1 ms.
+  std::optional<std::chrono::microseconds> period{};
   /// Nothing = that of the configuration, or without one lock-step.
   std::optional<ClockMode> clock{};
   std::optional<std::uint32_t> number{};    ///< of the bench, 1 to kHighestNumber
@@ -60,9 +67,9 @@ void check(const BenchOptions& options);
 /// A bench of virtual drives inside this process: the same drives, clock and control as those of
 /// vdrived, without a network. Sessions reach it by its bus, through the same interfaces.
 ///
-/// In lock-step it has no thread: its work runs in the threads of the calls that wait for it, such
-/// as a step. In realtime and freerun it has threads of its own. Without a state directory and a
-/// journal it opens no file.
+/// In lock-step its work runs in the threads of the calls that wait for it, such as a step. In
+/// realtime and freerun it has threads of its own. A state directory and a journal have a thread
+/// and a file each; without them a bench in lock-step has no thread, and none opens a file.
 ///
 /// Thread-safe but for construction and destruction. It ends when it is destroyed, also while axes
 /// move and while sessions wait: their calls then return Lost, at once.
