@@ -66,6 +66,20 @@ std::string children() {
   return numbers;
 }
 
+TEST(Bench, IsFoundBySessionsWhoseOptionsOfANetworkAreWrong) {
+  const Bench bench;
+  Session session = bench.session({.domain = 100'000,
+                                   .interfaces = {"nowhere"},
+                                   .peers = {"nobody"},
+                                   .discovery_servers = {"nobody"},
+                                   .security = "no directory",
+                                   .find_timeout = milliseconds(0)});
+  ASSERT_TRUE(session.find_bench());
+  const auto missing = session.find_bench(7);
+  EXPECT_THAT(missing.outcome().message(), HasSubstr("on this bus"));
+  EXPECT_THAT(missing.outcome().message(), Not(HasSubstr("nowhere")));
+}
+
 TEST(Bench, MovesAnAxisInLockStepWithoutAThreadASocketAFileOrAChild) {
   const std::size_t in_memory = count_files_in_memory();
   const std::string before = children();

@@ -19,10 +19,14 @@ namespace {
 // A bench publishes its state every 50 ms, in every clock mode.
 constexpr std::chrono::milliseconds kShortestSilence{50};
 
-/// @return the options with their domain; on a bus with none: then nothing of a network counts.
+/// @return the options with their domain; on a bus without any of a network.
 SessionOptions checked(SessionOptions options) {
   if (options.bus) {
     options.domain.reset();
+    options.interfaces.clear();
+    options.peers.clear();
+    options.discovery_servers.clear();
+    options.security.clear();
   } else if (!options.domain) {
     options.domain = default_domain();
   }
