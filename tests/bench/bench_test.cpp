@@ -57,15 +57,6 @@ std::size_t count_files_in_memory() {
   return count;
 }
 
-/// @return the children of this process.
-std::string children() {
-  std::string numbers;
-  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
-    numbers += test::text_of(task.path() / "children");
-  }
-  return numbers;
-}
-
 TEST(Bench, IsFoundBySessionsWhoseOptionsOfANetworkAreWrong) {
   const Bench bench;
   Session session = bench.session({.domain = 100'000,
@@ -82,7 +73,7 @@ TEST(Bench, IsFoundBySessionsWhoseOptionsOfANetworkAreWrong) {
 
 TEST(Bench, MovesAnAxisInLockStepWithoutAThreadASocketAFileOrAChild) {
   const std::size_t in_memory = count_files_in_memory();
-  const std::string before = children();
+  ASSERT_EQ(test::child_of(getpid()), 0);
   const std::size_t threads = count_entries("/proc/self/task");
   const std::size_t files = count_entries("/proc/self/fd");
   const Bench bench;
@@ -98,7 +89,7 @@ TEST(Bench, MovesAnAxisInLockStepWithoutAThreadASocketAFileOrAChild) {
   EXPECT_EQ(count_entries("/proc/self/task"), threads);
   EXPECT_EQ(count_entries("/proc/self/fd"), files);
   EXPECT_EQ(count_files_in_memory(), in_memory);
-  EXPECT_EQ(children(), before);
+  EXPECT_EQ(test::child_of(getpid()), 0);
 }
 
 TEST(Bench, HasTheAxesOfAStruct) {
@@ -118,8 +109,9 @@ TEST(Bench, HasTheAxesOfAStruct) {
 TEST(Bench, RefusesAStructOfAxesThatIsWrongByName) {
   const auto refusal_of = [](const BenchOptions& options) -> std::string {
     try {
-      const Bench bench(options);
+      check(options);
     } catch (const BenchError& error) {
+      EXPECT_THROW(const Bench bench(options), BenchError);
       return error.what();
     }
     return "none";
@@ -130,10 +122,12 @@ TEST(Bench, RefusesAStructOfAxesThatIsWrongByName) {
   EXPECT_EQ(refusal_of({.preset = "ball-screw", .axis_configurations = axes}),
             "axis_configurations and preset are both given: name one of them");
   axes[1].model.load_inertia = -1.0;
-  EXPECT_THAT(refusal_of({.axis_configurations = axes}), HasSubstr("load_inertia = -1"));
+  EXPECT_THAT(refusal_of({.axis_configurations = axes}), HasSubstr("axis 2: load_inertia = -1"));
   axes[1] = {};
   axes[1].parameters = {{.address = {0x1234, 0}, .value = 1}};
   EXPECT_THAT(refusal_of({.axis_configurations = axes}), HasSubstr("1234h"));
+  axes[1] = {};
+  EXPECT_EQ(refusal_of({.axis_configurations = axes}), "none");
   EXPECT_THAT(refusal_of({.period = std::chrono::microseconds(0)}), HasSubstr("period = 0"));
 }
 

@@ -630,58 +630,41 @@ TEST_F(LockStep, ASampleThatIsAStepIsNeverLate) {
 TEST_F(LockStep, ASessionThatStepsAloneStepsAtOnceAsFarAsOneRequestDoes) {
   constexpr std::uint64_t kTicksOfARequest = 2000;
   const std::uint64_t before = *sut_.step(1, 0);
-  const auto reached = sut_.step_at_once(1, kTicksOfARequest);
-  ASSERT_TRUE(reached);
-  ASSERT_TRUE(*reached) << reached->outcome().message();
-  EXPECT_EQ(**reached, before + kTicksOfARequest);
-  EXPECT_FALSE(sut_.step_at_once(1, kTicksOfARequest + 1));
-  EXPECT_FALSE(sut_.step_at_once(2, 1)) << "there is no such bench";
-  const auto clock = StepClock::join(sut_, std::array<std::uint32_t, 1>{1});
-  ASSERT_TRUE(clock);
-  EXPECT_FALSE(sut_.step_at_once(1, 1));
-  EXPECT_EQ(*sut_.step(1, 0), before + kTicksOfARequest);
-}
-
-TEST_F(LockStep, AFollowerThatStepsAloneHasASampleAtOnce) {
-  auto follower = sut_.follow({{1, 1}}, Pace::drive);
-  ASSERT_TRUE(follower);
-  const std::uint64_t before = *sut_.step(1, 0);
-  Observation sample;
-  const auto seen = follower->next_at_once(sample);
-  ASSERT_TRUE(seen);
-  EXPECT_TRUE(*seen) << seen->message();
-  EXPECT_EQ(sample.tick, before + 1);
-}
-
-TEST_F(LockStep, AFollowerThatStepsWithOthersHasNoSampleAtOnce) {
-  auto follower = sut_.follow({{1, 1}}, Pace::drive);
-  ASSERT_TRUE(follower);
-  const auto clock = StepClock::join(sut_, std::array<std::uint32_t, 1>{1});
-  ASSERT_TRUE(clock);
-  const std::uint64_t before = *sut_.step(1, 0);
-  Observation sample;
-  EXPECT_FALSE(follower->next_at_once(sample));
+  EXPECT_TRUE(sut_.steps_at_once(1, kTicksOfARequest));
+  EXPECT_FALSE(sut_.steps_at_once(1, kTicksOfARequest + 1));
+  EXPECT_FALSE(sut_.steps_at_once(2, 1)) << "there is no such bench";
+  {
+    const auto clock = StepClock::join(sut_, std::array<std::uint32_t, 1>{1});
+    ASSERT_TRUE(clock);
+    EXPECT_FALSE(sut_.steps_at_once(1, 1));
+  }
+  EXPECT_TRUE(sut_.steps_at_once(1, 1));
   EXPECT_EQ(*sut_.step(1, 0), before);
-  ASSERT_TRUE(follower->next(10s, sample));
-  EXPECT_EQ(sample.tick, before + 1);
 }
 
-TEST_F(LockStep, AnObserverHasThoseSamplesAtOnceThatHaveArrived) {
+TEST_F(LockStep, AFollowerHasANextSampleWhileItsSessionStepsAlone) {
+  auto follower = sut_.follow({{1, 1}}, Pace::drive);
+  ASSERT_TRUE(follower);
+  const std::uint64_t before = *sut_.step(1, 0);
+  EXPECT_TRUE(follower->has_next());
+  const auto clock = StepClock::join(sut_, std::array<std::uint32_t, 1>{1});
+  ASSERT_TRUE(clock);
+  EXPECT_FALSE(follower->has_next());
+  EXPECT_EQ(*sut_.step(1, 0), before);
+}
+
+TEST_F(LockStep, AnObserverHasANextSampleWhileOneWaits) {
   auto follower = sut_.follow({{1, 1}}, Pace::observe);
   ASSERT_TRUE(follower);
-  Observation sample;
-  EXPECT_FALSE(follower->next_at_once(sample));
+  EXPECT_FALSE(follower->has_next());
   Session stepper(options_on_wire());
   // Matching takes some time: step until a sample arrives.
   const auto deadline = std::chrono::steady_clock::now() + 10s;
-  std::optional<Outcome> seen;
-  while (!seen) {
+  while (!follower->has_next()) {
     ASSERT_LT(std::chrono::steady_clock::now(), deadline);
     ASSERT_TRUE(stepper.step(1, 1));
-    seen = follower->next_at_once(sample);
   }
-  EXPECT_TRUE(*seen) << seen->message();
-  EXPECT_GT(sample.tick, 0U);
+  while (follower->has_next()) ASSERT_TRUE(follower->next(0ms));
 }
 
 TEST_F(LockStep, StoresASampleInMemoryOfTheProgram) {

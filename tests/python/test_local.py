@@ -147,21 +147,51 @@ def test_a_journal_that_cannot_be_written_is_named(tmp_path):
             vdrive.Bench(over="local", journal=file)
 
 
-def test_a_session_keeps_the_bench_that_gave_it():
+HANDLES = {
+    "session": lambda session: session.step(),
+    "axis": lambda session: session.axis("1.1").status(),
+    "follower": lambda session: next(session.follow("1.1")),
+    "clock": lambda session: vdrive.StepClock(session, [1]).step(),
+    "group": lambda session: vdrive.AxisGroup(session, ["1.1"]).status(),
+}
+
+
+@pytest.mark.parametrize("name", HANDLES)
+def test_what_uses_a_session_keeps_its_bench(name):
+    assert HANDLES[name](vdrive.Bench(axes=1).session()) is not None
+
+
+def test_a_stream_of_events_keeps_the_bench_of_its_session():
     session = vdrive.Bench(axes=1).session()
+    axis, stream = session.axis("1.1"), session.events(history=False)
+    del session
     gc.collect()
-    assert session.axis("1.1").status().tick == 0
-    assert session.step(3) == 3
-    session.close()
+    axis.enable()
+    assert stream.next(60.0).kind == "control_changed"
 
 
-def test_a_bench_and_its_sessions_that_nobody_has_any_more_end():
-    bench = vdrive.Bench(axes=1)
-    sessions = [bench.session(), bench.session()]
-    ends = [weakref.ref(thing) for thing in (bench, *sessions)]
-    del bench, sessions
-    gc.collect()
-    assert [end() for end in ends] == [None, None, None]
+def test_a_bench_that_nobody_has_any_more_ends(tmp_path):
+    """Its state directory is free then. A session that it has itself does not keep it."""
+    class Rig(vdrive.Bench):
+        def __init__(self):
+            super().__init__(axes=1, state=tmp_path)
+            self.plant = self.session()
+
+    for _ in range(3):
+        rig = Rig()
+        end = weakref.ref(rig)
+        assert rig.plant.step() == 1
+        del rig
+        gc.collect()
+        assert end() is None
+
+
+def test_a_closed_session_keeps_no_bench(tmp_path):
+    with vdrive.Bench(axes=1, state=tmp_path).session() as session:
+        session.step()
+    with vdrive.Bench(axes=1, state=tmp_path).session() as other:
+        assert other.step() == 1
+    assert session.is_closed
 
 
 def test_a_bench_in_the_process_needs_no_domain(monkeypatch):

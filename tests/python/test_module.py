@@ -111,7 +111,7 @@ def test_a_session_of_a_bench_has_the_parameters_of_a_session():
 
     expected = {each.arg: described(ast.unparse(each.annotation), ast.literal_eval(default))
                 for each, default in zip(stub.kwonlyargs, stub.kw_defaults)
-                if each.arg not in ("domain", "local")}  # which the bench knows
+                if each.arg not in ("domain", "local", "service")}  # which the bench knows
     parameters = [each for each in inspect.signature(vdrive.Bench.session).parameters.values()
                   if each.kind is each.KEYWORD_ONLY]
     assert {each.name: described(each.annotation, each.default) for each in parameters} == expected

@@ -9,6 +9,7 @@
 #include "run/bench_run.hpp"
 #include "settings/configuration_error.hpp"
 #include "store/parameter_store.hpp"
+#include "vdrive/axis_bank.hpp"
 #include "vdrive/wire/bench_number.hpp"
 #include "vdrive/wire/local_bus.hpp"
 #include "vdrive/wire/origin.hpp"
@@ -16,6 +17,8 @@
 
 #include <cstddef>
 #include <exception>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -83,6 +86,18 @@ std::vector<service::NamedAxis> axes_of(const std::vector<AxisConfiguration>& co
   return axes;
 }
 
+/// What is not from a file was not tried yet: the bank knows rules that no single value shows.
+/// @throws BenchError
+void try_axes(const Configuration& configuration) {
+  for (const service::NamedAxis& axis : configuration.axes) {
+    try {
+      const AxisBank bank(std::span(&axis.configuration, 1), configuration.period);
+    } catch (const std::invalid_argument& refusal) {
+      throw BenchError("axis " + std::to_string(axis.number) + ": " + refusal.what());
+    }
+  }
+}
+
 Configuration configuration_of(const BenchOptions& options) {
   refuse_two_kinds_of_axes(options);
   Configuration configuration = read(options);
@@ -103,6 +118,7 @@ Configuration configuration_of(const BenchOptions& options) {
   if (options.number) configuration.bench = *options.number;
   configuration.network.bus = options.bus ? options.bus : std::make_shared<wire::LocalBus>();
   service::check(configuration);
+  if (options.period || !options.axis_configurations.empty()) try_axes(configuration);
   return configuration;
 }
 

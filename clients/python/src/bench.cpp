@@ -3,10 +3,7 @@
 #include "vdrive/client/bench.hpp"
 
 #include "arguments.hpp"
-#include "fork.hpp"
-#include "interpreter_lock.hpp"
-#include "kept_in_thread.hpp"
-#include "private_bench.hpp"
+#include "own_bench.hpp"
 
 #include <pybind11/operators.h>
 
@@ -18,52 +15,6 @@
 
 namespace vdrive::python {
 namespace {
-
-/// A service that ends with this object.
-class OwnBench {
- public:
-  OwnBench(const std::string& service, const std::vector<std::string>& arguments,
-           std::optional<std::uint32_t> domain)
-      : bench_([service, arguments, domain] {
-          return std::make_unique<process::PrivateBench>(service, arguments, domain);
-        }) {
-    wait_until_ready();
-  }
-
-  [[nodiscard]] std::uint32_t domain() const { return get().domain(); }
-
-  /// Waits until the service has ended. Any number of times. Does nothing in a forked process: the
-  /// bench is its parent's.
-  void close() {
-    if (origin_.is_inherited()) return;
-    const Unlocked unlocked;
-    bench_.end();
-  }
-
- private:
-  [[nodiscard]] process::PrivateBench& get() const {
-    origin_.require_own("the bench");
-    if (bench_.get() == nullptr) raise(client::Outcome::failed("the bench has ended"));
-    return *bench_.get();
-  }
-
-  void wait_until_ready();
-
-  const Origin origin_;
-  KeptInThread<process::PrivateBench> bench_;
-};
-
-void OwnBench::wait_until_ready() {
-  const std::optional<std::string> problem = interruptible(
-      [this] {
-        bench_.get()->end();
-      },
-      [] {},
-      [this] {
-        return bench_.get()->wait_until_ready();
-      });
-  if (problem) raise(client::Outcome::failed(*problem));
-}
 
 std::string name_or_number(const client::BenchInfo& bench) {
   return "<vdrive.BenchInfo " + std::to_string(bench.number) + ", " +
@@ -182,6 +133,18 @@ void add_bench_info(py::module_& module) {
 }
 
 }  // namespace
+
+void OwnBench::wait_until_ready() {
+  const std::optional<std::string> problem = interruptible(
+      [this] {
+        bench_.get()->end();
+      },
+      [] {},
+      [this] {
+        return bench_.get()->wait_until_ready();
+      });
+  if (problem) raise(client::Outcome::failed(*problem));
+}
 
 void add_bench(py::module_& module) {
   add_unit(module);

@@ -23,8 +23,9 @@ std::vector<std::weak_ptr<PySession>>& registry() {
 
 }  // namespace
 
-SharedPySession open_py_session(const client::SessionOptions& options) {
-  SharedPySession py_session = made_here<PySession>(options);
+SharedPySession open_py_session(const client::SessionOptions& options,
+                                std::shared_ptr<void> bench) {
+  SharedPySession py_session = made_here<PySession>(options, std::move(bench));
   const Locked locked;
   if (locked) {
     std::erase_if(registry(), [](const auto& other) {
@@ -54,8 +55,10 @@ PySession::Use::~Use() {
     leave(std::move(session_));
     return;
   }
+  std::shared_ptr<void> bench;  // ends last
   std::unique_lock lock(owner_->mutex_);
   const bool is_last = owner_->callers_.size() == 1 && !owner_->session_;
+  if (is_last) bench.swap(owner_->bench_);
   lock.unlock();
   // What gives the axes back is no call that waits for motion.
   if (is_last) session_->end_interrupt();
@@ -109,6 +112,7 @@ void PySession::end_interrupt() noexcept {
 
 void PySession::close() noexcept {
   if (is_inherited()) return;
+  std::shared_ptr<void> bench;  // ends last
   std::shared_ptr<client::Session> session;
   std::vector<std::weak_ptr<Dependent>> dependents;
   {
@@ -128,7 +132,10 @@ void PySession::close() noexcept {
     });
   });
   // What gives the axes back is no call that waits for motion.
-  if (callers_.empty()) session->end_interrupt();
+  if (callers_.empty()) {
+    session->end_interrupt();
+    bench.swap(bench_);
+  }
   lock.unlock();
 }
 

@@ -38,9 +38,10 @@ class Dependent {
 /// A session as Python has it: every handle keeps it, close() ends it before they go.
 class PySession {
  public:
+  /// @param bench kept until the session has ended; none where it is not of this program
   /// @throws std::runtime_error as client::Session does
-  explicit PySession(const client::SessionOptions& options)
-      : session_(std::make_shared<client::Session>(options)) {}
+  PySession(const client::SessionOptions& options, std::shared_ptr<void> bench)
+      : bench_(std::move(bench)), session_(std::make_shared<client::Session>(options)) {}
 
   ~PySession() { close(); }
 
@@ -98,6 +99,7 @@ class PySession {
  private:
   const Origin origin_;
   mutable std::mutex mutex_;  ///< whoever holds it never asks for the interpreter lock
+  std::shared_ptr<void> bench_;
   std::shared_ptr<client::Session> session_;
   std::vector<std::thread::id> callers_;  ///< the thread of each Use
   std::condition_variable has_ended_;     ///< a Use
@@ -107,7 +109,8 @@ class PySession {
 using SharedPySession = std::shared_ptr<PySession>;
 
 /// Without the interpreter lock, which it takes at its end. @throws what PySession throws
-[[nodiscard]] SharedPySession open_py_session(const client::SessionOptions& options);
+[[nodiscard]] SharedPySession open_py_session(const client::SessionOptions& options,
+                                              std::shared_ptr<void> bench);
 
 /// Runs Python's handlers of the signals that have come.
 /// @throws py::error_already_set with what they raise, such as KeyboardInterrupt
@@ -131,19 +134,6 @@ auto interruptible(SignalWatch::Call end_wait, SignalWatch::Call wait_again, con
   return result;
 }
 
-/// Calls `call(session)` without the interpreter lock. No signal ends it: for calls that wait for
-/// nobody, and that would take less time than the system calls of a SignalWatch.
-/// @throws py::error_already_set when the session was closed, and with what the handler of a signal
-///         that came before raises
-template <typename Call>
-auto at_once(const SharedPySession& py_session, const Call& call) {
-  handle_signals();  // a loop that is not Python's own, such as deque(follower), asks nowhere else
-  PySession::Use begun(*py_session);
-  const Unlocked unlocked;
-  const PySession::Use use(std::move(begun));
-  return call(use.session());
-}
-
 /// Calls `call(session)` without the interpreter lock; Ctrl-C interrupts the session.
 /// @throws py::error_already_set when the session was closed, and with what a handler of a signal
 ///         raises
@@ -165,13 +155,18 @@ auto waiting(const SharedPySession& py_session, const Call& call) {
       });
 }
 
-/// Calls `at_once_call(session)` as at_once() does and, where that returns nothing, `wait(session)`
-/// as waiting() does. @return what the last one returned
-template <typename Quick, typename Wait>
-auto at_once_or_waiting(const SharedPySession& py_session, const Quick& at_once_call,
-                        const Wait& wait) {
-  auto result = at_once(py_session, at_once_call);
-  return result ? std::move(*result) : waiting(py_session, wait);
+/// The same, without a watch for signals where `ends_by_itself(session)`: no interrupt would end
+/// the call, and the system calls of the watch take as long as a step.
+/// @param ends_by_itself asked with the interpreter lock, must not wait
+template <typename Ask, typename Call>
+auto waiting_unless(const Ask& ends_by_itself, const SharedPySession& py_session,
+                    const Call& call) {
+  if (!ends_by_itself(*py_session->session())) return waiting(py_session, call);
+  handle_signals();  // a loop that is not Python's own, such as deque(follower), asks nowhere else
+  PySession::Use begun(*py_session);
+  const Unlocked unlocked;
+  const PySession::Use use(std::move(begun));  // ends first, as in waiting()
+  return call(use.session());
 }
 
 /// @return whether Python takes the value as true.

@@ -296,11 +296,9 @@ Outcome StepFollower::next(std::chrono::milliseconds patience, Observation& samp
   return follower_->next(patience, sample);
 }
 
-std::optional<Outcome> StepFollower::next_at_once(Observation& sample) {
+bool StepFollower::has_next() {
   const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (!lock) return std::nullopt;
-  if (!follower_) return Outcome::failed("the follower is closed");
-  return follower_->next_at_once(sample);
+  return lock && (!follower_ || follower_->has_next());
 }
 
 client::Lateness StepFollower::lateness() {

@@ -251,9 +251,9 @@ class StepFollower final : public Dependent {
   /// As client::Follower. @return failed after close()
   client::Outcome next(std::chrono::milliseconds patience, client::Observation& sample);
 
-  /// As client::Follower. @return failed after close(), nothing while a call of another thread
-  /// waits
-  std::optional<client::Outcome> next_at_once(client::Observation& sample);
+  /// As client::Follower. @return also true after close(), false while a call of another thread
+  ///         waits
+  [[nodiscard]] bool has_next();
 
   /// As client::Follower. @return also of one that is closed
   client::Lateness lateness();

@@ -5,6 +5,7 @@
 #include "axis.hpp"
 #include "interpreter_lock.hpp"
 #include "local_bench.hpp"
+#include "own_bench.hpp"
 #include "queues.hpp"
 #include "status.hpp"
 #include "vdrive/number_text.hpp"
@@ -57,7 +58,8 @@ SharedPySession open_session(const OptionalNumber& domain, std::vector<std::stri
                              std::vector<std::string> discovery_servers, std::string security,
                              const OptionalNumber& bench, const std::string& keep_alive,
                              const Real& find_timeout, const Real& silence, const Real& patience,
-                             const std::shared_ptr<LocalBench>& local, std::string program) {
+                             const std::shared_ptr<LocalBench>& local,
+                             const std::shared_ptr<OwnBench>& service, std::string program) {
   const client::SessionOptions options{
       .domain = whole<std::uint32_t>(domain, {"domain"}),
       .interfaces = std::move(interfaces),
@@ -74,7 +76,7 @@ SharedPySession open_session(const OptionalNumber& domain, std::vector<std::stri
   try {
     if (!local) require_dds();
     const Unlocked unlocked;
-    return open_py_session(options);
+    return open_py_session(options, local ? std::shared_ptr<void>(local) : service);
   } catch (const std::runtime_error& error) {
     raise_configuration_error(error.what());
   }
@@ -140,11 +142,11 @@ struct PyFollower {
     if (left && *left == 0) throw py::stop_iteration();
     client::Observation sample;
     Share one(*this, 1);
-    check(at_once_or_waiting(
-        py_session,
-        [this, &sample](Session& /*session*/) {
-          return follower->next_at_once(sample);
+    check(waiting_unless(
+        [this](const Session& /*session*/) {
+          return follower->has_next();
         },
+        py_session,
         [this, &sample](Session& /*session*/) {
           return follower->next(patience, sample);
         }));
@@ -338,11 +340,11 @@ void add_clock(SessionClass& session) {
       [](const SharedPySession& self, const Number& ticks, const OptionalNumber& bench) {
         const std::uint64_t count = count_of(ticks, "ticks");
         const std::uint32_t number = bench_number(self, bench);
-        return value_or_raise(at_once_or_waiting(
-            self,
-            [&](Session& stepped) {
-              return stepped.step_at_once(number, count);
+        return value_or_raise(waiting_unless(
+            [&](const Session& stepped) {
+              return stepped.steps_at_once(number, count);
             },
+            self,
             [&](Session& stepped) {
               return stepped.step(number, count);
             }));
@@ -629,13 +631,15 @@ void add_session(py::module_& module) {
       py::arg("discovery_servers") = std::vector<std::string>{}, py::arg("security") = "",
       py::arg("bench") = py::none(), py::arg("keep_alive") = "own_thread",
       py::arg("find_timeout") = 2.0, py::arg("silence") = 1.5, py::arg("patience") = 10.0,
-      py::arg("local") = py::none(), py::arg("program") = "",
+      py::arg("local") = py::none(), py::arg("service") = py::none(), py::arg("program") = "",
       "domain: 0 to 232, by default that of VDRIVE_DOMAIN, else 0. interfaces: own addresses, "
       "by default loopback only. security: directory of the closed mode's credentials. bench: find "
       "this one only. find_timeout, silence, patience: wall time in s. A call raises Lost when a "
       "service was silent for `silence`; what follows a bench (wait, follow, stream, on_status) "
       "when it was silent for `patience`. local: a bench of this process, of vdrive.Bench; then no "
-      "option of the network counts. program: what others read of who controls an axis, by default "
+      "option of the network counts. service: that of a vdrive.Bench over DDS. Both live as long "
+      "as "
+      "the session is open. program: what others read of who controls an axis, by default "
       "the name of the file that Python runs.");
   session
       .def_property_readonly(

@@ -96,18 +96,13 @@ def _words(arguments: Iterable[object]) -> list[str]:
     return [str(argument) for argument in arguments]
 
 
-# A bench lives as long as a session that it gave: else it would end within
-# `vdrive.Bench().session()`.
-_bench_of: weakref.WeakKeyDictionary[_vdrive.Session, Bench] = weakref.WeakKeyDictionary()
-
-
 class Bench:
     """A private bench, by default in this process, without a network. `with` ends it.
 
-    The bench ends with close(), with this process, however it ends, and when neither this object nor
-    a session that it gave is left. Several benches do not
-    meet, but for those that are made beside each other (`beside`) or on one `domain`. A program of
-    its own, a child process too, meets only a bench over DDS.
+    The bench ends with close(), and with this process, however it ends. Without close() it ends when
+    neither this object nor an open session that it gave is left. Several benches do not meet, but for
+    those that are made beside each other (`beside`) or on one `domain`. A program of its own, a child
+    process too, meets only a bench over DDS.
     """
 
     def __init__(self, axes: _vdrive.NumberSpec | None = None, *, preset: str | None = None,
@@ -202,12 +197,11 @@ class Bench:
         a bench in this process.
         """
         session = _vdrive.Session(
-            local=self._local, domain=None if self._local is not None else self.domain,
+            local=self._local, service=self._private, domain=None if self._local is not None else self.domain,
             interfaces=interfaces, peers=peers, discovery_servers=discovery_servers,
             security=security, bench=bench, keep_alive=keep_alive, find_timeout=find_timeout,
             silence=silence, patience=patience, program=program)
         self._sessions.add(session)
-        _bench_of[session] = self
         return session
 
     def _close_sessions(self, but: _vdrive.Session | None = None) -> None:

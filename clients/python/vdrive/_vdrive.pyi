@@ -511,6 +511,7 @@ class Session:
         silence: float = 1.5,
         patience: float = 10.0,
         local: LocalBench | None = None,
+        service: PrivateBench | None = None,
         program: str = "",
     ) -> None: ...
     @property

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
-#include <optional>
 #include <utility>
 
 namespace vdrive::client {
@@ -63,14 +62,10 @@ Outcome Follower::next(std::chrono::milliseconds patience, Observation& sample) 
   return seen;
 }
 
-std::optional<Outcome> Follower::next_at_once(Observation& sample) {
-  if (!state_->feed) {
-    if (!state_->core->clocks.steps_at_once(state_->target, 1)) return std::nullopt;
-    return next(kStepPatience, sample);
-  }
-  Outcome seen = next(std::chrono::milliseconds(0), sample);
-  if (seen.kind() == OutcomeKind::timed_out) return std::nullopt;
-  return seen;
+bool Follower::has_next() const {
+  if (!state_->core->discovery.check_process()) return true;  // next() says so
+  if (state_->feed) return state_->core->stream.has_next(*state_->feed);
+  return state_->core->clocks.steps_at_once(state_->target, 1);
 }
 
 Lateness Follower::lateness() const noexcept {

@@ -253,11 +253,10 @@ Result<std::uint64_t> Session::step(std::uint32_t bench, std::uint64_t ticks) {
   return reached->tick;
 }
 
-std::optional<Result<std::uint64_t>> Session::step_at_once(std::uint32_t bench,
-                                                           std::uint64_t ticks) {
+bool Session::steps_at_once(std::uint32_t bench, std::uint64_t ticks) const {
+  if (!core_->discovery.check_process()) return true;  // step() says so
   const auto target = core_->discovery.present_target(bench);
-  if (!target || !core_->clocks.steps_at_once(*target, ticks)) return std::nullopt;
-  return step(bench, ticks);
+  return target && core_->clocks.steps_at_once(*target, ticks);
 }
 
 Result<std::uint64_t> Session::set_rate(std::uint32_t bench, double rate) {

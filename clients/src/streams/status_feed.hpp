@@ -50,6 +50,9 @@ class StatusFeed {
   /// @return whether it completed a sample.
   bool on_frame(const wire::StatusFrameView& frame);
 
+  /// @return whether take() has one.
+  [[nodiscard]] bool has_sample() const noexcept { return !samples_.empty(); }
+
   /// Gives `sample` the oldest sample that was not taken yet and keeps its memory for a later one.
   /// @return whether there was one; `sample` is as it was when there was none.
   bool take(Observation& sample);

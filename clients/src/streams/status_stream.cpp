@@ -78,6 +78,11 @@ std::shared_ptr<StatusFeed> StatusStream::open_feed(const Target& target,
   return feed;
 }
 
+bool StatusStream::has_next(const StatusFeed& feed) const {
+  const std::scoped_lock lock(mutex_);
+  return feed.has_sample();
+}
+
 Outcome StatusStream::next(const Target& target, StatusFeed& feed, const Patience& patience,
                            Observation& sample) {
   return waiter_.wait(target, patience, [&] {

@@ -35,6 +35,9 @@ class StatusStream {
   std::shared_ptr<StatusFeed> open_feed(const Target& target, std::vector<std::uint16_t> axes,
                                         std::uint64_t first_tick = 0);
 
+  /// @return whether next() would have one at once.
+  [[nodiscard]] bool has_next(const StatusFeed& feed) const;
+
   /// Waits for the next sample of a feed, which takes the memory of `sample` in return.
   Outcome next(const Target& target, StatusFeed& feed, const Patience& patience,
                Observation& sample);
@@ -59,7 +62,7 @@ class StatusStream {
   Discovery& discovery_;
   Waiter& waiter_;
   Wakeup& wakeup_;
-  std::mutex mutex_;  ///< guards the feeds and what they collect
+  mutable std::mutex mutex_;  ///< guards the feeds and what they collect
   std::vector<std::weak_ptr<StatusFeed>> feeds_;
   std::once_flag subscribed_;
   std::optional<wire::StatusFrameHead> taken_;  ///< of the frame that `deliver` names the sender of

@@ -185,11 +185,10 @@ class Follower {
   /// @param sample the next one on success, else as it was
   Outcome next(std::chrono::milliseconds patience, Observation& sample);
 
-  /// The same for a sample that has come already, or that a step of this session alone makes.
-  /// Cannot be interrupted.
-  /// @param sample the next one on success, else as it was
-  /// @return nothing when the sample depends on the time, or on the steps of others: see next()
-  std::optional<Outcome> next_at_once(Observation& sample);
+  /// @return whether next() would wait neither for a time nor for other steppers: a sample waits,
+  /// or
+  ///         this session alone steps the bench. Then no interrupt that comes meanwhile ends it.
+  [[nodiscard]] bool has_next() const;
 
   /// @return since the follower was made.
   [[nodiscard]] Lateness lateness() const noexcept;
@@ -339,10 +338,10 @@ class Session {
   ///         clock and this session has not; timed_out, naming the stepper that time waits for.
   Result<std::uint64_t> step(std::uint32_t bench, std::uint64_t ticks);
 
-  /// The same for a bench that is present, where one request of this session alone steps it. Cannot
-  /// be interrupted.
-  /// @return nothing when the step depends on others, or is too long for one request: see step()
-  std::optional<Result<std::uint64_t>> step_at_once(std::uint32_t bench, std::uint64_t ticks);
+  /// @return whether step() would take one request, at most 2,000 ticks, of this session alone, of
+  /// a
+  ///         bench that is present. Then no interrupt that comes meanwhile ends it.
+  [[nodiscard]] bool steps_at_once(std::uint32_t bench, std::uint64_t ticks) const;
 
   /// Sets how fast drive time passes on a realtime bench, for everybody.
   /// @param rate drive time over wall time: 0 = pause, 0.1 to 100

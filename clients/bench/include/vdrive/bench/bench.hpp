@@ -47,8 +47,9 @@ struct BenchOptions {
   std::optional<std::size_t> axes{};           ///< 1 to kMostAxes default axes, instead of its own
   /// The axes are of this machine (docs/reference/presets.md), one without `axes`; empty = none.
   std::string preset{};
-  /// The axes, numbered from 1, instead of those of the configuration, of `axes` and of `preset`: 1
-  /// to kMostAxes, each with motor, load and settings as AxisBank takes them. Empty = none.
+  /// Motor, load and settings of each axis, instead of those of the configuration; not with `axes`
+  /// or `preset`. 1 to kMostAxes, whose numbers (from 1), names ("axis1", ...) and serial numbers
+  /// the bench gives. Empty = none.
   std::vector<AxisConfiguration> axis_configurations{};
   /// Of a tick, 125 us to 10 ms. Nothing = that of the configuration, or without one 1 ms.
   std::optional<std::chrono::microseconds> period{};
