@@ -147,18 +147,22 @@ def test_a_journal_that_cannot_be_written_is_named(tmp_path):
             vdrive.Bench(over="local", journal=file)
 
 
+# How it is made of a session, which nobody has any more when it is used.
 HANDLES = {
-    "session": lambda session: session.step(),
-    "axis": lambda session: session.axis("1.1").status(),
-    "follower": lambda session: next(session.follow("1.1")),
-    "clock": lambda session: vdrive.StepClock(session, [1]).step(),
-    "group": lambda session: vdrive.AxisGroup(session, ["1.1"]).status(),
+    "session": (lambda session: session, lambda session: session.step()),
+    "axis": (lambda session: session.axis("1.1"), lambda axis: axis.status()),
+    "follower": (lambda session: session.follow("1.1"), next),
+    "clock": (lambda session: vdrive.StepClock(session, [1]), lambda clock: clock.step()),
+    "group": (lambda session: vdrive.AxisGroup(session, ["1.1"]), lambda group: group.status()),
 }
 
 
-@pytest.mark.parametrize("name", HANDLES)
-def test_what_uses_a_session_keeps_its_bench(name):
-    assert HANDLES[name](vdrive.Bench(axes=1).session()) is not None
+@pytest.mark.parametrize("name, over", [*((name, "local") for name in HANDLES), ("axis", "dds")])
+def test_what_uses_a_session_keeps_its_bench(name, over):
+    make, use = HANDLES[name]
+    handle = make(vdrive.Bench(axes=1, over=over).session())
+    gc.collect()
+    assert use(handle) is not None
 
 
 def test_a_stream_of_events_keeps_the_bench_of_its_session():

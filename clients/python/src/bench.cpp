@@ -4,6 +4,7 @@
 
 #include "arguments.hpp"
 #include "own_bench.hpp"
+#include "py_session.hpp"
 
 #include <pybind11/operators.h>
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "errors.hpp"
 #include "fork.hpp"
 #include "interpreter_lock.hpp"
 #include "kept_in_thread.hpp"
 #include "private_bench.hpp"
-#include "py_session.hpp"
-#include "python.hpp"
 
 #include <cstdint>
 #include <memory>

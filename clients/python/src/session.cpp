@@ -637,9 +637,8 @@ void add_session(py::module_& module) {
       "this one only. find_timeout, silence, patience: wall time in s. A call raises Lost when a "
       "service was silent for `silence`; what follows a bench (wait, follow, stream, on_status) "
       "when it was silent for `patience`. local: a bench of this process, of vdrive.Bench; then no "
-      "option of the network counts. service: that of a vdrive.Bench over DDS. Both live as long "
-      "as "
-      "the session is open. program: what others read of who controls an axis, by default "
+      "option of the network counts. service: that of a vdrive.Bench over DDS. Both live at least "
+      "until the session is closed. program: what others read of who controls an axis, by default "
       "the name of the file that Python runs.");
   session
       .def_property_readonly(
