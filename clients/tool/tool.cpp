@@ -27,7 +27,7 @@ namespace {
 /// The options of the network in a command line that is not whole yet.
 GlobalOptions network_of(const std::vector<std::string>& words) {
   GlobalOptions options;
-  options.domain = client::default_domain();
+  options.domain = wire::default_domain();
   for (std::size_t i = 1; i < words.size(); ++i) {
     const std::string& name = words[i - 1];
     if (name == "--domain") {

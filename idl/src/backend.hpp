@@ -9,6 +9,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
@@ -86,6 +87,8 @@ class Backend {
 
   // What Participant promises, by the same names.
   [[nodiscard]] virtual std::string place() const = 0;
+  [[nodiscard]] virtual std::uint32_t domain() const noexcept = 0;
+  [[nodiscard]] virtual bool is_closed() const noexcept = 0;
   [[nodiscard]] virtual Source source() const noexcept = 0;
   virtual void announce_again() = 0;
   [[nodiscard]] virtual std::vector<OtherParticipant> others(std::string_view beginning) const = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network_backend.hpp"
 
+#include "vdrive/wire/ports.hpp"
+
 #include <atomic>
 
 namespace vdrive::wire {
@@ -20,6 +22,8 @@ void provide_network_backend(BackendMaker maker) noexcept {
 
 std::unique_ptr<Backend> make_network_backend(const NetworkSettings& settings,
                                               const std::string& name) {
+  NetworkSettings network = settings;
+  if (settings.takes_default_domain) network.domain = default_domain();
   const BackendMaker maker = provided();
   if (maker == nullptr) {
     throw NetworkError(
@@ -27,7 +31,7 @@ std::unique_ptr<Backend> make_network_backend(const NetworkSettings& settings,
         "session the bus of one (SessionOptions::bus), or link vdrive::client, which has DDS "
         "(CMake: find_package(vdrive COMPONENTS client))");
   }
-  return maker(settings, name);
+  return maker(network, name);
 }
 
 }  // namespace vdrive::wire

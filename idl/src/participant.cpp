@@ -44,6 +44,14 @@ std::string Participant::place() const {
   return backend_->place();
 }
 
+std::uint32_t Participant::domain() const noexcept {
+  return backend_->domain();
+}
+
+bool Participant::is_closed() const noexcept {
+  return backend_->is_closed();
+}
+
 std::uint64_t Participant::join_clock(const ClockOfBench& clock, std::uint64_t session) {
   return backend_->join_clock(clock, session);
 }

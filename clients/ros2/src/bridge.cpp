@@ -13,7 +13,8 @@ using bridge::Severity;
 
 wire::NetworkSettings network_of(const Settings& settings) {
   const client::SessionOptions& session = settings.session;
-  return {.domain = session.domain.value_or(client::default_domain()),
+  return {.domain = session.domain.value_or(0),
+          .takes_default_domain = !session.domain,
           .interfaces = session.interfaces,
           .peers = session.peers,
           .discovery_servers = session.discovery_servers};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/wire/local_bus.hpp"
 #include "vdrive/wire/origin.hpp"
+#include "vdrive/wire/participant.hpp"
 
 #include <chrono>
 #include <condition_variable>

@@ -148,14 +148,13 @@ void Discovery::search(std::optional<std::uint32_t> number, const Condition& con
 Sight Discovery::look(std::optional<std::uint32_t> number) const {
   const std::vector<wire::OtherParticipant> others = participant_.others();
   Sight sight{.participants = others.size()};
-  const bool is_closed = !options_.security.empty();
   const std::scoped_lock lock(mutex_);
   const auto now = time_of_judgement(number);
   sight.present = number ? (directory_.find(*number, now) ? 1 : 0) : directory_.count_present(now);
   for (const wire::OtherParticipant& other : others) {
     const auto bench = bench_of_service(other.name);
     if (!bench || (number && *bench != *number)) continue;
-    if (other.is_closed != is_closed) {
+    if (other.is_closed != participant_.is_closed()) {
       ++sight.unreachable;
       continue;
     }
@@ -194,7 +193,7 @@ std::string Discovery::others_announced() const {
   if (!options_.bench) return {};
   std::set<std::uint32_t> numbers;
   for (const wire::OtherParticipant& other : participant_.others()) {
-    if (other.is_closed == options_.security.empty()) continue;
+    if (other.is_closed != participant_.is_closed()) continue;
     if (const auto bench = bench_of_service(other.name)) numbers.insert(*bench);
   }
   numbers.erase(*options_.bench);
@@ -229,7 +228,7 @@ std::string Discovery::interfaces() const {
 ///         was seen.
 std::string Discovery::advice() const {
   if (knows_who_is_there()) return {};
-  return "; next step: vdrive --domain " + std::to_string(*options_.domain) +
+  return "; next step: vdrive --domain " + std::to_string(participant_.domain()) +
          marked(" --interface ", options_.interfaces) + " doctor";
 }
 

@@ -2,6 +2,7 @@
 #include "session/session_core.hpp"
 
 #include "vdrive/text.hpp"
+#include "vdrive/wire/ports.hpp"
 
 #include <charconv>
 #include <chrono>
@@ -19,17 +20,7 @@ namespace {
 // A bench publishes its state every 50 ms, in every clock mode.
 constexpr std::chrono::milliseconds kShortestSilence{50};
 
-/// @return the options with their domain; on a bus without any of a network.
-SessionOptions checked(SessionOptions options) {
-  if (options.bus) {
-    options.domain.reset();
-    options.interfaces.clear();
-    options.peers.clear();
-    options.discovery_servers.clear();
-    options.security.clear();
-  } else if (!options.domain) {
-    options.domain = default_domain();
-  }
+const SessionOptions& checked(const SessionOptions& options) {
   if (options.silence >= kShortestSilence) return options;
   throw std::runtime_error("the time without samples after which a service is lost, " +
                            std::to_string(options.silence.count()) + " ms, is below 50 ms");
@@ -44,6 +35,7 @@ std::uint64_t random_session() {
 
 wire::NetworkSettings settings_of(const SessionOptions& options) {
   return {.domain = options.domain.value_or(0),
+          .takes_default_domain = !options.domain,
           .interfaces = options.interfaces,
           .peers = options.peers,
           .discovery_servers = options.discovery_servers,
@@ -54,6 +46,10 @@ wire::NetworkSettings settings_of(const SessionOptions& options) {
 }
 
 }  // namespace
+
+std::uint32_t default_domain() {
+  return wire::default_domain();
+}
 
 SessionCore::SessionCore(const SessionOptions& chosen)
     : options(checked(chosen)),

@@ -7,9 +7,9 @@
 #include "language/help.hpp"
 #include "network_options.hpp"
 #include "vdrive/assert.hpp"
-#include "vdrive/client/session.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
+#include "vdrive/wire/ports.hpp"
 #include "vdrive/wording.hpp"
 
 #include <CLI/CLI.hpp>
@@ -124,7 +124,7 @@ void check_command(const CLI::App& app, const std::vector<std::string>& argument
 /// @throws UsageError
 std::uint32_t default_domain() {
   try {
-    return client::default_domain();
+    return wire::default_domain();
   } catch (const std::runtime_error& error) {
     throw UsageError(error.what());
   }

@@ -133,7 +133,6 @@ PrivateSession::~PrivateSession() {
 
 void PrivateSession::open_local(const PrivateBenches& benches, client::SessionOptions options) {
   bench_.emplace(options_of_bench(benches));
-  options.security.clear();  // of the environment, for benches on a network
   options.bus = bench_->bus();
   session_.emplace(options);
 }

@@ -249,6 +249,10 @@ class DdsBackend final : public Backend {
     return "on domain " + std::to_string(domain_);
   }
 
+  [[nodiscard]] std::uint32_t domain() const noexcept override { return domain_; }
+
+  [[nodiscard]] bool is_closed() const noexcept override { return is_closed_; }
+
   [[nodiscard]] Source source() const noexcept override;
   void announce_again() override;
   [[nodiscard]] std::vector<OtherParticipant> others(std::string_view beginning) const override;
@@ -275,6 +279,7 @@ class DdsBackend final : public Backend {
 
  private:
   std::uint32_t domain_;
+  bool is_closed_;
   std::shared_ptr<Guard> guard_;  ///< none without
   DdsEntities entities_;
 };
@@ -296,6 +301,7 @@ namespace {
 
 DdsBackend::DdsBackend(const NetworkSettings& settings, const std::string& name)
     : domain_(settings.domain),
+      is_closed_(!settings.security.empty()),
       guard_(settings.guard ? std::make_shared<Guard>(settings) : nullptr) {
   if (settings.domain > kHighestDomain) {
     throw NetworkError("DDS domain " + std::to_string(settings.domain) +

@@ -77,6 +77,10 @@ class LocalBackend final : public Backend {
 
   [[nodiscard]] std::string place() const override { return "on this bus"; }
 
+  [[nodiscard]] std::uint32_t domain() const noexcept override { return 0; }
+
+  [[nodiscard]] bool is_closed() const noexcept override { return false; }
+
   [[nodiscard]] Source source() const noexcept override { return source_; }
 
   void announce_again() override {}

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/wire/participant.hpp"
+
 #include <cstdint>
 #include <functional>
 #include <memory>
 
 namespace vdrive::wire {
-
-/// What became of work that a bench leaves to the threads of its clients.
-enum class LocalWork : std::uint8_t {
-  none,       ///< there was none
-  done,       ///< this thread has done some
-  elsewhere,  ///< another thread does it, or leaves it to those who come again
-};
 
 /// The place where participants of one process exchange samples by function calls: no socket, no
 /// thread, no file. A sample is delivered in the thread that writes it, before `write` returns, to

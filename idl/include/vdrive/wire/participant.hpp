@@ -15,9 +15,8 @@
 
 namespace vdrive::wire {
 
-class Backend;                        ///< known inside the wire room only
-class LocalBus;                       ///< vdrive/wire/local_bus.hpp
-enum class LocalWork : std::uint8_t;  ///< there, too
+class Backend;   ///< known inside the wire room only
+class LocalBus;  ///< vdrive/wire/local_bus.hpp
 
 /// What a participant is for. A client ignores other clients, so that the joins and leaves of many
 /// clients cost nothing.
@@ -26,7 +25,8 @@ enum class Role : std::uint8_t { other, service, client };
 /// Where a participant may be reached, and how it finds others. The default is loopback UDP only,
 /// with multicast. With a local bus there is no network, and only `bus` and `role` count.
 struct NetworkSettings {
-  std::uint32_t domain = 0;  ///< DDS domain, 0 to 232
+  std::uint32_t domain = 0;           ///< DDS domain, 0 to 232
+  bool takes_default_domain = false;  ///< `domain` is that of default_domain() in ports.hpp
   std::vector<std::string>
       interfaces{};  ///< own addresses in the networks to use; empty = loopback only
   std::vector<std::string> peers{};  ///< hosts asked in addition to multicast
@@ -74,6 +74,13 @@ struct OtherParticipant {
   std::string place{};  ///< NetworkSettings::place; anything of a stranger, empty where it has none
 };
 
+/// What became of work that a bench leaves to the threads of its clients.
+enum class LocalWork : std::uint8_t {
+  none,       ///< there was none
+  done,       ///< this thread has done some
+  elsewhere,  ///< another thread does it, or leaves it to those who come again
+};
+
 /// The clock of a bench: of one run of it.
 struct ClockOfBench {
   std::uint32_t bench = 0;
@@ -91,7 +98,8 @@ class Participant {
  public:
   /// @throws NetworkError when the domain is out of range, the security material is not in order,
   ///         DDS refuses the participant, this program has no DDS library, or the local bus belongs
-  ///         to the process from which this one was forked; NameTaken.
+  ///         to the process from which this one was forked; NameTaken; what default_domain()
+  ///         throws.
   Participant(const NetworkSettings& settings, const std::string& name);
   ~Participant();
   Participant(const Participant&) = delete;
@@ -99,6 +107,12 @@ class Participant {
 
   /// @return where it is, in words for people: "on this bus", or "on domain 7".
   [[nodiscard]] std::string place() const;
+
+  /// @return the DDS domain; 0 on a local bus.
+  [[nodiscard]] std::uint32_t domain() const noexcept;
+
+  /// @return whether it has DDS Security: it meets participants of its closed mode only.
+  [[nodiscard]] bool is_closed() const noexcept;
 
   /// @return what its messages show as their source.
   [[nodiscard]] Source source() const noexcept;

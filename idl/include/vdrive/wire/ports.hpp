@@ -17,6 +17,10 @@ inline constexpr std::uint32_t kPortsOfDomain = 250;
 /// The highest domain: 232. Ports of the next one are above 65535.
 inline constexpr std::uint32_t kHighestDomain = (65'535 - kFirstPort) / kPortsOfDomain;
 
+/// @return the DDS domain that the environment variable VDRIVE_DOMAIN names, 0 when it is not set.
+/// @throws std::runtime_error when it is set, but no number from 0 to 232
+[[nodiscard]] std::uint32_t default_domain();
+
 /// How many participants of a peer are searched.
 inline constexpr std::uint32_t kParticipantsOfPeer = 32;
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/client/session.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/ports.hpp"
 
@@ -11,7 +10,7 @@
 #include <string_view>
 #include <system_error>
 
-namespace vdrive::client {
+namespace vdrive::wire {
 
 std::uint32_t default_domain() {
   const char* const text =
@@ -24,10 +23,10 @@ std::uint32_t default_domain() {
   }
   std::uint32_t domain = 0;
   const auto [end, error] = std::from_chars(digits.begin(), digits.end(), domain);
-  if (error == std::errc() && end == digits.end() && domain <= wire::kHighestDomain) return domain;
+  if (error == std::errc() && end == digits.end() && domain <= kHighestDomain) return domain;
   throw std::runtime_error("VDRIVE_DOMAIN in the environment is " + in_quotes(digits) +
                            ": a DDS domain is a number from 0 to " +
-                           std::to_string(wire::kHighestDomain));
+                           std::to_string(kHighestDomain));
 }
 
-}  // namespace vdrive::client
+}  // namespace vdrive::wire
