@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program vdrive-canopen: alone with a private bench, and with services over DDS. Its clients
-// speak socketcand.
+// The program vdrive-canopen with services over DDS. Its clients speak socketcand.
+// private_program_test has it alone.
+#include "canopen/running_canopen.hpp"
 #include "client/session_options.hpp"
 #include "support/deadline.hpp"
 #include "support/local_http.hpp"
@@ -11,15 +12,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <sys/time.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <csignal>
 #include <cstddef>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -31,122 +28,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::StartsWith;
-
-constexpr std::chrono::seconds kProgramPatience{60};
-
-std::vector<std::string> words_of(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;) words.push_back(word);
-  return words;
-}
-
-/// vdrive-canopen of this build, with a socketcand server on a free port.
-class RunningCanopen {
- public:
-  explicit RunningCanopen(const std::string& words)
-      : process_(VDRIVE_CANOPEN, words_of(words + " --socketcand 127.0.0.1:0")),
-        line_(process_.read_line()) {
-    if (!line_.starts_with("vdrive-canopen: bus 1: ")) {
-      throw std::runtime_error("vdrive-canopen did not start: " + process_.wait().errors);
-    }
-  }
-
-  ~RunningCanopen() {
-    if (has_ended_) return;
-    const Finished finished = stop();
-    EXPECT_EQ(finished.code, 0) << finished.errors;
-  }
-
-  RunningCanopen(const RunningCanopen&) = delete;
-  RunningCanopen& operator=(const RunningCanopen&) = delete;
-
-  [[nodiscard]] const std::string& first_line() const { return line_; }
-
-  [[nodiscard]] int port() const {
-    constexpr std::string_view kBefore = "socketcand 127.0.0.1:";
-    return std::stoi(line_.substr(line_.find(kBefore) + kBefore.size()));
-  }
-
-  Finished stop() {
-    has_ended_ = true;
-    process_.send(SIGTERM);
-    return process_.wait();
-  }
-
- private:
-  Process process_;
-  std::string line_;
-  bool has_ended_ = false;
-};
-
-/// A client of the socketcand protocol in raw mode.
-class SocketcandPeer {
- public:
-  explicit SocketcandPeer(int port) : connection_(connected(port)) {
-    const timeval patience{.tv_sec = kProgramPatience.count(), .tv_usec = 0};
-    (void)setsockopt(connection_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    (void)read_until("< hi >");
-    send_text("< open can0 >");
-    (void)read_until("< ok >");
-    send_text("< rawmode >");
-    (void)read_until("< ok >");
-  }
-
-  ~SocketcandPeer() { close(connection_); }
-
-  SocketcandPeer(const SocketcandPeer&) = delete;
-  SocketcandPeer& operator=(const SocketcandPeer&) = delete;
-
-  void send_text(const std::string& text) const {
-    (void)send(connection_, text.data(), text.size(), MSG_NOSIGNAL);
-  }
-
-  /// Sends all of it, however long that takes. Beside a thread that reads.
-  void send_all(std::string_view text) const {
-    while (!text.empty()) {
-      const ssize_t sent = send(connection_, text.data(), text.size(), MSG_NOSIGNAL);
-      if (sent <= 0) return;  // the reader misses what did not go
-      text.remove_prefix(static_cast<std::size_t>(sent));
-    }
-  }
-
-  /// @return what came up to and with `text`; throws at the end of the connection and after 60 s.
-  std::string read_until(const std::string& text) {
-    while (received_.find(text) == std::string::npos) {
-      std::array<char, 4096> part{};
-      const ssize_t got = recv(connection_, part.data(), part.size(), 0);
-      if (got <= 0) {
-        report_missed_deadline(text, kProgramPatience);
-        throw std::runtime_error("no '" + text + "' in '" + received_ + "'");
-      }
-      received_.append(part.data(), static_cast<std::size_t>(got));
-    }
-    const std::size_t end = received_.find(text) + text.size();
-    std::string taken = received_.substr(0, end);
-    received_.erase(0, end);
-    return taken;
-  }
-
-  /// @return the data of the next frame with this identifier, as hex digits.
-  std::string next_data(const std::string& id) {
-    (void)read_until("< frame " + id + " ");
-    (void)read_until(" ");  // the time
-    const std::string data = read_until(">");
-    return words_of(data).front();
-  }
-
-  /// Reads an object of 4 bytes or less. @return the data of the answer.
-  std::string upload(int node, const std::string& index_and_subindex) {
-    send_text("< send " + std::to_string(600 + node) + " 8 40 " + index_and_subindex +
-              " 0 0 0 0 >");
-    return next_data(std::to_string(580 + node));
-  }
-
- private:
-  int connection_;
-  std::string received_;
-};
 
 /// @return a port of this host that is free now.
 int free_port() {
@@ -254,41 +135,6 @@ std::optional<std::vector<std::string>> take_answers(SocketcandPeer& peer) {
 
 std::string on_domain(const std::string& words) {
   return words + " --domain " + std::to_string(test_domain());
-}
-
-TEST(CanopenProgram, FailsWhenItsAnswerCouldNotBeWritten) {
-  for (const std::string flag : {"--help", "--version", "--check"}) {
-    const Finished full =
-        Process("/bin/sh", {"-c", VDRIVE_CANOPEN " " + flag + " > /dev/full"}).wait();
-    EXPECT_EQ(full.code, 1) << flag;
-    EXPECT_THAT(full.errors, HasSubstr("standard output could not be written: No space left"));
-  }
-}
-
-TEST(CanopenProgram, ServesAPrivateBenchAndCountsAtItsEnd) {
-  RunningCanopen program("--private --axes 3 --gateway 127.0.0.1:0");
-  EXPECT_THAT(program.first_line(), HasSubstr("bus 1: 3 nodes (1 to 3), socketcand 127.0.0.1:"));
-  EXPECT_THAT(program.first_line(), HasSubstr(", gateway 127.0.0.1:"));
-  EXPECT_THAT(program.first_line(), HasSubstr(", session 0x"));
-  {
-    SocketcandPeer peer(program.port());
-    EXPECT_EQ(peer.upload(3, "0 10 0"), "4300100092010200") << "1000h = 0002 0192h";
-  }
-  const Finished ended = program.stop();
-  EXPECT_EQ(ended.code, 0) << ended.errors;
-  EXPECT_THAT(ended.output, HasSubstr("vdrive-canopen: bus 1: "));
-  EXPECT_THAT(ended.output, HasSubstr(" frames, 0 dropped PDOs"));
-}
-
-TEST(CanopenProgram, StepsAPrivateBenchBySync) {
-  const RunningCanopen program("--private --axes 1 --sync-steps 1ms");
-  SocketcandPeer peer(program.port());
-  peer.send_text("< send 601 8 2b 17 10 0 3 0 0 0 >");  // a heartbeat each 3 ms
-  EXPECT_EQ(peer.next_data("581"), "6017100000000000");
-  EXPECT_EQ(peer.next_data("701"), "7F") << "the first one at once";
-  peer.send_text("< send 80 0 >< send 80 0 >< send 80 0 >< send 601 8 40 41 60 0 0 0 0 0 >");
-  EXPECT_EQ(peer.next_data("701"), "7F") << "behind the third SYNC";
-  EXPECT_THAT(peer.next_data("581"), StartsWith("4B416000"));
 }
 
 TEST(CanopenProgram, ServesABenchOfTheNetworkWhileItIsThere) {

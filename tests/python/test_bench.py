@@ -48,6 +48,7 @@ def test_a_value_of_a_wrong_type_is_named(over, options, message):
         vdrive.Bench(over=over, **options)
 
 
+@pytest.mark.dds
 def test_the_form_of_a_bench_and_its_domain_are_checked():
     with pytest.raises(ValueError, match="over = 'serial': must be one of local, dds"):
         vdrive.Bench(over="serial")
@@ -65,6 +66,7 @@ def test_whole_numbers_of_numpy_are_taken():
         assert [axis.id for axis in session.find_bench().axes] == ["9.1", "9.2", "9.3"]
 
 
+@pytest.mark.dds
 def test_benches_of_two_forms_do_not_go_beside_each_other():
     with vdrive.Bench(axes=1) as local:
         with pytest.raises(vdrive.ConfigurationError, match="in this process.*over DDS"):
@@ -76,6 +78,7 @@ def test_benches_of_two_forms_do_not_go_beside_each_other():
             vdrive.Bench(over="dds", number=2, beside=remote, domain=remote.domain)
 
 
+@pytest.mark.dds
 def test_a_bench_over_dds_joins_the_domain_of_another():
     with vdrive.Bench(axes=1, over="dds") as first, \
             vdrive.Bench(axes=1, over="dds", number=2, domain=first.domain) as second:

@@ -197,6 +197,7 @@ def test_a_child_uses_up_no_request_number_of_its_parent(vdrive_session):
         assert axis.read("profile_velocity") == 1000 + count
 
 
+@pytest.mark.dds
 def test_a_child_that_was_forked_before_the_first_session_has_its_own():
     finished = run("""
         import os, sys, vdrive

@@ -86,6 +86,7 @@ def test_ctrl_c_ends_a_wait_and_the_session_continues(name, over):
     assert process.returncode == 0
 
 
+@pytest.mark.dds
 def test_ctrl_c_ends_the_wait_for_another_stepper():
     process = begin("""
         import threading, vdrive
@@ -142,6 +143,7 @@ def test_ctrl_c_ends_a_wait_of_a_child_that_another_thread_forked():
     assert output == "interrupted\n", errors
 
 
+@pytest.mark.dds
 def test_ctrl_c_ends_the_start_of_a_private_bench(tmp_path):
     # A service that is started and never ready.
     service = tmp_path / "vdrived"
@@ -160,6 +162,7 @@ def test_ctrl_c_ends_the_start_of_a_private_bench(tmp_path):
     assert output == "interrupted\n", errors
 
 
+@pytest.mark.dds
 def test_a_service_that_does_not_start_reports_its_reason():
     with pytest.raises(vdrive.Failed, match="did not start.*--period: '0' must.*125 to 10000"):
         vdrive.Bench(over="dds", arguments=["--period", "0"])
@@ -383,6 +386,7 @@ def services_on(domain):
     return found
 
 
+@pytest.mark.dds
 def test_a_killed_program_leaves_no_service_behind():
     process = begin("""
         import threading, vdrive

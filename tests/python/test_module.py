@@ -202,6 +202,7 @@ def recordings(tmp_path_factory):
     return directory
 
 
+@pytest.mark.dds
 def test_a_recording_has_the_same_arrays_in_each_format(recordings, tmp_path):
     mcap = shutil.copy(recordings / "run.mcap", tmp_path)
     for ending in ("csv", "jsonl"):
@@ -220,6 +221,7 @@ def test_a_recording_has_the_same_arrays_in_each_format(recordings, tmp_path):
             assert numpy.array_equal(recordings[0][field], other[field]), field
 
 
+@pytest.mark.dds
 def test_a_recording_has_drive_times_where_its_format_says_how_long_a_tick_is(recordings, tmp_path):
     mcap = shutil.copy(recordings / "run.mcap", tmp_path)
     subprocess.run([os.environ["VDRIVE_TOOL"], "convert", mcap, tmp_path / "run.csv"],
@@ -234,6 +236,7 @@ def test_a_recording_has_drive_times_where_its_format_says_how_long_a_tick_is(re
     assert numpy.array_equal(vdrive.load(tmp_path / "run.csv", period=0.001).time, whole.time)
 
 
+@pytest.mark.dds
 def test_an_incomplete_recording_is_read_up_to_its_end(recordings, tmp_path):
     whole = recordings / "run.mcap"
     cut = tmp_path / "cut.mcap"
@@ -384,6 +387,7 @@ def test_a_file_that_is_not_a_recording_is_an_error_that_names_the_place(tmp_pat
         vdrive.load(path)
 
 
+@pytest.mark.dds
 def test_one_bench_of_a_recording_of_several_can_be_chosen(recordings, tmp_path):
     one = (recordings / "run.csv").read_text().splitlines(True)
     two = [line.replace("1.", "2.", 1) for line in one[1:] if line.startswith("1.1,")]
@@ -406,6 +410,7 @@ def answers_about(path):
     return str(refusal.value), tool.stderr.removeprefix("vdrive: ").rstrip("\n")
 
 
+@pytest.mark.dds
 def test_a_text_that_is_cut_anywhere_has_one_answer_of_the_tool_and_the_module(recordings, tmp_path):
     whole = (recordings / "run.csv").read_bytes()
     cut = tmp_path / "cut.csv"

@@ -38,6 +38,7 @@ def test_parallel_tests_do_not_disturb_each_other(pytester, over):
     result.assert_outcomes(passed=8)
 
 
+@pytest.mark.dds
 def test_a_failing_test_ends_its_bench(pytester):
     pytester.makepyfile("""
         import pathlib
@@ -131,6 +132,7 @@ def test_of_many_failed_tests_the_first_20_have_files(pytester):
     assert result.stdout.str().count("20 tests have files already") == 3
 
 
+@pytest.mark.dds
 def test_a_killed_pytest_leaves_no_service_behind(tmp_path):
     (tmp_path / "test_waits.py").write_text(textwrap.dedent("""
         import pathlib, threading
