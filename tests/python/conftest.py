@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""--without-dds leaves out the tests that need DDS, which the thread sanitizer does not know."""
+"""--under-thread-sanitizer leaves out the tests that need DDS, whose library is not instrumented, and
+those that the sanitizer cannot run."""
 pytest_plugins = ["pytester"]
+
+OPTION = "--under-thread-sanitizer"
 
 
 def pytest_addoption(parser):
-    parser.addoption("--without-dds", action="store_true", help="leave out the tests that need DDS")
+    parser.addoption(OPTION, action="store_true", help="leave out what cannot run under it")
 
 
 def needs_dds(item):
@@ -18,6 +21,8 @@ def needs_dds(item):
 
 
 def pytest_collection_modifyitems(config, items):
-    if config.getoption("--without-dds"):
-        config.hook.pytest_deselected(items=[item for item in items if needs_dds(item)])
-        items[:] = [item for item in items if not needs_dds(item)]
+    if not config.getoption(OPTION):
+        return
+    left_out = [item for item in items if needs_dds(item) or item.get_closest_marker("not_watched")]
+    config.hook.pytest_deselected(items=left_out)
+    items[:] = [item for item in items if item not in left_out]
