@@ -21,6 +21,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
@@ -703,6 +704,37 @@ TEST(StatusReports, OfABenchThatEndsAreEndedAtOnce) {
   }
 }
 
+// What comes after it is another bench, however soon it comes.
+TEST(StatusReports, OfABenchThatIsReplacedAtOnceAreEnded) {
+  for (const ClockMode clock : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
+    for (int count = 0; count < 20; ++count) {
+      std::optional<Bench> bench(std::in_place, BenchOptions{.clock = clock});
+      Session session = bench->session();
+      const std::array<client::AxisId, 1> axes{{{1, 1}}};
+      std::promise<void> seen;
+      std::promise<Outcome> ended;
+      bool has_seen = false;
+      ASSERT_TRUE(session.on_status(
+          axes, milliseconds(1),
+          [&](const Observation&) {
+            if (!std::exchange(has_seen, true)) seen.set_value();
+          },
+          [&](const Outcome& outcome) {
+            ended.set_value(outcome);
+          }));
+      ASSERT_EQ(seen.get_future().wait_for(kLong), std::future_status::ready);
+      const BenchOptions again{.clock = clock, .bus = bench->bus()};
+      bench.reset();
+      bench.emplace(again);
+      static_cast<void>(session.find_benches());
+      auto outcome = ended.get_future();
+      ASSERT_EQ(outcome.wait_for(seconds(5)), std::future_status::ready) << to_string(clock);
+      EXPECT_THAT(outcome.get().message(), HasSubstr("went offline: its service has ended"));
+      ASSERT_TRUE(session.on_status(axes, milliseconds(1), {}));
+    }
+  }
+}
+
 TEST(StatusReports, ShowAStateThatIsRestoredInTheSameTick) {
   const Bench bench;
   std::promise<void> enabled;
@@ -1035,6 +1067,58 @@ TEST(Session, ThatOutlivesItsBenchIsLostInEveryCall) {
   EXPECT_EQ(clock->step(1).outcome().kind(), OutcomeKind::lost);
 }
 
+TEST(Session, ThatOutlivesItsBenchWaitsForNoName) {
+  constexpr std::uint64_t kNobody = 12'345;
+  std::optional<Bench> bench(std::in_place);
+  Session session = bench->session();
+  bench.reset();
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_FALSE(session.find_name(1, kNobody));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin,
+            milliseconds(500));  // over a network it waits for 1 s
+}
+
+TEST(Session, ThatHoldsAnAxisOfABenchThatHasEndedNamesTheReason) {
+  std::optional<Bench> bench(std::in_place);
+  Session session = bench->session();
+  ASSERT_TRUE(session.axis("1.1")->enable());
+  bench.reset();
+  EXPECT_EQ(session.release().message(), "bench 1 went offline: its service has ended");
+}
+
+// In real time a bench describes itself with its next tick.
+TEST(Session, OnABusNamesAllBenchesWhereOneIsNotThere) {
+  for (const ClockMode clock : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
+    const Bench first({.clock = clock});
+    const Bench second({.clock = clock, .number = 2, .bus = first.bus()});
+    for (int count = 0; count < 20; ++count) {
+      const std::string message = first.session().find_bench(7).outcome().message();
+      EXPECT_TRUE(message.find("found benches 1, 2 (seen: ") != std::string::npos ||
+                  (message.find("found bench 1 ") != std::string::npos &&
+                   message.find(", bench 2 ") != std::string::npos))
+          << message;
+    }
+  }
+}
+
+/// A bench with a session that holds an axis.
+struct InUse {
+  InUse() {
+    auto axis = session.axis("1.1");
+    EXPECT_TRUE(axis && axis->enable() && axis->move_to(100));
+  }
+
+  Bench bench{BenchOptions{.axes = 8}};
+  Session session = bench.session();
+};
+
+// The objects of a thread end in the order in which they were not made.
+TEST(Bench, MayEndWithTheThreadThatMadeIt) {
+  std::thread([] {
+    thread_local const InUse in_use;
+  }).join();
+}
+
 /// @param is_waiting asked with another session of the bench until it is true: the wait has begun
 /// @return the outcome of a wait in another thread, during which the bench ended.
 template <typename Wait, typename IsWaiting>
@@ -1240,6 +1324,15 @@ TEST(Bench, RefusesEachKeyAboutANetworkWithItsReason) {
   EXPECT_GE(keys, 9U) << "all keys of the three sections";
 }
 
+TEST(Bench, NamesTheFileOfAKeyAboutANetwork) {
+  const test::TemporaryDirectory directory;
+  const auto file = directory.path() / "bench.yaml";
+  std::ofstream(file) << "network: {domain: 5}\n";
+  EXPECT_THAT(
+      message_of({.configuration_file = file}),
+      testing::StartsWith(file.string() + ": network.domain is for a bench on the network"));
+}
+
 TEST(Bench, WithoutAStateDirectorySaysWhichOptionIsMissing) {
   const Bench bench;
   Session session = bench.session();
@@ -1419,6 +1512,35 @@ TEST(Fork, LeavesTheLocksOfTheParentToTheParent) {
   close(gate[1]);
   close(gate[0]);
   waitpid(child, nullptr, 0);
+}
+
+// Such as a pool of processes whose parent was killed.
+TEST(Fork, GivesTheChildNoLockOfAParentThatWasKilled) {
+  const test::TemporaryDirectory directory;
+  const BenchOptions options{.state_directory = directory.path() / "state",
+                             .journal = directory.path() / "journal"};
+  std::array<int, 2> gate{};
+  ASSERT_EQ(pipe(gate.data()), 0);
+  const pid_t parent = fork();
+  if (parent == 0) {
+    close(gate[1]);
+    std::array<int, 2> begun{};
+    if (pipe(begun.data()) != 0) _exit(1);
+    const Bench bench(options);
+    char byte = 0;
+    if (fork() == 0) {
+      close(begun[1]);
+      _exit(read(gate[0], &byte, 1) == 0 ? 0 : 1);  // lives until the test closes its end
+    }
+    close(begun[1]);
+    static_cast<void>(read(begun[0], &byte, 1));  // until the child runs
+    raise(SIGKILL);
+  }
+  waitpid(parent, nullptr, 0);
+  EXPECT_EQ(message_of({.state_directory = options.state_directory}), "accepted");
+  EXPECT_THAT(message_of({.journal = options.journal}), HasSubstr("is not empty"));
+  close(gate[1]);
+  close(gate[0]);
 }
 
 }  // namespace

@@ -75,6 +75,28 @@ TEST(BenchOfTwoAxes, TakesAtMostOneMebibyte) {
   }
 }
 
+TEST(BenchesOfTwoAxes, GiveTheirMemoryBackWhenTheyEnd) {
+  constexpr std::size_t kBenches = 50;
+  constexpr int kRounds = 10;
+  const auto make_and_end = [] {
+    std::vector<std::unique_ptr<Place>> places;
+    for (std::size_t count = 0; count < kBenches; ++count) {
+      places.push_back(make_place({.axes = 2}));
+      auto axis = places.back()->session.axis("1.2");
+      ASSERT_TRUE(axis && axis->enable() && axis->move_to(100));
+    }
+  };
+  make_and_end();
+  const std::size_t after_one = resident();
+  for (int round = 1; round < kRounds; ++round) make_and_end();
+  const std::size_t after_all = resident();
+  RecordProperty("kib_each", std::to_string((after_all - after_one) / kBenches / kKibi));
+  if (kIsMeasured) {
+    // A tenth of what so many benches take.
+    EXPECT_LE(after_all, after_one + kBenches * kMostOfAMovedBench / 10);
+  }
+}
+
 /// @return benches of two axes on one bus, with the numbers 1 to `count`.
 std::vector<Bench> benches_on_one_bus(std::uint32_t count) {
   std::vector<Bench> benches;

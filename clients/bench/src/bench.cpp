@@ -10,6 +10,7 @@
 #include "settings/configuration_error.hpp"
 #include "store/parameter_store.hpp"
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/text.hpp"
 #include "vdrive/wire/bench_number.hpp"
 #include "vdrive/wire/local_bus.hpp"
 #include "vdrive/wire/origin.hpp"
@@ -49,11 +50,13 @@ Configuration read(const BenchOptions& options) {
 }
 
 /// A bench in a process has no network: a key that asks for one is a mistake, not to be ignored.
-void refuse_network(const Configuration& configuration) {
+/// @param where begins the message: the file, or nothing
+void refuse_network(const Configuration& configuration, const std::string& where) {
   const wire::NetworkSettings defaults;
   const wire::NetworkSettings& network = configuration.network;
-  const auto refuse = [](const std::string& key) {
-    throw NeedsNetwork(key + " is for a bench on the network: a bench in this process has none; " +
+  const auto refuse = [&where](const std::string& key) {
+    throw NeedsNetwork(where + key +
+                       " is for a bench on the network: a bench in this process has none; " +
                        "leave it out, or start vdrived");
   };
   if (configuration.metrics_port) refuse("metrics.port");
@@ -101,7 +104,8 @@ void try_axes(const Configuration& configuration) {
 Configuration configuration_of(const BenchOptions& options) {
   refuse_two_kinds_of_axes(options);
   Configuration configuration = read(options);
-  refuse_network(configuration);
+  const std::string file = options.configuration_file.string();
+  refuse_network(configuration, file.empty() ? "" : escaped(file) + ": ");
   if (!options.axis_configurations.empty()) {
     configuration.axes = axes_of(options.axis_configurations);
   } else if (!options.preset.empty()) {

@@ -160,20 +160,26 @@ Outcome Control::release(const GivenBack& given) {
 Outcome Control::release(const Target& target, std::span<const std::vector<std::uint16_t>> parts) {
   const auto sending = holdings_.lock_sending(target.key.number);
   std::vector<std::uint64_t> sent;
+  Outcome result;
   for (const std::vector<std::uint16_t>& axes : parts) {
     msg::Request request;
     request.kind(msg::REQUEST_RELEASE);
     request.axes() = axes;
     const auto number = requests_.send(target, std::move(request), kReleaseAnswer);
-    if (!number) break;
+    if (!number) {
+      result = number.outcome();
+      break;
+    }
     sent.push_back(*number);
   }
-  bool is_answered = sent.size() == parts.size();
   for (const std::uint64_t number : sent) {
-    const Patience patience{is_answered ? kReleaseAnswer : std::chrono::milliseconds(0), false};
-    is_answered = requests_.await(target, number, patience) && is_answered;
+    const Patience patience{result ? kReleaseAnswer : std::chrono::milliseconds(0), false};
+    const auto answered = requests_.await(target, number, patience);
+    if (!answered && result) result = answered.outcome();
   }
-  return is_answered ? Outcome() : Outcome::lost(name_of(target) + " did not answer");
+  // Whatever the reason: whether the axes are free is not known.
+  if (result || result.kind() == OutcomeKind::lost) return result;
+  return Outcome::lost(result.message());
 }
 
 }  // namespace vdrive::client

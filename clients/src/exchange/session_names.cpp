@@ -169,6 +169,7 @@ std::optional<SessionName> SessionNames::find(std::uint32_t bench, std::uint64_t
     const std::uint64_t changes = wakeup_.changes();
     if (auto name = look_up(bench, session)) return name;
     if (wakeup_.work(changes, bench)) continue;
+    if (!discovery_.may_be_there(bench)) return std::nullopt;
     const auto end = end_of_wait(bench, session);
     const auto now = Clock::now();
     if (now >= end || wakeup_.is_interrupted()) return std::nullopt;

@@ -187,16 +187,22 @@ Outcome Discovery::no_bench_found() const {
   return Outcome::not_found(what + place() + interfaces() + seen() + advice());
 }
 
-/// A session that finds one bench only takes no description of another one: it knows the others by
-/// the participants of their services.
-std::string Discovery::others_announced() const {
-  if (!options_.bench) return {};
+/// By the participants of their services, which come before the descriptions.
+std::set<std::uint32_t> Discovery::announced_benches() const {
   std::set<std::uint32_t> numbers;
   for (const wire::OtherParticipant& other : participant_.others()) {
     if (other.is_closed != participant_.is_closed()) continue;
     if (const auto bench = bench_of_service(other.name)) numbers.insert(*bench);
   }
-  numbers.erase(*options_.bench);
+  return numbers;
+}
+
+/// A session that finds one bench only takes no description of another one. Where it is known who
+/// is there, a bench that has not described itself yet is there, too.
+std::string Discovery::others_announced() const {
+  if (!options_.bench && !knows_who_is_there()) return {};
+  std::set<std::uint32_t> numbers = announced_benches();
+  if (options_.bench) numbers.erase(*options_.bench);
   std::string text;
   for (const std::uint32_t number : numbers) {
     text += (text.empty() ? "" : ", ") + std::to_string(number);
@@ -207,7 +213,8 @@ std::string Discovery::others_announced() const {
 
 std::string Discovery::what_is_there() const {
   const std::vector<PresentBench> benches = present();
-  if (!benches.empty()) return ", " + list_of(benches) + seen();
+  const bool are_all = !knows_who_is_there() || benches.size() == announced_benches().size();
+  if (!benches.empty() && are_all) return ", " + list_of(benches) + seen();
   const std::string others = others_announced();
   if (!others.empty()) return ", " + others + seen();
   return interfaces() + ", " + list_of(benches) + seen() + advice();
@@ -450,10 +457,14 @@ std::optional<Target> Discovery::present_target(std::uint32_t bench) const {
   return present ? std::optional(target_of(*present)) : std::nullopt;
 }
 
-Outcome Discovery::loss_of(std::uint32_t bench) const {
+bool Discovery::may_be_there(std::uint32_t bench) const {
+  return !knows_who_is_there() || announced_benches().contains(bench);
+}
+
+Outcome Discovery::loss_of(const BenchKey& key) const {
   const std::scoped_lock lock(mutex_);
-  const auto key = directory_.newest_run(bench);
-  return lost_in_silence({.key = key}, time_of_judgement(bench), patience());
+  const BenchKey run = key.incarnation == 0 ? directory_.newest_run(key.number) : key;
+  return lost_in_silence({.key = run}, time_of_judgement(key.number), patience());
 }
 
 Discovery::Clock::duration Discovery::own_pauses() const {

@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -103,7 +104,11 @@ class Discovery {
   [[nodiscard]] std::optional<Target> present_target(std::uint32_t bench) const;
 
   /// @return why nothing comes from a bench that has no run now.
-  [[nodiscard]] Outcome loss_of(std::uint32_t bench) const;
+  /// @param run of the bench; incarnation 0 = the one that was seen last
+  [[nodiscard]] Outcome loss_of(const BenchKey& run) const;
+
+  /// @return whether a bench with this number is there, or may be.
+  [[nodiscard]] bool may_be_there(std::uint32_t bench) const;
 
   /// @return for how long this program did not run since it has this object.
   [[nodiscard]] Clock::duration own_pauses() const;
@@ -148,8 +153,10 @@ class Discovery {
   [[nodiscard]] std::string seen() const;
   [[nodiscard]] std::string interfaces() const;
   [[nodiscard]] std::string advice() const;
-  /// @return the benches that are there beside the only one that this session finds, such as "found
-  ///         benches 1, 2"; empty where none is.
+  [[nodiscard]] std::set<std::uint32_t> announced_benches() const;
+  /// @return the benches that are announced beside the only one that this session finds, such as
+  ///         "found benches 1, 2"; empty where none is, and over a network for a session that finds
+  ///         all.
   [[nodiscard]] std::string others_announced() const;
   /// @return the end of the message of a search that found nothing: which benches there are, what
   ///         the search has seen, and where there is no bench the next step.

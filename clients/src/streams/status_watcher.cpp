@@ -44,12 +44,14 @@ struct StatusWatcher::Watch {
   std::vector<Bench> benches;
 };
 
-/// Follows the run of the service that is there now: a service that restarts is another run.
+/// Follows the run of the service that is there now: a service that restarts is another run. What
+/// this process has made with the number of a bench that ended is another bench.
 bool StatusWatcher::follow(Bench& bench, const Watch& watch, const std::stop_token& stop) const {
   const std::optional<Target> target = discovery_.present_target(bench.number);
-  if (target) {
+  const bool is_another = bench.feed && target && bench.key != target->key;
+  if (target && !(is_another && discovery_.knows_who_is_there())) {
     bench.absent_since.reset();
-    if (!bench.feed || bench.key != target->key) {
+    if (!bench.feed || is_another) {
       if (const auto first = begin(bench, *target)) show(bench, *first, watch.report);
     }
     if (stop.stop_requested()) return true;
@@ -57,7 +59,7 @@ bool StatusWatcher::follow(Bench& bench, const Watch& watch, const std::stop_tok
     return true;
   }
   if (!is_absent_for_good(bench)) return true;
-  if (watch.ended) watch.ended(discovery_.loss_of(bench.number));
+  if (watch.ended) watch.ended(discovery_.loss_of(bench.key));
   return false;
 }
 
@@ -113,6 +115,7 @@ void StatusWatcher::watch(ReportThread& thread,
   for (const auto& [number, numbers] : axes) {
     Bench& bench = benches.emplace_back();
     bench.number = number;
+    bench.key.number = number;
     bench.axes = numbers;
   }
   thread.start(

@@ -240,24 +240,24 @@ void LocalWriter::report_matches() const {
 
 bool LocalWriter::write(const void* data) noexcept {
   try {
+    const std::shared_lock lock(bus_->parts().members);
+    const std::scoped_lock writing(writing_);
     if (form_ == Backend::Form::bytes) {
       publish(*static_cast<const std::span<const std::byte>*>(data));
       return true;
     }
-    thread_local std::vector<std::byte> sample;  // keeps its capacity
-    sample.resize(support_of(topic_).encoded_size(data));
-    const std::size_t size = support_of(topic_).encode(data, sample);
+    encoded_.resize(support_of(topic_).encoded_size(data));
+    const std::size_t size = support_of(topic_).encode(data, encoded_);
     if (size == 0) return false;
-    publish(std::span(sample).first(size));
+    publish(std::span(encoded_).first(size));
     return true;
   } catch (...) {  // no memory
     return false;
   }
 }
 
+/// With `members`, shared, and `writing_`.
 void LocalWriter::publish(std::span<const std::byte> sample) {
-  const std::shared_lock lock(bus_->parts().members);
-  const std::scoped_lock writing(writing_);
   if (traits_of(topic_).transient_local) keep(sample);
   for (LocalReader* const reader : bus_->parts().readers[place_of(topic_)]) {
     reader->take(sample, id_.source);

@@ -139,6 +139,9 @@ class LocalWriter final : public WriterEnd {
   Backend::Form form_;
   Observer observer_;
   std::mutex writing_;  ///< samples reach each reader in the order of the history
+  /// Of the last message: keeps its capacity. Not of a thread, whose objects may end before a
+  /// session that it made and that gives its axes back.
+  std::vector<std::byte> encoded_;
   std::map<std::array<std::byte, kKeyHashSize>, std::deque<std::vector<std::byte>>>
       history_;  ///< by key
 };

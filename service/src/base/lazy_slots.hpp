@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/pages.hpp"
 #include "vdrive/assert.hpp"
 
 #include <cstddef>
@@ -12,17 +13,17 @@ namespace vdrive::service {
 /// A fixed number of slots, of which each is made when it is first reached. The memory of all of
 /// them is reserved at the beginning, so that nothing allocates later, as far as making a slot does
 /// not, but the kernel gives a page of it when it is first written: slots that are not used cost no
-/// memory. For one thread.
+/// memory (Pages). For one thread.
 template <typename Slot>
 class LazySlots {
  public:
   explicit LazySlots(std::size_t capacity)
-      : capacity_(capacity), slots_(std::allocator<Slot>().allocate(capacity)) {}
+      : capacity_(capacity),
+        pages_(capacity * sizeof(Slot)),
+        // NOLINTNEXTLINE(*-reinterpret-cast): a page begins where any object may
+        slots_(reinterpret_cast<Slot*>(pages_.memory().data())) {}
 
-  ~LazySlots() {
-    std::destroy_n(slots_, made_);
-    std::allocator<Slot>().deallocate(slots_, capacity_);
-  }
+  ~LazySlots() { std::destroy_n(slots_, made_); }
 
   LazySlots(const LazySlots&) = delete;
   LazySlots& operator=(const LazySlots&) = delete;
@@ -46,6 +47,7 @@ class LazySlots {
 
  private:
   std::size_t capacity_;
+  Pages pages_;
   Slot* slots_;
   std::size_t made_ = 0;
 };

@@ -2,7 +2,7 @@
 #include "journal/journal.hpp"
 
 #include "base/event_codes.hpp"
-#include "base/lock_holder.hpp"
+#include "base/file_lock.hpp"
 #include "base/log.hpp"
 #include "base/system_failure.hpp"
 #include "configuration/configuration_file.hpp"
@@ -10,7 +10,6 @@
 #include "vdrive/text.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -40,11 +39,7 @@ class File {
  public:
   File(int descriptor, std::string name) : descriptor_(descriptor), name_(std::move(name)) {}
 
-  /// A process that was forked from this one would keep the lock.
-  ~File() {
-    static_cast<void>(::flock(descriptor_, LOCK_UN));
-    ::close(descriptor_);
-  }
+  ~File() { unlock_and_close(descriptor_); }
 
   File(const File&) = delete;
   File& operator=(const File&) = delete;
@@ -62,11 +57,7 @@ class File {
 
   /// The lock belongs to the file, by whatever name it was opened. A device takes any number of
   /// journals. @return false when another program has it.
-  [[nodiscard]] bool try_lock() const {
-    if (!is_regular() || ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return true;
-    if (errno != EWOULDBLOCK) fail(name_);
-    return false;
-  }
+  [[nodiscard]] bool try_lock() const { return !is_regular() || try_lock_file(descriptor_); }
 
   /// @return who has the lock that this one did not get.
   [[nodiscard]] std::string holder() const { return holder_of_lock(descriptor_); }

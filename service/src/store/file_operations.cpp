@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "store/file_operations.hpp"
 
-#include "base/lock_holder.hpp"
+#include "base/file_lock.hpp"
 #include "base/system_failure.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -118,21 +117,12 @@ class SystemFiles final : public FileOperations {
     if (::fsync(file) != 0) fail("fsync");
   }
 
-  bool try_lock(int file) override {
-    const int result = uninterrupted([&] {
-      return ::flock(file, LOCK_EX | LOCK_NB);
-    });
-    if (result != 0 && errno != EWOULDBLOCK) fail("flock");
-    return result == 0;
-  }
+  bool try_lock(int file) override { return try_lock_file(file); }
 
   std::string lock_holder(int file) override { return holder_of_lock(file); }
 
-  /// The lock of a file belongs to all processes that have it open: one that was forked from this
-  /// one would keep it.
   void close(int file) override {
-    static_cast<void>(::flock(file, LOCK_UN));  // a file without a lock stays as it is
-    if (::close(file) != 0) fail("close");
+    if (unlock_and_close(file) != 0) fail("close");
   }
 
   void rename(const std::filesystem::path& from, const std::filesystem::path& to) override {
