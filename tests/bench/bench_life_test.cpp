@@ -24,6 +24,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <future>
@@ -192,6 +193,75 @@ TEST(Steps, OfTwoThreadsThroughOneJoinedClockFollowEachOther) {
   EXPECT_TRUE(run());
   EXPECT_TRUE(one.get());
   EXPECT_EQ(tick_of(session) - begin, 2U * 3U * kSteps);
+}
+
+/// Of so many ticks that a day would not do.
+constexpr std::uint64_t kEndless = 1'000'000'000'000;
+
+/// @return the outcome of an endless step of a joined clock in another thread; `end` was called
+/// with
+///         the bench and the session when the step had begun.
+template <typename End>
+Outcome step_until(const End& end) {
+  std::optional<Bench> bench(std::in_place);
+  Session session = bench->session();
+  Session other = bench->session();
+  std::latch has_joined(1);
+  auto ended = std::async(std::launch::async, [&] {
+    auto clock = StepClock::join(session, kFirst);
+    has_joined.count_down();
+    return clock ? clock->step(kEndless, std::chrono::hours(1)).outcome() : clock.outcome();
+  });
+  has_joined.wait();
+  const std::uint64_t begin = tick_of(other);
+  while (tick_of(other) == begin && ended.wait_for(seconds(0)) != std::future_status::ready) {
+  }
+  end(bench, session);
+  if (ended.wait_for(kLong) != std::future_status::ready) {
+    ADD_FAILURE() << "the step goes on";
+    std::abort();  // nothing else ends it
+  }
+  return ended.get();
+}
+
+TEST(JoinedClocks, EndAStepThatIsUnderWay) {
+  EXPECT_EQ(step_until([](std::optional<Bench>& /*bench*/, Session& session) {
+              session.interrupt();
+            }).message(),
+            "interrupted");
+  const Outcome lost = step_until([](std::optional<Bench>& bench, Session& /*session*/) {
+    bench.reset();
+  });
+  EXPECT_EQ(lost.kind(), OutcomeKind::lost) << lost.message();
+}
+
+TEST(JoinedClocks, ContinueAStepAfterItsPatienceFromWhereItWas) {
+  constexpr std::uint64_t kTicks = 200'000;  // some 0.1 s
+  const Bench bench;
+  Session session = bench.session();
+  auto clock = StepClock::join(session, kFirst);
+  ASSERT_TRUE(clock);
+  const std::uint64_t begin = tick_of(session);
+  const auto first = clock->step(kTicks, milliseconds(1));
+  ASSERT_EQ(first.outcome().kind(), OutcomeKind::timed_out) << first.outcome().message();
+  EXPECT_THAT(first.outcome().message(), testing::MatchesRegex("bench 1 is at tick [0-9]+ of " +
+                                                               std::to_string(begin + kTicks)));
+  const auto reached = clock->step(kTicks, kLong);
+  ASSERT_TRUE(reached) << reached.outcome().message();
+  EXPECT_EQ(reached->front(), begin + kTicks);
+  EXPECT_EQ(clock->now(), kTicks * milliseconds(1));
+}
+
+TEST(JoinedClocks, RefuseMoreTicksThanTheyCount) {
+  const Bench bench;
+  Session session = bench.session();
+  auto clock = StepClock::join(session, kFirst);
+  ASSERT_TRUE(clock);
+  // 2^63 ns are 9,223,372,036,854.775807 ms.
+  EXPECT_EQ(clock->step(9'223'372'036'855).outcome().message(),
+            "9223372036855 ticks of 1000 us are more than a clock counts: at most 9223372036854");
+  EXPECT_EQ(clock->now(), std::chrono::nanoseconds(0));
+  EXPECT_TRUE(clock->step(1));
 }
 
 // ---- callbacks ---------------------------------------------------------------------------------

@@ -78,6 +78,14 @@ def test_the_status_keeps_its_bank():
     assert view.tolist() == [10000, 10010] and len(others) == 100
 
 
+@pytest.mark.parametrize("row", [[1, -2, 3, 2**31 - 1], numpy.rint([1.2, -2.4, 2.6, 2.0**31 - 1]),
+                                 numpy.array([1, 2, 3, 4], dtype=numpy.uint64)])
+def test_a_row_of_whole_numbers_may_have_any_type_of_numbers(row):
+    bank = vdrive.AxisBank(4)
+    bank.write(None, 0x607A, row)
+    assert bank.read(None, 0x607A).tolist() == [int(value) for value in row]
+
+
 def test_the_same_writes_give_the_same_bits():
     first, second = moving(33), moving(33)
     for _ in range(300):
@@ -198,8 +206,8 @@ def test_bad_arguments_are_refused():
             bank.write(axis, 0x607A, 0)
     with pytest.raises(ValueError, match="3 values for 4 axes"):
         bank.write(None, 0x607A, [1, 2, 3])
-    for value in (1.5, "1", None, numpy.zeros(4), numpy.zeros((2, 2), dtype=int),
-                  numpy.full(4, 2**63, dtype=numpy.uint64)):
+    for value in (1.5, "1", None, numpy.full(4, 0.5), numpy.full(4, numpy.nan), numpy.full(4, 2.0**63),
+                  numpy.zeros((2, 2), dtype=int), numpy.full(4, 2**63, dtype=numpy.uint64)):
         with pytest.raises(TypeError):
             bank.write(None, 0x607A, value)
     with pytest.raises(TypeError, match="value = .*True.*: must be a whole number or one row"):

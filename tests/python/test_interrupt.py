@@ -52,6 +52,7 @@ WAITS = {
     "a follower": "[None for _ in session.follow(pace='observe', patience=1e6)]",
     "a group": "group = vdrive.AxisGroup(session, ['1.1', '1.2']); group.enable_all();"
                " group.move_together([10**8, 10**8], timeout=1e6)",
+    "a clock": "vdrive.StepClock(session, [1]).step(10**12, patience=1e6)",
     "finding": "vdrive.Session(domain=bench.domain, find_timeout=1e6, bench=9).find_bench()",
 }
 
@@ -303,6 +304,18 @@ def test_an_interrupted_take_loses_no_sample_and_counts_each_once(vdrive_session
     assert ticks == list(range(begin + 1, begin + count + 1))
     with pytest.raises(StopIteration):
         next(follower)
+
+
+def test_what_an_interrupted_take_had_received_comes_first(vdrive_session):
+    begin = vdrive_session.step()
+    count = 300_000
+    follower = vdrive_session.follow(["1.2", "1.1"], count=count)
+    with alarm_in(0.2), pytest.raises(Alarm):
+        follower.take(count)
+    first = next(follower)
+    assert first.tick == begin + 1 and [axis.id for axis in first.axes] == ["1.2", "1.1"]
+    ticks = [observation.tick for observation in follower]
+    assert ticks == list(range(begin + 2, begin + count + 1))
 
 
 def test_a_signal_ends_a_loop_over_a_follower_that_runs_no_python(vdrive_session):

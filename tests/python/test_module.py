@@ -398,6 +398,25 @@ def test_one_bench_of_a_recording_of_several_can_be_chosen(recordings, tmp_path)
     recording = vdrive.load(path, bench=2)
     assert recording.axes == ["2.1"] and recording.names == ["x"] and len(recording) == 40
     assert vdrive.load(path, bench=1).axes == ["1.1", "1.2"]
+    with pytest.raises(ValueError, match="two.csv: bench = 9 is not in it, it has 1, 2"):
+        vdrive.load(path, bench=9)
+
+
+def test_a_recording_without_samples_has_no_times(vdrive_session, tmp_path):
+    path = tmp_path / "run.csv"
+    recorded(vdrive_session).save(path)
+    path.write_text(path.read_text().splitlines(True)[0])
+    recording = vdrive.load(path, period=0.001)
+    assert (recording.ticks.size, recording.time.size, recording.missed, len(recording)) == (0, 0, 0, 0)
+    for period in (0, -1, float("nan"), float("inf")):
+        with pytest.raises(ValueError, match="period = .*: must be a"):
+            vdrive.load(path, period=period)
+
+
+def test_a_keyword_that_is_no_text_of_unicode_is_refused(vdrive_session):
+    for call in (vdrive_session.step, vdrive_session.axis("1.1").status, lambda **words: vdrive.AxisBank(2, **words)):
+        with pytest.raises(UnicodeEncodeError):
+            call(**{"\ud800": 1})
 
 
 def answers_about(path):

@@ -252,6 +252,28 @@ def test_the_end_of_a_stream_ends_its_loop(vdrive_session):
     assert asyncio.run(run()) == []
 
 
+def test_one_task_at_a_time_waits_for_a_stream(vdrive_session):
+    async def run():
+        async with vdrive_session.events_async() as stream:
+            waiting = asyncio.create_task(anext(stream))
+            await asyncio.sleep(0)  # the task waits now
+            with pytest.raises(RuntimeError, match="another task waits"):
+                await anext(stream)
+            vdrive_session.axis("1.1").enable()
+            return await asyncio.wait_for(waiting, 60)
+
+    assert asyncio.run(run()).axis == 1
+
+
+def test_an_axis_of_another_session_is_refused(vdrive_session):
+    with vdrive.Bench() as other, other.session() as its:
+        axis = its.axis("1.1")
+        for call in (vdrive_session.observe, vdrive_session.follow, vdrive_session.stream, vdrive_session.acquire,
+                     lambda axes: vdrive.AxisGroup(vdrive_session, axes)):
+            with pytest.raises(ValueError, match="axis 1.1 belongs to another session"):
+                call([axis])
+
+
 def test_another_thread_runs_while_a_move_waits(vdrive_session):
     axis = vdrive_session.axis("1.1")
     axis.enable()

@@ -189,6 +189,33 @@ def test_after(vdrive_shared_session):
 """, passed=2)
 
 
+def test_a_bench_that_a_failed_test_made_beside_the_shared_one_ends_with_it(pytester):
+    run(pytester, "local", """
+def test_fails(vdrive_shared_bench):
+    beside = vdrive.Bench(number=2, beside=vdrive_shared_bench)
+    assert beside is None  # its traceback keeps the bench
+
+def test_after(vdrive_shared_session):
+    assert [bench.number for bench in vdrive_shared_session.find_benches()] == [1]
+""", passed=1, failed=1)
+
+
+def test_no_event_of_the_return_is_one_of_the_next_test(pytester):
+    run(pytester, "local", """
+def test_leaves(vdrive_shared_session):
+    vdrive_shared_session.axis("1.1").enable()
+
+def test_after(vdrive_shared_session):
+    check_start(vdrive_shared_session)
+    begin = vdrive_shared_session.observe().tick
+    with vdrive_shared_session.events(history=True) as events:
+        vdrive_shared_session.step(10)
+        vdrive_shared_session.axis("1.1").enable()
+        while (event := events.next(timeout=10)).tick <= begin: pass
+    assert event.session == vdrive_shared_session.id, event
+""", passed=2)
+
+
 def test_other_options_have_another_bench(pytester):
     run(pytester, "local", """
 SEEN = []

@@ -471,7 +471,11 @@ void add_motion(py::module_& module) {
 }
 
 client::Axis axis_of(const SharedPySession& py_session, const py::handle& axis) {
-  if (py::isinstance<PyAxis>(axis)) return axis.cast<const PyAxis&>().axis;
+  if (py::isinstance<PyAxis>(axis)) {
+    const auto& handle = axis.cast<const PyAxis&>();
+    if (handle.py_session == py_session) return handle.axis;
+    throw py::value_error("axis " + to_string(handle.axis.id()) + " belongs to another session");
+  }
   if (!py::isinstance<py::str>(axis)) refuse_axes(axis);
   const auto text = axis.cast<std::string>();
   return value_or_raise(waiting(py_session, [&](Session& session) {

@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -236,20 +237,47 @@ bool is_number(const py::object& value) {
   return PyIndex_Check(value.ptr()) != 0 && !py::isinstance<py::array>(value);
 }
 
+/// @return the numbers of a row of another type; nothing where one is not whole or too large.
+template <typename Value>
+std::optional<Integers> converted(const py::array& row) {
+  constexpr double kEnd = 0x1p63;
+  const auto values = py::array_t<Value, py::array::c_style>::ensure(row);
+  Integers integers(values.size());
+  for (py::ssize_t place = 0; place < values.size(); ++place) {
+    const Value value = values.data()[place];
+    const auto number = static_cast<double>(value);
+    if (!(number >= -kEnd && number < kEnd) || std::floor(number) != number) return std::nullopt;
+    integers.mutable_data()[place] = static_cast<std::int64_t>(value);
+  }
+  return row.ndim() == 0 ? Integers(integers.reshape(std::vector<py::ssize_t>{})) : integers;
+}
+
+/// @return nothing where the row is none of whole numbers.
+std::optional<Integers> whole_ones(const py::array& row) {
+  switch (row.ndim() <= 1 ? row.dtype().kind() : '\0') {
+    case 'i':
+      return Integers::ensure(row);
+    case 'u':
+      return converted<std::uint64_t>(row);
+    case 'f':
+      return converted<double>(row);
+    default:
+      return std::nullopt;
+  }
+}
+
 /// @throws py::type_error where they are not whole numbers
 Integers integers_of(const py::object& values, const char* what) {
   // As what it is first: numpy would cut the fraction off.
   const py::array row = py::array::ensure(values);
   if (row && row.ndim() == 1 && row.size() == 0) return Integers(0);
-  const bool is_whole = row && row.ndim() <= 1 &&
-                        std::string_view("iu").find(row.dtype().kind()) != std::string_view::npos;
-  Integers integers = is_whole ? Integers::ensure(row) : Integers();
-  if (!is_whole || !integers) {
+  const std::optional<Integers> integers = row ? whole_ones(row) : std::nullopt;
+  if (!integers) {
     PyErr_Clear();
     throw py::type_error(std::string(what) + " = " + shown(values) +
                          ": must be a whole number or one row of whole numbers");
   }
-  return integers;
+  return *integers;
 }
 
 std::size_t checked_axis(const AxisBank& bank, std::int64_t axis) {

@@ -113,7 +113,9 @@ struct PyFollower {
   SharedPySession py_session;
   std::chrono::milliseconds patience;
   std::optional<std::uint64_t> left;
-  Frames kept;  ///< what a take() had received when it raised
+  std::vector<client::AxisId> ids;
+  py::array kept{};       ///< what a take() had received when it raised
+  std::size_t given = 0;  ///< of these, so many samples were given since
 
   /// Samples of those that are left for one call; another thread may call meanwhile. Guarded by the
   /// interpreter lock. What was not received is left again at its end.
@@ -139,6 +141,7 @@ struct PyFollower {
   };
 
   client::Observation next() {
+    if (count_kept() > 0) return oldest_kept();
     if (left && *left == 0) throw py::stop_iteration();
     client::Observation sample;
     Share one(*this, 1);
@@ -154,11 +157,32 @@ struct PyFollower {
     return sample;
   }
 
+  client::Observation oldest_kept() {
+    client::Observation sample;
+    for (const client::AxisId id : ids) sample.axes.emplace_back().id = id;
+    FrameView(take_kept(1), ids.size()).read(0, sample);
+    return sample;
+  }
+
+  [[nodiscard]] std::size_t count_kept() const {
+    return kept.ndim() == 2 ? static_cast<std::size_t>(kept.shape(0)) - given : 0;
+  }
+
+  /// @return the oldest of those that are kept, where they lie.
+  py::array take_kept(std::size_t most) {
+    const std::size_t end = given + std::min(most, count_kept());
+    const py::slice rows(static_cast<py::ssize_t>(given), static_cast<py::ssize_t>(end), 1);
+    py::array taken = kept[rows];
+    given = end;
+    if (count_kept() == 0) kept = py::array();
+    return taken;
+  }
+
   /// The interpreter is not asked between the samples: a signal ends the wait for one of them.
   py::array take(std::uint64_t most) {
-    if (kept.size() > 0) return kept.take(most);
+    if (count_kept() > 0) return take_kept(most);
     const std::uint64_t count = std::min(most, left.value_or(most));
-    Frames frames(kept.axes());
+    Frames frames(ids.size());
     frames.expect(count);
     const auto receive = [&](Session& /*session*/) {
       client::Observation sample;
@@ -173,7 +197,8 @@ struct PyFollower {
       check(waiting(py_session, receive));
     } catch (...) {
       share.received = frames.size();
-      kept = std::move(frames);
+      kept = frames.take(frames.size());
+      given = 0;
       throw;
     }
     share.received = count;
@@ -192,7 +217,7 @@ PyFollower follow(const SharedPySession& self, const py::object& axes, const std
     return session.follow(ids, chosen);
   })));
   self->adopt(follower);
-  return {std::move(follower), self, longest, most, Frames(ids.size())};
+  return {std::move(follower), self, longest, most, std::move(ids)};
 }
 
 std::shared_ptr<StatusQueue> stream(const SharedPySession& self, const py::object& axes,

@@ -224,8 +224,18 @@ PyCFunctionWithKeywords& dispatcher() {
   return only;
 }
 
+/// Calls it. Its own message of a wrong call throws where a keyword is no UTF-8.
+PyObject* call(PyObject* function, PyObject* arguments, PyObject* keywords) noexcept {
+  try {
+    return dispatcher()(function, arguments, keywords);
+  } catch (py::error_already_set& error) {
+    error.restore();
+    return nullptr;
+  }
+}
+
 PyObject* dispatch(PyObject* function, PyObject* arguments, PyObject* keywords) {
-  PyObject* const result = dispatcher()(function, arguments, keywords);
+  PyObject* const result = call(function, arguments, keywords);
   if (result == nullptr && PyErr_ExceptionMatches(PyExc_TypeError) != 0) {
     explain_error(py::reinterpret_borrow<py::tuple>(arguments),
                   keywords == nullptr ? py::dict() : py::reinterpret_borrow<py::dict>(keywords));

@@ -116,8 +116,8 @@ class Bench:
 
         axes: number of default axes, 1 to 16384; without it and without `config` the demo bench with
         two axes. preset: the axes are of this machine, one of vdrive.PRESETS; without `axes` there is
-        one. config: a file in YAML; `axes` and `preset` replace the axes that it has. clock:
-        "lockstep", "realtime" or "freerun". over: "local", or "dds" for a service of its own on a DDS
+        one. config: a file in YAML; `axes` and `preset` replace the axes that it has, and `clock` its
+        clock mode. clock: "lockstep", "realtime" or "freerun". over: "local", or "dds" for a service of its own on a DDS
         domain. number: of the bench, 1 to 65535, by default that of the configuration, 1 without one.
         state: directory where parameters can be stored. journal: file that `vdrived --replay` reads.
         beside: another bench of the same form; the sessions of both meet both. Only over DDS:
@@ -128,6 +128,7 @@ class Bench:
         one of a wrong type TypeError; both name the argument.
         """
         self._sessions: weakref.WeakSet[_vdrive.Session] = weakref.WeakSet()
+        self._beside: weakref.WeakSet[Bench] = weakref.WeakSet()  # what was made beside this one
         self._local: _vdrive.LocalBench | None = None
         self._private: _vdrive.PrivateBench | None = None
         self._is_local = _one_of("over", over, ("local", "dds")) == "local"
@@ -148,6 +149,8 @@ class Bench:
                                              beside=None if beside is None else beside._local)
         else:
             self._private = self._service(axes, number, of_both, beside, arguments, service, domain)
+        if beside is not None:
+            beside._beside.add(self)
 
     def _check_beside(self, beside: Bench | None) -> None:
         if beside is None:
@@ -208,6 +211,12 @@ class Bench:
         for session in list(self._sessions):
             if session is not but:
                 session.close()
+
+    def _close_others(self) -> None:
+        """End the benches that were made beside this one."""
+        for bench in list(self._beside):
+            bench._close_others()
+            bench.close()
 
     def close(self) -> None:
         """Close the sessions that session() gave, and end the bench."""

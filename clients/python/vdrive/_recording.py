@@ -46,7 +46,7 @@ class Recording:
     @property
     def ticks(self) -> NDArray[uint64]:
         """The tick of each sample."""
-        ticks: NDArray[uint64] = self.frames["tick"][:, 0]
+        ticks: NDArray[uint64] = self._of_samples("tick")
         return ticks
 
     @property
@@ -61,7 +61,12 @@ class Recording:
     @property
     def missed(self) -> int:
         """Samples that were lost, in all."""
-        return int(self.frames["missed"][:, 0].sum())
+        return int(self._of_samples("missed").sum())
+
+    def _of_samples(self, field: str) -> NDArray[Any]:
+        """Return what each sample has once, as in the record of its first axis."""
+        records: NDArray[Any] = self.frames[field]
+        return records[:, 0] if records.shape[1] else records.reshape(-1)
 
     def __len__(self) -> int:
         return len(self.frames)
@@ -128,15 +133,20 @@ def load(path: str | os.PathLike[str], *, bench: int | None = None,
 
     bench: its number, where the recording has several. period: the time of a tick [s], of a file that
     does not say it: .csv and .jsonl. Raises ValueError when the file is not a
-    recording, or is damaged. Of an MCAP file that was cut off it reads the whole part; `cut` of the
+    recording, or is damaged, or has other benches only. Of an MCAP file that was cut off it reads the whole part; `cut` of the
     recording is the place where it ends.
     """
     bench = None if bench is None else _vdrive.whole_number("bench", bench)
     period = None if period is None else _vdrive.real_number("period", period)
+    if period is not None and not 0.0 < period < float("inf"):
+        raise ValueError(f"period = {period!r}: must be a time in s above 0")
     cut, benches = _vdrive.read_recording(os.fspath(path))
     chosen = [each for each in benches if bench in (None, each[0])]
     if len(chosen) > 1:
         raise ValueError(f"{path}: several benches, choose one by its number: bench=...")
+    if benches and not chosen:
+        raise ValueError(f"{path}: bench = {bench} is not in it, it has "
+                         f"{', '.join(str(each[0]) for each in benches)}")
     if not chosen:
         import numpy  # Here, because it takes most of the time of `import vdrive`.
 

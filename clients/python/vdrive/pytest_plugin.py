@@ -384,10 +384,18 @@ class _SharedBench:
                 for axis in self._keeper.axes():
                     axis.take_over()
                 self._keeper.restore_snapshot(self._snapshot)
+            if self._rate is None:
+                # The bench tells with its next tick what has changed. That is no event of the next test.
+                self._keeper.step(1)
+                self._keeper.restore_snapshot(self._snapshot)
         self._keeper.release()
 
     def end_test(self) -> None:
-        """Close the sessions of the test: a callback or a stepper must not act in the next one."""
+        """Close the sessions of the test: a callback or a stepper must not act in the next one.
+
+        So do the benches that it made beside this one, which the next test would find.
+        """
+        self.bench._close_others()
         self.bench._close_sessions(but=self._keeper)
 
 

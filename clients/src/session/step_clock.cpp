@@ -50,6 +50,8 @@ struct StepClock::State {
 
   Outcome add(std::uint32_t bench);
   void begin_step();
+  [[nodiscard]] std::uint64_t reached_by(const Member& member) const;
+  [[nodiscard]] std::string late_members() const;
   Outcome round(std::uint64_t ticks, Clock::time_point deadline);
   Result<std::vector<std::uint64_t>> run(nanoseconds duration, Clock::time_point deadline);
 };
@@ -79,14 +81,29 @@ void StepClock::State::begin_step() {
   is_unfinished = true;
 }
 
+std::uint64_t StepClock::State::reached_by(const Member& member) const {
+  const auto grant = core->clocks.grant_of(member.target.key);
+  return grant ? grant->reached : member.begin;
+}
+
+/// @return the benches that have not reached their aim, and where they are; empty when all have.
+std::string StepClock::State::late_members() const {
+  std::string late;
+  for (const Member& member : members) {
+    const std::uint64_t reached = reached_by(member);
+    if (reached >= member.aim) continue;
+    late += (late.empty() ? "" : "; ") + name_of(member.target) + " is at tick " +
+            std::to_string(reached) + " of " + std::to_string(member.aim);
+  }
+  return late;
+}
+
 /// Grants up to `ticks` more towards each aim on all benches, then waits for all.
 Outcome StepClock::State::round(std::uint64_t ticks, Clock::time_point deadline) {
   std::vector<PendingStep> steppings;
   for (const Member& member : members) {
-    const auto grant = core->clocks.grant_of(member.target.key);
-    const std::uint64_t reached = grant ? grant->reached : member.begin;
-    const auto stepping =
-        core->clocks.begin_step_to(member.target, std::min(member.aim, reached + ticks), {});
+    const std::uint64_t next = std::min(member.aim, reached_by(member) + ticks);
+    const auto stepping = core->clocks.begin_step_to(member.target, next, {});
     if (!stepping) return stepping.outcome();
     steppings.push_back(*stepping);
   }
@@ -123,14 +140,16 @@ Result<std::vector<std::uint64_t>> StepClock::State::run(nanoseconds duration,
     clocks.push_back(*std::move(its));
   }
   begin_step();
-  std::uint64_t rounds = 1;
   for (Member& member : members) {
-    const std::uint64_t ticks = ticks_of(duration, member.target.period);
-    member.aim = member.begin + ticks;
-    rounds = std::max(rounds, (ticks + kTicksPerRound - 1) / kTicksPerRound);
+    member.aim = member.begin + ticks_of(duration, member.target.period);
   }
-  for (std::uint64_t count = 0; count < rounds; ++count) {
+  while (true) {
     if (Outcome passed = round(kTicksPerRound, deadline); !passed) return passed;
+    const std::string late = late_members();
+    if (late.empty()) break;
+    // The bench of a process may answer each round at once, so that no wait of it ends.
+    if (core->wakeup.is_interrupted()) return Outcome::failed("interrupted");
+    if (Clock::now() >= deadline) return Outcome::timed_out(late);
   }
   std::vector<std::uint64_t> reached;
   for (const Member& member : members) {
@@ -167,8 +186,14 @@ Result<std::vector<std::uint64_t>> StepClock::step(std::uint64_t ticks,
                              ": use step_for with a drive time");
     }
   }
-  return state_->run(nanoseconds(first.target.period) * static_cast<std::int64_t>(ticks),
-                     Clock::now() + patience);
+  const nanoseconds period = first.target.period;
+  const auto most = static_cast<std::uint64_t>(nanoseconds::max() / period);
+  if (ticks > most) {
+    return Outcome::failed(std::to_string(ticks) + " ticks of " +
+                           std::to_string(first.target.period.count()) +
+                           " us are more than a clock counts: at most " + std::to_string(most));
+  }
+  return state_->run(period * static_cast<std::int64_t>(ticks), Clock::now() + patience);
 }
 
 Result<std::vector<std::uint64_t>> StepClock::step_for(nanoseconds duration,
