@@ -104,8 +104,8 @@ class Discovery {
   [[nodiscard]] std::optional<Target> present_target(std::uint32_t bench) const;
 
   /// @return why nothing comes from a bench that has no run now.
-  /// @param run of the bench; incarnation 0 = the one that was seen last
-  [[nodiscard]] Outcome loss_of(const BenchKey& run) const;
+  /// @param key a run of it; incarnation 0 = the one that was seen last
+  [[nodiscard]] Outcome loss_of(const BenchKey& key) const;
 
   /// @return whether a bench with this number is there, or may be.
   [[nodiscard]] bool may_be_there(std::uint32_t bench) const;

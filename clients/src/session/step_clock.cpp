@@ -53,6 +53,7 @@ struct StepClock::State {
   [[nodiscard]] std::uint64_t reached_by(const Member& member) const;
   [[nodiscard]] std::string late_members() const;
   Outcome round(std::uint64_t ticks, Clock::time_point deadline);
+  Outcome step_to_aims(Clock::time_point deadline);
   Result<std::vector<std::uint64_t>> run(nanoseconds duration, Clock::time_point deadline);
 };
 
@@ -121,6 +122,17 @@ Outcome StepClock::State::round(std::uint64_t ticks, Clock::time_point deadline)
   return late.empty() || !failure ? failure : Outcome::timed_out(late);
 }
 
+Outcome StepClock::State::step_to_aims(Clock::time_point deadline) {
+  while (true) {
+    if (Outcome passed = round(kTicksPerRound, deadline); !passed) return passed;
+    const std::string late = late_members();
+    if (late.empty()) return {};
+    // The bench of a process may answer each round at once, so that no wait of it ends.
+    if (core->wakeup.is_interrupted()) return Outcome::failed("interrupted");
+    if (Clock::now() >= deadline) return Outcome::timed_out(late);
+  }
+}
+
 Result<std::vector<std::uint64_t>> StepClock::State::run(nanoseconds duration,
                                                          Clock::time_point deadline) {
   if (Outcome here = core->discovery.check_process(); !here) return here;
@@ -143,14 +155,7 @@ Result<std::vector<std::uint64_t>> StepClock::State::run(nanoseconds duration,
   for (Member& member : members) {
     member.aim = member.begin + ticks_of(duration, member.target.period);
   }
-  while (true) {
-    if (Outcome passed = round(kTicksPerRound, deadline); !passed) return passed;
-    const std::string late = late_members();
-    if (late.empty()) break;
-    // The bench of a process may answer each round at once, so that no wait of it ends.
-    if (core->wakeup.is_interrupted()) return Outcome::failed("interrupted");
-    if (Clock::now() >= deadline) return Outcome::timed_out(late);
-  }
+  if (Outcome passed = step_to_aims(deadline); !passed) return passed;
   std::vector<std::uint64_t> reached;
   for (const Member& member : members) {
     const auto grant = core->clocks.grant_of(member.target.key);

@@ -33,6 +33,7 @@ void begin_child() noexcept;
 
 /// Never destroyed: a process may end while another thread of it forks.
 LockedFiles& locked_files() {
+  // NOLINTNEXTLINE(*-avoid-non-const-global-variables): of the process, as its files are
   static LockedFiles* const only = [] {
     ::pthread_atfork(begin_fork, end_fork, begin_child);
     return new LockedFiles;  // NOLINT(cppcoreguidelines-owning-memory): on purpose, see above
