@@ -6,7 +6,8 @@
 //
 // Prints JSON lines: {"figure":"bench_step_us_p50","over":"local","axes":64,"value":...,"aim":6}.
 // The 64 axes move all the time. Percentiles are those of all rounds together;
-// bench_shown_above_bare_us is the median of the differences within a round.
+// bench_shown_above_bare_us is the median of the differences between neighbouring blocks of 50
+// steps.
 //
 // A virtual processor may share a core with another guest, and is then slower by half, for
 // milliseconds or for hours, which no counter of the guest shows. So a calculation runs between the
@@ -44,6 +45,7 @@ constexpr std::size_t kAxes = 64;
 constexpr double kSteady = 1.1;              // of the fastest hundredth of the calculations
 constexpr std::size_t kFewest = 1'000;       // of which a hundredth is some steps
 constexpr std::size_t kSteps = 5'000;        // of each kind in a round
+constexpr std::size_t kBlocks = 100;         // in a round
 constexpr std::size_t kKept = 10'000;        // ticks
 constexpr std::chrono::seconds kWaited{10};  // of drive time
 
@@ -83,7 +85,7 @@ struct Times {
   std::vector<double> bare;
   std::vector<double> calculated;  ///< after each of the bare steps
   std::vector<double> shown;
-  std::vector<double> above;  ///< median of the shown steps of a round less that of the bare ones
+  std::vector<double> above;  ///< median of the shown steps of a block less that of the bare ones
   std::vector<double> kept;
   std::vector<double> waited;
   std::vector<double> lived;
@@ -185,34 +187,45 @@ std::uint64_t tick_in_motion(Session& session, const std::vector<AxisId>& ids) {
   return present.tick;
 }
 
-void measure_steps(Session& session, const std::vector<AxisId>& ids, Times& times) {
-  Calculation calculation;
-  std::vector<double> calculated;
-  calculated.reserve(kSteps);
+/// Bare steps. @return how long they took.
+std::vector<double> measure_bare(Session& session, Calculation& calculation, Times& times) {
   std::vector<double> bare;
-  bare.reserve(kSteps);
-  for (std::size_t i = 0; i < kSteps; ++i) {
+  for (std::size_t i = 0; i < kSteps / kBlocks; ++i) {
     bare.push_back(time_of([&] {
       static_cast<void>(session.step(1, 1).value());
     }));
-    calculated.push_back(time_of([&] {
+    times.calculated.push_back(time_of([&] {
       calculation.run();
     }));
   }
-  // There from now on only: a bare step has none beside it.
+  return bare;
+}
+
+/// Steps that show all axes. The follower is there for them only: a bare step has none beside it.
+std::vector<double> measure_shown(Session& session, const std::vector<AxisId>& ids,
+                                  Calculation& calculation) {
   Follower follower = session.follow(ids, Pace::drive).value();
   Observation sample;
   std::vector<double> shown;
-  shown.reserve(kSteps);
-  for (std::size_t i = 0; i < kSteps; ++i) {
+  for (std::size_t i = 0; i < kSteps / kBlocks; ++i) {
     shown.push_back(time_of([&] {
       require(follower.next(10s, sample));
     }));
+    calculation.run();
   }
-  append(times.bare, bare);
-  append(times.calculated, calculated);
-  append(times.shown, shown);
-  times.above.push_back(median(shown) - median(bare));
+  return shown;
+}
+
+/// Both kinds in turns, a block of each: the machine changes its speed meanwhile.
+void measure_steps(Session& session, const std::vector<AxisId>& ids, Times& times) {
+  Calculation calculation;
+  for (std::size_t block = 0; block < kBlocks; ++block) {
+    const std::vector<double> bare = measure_bare(session, calculation, times);
+    const std::vector<double> shown = measure_shown(session, ids, calculation);
+    append(times.bare, bare);
+    append(times.shown, shown);
+    times.above.push_back(median(shown) - median(bare));
+  }
 }
 
 /// @param memory for the samples of all ticks
