@@ -69,7 +69,7 @@ struct SessionOptions {
   std::chrono::milliseconds patience{10'000};
   /// The benches of this process that the session sees (vdrive::bench::Bench::bus); nothing = those
   /// of the network. With a bus no option of the network counts, and a bench is there or not: no
-  /// silence and no patience count either.
+  /// silence and no patience count either. A `silence` out of its range is refused all the same.
   std::shared_ptr<wire::LocalBus> bus{};
   /// What others read of who controls an axis, at most 64 bytes of UTF-8, beside the number of this
   /// process and the name of its host; empty = the name of the file that this process runs.
