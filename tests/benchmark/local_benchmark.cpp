@@ -80,11 +80,16 @@ class BenchInUse {
   std::optional<Session> session_;
 };
 
+/// Of one kind [us].
+struct Steps {
+  std::vector<double> times;
+  std::vector<double> calculated;  ///< the calculation after each of them
+};
+
 /// Of all rounds [us].
 struct Times {
-  std::vector<double> bare;
-  std::vector<double> calculated;  ///< after each of the bare steps
-  std::vector<double> shown;
+  Steps bare;
+  Steps shown;
   std::vector<double> above;  ///< median of the shown steps of a block less that of the bare ones
   std::vector<double> kept;
   std::vector<double> waited;
@@ -140,14 +145,14 @@ double time_of(const Call& call) {
 }
 
 /// @return the steps before and after which the calculation ran at full speed.
-std::vector<double> steady_steps(const Times& times) {
-  const double limit = kSteady * quantile(times.calculated, 0.01);
-  std::vector<double> steady;
-  for (std::size_t i = 1; i < times.bare.size(); ++i) {
-    const bool is_steady = times.calculated.at(i - 1) <= limit && times.calculated.at(i) <= limit;
-    if (is_steady) steady.push_back(times.bare.at(i));
+std::vector<double> steady(const Steps& steps) {
+  const double limit = kSteady * quantile(steps.calculated, 0.01);
+  std::vector<double> times;
+  for (std::size_t i = 1; i < steps.times.size(); ++i) {
+    const bool is_steady = steps.calculated.at(i - 1) <= limit && steps.calculated.at(i) <= limit;
+    if (is_steady) times.push_back(steps.times.at(i));
   }
-  return steady;
+  return times;
 }
 
 void append(std::vector<double>& to, const std::vector<double>& times) {
@@ -187,43 +192,35 @@ std::uint64_t tick_in_motion(Session& session, const std::vector<AxisId>& ids) {
   return present.tick;
 }
 
-/// Bare steps. @return how long they took.
-std::vector<double> measure_bare(Session& session, Calculation& calculation, Times& times) {
-  std::vector<double> bare;
+/// Some steps of a kind. @return how long they took.
+template <typename Step>
+std::vector<double> measure_block(const Step& step, Calculation& calculation, Steps& steps) {
+  std::vector<double> times;
   for (std::size_t i = 0; i < kSteps / kBlocks; ++i) {
-    bare.push_back(time_of([&] {
-      static_cast<void>(session.step(1, 1).value());
-    }));
-    times.calculated.push_back(time_of([&] {
+    times.push_back(time_of(step));
+    steps.calculated.push_back(time_of([&] {
       calculation.run();
     }));
   }
-  return bare;
-}
-
-/// Steps that show all axes. The follower is there for them only: a bare step has none beside it.
-std::vector<double> measure_shown(Session& session, const std::vector<AxisId>& ids,
-                                  Calculation& calculation) {
-  Follower follower = session.follow(ids, Pace::drive).value();
-  Observation sample;
-  std::vector<double> shown;
-  for (std::size_t i = 0; i < kSteps / kBlocks; ++i) {
-    shown.push_back(time_of([&] {
-      require(follower.next(10s, sample));
-    }));
-    calculation.run();
-  }
-  return shown;
+  append(steps.times, times);
+  return times;
 }
 
 /// Both kinds in turns, a block of each: the machine changes its speed meanwhile.
 void measure_steps(Session& session, const std::vector<AxisId>& ids, Times& times) {
   Calculation calculation;
   for (std::size_t block = 0; block < kBlocks; ++block) {
-    const std::vector<double> bare = measure_bare(session, calculation, times);
-    const std::vector<double> shown = measure_shown(session, ids, calculation);
-    append(times.bare, bare);
-    append(times.shown, shown);
+    const auto step = [&] {
+      static_cast<void>(session.step(1, 1).value());
+    };
+    const std::vector<double> bare = measure_block(step, calculation, times.bare);
+    // There for its block only: a bare step has none beside it.
+    Follower follower = session.follow(ids, Pace::drive).value();
+    Observation sample;
+    const auto show = [&] {
+      require(follower.next(10s, sample));
+    };
+    const std::vector<double> shown = measure_block(show, calculation, times.shown);
     times.above.push_back(median(shown) - median(bare));
   }
 }
@@ -273,25 +270,28 @@ void print(std::string_view figure, const Form& form, std::size_t axes, double v
   std::cout << "}\n";
 }
 
+void print_steps(const std::string& kind, const Form& form, const Steps& steps, double aim,
+                 double aim_of_p99) {
+  print(kind + "_us_p50", form, kAxes, median(steps.times), aim);
+  print(kind + "_us_p99", form, kAxes, quantile(steps.times, 0.99), aim_of_p99);
+  const std::vector<double> at_full_speed = steady(steps);
+  print(kind + "_steady_share", form, kAxes,
+        static_cast<double>(at_full_speed.size()) / static_cast<double>(steps.times.size()), 0);
+  if (at_full_speed.size() < kFewest) return;
+  print(kind + "_steady_us_p50", form, kAxes, median(at_full_speed), aim);
+  print(kind + "_steady_us_p99", form, kAxes, quantile(at_full_speed, 0.99), aim_of_p99);
+}
+
 void print(const Form& form) {
   const Times& times = form.times;
   const bool is_local = form.service.empty();
   const auto aim = [is_local](double value) {
     return is_local ? value : 0.0;
   };
-  print("bench_step_us_p50", form, kAxes, median(times.bare), aim(6));
-  print("bench_step_us_p99", form, kAxes, quantile(times.bare, 0.99), aim(10));
-  const std::vector<double> steady = steady_steps(times);
-  if (steady.size() >= kFewest) {
-    print("bench_step_steady_us_p50", form, kAxes, median(steady), aim(6));
-    print("bench_step_steady_us_p99", form, kAxes, quantile(steady, 0.99), aim(10));
-  }
-  print("bench_step_steady_share", form, kAxes,
-        static_cast<double>(steady.size()) / static_cast<double>(times.bare.size()), 0);
-  print("calculation_us_p50", form, 0, median(times.calculated), 0);
-  print("calculation_us_p99", form, 0, quantile(times.calculated, 0.99), 0);
-  print("bench_shown_step_us_p50", form, kAxes, median(times.shown), aim(8));
-  print("bench_shown_step_us_p99", form, kAxes, quantile(times.shown, 0.99), 0);
+  print_steps("bench_step", form, times.bare, aim(6), aim(10));
+  print_steps("bench_shown_step", form, times.shown, aim(8), 0);
+  print("calculation_us_p50", form, 0, median(times.bare.calculated), 0);
+  print("calculation_us_p99", form, 0, quantile(times.bare.calculated, 0.99), 0);
   print("bench_shown_above_bare_us", form, kAxes, median(times.above), is_local ? 0 : 5);
   print("bench_kept_10_s_ms", form, kAxes, median(times.kept) / 1'000, 0);
   print("bench_waited_10_s_ms", form, kAxes, median(times.waited) / 1'000, aim(25));
