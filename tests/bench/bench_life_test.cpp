@@ -747,30 +747,49 @@ TEST(Follow, OnABusBeginsWithTheCall) {
   }
 }
 
+/// A session whose reports of an axis have begun.
+class ReportedSession {
+ public:
+  explicit ReportedSession(const Bench& bench) : session_(bench.session()) {
+    EXPECT_TRUE(session_.on_status(
+        kAxes, milliseconds(1),
+        [this](const Observation&) {
+          if (!std::exchange(has_seen_, true)) seen_.set_value();
+        },
+        [this](const Outcome& outcome) {
+          ended_.set_value(outcome);
+        }));
+    EXPECT_EQ(seen_.get_future().wait_for(kLong), std::future_status::ready);
+  }
+
+  [[nodiscard]] Session& session() { return session_; }
+
+  /// @return why the reports have ended; nothing while they go on. Over DDS that takes the patience
+  ///         of the session, 10 s.
+  std::optional<Outcome> end() {
+    auto outcome = ended_.get_future();
+    const bool has_ended = outcome.wait_for(seconds(5)) == std::future_status::ready;
+    EXPECT_TRUE(session_.on_status(kAxes, milliseconds(1), {}));
+    return has_ended ? std::optional(outcome.get()) : std::nullopt;
+  }
+
+ private:
+  static constexpr std::array<client::AxisId, 1> kAxes{{{1, 1}}};
+
+  std::promise<void> seen_;
+  std::promise<Outcome> ended_;
+  bool has_seen_ = false;
+  Session session_;
+};
+
 TEST(StatusReports, OfABenchThatEndsAreEndedAtOnce) {
   for (const ClockMode clock : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
     std::optional<Bench> bench(std::in_place, BenchOptions{.clock = clock});
-    Session session = bench->session();
-    const std::array<client::AxisId, 1> axes{{{1, 1}}};
-    std::promise<void> seen;
-    std::promise<Outcome> ended;
-    bool has_seen = false;
-    const Outcome begun = session.on_status(
-        axes, milliseconds(1),
-        [&](const Observation&) {
-          if (!std::exchange(has_seen, true)) seen.set_value();
-        },
-        [&](const Outcome& outcome) {
-          ended.set_value(outcome);
-        });
-    ASSERT_TRUE(begun);
-    ASSERT_EQ(seen.get_future().wait_for(kLong), std::future_status::ready) << to_string(clock);
+    ReportedSession reported(*bench);
     bench.reset();
-    auto outcome = ended.get_future();
-    // Over DDS it takes the patience of the session, 10 s.
-    ASSERT_EQ(outcome.wait_for(seconds(5)), std::future_status::ready) << to_string(clock);
-    EXPECT_EQ(outcome.get().kind(), OutcomeKind::lost);
-    EXPECT_TRUE(session.on_status(axes, milliseconds(1), {}));
+    const auto outcome = reported.end();
+    ASSERT_TRUE(outcome) << to_string(clock);
+    EXPECT_EQ(outcome->kind(), OutcomeKind::lost);
   }
 }
 
@@ -779,28 +798,14 @@ TEST(StatusReports, OfABenchThatIsReplacedAtOnceAreEnded) {
   for (const ClockMode clock : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
     for (int count = 0; count < 20; ++count) {
       std::optional<Bench> bench(std::in_place, BenchOptions{.clock = clock});
-      Session session = bench->session();
-      const std::array<client::AxisId, 1> axes{{{1, 1}}};
-      std::promise<void> seen;
-      std::promise<Outcome> ended;
-      bool has_seen = false;
-      ASSERT_TRUE(session.on_status(
-          axes, milliseconds(1),
-          [&](const Observation&) {
-            if (!std::exchange(has_seen, true)) seen.set_value();
-          },
-          [&](const Outcome& outcome) {
-            ended.set_value(outcome);
-          }));
-      ASSERT_EQ(seen.get_future().wait_for(kLong), std::future_status::ready);
+      ReportedSession reported(*bench);
       const BenchOptions again{.clock = clock, .bus = bench->bus()};
       bench.reset();
       bench.emplace(again);
-      static_cast<void>(session.find_benches());
-      auto outcome = ended.get_future();
-      ASSERT_EQ(outcome.wait_for(seconds(5)), std::future_status::ready) << to_string(clock);
-      EXPECT_THAT(outcome.get().message(), HasSubstr("went offline: its service has ended"));
-      ASSERT_TRUE(session.on_status(axes, milliseconds(1), {}));
+      static_cast<void>(reported.session().find_benches());
+      const auto outcome = reported.end();
+      ASSERT_TRUE(outcome) << to_string(clock);
+      EXPECT_THAT(outcome->message(), HasSubstr("went offline: its service has ended"));
     }
   }
 }

@@ -28,9 +28,8 @@ bool shows_the_same(const AxisSnapshot& one, const AxisSnapshot& other) {
 
 /// The axes of one bench.
 struct StatusWatcher::Bench {
-  std::uint32_t number = 0;
+  BenchKey key;  ///< the run that is followed; incarnation 0 = none yet
   std::vector<std::uint16_t> axes;
-  BenchKey key;
   std::shared_ptr<StatusFeed> feed;  ///< none until the bench is there
   std::optional<Clock::time_point> absent_since;
   std::optional<Observation> shown;  ///< of this run
@@ -47,7 +46,7 @@ struct StatusWatcher::Watch {
 /// Follows the run of the service that is there now: a service that restarts is another run. What
 /// this process has made with the number of a bench that ended is another bench.
 bool StatusWatcher::follow(Bench& bench, const Watch& watch, const std::stop_token& stop) const {
-  const std::optional<Target> target = discovery_.present_target(bench.number);
+  const std::optional<Target> target = discovery_.present_target(bench.key.number);
   const bool is_another = bench.feed && target && bench.key != target->key;
   if (target && !(is_another && discovery_.knows_who_is_there())) {
     bench.absent_since.reset();
@@ -114,7 +113,6 @@ void StatusWatcher::watch(ReportThread& thread,
   std::vector<Bench> benches;
   for (const auto& [number, numbers] : axes) {
     Bench& bench = benches.emplace_back();
-    bench.number = number;
     bench.key.number = number;
     bench.axes = numbers;
   }

@@ -82,8 +82,7 @@ WireSettings unpacked(std::span<const std::uint8_t> bytes) {
 
 /// @param descriptor -1 for memory of this process alone
 std::span<std::byte> map(int descriptor, std::size_t size) {
-  // Not reserved: a program of a thousand benches has 26 GB of such memory and uses little of it.
-  // If the kernel counted it, a fork of that program would fail.
+  // Not reserved, as Pages.
   const int flags = descriptor < 0 ? MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE : MAP_SHARED;
   // The kernel's answer is MAP_FAILED, a cast of -1.
   void* const memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, flags, descriptor, 0);

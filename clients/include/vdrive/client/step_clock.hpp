@@ -52,7 +52,8 @@ class StepClock {
   ///         timed_out, with nothing granted, when another thread has stepped this clock since;
   ///         lost, naming the bench, when its service fell silent or was restarted: the new one is
   ///         never stepped, and the others no more, until its clock is joined anew;
-  ///         failed when the periods differ.
+  ///         failed when the periods differ, when the ticks take 2^63 ns and more, and after
+  ///         Session::interrupt, which ends it as a time-out does.
   Result<std::vector<std::uint64_t>> step(std::uint64_t ticks,
                                           std::chrono::milliseconds patience = kPatience);
 
