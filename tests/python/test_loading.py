@@ -151,3 +151,26 @@ def test_a_module_without_the_library_has_benches_and_says_what_a_session_over_d
     lines = output.splitlines()
     assert len(lines) == 2 and lines[0] == lines[1]
     assert str(tmp_path / "vdrive" / LIBRARY) in lines[0] and "libfastrtps" in lines[0]
+
+
+def test_a_package_of_another_python_says_for_which_it_is_and_how_to_build_it_for_this_one(tmp_path):
+    package = tmp_path / "vdrive"
+    shutil.copytree(pathlib.Path(vdrive.__file__).parent, package,
+                    ignore=shutil.ignore_patterns("__pycache__"))
+    module = next(package.glob("_vdrive.*.so"))
+    module.rename(package / "_vdrive.cpython-37-x86_64-linux-gnu.so")
+    read = """
+        try:
+            import vdrive
+        except ImportError as error:
+            print(error)
+    """
+    this = f"this is Python {sys.version_info.major}.{sys.version_info.minor} ({sys.executable})"
+    said = run(read, PYTHONPATH=str(tmp_path))
+    assert f"{package} is built for Python 3.7, {this}" in said
+    assert f"-D VDRIVE_PYTHON={sys.executable}" in said
+    (package / "_vdrive.cpython-37-x86_64-linux-gnu.so").unlink()
+    assert f"is built for no Python at all, {this}" in run(read, PYTHONPATH=str(tmp_path))
+    # One of this Python that does not load keeps the reason of the loader.
+    (package / module.name).write_bytes(b"no module")
+    assert "built for" not in run(read, PYTHONPATH=str(tmp_path))

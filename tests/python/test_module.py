@@ -56,7 +56,7 @@ def parameters_of_module(callable_object):
 def own_members(kind):
     return {name: value for name, value in vars(kind).items()
             if not name.startswith("_") or name in ("__init__", "__iter__", "__next__", "__len__",
-                                                    "__getitem__", "__enter__", "__exit__")}
+                                                    "__getitem__", "__enter__", "__exit__", "__await__")}
 
 
 CLASSES = {name: value for name, value in vars(_vdrive).items() if inspect.isclass(value)}
@@ -94,12 +94,15 @@ def test_a_class_of_the_stub_has_the_members_and_parameters_of_the_class(name):
 
 
 def test_functions_that_are_written_in_python_have_the_parameters_of_the_stub():
-    stub = {node.name: node for node in STUB_CLASSES["Session"].body
-            if isinstance(node, ast.FunctionDef)}
-    for name in ("follow_async", "events_async", "on_event", "on_status", "watch_services", "record"):
+    written = [(name, member) for name, each in CLASSES.items()
+               for member, value in vars(each).items() if inspect.isfunction(value)]
+    assert {("Session", "record"), ("Motion", "wait_async"), ("Axis", "wait_until_async")} <= set(written)
+    for name, member in written:
+        stub = next(node for node in STUB_CLASSES[name].body
+                    if isinstance(node, ast.FunctionDef) and node.name == member)
         found = [(each.name, each.default is not each.empty, each.kind is each.KEYWORD_ONLY)
-                 for each in inspect.signature(getattr(vdrive.Session, name)).parameters.values()]
-        assert found == parameters_of_stub(stub[name])
+                 for each in inspect.signature(getattr(CLASSES[name], member)).parameters.values()]
+        assert found == parameters_of_stub(stub), (name, member)
 
 
 def test_a_session_of_a_bench_has_the_parameters_of_a_session():
@@ -474,3 +477,33 @@ def test_a_pickle_works_or_is_refused(vdrive_session, protocol):
     for each in (axis, axis.unit, vdrive_session, vdrive_session.observe(), vdrive_session.find_bench()):
         with pytest.raises(TypeError, match="pickle"):
             pickle.dumps(each, protocol)
+
+
+def test_what_a_program_names_has_the_name_by_which_it_is_imported():
+    classes = [each for each in map(vars(vdrive).get, vdrive.__all__) if inspect.isclass(each)]
+    assert vdrive.Failed in classes and vdrive.Bench in classes and vdrive.Motion in classes
+    for each in classes:
+        assert each.__module__ == "vdrive", each
+        assert pickle.loads(pickle.dumps(each)) is each
+
+
+def test_short_names_are_those_of_a_status_in_every_array_of_records():
+    with vdrive.Bench(2) as bench, bench.session() as session:
+        session.axis("1.2").enable()
+        session.axis("1.2").move_to(700)
+        observed = session.observe()
+        recording = session.record(ticks=2)
+        short = [name for name in vdrive.record_type().fields if name not in vdrive.record_type().names]
+        assert {"position", "demand", "velocity", "torque", "statusword", "following_error"} == set(short)
+        for name in short:
+            assert observed.array()[name][1] == getattr(observed[1], name)
+            assert (recording.axis("1.2")[name] == recording[name][:, 1]).all()
+            assert (recording.frames[name] == recording[name]).all()
+
+
+@pytest.mark.parametrize("ending", ["csv", "jsonl", "mcap", "txt"])
+def test_a_recording_that_cannot_be_opened_is_an_error_of_the_system(tmp_path, ending):
+    with pytest.raises(FileNotFoundError, match="missing"):
+        vdrive.load(tmp_path / f"missing.{ending}")
+    with pytest.raises(ValueError):
+        vdrive.load(tmp_path)  # opened, but no file

@@ -484,3 +484,50 @@ def test_a_follower_counts_the_samples_that_were_taken_late(vdrive_bench, vdrive
         follower.close()
         assert follower.lateness.samples == len(ticks)
         assert repr(lateness).startswith(f"<vdrive.Lateness: {len(ticks) - 1} of {len(ticks)} samples")
+
+
+@pytest.mark.parametrize("opened", [
+    lambda session: session.stream("1.1"),
+    lambda session: session.events(),
+    lambda session: session.service_changes(),
+])
+def test_a_closed_stream_ends_a_loop_and_refuses_next(vdrive_session, opened):
+    stream = opened(vdrive_session)
+    assert not stream.is_closed
+    stream.close()
+    assert list(stream) == [] or stream.is_closed
+    assert stream.is_closed
+    with pytest.raises(vdrive.Error, match="closed"):
+        stream.next(timeout=0)
+
+
+def test_take_refuses_a_closed_stream(vdrive_session):
+    stream = vdrive_session.stream("1.1")
+    stream.close()
+    list(stream)  # what had come
+    with pytest.raises(vdrive.Error, match="closed"):
+        stream.take(timeout=0)
+
+
+@pytest.mark.parametrize("call", [
+    lambda session, axes: vdrive.AxisGroup(session, axes),
+    lambda session, axes: session.observe(axes),
+    lambda session, axes: session.follow(axes),
+    lambda session, axes: session.stream(axes),
+    lambda session, axes: session.acquire(axes),
+    lambda session, axes: session.command_each(axes, "enable"),
+    lambda session, axes: session.record(axes, ticks=1),
+    lambda session, axes: session.on_status(print, axes),
+])
+def test_no_axis_is_a_wrong_value(vdrive_session, call):
+    with pytest.raises(ValueError, match=r"axes = \[\]: needs at least one axis"):
+        call(vdrive_session, [])
+
+
+@pytest.mark.parametrize("factor", ["velocity_factor", "acceleration_factor", "deceleration_factor"])
+@pytest.mark.parametrize("value", [0, -0.5, 1.001, float("nan"), float("inf")])
+def test_a_factor_of_a_group_that_is_out_of_range_is_a_wrong_value(vdrive_session, factor, value):
+    group = vdrive.AxisGroup(vdrive_session, ["1.1"])
+    for move in (group.move_together, group.move_by, group.queue_move):
+        with pytest.raises(ValueError, match=f"{factor} = {value}: must be above 0 and at most 1"):
+            move([100], **{factor: value})

@@ -72,6 +72,11 @@ def test_a_test_suite_of_a_user_has_no_error(checked):
                 assert peak <= recording.time[-1] + recording.missed
 
 
+        async def move(axis: vdrive.Axis) -> vdrive.Status:
+            await axis.start_move(100)
+            await axis.start_move(0).wait_async(timeout=5.0)
+            return await axis.wait_until_async(lambda status: status.position == 0)
+
         async def follow(session: vdrive.Session) -> int:
             async for observation in session.follow_async():
                 return observation.tick

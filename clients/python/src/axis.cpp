@@ -43,11 +43,11 @@ constexpr std::array kCommandNames{
 };
 
 struct PyMotion {
-  PyMotion(client::Motion handle, SharedPySession keeper)
-      : motion(std::move(handle)), py_session(std::move(keeper)) {}
+  PyMotion(client::Motion handle, PyAxis moved)
+      : motion(std::move(handle)), axis(std::move(moved)) {}
 
   ~PyMotion() {
-    if (py_session && py_session->is_inherited()) leave(std::move(motion));
+    if (axis.py_session && axis.py_session->is_inherited()) leave(std::move(motion));
   }
 
   PyMotion(const PyMotion&) = default;
@@ -56,7 +56,7 @@ struct PyMotion {
   PyMotion& operator=(PyMotion&&) noexcept = default;
 
   client::Motion motion;
-  SharedPySession py_session;
+  PyAxis axis;
 };
 
 client::Disturbance disturbance_named(std::string_view name) {
@@ -218,7 +218,7 @@ void add_moves(AxisClass& axis) {
                             [&](Axis& moved) {
                               return moved.start_move(place, options);
                             }),
-                        self.py_session};
+                        self};
       },
       py::arg("position"), py::kw_only(), py::arg("velocity") = py::none(),
       py::arg("acceleration") = py::none(), py::arg("deceleration") = py::none(),
@@ -449,7 +449,7 @@ void add_motion(py::module_& module) {
           "wait",
           [](PyMotion& self, const Real& timeout) {
             const std::chrono::nanoseconds limit = nanoseconds_of(timeout, "timeout");
-            check(waiting(self.py_session, [&](Session& /*session*/) {
+            check(waiting(self.axis.py_session, [&](Session& /*session*/) {
               return self.motion.wait(limit);
             }));
           },
@@ -458,11 +458,17 @@ void add_motion(py::module_& module) {
       .def(
           "has_ended",
           [](PyMotion& self) {
-            return value_or_raise(waiting(self.py_session, [&](Session& /*session*/) {
+            return value_or_raise(waiting(self.axis.py_session, [&](Session& /*session*/) {
               return self.motion.has_ended();
             }));
           },
-          "Whether the axis is at its target. Does not wait.");
+          "Whether the axis is at its target. Does not wait.")
+      .def_property_readonly(
+          "axis",
+          [](const PyMotion& self) {
+            return self.axis;
+          },
+          "The axis that moves.");
 }
 
 [[noreturn]] void refuse_axes(const py::handle& axes) {
@@ -498,6 +504,7 @@ std::vector<Axis> axes_of(const SharedPySession& py_session, const py::object& a
   }
   if (!py::isinstance<py::iterable>(axes)) refuse_axes(axes);
   for (const py::handle axis : axes) found.push_back(axis_of(py_session, axis));
+  if (found.empty()) throw py::value_error("axes = " + shown(axes) + ": needs at least one axis");
   return found;
 }
 

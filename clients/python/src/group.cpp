@@ -136,6 +136,13 @@ client::Streamed streamed_of(const std::string& what) {
                         in_quotes(what));
 }
 
+double factor_of(const Real& factor, const char* name) {
+  const double number = real_of(factor, {name});
+  if (number > 0.0 && number <= 1.0) return number;
+  throw py::value_error(std::string(name) + " = " + shown(factor.value) +
+                        ": must be above 0 and at most 1");
+}
+
 /// How fast a group moves, as a program gives it.
 struct GivenFactors {
   Real velocity;
@@ -143,9 +150,9 @@ struct GivenFactors {
   Real deceleration;
 
   [[nodiscard]] GroupMoveOptions options(const GroupCallOptions& call) const {
-    return {.velocity_factor = real_of(velocity, {"velocity_factor"}),
-            .acceleration_factor = real_of(acceleration, {"acceleration_factor"}),
-            .deceleration_factor = real_of(deceleration, {"deceleration_factor"}),
+    return {.velocity_factor = factor_of(velocity, "velocity_factor"),
+            .acceleration_factor = factor_of(acceleration, "acceleration_factor"),
+            .deceleration_factor = factor_of(deceleration, "deceleration_factor"),
             .call = call};
   }
 };

@@ -67,20 +67,39 @@ std::deque<Item> take(Source& source, std::size_t most, const OptionalReal& time
   return items;
 }
 
-/// @return the next item; nothing when none has come within `timeout`.
-/// @throws py::stop_iteration at the end
+/// @return whether nothing comes any more, because the program closed it: any other end is raised.
+template <typename Source>
+bool is_closed(Source& source) {
+  const auto outcome = source.queue().ended();
+  return outcome && *outcome;
+}
+
+template <typename Source>
+void check_open(Source& source) {
+  if (is_closed(source)) raise(Outcome::failed("the stream is closed"));
+}
+
+/// @return the next item; nothing when none has come within `timeout`, or it is closed.
 template <typename Source, typename Item>
 std::optional<Item> take_one(Source& source, const OptionalReal& timeout) {
   std::deque<Item> items = take<Source, Item>(source, 1, timeout);
-  if (!items.empty()) return std::move(items.front());
-  if (source.queue().ended()) throw py::stop_iteration();
-  return std::nullopt;
+  if (items.empty()) return std::nullopt;
+  return std::move(items.front());
 }
 
+template <typename Source, typename Item>
+std::optional<Item> next_within(Source& source, const OptionalReal& timeout) {
+  auto item = take_one<Source, Item>(source, timeout);
+  if (!item) check_open(source);
+  return item;
+}
+
+/// @throws py::stop_iteration at the end
 template <typename Source, typename Item>
 Item next_of(Source& source) {
   while (true) {
     if (auto item = take_one<Source, Item>(source, std::nullopt)) return std::move(*item);
+    if (is_closed(source)) throw py::stop_iteration();
   }
 }
 
@@ -93,9 +112,11 @@ void close_source(Source& source) {
 template <typename Source, typename Item>
 void add_queue(py::class_<Source, std::shared_ptr<Source>>& queue) {
   queue.def(
-      "next", &take_one<Source, Item>, py::arg("timeout") = py::none(),
-      "Waits for the next one, at most for `timeout` s; None when none has come. StopIteration "
-      "at the end.");
+      "next", &next_within<Source, Item>, py::arg("timeout") = py::none(),
+      "Waits for the next one, at most for `timeout` s; None when none has come. Raises Failed "
+      "after close().");
+  queue.def_property_readonly("is_closed", &is_closed<Source>,
+                              "Whether it was closed, and all that had come was taken.");
   queue.def("close", &close_source<Source>, "Ends it.");
   queue.def(
       "fileno",
@@ -124,7 +145,7 @@ void add_queue(py::class_<Source, std::shared_ptr<Source>>& queue) {
 py::object take_frames(StatusQueue& source, const OptionalReal& timeout, const Number& most) {
   const std::deque<Observation> samples =
       take<StatusQueue, Observation>(source, count_of(most, "most"), timeout);
-  if (samples.empty() && source.queue().ended()) throw py::stop_iteration();
+  if (samples.empty()) check_open(source);
   return frames_of(samples, source.axes().size());
 }
 

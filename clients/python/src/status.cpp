@@ -76,17 +76,22 @@ Field field_of(const StatusMember& member) {
   return {std::string(member.name), (is_signed ? "<i" : "<u") + std::to_string(size), size};
 }
 
-/// @return the dtype of records in which the fields lie behind each other.
+/// @return the dtype of records in which the fields follow each other without gaps. The short name
+/// of a member is the title of its field: numpy takes it as a second name.
 py::dtype type_of(const std::vector<Field>& fields) {
   py::list names;
   py::list formats;
+  py::list titles;
   for (const Field& field : fields) {
     names.append(field.name);
     formats.append(field.format);
+    const auto* const alias = std::ranges::find(kAliases, field.name, &Alias::member);
+    titles.append(alias == kAliases.end() ? py::object(py::none()) : py::str(alias->name));
   }
   py::dict description;
   description["names"] = names;
   description["formats"] = formats;
+  description["titles"] = titles;
   return py::dtype::from_args(description);
 }
 

@@ -23,7 +23,15 @@ from ._errors import (
     Refused,
     TimedOut,
 )
-from . import _asynchronous, _observers, _recording, _vdrive
+
+try:
+    from . import _vdrive
+except ImportError:
+    from . import _build
+
+    _build.check()  # raises what tells more: built for another Python
+    raise
+from . import _asynchronous, _observers, _recording
 from ._asynchronous import AsyncStream
 from ._bench import Bench, find_service
 from ._observers import Observer
@@ -81,6 +89,17 @@ for _function in (_asynchronous.follow_async, _asynchronous.events_async, _obser
                   _observers.on_status, _observers.watch_services, _recording.record):
     setattr(Session, _function.__name__, _function)
 del _function
+Motion.wait_async = _asynchronous.wait_motion_async
+Motion.__await__ = _asynchronous.await_motion
+AxisGroup.wait_all_async = _asynchronous.wait_all_async
+Axis.wait_until_async = _asynchronous.wait_until_async
+Session.wait_async = _asynchronous.wait_async
+
+# What a traceback names is what a program writes.
+for _class in [value for value in globals().values() if isinstance(value, type)]:
+    if _class.__module__.startswith("vdrive."):
+        _class.__module__ = "vdrive"
+del _class
 
 __all__ = [
     "DISTURBANCES",

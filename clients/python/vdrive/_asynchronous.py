@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Streams as iterators of asyncio."""
+"""Streams as iterators of asyncio, and motions and waits that a task awaits."""
 from __future__ import annotations
+
+import functools
+
+from . import _vdrive
+from ._errors import Error, Failed
+
+_PATIENCE = 1.0  # s of a cancelled task for the end of its call
+_SLICE = 100  # ticks after which a wait for time looks whether it was cancelled
 
 TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
 if TYPE_CHECKING:
-    from typing import Generic, Protocol, TypeVar
-
-    from . import _vdrive
+    from typing import Any, Callable, Generator, Generic, Protocol, TypeVar
 
     Item = TypeVar("Item")
     Taken = TypeVar("Taken", covariant=True)
@@ -16,6 +22,8 @@ if TYPE_CHECKING:
 
         @property
         def dropped(self) -> int: ...
+        @property
+        def is_closed(self) -> bool: ...
         def next(self, timeout: float | None = None) -> Taken | None: ...
         def fileno(self) -> int: ...
         def close(self) -> None: ...
@@ -55,8 +63,10 @@ class AsyncStream(Generic[Item]):
         while True:
             try:
                 item = self._stream.next(timeout=0)
-            except StopIteration:
-                raise StopAsyncIteration from None
+            except Error:
+                if self._stream.is_closed:
+                    raise StopAsyncIteration from None
+                raise
             if item is not None:
                 return item
             await self._readable()
@@ -102,3 +112,87 @@ def events_async(self: _vdrive.Session, *, history: bool = False,
                  capacity: int = 10000) -> AsyncStream[_vdrive.Event]:
     """Follow the events of benches with `async for`; see events()."""
     return AsyncStream(self.events(history=history, capacity=capacity))
+
+
+async def _in_thread(call: Callable[[], Taken], end: Callable[[], object]) -> Taken:
+    """Run a call that waits in a thread of its own. A task that is cancelled has `end` end the call."""
+    import asyncio
+    import threading
+
+    loop = asyncio.get_running_loop()
+    ended: asyncio.Future[Taken] = loop.create_future()
+
+    def run() -> None:
+        try:
+            report = functools.partial(ended.set_result, call())
+        except BaseException as error:
+            report = functools.partial(ended.set_exception, error)
+        if not loop.is_closed():
+            loop.call_soon_threadsafe(report)
+
+    # Not of the executor of the loop, which has a few threads: a hundred motions may be awaited.
+    threading.Thread(target=run, name="vdrive await", daemon=True).start()
+    try:
+        return await asyncio.shield(ended)
+    except asyncio.CancelledError:
+        await asyncio.to_thread(end)
+        # A wait on a bench that is paused ends when it goes on: the task does not stay for it.
+        await asyncio.wait([ended], timeout=_PATIENCE)
+        if ended.done():
+            ended.exception()  # it tells why the call ended, which the task knows
+        raise
+
+
+async def wait_motion_async(self: _vdrive.Motion, timeout: float = 60.0) -> None:
+    """Wait as wait() does; `await motion` is the same. A task that is cancelled halts the axis.
+
+    The axis is left alone when its motion has ended, or has given way to another one. When the axis
+    cannot be halted the task ends with that error.
+    """
+    def halt() -> None:
+        try:
+            if self.has_ended():
+                return
+        except Failed:
+            return
+        self.axis.halt(until="in_force")
+
+    await _in_thread(lambda: self.wait(timeout), halt)
+
+
+def await_motion(self: _vdrive.Motion) -> Generator[Any, None, None]:
+    """Wait as wait_async() does."""
+    return wait_motion_async(self).__await__()
+
+
+async def wait_all_async(self: _vdrive.AxisGroup, *, timeout: float | None = None) -> None:
+    """Wait as wait_all() does. A task that is cancelled halts the group: halt_all()."""
+    await _in_thread(lambda: self.wait_all(timeout=timeout), lambda: self.halt_all(until="in_force"))
+
+
+async def wait_until_async(self: _vdrive.Axis, condition: Callable[[_vdrive.Status], bool],
+                           timeout: float = 60.0) -> _vdrive.Status:
+    """Wait as wait_until() does. A task that is cancelled does not stop the axis.
+
+    A thread calls the condition.
+    """
+    is_cancelled = []
+    return await _in_thread(
+        lambda: self.wait_until(lambda status: bool(is_cancelled) or condition(status), timeout),
+        lambda: is_cancelled.append(True))
+
+
+async def wait_async(self: _vdrive.Session, duration: float, *, bench: int | None = None) -> int:
+    """Wait for a time of the drive, as wait() does. A task that is cancelled stops no axis."""
+    is_cancelled = []
+
+    def wait() -> int:
+        there = self.find_bench(bench)
+        nanoseconds = round(_vdrive.real_number("duration", duration) * 1e9)
+        now = self.wait(0.0, bench=there.number)
+        end = now - -nanoseconds // round(there.period * 1e9)
+        while now < end and not is_cancelled:
+            now = self.wait_for_tick(min(end, now + _SLICE), bench=there.number)
+        return now
+
+    return await _in_thread(wait, lambda: is_cancelled.append(True))

@@ -15,22 +15,13 @@ if TYPE_CHECKING:
 
     Path = str | bytes | os.PathLike[str] | os.PathLike[bytes]
 
-_ALIASES = {
-    "position": "load_position_actual_value",
-    "demand": "position_demand_value",
-    "following_error": "load_position_error_value",
-    "velocity": "load_velocity_actual_value",
-    "torque": "torque_actual_value",
-    "statusword": "ds402_statusword",
-}
-
 
 class Recording:
     """Status of axes of one bench over time.
 
     `frames` is a numpy array of records, a row a sample, a column an axis; its fields are named
-    after the members of the status (`recording.frames.dtype.names`). `recording["position"]` is
-    one of them, an array of numbers of the same shape; the short names of Status are known, too.
+    after the members of the status (`recording.frames.dtype.names`), and the short names of Status
+    mean the same fields. `recording["position"]` is one of them, an array of numbers of the same shape.
     `cut` is the place where a file was cut off; empty for a whole one. `period` is the time of a tick
     [s], None of a file that does not say it.
     """
@@ -73,13 +64,13 @@ class Recording:
 
     def __getitem__(self, field: str) -> NDArray[Any]:
         try:
-            numbers: NDArray[Any] = self.frames[_ALIASES.get(field, field)]
+            numbers: NDArray[Any] = self.frames[field]
             return numbers
         except ValueError:
             import difflib
 
-            names = [*_ALIASES, *(self.frames.dtype.names or ())]
-            near = difflib.get_close_matches(str(field), names, n=1, cutoff=0.5)
+            near = difflib.get_close_matches(str(field), self.frames.dtype.fields or (), n=1,
+                                             cutoff=0.5)
             hint = f" (did you mean {near[0]!r}?)" if near else ""
             raise KeyError(f"a recording has no field {field!r}{hint}") from None
 
@@ -132,14 +123,15 @@ def load(path: str | os.PathLike[str], *, bench: int | None = None,
     """Read a recording of `vdrive record FILE`: .csv, .jsonl or .mcap.
 
     bench: its number, where the recording has several. period: the time of a tick [s], of a file that
-    does not say it: .csv and .jsonl. Raises ValueError when the file is not a
-    recording, or is damaged, or has other benches only. Of an MCAP file that was cut off it reads the whole part; `cut` of the
+    does not say it: .csv and .jsonl. Raises FileNotFoundError, or another OSError, when the file cannot be
+    opened; ValueError when it is not a recording, or is damaged, or has other benches only. Of an MCAP file that was cut off it reads the whole part; `cut` of the
     recording is the place where it ends.
     """
     bench = None if bench is None else _vdrive.whole_number("bench", bench)
     period = None if period is None else _vdrive.real_number("period", period)
     if period is not None and not 0.0 < period < float("inf"):
         raise ValueError(f"period = {period!r}: must be a time in s above 0")
+    os.close(os.open(path, os.O_RDONLY | os.O_NONBLOCK))  # raises OSError where it cannot be opened
     cut, benches = _vdrive.read_recording(os.fspath(path))
     chosen = [each for each in benches if bench in (None, each[0])]
     if len(chosen) > 1:

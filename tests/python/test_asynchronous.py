@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Motions and waits that a task of asyncio awaits."""
+import asyncio
+import threading
+
+import pytest
+
+import vdrive
+
+PATIENCE = 60
+FAR = 10_000_000  # UU: at 20,000 UU/s a move of minutes
+
+
+@pytest.fixture(params=["lockstep", "realtime"])
+def session(request):
+    with vdrive.Bench(2, clock=request.param) as bench, bench.session() as opened:
+        opened.command_each(None, "enable")
+        yield opened
+
+
+def is_halted(axis):
+    return bool(axis.read("ds402_controlword") & 0x0100)  # bit 8 (CiA 402-2)
+
+
+async def cancel_in_motion(awaited, axis):
+    """Cancel a task that awaits it, once the axis moves."""
+    task = asyncio.create_task(awaited)
+    await axis.wait_until_async(lambda status: status.velocity > 1000, timeout=PATIENCE)
+    task.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await asyncio.wait_for(task, PATIENCE)
+
+
+async def awaitable(motion):
+    await motion
+
+
+def test_a_motion_is_awaited_beside_other_tasks(session):
+    async def run():
+        one = session.axis("1.1").start_move(1000, velocity=20000)
+        other = session.axis("1.2").start_move(-500, velocity=20000)
+        await asyncio.wait_for(asyncio.gather(awaitable(one), other.wait_async()), PATIENCE)
+
+    asyncio.run(run())
+    assert [status.position for status in session.observe().axes] == [1000, -500]
+
+
+def test_a_hundred_motions_are_awaited_at_once():
+    with vdrive.Bench(100) as bench, bench.session() as session:
+        session.command_each(None, "enable")
+
+        async def run():
+            motions = [axis.start_move(number, velocity=20000) for number, axis in enumerate(session.axes())]
+            await asyncio.gather(*(motion.wait_async() for motion in motions))
+
+        asyncio.run(run())
+        assert [status.position for status in session.observe().axes] == list(range(100))
+
+
+def test_a_fault_ends_an_awaited_motion_as_failed(session):
+    axis = session.axis("1.1")
+
+    async def run():
+        motion = axis.start_move(FAR, velocity=20000)
+        axis.disturb("over_temperature")
+        await motion
+
+    with pytest.raises(vdrive.Failed):
+        asyncio.run(run())
+
+
+def test_a_cancelled_task_halts_the_axis_that_it_awaits_and_no_other(session):
+    axis, other = session.axis("1.1"), session.axis("1.2")
+    other.start_move(-FAR, velocity=20000)
+    asyncio.run(cancel_in_motion(awaitable(axis.start_move(FAR, velocity=20000)), axis))
+    assert is_halted(axis) and not is_halted(other)
+    axis.wait_until(lambda status: status.velocity == 0, timeout=PATIENCE)
+    assert axis.status().position < FAR
+
+
+def test_a_time_limit_of_asyncio_halts_the_axis(session):
+    axis = session.axis("1.1")
+
+    async def run():
+        await asyncio.wait_for(axis.start_move(FAR, velocity=20000), timeout=0.05)
+
+    with pytest.raises(asyncio.TimeoutError):
+        asyncio.run(run())
+    assert is_halted(axis)
+
+
+def test_a_cancelled_task_leaves_a_motion_that_has_ended(session):
+    axis = session.axis("1.1")
+
+    async def run():
+        motion = axis.start_move(1000, velocity=20000)
+        motion.wait()
+        task = asyncio.create_task(motion.wait_async())
+        await asyncio.sleep(0)  # the task waits now
+        task.cancel()
+        await asyncio.wait([task], timeout=PATIENCE)
+
+    asyncio.run(run())
+    assert not is_halted(axis)
+
+
+def test_a_cancelled_wait_for_a_group_halts_its_axes(session):
+    group = vdrive.AxisGroup(session, ["1.1", "1.2"])
+    group.queue_move([FAR, -FAR])
+    asyncio.run(cancel_in_motion(group.wait_all_async(), session.axis("1.1")))
+    for axis in session.axes():
+        axis.wait_until(lambda status: status.velocity == 0, timeout=PATIENCE)
+    assert group.status().state != "moving"
+
+
+def test_a_cancelled_wait_for_a_condition_stops_no_axis(session):
+    axis = session.axis("1.1")
+    axis.start_move(FAR, velocity=20000)
+    asyncio.run(cancel_in_motion(axis.wait_until_async(lambda status: False, timeout=PATIENCE), axis))
+    assert not is_halted(axis) and axis.status().velocity_demand_value > 0
+
+
+def test_a_condition_is_awaited_and_gives_its_status(session):
+    axis = session.axis("1.1")
+    axis.start_move(FAR, velocity=20000)
+    status = asyncio.run(axis.wait_until_async(lambda status: status.position > 500))
+    assert status.position > 500
+
+
+def test_an_exception_of_a_condition_ends_the_task(session):
+    with pytest.raises(ZeroDivisionError):
+        asyncio.run(session.axis("1.1").wait_until_async(lambda status: 1 / 0))
+
+
+def test_drive_time_is_awaited_to_the_tick():
+    with vdrive.Bench(1) as bench, bench.session() as session:
+        begin = session.step()
+        # 250.5 periods of 1 ms: the first tick that is not earlier.
+        assert asyncio.run(session.wait_async(0.2505)) == begin + 251
+        assert asyncio.run(session.wait_async(0.0)) == begin + 251
+        with pytest.raises(TypeError, match="duration = '1'"):
+            asyncio.run(session.wait_async("1"))
+
+
+def test_a_cancelled_wait_for_drive_time_ends():
+    with vdrive.Bench(1, clock="realtime") as bench, bench.session() as session:
+        async def run():
+            with pytest.raises(asyncio.TimeoutError):
+                await asyncio.wait_for(session.wait_async(3600.0), timeout=0.01)
+
+        asyncio.run(run())
+        assert all(thread.name != "vdrive await" or not thread.is_alive()
+                   for thread in threading.enumerate())
