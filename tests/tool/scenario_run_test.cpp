@@ -55,8 +55,10 @@ TEST_F(FinalLines, RunAfterAFailureAndKeepItsExitCode) {
                                "expect 1.1 mode 99 --tolerance 1\n"
                                "disable 1.1\n");
   EXPECT_EQ(failed.code, 1);
-  EXPECT_THAT(failed.errors, AllOf(HasSubstr("<stdin>:2: "), HasSubstr("expected > 100, actual 0"),
-                                   HasSubstr("<stdin>:5: ")));
+  EXPECT_THAT(failed.errors,
+              AllOf(HasSubstr("<stdin>:2: "),
+                    HasSubstr("expected > 100 UU (8.79 deg), actual 0 UU (0.00 deg)"),
+                    HasSubstr("<stdin>:5: ")));
   EXPECT_EQ(status_of("1.1")["state"], "Ready to switch on") << "also after a final line failed";
   EXPECT_EQ(status_of("1.1")["position_demand_value"], 0) << "the move was skipped";
 }
@@ -201,7 +203,8 @@ TEST_F(WaitAndExpect, PassOrReportTheValuesOfTheAxis) {
   EXPECT_EQ(call("expect 1.1 position < 1 --within 1ms").code, 0);
   const Finished other = call("expect 1.1 position != 0");
   EXPECT_EQ(other.code, 1);
-  EXPECT_THAT(other.errors, HasSubstr("position: expected != 0, actual 0 at tick"));
+  EXPECT_THAT(other.errors,
+              HasSubstr("position: expected != 0 UU (0.00 deg), actual 0 UU (0.00 deg) at tick"));
   const Finished never = call("wait 1.1 operation_enabled --timeout 50ms");
   EXPECT_EQ(never.code, 4);
   EXPECT_THAT(never.errors, AllOf(HasSubstr("axis 1.1: timed out while waiting for"),
@@ -264,9 +267,10 @@ TEST_F(WaitAndExpect, GoOnInFaultForWhatTheFaultOrAResetBrings) {
   EXPECT_EQ(call("wait 1.1 statusword 0x40 --timeout 300ms").code, 4);
   const Finished parameter = call("wait 1.1 profile_velocity 7 --timeout 300ms");
   EXPECT_EQ(parameter.code, 4) << "another program may still write it";
-  EXPECT_THAT(parameter.errors, AllOf(HasSubstr("profile_velocity: expected 7, actual "),
-                                      HasSubstr("; axis 1.1 is in Fault 0x4310"),
-                                      HasSubstr(", since tick " + tick_of_last_fault() + "\n")));
+  EXPECT_THAT(parameter.errors,
+              AllOf(HasSubstr("profile_velocity: expected 7 UU/s (0.62 deg/s), actual "),
+                    HasSubstr("; axis 1.1 is in Fault 0x4310"),
+                    HasSubstr(", since tick " + tick_of_last_fault() + "\n")));
 }
 
 TEST_F(WaitAndExpect, NameTheFaultOfAMotionFirst) {

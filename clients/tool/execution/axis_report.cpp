@@ -23,6 +23,9 @@ Json json_of_report(const CommandContext& context, const client::Axis& axis,
     json["state"] = to_string(status->state());
     json["statusword"] = status->status.ds402_statusword;
     json["position"] = status->status.load_position_actual_value;
+    json["unit"] = axis.unit().name;
+    json["position_in_unit"] =
+        client::from_user_units(status->status.load_position_actual_value, axis.unit());
   }
   return json;
 }
