@@ -18,6 +18,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kPatient =
     "--clock realtime --axes 2 --config " VDRIVE_SOURCE_DIR "/tests/data/patient.yaml";
@@ -116,6 +117,35 @@ TEST_F(SeveralFiles, AreAllCheckedBeforeTheFirstCommand) {
   EXPECT_THAT(report(), AllOf(HasSubstr("errors=\"1\""), HasSubstr("skipped=\"1\"")));
   EXPECT_EQ(run({good, "/nonexistent.scn"}).code, 2);
   EXPECT_EQ(status_of("1.1")["state"], "Switch on disabled");
+}
+
+// Eleven mistakes in two files, none of which the text alone shows.
+TEST_F(SeveralFiles, NameEveryAxisAndBenchThatIsNotThere) {
+  const std::string one = file("a.scn",
+                               "enable 1.1\nenable 1.9\nread lft 0x6041\nstep 1 --bench 8\n"
+                               "enable 7.1\nenable 1.9\nwait lft fault\nenable 7.2\n");
+  const std::string two =
+      file("b.scn", "enable 1.8\nenable 1.9\nenable 1.2 9.1\nread lft 0x6041\n");
+  const Finished finished = run({one, two});
+  EXPECT_EQ(finished.code, 3);
+  for (const int line : {2, 3, 4, 5, 6, 7, 8}) {
+    EXPECT_THAT(finished.errors, HasSubstr("a.scn:" + std::to_string(line) + ": no "));
+  }
+  for (const int line : {1, 2, 3, 4}) {
+    EXPECT_THAT(finished.errors, HasSubstr("b.scn:" + std::to_string(line) + ": no "));
+  }
+  EXPECT_THAT(finished.errors, Not(HasSubstr("a.scn:1: ")));
+  EXPECT_THAT(finished.errors, HasSubstr("a.scn:8: no axis 7.2: no bench 7"));
+  EXPECT_THAT(report(), HasSubstr("errors=\"2\""));
+}
+
+TEST_F(SeveralFiles, NameEveryMistakeOfAllOfThem) {
+  const std::string one = file("a.scn", "dance\nenable 1.1\nmove 1.1 fast\n");
+  const std::string two = file("b.scn", "read 1.1 0x9999\n");
+  const Finished finished = run({one, two});
+  EXPECT_EQ(finished.code, 2);
+  EXPECT_THAT(finished.errors,
+              AllOf(HasSubstr("a.scn:1: "), HasSubstr("a.scn:3: "), HasSubstr("b.scn:1: ")));
 }
 
 TEST_F(SeveralFiles, ShareTheVariablesOfTheCommandLine) {

@@ -220,6 +220,11 @@ TEST_F(Units, OfAScenarioAreCheckedBeforeItsFirstCommand) {
   EXPECT_EQ(refused.code, 2);
   EXPECT_THAT(refused.errors, HasSubstr("bad.scn:2: '3deg': axis slide has no unit 'deg'"));
   EXPECT_EQ(value_of("turn", "0x6062"), "0");
+  const Finished several =
+      call("run " + file("both.scn", "move turn 2mm\nmove slide 3deg\nenable gone\n"));
+  EXPECT_EQ(several.code, 2);
+  EXPECT_THAT(several.errors, AllOf(HasSubstr("both.scn:1: '2mm'"), HasSubstr("both.scn:2: '3deg'"),
+                                    HasSubstr("both.scn:3: no axis is named 'gone'")));
   const Finished passed = call("run " + file("good.scn",
                                              "move turn 90deg\n"
                                              "expect turn position_demand_value 0.25rev\n"
