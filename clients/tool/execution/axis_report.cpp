@@ -18,7 +18,9 @@ Json json_of_report(const CommandContext& context, const client::Axis& axis,
                     const AxisReport& report, const client::AxisSnapshot* status) {
   Json json{{"axis", to_string(axis.id())}, {"command", report.command}};
   add_outcome(json, context.axes.named(report.outcome));
-  if (status != nullptr) {
+  if (report.deed) {
+    if (report.outcome) json.update(report.deed->facts);
+  } else if (status != nullptr) {
     json["tick"] = status->tick;
     json["state"] = to_string(status->state());
     json["statusword"] = status->status.ds402_statusword;
@@ -64,6 +66,8 @@ Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisRepor
   }
   if (context.output.is_json) {
     context.output.terminal.print(to_line(json_of_report(context, axis, report, status)));
+  } else if (report.outcome && report.deed) {
+    context.output.terminal.print(label + ": " + report.deed->text);
   } else if (report.outcome && status != nullptr) {
     context.output.terminal.print(report.has_arrived ? arrival_line(*status, label, axis.unit())
                                                      : status_line(*status, label, axis.unit()));
