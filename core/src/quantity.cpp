@@ -2,6 +2,7 @@
 #include "vdrive/quantity.hpp"
 
 #include "vdrive/assert.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
@@ -29,7 +30,8 @@ struct DimensionWords {
 constexpr std::array kDimensions{
     DimensionWords{"position", "Pos", {"", "", ""}, "1024, 90deg or 12.5mm"},
     DimensionWords{"speed", "Vel", {"/s", "/s", "/s"}, "1000, 180deg/s or 5mm/s"},
-    DimensionWords{"ramp", "Acc", {"/s2", "/s^2", "/s\u00B2"}, "6000, 900deg/s2 or 50mm/s2"}};
+    DimensionWords{"ramp", "Acc", {"/s2", "/s^2", "/s\u00B2"}, "6000, 900deg/s2 or 50mm/s2"},
+    DimensionWords{"jerk", "Jerk", {"/s3", "/s^3", "/s\u00B3"}, "60000, 9000deg/s3 or 500mm/s3"}};
 
 const DimensionWords& words_of(Dimension dimension) {
   const auto row = static_cast<std::size_t>(dimension);
@@ -101,14 +103,45 @@ std::string_view unit_ending(Dimension dimension) noexcept {
   return words_of(dimension).endings.front();
 }
 
+Unit user_unit() {
+  return {.kind = UnitKind::linear, .name = std::string(kUserUnitName), .size = 1.0};
+}
+
+std::string unit_name(Dimension dimension, const Unit& unit) {
+  return escaped(unit.name) + std::string(unit_ending(dimension));
+}
+
+std::string quantity_text(std::int64_t user_units, Dimension dimension, const Unit& unit) {
+  const std::string ending(unit_ending(dimension));
+  std::string text = std::to_string(user_units) + " " + std::string(kUserUnitName) + ending;
+  if (unit.name == kUserUnitName) return text;
+  return text + " (" + escaped(position_text(user_units, unit)) + ending + ")";
+}
+
 std::optional<Dimension> dimension_of(ObjectRow row) noexcept {
   const std::string_view units = describe(row).units;
   if (units == "p") return Dimension::position;  // 607Dh, as the manual has it
   for (const Dimension dimension :
-       {Dimension::position, Dimension::velocity, Dimension::acceleration}) {
+       {Dimension::position, Dimension::velocity, Dimension::acceleration, Dimension::jerk}) {
     if (units.starts_with(words_of(dimension).units)) return dimension;
   }
   return std::nullopt;
+}
+
+std::string object_value_text(ObjectRow row, std::int64_t value, const Unit& unit) {
+  const auto dimension = dimension_of(row);
+  return dimension ? quantity_text(value, *dimension, unit) : std::to_string(value);
+}
+
+std::string advice_on(ObjectAddress object, AbortCode code, const Unit& unit) {
+  const auto row = find_object(object);
+  const bool is_of_limits = code == AbortCode::value_range_exceeded ||
+                            code == AbortCode::value_too_high || code == AbortCode::value_too_low;
+  if (!row || !dimension_of(*row) || !is_of_limits) return advice_on(object, code);
+  const ObjectDescription& limited = describe(*row);
+  return std::string(limited.variable_name) + " takes " +
+         object_value_text(*row, limited.lower_limit, unit) + " to " +
+         object_value_text(*row, limited.upper_limit, unit);
 }
 
 }  // namespace vdrive

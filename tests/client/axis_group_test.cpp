@@ -326,8 +326,10 @@ TEST_F(LockStepGroup, MovesAModuloAxisWithinItsRangeAndByNoDirection) {
   write("1.3", {0x607B, 2}, 4'096);
   const Outcome beyond = group.move_together(vector({1000, 1000, 5000}));
   EXPECT_EQ(beyond.kind(), OutcomeKind::refused);
-  EXPECT_THAT(beyond.message(), HasSubstr("axis 1.3: the target 5000 is outside of its position "
-                                          "range (607Bh), from 0 to below 4096"));
+  EXPECT_THAT(beyond.message(),
+              HasSubstr("axis 1.3: the target 5000 UU (439.45 deg) is outside of its "
+                        "position range (607Bh), from 0 UU (0.00 deg) to below "
+                        "4096 UU (360.00 deg)"));
   write("1.3", kPositioningOption, 2 + 128);
   EXPECT_THAT(group.move_together(vector({1000, 1000, 1000})).message(),
               HasSubstr("axis 1.3: positioning_option_code (60F2h) chooses a direction"));
@@ -583,8 +585,8 @@ TEST_F(LockStepGroup, ATargetBesideTheLineIsRefusedAndTheAxesGoOn) {
   const Outcome refused = group.move_together(vector({100'000, 0}));
   EXPECT_EQ(refused.code(), kRefusedInState);
   EXPECT_THAT(refused.message(),
-              HasSubstr("axis 1.2: its target (607Ah) is 0 UU, where the line that the axes move "
-                        "along has 50000 UU, give or take 1"));
+              HasSubstr("axis 1.2: its target (607Ah) is 0 UU (0.00 deg), where the line that the "
+                        "axes move along has 50000 UU (4394.53 deg), give or take 1 UU"));
   const Outcome arrived = group.wait_all();
   ASSERT_TRUE(arrived) << arrived.message();
   EXPECT_EQ(group.status()->demand(), targets);

@@ -78,11 +78,13 @@ TEST_F(Modes, HomeWithAnUnreachableSpeedIsRefused) {
   ASSERT_TRUE(axis_.write(kSpeedLimit, 5'000));
   const Outcome search = axis_.home({.method = 17, .search_speed = 5'001, .call = {}});
   EXPECT_EQ(search.code(), kRefusedInState);
-  EXPECT_THAT(search.message(), HasSubstr("the homing_speed_search (6099h:1) 5001 is above "
-                                          "app_speed_limit (607Fh) = 5000"));
+  EXPECT_THAT(search.message(),
+              HasSubstr("the homing_speed_search (6099h:1) 5001 UU/s (439.54 deg/s) "
+                        "is above app_speed_limit (607Fh) = 5000 UU/s"));
   const Outcome creep = axis_.home({.method = 17, .creep_speed = 5'001, .call = {}});
   EXPECT_EQ(creep.code(), kRefusedInState);
-  EXPECT_THAT(creep.message(), HasSubstr("the homing_speed_creep (6099h:2) 5001 is above"));
+  EXPECT_THAT(creep.message(),
+              HasSubstr("the homing_speed_creep (6099h:2) 5001 UU/s (439.54 deg/s) is above"));
   EXPECT_EQ(now().mode(), OperatingMode::none) << "nothing was changed";
   EXPECT_TRUE(axis_.home({.method = 37, .search_speed = 5'000, .creep_speed = 5'000, .call = {}}));
 }
@@ -94,7 +96,7 @@ TEST_F(Modes, ALateHomingRunSaysThatTheAxisIsStillMoving) {
   EXPECT_EQ(late.kind(), OutcomeKind::timed_out);
   EXPECT_THAT(late.message(),
               AllOf(HasSubstr("axis 1.1: timed out while waiting for the end of the homing run"),
-                    HasSubstr(" UU, still moving at -100 UU/s")));
+                    HasSubstr(" deg), still moving at -100 UU/s (-8.79 deg/s)")));
   EXPECT_TRUE(axis_.halt());
 }
 
@@ -104,7 +106,8 @@ TEST_F(Modes, ALateVelocitySaysHowFastTheAxisIs) {
   EXPECT_EQ(late.kind(), OutcomeKind::timed_out);
   EXPECT_THAT(late.message(),
               testing::MatchesRegex("axis 1\\.1: timed out while waiting for the velocity, bit 10, "
-                                    "at [0-9]+ of 10000 UU/s, still on its way"));
+                                    "at [0-9]+ UU/s \\([0-9.]+ deg/s\\) of 10000 UU/s "
+                                    "\\(878.91 deg/s\\), still on its way"));
   EXPECT_TRUE(axis_.halt());
 }
 
@@ -133,7 +136,8 @@ TEST_F(Modes, RunAtReachesTheVelocityAndHoldsIt) {
 TEST_F(Modes, RunAtAnUnreachableVelocityIsRefused) {
   ASSERT_TRUE(axis_.write(kSpeedLimit, 5'000));
   EXPECT_THAT(axis_.run_at(5'001).message(),
-              HasSubstr("the velocity 5001 is above app_speed_limit (607Fh) = 5000"));
+              HasSubstr("the velocity 5001 UU/s (439.54 deg/s) is above app_speed_limit (607Fh) = "
+                        "5000 UU/s (439.45 deg/s)"));
   EXPECT_THAT(axis_.run_at(100, {.acceleration = 0, .call = {}}).message(),
               HasSubstr("profile_acc (6083h) is 0"));
   EXPECT_EQ(now().mode(), OperatingMode::none);
@@ -147,7 +151,8 @@ TEST_F(Modes, AMoveWithAnUnreachableVelocityIsRefusedAsWell) {
   const Outcome refused = axis_.move_to(100, {.velocity = 5'001});
   EXPECT_EQ(refused.code(), kRefusedInState);
   EXPECT_THAT(refused.message(),
-              HasSubstr("the velocity 5001 is above app_speed_limit (607Fh) = 5000"));
+              HasSubstr("the velocity 5001 UU/s (439.54 deg/s) is above app_speed_limit (607Fh) = "
+                        "5000 UU/s (439.45 deg/s)"));
   EXPECT_EQ(now().mode(), OperatingMode::none) << "nothing was changed";
   EXPECT_TRUE(axis_.move_to(100, {.velocity = 5'000}));
   ASSERT_TRUE(axis_.disable());
@@ -164,8 +169,9 @@ TEST_F(Modes, RunAtAboveTheSpeedOfTheMotorIsRefused) {
   EXPECT_EQ(refused.code(), kRefusedInState);
   EXPECT_THAT(
       refused.message(),
-      HasSubstr("the velocity -4097 is above motor_speed_limit (5E11h) = 4096, which follows "
-                "from motor_max_speed_rpm (6080h) and the gear"));
+      HasSubstr(
+          "the velocity -4097 UU/s (-360.09 deg/s) is above motor_speed_limit (5E11h) = "
+          "4096 UU/s (360.00 deg/s), which follows from motor_max_speed_rpm (6080h) and the gear"));
   EXPECT_EQ(now().mode(), OperatingMode::none) << "nothing was changed";
   EXPECT_TRUE(axis_.run_at(-4'096));
 }
@@ -179,7 +185,8 @@ TEST_F(Modes, RunAtReportsTheSpeedLimitThatWasLatchedAtEnabling) {
   const std::uint64_t start = now().tick;
   const Outcome cut = axis_.run_at(8'000);
   EXPECT_EQ(cut.kind(), OutcomeKind::failed);
-  EXPECT_THAT(cut.message(), AllOf(HasSubstr("the velocity of 8000 stays at 5000"),
+  EXPECT_THAT(cut.message(), AllOf(HasSubstr("the velocity of 8000 UU/s (703.12 deg/s) stays at "
+                                             "5000 UU/s (439.45 deg/s)"),
                                    HasSubstr("app_speed_limit (607Fh)")));
   EXPECT_LT(now().tick, start + 200);
 }

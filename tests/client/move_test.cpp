@@ -183,8 +183,8 @@ TEST_F(Move, IntoALimitSwitchIsReportedAtOnceAndRestoresSpeedAndRamps) {
   const Outcome ended = axis_.move_to(8000, with(1000, 10'000, 10'000));
   EXPECT_EQ(ended.kind(), OutcomeKind::failed);
   EXPECT_THAT(ended.message(),
-              HasSubstr("the positive limit switch (60FDh bit 1) has ended the move to 8000 at "
-                        "position 0"));
+              HasSubstr("the positive limit switch (60FDh bit 1) has ended the move to 8000 "
+                        "UU (703.12 deg) at position 0 UU (0.00 deg)"));
   EXPECT_LT(axis_.status()->tick, start + 20);
   expect_defaults();
   EXPECT_TRUE(axis_.move_to(-500)) << "the other way is free";

@@ -77,7 +77,7 @@ TEST_F(NamedSessions, EveryKindOfRefusalHasTheName) {
   EXPECT_THAT(of_beta_.move_to(5).message(), EndsWith(": " + owner));
   EXPECT_THAT(of_beta_.power_cycle().message(), EndsWith(": " + owner));
   EXPECT_THAT(of_beta_.write({0x607A, 0}, 5).outcome().message(),
-              StartsWith("write of 5 to position_user_target_value"));
+              StartsWith("write of 5 UU (0.44 deg) to position_user_target_value"));
   EXPECT_THAT(of_beta_.write({0x607A, 0}, 5).outcome().message(), EndsWith(": " + owner));
   const std::array ids{AxisId{1, 1}, AxisId{1, 2}};
   EXPECT_THAT(beta_.acquire(ids).message(), EndsWith(": " + owner));

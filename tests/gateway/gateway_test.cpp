@@ -719,7 +719,7 @@ TEST_F(GatewayControl, RefusesAVelocityOfAGroupThatAnAxisDoesNotReach) {
       "/move_group", {{"moves", moves}, {"velocity", highest + 1}, {"acceleration", 7}});
   EXPECT_EQ(answer["outcome"], "refused");
   EXPECT_THAT(answer["message"],
-              HasSubstr("axis 1.1: the velocity " + std::to_string(highest + 1) + " is above "));
+              HasSubstr("axis 1.1: the velocity " + std::to_string(highest + 1) + " UU/s ("));
   EXPECT_EQ(*axis_->read({0x6081, 0}), before) << "nothing is written";
   EXPECT_NE(*axis_->read({0x6083, 0}), 7);
   EXPECT_EQ(client.call("/move_group", {{"moves", moves}, {"velocity", highest}})["ok"], true);

@@ -20,9 +20,12 @@ std::vector<RecordedBench> benches_of(std::size_t benches, std::size_t axes) {
     bench.period = std::chrono::microseconds(500);
     for (std::size_t axis = 1; axis <= axes; ++axis) {
       const std::string number = std::to_string(axis);
-      bench.axes.push_back({.id = {bench.number, static_cast<std::uint16_t>(axis)},
-                            .name = "lift \"" + number + "\", left",
-                            .topic = "lift_" + number});
+      RecordedAxis& recorded = bench.axes.emplace_back();
+      recorded.id = {bench.number, static_cast<std::uint16_t>(axis)};
+      recorded.name = "lift \"" + number + "\", left";
+      recorded.topic = "lift_" + number;
+      if (axis % 3 == 1) recorded.unit = {client::UnitKind::linear, "mm", 1'000.0};
+      if (axis % 3 == 2) recorded.unit = client::Unit();  // of every third axis none is known
     }
     all.push_back(bench);
   }

@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 namespace vdrive::test {
 namespace {
 
@@ -125,9 +127,56 @@ TEST(CsvRecording, WithAnUnknownColumnIsRefused) {
 
 TEST(CsvRecording, WithoutAColumnIsRefused) {
   const std::string header = csv_header();
-  EXPECT_THAT(csv_refusal(header.substr(0, header.rfind(',')) + "\n"),
+  EXPECT_THAT(csv_refusal(header.substr(0, header.find(",owner_epoch")) + "\n"),
               HasSubstr("lacks the column 'owner_epoch'"));
   EXPECT_THAT(csv_refusal(header + ",tick\n"), HasSubstr("two columns 'tick'"));
+}
+
+/// The columns after the first 'owner_epoch', of each line.
+std::string without_units(const std::string& text) {
+  std::istringstream lines(text);
+  std::string shorter;
+  for (std::string line; std::getline(lines, line);) {
+    for (int i = 0; i < 4; ++i) line.erase(line.rfind(','));
+    shorter += line + "\n";
+  }
+  return shorter;
+}
+
+// 1000 UU are a millimetre.
+TEST(CsvRecording, HasTheUnitOfEachAxisAndItsPositionAndVelocityInIt) {
+  const auto benches = benches_of(1, 3);
+  client::Observation sample = samples_of(benches[0], 1)[0];
+  for (client::AxisSnapshot& axis : sample.axes) {
+    axis.status.load_position_actual_value = -12'500;
+    axis.status.load_velocity_actual_value = 2'048;
+  }
+  const std::string text = text_of(Format::csv, benches, {sample});
+  EXPECT_THAT(text,
+              AllOf(HasSubstr(",owner_epoch,unit,unit_size,position_in_unit,velocity_in_unit\n"),
+                    HasSubstr(",mm,1000,-12.5,2.048\n"), HasSubstr(",deg,4096,-1098."),
+                    HasSubstr(",,,,\n")));
+  const Read read = read_back(Format::csv, text);
+  ASSERT_EQ(read.contents.benches.size(), 1U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(read.contents.benches[0].axes[i].unit, benches[0].axes[i].unit);
+  }
+}
+
+TEST(CsvRecording, OfAnOlderVersionHasNoUnits) {
+  const auto benches = benches_of(1, 1);
+  const std::string text = without_units(text_of(Format::csv, benches, samples_of(benches[0], 2)));
+  const Read read = read_back(Format::csv, text);
+  EXPECT_EQ(read.samples.size(), 2U);
+  EXPECT_EQ(read.contents.benches.at(0).axes.at(0).unit, std::nullopt);
+}
+
+TEST(McapRecording, HasTheUnitOfEachAxis) {
+  const auto benches = benches_of(1, 3);
+  const Read read = read_back(Format::mcap, mcap_of(benches, samples_of(benches[0], 2)));
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(read.contents.benches.at(0).axes.at(i).unit, benches[0].axes[i].unit);
+  }
 }
 
 TEST(CsvRecording, WithBadCellsIsRefusedWithTheirNames) {

@@ -315,7 +315,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"fraction_of_an_object",
                 "axes:\n  - number: 1\n    parameters: {profile_velocity: 12.5}",
                 "bench.yaml:3: axes[0].parameters.profile_velocity = 12.5: must be a whole number "
-                "from 0 to 4294967295"},
+                "from 0 UU/s (0.00 deg/s) to 4294967295 UU/s (377487359.91 deg/s), or"},
         Refused{"unknown_index", "axes:\n  - number: 1\n    parameters: {\"0x6FFF\": 1}",
                 "bench.yaml:3: axes[0].parameters.0x6FFF = 1: no such object"},
         Refused{"parameter_range", "axes:\n  - number: 1\n    parameters: {motor_max_speed_rpm: 0}",
@@ -324,7 +324,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"parameter_in_user_units",
                 "axes:\n  - number: 1\n    parameters: {profile_velocity: -1}",
                 "bench.yaml:3: axes[0].parameters.profile_velocity = -1: must be a whole number "
-                "from 0 to 4294967295 VelUU"},
+                "from 0 UU/s (0.00 deg/s) to 4294967295 UU/s (377487359.91 deg/s)"},
         Refused{"parameter_without_a_meaning",
                 "axes:\n  - number: 7\n    parameters:\n      homing_method: 36",
                 "bench.yaml:4: axes[0].parameters.homing_method = 36: must be -4 to 14, 17 to 30, "
@@ -400,14 +400,14 @@ TEST(Configuration, IsRefusedWithEachMistakeInItsLine) {
             "clock_step, threads, realtime_priority\n"
             "bench.yaml:5: clock.period_us = 7: must be a whole number from 125 to 10000 us\n"
             "bench.yaml:9: axes[0].parameters.profile_velocity = -1: must be a whole number from 0 "
-            "to 4294967295 VelUU\n"
+            "UU/s (0.00 deg/s) to 4294967295 UU/s (377487359.91 deg/s)\n"
             "bench.yaml:10: axes[0].parameters.homing_method = 36: must be -4 to 14, 17 to 30, "
             "33 to 35 or 37\n"
             "bench.yaml:11: axes[1].number = 70000: must be a whole number from 1 to 65535\n"
             "bench.yaml:14: axes[2].model.backlash = 99: must be from 0 to 6.3 rad\n"
             "bench.yaml:15: axes[2].model.motor_inertia = 0: must be from 1e-08 to 10000 kg.m2\n"
             "bench.yaml:16: axes[2].parameters.profile_velocity = -1: must be a whole number from "
-            "0 to 4294967295 VelUU");
+            "0 UU/s (0.00 deg/s) to 4294967295 UU/s (377487359.91 deg/s)");
 }
 
 // A file of 4 MiB has room for a million of them.
@@ -574,7 +574,7 @@ TEST(Configuration, RefusesALowerLimitThatIsNotBelowTheUpperOne) {
     EXPECT_EQ(refusal_of(std::string(kAxisWith) + "      user_position_upper_limit: 200\n" +
                          "      user_position_lower_limit: " + lower + "\n"),
               std::string("bench.yaml:5: axes[0].parameters.user_position_lower_limit = ") + lower +
-                  ": must be below user_position_upper_limit (607Dh:2) = 200");
+                  ": must be below user_position_upper_limit (607Dh:2) = 200 UU (17.58 deg)");
   }
   EXPECT_EQ(refusal_of(std::string(kAxisWith) + "      \"0x607D:1\": 199\n" +
                        "      \"0x607D:2\": 200\n"),
@@ -588,7 +588,7 @@ TEST(Configuration, WarnsOfLimitsThatAreOff) {
   EXPECT_EQ(
       warnings[0],
       "bench.yaml:4: axes[0].parameters.0x607D:2 = 200: axis 1 axis1: user_position_upper_limit = "
-      "200 has no effect: app_position_limit_switch (3535h) is 0");
+      "200 UU (17.58 deg) has no effect: app_position_limit_switch (3535h) is 0");
   EXPECT_EQ(start_warnings(parse(limit + "      app_position_limit_switch: 0\n")).size(), 1U);
   EXPECT_TRUE(start_warnings(parse(limit + "      app_position_limit_switch: 1\n")).empty());
   EXPECT_TRUE(start_warnings(demo_configuration()).empty());

@@ -157,7 +157,8 @@ TEST(Mechanics, RefuseWhatContradictsThemWithBothValues) {
                                  "    unit: {kind: linear, name: mm, per_unit: 819.2}\n"),
             "accepted");
   EXPECT_THAT(refusal_of_mechanics("{screw: {pitch: 5mm}, software_limit: [3mm, 2mm]}"),
-              HasSubstr("the lower limit, 2458 UU, must be below the upper one, 1638 UU"));
+              HasSubstr("the lower limit, 2458 UU (3.000 mm), must be below the upper one, 1638 "
+                        "UU (2.000 mm)"));
   EXPECT_THAT(refusal_of_mechanics("{screw: {pitch: 5mm}, software_limit: [3mm]}"),
               HasSubstr("such as [-10mm, 300mm]"));
 }
@@ -200,11 +201,13 @@ TEST(Mechanics, NameTheUnitsOfTheAxisWhereAnotherOneIsWritten) {
   EXPECT_EQ(
       refusal_of_mechanics("{screw: {pitch: 5mm}}", "    parameters: {profile_velocity: fast}\n"),
       "bench.yaml:4: axes[0].parameters.profile_velocity = fast: must be a whole number from 0 "
-      "to 4294967295 UU/s, or a value with a unit of the axis: mm/s, m/s, cm/s, um/s, UU/s");
+      "UU/s (0.000 mm/s) to 4294967295 UU/s (5242879.999 mm/s), or a value with a unit of the "
+      "axis: mm/s, m/s, cm/s, um/s, UU/s");
   EXPECT_THAT(refusal_of_mechanics("{screw: {pitch: 5mm}}", "    initial_position: 5km\n"),
               HasSubstr("the axis has no such unit; it has mm, m, cm, um, UU"));
   EXPECT_THAT(refusal_of_mechanics("{screw: {pitch: 5mm}}", "    initial_position: 1e9mm\n"),
-              HasSubstr("is 8.192e+11 UU: must be from -2147483648 to 2147483647 UU"));
+              HasSubstr("is 8.192e+11 UU: must be from -2147483648 UU (-2621440.000 mm) to "
+                        "2147483647 UU (2621439.999 mm)"));
 }
 
 // The default axis: 2000 rpm are 12000 deg/s, but 607Fh = 136533 UU/s cuts the last 0.03 deg/s.
@@ -247,8 +250,9 @@ TEST(Mechanics, WarnOfASpeedLimitThatTheMotorDoesNotReach) {
       "axes: [{number: 1, parameters: {gear_ratio_denominator: 10, app_speed_limit: ";
   EXPECT_THAT(start_warnings(bench_in(axis + "13654}}]")),
               ElementsAre("bench.yaml:1: axes[0].parameters.app_speed_limit = 13654: axis 1 "
-                          "axis1: app_speed_limit = 13654 is above the 13653 UU/s at which the "
-                          "motor turns at motor_max_speed_rpm (6080h) = 2000: the lower one "
+                          "axis1: app_speed_limit = 13654 UU/s (1200.06 deg/s) is above the 13653 "
+                          "UU/s (1199.97 deg/s) at which the motor turns at motor_max_speed_rpm "
+                          "(6080h) = 2000: the lower one "
                           "holds"));
   EXPECT_THAT(start_warnings(bench_in(axis + "13653}}]")), IsEmpty());
 }
@@ -311,8 +315,8 @@ TEST(Mechanics, WarnOfAProfileVelocityThatTheMotorDoesNotReach) {
   EXPECT_THAT(
       warnings_of_axis(gear + "20000}"),
       ElementsAre("bench.yaml:1: axes[0].parameters.profile_velocity = 20000: axis 1 axis1: "
-                  "profile_velocity = 20000 UU/s = 1757.81 deg/s is above 13653 UU/s = 1199.97 "
-                  "deg/s, the highest speed with motor_max_speed_rpm (6080h) = 2000: the drive "
+                  "profile_velocity = 20000 UU/s (1757.81 deg/s) is above 13653 UU/s (1199.97 "
+                  "deg/s), the highest speed with motor_max_speed_rpm (6080h) = 2000: the drive "
                   "keeps the value and moves at the lower speed"));
   EXPECT_THAT(warnings_of_axis(gear + "13653}"), IsEmpty());
 }
@@ -321,15 +325,15 @@ TEST(Mechanics, WarnOfAProfileVelocityThatTheMotorDoesNotReach) {
 TEST(Mechanics, WarnOfAProfileVelocityAboveTheSpeedLimit) {
   const std::string limit = "parameters: {app_speed_limit: 1000, profile_velocity: ";
   EXPECT_THAT(warnings_of_axis(limit + "1001}"),
-              ElementsAre(HasSubstr("profile_velocity = 1001 UU/s = 87.9785 deg/s is above 1000 "
-                                    "UU/s = 87.8906 deg/s, the highest speed with app_speed_limit "
-                                    "(607Fh) = 1000: ")));
+              ElementsAre(HasSubstr("profile_velocity = 1001 UU/s (87.98 deg/s) is above 1000 "
+                                    "UU/s (87.89 deg/s), the highest speed with app_speed_limit "
+                                    "(607Fh) = 1000 UU/s (87.89 deg/s): ")));
   EXPECT_THAT(warnings_of_axis(limit + "1000}"), IsEmpty());
   const std::string screw = "mechanics: {screw: {pitch: 5mm}, gear: 10:1}, parameters: {";
   EXPECT_THAT(warnings_of_axis(screw + "profile_velocity: 20mm/s}"),
-              ElementsAre(HasSubstr("profile_velocity = 16384 UU/s = 20 mm/s is above 13653 UU/s = "
-                                    "16.6663 mm/s, the highest speed with app_speed_limit (607Fh) "
-                                    "= 13653: ")));
+              ElementsAre(HasSubstr("profile_velocity = 16384 UU/s (20.000 mm/s) is above 13653 "
+                                    "UU/s (16.666 mm/s), the highest speed with app_speed_limit "
+                                    "(607Fh) = 13653 UU/s (16.666 mm/s): ")));
   EXPECT_THAT(warnings_of_axis(screw + "app_speed_limit: 1mm/s}"), IsEmpty())
       << "the file gives no profile_velocity";
 }

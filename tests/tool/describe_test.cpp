@@ -62,16 +62,23 @@ TEST_F(Describe, ShowsBenchOwnerStateFaultAndModelOfAnAxis) {
 TEST_F(Describe, ListsAnObjectWhileItDiffersFromItsDefault) {
   EXPECT_THAT(objects_called(description_of("1.1"), "profile_velocity"), IsEmpty());
   ASSERT_EQ(call("write 1.1 profile_velocity 1000").code, 0);
-  const std::vector<Json> changed = objects_called(description_of("1.1"), "profile_velocity");
+  std::vector<Json> changed = objects_called(description_of("1.1"), "profile_velocity");
   ASSERT_THAT(changed, SizeIs(1));
+  // 4096 UU are 360 deg.
+  EXPECT_NEAR(changed[0]["value_in_unit"], 1'000 * 360.0 / 4'096.0, 1e-9);
+  EXPECT_NEAR(changed[0]["default_in_unit"], 68'267 * 360.0 / 4'096.0, 1e-9);
+  changed[0].erase("value_in_unit");
+  changed[0].erase("default_in_unit");
   EXPECT_EQ(changed[0], (Json{{"index", "0x6081"},
                               {"subindex", 0},
                               {"name", "profile_velocity"},
                               {"value", 1000},
+                              {"unit", "deg/s"},
                               {"default", 68267},
                               {"units", "VelUU"}}));
   EXPECT_THAT(call("describe 1.1").output,
-              testing::ContainsRegex("0x6081 +profile_velocity +1000 +68267 +VelUU"));
+              testing::ContainsRegex("0x6081 +profile_velocity +1000 UU/s .87.89 deg/s. +"
+                                     "68267 UU/s .6000.03 deg/s. +VelUU"));
   EXPECT_THAT(objects_called(description_of("1.2"), "profile_velocity"), IsEmpty());
   ASSERT_EQ(call("write 1.1 profile_velocity 68267").code, 0);
   EXPECT_THAT(objects_called(description_of("1.1"), "profile_velocity"), IsEmpty());
@@ -105,9 +112,11 @@ TEST_F(Describe, PrintsTheDocumentedJson) {
   const Json description = description_of("1.1");
   EXPECT_THAT(keys(description["model"]),
               ElementsAre("unit_kind", "unit_size", "modes", "user_position_lower_limit",
-                          "user_position_upper_limit", "app_speed_limit", "motor_type",
-                          "motor_rated_torque", "motor_rated_current", "motor_max_speed_rpm",
-                          "gear_ratio_numerator", "gear_ratio_denominator"));
+                          "user_position_upper_limit", "app_speed_limit",
+                          "user_position_lower_limit_in_unit", "user_position_upper_limit_in_unit",
+                          "app_speed_limit_in_unit", "motor_type", "motor_rated_torque",
+                          "motor_rated_current", "motor_max_speed_rpm", "gear_ratio_numerator",
+                          "gear_ratio_denominator"));
   for (const char* const key :
        {"axis", "name", "tick", "state", "flags", "ds402_statusword", "load_position_actual_value",
         "owner", "unit", "position_in_unit", "mode", "bench", "bench_name", "clock", "period_us",

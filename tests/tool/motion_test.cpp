@@ -74,9 +74,12 @@ TEST_F(MotionInLockStep, ATimeoutSaysWhereTheAxisIsAndThatItGoesOn) {
   ASSERT_EQ(call("enable 1.1").code, 0);
   const Finished late = call("move 1.1 100000 --velocity 100 --timeout 1s");
   EXPECT_EQ(late.code, 4);
-  EXPECT_THAT(late.errors,
-              AllOf(HasSubstr(" of 100000, still moving at 100 UU/s, some 1000 s more"),
-                    HasSubstr("; to stop it: vdrive halt 1.1")));
+  EXPECT_THAT(
+      late.errors,
+      AllOf(HasSubstr(
+                " of 100000 UU (8789.06 deg), still moving at 100 UU/s (8.79 deg/s), some 1000 s "
+                "more"),
+            HasSubstr("; to stop it: vdrive halt 1.1")));
   EXPECT_EQ(call("halt 1.1").code, 0);
 }
 
@@ -86,7 +89,7 @@ TEST_F(MotionInLockStep, AVelocityThatTakesTooLongSaysHowFarItCameAndHaltsTheAxi
   ASSERT_EQ(call("enable 1.1").code, 0);
   const Finished late = call("velocity 1.1 100000 --acceleration 1000 --timeout 1s");
   EXPECT_EQ(late.code, 4);
-  EXPECT_THAT(late.errors, AllOf(HasSubstr(" of 100000 UU/s, still on its way"),
+  EXPECT_THAT(late.errors, AllOf(HasSubstr(" of 100000 UU/s (8789.06 deg/s), still on its way"),
                                  HasSubstr("; axis 1.1 is halted")));
   EXPECT_EQ(value_of("1.1", "0x606B"), "0");
   ASSERT_EQ(call("step 1000").code, 0);
@@ -110,7 +113,7 @@ TEST_F(MotionInLockStep, AHomingRunThatTakesTooLongSaysHowToStopIt) {
   ASSERT_EQ(call("enable 1.1").code, 0);
   const Finished late = call("home 1.1 --method 17 --speed 100 --creep 100 --timeout 1s");
   EXPECT_EQ(late.code, 4);
-  EXPECT_THAT(late.errors, AllOf(HasSubstr(" UU, still moving at -100 UU/s"),
+  EXPECT_THAT(late.errors, AllOf(HasSubstr(" deg), still moving at -100 UU/s (-8.79 deg/s)"),
                                  HasSubstr("; to stop it: vdrive halt 1.1")));
   EXPECT_EQ(call("halt 1.1").code, 0);
 }
@@ -123,11 +126,12 @@ TEST_F(MotionInLockStep, ALimitThatClampsIsReportedAtOnce) {
   const Finished move = call("move 1.1 1000 --velocity 1e6");
   EXPECT_EQ(move.code, 5);
   EXPECT_THAT(move.errors,
-              HasSubstr("the velocity 1000000 is above app_speed_limit (607Fh) = 136533"));
+              AllOf(HasSubstr("the velocity 1000000 UU/s (87890.6"),
+                    HasSubstr(" is above app_speed_limit (607Fh) = 136533 UU/s (11999.97 deg/s)")));
   const Finished home = call("home 1.1 --method 17 --speed 1e6");
   EXPECT_EQ(home.code, 5);
-  EXPECT_THAT(home.errors, HasSubstr("the homing_speed_search (6099h:1) 1000000 is above "
-                                     "app_speed_limit (607Fh) = 136533"));
+  EXPECT_THAT(home.errors, HasSubstr("the homing_speed_search (6099h:1) 1000000 UU/s (87890.62 "
+                                     "deg/s) is above app_speed_limit (607Fh) = 136533 UU/s"));
   const Finished strong = call("torque 1.1 3001");
   EXPECT_EQ(strong.code, 5);
   EXPECT_THAT(strong.errors, HasSubstr("is above max_torque (6072h) = 3000"));

@@ -3,6 +3,7 @@
 #include "support/bench_on_wire.hpp"
 #include "support/temporary_directory.hpp"
 #include "tool/call.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -53,6 +54,22 @@ TEST_F(StoredParameters, AreStoredByAWriteOfTheirObject) {
   }
   const BenchOnWire bench(flags("lockstep"));
   EXPECT_THAT(call(kRead).output, HasSubstr("4321"));
+}
+
+TEST_F(StoredParameters, AreReportedWithTheirNumberAndTheirFile) {
+  const BenchOnWire bench(flags("lockstep"));
+  const std::string objects = std::to_string(kStoredCount);
+  const std::string place =
+      file().filename().string() + " in the state directory of the service of bench 1";
+  EXPECT_EQ(call("store 1.1").output,
+            "1.1: stored " + objects + " parameters (1010h:01) in " + place + "\n");
+  EXPECT_TRUE(fs::exists(file()));
+  EXPECT_EQ(call("restore 1.1").output,
+            "1.1: removed " + objects + " parameters (1010h:01) from " + place +
+                "; the configured values are in force after the next power cycle\n");
+  EXPECT_EQ(call("store 1.1 --json").output,
+            R"({"axis":"1.1","command":"store","outcome":"ok","objects":)" + objects +
+                R"(,"group":"1010h:01","file":"bench-1.parameters"})" + "\n");
 }
 
 TEST_F(StoredParameters, NeedAStateDirectory) {

@@ -187,7 +187,9 @@ TEST_F(Plot, OfAnAxisRecordsItFirst) {
   EXPECT_GE(summary[0]["samples"].get<std::uint64_t>(), 1U);
   EXPECT_LE(summary[0]["samples"].get<std::uint64_t>() + summary[0]["lost"].get<std::uint64_t>(),
             ticks);
-  EXPECT_THAT(text_in(path("a.svg")), HasSubstr(">Switch on disabled<"));
+  EXPECT_THAT(text_in(path("a.svg")),
+              AllOf(HasSubstr(">Switch on disabled<"), HasSubstr(">position [deg]<"),
+                    HasSubstr(">velocity [deg/s]<"), HasSubstr(">following error [deg]<")));
   EXPECT_EQ(call("plot 1.9 --for 50ms -o " + path("b.svg")).code, 3);
   EXPECT_FALSE(std::filesystem::exists(path("b.svg")));
 }

@@ -62,7 +62,7 @@ class ProgressOnATerminal : public testing::Test {
 TEST_F(ProgressOnATerminal, OfAMoveIsOneLineThatIsRewrittenAndRemoved) {
   PseudoTerminal move(kRowsOfProgress, 100, "move 1.1 80000 --velocity 10000");
   ASSERT_TRUE(move.wait_until(has_row("axis 1.1: at ", " s more"))) << rows_on(move);
-  EXPECT_THAT(move.screen().rows(), Contains(HasSubstr(" of 80000 at 10000 UU/s, some ")));
+  EXPECT_THAT(move.screen().rows(), Contains(HasSubstr(" of 7031.25 deg at 878.91 deg/s, some ")));
   const std::vector<std::string> before = move.screen().rows();
   ASSERT_TRUE(move.wait_until([&before](const Screen& screen) {
     return has_row("axis 1.1: at ")(screen) && screen.rows() != before;
@@ -81,13 +81,14 @@ TEST_F(ProgressOnATerminal, IsCutToTheWidthOfTheTerminal) {
 
 TEST_F(ProgressOnATerminal, OfAWaitNamesWhatItWaitsFor) {
   PseudoTerminal wait(kRowsOfProgress, 120, "wait 1.1 position > 5 --timeout 60s");
-  EXPECT_TRUE(wait.wait_until(has_row("axis 1.1: waiting for position > 5, at 0, 0 UU/s")))
+  EXPECT_TRUE(wait.wait_until(
+      has_row("axis 1.1: waiting for position > 5 UU (0.44 deg), at 0.00 deg, 0.00 deg/s")))
       << rows_on(wait);
   wait.interrupt();
   EXPECT_EQ(wait.wait(), 130) << rows_on(wait);
   PseudoTerminal condition(kRowsOfProgress, 120, "wait 1.1 fault --timeout 60s");
-  EXPECT_TRUE(
-      condition.wait_until(has_row("axis 1.1: waiting for fault, at 0, 0 UU/s, Operation enabled")))
+  EXPECT_TRUE(condition.wait_until(
+      has_row("axis 1.1: waiting for fault, at 0.00 deg, 0.00 deg/s, Operation")))
       << rows_on(condition);
   PseudoTerminal time(kRowsOfProgress, 120, "wait 3s");
   EXPECT_TRUE(time.wait_until(has_row("bench 1: waiting for 3 s of drive time: ")))

@@ -61,7 +61,7 @@ TEST(EventText, NamesTheProgramsOfTheSessionsThatAreKnown) {
 }
 
 TEST(StatusJson, HasStateFlagsAndEveryMonitoredObject) {
-  const Json json = status_json(moving_axis(), "y");
+  const Json json = recording::status_json(moving_axis(), "y", std::nullopt);
   EXPECT_EQ(json["axis"], "1.2");
   EXPECT_EQ(json["name"], "y");
   EXPECT_EQ(json["tick"], 42);
@@ -79,7 +79,7 @@ TEST(StatusJson, HasStateFlagsAndEveryMonitoredObject) {
 TEST(StatusJson, OfAFreeAxisHasNoOwner) {
   client::AxisSnapshot axis = moving_axis();
   axis.owner_session = 0;
-  EXPECT_TRUE(status_json(axis, "y")["owner"].is_null());
+  EXPECT_TRUE(recording::status_json(axis, "y", std::nullopt)["owner"].is_null());
 }
 
 TEST(StatusText, DecodesTheStatusword) {
@@ -229,9 +229,9 @@ TEST(ArrivalLine, HasTheTypedNameAndNoSpeed) {
   // -500 of 4096 are -43.945 of 360 deg.
   EXPECT_EQ(arrival_line(axis, "gantry_left", {}),
             "gantry_left       -500 UU   -43.95 deg  0x637 Operation enabled: target reached");
-  EXPECT_EQ(
-      status_line(axis, "1.2", {}),
-      "1.2        -500 UU   -43.95 deg       15 UU/s  0x637 Operation enabled: target reached");
+  EXPECT_EQ(status_line(axis, "1.2", {}),
+            "1.2        -500 UU   -43.95 deg       15 UU/s     1.32 deg/s  0x637 Operation "
+            "enabled: target reached");
 }
 
 TEST(Dictionary, OfANodeHasCommunicationObjectsBesideTheRows) {
@@ -281,13 +281,15 @@ TEST(MotionText, HasPlaceSpeedAndTheTimeThatIsLeft) {
   client::AxisSnapshot axis = moving_axis();
   axis.status.position_demand_value = 1'097;
   axis.status.velocity_demand_value = -13;
-  EXPECT_EQ(motion_text(axis, "lift", 0), "axis lift: at 1097 of 0 at -13 UU/s, some 85 s more");
-  EXPECT_EQ(motion_text(axis, "lift", 2'000), "axis lift: at 1097 of 2000 at -13 UU/s")
+  EXPECT_EQ(motion_text(axis, "lift", {}, 0),
+            "axis lift: at 96.42 deg of 0.00 deg at -1.14 deg/s, some 85 s more");
+  EXPECT_EQ(motion_text(axis, "lift", {}, 2'000),
+            "axis lift: at 96.42 deg of 175.78 deg at -1.14 deg/s")
       << "it leads away from the target";
-  EXPECT_EQ(motion_text(axis, "lift", std::nullopt),
-            "axis lift: moving, at 1097, -13 UU/s, Operation enabled");
+  EXPECT_EQ(motion_text(axis, "lift", {}, std::nullopt),
+            "axis lift: moving, at 96.42 deg, -1.14 deg/s, Operation enabled");
   axis.status.velocity_demand_value = 0;
-  EXPECT_EQ(motion_text(axis, "1.2", 0), "axis 1.2: at 1097 of 0 at 0 UU/s");
+  EXPECT_EQ(motion_text(axis, "1.2", {}, 0), "axis 1.2: at 96.42 deg of 0.00 deg at 0.00 deg/s");
 }
 
 TEST(CountText, HasTheAxesThatAreDone) {

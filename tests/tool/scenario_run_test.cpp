@@ -18,6 +18,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kPatient =
     "--clock realtime --axes 2 --config " VDRIVE_SOURCE_DIR "/tests/data/patient.yaml";
@@ -55,8 +56,10 @@ TEST_F(FinalLines, RunAfterAFailureAndKeepItsExitCode) {
                                "expect 1.1 mode 99 --tolerance 1\n"
                                "disable 1.1\n");
   EXPECT_EQ(failed.code, 1);
-  EXPECT_THAT(failed.errors, AllOf(HasSubstr("<stdin>:2: "), HasSubstr("expected > 100, actual 0"),
-                                   HasSubstr("<stdin>:5: ")));
+  EXPECT_THAT(failed.errors,
+              AllOf(HasSubstr("<stdin>:2: "),
+                    HasSubstr("expected > 100 UU (8.79 deg), actual 0 UU (0.00 deg)"),
+                    HasSubstr("<stdin>:5: ")));
   EXPECT_EQ(status_of("1.1")["state"], "Ready to switch on") << "also after a final line failed";
   EXPECT_EQ(status_of("1.1")["position_demand_value"], 0) << "the move was skipped";
 }
@@ -114,6 +117,35 @@ TEST_F(SeveralFiles, AreAllCheckedBeforeTheFirstCommand) {
   EXPECT_THAT(report(), AllOf(HasSubstr("errors=\"1\""), HasSubstr("skipped=\"1\"")));
   EXPECT_EQ(run({good, "/nonexistent.scn"}).code, 2);
   EXPECT_EQ(status_of("1.1")["state"], "Switch on disabled");
+}
+
+// Eleven mistakes in two files, none of which the text alone shows.
+TEST_F(SeveralFiles, NameEveryAxisAndBenchThatIsNotThere) {
+  const std::string one = file("a.scn",
+                               "enable 1.1\nenable 1.9\nread lft 0x6041\nstep 1 --bench 8\n"
+                               "enable 7.1\nenable 1.9\nwait lft fault\nenable 7.2\n");
+  const std::string two =
+      file("b.scn", "enable 1.8\nenable 1.9\nenable 1.2 9.1\nread lft 0x6041\n");
+  const Finished finished = run({one, two});
+  EXPECT_EQ(finished.code, 3);
+  for (const int line : {2, 3, 4, 5, 6, 7, 8}) {
+    EXPECT_THAT(finished.errors, HasSubstr("a.scn:" + std::to_string(line) + ": no "));
+  }
+  for (const int line : {1, 2, 3, 4}) {
+    EXPECT_THAT(finished.errors, HasSubstr("b.scn:" + std::to_string(line) + ": no "));
+  }
+  EXPECT_THAT(finished.errors, Not(HasSubstr("a.scn:1: ")));
+  EXPECT_THAT(finished.errors, HasSubstr("a.scn:8: no axis 7.2: no bench 7"));
+  EXPECT_THAT(report(), HasSubstr("errors=\"2\""));
+}
+
+TEST_F(SeveralFiles, NameEveryMistakeOfAllOfThem) {
+  const std::string one = file("a.scn", "dance\nenable 1.1\nmove 1.1 fast\n");
+  const std::string two = file("b.scn", "read 1.1 0x9999\n");
+  const Finished finished = run({one, two});
+  EXPECT_EQ(finished.code, 2);
+  EXPECT_THAT(finished.errors,
+              AllOf(HasSubstr("a.scn:1: "), HasSubstr("a.scn:3: "), HasSubstr("b.scn:1: ")));
 }
 
 TEST_F(SeveralFiles, ShareTheVariablesOfTheCommandLine) {
@@ -201,7 +233,8 @@ TEST_F(WaitAndExpect, PassOrReportTheValuesOfTheAxis) {
   EXPECT_EQ(call("expect 1.1 position < 1 --within 1ms").code, 0);
   const Finished other = call("expect 1.1 position != 0");
   EXPECT_EQ(other.code, 1);
-  EXPECT_THAT(other.errors, HasSubstr("position: expected != 0, actual 0 at tick"));
+  EXPECT_THAT(other.errors,
+              HasSubstr("position: expected != 0 UU (0.00 deg), actual 0 UU (0.00 deg) at tick"));
   const Finished never = call("wait 1.1 operation_enabled --timeout 50ms");
   EXPECT_EQ(never.code, 4);
   EXPECT_THAT(never.errors, AllOf(HasSubstr("axis 1.1: timed out while waiting for"),
@@ -264,9 +297,10 @@ TEST_F(WaitAndExpect, GoOnInFaultForWhatTheFaultOrAResetBrings) {
   EXPECT_EQ(call("wait 1.1 statusword 0x40 --timeout 300ms").code, 4);
   const Finished parameter = call("wait 1.1 profile_velocity 7 --timeout 300ms");
   EXPECT_EQ(parameter.code, 4) << "another program may still write it";
-  EXPECT_THAT(parameter.errors, AllOf(HasSubstr("profile_velocity: expected 7, actual "),
-                                      HasSubstr("; axis 1.1 is in Fault 0x4310"),
-                                      HasSubstr(", since tick " + tick_of_last_fault() + "\n")));
+  EXPECT_THAT(parameter.errors,
+              AllOf(HasSubstr("profile_velocity: expected 7 UU/s (0.62 deg/s), actual "),
+                    HasSubstr("; axis 1.1 is in Fault 0x4310"),
+                    HasSubstr(", since tick " + tick_of_last_fault() + "\n")));
 }
 
 TEST_F(WaitAndExpect, NameTheFaultOfAMotionFirst) {

@@ -20,6 +20,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::StartsWith;
 using testing::ThrowsMessage;
 
@@ -101,6 +102,40 @@ TEST(ScenarioFile, NamesAnObjectThatDoesNotExistAndAValueOutOfItsRange) {
   EXPECT_EQ(mistake_in("expect 1.1 0x3535 2 --tolerance 1\n"), "none");
   EXPECT_EQ(mistake_in("disturb 1.1 blocked_load 2\n"),
             "test.scn:1: 2 is out of range: test_blocked_load has 0 to 1");
+}
+
+// Each line is another kind of mistake.
+TEST(ScenarioFile, NamesEveryMistakeWithFileAndLine) {
+  const std::vector<std::string> wrong{"dance",
+                                       "write 1.1 0x6060 300",
+                                       "read 1.1 no_such_object",
+                                       "write 1.1 0x6041 0",
+                                       "expect 1.1 position => 100",
+                                       "wait 1.1 target_reachd",
+                                       "move 1.1 90mm/s",
+                                       "enable 'x",
+                                       "let = 5",
+                                       "move ${unknown} 5",
+                                       "finally now"};
+  std::string text = "enable 1.1\n";
+  for (const std::string& line : wrong) text += line + "\n\nwait 1ms\n";
+  const std::string mistakes = mistake_in(text);
+  std::istringstream lines(mistakes);
+  std::size_t number = 2;
+  std::size_t count = 0;
+  for (std::string line; std::getline(lines, line); ++count, number += 3) {
+    EXPECT_THAT(line, StartsWith("test.scn:" + std::to_string(number) + ": "));
+  }
+  EXPECT_EQ(count, wrong.size()) << mistakes;
+}
+
+TEST(ScenarioFile, NamesAHundredMistakesAtMost) {
+  std::string text;
+  for (int i = 0; i < 1'000; ++i) text += "dance\n";
+  const std::string mistakes = mistake_in(text);
+  EXPECT_THAT(mistakes, HasSubstr("\ntest.scn:100: "));
+  EXPECT_THAT(mistakes, Not(HasSubstr("test.scn:101: ")));
+  EXPECT_THAT(mistakes, testing::EndsWith("\nreading ended after 100 mistakes"));
 }
 
 TEST(ScenarioFile, AcceptsAnyObjectWhereARefusalIsExpected) {

@@ -34,7 +34,8 @@ TEST_F(Shell, ExecutesPipedLinesInOneSessionAndContinuesAfterErrors) {
                                  "disable 1.1\n");
   EXPECT_EQ(finished.code, 2) << "of the first command that failed";
   EXPECT_THAT(finished.errors,
-              AllOf(HasSubstr("did you mean 'enable'?"), HasSubstr("expected 5, actual 100")));
+              AllOf(HasSubstr("did you mean 'enable'?"),
+                    HasSubstr("expected 5 UU (0.44 deg), actual 100 UU (8.79 deg)")));
   EXPECT_THAT(finished.output, AllOf(HasSubstr("100 UU"), HasSubstr("\"value\":100")));
   EXPECT_EQ(finished.output.find("\"owner\":null"), std::string::npos) << "the session keeps it";
   EXPECT_THAT(call("status 1.1 --json").output,
@@ -49,8 +50,9 @@ TEST_F(Shell, LetsAnAxisGoOnWhoseVelocityTakesTooLong) {
                                  "expect 1.1 velocity_demand_value > 0\n"
                                  "halt 1.1 --wait\n");
   EXPECT_EQ(finished.code, 4) << finished.errors;
-  EXPECT_THAT(finished.errors, AllOf(HasSubstr(" of 100000 UU/s, still on its way; to stop it: "),
-                                     testing::Not(HasSubstr("expected"))));
+  EXPECT_THAT(finished.errors,
+              AllOf(HasSubstr(" of 100000 UU/s (8789.06 deg/s), still on its way; to stop it: "),
+                    testing::Not(HasSubstr("expected"))));
 }
 
 TEST_F(Shell, AcceptsALastLineWithoutALineEnd) {

@@ -81,7 +81,7 @@ TEST_F(ToolInLockStep, ReadPrintsTheDocumentedJson) {
             R"("tick":0})"
             "\n"
             R"({"axis":"1.1","index":"0x607D","subindex":1,"name":"user_position_lower_limit",)"
-            R"("value":-2147483648,"tick":0})"
+            R"("value":-2147483648,"unit":"deg","value_in_unit":-188743680.0,"tick":0})"
             "\n");
 }
 
@@ -94,11 +94,14 @@ TEST_F(ToolInLockStep, EveryCommandPrintsTheDocumentedJson) {
               ElementsAre("axis", "bench", "bench_name", "clock", "period_us", "name", "state",
                           "statusword", "owner", "owner_name", "tick"));
   EXPECT_THAT(fields("enable 1.1"),
-              ElementsAre("axis", "command", "outcome", "tick", "state", "statusword", "position"));
+              ElementsAre("axis", "command", "outcome", "tick", "state", "statusword", "position",
+                          "unit", "position_in_unit"));
   EXPECT_THAT(fields("move 1.1 10"),
-              ElementsAre("axis", "command", "outcome", "tick", "state", "statusword", "position"));
+              ElementsAre("axis", "command", "outcome", "tick", "state", "statusword", "position",
+                          "unit", "position_in_unit"));
   EXPECT_THAT(fields("write 1.1 0x6081 5"),
-              ElementsAre("axis", "index", "subindex", "name", "value", "outcome", "tick"));
+              ElementsAre("axis", "index", "subindex", "name", "value", "unit", "value_in_unit",
+                          "outcome", "tick"));
   EXPECT_THAT(fields("disturb 1.1 load_torque 5"),
               ElementsAre("axis", "index", "subindex", "name", "value", "outcome", "tick"));
   EXPECT_THAT(fields("disturb 1.1 none"),
@@ -224,7 +227,8 @@ TEST_F(ToolInLockStep, AClampedMoveExitsOneAndLimitsWithoutEffectAreReported) {
   EXPECT_EQ(cut.code, 1);
   EXPECT_THAT(cut.errors, HasSubstr("user_position_upper_limit (607Dh:2) = 1000"));
   EXPECT_THAT(call("write 1.1 0x607D:1 1000").errors,
-              HasSubstr("607Dh:1) = 1000 is not below user_position_upper_limit (607Dh:2) = 1000"));
+              HasSubstr("607Dh:1) = 1000 UU (87.89 deg) is not below user_position_upper_limit "
+                        "(607Dh:2) = 1000 UU (87.89 deg)"));
 }
 
 TEST_F(ToolInLockStep, AMoveWithoutSpeedIsRefusedAtOnce) {

@@ -114,15 +114,16 @@ TEST(Quantity, OutOfRangeIsRefusedWithValueAndLimit) {
   EXPECT_EQ(refusal_of_quantity([] {
               return position("1e9deg", kTurning);
             }),
-            "'1e9deg' of axis 1.1 is 11377777778 UU: must be from -2147483648 to 2147483647 UU");
+            "'1e9deg' of axis 1.1 is 11377777778 UU: must be from -2147483648 UU (-188743680.00 "
+            "deg) to 2147483647 UU (188743679.91 deg)");
   EXPECT_EQ(refusal_of_quantity([] {
               return parse_quantity("3000000000", Dimension::position, DataType::integer32);
             }),
-            "'3000000000' is 3e+09 UU: must be from -2147483648 to 2147483647 UU");
+            "'3000000000' is 3e+09 UU: must be from -2147483648 UU to 2147483647 UU");
   EXPECT_THAT(refusal_of_quantity([] {
                 return speed("-1", kTurning);
               }),
-              HasSubstr("must be from 0 to 4294967295 UU/s"));
+              HasSubstr("must be from 0 UU/s to 4294967295 UU/s"));
 }
 
 TEST(Quantity, OfInvalidTextIsRefusedWithAnExample) {
@@ -144,11 +145,12 @@ TEST(Quantity, OfInvalidTextIsRefusedWithAnExample) {
               HasSubstr("is not a ramp: write for example 6000, 900deg/s2"));
 }
 
-TEST(Quantity, AppliesToPositionsSpeedsAndRampsOfTheDictionary) {
+TEST(Quantity, AppliesToPositionsSpeedsRampsAndJerksOfTheDictionary) {
   EXPECT_EQ(dimension_of("position_user_target_value"_object), Dimension::position);
   EXPECT_EQ(dimension_of("user_position_upper_limit"_object), Dimension::position);
   EXPECT_EQ(dimension_of("target_velocity"_object), Dimension::velocity);
   EXPECT_EQ(dimension_of("profile_acc"_object), Dimension::acceleration);
+  EXPECT_EQ(dimension_of("profile_jerk_2"_object), Dimension::jerk);
   EXPECT_EQ(dimension_of("target_torque"_object), std::nullopt);
   EXPECT_EQ(dimension_of("ds402_controlword"_object), std::nullopt);
 }

@@ -66,14 +66,17 @@ TEST(WatchTable, FitsTheWidthAndHeightOfTheTerminal) {
   }
 }
 
-// 4 + 1 + 10 + 1 + 8 + 2 = 26 columns before the state, 33 for "Operation enabled: target reached".
-TEST(WatchTable, ShowsPositionVelocityAndStateIn60Columns) {
+// 4 + 1 + 11 + 1 + 12 + 2 = 31 columns before the state, 33 for "Operation enabled: target
+// reached".
+TEST(WatchTable, ShowsPositionVelocityAndStateIn65Columns) {
   client::Observation sample;
   sample.axes = {axis_of(1)};
-  sample.axes[0].status.load_position_actual_value = -123'456'789;
-  sample.axes[0].status.load_velocity_actual_value = 1'234'567;
-  EXPECT_EQ(table_of(sample, {60, 24}).at(2).text,
-            "1.1  -123456789  1234567  Operation enabled: target reached");
+  sample.axes[0].status.load_position_actual_value = -123'456;
+  sample.axes[0].status.load_velocity_actual_value = 123'456;
+  auto faces = faces_of(sample, "axis");
+  faces[{1, 1}].unit = {.kind = client::UnitKind::linear, .name = "mm", .size = 1'000.0};
+  EXPECT_EQ(watch_table(sample, faces, {65, 24}).at(2).text,
+            "1.1  -123.456 mm 123.456 mm/s  Operation enabled: target reached");
 }
 
 TEST(WatchTable, HasMoreColumnsOnAWiderTerminal) {
@@ -81,8 +84,8 @@ TEST(WatchTable, HasMoreColumnsOnAWiderTerminal) {
   const auto header = [&](std::size_t columns) {
     return table_of(sample, {columns, 24}).at(1).text;
   };
-  EXPECT_THAT(header(79), Not(HasSubstr("in units")));
-  EXPECT_THAT(header(80), HasSubstr("in units"));
+  EXPECT_THAT(header(79), Not(HasSubstr("in UU")));
+  EXPECT_THAT(header(80), HasSubstr("in UU"));
   EXPECT_THAT(header(89), Not(HasSubstr("word")));
   EXPECT_THAT(header(90), HasSubstr("word"));
   EXPECT_THAT(header(100), HasSubstr("name"));
@@ -91,7 +94,7 @@ TEST(WatchTable, HasMoreColumnsOnAWiderTerminal) {
 }
 
 // A quarter of 4096 user units is 90 deg.
-TEST(WatchTable, ShowsThePositionInTheUnitOfEachAxis) {
+TEST(WatchTable, ShowsPositionAndVelocityInTheUnitOfEachAxis) {
   client::Observation sample;
   sample.axes = {axis_of(1), axis_of(2)};
   sample.axes[0].status.load_position_actual_value = 1'024;
@@ -100,16 +103,16 @@ TEST(WatchTable, ShowsThePositionInTheUnitOfEachAxis) {
   faces[{1, 2}].unit = {.kind = client::UnitKind::linear, .name = "mm", .size = 1'000.0};
   const auto lines = watch_table(sample, faces, {80, 24});
   EXPECT_EQ(lines.at(2).text,
-            "1.1        1024    90.00 deg        0  Operation enabled: target reached");
+            "1.1    90.00 deg      1024   0.00 deg/s  Operation enabled: target reached");
   EXPECT_EQ(lines.at(3).text,
-            "1.2        1024     1.024 mm        0  Operation enabled: target reached");
+            "1.2     1.024 mm      1024   0.000 mm/s  Operation enabled: target reached");
 }
 
 TEST(WatchTable, IsRedOnAFaultOfAnAxisThatIsLeftOut) {
   client::Observation sample = observation(5);
   sample.axes[4].status.ds402_statusword = 0x0218;
   sample.axes[4].status.error_code = 0x8611;
-  const auto whole = table_of(sample, {80, 24});
+  const auto whole = table_of(sample, {89, 24});
   ASSERT_THAT(whole, SizeIs(7));
   EXPECT_THAT(whole[6].text, HasSubstr("Fault 0x8611 following error"));
   EXPECT_EQ(whole[6].color, Color::red);

@@ -24,6 +24,8 @@ constexpr std::string_view kGapsRecord = "vdrive.gaps";
 constexpr std::string_view kSummaryRecord = "vdrive.summary";
 constexpr std::string_view kBenchKey = "bench";
 constexpr std::string_view kAxisKey = "axis.";
+constexpr std::string_view kUnitKey = "unit.";
+constexpr std::string_view kUnitSizeKey = "unit_size.";
 constexpr std::string_view kPeriodKey = "period_ns";
 
 std::string gap_key(std::uint32_t bench, std::uint64_t tick) {
@@ -53,7 +55,12 @@ void McapRecording::add_bench(const RecordedBench& bench) {
   Channels channels{.period = static_cast<std::uint64_t>(bench.period.count()),
                     .topic = bridge::bench_topic(bench.number)};
   for (const RecordedAxis& axis : bench.axes) {
-    facts[std::string(kAxisKey) + std::to_string(axis.id.axis)] = axis.name;
+    const std::string axis_number = std::to_string(axis.id.axis);
+    facts[std::string(kAxisKey) + axis_number] = axis.name;
+    if (axis.unit) {
+      facts[std::string(kUnitKey) + axis_number] = axis.unit->name;
+      facts[std::string(kUnitSizeKey) + axis_number] = to_text(axis.unit->size);
+    }
     channels.names[axis.id.axis] = axis.topic;
   }
   file_.add_metadata(kBenchRecord, facts);
@@ -368,8 +375,16 @@ class StatusReader {
     bench.facts = facts;
     for (const auto& [key, name] : facts) {
       if (!key.starts_with(kAxisKey)) continue;
-      const auto axis = parse_digits<std::uint16_t>(std::string_view(key).substr(kAxisKey.size()));
-      if (axis) axis_numbered(bench, *axis).name = name;
+      const std::string number = key.substr(kAxisKey.size());
+      const auto place = parse_digits<std::uint16_t>(number);
+      if (!place) continue;
+      RecordedAxis& axis = axis_numbered(bench, *place);
+      axis.name = name;
+      const auto unit = facts.find(std::string(kUnitKey) + number);
+      const auto size = facts.find(std::string(kUnitSizeKey) + number);
+      if (unit != facts.end() && size != facts.end()) {
+        axis.unit = unit_from(unit->second, size->second);
+      }
     }
     std::ranges::sort(bench.axes, {}, &RecordedAxis::id);
   }

@@ -23,10 +23,8 @@ RecordedBench describe(const client::BenchInfo& bench, const std::vector<client:
     const auto info = std::ranges::find(bench.axes, id, &client::AxisInfo::id);
     if (info == bench.axes.end()) continue;
     const auto place = static_cast<std::size_t>(info - bench.axes.begin());
-    recorded.axes.push_back({.id = id, .name = info->name, .topic = topics[place]});
-    const std::string number = std::to_string(id.axis);
-    recorded.facts["unit." + number] = info->unit.name;
-    recorded.facts["unit_size." + number] = to_text(info->unit.size);
+    recorded.axes.push_back(
+        {.id = id, .name = info->name, .topic = topics[place], .unit = info->unit});
   }
   return recorded;
 }
@@ -41,6 +39,15 @@ void name_topics(RecordedBench& bench) {
   }
   const std::vector<std::string> topics = bridge::topic_names(infos);
   for (std::size_t i = 0; i < topics.size(); ++i) bench.axes[i].topic = topics[i];
+}
+
+std::optional<client::Unit> unit_from(std::string_view name, std::string_view size) {
+  const auto number = parse_number(size);
+  client::Unit unit{
+      .kind = client::UnitKind::rotary, .name = std::string(name), .size = number.value_or(0.0)};
+  // The units of an angle have names that no unit of a length has.
+  if (check_unit_name(unit.kind, name)) unit.kind = client::UnitKind::linear;
+  return is_usable(unit) ? std::optional(unit) : std::nullopt;
 }
 
 std::map<client::AxisId, std::string> names_of(const std::vector<RecordedBench>& benches) {

@@ -12,8 +12,10 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::recording {
@@ -28,7 +30,8 @@ class RecordingError : public std::runtime_error {
 struct RecordedAxis {
   client::AxisId id{};
   std::string name{};
-  std::string topic{};  ///< its part of a topic: bridge::topic_names
+  std::string topic{};                 ///< its part of a topic: bridge::topic_names
+  std::optional<client::Unit> unit{};  ///< none in a recording that does not say it
 };
 
 /// A bench of a recording.
@@ -47,6 +50,10 @@ struct RecordedBench {
 /// Gives the axes of a bench, whose ids and names are known, their topics: as the gateway names
 /// them.
 void name_topics(RecordedBench& bench);
+
+/// @param name, size of a unit as a recording has them: "mm", and [UU] of one or of a revolution
+/// @return the unit; nothing where they are none.
+[[nodiscard]] std::optional<client::Unit> unit_from(std::string_view name, std::string_view size);
 
 /// @return the names of all axes.
 [[nodiscard]] std::map<client::AxisId, std::string> names_of(

@@ -10,7 +10,8 @@ std::string to_line(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-Json status_json(const client::AxisSnapshot& axis, const std::string& name) {
+Json status_json(const client::AxisSnapshot& axis, const std::string& name,
+                 const std::optional<client::Unit>& unit) {
   Json json{{"axis", to_string(axis.id)},
             {"name", name},
             {"tick", axis.tick},
@@ -24,6 +25,13 @@ Json status_json(const client::AxisSnapshot& axis, const std::string& name) {
   json["fault_count"] = axis.status.fault_count;
   json["owner"] = axis.owner_session == 0 ? Json(nullptr) : Json(session_text(axis.owner_session));
   json["owner_epoch"] = axis.owner_epoch;
+  const auto in_unit = [&unit](std::int32_t user_units) {
+    return unit ? Json(client::from_user_units(user_units, *unit)) : Json(nullptr);
+  };
+  json["unit"] = unit ? Json(unit->name) : Json(nullptr);
+  json["unit_size"] = unit ? Json(unit->size) : Json(nullptr);
+  json["position_in_unit"] = in_unit(axis.status.load_position_actual_value);
+  json["velocity_in_unit"] = in_unit(axis.status.load_velocity_actual_value);
   return json;
 }
 

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <optional>
 #include <string>
 
 namespace vdrive::recording {
@@ -15,7 +16,10 @@ using Json = nlohmann::ordered_json;
 /// @return one line; bytes that are not UTF-8 are replaced.
 [[nodiscard]] std::string to_line(const Json& json);
 
-/// One axis as the tool's `status`, `watch` and JSON recordings have it, but for its unit.
-[[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const std::string& name);
+/// One axis as the tool's `status`, `watch` and JSON recordings have it: positions and velocities
+/// in user units, and the actual ones in the unit of the axis, too.
+/// @param unit none = not known, its fields are null
+[[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const std::string& name,
+                               const std::optional<client::Unit>& unit);
 
 }  // namespace vdrive::recording

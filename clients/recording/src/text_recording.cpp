@@ -24,8 +24,16 @@ constexpr std::array<std::string_view, 4> kBeforeObjects{"axis", "name", "tick",
 constexpr std::array<std::string_view, 4> kBehindObjects{"ignored_set_points", "fault_count",
                                                          "owner", "owner_epoch"};
 
-/// In JSON only, made of the others.
-constexpr std::array<std::string_view, 2> kDerived{"state", "flags"};
+/// At the end of a row; a recording of an older version has none of them.
+constexpr std::string_view kUnit = "unit";
+constexpr std::string_view kUnitSize = "unit_size";  // [UU] of one, or of a revolution
+constexpr std::string_view kPositionInUnit = "position_in_unit";
+constexpr std::string_view kVelocityInUnit = "velocity_in_unit";
+constexpr std::array kOfUnit{kUnit, kUnitSize, kPositionInUnit, kVelocityInUnit};
+
+/// Made of the others; state and flags in JSON only.
+constexpr std::array<std::string_view, 4> kDerived{"state", "flags", kPositionInUnit,
+                                                   kVelocityInUnit};
 
 /// Objects of the status image, the columns of a recording.
 const std::vector<ObjectRow>& recorded_objects() {
@@ -41,7 +49,7 @@ const std::vector<ObjectRow>& recorded_objects() {
   return objects;
 }
 
-/// The names of all fields.
+/// The names of all fields that a row has in every version.
 const std::vector<std::string>& columns() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all(kBeforeObjects.begin(), kBeforeObjects.end());
@@ -76,6 +84,7 @@ std::string csv_header() {
     if (!header.empty()) header += ',';
     header += name;
   }
+  for (const std::string_view name : kOfUnit) header.append(",").append(name);
   return header;
 }
 
@@ -85,7 +94,9 @@ TextRecording::TextRecording(LineSink sink, Format format)
     : sink_(std::move(sink)), format_(format) {}
 
 void TextRecording::begin(const std::vector<RecordedBench>& benches) {
-  names_ = names_of(benches);
+  for (const RecordedBench& bench : benches) {
+    for (const RecordedAxis& axis : bench.axes) axes_[axis.id] = axis;
+  }
   if (format_ == Format::csv) sink_.put(csv_header());
   sink_.flush();
 }
@@ -110,7 +121,8 @@ void TextRecording::finish(const Summary& /*summary*/) {
 }
 
 std::string TextRecording::csv_row(const client::AxisSnapshot& axis, std::uint64_t missed) const {
-  std::string row = to_string(axis.id) + "," + csv_field(names_.at(axis.id)) + "," +
+  const RecordedAxis& recorded = axes_.at(axis.id);
+  std::string row = to_string(axis.id) + "," + csv_field(recorded.name) + "," +
                     std::to_string(axis.tick) + "," + std::to_string(missed);
   for (const ObjectRow object : recorded_objects()) {
     row.append(",").append(std::to_string(*value_of(axis.status, object)));
@@ -119,11 +131,20 @@ std::string TextRecording::csv_row(const client::AxisSnapshot& axis, std::uint64
   row.append(",").append(std::to_string(axis.status.fault_count));
   row.append(",");
   if (axis.owner_session != 0) row.append(session_text(axis.owner_session));
-  return row + "," + std::to_string(axis.owner_epoch);
+  row.append(",").append(std::to_string(axis.owner_epoch));
+  if (!recorded.unit) return row.append(kOfUnit.size(), ',');
+  const auto in_unit = [&recorded](std::int32_t user_units) {
+    return to_text(client::from_user_units(user_units, *recorded.unit));
+  };
+  row.append(",").append(csv_field(recorded.unit->name));
+  row.append(",").append(to_text(recorded.unit->size));
+  row.append(",").append(in_unit(axis.status.load_position_actual_value));
+  return row.append(",").append(in_unit(axis.status.load_velocity_actual_value));
 }
 
 std::string TextRecording::json_row(const client::AxisSnapshot& axis, std::uint64_t missed) const {
-  Json json = status_json(axis, names_.at(axis.id));
+  const RecordedAxis& recorded = axes_.at(axis.id);
+  Json json = status_json(axis, recorded.name, recorded.unit);
   json["missed"] = missed;
   return to_line(json);
 }
@@ -137,6 +158,8 @@ struct Row {
   client::AxisSnapshot axis;
   std::string name;
   std::uint64_t missed = 0;
+  std::string unit{};
+  std::string unit_size{};
 };
 
 [[noreturn]] void refuse(std::string_view column, std::string_view text, const std::string& what) {
@@ -194,8 +217,12 @@ bool set_field(Row& row, const std::string& column, const std::string& text) {
     row.axis.owner_session = session_of(column, text);
   } else if (column == "owner_epoch") {
     row.axis.owner_epoch = number_of<std::uint32_t>(column, text);
+  } else if (column == kUnit) {
+    row.unit = text;
+  } else if (column == kUnitSize) {
+    row.unit_size = text;
   } else {
-    return false;
+    return std::ranges::find(kDerived, column) != kDerived.end();
   }
   return true;
 }
@@ -208,7 +235,8 @@ bool set_field(Row& row, const std::string& column, const std::string& text) {
 void check_columns(const std::vector<std::string>& present) {
   std::set<std::string> seen;
   for (const std::string& column : present) {
-    if (std::ranges::find(columns(), column) == columns().end()) {
+    if (std::ranges::find(columns(), column) == columns().end() &&
+        std::ranges::find(kOfUnit, column) == kOfUnit.end()) {
       refuse_columns("there is no column", column);
     }
     if (!seen.insert(column).second) refuse_columns("there are two columns", column);
@@ -279,7 +307,6 @@ class TextReader {
     std::set<std::string> seen;
     for (const auto& [key, value] : json.items()) {
       seen.insert(key);
-      if (std::ranges::find(kDerived, key) != kDerived.end()) continue;
       if (!set_field(row, key, text_of(value))) refuse_columns("there is no field", key);
     }
     for (const std::string& column : columns()) {
@@ -315,7 +342,8 @@ class TextReader {
     if (!is_new) return;
     RecordedBench& bench = benches_[row.axis.id.bench];
     bench.number = row.axis.id.bench;
-    bench.axes.push_back({.id = row.axis.id, .name = row.name});
+    bench.axes.push_back(
+        {.id = row.axis.id, .name = row.name, .unit = unit_from(row.unit, row.unit_size)});
   }
 
   void end_sample() {

@@ -36,7 +36,7 @@ class TextRecording : public Writer {
 
   LineSink sink_;
   Format format_;
-  std::map<client::AxisId, std::string> names_;
+  std::map<client::AxisId, RecordedAxis> axes_;
 };
 
 /// @return the first line of a CSV recording.

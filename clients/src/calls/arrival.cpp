@@ -23,20 +23,21 @@ bool is_on_its_way(const AxisSnapshot& axis) {
 }
 
 /// @return timed_out, with where the axis is and how long its way still takes at this speed.
-Outcome still_moving(const AxisSnapshot& axis, std::int32_t target) {
+Outcome still_moving(const AxesCall& call, std::int32_t target) {
+  const AxisSnapshot& axis = call.snapshot();
   std::string message = "axis " + to_string(axis.id) + ": timed out while waiting for " +
                         std::string(kTargetReached) + ", at " +
-                        std::to_string(axis.status.position_demand_value) + " of " +
-                        std::to_string(target) + ", still moving at " +
-                        std::to_string(axis.status.velocity_demand_value) + " UU/s";
+                        call.position_text(axis.status.position_demand_value) + " of " +
+                        call.position_text(target) + ", still moving at " +
+                        call.velocity_text(axis.status.velocity_demand_value);
   if (const auto seconds = seconds_to(axis, target)) {
     message += ", some " + std::to_string(*seconds) + " s more at this speed";
   }
   return Outcome::timed_out(std::move(message));
 }
 
-std::string move_to(std::int32_t target) {
-  return "the move to " + std::to_string(target);
+std::string move_to(std::int32_t target, const Unit& unit) {
+  return "the move to " + quantity_text(target, Dimension::position, unit);
 }
 
 }  // namespace
@@ -52,11 +53,13 @@ bool LimitSwitchWatch::has_ended(const AxisSnapshot& axis) const {
   return !input_.empty() && axis.status.velocity_demand_value == 0;
 }
 
-Outcome LimitSwitchWatch::outcome(const AxisSnapshot& axis, const std::string& what) const {
+Outcome LimitSwitchWatch::outcome(const AxisSnapshot& axis, const Unit& unit,
+                                  const std::string& what) const {
   if (input_.empty()) return {};
-  return Outcome::failed("axis " + to_string(axis.id) + ": the " + std::string(input_) +
-                         " has ended " + what + " at position " +
-                         std::to_string(axis.status.load_position_actual_value));
+  return Outcome::failed(
+      "axis " + to_string(axis.id) + ": the " + std::string(input_) + " has ended " + what +
+      " at position " +
+      quantity_text(axis.status.load_position_actual_value, Dimension::position, unit));
 }
 
 Result<std::uint16_t> controlword_of(AxesCall& call) {
@@ -81,10 +84,12 @@ Outcome check_halt(AxesCall& call) {
   return outcome_of_halt(call.snapshot(), *word);
 }
 
-Outcome check_limit_switch(const AxisSnapshot& axis, std::int32_t target) {
+Outcome check_limit_switch(const AxesCall& call, const AxisSnapshot& axis, std::int32_t target) {
   LimitSwitchWatch limit_switch;
   limit_switch.note(axis, way_to(axis, target));
-  return limit_switch.has_ended(axis) ? limit_switch.outcome(axis, move_to(target)) : Outcome();
+  if (!limit_switch.has_ended(axis)) return {};
+  const Unit unit = call.unit_of(axis.id);
+  return limit_switch.outcome(axis, unit, move_to(target, unit));
 }
 
 Outcome await_target(AxesCall& call, const Wakeup& wakeup, std::optional<std::int32_t> target) {
@@ -94,10 +99,12 @@ Outcome await_target(AxesCall& call, const Wakeup& wakeup, std::optional<std::in
     return target_reached(axis) || limit_switch.has_ended(axis);
   });
   if (reached && !target_reached(call.snapshot())) {
-    return limit_switch.outcome(call.snapshot(), target ? move_to(*target) : "the motion");
+    const Unit unit = call.unit_of(call.snapshot().id);
+    return limit_switch.outcome(call.snapshot(), unit,
+                                target ? move_to(*target, unit) : "the motion");
   }
   if (reached.kind() == OutcomeKind::timed_out && target && is_on_its_way(call.snapshot())) {
-    return still_moving(call.snapshot(), *target);
+    return still_moving(call, *target);
   }
   if (reached.kind() == OutcomeKind::failed && is_enabled(call.snapshot()) &&
       wakeup.is_interrupted()) {

@@ -46,16 +46,19 @@ class LimitSwitchWatch {
   /// @return whether the target was given up and the demand stands: nothing more comes.
   [[nodiscard]] bool has_ended(const AxisSnapshot& axis) const;
 
-  /// @param what such as "the move to 1000"
+  /// @param unit of the axis
+  /// @param what such as "the move to 1000 UU"
   /// @return failed, naming the switch, when the target was given up.
-  [[nodiscard]] Outcome outcome(const AxisSnapshot& axis, const std::string& what) const;
+  [[nodiscard]] Outcome outcome(const AxisSnapshot& axis, const Unit& unit,
+                                const std::string& what) const;
 
  private:
   std::string_view input_;  ///< that lies in the way, empty = none
 };
 
-/// @return failed when a limit switch keeps an axis that stands from a target.
-[[nodiscard]] Outcome check_limit_switch(const AxisSnapshot& axis, std::int32_t target);
+/// @return failed when a limit switch keeps an axis of the call that stands from a target.
+[[nodiscard]] Outcome check_limit_switch(const AxesCall& call, const AxisSnapshot& axis,
+                                         std::int32_t target);
 
 /// Waits until the axis is at its target.
 /// @param target absolute, none where it is not known: then a limit switch is seen by the speed

@@ -117,6 +117,14 @@ void AxesCall::note_in_force(std::uint64_t tick) {
   deadline_ = std::max(deadline_, tick + ticks_of(timeout_, period()));
 }
 
+std::string AxesCall::position_text(std::int64_t user_units) const {
+  return quantity_text(user_units, Dimension::position, unit_of(snapshot().id));
+}
+
+std::string AxesCall::velocity_text(std::int64_t user_units) const {
+  return quantity_text(user_units, Dimension::velocity, unit_of(snapshot().id));
+}
+
 Outcome AxesCall::require(bool (*fulfils)(const AxisSnapshot& axis), std::string_view command,
                           std::string_view needs) {
   const auto offender = [&] {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "calls/observed_axes.hpp"
+#include "vdrive/quantity.hpp"
 
 #include <chrono>
 #include <cstddef>
@@ -116,6 +117,16 @@ class AxesCall {
   [[nodiscard]] std::chrono::microseconds period() const { return axes_.period(); }
 
   [[nodiscard]] bool steps() const { return axes_.steps(); }
+
+  /// The unit of an axis, for messages: see Discovery::unit_of.
+  [[nodiscard]] Unit unit_of(const AxisId& axis) const { return core_->discovery.unit_of(axis); }
+
+  /// @param user_units a position of the first axis [UU]
+  /// @return it as messages tell it, such as "1024 UU (90.00 deg)".
+  [[nodiscard]] std::string position_text(std::int64_t user_units) const;
+
+  /// The same of a velocity [UU/s].
+  [[nodiscard]] std::string velocity_text(std::int64_t user_units) const;
 
   /// Requires that every axis `fulfils` a condition, as it is now
   /// (ObservedAxes::look_again).

@@ -10,6 +10,7 @@
 #include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
+#include "vdrive/quantity.hpp"
 
 #include <algorithm>
 #include <array>
@@ -41,8 +42,9 @@ msg::ObjectAccess access_of(const AxisId& id, ObjectAddress object, std::int64_t
 }
 
 /// @param what was refused; what the object takes instead follows
-Outcome refused(ObjectAddress object, std::uint32_t code, const std::string& what) {
-  const std::string advice = advice_on(object, static_cast<AbortCode>(code));
+Outcome refused(ObjectAddress object, std::uint32_t code, const std::string& what,
+                const Unit& unit) {
+  const std::string advice = advice_on(object, static_cast<AbortCode>(code), unit);
   return Outcome::refused(code, what + " refused" + (advice.empty() ? "" : ", " + advice));
 }
 
@@ -127,7 +129,7 @@ Result<bool> Motion::has_ended() const {
   if (Outcome ready = call.begin(std::chrono::nanoseconds(0)); !ready) return ready;
   if (!is_enabled(call.snapshot())) return failed_instead_of(kTargetReached, call.snapshot());
   if (!target_reached(call.snapshot())) {
-    if (Outcome ended = check_limit_switch(call.snapshot(), target_); !ended) return ended;
+    if (Outcome ended = check_limit_switch(call, call.snapshot(), target_); !ended) return ended;
     return false;
   }
   if (Outcome ended = check_halt(call); !ended) return ended;
@@ -209,7 +211,7 @@ Result<std::int64_t> Axis::read(ObjectAddress object) const {
   const ObjectReading& reading = readings->objects.front();
   if (reading.code == AbortCode::none) return reading.value;
   return refused(object, wire_code(reading.code),
-                 "read of " + object_text(object) + " of axis " + to_string(id_));
+                 "read of " + object_text(object) + " of axis " + to_string(id_), unit_);
 }
 
 Outcome Axis::check_velocity_limits(std::int64_t velocity) const {
@@ -219,7 +221,7 @@ Outcome Axis::check_velocity_limits(std::int64_t velocity) const {
   const auto motor_speed_limit = read(vdrive::describe("motor_speed_limit"_object).address);
   if (!motor_speed_limit) return motor_speed_limit.outcome();
   return check_speed(
-      id_, velocity,
+      id_, unit_, velocity,
       {.app_speed_limit = *app_speed_limit, .motor_speed_limit = *motor_speed_limit});
 }
 
@@ -229,13 +231,15 @@ Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
   msg::Request request;
   request.kind(msg::REQUEST_WRITE);
   request.objects().push_back(access_of(id_, object, value));
-  const std::string what = "write of " + std::to_string(value) + " to " + object_text(object) +
-                           " of axis " + to_string(id_);
+  const auto row = find_object(object);
+  const std::string what = "write of " +
+                           (row ? object_value_text(*row, value, unit_) : std::to_string(value)) +
+                           " to " + object_text(object) + " of axis " + to_string(id_);
   const auto reply = core_->control.write(*target, std::move(request), what);
   if (!reply) return core_->names.named(*target, reply.outcome());
   for (const msg::ObjectResult& result : reply->objects()) {
     if (result.abort_code() == 0) continue;
-    const Outcome refusal = refused(object, result.abort_code(), what);
+    const Outcome refusal = refused(object, result.abort_code(), what, unit_);
     const bool is_controlled = result.abort_code() == wire_code(AbortCode::refused_local_control) &&
                                reply->owner_session() != 0 && reply->owner_session() != core_->id;
     if (!is_controlled) return refusal;

@@ -145,17 +145,18 @@ Outcome check_homing_speeds(AxesCall& call, const HomingOptions& options) {
   for (const Setting& speed : speeds) {
     if (!speed.value) continue;
     const std::string what = object_text(vdrive::describe(speed.row).address);
-    if (Outcome good = check_speed(call.snapshot().id, *speed.value, limits, what); !good) {
-      return good;
-    }
+    const AxisId& axis = call.snapshot().id;
+    Outcome good = check_speed(axis, call.unit_of(axis), *speed.value, limits, what);
+    if (!good) return good;
   }
   return {};
 }
 
-/// @return such as "at -512 UU, still moving at -100 UU/s".
-std::string homing_progress(const AxisSnapshot& axis) {
-  return "at " + std::to_string(axis.status.position_demand_value) + " UU, still moving at " +
-         std::to_string(axis.status.velocity_demand_value) + " UU/s";
+/// @return such as "at -512 UU (-45.00 deg), still moving at -1024 UU/s (-90.00 deg/s)".
+std::string homing_progress(const AxesCall& call) {
+  const AxisStatus& status = call.snapshot().status;
+  return "at " + call.position_text(status.position_demand_value) + ", still moving at " +
+         call.velocity_text(status.velocity_demand_value);
 }
 
 /// What the statusword shows at the end of a run.
@@ -218,7 +219,7 @@ Outcome check_velocity(AxesCall& call, std::int32_t velocity, const VelocityOpti
   if (has_jerk) slowest = std::min(slowest, even_ramp_of(jerk));
   if (velocity == 0) return {};
   if (Outcome good = check_bounds(call.snapshot().id, bounds); !good) return good;
-  return check_speed(call.snapshot().id, velocity,
+  return check_speed(call.snapshot().id, call.unit_of(call.snapshot().id), velocity,
                      {.app_speed_limit = bounds[3], .motor_speed_limit = motor_speed});
 }
 
@@ -271,14 +272,18 @@ struct Obstacles {
     return limit_switch.has_ended(axis) || ramp.rests();
   }
 
-  /// After a wait that has ended without its target. @param what such as "the velocity of 1000"
+  /// After a wait that has ended without its target.
+  /// @param what such as "the velocity of 1024 UU/s (90.00 deg/s)"; `demand` in the same unit
   /// @param limits what the drive is limited by
-  [[nodiscard]] Outcome outcome(AxesCall& call, const std::string& what, std::int64_t demand,
+  [[nodiscard]] Outcome outcome(AxesCall& call, const std::string& what, const std::string& demand,
                                 const std::string& limits) const {
     if (Outcome halted = check_halt(call); !halted) return halted;
-    if (Outcome ended = limit_switch.outcome(call.snapshot(), what); !ended) return ended;
-    return Outcome::failed("axis " + to_string(call.snapshot().id) + ": " + what + " stays at " +
-                           std::to_string(demand) + ", limited by " + limits);
+    const AxisSnapshot& axis = call.snapshot();
+    if (Outcome ended = limit_switch.outcome(axis, call.unit_of(axis.id), what); !ended) {
+      return ended;
+    }
+    return Outcome::failed("axis " + to_string(axis.id) + ": " + what + " stays at " + demand +
+                           ", limited by " + limits);
   }
 };
 
@@ -294,12 +299,13 @@ Outcome start_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t veloc
 }
 
 /// The demand rests at its target while the axis itself comes to it.
-/// @return such as "at 812 of 1000 UU/s, still on its way".
-std::string velocity_progress(const AxisSnapshot& axis, std::int32_t velocity) {
-  const std::int32_t demand = axis.status.velocity_demand_value;
-  const std::int32_t speed = demand == velocity ? axis.status.load_velocity_actual_value : demand;
-  return "at " + std::to_string(speed) + " of " + std::to_string(velocity) +
-         " UU/s, still on its way";
+/// @return such as "at 512 UU/s (45.00 deg/s) of 1024 UU/s (90.00 deg/s), still on its way".
+std::string velocity_progress(const AxesCall& call, std::int32_t velocity) {
+  const AxisStatus& status = call.snapshot().status;
+  const std::int32_t demand = status.velocity_demand_value;
+  const std::int32_t speed = demand == velocity ? status.load_velocity_actual_value : demand;
+  return "at " + call.velocity_text(speed) + " of " + call.velocity_text(velocity) +
+         ", still on its way";
 }
 
 /// Runs at the velocity and waits for it, as long as the options require.
@@ -318,12 +324,12 @@ Outcome reach_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t veloc
   if (!seen) {
     seen = explained(std::move(seen), call, wakeup, "at its velocity");
     return with_progress(std::move(seen), call, kVelocityReached,
-                         velocity_progress(call.snapshot(), velocity));
+                         velocity_progress(call, velocity));
   }
   if (has_velocity(call.snapshot())) return check_halt(call);
   return obstacles.outcome(
-      call, "the velocity of " + std::to_string(velocity),
-      call.snapshot().status.velocity_demand_value,
+      call, "the velocity of " + call.velocity_text(velocity),
+      call.velocity_text(call.snapshot().status.velocity_demand_value),
       "the app_speed_limit (607Fh) or the motor_max_speed_rpm (6080h) that the "
       "axis had when it was enabled");
 }
@@ -410,11 +416,12 @@ Outcome check_torque(AxesCall& call, std::int16_t torque, const TorqueOptions& o
   const std::vector<std::int64_t>& read = values->front();
   slope = options.slope.value_or(read[0]);
   const std::int64_t wanted = std::abs(std::int64_t{torque});
-  const AxisId& axis = call.snapshot().id;
-  if (wanted > read[1]) return above_limit(axis, "torque", torque, "max_torque"_object, read[1]);
+  const auto above = [&](ObjectRow limit, std::int64_t value) {
+    return above_limit(call.snapshot().id, user_unit(), "torque", torque, limit, value);
+  };
+  if (wanted > read[1]) return above("max_torque"_object, read[1]);
   // 0 switches the relative limit off.
-  if (read[2] != 0 && wanted > read[2])
-    return above_limit(axis, "torque", torque, relative, read[2]);
+  if (read[2] != 0 && wanted > read[2]) return above(relative, read[2]);
   return {};
 }
 
@@ -443,7 +450,8 @@ Outcome reach_torque(AxesCall& call, EndlessMotion& motion, std::int16_t torque,
   }
   if (target_reached(call.snapshot())) return check_halt(call);
   return obstacles.outcome(call, "the torque of " + std::to_string(torque),
-                           call.snapshot().status.torque_demand, torque_limits(torque));
+                           std::to_string(call.snapshot().status.torque_demand),
+                           torque_limits(torque));
 }
 
 }  // namespace
@@ -477,7 +485,7 @@ Outcome Axis::home(const HomingOptions& options) {
   });
   if (!seen) {
     seen = explained(std::move(seen), call, core_->wakeup, "with its homing run");
-    seen = with_progress(std::move(seen), call, kEndOfHoming, homing_progress(call.snapshot()));
+    seen = with_progress(std::move(seen), call, kEndOfHoming, homing_progress(call));
     return explain_loss(*core_, std::move(seen), {&id_, 1});
   }
   Outcome result = homing_result(call);

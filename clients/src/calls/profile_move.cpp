@@ -5,6 +5,7 @@
 #include "calls/arrival.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/plant/axis_model.hpp"
+#include "vdrive/quantity.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -37,22 +38,24 @@ Outcome check_bounds(const AxisId& axis, std::span<const std::int64_t> values) {
                            " is 0: the axis cannot move");
 }
 
-Outcome above_limit(const AxisId& axis, std::string_view what, std::int64_t value, ObjectRow limit,
-                    std::int64_t limit_value, std::string_view remark) {
+Outcome above_limit(const AxisId& axis, const Unit& unit, std::string_view what, std::int64_t value,
+                    ObjectRow limit, std::int64_t limit_value, std::string_view remark) {
   return not_in_this_state("axis " + to_string(axis) + ": the " + std::string(what) + " " +
-                           std::to_string(value) + " is above " +
+                           object_value_text(limit, value, unit) + " is above " +
                            object_text(vdrive::describe(limit).address) + " = " +
-                           std::to_string(limit_value) + std::string(remark));
+                           object_value_text(limit, limit_value, unit) + std::string(remark));
 }
 
-Outcome check_speed(const AxisId& axis, std::int64_t velocity, const SpeedLimits& limits,
-                    std::string_view what) {
+Outcome check_speed(const AxisId& axis, const Unit& unit, std::int64_t velocity,
+                    const SpeedLimits& limits, std::string_view what) {
   const std::int64_t speed = std::abs(velocity);
   if (speed > limits.app_speed_limit) {
-    return above_limit(axis, what, velocity, "app_speed_limit"_object, limits.app_speed_limit);
+    return above_limit(axis, unit, what, velocity, "app_speed_limit"_object,
+                       limits.app_speed_limit);
   }
   if (speed > limits.motor_speed_limit) {
-    return above_limit(axis, what, velocity, "motor_speed_limit"_object, limits.motor_speed_limit,
+    return above_limit(axis, unit, what, velocity, "motor_speed_limit"_object,
+                       limits.motor_speed_limit,
                        ", which follows from motor_max_speed_rpm (6080h) and the gear");
   }
   return {};
@@ -82,7 +85,7 @@ Outcome ProfileMove::prepare() {
   const AxisId& axis = call_.snapshot().id;
   if (Outcome good = check_bounds(axis, in_force); !good || !options_.velocity) return good;
   // Of its own 6081h the drive takes as much as 607Fh allows; what a call gives is meant.
-  return check_speed(axis, *options_.velocity,
+  return check_speed(axis, call_.unit_of(axis), *options_.velocity,
                      {.app_speed_limit = bounds_[highest_speed], .motor_speed_limit = motor_speed});
 }
 
@@ -222,8 +225,8 @@ Outcome ProfileMove::check_limits(const AxisSnapshot& at_rest) {
   if (limit == values->front().end()) return {};
   const auto place = static_cast<std::size_t>(limit - values->front().begin());
   return Outcome::failed("axis " + to_string(at_rest.id) + ": the software limit " +
-                         object_text(limits.at(place)) + " = " + std::to_string(demand) +
-                         " has cut the move to " + std::to_string(target_) + " off");
+                         object_text(limits.at(place)) + " = " + call_.position_text(demand) +
+                         " has cut the move to " + call_.position_text(target_) + " off");
 }
 
 }  // namespace vdrive::client

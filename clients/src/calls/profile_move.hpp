@@ -30,9 +30,10 @@ inline constexpr std::array kMoveBounds = [] {
 /// @return refused, naming the first of them that is 0.
 [[nodiscard]] Outcome check_bounds(const AxisId& axis, std::span<const std::int64_t> values);
 
+/// @param unit of the axis
 /// @return the refusal of a value that the drive would accept and never reach.
-[[nodiscard]] Outcome above_limit(const AxisId& axis, std::string_view what, std::int64_t value,
-                                  ObjectRow limit, std::int64_t limit_value,
+[[nodiscard]] Outcome above_limit(const AxisId& axis, const Unit& unit, std::string_view what,
+                                  std::int64_t value, ObjectRow limit, std::int64_t limit_value,
                                   std::string_view remark = {});
 
 /// What a speed that a call gives is compared with.
@@ -41,10 +42,11 @@ struct SpeedLimits {
   std::int64_t motor_speed_limit;  ///< 5E11h: 6080h in the same units [UU/s]
 };
 
+/// @param unit of the axis
 /// @param velocity [UU/s]
 /// @param what it is, for the message
 /// @return refused where the drive would accept the speed and never reach it, naming the limit.
-[[nodiscard]] Outcome check_speed(const AxisId& axis, std::int64_t velocity,
+[[nodiscard]] Outcome check_speed(const AxisId& axis, const Unit& unit, std::int64_t velocity,
                                   const SpeedLimits& limits, std::string_view what = "velocity");
 
 /// One move of the only axis of a call, with the speed and the ramps that the options give for it.

@@ -84,20 +84,30 @@ enum LimitObject : std::size_t {
   habit_controlword_loop,
 };
 
+/// @param range such as "is beyond its software limits (607Dh), from "
+Outcome beyond_range(const AxesCall& call, const AxisId& axis, std::int64_t target,
+                     std::string_view range, std::int64_t begin, std::string_view to,
+                     std::int64_t end) {
+  const Unit unit = call.unit_of(axis);
+  const auto text = [&unit](std::int64_t position) {
+    return quantity_text(position, Dimension::position, unit);
+  };
+  return Outcome::refused(wire_code(AbortCode::value_range_exceeded),
+                          "axis " + to_string(axis) + ": the target " + text(target) + " " +
+                              std::string(range) + text(begin) + std::string(to) + text(end));
+}
+
 /// A line is planned as on linear axes: on a modulo axis (607Bh) its target has to be a position
 /// that 6062h can show, and its way the difference of two such positions.
-Outcome check_range(const std::string& axis, const std::vector<std::int64_t>& values,
-                    std::int64_t target) {
+Outcome check_range(const AxesCall& call, const AxisId& axis,
+                    const std::vector<std::int64_t>& values, std::int64_t target) {
   if (values[range_begin] >= values[range_end]) return {};
   if (target < values[range_begin] || target >= values[range_end]) {
-    return Outcome::refused(wire_code(AbortCode::value_range_exceeded),
-                            axis + ": the target " + std::to_string(target) +
-                                " is outside of its position range (607Bh), from " +
-                                std::to_string(values[range_begin]) + " to below " +
-                                std::to_string(values[range_end]));
+    return beyond_range(call, axis, target, "is outside of its position range (607Bh), from ",
+                        values[range_begin], " to below ", values[range_end]);
   }
   if ((values[positioning_option] & PositioningOption::kDirectionBits) == 0) return {};
-  return not_in_this_state(axis +
+  return not_in_this_state("axis " + to_string(axis) +
                            ": positioning_option_code (60F2h) chooses a direction, which a line "
                            "cannot keep; write it without bits 6 and 7");
 }
@@ -220,11 +230,13 @@ Result<std::vector<AxisWay>> AxisGroup::State::ways_of(AxesCall& call, const Lin
     const std::int64_t target = request.targets[place];
     if (values[position_limit_switch] != 0 &&
         (target < values[lower_limit] || target > values[upper_limit])) {
-      return Outcome::refused(
-          wire_code(AbortCode::value_range_exceeded),
-          axis + ": the target " + std::to_string(target) + " is beyond its software limits");
+      return beyond_range(call, layout.axes[place], target,
+                          "is beyond its software limits (607Dh), from ", values[lower_limit],
+                          " to ", values[upper_limit]);
     }
-    if (Outcome within = check_range(axis, values, target); !within) return within;
+    if (Outcome within = check_range(call, layout.axes[place], values, target); !within) {
+      return within;
+    }
     if (Outcome keeps = check_habits(axis, values, in_motion); !keeps) return keeps;
     const auto bounds = std::span(values).first(kMoveBounds.size());
     if (Outcome moves = check_bounds(layout.axes[place], bounds); !moves) return moves;
@@ -263,8 +275,10 @@ Result<LinePlan> AxisGroup::State::plan_from_rest(AxesCall& call,
 Result<LinePlan> AxisGroup::State::plan_in_motion(AxesCall& call, const LineRequest& request) {
   const std::vector<AxisSnapshot>& axes = call.snapshots();
   const auto moving = line_in_hand();
+  std::vector<Unit> units;
+  for (const AxisId& axis : layout.axes) units.push_back(call.unit_of(axis));
   auto course = continued_course(moving ? std::optional(moving->course) : std::nullopt, axes,
-                                 request.targets);
+                                 request.targets, units);
   if (!course) return course.outcome();
   auto ways = ways_of(call, request, true);
   if (!ways) return ways.outcome();
@@ -360,7 +374,7 @@ Outcome AxisGroup::State::await_line(AxesCall& call, const GroupCallOptions& opt
       call.await_enabled(in_position ? "target reached, bit 10" : "the arrival of the demand",
                          moving->start_tick, [&](std::size_t place) {
                            const AxisSnapshot& axis = call.snapshots()[place];
-                           if (cut) cut = check_limit_switch(axis, moving->targets[place]);
+                           if (cut) cut = check_limit_switch(call, axis, moving->targets[place]);
                            return !cut || (demand_arrived(axis, moving->targets[place]) &&
                                            (!in_position || target_reached(axis)));
                          });

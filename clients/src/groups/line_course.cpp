@@ -2,6 +2,7 @@
 #include "groups/line_course.hpp"
 
 #include "calls/axes_call.hpp"
+#include "vdrive/quantity.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -60,42 +61,44 @@ class Measure {
 /// What one axis has, and what the line has in its place.
 struct OnLine {
   std::string_view what;  ///< with its object
-  std::string_view unit;
+  Dimension dimension = Dimension::position;
   std::int32_t value = 0;
   double of_line = 0.0;
   double rounding = 0.0;  ///< that is allowed
 };
 
-Outcome check_on_line(const AxisId& axis, const OnLine& seen) {
+Outcome check_on_line(const AxisId& axis, const Unit& unit, const OnLine& seen) {
   constexpr double kNoise = 1.0e-6;  // of the calculation
   if (std::abs(seen.value - seen.of_line) <= seen.rounding + kNoise) return {};
-  const std::string unit = " " + std::string(seen.unit);
+  const auto text = [&](double value) {
+    return quantity_text(std::llround(value), seen.dimension, unit);
+  };
   return not_in_this_state("axis " + to_string(axis) + ": its " + std::string(seen.what) + " is " +
-                           std::to_string(seen.value) + unit +
-                           ", where the line that the axes move along has " +
-                           std::to_string(std::llround(seen.of_line)) + unit + ", give or take " +
-                           std::to_string(std::llround(std::floor(seen.rounding))) +
+                           text(seen.value) + ", where the line that the axes move along has " +
+                           text(seen.of_line) + ", give or take " +
+                           text(std::floor(seen.rounding)) +
                            ": a line starts from rest, or goes on along the one in hand");
 }
 
-Outcome check_motion(const Measure& measure, std::span<const AxisSnapshot> axes) {
+Outcome check_motion(const Measure& measure, std::span<const AxisSnapshot> axes,
+                     std::span<const Unit> units) {
   const AxisStatus& first = axes[measure.longest()].status;
   const double share = measure.share(first.position_demand_value);
   const double speed = measure.of_way(first.velocity_demand_value);  // [1/s]
   for (std::size_t place = 0; place < axes.size(); ++place) {
     const AxisStatus& status = axes[place].status;
-    Outcome velocity =
-        check_on_line(axes[place].id, {.what = "velocity demand (606Bh)",
-                                       .unit = "UU/s",
-                                       .value = status.velocity_demand_value,
-                                       .of_line = speed * measure.way(place),
-                                       .rounding = 1.0 + kDemandRounding * std::abs(speed)});
+    Outcome velocity = check_on_line(axes[place].id, units[place],
+                                     {.what = "velocity demand (606Bh)",
+                                      .dimension = Dimension::velocity,
+                                      .value = status.velocity_demand_value,
+                                      .of_line = speed * measure.way(place),
+                                      .rounding = 1.0 + kDemandRounding * std::abs(speed)});
     if (!velocity) return velocity;
-    Outcome position = check_on_line(axes[place].id, {.what = "position demand (6062h)",
-                                                      .unit = "UU",
-                                                      .value = status.position_demand_value,
-                                                      .of_line = measure.position(place, share),
-                                                      .rounding = kDemandRounding});
+    Outcome position = check_on_line(axes[place].id, units[place],
+                                     {.what = "position demand (6062h)",
+                                      .value = status.position_demand_value,
+                                      .of_line = measure.position(place, share),
+                                      .rounding = kDemandRounding});
     if (!position) return position;
   }
   return {};
@@ -103,12 +106,11 @@ Outcome check_motion(const Measure& measure, std::span<const AxisSnapshot> axes)
 
 /// Beyond its farthest target a line is known less exactly, by as much as that is rounded.
 Outcome check_targets(const Measure& measure, std::span<const AxisSnapshot> axes,
-                      std::span<const std::int32_t> targets) {
+                      std::span<const std::int32_t> targets, std::span<const Unit> units) {
   const double share = measure.share(targets[measure.longest()]);
   for (std::size_t place = 0; place < axes.size(); ++place) {
-    Outcome target = check_on_line(axes[place].id,
+    Outcome target = check_on_line(axes[place].id, units[place],
                                    {.what = "target (607Ah)",
-                                    .unit = "UU",
                                     .value = targets[place],
                                     .of_line = measure.position(place, share),
                                     .rounding = kTargetRounding * std::max(1.0, std::abs(share))});
@@ -127,19 +129,21 @@ bool is_on_the_move(std::span<const AxisSnapshot> axes) noexcept {
 
 Result<LineCourse> continued_course(const std::optional<LineCourse>& in_hand,
                                     std::span<const AxisSnapshot> axes,
-                                    std::span<const std::int32_t> targets) {
+                                    std::span<const std::int32_t> targets,
+                                    std::span<const Unit> units) {
   if (!in_hand) {
     const auto moving = std::ranges::find_if(axes, [](const AxisSnapshot& axis) {
       return axis.status.velocity_demand_value != 0;
     });
-    return not_in_this_state("axis " + to_string(moving->id) +
-                             " still moves: its velocity demand (606Bh) is " +
-                             std::to_string(moving->status.velocity_demand_value) +
-                             " UU/s, and has to be 0 where no line of this group is in hand");
+    return not_in_this_state(
+        "axis " + to_string(moving->id) + " still moves: its velocity demand (606Bh) is " +
+        quantity_text(moving->status.velocity_demand_value, Dimension::velocity,
+                      units[static_cast<std::size_t>(moving - axes.begin())]) +
+        ", and has to be 0 where no line of this group is in hand");
   }
   const Measure measure(*in_hand);
-  if (Outcome moves = check_motion(measure, axes); !moves) return moves;
-  if (Outcome leads = check_targets(measure, axes, targets); !leads) return leads;
+  if (Outcome moves = check_motion(measure, axes, units); !moves) return moves;
+  if (Outcome leads = check_targets(measure, axes, targets, units); !leads) return leads;
   LineCourse course = *in_hand;
   if (std::abs(measure.share(targets[measure.longest()])) > 1.0) {
     course.farthest.assign(targets.begin(), targets.end());

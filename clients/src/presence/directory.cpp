@@ -262,6 +262,16 @@ BenchKey Directory::newest_run(std::uint32_t number) const {
   return newest;
 }
 
+std::optional<Unit> Directory::unit_of(const AxisId& axis) const {
+  const auto run = entries_.find(newest_run(axis.bench));
+  if (run == entries_.end()) return std::nullopt;
+  for (const auto& [part, axes] : run->second.parts) {
+    const auto found = std::ranges::find(axes, axis, &AxisInfo::id);
+    if (found != axes.end()) return found->unit;
+  }
+  return std::nullopt;
+}
+
 std::optional<std::uint32_t> Directory::ended_bench() const {
   std::optional<std::uint32_t> bench;
   Clock::time_point heard;

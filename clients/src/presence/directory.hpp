@@ -128,6 +128,9 @@ class Directory {
   /// @return the bench whose run has announced its end, of several the last; nothing when none has.
   [[nodiscard]] std::optional<std::uint32_t> ended_bench() const;
 
+  /// @return the unit of an axis by the newest description of its bench; nothing without one.
+  [[nodiscard]] std::optional<Unit> unit_of(const AxisId& axis) const;
+
   /// @return whether this run has announced its end.
   [[nodiscard]] bool is_offline(const BenchKey& key) const;
 

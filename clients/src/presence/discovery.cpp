@@ -2,6 +2,7 @@
 #include "presence/discovery.hpp"
 
 #include "vdrive/number_text.hpp"
+#include "vdrive/quantity.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/guard.hpp"
 #include "vdrive/wording.hpp"
@@ -475,6 +476,11 @@ Discovery::Clock::duration Discovery::own_pauses() const {
 bool Discovery::is_paused(const BenchKey& key, Clock::time_point since) const {
   const std::scoped_lock lock(mutex_);
   return directory_.is_paused(key, since);
+}
+
+Unit Discovery::unit_of(const AxisId& axis) const {
+  const std::scoped_lock lock(mutex_);
+  return directory_.unit_of(axis).value_or(user_unit());
 }
 
 std::uint64_t Discovery::slowest_stepper(const BenchKey& key) const {

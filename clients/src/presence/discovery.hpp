@@ -110,6 +110,10 @@ class Discovery {
   /// @return whether a bench with this number is there, or may be.
   [[nodiscard]] bool may_be_there(std::uint32_t bench) const;
 
+  /// @return the unit of an axis by the newest description of its bench; vdrive::user_unit() where
+  ///         there is none.
+  [[nodiscard]] Unit unit_of(const AxisId& axis) const;
+
   /// @return for how long this program did not run since it has this object.
   [[nodiscard]] Clock::duration own_pauses() const;
 

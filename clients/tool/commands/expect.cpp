@@ -98,6 +98,7 @@ client::Outcome ExpectCommand::run(CommandContext& context) const {
     add_outcome(json, context.axes.named(outcome));
     json["comparison"] = to_string(expected.comparison);
     json["expected"] = expected.value;
+    add_in_unit(json, expected.object.row(), expected.unit, "expected", expected.value);
     if (context.judge.found()) json.update(*context.judge.found());
     output.terminal.print(to_line(json));
   } else if (outcome) {

@@ -12,6 +12,7 @@
 #include "output/report.hpp"
 #include "output_file.hpp"
 #include "vdrive/number_text.hpp"
+#include "vdrive/quantity.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 
@@ -117,6 +118,7 @@ struct DrawnAxis {
   client::AxisId id;
   std::string name;
   std::chrono::nanoseconds period;
+  client::Unit unit;
   AxisSamples samples;
 };
 
@@ -127,7 +129,8 @@ std::vector<DrawnAxis> drawn_axes(const Survey& survey) {
     for (const recording::RecordedAxis& axis : bench.axes) {
       const auto samples = survey.axes.find(axis.id);
       if (samples == survey.axes.end()) continue;
-      axes.push_back({axis.id, axis.name, bench.period, samples->second});
+      axes.push_back(
+          {axis.id, axis.name, bench.period, axis.unit.value_or(user_unit()), samples->second});
     }
   }
   return axes;
@@ -210,8 +213,8 @@ struct Drawn {
 /// @return the samples between the edges, reduced, and how many the recording lacks there.
 /// @throws RecordingError
 PlotTraces traces_of(Drawn& drawn, const PlotCommand& command, const std::string& file) {
-  PlotReduction reduction(command.columns, drawn.edges.first_tick, drawn.edges.last_tick,
-                          plot_bins(command.width, command.columns.size()));
+  PlotReduction reduction(plot_columns_in(drawn.axis.unit, command.columns), drawn.edges.first_tick,
+                          drawn.edges.last_tick, plot_bins(command.width, command.columns.size()));
   (void)recording::read_recording(file, [&](const client::Observation& sample) {
     for (const client::AxisSnapshot& axis : sample.axes) {
       if (axis.id != drawn.axis.id) continue;

@@ -14,11 +14,12 @@ namespace {
 
 using client::Outcome;
 
-Json json_of_reading(const client::AxisId& axis, const ObjectName& object,
+Json json_of_reading(const client::Axis& axis, const ObjectName& object,
                      const client::ObjectReading& reading, std::uint64_t tick) {
-  Json json = object_json(axis, object);
+  Json json = object_json(axis.id(), object);
   if (reading.code == AbortCode::none) {
     json["value"] = reading.value;
+    add_in_unit(json, object.row(), axis.unit(), "value", reading.value);
   } else {
     json["code"] = hex(wire_code(reading.code), 8);
     const std::string advice = object.address ? advice_on(*object.address, reading.code) : "";
@@ -29,7 +30,7 @@ Json json_of_reading(const client::AxisId& axis, const ObjectName& object,
   return json;
 }
 
-Outcome print_reading(const CommandContext& context, const client::AxisId& axis,
+Outcome print_reading(const CommandContext& context, const client::Axis& axis,
                       const ObjectName& object, const client::ObjectReading& reading,
                       std::uint64_t tick) {
   const bool is_read = reading.code == AbortCode::none;
@@ -37,13 +38,14 @@ Outcome print_reading(const CommandContext& context, const client::AxisId& axis,
   if (context.output.is_json) {
     terminal.print(to_line(json_of_reading(axis, object, reading, tick)));
   } else if (is_read) {
-    terminal.print(reading_text(context.axes.label_of(axis), object, reading.value));
+    terminal.print(
+        reading_text(context.axes.label_of(axis.id()), object, reading.value, axis.unit()));
   }
   if (is_read) return {};
-  if (!object.address) return unknown_object(axis, object);
+  if (!object.address) return unknown_object(axis.id(), object);
   const std::string advice = advice_on(*object.address, reading.code);
   return Outcome::refused(wire_code(reading.code), "read of " + object.text + " of axis " +
-                                                       to_string(axis) + " refused" +
+                                                       to_string(axis.id()) + " refused" +
                                                        (advice.empty() ? "" : ", " + advice));
 }
 
@@ -81,7 +83,7 @@ Outcome ReadCommand::run(CommandContext& context) const {
   for (const ObjectName& object : objects) {
     const client::ObjectReading reading =
         object.address ? *next++ : client::ObjectReading{{}, AbortCode::object_does_not_exist, 0};
-    Outcome printed = print_reading(context, found->id(), object, reading, readings->tick);
+    Outcome printed = print_reading(context, *found, object, reading, readings->tick);
     if (outcome) outcome = std::move(printed);
   }
   return outcome;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "commands/parameter_memory.hpp"
 #include "execution/axis_action.hpp"
 
 namespace vdrive::tool {
@@ -9,7 +10,14 @@ client::Outcome restore_parameters(client::Axis& axis) {
   return axis.restore_defaults();
 }
 
-constexpr AxisAction kRestoreAction{.name = "restore", .each = restore_parameters};
+Deed restored(const client::Axis& axis) {
+  return {.text = "removed " + parameters_text() + " from " + memory_text(axis) +
+                  "; the configured values are in force after the next power cycle",
+          .facts = memory_json(axis)};
+}
+
+constexpr AxisAction kRestoreAction{
+    .name = "restore", .each = restore_parameters, .deed = restored};
 
 }  // namespace
 

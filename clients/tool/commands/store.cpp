@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "commands/parameter_memory.hpp"
 #include "execution/axis_action.hpp"
 
 namespace vdrive::tool {
@@ -9,7 +10,12 @@ client::Outcome store_parameters(client::Axis& axis) {
   return axis.store();
 }
 
-constexpr AxisAction kStoreAction{.name = "store", .each = store_parameters};
+Deed stored(const client::Axis& axis) {
+  return {.text = "stored " + parameters_text() + " in " + memory_text(axis),
+          .facts = memory_json(axis)};
+}
+
+constexpr AxisAction kStoreAction{.name = "store", .each = store_parameters, .deed = stored};
 
 }  // namespace
 

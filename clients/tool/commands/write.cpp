@@ -28,7 +28,7 @@ void WriteCommand::declare(Arguments& arguments) {
   arguments
       .positional(
           "VALUE", value,
-          "Decimal, or hex as the type's two's complement; positions, speeds and ramps also "
+          "Decimal, or hex as the type's two's complement; positions, speeds, ramps and jerks also "
           "with a unit",
           [this](const std::string& text) {
             quantity = parse_quantity(text, object);

@@ -87,10 +87,11 @@ Outcome AxisActionCommand::run(CommandContext& context) const {
   for (std::size_t i = 0; i < found->size(); ++i) {
     const client::Axis& axis = (*found)[i];
     const auto status = shown.states.find(axis.id());
-    Outcome reported = report_axis(context, axis,
-                                   {.command = action->name,
-                                    .outcome = std::move(outcomes[i]),
-                                    .names_next_step = action->names_next_step},
+    AxisReport report{.command = action->name,
+                      .outcome = std::move(outcomes[i]),
+                      .names_next_step = action->names_next_step};
+    if (action->deed != nullptr) report.deed = action->deed(axis);
+    Outcome reported = report_axis(context, axis, std::move(report),
                                    status == shown.states.end() ? nullptr : &status->second);
     if (reported && action->gains_control) context.judge.note_control(axis.id());
     failures.take(std::move(reported), context);

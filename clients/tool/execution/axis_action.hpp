@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "execution/axis_report.hpp"
 #include "execution/command_context.hpp"
 #include "language/arguments.hpp"
 #include "vdrive/client/axis.hpp"
@@ -32,6 +33,9 @@ struct AxisAction {
 
   /// Whether an axis has done it, for the progress of many; none = its status does not show it.
   CommandProgress::AxisTest is_done = nullptr;
+
+  /// What is reported in the place of the state; none = the state.
+  Deed (*deed)(const client::Axis& axis) = nullptr;
 };
 
 /// The tests of several actions.

@@ -146,6 +146,7 @@ std::optional<std::uint32_t> AxisFinder::limit(const client::Axis& axis,
 }
 
 Expectation AxisFinder::in_user_units(const client::Axis& axis, Expectation expectation) const {
+  expectation.unit = axis.unit();
   if (expectation.quantity) {
     expectation.value = user_units(axis, *std::exchange(expectation.quantity, {}));
   }

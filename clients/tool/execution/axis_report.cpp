@@ -18,11 +18,16 @@ Json json_of_report(const CommandContext& context, const client::Axis& axis,
                     const AxisReport& report, const client::AxisSnapshot* status) {
   Json json{{"axis", to_string(axis.id())}, {"command", report.command}};
   add_outcome(json, context.axes.named(report.outcome));
-  if (status != nullptr) {
+  if (report.deed) {
+    if (report.outcome) json.update(report.deed->facts);
+  } else if (status != nullptr) {
     json["tick"] = status->tick;
     json["state"] = to_string(status->state());
     json["statusword"] = status->status.ds402_statusword;
     json["position"] = status->status.load_position_actual_value;
+    json["unit"] = axis.unit().name;
+    json["position_in_unit"] =
+        client::from_user_units(status->status.load_position_actual_value, axis.unit());
   }
   return json;
 }
@@ -61,6 +66,8 @@ Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisRepor
   }
   if (context.output.is_json) {
     context.output.terminal.print(to_line(json_of_report(context, axis, report, status)));
+  } else if (report.outcome && report.deed) {
+    context.output.terminal.print(label + ": " + report.deed->text);
   } else if (report.outcome && status != nullptr) {
     context.output.terminal.print(report.has_arrived ? arrival_line(*status, label, axis.unit())
                                                      : status_line(*status, label, axis.unit()));

@@ -2,6 +2,8 @@
 #include "execution/command_progress.hpp"
 
 #include "output/report.hpp"
+#include "vdrive/quantity.hpp"
+#include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
@@ -64,19 +66,22 @@ std::string time_since(std::chrono::steady_clock::time_point start) {
   return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(passed).count()) + " s";
 }
 
-std::string place_and_speed(const client::AxisSnapshot& axis) {
-  return "at " + std::to_string(axis.status.position_demand_value) + ", " +
-         std::to_string(axis.status.velocity_demand_value) + " UU/s";
+std::string position_in(const client::Unit& unit, std::int32_t position) {
+  return escaped(position_text(position, unit));
+}
+
+std::string velocity_in(const client::Unit& unit, std::int32_t velocity) {
+  return position_in(unit, velocity) + std::string(unit_ending(Dimension::velocity));
 }
 
 }  // namespace
 
 std::string motion_text(const client::AxisSnapshot& axis, const std::string& label,
-                        std::optional<std::int32_t> target) {
-  if (!target) return awaited_text(axis, label, "moving");
-  std::string text = "axis " + label + ": at " + std::to_string(axis.status.position_demand_value) +
-                     " of " + std::to_string(*target) + " at " +
-                     std::to_string(axis.status.velocity_demand_value) + " UU/s";
+                        const client::Unit& unit, std::optional<std::int32_t> target) {
+  if (!target) return awaited_text(axis, label, unit, "moving");
+  std::string text =
+      "axis " + label + ": at " + position_in(unit, axis.status.position_demand_value) + " of " +
+      position_in(unit, *target) + " at " + velocity_in(unit, axis.status.velocity_demand_value);
   if (const auto seconds = client::seconds_to(axis, *target)) {
     text += ", some " + std::to_string(*seconds) + " s more";
   }
@@ -84,8 +89,10 @@ std::string motion_text(const client::AxisSnapshot& axis, const std::string& lab
 }
 
 std::string awaited_text(const client::AxisSnapshot& axis, const std::string& label,
-                         std::string_view what) {
-  return "axis " + label + ": " + std::string(what) + ", " + place_and_speed(axis) + ", " +
+                         const client::Unit& unit, std::string_view what) {
+  return "axis " + label + ": " + std::string(what) + ", at " +
+         position_in(unit, axis.status.position_demand_value) + ", " +
+         velocity_in(unit, axis.status.velocity_demand_value) + ", " +
          std::string(to_string(axis.state()));
 }
 
@@ -96,18 +103,18 @@ std::string count_text(std::string_view what, std::size_t done, std::size_t all)
 void CommandProgress::motion(const client::Axis& axis, const std::string& label,
                              std::optional<std::int32_t> target) {
   const auto newest = std::make_shared<NewestStates>(session_, std::vector{axis});
-  tell([newest, label, target] {
+  tell([newest, label, unit = axis.unit(), target] {
     return newest->text([&](const NewestStates::States& states) {
-      return motion_text(states.begin()->second, label, target);
+      return motion_text(states.begin()->second, label, unit, target);
     });
   });
 }
 
 void CommandProgress::axis(const client::Axis& axis, const std::string& label, std::string what) {
   const auto newest = std::make_shared<NewestStates>(session_, std::vector{axis});
-  tell([newest, label, what = std::move(what)] {
+  tell([newest, label, unit = axis.unit(), what = std::move(what)] {
     return newest->text([&](const NewestStates::States& states) {
-      return awaited_text(states.begin()->second, label, what);
+      return awaited_text(states.begin()->second, label, unit, what);
     });
   });
 }

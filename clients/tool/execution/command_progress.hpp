@@ -66,13 +66,15 @@ class EndOfProgress {
   CommandProgress& progress_;
 };
 
-/// @return such as "axis 1.1: at 1097 of 0 at -13 UU/s, some 85 s more".
+/// @return such as "axis 1.1: at 96.42 deg of 0.00 deg at -1.14 deg/s, some 85 s more": one line,
+/// in the
+///         unit of the axis alone.
 [[nodiscard]] std::string motion_text(const client::AxisSnapshot& axis, const std::string& label,
-                                      std::optional<std::int32_t> target);
+                                      const client::Unit& unit, std::optional<std::int32_t> target);
 
-/// @return such as "axis 1.1: waiting for fault, at 1097, 0 UU/s, Operation enabled".
+/// @return such as "axis 1.1: waiting for fault, at 96.42 deg, 0.00 deg/s, Operation enabled".
 [[nodiscard]] std::string awaited_text(const client::AxisSnapshot& axis, const std::string& label,
-                                       std::string_view what);
+                                       const client::Unit& unit, std::string_view what);
 
 /// @return such as "enable: 412 of 10000 axes".
 [[nodiscard]] std::string count_text(std::string_view what, std::size_t done, std::size_t all);

@@ -159,9 +159,11 @@ Outcome ExpectationJudge::throughout(ValueObserver& observer, const client::Benc
 Outcome ExpectationJudge::differs(const Expectation& expectation, std::int64_t actual,
                                   std::uint64_t tick, OperatingMode mode) {
   found_ = Json{{"expected", expectation.value}, {"actual", actual}, {"tick", tick}};
+  add_in_unit(*found_, expectation.object.row(), expectation.unit, "expected", expectation.value);
+  add_in_unit(*found_, expectation.object.row(), expectation.unit, "actual", actual);
   std::string message = expectation.object.text + ": expected " + expected_text(expectation) +
-                        ", actual " + value_text(expectation.object, actual) + " at tick " +
-                        std::to_string(tick);
+                        ", actual " + value_text(expectation.object, actual, expectation.unit) +
+                        " at tick " + std::to_string(tick);
   const std::string decoded = decoded_text(expectation, actual, mode);
   if (!decoded.empty()) message += ": " + decoded;
   return Outcome::failed(std::move(message));

@@ -5,8 +5,8 @@
 #include "execution/axis_states.hpp"
 #include "output/report.hpp"
 #include "vdrive/number_text.hpp"
+#include "vdrive/quantity.hpp"
 #include "vdrive/text.hpp"
-#include "vdrive/unit.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
@@ -29,10 +29,10 @@ std::string axis_text(const client::Axis& axis, const client::AxisSnapshot& show
   const AxisStatus& status = shown.status;
   return "axis " + label + " at tick " + std::to_string(shown.tick) + ": " +
          hex(status.ds402_statusword, 3) + " " + state_text(shown) + "; position " +
-         std::to_string(status.load_position_actual_value) + " UU (" +
-         escaped(position_text(status.load_position_actual_value, axis.unit())) + "), velocity " +
-         std::to_string(status.load_velocity_actual_value) + " UU/s, torque " +
-         per_mille_text(status.torque_actual_value) + ", mode " +
+         quantity_text(status.load_position_actual_value, Dimension::position, axis.unit()) +
+         ", velocity " +
+         quantity_text(status.load_velocity_actual_value, Dimension::velocity, axis.unit()) +
+         ", torque " + per_mille_text(status.torque_actual_value) + ", mode " +
          std::to_string(status.op_mode_actual) + " " + std::string(to_string(shown.mode()));
 }
 

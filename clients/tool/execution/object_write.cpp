@@ -29,8 +29,9 @@ void note_limits(const CommandContext& context, const client::Axis& axis, Object
   } else if (lower >= upper) {
     context.output.terminal.complain(
         "vdrive: the software limits are not in force: user_position_lower_limit (607Dh:1) = " +
-        std::to_string(lower) +
-        " is not below user_position_upper_limit (607Dh:2) = " + std::to_string(upper));
+        quantity_text(lower, Dimension::position, axis.unit()) +
+        " is not below user_position_upper_limit (607Dh:2) = " +
+        quantity_text(upper, Dimension::position, axis.unit()));
   }
 }
 
@@ -41,12 +42,14 @@ void print_write(const CommandContext& context, const client::Axis& axis, const 
   if (output.is_json) {
     Json json = object_json(axis.id(), object);
     json["value"] = value;
+    add_in_unit(json, object.row(), axis.unit(), "value", value);
     add_outcome(json, context.axes.named(tick.outcome()));
     if (tick) json["tick"] = *tick;
     output.terminal.print(to_line(json));
   } else if (tick) {
-    output.terminal.print(reading_text(context.axes.label_of(axis.id()), object, value) +
-                          ", in force at tick " + std::to_string(*tick));
+    output.terminal.print(
+        reading_text(context.axes.label_of(axis.id()), object, value, axis.unit()) +
+        ", in force at tick " + std::to_string(*tick));
   }
 }
 

@@ -93,8 +93,10 @@ class ScenarioReader {
   ScenarioReader(CommandTable commands, std::string file, const Variables::Values& settings)
       : commands_(commands), scenario_{std::move(file), {}, {}}, variables_(settings) {}
 
+  /// Keeps a mistake in the line.
   /// @param line what is longer than kLongestLine may lack its end
-  void take(std::size_t number, std::string_view line) {
+  /// @return whether the next one can be read.
+  bool take(std::size_t number, std::string_view line) {
     if (number == 1 && is_wide_text(line)) {
       throw UsageError(escaped(scenario_.file, kShownOfMessage) +
                        ": is encoded in UTF-16 or UTF-32; it must be UTF-8");
@@ -105,12 +107,15 @@ class ScenarioReader {
       scenario_.source.append(line).append("\n");
       take_line(number, line.substr(0, comment_start(line)));
     } catch (const UsageError& error) {
-      throw UsageError(escaped(scenario_.file, kShownOfMessage) + ":" + std::to_string(number) +
-                       ": " + error.what());
+      mistakes_.note(escaped(scenario_.file, kShownOfMessage) + ":" + std::to_string(number) +
+                     ": " + error.what());
     }
+    return !is_too_large_ && !mistakes_.is_full();
   }
 
+  /// @throws UsageError with each mistake.
   Scenario finish() && {
+    mistakes_.throw_if_any();
     scenario_.variables = variables_.names();
     return std::move(scenario_);
   }
@@ -123,7 +128,8 @@ class ScenarioReader {
     if (bytes_ > kLargestScenario) refuse_size("");
   }
 
-  [[noreturn]] static void refuse_size(const std::string& how) {
+  [[noreturn]] void refuse_size(const std::string& how) {
+    is_too_large_ = true;
     throw UsageError("the file has more than " + std::to_string(kLargestScenario) + " bytes" + how +
                      ", which is the limit");
   }
@@ -162,6 +168,8 @@ class ScenarioReader {
   std::size_t bytes_ = 0;     ///< of the file, so far
   std::size_t expanded_ = 0;  ///< of its lines without comments, with the values of variables
   bool is_final_ = false;
+  bool is_too_large_ = false;
+  Mistakes mistakes_;
 };
 
 /// Reads a line of a file, but not what is far longer than a line may be.
@@ -216,7 +224,7 @@ Scenario parse_scenario(CommandTable commands, std::istream& input, const std::s
   ScenarioReader reader(commands, file, settings);
   LineSource lines(input);
   std::size_t number = 0;
-  while (const auto line = lines.next()) reader.take(++number, *line);
+  for (auto line = lines.next(); line && reader.take(++number, *line);) line = lines.next();
   return std::move(reader).finish();
 }
 
@@ -228,14 +236,16 @@ std::vector<Scenario> load_scenarios(CommandTable commands, const std::vector<st
                                      const Variables::Values& settings, Mistake mistake) {
   std::vector<Scenario> scenarios;
   scenarios.reserve(names.size());
+  Mistakes mistakes;
   for (const std::string& name : names) {
     try {
       scenarios.push_back(load(commands, name, settings));
     } catch (const UsageError& error) {
-      if (mistake == Mistake::refuses_all) throw;
+      mistakes.note(error.what());
       scenarios.push_back({.file = name_of_scenario(name), .mistake = error.what()});
     }
   }
+  if (mistake == Mistake::refuses_all) mistakes.throw_if_any();
   // A file that was not read to its end may use any variable.
   const bool are_whole = std::ranges::all_of(scenarios, [](const Scenario& one) {
     return one.mistake.empty();

@@ -28,8 +28,8 @@ struct Scenario {
   std::string file;
   std::vector<ScenarioLine> lines{};
   std::set<std::string> variables{};  ///< that it uses
-  std::string mistake{};              ///< why it cannot be carried out; empty = it can
-  std::string source{};               ///< the text of the file, as it was read
+  std::string mistake{};  ///< why it cannot be carried out, line by line; empty = it can
+  std::string source{};   ///< the text of the file, as it was read
 };
 
 /// What becomes of a file with a mistake among others.
@@ -47,7 +47,8 @@ enum class Mistake : std::uint8_t {
 /// @param commands those that its lines may be
 /// @param file its name, for messages
 /// @param settings values of variables, from settings_of()
-/// @throws UsageError starting with file:line, also beyond the limits of line and file.
+/// @throws UsageError with a line for each mistake, starting with file:line, also beyond the limits
+///         of line and file.
 [[nodiscard]] Scenario parse_scenario(CommandTable commands, std::istream& input,
                                       const std::string& file,
                                       const Variables::Values& settings = {});

@@ -6,6 +6,7 @@
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
+#include "vdrive/quantity.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 
@@ -94,6 +95,10 @@ Json model_json(const AxisDescription& described) {
             {"user_position_lower_limit", axis.user_position_lower_limit},
             {"user_position_upper_limit", axis.user_position_upper_limit},
             {"app_speed_limit", axis.app_speed_limit}};
+  for (const std::string name :
+       {"user_position_lower_limit", "user_position_upper_limit", "app_speed_limit"}) {
+    json[name + "_in_unit"] = client::from_user_units(json[name].get<double>(), axis.unit);
+  }
   for (const ObjectRow row : kModelObjects) {
     const auto value = value_in(described.readings, row);
     json[std::string(describe(row).variable_name)] = value ? Json(*value) : Json(nullptr);
@@ -105,18 +110,21 @@ std::string units_or_nothing(const ObjectDescription& object) {
   return object.units == "-" ? std::string() : english_units(object);
 }
 
-Json differing_json(const client::ObjectReading& reading) {
-  const ObjectDescription& object = describe(*find_object(reading.object));
+Json differing_json(const client::ObjectReading& reading, const client::Unit& unit) {
+  const auto row = find_object(reading.object);
+  const ObjectDescription& object = describe(*row);
   Json json{{"index", hex(object.address.index, 4)},
             {"subindex", object.address.subindex},
             {"name", object.variable_name}};
   if (reading.code == AbortCode::none) {
     json["value"] = reading.value;
+    add_in_unit(json, row, unit, "value", reading.value);
   } else {
     json["code"] = hex(wire_code(reading.code), 8);
     json["message"] = vdrive::describe(reading.code);
   }
   json["default"] = object.default_value;
+  add_in_unit(json, row, unit, "default", object.default_value);
   json["units"] = units_or_nothing(object);
   return json;
 }
@@ -149,34 +157,38 @@ std::vector<std::string> model_lines(const AxisDescription& described) {
   const auto number = [&described](ObjectRow row) {
     return number_or_unknown(described.readings, row);
   };
-  return {"  unit        " + unit_line(axis.unit),
-          "  modes       " + joined(names_of_modes(axis.supported_drive_modes)),
-          "  at power-up position " + std::to_string(axis.user_position_lower_limit) + " to " +
-              std::to_string(axis.user_position_upper_limit) + " UU, speed up to " +
-              std::to_string(axis.app_speed_limit) + " UU/s",
-          "  motor       type " + number(kMotorType) + ", rated " +
-              number("motor_rated_torque"_object) + " mN.m and " +
-              number("motor_rated_current"_object) + " mA, up to " +
-              number("motor_max_speed_rpm"_object) + " RPM",
-          "  gear        " + number("gear_ratio_numerator"_object) + " load to " +
-              number("gear_ratio_denominator"_object) + " motor revolutions"};
+  return {
+      "  unit        " + unit_line(axis.unit),
+      "  modes       " + joined(names_of_modes(axis.supported_drive_modes)),
+      "  at power-up position " +
+          quantity_text(axis.user_position_lower_limit, Dimension::position, axis.unit) + " to " +
+          quantity_text(axis.user_position_upper_limit, Dimension::position, axis.unit) +
+          ", speed up to " + quantity_text(axis.app_speed_limit, Dimension::velocity, axis.unit),
+      "  motor       type " + number(kMotorType) + ", rated " +
+          number("motor_rated_torque"_object) + " mN.m and " +
+          number("motor_rated_current"_object) + " mA, up to " +
+          number("motor_max_speed_rpm"_object) + " RPM",
+      "  gear        " + number("gear_ratio_numerator"_object) + " load to " +
+          number("gear_ratio_denominator"_object) + " motor revolutions"};
 }
 
 using ObjectLine = std::array<std::string, 5>;
 
-ObjectLine object_line(const client::ObjectReading& reading) {
-  const ObjectDescription& object = describe(*find_object(reading.object));
+ObjectLine object_line(const client::ObjectReading& reading, const client::Unit& unit) {
+  const ObjectRow row = *find_object(reading.object);
+  const ObjectDescription& object = describe(row);
   const bool is_read = reading.code == AbortCode::none;
   return {address_text(object.address), std::string(object.variable_name),
-          is_read ? std::to_string(reading.value)
+          is_read ? object_value_text(row, reading.value, unit)
                   : "refused: " + std::string(vdrive::describe(reading.code)),
-          std::to_string(object.default_value), units_or_nothing(object)};
+          object_value_text(row, object.default_value, unit), units_or_nothing(object)};
 }
 
 /// The objects that differ, in columns.
-std::vector<std::string> object_lines(const std::vector<client::ObjectReading>& objects) {
+std::vector<std::string> object_lines(const std::vector<client::ObjectReading>& objects,
+                                      const client::Unit& unit) {
   std::vector<ObjectLine> rows{{"object", "variable_name", "value", "default", "units"}};
-  for (const client::ObjectReading& object : objects) rows.push_back(object_line(object));
+  for (const client::ObjectReading& object : objects) rows.push_back(object_line(object, unit));
   std::array<std::size_t, std::tuple_size_v<ObjectLine>> widths{};
   for (const ObjectLine& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) {
@@ -231,7 +243,7 @@ Json description_json(const AxisDescription& described) {
   json["objects_tick"] = described.readings.tick;
   Json objects = Json::array();
   for (const client::ObjectReading& object : differing(described.readings)) {
-    objects.push_back(differing_json(object));
+    objects.push_back(differing_json(object, described.axis.unit));
   }
   json["objects"] = std::move(objects);
   return json;
@@ -253,7 +265,9 @@ std::vector<std::string> description_text(const AxisDescription& described) {
                   (objects.empty()
                        ? "all have their defaults"
                        : counted(objects.size(), "differs", "differ") + " from the default"));
-  if (!objects.empty()) std::ranges::move(object_lines(objects), std::back_inserter(lines));
+  if (!objects.empty()) {
+    std::ranges::move(object_lines(objects, described.axis.unit), std::back_inserter(lines));
+  }
   return lines;
 }
 

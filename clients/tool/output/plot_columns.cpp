@@ -5,12 +5,14 @@
 #include "values/value.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
+#include "vdrive/quantity.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <utility>
 
 namespace vdrive::tool {
 namespace {
@@ -19,15 +21,15 @@ namespace {
 struct CurveRow {
   std::string_view variable_name;
   std::string_view word;
-  std::string_view panel;
+  std::string_view panel;  ///< without the unit of a position or a velocity
   double size = 1.0;
 };
 
-constexpr std::string_view kPositionPanel = "position [UU]";
-constexpr std::string_view kVelocityPanel = "velocity [UU/s]";
+constexpr std::string_view kPositionPanel = "position";
+constexpr std::string_view kVelocityPanel = "velocity";
 constexpr std::string_view kTorquePanel = "torque and current [% of rated]";
-constexpr std::string_view kErrorPanel = "following error [UU]";
-constexpr std::string_view kVelocityErrorPanel = "velocity error [UU/s]";
+constexpr std::string_view kErrorPanel = "following error";
+constexpr std::string_view kVelocityErrorPanel = "velocity error";
 constexpr double kPercentOfPerMille = 0.1;
 
 /// Every other column has a panel of its own.
@@ -85,7 +87,7 @@ const std::vector<PlotColumn>& all_plot_columns() {
     for (const StatusMember& member : status_members()) {
       if (member.is_published) all.push_back(column_of(member));
     }
-    return all;
+    return plot_columns_in(user_unit(), std::move(all));
   }();
   return columns;
 }
@@ -115,6 +117,17 @@ std::vector<PlotColumn> usual_plot_columns() {
   std::vector<PlotColumn> columns;
   columns.reserve(kUsualCurves.size());
   for (const std::string_view name : kUsualCurves) columns.push_back(*column_named(name));
+  return columns;
+}
+
+std::vector<PlotColumn> plot_columns_in(const Unit& unit, std::vector<PlotColumn> columns) {
+  for (PlotColumn& column : columns) {
+    const auto row = find_object(column.member->address);
+    const auto dimension = row ? dimension_of(*row) : std::nullopt;
+    if (!dimension) continue;
+    column.panel = column_of(*column.member).panel + " [" + unit_name(*dimension, unit) + "]";
+    column.size = from_user_units(1.0, unit);
+  }
   return columns;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdrive/axis_status.hpp"
+#include "vdrive/unit.hpp"
 
 #include <string>
 #include <string_view>
@@ -12,14 +13,18 @@ namespace vdrive::tool {
 /// One column of a recording as a curve.
 struct PlotColumn {
   const StatusMember* member = nullptr;
-  std::string name;          ///< in recordings: a variable_name, or that of a counter
-  std::string label;         ///< in the legend, such as "demand 6062h"
-  std::string_view panel{};  ///< title of the panel that it shares, such as "position [UU]"
-  double size = 1.0;         ///< of 1 in the recording, in the unit of the panel
+  std::string name;     ///< in recordings: a variable_name, or that of a counter
+  std::string label;    ///< in the legend, such as "demand 6062h"
+  std::string panel{};  ///< title of the panel that it shares, such as "position [UU]"
+  double size = 1.0;    ///< of 1 in the recording, in the unit of the panel
 };
 
 /// @return position and velocity with their demand, torque and following error.
 [[nodiscard]] std::vector<PlotColumn> usual_plot_columns();
+
+/// @return the columns with their panels in the unit of an axis, such as "position [mm]".
+[[nodiscard]] std::vector<PlotColumn> plot_columns_in(const Unit& unit,
+                                                      std::vector<PlotColumn> columns);
 
 /// @param text names with commas between them: those of a recording, or names and addresses of
 /// their

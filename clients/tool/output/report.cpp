@@ -5,6 +5,7 @@
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/number_text.hpp"
+#include "vdrive/quantity.hpp"
 #include "vdrive/text.hpp"
 
 #include <algorithm>
@@ -61,18 +62,12 @@ void add_owner_name(Json& json, const std::optional<client::SessionName>& name) 
 }
 
 Json status_json(const client::AxisSnapshot& axis, const AxisFace& face) {
-  Json json = status_json(axis, face.name);
-  json["unit"] = face.unit.name;
-  json["position_in_unit"] =
-      client::from_user_units(axis.status.load_position_actual_value, face.unit);
-  json["velocity_in_unit"] =
-      client::from_user_units(axis.status.load_velocity_actual_value, face.unit);
-  return json;
+  return recording::status_json(axis, face.name, face.unit);
 }
 
 std::vector<std::string> status_text(const client::AxisSnapshot& axis, const AxisFace& face) {
   const auto in_unit = [&face](std::int32_t user_units) {
-    return position_text(user_units, face.unit);
+    return escaped(position_text(user_units, face.unit));
   };
   const AxisStatus& status = axis.status;
   std::vector<std::string> lines;
@@ -134,10 +129,11 @@ std::string place_text(const client::AxisSnapshot& axis, const std::string& labe
 
 std::string status_line(const client::AxisSnapshot& axis, const std::string& label,
                         const client::Unit& unit) {
-  return place_text(axis, label, unit) +
-         formatted(" %8d UU/s  0x%03X ", axis.status.load_velocity_actual_value,
-                   unsigned{axis.status.ds402_statusword}) +
-         state_text(axis);
+  constexpr std::size_t kUsualWidth = 14;
+  const std::int32_t velocity = axis.status.load_velocity_actual_value;
+  return place_text(axis, label, unit) + formatted(" %8d UU/s ", velocity) +
+         aligned_right(escaped(position_text(velocity, unit)) + "/s", kUsualWidth) +
+         formatted("  0x%03X ", unsigned{axis.status.ds402_statusword}) + state_text(axis);
 }
 
 std::string arrival_line(const client::AxisSnapshot& axis, const std::string& label,
@@ -191,17 +187,26 @@ Json object_json(const client::AxisId& axis, const ObjectName& object) {
   return json;
 }
 
-std::string reading_text(const std::string& label, const ObjectName& object, std::int64_t value) {
+std::string reading_text(const std::string& label, const ObjectName& object, std::int64_t value,
+                         const client::Unit& unit) {
   const auto row = object.row();
   std::string text = label + " " + object.text;
   if (row && describe(*row).variable_name != object.text) {
     text += " " + std::string(describe(*row).variable_name);
   }
-  text += " = " + value_text(object, value);
+  text += " = " + value_text(object, value, unit);
   if (object.address && object.address->index == 0x6041) {
     text += " " + std::string(to_string(decode_power_state(static_cast<std::uint16_t>(value))));
   }
   return text;
+}
+
+void add_in_unit(Json& json, std::optional<ObjectRow> row, const client::Unit& unit,
+                 std::string_view key, std::int64_t value) {
+  const auto dimension = row ? dimension_of(*row) : std::nullopt;
+  if (!dimension) return;
+  json["unit"] = unit_name(*dimension, unit);
+  json[std::string(key) + "_in_unit"] = client::from_user_units(static_cast<double>(value), unit);
 }
 
 client::Outcome unknown_object(const client::AxisId& axis, const ObjectName& object) {

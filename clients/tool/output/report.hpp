@@ -10,12 +10,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::tool {
 
 using recording::Json;
-using recording::status_json;
 using recording::to_line;
 
 /// Adds `outcome`, and for a failure `code` and `message`, and the session that stands in the way.
@@ -35,8 +35,7 @@ struct AxisFace {
   std::optional<client::SessionName> owner{};  ///< who holds it, where it is known
 };
 
-/// One axis as `status` and `watch` show it: recording::status_json with position and velocity in
-/// the unit of the axis.
+/// One axis as `status` and `watch` show it.
 [[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const AxisFace& face);
 
 /// The same as some lines of text.
@@ -75,7 +74,12 @@ struct AxisFace {
 /// One object as `read` and `write` show it.
 [[nodiscard]] Json object_json(const client::AxisId& axis, const ObjectName& object);
 [[nodiscard]] std::string reading_text(const std::string& label, const ObjectName& object,
-                                       std::int64_t value);
+                                       std::int64_t value, const client::Unit& unit);
+
+/// Adds to an object of JSON a value of a position, speed, ramp or jerk in the unit of the axis:
+/// `unit`, such as "mm/s3", and the value as `key` with "_in_unit". Nothing for other objects.
+void add_in_unit(Json& json, std::optional<ObjectRow> row, const client::Unit& unit,
+                 std::string_view key, std::int64_t value);
 
 /// @return the refusal of an object that no address is known of.
 [[nodiscard]] client::Outcome unknown_object(const client::AxisId& axis, const ObjectName& object);

@@ -33,8 +33,9 @@ struct WatchColumn {
 constexpr std::size_t kLongestName = 24;
 constexpr std::size_t kHeaderRows = 2;
 
-std::string number(std::int64_t value) {
-  return std::to_string(value);
+/// @return a position in the unit of the axis.
+std::string in_unit(const WatchedAxis& watched, std::int32_t user_units) {
+  return escaped(position_text(user_units, watched.face.unit));
 }
 
 constexpr std::array kColumns{
@@ -52,26 +53,25 @@ constexpr std::array kColumns{
                 },
                 true},
     // The widths of numbers are those of usual values: a column that changed its width would jump.
-    WatchColumn{"position", 0, 10, true,
+    WatchColumn{"position", 0, 11, true,
                 [](const WatchedAxis& watched) {
-                  return number(watched.axis.status.load_position_actual_value);
+                  return in_unit(watched, watched.axis.status.load_position_actual_value);
                 }},
-    WatchColumn{"in units", 80, 12, true,
+    WatchColumn{"in UU", 80, 9, true,
                 [](const WatchedAxis& watched) {
-                  return escaped(position_text(watched.axis.status.load_position_actual_value,
-                                               watched.face.unit));
+                  return std::to_string(watched.axis.status.load_position_actual_value);
                 }},
-    WatchColumn{"demand", 160, 10, true,
+    WatchColumn{"demand", 160, 12, true,
                 [](const WatchedAxis& watched) {
-                  return number(watched.axis.status.position_demand_value);
+                  return in_unit(watched, watched.axis.status.position_demand_value);
                 }},
-    WatchColumn{"error", 160, 8, true,
+    WatchColumn{"error", 160, 10, true,
                 [](const WatchedAxis& watched) {
-                  return number(watched.axis.status.load_position_error_value);
+                  return in_unit(watched, watched.axis.status.load_position_error_value);
                 }},
-    WatchColumn{"velocity", 0, 8, true,
+    WatchColumn{"velocity", 0, 12, true,
                 [](const WatchedAxis& watched) {
-                  return number(watched.axis.status.load_velocity_actual_value);
+                  return in_unit(watched, watched.axis.status.load_velocity_actual_value) + "/s";
                 }},
     WatchColumn{"torque", 120, 8, true,
                 [](const WatchedAxis& watched) {
@@ -213,7 +213,6 @@ std::string tick_text(const client::Observation& sample, std::span<const Watched
 }
 
 std::string title_of(std::string title, const WatchChoice& choice) {
-  title += ", positions in UU, velocities in UU/s";
   if (choice.sort != WatchSort::axis || choice.is_reversed) {
     title.append(", by ").append(name_of_column(choice.sort));
     if (choice.is_reversed) title += " reversed";

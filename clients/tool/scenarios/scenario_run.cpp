@@ -16,7 +16,9 @@
 #include <chrono>
 #include <csignal>
 #include <exception>
+#include <map>
 #include <memory>
+#include <string>
 #include <utility>
 
 namespace vdrive::tool {
@@ -52,6 +54,51 @@ Outcome report_all(std::size_t passed, std::size_t all, bool is_json, Terminal& 
   return passed == all ? Outcome() : Outcome::failed(text);
 }
 
+/// Finds the axes and benches of scenarios. What is not there is searched for once: a search that
+/// finds nothing takes its whole time.
+class AxisSearch {
+ public:
+  explicit AxisSearch(client::Session& session) : session_(session) {}
+
+  /// @return why this bench is not there; empty where it is.
+  const std::string& absence_of(std::uint32_t bench) {
+    const auto [known, is_new] = benches_.try_emplace(bench);
+    if (is_new) known->second = message_of(session_.find_bench(bench).outcome());
+    return known->second;
+  }
+
+  /// @return the axes that a name stands for, or why they are not there.
+  client::Result<std::vector<client::Axis>> find(const std::string& name, AxisFinder& axes) {
+    if (const auto known = names_.find(name); known != names_.end()) {
+      return Outcome::not_found(known->second);
+    }
+    const auto id = client::parse_axis_id(name);
+    if (id && !absence_of(id->bench).empty()) {
+      return Outcome::not_found("no axis " + name + ": " + absence_of(id->bench));
+    }
+    if (!id && is_alone_) {
+      return Outcome::not_found("no axis is named " + in_quotes(name) + ": " +
+                                session_.no_bench_found().message());
+    }
+    auto found = axes.axes({name});
+    if (!found) {
+      names_.emplace(name, found.outcome().message());
+      is_alone_ = !id && session_.find_benches().empty();
+    }
+    return found;
+  }
+
+ private:
+  static std::string message_of(const Outcome& outcome) {
+    return outcome ? std::string() : outcome.message();
+  }
+
+  client::Session& session_;
+  std::map<std::uint32_t, std::string> benches_;
+  std::map<std::string, std::string> names_;  ///< that no axis has
+  bool is_alone_ = false;                     ///< no bench is there that could have another name
+};
+
 /// One run: what it needs, and what it has found out so far.
 class ScenarioRun {
  public:
@@ -66,21 +113,21 @@ class ScenarioRun {
     context_.is_private = options.is_private;
   }
 
-  /// A name or a bench that is wrong is found before anything moves.
-  Outcome find_axes() {
+  /// A name, a bench or a unit that is wrong is found before anything moves.
+  /// @param units receives the lines whose units are wrong
+  /// @return not_found with each line whose axis or bench is not there.
+  Outcome find_axes(AxisSearch& search, Mistakes& units) {
+    Mistakes absences;
     for (const ScenarioLine& line : scenario_.lines) {
-      if (const auto number = line.command.bench) {
-        const auto bench = session_.find_bench(number);
-        if (!bench) return Outcome::not_found(place_of(line) + ": " + bench.outcome().message());
+      if (absences.is_full() || units.is_full()) break;
+      const std::string absence = find_axes_of(line, search);
+      if (absence.empty()) {
+        check_units(line, units);
+      } else {
+        absences.note(place_of(line) + ": " + absence);
       }
-      const auto found = context_.axes.axes(line.command.axes);
-      if (!found) return Outcome::not_found(place_of(line) + ": " + found.outcome().message());
-      for (const client::Axis& axis : *found) {
-        if (std::ranges::find(axes_, axis.id()) == axes_.end()) axes_.push_back(axis.id());
-      }
-      check_units(line);
     }
-    return {};
+    return absences.text().empty() ? Outcome() : Outcome::not_found(absences.text());
   }
 
   /// @return the first failure of the lines above `finally`, else of those below.
@@ -114,6 +161,25 @@ class ScenarioRun {
   [[nodiscard]] JunitSuite suite() && { return {scenario_.file, std::move(cases_)}; }
 
  private:
+  /// @return why axes or the bench of a line are not there; empty where all are.
+  std::string find_axes_of(const ScenarioLine& line, AxisSearch& search) {
+    if (line.command.bench && !search.absence_of(*line.command.bench).empty()) {
+      return search.absence_of(*line.command.bench);
+    }
+    std::string absences;
+    for (const std::string& name : line.command.axes) {
+      const auto found = search.find(name, context_.axes);
+      if (!found) {
+        absences += (absences.empty() ? "" : "; ") + found.outcome().message();
+        continue;
+      }
+      for (const client::Axis& axis : *found) {
+        if (std::ranges::find(axes_, axis.id()) == axes_.end()) axes_.push_back(axis.id());
+      }
+    }
+    return absences;
+  }
+
   [[nodiscard]] std::string place_of(const ScenarioLine& line) const {
     return escaped(scenario_.file, kShownOfMessage) + ":" + std::to_string(line.number);
   }
@@ -138,12 +204,11 @@ class ScenarioRun {
     return outcome;
   }
 
-  /// @throws UsageError with file and line.
-  void check_units(const ScenarioLine& line) {
+  void check_units(const ScenarioLine& line, Mistakes& units) {
     try {
       tool::check_units(line.command, context_);
     } catch (const UsageError& error) {
-      throw UsageError(place_of(line) + ": " + error.what());
+      units.note(place_of(line) + ": " + error.what());
     }
   }
 
@@ -229,19 +294,20 @@ class ScenarioRun {
   bool was_interrupted_ = false;
 };
 
-/// @return the suites of a report in which nothing was judged, because of the axes of one file.
+/// @return the suites of a report in which nothing was judged, because of the axes of some.
+/// @param found of each scenario, in their order
 std::vector<JunitSuite> suites_without_axes(const std::vector<Scenario>& scenarios,
-                                            const Scenario& failed, const Outcome& outcome) {
+                                            const std::vector<Outcome>& found) {
   std::vector<JunitSuite> suites;
   suites.reserve(scenarios.size());
-  for (const Scenario& scenario : scenarios) {
+  for (std::size_t i = 0; i < scenarios.size(); ++i) {
     JunitCase test{.name = "axes"};
-    if (&scenario == &failed) {
-      test.error = outcome.message();
-    } else {
+    if (found[i]) {
       test.is_skipped = true;
+    } else {
+      test.error = found[i].message();
     }
-    suites.push_back({scenario.file, {std::move(test)}});
+    suites.push_back({scenarios[i].file, {std::move(test)}});
   }
   return suites;
 }
@@ -258,15 +324,24 @@ class ScenarioRuns {
     }
   }
 
-  /// @return not_found, with suites() that report it.
+  /// @return not_found with each axis and bench that is not there, and suites() that report it.
+  /// @throws UsageError with each unit that an axis does not have, and with what is not there
   Outcome find_axes() {
-    for (std::size_t i = 0; i < runs_.size(); ++i) {
-      Outcome found = runs_[i]->find_axes();
-      if (found) continue;
-      suites_ = suites_without_axes(scenarios_, scenarios_[i], found);
-      return found;
+    AxisSearch search(session_);
+    Mistakes units;
+    Mistakes absences;
+    std::vector<Outcome> found;
+    for (const auto& run : runs_) {
+      found.push_back(run->find_axes(search, units));
+      if (!found.back()) absences.note(found.back().message());
     }
-    return {};
+    if (!units.text().empty()) {
+      if (!absences.text().empty()) units.note(absences.text());
+      units.throw_if_any();
+    }
+    if (absences.text().empty()) return {};
+    suites_ = suites_without_axes(scenarios_, found);
+    return Outcome::not_found(absences.text());
   }
 
   Outcome run() {

@@ -119,12 +119,17 @@ Expectation parse_expectation(const std::string& object, std::span<const std::st
 }
 
 std::string expected_text(const Expectation& expectation) {
-  std::string text = value_text(expectation.object, expectation.value);
+  const auto shown = [&expectation](std::int64_t value) {
+    return value_text(expectation.object, value, expectation.unit);
+  };
+  std::string text = shown(expectation.value);
   if (const auto& mask = expectation.mask) {
-    text = value_text(expectation.object, expectation.value & static_cast<std::int64_t>(*mask)) +
-           " under mask " + hex(static_cast<std::uint32_t>(*mask), 8);
+    text = shown(expectation.value & static_cast<std::int64_t>(*mask)) + " under mask " +
+           hex(static_cast<std::uint32_t>(*mask), 8);
   }
-  if (expectation.tolerance) text += " +- " + std::to_string(*expectation.tolerance);
+  if (expectation.tolerance) {
+    text += " +- " + shown(static_cast<std::int64_t>(*expectation.tolerance));
+  }
   if (expectation.comparison == Comparison::equal) return text;
   return std::string(to_string(expectation.comparison)) + " " + text;
 }

@@ -22,6 +22,7 @@ struct Expectation {
   Comparison comparison = Comparison::equal;
   std::int64_t value = 0;
   std::optional<Quantity> quantity;  ///< the value where it has a unit
+  Unit unit = user_unit();           ///< of the axis, for messages
   std::optional<std::uint64_t> mask;
   std::optional<std::uint64_t> tolerance;
   std::optional<Quantity> quantity_of_tolerance;

@@ -12,16 +12,17 @@ namespace vdrive::tool {
 namespace {
 
 /// @throws UsageError naming what was typed when the type does not hold the value.
-std::int64_t rounded_quantity(const Quantity& quantity, double user_units, std::string_view which) {
+std::int64_t rounded_quantity(const Quantity& quantity, double user_units, const Unit& unit,
+                              std::string_view which) {
   const TypeRange range = range_of(quantity.type);
   const double nearest = std::round(user_units);
   const bool fits =
       nearest >= static_cast<double>(range.lowest) && nearest <= static_cast<double>(range.highest);
   if (fits) return static_cast<std::int64_t>(nearest);
-  const std::string ending(unit_ending(quantity.dimension));
   throw UsageError(in_quotes(quantity.text) + std::string(which) + " is " + to_text(nearest) +
-                   " UU" + ending + ": must be from " + std::to_string(range.lowest) + " to " +
-                   std::to_string(range.highest) + " UU" + ending);
+                   " UU" + std::string(unit_ending(quantity.dimension)) + ": must be from " +
+                   quantity_text(range.lowest, quantity.dimension, unit) + " to " +
+                   quantity_text(range.highest, quantity.dimension, unit));
 }
 
 /// Hexadecimal is the two's complement of the type.
@@ -41,7 +42,7 @@ WrittenQuantity as_written(std::string_view text, Dimension dimension, DataType 
 Quantity parse_quantity(std::string_view text, Dimension dimension, DataType type) {
   Quantity quantity{as_written(text, dimension, type), std::string(text), dimension, type};
   if (quantity.is_in_user_units()) {
-    static_cast<void>(rounded_quantity(quantity, quantity.value, ""));
+    static_cast<void>(rounded_quantity(quantity, quantity.value, user_unit(), ""));
   }
   return quantity;
 }
@@ -103,7 +104,7 @@ std::int64_t user_units_of(const Quantity& quantity, const client::Unit& unit,
                      in_quotes(quantity.unit) + "; it has " +
                      list_of_units(quantity.dimension, unit));
   }
-  return rounded_quantity(quantity, *user_units, " of axis " + std::string(axis));
+  return rounded_quantity(quantity, *user_units, unit, " of axis " + std::string(axis));
 }
 
 }  // namespace vdrive::tool

@@ -13,7 +13,8 @@
 
 namespace vdrive::tool {
 
-/// A position, a speed or a ramp as it was typed. The unit of its axis converts it to user units.
+/// A position, a speed, a ramp or a jerk as it was typed. The unit of its axis converts it to user
+/// units.
 struct Quantity : WrittenQuantity {
   std::string text;
   Dimension dimension = Dimension::position;
@@ -21,7 +22,7 @@ struct Quantity : WrittenQuantity {
 };
 
 /// @param text a number such as -500, 1e4, 0xFFFFD8F0 (two's complement of `type`), with or
-///        without a unit: 90deg, 180deg/s, 900deg/s2, 300rpm
+///        without a unit: 90deg, 180deg/s, 900deg/s2, 9000deg/s3, 300rpm
 /// @throws UsageError for anything else, and for user units that `type` does not hold.
 [[nodiscard]] Quantity parse_quantity(std::string_view text, Dimension dimension, DataType type);
 

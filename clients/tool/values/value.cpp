@@ -133,8 +133,9 @@ std::int64_t parse_value(std::string_view text, const ObjectName& object) {
   return parse_value(text, text.starts_with('-') ? DataType::integer32 : DataType::unsigned32);
 }
 
-std::string value_text(const ObjectName& object, std::int64_t value) {
-  const std::string text = std::to_string(value);
+std::string value_text(const ObjectName& object, std::int64_t value, const Unit& unit) {
+  const auto row = object.row();
+  const std::string text = row ? object_value_text(*row, value, unit) : std::to_string(value);
   const bool is_word =
       object.address && std::ranges::find(kWords, object.address->index) != kWords.end();
   return is_word ? hex(static_cast<std::uint64_t>(value), 3) + " (" + text + ")" : text;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/quantity.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -51,8 +52,10 @@ struct ObjectName {
 /// The value of an object: by its type, else (the object does not exist) any 32-bit number.
 [[nodiscard]] std::int64_t parse_value(std::string_view text, const ObjectName& object);
 
-/// @return a value as it is shown: words in hex beside the decimal number.
-[[nodiscard]] std::string value_text(const ObjectName& object, std::int64_t value);
+/// @return a value as it is shown: words in hex beside the decimal number, and a position, speed,
+///         ramp or jerk in the unit of the axis, too.
+[[nodiscard]] std::string value_text(const ObjectName& object, std::int64_t value,
+                                     const Unit& unit);
 
 /// @param highest at most that of std::int64_t
 /// @throws UsageError naming `what` when it is not a whole number from 0 to `highest`.

@@ -170,13 +170,13 @@ struct PlacedValue {
 };
 
 /// The drive takes every value of each limit, and has none while they are in the wrong order.
-void check_software_limits(const std::map<ObjectAddress, PlacedValue>& values) {
+void check_software_limits(const std::map<ObjectAddress, PlacedValue>& values, const Unit& unit) {
   const auto lower = values.find(describe("user_position_lower_limit"_object).address);
   const auto upper = values.find(describe("user_position_upper_limit"_object).address);
   if (lower == values.end() || upper == values.end()) return;
   if (lower->second.value < upper->second.value) return;
   lower->second.place.refuse("must be below user_position_upper_limit (607Dh:2) = " +
-                             std::to_string(upper->second.value));
+                             quantity_text(upper->second.value, Dimension::position, unit));
 }
 
 /// Bits 6 and 7 of 60F2h need a range, and the drive takes them once it has one.
@@ -226,22 +226,26 @@ void check_is_parameter(const ObjectDescription& object, const YamlValue& value)
                "inputs, such as test_load_torque");
 }
 
-/// @return [units of the object] a value that the object takes; a position, a speed or a ramp may
-///         have a unit of the axis.
+/// @return [units of the object] a value that the object takes; a position, a speed, a ramp or a
+///         jerk may have a unit of the axis.
 std::int64_t read_value(const YamlValue& value, ObjectRow row, const Unit& unit) {
   const auto dimension = dimension_of(row);
-  if (!dimension || parse_integer(value.text())) return read_object_value(value, row);
+  if (!dimension) return read_object_value(value, row);
   const ObjectDescription& object = describe(row);
+  if (object.access == Access::read_only) {
+    value.refuse(std::string(describe(AbortCode::write_of_read_only_object)));
+  }
   return read_user_units(value, *dimension, unit, {object.lower_limit, object.upper_limit, ""});
 }
 
 /// What `mechanics` decides stands there, or is the same in both places.
-void check_against_mechanics(const ObjectDescription& object, std::int64_t value,
-                             const YamlValue& place, std::span<const InitialValue> decided) {
+void check_against_mechanics(ObjectRow row, std::int64_t value, const YamlValue& place,
+                             const Unit& unit, std::span<const InitialValue> decided) {
+  const ObjectDescription& object = describe(row);
   const auto other = std::ranges::find(decided, object.address, &InitialValue::address);
   if (other == decided.end() || other->value == value) return;
   place.refuse("contradicts mechanics, from which " + std::string(object.variable_name) + " = " +
-               std::to_string(other->value) + " follows");
+               object_value_text(row, other->value, unit) + " follows");
 }
 
 /// @param axis has its unit and what `mechanics` decides
@@ -257,13 +261,13 @@ void read_parameters(const YamlValue& value, NamedAxis& axis) {
     const auto [first, is_first] = values.emplace(object.address, PlacedValue{number, entry});
     if (!is_first) {
       entry.refuse("the same object, " + address_text(object.address) + ", has the value " +
-                   std::to_string(first->second.value) + " in line " +
+                   object_value_text(row, first->second.value, axis.unit) + " in line " +
                    std::to_string(first->second.place.line()));
     }
-    check_against_mechanics(object, number, entry, decided);
+    check_against_mechanics(row, number, entry, axis.unit, decided);
     parameters.push_back({object.address, number});
   });
-  check_software_limits(values);
+  check_software_limits(values, axis.unit);
   check_direction(values);
   put_range_first(parameters);
 }

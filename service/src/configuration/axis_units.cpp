@@ -15,9 +15,10 @@ namespace {
 
 using namespace vdrive::literals;
 
-std::string in_limits(const settings::IntegerLimits& limits, std::string_view ending) {
-  return "from " + std::to_string(limits.lowest) + " to " + std::to_string(limits.highest) + " UU" +
-         std::string(ending);
+std::string in_limits(const settings::IntegerLimits& limits, Dimension dimension,
+                      const Unit& unit) {
+  return "from " + quantity_text(limits.lowest, dimension, unit) + " to " +
+         quantity_text(limits.highest, dimension, unit);
 }
 
 std::optional<WrittenQuantity> quantity_in(const std::string& text, Dimension dimension) {
@@ -33,11 +34,13 @@ std::optional<WrittenQuantity> quantity_in(const std::string& text, Dimension di
 std::int64_t read_user_units(const settings::YamlValue& value, Dimension dimension,
                              const Unit& unit, const settings::IntegerLimits& limits) {
   const std::string text = value.text();
-  if (parse_integer(text)) return value.integer(limits);
+  if (const auto number = parse_integer(text)) {
+    if (*number >= limits.lowest && *number <= limits.highest) return *number;
+    value.refuse("must be a whole number " + in_limits(limits, dimension, unit));
+  }
   const auto quantity = quantity_in(text, dimension);
-  const std::string_view ending = unit_ending(dimension);
   if (!quantity) {
-    value.refuse("must be a whole number " + in_limits(limits, ending) +
+    value.refuse("must be a whole number " + in_limits(limits, dimension, unit) +
                  ", or a value with a unit of the axis: " + list_of_units(dimension, unit));
   }
   const auto user_units = to_user_units(*quantity, unit);
@@ -47,8 +50,8 @@ std::int64_t read_user_units(const settings::YamlValue& value, Dimension dimensi
   const double nearest = std::round(*user_units);
   if (nearest < static_cast<double>(limits.lowest) ||
       nearest > static_cast<double>(limits.highest)) {
-    value.refuse("is " + to_text(nearest) + " UU" + std::string(ending) + ": must be " +
-                 in_limits(limits, ending));
+    value.refuse("is " + to_text(nearest) + " UU" + std::string(unit_ending(dimension)) +
+                 ": must be " + in_limits(limits, dimension, unit));
   }
   return static_cast<std::int64_t>(nearest);
 }

@@ -7,6 +7,7 @@
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -51,7 +52,8 @@ void warn_of_limits_without_effect(const NamedAxis& axis, const AxisEntries& ent
     const auto place = parameter_entry(entries, row);
     if (!place) continue;
     warn_at(*place, axis,
-            std::string(describe(row).variable_name) + " = " + std::to_string(*limit) +
+            std::string(describe(row).variable_name) + " = " +
+                object_value_text(row, *limit, axis.unit) +
                 " has no effect: app_position_limit_switch (3535h) is 0",
             warnings);
   }
@@ -119,31 +121,28 @@ void warn_of_unit(const NamedAxis& axis, const AxisEntries& entries,
   if (!finding.empty()) warn_at(*unit, axis, finding, warnings);
 }
 
-/// @return [UU/s] the highest velocity that 6080h permits, in whole user units as the drive has it.
-double motor_limit_of(const NamedAxis& axis) {
-  return std::floor(highest_motor_velocity(axis.configuration));
+/// @return [UU/s] the highest velocity that 6080h permits, in whole user units as the drive has it;
+///         no more than 607Fh can have.
+std::int64_t motor_limit_of(const NamedAxis& axis) {
+  const auto most = static_cast<double>(describe("app_speed_limit"_object).upper_limit);
+  return static_cast<std::int64_t>(
+      std::floor(std::min(highest_motor_velocity(axis.configuration), most)));
 }
 
 void warn_of_speed_limit(const NamedAxis& axis, const AxisEntries& entries,
                          std::vector<std::string>& warnings) {
   const auto limit = given_value(axis.configuration, "app_speed_limit"_object);
-  const double highest = motor_limit_of(axis);
-  if (!limit || static_cast<double>(*limit) <= highest) return;
+  const std::int64_t highest = motor_limit_of(axis);
+  if (!limit || *limit <= highest) return;
   const auto place = parameter_entry(entries, "app_speed_limit"_object);
   if (!place) return;  // completed from the mechanics
   warn_at(*place, axis,
-          "app_speed_limit = " + std::to_string(*limit) + " is above the " + to_text(highest) +
-              " UU/s at which the motor turns at motor_max_speed_rpm (6080h) = " +
+          "app_speed_limit = " + quantity_text(*limit, Dimension::velocity, axis.unit) +
+              " is above the " + quantity_text(highest, Dimension::velocity, axis.unit) +
+              " at which the motor turns at motor_max_speed_rpm (6080h) = " +
               std::to_string(value_at_start(axis.configuration, "motor_max_speed_rpm"_object)) +
               ": the lower one holds",
           warnings);
-}
-
-/// @return such as "13653 UU/s = 16.6663 mm/s".
-std::string in_both_units(std::int64_t speed, const Unit& unit) {
-  return std::to_string(speed) +
-         " UU/s = " + six_digits(from_user_units(static_cast<double>(speed), unit)) + " " +
-         escaped(unit.name) + "/s";
 }
 
 /// The manual: 6081h keeps any value, and the motion is cut to 607Fh and 6080h.
@@ -151,18 +150,18 @@ void warn_of_profile_velocity(const NamedAxis& axis, const AxisEntries& entries,
                               std::vector<std::string>& warnings) {
   const auto velocity = given_value(axis.configuration, "profile_velocity"_object);
   const std::int64_t limit = value_at_start(axis.configuration, "app_speed_limit"_object);
-  const double motor_limit = motor_limit_of(axis);
-  const bool motor_is_lower = motor_limit < static_cast<double>(limit);
-  const std::int64_t highest = motor_is_lower ? static_cast<std::int64_t>(motor_limit) : limit;
+  const std::int64_t motor_limit = motor_limit_of(axis);
+  const bool motor_is_lower = motor_limit < limit;
+  const std::int64_t highest = motor_is_lower ? motor_limit : limit;
   if (!velocity || *velocity <= highest) return;
   const auto place = parameter_entry(entries, "profile_velocity"_object);
   if (!place) return;  // completed from the mechanics
   const ObjectRow row = motor_is_lower ? "motor_max_speed_rpm"_object : "app_speed_limit"_object;
   warn_at(*place, axis,
-          "profile_velocity = " + in_both_units(*velocity, axis.unit) + " is above " +
-              in_both_units(highest, axis.unit) + ", the highest speed with " +
-              object_text(describe(row).address) + " = " +
-              std::to_string(value_at_start(axis.configuration, row)) +
+          "profile_velocity = " + quantity_text(*velocity, Dimension::velocity, axis.unit) +
+              " is above " + quantity_text(highest, Dimension::velocity, axis.unit) +
+              ", the highest speed with " + object_text(describe(row).address) + " = " +
+              object_value_text(row, value_at_start(axis.configuration, row), axis.unit) +
               ": the drive keeps the value and moves at the lower speed",
           warnings);
 }

@@ -214,8 +214,9 @@ void read_software_limits(const YamlValue& value, NamedAxis& axis) {
     value.refuse("must be a list of the lower and the upper limit, such as [-10mm, 300mm]");
   }
   if (limits[0] >= limits[1]) {
-    value.refuse("the lower limit, " + std::to_string(limits[0]) +
-                 " UU, must be below the upper one, " + std::to_string(limits[1]) + " UU");
+    value.refuse("the lower limit, " + quantity_text(limits[0], Dimension::position, axis.unit) +
+                 ", must be below the upper one, " +
+                 quantity_text(limits[1], Dimension::position, axis.unit));
   }
   set(axis.configuration, "user_position_lower_limit"_object, limits[0]);
   set(axis.configuration, "user_position_upper_limit"_object, limits[1]);

@@ -238,6 +238,8 @@ const TEXTS = {
   done: ["done", "完成"],
   refused: ["refused", "被拒绝"],
   not_a_number: ["is not a number", "不是数字"],
+  ambiguous_comma: ["could be a fraction or thousands: write a decimal point", "逗号可表示小数或千位：请用小数点"],
+  no_such_unit: ["has a unit that this field does not take; it takes", "的单位不适用；可用"],
   fraction: ["is a fraction: the drive takes whole numbers here", "含小数：此处只能为整数"],
   level_1: ["debug", "调试"],
   level_2: ["info", "信息"],

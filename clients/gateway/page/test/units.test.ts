@@ -12,6 +12,7 @@ import {
   parseQuantity,
   retyped,
   scaleOf,
+  suffixOf,
   toUserUnits,
   USER_UNITS,
   wholeUserUnits,
@@ -62,7 +63,7 @@ const LINEAR = { kind: "linear", name: "mm", per: 1000 };
 /** @return the user units of what was typed where the page shows user units. */
 const typed = (text: string, unit: typeof ROTARY) => {
   const found = parseQuantity(text, USER_UNITS, unit);
-  return found === undefined ? "no number" : (wholeUserUnits(found) ?? "a fraction");
+  return "why" in found ? found.why : (wholeUserUnits(found) ?? "a fraction");
 };
 
 test("a value with a unit becomes the nearest user units, a fraction of a bare one is refused", () => {
@@ -78,8 +79,36 @@ test("a value with a unit becomes the nearest user units, a fraction of a bare o
 });
 
 test("a number with a unit that the axis does not have is refused", () => {
-  for (const text of ["90mm", "deg", "9O", "1.5.5deg", "90deg/s", ""]) assert.equal(typed(text, ROTARY), "no number");
-  assert.equal(typed("90deg", LINEAR), "no number");
+  for (const text of ["90mm", "9O", "90deg/s"]) assert.equal(typed(text, ROTARY), "no_such_unit");
+  for (const text of ["deg", "1.5.5deg", "", "1,5,5", "1.234,5"]) assert.equal(typed(text, ROTARY), "not_a_number");
+  assert.equal(typed("90deg", LINEAR), "no_such_unit");
+  assert.deepEqual(parseQuantity("12 mm", USER_UNITS, ROTARY), { why: "no_such_unit", units: ["deg", "rad", "rev", "UU"] });
+  assert.deepEqual(parseQuantity("90deg", USER_UNITS, LINEAR), { why: "no_such_unit", units: ["mm", "UU"] });
+  assert.deepEqual(parseQuantity("12 mm", USER_UNITS, LINEAR, "/s"), { why: "no_such_unit", units: ["mm/s", "UU/s"] });
+});
+
+test("a decimal comma is a decimal point, and one that could part thousands is refused", () => {
+  assert.equal(parseNumber("1,5"), 1.5);
+  assert.equal(parseNumber("-0,125"), -0.125);
+  assert.equal(typed("1,5 mm", LINEAR), 1500);
+  assert.equal(typed("12,25mm", LINEAR), 12_250);
+  assert.equal(typed("1,5", LINEAR), "a fraction");
+  assert.equal(typed("1,500", LINEAR), "ambiguous_comma");
+  assert.equal(typed("-12,345 mm", LINEAR), "ambiguous_comma");
+});
+
+// The units of the dictionary, as the core has them.
+test("every object that is a position, a velocity, an acceleration or a jerk has the unit of its axis", () => {
+  const scale = scaleOf(LINEAR);
+  const rows: [units: string, suffix: string][] = [["PosUU", ""], ["PosCU（位置坐标转换，用户单位）", ""], ["p", ""], ["VelUU", "/s"], ["VelCU", "/s"], ["AccUU", "/s²"], ["JerkUU", "/s³"]];
+  for (const [units, expected] of rows) {
+    const suffix = suffixOf(units);
+    assert.equal(suffix, expected, units);
+    if (suffix === undefined) continue;
+    assert.deepEqual(parseQuantity(`12 mm${suffix}`, USER_UNITS, LINEAR, suffix), { value: 12, scale });
+    assert.deepEqual(parseQuantity(`1,5mm${suffix.replace("²", "2").replace("³", "^3")}`, USER_UNITS, LINEAR, suffix), { value: 1.5, scale });
+  }
+  for (const units of ["-", "ms", "rpm", "TqCU（转矩坐标转换，用户单位 mA）", "0.1 % of rated"]) assert.equal(suffixOf(units), undefined, units);
 });
 
 test("what was typed is converted with the unit, and back without loss", () => {

@@ -41,6 +41,25 @@ export function toUserUnits(shown: number, scale: Scale): number {
   return Math.sign(userUnits) * Math.round(Math.abs(userUnits));
 }
 
+/** What follows the unit of a position: of a velocity, an acceleration and a jerk. */
+export type Suffix = "" | "/s" | "/s²" | "/s³";
+
+const ENDINGS: Record<Suffix, RegExp> = {
+  "": /$/,
+  "/s": /\s*\/\s*s$/,
+  "/s²": /\s*\/\s*s(²|\^?2)$/,
+  "/s³": /\s*\/\s*s(³|\^?3)$/,
+};
+
+/** @param units of the dictionary: PosUU, PosCU, p, VelUU, ...
+ *  @return nothing for an object that is no position, velocity, acceleration or jerk */
+export function suffixOf(units: string): Suffix | undefined {
+  if (units === "p" || units.startsWith("Pos")) return "";
+  if (units.startsWith("Vel")) return "/s";
+  if (units.startsWith("Acc")) return "/s²";
+  return units.startsWith("Jerk") ? "/s³" : undefined;
+}
+
 /** What was typed, and the unit that it counts. */
 export interface Quantity {
   value: number;
@@ -56,15 +75,28 @@ function scaleNamed(name: string, unit: AxisUnit | undefined): Scale | undefined
   return scale === USER_UNITS ? undefined : scale;
 }
 
-/** @param text a number in the unit of `scale`, or with a unit of the axis: 90deg, 1.5 mm
- *  @return nothing when the text is neither. */
-export function parseQuantity(text: string, scale: Scale, unit: AxisUnit | undefined): Quantity | undefined {
+/** Why a text is no quantity, and the units that it may have. */
+export interface Unreadable {
+  why: "not_a_number" | "ambiguous_comma" | "no_such_unit";
+  units: string[];
+}
+
+/** @return the units that a person may type, as they are written. */
+function unitsOf(unit: AxisUnit | undefined, suffix: Suffix): string[] {
+  const own = unit === undefined || scaleOf(unit) === USER_UNITS ? [] : unit.kind === "rotary" ? Object.keys(PER_REVOLUTION) : [unit.name];
+  return [...own, USER_UNITS.name].map((name) => name + suffix);
+}
+
+/** @param text a number in the unit of `scale`, or with a unit of the axis: 90deg, 1,5 mm, 12mm/s
+ *  @param suffix a unit needs it: a velocity is not a position */
+export function parseQuantity(text: string, scale: Scale, unit: AxisUnit | undefined, suffix: Suffix = ""): Quantity | Unreadable {
   const bare = parseNumber(text);
   if (bare !== undefined) return { value: bare, scale };
-  const [, number = "", name = ""] = /^(.*?)\s*([a-zµ°]+)$/i.exec(text.trim()) ?? [];
+  const [, number = "", whole = ""] = /^(.*?\d[.,]?)\s*([\p{L}°%]+(?:\s*\/.*)?)$/u.exec(text.trim()) ?? [];
   const value = parseNumber(number);
-  const named = scaleNamed(name, unit);
-  return value === undefined || named === undefined ? undefined : { value, scale: named };
+  if (value === undefined) return { why: whyNoNumber(whole === "" ? text : number), units: [] };
+  const named = ENDINGS[suffix].test(whole) ? scaleNamed(whole.replace(ENDINGS[suffix], ""), unit) : undefined;
+  return named === undefined ? { why: "no_such_unit", units: unitsOf(unit, suffix) } : { value, scale: named };
 }
 
 /** @return the nearest user units of a value with a unit; nothing for a fraction of a bare user unit. */
@@ -108,12 +140,24 @@ export function formatHex(value: number, digits = 4): string {
   return value.toString(16).toUpperCase().padStart(digits, "0") + "h";
 }
 
-/** @param text decimal with either minus sign, spaces allowed, or 0x...
+/** 1,500 is 1.5 to one person and 1500 to another, and a drive that takes the wrong one moves. */
+const AMBIGUOUS_COMMA = /^-?[1-9]\d{0,2},\d{3}$/;
+
+function cleaned(text: string): string {
+  return text.replace(/[\s\u202f\u00a0_]/g, "").replace(MINUS, "-");
+}
+
+/** @return the reason, for a text of which parseNumber makes none. */
+export function whyNoNumber(text: string): "not_a_number" | "ambiguous_comma" {
+  return AMBIGUOUS_COMMA.test(cleaned(text)) ? "ambiguous_comma" : "not_a_number";
+}
+
+/** @param text decimal with a point or a comma and either minus sign, spaces allowed, or 0x...
  *  @return the number, or undefined when the text is none. */
 export function parseNumber(text: string): number | undefined {
-  const clean = text.replace(/[\s\u202f\u00a0_]/g, "").replace(MINUS, "-");
-  if (clean === "") return undefined;
-  const value = Number(clean);
+  const clean = cleaned(text);
+  if (clean === "" || AMBIGUOUS_COMMA.test(clean)) return undefined;
+  const value = Number(clean.includes(".") ? clean : clean.replace(",", "."));
   return Number.isFinite(value) ? value : undefined;
 }
 

@@ -2,7 +2,7 @@
 // The controls of axes. Each is a service of the gateway; its answer is shown at the foot of the page.
 
 import { nameMatches } from "../data/rows";
-import { parseNumber } from "../data/units";
+import { parseNumber, whyNoNumber } from "../data/units";
 import { clockName, isTextKey, t, type TextKey } from "../i18n";
 import { addressOf, listed, SECOND_PRESS_MS, type AxisRef, type Disturbance, type Model } from "../model";
 import { attempt, button, field, h, put, select, type View } from "./dom";
@@ -75,7 +75,7 @@ function serviceButton(model: Model, axes: Axes, service: string, text: TextKey,
 function typed(input: HTMLInputElement): number | undefined {
   if (input.value.trim() === "") return undefined;
   const value = parseNumber(input.value);
-  if (value === undefined) throw new Error(`"${input.value}" ${t("not_a_number")}`);
+  if (value === undefined) throw new Error(`"${input.value}" ${t(whyNoNumber(input.value))}`);
   return value;
 }
 

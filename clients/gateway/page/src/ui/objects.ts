@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The object dictionary of one axis: every object with its value, which can be written.
 
-import { formatHex, formatNumber, parseNumber } from "../data/units";
+import { formatHex, formatNumber, formatUnits, parseNumber, suffixOf, USER_UNITS, whyNoNumber, type Scale, type Suffix } from "../data/units";
 import { language, t } from "../i18n";
 import { addressOf, type AxisRef, type Model, type ObjectRow } from "../model";
 import { button, h, mark, put, type View } from "./dom";
+import { userUnitsTyped } from "./quantity";
 
 const READ_EVERY_MS = 1_000;
 const OBJECTS_A_CALL = 32;
@@ -52,12 +53,17 @@ class ObjectLine {
   private readonly value = h("span", { class: "number" }, "–");
   private readonly valueCell: HTMLElement;
   private latest?: number;
+  private readonly suffix: Suffix | undefined;
+  /** of a position, a velocity, an acceleration or a jerk: the unit that the page shows */
+  private readonly scale: Scale;
 
   constructor(
     readonly row: ObjectRow,
     private readonly model: Model,
-    private readonly axis: string,
+    private readonly ref: AxisRef,
   ) {
+    this.suffix = suffixOf(row.unit);
+    this.scale = this.suffix === undefined ? USER_UNITS : model.scale(ref.axis);
     this.address = objectAddress(row);
     const sub = asNumber(row.sub_index);
     const shown = formatHex(asNumber(row.index)) + (sub === 0 ? "" : `:${sub}`);
@@ -70,9 +76,9 @@ class ObjectLine {
       h("td", { class: "number index" }, shown),
       h("td", { class: "title", title: row.name }, h("span", {}, title), h("code", {}, row.name)),
       this.valueCell,
-      h("td", { class: "unit" }, unitText(row.unit)),
-      h("td", { class: "number range" }, h("div", {}, formatNumber(row.minimum, 0)), h("div", {}, formatNumber(row.maximum, 0))),
-      h("td", { class: "number default" }, formatNumber(row.default, 0)),
+      h("td", { class: "unit" }, this.suffix === undefined ? unitText(row.unit) : this.scale.name + this.suffix),
+      h("td", { class: "number range" }, h("div", {}, formatUnits(row.minimum, this.scale)), h("div", {}, formatUnits(row.maximum, this.scale))),
+      h("td", { class: "number default" }, formatUnits(row.default, this.scale)),
       h("td", { class: "access" }, isWritable(row) ? "rw" : "ro"),
     );
   }
@@ -80,8 +86,9 @@ class ObjectLine {
   show(read: ObjectValue): void {
     const good = (read.code ?? 0) === 0 && read.value !== undefined;
     if (good) this.latest = read.value;
-    put(this.value, good ? formatNumber(read.value as number, 0) : "–");
-    this.value.title = good ? "0x" + (read.value as number).toString(16).toUpperCase() : (read.message ?? "");
+    put(this.value, good ? formatUnits(read.value as number, this.scale) : "–");
+    const raw = this.scale === USER_UNITS ? "" : `${formatNumber(read.value ?? 0, 0)} UU${this.suffix}, `;
+    this.value.title = good ? `${raw}0x${(read.value as number).toString(16).toUpperCase()}` : (read.message ?? "");
   }
 
   /** @return false for an entry of a list that has fewer: the drive would refuse to read it, and
@@ -108,26 +115,34 @@ class ObjectLine {
     });
   }
 
+  /** @throws Error with the reason when the drive cannot take what the text says */
+  private read(text: string, notes: string[]): number {
+    if (this.suffix !== undefined) return userUnitsTyped(text, this.scale, this.ref.axis.unit, this.suffix, notes);
+    const value = parseNumber(text);
+    if (value === undefined) throw new Error(`"${text}" ${t(whyNoNumber(text))}`);
+    if (!Number.isInteger(value)) throw new Error(`"${text}" ${t("fraction")}`);
+    return value;
+  }
+
   private edit(): void {
     const input = h("input", { attributes: { type: "text", inputmode: "decimal", "aria-label": this.row.title } });
-    input.value = this.latest === undefined ? "" : String(this.latest);
+    const before = this.latest === undefined ? "" : String(Number((this.latest * this.scale.factor).toFixed(this.scale.decimals)));
+    input.value = before;
     const leave = () => this.valueCell.replaceChildren(this.value, this.editButton());
     const refuse = (reason: string) => {
       input.setAttribute("aria-invalid", "true");
       this.model.outcome = { ok: false, text: `${this.address}: ${reason}` };
     };
     const write = async () => {
-      const value = parseNumber(input.value);
-      if (value === undefined) {
-        refuse(`"${input.value}" ${t("not_a_number")}`);
-        return;
+      const notes: string[] = [];
+      try {
+        // What was not changed is not rounded.
+        const value = input.value === before ? this.latest : this.read(input.value.trim(), notes);
+        const answer = await this.model.command("/write", { axis: addressOf(this.ref), object: this.address, value }, notes);
+        if (answer.ok) leave();
+      } catch (error) {
+        refuse(error instanceof Error ? error.message : String(error));
       }
-      if (!Number.isInteger(value)) {
-        refuse(`"${input.value}" ${t("fraction")}`);
-        return;
-      }
-      const answer = await this.model.command("/write", { axis: this.axis, object: this.address, value });
-      if (answer.ok) leave();
     };
     const form = h("form", { class: "editing" }, input, h("button", {}, t("write")), button(t("cancel"), leave));
     form.addEventListener("submit", (event) => {
@@ -151,6 +166,7 @@ export class Objects implements View {
   private readAt = 0;
   private reading = false;
   private built?: unknown;
+  private builtIn?: Scale;
   private words: string[] = [];
   private readonly axis: string;
 
@@ -177,7 +193,9 @@ export class Objects implements View {
   }
 
   update(now: number): void {
-    if (this.model.dictionary !== undefined && this.built !== this.model.dictionary) this.build();
+    const scale = this.model.scale(this.ref.axis);
+    const isSame = this.built === this.model.dictionary && scale.name === this.builtIn?.name && scale.factor === this.builtIn.factor;
+    if (this.model.dictionary !== undefined && !isSame) this.build();
     // Who only looks has no button that would be refused, and reads why.
     const need = this.model.whyDisabled([this.ref], now);
     put(this.needText, need);
@@ -191,7 +209,8 @@ export class Objects implements View {
 
   private build(): void {
     this.built = this.model.dictionary;
-    this.lines = (this.model.dictionary?.objects ?? []).map((row) => new ObjectLine(row, this.model, this.axis));
+    this.builtIn = this.model.scale(this.ref.axis);
+    this.lines = (this.model.dictionary?.objects ?? []).map((row) => new ObjectLine(row, this.model, this.ref));
     this.body.replaceChildren(...this.lines.map((line) => line.root));
     this.filter();
   }

@@ -6,7 +6,7 @@ import { niceRange, type Points } from "../data/history";
 import { marksOf, type Mark, type MarkKind } from "../data/moments";
 import { hasHandshake } from "../data/setpoints";
 import { formatTime, isoDate, timeText } from "../data/times";
-import { formatHex, formatNumber, toShown, type Scale } from "../data/units";
+import { formatHex, formatNumber, toShown, USER_UNITS, type Scale } from "../data/units";
 import { stateName, t, type TextKey } from "../i18n";
 import { addressOf, type Model } from "../model";
 import { LONGEST_WINDOW_S, MEMBERS, seriesAt, type Series, type Trace } from "../trace";
@@ -529,12 +529,16 @@ export class Plots implements View {
   private saveCsv(): void {
     const { history } = this.trace;
     const [from, to] = this.range();
-    const heads = MEMBERS.map(({ name, unit }) => (unit === "" ? name : `${name} [${unit}]`));
+    const { axis } = this.trace.ref;
+    const scale = this.model.scale(axis);
+    const unitName = scale === USER_UNITS ? scale.name : (axis.unit?.name ?? scale.name);
+    const scales = MEMBERS.map(({ unit }) => (unit.startsWith(USER_UNITS.name) ? scale : USER_UNITS));
+    const heads = MEMBERS.map(({ name, unit }) => (unit === "" ? name : `${name} [${unit.replace(/^UU/, unitName)}]`));
     const parts = [`tick,time [s],date,${heads.join(",")}\n`];
     for (let n = history.lowerBound(from); n < history.end && history.time(n) <= to; ++n) {
       const time = history.time(n);
       const driveTime = this.trace.driveTime(time);
-      const values = MEMBERS.map((_, series) => history.value(series, n));
+      const values = scales.map((shown, series) => toShown(history.value(series, n), shown).toFixed(shown.decimals));
       parts.push(`${this.trace.tickAt(time)},${driveTime.toFixed(6)},${isoDate(driveTime)},${values.join(",")}\n`);
     }
     download(`${this.fileName()}.csv`, new Blob(parts, { type: "text/csv" }));

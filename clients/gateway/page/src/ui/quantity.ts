@@ -2,15 +2,25 @@
 // Fields for numbers in the unit that the page shows. What was typed stays when a view is built
 // again, and is converted when the unit changes: a target never becomes another one by itself.
 
-import { formatNumber, parseQuantity, retyped, USER_UNITS, wholeUserUnits, type Scale } from "../data/units";
+import { formatNumber, parseNumber, parseQuantity, retyped, USER_UNITS, wholeUserUnits, type AxisUnit, type Scale, type Suffix } from "../data/units";
 import { t } from "../i18n";
 import type { AxisRef, Model } from "../model";
 import { field, h, put } from "./dom";
 
-/** What follows the unit of a position: of a velocity and of an acceleration. */
-type Suffix = "" | "/s" | "/s²";
-
-const ENDINGS: Record<Suffix, RegExp> = { "": /$/, "/s": /\s*\/\s*s$/, "/s²": /\s*\/\s*s(²|\^?2)$/ };
+/** @param notes gets what a value with a unit became
+ *  @return whole user units
+ *  @throws Error with the reason when the drive cannot take what the text says */
+export function userUnitsTyped(text: string, scale: Scale, unit: AxisUnit | undefined, suffix: Suffix, notes: string[]): number {
+  const found = parseQuantity(text, scale, unit, suffix);
+  if ("why" in found) throw new Error(`"${text}" ${t(found.why)}${found.units.length === 0 ? "" : `: ${found.units.join(", ")}`}`);
+  const whole = wholeUserUnits(found);
+  if (whole === undefined) throw new Error(`"${text}" ${t("fraction")}`);
+  if (found.scale !== USER_UNITS) {
+    const isBare = parseNumber(text) !== undefined;
+    notes.push(`${text}${isBare ? ` ${scale.name}${suffix}` : ""} = ${formatNumber(whole, 0)} UU${suffix}`);
+  }
+  return whole;
+}
 
 export class QuantityField {
   readonly root: HTMLElement;
@@ -65,16 +75,13 @@ export class QuantityField {
   read(notes: string[]): number | undefined {
     const text = this.input.value.trim();
     if (text === "" || this.scale === undefined) return undefined;
-    const found = parseQuantity(text.replace(ENDINGS[this.suffix], ""), this.scale, this.ref?.axis.unit);
-    if (found === undefined) return this.refuse(`"${text}" ${t("not_a_number")}`);
-    const whole = wholeUserUnits(found);
-    if (whole === undefined) return this.refuse(`"${text}" ${t("fraction")}`);
-    if (found.scale !== USER_UNITS) {
-      const unit = found.scale === this.scale && !text.endsWith(found.scale.name + this.suffix) ? ` ${found.scale.name}${this.suffix}` : "";
-      notes.push(`${text}${unit} = ${formatNumber(whole, 0)} UU${this.suffix}`);
+    try {
+      const whole = userUnitsTyped(text, this.scale, this.ref?.axis.unit, this.suffix, notes);
+      this.accept();
+      return whole;
+    } catch (error) {
+      return this.refuse(error instanceof Error ? error.message : String(error));
     }
-    this.accept();
-    return whole;
   }
 
   private keep(): void {

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/parameter_memory.hpp"
+
+#include "vdrive/dictionary/dictionary.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+/// The service names it so (docs/guides/configuration.md); only the service knows its directory.
+std::string file_of(const client::Axis& axis) {
+  return "bench-" + std::to_string(axis.id().bench) + ".parameters";
+}
+
+}  // namespace
+
+std::string parameters_text() {
+  return std::to_string(kStoredCount) + " parameters (1010h:01)";
+}
+
+std::string memory_text(const client::Axis& axis) {
+  return file_of(axis) + " in the state directory of the service of bench " +
+         std::to_string(axis.id().bench);
+}
+
+Json memory_json(const client::Axis& axis) {
+  return {{"objects", kStoredCount}, {"group", "1010h:01"}, {"file", file_of(axis)}};
+}
+
+}  // namespace vdrive::tool
