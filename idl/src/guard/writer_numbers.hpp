@@ -94,11 +94,12 @@ class WriterNumbers {
 
   [[nodiscard]] static std::optional<Numbers> numbers_in(const Submessage& submessage);
   [[nodiscard]] static std::optional<Writer> begin(const Numbers& numbers, Submessages rest);
+  [[nodiscard]] static Writer* writer_of(Writers& writers, const Numbers& numbers,
+                                         Submessages rest);
   [[nodiscard]] static bool is_plausible(const Numbers& numbers, const Writer& writer);
   [[nodiscard]] static bool has_gone_astray(const Numbers& numbers, Writer& writer,
                                             Clock::time_point now);
 
-  [[nodiscard]] Writer* writer_of(Writers& writers, const Numbers& numbers, Submessages rest);
   [[nodiscard]] bool take(const Numbers& numbers, Writer& writer, Clock::time_point now);
   [[nodiscard]] Judgement judge(const GuidPrefix& source, const Numbers& numbers, Submessages rest,
                                 Clock::time_point now);
