@@ -23,7 +23,8 @@ std::string_view describe(Refusal refusal) noexcept {
       "more participants than the guard keeps",
       "an encrypted part whose lengths or order are not those of one",
       "a token or handshake whose counts or lengths exceed it, or in pieces",
-      "unencrypted content in the closed mode"};
+      "unencrypted content in the closed mode",
+      "a sequence number far from all that its writer has sent"};
   const auto kind = static_cast<std::size_t>(refusal);
   ensure(kind < kWords.size(), "each refusal has words");
   return kWords[kind];

@@ -48,6 +48,13 @@ Body acknack(std::int64_t base, std::uint32_t bits, std::size_t words) {
   return body.u32(1);
 }
 
+Body nack_frag(std::uint32_t base, std::uint32_t bits, std::size_t words) {
+  Body body;
+  body.entity(kUserReader).entity(kUserWriter).sequence(1).u32(base).u32(bits);
+  for (std::size_t word = 0; word < words; ++word) body.u32(0);
+  return body.u32(1);
+}
+
 struct Fragment {
   std::uint32_t first = 1;
   std::uint32_t count = 1;
@@ -182,6 +189,22 @@ std::vector<Case> cases() {
       {"AcknackWithoutItsWords", Refusal::length,
        [] {
          return single(0x06, acknack(7, 256, 2));
+       }},
+      {"NackFrag", Refusal::none,
+       [] {
+         return single(0x12, nack_frag(1, 256, 8));
+       }},
+      {"NackFragWithTooManyBits", Refusal::set,
+       [] {
+         return single(0x12, nack_frag(1, 257, 9));
+       }},
+      {"NackFragOfFragmentZero", Refusal::fragment,
+       [] {
+         return single(0x12, nack_frag(0, 32, 1));
+       }},
+      {"HeartbeatFragBeyondReason", Refusal::sequence,
+       [] {
+         return single(0x13, Body().u32(0).u32(0).sequence(kTooLarge).u32(1).u32(1));
        }},
       {"Gap", Refusal::none,
        [] {

@@ -11,6 +11,7 @@
 #include "vdrive/wire/subscription.hpp"
 #include "vdrive/wire/topics.hpp"
 #include "wire/datagrams.hpp"
+#include "wire/raw_writer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -123,6 +124,9 @@ class Requester {
         },
         within);
   }
+
+  /// @return the number of the last request that was answered, to anyone.
+  [[nodiscard]] std::uint64_t last() const { return last_; }
 
   Participant participant;
   Publication<msg::Request> requests;
@@ -353,6 +357,68 @@ TEST(GuardedParticipant, SurvivesAStatisticsSubmessageAndAnEndlessGap) {
   const test::Finished finished = visitor.stop();
   EXPECT_EQ(finished.code, 0);
   EXPECT_NE(finished.output.find("refused 2 "), std::string::npos) << finished.output;
+}
+
+// ---- sequence numbers
+// ---------------------------------------------------------------------------
+
+constexpr GuidPrefix kRawWriter{1, 15, 'r', 'a', 'w', 0, 0, 0, 0, 0, 0, 1};
+constexpr std::int64_t kSentBefore = 1'000'000'000;
+
+/// Sends requests of a raw writer until one of them is answered.
+bool is_served(test::RawWriter& writer, Requester& listener, std::int64_t& number,
+               std::uint64_t request_id, std::chrono::milliseconds within = kDeadline) {
+  auto sent = Clock::time_point{};
+  return wait_until(
+      [&] {
+        if (Clock::now() - sent > 50ms) {
+          sent = Clock::now();
+          writer.announce();
+          writer.send(++number, request_id);
+        }
+        return listener.last() == request_id;
+      },
+      within);
+}
+
+// Fast DDS takes 0.3 us for each number before the first that it reads: for 10^9 five minutes.
+TEST(LateReader, BeginsAtThePresentOfItsWriter) {
+  Visitor visitor("visitor");
+  Requester listener;
+  ASSERT_TRUE(listener.is_answered());
+  test::RawWriter writer(kRawWriter);
+  std::int64_t number = kSentBefore;
+  EXPECT_TRUE(is_served(writer, listener, number, 1'001));
+  // What the library acknowledges or asks for stays with this writer.
+  EXPECT_TRUE(is_served(writer, listener, number, 1'002));
+  EXPECT_TRUE(listener.is_answered());
+  EXPECT_EQ(visitor.stop().code, 0);
+}
+
+TEST(GuardedParticipant, SurvivesAHeartbeatFarBeyondWhatItsWriterHasSent) {
+  Visitor visitor("visitor");
+  Requester listener;
+  ASSERT_TRUE(listener.is_answered());
+  test::RawWriter writer(kRawWriter);
+  std::int64_t number = 0;
+  ASSERT_TRUE(is_served(writer, listener, number, 1'001));
+  writer.send_heartbeat(std::int64_t{1} << 39U, 1'000'000);
+  EXPECT_TRUE(listener.is_answered());
+  const test::Finished finished = visitor.stop();
+  EXPECT_EQ(finished.code, 0);
+  EXPECT_NE(finished.output.find("1 times a sequence number far"), std::string::npos)
+      << finished.output;
+}
+
+TEST(GuardedParticipant, FindsAWriterAgainThatHasSkippedNumbers) {
+  Visitor visitor("visitor");
+  Requester listener;
+  test::RawWriter writer(kRawWriter);
+  std::int64_t number = 0;
+  ASSERT_TRUE(is_served(writer, listener, number, 1'001));
+  number = kSentBefore;
+  EXPECT_TRUE(is_served(writer, listener, number, 1'002));
+  EXPECT_EQ(visitor.stop().code, 0);
 }
 
 TEST(GuardSink, ReceivesReasonAndSender) {

@@ -314,6 +314,7 @@ DdsBackend::DdsBackend(const NetworkSettings& settings, const std::string& name)
     }
     entities_.permissions = check_security(settings.security, settings.domain);
   }
+  if (guard_ != nullptr) entities_.others.tell(guard_->numbers());
   deliver_through_the_transport();
   entities_.participant =
       make_participant(participant_qos(settings, name, guard_), settings.domain, entities_.others);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "guard/writer_numbers.hpp"
 #include "vdrive/wire/participant.hpp"
 
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
@@ -18,6 +19,9 @@ namespace vdrive::wire {
 /// receiving threads change it. Thread-safe.
 class Others final : public eprosima::fastdds::dds::DomainParticipantListener {
  public:
+  /// @param numbers learns who is known; outlives this. Call before there is a participant.
+  void tell(WriterNumbers& numbers) noexcept { numbers_ = &numbers; }
+
   /// @return those whose name has this beginning.
   [[nodiscard]] std::vector<OtherParticipant> named(std::string_view beginning) const;
 
@@ -29,6 +33,7 @@ class Others final : public eprosima::fastdds::dds::DomainParticipantListener {
  private:
   mutable std::mutex mutex_;
   std::map<eprosima::fastrtps::rtps::GuidPrefix_t, OtherParticipant> known_;
+  WriterNumbers* numbers_ = nullptr;  ///< of the guard; none without
 };
 
 }  // namespace vdrive::wire

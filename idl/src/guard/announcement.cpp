@@ -68,13 +68,6 @@ void for_each_entry(std::span<std::uint8_t> bytes, bool little, const Change& ch
   }
 }
 
-void put_u32(std::span<std::uint8_t> place, std::uint32_t value, bool little) {
-  for (std::size_t index = 0; index < 4; ++index) {
-    const std::size_t shift = 8 * (little ? index : 3 - index);
-    place[index] = static_cast<std::uint8_t>(value >> shift);
-  }
-}
-
 }  // namespace
 
 std::optional<Announcement> read_announcement(const Submessage& submessage,

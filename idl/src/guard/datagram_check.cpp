@@ -143,7 +143,7 @@ Refusal check_heartbeat(const Submessage& submessage) {
   return last >= first - 1 ? Refusal::none : Refusal::range;
 }
 
-Refusal check_gap(const Submessage& submessage, DatagramReport& report) {
+Refusal check_gap(const Submessage& submessage) {
   ByteReader reader = submessage.reader();
   reader.skip(8);
   const std::int64_t start = reader.sequence();
@@ -152,7 +152,6 @@ Refusal check_gap(const Submessage& submessage, DatagramReport& report) {
   if (set != Refusal::none) return set;
   if (!is_sequence(start, 1) || !is_sequence(base, 1)) return Refusal::sequence;
   if (base < start || base - start > kWidestGap) return Refusal::range;
-  report.gap_numbers += static_cast<std::uint32_t>(base - start);
   return Refusal::none;
 }
 
@@ -261,7 +260,7 @@ Refusal check_submessage(const Submessage& submessage, DatagramReport& report) {
     case SubmessageKind::heartbeat:
       return check_heartbeat(submessage);
     case SubmessageKind::gap:
-      return check_gap(submessage, report);
+      return check_gap(submessage);
     case SubmessageKind::nack_frag:
       return check_nack_frag(submessage);
     case SubmessageKind::heartbeat_frag:

@@ -22,8 +22,7 @@ struct DatagramReport {
   /// [bytes] of the datagram that the library may read: without the statistics that another
   /// participant of its kind appends, whose content it would trust.
   std::size_t length = 0;
-  std::uint32_t gap_numbers = 0;  ///< sequence numbers in all its GAPs
-  bool announces = false;         ///< has DATA of discovery, see rewrite_announcements
+  bool announces = false;  ///< has DATA of discovery, see rewrite_announcements
 };
 
 /// Checks the RTPS header, that the submessages fill the datagram, that each is of a known kind and

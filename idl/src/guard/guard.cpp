@@ -13,14 +13,6 @@ namespace {
 
 // Participants of vdrive announce themselves every 100 ms.
 constexpr std::chrono::milliseconds kBetweenJudgements{100};
-// A GAP costs the library a step for each of its numbers and, before the next expected, memory.
-constexpr std::uint32_t kGapNumbersInASecond = 4 * kWidestGap;
-
-GuidPrefix sender_of(ByteView datagram) {
-  GuidPrefix prefix{};
-  std::copy_n(datagram.begin() + kPrefixOffset, prefix.size(), prefix.begin());
-  return prefix;
-}
 
 std::string text_of_locator(const Guard::Locator& locator) {
   return eprosima::fastrtps::rtps::IPLocator::ip_to_string(locator) + ":" +
@@ -86,12 +78,12 @@ void Guard::receive(Receiver& channel, ByteView datagram, const Locator& local,
     refuse(report.refusal, remote);
     return;
   }
-  if (report.gap_numbers > 0 && !has_room_for(report.gap_numbers)) {
-    refuse(Refusal::range, remote);
-    return;
-  }
+  const auto now = Clock::now();
+  std::vector<std::uint8_t> renumbered;
+  // Also of what is held back: the first heartbeat of a writer tells where it begins.
+  const auto readable =
+      with_plausible_numbers(datagram.first(report.length), now, remote, renumbered);
   if (keeps_leases_) {
-    const auto now = Clock::now();
     const std::scoped_lock lock(keeper_mutex_);
     keeper_.note_datagram(sender_of(datagram), now);
     if (has_returned_ && comes_too_early(datagram, now)) {
@@ -99,13 +91,31 @@ void Guard::receive(Receiver& channel, ByteView datagram, const Locator& local,
       return;
     }
   }
-  const ByteView readable = datagram.first(report.length);
+  if (!readable) return;
   const auto receiving = deletions_.receive();
   if (report.announces) {
-    pass_discovery(channel, readable, local, remote);
+    pass_discovery(channel, *readable, local, remote);
   } else {
-    hand_over(channel, readable, local, remote);
+    hand_over(channel, *readable, local, remote);
   }
+}
+
+/// Where the library encrypts no number is seen.
+/// @return what the library may read of the numbers; nothing when it may not.
+std::optional<ByteView> Guard::with_plausible_numbers(ByteView datagram, Clock::time_point now,
+                                                      const Locator& remote,
+                                                      std::vector<std::uint8_t>& renumbered) {
+  if (mode_ == Mode::closed) return datagram;
+  const WriterNumbers::Report report = numbers_.receive(datagram, now, renumbered);
+  if (report.astray && keeps_leases_) {
+    const std::scoped_lock lock(keeper_mutex_);
+    keeper_.expire(*report.astray);
+  }
+  if (report.refusal == Refusal::none) {
+    return report.is_renumbered ? ByteView(renumbered) : datagram;
+  }
+  refuse(report.refusal, remote);
+  return std::nullopt;
 }
 
 void Guard::hand_over(Receiver& channel, ByteView datagram, const Locator& local,
@@ -134,13 +144,6 @@ void Guard::refuse(Refusal refusal, const Locator& remote) {
   if (sink_) sink_(refusal, text_of_locator(remote));
 }
 
-bool Guard::has_room_for(std::uint32_t gap_numbers) {
-  const std::int64_t second =
-      std::chrono::duration_cast<std::chrono::seconds>(Clock::now().time_since_epoch()).count();
-  if (gap_second_.exchange(second) != second) gap_numbers_ = 0;
-  return gap_numbers_.fetch_add(gap_numbers) <= kGapNumbersInASecond;
-}
-
 /// Where the library encrypts whole datagrams no heartbeat is seen, and none held back.
 bool Guard::comes_too_early(ByteView datagram, Clock::time_point now) const {
   const GuidPrefix sender = sender_of(datagram);
@@ -155,7 +158,13 @@ bool Guard::comes_too_early(ByteView datagram, Clock::time_point now) const {
   return is_early;
 }
 
-void Guard::sends(ByteView datagram) {
+ByteView Guard::sends(ByteView datagram, std::vector<std::uint8_t>& renumbered) {
+  note_greetings(datagram);
+  const bool differs = mode_ == Mode::open && numbers_.send(datagram, renumbered);
+  return differs ? ByteView(renumbered) : datagram;
+}
+
+void Guard::note_greetings(ByteView datagram) {
   if (!has_returned_) return;
   GuidPrefix receiver{};
   Submessages submessages(datagram);

@@ -8,6 +8,7 @@
 #include "returned_participants.hpp"
 #include "vdrive/wire/guard.hpp"
 #include "vdrive/wire/participant.hpp"
+#include "writer_numbers.hpp"
 
 #include <fastdds/rtps/transport/TransportReceiverInterface.h>
 
@@ -16,6 +17,7 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -50,10 +52,15 @@ class Guard {
   void receive(Receiver& channel, ByteView datagram, const Locator& local, const Locator& remote);
 
   /// The library sends a datagram.
-  void sends(ByteView datagram);
+  /// @param renumbered holds a changed copy where one is needed
+  /// @return what leaves.
+  [[nodiscard]] ByteView sends(ByteView datagram, std::vector<std::uint8_t>& renumbered);
 
   /// What is received waits while a reader or a writer is deleted.
   [[nodiscard]] DeletionGate& deletions() noexcept { return deletions_; }
+
+  /// Who tells which participants the library knows.
+  [[nodiscard]] WriterNumbers& numbers() noexcept { return numbers_; }
 
   [[nodiscard]] GuardCounts counts() const;
 
@@ -62,7 +69,10 @@ class Guard {
   using Clock = Keeper::Clock;
 
   void refuse(Refusal refusal, const Locator& remote);
-  [[nodiscard]] bool has_room_for(std::uint32_t gap_numbers);
+  [[nodiscard]] std::optional<ByteView> with_plausible_numbers(
+      ByteView datagram, Clock::time_point now, const Locator& remote,
+      std::vector<std::uint8_t>& renumbered);
+  void note_greetings(ByteView datagram);
   [[nodiscard]] bool comes_too_early(ByteView datagram, Clock::time_point now) const;
   void hand_over(Receiver& channel, ByteView datagram, const Locator& local, const Locator& remote);
   void pass_discovery(Receiver& channel, ByteView datagram, const Locator& local,
@@ -84,8 +94,7 @@ class Guard {
   std::atomic<std::uint64_t> ignored_{0};
   std::atomic<std::uint64_t> judged_{0};
   std::atomic<std::uint64_t> held_back_{0};
-  std::atomic<std::int64_t> gap_second_{0};
-  std::atomic<std::uint32_t> gap_numbers_{0};
+  WriterNumbers numbers_;
 
   mutable std::mutex keeper_mutex_;
   Keeper keeper_;

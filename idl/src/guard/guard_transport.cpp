@@ -3,6 +3,8 @@
 
 #include <fastdds/rtps/network/SenderResource.h>
 
+#include <vector>
+
 namespace vdrive::wire {
 
 namespace rtps = eprosima::fastrtps::rtps;
@@ -29,8 +31,9 @@ bool GuardTransport::CloseInputChannel(const Locator& local) {
 bool GuardTransport::send(rtps::SenderResource* low, const std::uint8_t* bytes, std::uint32_t size,
                           rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
                           const std::chrono::steady_clock::time_point& timeout) {
-  guard_->sends({bytes, size});
-  return low->send(bytes, size, first, last, timeout);
+  std::vector<std::uint8_t> renumbered;
+  const ByteView leaving = guard_->sends({bytes, size}, renumbered);
+  return low->send(leaving.data(), size, first, last, timeout);
 }
 
 void GuardTransport::receive(eprosima::fastdds::rtps::TransportReceiverInterface* receiver,

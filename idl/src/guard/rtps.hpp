@@ -2,6 +2,7 @@
 // The bytes of RTPS 2.5 (OMG formal/22-04-01, chapter 9.4) as the guard reads them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -145,6 +146,21 @@ class ByteReader {
   bool little_;
   bool ok_ = true;
 };
+
+/// Writes the first four bytes of `place`.
+inline void put_u32(std::span<std::uint8_t> place, std::uint32_t value, bool little) {
+  for (std::size_t index = 0; index < 4; ++index) {
+    const std::size_t shift = 8 * (little ? index : 3 - index);
+    place[index] = static_cast<std::uint8_t>(value >> shift);
+  }
+}
+
+/// @param datagram with its whole header
+[[nodiscard]] inline GuidPrefix sender_of(ByteView datagram) {
+  GuidPrefix prefix{};
+  std::copy_n(datagram.begin() + kPrefixOffset, prefix.size(), prefix.begin());
+  return prefix;
+}
 
 struct Submessage {
   SubmessageKind kind{};

@@ -30,9 +30,10 @@ enum class Refusal : std::uint8_t {
   handshake,     ///< a token, or a message of the handshake, whose counts or lengths exceed it, or
                  ///< such a message in pieces
   unprotected,   ///< in the closed mode: unencrypted, and nothing that is allowed to be
+  jump,          ///< a sequence number far from all that its writer has sent
 };
 
-constexpr std::size_t kRefusals = 16;  ///< with `none`
+constexpr std::size_t kRefusals = 17;  ///< with `none`
 
 /// @return words for a log, such as "a list of parameters that does not end".
 [[nodiscard]] std::string_view describe(Refusal refusal) noexcept;
