@@ -999,6 +999,7 @@ test("a page that stands still is lost after the limit that it chose, and what i
   const other = await openOther("#/axis/1.1");
   await waitForText(other.locator('[data-test="take"]'), /Take control …/);
   await takeOver(other);
+  await page.locator(".notices button").click(); // it was told by whom
   assert.equal(await other.inputValue(silence), "10");
   await waitForText(other.locator('[data-test="on_loss"]'), /^then 6007h = 1: fault 8130h$/);
   await other.selectOption(silence, "1");
