@@ -278,7 +278,7 @@ test("a relative move that was halted is not reached before its end", async () =
   await waitForText(motions(), /^1\.1: Move to 5.000 UU: reached/);
 });
 
-test("beside a paused plot stand the values of the pause", async () => {
+test("the heads of a paused plot show the values of the pause", async () => {
   await page.fill("#move-target", "200000");
   await command("move").click();
   await waitForText(motions(), /moving, \d+.\d{3} UU/);
@@ -297,7 +297,7 @@ test("beside a paused plot stand the values of the pause", async () => {
   await waitForText(motions(), /Move to 5.000 UU: reached/);
 });
 
-test("a picture of the plots has the colours of its lines beside their names", async () => {
+test("a picture of the plots has a legend in the colours of its lines", async () => {
   const [download] = await Promise.all([page.waitForEvent("download"), page.click("text=PNG")]);
   const bytes = [...(await readFile(await download.path()))];
   const found = await page.evaluate(async (png) => {
@@ -1043,7 +1043,7 @@ test("a killed gateway is reported lost, and found again", async () => {
   await waitForText(figure("age"), FRESH);
 });
 
-/** Draws no frame of a page until the returned function is called, as a browser does with a tab that nobody sees. */
+/** Draws no frame of a page until the returned function is called, as a browser does with a hidden tab. */
 async function hold(shown) {
   await shown.evaluate(() => {
     window.drawsFrame = window.requestAnimationFrame;
@@ -1060,7 +1060,7 @@ async function hold(shown) {
 const RESTARTS = process.env.VDRIVE_NIGHTLY === "1" ? 20 : 2;
 
 for (const [view, age] of [["#/", '[data-address="1.1"] .age'], ["#/axis/1.1", '[data-figure="age"]'], ["#/control", undefined]]) {
-  test(`the view ${view} goes on with each gateway that was started again while nobody saw it`, async () => {
+  test(`the view ${view} goes on after the gateway was restarted while its tab was hidden`, async () => {
     for (let restart = 0; restart < RESTARTS; ++restart) {
       await page.goto(`${gateway.address}${view}`);
       await page.locator("main > *").first().waitFor();

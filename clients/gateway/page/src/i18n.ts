@@ -168,6 +168,7 @@ const TEXTS = {
   take_by_force: ["Take control from", "接管控制权："],
   has_had_it_since: ["which has had it since", "其持有自"],
   nothing_moves: ["None of its axes moves.", "其各轴均未运动。"],
+  moves_unknown: ["What moves on a bench with many axes is shown in the overview and in Control only.", "轴数较多的台架，其运动情况仅在总览和控制视图中显示。"],
   moves_now: ["Moving now", "正在运动"],
   control_taken: ["control was taken from this page by", "本页的控制权已被接管："],
   release: ["Give back", "释放控制权"],

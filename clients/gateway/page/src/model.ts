@@ -349,12 +349,14 @@ export class Model {
     return moving;
   }
 
-  /** @return what another page or program loses when this page takes control from it: who it is, and what moves. */
+  /** @return the question before this page takes control from another client: who that is, and what moves. */
   takeOverText(): string {
     const { holder, taken_at_ns } = this.control;
     const since = timeOfDay(new Date(Number(BigInt(taken_at_ns) / 1_000_000n)));
     const moving = this.moving().holders.map((address) => this.motionText(address));
-    const what = moving.length === 0 ? t("nothing_moves") : `${t("moves_now")}: ${listed(moving)}`;
+    const isUnknown = this.sortedBenches().some(({ topic }) => !this.ends.has(`${topic}/status`));
+    const rest = t(isUnknown ? "moves_unknown" : "nothing_moves");
+    const what = moving.length === 0 ? rest : `${t("moves_now")}: ${listed(moving)}`;
     return `${t("take_by_force")} ${holder}, ${t("has_had_it_since")} ${since}? ${what}`;
   }
 

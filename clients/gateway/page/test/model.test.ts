@@ -127,9 +127,18 @@ function control(gateway: FakeGateway, you: boolean, holder = "page", session = 
   gateway.publish("/gateway/control", { enabled: true, holder, you, name: "page", session, taken_at_ns: "0", silence_ms: 10_000 });
 }
 
-/** @param owner as a number; one axis that stands */
-function status(gateway: FakeGateway, tick: number, owner: number): void {
-  gateway.publish("/bench1/status", { tick, axis: [1], owner_session: [owner], load_position_actual_value: [0] });
+/** @param owner as a number
+ *  @param velocity [UU/s] of the demand; an axis in profile position mode */
+function status(gateway: FakeGateway, tick: number, owner: number, velocity = 0): void {
+  gateway.publish("/bench1/status", {
+    tick,
+    axis: [1],
+    owner_session: [owner],
+    op_mode_actual: [1],
+    load_position_actual_value: [51_892],
+    load_velocity_actual_value: [velocity],
+    velocity_demand_value: [velocity],
+  });
 }
 
 function connected(): FakeGateway {
@@ -192,4 +201,19 @@ test("a page from which control is taken names who has it, until a person remove
   assert.match(notice.text, /control was taken from this page by night shift$/);
   notice.press();
   assert.deepEqual(gateway.model.notices(), []);
+});
+
+test("the question before control is taken names the holder and what moves, and claims nothing that it does not know", () => {
+  const gateway = connected();
+  const { model } = gateway;
+  publishState(gateway, 0);
+  control(gateway, false, "night shift", OTHER);
+  status(gateway, 1000, 0x65);
+  assert.match(model.takeOverText(), /^Take control from night shift, which has had it since \d\d:\d\d\? None of its axes moves\.$/);
+  status(gateway, 1001, 0x65, 20_480);
+  assert.match(model.takeOverText(), /\? Moving now: 1\.1 \(profile position, 51.892 UU, 20.480 UU\/s\)$/);
+  status(gateway, 1002, 0x66, 20_480);
+  assert.match(model.takeOverText(), /None of its axes moves/, "it is another session's");
+  gateway.advertise("/bench2/description", "/bench2/state");
+  assert.match(model.takeOverText(), /only\.$/, "the status of bench 2 is not received");
 });

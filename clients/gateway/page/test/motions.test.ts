@@ -38,7 +38,7 @@ function taking(motion: Motion, ...sights: Partial<Sight>[]): Motion {
   return motion;
 }
 
-test("a move has a share of its way behind it until it has reached its target", () => {
+test("a move covers a growing share of its way until it reaches its target", () => {
   const motion = move();
   assert.equal(motion.share, 0);
   taking(motion, {});

@@ -82,14 +82,14 @@ export class Motion {
     return this.start.mode === HOMING;
   }
 
-  /** @return how much of the way is behind the axis, 0 to 1; undefined where its end is not known */
+  /** @return how much of its way the axis has covered, 0 to 1; undefined where its end is not known */
   get share(): number | undefined {
     if (this.target === undefined) return undefined;
     const way = this.target - this.start.position;
     return way === 0 ? 1 : Math.min(1, Math.max(0, (this.position - this.start.position) / way));
   }
 
-  /** A status of before the drive had accepted the motion is of another one. */
+  /** A status from before the drive accepted the motion shows another one: it is left out. */
   take(sight: Sight): void {
     if (this.end !== undefined || sight.tick < this.start.tick) return;
     this.position = sight.position;

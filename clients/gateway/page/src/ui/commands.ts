@@ -31,7 +31,7 @@ function serviceButton(model: Model, axes: Axes, service: string, text: TextKey,
   const name = service.slice(1);
   const press = (chosen: string[]) => void model.command(service, { axes: chosen });
   if (asks) {
-    let asked: string[] = []; // what is chosen meanwhile was not asked about
+    let asked: string[] = []; // the question names them: axes chosen later are left out
     const question = () => `${t(text)}: ${listed((asked = addresses(axes)))}?`;
     return askingButton(t(text), name, question, () => press(asked));
   }

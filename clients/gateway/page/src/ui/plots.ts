@@ -541,7 +541,7 @@ export class Plots implements View {
         put(drawn.readings[i], formatNumber(value, scale.decimals));
       });
     }
-    // No history has it: beside what was then stands nothing of now.
+    // No history has it, and the present value does not belong to a paused plot.
     const held = this.paused ? undefined : this.trace.setPoints;
     put(this.heldText, held === undefined ? "–" : `${held.active} + ${held.waiting ?? "?"}`);
     const time = history.time(number);
