@@ -32,6 +32,7 @@ function test(name, body) {
 
 const figure = (name) => page.locator(`[data-figure="${name}"]`);
 const command = (name) => page.locator(`[data-test="${name}"]`);
+const motions = () => page.locator(".motions");
 
 /** The time between two looks: each is work for the browser, too. */
 const betweenLooks = () => new Promise((resolve) => setTimeout(resolve, 50));
@@ -107,6 +108,17 @@ async function keepTexts(locator) {
     element.textKeeper.observe(element, { childList: true, characterData: true, subtree: true });
   });
   return () => locator.evaluate((element) => element.keptTexts);
+}
+
+/** Takes control from its holder. A press within half a second of the question is taken for a double click. */
+async function takeOver(shown) {
+  await shown.click('[data-test="take"]');
+  const confirm = shown.locator('[data-test="take-confirm"]');
+  await confirm.waitFor();
+  const asked = await shown.evaluate(() => performance.now());
+  await shown.waitForFunction((since) => performance.now() - since > 500, asked);
+  await confirm.click();
+  await waitForText(shown.locator(".holder"), /You have control/);
 }
 
 /** Half a turn a second, 2,048 UU/s, and the ripple of the loop. */
@@ -186,12 +198,25 @@ test("Home stands beside its method, and runs by the chosen one", async () => {
   await waitForText(method.locator('option[value="7"]'), /^7: \+ home switch → index pulse$/);
   await waitForText(method.locator('option[value="-3"]'), /^-3: − mechanical stop$/);
   await method.selectOption("37");
+  await waitForText(figure("homed"), /^\?$/);
   await command("home").click();
   await waitForText(figure("mode"), /homing/);
+  await waitForText(motions(), /^1\.1: Home: home found, −?\d UU$/);
+  await waitForText(figure("homed"), /^\d\d:\d\d:\d\d$/);
   await waitForText(page.locator('[data-object="0x6098"] .value .number'), /^37$/);
   await waitForText(method.locator("option").first(), /^as set: 37$/);
   assert.equal(await method.inputValue(), "37");
   await method.selectOption("");
+});
+
+test("lamps show whether the axis is enabled and where it stands at a limit", async () => {
+  await waitForText(figure("enabled"), /^yes$/);
+  await waitForText(figure("limits"), /^none$/);
+  await command("positive_limit").check({ force: true });
+  await waitForText(figure("limits"), /^\+/);
+  assert.equal(await figure("limits").locator(".quick_stop_active").count(), 1);
+  await command("positive_limit").uncheck({ force: true });
+  await waitForText(figure("limits"), /^none$/);
 });
 
 test("the window of the following error stands beside its plot, and is written there", async () => {
@@ -215,6 +240,80 @@ test("a move is visible in the figures and in the plot", async () => {
   await waitForText(figure("position"), /^(4.99\d|5.00\d) UU/);
   assert.notEqual(await pixels(), before);
   await waitForText(page.locator(".reading .number").nth(1), /^(4.99\d|5.00\d)$/);
+});
+
+test("a move is accepted, then moves with its progress, and ends by what has ended it or is reached", async () => {
+  await page.fill("#move-target", "605000");
+  await command("move").click();
+  await waitForText(page.locator(".outcome"), /^Move: accepted, \d+ ms$/);
+  await waitForText(motions(), /^1\.1: Move to 605.000 UU: moving, \d+.\d{3} UU, [1-9]\d? %$/);
+  await command("halt").click();
+  await waitForText(page.locator(".outcome"), /^Halt: accepted, \d+ ms$/);
+  await waitForText(motions(), /^1\.1: Move to 605.000 UU: ended at \d+.\d{3} UU: halt/);
+  await command("resume").click();
+  await waitForText(motions(), /^1\.1: Move to 605.000 UU: moving, \d+.\d{3} UU, \d+ %$/);
+  await page.fill("#move-target", "5000");
+  await command("move").click();
+  await waitForText(motions(), /^1\.1: Move to 5.000 UU: moving, /);
+  await waitForText(motions(), /^1\.1: Move to 5.000 UU: reached, (4.99\d|5.00\d) UU$/);
+  assert.equal(await motions().locator(".reached").count(), 1);
+});
+
+test("a relative move that was halted is not reached before its end", async () => {
+  const relative = page.locator("label", { hasText: "relative" }).locator("input");
+  await relative.check();
+  await page.fill("#move-target", "100000");
+  await command("move").click();
+  await waitForText(motions(), /^1\.1: Move: moving, \d+.\d{3} UU$/);
+  await command("halt").click();
+  await waitForText(motions(), /^1\.1: Move: ended at \d+.\d{3} UU: halt/);
+  const texts = await keepTexts(motions());
+  await command("resume").click();
+  await waitForText(motions(), /^1\.1: Move: reached, (104.99\d|105.00\d) UU$/);
+  const reached = (await texts()).filter((text) => text.includes("reached"));
+  assert.equal(reached.length, 1, reached.join("\n"));
+  await relative.uncheck();
+  await page.fill("#move-target", "5000");
+  await command("move").click();
+  await waitForText(motions(), /^1\.1: Move to 5.000 UU: reached/);
+});
+
+test("the heads of a paused plot show the values of the pause", async () => {
+  await page.fill("#move-target", "200000");
+  await command("move").click();
+  await waitForText(motions(), /moving, \d+.\d{3} UU/);
+  await command("pause").click();
+  await page.mouse.move(0, 0);
+  const paused = page.locator(".plot-head").first();
+  const texts = await keepTexts(paused);
+  await waitForText(motions(), /reached/);
+  const [before, ...after] = await texts();
+  assert.ok(after.length <= 1, `the last frame before the pause, and then nothing: ${[before, ...after].join("\n")}`);
+  await waitForText(command("set-points"), /^–$/);
+  await command("pause").click();
+  await waitForText(paused, /200.00\d$|199.99\d$/);
+  await page.fill("#move-target", "5000");
+  await command("move").click();
+  await waitForText(motions(), /Move to 5.000 UU: reached/);
+});
+
+test("a picture of the plots has a legend in the colours of its lines", async () => {
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("text=PNG")]);
+  const bytes = [...(await readFile(await download.path()))];
+  const found = await page.evaluate(async (png) => {
+    const picture = await createImageBitmap(new Blob([new Uint8Array(png)]));
+    const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
+    context.drawImage(picture, 0, 0);
+    const { data } = context.getImageData(0, 22, picture.width, 20); // the head of the first plot, below the title
+    const colours = new Set();
+    for (let i = 0; i < data.length; i += 4) colours.add(`${data[i]} ${data[i + 1]} ${data[i + 2]}`);
+    const wanted = ["line-1", "line-2"].map((name) => {
+      const [, ...hex] = /^#(..)(..)(..)$/.exec(getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
+      return hex.map((part) => parseInt(part, 16)).join(" ");
+    });
+    return wanted.map((colour) => colours.has(colour));
+  }, bytes);
+  assert.deepEqual(found, [true, true]);
 });
 
 /** Moves far, queues the way back, and waits for the end. @return the counts of set-points that the page showed. */
@@ -422,6 +521,7 @@ test("a blocked load ends in the fault 8611h", async () => {
   await command("move").click();
   await waitForText(figure("fault"), /8611h following error/);
   await waitForText(figure("state"), /^Fault$/);
+  await waitForText(motions(), /^1\.1: Move to 300.000 UU: ended at .* UU: Fault 8611h following error/);
   await waitForText(page.locator(".way"), /14/);
 });
 
@@ -498,8 +598,45 @@ test("Escape ends an edit and leaves the axes alone, Ctrl+. stops every axis", a
   assert.match((await figure("state").textContent()) ?? "", /Operation enabled/);
   await page.fill(".objects .search", "");
   await page.keyboard.press("Control+.");
+  await waitForText(motions(), /^1\.1: Move to −2.000.000 UU: ended at .* UU: (Quick stop active|Switch on disabled)$/);
   await waitForText(figure("velocity"), /^−?\d UU\/s/);
   await waitForText(figure("state"), /Switch on disabled|Quick stop active/);
+});
+
+test("events have one stop of the Tab key, and the arrow keys go through them", async () => {
+  const stops = page.locator('.events button[tabindex="0"]');
+  assert.equal(await stops.count(), 1);
+  assert.equal(await page.locator(".events [tabindex]").count(), await page.locator(".events button").count());
+  const place = () =>
+    page.evaluate(() => [...document.querySelectorAll(".events button")].indexOf(document.activeElement));
+  await stops.focus();
+  const first = await place();
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("ArrowDown");
+  assert.equal(await place(), first + 2);
+  await page.keyboard.press("ArrowUp");
+  assert.equal(await place(), first + 1);
+  assert.equal(await stops.count(), 1);
+  await page.keyboard.press("Enter");
+  await resetZoom("enabled").waitFor();
+  await command("pause").click();
+});
+
+test("Enter on a row opens the axis, where the next Tab goes on, and back leads to the row", async () => {
+  await page.click("nav a >> nth=0");
+  await page.locator(".scroller").focus();
+  await page.keyboard.press("ArrowDown");
+  await page.locator(".row.selected[data-address='1.2']").waitFor();
+  await page.keyboard.press("Enter");
+  await waitForText(page.locator("h2"), /^1\.2/);
+  assert.equal(await page.evaluate(() => document.activeElement?.tagName), "H2");
+  await page.keyboard.press("Tab");
+  assert.ok(await page.evaluate(() => document.querySelector("main .control-column").contains(document.activeElement)), "the first control");
+  await page.goBack();
+  await page.locator(".row.selected[data-address='1.2']").waitFor();
+  await page.keyboard.press("ArrowUp");
+  await page.keyboard.press("Enter");
+  await waitForText(page.locator("h2"), /^1\.1/);
 });
 
 const unitSelect = () => page.locator(".settings select").first();
@@ -535,7 +672,7 @@ test("a fraction of a user unit is refused, a value with a unit is rounded and s
   assert.equal(numberIn((await figure("position").textContent()) ?? ""), before);
   await page.fill("#move-target", "-90deg");
   await command("move").click();
-  await waitForText(page.locator("footer"), /Move: done, \d+ ms: -90deg = −1.024 UU/);
+  await waitForText(page.locator("footer"), /Move: accepted, \d+ ms: -90deg = −1.024 UU/);
   await waitForText(figure("position"), /^−1.02\d UU/);
   await page.fill(".objects .search", "6081");
   const row = page.locator('[data-object="0x6081"]');
@@ -590,6 +727,7 @@ test("while an axis moves the page says that it goes on without the page, and le
 test("an axis that a terminal takes over is named, and the page does not take it back by itself", async () => {
   assert.equal(await runTool("enable", "1.1", "--take-over"), 0);
   await waitForText(page.locator(".notices"), /^\d\d:\d\d: no longer controlled by this page, now controlled by vdrive \(process \d+ on .+\): 1.1/);
+  await waitForText(motions(), /^1\.1: Move to 200.000 UU: ended at .* UU: (now controlled by vdrive|no longer controlled by this page)/);
   await page.fill("#move-target", "0");
   await command("move").click();
   await waitForText(page.locator("footer"), /Move: taken from this page, .*: 1.1/);
@@ -651,7 +789,7 @@ const stopProblem = (shown) =>
 
 test("STOP is whole in every view, size, zoom and language, also while another page holds control", async () => {
   const other = await openOther("#/");
-  await waitForText(other.locator('[data-test="take"]'), /Take control from/);
+  await waitForText(other.locator('[data-test="take"]'), /Take control …/);
   for (const language of ["en", "zh"]) {
     await other.selectOption(".settings select >> nth=1", language);
     for (const view of ["#/", "#/axis/1.1", "#/control"]) {
@@ -663,6 +801,39 @@ test("STOP is whole in every view, size, zoom and language, also while another p
         await other.evaluate(() => window.scrollTo(0, 10_000));
         assert.equal(await stopProblem(other), "", `${view} ${language} at ${width}x${height}`);
       }
+    }
+  }
+  await other.context().close();
+});
+
+test("no table is wider than its window, and the plots use the height of theirs", async () => {
+  const other = await openOther("#/");
+  const tooWide = (selector) =>
+    other.locator(selector).evaluate(({ scrollWidth, clientWidth }) => (scrollWidth > clientWidth ? `${scrollWidth} > ${clientWidth}` : ""));
+  for (const language of ["en", "zh"]) {
+    await other.selectOption(".settings select >> nth=1", language);
+    for (const [width, height] of [[1920, 1080], [1440, 900], [1180, 800], [1024, 768]]) {
+      await other.setViewportSize({ width, height });
+      await other.goto(`${gateway.address}#/`);
+      await other.locator('[data-address="1.1"]').waitFor();
+      assert.equal(await tooWide(".scroller"), "", `overview ${language} at ${width}`);
+      await other.goto(`${gateway.address}#/axis/1.1`);
+      await other.locator('[data-object="0x6081"]').waitFor();
+      assert.equal(await tooWide(".table-scroller"), "", `objects ${language} at ${width}`);
+    }
+  }
+  await other.selectOption(".settings select >> nth=1", "en");
+  for (const [width, height, least] of [[1440, 900, 80], [1920, 1080, 125], [1920, 1440, 210]]) {
+    await other.setViewportSize({ width, height });
+    const deadline = Date.now() + PATIENCE_MS;
+    const room = () =>
+      other.locator("main").evaluate((main) => {
+        const bottom = main.querySelector(".plots").getBoundingClientRect().bottom;
+        return [main.getBoundingClientRect().bottom - bottom, main.querySelector(".u-over").clientHeight];
+      });
+    for (let [below, plot] = await room(); below < 0 || below > 40 || plot < least; [below, plot] = await room()) {
+      assert.ok(Date.now() < deadline, `[deadline] ${below} px below plots of ${plot} px in ${width}x${height}`);
+      await betweenLooks();
     }
   }
   await other.context().close();
@@ -727,15 +898,36 @@ test("an axis that is not there is named", async () => {
   await page.goto(`${gateway.address}#/control`);
 });
 
-test("a second page shows the holder of control, takes control, and stops all by keyboard", async () => {
+test("control is taken from its holder after a question that names it and what moves, and the holder learns by whom", async () => {
+  await page.goto(`${gateway.address}#/axis/1.1`);
+  await page.fill("#move-target", "-900000");
+  await command("move").click();
+  await waitForText(figure("velocity"), /−\d\d.\d{3}/);
   const other = await openOther("#/");
   const take = other.locator('[data-test="take"]');
-  await waitForText(take, /Take control from/);
+  await waitForText(other.locator(".holder"), /Control is held by page \(Chrome \d+, Linux\)/);
+  await waitForText(take, /^Take control …$/);
   await take.click();
-  await waitForText(other.locator(".holder"), /You have control/);
-  await waitForText(page.locator(".holder"), /Control is held by/);
+  const named = /Take control from page \(Chrome \d+, Linux\), which has had it since \d\d:\d\d\? Moving now: 1\.1 \(profile position, −?[\d\s]+ UU, −[\d\s]+ UU\/s\)/;
+  await waitForText(other.locator(".question"), named);
+  assert.deepEqual(await findings(other), []);
+  await other.keyboard.press("Escape");
+  await waitForText(other.locator(".question"), /^$/);
+  assert.ok(await take.evaluate((button) => button === document.activeElement));
+  assert.match((await page.locator(".holder").textContent()) ?? "", /You have control/);
+  await take.dblclick();
+  await other.locator('[data-test="take-confirm"]').waitFor();
+  assert.match((await page.locator(".holder").textContent()) ?? "", /You have control/);
+  await other.keyboard.press("Escape");
+  await takeOver(other);
+  await waitForText(page.locator(".holder"), /Control is held by page \(Chrome/);
+  await waitForText(page.locator(".notices"), /^\d\d:\d\d: control was taken from this page by page \(Chrome \d+, Linux\)/);
+  await waitForText(motions(), /ended at .*: this page has lost control/);
+  await page.locator(".notices button").click();
+  await waitForNone(page.locator(".notices button"));
   await other.close();
   await waitForText(page.locator(".holder"), /Nobody has control/);
+  await page.goto(`${gateway.address}#/control`);
   await page.keyboard.press("Control+.");
   await waitForText(page.locator(".chosen li").nth(0).locator(".state"), /Switch on disabled|Quick stop active/);
   await command("take").click();
@@ -805,15 +997,15 @@ test("a page that stands still permanently is a lost master", async () => {
 test("a page that stands still is lost after the limit that it chose, and what its axes do then stands beside it", async () => {
   const silence = '[data-test="silence"]';
   const other = await openOther("#/axis/1.1");
-  await waitForText(other.locator('[data-test="take"]'), /Take control from/);
-  await other.click('[data-test="take"]');
-  await waitForText(other.locator(".holder"), /You have control/);
+  await waitForText(other.locator('[data-test="take"]'), /Take control …/);
+  await takeOver(other);
+  await page.locator(".notices button").click(); // it was told by whom
   assert.equal(await other.inputValue(silence), "10");
   await waitForText(other.locator('[data-test="on_loss"]'), /^then 6007h = 1: fault 8130h$/);
   await other.selectOption(silence, "1");
   await waitForText(other.locator("footer"), /Take control: done, \d+ ms: Lost after a silence of 1 s/);
   assert.equal(await other.inputValue(silence), "1");
-  await waitForText(page.locator(".silence"), /page: Limit of its silence 1 s/);
+  await waitForText(page.locator(".silence"), /page \(.*\): Limit of its silence 1 s/);
   await other.click('[data-test="enable"]');
   await waitForText(figure("state"), /Operation enabled/);
   const began = Date.now();
@@ -850,6 +1042,47 @@ test("a killed gateway is reported lost, and found again", async () => {
   await page.locator(".banner").waitFor({ state: "hidden", timeout: PATIENCE_MS });
   await waitForText(figure("age"), FRESH);
 });
+
+/** Draws no frame of a page until the returned function is called, as a browser does with a hidden tab. */
+async function hold(shown) {
+  await shown.evaluate(() => {
+    window.drawsFrame = window.requestAnimationFrame;
+    window.heldFrames = [];
+    window.requestAnimationFrame = (frame) => window.heldFrames.push(frame);
+  });
+  return () =>
+    shown.evaluate(() => {
+      window.requestAnimationFrame = window.drawsFrame;
+      window.heldFrames.forEach((frame) => window.requestAnimationFrame(frame));
+    });
+}
+
+const RESTARTS = process.env.VDRIVE_NIGHTLY === "1" ? 20 : 2;
+
+for (const [view, age] of [["#/", '[data-address="1.1"] .age'], ["#/axis/1.1", '[data-figure="age"]'], ["#/control", undefined]]) {
+  test(`the view ${view} goes on after the gateway was restarted while its tab was hidden`, async () => {
+    for (let restart = 0; restart < RESTARTS; ++restart) {
+      await page.goto(`${gateway.address}${view}`);
+      await page.locator("main > *").first().waitFor();
+      const show = await hold(page);
+      await gateway.stop("SIGKILL");
+      gateway = await startGateway(gateway.port, "--control");
+      // It has found the bench, and the page has had the time of its longest retry.
+      const other = await openOther("#/axis/1.1");
+      await waitForText(other.locator('[data-figure="age"]'), FRESH);
+      await other.waitForFunction(() => performance.now() > 3_000);
+      await other.context().close();
+      await show();
+      await page.locator(".banner").waitFor({ state: "hidden", timeout: PATIENCE_MS });
+      if (age !== undefined) await waitForText(page.locator(age), FRESH);
+      await waitForText(page.locator(".holder"), /Nobody has control/);
+      await command("take").click();
+      if (view === "#/") continue;
+      if (view === "#/control") await waitForText(page.locator(".clock-text"), /tick \d/);
+      await waitForText(page.locator(".commands .need"), view === "#/control" ? /^(|No axis is chosen.*)$/ : /^$/);
+    }
+  });
+}
 
 test("a view-only gateway offers no command", async () => {
   await gateway.stop();

@@ -122,14 +122,14 @@ TEST_F(ControlOfAGateway, ShowsEachReceiverWhoHasControl) {
   EXPECT_EQ(shown(kSecond)["holder"], "");
 }
 
-TEST_F(ControlOfAGateway, TakesOverOnlyByForceAndTellsTheHolderBefore) {
+TEST_F(ControlOfAGateway, TakesOverOnlyByForceAndTellsTheHolderByWhom) {
   EXPECT_EQ(take(kFirst), "");
   EXPECT_THAT(take(kSecond), HasSubstr("/take_control takes it over when its request has force"));
   EXPECT_THAT(ended_, IsEmpty());
   (void)server_.take(kFirst);
-  EXPECT_EQ(take(kSecond, {{"force", true}}), "");
+  EXPECT_EQ(take(kSecond, {{"force", true}, {"name", "night shift"}}), "");
   EXPECT_THAT(ended_, ElementsAre("100 released"));
-  EXPECT_EQ(server_.take_json(kFirst).front()["message"], "control was taken over");
+  EXPECT_THAT(server_.take_json(kFirst).front()["message"], HasSubstr("'night shift'"));
   EXPECT_TRUE(desk_.check(kSecond, Right::command));
   EXPECT_FALSE(desk_.check(kFirst, Right::command));
 }

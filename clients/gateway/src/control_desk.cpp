@@ -114,11 +114,12 @@ void ControlDesk::change(Taking taking) {
 }
 
 void ControlDesk::on_session(ConnectionId id, const Taking& taking, const HeldSession& session) {
+  if (!taking.name.empty()) clients_.rename(id, taking.name);
   if (is_other_holder(id)) {
     server_.set_patience(holder_->id, WebServer::kPatience);
-    server_.send_status(holder_->id, Level::warning, "control was taken over");
+    server_.send_status(holder_->id, Level::warning,
+                        "control was taken over by " + in_quotes(clients_.name(id)));
   }
-  if (!taking.name.empty()) clients_.rename(id, taking.name);
   // One session at a time: the axes of the holder before become free for this one.
   end(true);
   holder_ = Holder{.id = id,

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the gateway sends about benches and axes, and what this browser has chosen.
 
+import { browserOf } from "./data/browser";
 import { EVENT_HISTORY, EventList } from "./data/events";
 import { movesOrPresses } from "./data/motion";
 import { BENCH_DESCRIPTION, BENCH_STATE, CONTROL, DICTIONARY } from "./data/tables";
 import type { Scale } from "./data/units";
-import { scaleOf, USER_UNITS } from "./data/units";
-import { language, serviceName, t, type Language } from "./i18n";
+import { formatUnits, scaleOf, USER_UNITS } from "./data/units";
+import { language, modeName, serviceName, t, type Language } from "./i18n";
+import { Motions, STARTS_MOTION } from "./motions";
 import type { Message, NumberArray } from "./protocol/cdr";
 import { checked, type Of } from "./protocol/checked";
 import { Connection, type Answer, type ServerStatus } from "./protocol/connection";
@@ -28,7 +30,7 @@ const TREND_EVERY_MS = 100;
 /** of all benches; the gateway keeps 1,024 of each */
 const MOST_EVENTS = 4_096;
 const MOST_NOTES = 4;
-const MOST_RUNS = 5;
+const MOST_NOTICES = 5;
 const MOST_NAMES = 1_000;
 const MOST_LISTED = 4;
 /** axes of a bench whose status costs next to nothing */
@@ -43,6 +45,8 @@ export const SILENCES_S = [1, 2, 3, 5, 10];
 export const SECOND_PRESS_MS = 500;
 /** What stops an axis, and what moves it only while a button is held. */
 const NEVER_LEFT_OUT: ReadonlySet<string> = new Set(["/quick_stop", "/halt", "/jog"]);
+/** They are answered while the axis still brakes. */
+const STOPS_MOTION: ReadonlySet<string> = new Set(["/quick_stop", "/halt"]);
 
 /** @return the axes that a request is for. */
 function addressesIn(request: object): string[] {
@@ -54,8 +58,8 @@ export function listed(addresses: string[]): string {
   return addresses.slice(0, MOST_LISTED).join(", ") + (addresses.length > MOST_LISTED ? `, … (${addresses.length})` : "");
 }
 
-function timeOfDay(): string {
-  return new Date().toLocaleTimeString(language() === "zh" ? "zh-CN" : "en-GB", { hour: "2-digit", minute: "2-digit" });
+function timeOfDay(date = new Date()): string {
+  return date.toLocaleTimeString(language() === "zh" ? "zh-CN" : "en-GB", { hour: "2-digit", minute: "2-digit" });
 }
 
 const NOT_SENT: Answer = { ok: false, outcome: "", message: "", code: 0 };
@@ -135,9 +139,32 @@ export class Bench {
   }
 }
 
-export interface AxisRef {
-  bench: Bench;
-  axis: AxisDescription;
+/** An axis by its numbers: bench and description are looked up each time, because a gateway or a service that
+ *  was started again brings others. Those of an axis that is away stay as they were. */
+export class AxisRef {
+  constructor(
+    private readonly benches: ReadonlyMap<number, Bench>,
+    private lastBench: Bench,
+    private lastAxis: AxisDescription,
+  ) {}
+
+  get bench(): Bench {
+    this.lookUp();
+    return this.lastBench;
+  }
+
+  get axis(): AxisDescription {
+    this.lookUp();
+    return this.lastAxis;
+  }
+
+  private lookUp(): void {
+    const bench = this.benches.get(this.lastBench.number);
+    const axis = bench?.axis(this.lastAxis.axis);
+    if (bench === undefined || axis === undefined) return;
+    this.lastBench = bench;
+    this.lastAxis = axis;
+  }
 }
 
 export function addressOf(ref: AxisRef): string {
@@ -200,6 +227,8 @@ export interface Notice {
 export interface Moving {
   /** of this page */
   own: string[];
+  /** of the client that holds control, which is not this page */
+  holders: string[];
   /** of nobody */
   free: string[];
 }
@@ -208,6 +237,8 @@ export interface Moving {
 export interface Outcome {
   text: string;
   ok: boolean;
+  /** The drive has accepted it, and acts on it. */
+  isUnderWay?: boolean;
 }
 
 export class Model {
@@ -221,6 +252,7 @@ export class Model {
   control: ControlState = { enabled: false, holder: "", you: false, name: "", session: "", taken_at_ns: "0", silence_ms: 0 };
   dictionary?: Dictionary;
   outcome?: Outcome;
+  readonly motions = new Motions(this);
   /** by the name of the field, such as "move 1.1 target" */
   readonly typed = new Map<string, Typed>();
   readonly ticked = new Map<string, boolean>();
@@ -237,17 +269,17 @@ export class Model {
   private statusWanted = false;
   private readonly ends = new Map<string, () => void>();
   private readonly incarnations = new Map<number, string>();
-  /** axes that this page controls */
-  private readonly owned = new Set<string>();
-  /** axes that this page controlled until another session took them: a person has to want them back */
-  private readonly taken = new Set<string>();
+  /** axes that this page controls, and the newest tick in which it did */
+  private readonly owned = new Map<string, number>();
+  /** axes that this page controlled until another session took them: a person has to want them back; with that tick */
+  private readonly taken = new Map<string, number>();
   /** when the last of them was taken, and by which session */
   private takenAt = "";
   private takenBy = 0n;
   /** what programs say of themselves, by their sessions as the gateway writes them */
   private readonly sessionNames = new Map<string, string>();
-  /** what happened to benches while somebody may have looked away */
-  private readonly runs: string[] = [];
+  /** what happened while somebody may have looked away */
+  private readonly notes: string[] = [];
   private readonly presses = new Map<string, Press>();
 
   constructor(url: string) {
@@ -273,8 +305,12 @@ export class Model {
       parameters: () => undefined,
     });
     this.connection.subscribe("/gateway/control", (message) => {
+      const before = this.control.you;
       this.control = checked(CONTROL, message, "control");
       if (!this.control.you) this.forgetOwned();
+      if (before && !this.control.you && this.control.holder !== "") {
+        this.note(`${timeOfDay()}: ${t("control_taken")} ${this.control.holder}`);
+      }
       this.connection.setPatience(this.control.you ? this.control.silence_ms : LONGEST_SILENCE_MS);
       this.changed();
     });
@@ -285,10 +321,10 @@ export class Model {
     this.connection.open();
   }
 
-  /** @return the axes that move or press under the control of this page, or under nobody's. */
+  /** @return the axes that move or press under the control of this page, of another client, or of nobody. */
   moving(): Moving {
-    const moving: Moving = { own: [], free: [] };
-    const own = this.ownSession();
+    const moving: Moving = { own: [], holders: [], free: [] };
+    const holder = this.holderSession();
     const torqueModes = new Set(this.dictionary?.modes.filter((row) => row.commands_torque).map((row) => row.mode));
     for (const bench of this.sortedBenches()) {
       const owners = bench.numbers("owner_session");
@@ -304,11 +340,36 @@ export class Model {
         };
         if (!movesOrPresses(demand, torqueModes.has(at("op_mode_actual")))) continue;
         const owner = BigInt(owners[place]);
-        if (owner === own) moving.own.push(`${bench.number}.${axis}`);
-        else if (owner === 0n) moving.free.push(`${bench.number}.${axis}`);
+        const address = `${bench.number}.${axis}`;
+        if (owner === 0n) moving.free.push(address);
+        else if (owner === holder && this.control.you) moving.own.push(address);
+        else if (owner === holder) moving.holders.push(address);
       }
     }
     return moving;
+  }
+
+  /** @return the question before this page takes control from another client: who that is, and what moves. */
+  takeOverText(): string {
+    const { holder, taken_at_ns } = this.control;
+    const since = timeOfDay(new Date(Number(BigInt(taken_at_ns) / 1_000_000n)));
+    const moving = this.moving().holders.map((address) => this.motionText(address));
+    const isUnknown = this.sortedBenches().some(({ topic }) => !this.ends.has(`${topic}/status`));
+    const rest = t(isUnknown ? "moves_unknown" : "nothing_moves");
+    const what = moving.length === 0 ? rest : `${t("moves_now")}: ${listed(moving)}`;
+    return `${t("take_by_force")} ${holder}, ${t("has_had_it_since")} ${since}? ${what}`;
+  }
+
+  /** @return such as "1.1 (profile position, 51 892 UU, 20 480 UU/s)" */
+  private motionText(address: string): string {
+    const ref = this.find(address);
+    if (ref === undefined) return address;
+    const { bench, axis } = ref;
+    const scale = this.scale(axis);
+    const at = (member: string) => Number(bench.numbers(member)?.[bench.places.get(axis.axis) ?? 0] ?? 0);
+    const position = `${formatUnits(at("load_position_actual_value"), scale)} ${scale.name}`;
+    const velocity = `${formatUnits(at("load_velocity_actual_value"), scale)} ${scale.name}/s`;
+    return `${address} (${modeName(at("op_mode_actual"))}, ${position}, ${velocity})`;
   }
 
   /** The status of all axes of a large bench is only asked for while a view shows it. */
@@ -324,7 +385,7 @@ export class Model {
   axes(): AxisRef[] {
     const found: AxisRef[] = [];
     for (const bench of this.sortedBenches()) {
-      for (const axis of bench.description?.axes ?? []) found.push({ bench, axis });
+      for (const axis of bench.description?.axes ?? []) found.push(new AxisRef(this.benches, bench, axis));
     }
     return found;
   }
@@ -337,7 +398,7 @@ export class Model {
     const [number, axis] = address.split(".").map(Number);
     const bench = this.benches.get(number);
     const found = bench?.axis(axis);
-    return bench !== undefined && found !== undefined ? { bench, axis: found } : undefined;
+    return bench !== undefined && found !== undefined ? new AxisRef(this.benches, bench, found) : undefined;
   }
 
   scale(axis: AxisDescription): Scale {
@@ -361,13 +422,13 @@ export class Model {
     return state.age_ms + Math.max(0, now - bench.stateAt - 250);
   }
 
-  /** @param isShort without the process and its host, for a column */
+  /** @param isShort without process and host, or browser and system, for a column */
   ownerName(session: bigint, isShort = false): string {
     if (session === 0n) return "";
     const text = session.toString(16).padStart(16, "0");
-    const name = this.sessionNames.get(text);
-    const holder = this.control.session?.replace(/^0x/, "").padStart(16, "0");
-    if (holder === text) return this.control.you ? "@" : this.control.holder;
+    const isHolder = session === this.holderSession();
+    if (isHolder && this.control.you) return "@";
+    const name = isHolder ? this.control.holder : this.sessionNames.get(text);
     if (name !== undefined) return isShort ? name.replace(/ \([^)]*\)$/, "") : name;
     return isShort ? text.slice(0, 8) : `${t("session")} ${text.slice(0, 8)}`;
   }
@@ -375,7 +436,7 @@ export class Model {
   /** @return when axes of this page were taken, and by whom: the name may come after the status. */
   private takenHow(): string {
     // A program that took an axis and ended at once is in no status.
-    if (this.takenBy === 0n) this.takenBy = this.takerOf([...this.taken]);
+    if (this.takenBy === 0n) this.takenBy = this.takerOf([...this.taken.keys()]);
     const by = this.ownerName(this.takenBy);
     return `${this.takenAt}: ${t("taken_away")}${by === "" ? "" : `, ${t("now_by")} ${by}`}`;
   }
@@ -404,10 +465,10 @@ export class Model {
 
   /** @return what a person has to answer or to remove. */
   notices(): Notice[] {
-    const runs = this.runs.map((text) => ({ text, button: t("remove"), press: () => void this.runs.splice(this.runs.indexOf(text), 1) }));
-    if (this.taken.size === 0) return runs;
-    const text = `${this.takenHow()}: ${listed([...this.taken])}`;
-    return [{ text, button: t("take_back"), press: () => this.taken.clear() }, ...runs];
+    const notes = this.notes.map((text) => ({ text, button: t("remove"), press: () => void this.notes.splice(this.notes.indexOf(text), 1) }));
+    if (this.taken.size === 0) return notes;
+    const text = `${this.takenHow()}: ${listed([...this.taken.keys()])}`;
+    return [{ text, button: t("take_back"), press: () => this.taken.clear() }, ...notes];
   }
 
   /** @return what a person needs first, empty when the axes can be commanded. */
@@ -425,10 +486,12 @@ export class Model {
     return taken.length === 0 ? undefined : `${t("was_taken")}: ${listed(taken)}`;
   }
 
-  /** Takes control with the limit of silence that was chosen. */
+  /** Takes control with the limit of silence that was chosen; from who holds it a person has been asked. */
   takeControl(): void {
     const force = this.control.holder !== "";
-    void this.command("/take_control", { name: "page", force, silence_ms: this.settings.silence * 1000 });
+    const browser = browserOf(navigator.userAgent);
+    const name = browser === "" ? "page" : `page (${browser})`;
+    void this.command("/take_control", { name, force, silence_ms: this.settings.silence * 1000 });
   }
 
   /** How long the page may be silent while it holds control: from now on, and the next time.
@@ -455,7 +518,10 @@ export class Model {
     const took = (performance.now() - began).toFixed(0);
     const why = answer.message === "" ? answer.outcome : answer.message;
     const became = notes.length === 0 ? "" : `: ${notes.slice(0, MOST_NOTES).join(", ")}${notes.length > MOST_NOTES ? ", …" : ""}`;
-    this.outcome = { ok: answer.ok, text: answer.ok ? `${what}: ${t("done")}, ${took} ms${became}` : `${what}: ${why}` };
+    const isUnderWay = answer.ok && (STARTS_MOTION.has(service) || STOPS_MOTION.has(service));
+    const good = `${what}: ${isUnderWay ? t("accepted") : t("done")}, ${took} ms${became}`;
+    this.outcome = { ok: answer.ok, text: answer.ok ? good : `${what}: ${why}`, isUnderWay };
+    if (answer.ok && STARTS_MOTION.has(service)) void this.motions.follow(request, this.ownSession());
     return answer;
   }
 
@@ -548,18 +614,29 @@ export class Model {
     this.incarnations.set(bench.number, String(incarnation));
     if (before === undefined || before === String(incarnation)) return;
     this.events.forget(bench.number);
+    this.motions.forgetBench(bench.number);
     this.askedEvents.delete(bench.number);
     // Its axes have no owner. A frame of the new run may have come before its description.
     for (const axes of [this.owned, this.taken]) {
-      for (const address of axes) if (address.startsWith(`${bench.number}.`)) axes.delete(address);
+      for (const address of axes.keys()) if (address.startsWith(`${bench.number}.`)) axes.delete(address);
     }
-    this.runs.push(`${name} (${bench.number}): ${t("another_run")} ${timeOfDay()}`);
-    if (this.runs.length > MOST_RUNS) this.runs.shift();
+    this.note(`${name} (${bench.number}): ${t("another_run")} ${timeOfDay()}`);
+  }
+
+  /** A line that stays until a person removes it. */
+  private note(text: string): void {
+    this.notes.push(text);
+    if (this.notes.length > MOST_NOTICES) this.notes.shift();
+  }
+
+  /** @return the session of the client that holds control, -1 = none */
+  private holderSession(): bigint {
+    const { session } = this.control;
+    return session === "" ? -1n : sessionOf(session);
   }
 
   private ownSession(): bigint {
-    const { you, session } = this.control;
-    return you && session !== undefined && session !== "" ? sessionOf(session) : -1n;
+    return this.control.you ? this.holderSession() : -1n;
   }
 
   /** Another session has taken an axis: the page must not take it back by its next command. */
@@ -567,31 +644,60 @@ export class Model {
     const owners = bench.numbers("owner_session");
     if (owners === undefined) return;
     const own = this.ownSession();
-    const gone: string[] = [];
+    let isTaken = false;
     let by = 0n;
     for (const [axis, place] of bench.places) {
       const owner = BigInt(owners[place]);
       const address = `${bench.number}.${axis}`;
+      const before = this.owned.get(address);
       if (owner === own) {
-        this.owned.add(address);
-      } else if (this.owned.delete(address)) {
-        gone.push(address);
+        this.owned.set(address, bench.tick);
+      } else if (before !== undefined) {
+        this.owned.delete(address);
+        this.taken.set(address, before);
+        isTaken = true;
         if (owner !== 0n) by = owner;
       }
     }
-    if (gone.length > 0) this.noteTaken(gone, by);
+    if (isTaken) this.noteTaken(by);
   }
 
-  private noteTaken(gone: string[], by: bigint): void {
-    for (const address of gone) this.taken.add(address);
+  private noteTaken(by: bigint): void {
     this.takenAt = timeOfDay();
     this.takenBy = by;
-    this.outcome = { ok: false, text: `${this.takenHow()}: ${listed([...this.taken])}` };
+    this.sortOutLost();
+    if (this.taken.size > 0) this.outcome = { ok: false, text: `${this.takenHow()}: ${listed([...this.taken.keys()])}` };
+  }
+
+  /** Nobody has taken what the watchdog of a bench has freed: the event, which may come after the status, tells why. */
+  private sortOutLost(): void {
+    const lost = new Map<string, string[]>();
+    for (const [address, tick] of this.taken) {
+      const why = this.takerOf([address]) === 0n ? this.lossOf(address, tick) : undefined;
+      if (why === undefined) continue;
+      this.taken.delete(address);
+      lost.set(why, [...(lost.get(why) ?? []), address]);
+    }
+    for (const [why, addresses] of lost) {
+      const text = `${t("lost_by_silence")} ${listed(addresses)}: ${why}`;
+      this.note(`${timeOfDay()}: ${text}`);
+      this.outcome = { ok: false, text };
+    }
+  }
+
+  /** @return what the bench has reported about the loss of the session of this page since that tick */
+  private lossOf(address: string, tick: number): string | undefined {
+    const [bench] = address.split(".").map(Number);
+    const { session } = this.control;
+    return this.events.events.find(
+      (event) => event.bench === bench && event.kind === "master_lost" && event.tick >= tick && event.message.includes(session),
+    )?.message;
   }
 
   private forgetOwned(): void {
     this.owned.clear();
     this.taken.clear();
+    this.motions.lose();
   }
 
   /** The events before now. Those since the subscription may be among them. */
@@ -629,5 +735,6 @@ export class Model {
       kind: message["file"] as string,
       message: message["message"] as string,
     });
+    this.sortOutLost();
   }
 }

@@ -4,7 +4,7 @@
 import { History } from "./data/history";
 import type { Moment } from "./data/moments";
 import { decodePowerState, STATUS_BIT, wayBetween, type PowerState } from "./data/power";
-import { CONTROL_BIT, hasHandshake, heldSetPoints, type HeldSetPoints } from "./data/setpoints";
+import { CONTROL_BIT, hasHandshake, HOMING, heldSetPoints, type HeldSetPoints } from "./data/setpoints";
 import { addressOf, topicOf, type AxisRef, type Model } from "./model";
 import type { Message, NumberArray } from "./protocol/cdr";
 
@@ -69,6 +69,9 @@ export class Trace {
   controlword?: number;
   /** When 6040h was read last; undefined as that, and where the drive takes no set-points. */
   setPoints?: HeldSetPoints;
+  /** The tick in which home was found last, false while it is not found; undefined where the axis was not seen in
+   *  homing mode: in others no object shows it. */
+  homedAt?: number | false;
   private reading = false;
   private missedBefore?: number;
   private missedLast = 0;
@@ -90,7 +93,7 @@ export class Trace {
 
   constructor(
     private readonly model: Model,
-    public ref: AxisRef,
+    readonly ref: AxisRef,
   ) {
     this.period = (ref.bench.description?.period_us ?? 1000) * 1e-6;
     this.history = new History(SERIES.length, Math.min(MOST_SAMPLES, LONGEST_WINDOW_S / this.period));
@@ -204,6 +207,7 @@ export class Trace {
     this.sample[at] = control & CONTROL_BIT.newSetPoint ? 1 : 0;
     this.sample[at + 1] = word & STATUS_BIT.acknowledge ? 1 : 0;
     this.sample[at + 2] = word & STATUS_BIT.targetReached ? 1 : 0;
+    if (mode === HOMING) this.homedAt = word & STATUS_BIT.acknowledge ? this.homedAt || tick : false;
     const before = this.statusword;
     if (before !== undefined && before !== word) {
       const rose = word & ~before;
@@ -275,5 +279,6 @@ export class Trace {
     this.originTick = undefined;
     this.statusword = undefined;
     this.ignored = undefined;
+    this.homedAt = undefined;
   }
 }

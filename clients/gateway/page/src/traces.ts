@@ -21,7 +21,6 @@ export class Traces {
     const key = `${addressOf(ref)} ${run}`;
     const trace = this.traces.get(key) ?? new Trace(this.model, ref);
     if (this.shown !== trace) this.shown?.close();
-    trace.ref = ref; // of a bench that was away meanwhile
     this.shown = trace;
     trace.open();
     trace.show(true);

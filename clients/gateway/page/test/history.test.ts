@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { BLOCK, History, niceRange } from "../src/data/history";
+import { BLOCK, History, labelDecimals, niceRange } from "../src/data/history";
 
 /** A fixed sequence of numbers without a pattern (linear congruence). */
 function numbers(seed: number): () => number {
@@ -128,4 +128,13 @@ test("the scale of a plot has round limits around its values", () => {
   const [low, high] = niceRange(7, 7, 20);
   assert.ok(low < 7 && high > 7 && high - low >= 20);
   assert.deepEqual(niceRange(Infinity, -Infinity, 10), [-5, 5]);
+});
+
+test("labels of a scale show its grid as it is", () => {
+  assert.equal(labelDecimals([0, 2.5, 5, 7.5]), 1);
+  assert.equal(labelDecimals([0, 0.25, 0.5]), 2);
+  assert.equal(labelDecimals([0.1, 0.2, 0.3]), 1);
+  assert.equal(labelDecimals([-20, -10, 0]), 0);
+  assert.equal(labelDecimals([3_600.0001, 3_600.0002]), 4);
+  assert.equal(labelDecimals([7]), 0);
 });

@@ -4,6 +4,7 @@
 
 /** Samples in a block, of which the extremes are kept: long windows read blocks, not samples. */
 export const BLOCK = 64;
+const MOST_DECIMALS = 6;
 
 /** Points of a plot: x ascending; null is a gap. */
 export interface Points {
@@ -196,4 +197,13 @@ export function niceRange(minimum: number, maximum: number, least: number): [num
     Math.floor((middle - span / 2) / step) * step,
     Math.ceil((middle + span / 2) / step) * step,
   ];
+}
+
+/** Decimals that show neighbouring labels of an axis as they are, and not rounded: 1 for steps of 2.5. */
+export function labelDecimals(labels: number[]): number {
+  const step = labels.length < 2 ? 1 : Math.abs(labels[1] - labels[0]);
+  const isWhole = (value: number) => Math.abs(value - Math.round(value)) < 1e-6 * value;
+  let decimals = 0;
+  while (decimals < MOST_DECIMALS && !isWhole(step * 10 ** decimals)) ++decimals;
+  return decimals;
 }

@@ -24,6 +24,8 @@ export const STATUS_BIT = {
   targetReached: 1 << 10,
   internalLimit: 1 << 11,
   acknowledge: 1 << 12,
+  /** following error, of homing: homing error */
+  modeError: 1 << 13,
 } as const;
 
 export function decodePowerState(statusword: number): PowerState {

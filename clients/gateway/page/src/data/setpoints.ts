@@ -3,13 +3,15 @@
 
 import { decodePowerState, STATUS_BIT } from "./power";
 
+/** 6061h */
+export const PROFILE_POSITION = 1;
+export const HOMING = 6;
+
 export const CONTROL_BIT = {
   newSetPoint: 1 << 4,
   changeSetImmediately: 1 << 5,
   halt: 1 << 8,
 } as const;
-
-const PROFILE_POSITION = 1;
 
 /** @return whether bit 4 is a new set-point and bit 12 its acknowledge; before 6061h is known, too. */
 export function hasHandshake(mode: number | undefined): boolean {

@@ -153,14 +153,14 @@ export class Connection {
     return this.services.has(name);
   }
 
-  /** @return a function that ends the subscription. The topic may appear later. */
+  /** @return a function that ends the subscription, and then does nothing. The topic may appear later. */
   subscribe(topic: string, handler: Handler): () => void {
     const subscription: Subscription = { topic, id: this.nextId++, handler };
     this.subscriptions.set(subscription.id, subscription);
     this.attach([subscription]);
     return () => {
-      this.subscriptions.delete(subscription.id);
-      if (subscription.channel !== undefined) {
+      const isOpen = this.subscriptions.delete(subscription.id);
+      if (isOpen && subscription.channel !== undefined) {
         this.send({ op: "unsubscribe", subscriptionIds: [subscription.id] });
       }
     };

@@ -2,13 +2,15 @@
 // Everything of one axis: figures, plots, words, state machine, controls, events, objects.
 
 import type { LogEvent } from "../data/events";
-import { decodePowerState } from "../data/power";
+import { INPUT_BIT } from "../data/motions";
+import { decodePowerState, STATUS_BIT } from "../data/power";
+import { formatTime } from "../data/times";
 import { formatAge, formatHex, formatPermille, formatUnits } from "../data/units";
 import { modeName, stateName, t, type TextKey } from "../i18n";
 import { addressOf, type Model } from "../model";
 import type { Trace } from "../trace";
 import { Commands } from "./commands";
-import { h, mark, put, type View } from "./dom";
+import { FOCUS, h, mark, put, type View } from "./dom";
 import { PowerMachine, Words } from "./drive";
 import { Events } from "./events";
 import { Objects } from "./objects";
@@ -17,6 +19,9 @@ import { Plots } from "./plots";
 const FIGURES: { key: string; text: TextKey; wide?: boolean }[] = [
   { key: "state", text: "state", wide: true },
   { key: "mode", text: "mode", wide: true },
+  { key: "enabled", text: "enabled" },
+  { key: "homed", text: "homed" },
+  { key: "limits", text: "limits" },
   { key: "position", text: "position" },
   { key: "velocity", text: "velocity" },
   { key: "torque", text: "torque" },
@@ -34,6 +39,7 @@ class Figures implements View {
   private readonly cells = new Map<string, HTMLElement>();
   private readonly lamp = h("span", { class: "lamp" });
   private readonly state = h("span");
+  private readonly lamps = new Map<string, { lamp: HTMLElement; text: HTMLElement }>();
   private shownAt = 0;
 
   constructor(
@@ -46,6 +52,13 @@ class Figures implements View {
       this.root.append(h("div", { class: wide === true ? "wide" : "" }, h("dt", {}, t(text)), value));
     }
     this.cells.get("state")?.append(this.lamp, this.state);
+    for (const key of ["enabled", "homed", "limits"] as const) {
+      const made = { lamp: h("span", { class: "lamp" }), text: h("span") };
+      this.lamps.set(key, made);
+      const cell = this.cells.get(key);
+      cell?.append(made.lamp, made.text);
+      if (cell !== undefined) cell.title = t(`${key}_hint`);
+    }
   }
 
   update(now: number): void {
@@ -61,6 +74,7 @@ class Figures implements View {
     const lamp = `lamp ${state}`;
     if (this.lamp.className !== lamp) this.lamp.className = lamp;
     put(this.state, stateName(state));
+    this.showLamps(state === "operation_enabled");
     this.set("mode", modeName(last["op_mode_actual"]));
     this.set("position", `${formatUnits(last["load_position_actual_value"], scale)} ${scale.name}`);
     this.set("velocity", `${formatUnits(last["load_velocity_actual_value"], scale)} ${scale.name}/s`);
@@ -71,6 +85,28 @@ class Figures implements View {
     const fault = last["error_code"];
     this.set("fault", fault === 0 ? "–" : `${formatHex(fault)} ${this.model.errorName(fault)}`);
     mark(this.root, "faulted", fault !== 0);
+  }
+
+  private showLamps(isEnabled: boolean): void {
+    const { last, homedAt, period } = this.trace;
+    this.light("enabled", isEnabled ? "operation_enabled" : "", t(isEnabled ? "yes" : "no"));
+    const homed = homedAt === undefined ? "?" : homedAt === false ? t("no") : formatTime(homedAt * period, 0);
+    this.light("homed", typeof homedAt === "number" ? "operation_enabled" : "", homed);
+    const inputs = last["digital_inputs"] ?? 0;
+    const limits = [
+      inputs & INPUT_BIT.negativeLimit && "−",
+      inputs & INPUT_BIT.positiveLimit && "+",
+      last["ds402_statusword"] & STATUS_BIT.internalLimit && t("bit_11"),
+    ].filter((limit) => limit !== 0);
+    this.light("limits", limits.length > 0 ? "quick_stop_active" : "", limits.length > 0 ? limits.join(" ") : t("none"));
+  }
+
+  private light(key: string, colour: string, text: string): void {
+    const made = this.lamps.get(key);
+    if (made === undefined) return;
+    const wanted = `lamp ${colour}`.trim();
+    if (made.lamp.className !== wanted) made.lamp.className = wanted;
+    put(made.text, text);
   }
 
   private set(key: string, text: string): void {
@@ -104,7 +140,7 @@ export class AxisView implements View {
       "div",
       { class: "title" },
       h("a", { attributes: { href: "#/", "aria-label": t("back") } }, "‹"),
-      h("h2", {}, `${address} `, h("span", { class: "axis-name" }, ref.axis.name)),
+      h("h2", { attributes: FOCUS }, `${address} `, h("span", { class: "axis-name" }, ref.axis.name)),
     );
     this.root = h(
       "div",

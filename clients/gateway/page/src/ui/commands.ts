@@ -4,11 +4,12 @@
 import { nameMatches } from "../data/rows";
 import { parseNumber, whyNoNumber } from "../data/units";
 import { clockName, isTextKey, t, type TextKey } from "../i18n";
-import { addressOf, listed, SECOND_PRESS_MS, type AxisRef, type Disturbance, type Model } from "../model";
+import { addressOf, listed, type AxisRef, type Disturbance, type Model } from "../model";
 import { attempt, button, field, h, put, select, type View } from "./dom";
 import { Homing, HOMING_METHOD } from "./homing";
 import { PolledObjects } from "./polled";
 import { KeptCheckbox, QuantityField } from "./quantity";
+import { askingButton } from "./question";
 import { ABORT_OPTION_CODE, Silence } from "./silence";
 
 const JOG_EVERY_MS = 100;
@@ -22,43 +23,6 @@ function addresses(axes: Axes): string[] {
   return axes().map(addressOf);
 }
 
-/**
- * A button that asks before it does what cannot be taken back. The question stands in its place, so
- * that STOP stays in reach; the second click of a double click answers nothing.
- */
-function askingButton(label: string, name: string, axes: Axes, press: (axes: string[]) => void): HTMLElement {
-  const place = h("span", { class: "asking" });
-  const ask = () => {
-    const asked = addresses(axes);
-    const since = performance.now();
-    const confirm = () => {
-      if (performance.now() - since < SECOND_PRESS_MS) return;
-      leave();
-      press(asked);
-    };
-    const cancel = button(t("cancel"), leave, { attributes: { "data-test": `${name}-cancel` } });
-    place.replaceChildren(
-      h("span", {}, `${label}: ${listed(asked)}?`),
-      cancel,
-      button(label, confirm, { class: "primary", attributes: { "data-test": `${name}-confirm` } }),
-    );
-    cancel.focus();
-    document.addEventListener("keydown", escape);
-  };
-  const first = button(label, ask, { attributes: { "data-test": name } });
-  const leave = () => {
-    document.removeEventListener("keydown", escape);
-    place.replaceChildren(first);
-    if (place.isConnected) first.focus();
-  };
-  // The second click of a double click has moved the focus away.
-  const escape = (event: KeyboardEvent) => {
-    if (event.key === "Escape" || !place.isConnected) leave();
-  };
-  place.append(first);
-  return place;
-}
-
 function group(title: TextKey, ...children: Node[]): HTMLFieldSetElement {
   return h("fieldset", {}, h("legend", {}, t(title)), ...children);
 }
@@ -66,7 +30,11 @@ function group(title: TextKey, ...children: Node[]): HTMLFieldSetElement {
 function serviceButton(model: Model, axes: Axes, service: string, text: TextKey, asks = false): HTMLElement {
   const name = service.slice(1);
   const press = (chosen: string[]) => void model.command(service, { axes: chosen });
-  if (asks) return askingButton(t(text), name, axes, press);
+  if (asks) {
+    let asked: string[] = []; // the question names them: axes chosen later are left out
+    const question = () => `${t(text)}: ${listed((asked = addresses(axes)))}?`;
+    return askingButton(t(text), name, question, () => press(asked));
+  }
   return button(t(text), () => press(addresses(axes)), { attributes: { "data-test": name } });
 }
 

@@ -8,7 +8,7 @@ import { formatUnits } from "../data/units";
 import { stateName, t } from "../i18n";
 import { addressOf, type AxisRef, type Model } from "../model";
 import { BenchClock, Commands, GroupMove } from "./commands";
-import { button, h, put, type View } from "./dom";
+import { button, FOCUS, h, put, type View } from "./dom";
 import { Events } from "./events";
 
 const FIGURES_EVERY_MS = 100;
@@ -53,7 +53,7 @@ export class ControlView implements View {
     this.root = h(
       "div",
       { class: "control-view" },
-      h("h2", { class: "only-heard" }, t("control")),
+      h("h2", { class: "only-heard", attributes: FOCUS }, t("control")),
       h("div", { class: "main-column" }, chosen, groupMove.root, this.clockPlace, events.root),
       h("div", { class: "side-column" }, commands.root),
     );

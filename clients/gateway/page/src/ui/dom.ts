@@ -136,6 +136,9 @@ export function download(name: string, content: Blob): void {
   window.setTimeout(() => URL.revokeObjectURL(link.href), 1_000);
 }
 
+/** Attributes of the element of a view that gets the focus when the one that had it has gone with the view before. */
+export const FOCUS = { "data-focus": "", tabindex: "-1" };
+
 export interface View {
   root: HTMLElement;
   /** Called once a frame of the screen. */

@@ -11,7 +11,10 @@ const MOST_SHOWN = 200;
 
 export class Events implements View {
   readonly root: HTMLElement;
-  private readonly list = h("ol", { class: "events", attributes: { "aria-label": t("events"), tabindex: "0" } });
+  private readonly list = h("ol", { class: "events", attributes: { "aria-label": t("events") } });
+  private buttons: HTMLButtonElement[] = [];
+  /** the one that Tab reaches; from there the arrow keys go on */
+  private current = 0;
   private shownVersion = -1;
 
   /** @param wanted whether an event is shown here
@@ -21,6 +24,7 @@ export class Events implements View {
     private readonly wanted: (event: LogEvent) => boolean,
     private readonly go: (event: LogEvent) => void,
   ) {
+    this.list.addEventListener("keydown", (event) => this.key(event));
     this.root = h("section", { class: "panel events-panel" }, h("h3", {}, t("events")), this.list);
   }
 
@@ -28,7 +32,9 @@ export class Events implements View {
     const { version } = this.model.events;
     if (version === this.shownVersion) return;
     this.shownVersion = version;
-    const focused = (document.activeElement as HTMLElement | null)?.dataset["event"];
+    const before = this.buttons[this.current];
+    const hadFocus = before !== undefined && document.activeElement === before;
+    this.buttons = [];
     const rows = this.groups().map(({ event, times }) => {
       const key = `level_${event.level}`;
       return h(
@@ -42,16 +48,36 @@ export class Events implements View {
     });
     if (rows.length === 0) rows.push(h("li", { class: "empty" }, t("no_events")));
     this.list.replaceChildren(...rows);
-    if (focused !== undefined) this.list.querySelector<HTMLElement>(`[data-event="${CSS.escape(focused)}"]`)?.focus();
+    const same = this.buttons.findIndex(({ dataset }) => dataset["event"] === before?.dataset["event"]);
+    // Else nobody has come here: Tab reaches the newest one.
+    this.choose(hadFocus ? (same >= 0 ? same : this.current) : 0, hadFocus);
+  }
+
+  private choose(place: number, isFocused: boolean): void {
+    this.current = Math.max(0, Math.min(place, this.buttons.length - 1));
+    this.buttons.forEach((button, i) => (button.tabIndex = i === this.current ? 0 : -1));
+    if (isFocused) this.buttons[this.current]?.focus();
+  }
+
+  private key(event: KeyboardEvent): void {
+    const last = this.buttons.length - 1;
+    const places: Record<string, number> = { ArrowDown: this.current + 1, ArrowUp: this.current - 1, Home: 0, End: last };
+    const place = places[event.key];
+    if (place === undefined) return;
+    event.preventDefault();
+    this.choose(place, true);
   }
 
   private time(event: LogEvent): HTMLElement {
     const text = timeText(event.time);
-    return button(text, () => this.go(event), {
+    const made = button(text, () => this.go(event), {
       class: "quiet number time",
       title: t("go_to_event"),
       attributes: { "data-event": `${event.bench} ${event.axis} ${event.tick} ${event.message}` },
     });
+    const place = this.buttons.push(made) - 1;
+    made.addEventListener("focus", () => place !== this.current && this.choose(place, false));
+    return made;
   }
 
   private source({ bench, axis }: LogEvent): string {

@@ -6,7 +6,7 @@ import { matches, sorted, type Filter, type Order, type Row, type SortKey } from
 import { formatAge, formatHex, formatPermille, formatUnits } from "../data/units";
 import { modeName, stateName, t, type TextKey } from "../i18n";
 import { addressOf, TREND_LENGTH, type AxisRef, type Bench, type Model } from "../model";
-import { colour, fit, h, mark, put, select, type View } from "./dom";
+import { colour, fit, FOCUS, h, mark, put, select, type View } from "./dom";
 
 interface TableRow extends Row {
   ref: AxisRef;
@@ -79,6 +79,7 @@ class RowElements {
   constructor(
     private readonly model: Model,
     choose: (row: TableRow, on: boolean, isRange: boolean) => void,
+    open: (row: TableRow) => void,
   ) {
     this.root = h("div", { class: "row", attributes: { role: "row", tabindex: "-1" } });
     this.box = h("input", { attributes: { type: "checkbox" } });
@@ -102,7 +103,7 @@ class RowElements {
     this.canvas = h("canvas", { attributes: { "aria-hidden": "true" } });
     this.cell("trend").append(this.canvas);
     this.root.addEventListener("click", (event) => {
-      if (event.target !== this.box && this.row) location.hash = `#/axis/${addressOf(this.row.ref)}`;
+      if (event.target !== this.box && this.row) open(this.row);
     });
   }
 
@@ -198,6 +199,8 @@ export interface OverviewMemory {
   filter: Filter;
   order: Order;
   scrolled: number;
+  /** place of the row that the keyboard has chosen, or that was opened */
+  selected: number;
 }
 
 export function overviewMemory(): OverviewMemory {
@@ -205,6 +208,7 @@ export function overviewMemory(): OverviewMemory {
     filter: { text: "", bench: undefined, faulted: false, moving: false, owned: false },
     order: { key: "address", descending: false },
     scrolled: 0,
+    selected: 0,
   };
 }
 
@@ -227,7 +231,6 @@ export class Overview implements View {
   private trendAt = 0;
   private scrolledTo = -1;
   private height = 28;
-  private selected = 0;
   private chosenLast = "";
 
   constructor(
@@ -242,7 +245,7 @@ export class Overview implements View {
       "div",
       {
         class: "scroller",
-        attributes: { role: "table", "aria-label": t("overview"), tabindex: "0" },
+        attributes: { ...FOCUS, role: "table", "aria-label": t("overview"), tabindex: "0" },
         on: { scroll: () => (memory.scrolled = this.scroller.scrollTop), keydown: (event) => this.key(event) },
       },
       this.head,
@@ -409,7 +412,11 @@ export class Overview implements View {
     const visible = Math.ceil(this.scroller.clientHeight / this.height) + SPARE_ROWS;
     const first = Math.max(0, Math.min(Math.floor(top / this.height) - SPARE_ROWS / 2, this.shown.length - visible));
     while (this.pool.length < visible) {
-      const made = new RowElements(this.model, (row, on, isRange) => this.choose(row, on, isRange));
+      const made = new RowElements(
+        this.model,
+        (row, on, isRange) => this.choose(row, on, isRange),
+        (row) => this.open(row),
+      );
       this.pool.push(made);
       this.space.append(made.root);
     }
@@ -419,7 +426,7 @@ export class Overview implements View {
     for (let place = first; place < end; ++place) {
       const elements = this.pool[place % this.pool.length];
       elements.show(this.shown[place], place, this.height, now);
-      mark(elements.root, "selected", place === this.selected && this.scroller.matches(":focus-visible"));
+      mark(elements.root, "selected", place === this.memory.selected && this.scroller.matches(":focus-visible"));
     }
   }
 
@@ -436,18 +443,23 @@ export class Overview implements View {
     this.orderedAt = 0;
   }
 
+  private open(row: TableRow): void {
+    this.memory.selected = this.shown.indexOf(row);
+    location.hash = `#/axis/${addressOf(row.ref)}`;
+  }
+
   private key(event: KeyboardEvent): void {
     const steps: Record<string, number> = { ArrowDown: 1, ArrowUp: -1 };
-    const row = this.shown[this.selected];
+    const row = this.shown[this.memory.selected];
     if (event.target !== this.scroller) return;
     if (event.key in steps) {
-      this.selected = Math.max(0, Math.min(this.shown.length - 1, this.selected + steps[event.key]));
-      const top = this.selected * this.height;
+      this.memory.selected = Math.max(0, Math.min(this.shown.length - 1, this.memory.selected + steps[event.key]));
+      const top = this.memory.selected * this.height;
       const height = this.scroller.clientHeight - this.head.offsetHeight;
       if (top < this.scroller.scrollTop) this.scroller.scrollTop = top;
       if (top + this.height > this.scroller.scrollTop + height) this.scroller.scrollTop = top + this.height - height;
     } else if (event.key === "Enter" && row !== undefined) {
-      location.hash = `#/axis/${addressOf(row.ref)}`;
+      this.open(row);
     } else if (event.key === " " && row !== undefined) {
       const address = addressOf(row.ref);
       if (!this.model.chosen.delete(address)) this.model.chosen.add(address);

@@ -2,7 +2,7 @@
 // Live plots of one axis over one time axis, with the handshake of set-points under them.
 
 import uPlot from "uplot";
-import { niceRange, type Points } from "../data/history";
+import { labelDecimals, niceRange, type Points } from "../data/history";
 import { marksOf, type Mark, type MarkKind } from "../data/moments";
 import { hasHandshake } from "../data/setpoints";
 import { formatTime, isoDate, timeText } from "../data/times";
@@ -67,9 +67,14 @@ const PLOTS: PlotKind[] = [
   },
 ];
 const WINDOWS = [1, 2, 5, 10, 30, 60, 120, 300, LONGEST_WINDOW_S];
+const LINE_DASH = [5, 4];
+const LEGEND_LINE = 19; // [px] two dashes
+const LEGEND_GAP = 14; // [px]
 const AXIS_WIDTH = 78;
 const RIGHT_MARGIN = 14;
 const TIME_AXIS_HEIGHT = 22;
+const LEAST_HEIGHT = 92; // [px] of a plot: with less nothing is seen
+const MARGIN = 10; // [px] of the window around the plots
 /** `number`: of a bit that the handshake of set-points uses, and other modes in their own way */
 const BITS: { series: Series; text: TextKey; number?: number }[] = [
   { series: "new_set_point", text: "bit4", number: 4 },
@@ -131,11 +136,13 @@ export class Plots implements View {
   private wentTo?: number;
   private eventsVersion = -1;
   private width = 0;
+  private height = 0;
   private paused = false;
   /** [s] shown instead of the newest window */
   private zoomed?: [number, number];
   private pausedAt = 0;
-  private cursorTime?: number;
+  /** [px] in the plots; under it another time passes while they run */
+  private cursorLeft = -1;
   private drawnEnd = -1;
   private drawnAt = 0;
   private dirty = true;
@@ -322,16 +329,16 @@ export class Plots implements View {
           size: isLast ? TIME_AXIS_HEIGHT : 0,
           space: TIME_SPACE,
           incrs: TIME_STEPS,
-          values: (_, values) => values.map((v) => (isLast ? formatTime(this.trace.driveTime(v), decimalsOf(values)) : "")),
+          values: (_, values) => values.map((v) => (isLast ? formatTime(this.trace.driveTime(v), labelDecimals(values)) : "")),
         },
-        { ...axis, size: AXIS_WIDTH, space: 20, gap: 4, values: (_, values) => values.map((v) => formatNumber(v, decimalsOf(values))) },
+        { ...axis, size: AXIS_WIDTH, space: 20, gap: 4, values: (_, values) => values.map((v) => formatNumber(v, labelDecimals(values))) },
       ],
       series: [
         {},
         ...kind.lines.map((line) => ({
           stroke: () => colour(line.colour),
           width: 1.25,
-          dash: line.dashed === true ? [5, 4] : undefined,
+          dash: line.dashed === true ? LINE_DASH : undefined,
           points: { show: false },
         })),
       ],
@@ -381,8 +388,12 @@ export class Plots implements View {
   }
 
   private onCursor(plot: uPlot): void {
-    const left = plot.cursor.left ?? -1;
-    this.cursorTime = left < 0 ? undefined : plot.posToVal(left, "x");
+    this.cursorLeft = plot.cursor.left ?? -1;
+  }
+
+  /** @return the time under the cursor; undefined without one */
+  private cursorTime(): number | undefined {
+    return this.cursorLeft < 0 ? undefined : this.drawn[0].plot.posToVal(this.cursorLeft, "x");
   }
 
   private onSelect(plot: uPlot): void {
@@ -426,14 +437,28 @@ export class Plots implements View {
   }
 
   private resize(): void {
+    const main = this.root.closest("main");
     const width = this.root.clientWidth - 2;
-    if (width === this.width || width < 100) return;
+    if (main === null || width < 100) return;
+    this.observer.observe(main);
+    const height = this.heightIn(main);
+    if (width === this.width && height === this.height) return;
     this.width = width;
-    const height = width < 500 ? 92 : 104;
+    this.height = height;
     this.drawn.forEach(({ plot }, i) => {
       plot.setSize({ width, height: i === this.drawn.length - 1 ? height + TIME_AXIS_HEIGHT : height });
     });
     this.dirty = true;
+  }
+
+  /** @return of a plot, so that all of them fill the window below what stands above them [px]; where the controls
+   *          stand above them, a window of their own */
+  private heightIn(main: HTMLElement): number {
+    const others = this.root.offsetHeight - this.drawn.reduce((sum, { plot }) => sum + plot.height, 0);
+    const top = this.root.getBoundingClientRect().top - main.getBoundingClientRect().top + main.scrollTop;
+    const above = top < main.clientHeight / 2 ? top : MARGIN;
+    const room = main.clientHeight - above - MARGIN - others - TIME_AXIS_HEIGHT;
+    return Math.max(LEAST_HEIGHT, Math.floor(room / this.drawn.length));
   }
 
   private draw(drawn: Drawn, from: number, to: number): void {
@@ -503,10 +528,11 @@ export class Plots implements View {
     }
   }
 
+  /** What is under the cursor, else at the right edge. */
   private showReadings(): void {
     const { history } = this.trace;
-    const asked = this.cursorTime;
-    const number = asked === undefined ? history.end - 1 : history.nearest(asked);
+    const asked = this.cursorTime();
+    const number = history.nearest(asked ?? this.range()[1]);
     if (number === undefined || number < history.first) return;
     for (const drawn of this.drawn) {
       const scale = this.scaleOf(drawn.kind);
@@ -515,7 +541,8 @@ export class Plots implements View {
         put(drawn.readings[i], formatNumber(value, scale.decimals));
       });
     }
-    const held = this.trace.setPoints;
+    // No history has it, and the present value does not belong to a paused plot.
+    const held = this.paused ? undefined : this.trace.setPoints;
     put(this.heldText, held === undefined ? "–" : `${held.active} + ${held.waiting ?? "?"}`);
     const time = history.time(number);
     const named = asked === undefined ? "" : this.nameMark(asked);
@@ -546,11 +573,12 @@ export class Plots implements View {
 
   private savePng(): void {
     const ratio = window.devicePixelRatio || 1;
-    const pictures: { head: string; canvas: HTMLCanvasElement }[] = this.drawn.map((drawn) => ({
-      head: `${t(drawn.kind.text)} [${drawn.unit.textContent ?? ""}]: ${drawn.kind.lines.map((l) => t(l.part)).join(", ")}`,
-      canvas: drawn.plot.ctx.canvas,
+    const pictures: { head: string; lines: Line[]; canvas: HTMLCanvasElement }[] = this.drawn.map(({ kind, unit, plot }) => ({
+      head: `${t(kind.text)} [${unit.textContent ?? ""}]`,
+      lines: kind.lines,
+      canvas: plot.ctx.canvas,
     }));
-    pictures.push({ head: t("handshake"), canvas: this.strip });
+    pictures.push({ head: t("handshake"), lines: [], canvas: this.strip });
     const head = 22 * ratio;
     const whole = h("canvas");
     whole.width = this.width * ratio;
@@ -563,8 +591,9 @@ export class Plots implements View {
     context.font = `${12 * ratio}px system-ui, sans-serif`;
     context.fillText(this.pictureTitle(), 8 * ratio, 15 * ratio);
     let top = head;
-    for (const { head: text, canvas } of pictures) {
+    for (const { head: text, lines, canvas } of pictures) {
       context.fillText(text, 8 * ratio, top + 15 * ratio);
+      drawLegend(context, lines, 8 * ratio + context.measureText(text).width, top + 15 * ratio, ratio);
       context.drawImage(canvas, 0, top + head);
       top += canvas.height + head;
     }
@@ -760,14 +789,26 @@ export class Plots implements View {
   }
 }
 
+/** Each line as it is drawn, and its name. @param bottom of the letters */
+function drawLegend(context: CanvasRenderingContext2D, lines: Line[], left: number, bottom: number, ratio: number): void {
+  context.save();
+  context.lineWidth = 2 * ratio;
+  for (const line of lines) {
+    left += LEGEND_GAP * ratio;
+    context.strokeStyle = colour(line.colour);
+    context.setLineDash(line.dashed === true ? LINE_DASH.map((length) => length * ratio) : []);
+    context.beginPath();
+    context.moveTo(left, bottom - 4 * ratio);
+    context.lineTo(left + LEGEND_LINE * ratio, bottom - 4 * ratio);
+    context.stroke();
+    left += (LEGEND_LINE + 6) * ratio;
+    const name = t(line.part).toLowerCase();
+    context.fillText(name, left, bottom);
+    left += context.measureText(name).width;
+  }
+  context.restore();
+}
+
 function unitOf(kind: PlotKind, scale: Scale): string {
   return kind.unit === "velocity" ? `${scale.name}/s` : scale.name;
 }
-
-/** Decimals with which the values of neighbouring grid lines differ. */
-function decimalsOf(values: number[]): number {
-  if (values.length < 2) return 0;
-  const step = Math.abs(values[1] - values[0]);
-  return step >= 1 ? 0 : Math.min(6, Math.ceil(-Math.log10(step)));
-}
-

@@ -8,8 +8,10 @@ import { AxisView } from "./axis";
 import { ControlView } from "./control";
 import { button, h, mark, put, select, type View } from "./dom";
 import { Overview, overviewMemory } from "./overview";
+import { ask } from "./question";
 
 const MOTION_EVERY_MS = 250;
+const MOST_MOTIONS = 4;
 const LIGHT_FRAME_MS = 12;
 const LONGEST_REST_MS = 500;
 
@@ -41,7 +43,7 @@ export class Shell {
   private readonly traces: Traces;
   private viewKey = "";
   private lastAxis?: string;
-  private readonly main = h("main");
+  private readonly main = h("main", { attributes: { tabindex: "-1" } });
   private readonly links = new Map<string, HTMLAnchorElement>();
   private readonly lamp = h("span", { class: "lamp" });
   private readonly link = h("span");
@@ -49,11 +51,20 @@ export class Shell {
   private readonly banner = h("p", { class: "banner", attributes: { role: "alert" } });
   private readonly notices = h("div", { class: "notices", attributes: { role: "status" } });
   private shownNotices = "";
+  /** before control is taken from who holds it */
+  private readonly question = h("div", { class: "question", attributes: { role: "group", "aria-live": "polite" } });
+  private readonly questionText = h("span");
+  private endQuestion?: () => void;
+  /** the session that it is about */
+  private askedAbout = "";
   private tookAt = -Infinity;
   private readonly holder = h("span", { class: "holder" });
   private readonly takeButton = button("", () => this.take(), { class: "take", attributes: { "data-test": "take" } });
   private readonly stopButton = button("", () => this.stop(), { class: "stop", attributes: { "data-test": "stop" } });
   private readonly outcome = h("p", { class: "outcome", attributes: { role: "status" } });
+  private readonly motions = h("ul", { class: "motions" });
+  /** Their ends are heard, not each step of the way. */
+  private readonly motionEnds = h("p", { class: "only-heard", attributes: { role: "status" } });
   private readonly motion = h("p", { class: "motion", attributes: { role: "status" } });
   private motionAt = -Infinity;
   private readonly prefersDark = window.matchMedia("(prefers-color-scheme: dark)");
@@ -83,6 +94,7 @@ export class Shell {
       this.links.set(key, link);
       nav.append(link);
     }
+    this.endQuestion?.(); // in the language before
     this.stopButton.replaceChildren(h("b", {}, t("stop")), " ", h("kbd", {}, "Ctrl + ."));
     this.stopButton.title = t("stop_hint");
     const { settings } = this.model;
@@ -126,7 +138,7 @@ export class Shell {
     );
     // STOP has a column of its own: whatever else the header shows, it stays where it is.
     const header = h("header", {}, frame, this.stopButton);
-    this.app.replaceChildren(header, this.banner, this.notices, this.main, h("footer", {}, this.outcome, this.motion));
+    this.app.replaceChildren(header, this.question, this.banner, this.notices, this.main, h("footer", {}, this.outcome, this.motions, this.motionEnds, this.motion));
     this.viewKey = "";
     this.version = -1;
     this.route();
@@ -159,7 +171,9 @@ export class Shell {
     this.view?.close?.();
     this.view = this.make(name, ref);
     this.main.className = name;
+    const hadFocus = this.main.contains(document.activeElement);
     this.main.replaceChildren(this.view.root);
+    if (hadFocus) (this.main.querySelector<HTMLElement>("[data-focus]") ?? this.main).focus();
   }
 
   private axisOf(address: string): AxisRef | undefined {
@@ -211,6 +225,8 @@ export class Shell {
 
   private showControl(): void {
     const { control, connected } = this.model;
+    // Another client has control by now, or nobody: that was not asked.
+    if (control.session !== this.askedAbout) this.endQuestion?.();
     const able = control.enabled && connected;
     this.stopButton.disabled = !able;
     this.takeButton.hidden = !able;
@@ -223,7 +239,7 @@ export class Shell {
     this.holder.title = "";
     const held = control.holder !== "";
     put(this.holder, control.you ? t("you_hold") : held ? `${t("held_by")} ${control.holder}` : t("nobody_holds"));
-    put(this.takeButton, control.you ? t("release") : held ? `${t("take_by_force")} ${control.holder}` : t("take"));
+    put(this.takeButton, control.you ? t("release") : held ? `${t("take")} …` : t("take"));
   }
 
   private showNotices(): void {
@@ -239,6 +255,8 @@ export class Shell {
   private showMotion(now: number): void {
     if (now - this.motionAt < MOTION_EVERY_MS) return;
     this.motionAt = now;
+    this.showMotions();
+    if (this.endQuestion !== undefined) put(this.questionText, this.model.takeOverText());
     const { own, free } = this.model.moving();
     const { control } = this.model;
     const isFree = free.length > 0 && control.enabled && !control.you;
@@ -248,8 +266,23 @@ export class Shell {
   private showOutcome(): void {
     const { outcome } = this.model;
     put(this.outcome, outcome?.text ?? "");
-    const wanted = outcome === undefined ? "outcome" : outcome.ok ? "outcome good" : "outcome bad";
+    const kind = outcome === undefined ? "" : !outcome.ok ? " bad" : outcome.isUnderWay === true ? "" : " good";
+    const wanted = `outcome${kind}`;
     if (this.outcome.className !== wanted) this.outcome.className = wanted;
+  }
+
+  /** How the motions go on that this page has started: first those that did not reach their end. */
+  private showMotions(): void {
+    const all = this.model.motions.lines();
+    put(this.motionEnds, all.flatMap(({ kind, text }) => (kind === "moves" ? [] : [text])).join("; "));
+    const lines = [...all.filter(({ kind }) => kind === "ended"), ...all.filter(({ kind }) => kind !== "ended")].slice(0, MOST_MOTIONS);
+    if (all.length > lines.length) lines.push({ kind: "moves", text: `… (${all.length})` });
+    while (this.motions.children.length > lines.length) this.motions.lastElementChild?.remove();
+    lines.forEach(({ kind, text }, i) => {
+      const line = this.motions.children[i] ?? this.motions.appendChild(h("li"));
+      if (line.className !== kind) line.className = kind;
+      put(line as HTMLElement, text);
+    });
   }
 
   private take(): void {
@@ -260,7 +293,25 @@ export class Shell {
     this.tookAt = now;
     if (isSecond) return;
     if (control.you) void this.model.command("/release_control", {});
-    else this.model.takeControl();
+    else if (control.holder === "") this.model.takeControl();
+    else this.askTakeOver(control.session);
+  }
+
+  /** Who holds control loses it, also while its axes move. */
+  private askTakeOver(session: string): void {
+    if (this.endQuestion !== undefined) return;
+    put(this.questionText, this.model.takeOverText());
+    this.endQuestion = ask(this.question, {
+      text: this.questionText,
+      label: t("take"),
+      name: "take",
+      agree: () => this.model.takeControl(),
+      leave: (hadFocus) => {
+        this.endQuestion = undefined;
+        if (hadFocus) this.takeButton.focus();
+      },
+    });
+    this.askedAbout = session;
   }
 
   private stop(): void {

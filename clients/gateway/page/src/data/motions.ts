@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// A motion that this page has started, from the tick in which the drive had accepted it to its end: what the
+// status of its axis shows, and what has to be read where the status does not show it.
+
+import { decodePowerState, STATUS_BIT, type PowerState } from "./power";
+import { CONTROL_BIT, HOMING, PROFILE_POSITION } from "./setpoints";
+
+/** 60FDh */
+export const INPUT_BIT = { negativeLimit: 1 << 0, positiveLimit: 1 << 1, home: 1 << 2 } as const;
+
+/** Objects of one tick after the drive has accepted the motion. */
+export interface Reading {
+  tick: number;
+  /** 6040h */
+  controlword: number;
+  /** 6061h */
+  mode: number;
+  /** 607Ah [UU], of a relative move a distance */
+  target: number;
+  /** 6064h [UU] */
+  position: number;
+}
+
+/** The status of an axis after a tick. */
+export interface Sight {
+  tick: number;
+  /** session, 0 = nobody */
+  owner: bigint;
+  /** 6041h */
+  statusword: number;
+  /** 6061h */
+  mode: number;
+  /** 603Fh */
+  errorCode: number;
+  /** 60FDh */
+  inputs: number;
+  /** 6064h [UU] */
+  position: number;
+  /** 6062h [UU] */
+  demand: number;
+  /** 606Bh [UU/s] */
+  velocity: number;
+}
+
+/** What has ended a motion. */
+export type Cause =
+  | { kind: "reached" }
+  | { kind: "home_found" }
+  | { kind: "halt" | "software_limit" | "positive_limit" | "negative_limit" | "homing_error" | "interrupted" | "lost" }
+  | { kind: "fault"; code: number }
+  | { kind: "state"; state: PowerState }
+  | { kind: "mode"; mode: number }
+  | { kind: "set_point"; target: number }
+  | { kind: "owner"; session: bigint };
+
+const isAmong = (word: number, bit: number): boolean => (word & bit) !== 0;
+
+export class Motion {
+  /** [UU] */
+  position: number;
+  /** why it is over; undefined while it goes on */
+  end?: Cause;
+  /** Bit 10 is 1, and the status does not show why: the drive has to be asked. */
+  mustAsk = false;
+  private blocked?: "positive_limit" | "negative_limit";
+
+  /** @param target where it will end [UU]; undefined where that is not known, as of a relative move
+   *  @return the motion that the drive has accepted; nothing in a mode that knows no end */
+  static of(reading: Reading, owner: bigint, target: number | undefined): Motion | undefined {
+    return reading.mode === PROFILE_POSITION || reading.mode === HOMING ? new Motion(reading, owner, target) : undefined;
+  }
+
+  private constructor(
+    private readonly start: Reading,
+    private readonly owner: bigint,
+    readonly target: number | undefined,
+  ) {
+    this.position = start.position;
+  }
+
+  get isHoming(): boolean {
+    return this.start.mode === HOMING;
+  }
+
+  /** @return how much of its way the axis has covered, 0 to 1; undefined where its end is not known */
+  get share(): number | undefined {
+    if (this.target === undefined) return undefined;
+    const way = this.target - this.start.position;
+    return way === 0 ? 1 : Math.min(1, Math.max(0, (this.position - this.start.position) / way));
+  }
+
+  /** A status from before the drive accepted the motion shows another one: it is left out. */
+  take(sight: Sight): void {
+    if (this.end !== undefined || sight.tick < this.start.tick) return;
+    this.position = sight.position;
+    this.end = this.isHoming ? this.endOfHoming(sight) : this.endOfMove(sight);
+    this.end = this.endFromOutside(sight) ?? this.end;
+    this.mustAsk = this.end === undefined && isAmong(sight.statusword, STATUS_BIT.targetReached);
+  }
+
+  /** What the drive has answered while bit 10 was 1. */
+  answer(reading: Reading): void {
+    if (this.end !== undefined || !this.mustAsk || reading.tick < this.start.tick) return;
+    if (isAmong(reading.controlword, CONTROL_BIT.halt)) this.end = { kind: "halt" };
+    else if (this.isHoming) this.end = { kind: "interrupted" };
+    else if (reading.target !== this.start.target) this.end = { kind: "set_point", target: reading.target };
+    else if (this.target === undefined) this.end = { kind: "reached" };
+  }
+
+  private endFromOutside({ owner, statusword, mode, errorCode }: Sight): Cause | undefined {
+    const state = decodePowerState(statusword);
+    if (state === "fault" || state === "fault_reaction_active") return { kind: "fault", code: errorCode };
+    if (state !== "operation_enabled") return { kind: "state", state };
+    if (owner !== this.owner) return { kind: "owner", session: owner };
+    return mode === this.start.mode ? undefined : { kind: "mode", mode };
+  }
+
+  private endOfHoming({ statusword }: Sight): Cause | undefined {
+    if (isAmong(statusword, STATUS_BIT.modeError)) return { kind: "homing_error" };
+    const attained = STATUS_BIT.targetReached | STATUS_BIT.acknowledge;
+    return (statusword & attained) === attained ? { kind: "home_found" } : undefined;
+  }
+
+  /** As the client library: a limit switch in the way ends the motion for good, also when it opens again. */
+  private endOfMove({ statusword, inputs, demand, velocity }: Sight): Cause | undefined {
+    const way = this.target === undefined ? velocity : this.target - demand;
+    if (way > 0 && isAmong(inputs, INPUT_BIT.positiveLimit)) this.blocked = "positive_limit";
+    if (way < 0 && isAmong(inputs, INPUT_BIT.negativeLimit)) this.blocked = "negative_limit";
+    const isReached = isAmong(statusword, STATUS_BIT.targetReached);
+    if (isReached && demand === this.target) return { kind: "reached" };
+    if (velocity !== 0) return undefined;
+    if (this.blocked !== undefined) return { kind: this.blocked };
+    return isReached && isAmong(statusword, STATUS_BIT.internalLimit) ? { kind: "software_limit" } : undefined;
+  }
+}
