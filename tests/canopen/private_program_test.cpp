@@ -50,5 +50,19 @@ TEST(PrivateCanopenProgram, StepsAPrivateBenchBySync) {
   EXPECT_THAT(peer.next_data("581"), StartsWith("4B416000"));
 }
 
+// CiA 301, 7.2.4.3.9: 1008h, "vdrive", by blocks. The block has one segment, of whose 7 bytes one
+// is unused: n = 1 in bits 2 to 4 of C1h.
+TEST(PrivateCanopenProgram, SendsATextByBlocks) {
+  const RunningCanopen program("--private --axes 1");
+  SocketcandPeer peer(program.port());
+  peer.send_text("< send 601 8 a4 8 10 0 7f 0 0 0 >");
+  EXPECT_EQ(peer.next_data("581"), "C608100006000000");
+  peer.send_text("< send 601 8 a3 0 0 0 0 0 0 0 >");
+  EXPECT_EQ(peer.next_data("581"), "8176647269766500");
+  peer.send_text("< send 601 8 a2 1 7f 0 0 0 0 0 >");
+  EXPECT_THAT(peer.next_data("581"), StartsWith("C5"));
+  peer.send_text("< send 601 8 a1 0 0 0 0 0 0 0 >");
+}
+
 }  // namespace
 }  // namespace vdrive::test

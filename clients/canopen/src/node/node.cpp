@@ -203,6 +203,7 @@ void Node::Parts::reset_communication() {
   producer_.reset();
   consumer_.reset();
   parameters_.reset();
+  dictionary_.forget_date();
   has_heartbeat_error_ = false;
   if (!has_left_by_nmt_) regain_master();
   parameters_.restore([this](ObjectAddress object, std::uint32_t value) {
