@@ -914,6 +914,39 @@ TEST(VerifyConfiguration, ForgetsADateThatWasNotSavedWithAReset) {
   EXPECT_EQ(test.node.value({0x1020, 1}), 0);
 }
 
+// --- bus-off ---
+
+TEST(NodeBusOff, IsAnErrorOfTheCommunicationAsIn1029h) {
+  struct Row {
+    const char* behaviour;
+    NmtState state;
+  };
+
+  for (const Row& row : {Row{"601#2F29100100000000", NmtState::pre_operational},
+                         Row{"601#2F29100101000000", NmtState::operational},
+                         Row{"601#2F29100102000000", NmtState::stopped}}) {
+    NodeUnderTest test;
+    test.receive(row.behaviour);
+    test.receive(kStart);
+    test.host.connection_lost.clear();
+    test.node.set_bus_off(true, test.now);
+    EXPECT_EQ(test.node.state(), row.state) << row.behaviour;
+    EXPECT_THAT(test.host.connection_lost, ElementsAre(true));
+    test.host.take();
+    test.node.set_bus_off(false, test.now);
+    EXPECT_EQ(test.host.take().empty(), row.state == NmtState::stopped) << "no EMCY in Stopped";
+    EXPECT_THAT(test.host.connection_lost, ElementsAre(true, false));
+  }
+}
+
+TEST(NodeBusOff, IsReportedWithEmergency8140AtItsEnd) {
+  NodeUnderTest test;
+  test.node.set_bus_off(true, test.now);
+  EXPECT_THAT(test.host.take(), IsEmpty());
+  test.node.set_bus_off(false, test.now);
+  EXPECT_THAT(test.host.take(), Contains(StartsWith("081#4081")));
+}
+
 // --- any frames ---
 
 /// Frames that mean something to node 1 more often than not, and requests of objects that exist.
