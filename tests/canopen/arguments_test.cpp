@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 namespace vdrive::canopen {
 namespace {
@@ -140,6 +141,25 @@ TEST(CanopenArguments, NameNoBusWhereTheFileHasSeveral) {
   Settings settings;
   settings.buses.resize(2);
   EXPECT_THAT(problem_of_arguments({.benches = {1}}, settings), HasSubstr("the file has 2 buses"));
+}
+
+TEST(CanopenArguments, GiveTheBusALogAndFaults) {
+  Settings settings;
+  apply_arguments({.log = "bus.log", .faults = {"3 lost 5%", "doubled"}}, settings);
+  complete_settings(settings);
+  const BusSetting& bus = settings.buses.at(0);
+  EXPECT_EQ(bus.log.string(), "bus.log");
+  ASSERT_THAT(bus.faults, SizeIs(2));
+  EXPECT_EQ(bus.faults[0], (BusFault{.kind = BusFaultKind::lost, .node = 3, .percent = 5}));
+  EXPECT_THAT(bus.socketcand, SizeIs(1)) << "they are no port";
+}
+
+TEST(CanopenArguments, RefuseAFaultWithItsReason) {
+  EXPECT_THAT(problem_of_arguments({.faults = {"3 gone"}}),
+              HasSubstr("--disturb '3 gone': 'gone' is not a fault of the bus"));
+  EXPECT_THAT(problem_of_arguments({.faults = std::vector<std::string>(65, "lost")}),
+              HasSubstr("--disturb is given 65 times: a bus has at most 64 faults"));
+  EXPECT_THAT(problem_of_arguments({.log = ""}), HasSubstr("--log: its value is empty"));
 }
 
 }  // namespace

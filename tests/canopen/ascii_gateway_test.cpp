@@ -250,7 +250,7 @@ TEST(GatewayCommand, IsRefusedWithItsSequenceWhereItHasOne) {
            RefusedLine{"[5] boot_up_indication maybe", 5, kSyntax},
            RefusedLine{"[5] 1 dance", 5, kUnsupported},
            RefusedLine{"[5] 1 reset drive", 5, kUnsupported},
-           RefusedLine{"[5] set rpdo 1", 5, kUnsupported},
+           RefusedLine{"[5] set tpdox 1", 5, kUnsupported},
            RefusedLine{"[5] lss_store", 5, kUnsupported},
        }) {
     const auto parsed = parse_gateway_command(row.line);

@@ -393,6 +393,9 @@ class RandomMaster {
                 .size = static_cast<std::uint8_t>(random_.below(9))};
     if (random_.one_in(3)) frame.id = kRequestId;
     for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(random_.below(256));
+    // What follows the beginning of a block transfer is not one response to each request.
+    const bool is_block = frame.data[0] >> 5U == 6 || frame.data[0] >> 5U == 5;
+    if (frame.id == kRequestId && is_block) frame.data[0] = 0xA0;
     return frame;
   }
 

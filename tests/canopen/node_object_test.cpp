@@ -189,7 +189,7 @@ TEST(NodeObjects, AnswerAnUnknownIndexAndAnUnknownSubIndexDifferently) {
   EXPECT_EQ(check_node_address({0x1400, 1}), AbortCode::none);
   EXPECT_EQ(check_node_address({0x607D, 0}), AbortCode::none);
   for (const std::uint16_t index :
-       Indices{0x0005, 0x100C, 0x100D, 0x1020, 0x1404, 0x1FFF, 0x2000, 0xFFFF}) {
+       Indices{0x0005, 0x100C, 0x100D, 0x1021, 0x1404, 0x1FFF, 0x2000, 0xFFFF}) {
     EXPECT_EQ(check_node_address({index, 0}), AbortCode::object_does_not_exist) << index;
   }
   EXPECT_EQ(check_node_address({0x1400, 3}), AbortCode::subindex_does_not_exist);

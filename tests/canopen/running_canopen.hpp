@@ -36,8 +36,11 @@ inline std::vector<std::string> words_of(const std::string& text) {
 class RunningCanopen {
  public:
   explicit RunningCanopen(const std::string& words)
-      : process_(VDRIVE_CANOPEN, words_of(words + " --socketcand 127.0.0.1:0")),
-        line_(process_.read_line()) {
+      : RunningCanopen(words_of(words + " --socketcand 127.0.0.1:0")) {}
+
+  /// @param arguments one of which may have blanks
+  explicit RunningCanopen(const std::vector<std::string>& arguments)
+      : process_(VDRIVE_CANOPEN, arguments), line_(process_.read_line()) {
     if (!line_.starts_with("vdrive-canopen: bus 1: ")) {
       throw std::runtime_error("vdrive-canopen did not start: " + process_.wait().errors);
     }
@@ -54,10 +57,9 @@ class RunningCanopen {
 
   [[nodiscard]] const std::string& first_line() const { return line_; }
 
-  [[nodiscard]] int port() const {
-    constexpr std::string_view kBefore = "socketcand 127.0.0.1:";
-    return std::stoi(line_.substr(line_.find(kBefore) + kBefore.size()));
-  }
+  [[nodiscard]] int port() const { return port_after("socketcand 127.0.0.1:"); }
+
+  [[nodiscard]] int gateway_port() const { return port_after("gateway 127.0.0.1:"); }
 
   Finished stop() {
     has_ended_ = true;
@@ -66,6 +68,10 @@ class RunningCanopen {
   }
 
  private:
+  [[nodiscard]] int port_after(std::string_view words) const {
+    return std::stoi(line_.substr(line_.find(words) + words.size()));
+  }
+
   Process process_;
   std::string line_;
   bool has_ended_ = false;

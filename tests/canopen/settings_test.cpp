@@ -141,5 +141,25 @@ TEST(CanopenSettings, OfAPrivateBenchTakeNoNetwork) {
   EXPECT_THROW(complete_settings(settings), vdrive::settings::ConfigurationError);
 }
 
+TEST(CanopenSettings, GiveABusALogAndFaults) {
+  const Settings settings =
+      read_file("buses:\n  - log: bus.log\n    disturb: [3 lost 5%, late 4ms from 2s for 500ms]\n");
+  const BusSetting& bus = settings.buses.at(0);
+  EXPECT_EQ(bus.log.string(), "bus.log");
+  ASSERT_THAT(bus.faults, SizeIs(2));
+  EXPECT_EQ(bus.faults[0].node, 3);
+  EXPECT_EQ(bus.faults[1].until, std::chrono::microseconds(2'500ms));
+}
+
+TEST(CanopenSettings, RefuseAFaultAndALogOfTwoBusesWithTheirPlace) {
+  EXPECT_THAT(problem_of_file("buses:\n  - disturb: [3 gone]\n"),
+              AllOf(HasSubstr("canopen.yaml"), HasSubstr("disturb"),
+                    HasSubstr("'gone' is not a fault of the bus")));
+  EXPECT_THAT(
+      problem_of_file("buses:\n  - {gateways: ['127.0.0.1:0'], log: a, benches: [{bench: 1}]}\n"
+                      "  - {gateways: ['127.0.0.1:0'], log: a, benches: [{bench: 2}]}\n"),
+      HasSubstr("the log 'a' is given twice"));
+}
+
 }  // namespace
 }  // namespace vdrive::canopen

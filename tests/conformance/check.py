@@ -37,7 +37,7 @@ NUMBERED = re.compile(r"([A-NP-Z])-([1-9][0-9]*)")
 OBJECT = re.compile(r"O-[0-9A-F]{4}(:[0-9A-F]{2})?")
 COMMUNICATION_OBJECTS = [  # of CiA 301: those of a drive, and the two of node guarding, which are absent
     "1000", "1001", "1003", "1005", "1006", "1007", "1008", "1009", "100A", "100C", "100D", "1010",
-    "1011", "1014", "1015", "1016", "1017", "1018", "1019", "1029", "1200",
+    "1011", "1014", "1015", "1016", "1017", "1018", "1019", "1020", "1029", "1200",
     *(f"{block}0{number}" for block in ("14", "16", "18", "1A") for number in range(4))]
 
 Row = collections.namedtuple("Row", "line identifier cells tests")

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any frames at any time for a CANopen node: it sends valid frames, answers each SDO request once,
-// and gives the drive set-points in the order that the drive needs.
+// Any frames at any time for a CANopen node: it sends valid frames, answers each SDO request once
+// (within a block transfer a block of segments), and gives the drive set-points in the order that
+// the drive needs.
 #include "fuzz/support/bytes.hpp"
 #include "node/node.hpp"
 #include "node/node_object.hpp"
+#include "node/sdo_block.hpp"
 
 #include <algorithm>
 #include <array>
@@ -29,6 +31,8 @@ constexpr std::uint32_t kSdoRequest = 0x600 + kNodeId;
 constexpr std::uint32_t kSdoAnswer = 0x580 + kNodeId;
 constexpr std::uint32_t kSpecifier = 0xE0;
 constexpr std::uint32_t kAbortTransfer = 0x80;
+constexpr std::uint32_t kBlockUpload = 0xA0;
+constexpr std::uint32_t kBlockDownload = 0xC0;
 constexpr ObjectAddress kControlword{.index = 0x6040, .subindex = 0};
 
 class FuzzedHost final : public NodeHost {
@@ -163,8 +167,22 @@ class FuzzedNode {
     node_.receive(frame, now_);
     while (host_.access) complete();
     const std::uint64_t answers = host_.sdo_answers - before;
-    demand(answers == (is_request && is_served ? 1U : 0U), "each SDO request has one answer");
+    note_block(frame);
+    if (has_block_) {
+      demand(answers <= kMostSegments, "a block has a bounded number of segments");
+    } else {
+      demand(answers == (is_request && is_served ? 1U : 0U), "each SDO request has one answer");
+    }
     check_state();
+  }
+
+  /// From the first request of a block transfer to an abort of the client.
+  void note_block(const Frame& frame) {
+    if (frame.id != kSdoRequest || frame.is_extended || frame.is_remote) return;
+    if (frame.size != kMostData) return;
+    const std::uint32_t specifier = frame.data[0] & kSpecifier;
+    has_block_ = frame.data[0] != kAbortTransfer &&
+                 (has_block_ || specifier == kBlockUpload || specifier == kBlockDownload);
   }
 
   void complete() {
@@ -208,6 +226,7 @@ class FuzzedNode {
   FuzzedHost host_;
   DriveTime now_{};
   DriveView drive_{};
+  bool has_block_ = false;
   Node node_;
 };
 

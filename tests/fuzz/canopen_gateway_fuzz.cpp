@@ -3,12 +3,14 @@
 // Any lines for the ASCII gateway (CiA 309-3), up to the first zero byte, and any answers of nodes
 // behind it: each command has one answer, in one line, and no transfer stays behind.
 #include "bus/ascii_gateway.hpp"
+#include "bus/bus_faults.hpp"
 #include "fuzz/support/bytes.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -39,6 +41,7 @@ class FuzzedGateway {
     const auto parsed = parse_gateway_command(line);
     if (!std::holds_alternative<std::monostate>(parsed)) ++commands_;
     gateway_.take_line(session_, line, now_);
+    while (gateway_.has_syncs()) gateway_.send_sync(now_);
     while (gateway_.next_due() && !bytes_.empty()) answer_as_node();
     // Whoever has nothing more to say is a silent node.
     while (const auto due = gateway_.next_due()) {
@@ -66,6 +69,12 @@ class FuzzedGateway {
             .report =
                 [](GatewaySession, std::string_view line) {
                   check_line(line);
+                },
+            .disturb =
+                [](std::uint8_t, std::string_view fault) {
+                  const auto parsed = parse_bus_fault(fault, {});
+                  const auto* const refusal = std::get_if<std::string>(&parsed);
+                  return refusal == nullptr ? std::nullopt : std::optional(*refusal);
                 }};
   }
 

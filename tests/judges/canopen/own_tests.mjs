@@ -37,7 +37,6 @@ const TYPE = [0x1803, 2]; // UNSIGNED8, transmission type, up to 240
 const TOO_LONG = [0x06070012, "no object of the node that is written is longer than 4 bytes"];
 const NO_3_BYTES = [0x06070013, "the node has no object of 3 bytes"];
 const CONSTANT = [0x06010002, "the texts of the node are constants"];
-const NO_BLOCKS = [0x05040001, "the node has no block transfer"];
 
 const EXPEDITED = {
   BOOLEAN: passes(0x5e08), // 0 or 1
@@ -79,10 +78,11 @@ function casesOfSdo() {
   add("Segmented", "transfer subindexes >= 1", { ...passes(0x1008), differs: "vdrive" });
   add("Segmented", "transfer to any valid node id [1 - 127]", refused(...CONSTANT, 0x1008));
   add("Segmented", "handle large transfers", refused(...TOO_LONG, WINDOW));
-  for (const type of [...Object.keys(EXPEDITED), ...LONG]) {
-    add("Block", `transfer ${type}`, refused(...NO_BLOCKS, WINDOW));
+  for (const [type, expected] of Object.entries(EXPEDITED)) {
+    add("Block", `transfer ${type}`, expected);
   }
-  add("Block", "handle large transfers", refused(...NO_BLOCKS, WINDOW));
+  for (const type of LONG) add("Block", `transfer ${type}`, refused(...TOO_LONG, WINDOW));
+  add("Block", "handle large transfers", refused(...TOO_LONG, WINDOW));
   return cases.map(([title, expected]) => [`Sdo: ${title}`, expected]);
 }
 

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstddef>
 #include <string_view>
+#include <variant>
 
 namespace vdrive::canopen {
 namespace {
@@ -57,7 +58,8 @@ bool describes_benches(const Arguments& arguments) {
 bool names_a_bus(const Arguments& arguments) {
   return !arguments.benches.empty() || !arguments.node_offsets.empty() ||
          !arguments.socketcand.empty() || !arguments.gateways.empty() ||
-         !arguments.interfaces.empty() || describes_benches(arguments);
+         !arguments.interfaces.empty() || arguments.log || !arguments.faults.empty() ||
+         describes_benches(arguments);
 }
 
 /// Gives each bench its offset, or all of them the only one.
@@ -89,12 +91,31 @@ std::vector<BenchSetting> benches_of(const Arguments& arguments, bool is_private
   return benches;
 }
 
+std::vector<BusFault> take_faults(const std::vector<std::string>& texts) {
+  if (texts.size() > BusFaults::kMostFaults) {
+    throw ConfigurationError("--disturb is given " + std::to_string(texts.size()) +
+                             " times: a bus has at most " + std::to_string(BusFaults::kMostFaults) +
+                             " faults");
+  }
+  std::vector<BusFault> faults;
+  for (const std::string& text : texts) {
+    const auto fault = parse_fault_of_node(text);
+    if (const auto* const refusal = std::get_if<std::string>(&fault)) {
+      throw ConfigurationError("--disturb " + in_quotes(text) + ": " + *refusal);
+    }
+    faults.push_back(std::get<BusFault>(fault));
+  }
+  return faults;
+}
+
 void apply_to_bus(const Arguments& arguments, bool is_private, BusSetting& bus) {
   if (!arguments.socketcand.empty()) {
     bus.socketcand = take_addresses("--socketcand", arguments.socketcand);
   }
   if (!arguments.gateways.empty()) bus.gateways = take_addresses("--gateway", arguments.gateways);
   if (!arguments.interfaces.empty()) bus.interfaces = arguments.interfaces;
+  if (arguments.log) bus.log = text_of_option("--log", arguments.log);
+  if (!arguments.faults.empty()) bus.faults = take_faults(arguments.faults);
   const bool names_benches = !arguments.benches.empty() || describes_benches(arguments);
   // Offsets alone are those of the benches that the file has named.
   if (!names_benches && !bus.benches.empty()) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge/bench_nodes.hpp"
 
+#include "bridge/duplicate_node.hpp"
 #include "node/connection_set.hpp"
 #include "vdrive/assert.hpp"
 
@@ -75,14 +76,13 @@ class BenchNodes::Slot final : public NodeHost {
   }
 
   void start(const client::AxisSnapshot& drive) {
-    const NodeSettings settings{.node_id = ids_.node_id,
-                                .software_version = nodes_.options_.software_version,
-                                .sync_period = nodes_.options_.sync_period};
-    node_.emplace(settings, *this, nodes_.store_.find(ids_.node_id));
+    node_.emplace(settings(), *this, nodes_.store_.find(ids_.node_id));
     known_changes_.reset();
     asked_changes_.reset();
     is_asked_ = false;
     is_loss_untold_ = false;
+    is_bus_off_ = false;
+    duplicate_.reset();
     node_->start(view_of(drive), nodes_.now_);
   }
 
@@ -90,6 +90,7 @@ class BenchNodes::Slot final : public NodeHost {
     if (!node_) return;
     add_counters(nodes_.ended_, node_->counters());
     node_.reset();
+    duplicate_.reset();
     accessed_.reset();
   }
 
@@ -105,6 +106,28 @@ class BenchNodes::Slot final : public NodeHost {
     // Before the answer: with it the node may begin its next access.
     const DriveAccess access = *std::exchange(accessed_, std::nullopt);
     node_->complete(access.ticket, answer, nodes_.now_);
+  }
+
+  // ---- faults of the bus
+
+  [[nodiscard]] DuplicateNode* duplicate() noexcept { return duplicate_.get(); }
+
+  void follow_faults() {
+    const auto acts = [this](BusFaultKind kind) {
+      return nodes_.bus_.faults().acts(kind, ids_.node_id, nodes_.now_);
+    };
+    const bool is_off = acts(BusFaultKind::bus_off);
+    if (std::exchange(is_bus_off_, is_off) != is_off) node_->set_bus_off(is_off, nodes_.now_);
+    if (!acts(BusFaultKind::duplicate)) {
+      duplicate_.reset();
+    } else if (!duplicate_) {
+      const auto send_frame = [this](const Frame& frame) {
+        send(frame);
+      };
+      duplicate_ = std::make_unique<DuplicateNode>(settings(), send_frame, nodes_.now_);
+    } else {
+      duplicate_->advance(nodes_.now_);
+    }
   }
 
   // ---- values that the status does not have
@@ -183,6 +206,12 @@ class BenchNodes::Slot final : public NodeHost {
     nodes_.calls_.read(place_, read_ticket_, read_objects_);
   }
 
+  [[nodiscard]] NodeSettings settings() const {
+    return {.node_id = ids_.node_id,
+            .software_version = nodes_.options_.software_version,
+            .sync_period = nodes_.options_.sync_period};
+  }
+
   [[nodiscard]] DriveView view_of(const client::AxisSnapshot& drive) {
     is_owned_ = drive.owner_session == nodes_.options_.session;
     return {.status = drive.status, .is_owned = is_owned_};
@@ -193,6 +222,8 @@ class BenchNodes::Slot final : public NodeHost {
   const NodePlace ids_;
   bool is_owned_ = false;
   bool is_loss_untold_ = false;
+  bool is_bus_off_ = false;
+  std::unique_ptr<DuplicateNode> duplicate_;
   std::vector<std::uint16_t> identifiers_;
   std::optional<std::uint64_t> known_changes_;  ///< Node::parameter_changes() of identifiers_
   std::optional<DriveAccess> accessed_;         ///< under way, as the node knows it
@@ -234,6 +265,7 @@ void BenchNodes::stop() {
   is_running_ = false;
   for (const auto& slot : slots_) slot->stop();
   outgoing_.clear();
+  late_.clear();
   drive_calls_.clear();
   (void)take_set_points();
 }
@@ -242,12 +274,14 @@ void BenchNodes::update(std::span<const client::AxisSnapshot> drives, DriveTime 
   ensure(drives.size() == slots_.size(), "each node has its drive");
   if (!is_running_) return;
   now_ = std::max(now_, now);
+  follow_faults();
   for (std::size_t place = 0; place < slots_.size(); ++place) {
     // First: where the answer comes within the call it is of the tick that is shown.
     slots_[place]->ask_for_values();
     slots_[place]->update(drives[place]);
     note_changes(place);
   }
+  release_late_frames();
   settle();
 }
 
@@ -278,8 +312,9 @@ std::vector<client::SetPointFrame> BenchNodes::take_set_points() {
 
 void BenchNodes::deliver(const Frame& frame) {
   if (!is_running_) return;
+  // Time passes for its sender, also where a fault of the bus keeps it from the nodes.
   const bool lets_time_pass = calls_.sync && is_sync(frame);
-  receive(frame, std::nullopt);
+  receive({.frame = frame, .number = bus_.frames()});
   settle();
   if (lets_time_pass) calls_.sync();
 }
@@ -294,19 +329,65 @@ bool BenchNodes::is_sync(const Frame& frame) const {
          frame.id == static_cast<std::uint32_t>(*cob_id & kHighestBaseId);
 }
 
-/// @param sender the place of the node that has sent it; none = another port
-void BenchNodes::receive(const Frame& frame, std::optional<std::size_t> sender) {
+void BenchNodes::receive(const Incoming& incoming) {
   if (are_listeners_old_) refresh_listeners();
-  const Listeners::Answer whom = listeners_.find(frame);
-  const auto give_to = [&](std::size_t place) {
-    Node* const node = slots_[place]->node();
-    if (node == nullptr || place == sender) return;
-    node->receive(frame, now_);
-    note_changes(place);
-  };
-  if (whom.kind == Listeners::Kind::one) give_to(whom.place);
+  const Listeners::Answer whom = listeners_.find(incoming.frame);
+  if (whom.kind == Listeners::Kind::one) give(whom.place, incoming);
   if (whom.kind == Listeners::Kind::everybody) {
-    for (std::size_t place = 0; place < slots_.size(); ++place) give_to(place);
+    for (std::size_t place = 0; place < slots_.size(); ++place) give(place, incoming);
+  }
+  if (bus_.faults().empty()) return;
+  for (const auto& slot : slots_) {
+    if (DuplicateNode* const duplicate = slot->duplicate()) {
+      duplicate->receive(incoming.frame, now_);
+    }
+  }
+}
+
+void BenchNodes::give(std::size_t place, const Incoming& incoming) {
+  if (slots_[place]->node() == nullptr || place == incoming.sender) return;
+  if (bus_.faults().empty()) return give_now(place, incoming.frame);
+  const FrameFate fate = bus_.faults().fate_of(slots_[place]->ids().node_id,
+                                               FrameDirection::received, incoming.number, now_);
+  int copies = copies_now(fate, {incoming.frame, place, FrameDirection::received});
+  for (; copies > 0; --copies) give_now(place, incoming.frame);
+}
+
+void BenchNodes::give_now(std::size_t place, const Frame& frame) {
+  slots_[place]->node()->receive(frame, now_);
+  note_changes(place);
+}
+
+// ---- faults of the bus -----------------------------------------------------------------------
+
+/// @return how often the frame passes now; a late one is kept.
+int BenchNodes::copies_now(const FrameFate& fate, const LateFrame& frame) {
+  if (fate.is_lost) return 0;
+  const int copies = fate.is_doubled ? 2 : 1;
+  if (fate.delay == DriveTime{}) return copies;
+  for (int i = 0; i < copies; ++i) {
+    if (late_.size() >= Bus::kMostAtOnce) {
+      bus_.note_dropped(1);
+    } else {
+      late_.emplace(now_ + fate.delay, frame);
+    }
+  }
+  return 0;
+}
+
+/// With a new tick: in realtime no other moment is the same in each run.
+void BenchNodes::follow_faults() {
+  for (const auto& slot : slots_) slot->follow_faults();
+}
+
+void BenchNodes::release_late_frames() {
+  while (!late_.empty() && late_.begin()->first <= now_) {
+    const LateFrame late = late_.extract(late_.begin()).mapped();
+    if (late.direction == FrameDirection::sent) {
+      outgoing_.push_back({.frame = late.frame, .place = late.place, .is_late = true});
+    } else {
+      give_now(late.place, late.frame);
+    }
   }
 }
 
@@ -356,9 +437,19 @@ void BenchNodes::settle() {
 }
 
 void BenchNodes::send(const Outgoing& outgoing) {
-  bus_.send(outgoing.frame, this);
+  if (bus_.faults().empty() || outgoing.is_late) return send_now(outgoing);
+  const FrameFate fate = bus_.faults().fate_of(slots_[outgoing.place]->ids().node_id,
+                                               FrameDirection::sent, ++sent_, now_);
+  int copies = copies_now(fate, {outgoing.frame, outgoing.place, FrameDirection::sent});
+  for (; copies > 0; --copies) send_now(outgoing);
+}
+
+void BenchNodes::send_now(const Outgoing& outgoing) {
+  const std::uint64_t number = bus_.send(outgoing.frame, this);
   // The bus gives it to the other ports; the other nodes of this one hear it, too.
-  if (is_running_) receive(outgoing.frame, outgoing.place);
+  if (is_running_) {
+    receive({.frame = outgoing.frame, .number = number, .sender = outgoing.place});
+  }
 }
 
 void BenchNodes::run_drive_calls() {

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -71,6 +72,9 @@ class BenchNodes final : public Port {
 
   [[nodiscard]] bool is_running() const noexcept { return is_running_; }
 
+  /// @return the drive time that the nodes were told last.
+  [[nodiscard]] DriveTime now() const noexcept { return now_; }
+
   /// The drives after a tick.
   void update(std::span<const client::AxisSnapshot> drives, DriveTime now);
 
@@ -108,11 +112,33 @@ class BenchNodes final : public Port {
   struct Outgoing {
     Frame frame;
     std::size_t place = 0;
+    bool is_late = false;  ///< a fault of the bus has kept it until now
   };
 
-  void receive(const Frame& frame, std::optional<std::size_t> sender);
+  /// A frame that a fault of the bus keeps.
+  struct LateFrame {
+    Frame frame;
+    std::size_t place = 0;  ///< of its node
+    FrameDirection direction{};
+  };
+
+  /// A frame on the bus.
+  struct Incoming {
+    const Frame& frame;
+    std::uint64_t number = 0;  ///< on the bus
+    std::optional<std::size_t>
+        sender{};  ///< the place of the node that has sent it; none = another port
+  };
+
+  void receive(const Incoming& incoming);
+  void give(std::size_t place, const Incoming& incoming);
+  void give_now(std::size_t place, const Frame& frame);
+  [[nodiscard]] int copies_now(const FrameFate& fate, const LateFrame& frame);
+  void follow_faults();
+  void release_late_frames();
   void settle();
   void send(const Outgoing& outgoing);
+  void send_now(const Outgoing& outgoing);
   void run_drive_calls();
   void note_changes(std::size_t place);
   void ask_for_new_values();
@@ -135,6 +161,8 @@ class BenchNodes final : public Port {
   std::vector<Outgoing> outgoing_;
   std::vector<Outgoing> sending_;  ///< its memory, used in turn
   std::vector<std::function<void()>> drive_calls_;
+  std::multimap<DriveTime, LateFrame> late_;  ///< by the time of their arrival, then as they came
+  std::uint64_t sent_ = 0;                    ///< frames of nodes, for the faults of the bus
   SetPointBatch set_points_;
   NodeCounters ended_;  ///< of nodes that are gone
 };

@@ -126,6 +126,12 @@ std::vector<std::string> CanopenBridge::counter_lines() const {
   return lines;
 }
 
+bool CanopenBridge::flush_logs() {
+  bool are_whole = true;
+  for (const auto& bus : buses_) are_whole = bus->flush_log() == 0 && are_whole;
+  return are_whole;
+}
+
 void CanopenBridge::report_library(const std::string& words) {
   reports_.report(bridge::Severity::warning, "network", words);
 }

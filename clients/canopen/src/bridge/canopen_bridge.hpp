@@ -53,6 +53,10 @@ class CanopenBridge final {
   [[nodiscard]] std::vector<std::string> first_lines() const;
   [[nodiscard]] std::vector<std::string> counter_lines() const;
 
+  /// Writes what waits for the logs of the buses.
+  /// @return false when frames are missing there
+  [[nodiscard]] bool flush_logs();
+
   /// Reports what the log of the DDS library says. Any thread but those that receive.
   void report_library(const std::string& words);
 

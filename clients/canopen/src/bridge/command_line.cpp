@@ -94,6 +94,13 @@ void declare(CLI::App& app, CommandLine& line) {
   add_text(app, "--state", line.arguments.state,
            "Directory of what 1010h stores; default: kept in memory")
       ->type_name("DIR");
+  add_text(app, "--log", line.arguments.log,
+           "Write each frame into this file, as candump does; with --sync-steps in drive time")
+      ->type_name("FILE");
+  app.add_option("--disturb", line.arguments.faults,
+                 "Fault of the bus, such as '3 late 4ms 10% from 2s for 500ms': node (none = all), "
+                 "lost, late TIME, doubled, duplicate or bus_off; may be repeated")
+      ->type_name("FAULT");
   add_text(app, "--config", line.file, "YAML file; options of the command line override it")
       ->type_name("FILE");
   app.add_flag("--check", line.only_checks, "Check command line and configuration, and end");
@@ -154,10 +161,12 @@ int serve(const Settings& settings) {
     std::cout << "vdrive-canopen: " << text << std::endl;
   }
   bridge.loop().run();
+  const bool is_logged = bridge.flush_logs();
   for (const std::string& text : bridge.counter_lines()) {
     std::cout << "vdrive-canopen: " << text << '\n';
   }
-  return bridge::conclude_output("vdrive-canopen");
+  const int code = bridge::conclude_output("vdrive-canopen");
+  return is_logged ? code : bridge::kFailed;
 }
 
 }  // namespace

@@ -22,6 +22,8 @@ class NodeIds {
   /// The axes of that bench are nodes no more.
   void remove(std::uint32_t bench);
 
+  [[nodiscard]] bool contains(std::uint8_t id) const { return axes_.contains(id); }
+
   /// @return such as "1 node (5)" or "5 nodes (1 to 3, 11 to 12)".
   [[nodiscard]] std::string text() const;
 

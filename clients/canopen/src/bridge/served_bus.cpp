@@ -6,9 +6,11 @@
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/wording.hpp"
+#include "wall_time.hpp"
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 namespace vdrive::canopen {
 namespace {
@@ -56,10 +58,28 @@ ServedBus::ServedBus(const BridgeParts& shared, const Settings& settings, const 
       number_(number),
       store_(settings.state, setting.name, shared.reports),
       presence_({.continues = continues, .wanted = numbers_of(setting.benches)}) {
+  for (const BusFault& fault : setting.faults) (void)bus_.faults().add(fault, {});
+  open_log();
   open_ports();
 }
 
 ServedBus::~ServedBus() = default;
+
+/// First of all ports: it has each frame before its answers.
+void ServedBus::open_log() {
+  if (setting_.log.empty()) return;
+  BusLogSettings settings{.file = setting_.log, .interface = setting_.name};
+  settings.clock = [this] {
+    if (sync_steps_) return drive_time();
+    return std::chrono::floor<std::chrono::microseconds>(
+        std::chrono::nanoseconds(bridge::wall_time()));
+  };
+  settings.report = [&reports = shared_.reports, label = label_](bridge::Severity severity,
+                                                                 const std::string& text) {
+    reports.report(severity, label, text);
+  };
+  log_ = std::make_unique<BusLog>(shared_.loop, bus_, std::move(settings));
+}
 
 void ServedBus::open_ports() {
   for (const TcpAddress& address : setting_.socketcand) {
@@ -69,7 +89,11 @@ void ServedBus::open_ports() {
   for (const TcpAddress& address : setting_.gateways) {
     gateways_.push_back(std::make_unique<AsciiGatewayServer>(
         shared_.loop, bus_,
-        AsciiGatewayServerSettings{.listen = address, .gateway = gateway_settings(number_)}));
+        AsciiGatewayServerSettings{.listen = address,
+                                   .gateway = gateway_settings(number_),
+                                   .disturb = [this](std::uint8_t node, std::string_view text) {
+                                     return disturb(node, text);
+                                   }}));
   }
   for (const std::string& interface : setting_.interfaces) {
     const auto report = [&reports = shared_.reports, subject = label_ + ": interface " + interface](
@@ -79,6 +103,25 @@ void ServedBus::open_ports() {
     interfaces_.push_back(std::make_unique<SocketCan>(
         shared_.loop, bus_, SocketCanSettings{.interface = interface, .report = report}));
   }
+}
+
+/// @return why the fault cannot begin
+std::optional<std::string> ServedBus::disturb(std::uint8_t node, std::string_view text) {
+  if (node != 0 && !ids_.contains(node)) {
+    return label_ + " has no node " + std::to_string(node) + "; it has " + ids_.text();
+  }
+  if (text == "none") {
+    bus_.faults().clear(node);
+    return std::nullopt;
+  }
+  const DriveTime now = drive_time();
+  auto parsed = parse_bus_fault(text, now);
+  if (auto* const refusal = std::get_if<std::string>(&parsed)) return std::move(*refusal);
+  BusFault& fault = std::get<BusFault>(parsed);
+  fault.node = node;
+  if (bus_.faults().add(fault, now)) return std::nullopt;
+  return "there are " + std::to_string(BusFaults::kMostFaults) +
+         " faults already; clear some with none";
 }
 
 void ServedBus::report(bridge::Severity severity, std::uint32_t bench,
@@ -179,6 +222,13 @@ void ServedBus::note_refused_set_points(const client::SetPointRefusal& refusal,
                              std::string(vdrive::describe(refusal.code)));
 }
 
+/// Of the bench that is the furthest: they have a clock each, and all pass the same SYNCs.
+std::chrono::microseconds ServedBus::drive_time() const {
+  DriveTime time{};
+  for (const auto& [number, bench] : benches_) time = std::max(time, bench.nodes().now());
+  return time;
+}
+
 // ---- questions -------------------------------------------------------------------------------
 
 std::optional<TcpAddress> ServedBus::socketcand() const {
@@ -245,7 +295,8 @@ std::string ServedBus::counters() const {
          std::to_string(nodes.ignored_frames) + " malformed frames, " +
          std::to_string(nodes.held_back_emergencies) + " emergencies held back, " +
          std::to_string(unread) + " frames not read in time, " + std::to_string(refused_words) +
-         " refused words, " + std::to_string(bus_.dropped_frames()) + " frames cut off";
+         " refused words, " + std::to_string(bus_.dropped_frames()) + " frames cut off, " +
+         std::to_string(bus_.faults().disturbed_frames()) + " frames disturbed";
 }
 
 }  // namespace vdrive::canopen

@@ -9,6 +9,7 @@
 #include "bridge/stepped_bench.hpp"
 #include "bus/ascii_gateway_server.hpp"
 #include "bus/bus.hpp"
+#include "bus/bus_log.hpp"
 #include "bus/socket_can.hpp"
 #include "bus/socketcand_server.hpp"
 #include "worker.hpp"
@@ -19,6 +20,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::canopen {
@@ -71,6 +73,10 @@ class ServedBus final {
   ///         of its servers are not there, as one that is named replaces the default one.
   [[nodiscard]] std::string description() const;
 
+  /// Writes what waits for the log of the bus.
+  /// @return frames that are missing there
+  [[nodiscard]] std::uint64_t flush_log() { return log_ ? log_->flush() : 0; }
+
   /// @return such as "bus 1: 1234 frames, ...".
   [[nodiscard]] std::string counters() const;
 
@@ -85,11 +91,14 @@ class ServedBus final {
     }
   };
 
+  void open_log();
+  [[nodiscard]] std::optional<std::string> disturb(std::uint8_t node, std::string_view text);
   void open_ports();
   [[nodiscard]] std::int32_t offset_of(std::uint32_t bench) const;
   [[nodiscard]] std::optional<std::string> add(const client::BenchInfo& info);
   void remove(std::uint32_t bench);
   void leave_out(const client::BenchInfo& info, const std::string& reason);
+  [[nodiscard]] std::chrono::microseconds drive_time() const;
   void report(bridge::Severity severity, std::uint32_t bench, const std::string& text) const;
 
   const BridgeParts shared_;
@@ -105,6 +114,7 @@ class ServedBus final {
   std::map<std::uint32_t, std::string> left_out_;  ///< the reason, by bench
   NodeCounters ended_;                             ///< of benches that have gone
   std::uint64_t dropped_set_points_ = 0;           ///< likewise
+  std::unique_ptr<BusLog> log_;
   std::vector<std::unique_ptr<SocketcandServer>> socketcand_;
   std::vector<std::unique_ptr<AsciiGatewayServer>> gateways_;
   std::vector<std::unique_ptr<SocketCan>> interfaces_;

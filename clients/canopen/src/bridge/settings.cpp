@@ -12,6 +12,7 @@
 #include <set>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 namespace vdrive::canopen {
 namespace {
@@ -85,6 +86,18 @@ BenchSetting read_bench(const YamlValue& map) {
   return bench;
 }
 
+void read_faults(const YamlValue& list, std::vector<BusFault>& faults) {
+  faults.clear();
+  list.for_each_element([&](const YamlValue& element) {
+    if (faults.size() >= BusFaults::kMostFaults) {
+      element.refuse("a bus has at most " + std::to_string(BusFaults::kMostFaults) + " faults");
+    }
+    const auto fault = parse_fault_of_node(element.text());
+    if (const auto* const refusal = std::get_if<std::string>(&fault)) element.refuse(*refusal);
+    faults.push_back(std::get<BusFault>(fault));
+  });
+}
+
 BusSetting read_bus(const YamlValue& map, std::string name) {
   BusSetting bus{.name = std::move(name)};
   map.take_keys({{"name",
@@ -108,6 +121,15 @@ BusSetting read_bus(const YamlValue& map, std::string name) {
                  {"node_offset",
                   [&](const YamlValue& value) {
                     bus.node_offset = read_offset(value);
+                  }},
+                 {"log",
+                  [&](const YamlValue& value) {
+                    bus.log = value.text();
+                    if (bus.log.empty()) value.refuse("must be the name of a file");
+                  }},
+                 {"disturb",
+                  [&](const YamlValue& value) {
+                    read_faults(value, bus.faults);
                   }},
                  {"benches", [&](const YamlValue& list) {
                     list.for_each_element([&](const YamlValue& element) {
@@ -158,6 +180,10 @@ void check_ports(const std::vector<BusSetting>& buses) {
         throw ConfigurationError("the interface " + in_quotes(interface) + " is given twice");
       }
     }
+    if (!bus.log.empty() && !taken.insert(bus.log.string()).second) {
+      throw ConfigurationError("the log " + in_quotes(bus.log.string()) +
+                               " is given twice: give each bus its own");
+    }
   }
 }
 
@@ -180,6 +206,14 @@ void check_benches(const Settings& settings) {
   }
 }
 
+void check_fault_nodes(const BusSetting& bus, const NodeIds& ids) {
+  for (const BusFault& fault : bus.faults) {
+    if (fault.node == 0 || ids.contains(fault.node)) continue;
+    throw ConfigurationError("bus " + bus.name + ": a fault is that of node " +
+                             std::to_string(fault.node) + ", and the bus has " + ids.text());
+  }
+}
+
 /// Axes of a private bench are 1 to their number, all of them. A bench with a configuration says
 /// them at its start.
 void check_node_ids(const Settings& settings) {
@@ -194,6 +228,10 @@ void check_node_ids(const Settings& settings) {
         throw ConfigurationError("bench " + std::to_string(bench.number) + ": " + *refusal);
       }
     }
+    const bool are_known = std::ranges::all_of(bus.benches, [](const BenchSetting& bench) {
+      return bench.axes.has_value();
+    });
+    if (are_known) check_fault_nodes(bus, ids);
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bus/bus_faults.hpp"
 #include "bus/tcp_address.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/clock_mode.hpp"
@@ -43,6 +44,8 @@ struct BusSetting {
   std::vector<std::string> interfaces{};  ///< of the kernel (SocketCAN)
   std::vector<BenchSetting> benches{};    ///< empty = every bench, with `node_offset`
   std::int32_t node_offset = 0;           ///< of benches that are not named
+  std::filesystem::path log{};            ///< of its frames; empty = none
+  std::vector<BusFault> faults{};         ///< from the beginning on
 };
 
 /// The settings of vdrive-canopen.

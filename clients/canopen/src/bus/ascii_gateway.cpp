@@ -64,6 +64,15 @@ std::string emergency_text(const Frame& frame) {
   return text;
 }
 
+std::string abort_text(AbortCode abort) {
+  return "ERROR:" + hex(wire_code(abort), 8) + " #" + std::string(describe(abort));
+}
+
+std::string error_text(GatewayError error) {
+  return "ERROR:" + std::to_string(static_cast<unsigned>(error)) + " #" +
+         std::string(describe(error));
+}
+
 /// The answer to a command whose transfer has ended.
 std::string outcome_text(const GatewayCommand& command, const SdoOutcome& outcome) {
   AbortCode abort = outcome.abort;
@@ -73,7 +82,12 @@ std::string outcome_text(const GatewayCommand& command, const SdoOutcome& outcom
     if (auto value = decode_value(*command.type, outcome.data)) return *std::move(value);
     abort = AbortCode::data_length_does_not_match;
   }
-  return "ERROR:" + hex(wire_code(abort), 8) + " #" + std::string(describe(abort));
+  return abort_text(abort);
+}
+
+bool is_for_pdo(GatewayVerb verb) {
+  return verb == GatewayVerb::set_receive_pdo || verb == GatewayVerb::set_transmit_pdo ||
+         verb == GatewayVerb::read_pdo || verb == GatewayVerb::write_pdo;
 }
 
 }  // namespace
@@ -108,16 +122,39 @@ std::size_t AsciiGateway::waiting(GatewaySession session) const {
 
 bool AsciiGateway::awaits(const Frame& frame) const {
   if (is_boot_up(frame) || is_emergency(frame)) return !sessions_.empty();
+  if (std::ranges::any_of(sessions_, [&frame](const auto& entry) {
+        return entry.second.pdos.awaits(frame);
+      })) {
+    return true;
+  }
   const auto found = channels_.find(node_of(frame));
   return found != channels_.end() && found->second.user && found->second.client.is_for(frame);
 }
 
 void AsciiGateway::receive(const Frame& frame, BusTime now) {
   report(frame);
+  report_pdos(frame);
   const auto found = channels_.find(node_of(frame));
   if (found == channels_.end()) return;
   found->second.client.receive(frame, now);
   finish(found->second, now);
+}
+
+bool AsciiGateway::has_syncs() const {
+  return std::ranges::any_of(sessions_, [](const auto& entry) {
+    return entry.second.syncs > 0;
+  });
+}
+
+void AsciiGateway::send_sync(BusTime now) {
+  for (auto& [id, session] : sessions_) {
+    if (session.syncs == 0) continue;
+    calls_.send({.id = kSyncId});
+    if (--session.syncs > 0) continue;
+    answer(id, session.transfer->sequence, "OK");
+    session.transfer.reset();
+    work(id, now);
+  }
 }
 
 void AsciiGateway::advance(BusTime now) {
@@ -158,16 +195,24 @@ void AsciiGateway::carry_out(GatewaySession id, Session& session, const GatewayC
   if (command.verb == GatewayVerb::info_version) {
     return answer(id, command.sequence, version_text());
   }
+  if (command.verb == GatewayVerb::sync) {
+    session.transfer = command;
+    session.syncs = command.value;
+    return;
+  }
+  if (is_for_pdo(command.verb)) return carry_out_pdo(id, session, command);
   if (!is_for_node(command.verb)) return set(id, session, command);
   if (!command.node && !session.default_node) {
     return answer_error(id, command.sequence, GatewayError::no_default_node);
   }
   const std::uint64_t node = command.node ? *command.node : std::uint64_t{*session.default_node};
   const auto specifier = nmt_specifier(command.verb);
-  // NMT commands to node 0 are for all nodes.
-  if (node > kHighestNodeId || (node == 0 && !specifier)) {
+  const bool is_disturbance = command.verb == GatewayVerb::disturb;
+  // NMT commands to node 0 are for all nodes, as are faults of the bus.
+  if (node > kHighestNodeId || (node == 0 && !specifier && !is_disturbance)) {
     return answer_error(id, command.sequence, GatewayError::unsupported_node);
   }
+  if (is_disturbance) return disturb(id, static_cast<std::uint8_t>(node), command);
   if (!specifier) return begin_transfer(id, static_cast<std::uint8_t>(node), command, now);
   send_nmt(*specifier, static_cast<std::uint8_t>(node));
   answer(id, command.sequence, "OK");
@@ -196,6 +241,46 @@ void AsciiGateway::set(GatewaySession id, Session& session, const GatewayCommand
   }
   if (error) return answer_error(id, command.sequence, *error);
   answer(id, command.sequence, "OK");
+}
+
+void AsciiGateway::carry_out_pdo(GatewaySession id, Session& session,
+                                 const GatewayCommand& command) const {
+  PdoRefusal refusal;
+  std::string done = "OK";
+  if (command.verb == GatewayVerb::read_pdo) {
+    const auto values = session.pdos.read(command.value);
+    if (!values) refusal = GatewayError::internal_state;  // nothing has come for it
+    done = std::to_string(settings_.network) + " pdo " + values.value_or("");
+  } else if (command.verb == GatewayVerb::write_pdo) {
+    Frame frame;
+    refusal = session.pdos.write(command, frame);
+    if (std::holds_alternative<std::monostate>(refusal)) calls_.send(frame);
+  } else {
+    refusal = session.pdos.set(command);
+  }
+  if (const auto* const error = std::get_if<GatewayError>(&refusal)) {
+    answer_error(id, command.sequence, *error);
+  } else if (const auto* const abort = std::get_if<AbortCode>(&refusal)) {
+    answer(id, command.sequence, abort_text(*abort));
+  } else {
+    answer(id, command.sequence, done);
+  }
+}
+
+void AsciiGateway::disturb(GatewaySession id, std::uint8_t node,
+                           const GatewayCommand& command) const {
+  if (!calls_.disturb) return answer_error(id, command.sequence, GatewayError::not_supported);
+  const auto refusal = calls_.disturb(node, command.fault);
+  if (!refusal) return answer(id, command.sequence, "OK");
+  answer(id, command.sequence, error_text(GatewayError::syntax) + ": " + *refusal);
+}
+
+void AsciiGateway::report_pdos(const Frame& frame) {
+  for (auto& [id, session] : sessions_) {
+    for (const std::string& values : session.pdos.receive(frame)) {
+      calls_.report(id, std::to_string(settings_.network) + " pdo " + values);
+    }
+  }
 }
 
 void AsciiGateway::send_nmt(std::uint8_t specifier, std::uint8_t node) const {
@@ -270,9 +355,7 @@ void AsciiGateway::answer(GatewaySession id, std::uint32_t sequence, std::string
 
 void AsciiGateway::answer_error(GatewaySession id, std::uint32_t sequence,
                                 GatewayError error) const {
-  answer(id, sequence,
-         "ERROR:" + std::to_string(static_cast<unsigned>(error)) + " #" +
-             std::string(describe(error)));
+  answer(id, sequence, error_text(error));
 }
 
 /// vendor product revision serial class protocol implementation; revisions as major.minor, the

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bus/gateway_command.hpp"
+#include "bus/gateway_pdos.hpp"
 #include "bus/sdo_client.hpp"
 #include "node/frame.hpp"
 
@@ -38,13 +39,19 @@ struct GatewayCalls {
   /// What happened on the bus, unasked: "NET NODE BOOT_UP", and "NET NODE EMCY CODE REGISTER" with
   /// the five bytes of the manufacturer; code and register hexadecimal, bytes decimal.
   std::function<void(GatewaySession session, std::string_view line)> report;
+  /// Begins a fault of the bus, or ends those that there are ("none"). It may be empty.
+  /// @param node 0 = every node
+  /// @return why it cannot
+  std::function<std::optional<std::string>(std::uint8_t node, std::string_view fault)> disturb{};
 };
 
 /// The gateway of CiA 309-3 (ASCII mapping): sessions give lines of GatewayCommand, and get one
 /// answer for each command, in their order:
 ///
-///     "[" sequence "]" OK | VALUE | ERROR:0xABORT-CODE #words | ERROR:100 to 107 #words
+///     "[" sequence "]" OK | VALUE | ERROR:0xABORT-CODE #words | ERROR:100 to 107, 401 #words
 ///
+/// That to "read pdo" is "NET pdo COUNT VALUE...", and each frame of an RPDO is reported to the
+/// session that has it as "NET pdo NR COUNT VALUE...".
 /// It is a master on its bus: an SDO client for each node, one transfer at a time on each; the
 /// commands of several sessions for one node take turns. The default net of a session is the
 /// gateway's network, its default node none. A function of lines, frames and time.
@@ -71,6 +78,13 @@ class AsciiGateway final {
 
   void receive(const Frame& frame, BusTime now);
 
+  /// @return whether a session has SYNCs to send.
+  [[nodiscard]] bool has_syncs() const;
+
+  /// Sends one SYNC, without a counter, for each session that has some. One at a time: others on
+  /// the bus get their turn.
+  void send_sync(BusTime now);
+
   /// Ends what is overdue.
   void advance(BusTime now);
 
@@ -80,6 +94,8 @@ class AsciiGateway final {
   struct Session {
     std::deque<std::string> lines{};
     std::optional<GatewayCommand> transfer{};  ///< that is not answered yet
+    std::uint64_t syncs = 0;                   ///< that it still has to send
+    GatewayPdos pdos{};
     std::optional<std::uint8_t> default_node{};
     std::chrono::milliseconds sdo_time_out = kSdoTimeOut;
     bool has_boot_up = true;
@@ -95,6 +111,9 @@ class AsciiGateway final {
   void work(GatewaySession id, BusTime now);
   void carry_out(GatewaySession id, Session& session, const GatewayCommand& command, BusTime now);
   void set(GatewaySession id, Session& session, const GatewayCommand& command);
+  void carry_out_pdo(GatewaySession id, Session& session, const GatewayCommand& command) const;
+  void disturb(GatewaySession id, std::uint8_t node, const GatewayCommand& command) const;
+  void report_pdos(const Frame& frame);
   void send_nmt(std::uint8_t specifier, std::uint8_t node) const;
   void begin_transfer(GatewaySession id, std::uint8_t node, const GatewayCommand& command,
                       BusTime now);

@@ -58,6 +58,7 @@ struct AsciiGatewayServer::State final : Port,
       : context(its_context),
         bus(its_bus),
         most_clients(settings.most_clients),
+        disturb(settings.disturb),
         gateway(settings.gateway, calls()),
         timer(its_context),
         acceptor(its_context, settings.listen, [this](tcp::socket&& socket) {
@@ -103,7 +104,22 @@ struct AsciiGatewayServer::State final : Port,
             .report =
                 [this](GatewaySession session, std::string_view line) {
                   report(session, line);
-                }};
+                },
+            .disturb = disturb};
+  }
+
+  /// In a turn of its own: each SYNC may bring about many frames.
+  void post_sync() {
+    if (!gateway.has_syncs() || std::exchange(is_sync_posted, true)) return;
+    asio::post(context, [self = shared_from_this()] {
+      self->is_sync_posted = false;
+      if (!self->is_over) self->send_sync();
+    });
+  }
+
+  void send_sync() {
+    gateway.send_sync(gateway_time());
+    settle();
   }
 
   void take_inbox() {
@@ -212,6 +228,7 @@ struct AsciiGatewayServer::State final : Port,
       return entry.second->is_over;
     });
     await_due();
+    post_sync();
   }
 
   void end(GatewayClient& client) {
@@ -242,11 +259,13 @@ struct AsciiGatewayServer::State final : Port,
   asio::io_context& context;
   Bus& bus;
   std::size_t most_clients;
+  const decltype(AsciiGatewayServerSettings::disturb) disturb;
   AsciiGatewayCounters counters;
   AsciiGateway gateway;
   std::map<GatewaySession, GatewayClientPointer> clients;
   std::deque<Frame> inbox;
   bool is_inbox_posted = false;
+  bool is_sync_posted = false;
   bool is_over = false;
   std::optional<BusTime> awaited;  ///< what the timer waits for
   asio::steady_timer timer;

@@ -7,7 +7,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
 
 namespace boost::asio {
 class io_context;
@@ -22,6 +26,8 @@ struct AsciiGatewayServerSettings {
   TcpAddress listen{.host = "127.0.0.1", .port = kAsciiGatewayPort};
   GatewaySettings gateway{};
   std::size_t most_clients = 16;
+  /// As GatewayCalls::disturb.
+  std::function<std::optional<std::string>(std::uint8_t node, std::string_view fault)> disturb{};
 };
 
 /// What a server counts since it was made, where nothing else is stated.

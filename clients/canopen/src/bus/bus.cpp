@@ -23,10 +23,18 @@ void Bus::detach(Port& port) {
   }
 }
 
-void Bus::send(const Frame& frame, const Port* sender) {
-  if (waiting_.size() >= kMostAtOnce) return note_dropped(1);
+std::uint64_t Bus::send(const Frame& frame, const Port* sender) {
+  if (waiting_.size() >= kMostAtOnce) {
+    note_dropped(1);
+    return 0;
+  }
   waiting_.push_back({frame, sender});
-  if (is_delivering_) return;
+  const std::uint64_t number = ++sent_;
+  if (!is_delivering_) deliver_waiting();
+  return number;
+}
+
+void Bus::deliver_waiting() {
   is_delivering_ = true;
   // By number: a delivery may append frames and ports.
   std::size_t next = 0;

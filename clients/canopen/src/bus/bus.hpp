@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bus/bus_faults.hpp"
 #include "node/frame.hpp"
 
 #include <cstddef>
@@ -35,10 +36,16 @@ class Bus {
 
   /// Delivers `frame` to all ports but `sender`. Frames that are sent during a delivery wait for
   /// its end; those beyond kMostAtOnce are dropped.
-  void send(const Frame& frame, const Port* sender);
+  /// @return its number: frames() while it is delivered; 0 = it is dropped
+  std::uint64_t send(const Frame& frame, const Port* sender);
 
   /// Counts frames that their port has dropped for kMostAtOnce itself.
   void note_dropped(std::size_t frames) noexcept { dropped_frames_ += frames; }
+
+  /// What is wrong between its nodes and it: the ports of nodes apply it.
+  [[nodiscard]] BusFaults& faults() noexcept { return faults_; }
+
+  [[nodiscard]] const BusFaults& faults() const noexcept { return faults_; }
 
   [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }  ///< since it was made
 
@@ -51,9 +58,13 @@ class Bus {
     const Port* sender = nullptr;
   };
 
+  void deliver_waiting();
+
   std::vector<Port*> ports_;
   std::vector<Waiting> waiting_;
+  BusFaults faults_;
   std::uint64_t frames_ = 0;
+  std::uint64_t sent_ = 0;  ///< that wait, too
   std::uint64_t dropped_frames_ = 0;
   bool is_delivering_ = false;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/gateway_command.hpp"
 
+#include "node/frame.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <algorithm>
@@ -25,6 +26,7 @@ constexpr std::array kGatewayErrors{
     GatewayErrorRow{GatewayError::no_default_node, "no default node set"},
     GatewayErrorRow{GatewayError::unsupported_net, "unsupported net"},
     GatewayErrorRow{GatewayError::unsupported_node, "unsupported node"},
+    GatewayErrorRow{GatewayError::pdo_length_exceeded, "PDO length exceeded"},
 };
 
 /// What a command may name before its verb.
@@ -54,6 +56,18 @@ constexpr std::array kGatewayVerbs{
     GatewayVerbRow{"set", "sdo_timeout", GatewayVerb::set_sdo_timeout, GatewayScope::net},
     GatewayVerbRow{"boot_up_indication", "", GatewayVerb::boot_up_indication, GatewayScope::net},
     GatewayVerbRow{"info", "version", GatewayVerb::info_version, GatewayScope::net},
+    GatewayVerbRow{"set", "rpdo", GatewayVerb::set_receive_pdo, GatewayScope::net},
+    GatewayVerbRow{"set", "tpdo", GatewayVerb::set_transmit_pdo, GatewayScope::net},
+    GatewayVerbRow{"r", "p", GatewayVerb::read_pdo, GatewayScope::net},
+    GatewayVerbRow{"r", "pdo", GatewayVerb::read_pdo, GatewayScope::net},
+    GatewayVerbRow{"read", "p", GatewayVerb::read_pdo, GatewayScope::net},
+    GatewayVerbRow{"read", "pdo", GatewayVerb::read_pdo, GatewayScope::net},
+    GatewayVerbRow{"w", "p", GatewayVerb::write_pdo, GatewayScope::net},
+    GatewayVerbRow{"w", "pdo", GatewayVerb::write_pdo, GatewayScope::net},
+    GatewayVerbRow{"write", "p", GatewayVerb::write_pdo, GatewayScope::net},
+    GatewayVerbRow{"write", "pdo", GatewayVerb::write_pdo, GatewayScope::net},
+    GatewayVerbRow{"_sync", "", GatewayVerb::sync, GatewayScope::net},
+    GatewayVerbRow{"_disturb", "", GatewayVerb::disturb, GatewayScope::node},
 };
 
 /// Thrown inside this file only: the grammar ends at many places.
@@ -94,6 +108,12 @@ class GatewayTokens final {
   }
 
   std::string take_word() { return lower_case_token(take()); }
+
+  /// @return all that follows, without a comment.
+  std::string take_rest() {
+    const std::string_view text = take_length(std::min(rest_.find('#'), rest_.size()));
+    return std::string(text.substr(0, text.find_last_not_of(" \t\r") + 1));
+  }
 
   std::uint64_t take_number(std::uint64_t highest) {
     const std::uint64_t number = value_or_refuse(parse_natural(take()));
@@ -141,13 +161,13 @@ std::uint32_t take_sequence(GatewayTokens& tokens) {
   return value_or_refuse(parse_digits<std::uint32_t>(token.substr(1, token.size() - 2)));
 }
 
+/// A second word is one that begins no number: "r pdo 1" reads a PDO, "r 0x6041 0" an object.
 const GatewayVerbRow& take_verb(GatewayTokens& tokens) {
   const std::string word = tokens.take_word();
-  const auto found =
-      std::ranges::find(kGatewayVerbs, std::string_view(word), &GatewayVerbRow::word);
-  if (found == kGatewayVerbs.end()) throw BadCommand{GatewayError::not_supported};
-  if (found->second.empty()) return *found;
-  const std::string second = tokens.take_word();
+  const bool has_second = std::ranges::any_of(kGatewayVerbs, [&](const GatewayVerbRow& row) {
+    return row.word == word && !row.second.empty();
+  });
+  const std::string second = has_second && !tokens.has_digit() ? tokens.take_word() : "";
   const auto row = std::ranges::find_if(kGatewayVerbs, [&](const GatewayVerbRow& candidate) {
     return candidate.word == word && candidate.second == second;
   });
@@ -170,13 +190,67 @@ GatewayType take_type(GatewayTokens& tokens) {
   return value_or_refuse(find_gateway_type(tokens.take_word()));
 }
 
+ObjectAddress take_object(GatewayTokens& tokens) {
+  const auto index = static_cast<std::uint16_t>(tokens.take_number(0xFFFF));
+  return {.index = index, .subindex = static_cast<std::uint8_t>(tokens.take_number(0xFF))};
+}
+
+std::uint64_t take_positive(GatewayTokens& tokens, std::uint64_t highest) {
+  const std::uint64_t number = tokens.take_number(highest);
+  if (number == 0) throw BadCommand{};
+  return number;
+}
+
+/// An RPDO has its values when its frame comes, whatever its type. A TPDO is sent when it is
+/// written: one that waits for SYNC, or for a remote frame ("rtr"), is not there.
+void take_transmission(GatewayTokens& tokens, GatewayVerb verb) {
+  constexpr std::string_view kSync = "sync";
+  constexpr unsigned kHighestSync = 240;
+  const std::string word = tokens.take_word();
+  if (word == "event") return;
+  if (word == "rtr") throw BadCommand{GatewayError::not_supported};
+  const auto sync = word.starts_with(kSync)
+                        ? parse_digits<unsigned>(std::string_view(word).substr(kSync.size()))
+                        : std::nullopt;
+  if (!sync || *sync > kHighestSync) throw BadCommand{};
+  if (verb == GatewayVerb::set_transmit_pdo) throw BadCommand{GatewayError::not_supported};
+}
+
+void take_pdo_arguments(GatewayCommand& command, GatewayTokens& tokens) {
+  constexpr std::uint64_t kMostMapped = 64;
+  command.value = take_positive(tokens, kHighestPdo);
+  if (command.verb == GatewayVerb::read_pdo) return;
+  if (command.verb != GatewayVerb::write_pdo) {
+    command.cob_id = take_positive(tokens, kHighestBaseId);
+    take_transmission(tokens, command.verb);
+  }
+  for (std::uint64_t count = tokens.take_number(kMostMapped); count > 0; --count) {
+    if (command.verb == GatewayVerb::write_pdo) {
+      command.values.push_back(tokens.take_number(std::numeric_limits<std::uint64_t>::max()));
+    } else {
+      command.mapped.push_back(take_object(tokens));
+    }
+  }
+}
+
 void take_arguments(GatewayCommand& command, GatewayTokens& tokens) {
   constexpr std::uint64_t kHighest = std::numeric_limits<std::uint32_t>::max();
   switch (command.verb) {
     case GatewayVerb::read:
     case GatewayVerb::write:
-      command.object.index = static_cast<std::uint16_t>(tokens.take_number(0xFFFF));
-      command.object.subindex = static_cast<std::uint8_t>(tokens.take_number(0xFF));
+      command.object = take_object(tokens);
+      break;
+    case GatewayVerb::set_receive_pdo:
+    case GatewayVerb::set_transmit_pdo:
+    case GatewayVerb::read_pdo:
+    case GatewayVerb::write_pdo:
+      take_pdo_arguments(command, tokens);
+      break;
+    case GatewayVerb::sync:
+      command.value = tokens.empty() ? 1 : take_positive(tokens, kMostSyncs);
+      break;
+    case GatewayVerb::disturb:
+      command.fault = tokens.take_rest();
       break;
     case GatewayVerb::set_network:
     case GatewayVerb::set_node:

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -24,6 +25,7 @@ enum class GatewayError : std::uint16_t {
   no_default_node = 105,
   unsupported_net = 106,
   unsupported_node = 107,
+  pdo_length_exceeded = 401,
 };
 
 /// @return the standard's wording, such as "syntax error".
@@ -42,7 +44,19 @@ enum class GatewayVerb : std::uint8_t {
   set_sdo_timeout,
   boot_up_indication,
   info_version,
+  set_receive_pdo,
+  set_transmit_pdo,
+  read_pdo,
+  write_pdo,
+  sync,
+  disturb,
 };
+
+/// PDOs of a session of the gateway have the numbers 1 to kHighestPdo.
+inline constexpr std::uint64_t kHighestPdo = 512;
+
+/// SYNCs of one command.
+inline constexpr std::uint64_t kMostSyncs = 100'000;
 
 /// A command of CiA 309-3:
 ///
@@ -54,6 +68,15 @@ enum class GatewayVerb : std::uint8_t {
 ///     "[" sequence "]" [net] boot_up_indication Enable | Disable
 ///     "[" sequence "]" [net] info version
 ///     "[" sequence "]" set network NET
+///     "[" sequence "]" [net] set rpdo NR CAN-ID event | sync0 to sync240 COUNT [index subindex]...
+///     "[" sequence "]" [net] set tpdo NR CAN-ID event COUNT [index subindex]...
+///     "[" sequence "]" [net] r[ead] p[do] NR
+///     "[" sequence "]" [net] w[rite] p[do] NR COUNT [value]...
+///
+/// and two of this gateway, whose words begin with _ as the standard wants it:
+///
+///     "[" sequence "]" [net] _sync [COUNT]
+///     "[" sequence "]" [[net] node] _disturb none | FAULT      see parse_bus_fault()
 ///
 /// Words in any letter case; numbers decimal, or hexadecimal behind 0x; `#` begins a comment.
 struct GatewayCommand {
@@ -64,7 +87,12 @@ struct GatewayCommand {
   ObjectAddress object{};             ///< of read and write
   std::optional<GatewayType> type{};  ///< of read and write; none = bytes in hexadecimal
   std::vector<std::uint8_t> data{};   ///< to write
-  std::uint64_t value = 0;            ///< that is set; of boot_up_indication 1 = enable
+  std::uint64_t value = 0;   ///< that is set; of boot_up_indication 1 = enable; number of a PDO;
+                             ///< how many SYNCs
+  std::uint64_t cob_id = 0;  ///< of a PDO that is set: 11 bits
+  std::vector<ObjectAddress> mapped{};  ///< likewise
+  std::vector<std::uint64_t> values{};  ///< of "write pdo"
+  std::string fault{};                  ///< of _disturb, as it was written
 
   friend bool operator==(const GatewayCommand&, const GatewayCommand&) = default;
 };

@@ -40,6 +40,7 @@ constexpr NodeObject with_node_id(NodeObject object) {
 }
 
 constexpr NodeIndex kConsumerHeartbeat{0x1016, "Consumer heartbeat time", ObjectCode::array};
+constexpr NodeIndex kVerifyConfiguration{0x1020, "Verify configuration", ObjectCode::array};
 constexpr NodeIndex kErrorBehavior{0x1029, "Error behavior", ObjectCode::array};
 constexpr NodeIndex kSdoServer{0x1200, "SDO server parameter", ObjectCode::record};
 
@@ -72,6 +73,11 @@ constexpr std::array kGeneralObjects{
     variable_object(0x1017, "Producer heartbeat time", DataType::unsigned16, 0),
     limited_to(
         240, variable_object(0x1019, "Synchronous counter overflow value", DataType::unsigned8, 0)),
+    highest_subindex_object(kVerifyConfiguration, 2),
+    number_object(kVerifyConfiguration, 1, "Configuration date", DataType::unsigned32,
+                  NodeAccess::read_write),
+    number_object(kVerifyConfiguration, 2, "Configuration time", DataType::unsigned32,
+                  NodeAccess::read_write),
     highest_subindex_object(kErrorBehavior, 1),
     limited_to(2, number_object(kErrorBehavior, 1, "Communication error", DataType::unsigned8,
                                 NodeAccess::read_write)),

@@ -37,6 +37,8 @@ constexpr ObjectAddress kCommunicationErrorObject{0x1029, 1};
 constexpr std::uint32_t kNoChangeOfState = 1;
 constexpr std::uint32_t kToStopped = 2;
 
+constexpr std::uint16_t kRecoveredFromBusOff = 0x8140;  // CiA 301, 7.2.7.1
+
 }  // namespace
 
 /// The parts of a node, and its NMT state.
@@ -58,6 +60,7 @@ class Node::Parts final : private PdoHost {
   void receive(const Frame& frame, DriveTime now);
   void update(const DriveView& drive, DriveTime now);
   void advance(DriveTime now);
+  void set_bus_off(bool is_off, DriveTime now);
   void complete(std::uint32_t ticket, const DriveAnswer& answer, DriveTime now);
 
   [[nodiscard]] std::optional<DriveTime> next_due() const;
@@ -101,7 +104,7 @@ class Node::Parts final : private PdoHost {
   void enter(NmtState next);
   void watch_producers();
   void end_heartbeat_error();
-  void react_to_heartbeat_error();
+  void react_to_communication_error();
   void answered();
   void lose_master();
   void regain_master();
@@ -203,6 +206,7 @@ void Node::Parts::reset_communication() {
   producer_.reset();
   consumer_.reset();
   parameters_.reset();
+  dictionary_.forget_date();
   has_heartbeat_error_ = false;
   if (!has_left_by_nmt_) regain_master();
   parameters_.restore([this](ObjectAddress object, std::uint32_t value) {
@@ -265,16 +269,29 @@ void Node::Parts::watch_producers() {
   if (!is_new) return;
   has_heartbeat_error_ = true;
   lose_master();
-  react_to_heartbeat_error();
+  react_to_communication_error();
 }
 
-void Node::Parts::react_to_heartbeat_error() {
+void Node::Parts::react_to_communication_error() {
   const std::uint32_t behaviour = parameters_.value(kCommunicationErrorObject);
   if (behaviour == kToStopped) {
     enter(NmtState::stopped);
   } else if (behaviour != kNoChangeOfState && state_ == NmtState::operational) {
     enter(NmtState::pre_operational);
   }
+}
+
+/// Bus-off is an error of the communication like a lost heartbeat (CiA 301, 7.5.2.32).
+void Node::Parts::set_bus_off(bool is_off, DriveTime now) {
+  if (state_ == NmtState::boot_up) return;
+  now_ = now;
+  if (is_off) {
+    lose_master();
+    react_to_communication_error();
+    return;
+  }
+  raise(kRecoveredFromBusOff);
+  if (!has_heartbeat_error_ && !has_left_by_nmt_) regain_master();
 }
 
 void Node::Parts::end_heartbeat_error() {
@@ -384,6 +401,10 @@ void Node::update(const DriveView& drive, DriveTime now) {
 
 void Node::advance(DriveTime now) {
   parts_->advance(now);
+}
+
+void Node::set_bus_off(bool is_off, DriveTime now) {
+  parts_->set_bus_off(is_off, now);
 }
 
 std::optional<DriveTime> Node::next_due() const {

@@ -64,6 +64,11 @@ class Node {
   /// Does what is due by time: heartbeat, its consumer, inhibit times, event timers, SDO time-outs.
   void advance(DriveTime now);
 
+  /// The controller of the node has switched itself off the bus, or is back on it: an error of the
+  /// communication (1029h:01, 6007h), and its end with the emergency 8140h. What the node sends
+  /// between the two is the host's to drop.
+  void set_bus_off(bool is_off, DriveTime now);
+
   /// @return when advance() has something to do next; none = nothing waits for time.
   [[nodiscard]] std::optional<DriveTime> next_due() const;
 

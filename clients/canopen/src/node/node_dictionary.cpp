@@ -7,7 +7,9 @@
 #include "node/pdos.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/cia402/statusword.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
+#include <array>
 #include <cstddef>
 #include <utility>
 
@@ -17,6 +19,8 @@ namespace {
 constexpr ObjectAddress kErrorRegister{0x1001, 0};
 constexpr ObjectAddress kStoreAll{0x1010, 1};
 constexpr ObjectAddress kRestoreAll{0x1011, 1};
+constexpr std::uint16_t kVerifyIndex = 0x1020;
+constexpr std::array kDateAndTime{ObjectAddress{kVerifyIndex, 1}, ObjectAddress{kVerifyIndex, 2}};
 constexpr ObjectAddress kStatusword{0x6041, 0};
 
 constexpr std::uint16_t kDeviceName = 0x1008;
@@ -88,7 +92,9 @@ std::optional<SdoAnswer> NodeDictionary::begin_download(ObjectAddress object,
          "a download was checked before it begins");
   const std::int64_t number = number_of_bytes(data, is_signed(found->data_type));
   if (found->owner == ObjectOwner::node) {
-    return SdoAnswer{.abort = write(object, static_cast<std::uint32_t>(number), now)};
+    const AbortCode abort = write(object, static_cast<std::uint32_t>(number), now);
+    if (abort == AbortCode::none) note_written(object);
+    return SdoAnswer{.abort = abort};
   }
   begin(object, number);
   return std::nullopt;
@@ -97,7 +103,12 @@ std::optional<SdoAnswer> NodeDictionary::begin_download(ObjectAddress object,
 void NodeDictionary::begin(ObjectAddress object, std::optional<std::int64_t> value) {
   ++last_ticket_;
   // Now: a NMT reset before the answer gives them other values.
-  if (object == kStoreAll && value) to_store_ = parameters_in_force();
+  if (object == kStoreAll && value) {
+    to_store_ = parameters_in_force();
+    if (is_changed_ && !is_dated_) {
+      for (const ObjectAddress part : kDateAndTime) to_store_.erase(part);
+    }
+  }
   access_ = DriveAccess{.ticket = last_ticket_, .object = object, .value = value};
   host_.begin_access(*access_);
 }
@@ -122,12 +133,34 @@ std::int64_t NodeDictionary::as_masters_see(const DriveAccess& access, std::int6
 
 /// @param object of the drive that was written
 AbortCode NodeDictionary::follow_memory(ObjectAddress object) {
-  if (object != kStoreAll && object != kRestoreAll) return AbortCode::none;
+  if (object != kStoreAll && object != kRestoreAll) {
+    note_written(object);
+    return AbortCode::none;
+  }
   CommunicationParameters::Values parameters;  // none: all have their defaults
   if (object == kStoreAll) parameters = std::exchange(to_store_, {});
   if (!host_.store(parameters)) return AbortCode::hardware_error;
+  if (object == kStoreAll) {
+    for (const ObjectAddress part : kDateAndTime) {
+      const auto saved = parameters.find(part);
+      parts_.parameters.set_value(part, saved == parameters.end() ? 0 : saved->second);
+    }
+  }
+  is_changed_ = false;
+  is_dated_ = false;
   parts_.parameters.set_stored(std::move(parameters));
   return AbortCode::none;
+}
+
+/// A master has written an object.
+void NodeDictionary::note_written(ObjectAddress object) {
+  if (object.index == kVerifyIndex) {
+    is_dated_ = true;
+    return;
+  }
+  const auto row = find_object(object);
+  is_changed_ = is_changed_ || CommunicationParameters::has(object) ||
+                (row && vdrive::describe(*row).storage == Storage::flash);
 }
 
 CommunicationParameters::Values NodeDictionary::parameters_in_force() const {

@@ -34,6 +34,9 @@ struct ObjectParts {
 /// The object dictionary of a node (CiA 301, 7.4) as node_objects() describes it: leads each access
 /// to the part of the node that has the object, or to the drive.
 ///
+/// 1020h (verify configuration) is what a configuration tool has written there and 1010h:01 saved;
+/// it is 0 again when 1010h:01 saves another configuration without it (CiA 301, 7.5.2.23).
+///
 /// An access is judged in this order: index, sub-index, access, length, value. The value of an
 /// object of the drive is judged by the drive.
 class NodeDictionary final : public SdoObjects {
@@ -60,6 +63,9 @@ class NodeDictionary final : public SdoObjects {
   /// The access that is under way will not be answered.
   void forget_access() noexcept { access_.reset(); }
 
+  /// The parameters are those that were saved: a date in 1020h that was not saved is gone, too.
+  void forget_date() noexcept { is_dated_ = false; }
+
   /// @return the value of an object of the node itself; none when it has a text, is the drive's, or
   ///         does not exist.
   [[nodiscard]] std::optional<std::int64_t> value(ObjectAddress object) const;
@@ -79,6 +85,7 @@ class NodeDictionary final : public SdoObjects {
   [[nodiscard]] std::uint32_t value_of(const NodeObject& object) const;
   [[nodiscard]] std::int64_t as_masters_see(const DriveAccess& access, std::int64_t value) const;
   [[nodiscard]] AbortCode follow_memory(ObjectAddress object);
+  void note_written(ObjectAddress object);
   [[nodiscard]] CommunicationParameters::Values parameters_in_force() const;
 
   std::uint8_t node_id_;
@@ -91,6 +98,8 @@ class NodeDictionary final : public SdoObjects {
   std::uint32_t last_ticket_ = 0;
   std::uint64_t writes_ = 0;
   std::optional<DriveAccess> access_;         ///< of the drive, under way
+  bool is_changed_ = false;                   ///< what 1010h:01 saves, since it has
+  bool is_dated_ = false;                     ///< 1020h was written since
   CommunicationParameters::Values to_store_;  ///< at the request of 1010h:01 that is under way
 };
 

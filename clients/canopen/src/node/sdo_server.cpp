@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 namespace vdrive::canopen {
 namespace {
@@ -26,10 +27,15 @@ constexpr std::uint8_t kDownloadSegmentResponse = 0x20;
 constexpr std::uint8_t kUploadResponse = 0x40;
 constexpr std::uint8_t kDownloadResponse = 0x60;
 constexpr std::uint8_t kAbort = 0x80;
+constexpr std::uint8_t kBlockUploadResponse = 0xC0;
+constexpr std::uint8_t kBlockDownloadResponse = 0xA0;
+constexpr std::uint8_t kBlockDownloadEndResponse = 0xA1;
 
 // Bits of an initiate request or response.
 constexpr std::uint8_t kSizeIndicated = 0x01;
 constexpr std::uint8_t kExpedited = 0x02;
+constexpr std::uint8_t kBlockSizeIndicated = 0x02;  ///< of a block transfer
+constexpr std::uint8_t kCrcSupported = 0x04;        ///< likewise
 
 // Bits of a segment.
 constexpr std::uint8_t kLastSegment = 0x01;
@@ -90,7 +96,8 @@ SdoServer::SdoServer(std::uint8_t node_id, NodeHost& host, SdoObjects& objects)
     : node_id_(node_id), host_(host), objects_(objects) {}
 
 void SdoServer::receive(const Frame& request, DriveTime now) {
-  if (client_command_of(request) == ClientCommand::abort) {
+  const bool is_segment = is_in_block() && request.data[0] != kAbort;
+  if (client_command_of(request) == ClientCommand::abort && !is_segment) {
     stop();  // a client has one channel: what waits is what it has given up
   } else if (!access_) {
     serve(request, now);
@@ -102,6 +109,7 @@ void SdoServer::receive(const Frame& request, DriveTime now) {
 }
 
 void SdoServer::serve(const Frame& request, DriveTime now) {
+  if (is_in_block()) return continue_block(request, now);
   switch (client_command_of(request)) {
     case ClientCommand::initiate_upload:
       return initiate_upload(request, now);
@@ -111,12 +119,22 @@ void SdoServer::serve(const Frame& request, DriveTime now) {
       return upload_segment(request, now);
     case ClientCommand::download_segment:
       return download_segment(request, now);
-    default: {
-      const ObjectAddress object = object_of(request);
-      end_transfer();
-      return send_abort(object, AbortCode::unknown_command_specifier);
-    }
+    case ClientCommand::block_upload:
+      return names_object(request) ? initiate_block_upload(request, now)
+                                   : continue_block(request, now);
+    case ClientCommand::block_download:
+      return names_object(request) ? initiate_block_download(request, now)
+                                   : continue_block(request, now);
+    default:
+      return refuse_command(request);
   }
+}
+
+/// Ends the transfer with a request that it does not expect.
+void SdoServer::refuse_command(const Frame& request) {
+  const ObjectAddress object = object_of(request);
+  end_transfer();
+  send_abort(object, AbortCode::unknown_command_specifier);
 }
 
 void SdoServer::finish(const SdoAnswer& answer, DriveTime now) {
@@ -155,7 +173,10 @@ std::optional<DriveTime> SdoServer::next_due() const {
 
 void SdoServer::initiate_upload(const Frame& request, DriveTime now) {
   end_transfer();
-  const Access access{.object = multiplexer_of(request), .transfer = Transfer::upload};
+  begin_upload({.object = multiplexer_of(request), .transfer = Transfer::upload}, now);
+}
+
+void SdoServer::begin_upload(const Access& access, DriveTime now) {
   if (const auto answer = objects_.begin_upload(access.object)) {
     conclude(access, *answer, now);
   } else {
@@ -232,10 +253,12 @@ void SdoServer::download(const Access& access, std::span<const std::uint8_t> dat
 void SdoServer::conclude(const Access& access, const SdoAnswer& answer, DriveTime now) {
   if (answer.abort != AbortCode::none) {
     send_abort(access.object, answer.abort);
+  } else if (access.block) {
+    conclude_block_upload(access, answer, now);
   } else if (access.transfer == Transfer::upload) {
     conclude_upload(access.object, answer, now);
   } else {
-    // The response to a segment names no object.
+    // The response to a segment, and to the end of blocks, names no object.
     const bool is_segment = access.response != kDownloadResponse;
     send(access.response, is_segment ? ObjectAddress{} : access.object, {});
   }
@@ -281,11 +304,81 @@ void SdoServer::upload_segment(const Frame& request, DriveTime now) {
   host_.send(response);
 }
 
+// ---- by blocks -------------------------------------------------------------------------------
+
+bool SdoServer::is_in_block() const {
+  const auto* const received = std::get_if<SdoBlockDownload>(&block_);
+  return received != nullptr && received->is_in_block();
+}
+
+void SdoServer::initiate_block_upload(const Frame& request, DriveTime now) {
+  end_transfer();
+  const ObjectAddress object = multiplexer_of(request);
+  const std::uint8_t segments = request.data[4];
+  if (segments == 0 || segments > kMostSegments) return send_abort(object, kInvalidBlockSize);
+  const bool has_crc = (request.data[0] & kCrcSupported) != 0;
+  begin_upload({.object = object,
+                .transfer = Transfer::upload,
+                .block = SdoBlockTerms{.segments = segments, .has_crc = has_crc}},
+               now);
+}
+
+/// By blocks in any case: what a client permits with its protocol switch threshold is no duty.
+void SdoServer::conclude_block_upload(const Access& access, const SdoAnswer& answer,
+                                      DriveTime now) {
+  block_.emplace<SdoBlockUpload>(node_id_, host_, answer.bytes, *access.block);
+  begin_block(access.object, now);
+  send(kBlockUploadResponse | kCrcSupported | kBlockSizeIndicated, access.object,
+       sdo_bytes_of(static_cast<std::uint32_t>(answer.bytes.size())));
+}
+
+void SdoServer::initiate_block_download(const Frame& request, DriveTime now) {
+  end_transfer();
+  const ObjectAddress object = multiplexer_of(request);
+  const SdoTarget target = objects_.check_download(object);
+  if (target.abort != AbortCode::none) return send_abort(object, target.abort);
+  if ((request.data[0] & kBlockSizeIndicated) != 0) {
+    const AbortCode code = check_size(indicated_size(request), target.size);
+    if (code != AbortCode::none) return send_abort(object, code);
+  }
+  const bool has_crc = (request.data[0] & kCrcSupported) != 0;
+  block_.emplace<SdoBlockDownload>(node_id_, host_, target.size, has_crc);
+  begin_block(object, now);
+  send(kBlockDownloadResponse | kCrcSupported, object, std::array{kMostSegments});
+}
+
+void SdoServer::begin_block(ObjectAddress object, DriveTime now) {
+  transfer_ = Transfer::block;
+  object_ = object;
+  deadline_ = now + kClientTimeOut;
+}
+
+void SdoServer::continue_block(const Frame& request, DriveTime now) {
+  if (transfer_ != Transfer::block) return refuse_command(request);
+  deadline_ = now + kClientTimeOut;
+  auto* const received = std::get_if<SdoBlockDownload>(&block_);
+  const SdoBlockStep step = received != nullptr ? received->receive(request)
+                                                : std::get<SdoBlockUpload>(block_).receive(request);
+  if (step.abort != AbortCode::none) {
+    end_transfer();
+    return send_abort(object_, step.abort);
+  }
+  if (step.is_complete) conclude_block(now);
+}
+
+void SdoServer::conclude_block(DriveTime now) {
+  const auto* const received = std::get_if<SdoBlockDownload>(&block_);
+  if (received == nullptr) return end_transfer();
+  const std::vector<std::uint8_t> data(received->data().begin(), received->data().end());
+  end_transfer();
+  download(
+      {.object = object_, .transfer = Transfer::download, .response = kBlockDownloadEndResponse},
+      data, now);
+}
+
 bool SdoServer::check_segment(const Frame& request, Transfer expected) {
   if (transfer_ != expected) {
-    const ObjectAddress object = object_of(request);
-    end_transfer();
-    send_abort(object, AbortCode::unknown_command_specifier);
+    refuse_command(request);
     return false;
   }
   if (((request.data[0] & kToggle) != 0) != toggle_) {
@@ -303,6 +396,7 @@ void SdoServer::continue_transfer(DriveTime now) {
 
 void SdoServer::end_transfer() {
   transfer_ = Transfer::none;
+  block_ = std::monostate{};
   data_.clear();
   toggle_ = false;
 }

@@ -4,6 +4,7 @@
 #include "node/drive_time.hpp"
 #include "node/frame.hpp"
 #include "node/node_host.hpp"
+#include "node/sdo_block.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/object.hpp"
 
@@ -14,6 +15,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 
 namespace vdrive::canopen {
 
@@ -54,15 +56,21 @@ struct SdoCounters {
 };
 
 /// The SDO server of a node with the default COB-IDs 600h and 580h + node id (CiA 301, 7.2.4):
-/// expedited and segmented transfers in both directions.
+/// expedited, segmented and block transfers in both directions.
 ///
-/// Each request gets one response or abort, and requests are answered in their order:
+/// Each request gets one response or abort, and requests are answered in their order. Two
+/// exceptions are those of block transfer: a block of segments has one response, and so many may be
+/// one.
 ///
 /// | request | answer |
 /// | --- | --- |
 /// | initiate, whatever is under way | starts a new transfer; the one under way ends in silence |
 /// | segment of no transfer, or of the other direction | abort 05040001h |
-/// | block transfer, and specifier 7 | abort 05040001h |
+/// | specifier 7, and what a block transfer does not expect | abort 05040001h |
+/// | any frame but 80h within a block of a download | a segment: a new transfer begins after it |
+/// | blocks of no or more than 127 segments | abort 05040002h |
+/// | segment 0, or confirmation of more than was sent | abort 05040003h |
+/// | CRC of a block download | abort 05040004h where it is wrong |
 /// | segment whose toggle bit does not alternate | abort 05030000h |
 /// | more data than the object has | abort 06070012h, as soon as it is known |
 /// | fewer data | abort 06070013h |
@@ -99,25 +107,35 @@ class SdoServer {
   [[nodiscard]] const SdoCounters& counters() const noexcept { return counters_; }
 
  private:
-  enum class Transfer : std::uint8_t { none, upload, download };
+  enum class Transfer : std::uint8_t { none, upload, download, block };
 
   /// An access to an object, and how its success is answered.
   struct Access {
     ObjectAddress object;
     Transfer transfer = Transfer::none;
-    std::uint8_t response = 0;  ///< first byte, of a download
-    bool is_wanted = true;      ///< the client still waits for it
+    std::uint8_t response = 0;             ///< first byte, of a download
+    bool is_wanted = true;                 ///< the client still waits for it
+    std::optional<SdoBlockTerms> block{};  ///< an upload that goes by blocks
   };
 
   void serve(const Frame& request, DriveTime now);
   void initiate_upload(const Frame& request, DriveTime now);
   void initiate_download(const Frame& request, DriveTime now);
   void initiate_segments(const Frame& request, const SdoTarget& target, DriveTime now);
+  void initiate_block_upload(const Frame& request, DriveTime now);
+  void initiate_block_download(const Frame& request, DriveTime now);
+  void continue_block(const Frame& request, DriveTime now);
+  void conclude_block(DriveTime now);
+  void begin_upload(const Access& access, DriveTime now);
+  void begin_block(ObjectAddress object, DriveTime now);
+  [[nodiscard]] bool is_in_block() const;
   void upload_segment(const Frame& request, DriveTime now);
   void download_segment(const Frame& request, DriveTime now);
   void download(const Access& access, std::span<const std::uint8_t> data, DriveTime now);
   void conclude(const Access& access, const SdoAnswer& answer, DriveTime now);
   void conclude_upload(ObjectAddress object, const SdoAnswer& answer, DriveTime now);
+  void conclude_block_upload(const Access& access, const SdoAnswer& answer, DriveTime now);
+  void refuse_command(const Frame& request);
   void continue_transfer(DriveTime now);
   void end_transfer();
   /// @return whether `request` is the next segment of the transfer; if not it is answered.
@@ -131,13 +149,14 @@ class SdoServer {
   SdoObjects& objects_;
   SdoCounters counters_;
 
-  Transfer transfer_ = Transfer::none;  ///< by segments
+  Transfer transfer_ = Transfer::none;  ///< by segments or blocks
   ObjectAddress object_;                ///< of it
   std::string data_;                    ///< of it: to send, or received
   std::size_t position_ = 0;            ///< upload: bytes that were sent
   std::size_t size_ = 0;                ///< download: bytes that are expected
   bool toggle_ = false;                 ///< of the next segment
   DriveTime deadline_{};                ///< for the next segment
+  std::variant<std::monostate, SdoBlockUpload, SdoBlockDownload> block_;  ///< of Transfer::block
 
   std::optional<Access> access_;  ///< under way
   std::deque<Frame> waiting_;     ///< for its end

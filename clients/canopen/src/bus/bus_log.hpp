@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/bus.hpp"
+#include "severity.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace boost::asio {
+class io_context;
+}
+
+namespace vdrive::canopen {
+
+struct BusLogSettings {
+  std::filesystem::path file{};
+  std::string interface = "can0";                      ///< in each line
+  std::function<std::chrono::microseconds()> clock{};  ///< time of a frame, since any beginning
+  std::function<void(bridge::Severity severity, const std::string& text)> report{};
+  std::uint64_t most_bytes = std::uint64_t{4} << 30U;  ///< some 100 million frames
+};
+
+/// Appends a frame as the log files of can-utils have it ("candump -l"), such as
+/// "(0000000012.345000) can0 181#3702\n", and "181#R2" for a remote frame of 2 bytes.
+void append_log_line(std::string& out, const std::string& interface, const Frame& frame,
+                     std::chrono::microseconds time);
+
+/// Writes each frame of a bus into a file, which it replaces. What a turn of the loop has brought
+/// is in the file at its end. When the file cannot be written, or is full, that is reported once,
+/// and the frames from then on are counted. For the thread of its context.
+class BusLog final {
+ public:
+  /// Joins the bus.
+  /// @param context, bus outlive the log
+  /// @throws std::runtime_error when the file cannot be opened, with its name and the reason
+  BusLog(boost::asio::io_context& context, Bus& bus, BusLogSettings settings);
+  ~BusLog();
+  BusLog(const BusLog&) = delete;
+  BusLog& operator=(const BusLog&) = delete;
+
+  /// Writes what waits.
+  /// @return frames of the bus that are not in the file
+  std::uint64_t flush();
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;  ///< an operation of the context that ends later keeps it
+};
+
+}  // namespace vdrive::canopen
