@@ -665,6 +665,30 @@ TEST_F(LockStepGroup, RunsQueuedMovesWithoutATickOfRestBetweenThem) {
   EXPECT_EQ(group.status()->demand(), vector({0, 0}));
 }
 
+// The profile of a line may end a rounding of its time, or a part of a millisecond, after the tick
+// in which 6062h and 606Bh show its target: the drive has to take the next line in that tick.
+TEST_F(LockStepGroup, RunsALineThatIsQueuedAfterAnyLine) {
+  AxisGroup group = enabled(2);
+  std::minstd_rand random(48);
+  const auto position = [&random] {
+    return static_cast<double>(random() % 100'000) - 50'000.0;
+  };
+  write("1.2", kDeceleration, 1'000);  // below 0.5 UU/s for half a tick
+  const int pairs = test::number_of<int>({.usual = 60, .full = 600, .nightly = 6'000});
+  for (int pair = 0; pair < pairs; ++pair) {
+    // Every other pair leaves the slow axis at rest.
+    const double slow = pair % 2 == 0 ? 0.0 : static_cast<double>(random() % 200);
+    const Eigen::VectorXd first = vector({position(), slow});
+    const Eigen::VectorXd second = vector({position(), 0.0});
+    ASSERT_TRUE(group.queue_move(first));
+    ASSERT_TRUE(group.queue_move(second));
+    const Outcome done = group.wait_all();
+    ASSERT_TRUE(done) << "pair " << pair << ": " << first.transpose() << ", then "
+                      << second.transpose() << ": " << done.message();
+    ASSERT_EQ(group.status()->demand(), second) << pair;
+  }
+}
+
 TEST_F(LockStepGroup, APollStartsTheQueuedMovesOfAProgramWithItsOwnLoop) {
   AxisGroup group = enabled(2);
   ASSERT_TRUE(group.queue_move(vector({1000, 500})));

@@ -390,6 +390,26 @@ TEST_F(TwoAxes, AMovingAxisDoesNotStartASynchronousMove) {
   EXPECT_EQ(group.bank().ignored_set_points(0), 1U);
 }
 
+// 6 UU in 10 s with ramps of 5 s: 1.2 UU/s and 0.24 UU/s². 606Bh shows 0 while less than 0.5 UU/s
+// is left, for 2083 ms, and 6062h shows the target while less than half a unit is, for
+// sqrt(2·0.5/0.24) s = 2041 ms.
+TEST_F(TwoAxes, AnAxisThatShowsItsArrivalStartsASynchronousMove) {
+  group.start({6, 6}, {10'000'000, 5'000'000, 5'000'000});
+  for (int tick = 0; tick < 7'950; ++tick) group.bank().step();
+  ASSERT_EQ(group.demand(0), 5);
+  ASSERT_EQ(group.bank().status(0).velocity_demand_value, 0);
+  group.start({60'000, 6}, {700'000, 100'000, 100'000}, 0x3F);
+  EXPECT_EQ(group.bank().ignored_set_points(0), 1U) << "6062h is not at the target";
+  for (int tick = 0; tick < 20; ++tick) group.bank().step();
+  ASSERT_EQ(group.demand(0), 6);
+  group.start({60'000, 6}, {700'000, 100'000, 100'000}, 0x3F);
+  EXPECT_EQ(group.bank().ignored_set_points(0), 1U);
+  for (int tick = 0; tick < 700; ++tick) group.bank().step();
+  EXPECT_EQ(group.demand(0), 60'000);
+  EXPECT_EQ(group.demand(1), 6);
+  EXPECT_EQ(group.bank().status(0).velocity_demand_value, 0);
+}
+
 // 60000 UU in 700 ms with ramps of 100 ms: 100000 UU/s and 1e6 UU/s². After 300 ms the axis is at
 // 100000·(0.3 - 0.1/2) = 25000 and has its full speed.
 TEST_F(TwoAxes, AReferenceWayLetsItGoOnWithTheSpeedAndTheRampsOfThatWay) {

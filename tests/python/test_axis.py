@@ -3,6 +3,7 @@
 import math
 import os
 import pickle
+import re
 import socket
 
 import pytest
@@ -29,6 +30,25 @@ def test_a_move_ends_at_its_target_with_the_given_speed(vdrive_shared_session, a
     axis.move_by(-2500)
     assert axis.status().demand == 7500
     assert axis.read(0x6081) == speed_of_the_drive
+
+
+@pytest.mark.parametrize(("command", "cause"), [
+    (lambda axis: axis.run_at(1000), "profile velocity mode (6060h = 3)"),
+    (lambda axis: axis.home(method=37), "homing mode (6060h = 6)"),
+    (lambda axis: axis.start_move(-5000), "607Ah = -5000"),
+    (lambda axis: axis.write(0x6060, 4), "profile torque mode (6060h = 4)"),
+    (lambda axis: axis.quick_stop(), "quick stop (6040h = 0x0002)"),
+], ids=["velocity", "homing", "move", "mode", "stop"])
+def test_a_motion_ends_by_what_comes_after_it_and_says_by_what(vdrive_shared_session, axis, command, cause):
+    axis.enable()
+    motion = axis.start_move(50000, velocity=20000)
+    vdrive_shared_session.wait(0.1)
+    command(axis)
+    vdrive_shared_session.wait(1.0)
+    with pytest.raises(vdrive.Failed, match=re.escape(cause)):
+        motion.has_ended()
+    with pytest.raises(vdrive.Failed, match=re.escape(cause)):
+        motion.wait()
 
 
 def test_an_object_is_named_by_index_pair_name_or_name_of_the_standard(axis):

@@ -2,12 +2,27 @@
 #include "calls/arrival.hpp"
 
 #include "base/command_words.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace vdrive::client {
 namespace {
+
+using namespace literals;
+
+/// What tells why an axis rests elsewhere than at its target: the software limits, then the range.
+constexpr std::array kArrivalObjects{vdrive::describe("user_position_lower_limit"_object).address,
+                                     vdrive::describe("user_position_upper_limit"_object).address,
+                                     vdrive::describe("min_position_range_limit"_object).address,
+                                     vdrive::describe("max_position_range_limit"_object).address};
+constexpr std::size_t kSoftwareLimits = 2;
 
 constexpr std::uint8_t kNegativeLimitSwitch = 1U << 0U;  // of 60FDh
 constexpr std::uint8_t kPositiveLimitSwitch = 1U << 1U;
@@ -92,12 +107,49 @@ Outcome check_limit_switch(const AxesCall& call, const AxisSnapshot& axis, std::
   return limit_switch.outcome(axis, unit, move_to(target, unit));
 }
 
-Outcome await_target(AxesCall& call, const Wakeup& wakeup, std::optional<std::int32_t> target) {
+Outcome check_arrival(AxesCall& call, const AxisSnapshot& at_rest, std::int32_t target,
+                      bool is_exact) {
+  const std::int32_t demand = at_rest.status.position_demand_value;
+  if (demand == target) return {};
+  const auto values = call.read(kArrivalObjects);
+  if (!values) return values.outcome();
+  const std::vector<std::int64_t>& read = values->front();
+  const auto limits = std::span(read).first(kSoftwareLimits);
+  const auto limit = std::ranges::find(limits, demand);
+  const std::string axis = "axis " + to_string(at_rest.id) + ": ";
+  if (at_rest.shows(Statusword::kInternalLimitActive) && limit != limits.end()) {
+    const auto place = static_cast<std::size_t>(limit - limits.begin());
+    return Outcome::failed(axis + "the software limit " + object_text(kArrivalObjects.at(place)) +
+                           " = " + std::to_string(demand) + " has cut " + move_to(target) + " off");
+  }
+  const std::int64_t span = read.back() - read[kSoftwareLimits];
+  const bool is_there = span > 0 && (std::int64_t{target} - demand) % span == 0;
+  if (is_there || !is_exact) return {};
+  return Outcome::failed(axis + "something else has ended " + move_to(target) + ": it rests at " +
+                         std::to_string(demand) + " (6062h)");
+}
+
+Outcome check_set_point(const AxisSnapshot& axis) {
+  if (axis.mode() != OperatingMode::profile_position) {
+    return Outcome::failed("axis " + to_string(axis.id) + ": superseded by " +
+                           std::string(to_string(axis.mode())) +
+                           " mode (6061h = " + std::to_string(axis.status.op_mode_actual) +
+                           "); waited for " + std::string(kTargetReached));
+  }
+  if (axis.last_sequence != 0) return {};
+  return Outcome::failed("axis " + to_string(axis.id) +
+                         ": control of it was released or taken after its set-point; waited for " +
+                         std::string(kTargetReached));
+}
+
+Outcome await_target(AxesCall& call, const Wakeup& wakeup, std::optional<std::int32_t> target,
+                     std::uint64_t from) {
   LimitSwitchWatch limit_switch;
-  Outcome reached = call.await_enabled(kTargetReached, call.tick(), [&](const AxisSnapshot& axis) {
+  Outcome reached = call.await_enabled(kTargetReached, from, [&](const AxisSnapshot& axis) {
     limit_switch.note(axis, way_to(axis, target));
-    return target_reached(axis) || limit_switch.has_ended(axis);
+    return target_reached(axis) || limit_switch.has_ended(axis) || !check_set_point(axis);
   });
+  if (reached) reached = check_set_point(call.snapshot());
   if (reached && !target_reached(call.snapshot())) {
     const Unit unit = call.unit_of(call.snapshot().id);
     return limit_switch.outcome(call.snapshot(), unit,

@@ -60,11 +60,23 @@ class LimitSwitchWatch {
 [[nodiscard]] Outcome check_limit_switch(const AxesCall& call, const AxisSnapshot& axis,
                                          std::int32_t target);
 
+/// @param at_rest the axis in the tick that has shown its arrival
+/// @param target absolute
+/// @param is_exact whether the axis has nowhere else to rest
+/// @return failed where a software limit has cut the move off, or where the axis rests elsewhere.
+[[nodiscard]] Outcome check_arrival(AxesCall& call, const AxisSnapshot& at_rest,
+                                    std::int32_t target, bool is_exact = true);
+
+/// A set-point of profile position mode ends with the mode, and with the control of its axis.
+/// @return failed when the axis shows that either has ended since.
+[[nodiscard]] Outcome check_set_point(const AxisSnapshot& axis);
+
 /// Waits until the axis is at its target.
 /// @param target absolute, none where it is not known: then a limit switch is seen by the speed
-/// @return failed also when it was halted on the way, when a limit switch has ended the motion, and
-///         when the wait was interrupted: then it continues.
-Outcome await_target(AxesCall& call, const Wakeup& wakeup,
-                     std::optional<std::int32_t> target = std::nullopt);
+/// @param from tick in which the drive has the set-point
+/// @return failed also when it was halted on the way, when a limit switch or another command has
+///         ended the motion, and when the wait was interrupted: then it continues.
+Outcome await_target(AxesCall& call, const Wakeup& wakeup, std::optional<std::int32_t> target,
+                     std::uint64_t from);
 
 }  // namespace vdrive::client

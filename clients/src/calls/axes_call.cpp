@@ -97,7 +97,9 @@ AxesCall::AxesCall(std::shared_ptr<SessionCore> core, GroupLayout layout, Caller
                    ObservedAxes::Progress progress)
     : core_(core),
       axes_(std::move(core), std::move(layout), caller, std::move(progress)),
-      was_owner_(axes_.layout().axes.size()) {}
+      was_owner_(axes_.layout().axes.size()),
+      given_(axes_.layout().axes.size()),
+      is_superseded_(axes_.layout().axes.size()) {}
 
 // ---- begin -----------------------------------------------------------------------------------
 
@@ -142,11 +144,15 @@ Outcome AxesCall::acquire(bool by_force) {
     if (axes_.caller() == Caller::axis && core_->discovery.is_paused(part.target.key)) {
       return Outcome::failed(paused_text(part.target));
     }
-    const bool ours = std::ranges::all_of(part.seen.axes, [this](const AxisSnapshot& axis) {
-      return axis.owner_session == core_->id;
-    });
-    if (ours && core_->control.holds(part.target, part.bench->axes)) continue;
-    if (Outcome taken = core_->control.acquire(part.target, part.bench->axes, by_force); !taken) {
+    // Not those that it has: what was commanded before an axis was taken counts no more.
+    std::vector<std::uint16_t> others;
+    for (const AxisSnapshot& axis : part.seen.axes) {
+      const bool ours =
+          axis.owner_session == core_->id && core_->control.holds(part.target, {&axis.id.axis, 1});
+      if (!ours) others.push_back(axis.id.axis);
+    }
+    if (others.empty()) continue;
+    if (Outcome taken = core_->control.acquire(part.target, others, by_force); !taken) {
       return core_->names.named(part.target, axes_.note_lost(part, std::move(taken)));
     }
   }
@@ -262,7 +268,10 @@ Outcome AxesCall::send(std::span<const Round> rounds, std::uint64_t apply_at,
   const auto send_to = [&](std::size_t i, std::span<const Round> some) -> Outcome {
     const auto frames = frames_of(some, parts[i], axes_.layout(), apply_at);
     if (frames.empty() || parts[i].is_lost()) return {};
-    return core_->commands.send(sent[i], frames);
+    const std::size_t before = sent[i].sequences.size();
+    Outcome outcome = core_->commands.send(sent[i], frames);
+    note_given(parts[i], some, std::span(sent[i].sequences).subspan(before));
+    return outcome;
   };
   // One bench gets its frames with no frame of another thread between them.
   if (parts.size() == 1) return send_to(0, rounds);
@@ -274,6 +283,40 @@ Outcome AxesCall::send(std::span<const Round> rounds, std::uint64_t apply_at,
     }
   }
   return {};
+}
+
+/// @param sequences of the frames that carry `rounds` to this bench, as far as they were sent
+void AxesCall::note_given(const BenchPart& part, std::span<const Round> rounds,
+                          std::span<const std::uint64_t> sequences) {
+  auto sequence = sequences.begin();
+  for (const Round& round : rounds) {
+    bool has_frame = false;
+    for (const Round::Entry& entry : round.entries) {
+      if (axes_.layout().axes[entry.place].bench != part.bench->number) continue;
+      if (sequence == sequences.end()) return;
+      note_given(entry.place, entry.command, *sequence);
+      has_frame = true;
+    }
+    if (has_frame) ++sequence;
+  }
+}
+
+void AxesCall::note_given(std::size_t place, const msg::AxisCommand& command,
+                          std::uint64_t sequence) {
+  GivenCommand& given = given_[place];
+  const bool is_first = given.sequence == 0;
+  if (!is_first && !ends_motion(command)) return;
+  if ((command.members() & msg::HAS_OP_MODE_CMD) != 0) {
+    given.mode = static_cast<OperatingMode>(command.op_mode_cmd());
+  } else if (is_first) {
+    given.mode = snapshots()[place].mode();
+  }
+  given.sequence = sequence;
+}
+
+void AxesCall::follow(std::vector<GivenCommand> given) {
+  note_owned();
+  given_ = std::move(given);
 }
 
 /// Takes back the frames that still wait on the other benches when one has refused.
@@ -378,13 +421,39 @@ Outcome AxesCall::check_owners() {
   return {};
 }
 
+std::optional<std::string> AxesCall::find_end(std::size_t place) const {
+  if (given_[place].sequence == 0) return std::nullopt;
+  const AxisSnapshot& axis = snapshots()[place];
+  const auto part = std::ranges::find_if(axes_.parts(), [&axis](const BenchPart& each) {
+    return each.bench->number == axis.id.bench;
+  });
+  return core_->history.find_end(part->target.key, given_[place], axis);
+}
+
+Outcome AxesCall::check_command(std::string_view awaited, std::size_t place) {
+  const AxisSnapshot& axis = snapshots()[place];
+  const auto end = find_end(place);
+  if (is_enabled(axis) && !end) return {};
+  if (!is_enabled(axis)) {
+    const Outcome failed = failed_instead_of(awaited, axis);
+    return end ? failed.with_message(failed.message() + "; superseded by " + *end) : failed;
+  }
+  is_superseded_[place] = true;
+  return Outcome::failed("axis " + to_string(axis.id) + ": superseded by " + *end +
+                         "; waited for " + std::string(awaited));
+}
+
+bool AxesCall::is_superseded() const {
+  return std::ranges::find(is_superseded_, true) != is_superseded_.end();
+}
+
 Outcome AxesCall::check(std::string_view awaited, std::uint64_t from) {
   // First: who has the axes is noted in each tick, also in those before `from`.
   Outcome own = check_owners();
   if (tick() < from) return {};
   if (!own) return axes_.caller() == Caller::axis ? own : stop_others(std::move(own));
-  for (const AxisSnapshot& axis : snapshots()) {
-    if (!is_enabled(axis)) return stop_others(failed_instead_of(awaited, axis));
+  for (std::size_t place = 0; place < snapshots().size(); ++place) {
+    if (Outcome sound = check_command(awaited, place); !sound) return stop_others(std::move(sound));
   }
   return {};
 }
@@ -417,7 +486,7 @@ Outcome AxesCall::send_stop(Outcome cause, Answers& stop) {
     return is_enabled(axis) && axes_.is_present(axis);
   });
   std::erase_if(round.entries, [this](const Round::Entry& entry) {
-    return is_taken(entry.place);
+    return is_taken(entry.place) || is_superseded_[entry.place];
   });
   if (!round.entries.empty()) stop.outcome = renew_control(round);
   // At once: a common tick would be later, and what is lost cannot take part in it.

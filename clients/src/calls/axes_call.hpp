@@ -2,12 +2,14 @@
 #pragma once
 
 #include "calls/observed_axes.hpp"
+#include "exchange/command_history.hpp"
 #include "vdrive/quantity.hpp"
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -192,6 +194,13 @@ class AxesCall {
   /// Collects the answers to what was sent.
   Answers collect(std::span<const SentFrames> sent, Outcome outcome);
 
+  /// By place: the last command of this call that ends what its axis did before; of a call without
+  /// one, such as a resume, its first.
+  [[nodiscard]] const std::vector<GivenCommand>& given() const noexcept { return given_; }
+
+  /// This call waits for commands that an earlier call has given to axes of this session.
+  void follow(std::vector<GivenCommand> given);
+
   // ---- waiting
 
   /// Observes tick by tick until `done` holds for every axis, at `from` or later.
@@ -226,13 +235,21 @@ class AxesCall {
   // ---- stopping
 
   /// Stops the others when an axis that was observed at `from` or later is not in Operation
-  /// enabled, or is that of another session by now.
-  /// @return refused when another session has taken an axis: what that axis does from then on is
-  ///         not what this call waits for, and this call does not stop it
+  /// enabled, is that of another session by now, or has got another command than that of this call.
+  /// @return refused when another session has taken an axis, failed when this session has given it
+  ///         another command: what that axis does from then on is not what this call waits for, and
+  ///         this call does not stop it
   Outcome check(std::string_view awaited, std::uint64_t from);
 
   /// This session had every axis before this call: check_owners() compares with that.
   void note_owned() { was_owner_.assign(was_owner_.size(), true); }
+
+  /// @return failed when the axis at `place` is not in Operation enabled, or when this session has
+  ///         given it another command than this call, naming it: then this call does not stop it
+  [[nodiscard]] Outcome check_command(std::string_view awaited, std::size_t place);
+
+  /// @return whether check_command() has seen another command on an axis in Operation enabled.
+  [[nodiscard]] bool is_superseded() const;
 
   /// @return refused when another session has an axis that this session had, in a tick that this
   ///         call observed or before it.
@@ -270,6 +287,10 @@ class AxesCall {
   }
 
   [[nodiscard]] bool is_taken(std::size_t place) const;
+  void note_given(std::size_t place, const msg::AxisCommand& command, std::uint64_t sequence);
+  void note_given(const BenchPart& part, std::span<const Round> rounds,
+                  std::span<const std::uint64_t> sequences);
+  [[nodiscard]] std::optional<std::string> find_end(std::size_t place) const;
   Outcome renew_control(const Round& round);
   Outcome observe_next(std::string_view awaited, std::span<const std::size_t> late);
   [[nodiscard]] Outcome timed_out(std::string_view awaited,
@@ -281,8 +302,10 @@ class AxesCall {
   std::shared_ptr<SessionCore> core_;
   ObservedAxes axes_;
   std::chrono::nanoseconds timeout_{0};
-  std::uint64_t deadline_ = 0;    ///< as driven_tick()
-  std::vector<bool> was_owner_;   ///< by place: whether this session had the axis in some tick
+  std::uint64_t deadline_ = 0;       ///< as driven_tick()
+  std::vector<bool> was_owner_;      ///< by place: whether this session had the axis in some tick
+  std::vector<GivenCommand> given_;  ///< by place
+  std::vector<bool> is_superseded_;  ///< by place
   std::vector<SentFrames> sent_;  ///< by begin_to_put_in_force(): with the outcome of the sending
   Outcome sending_;
 };

@@ -17,6 +17,15 @@
 #include <string>
 
 namespace vdrive::client {
+
+/// What a Motion is compared with.
+struct StartedMove {
+  BenchKey bench;
+  GivenCommand given;       ///< the set-point
+  std::uint64_t tick = 0;   ///< in or after which the drive has it
+  std::int32_t target = 0;  ///< [UU]
+};
+
 namespace {
 
 /// Sets profile position mode and waits until 6061h shows it.
@@ -97,7 +106,8 @@ Outcome Axis::move_by(std::int32_t distance, const MoveOptions& options) {
   return explain_loss(*core_, move(distance, true, options), {&id_, 1});
 }
 
-Outcome Axis::move(std::int32_t target, bool relative, const MoveOptions& options) {
+Outcome Axis::move(std::int32_t target, bool relative, const MoveOptions& options,
+                   StartedMove* started) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
   if (Outcome ready = call.begin_control(options.call.timeout); !ready) return ready;
   if (Outcome able = call.require(is_enabled, "a move", "Operation enabled"); !able) return able;
@@ -108,31 +118,63 @@ Outcome Axis::move(std::int32_t target, bool relative, const MoveOptions& option
   if (options.call.until == Until::done) {
     if (Outcome reached = move.await_target(); !reached) return reached;
   }
+  if (started != nullptr) {
+    *started = {.bench = call.axes().parts().front().target.key,
+                .given = call.given().front(),
+                .tick = call.tick(),
+                .target = target};
+  }
   return move.finish();
 }
 
 Result<Motion> Axis::start_move(std::int32_t position, const MoveOptions& options) {
   MoveOptions start = options;
   start.call.until = Until::in_force;
-  if (Outcome started = move_to(position, start); !started) return started;
-  return Motion(*this, position);
+  const auto started = wire::made_here<StartedMove>();
+  Outcome taken = explain_loss(*core_, move(position, false, start, started.get()), {&id_, 1});
+  if (!taken) return taken;
+  return Motion(*this, started);
 }
+
+namespace {
+
+/// Wall time and drive time that a sample of an axis in real time may have been under way.
+constexpr std::chrono::seconds kOldSample{1};
+
+/// Connects, and waits for the move from then on.
+Outcome begin_to_follow(AxesCall& call, const StartedMove& move, std::chrono::nanoseconds timeout) {
+  if (Outcome ready = call.begin(timeout); !ready) return ready;
+  const Target& target = call.axes().parts().front().target;
+  if (target.key != move.bench) return Outcome::lost(restarted_text(target));
+  call.follow({move.given});
+  return {};
+}
+
+}  // namespace
 
 Outcome Motion::wait(std::chrono::nanoseconds timeout) const {
   AxesCall call(axis_.core_, layout_of(axis_.id_), Caller::axis);
-  if (Outcome ready = call.begin(timeout); !ready) return ready;
-  return await_target(call, axis_.core_->wakeup, target_);
+  if (Outcome ready = begin_to_follow(call, *move_, timeout); !ready) return ready;
+  Outcome reached = await_target(call, axis_.core_->wakeup, move_->target, move_->tick);
+  if (reached) reached = check_arrival(call, call.snapshot(), move_->target);
+  return explain_loss(*axis_.core_, std::move(reached), {&axis_.id_, 1});
 }
 
 Result<bool> Motion::has_ended() const {
   AxesCall call(axis_.core_, layout_of(axis_.id_), Caller::axis);
-  if (Outcome ready = call.begin(std::chrono::nanoseconds(0)); !ready) return ready;
-  if (!is_enabled(call.snapshot())) return failed_instead_of(kTargetReached, call.snapshot());
+  if (Outcome ready = begin_to_follow(call, *move_, kOldSample); !ready) return ready;
+  if (Outcome seen = call.await_tick("a sample of the move", move_->tick); !seen) return seen;
+  if (Outcome sound = call.check(kTargetReached, move_->tick); !sound) {
+    return explain_loss(*axis_.core_, std::move(sound), {&axis_.id_, 1});
+  }
+  if (Outcome sound = check_set_point(call.snapshot()); !sound) return sound;
   if (!target_reached(call.snapshot())) {
-    if (Outcome ended = check_limit_switch(call, call.snapshot(), target_); !ended) return ended;
+    if (Outcome ended = check_limit_switch(call, call.snapshot(), move_->target); !ended)
+      return ended;
     return false;
   }
   if (Outcome ended = check_halt(call); !ended) return ended;
+  if (Outcome ended = check_arrival(call, call.snapshot(), move_->target); !ended) return ended;
   return true;
 }
 

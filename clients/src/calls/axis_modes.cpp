@@ -385,6 +385,7 @@ Outcome end_jog(const std::shared_ptr<SessionCore>& core, AxesCall& call,
   Outcome ended = end_velocity(call, core->wakeup, timeout);
   // A fault has its own reaction. Of a lost bench no stop would arrive: its watchdog acts.
   if (ended || !is_enabled(call.snapshot()) || ended.kind() == OutcomeKind::lost) return ended;
+  if (call.is_superseded()) return ended;  // the axis is in the hands of another thread
   return stop_instead(core, call.snapshot().id, ended, timeout);
 }
 
@@ -520,7 +521,8 @@ Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnap
   std::int64_t slowest = 0;
   if (Outcome started = start_velocity(call, motion, velocity, options, slowest); !started) {
     // What was sent may be in force although the wait for it has failed.
-    if (is_enabled(call.snapshot()) && started.kind() != OutcomeKind::refused) {
+    const bool has_ended = started.kind() == OutcomeKind::refused || call.is_superseded();
+    if (is_enabled(call.snapshot()) && !has_ended) {
       (void)end_jog(core_, call, options.call.timeout);
     }
     return explain_loss(*core_, std::move(started), {&id_, 1});
@@ -537,7 +539,7 @@ Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnap
     (void)end_jog(core_, call, options.call.timeout);
     throw;
   }
-  if (!seen && !is_enabled(call.snapshot())) return seen;
+  if (!seen && (!is_enabled(call.snapshot()) || call.is_superseded())) return seen;
   if (seen.kind() == OutcomeKind::lost) return seen;
   Outcome ended = end_jog(core_, call, options.call.timeout);
   if (ended) motion.settle();

@@ -440,9 +440,10 @@ void EachAxis::await_standstill() {
 
 /// After a halt an axis continues to its target, or is halted again.
 void EachAxis::await_targets() {
-  await_each(kTargetReached, call_.tick(), [this](std::size_t place) {
-    const AxisSnapshot& axis = call_.snapshots()[place];
-    return !is_enabled(axis) || has_no_way_left(axis);
+  std::vector<Outcome> sound(outcomes_.size());
+  await_each(kTargetReached, call_.tick(), [&](std::size_t place) {
+    sound[place] = call_.check_command(kTargetReached, place);
+    return !sound[place] || has_no_way_left(call_.snapshots()[place]);
   });
   const bool is_interrupted = core_->wakeup.is_interrupted();
   for (std::size_t place = 0; place < outcomes_.size(); ++place) {
@@ -450,8 +451,8 @@ void EachAxis::await_targets() {
     if (goes_on && is_enabled(call_.snapshots()[place])) {
       outcomes_[place] = goes_on_to_target(call_.snapshots()[place]);
     }
+    if (is_pending_[place] && !sound[place]) end(place, std::move(sound[place]));
   }
-  fail_unless(kTargetReached, is_enabled);
   if (!has_pending()) return;
   const auto words = call_.read(kControlwordObject);
   if (!words) return end_all(words.outcome());

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace vdrive::client {
@@ -64,7 +65,6 @@ Outcome check_speed(const AxisId& axis, const Unit& unit, std::int64_t velocity,
 Outcome ProfileMove::prepare() {
   std::vector<ObjectAddress> objects(kMoveBounds.begin(), kMoveBounds.end());
   objects.push_back(vdrive::describe("motor_speed_limit"_object).address);
-  objects.push_back(vdrive::describe("ds402_controlword"_object).address);
   objects.push_back(vdrive::describe("positioning_option_code"_object).address);
   objects.push_back(vdrive::describe("habit_controlword_loop"_object).address);
   auto values = call_.read(objects);
@@ -73,8 +73,6 @@ Outcome ProfileMove::prepare() {
   looks_once_in_a_loop_ = bounds_.back() != 0;
   bounds_.pop_back();
   positioning_option_ = bounds_.back();
-  bounds_.pop_back();
-  controlword_ = static_cast<std::uint16_t>(bounds_.back());
   bounds_.pop_back();
   const std::int64_t motor_speed = bounds_.back();
   bounds_.pop_back();
@@ -128,12 +126,10 @@ Outcome ProfileMove::start(std::int32_t target, bool relative) {
   target_ = target_of(target, relative);
   const bool leads_up = target_ > call_.snapshot().status.position_demand_value;
   wraps_ = relative && target != 0 && leads_up != (target > 0);
-  std::vector<Round> rounds;
-  if ((controlword_ & Controlword::kNewSetPoint) != 0) {  // bit 4 has to drop before its edge
-    const auto dropped = static_cast<std::uint16_t>(controlword_ & ~Controlword::kNewSetPoint);
-    rounds.push_back(call_.round_of(dropped, every_axis));
-  }
-  rounds.push_back(set_point(target, relative));
+  is_relative_ = relative;
+  // Bit 4 has to drop before its edge: another thread may have raised it at this moment.
+  std::vector<Round> rounds{call_.round_of(kEnableOperation, every_axis),
+                            set_point(target, relative)};
   // The drive takes 6081h when it sees the edge: mostly in the tick of the edge.
   const bool keeps_velocity = options_.velocity && looks_once_in_a_loop_;
   if (options_.velocity && !keeps_velocity) rounds.push_back(old_velocity());
@@ -142,14 +138,21 @@ Outcome ProfileMove::start(std::int32_t target, bool relative) {
     return done;
   }
   // From here on bits 12 and 10 belong to this set-point: it acts in the tick that was observed.
-  Outcome taken =
-      call_.await_enabled("the acknowledge, bit 12", call_.tick(), [](const AxisSnapshot& axis) {
-        return axis.shows(Statusword::kSetPointAcknowledge);
-      });
+  Outcome taken = await_acknowledge();
   if (!keeps_velocity) return taken;
   const Round velocity_back = old_velocity();
   Outcome back = call_.put_in_force({&velocity_back, 1});
   return taken ? back : taken;
+}
+
+/// A drive that obeys each word has answered that it took the set-point. Its bit 12 may be 0
+/// already, where another thread has dropped bit 4 of a move of its own.
+Outcome ProfileMove::await_acknowledge() {
+  constexpr std::string_view kAcknowledge = "the acknowledge, bit 12";
+  if (!looks_once_in_a_loop_) return call_.check(kAcknowledge, call_.tick());
+  return call_.await_enabled(kAcknowledge, call_.tick(), [](const AxisSnapshot& axis) {
+    return axis.shows(Statusword::kSetPointAcknowledge);
+  });
 }
 
 /// 6081h is of this move alone.
@@ -162,8 +165,8 @@ Round ProfileMove::old_velocity() const {
 }
 
 Outcome ProfileMove::await_target() {
-  Outcome reached =
-      client::await_target(call_, wakeup_, wraps_ ? std::nullopt : std::optional(target_));
+  Outcome reached = client::await_target(
+      call_, wakeup_, wraps_ ? std::nullopt : std::optional(target_), call_.tick());
   if (reached) return reached;
   // After a time-out the axis still moves, and after a halt it continues: the ramps are those of
   // its motion.
@@ -200,33 +203,20 @@ Outcome ProfileMove::finish() {
   if (waited) add_old_ramps(last);
   if (Outcome done = call_.put_in_force({&last, 1}); !done) return done;
   if (Outcome free = await_next_edge(); !free) return free;
-  return waited ? check_limits(at_rest) : Outcome();
+  // The target of a relative move is not known where 60F2h counts from an earlier target.
+  return waited ? check_arrival(call_, at_rest, target_, !is_relative_) : Outcome();
 }
 
 /// A drive that looks at its controlword once in a loop has seen that bit 4 has dropped when bit 12
-/// does: before that another edge would be lost. Nearly every drive shows it at once.
+/// does: before that another edge would be lost.
 Outcome ProfileMove::await_next_edge() {
-  if (options_.queue) return {};  // bit 12 stays 1 until the buffer is free
+  // Bit 12 of what is queued stays 1 until the buffer is free.
+  if (options_.queue || !looks_once_in_a_loop_) return {};
   return call_.await("the end of the acknowledge, bit 12", call_.tick(),
                      [](const AxisSnapshot& axis) {
                        return !is_enabled(axis) || axis.mode() != OperatingMode::profile_position ||
                               !axis.shows(Statusword::kSetPointAcknowledge);
                      });
-}
-
-Outcome ProfileMove::check_limits(const AxisSnapshot& at_rest) {
-  const std::int32_t demand = at_rest.status.position_demand_value;
-  if (!at_rest.shows(Statusword::kInternalLimitActive) || demand == target_) return {};
-  const std::array limits{vdrive::describe("user_position_lower_limit"_object).address,
-                          vdrive::describe("user_position_upper_limit"_object).address};
-  const auto values = call_.read(limits);
-  if (!values) return values.outcome();
-  const auto limit = std::ranges::find(values->front(), demand);
-  if (limit == values->front().end()) return {};
-  const auto place = static_cast<std::size_t>(limit - values->front().begin());
-  return Outcome::failed("axis " + to_string(at_rest.id) + ": the software limit " +
-                         object_text(limits.at(place)) + " = " + call_.position_text(demand) +
-                         " has cut the move to " + call_.position_text(target_) + " off");
 }
 
 }  // namespace vdrive::client

@@ -59,14 +59,15 @@ class ProfileMove {
   /// Reads what the drive has. @return refused where the axis could not move, with nothing changed.
   Outcome prepare();
 
-  /// Hands the set-point over, and waits for bit 12. 6081h, which the drive takes with the
-  /// set-point, has its old value again at once; behind bit 12 where the drive looks seldom.
+  /// Hands the set-point over, and waits until the drive has taken it. 6081h, which the drive takes
+  /// with the set-point, has its old value again at once; after bit 12 where the drive looks
+  /// seldom.
   Outcome start(std::int32_t target, bool relative);
 
   /// Waits until the axis is at its target; see await_target of arrival.hpp.
   Outcome await_target();
 
-  /// Drops bit 4. @return failed where a software limit has cut the move off.
+  /// Drops bit 4. @return failed where the axis rests elsewhere: see check_arrival of arrival.hpp.
   Outcome finish();
 
  private:
@@ -75,16 +76,16 @@ class ProfileMove {
   [[nodiscard]] std::int32_t target_of(std::int32_t value, bool relative) const;
   bool add_old_ramps(Round& round) const;
   void put_back_ramps();
+  Outcome await_acknowledge();
   Outcome await_next_edge();
-  Outcome check_limits(const AxisSnapshot& at_rest);
 
   AxesCall& call_;
   const Wakeup& wakeup_;
   const MoveOptions& options_;
-  std::uint16_t controlword_ = 0;
   std::int64_t positioning_option_ = 0;
-  std::vector<std::int64_t> bounds_;   ///< of kMoveBounds, before the move
-  std::int32_t target_ = 0;            ///< absolute
+  std::vector<std::int64_t> bounds_;  ///< of kMoveBounds, before the move
+  std::int32_t target_ = 0;           ///< absolute
+  bool is_relative_ = false;
   bool wraps_ = false;                 ///< the way to it leads through the end of the register
   bool looks_once_in_a_loop_ = false;  ///< the drive, at 6040h: 5E20h:06
 };

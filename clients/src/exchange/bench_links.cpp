@@ -41,13 +41,13 @@ std::unique_ptr<wire::Publication<Message>> publication_if_permitted(
 }  // namespace
 
 BenchLinks::BenchLinks(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
-                       Holdings& holdings, UnansweredMessages& unanswered, Wakeup& wakeup,
-                       ObserverFailure& failure)
+                       AnsweredParts answered, Wakeup& wakeup, ObserverFailure& failure)
     : session_(session),
       participant_(participant),
       discovery_(discovery),
-      holdings_(holdings),
-      unanswered_(unanswered),
+      holdings_(answered.holdings),
+      history_(answered.history),
+      unanswered_(answered.unanswered),
       wakeup_(wakeup),
       failure_(failure),
       request_publication_(publication_if_permitted<msg::Request>(participant)),
@@ -95,6 +95,7 @@ void BenchLinks::on_command_reply(const msg::CommandReply& message, const wire::
   discovery_.note_sender(key, source);
   // First: the call that receives the answer has to find the loss of control that it may show.
   holdings_.note_answer(message);
+  history_.note_answer(message);
   if (unanswered_.frames.answer({key, message.sequence_number()}, message)) {
     wakeup_.notify();
   } else {

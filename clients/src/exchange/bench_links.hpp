@@ -3,6 +3,7 @@
 
 #include "base/observer_failure.hpp"
 #include "base/wakeup.hpp"
+#include "exchange/command_history.hpp"
 #include "exchange/holdings.hpp"
 #include "exchange/unanswered.hpp"
 #include "presence/discovery.hpp"
@@ -38,6 +39,13 @@ struct UnansweredMessages {
   UnansweredFrames frames;
 };
 
+/// What answers of benches are noted in.
+struct AnsweredParts {
+  Holdings& holdings;
+  CommandHistory& history;
+  UnansweredMessages& unanswered;
+};
+
 /// The right to send to one run of a service: no other thread sends to it while this object lives.
 struct OpenLink {
   BenchKey key;
@@ -54,8 +62,7 @@ struct OpenLink {
 class BenchLinks {
  public:
   BenchLinks(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
-             Holdings& holdings, UnansweredMessages& unanswered, Wakeup& wakeup,
-             ObserverFailure& failure);
+             AnsweredParts answered, Wakeup& wakeup, ObserverFailure& failure);
 
   /// Whether this session's permissions let it send requests and commands to benches.
   [[nodiscard]] bool may_command() const noexcept {
@@ -125,6 +132,7 @@ class BenchLinks {
   wire::Participant& participant_;
   Discovery& discovery_;
   Holdings& holdings_;
+  CommandHistory& history_;
   UnansweredMessages& unanswered_;
   Wakeup& wakeup_;
   ObserverFailure& failure_;

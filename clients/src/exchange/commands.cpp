@@ -17,9 +17,13 @@ static_assert(kMostObjectsAtOnce == msg::MAX_OBJECTS_PER_REQUEST);
 
 }  // namespace
 
-Commands::Commands(BenchLinks& links, Holdings& holdings, UnansweredFrames& unanswered,
-                   Waiter& waiter)
-    : links_(links), holdings_(holdings), unanswered_(unanswered), waiter_(waiter) {}
+Commands::Commands(BenchLinks& links, Holdings& holdings, CommandHistory& history,
+                   UnansweredFrames& unanswered, Waiter& waiter)
+    : links_(links),
+      holdings_(holdings),
+      history_(history),
+      unanswered_(unanswered),
+      waiter_(waiter) {}
 
 Outcome Commands::send(SentFrames& sent, std::span<const FrameContent> frames) {
   if (!links_.may_command()) return not_permitted(sent.target);
@@ -54,6 +58,7 @@ msg::CommandFrame Commands::next_frame(const Target& target, const FrameContent&
   frame.apply_at_tick(content.apply_at_tick);
   frame.valid_until_tick(content.apply_at_tick);
   frame.axes() = content.commands;
+  history_.note_frame(target.key, frame);
   return frame;
 }
 

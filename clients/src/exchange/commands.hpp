@@ -2,6 +2,7 @@
 #pragma once
 
 #include "exchange/bench_links.hpp"
+#include "exchange/command_history.hpp"
 #include "exchange/holdings.hpp"
 #include "exchange/unanswered.hpp"
 #include "exchange/waiter.hpp"
@@ -38,7 +39,8 @@ struct Applied {
 /// Sends command frames and collects their answers. Thread-safe.
 class Commands {
  public:
-  Commands(BenchLinks& links, Holdings& holdings, UnansweredFrames& unanswered, Waiter& waiter);
+  Commands(BenchLinks& links, Holdings& holdings, CommandHistory& history,
+           UnansweredFrames& unanswered, Waiter& waiter);
 
   /// Sends frames in order, with no frame of another thread between them, and adds each to what was
   /// sent, also before a failure.
@@ -63,6 +65,7 @@ class Commands {
 
   BenchLinks& links_;
   Holdings& holdings_;
+  CommandHistory& history_;
   UnansweredFrames& unanswered_;
   Waiter& waiter_;
 };

@@ -23,11 +23,12 @@ constexpr ObjectAddress kControlword = vdrive::describe("ds402_controlword"_obje
 
 }  // namespace
 
-Control::Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings, BenchLinks& links,
-                 SessionNames& names)
+Control::Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings,
+                 CommandHistory& history, BenchLinks& links, SessionNames& names)
     : keep_alive_(keep_alive),
       requests_(requests),
       holdings_(holdings),
+      history_(history),
       names_(names),
       keep_alive_sender_(holdings, links) {}
 
@@ -41,16 +42,29 @@ void Control::end() {
   (void)release();  // no caller is left to receive the outcome
 }
 
+/// With lock_sending of its bench.
+Result<RequestAnswer> Control::carry_out(const Target& target, msg::Request request,
+                                         std::string_view what) {
+  const msg::Request sent = request;
+  auto reply = requests_.exchange(target, std::move(request), what);
+  if (reply) {
+    history_.note_request(target.key, sent, *reply, holdings_.last_sequence(target.key));
+  }
+  return reply;
+}
+
 Result<RequestAnswer> Control::exchange(const Target& target, msg::Request request,
                                         std::string_view what) {
   const auto sending = holdings_.lock_sending(target.key.number);
-  return requests_.exchange(target, std::move(request), what);
+  return carry_out(target, std::move(request), what);
 }
 
 void Control::note_acquired(const Target& target, std::span<const std::uint16_t> axes,
                             const msg::Reply& reply) {
   if (reply.epoch() == 0) return;
-  holdings_.note_acquired(target.key, axes, reply.epoch(), !target.steps());
+  if (holdings_.note_acquired(target.key, axes, reply.epoch(), !target.steps())) {
+    history_.note_gained(target.key, axes, holdings_.last_sequence(target.key));
+  }
   // In lock-step the steps themselves keep control.
   if (keep_alive_ == KeepAlive::own_thread && !target.steps()) keep_alive_sender_.start();
 }
@@ -85,7 +99,7 @@ Result<RequestAnswer> Control::write(const Target& target, msg::Request request,
   if (!commands) return requests_.exchange(target, std::move(request), what);
   const std::uint16_t axis = request.objects().front().axis();
   auto sending = holdings_.lock_sending(target.key.number);
-  auto reply = requests_.exchange(target, std::move(request), what);
+  auto reply = carry_out(target, std::move(request), what);
   const bool is_taken = reply && reply->objects().front().abort_code() == 0 && reply->epoch() != 0;
   if (is_taken) note_acquired(target, {&axis, 1}, *reply);
   sending.unlock();
@@ -108,12 +122,14 @@ Result<std::uint64_t> Control::stop(const Target& target, std::span<const std::u
   }
   const auto sending = holdings_.lock_sending(target.key.number);
   const auto replies =
-      requests_.exchange_all(target, std::move(requests),
+      requests_.exchange_all(target, requests,
                              "stop of " + (axes.size() == 1 ? name_of(target, axes.front())
                                                             : "axes of " + name_of(target)));
   if (!replies) return replies.outcome();
   std::uint64_t tick = 0;
-  for (const msg::Reply& reply : *replies) {
+  for (std::size_t i = 0; i < replies->size(); ++i) {
+    const msg::Reply& reply = (*replies)[i];
+    history_.note_request(target.key, requests[i], reply, holdings_.last_sequence(target.key));
     tick = std::max(tick, reply.tick());
     for (const msg::ObjectResult& result : reply.objects()) {
       if (result.abort_code() != 0) {

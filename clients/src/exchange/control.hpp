@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "exchange/command_history.hpp"
 #include "exchange/holdings.hpp"
 #include "exchange/keep_alive.hpp"
 #include "exchange/requests.hpp"
@@ -19,8 +20,8 @@ namespace vdrive::client {
 /// Takes control of axes, keeps it and gives it back. Thread-safe.
 class Control {
  public:
-  Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings, BenchLinks& links,
-          SessionNames& names);
+  Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings, CommandHistory& history,
+          BenchLinks& links, SessionNames& names);
 
   ~Control();
   Control(const Control&) = delete;
@@ -59,12 +60,15 @@ class Control {
  private:
   Outcome release(const GivenBack& given);
   Outcome release(const Target& target, std::span<const std::vector<std::uint16_t>> parts);
+  Result<RequestAnswer> carry_out(const Target& target, msg::Request request,
+                                  std::string_view what);
   void note_acquired(const Target& target, std::span<const std::uint16_t> axes,
                      const msg::Reply& reply);
 
   const KeepAlive keep_alive_;
   Requests& requests_;
   Holdings& holdings_;
+  CommandHistory& history_;
   SessionNames& names_;
   KeepAliveSender keep_alive_sender_;
 };

@@ -31,14 +31,16 @@ Holdings::Holding& Holdings::holding(const BenchKey& key) {
   return holding;
 }
 
-void Holdings::note_acquired(const BenchKey& key, std::span<const std::uint16_t> axes,
+bool Holdings::note_acquired(const BenchKey& key, std::span<const std::uint16_t> axes,
                              std::uint32_t epoch, bool lives_by_wall_clock) {
   const std::scoped_lock lock(mutex_);
   Holding& held = holding(key);
-  if (held.epoch != epoch) held.epoch_since = held.sequence + 1;
+  const bool is_new = held.epoch != epoch;
+  if (is_new) held.epoch_since = held.sequence + 1;
   held.epoch = epoch;
   held.lives_by_wall_clock = lives_by_wall_clock;
   held.axes.insert(axes.begin(), axes.end());
+  return is_new;
 }
 
 void Holdings::note_answer(const msg::CommandReply& reply) {

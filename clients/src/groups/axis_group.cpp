@@ -404,10 +404,26 @@ Outcome AxisGroup::State::watch(AxesCall& call) {
       Outcome::failed("axis " + to_string(failed->id) + " " + what_it_shows(*failed)), stop);
 }
 
+Outcome AxisGroup::State::watch_commands(AxesCall& call) {
+  const auto moving = line_in_hand();
+  if (!moving || call.tick() < moving->start_tick) return {};
+  call.follow(moving->given);
+  for (std::size_t place = 0; place < call.snapshots().size(); ++place) {
+    Outcome sound = call.check_command("the end of the line", place);
+    if (sound) continue;
+    drop_all();
+    Answers stop;
+    return call.send_stop(std::move(sound), stop);
+  }
+  return {};
+}
+
 Result<GroupStatus> AxisGroup::poll() {
   AxesCall call = state_->call({});
   if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
-  if (Outcome sound = state_->watch(call); !sound) return state_->explained(std::move(sound));
+  Outcome sound = state_->watch(call);
+  if (sound) sound = state_->watch_commands(call);
+  if (!sound) return state_->explained(std::move(sound));
   const auto moving = state_->line_in_hand();
   const bool at_rest = !moving || (call.tick() >= moving->start_tick &&
                                    state_->has_arrived(*moving, call.snapshots()));

@@ -192,8 +192,9 @@ std::vector<std::int32_t> demands_of(std::span<const AxisSnapshot> axes) {
   return demands;
 }
 
-/// A drive that shows its mode late (5E20h:08) takes no set-point until then: where one does, the
-/// axes get the mode before the line, and not with it.
+/// A drive takes no set-point before it shows its mode: later than its command where it says so
+/// (5E20h:08), and where the axis has to come to rest first. That it does so 606Bh does not show in
+/// a mode without a position loop. There the axes get the mode before the line, and not with it.
 Outcome await_late_mode(AxesCall& call) {
   constexpr OperatingMode kMode = OperatingMode::profile_position;
   const auto has_mode = [](const AxisSnapshot& axis) {
@@ -206,7 +207,10 @@ Outcome await_late_mode(AxesCall& call) {
   const bool is_late = std::ranges::any_of(*delays, [](const std::vector<std::int64_t>& values) {
     return values.front() != 0;
   });
-  if (!is_late) return {};
+  const bool may_move = std::ranges::any_of(call.snapshots(), [](const AxisSnapshot& axis) {
+    return axis.mode() != kMode && axis.mode() != OperatingMode::none;
+  });
+  if (!is_late && !may_move) return {};
   const Round mode = mode_round(call, kMode);
   const Answers answers = call.exchange({&mode, 1}, Timing::at_once);
   if (!answers.outcome) return answers.outcome;
@@ -318,7 +322,8 @@ Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
                         .targets = request.targets,
                         .duration = plan->duration,
                         .start_tick = answers.tick,
-                        .course = plan->course});
+                        .course = plan->course,
+                        .given = call.given()});
     return {};
   }
   const bool is_lost = answers.outcome.kind() == OutcomeKind::lost;
@@ -369,6 +374,7 @@ Outcome AxisGroup::State::await_line(AxesCall& call, const GroupCallOptions& opt
   if (!moving) return {};
   call.set_timeout(options.timeout.value_or(moving->duration + kBeyondDuration));
   call.note_in_force(moving->start_tick);
+  call.follow(moving->given);
   Outcome cut;
   Outcome outcome =
       call.await_enabled(in_position ? "target reached, bit 10" : "the arrival of the demand",

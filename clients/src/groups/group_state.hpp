@@ -37,6 +37,7 @@ struct LineInHand {
   std::chrono::microseconds duration{0};  ///< at most, where the line started in motion
   std::uint64_t start_tick = 0;           ///< in which the set-points are in force
   LineCourse course;
+  std::vector<GivenCommand> given;  ///< the set-points
 };
 
 /// What the axes get with their targets.
@@ -104,8 +105,8 @@ struct AxisGroup::State {
                                  const GroupMoveOptions& options) const;
 
   /// Hands a line to the axes, from rest or along the line in hand; no time passes in lock-step
-  /// unless a drive shows its mode late, or moving axes have to be halted again. The line in hand
-  /// stays when it is refused before anything is in force.
+  /// unless an axis comes from another mode, or moving axes have to be halted again. The line in
+  /// hand stays when it is refused before anything is in force.
   Outcome start(AxesCall& call, const LineRequest& request);
 
   /// @return whether the demands have come to rest on their targets.
@@ -129,6 +130,9 @@ struct AxisGroup::State {
 
   /// One turn of poll().
   Outcome watch(AxesCall& call);
+
+  /// Stops the other axes when an axis of the line in hand has got another command.
+  Outcome watch_commands(AxesCall& call);
   void monitor_loop(const std::stop_token& stop, AxesCall& call);
 
   /// What stream() does in lock-step and in real time.

@@ -7,6 +7,7 @@
 #include "clocks/bench_clocks.hpp"
 #include "clocks/observer.hpp"
 #include "exchange/bench_links.hpp"
+#include "exchange/command_history.hpp"
 #include "exchange/commands.hpp"
 #include "exchange/control.hpp"
 #include "exchange/holdings.hpp"
@@ -53,6 +54,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   ObserverFailure failure{wakeup};
   ReportThreads reports;
   Holdings holdings;
+  CommandHistory history;
   UnansweredMessages unanswered;
   wire::Participant participant;
   Discovery discovery;

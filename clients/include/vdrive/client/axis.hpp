@@ -20,6 +20,7 @@
 namespace vdrive::client {
 
 class SessionCore;
+struct StartedMove;
 
 /// What a call waits for.
 enum class Until : std::uint8_t {
@@ -253,7 +254,8 @@ class Axis {
   friend class Session;
   Axis(std::shared_ptr<SessionCore> core, AxisInfo info);
   Outcome command(EachCommand command, const CallOptions& options);
-  Outcome move(std::int32_t target, bool relative, const MoveOptions& options);
+  Outcome move(std::int32_t target, bool relative, const MoveOptions& options,
+               StartedMove* started = nullptr);
   Outcome request_memory(std::uint32_t kind, const std::string& what);
 
   std::shared_ptr<SessionCore> core_;
@@ -262,26 +264,32 @@ class Axis {
   Unit unit_;
 };
 
-/// A move that was started. A handle: copies refer to the same axis. A set-point that is sent later
-/// takes the place of this one.
+/// A move that was started: one set-point. A handle: copies refer to the same set-point. What comes
+/// after it ends it as failed, also where the axis shows a target that it has reached: a later
+/// set-point of any thread of this session, also one with MoveOptions::queue; another mode; a
+/// command that leaves Operation enabled; a power cycle; a snapshot that is restored. The message
+/// names it. A halt ends it for as long as it lasts.
 class Motion {
  public:
   /// Waits until the axis is at its target.
   /// @param timeout drive time
-  /// @return failed when the axis was halted, or when a fault, a lost enable or a limit switch
-  ///         ended the move.
+  /// @return failed when the axis was halted, when another command took the place of the move, when
+  ///         a fault, a lost enable, a limit switch or a software limit ended it, and when this
+  ///         session gave the axis back; refused when another session took the axis; lost when the
+  ///         service was restarted.
   Outcome wait(std::chrono::nanoseconds timeout = std::chrono::seconds(60)) const;
 
-  /// Does not wait. @return whether the axis is at its target; failed as wait() is.
+  /// Does not wait. @return whether the axis is at its target; else as wait() ends.
   [[nodiscard]] Result<bool> has_ended() const;
 
  private:
   friend class Axis;
 
-  Motion(Axis axis, std::int32_t target) : axis_(std::move(axis)), target_(target) {}
+  Motion(Axis axis, std::shared_ptr<const StartedMove> move)
+      : axis_(std::move(axis)), move_(std::move(move)) {}
 
   Axis axis_;
-  std::int32_t target_ = 0;
+  std::shared_ptr<const StartedMove> move_;
 };
 
 }  // namespace vdrive::client

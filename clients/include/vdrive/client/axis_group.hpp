@@ -97,11 +97,13 @@ struct StreamOptions {
 /// number in which they are in force.
 ///
 /// Messages name the axis that refused, failed or was late. While a call waits for motion it checks
-/// every axis. When one has a fault, loses Operation enabled, its service stops sending, or another
-/// session takes it, the group sends the others a quick stop (605Ah) at once. The call returns
-/// `failed`, `lost`, or `refused` with the session that has taken the axis, when they are at rest;
-/// an axis that was taken is left to that session. poll() and monitor() do the same while no call
-/// waits. A call that times out leaves the motion as it is.
+/// every axis. When one has a fault, loses Operation enabled, its service stops sending, another
+/// session takes it, or this session gives it another command, the group sends the others a quick
+/// stop (605Ah) at once. The call returns `failed`, `lost`, or `refused` with the session that has
+/// taken the axis, when they are at rest; an axis that was taken is left to that session, and one
+/// with another command to that command. poll() does the same while no call waits, and so does
+/// monitor(), which does not look for other commands. A call that times out leaves the motion as it
+/// is.
 ///
 /// One call at a time, save that halt_all() and quick_stop_all() may come from another thread in
 /// real time.

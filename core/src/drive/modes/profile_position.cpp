@@ -78,12 +78,21 @@ bool is_timed(const SetPoint& set_point) {
   return is_synchronous(set_point) && set_point.synchronous_move_reference_way == 0;
 }
 
+/// A master knows the end of a motion by 6062h and 606Bh only: there the last half unit of a
+/// profile is over, also where its last part of a microsecond, or a rounding of its time, is left.
+/// @return whether the demand rests, or shows its arrival.
+bool shows_rest(const Drive& drive) {
+  const DriveState& s = drive.state();
+  return !s.demand.moving || (s.target.given && nearest(demand_velocity(drive)) == 0.0 &&
+                              nearest(demand_position(drive)) == nearest(s.target.position));
+}
+
 /// @return whether the times of a synchronous move (5E10h) leave it room: from rest where they are
 ///         its own, with time to accelerate and to decelerate, and for the jerk at both ends of
 ///         these.
 bool times_fit(const Drive& drive, const SetPoint& set_point) {
   const MoveTimes times = times_of(set_point);
-  const bool from_here = !is_timed(set_point) || !drive.state().demand.moving;
+  const bool from_here = !is_timed(set_point) || shows_rest(drive);
   return from_here && times.acceleration > 0.0 && times.deceleration > 0.0 &&
          times.acceleration + times.deceleration <= times.duration &&
          2.0 * times.jerk <= std::min(times.acceleration, times.deceleration);

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "exchange/command_history.hpp"
+
+#include "vdrive/cia402/controlword.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_text.hpp"
+#include "vdrive/number_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+using namespace literals;
+
+// More than a program gives one axis before it waits for the first of them.
+constexpr std::size_t kMostOfAxis = 64;
+
+constexpr std::uint16_t kAllAxes = 0;
+constexpr std::size_t kDigitsOfWord = 4;
+
+struct CommandName {
+  PowerCommand command;
+  std::string_view name;
+};
+
+/// The commands that leave Operation enabled.
+constexpr std::array kLeaving{CommandName{PowerCommand::disable_voltage, "disable voltage"},
+                              CommandName{PowerCommand::quick_stop, "quick stop"},
+                              CommandName{PowerCommand::shutdown, "shutdown"},
+                              CommandName{PowerCommand::switch_on, "disable operation"}};
+
+/// @return the name of the command that leaves Operation enabled, empty = it does not.
+std::string_view leaving(std::uint16_t word) {
+  const auto* const row =
+      std::ranges::find(kLeaving, decode_command(word, 0), &CommandName::command);
+  return row == kLeaving.end() ? std::string_view() : row->name;
+}
+
+bool ends_something(std::uint16_t word) {
+  return (word & Controlword::kNewSetPoint) != 0 || !leaving(word).empty();
+}
+
+/// @return whether the mode takes bit 4 of 6040h as the start of something.
+bool has_start_bit(OperatingMode mode) {
+  return mode == OperatingMode::profile_position || mode == OperatingMode::homing;
+}
+
+/// @return whether the mode takes each value that is written as its next set-point, and a call
+///         waits for that value.
+bool has_written_target(OperatingMode mode) {
+  return mode == OperatingMode::velocity || mode == OperatingMode::profile_velocity ||
+         mode == OperatingMode::profile_torque;
+}
+
+}  // namespace
+
+bool ends_motion(const msg::AxisCommand& command) noexcept {
+  const bool has_word = (command.members() & msg::HAS_DS402_CONTROLWORD) != 0;
+  return (command.members() & msg::HAS_OP_MODE_CMD) != 0 ||
+         (has_word && ends_something(command.ds402_controlword()));
+}
+
+CommandHistory::Entry CommandHistory::entry_of(const msg::AxisCommand& command) {
+  Entry entry;
+  const std::uint16_t word = command.ds402_controlword();
+  if ((command.members() & msg::HAS_OP_MODE_CMD) != 0) {
+    entry.mode = static_cast<OperatingMode>(command.op_mode_cmd());
+  }
+  if ((command.members() & msg::HAS_DS402_CONTROLWORD) != 0 && ends_something(word)) {
+    entry.controlword = word;
+  }
+  if ((command.members() & msg::HAS_POSITION_USER_TARGET_VALUE) != 0) {
+    entry.target = command.position_user_target_value();
+  }
+  return entry;
+}
+
+CommandHistory::Entry CommandHistory::entry_of(const msg::ObjectAccess& access) {
+  Entry entry;
+  const auto row = find_object({access.index(), access.subindex()});
+  if (!row) return entry;
+  const Change change = describe(*row).change;
+  const auto word = static_cast<std::uint16_t>(access.value());
+  if (*row == "op_mode_cmd"_object) entry.mode = static_cast<OperatingMode>(access.value());
+  if (*row == "ds402_controlword"_object && ends_something(word)) entry.controlword = word;
+  if (change == Change::target || change == Change::planned_target) {
+    entry.written = describe(*row).address;
+  }
+  return entry;
+}
+
+/// With the mutex. Another run of the service starts from nothing.
+void CommandHistory::add(const BenchKey& key, std::uint16_t axis, Entry entry) {
+  OfBench& bench = benches_[key.number];
+  if (bench.incarnation != key.incarnation) bench = {.incarnation = key.incarnation, .axes = {}};
+  Entries& entries = bench.axes[axis];
+  if (entries.size() == kMostOfAxis) entries.pop_front();
+  entries.push_back(std::move(entry));
+}
+
+void CommandHistory::note_frame(const BenchKey& key, const msg::CommandFrame& frame) {
+  for (const msg::AxisCommand& command : frame.axes()) {
+    if (!ends_motion(command)) continue;  // as nearly every one of a stream
+    Entry entry = entry_of(command);
+    entry.after = frame.sequence_number() - 1;
+    entry.is_whole = (frame.flags() & msg::FRAME_ALL_OR_NOTHING) != 0;
+    const std::scoped_lock lock(mutex_);
+    add(key, command.axis(), entry);
+  }
+}
+
+/// Of a frame that is not carried out whole the rest counts, such as a mode whose set-point was
+/// ignored.
+void CommandHistory::forget_refused(Entries& entries, std::uint16_t axis,
+                                    const msg::CommandReply& reply) {
+  const auto entry = std::ranges::find_if(entries, [&reply](const Entry& each) {
+    return each.tick == 0 && each.after + 1 == reply.sequence_number();
+  });
+  if (entry == entries.end()) return;
+  const bool is_refused = std::ranges::any_of(reply.refusals(), [&](const msg::Refusal& refusal) {
+    const bool is_of_axis = refusal.axis() == axis && refusal.index() == 0;
+    return refusal.axis() == 0 || entry->is_whole || is_of_axis;
+  });
+  const auto& ignored = reply.ignored_set_points();
+  if (std::ranges::find(ignored, axis) != ignored.end()) entry->controlword.reset();
+  if (is_refused || (!entry->mode && !entry->controlword)) entries.erase(entry);
+}
+
+void CommandHistory::note_answer(const msg::CommandReply& reply) {
+  if (reply.refusals().empty() && reply.ignored_set_points().empty()) return;
+  const std::scoped_lock lock(mutex_);
+  const auto bench = benches_.find(reply.bench());
+  if (bench == benches_.end() || bench->second.incarnation != reply.incarnation()) return;
+  for (auto& [axis, entries] : bench->second.axes) forget_refused(entries, axis, reply);
+}
+
+/// With the mutex.
+void CommandHistory::note_writes(const BenchKey& key, const msg::Request& request,
+                                 const msg::Reply& reply, std::uint64_t last_sequence) {
+  const std::size_t count = std::min(request.objects().size(), reply.objects().size());
+  for (std::size_t i = 0; i < count; ++i) {
+    if (reply.objects()[i].abort_code() != 0) continue;
+    Entry entry = entry_of(request.objects()[i]);
+    if (!entry.mode && !entry.controlword && !entry.written) continue;
+    entry.after = last_sequence;
+    entry.tick = reply.tick();
+    add(key, request.objects()[i].axis(), entry);
+  }
+}
+
+void CommandHistory::note_request(const BenchKey& key, const msg::Request& request,
+                                  const msg::Reply& reply, std::uint64_t last_sequence) {
+  const std::scoped_lock lock(mutex_);
+  switch (request.kind()) {
+    case msg::REQUEST_WRITE:
+      note_writes(key, request, reply, last_sequence);
+      break;
+    case msg::REQUEST_POWER_CYCLE:
+      for (const std::uint16_t axis : request.axes()) {
+        add(key, axis, {.after = last_sequence, .tick = reply.tick(), .what = "a power cycle"});
+      }
+      break;
+    case msg::REQUEST_RESTORE_SNAPSHOT:
+      add(key, kAllAxes,
+          {.after = last_sequence, .tick = reply.tick(), .what = "a restored snapshot"});
+      break;
+    default:
+      break;
+  }
+}
+
+void CommandHistory::note_gained(const BenchKey& key, std::span<const std::uint16_t> axes,
+                                 std::uint64_t last_sequence) {
+  const std::scoped_lock lock(mutex_);
+  for (const std::uint16_t axis : axes) {
+    // In force already: nothing that this session does to the axis is older.
+    add(key, axis, {.after = last_sequence, .tick = 1, .what = "control of the axis, taken again"});
+  }
+}
+
+bool CommandHistory::is_in_force(const Entry& entry, const AxisSnapshot& seen) {
+  return entry.tick != 0 ? seen.tick >= entry.tick : seen.last_sequence > entry.after;
+}
+
+bool CommandHistory::ends(const Entry& entry, OperatingMode mode) {
+  if (!entry.what.empty()) return true;
+  constexpr OperatingMode kSetPoints = OperatingMode::profile_position;
+  const bool stays = entry.mode == kSetPoints && mode == kSetPoints;
+  if (entry.mode && !stays) return true;
+  if (entry.written && has_written_target(mode)) return true;
+  return entry.controlword && (has_start_bit(mode) || !leaving(*entry.controlword).empty());
+}
+
+std::string CommandHistory::text_of(const Entry& entry) {
+  const auto word = [&entry] {
+    return "6040h = " + hex(*entry.controlword, kDigitsOfWord);
+  };
+  if (!entry.what.empty()) return std::string(entry.what);
+  if (entry.controlword && !leaving(*entry.controlword).empty()) {
+    return std::string(leaving(*entry.controlword)) + " (" + word() + ")";
+  }
+  if (entry.mode && entry.mode != OperatingMode::profile_position) {
+    return std::string(to_string(*entry.mode)) +
+           " mode (6060h = " + std::to_string(static_cast<int>(*entry.mode)) + ")";
+  }
+  if (entry.written) return "a write of " + object_text(*entry.written);
+  if (!entry.controlword) return "profile position mode (6060h = 1)";
+  return "a later set-point (" + word() +
+         (entry.target ? ", 607Ah = " + std::to_string(*entry.target) : "") + ")";
+}
+
+std::optional<std::string> CommandHistory::find_end(const BenchKey& key, const GivenCommand& given,
+                                                    const AxisSnapshot& seen) const {
+  const std::scoped_lock lock(mutex_);
+  const auto bench = benches_.find(key.number);
+  if (bench == benches_.end() || bench->second.incarnation != key.incarnation) return std::nullopt;
+  for (const std::uint16_t axis : {seen.id.axis, kAllAxes}) {
+    const auto entries = bench->second.axes.find(axis);
+    if (entries == bench->second.axes.end()) continue;
+    for (const Entry& entry : entries->second) {
+      if (entry.after >= given.sequence && is_in_force(entry, seen) && ends(entry, given.mode)) {
+        return text_of(entry);
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace vdrive::client

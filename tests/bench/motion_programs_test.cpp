@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: Apache-2.0
+// Random programs of queued lines, moves, modes and stops, by one to six axes: each call ends as
+// the program itself tells that it has to, a success is at its target, and a failure names what the
+// program did. A case that fails is printed as a program in Python that a person can paste; its
+// seed is that of the test's name and number.
+#include "support/effort.hpp"
+#include "vdrive/bench/bench.hpp"
+#include "vdrive/cia402/statusword.hpp"
+#include "vdrive/client/axis_group.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <Eigen/Core>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <random>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdrive::bench {
+namespace {
+
+using namespace std::chrono_literals;
+using client::Axis;
+using client::AxisGroup;
+using client::CallOptions;
+using client::Motion;
+using client::Outcome;
+using client::OutcomeKind;
+using client::Session;
+using client::Until;
+
+constexpr std::size_t kMostAxes = 6;
+constexpr int kSteps = 12;
+constexpr std::int32_t kReach = 3'000;  // farthest target from 0
+constexpr double kRate = 10.0;          // of drive time in real time
+constexpr CallOptions kInForce{.until = Until::in_force};
+
+/// What the program knows of an axis.
+struct Known {
+  bool is_enabled = false;
+  bool runs = false;       ///< with a velocity or a torque, without an end
+  bool is_halted = false;  ///< bit 8 is 1
+  bool moves = false;      ///< a move may be on its way
+};
+
+/// A move that the program has started.
+struct Started {
+  std::size_t axis;
+  std::int32_t target;
+  Motion motion;
+  std::string name;     ///< in the printed program
+  std::string cause{};  ///< what ends it, in its message; empty = it goes on
+};
+
+/// One random program on a bench of this process.
+class MotionProgram {
+ public:
+  MotionProgram(Session& session, std::vector<Axis> axes, std::uint32_t seed)
+      : axes_(std::move(axes)),
+        random_(seed),
+        known_(axes_.size()),
+        group_(AxisGroup::create(session, axes_).value()) {}
+
+  /// @return what went wrong, empty = nothing did.
+  std::string run() {
+    using Step = void (MotionProgram::*)();
+    static constexpr std::array<Step, 16> kKinds{
+        &MotionProgram::line,         &MotionProgram::line,       &MotionProgram::queue,
+        &MotionProgram::queue,        &MotionProgram::move,       &MotionProgram::move,
+        &MotionProgram::start_move,   &MotionProgram::start_move, &MotionProgram::start_move,
+        &MotionProgram::await_motion, &MotionProgram::run_at,     &MotionProgram::home,
+        &MotionProgram::halt,         &MotionProgram::resume,     &MotionProgram::quick_stop,
+        &MotionProgram::disable};
+    for (int step = 0; step < kSteps && error_.empty(); ++step) {
+      if (step == 0 || below(3) == 0) enable();
+      (this->*kKinds.at(below(kKinds.size())))();
+    }
+    while (error_.empty() && !started_.empty()) await_motion();
+    return error_;
+  }
+
+  [[nodiscard]] std::string text() const { return text_.str(); }
+
+ private:
+  std::uint32_t below(std::size_t count) { return static_cast<std::uint32_t>(random_() % count); }
+
+  std::int32_t any_target() { return static_cast<std::int32_t>(below(2 * kReach)) - kReach; }
+
+  std::size_t any_axis() { return below(axes_.size()); }
+
+  [[nodiscard]] std::string name(std::size_t axis) const {
+    return "s.axis(\"" + to_string(axes_[axis].id()) + "\")";
+  }
+
+  std::ostringstream& line_of(std::size_t axis) {
+    text_ << name(axis) << '.';
+    return text_;
+  }
+
+  /// Compares the outcome of a call with what the program expects of it.
+  /// @param cause in the message of a refusal or a failure; empty = the call has to succeed
+  /// @return whether it succeeded
+  bool expect(const Outcome& outcome, const std::string& cause) {
+    text_ << "  # " << to_string(outcome.kind()) << ' ' << outcome.message() << '\n';
+    const bool is_right = outcome ? cause.empty()
+                                  : !cause.empty() && outcome.kind() != OutcomeKind::timed_out &&
+                                        outcome.message().find(cause) != std::string::npos;
+    if (!is_right) {
+      error_ = cause.empty() ? "no cause is known for: " + outcome.message()
+                             : "expected '" + cause + "': " + outcome.message();
+    }
+    return static_cast<bool>(outcome);
+  }
+
+  void expect_at(std::size_t axis, std::int32_t target) {
+    const std::int32_t demand = axes_[axis].status().value().status.position_demand_value;
+    if (demand != target && error_.empty()) {
+      error_ = "success of axis " + to_string(axes_[axis].id()) + " at " + std::to_string(demand) +
+               " instead of " + std::to_string(target);
+    }
+  }
+
+  /// What the program does to an axis ends its moves.
+  void end_moves(std::size_t axis, const std::string& cause) {
+    for (Started& started : started_) {
+      if (started.axis == axis && started.cause.empty()) started.cause = cause;
+    }
+    known_[axis].moves = false;
+  }
+
+  [[nodiscard]] std::string obstacle(std::size_t axis) const {
+    return known_[axis].is_enabled ? "" : "needs Operation enabled";
+  }
+
+  /// @return why no line can start, empty = it can.
+  [[nodiscard]] std::string obstacle_of_line() const {
+    for (const Known& axis : known_) {
+      if (!axis.is_enabled) return "needs Operation enabled";
+    }
+    const bool any_moves = std::ranges::any_of(known_, [](const Known& axis) {
+      return (axis.runs || axis.moves) && !axis.is_halted;
+    });
+    return any_moves ? "still moves" : "";
+  }
+
+  // What a program may do.
+
+  void enable() {
+    for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+      if (known_[axis].is_enabled) continue;
+      // An axis that was enabled in velocity mode would run.
+      line_of(axis) << "write(0x60FF, 0)";
+      (void)expect(axes_[axis].write({0x60FF, 0}, 0).outcome(), "");
+    }
+    text_ << "g.enable_all()";
+    (void)expect(group_.enable_all(), "");
+    for (Known& axis : known_) {
+      if (!axis.is_enabled) axis = {.is_enabled = true};
+    }
+  }
+
+  Eigen::VectorXd any_targets() {
+    Eigen::VectorXd targets(static_cast<Eigen::Index>(axes_.size()));
+    for (double& target : targets) target = any_target();
+    return targets;
+  }
+
+  void put(const Eigen::VectorXd& targets) {
+    text_ << '[';
+    for (Eigen::Index i = 0; i < targets.size(); ++i) text_ << (i == 0 ? "" : ", ") << targets[i];
+    text_ << ']';
+  }
+
+  /// A line may start while a move that has come to its end is not waited for: the axes rest then.
+  void rest() {
+    for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+      if (!known_[axis].moves || known_[axis].is_halted) continue;
+      const auto rested = axes_[axis].wait_until(
+          [](const client::AxisSnapshot& seen) {
+            return seen.shows(Statusword::kTargetReached);
+          },
+          60s);
+      if (!rested && error_.empty()) error_ = "no rest: " + rested.outcome().message();
+      known_[axis].moves = false;
+    }
+  }
+
+  void end_line(const Outcome& outcome, const Eigen::VectorXd& last) {
+    for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+      end_moves(axis, "superseded by");
+      known_[axis] = {.is_enabled = true};
+      if (outcome)
+        expect_at(axis, static_cast<std::int32_t>(last[static_cast<Eigen::Index>(axis)]));
+    }
+  }
+
+  void line() {
+    rest();
+    const Eigen::VectorXd targets = any_targets();
+    text_ << "g.move_together(";
+    put(targets);
+    text_ << ')';
+    const Outcome outcome = group_.move_together(targets);
+    if (expect(outcome, obstacle_of_line())) end_line(outcome, targets);
+  }
+
+  void queue() {
+    rest();
+    Eigen::VectorXd last;
+    for (std::uint32_t count = 2 + below(3); count > 0; --count) {
+      last = any_targets();
+      text_ << "g.queue_move(";
+      put(last);
+      text_ << ')';
+      (void)expect(group_.queue_move(last), "");
+    }
+    text_ << "g.wait_all()";
+    const Outcome outcome = group_.wait_all();
+    if (expect(outcome, obstacle_of_line())) end_line(outcome, last);
+  }
+
+  void move() {
+    const std::size_t axis = any_axis();
+    const std::int32_t target = any_target();
+    line_of(axis) << "move_to(" << target << ')';
+    const Outcome outcome = axes_[axis].move_to(target);
+    if (!expect(outcome, obstacle(axis))) return;
+    end_moves(axis, "superseded by");
+    known_[axis] = {.is_enabled = true};
+    expect_at(axis, target);
+  }
+
+  void start_move() {
+    const std::size_t axis = any_axis();
+    const std::int32_t target = any_target();
+    const std::string motion = "m" + std::to_string(++motions_);
+    text_ << motion << " = ";
+    line_of(axis) << "start_move(" << target << ')';
+    const auto started = axes_[axis].start_move(target);
+    if (!expect(started.outcome(), obstacle(axis))) return;
+    end_moves(axis, "607Ah = " + std::to_string(target));
+    known_[axis] = {.is_enabled = true, .moves = true};
+    started_.push_back({.axis = axis, .target = target, .motion = *started, .name = motion});
+  }
+
+  void await_motion() {
+    if (started_.empty()) return;
+    const std::size_t place = below(started_.size());
+    const Started started = started_[place];
+    started_.erase(started_.begin() + static_cast<std::ptrdiff_t>(place));
+    text_ << started.name << ".wait()";
+    const bool is_halted = started.cause.empty() && known_[started.axis].is_halted;
+    if (expect(started.motion.wait(), is_halted ? "was halted" : started.cause)) {
+      expect_at(started.axis, started.target);
+      known_[started.axis].moves = false;
+    }
+  }
+
+  void run_at() {
+    const std::size_t axis = any_axis();
+    const std::int32_t velocity = below(3) == 0 ? 0 : any_target();
+    line_of(axis) << "run_at(" << velocity << ')';
+    const Outcome outcome = axes_[axis].run_at(velocity);
+    if (!expect(outcome, obstacle(axis))) return;
+    end_moves(axis, "profile velocity mode (6060h = 3)");
+    known_[axis] = {.is_enabled = true, .runs = velocity != 0};
+    const auto seen = axes_[axis].status().value();
+    if (seen.status.velocity_demand_value != velocity && error_.empty()) {
+      error_ = "success at " + std::to_string(seen.status.velocity_demand_value) + " UU/s";
+    }
+  }
+
+  void home() {
+    const std::size_t axis = any_axis();
+    line_of(axis) << "home(method=37)";
+    const Outcome outcome = axes_[axis].home({.method = 37, .offset = 0});
+    if (!expect(outcome, obstacle(axis))) return;
+    end_moves(axis, "homing mode (6060h = 6)");
+    known_[axis] = {.is_enabled = true};
+    expect_at(axis, 0);
+  }
+
+  void halt() {
+    const std::size_t axis = any_axis();
+    line_of(axis) << "halt()";
+    if (expect(axes_[axis].halt(), obstacle(axis))) known_[axis].is_halted = true;
+  }
+
+  void resume() {
+    const std::size_t axis = any_axis();
+    line_of(axis) << "resume(until=\"in_force\")";
+    if (expect(axes_[axis].resume(kInForce), obstacle(axis))) known_[axis].is_halted = false;
+  }
+
+  void quick_stop() {
+    const std::size_t axis = any_axis();
+    line_of(axis) << "quick_stop()";
+    if (!expect(axes_[axis].quick_stop(), "")) return;
+    end_moves(axis, "quick stop (6040h = 0x0002)");
+    known_[axis] = {};
+  }
+
+  void disable() {
+    const std::size_t axis = any_axis();
+    line_of(axis) << "disable()";
+    if (!expect(axes_[axis].disable(), "")) return;
+    end_moves(axis, "shutdown (6040h = 0x0006)");
+    known_[axis] = {};
+  }
+
+  std::vector<Axis> axes_;
+  std::minstd_rand random_;
+  std::vector<Known> known_;
+  AxisGroup group_;
+  std::vector<Started> started_;
+  int motions_ = 0;
+  std::ostringstream text_;
+  std::string error_;
+};
+
+/// Runs the program of each seed from `first` on, on a bench of its own.
+void run_programs(ClockMode clock, std::uint32_t first, int count) {
+  const char* const mode = clock == ClockMode::lockstep ? "lockstep" : "realtime";
+  for (std::uint32_t seed = first; seed < first + static_cast<std::uint32_t>(count); ++seed) {
+    const std::size_t axes = 1 + seed % kMostAxes;
+    const Bench bench(
+        {.configuration = "watchdog:\n  timeout_ms: 10000\n", .axes = axes, .clock = clock});
+    Session session = bench.session();
+    if (clock == ClockMode::realtime) session.set_rate(bench.number(), kRate).outcome().or_throw();
+    MotionProgram program(session, session.axes(bench.number()).value(), seed);
+    const std::string error = program.run();
+    ASSERT_EQ(error, "") << "seed " << seed << ":\n\nimport vdrive\nb = vdrive.Bench(axes=" << axes
+                         << ", clock=\"" << mode << "\")\ns = b.session()\n"
+                         << "g = vdrive.AxisGroup(s, [a.address for a in s.axes()])\n"
+                         << program.text();
+  }
+}
+
+constexpr std::uint32_t kShares = 4;
+
+class MotionPrograms : public testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(MotionPrograms, OfAnySeedInLockStepEndAsTheyHaveTo) {
+  const int count = test::number_of<int>({.usual = 8, .full = 2'450, .nightly = 25'000});
+  run_programs(ClockMode::lockstep, 1 + GetParam() * 1'000'000, count);
+}
+
+INSTANTIATE_TEST_SUITE_P(Share, MotionPrograms, testing::Range(0U, kShares));
+
+// With the shares in lock-step 10,000 in a full run.
+TEST(MotionProgramsInRealTime, OfAnySeedEndAsTheyHaveTo) {
+  run_programs(ClockMode::realtime, 500'000,
+               test::number_of<int>({.usual = 3, .full = 200, .nightly = 2'000}));
+}
+
+}  // namespace
+}  // namespace vdrive::bench
