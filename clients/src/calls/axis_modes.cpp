@@ -284,8 +284,7 @@ struct Obstacles {
 
 /// Sends the velocity. It is in force, but not reached.
 Outcome start_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t velocity,
-                       const VelocityOptions& options, std::int64_t& slowest) {
-  if (Outcome good = check_velocity(call, velocity, options, slowest); !good) return good;
+                       const VelocityOptions& options) {
   return enter(call, OperatingMode::profile_velocity,
                std::array{Setting{"profile_acc"_object, options.acceleration},
                           Setting{"profile_dec"_object, options.deceleration},
@@ -306,7 +305,8 @@ std::string velocity_progress(const AxisSnapshot& axis, std::int32_t velocity) {
 Outcome reach_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t velocity,
                        const VelocityOptions& options, const Wakeup& wakeup) {
   std::int64_t slowest = 0;
-  Outcome started = start_velocity(call, motion, velocity, options, slowest);
+  if (Outcome good = check_velocity(call, velocity, options, slowest); !good) return good;
+  Outcome started = start_velocity(call, motion, velocity, options);
   if (!started || options.call.until == Until::in_force) return started;
   Obstacles obstacles{.limit_switch = {}, .ramp = {slowest, call.period()}};
   Outcome seen = call.await_enabled(kVelocityReached, call.tick(), [&](const AxisSnapshot& axis) {
@@ -380,6 +380,13 @@ Outcome end_jog(const std::shared_ptr<SessionCore>& core, AxesCall& call,
   // A fault has its own reaction. Of a lost bench no stop would arrive: its watchdog acts.
   if (ended || !is_enabled(call.snapshot()) || ended.kind() == OutcomeKind::lost) return ended;
   return stop_instead(core, call.snapshot().id, ended, timeout);
+}
+
+/// A stop, a fault or a loss of control leaves 60FFh as it is: enabled again, the axis would run.
+/// An axis that another session has is that session's; of a lost bench nothing can be asked.
+void clear_velocity(Axis& axis, const Outcome& ended) {
+  if (ended.kind() == OutcomeKind::lost || !axis.acquire()) return;
+  (void)axis.write(vdrive::describe("target_velocity"_object).address, 0);
 }
 
 // ---- torque ----------------------------------------------------------------------------------
@@ -508,14 +515,19 @@ Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnap
                   const VelocityOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
   if (Outcome ready = begin_motion(call, options.call.timeout, "a jog"); !ready) return ready;
-  EndlessMotion motion(*core_, call);
   std::int64_t slowest = 0;
-  if (Outcome started = start_velocity(call, motion, velocity, options, slowest); !started) {
+  if (Outcome good = check_velocity(call, velocity, options, slowest); !good) return good;
+  const auto at_end = [this](Outcome ended) {
+    if (!ended) clear_velocity(*this, ended);
+    return explain_loss(*core_, std::move(ended), {&id_, 1});
+  };
+  EndlessMotion motion(*core_, call);
+  if (Outcome started = start_velocity(call, motion, velocity, options); !started) {
     // What was sent may be in force although the wait for it has failed.
     if (is_enabled(call.snapshot()) && started.kind() != OutcomeKind::refused) {
       (void)end_jog(core_, call, options.call.timeout);
     }
-    return explain_loss(*core_, std::move(started), {&id_, 1});
+    return at_end(std::move(started));
   }
   call.set_timeout(kHeldAtMost);
   // Without control no watchdog guards the axis: the jog ends at once.
@@ -526,14 +538,14 @@ Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnap
   try {
     seen = call.await_enabled("the end of the jog", call.tick(), ends);
   } catch (...) {  // of the program, in `held`
-    (void)end_jog(core_, call, options.call.timeout);
+    (void)at_end(end_jog(core_, call, options.call.timeout));
     throw;
   }
-  if (!seen && !is_enabled(call.snapshot())) return seen;
   if (seen.kind() == OutcomeKind::lost) return seen;
+  if (!seen && !is_enabled(call.snapshot())) return at_end(std::move(seen));
   Outcome ended = end_jog(core_, call, options.call.timeout);
   if (ended) motion.settle();
-  return explain_loss(*core_, std::move(ended), {&id_, 1});
+  return at_end(std::move(ended));
 }
 
 }  // namespace vdrive::client

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calls/each_axis.hpp"
 
+#include "base/command_objects.hpp"
 #include "base/command_words.hpp"
 #include "calls/arrival.hpp"
 #include "calls/lost_control.hpp"
@@ -273,6 +274,11 @@ bool EachAxis::goes_by_frames() const {
   return !stop_ && row_.command != EachCommand::power_cycle;
 }
 
+/// @return whether the word gives an axis its power that is to stand then.
+bool EachAxis::rests_before(std::uint16_t word) const {
+  return row_.command == EachCommand::enable && word == kEnableOperation && !options_.keep_target;
+}
+
 /// The n-th round has the n-th word of each axis.
 std::vector<Round> EachAxis::rounds() const {
   std::vector<Round> rounds;
@@ -282,8 +288,8 @@ std::vector<Round> EachAxis::rounds() const {
     rounds.resize(std::max(rounds.size(), words.size()));
     for (std::size_t i = 0; i < words.size(); ++i) {
       msg::AxisCommand command = call_.command_to(place);
-      command.members(msg::HAS_DS402_CONTROLWORD);
-      command.ds402_controlword(words[i]);
+      add_word(command, words[i]);
+      if (rests_before(words[i])) add_rest(command);
       rounds[i].entries.push_back({place, std::move(command)});
     }
   }

@@ -37,8 +37,9 @@ std::vector<Outcome> command_all(std::vector<client::Axis>& axes, const AxisActi
   const AxisAction& action = *command.action;
   if (action.together) {
     tell_progress(axes, action, context);
-    return context.session.command_each(axes, *action.together,
-                                        context.call_options(command.until));
+    client::CallOptions options = context.call_options(command.until);
+    options.keep_target = command.keep_target;
+    return context.session.command_each(axes, *action.together, options);
   }
   std::vector<Outcome> outcomes;
   outcomes.reserve(axes.size());
@@ -65,6 +66,10 @@ void AxisActionCommand::declare(Arguments& arguments) {
     arguments.flag("--wait", is_wait_given, "Wait for standstill or target");
   } else if (action->waits == Waits::unless_declined) {
     arguments.no_wait(until);
+  }
+  if (action->together == client::EachCommand::enable) {
+    arguments.flag("--keep-target", keep_target,
+                   "Leave 60FFh, 6042h and 6071h as they are: the axis may run off at once");
   }
   arguments.take_over(take_over);
   arguments.then([this] {
