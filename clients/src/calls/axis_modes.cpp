@@ -170,7 +170,8 @@ Outcome homing_result(AxesCall& call) {
                            std::to_string(value->front().front()));
   }
   if (axis.shows(Statusword::kHomingAttained)) return {};
-  return Outcome::failed(name + ": the homing run was ended by a halt or a stop");
+  return call.explain_by_service(
+      Outcome::failed(name + ": the homing run was ended by a halt or a stop"), axis);
 }
 
 // ---- velocity --------------------------------------------------------------------------------

@@ -207,9 +207,14 @@ bool EachAxis::has_pending() const {
 
 /// Ends the axes that did not come to what was awaited.
 void EachAxis::fail_unless(std::string_view awaited, bool (*holds)(const AxisSnapshot&)) {
+  std::optional<Outcome> service;  // asked once
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {
     if (!is_pending_[place] || holds(at_end_[place])) continue;
-    end(place, failed_instead_of(awaited, at_end_[place]));
+    Outcome failed = failed_instead_of(awaited, at_end_[place]);
+    if (!service && has_no_fault(at_end_[place])) service = call_.check_service(at_end_[place]);
+    const bool has_ended = service && !*service;
+    end(place,
+        has_ended ? service->with_message(service->message() + "; " + failed.message()) : failed);
   }
 }
 

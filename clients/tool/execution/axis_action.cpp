@@ -54,6 +54,17 @@ std::vector<Outcome> command_all(std::vector<client::Axis>& axes, const AxisActi
   return outcomes;
 }
 
+/// @return the axes whose bench was not lost: one that is would be searched for as long as
+/// --timeout.
+std::vector<client::Axis> present(const std::vector<client::Axis>& axes,
+                                  const std::vector<Outcome>& outcomes) {
+  std::vector<client::Axis> present;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (outcomes[i].kind() != client::OutcomeKind::lost) present.push_back(axes[i]);
+  }
+  return present;
+}
+
 }  // namespace
 
 bool has_come_to_rest(const client::AxisSnapshot& axis) {
@@ -86,7 +97,9 @@ Outcome AxisActionCommand::run(CommandContext& context) const {
   }
   std::vector<Outcome> outcomes = command_all(*found, *this, context);
   context.progress.time("status of " + counted(found->size(), "axis", "axes"));
-  const auto shown = context.output.is_quiet ? AxisStates() : states_of(context.session, *found);
+  const auto shown = context.output.is_quiet
+                         ? AxisStates()
+                         : states_of(context.session, present(*found, outcomes));
   context.progress.end();
   AxisFailures failures;
   for (std::size_t i = 0; i < found->size(); ++i) {
