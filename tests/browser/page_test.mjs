@@ -503,6 +503,24 @@ test("a jogged axis stops when its window loses the focus", async () => {
   await page.mouse.up();
 });
 
+test("a jog that the gateway has ended needs a new press", async () => {
+  const box = await command("jog-plus").boundingBox();
+  await page.mouse.move(box.x + 5, box.y + 5);
+  await page.mouse.down();
+  await waitForText(figure("velocity"), JOGS);
+  // The page stands still for longer than the 400 ms of the gateway, with the button held.
+  await page.evaluate(() => {
+    for (const end = performance.now() + 1_500; performance.now() < end; );
+  });
+  await waitForText(page.locator("p.outcome"), /press again/);
+  await waitForText(figure("velocity"), /^−?\d UU\/s/);
+  await page.mouse.up();
+  await page.mouse.down();
+  await waitForText(figure("velocity"), JOGS);
+  await page.mouse.up();
+  await waitForText(figure("velocity"), /^−?\d UU\/s/);
+});
+
 test("a page whose thread is late by 5 s keeps control", async () => {
   // The gateway takes a holder of control for lost after 10 s; before this page had a thread for
   // its connection, 2 s of drawing were enough.

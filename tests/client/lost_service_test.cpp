@@ -40,6 +40,27 @@ TEST(LostService, EndsAWaitingCall) {
   EXPECT_EQ(moving.get().kind(), OutcomeKind::lost);
 }
 
+TEST(ServiceThatShutsDown, IsTheReasonWhyAMoveOfAGroupFails) {
+  RunningService service("--clock realtime --axes 2");
+  Session session(options());
+  auto group = AxisGroup::create(session, std::vector<std::string>{"1.1", "1.2"});
+  ASSERT_TRUE(group->enable_all());
+  std::future<void> stopped;
+  GroupCallOptions call;
+  call.progress = [&](const GroupProgress& seen) {
+    if (seen.fraction == 0.0 || stopped.valid()) return;
+    stopped = std::async(std::launch::async, [&service] {
+      service.stop();
+    });
+  };
+  const Outcome lost = group->move_together(Eigen::Vector2d(300'000, 300'000), {.call = call});
+  EXPECT_EQ(lost.kind(), OutcomeKind::lost);
+  EXPECT_THAT(lost.message(),
+              testing::AnyOf(HasSubstr("bench 1 shuts down: its service brakes the axes"),
+                             HasSubstr("bench 1 went offline: its service has ended")));
+  EXPECT_THAT(lost.message(), testing::Not(HasSubstr("did not stop")));
+}
+
 TEST(RestartedService, IsADifferentServiceToTheSession) {
   auto service = std::make_unique<RunningService>("--clock lockstep");
   Session sut(options());

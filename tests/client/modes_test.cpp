@@ -291,7 +291,7 @@ TEST_F(Modes, JogWhoseLastCommandIsRefusedStopsItsAxisByAQuickStop) {
   });
   EXPECT_EQ(jogged.kind(), OutcomeKind::refused);
   EXPECT_THAT(jogged.message(), HasSubstr("a quick stop has ended the jog: bench 1 refused"));
-  EXPECT_EQ(now().owner_session, 0U);
+  EXPECT_EQ(now().owner_session, session_.id()) << "taken again, for 60FFh = 0";
   EXPECT_EQ(now().status.velocity_demand_value, 0);
   EXPECT_EQ(now().state(), PowerState::switch_on_disabled);
 }

@@ -597,6 +597,32 @@ TEST(GatewayServices, EnableMoveAndStopAnAxis) {
       10s));
 }
 
+// A page was closed that had axes in mode 3; one axis and several go different ways.
+TEST(GatewayServices, EnableLetsAxesRestWhateverWasLeft) {
+  const RunningService service("--clock lockstep --axes 2");
+  const RunningGateway gateway("--control");
+  Session session(options());
+  ToolClient client(gateway.port());
+  (void)client.channel("/bench1/status");
+  ASSERT_EQ(client.call("/take_control", Json::object())["ok"], true);
+  for (const Json& axes : {Json::array({"1.1"}), Json::array({"1.1", "1.2"})}) {
+    for (const Json& axis : axes) {
+      for (const auto& [object, value] : {std::pair{"0x6060", 3}, std::pair{"0x60FF", 2048}}) {
+        const Json request{{"axis", axis}, {"object", object}, {"value", value}};
+        ASSERT_EQ(client.call("/write", request)["message"], "");
+      }
+    }
+    ASSERT_EQ(client.call("/enable", {{"axes", axes}})["message"], "");
+    ASSERT_TRUE(session.step(1, 300));
+    for (const Json& axis : axes) {
+      const auto seen = session.axis(axis.get<std::string>())->status();
+      EXPECT_EQ(seen->state(), PowerState::operation_enabled);
+      EXPECT_EQ(seen->status.velocity_demand_value, 0);
+    }
+    ASSERT_EQ(client.call("/disable", {{"axes", axes}})["message"], "");
+  }
+}
+
 TEST(GatewayServices, ServeTheButtonsOfADashboard) {
   const TemporaryDirectory state;
   // With a long watchdog time: the machine may be busy.

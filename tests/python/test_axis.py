@@ -51,6 +51,19 @@ def test_a_motion_ends_by_what_comes_after_it_and_says_by_what(vdrive_shared_ses
         motion.wait()
 
 
+def test_an_axis_rests_when_it_is_enabled_unless_it_is_to_keep_its_target(vdrive_shared_session, axis):
+    group = vdrive.AxisGroup(vdrive_shared_session, ["1.1"])
+    for enable in (axis.enable, group.enable_all):
+        for keep_target, runs in ((False, False), (True, True)):
+            axis.write("op_mode_cmd", 3)
+            axis.write("target_velocity", 2048)
+            enable(keep_target=keep_target)
+            vdrive_shared_session.step(300)
+            assert (axis.status().velocity_demand_value == 2048) == runs
+            axis.quick_stop()
+    axis.write("target_velocity", 0)
+
+
 def test_an_object_is_named_by_index_pair_name_or_name_of_the_standard(axis):
     # The manual's limits of an axis that has none: the range of INTEGER32.
     assert axis.read((0x607D, 1)) == -2**31

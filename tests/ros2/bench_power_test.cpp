@@ -2,10 +2,12 @@
 #include "bench_power.hpp"
 
 #include "fake_bench.hpp"
+#include "vdrive/cia402/standing_targets.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -141,7 +143,31 @@ TEST(BenchPower, WritesTheModeOfEachJointBeforeItsPower) {
   EXPECT_THAT(modes_of(frames, 1), ElementsAre(0, 0, 8)) << "a joint without an interface";
   EXPECT_THAT(words_of(frames, 2), ElementsAre(0x80, 0x06, 0x07, 0x0F));
   EXPECT_THAT(modes_of(frames, 2), ElementsAre(0, 0, 0, 9)) << "not in the fault";
-  EXPECT_THAT(frames[2].axes[0].objects, SizeIs(4)) << "60C2h:01 and three offsets";
+  EXPECT_THAT(frames[2].axes[0].objects, SizeIs(7))
+      << "60C2h:01, three offsets and the targets that an axis would follow at once";
+}
+
+// From every state, also where the axis keeps the mode that another program has left.
+TEST(BenchPower, LetsAnAxisRestThatGetsItsPower) {
+  for (const PowerState from :
+       {PowerState::switch_on_disabled, PowerState::ready_to_switch_on, PowerState::switched_on,
+        PowerState::quick_stop_active, PowerState::fault}) {
+    SCOPED_TRACE(to_string(from));
+    Powered bench;
+    bench.drives.show(0, from);
+    bench.drives.show(1, from);
+    bench.power.want_enabled(true, true);
+    const auto frames = bench.words();
+    ASSERT_FALSE(frames.empty());
+    for (const client::SetPoint& point : frames.back().axes) {
+      ASSERT_EQ(point.controlword, 0x0F);
+      for (const ObjectAddress target : kStandingTargets) {
+        const auto written = std::ranges::find(point.objects, target, &client::ObjectValue::object);
+        ASSERT_NE(written, point.objects.end());
+        EXPECT_EQ(written->value, 0);
+      }
+    }
+  }
 }
 
 TEST(BenchPower, LeavesTheModeOfAnAxisThatMayStillBrake) {

@@ -53,6 +53,24 @@ TEST_F(MotionInLockStep, VelocityRunsUntilAVelocityOfZero) {
   EXPECT_EQ(value_of("1.1", "0x606B"), "0");
 }
 
+// Another program, which ends, has left 60FFh and the mode.
+TEST_F(MotionInLockStep, EnableLetsAnAxisRestUnlessItIsToKeepItsTarget) {
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  ASSERT_EQ(call("velocity 1.1 2048").code, 0);
+  ASSERT_EQ(call("quick-stop 1.1").code, 0);
+  EXPECT_EQ(value_of("1.1", "0x60FF"), "2048");
+  ASSERT_EQ(call("enable 1.1").code, 0);
+  EXPECT_EQ(value_of("1.1", "0x60FF"), "0");
+  ASSERT_EQ(call("step 300").code, 0);
+  EXPECT_EQ(value_of("1.1", "0x606B"), "0");
+  ASSERT_EQ(call("disable 1.1").code, 0);
+  ASSERT_EQ(call("write 1.1 0x60FF 2048").code, 0);
+  ASSERT_EQ(call("enable 1.1 --keep-target").code, 0);
+  ASSERT_EQ(call("step 300").code, 0);
+  EXPECT_EQ(value_of("1.1", "0x606B"), "2048");
+  EXPECT_EQ(call("disable 1.1 --keep-target").code, 2) << "it is of enable only";
+}
+
 TEST_F(MotionInLockStep, TorqueIsAppliedInPercent) {
   ASSERT_EQ(call("enable 1.1").code, 0);
   const Finished applied = call("torque 1.1 3% --slope 1000");

@@ -9,10 +9,12 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -255,6 +257,83 @@ TEST_F(MoveOfAnotherProgram, HaltsTheAxisOnAnInterruptWithItsOption) {
   EXPECT_EQ(moved.code, 130);
   EXPECT_EQ(moved.errors, "vdrive: interrupted; axis 1.1 is halted\n");
   EXPECT_EQ(speed(), 0);
+}
+
+/// A command that waits, and what shows that its axis is on the way.
+struct WaitingCommand {
+  const char* axis;
+  const char* words;
+  const char* under_way;  ///< as `wait` takes it
+};
+
+// Not those that follow a value (`expect --within`, `wait AXIS OBJECT`): they bridge a silence of
+// 10 s, SessionOptions::patience. First what changes nothing: it has begun when the others move.
+constexpr std::array kWaitingCommands{
+    WaitingCommand{"1.1", "wait 1.1 fault", "velocity_demand_value == 0"},
+    WaitingCommand{"1.1", "move 1.1 10000000 --velocity 1000", "velocity_demand_value != 0"},
+    WaitingCommand{"1.2", "home 1.2 --method 17 --speed 100 --creep 100",
+                   "velocity_demand_value != 0"},
+    WaitingCommand{"1.3", "velocity 1.3 100000 --acceleration 1000", "velocity_demand_value != 0"},
+    WaitingCommand{"1.4", "torque 1.4 100 --slope 1", "torque_demand != 0"},
+    WaitingCommand{"1.5", "jog 1.5 1000 --for 1h", "velocity_demand_value == 1000"},
+    // 6084h = 1: the halt takes 1000 s.
+    WaitingCommand{"1.6", "halt 1.6 --wait", "velocity_demand_value < 1000"},
+};
+
+/// Six axes in real time, and a program for each command, which waits.
+class CommandsThatWait : public testing::Test {
+ protected:
+  void SetUp() override {
+    const Finished prepared =
+        tool("run -", "enable 1.*\nwrite 1.6 profile_dec 1\nvelocity 1.6 1000\n");
+    ASSERT_EQ(prepared.code, 0) << prepared.errors;
+    for (const WaitingCommand& command : kWaitingCommands) {
+      programs_.push_back(std::make_unique<Process>(
+          VDRIVE_TOOL, tool_arguments(std::string(command.words) + " --timeout 1h")));
+      const Finished seen = tool("wait " + std::string(command.axis) + " " + command.under_way);
+      ASSERT_EQ(seen.code, 0) << command.words << ": " << seen.errors;
+    }
+  }
+
+  /// @return how each ended, once the service has.
+  std::vector<Finished> ends() {
+    std::vector<Finished> ends;
+    for (const auto& program : programs_) ends.push_back(program->wait());
+    return ends;
+  }
+
+  RunningService service_{"--axes 6 --config " VDRIVE_SOURCE_DIR "/tests/data/patient.yaml"};
+  std::vector<std::unique_ptr<Process>> programs_;
+};
+
+// Some 1.6 s after the kill; a search for the lost bench would take as long as --timeout.
+TEST_F(CommandsThatWait, AreToldOfAKilledServiceByItsSilence) {
+  const auto killed = std::chrono::steady_clock::now();
+  service_.kill();
+  const std::vector<Finished> ended = ends();
+  EXPECT_LT(std::chrono::steady_clock::now() - killed, 20s);
+  for (std::size_t i = 0; i < ended.size(); ++i) {
+    EXPECT_EQ(ended[i].code, 1) << kWaitingCommands.at(i).words;
+    EXPECT_THAT(ended[i].errors,
+                MatchesRegex("vdrive: bench 1 stopped sending or ended: its newest "
+                             "sample is 1[5-9][0-9][0-9] ms old, the limit is "
+                             "1500 ms\n"))
+        << kWaitingCommands.at(i).words;
+  }
+}
+
+TEST_F(CommandsThatWait, AreToldThatTheirServiceShutsDown) {
+  EXPECT_EQ(service_.stop().code, 0);
+  const std::vector<Finished> ended = ends();
+  for (std::size_t i = 0; i < ended.size(); ++i) {
+    // The halt may have seen its axis stand, which is what it waits for, before the power went.
+    if (ended[i].code == 0 && std::string(kWaitingCommands.at(i).axis) == "1.6") continue;
+    EXPECT_EQ(ended[i].code, 1) << kWaitingCommands.at(i).words;
+    EXPECT_THAT(ended[i].errors,
+                MatchesRegex("vdrive: bench 1 (shuts down: its service brakes the axes, then ends|"
+                             "went offline: its service has ended).*\n"))
+        << kWaitingCommands.at(i).words;
+  }
 }
 
 std::string value_of(const std::string& axis, const std::string& object) {

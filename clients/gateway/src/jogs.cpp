@@ -43,9 +43,8 @@ void Jogs::let_go(Jog& jog) {
   if (jog.held_until) *jog.held_until = Clock::time_point::min();
 }
 
-bool Jogs::runs_on(const Jog& jog, std::int32_t velocity, Clock::time_point now) {
-  return jog.held_until && jog.calls != 0 && jog.velocity == velocity &&
-         now < jog.held_until->load();
+bool Jogs::is_running(const Jog& jog, Clock::time_point now) {
+  return jog.held_until && jog.calls != 0 && now < jog.held_until->load();
 }
 
 void Jogs::post(Jog& jog, const Answer& answer, std::function<void()> call) {
@@ -65,13 +64,21 @@ void Jogs::request(const JogRequest& request, Clock::time_point now, const Answe
     return;
   }
   Jog& jog = jogs_[request.axis];
-  if (request.velocity != 0 && runs_on(jog, request.velocity, now)) {
+  const bool is_held = request.velocity != 0;
+  const bool continues = is_held && is_running(jog, now);
+  if (continues && jog.velocity == request.velocity) {
     *jog.held_until = now + kHeldTime;
     answer({});
     return;
   }
+  if (is_held && jog.is_pressed && !continues) {
+    answer({.outcome = Outcome::failed("the jog of axis " + request.axis +
+                                       " has ended: let go (velocity 0), then press again")});
+    return;
+  }
   let_go(jog);
-  if (request.velocity == 0) {
+  jog.is_pressed = is_held;
+  if (!is_held) {
     post(jog, answer, [answer] {
       answer({});  // after the jog before: the axis stands
     });
@@ -89,7 +96,7 @@ void Jogs::request(const JogRequest& request, Clock::time_point now, const Answe
 
 void Jogs::forget_ended() {
   std::erase_if(jogs_, [](const auto& entry) {
-    return entry.second.calls == 0;
+    return entry.second.calls == 0 && !entry.second.is_pressed;
   });
 }
 

@@ -18,7 +18,9 @@ namespace vdrive::gateway {
 using SessionPointer = std::shared_ptr<client::Session>;
 
 /// The axes that a client jogs: each runs while the client repeats its request within kHeldTime,
-/// then brakes and stands. Of one thread; each axis waits in a thread of its own.
+/// then brakes and stands. A press begins one jog: what has ended it, be it a silence, a stop or a
+/// fault, the axis does not run again before the client has let it go (velocity 0). Of one thread;
+/// each axis waits in a thread of its own.
 class Jogs {
  public:
   using Clock = std::chrono::steady_clock;
@@ -42,10 +44,11 @@ class Jogs {
 
   /// Runs an axis, or lets it run on; with velocity 0 lets it go. An axis that runs at another
   /// velocity brakes first.
-  /// @param answer when the axis runs, when it stands, or when it was refused
+  /// @param answer when the axis runs, when it stands, or when it was refused; failed where the jog
+  ///        of this press has ended
   void request(const JogRequest& request, Clock::time_point now, const Answer& answer);
 
-  /// Drops the threads of axes that no client jogs any more.
+  /// Drops the threads of axes that the client has let go.
   void forget_ended();
 
  private:
@@ -55,11 +58,12 @@ class Jogs {
   struct Jog {
     std::int32_t velocity = 0;
     std::shared_ptr<Hold> held_until;
+    bool is_pressed = false;
     std::atomic<std::size_t> calls = 0;  ///< that the worker has to do
     bridge::Worker worker;
   };
 
-  [[nodiscard]] static bool runs_on(const Jog& jog, std::int32_t velocity, Clock::time_point now);
+  [[nodiscard]] static bool is_running(const Jog& jog, Clock::time_point now);
   static void let_go(Jog& jog);
   static void post(Jog& jog, const Answer& answer, std::function<void()> call);
 

@@ -105,8 +105,19 @@ void add_command(AxisClass& axis, const char* name,
 }
 
 void add_commands(AxisClass& axis) {
-  add_command(axis, "enable", &Axis::enable,
-              "Goes to Operation enabled. Refused in a fault: reset it first.");
+  axis.def(
+      "enable",
+      [](PyAxis& self, const Real& timeout, const std::string& until, bool keep_target) {
+        client::CallOptions options = call_options(timeout, until);
+        options.keep_target = keep_target;
+        run(self, [&](Axis& target) {
+          return target.enable(options);
+        });
+      },
+      py::kw_only(), py::arg("timeout") = 60.0, py::arg("until") = "done",
+      py::arg("keep_target") = false,
+      "Goes to Operation enabled, where the axis rests: 60FFh, 6042h and 6071h get 0, unless "
+      "keep_target is true. Refused in a fault: reset it first.");
   add_command(axis, "disable", &Axis::disable, "Goes to Ready to switch on.");
   add_command(
       axis, "halt", &Axis::halt,

@@ -196,7 +196,19 @@ void add_group_move(GroupClass& group, const char* name, const char* numbers,
 }
 
 void add_calls(GroupClass& group) {
-  add_call(group, "enable_all", &AxisGroup::enable_all, "Brings every axis to Operation enabled.");
+  group.def(
+      "enable_all",
+      [](PyGroup& self, const OptionalReal& timeout, const std::string& until, Progress progress,
+         bool keep_target) {
+        GroupCall made(self, timeout, until, std::move(progress));
+        made.options.keep_target = keep_target;
+        made.run(self, [&](AxisGroup& called) {
+          return called.enable_all(made.options);
+        });
+      },
+      py::kw_only(), py::arg("timeout") = py::none(), py::arg("until") = "done",
+      py::arg("progress") = py::none(), py::arg("keep_target") = false,
+      "Brings every axis to Operation enabled, where it rests, as Axis.enable() does.");
   add_call(group, "disable_all", &AxisGroup::disable_all,
            "Shutdown of every axis without a fault. Drops the queue.");
   add_call(group, "wait_all", &AxisGroup::wait_all,

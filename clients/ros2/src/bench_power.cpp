@@ -7,6 +7,7 @@
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/enabling_words.hpp"
 #include "vdrive/cia402/power_state.hpp"
+#include "vdrive/cia402/standing_targets.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -134,9 +135,13 @@ BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::t
     for (std::size_t word = 0; word < words.size(); ++word) {
       frames[word].axes.push_back({.axis = axis_number(i), .controlword = words[word]});
     }
+    if (words.empty()) continue;
+    client::SetPoint& last = frames[words.size() - 1].axes.back();
     // An axis that keeps its power may still brake: another mode would brake it in another way.
     const bool keeps_mode = axis.state() == PowerState::quick_stop_active && keeps_power;
-    if (!words.empty() && !keeps_mode) put_mode(i, frames[words.size() - 1].axes.back());
+    if (!keeps_mode) put_mode(i, last);
+    // In the mode that it keeps, or where it takes no other one, it would run off at what is left.
+    for (const ObjectAddress target : kStandingTargets) last.objects.push_back({.object = target});
   }
   resets_faults_ = false;  // a fault that comes back is for a person
   // The way of some axes is shorter than that of others.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/cia402/standing_targets.hpp"
 #include "vdrive/dictionary/object.hpp"
 #include "vdrive_messages.h"
 
@@ -15,6 +16,11 @@ inline void add_object(msg::AxisCommand& command, ObjectAddress address, std::in
   object.index(address.index);
   object.subindex(address.subindex);
   object.value(value);
+}
+
+/// Adds 0 in each of these, which an axis would follow at once when it gets its power.
+inline void add_rest(msg::AxisCommand& command) {
+  for (const ObjectAddress target : kStandingTargets) add_object(command, target, 0);
 }
 
 /// Adds the controlword of a command, or replaces it.

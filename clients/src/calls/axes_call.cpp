@@ -453,9 +453,36 @@ Outcome AxesCall::check(std::string_view awaited, std::uint64_t from) {
   if (tick() < from) return {};
   if (!own) return axes_.caller() == Caller::axis ? own : stop_others(std::move(own));
   for (std::size_t place = 0; place < snapshots().size(); ++place) {
-    if (Outcome sound = check_command(awaited, place); !sound) return stop_others(std::move(sound));
+    Outcome sound = check_command(awaited, place);
+    if (sound) continue;
+    const AxisSnapshot axis = snapshots()[place];
+    Outcome stopped = stop_others(std::move(sound));
+    return is_enabled(axis) ? stopped : explain_by_service(std::move(stopped), axis);
   }
   return {};
+}
+
+Outcome AxesCall::explain_by_service(Outcome failed, const AxisSnapshot& axis) {
+  const Outcome service = check_service(axis);
+  return service ? failed : service.with_message(service.message() + "; " + failed.message());
+}
+
+/// A service that shuts down answers nothing but reads. The question for the next snapshot changes
+/// nothing and may be asked in every clock mode.
+Outcome AxesCall::check_service(const AxisSnapshot& axis) {
+  if (is_fault(axis.state())) return {};
+  const auto part = std::ranges::find(axes_.parts(), axis.id.bench, [](const BenchPart& some) {
+    return some.bench->number;
+  });
+  msg::Request request;
+  request.kind(msg::REQUEST_NEXT_SNAPSHOT);
+  const Outcome answer =
+      core_->requests.exchange(part->target, std::move(request), "question").outcome();
+  if (answer.kind() == OutcomeKind::lost) return answer;
+  return answer.code() == msg::REASON_SHUTTING_DOWN
+             ? Outcome::lost(name_of(part->target) +
+                             " shuts down: its service brakes the axes, then ends")
+             : Outcome();
 }
 
 Outcome AxesCall::stop_if_lost(Outcome outcome) {
@@ -491,7 +518,8 @@ Outcome AxesCall::send_stop(Outcome cause, Answers& stop) {
   if (!round.entries.empty()) stop.outcome = renew_control(round);
   // At once: a common tick would be later, and what is lost cannot take part in it.
   if (stop.outcome && !round.entries.empty()) stop = exchange({&round, 1}, Timing::at_once);
-  if (stop.outcome) return cause;
+  // A service that shuts down brakes its axes itself.
+  if (stop.outcome || stop.outcome.code() == msg::REASON_SHUTTING_DOWN) return cause;
   return Outcome::failed(cause.message() +
                          ", and the others did not stop: " + stop.outcome.message());
 }

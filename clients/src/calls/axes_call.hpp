@@ -266,6 +266,13 @@ class AxesCall {
   /// stop_others() when `outcome` is the loss of a service; else nothing.
   Outcome stop_if_lost(Outcome outcome);
 
+  /// Asks the service of an axis that has stopped or lost its power without a fault.
+  /// @return lost when it shuts down, which takes the power of all its axes, or has ended
+  [[nodiscard]] Outcome check_service(const AxisSnapshot& axis);
+
+  /// @return `failed`; where check_service() knows the cause, that first.
+  [[nodiscard]] Outcome explain_by_service(Outcome failed, const AxisSnapshot& axis);
+
  private:
   /// @return the places of the axes that are not `done` at `from` or later.
   template <typename Done>

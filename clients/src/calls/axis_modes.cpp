@@ -171,7 +171,8 @@ Outcome homing_result(AxesCall& call) {
                            std::to_string(value->front().front()));
   }
   if (axis.shows(Statusword::kHomingAttained)) return {};
-  return Outcome::failed(name + ": the homing run was ended by a halt or a stop");
+  return call.explain_by_service(
+      Outcome::failed(name + ": the homing run was ended by a halt or a stop"), axis);
 }
 
 // ---- velocity --------------------------------------------------------------------------------
@@ -289,8 +290,7 @@ struct Obstacles {
 
 /// Sends the velocity. It is in force, but not reached.
 Outcome start_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t velocity,
-                       const VelocityOptions& options, std::int64_t& slowest) {
-  if (Outcome good = check_velocity(call, velocity, options, slowest); !good) return good;
+                       const VelocityOptions& options) {
   return enter(call, OperatingMode::profile_velocity,
                std::array{Setting{"profile_acc"_object, options.acceleration},
                           Setting{"profile_dec"_object, options.deceleration},
@@ -312,7 +312,8 @@ std::string velocity_progress(const AxesCall& call, std::int32_t velocity) {
 Outcome reach_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t velocity,
                        const VelocityOptions& options, const Wakeup& wakeup) {
   std::int64_t slowest = 0;
-  Outcome started = start_velocity(call, motion, velocity, options, slowest);
+  if (Outcome good = check_velocity(call, velocity, options, slowest); !good) return good;
+  Outcome started = start_velocity(call, motion, velocity, options);
   if (!started || options.call.until == Until::in_force) return started;
   Obstacles obstacles{.limit_switch = {}, .ramp = {slowest, call.period()}};
   Outcome seen = call.await_enabled(kVelocityReached, call.tick(), [&](const AxisSnapshot& axis) {
@@ -387,6 +388,13 @@ Outcome end_jog(const std::shared_ptr<SessionCore>& core, AxesCall& call,
   if (ended || !is_enabled(call.snapshot()) || ended.kind() == OutcomeKind::lost) return ended;
   if (call.is_superseded()) return ended;  // the axis is in the hands of another thread
   return stop_instead(core, call.snapshot().id, ended, timeout);
+}
+
+/// A stop, a fault or a loss of control leaves 60FFh as it is: enabled again, the axis would run.
+/// An axis that another session has is that session's; of a lost bench nothing can be asked.
+void clear_velocity(Axis& axis, const Outcome& ended) {
+  if (ended.kind() == OutcomeKind::lost || !axis.acquire()) return;
+  (void)axis.write(vdrive::describe("target_velocity"_object).address, 0);
 }
 
 // ---- torque ----------------------------------------------------------------------------------
@@ -517,15 +525,21 @@ Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnap
                   const VelocityOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
   if (Outcome ready = begin_motion(call, options.call.timeout, "a jog"); !ready) return ready;
-  EndlessMotion motion(*core_, call);
   std::int64_t slowest = 0;
-  if (Outcome started = start_velocity(call, motion, velocity, options, slowest); !started) {
+  if (Outcome good = check_velocity(call, velocity, options, slowest); !good) return good;
+  const auto at_end = [this, &call](Outcome ended) {
+    // Superseded, the axis is in the hands of another thread.
+    if (!ended && !call.is_superseded()) clear_velocity(*this, ended);
+    return explain_loss(*core_, std::move(ended), {&id_, 1});
+  };
+  EndlessMotion motion(*core_, call);
+  if (Outcome started = start_velocity(call, motion, velocity, options); !started) {
     // What was sent may be in force although the wait for it has failed.
     const bool has_ended = started.kind() == OutcomeKind::refused || call.is_superseded();
     if (is_enabled(call.snapshot()) && !has_ended) {
       (void)end_jog(core_, call, options.call.timeout);
     }
-    return explain_loss(*core_, std::move(started), {&id_, 1});
+    return at_end(std::move(started));
   }
   call.set_timeout(kHeldAtMost);
   // Without control no watchdog guards the axis: the jog ends at once.
@@ -536,14 +550,16 @@ Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnap
   try {
     seen = call.await_enabled("the end of the jog", call.tick(), ends);
   } catch (...) {  // of the program, in `held`
-    (void)end_jog(core_, call, options.call.timeout);
+    (void)at_end(end_jog(core_, call, options.call.timeout));
     throw;
   }
-  if (!seen && (!is_enabled(call.snapshot()) || call.is_superseded())) return seen;
   if (seen.kind() == OutcomeKind::lost) return seen;
+  if (!seen && (!is_enabled(call.snapshot()) || call.is_superseded())) {
+    return at_end(std::move(seen));
+  }
   Outcome ended = end_jog(core_, call, options.call.timeout);
   if (ended) motion.settle();
-  return explain_loss(*core_, std::move(ended), {&id_, 1});
+  return at_end(std::move(ended));
 }
 
 }  // namespace vdrive::client

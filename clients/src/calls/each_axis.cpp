@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calls/each_axis.hpp"
 
+#include "base/command_objects.hpp"
 #include "base/command_words.hpp"
 #include "calls/arrival.hpp"
 #include "calls/lost_control.hpp"
@@ -206,9 +207,14 @@ bool EachAxis::has_pending() const {
 
 /// Ends the axes that did not come to what was awaited.
 void EachAxis::fail_unless(std::string_view awaited, bool (*holds)(const AxisSnapshot&)) {
+  std::optional<Outcome> service;  // asked once
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {
     if (!is_pending_[place] || holds(at_end_[place])) continue;
-    end(place, failed_instead_of(awaited, at_end_[place]));
+    Outcome failed = failed_instead_of(awaited, at_end_[place]);
+    if (!service && has_no_fault(at_end_[place])) service = call_.check_service(at_end_[place]);
+    const bool has_ended = service && !*service;
+    end(place,
+        has_ended ? service->with_message(service->message() + "; " + failed.message()) : failed);
   }
 }
 
@@ -273,6 +279,11 @@ bool EachAxis::goes_by_frames() const {
   return !stop_ && row_.command != EachCommand::power_cycle;
 }
 
+/// @return whether the word gives an axis its power that is to stand then.
+bool EachAxis::rests_before(std::uint16_t word) const {
+  return row_.command == EachCommand::enable && word == kEnableOperation && !options_.keep_target;
+}
+
 /// The n-th round has the n-th word of each axis.
 std::vector<Round> EachAxis::rounds() const {
   std::vector<Round> rounds;
@@ -282,8 +293,8 @@ std::vector<Round> EachAxis::rounds() const {
     rounds.resize(std::max(rounds.size(), words.size()));
     for (std::size_t i = 0; i < words.size(); ++i) {
       msg::AxisCommand command = call_.command_to(place);
-      command.members(msg::HAS_DS402_CONTROLWORD);
-      command.ds402_controlword(words[i]);
+      add_word(command, words[i]);
+      if (rests_before(words[i])) add_rest(command);
       rounds[i].entries.push_back({place, std::move(command)});
     }
   }

@@ -2,6 +2,7 @@
 // The axes of a group, their power states, and the watch over faults.
 #include "vdrive/client/axis_group.hpp"
 
+#include "base/command_objects.hpp"
 #include "base/command_words.hpp"
 #include "calls/axes_stop.hpp"
 #include "calls/lost_control.hpp"
@@ -304,8 +305,8 @@ Outcome AxisGroup::enable_all(const GroupCallOptions& options) {
     rounds.resize(std::max(rounds.size(), words.size()));
     for (std::size_t i = 0; i < words.size(); ++i) {
       msg::AxisCommand command = call.command_to(place);
-      command.members(msg::HAS_DS402_CONTROLWORD);
-      command.ds402_controlword(words[i]);
+      add_word(command, words[i]);
+      if (words[i] == kEnableOperation && !options.keep_target) add_rest(command);
       rounds[i].entries.push_back({place, std::move(command)});
     }
   }

@@ -37,8 +37,9 @@ std::vector<Outcome> command_all(std::vector<client::Axis>& axes, const AxisActi
   const AxisAction& action = *command.action;
   if (action.together) {
     tell_progress(axes, action, context);
-    return context.session.command_each(axes, *action.together,
-                                        context.call_options(command.until));
+    client::CallOptions options = context.call_options(command.until);
+    options.keep_target = command.keep_target;
+    return context.session.command_each(axes, *action.together, options);
   }
   std::vector<Outcome> outcomes;
   outcomes.reserve(axes.size());
@@ -53,6 +54,17 @@ std::vector<Outcome> command_all(std::vector<client::Axis>& axes, const AxisActi
   return outcomes;
 }
 
+/// @return the axes whose bench was not lost: one that is would be searched for as long as
+/// --timeout.
+std::vector<client::Axis> present(const std::vector<client::Axis>& axes,
+                                  const std::vector<Outcome>& outcomes) {
+  std::vector<client::Axis> present;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (outcomes[i].kind() != client::OutcomeKind::lost) present.push_back(axes[i]);
+  }
+  return present;
+}
+
 }  // namespace
 
 bool has_come_to_rest(const client::AxisSnapshot& axis) {
@@ -65,6 +77,10 @@ void AxisActionCommand::declare(Arguments& arguments) {
     arguments.flag("--wait", is_wait_given, "Wait for standstill or target");
   } else if (action->waits == Waits::unless_declined) {
     arguments.no_wait(until);
+  }
+  if (action->together == client::EachCommand::enable) {
+    arguments.flag("--keep-target", keep_target,
+                   "Leave 60FFh, 6042h and 6071h as they are: the axis may run off at once");
   }
   arguments.take_over(take_over);
   arguments.then([this] {
@@ -81,7 +97,9 @@ Outcome AxisActionCommand::run(CommandContext& context) const {
   }
   std::vector<Outcome> outcomes = command_all(*found, *this, context);
   context.progress.time("status of " + counted(found->size(), "axis", "axes"));
-  const auto shown = context.output.is_quiet ? AxisStates() : states_of(context.session, *found);
+  const auto shown = context.output.is_quiet
+                         ? AxisStates()
+                         : states_of(context.session, present(*found, outcomes));
   context.progress.end();
   AxisFailures failures;
   for (std::size_t i = 0; i < found->size(); ++i) {

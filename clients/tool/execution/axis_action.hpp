@@ -49,6 +49,7 @@ struct AxisActionCommand {
   client::Until until = client::Until::done;
   bool take_over = false;
   bool is_wait_given = false;
+  bool keep_target = false;
 
   void declare(Arguments& arguments);
 

@@ -40,7 +40,11 @@ std::string_view command_before_motion(PowerState state) noexcept {
 }
 
 Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisReport report) {
-  if (context.output.is_quiet) return std::move(report.outcome);
+  // A bench that is lost shows nothing: the question would be a search of as long as --timeout.
+  const bool shows_nothing = report.outcome.kind() == client::OutcomeKind::lost;
+  if (context.output.is_quiet || shows_nothing) {
+    return report_axis(context, axis, std::move(report), nullptr);
+  }
   const auto status = axis.status();
   return report_axis(context, axis, std::move(report), status ? &*status : nullptr);
 }

@@ -32,6 +32,7 @@ enum class Until : std::uint8_t {
 struct CallOptions {
   std::chrono::nanoseconds timeout = std::chrono::seconds(60);  ///< drive time: see Session
   Until until = Until::done;
+  bool keep_target = false;  ///< of enable() only: leaves 60FFh, 6042h and 6071h as they are
 };
 
 /// A command that several axes may get together: see Session::command_each().
@@ -126,9 +127,13 @@ class Axis {
   /// are dropped. The axis continues as it is.
   Outcome take_over();
 
-  /// Goes through the power states to Operation enabled and sets nothing else. If a quick stop is
-  /// in progress it waits for standstill first. A drive may power on for a while: until then it
-  /// shows Switched on, in which Until::in_force returns.
+  /// Goes through the power states to Operation enabled. If a quick stop is in progress it waits
+  /// for standstill first. A drive may power on for a while: until then it shows Switched on, in
+  /// which Until::in_force returns.
+  ///
+  /// The axis does not move: with the last controlword it gets 0 in 60FFh, 6042h and 6071h, which
+  /// another program may have left and which a drive follows at once. With `options.keep_target`
+  /// they stay, and the axis may run off. In Operation enabled nothing is written.
   /// @return refused in a fault: reset it first; failed where the drive stays in another state.
   Outcome enable(const CallOptions& options = {});
 
@@ -178,6 +183,8 @@ class Axis {
   /// Runs at `velocity` in profile velocity mode while `held` returns true, then brakes and waits
   /// for standstill. Session::interrupt() ends the jog likewise. When this program hangs or dies
   /// meanwhile the watchdog of the bench stops the axis.
+  /// However it ends, 60FFh is 0 afterwards, unless the bench is lost or another session has the
+  /// axis: it does not run on when it is enabled again.
   /// The jog ends, too, when another session takes the axis. When its last command is refused or
   /// its standstill is not seen, it stops the axis by a quick stop, which needs no control; an axis
   /// that another session has commanded since is left to that session.

@@ -62,6 +62,7 @@ struct GroupCallOptions {
   Until until = Until::done;
   /// Called at every tick that the call observes, in its thread. It must not call the group.
   std::function<void(const GroupProgress&)> progress{};
+  bool keep_target = false;  ///< of enable_all() only: see CallOptions
 };
 
 /// How a group moves: each axis within its own 6081h, 6083h and 6084h, bounded by 607Fh, 6080h,
@@ -127,7 +128,8 @@ class AxisGroup {
   /// they are.
   Outcome take_over();
 
-  /// Brings every axis to Operation enabled (MC_GroupEnable), as long as that takes its drive.
+  /// Brings every axis to Operation enabled (MC_GroupEnable), as long as that takes its drive. No
+  /// axis moves: see Axis::enable().
   /// @return refused, with nothing done, when an axis has a fault.
   Outcome enable_all(const GroupCallOptions& options = {});
 

@@ -131,10 +131,12 @@ class MoveForm {
   }
 }
 
-/** Two buttons that move an axis while they are pressed. */
+/** Two buttons that move an axis while they are pressed. A press is one jog: what has ended it, the
+ *  axis moves again only with a new press. */
 class Jog {
   readonly root: HTMLElement;
   private readonly speed: QuantityField;
+  private pressed = false;
   private timer = 0;
   private jogged = "";
 
@@ -190,15 +192,23 @@ class Jog {
   }
 
   end(): void {
-    if (this.timer === 0) return;
+    if (!this.pressed) return;
+    this.pressed = false;
+    // The gateway waits for it before it takes a new press, also when the jog has ended already.
+    const release = { axis: this.jogged, velocity: 0 };
+    if (this.timer === 0) void this.model.connection.call("/jog", release); // why it has ended stays shown
+    else void this.model.command("/jog", release);
+    this.stopRepeating();
+  }
+
+  private stopRepeating(): void {
     window.clearInterval(this.timer);
     this.timer = 0;
-    void this.model.command("/jog", { axis: this.jogged, velocity: 0 });
   }
 
   private start(sign: number): void {
     const ref = this.axis();
-    if (ref === undefined || this.timer !== 0) return;
+    if (ref === undefined || this.pressed) return;
     attempt(this.model, () => {
       const speed = this.speed.read([]) ?? 0;
       const velocity = sign * Math.abs(speed);
@@ -206,19 +216,19 @@ class Jog {
       this.jogged = axis;
       const taken = this.model.whyTaken([axis]);
       if (taken !== undefined) throw new Error(`${t("jog")}: ${taken}`);
+      let own = 0; // the answer to an earlier press does not end this one
       const send = async () => {
         if (this.model.whyTaken([axis]) !== undefined) {
-          window.clearInterval(this.timer); // the session that has the axis now has ended the motion
-          this.timer = 0;
+          this.stopRepeating(); // the session that has the axis now has ended the motion
           return;
         }
         const answer = await this.model.connection.call("/jog", { axis, velocity });
-        if (answer.ok || this.timer === 0) return;
-        window.clearInterval(this.timer);
-        this.timer = 0;
+        if (answer.ok || this.timer !== own) return;
+        this.stopRepeating();
         this.model.outcome = { ok: false, text: `${t("jog")}: ${answer.message}` };
       };
-      this.timer = window.setInterval(() => void send(), JOG_EVERY_MS);
+      this.pressed = true;
+      own = this.timer = window.setInterval(() => void send(), JOG_EVERY_MS);
       void send();
     });
   }
