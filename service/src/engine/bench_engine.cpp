@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/bench_engine.hpp"
 
-#include <algorithm>
-
 namespace vdrive::service {
 
 BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity& identity,
                          Outbox& outbox, Counters& counters)
     : outbox_(outbox),
-      counters_(counters),
       clock_(configuration, counters),
       events_(clock_, outbox.events, counters),
       axes_(configuration),
@@ -17,7 +14,7 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
       writer_(axes_, schedule_),
       brake_(axes_, schedule_, events_),
       masters_(axes_, clock_, schedule_, events_, counters),
-      master_watch_(configuration, clock_, masters_, counters_),
+      master_watch_(configuration, clock_, masters_, counters),
       application_(axes_, writer_, masters_, frame_answers_, events_, counters),
       frames_(clock_, brake_, masters_, schedule_, frame_answers_, application_, counters),
       axis_events_(axes_, masters_, schedule_, events_, counters),
@@ -62,13 +59,6 @@ void BenchEngine::jump(std::uint64_t ticks) {
   clock_.jump(ticks);
   master_watch_.skip(ticks);
   events_.report({.kind = msg::EVENT_TICK_JUMPED, .detail = Count{ticks}});
-}
-
-void BenchEngine::report_overrun(std::chrono::nanoseconds late) {
-  counters_.overruns.add();
-  events_.report({.kind = msg::EVENT_TICK_OVERRUN,
-                  .detail = std::chrono::floor<std::chrono::microseconds>(
-                      std::max(late, std::chrono::nanoseconds::zero()))});
 }
 
 }  // namespace vdrive::service
