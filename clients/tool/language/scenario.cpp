@@ -110,7 +110,13 @@ class ScenarioReader {
     }
   }
 
+  /// What was lost on its way here must not pass.
   Scenario finish() && {
+    if (std::ranges::all_of(scenario_.lines, &ScenarioLine::is_final)) {
+      throw UsageError(escaped(scenario_.file, kShownOfMessage) +
+                       ": has no line that tests anything: write at least one command" +
+                       (scenario_.lines.empty() ? "" : " above finally"));
+    }
     scenario_.variables = variables_.names();
     return std::move(scenario_);
   }
