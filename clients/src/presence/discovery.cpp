@@ -477,6 +477,11 @@ bool Discovery::is_paused(const BenchKey& key, Clock::time_point since) const {
   return directory_.is_paused(key, since);
 }
 
+std::uint32_t Discovery::steppers(const BenchKey& key) const {
+  const std::scoped_lock lock(mutex_);
+  return directory_.steppers(key);
+}
+
 std::uint64_t Discovery::slowest_stepper(const BenchKey& key) const {
   const std::scoped_lock lock(mutex_);
   return directory_.slowest_stepper(key);

@@ -27,7 +27,8 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
           clock_, master_watch_, brake_,
           {.axes = axis_requests_, .masters = masters_, .stores = stores_, .snapshots = snapshots_},
           request_answers_, events_),
-      step_requests_(clock_, frames_, masters_, requests_, request_answers_, events_, counters) {}
+      step_requests_(configuration, clock_, frames_, masters_, requests_, request_answers_, events_,
+                     counters) {}
 
 bool BenchEngine::can_answer() const noexcept {
   const auto& frames = outbox_.command_replies;
