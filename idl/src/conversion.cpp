@@ -128,14 +128,19 @@ constexpr std::array kReasons{
     ReasonRow{msg::REASON_MISSING_STEPPER, "missing_stepper",
               "another stepper has not granted the tick yet"},
     ReasonRow{msg::REASON_NOT_A_STEPPER, "not_a_stepper",
-              "others have joined the clock, this session has not"},
+              "others have joined the clock, or are awaited; this session has not"},
     ReasonRow{msg::REASON_TIME_PASSES, "time_passes",
               "allowed only while time stands still: in lock-step, or paused"},
     ReasonRow{msg::REASON_UNKNOWN_SNAPSHOT, "unknown_snapshot", "no such snapshot"},
     ReasonRow{msg::REASON_OUT_OF_RANGE, "out_of_range",
               "the rate is neither 0 nor from 0.1 to 100"},
     ReasonRow{msg::REASON_SHUTTING_DOWN, "shutting_down", "the service shuts down"},
+    ReasonRow{msg::REASON_TOO_MANY_SNAPSHOTS, "too_many_snapshots",
+              "all 16 snapshots are taken; drop one of them"},
+    ReasonRow{msg::REASON_TOO_MANY_STEPPERS, "too_many_steppers",
+              "a clock has at most 64 steppers"},
 };
+static_assert(msg::MAX_SNAPSHOTS == 16 && msg::MAX_STEPPERS == 64, "the texts say so");
 
 }  // namespace
 

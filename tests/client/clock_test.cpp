@@ -111,6 +111,44 @@ TEST(StepClock, NamesTheMissingStepperAndContinuesWithTheTicksItGranted) {
 }
 
 // The calls of a session that has joined advance time as far as the other stepper allows.
+TEST(StepClock, WaitsForAsManySteppersAsItIsToldTo) {
+  const BenchOnWire bench("--clock lockstep");
+  Session alice(options_on_wire());
+  auto hers = StepClock::join(alice, kFirst, 2);
+  ASSERT_TRUE(hers) << hers.outcome().message();
+  const auto alone = hers->step(10, kSoon);
+  EXPECT_EQ(alone.outcome().kind(), OutcomeKind::timed_out);
+  EXPECT_THAT(alone.outcome().message(),
+              HasSubstr("bench 1 waits for more steppers: 1 program has joined its clock"));
+  auto other = std::async(std::launch::async, [] {
+    Session bob(options_on_wire());
+    auto his = StepClock::join(bob, kFirst, 2);
+    return his ? his->step(10).outcome() : his.outcome();
+  });
+  EXPECT_THAT(*hers->step(10), ElementsAre(10)) << "the same call continues";
+  const Outcome his = other.get();
+  EXPECT_TRUE(his) << his.message();
+}
+
+TEST(StepClock, OfABenchThatAwaitsSteppersIsNotSteppedByOthers) {
+  const BenchOnWire bench("--clock lockstep --steppers 2");
+  Session alice(options_on_wire());
+  const Outcome refused = alice.step(1, 1).outcome();
+  EXPECT_EQ(refused.kind(), OutcomeKind::refused);
+  EXPECT_THAT(refused.message(), HasSubstr("or are awaited; this session has not"));
+  auto hers = StepClock::join(alice, kFirst);
+  ASSERT_TRUE(hers) << hers.outcome().message();
+  EXPECT_THAT(hers->step(1, kSoon).outcome().message(), HasSubstr("waits for more steppers"));
+}
+
+TEST(StepClock, RefusesToWaitForMoreThanAClockHas) {
+  const BenchOnWire bench("--clock lockstep");
+  Session session(options_on_wire());
+  const auto clock = StepClock::join(session, kFirst, StepClock::kMostSteppers + 1);
+  EXPECT_EQ(clock.outcome().kind(), OutcomeKind::refused);
+  EXPECT_THAT(clock.outcome().message(), HasSubstr("a clock has at most 64 steppers"));
+}
+
 TEST(StepClock, MakesCallsOfItsSessionWaitForTheOtherSteppers) {
   const BenchOnWire bench("--clock lockstep");
   Session alice(options_on_wire());

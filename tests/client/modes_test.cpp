@@ -571,6 +571,19 @@ TEST(OnStatus, ReportsNewerTicksOfTheAxesUntilItIsEnded) {
   EXPECT_EQ(reports.count(), count) << "nothing comes after its end";
 }
 
+TEST(OnStatus, HasAPeriodOfAMillisecondOrMore) {
+  const test::BenchOnWire bench("");
+  Session session(options_on_wire());
+  const std::vector<AxisId> axes{{1, 1}};
+  const auto ignore = [](const Observation&) {};
+  for (const auto period : {0ms, -5ms}) {
+    EXPECT_EQ(session.on_status(axes, period, ignore).kind(), OutcomeKind::failed);
+    const Outcome refused = session.report_status(axes, period, ignore).outcome();
+    EXPECT_EQ(refused.kind(), OutcomeKind::failed);
+    EXPECT_THAT(refused.message(), HasSubstr("it must be 1 ms or more"));
+  }
+}
+
 TEST(OnStatus, OfAMissingAxisIsNotFound) {
   const test::BenchOnWire bench("");
   Session session(options_on_wire());

@@ -618,6 +618,12 @@ TEST_F(LockStep, AFollowerMeasuresHowFarItsSamplesAreBehindTheBench) {
   EXPECT_GT(after.samples, before.samples);
 }
 
+TEST_F(LockStep, AFollowerHasEachAxisOnce) {
+  const Outcome refused = sut_.follow({{1, 1}, {1, 2}, {1, 1}}, Pace::drive).outcome();
+  EXPECT_EQ(refused.kind(), OutcomeKind::refused);
+  EXPECT_THAT(refused.message(), HasSubstr("axis 1.1 is named twice"));
+}
+
 TEST_F(LockStep, ASampleThatIsAStepIsNeverLate) {
   auto follower = sut_.follow({{1, 1}}, Pace::drive);
   ASSERT_TRUE(follower);

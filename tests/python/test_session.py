@@ -64,6 +64,14 @@ def test_a_step_clock_steps_its_benches_together(vdrive_session):
         clock.step()
 
 
+def test_a_step_clock_waits_for_as_many_steppers_as_it_is_told_to(vdrive_session):
+    with vdrive.StepClock(vdrive_session, [1], steppers=2) as clock:
+        with pytest.raises(vdrive.TimedOut, match="waits for more steppers: 1 program has joined its clock"):
+            clock.step(1, patience=0.3)
+    with pytest.raises(vdrive.Refused, match="a clock has at most 64 steppers"):
+        vdrive.StepClock(vdrive_session, [1], steppers=65)
+
+
 def test_a_snapshot_restores_the_axes(vdrive_session):
     axis = vdrive_session.axis("1.1")
     axis.enable()
@@ -154,6 +162,12 @@ def test_following_in_lockstep_steps_one_tick_for_each_sample(vdrive_session):
     samples = list(vdrive_session.follow("1.1", count=10))
     assert [sample.tick for sample in samples] == list(range(begin + 1, begin + 11))
     assert samples[0][0].id == "1.1" and len(samples[0]) == 1
+
+
+@pytest.mark.parametrize("follow", ["follow", "stream"])
+def test_a_follower_has_each_axis_once(vdrive_session, follow):
+    with pytest.raises(vdrive.Refused, match="axis 1.1 is named twice"):
+        getattr(vdrive_session, follow)(["1.1", "1.2", "1.1"])
 
 
 def test_a_follower_takes_samples_as_one_array_and_no_more_than_its_count(vdrive_session):

@@ -51,7 +51,7 @@ TEST(Configuration, WithoutAFileIsTheDemoBench) {
 TEST(Configuration, ReadsEveryKey) {
   const Configuration read = parse(R"(
 bench: {number: 7, name: "左 bench"}
-clock: {mode: lockstep, period_us: 250, rate: 2.5, clock_step: jump, threads: 3, realtime_priority: 40}
+clock: {mode: lockstep, period_us: 250, steppers: 5, clock_step: jump, threads: 3, realtime_priority: 40}
 status: {every_ticks: 5}
 watchdog: {timeout_ms: 250}
 network: {domain: 9, interfaces: [10.0.0.1], discovery_server: ["10.0.0.9:11811", 10.0.0.8:1], shared_memory: true}
@@ -69,7 +69,8 @@ axes:
   EXPECT_EQ(read.name, "左 bench");
   EXPECT_EQ(read.clock, ClockMode::lockstep);
   EXPECT_EQ(read.period, 250us);
-  EXPECT_EQ(read.rate, 2.5);
+  EXPECT_EQ(read.steppers, 5U);
+  EXPECT_EQ(parse("clock: {rate: 2.5}").rate, 2.5);
   EXPECT_EQ(read.clock_step, WallStepPolicy::jump);
   EXPECT_EQ(parse(to_yaml(read)).clock_step, WallStepPolicy::jump);
   EXPECT_EQ(read.threads, 3U);
@@ -147,7 +148,7 @@ TEST(Configuration, CanTurnTheWatchdogOff) {
 TEST(Configuration, IsTheSameAfterPrintingAndReading) {
   Configuration original = parse(R"(
 bench: {number: 3, name: "a: b #1"}
-clock: {mode: lockstep, rate: 0.1}
+clock: {mode: lockstep, steppers: 3}
 watchdog: {timeout_ms: off}
 network: {peers: [10.0.0.2, 10.0.0.3]}
 axes:
@@ -160,6 +161,7 @@ axes:
   EXPECT_EQ(again.axes[0].configuration.model.motor_inertia,
             original.axes[0].configuration.model.motor_inertia);
   EXPECT_EQ(again.watchdog, std::nullopt);
+  EXPECT_EQ(again.steppers, 3U);
   EXPECT_EQ(again.network.peers, (std::vector<std::string>{"10.0.0.2", "10.0.0.3"}));
   EXPECT_EQ(again.name, "a: b #1");
 }
@@ -268,6 +270,14 @@ INSTANTIATE_TEST_SUITE_P(
                 "bench.yaml:1: clock.clock_step = leap: must be one of steer, jump"},
         Refused{"rate_in_freerun", "clock:\n  rate: 2\n  mode: freerun",
                 "bench.yaml:2: clock.rate = 2: cannot be used with clock.mode freerun"},
+        Refused{"rate_in_lockstep", "clock: {mode: lockstep, rate: 2}",
+                "bench.yaml:1: clock.rate = 2: cannot be used with clock.mode lockstep, which runs "
+                "as programs step it"},
+        Refused{"steppers_in_realtime", "clock: {steppers: 2}",
+                "bench.yaml:1: clock.steppers = 2: cannot be used with clock.mode realtime, which "
+                "runs by the wall clock"},
+        Refused{"steppers", "clock: {mode: lockstep, steppers: 65}",
+                "bench.yaml:1: clock.steppers = 65: must be a whole number from 0 to 64"},
         Refused{"rate_low", "clock: {rate: 0.05}",
                 "bench.yaml:1: clock.rate = 0.05: must be 0 (paused) or from 0.1 to 100"},
         Refused{"rate_nan", "clock: {rate: nan}",
@@ -396,7 +406,7 @@ TEST(Configuration, IsRefusedWithEachMistakeInItsLine) {
                        "    parameters: {profile_velocity: -1}\n"),
             "bench.yaml:1: bench.number = 0: must be a whole number from 1 to 65535\n"
             "bench.yaml:3: clock.mode = warp: must be one of realtime, lockstep, freerun\n"
-            "bench.yaml:4: clock.speed: unknown key; known here: mode, period_us, rate, "
+            "bench.yaml:4: clock.speed: unknown key; known here: mode, period_us, rate, steppers, "
             "clock_step, threads, realtime_priority\n"
             "bench.yaml:5: clock.period_us = 7: must be a whole number from 125 to 10000 us\n"
             "bench.yaml:9: axes[0].parameters.profile_velocity = -1: must be a whole number from 0 "

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "service/engine_under_test.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,6 +31,27 @@ TEST(ReadRequest, AnswersEachObjectWithItsOwnCode) {
   EXPECT_EQ(reply.objects()[1].abort_code(), 0x06020000U);
   EXPECT_EQ(reply.objects()[1].axis(), 2U);
   EXPECT_EQ(reply.objects()[2].abort_code(), 0x06090011U);
+}
+
+// A recording, a page and a description read them all. 1003h has no entry on an axis without a
+// fault: 08000024h tells its reader so, and nothing was refused.
+TEST(ReadRequest, OfEveryObjectOfAHealthyAxisIsNoRefusal) {
+  EngineUnderTest bench;
+  auto request = bench.make_request(msg::REQUEST_READ, 0);
+  for (const ObjectDescription& object : kObjectTable) {
+    auto& access = request.objects().emplace_back();
+    access.axis(1);
+    access.index(object.address.index);
+    access.subindex(object.address.subindex);
+    if (request.objects().size() < msg::MAX_OBJECTS_PER_REQUEST &&
+        &object != &kObjectTable.back()) {
+      continue;
+    }
+    EXPECT_EQ(bench.reply_to(request).reason(), msg::REASON_NONE);
+    request = bench.make_request(msg::REQUEST_READ, 0);
+  }
+  EXPECT_TRUE(bench.events(msg::EVENT_REFUSED).empty());
+  EXPECT_EQ(bench.read(1, 0x1003, 1).objects()[0].abort_code(), 0x08000024U);
 }
 
 TEST(ReadRequest, NamesTheAxisThatDoesNotExist) {

@@ -123,7 +123,7 @@ TEST(SnapshotRequest, KeepsUpToSixteenSnapshotsAndDropsThemOnRequest) {
   for (std::uint64_t number = 1; number <= 16; ++number) EXPECT_EQ(take(bench), number);
   EXPECT_EQ(bench.counters.snapshots.get(), 16U);
   const auto full = bench.reply_to(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
-  EXPECT_EQ(full.reason(), msg::REASON_QUEUE_FULL);
+  EXPECT_EQ(full.reason(), msg::REASON_TOO_MANY_SNAPSHOTS);
   EXPECT_EQ(full.snapshot(), 0U);
   EXPECT_EQ(reply_about(bench, msg::REQUEST_DROP_SNAPSHOT, 5).reason(), msg::REASON_NONE);
   EXPECT_EQ(reply_about(bench, msg::REQUEST_DROP_SNAPSHOT, 5).reason(),

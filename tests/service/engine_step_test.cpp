@@ -118,6 +118,49 @@ TEST(StepRequest, IsRefusedWhenItsFramesDoNotComeWithinASecond) {
   EXPECT_EQ(bench.engine.tick(), 0U);
 }
 
+TEST(StepRequest, WaitsUntilAsManyHaveJoinedAsTheBenchAwaits) {
+  auto configuration = bench_configuration(1);
+  configuration.steppers = 2;
+  EngineUnderTest bench(configuration);
+  EXPECT_EQ(answer_to(bench, step_request(bench, kAlice, 1)).reason(), msg::REASON_NOT_A_STEPPER)
+      << "time waits for those that join";
+  EXPECT_EQ(answer_to(bench, step_request(bench, kAlice, 0)).reason(), msg::REASON_NONE)
+      << "reads the status";
+  EXPECT_EQ(join(bench, kAlice).reason(), msg::REASON_NONE);
+  EXPECT_EQ(answer_at(bench, step_request(bench, kAlice, 3), kStart), std::nullopt);
+  bench.engine.steps().answer_due(kStart + 1s);
+  const auto late = bench.reply().value_or(msg::Reply{});
+  EXPECT_EQ(late.reason(), msg::REASON_MISSING_STEPPER);
+  EXPECT_EQ(late.missing_stepper(), 0U) << "not a session that is there";
+  EXPECT_EQ(bench.counters.slowest_stepper.get(), 0U);
+  EXPECT_EQ(bench.engine.tick(), 0U);
+  EXPECT_EQ(join(bench, kBob).reason(), msg::REASON_NONE);
+  EXPECT_EQ(answer_at(bench, step_request(bench, kBob, 3), kStart + 2s).value().tick(), 3U)
+      << "what was granted stays granted";
+}
+
+TEST(StepRequest, WaitsUntilAsManyHaveJoinedAsAStepperAwaits) {
+  EngineUnderTest bench;
+  auto joining = step_request(bench, kAlice, 2, msg::REQUEST_JOIN_CLOCK);
+  bench.engine.steps().handle(joining, kStart);
+  EXPECT_EQ(bench.reply().value().reason(), msg::REASON_NONE);
+  EXPECT_EQ(answer_at(bench, step_request(bench, kAlice, 3), kStart), std::nullopt);
+  EXPECT_EQ(bench.engine.tick(), 0U);
+  EXPECT_EQ(join(bench, kBob).reason(), msg::REASON_NONE);
+  EXPECT_EQ(answer_at(bench, step_request(bench, kBob, 3), kStart).value().tick(), 3U);
+}
+
+TEST(StepRequest, MayNotAwaitMoreThanAClockHas) {
+  EngineUnderTest bench;
+  auto joining = step_request(bench, kAlice, msg::MAX_STEPPERS + 1, msg::REQUEST_JOIN_CLOCK);
+  bench.engine.steps().handle(joining, kStart);
+  EXPECT_EQ(bench.reply().value().reason(), msg::REASON_TOO_MANY_STEPPERS);
+  for (std::uint64_t session = 1; session <= msg::MAX_STEPPERS; ++session) {
+    EXPECT_EQ(join(bench, session).reason(), msg::REASON_NONE);
+  }
+  EXPECT_EQ(join(bench, kAlice).reason(), msg::REASON_TOO_MANY_STEPPERS);
+}
+
 TEST(StepRequest, OfAStepperRunsAsFarAsAllOfThemGrant) {
   EngineUnderTest bench;
   EXPECT_EQ(join(bench, kAlice).reason(), msg::REASON_NONE);

@@ -60,6 +60,13 @@ TEST(EventWords, DescribeAStepOfTheWallClockAndItsCorrection) {
       "the wall clock was changed: it is 10 s ahead of drive time; the tick number jumps");
 }
 
+TEST(EventWords, SayHowLateOneTickWasAndTheWorstOfSeveral) {
+  EXPECT_EQ(words_of({.kind = msg::EVENT_TICK_OVERRUN, .detail = Overruns{1, 1'203us, 0ms}}),
+            "tick ended 1203 us too late");
+  EXPECT_EQ(words_of({.kind = msg::EVENT_TICK_OVERRUN, .detail = Overruns{412, 5'120us, 8'000ms}}),
+            "412 ticks ended up to 5120 us too late in 8 s");
+}
+
 TEST(EventWords, NameTheSessionThatStoppedAnAxisAndItsOwner) {
   EventRecord stop{.kind = msg::EVENT_STOPPED,
                    .axis = 2,

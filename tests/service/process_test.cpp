@@ -231,9 +231,15 @@ TEST(ServiceProcess, RefusesUnknownArguments) {
   Process mode({"--clock", "warp"});
   EXPECT_EQ(mode.wait(), 2);
   EXPECT_NE(mode.text().find("realtime, lockstep, freerun"), std::string::npos);
-  Process rate({"--clock", "freerun", "--rate", "2"});
-  EXPECT_EQ(rate.wait(), 2);
-  EXPECT_NE(rate.text().find("--rate cannot be used"), std::string::npos);
+  for (const std::string clock : {"freerun", "lockstep"}) {
+    Process rate({"--clock", clock, "--rate", "2"});
+    EXPECT_EQ(rate.wait(), 2);
+    EXPECT_NE(rate.text().find("--rate cannot be used with the clock " + clock), std::string::npos);
+  }
+  Process steppers({"--steppers", "2"});
+  EXPECT_EQ(steppers.wait(), 2);
+  EXPECT_NE(steppers.text().find("--steppers cannot be used with the clock realtime"),
+            std::string::npos);
   Process axes({"--axes", "16385"});
   EXPECT_EQ(axes.wait(), 2);
   EXPECT_EQ(axes.text(), "vdrived: --axes: '16385' must be a whole number from 1 to 16384\n");

@@ -98,6 +98,22 @@ TEST(RealtimeDriver, CatchesUpAfterAShortStall) {
   EXPECT_FALSE(bench.events(msg::EVENT_TICK_OVERRUN).empty());
 }
 
+// Each tick of a machine that needs 1.5 ms for it is late: 40,000 in a minute. The first is told at
+// once; the others at 1, 3, 7, 15 and 31 s, when spans of 1, 2, 4, 8 and 16 s end; that of 32 s
+// ends at 63 s.
+TEST(RealtimeDriver, TellsOfAMinuteOfLateTicksInSixEvents) {
+  RealtimeBench bench;
+  bench.timer.lateness = 1'500us;
+  while (bench.timer.now < 60s) bench.cycles(1);
+  const std::uint64_t overruns = bench.counters.overruns.get();
+  EXPECT_GT(overruns, 39'000U);
+  std::uint64_t told = 0;
+  const auto events = bench.events(msg::EVENT_TICK_OVERRUN);
+  for (const auto& event : events) told += std::get<service::Overruns>(event.detail).count;
+  EXPECT_EQ(events.size(), 6U);
+  EXPECT_GT(told, overruns / 3) << "the rest follows at the end of its span";
+}
+
 TEST(RealtimeDriver, JumpsAfterALongStallAndHoldsTheState) {
   RealtimeBench bench;
   bench.write(kAlice, 1, 0x6040, 0x0F);

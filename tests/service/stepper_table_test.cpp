@@ -35,6 +35,43 @@ TEST(StepperTable, IsEmptyAtFirst) {
   EXPECT_FALSE(table.leave(kAlice, kStart));
 }
 
+TEST(StepperTable, WaitsForAsManyAsTheBenchAwaits) {
+  StepperTable table(2);
+  EXPECT_FALSE(table.is_open());
+  EXPECT_TRUE(table.join(kAlice, {}, 0, kStart));
+  EXPECT_FALSE(table.is_complete());
+  EXPECT_TRUE(table.join(kBob, {}, 0, kStart));
+  EXPECT_TRUE(table.is_complete());
+  EXPECT_TRUE(table.leave(kAlice, kStart));
+  EXPECT_TRUE(table.is_complete()) << "a program that has ended is not awaited";
+  EXPECT_TRUE(table.leave(kBob, kStart));
+  EXPECT_TRUE(table.join(kAlice, {}, 0, kStart));
+  EXPECT_FALSE(table.is_complete()) << "when all have left it waits again";
+}
+
+TEST(StepperTable, WaitsForAsManyAsOneOfItsSteppersAwaits) {
+  StepperTable table;
+  EXPECT_TRUE(table.is_open());
+  EXPECT_TRUE(table.join(kAlice, {}, 0, kStart));
+  EXPECT_TRUE(table.is_complete()) << "nobody is awaited";
+  EXPECT_TRUE(table.join(kBob, {}, 0, kStart, 3));
+  EXPECT_FALSE(table.is_complete());
+  EXPECT_TRUE(table.join(kBob + 1, {}, 0, kStart));
+  EXPECT_TRUE(table.is_complete());
+}
+
+// Alice has granted ticks, and Bob waits for Carol in silence: he holds up nobody.
+TEST(StepperTable, TakesNoneForSilentWhileSteppersAreAwaited) {
+  StepperTable table(3);
+  EXPECT_TRUE(table.join(kAlice, {}, 0, kStart));
+  EXPECT_TRUE(table.join(kBob, {}, 0, kStart));
+  table.grant(*table.find(kAlice), 5, kStart);
+  EXPECT_EQ(table.silent(kStart + 60s), nullptr);
+  EXPECT_TRUE(table.join(kBob + 1, {}, 0, kStart + 60s));
+  EXPECT_EQ(table.silent(kStart + 69s), nullptr) << "10 s from when he is waited for";
+  EXPECT_NE(table.silent(kStart + 70s), nullptr);
+}
+
 TEST(StepperTable, AdvancesTimeToTheSmallestGrant) {
   TwoSteppers two;
   EXPECT_EQ(two.table.slowest()->granted, 7U) << "a grant begins at the present tick";

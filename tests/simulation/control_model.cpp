@@ -833,7 +833,7 @@ std::uint32_t ControlModel::set_rate(const msg::Request& request) {
 std::uint32_t ControlModel::snapshot(const msg::Request& request, Answer& answer) {
   if (!time_stands()) return msg::REASON_TIME_PASSES;
   if (request.kind() == msg::REQUEST_TAKE_SNAPSHOT) {
-    if (snapshots_.size() == kMostSnapshots) return msg::REASON_QUEUE_FULL;
+    if (snapshots_.size() == kMostSnapshots) return msg::REASON_TOO_MANY_SNAPSHOTS;
     auto& kept = snapshots_[++last_snapshot_];
     for (const Axis& axis : axes_) kept.push_back(axis.registers);
     return msg::REASON_NONE;

@@ -20,6 +20,7 @@ namespace {
 bench::BenchOptions options_of(const std::string& words) {
   bench::BenchOptions options;
   std::string clock;  // keys of the configuration
+  std::string mode;   // what it needs for some of them
   std::istringstream stream(words);
   std::string name;
   std::string value;
@@ -28,6 +29,7 @@ bench::BenchOptions options_of(const std::string& words) {
     if (name == "--clock") {
       options.clock = clock_mode_named(value);
       if (!options.clock) throw std::runtime_error("--clock " + value + ": no such clock");
+      mode = "  mode: " + value + "\n";
     } else if (name == "--axes") {
       options.axes = std::stoul(value);
     } else if (name == "--bench") {
@@ -36,6 +38,8 @@ bench::BenchOptions options_of(const std::string& words) {
       clock += "  period_us: " + value + "\n";
     } else if (name == "--rate") {
       clock += "  rate: " + value + "\n";
+    } else if (name == "--steppers") {
+      clock += "  steppers: " + value + "\n";
     } else if (name == "--config") {
       options.configuration = text_of(value);
     } else if (name == "--state") {
@@ -46,7 +50,7 @@ bench::BenchOptions options_of(const std::string& words) {
       throw std::runtime_error(name + ": no option of a bench over both wires");
     }
   }
-  if (!clock.empty()) options.configuration += "\nclock:\n" + clock;
+  if (!clock.empty()) options.configuration += "\nclock:\n" + mode + clock;
   // vdrived runs in real time unless it is told otherwise, a bench in a process in lock-step.
   if (options.configuration.empty() && !options.clock) options.clock = ClockMode::realtime;
   return options;

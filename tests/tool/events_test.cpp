@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // `vdrive events`: the history of a bench.
+#include "command_table.hpp"
 #include "support/bench_on_wire.hpp"
+#include "support/temporary_directory.hpp"
 #include "tool/call.hpp"
 #include "tool/json_lines.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <set>
 #include <string>
+#include <vector>
 
 namespace vdrive::test {
 namespace {
@@ -67,9 +73,115 @@ TEST_F(Events, HaveTheNameOfTheirSessionInJson) {
   EXPECT_GT(named, 0);
 }
 
+// A bench keeps 1,024 events of a kind. Each epoch is a change of control of its own: 1,100 of them
+// would leave no place for the fault before them.
+TEST_F(Events, KeepAFaultThroughAFloodOfOthers) {
+  client::Session session(options_on_wire());
+  const auto axis = session.axis("1.2");
+  ASSERT_TRUE(axis) << axis.outcome().message();
+  for (int time = 0; time < 1'100; ++time) {
+    ASSERT_TRUE(session.acquire(std::array{axis->id()}));
+    ASSERT_TRUE(session.release());
+  }
+  const Finished finished = call("events");
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+  EXPECT_THAT(finished.output, HasSubstr("  1.1  fault 0x2310\n"));
+  const Finished described = call("describe 1.1");
+  EXPECT_THAT(described.output, ContainsRegex("last fault  0x2310 .* in tick [0-9]+"));
+}
+
 TEST_F(Events, OfAMissingBenchOrAxisAreNotFound) {
   EXPECT_EQ(call("events 7 --timeout 0.2").code, 3);
   EXPECT_EQ(call("events 1.7").code, 3);
+}
+
+/// Commands as they are meant to be used, one after the other, on a bench without a fault.
+class HealthyBench : public testing::Test {
+ protected:
+  /// Calls the commands; then the bench has refused nothing.
+  void call_all(const std::vector<std::string>& lines) {
+    for (const std::string& line : lines) {
+      const Finished finished = call(with_directory(line), kInput);
+      EXPECT_EQ(finished.code, 0) << line << ": " << finished.errors;
+      called_.insert(line.substr(0, line.find(' ')));
+    }
+    for (const std::string& shown : call("events --json").lines()) {
+      const Json event = Json::parse(shown);
+      EXPECT_NE(event["kind"], "refused") << shown;
+      EXPECT_NE(event["kind"], "set_point_ignored") << shown;
+    }
+  }
+
+  [[nodiscard]] const std::set<std::string>& called() const { return called_; }
+
+  [[nodiscard]] std::string with_directory(std::string text) const {
+    const auto place = text.find("DIR");
+    return place == std::string::npos ? text : text.replace(place, 3, directory_.path());
+  }
+
+ private:
+  static constexpr const char* kInput = "status 1.1\n";  // of a shell and a scenario
+
+  TemporaryDirectory directory_;
+  std::set<std::string> called_;
+};
+
+TEST_F(HealthyBench, RefusesNothingOfAnyCommandOfTheTool) {
+  {
+    const BenchOnWire bench(with_directory("--clock realtime --state DIR"));
+    call_all({"list",
+              "status",
+              "describe 1.1",
+              "watch --count 1",
+              "events",
+              "doctor",
+              "enable 1.1",
+              "home 1.1",
+              "move 1.1 100",
+              "move 1.1 50 --relative",
+              "velocity 1.1 500",
+              "halt 1.1",
+              "resume 1.1",
+              "stop 1",
+              "enable 1.1",
+              "torque 1.1 0%",
+              "quick-stop 1.1",
+              "enable 1.1",
+              "jog 1.1 500 --for 50ms",
+              "read 1.1 0x6041",
+              "write 1.1 0x6081 1000",
+              "dictionary 0x607D",
+              "disturb 1.1 load_torque 5 --for 20ms",
+              "expect 1.1 mode 3",
+              "wait 20ms",
+              "disable 1.1",
+              "disturb 1.1 over_current",
+              "disturb 1.1 none",
+              "reset 1.1",
+              "store 1.1",
+              "restore 1.1",
+              "power-cycle 1.1",
+              "record DIR/run.mcap 1.1 --for 20ms",
+              "convert DIR/run.mcap DIR/run.csv",
+              "plot 1.1 --for 20ms -o DIR/now.svg",
+              "plot DIR/run.csv --axis 1.1 -o DIR/run.svg",
+              "run -",
+              "shell",
+              "completion bash",
+              "rate 0",
+              "snapshot take",
+              "snapshot list",
+              "snapshot restore 1",
+              "snapshot drop 1",
+              "rate 1"});
+  }
+  const BenchOnWire bench("--clock lockstep");
+  call_all({"step 10", "step 10 --steppers 1"});
+  for (const tool::CommandRow* const row : tool::commands()) {
+    const std::string name(row->face.name);
+    const bool has_own_bench = name == "test" || name == "bench";
+    EXPECT_NE(called().contains(name), has_own_bench) << name << " is not called";
+  }
 }
 
 }  // namespace

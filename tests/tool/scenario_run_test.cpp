@@ -116,6 +116,7 @@ TEST_F(SeveralFiles, AreAllCheckedBeforeTheFirstCommand) {
   EXPECT_EQ(run({good, file("b.scn", "enable 1.9\n")}).code, 3);
   EXPECT_THAT(report(), AllOf(HasSubstr("errors=\"1\""), HasSubstr("skipped=\"1\"")));
   EXPECT_EQ(run({good, "/nonexistent.scn"}).code, 2);
+  EXPECT_EQ(run({good, file("b.scn", "# to be written\n")}).code, 2);
   EXPECT_EQ(status_of("1.1")["state"], "Switch on disabled");
 }
 

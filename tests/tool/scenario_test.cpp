@@ -256,6 +256,15 @@ std::string repeated(const std::string& text, std::size_t count) {
   return all;
 }
 
+TEST(ScenarioLimit, OfCommandsIsAtLeastOneThatIsNotFinal) {
+  for (const std::string text : {"", "# a title\n\n", "let a = 1\n", "finally\n"}) {
+    EXPECT_EQ(mistake_in(text),
+              "test.scn: has no line that tests anything: write at least one command");
+  }
+  EXPECT_EQ(mistake_in("finally\nwait 1s\n"),
+            "test.scn: has no line that tests anything: write at least one command above finally");
+}
+
 TEST(ScenarioLimit, OfALineIsTheLongestLineThatIsRead) {
   const std::string line = "wait 1s #";
   EXPECT_EQ(mistake_in("\n" + line + std::string(kLongestLine - line.size(), 'x') + "\n"), "none");
@@ -291,8 +300,9 @@ TEST(ScenarioLimit, OfALineHoldsWithTheValuesOfItsVariables) {
 
 TEST(ScenarioLimit, OfAFileHoldsForItsBytesAndWithTheValuesOfItsVariables) {
   const std::string comment = "#" + std::string(1'022, 'x') + "\n";
-  EXPECT_EQ(mistake_in(repeated(comment, 4'096)), "none");
-  EXPECT_THAT(mistake_in(repeated(comment, 4'096) + "#\n"),
+  const std::string first = "wait 1s #" + std::string(1'014, 'x') + "\n";
+  EXPECT_EQ(mistake_in(first + repeated(comment, 4'095)), "none");
+  EXPECT_THAT(mistake_in(first + repeated(comment, 4'095) + "#\n"),
               StartsWith("test.scn:4097: the file has more than 4194304 bytes"));
   std::string text = "let x = " + std::string(20'000, '1') + "\n";
   for (int i = 0; i < 1'000; ++i) text += "let y" + std::to_string(i) + " = ${x}\n";

@@ -15,13 +15,15 @@ void EventLog::add(const client::Event& event) {
   Bench& bench = benches_[event.bench];
   bench.added = ++added_;
   std::deque<client::Event>& events = bench.events;
-  if (!events.empty() && event.tick + kAnotherRun < events.back().tick) {
+  if (event.incarnation != bench.incarnation) {
     events.clear();
     bench.counts.clear();
+    bench.incarnation = event.incarnation;
   }
-  if (events.size() == kMostOfABench) forget_one(bench);
-  events.push_back(event);
+  // The summary of equal events comes late, with the tick of the last of them.
+  events.insert(std::ranges::upper_bound(events, event.tick, {}, &client::Event::tick), event);
   ++bench.counts[event.kind];
+  if (events.size() > kMostOfABench) forget_one(bench);
   if (benches_.size() <= kMostBenches) return;
   benches_.erase(std::ranges::min_element(benches_, {}, [](const auto& entry) {
     return entry.second.added;

@@ -16,17 +16,13 @@ namespace vdrive::gateway {
 /// The last events of each bench, for a client that comes later or was not connected. Any thread.
 class EventLog {
  public:
-  static constexpr std::size_t kMostOfABench = 1'024;  ///< as many as a bench itself keeps
+  static constexpr std::size_t kMostOfABench = 1'024;
 
   /// Benches with events. Of more, the one that has been quiet longest is forgotten.
   static constexpr std::size_t kMostBenches = 64;
 
-  /// [ticks] An event that is so much older than the one before it is of another run, whose ticks
-  /// count from the beginning: the events before it are forgotten. Threads of one run may report a
-  /// little out of order.
-  static constexpr std::uint64_t kAnotherRun = 1'000;
-
-  /// Keeps an event behind those of its bench. Of too many, the oldest of the most frequent kind is
+  /// Keeps an event among those of its bench, in the order of their ticks. The first one of another
+  /// run of the service begins a new history. Of too many, the oldest of the most frequent kind is
   /// forgotten: a bench with late ticks keeps its faults.
   void add(const client::Event& event);
 
@@ -35,6 +31,7 @@ class EventLog {
 
  private:
   struct Bench {
+    std::uint64_t incarnation = 0;  ///< of `events`
     std::deque<client::Event> events;
     std::map<client::EventKind, std::size_t> counts;  ///< of `events`
     std::uint64_t added = 0;  ///< when the last one was, as a count of all events

@@ -172,6 +172,8 @@ void add_status_queue(py::module_& module) {
 void add_event(py::module_& module) {
   py::class_<Event>(module, "Event", "An event of a bench.")
       .def_readonly("bench", &Event::bench, "Number of the bench.")
+      .def_readonly("incarnation", &Event::incarnation,
+                    "Another one is another run of its service.")
       .def_readonly("axis", &Event::axis, "Number of the axis; 0 = the bench, or several axes.")
       .def_property_readonly(
           "kind",

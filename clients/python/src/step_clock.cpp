@@ -73,14 +73,16 @@ class OwnClock final : public Dependent {
   std::optional<StepClock> clock_;
 };
 
-std::shared_ptr<OwnClock> join(const SharedPySession& py_session, const py::iterable& benches) {
+std::shared_ptr<OwnClock> join(const SharedPySession& py_session, const py::iterable& benches,
+                               const Number& steppers) {
+  const auto awaited = whole<std::uint32_t>(steppers, {"steppers"});
   std::vector<std::uint32_t> numbers;
   for_each_in(benches, "benches", [&numbers](const py::object& number, const char* name) {
     numbers.push_back(whole<std::uint32_t>(Number{number}, {name}));
   });
   auto clock =
       made_here<OwnClock>(py_session, value_or_raise(waiting(py_session, [&](Session& session) {
-                            return StepClock::join(session, numbers);
+                            return StepClock::join(session, numbers, awaited);
                           })));
   py_session->adopt(clock);
   return clock;
@@ -95,8 +97,10 @@ void add_step_clock(py::module_& module) {
       module, "StepClock",
       "One clock for several lock-step benches, shared with other programs that step them. `with` "
       "leaves it.")
-      .def(py::init(&join), py::arg("session").none(false), py::arg("benches"),
-           "Joins the clock of each bench, by its number.")
+      .def(py::init(&join), py::arg("session").none(false), py::arg("benches"), py::kw_only(),
+           py::arg("steppers") = 0,
+           "Joins the clock of each bench, by its number. Time stands until `steppers` programs, "
+           "with this one, have joined it; 0 = as the bench is configured.")
       .def(
           "step",
           [](OwnClock& self, const Number& ticks, const Real& patience) {

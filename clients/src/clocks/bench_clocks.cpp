@@ -3,6 +3,7 @@
 
 #include "streams/status_feed.hpp"
 #include "vdrive/number_text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <algorithm>
 #include <string>
@@ -89,13 +90,14 @@ Result<std::uint64_t> BenchClocks::set_rate(const Target& target, double rate) {
 
 // ---- steppers ---------------------------------------------------------------------------------
 
-Result<std::uint64_t> BenchClocks::join(const Target& target) {
+Result<std::uint64_t> BenchClocks::join(const Target& target, std::uint32_t steppers) {
   if (grant_of(target.key)) {
     return Outcome::failed("this session has joined the clock of " + name_of(target) + " already");
   }
   if (Outcome free = note_thread(target); !free) return free;
   msg::Request request;
   request.kind(msg::REQUEST_JOIN_CLOCK);
+  request.ticks(steppers);
   const auto reply =
       requests_.exchange(target, std::move(request), "joining the clock of " + name_of(target));
   if (!reply) {
@@ -241,6 +243,12 @@ Result<std::uint64_t> BenchClocks::end_step(const Target& target, PendingStep st
 }
 
 Outcome BenchClocks::missing_stepper(const Target& target, std::uint64_t session) const {
+  const std::uint32_t joined = discovery_.steppers(target.key);
+  if (session == 0 && joined != 0) {
+    return Outcome::timed_out(name_of(target) + " waits for more steppers: " +
+                              counted(joined, "program has", "programs have") +
+                              " joined its clock");
+  }
   if (session == 0 || session == session_)
     return Outcome::timed_out(name_of(target) + " did not answer");
   return Outcome::timed_out(name_of(target) + " waits for stepper " + session_text(session) +

@@ -63,9 +63,11 @@ class BenchClocks {
   /// @return whether one request of this session alone steps that far: no interrupt ends it.
   [[nodiscard]] bool steps_at_once(const Target& target, std::uint64_t ticks) const;
 
-  /// Makes this session a stepper of the bench. @return the present tick; refused where a step
+  /// Makes this session a stepper of the bench.
+  /// @param steppers that time waits for, with this one
+  /// @return the present tick; refused where a step
   /// would wait for ever: on a bus, where this thread has joined the clock with another session.
-  Result<std::uint64_t> join(const Target& target);
+  Result<std::uint64_t> join(const Target& target, std::uint32_t steppers);
 
   /// Ends that, if the service still answers.
   void leave(const Target& target);

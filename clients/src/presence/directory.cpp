@@ -60,6 +60,7 @@ void Directory::on_state(const msg::BenchState& message, Clock::time_point now) 
   entry.info.wire_starts = message.wire_starts();
   entry.info.longest_silence = std::chrono::microseconds(message.longest_silence_us());
   entry.rate_time = now;
+  entry.steppers = message.steppers();
   entry.slowest_stepper = message.slowest_stepper();
 }
 
@@ -128,6 +129,11 @@ bool Directory::is_paused(const BenchKey& key, Clock::time_point since) const {
   const auto entry = entries_.find(key);
   return entry != entries_.end() && entry->second.info.clock_mode == ClockMode::realtime &&
          entry->second.info.rate == 0.0 && entry->second.rate_time > since;
+}
+
+std::uint32_t Directory::steppers(const BenchKey& key) const {
+  const auto entry = entries_.find(key);
+  return entry == entries_.end() ? 0 : entry->second.steppers;
 }
 
 std::uint64_t Directory::slowest_stepper(const BenchKey& key) const {

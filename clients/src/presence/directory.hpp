@@ -150,6 +150,9 @@ class Directory {
   ///         realtime at rate 0.
   [[nodiscard]] bool is_paused(const BenchKey& key, Clock::time_point since) const;
 
+  /// @return how many have joined the clock by the newest state.
+  [[nodiscard]] std::uint32_t steppers(const BenchKey& key) const;
+
   /// @return the stepper that time waits for by the newest state, 0 = none.
   [[nodiscard]] std::uint64_t slowest_stepper(const BenchKey& key) const;
 
@@ -173,6 +176,7 @@ class Directory {
     std::optional<Clock::time_point> newest_sample;
     Clock::time_point newest;  ///< message of any kind
     std::optional<Clock::time_point> rate_time;
+    std::uint32_t steppers = 0;
     std::uint64_t slowest_stepper = 0;
     std::optional<RunTime> time;  ///< newest
     std::uint64_t skipped = 0;    ///< ticks since the first one

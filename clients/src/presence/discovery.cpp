@@ -483,6 +483,11 @@ Unit Discovery::unit_of(const AxisId& axis) const {
   return directory_.unit_of(axis).value_or(user_unit());
 }
 
+std::uint32_t Discovery::steppers(const BenchKey& key) const {
+  const std::scoped_lock lock(mutex_);
+  return directory_.steppers(key);
+}
+
 std::uint64_t Discovery::slowest_stepper(const BenchKey& key) const {
   const std::scoped_lock lock(mutex_);
   return directory_.slowest_stepper(key);

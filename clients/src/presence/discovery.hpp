@@ -120,6 +120,9 @@ class Discovery {
   /// @return whether a state of this run after `since` shows that its drive time stands still.
   [[nodiscard]] bool is_paused(const BenchKey& key, Clock::time_point since = {}) const;
 
+  /// @return how many have joined the clock by the newest state.
+  [[nodiscard]] std::uint32_t steppers(const BenchKey& key) const;
+
   /// @return the stepper that time waits for by the newest state, 0 = none.
   [[nodiscard]] std::uint64_t slowest_stepper(const BenchKey& key) const;
 

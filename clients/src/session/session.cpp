@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -56,6 +57,24 @@ Result<std::map<std::uint32_t, std::vector<std::uint16_t>>> find_by_bench(
     if (std::ranges::find(of_bench, axis.axis) == of_bench.end()) of_bench.push_back(axis.axis);
   }
   return numbers;
+}
+
+/// @return refused when an axis appears twice.
+Outcome check_each_once(std::span<const AxisId> axes) {
+  std::set<AxisId> seen;
+  for (const AxisId& id : axes) {
+    if (seen.insert(id).second) continue;
+    return Outcome::refused(msg::REASON_AXIS_TWICE, "axis " + to_string(id) + " is named twice");
+  }
+  return {};
+}
+
+/// @return failed when it is too short.
+Outcome check_period(std::chrono::milliseconds period) {
+  constexpr std::chrono::milliseconds kShortest{1};  // with 0 it would keep a processor busy
+  if (period >= kShortest) return {};
+  return Outcome::failed("the period of the reports is " + std::to_string(period.count()) +
+                         " ms: it must be 1 ms or more");
 }
 
 /// A request about saved states of a bench.
@@ -344,6 +363,7 @@ Result<Observation> Session::observe(std::span<const AxisId> axes) {
 Result<Follower> Session::follow(std::vector<AxisId> axes, Pace pace) {
   auto numbers = numbers_of(axes);
   if (!numbers) return numbers.outcome();
+  if (Outcome once = check_each_once(axes); !once) return once;
   const auto target = core_->links.connect(axes.front().bench);
   if (!target) return target.outcome();
   return core_->follow(*target, std::move(*numbers), pace);
@@ -365,6 +385,7 @@ Outcome Session::on_status(std::span<const AxisId> axes, std::chrono::millisecon
   if (Outcome here = core_->discovery.check_process(); !here) return here;
   core_->status_reports.stop();
   if (!observer) return {};
+  if (Outcome good = check_period(period); !good) return good;
   const auto numbers = find_by_bench(*core_, axes);
   if (!numbers) return numbers.outcome();
   core_->statuses.watch(core_->status_reports, *numbers, period, std::move(observer),
@@ -376,6 +397,7 @@ Result<StatusReports> Session::report_status(std::span<const AxisId> axes,
                                              std::chrono::milliseconds period,
                                              std::function<void(const Observation&)> observer,
                                              std::function<void(const Outcome&)> ended) {
+  if (Outcome good = check_period(period); !good) return good;
   const auto numbers = find_by_bench(*core_, axes);
   if (!numbers) return numbers.outcome();
   std::unique_ptr<StatusReports::State, StatusReports::End> state(new StatusReports::State(core_));

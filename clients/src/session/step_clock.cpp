@@ -15,6 +15,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::nanoseconds;
 
+static_assert(StepClock::kMostSteppers == msg::MAX_STEPPERS);
+
 // All benches step at most this far before one waits for the others.
 constexpr std::uint64_t kTicksPerRound = 2000;
 
@@ -48,7 +50,7 @@ struct StepClock::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  Outcome add(std::uint32_t bench);
+  Outcome add(std::uint32_t bench, std::uint32_t steppers);
   void begin_step();
   [[nodiscard]] std::uint64_t reached_by(const Member& member) const;
   [[nodiscard]] std::string late_members() const;
@@ -58,7 +60,7 @@ struct StepClock::State {
 };
 
 /// Joins the clock of the bench.
-Outcome StepClock::State::add(std::uint32_t bench) {
+Outcome StepClock::State::add(std::uint32_t bench, std::uint32_t steppers) {
   const auto target = core->links.connect(bench);
   if (!target) return target.outcome();
   if (!target->steps()) {
@@ -67,7 +69,7 @@ Outcome StepClock::State::add(std::uint32_t bench) {
                                 std::string(to_string(target->clock_mode)) +
                                 ", a common clock needs lockstep");
   }
-  const auto tick = core->clocks.join(*target);
+  const auto tick = core->clocks.join(*target, steppers);
   if (!tick) return tick.outcome();
   members.push_back({.target = *target});
   return {};
@@ -173,11 +175,12 @@ StepClock& StepClock::operator=(StepClock&&) noexcept = default;
 
 StepClock::~StepClock() = default;
 
-Result<StepClock> StepClock::join(Session& session, std::span<const std::uint32_t> benches) {
+Result<StepClock> StepClock::join(Session& session, std::span<const std::uint32_t> benches,
+                                  std::uint32_t steppers) {
   if (benches.empty()) return Outcome::not_found("a common clock needs a bench");
   StepClock clock(std::make_unique<State>(session.core_));
   for (const std::uint32_t bench : benches) {
-    if (Outcome added = clock.state_->add(bench); !added) return added;
+    if (Outcome added = clock.state_->add(bench, steppers); !added) return added;
   }
   return clock;
 }

@@ -13,14 +13,16 @@
 namespace vdrive::client {
 namespace {
 
-// Events that wait for the program; of more the oldest are dropped.
-constexpr std::size_t kMostWaiting = 4'096;
+// Events that wait for the program; of more the oldest are dropped. There is room for all that a
+// bench keeps.
+constexpr std::size_t kMostWaiting = kEventKinds.size() * EventFilter::kRemembered + 4'096;
 
 // The first sample of a bench, which has its tick, may come after its first event.
 constexpr std::chrono::milliseconds kMeetPeriod{5};
 
 Event event_of(const msg::Event& message) {
   return {.bench = message.bench(),
+          .incarnation = message.incarnation(),
           .axis = message.axis(),
           .kind = static_cast<EventKind>(message.kind()),
           .tick = message.tick(),

@@ -13,9 +13,6 @@ namespace {
 
 using Clock = Discovery::Clock;
 
-// A period of 0 would keep a processor busy.
-constexpr std::chrono::milliseconds kShortestPeriod{1};
-
 bool shows_the_same(const AxisSnapshot& one, const AxisSnapshot& other) {
   return one.id == other.id && one.owner_session == other.owner_session &&
          one.owner_epoch == other.owner_epoch && one.last_sequence == other.last_sequence &&
@@ -117,7 +114,7 @@ void StatusWatcher::watch(ReportThread& thread,
     bench.axes = numbers;
   }
   thread.start(
-      [this, watch = Watch{.period = std::max(period, kShortestPeriod),
+      [this, watch = Watch{.period = period,
                            .report = std::move(report),
                            .ended = std::move(ended),
                            .benches = std::move(benches)}](const std::stop_token& stop) mutable {

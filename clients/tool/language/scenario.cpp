@@ -113,9 +113,15 @@ class ScenarioReader {
     return !is_too_large_ && !mistakes_.is_full();
   }
 
-  /// @throws UsageError with each mistake.
+  /// What was lost on its way here must not pass.
+  /// @throws UsageError with each mistake, and for a file that tests nothing.
   Scenario finish() && {
     mistakes_.throw_if_any();
+    if (std::ranges::all_of(scenario_.lines, &ScenarioLine::is_final)) {
+      throw UsageError(escaped(scenario_.file, kShownOfMessage) +
+                       ": has no line that tests anything: write at least one command" +
+                       (scenario_.lines.empty() ? "" : " above finally"));
+    }
     scenario_.variables = variables_.names();
     return std::move(scenario_);
   }

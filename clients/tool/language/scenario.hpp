@@ -48,7 +48,8 @@ enum class Mistake : std::uint8_t {
 /// @param file its name, for messages
 /// @param settings values of variables, from settings_of()
 /// @throws UsageError with a line for each mistake, starting with file:line, also beyond the limits
-///         of line and file.
+///         of line and file; and for a file that has
+///         no command, or none above finally.
 [[nodiscard]] Scenario parse_scenario(CommandTable commands, std::istream& input,
                                       const std::string& file,
                                       const Variables::Values& settings = {});

@@ -6,6 +6,7 @@
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
@@ -27,7 +28,8 @@ using Clock = std::chrono::steady_clock;
 // What a bench keeps arrives in one go, once the reader is matched; nothing marks its end.
 constexpr std::chrono::milliseconds kQuiet{500};
 constexpr std::chrono::seconds kLongest{5};
-constexpr std::chrono::milliseconds kPeriod{50};  // an interrupt rings no bell of the queue
+constexpr std::chrono::seconds kLongestOfFollower{1};  // who waits for what comes after it
+constexpr std::chrono::milliseconds kPeriod{50};       // an interrupt rings no bell of the queue
 
 /// Hands events over from the thread of the session.
 class EventQueue {
@@ -137,7 +139,8 @@ void print(const Event& event, bool is_json, const SessionNameOf& name_of, Termi
   terminal.print(color ? colored(terminal, *color, text) : text);
 }
 
-/// Hands over what the benches keep, and with `follow` what comes after it, while `goes_on` holds.
+/// Hands over what the benches keep, by tick, and with `follow` what comes after it, while
+/// `goes_on` holds.
 void take_events(client::Session& session, bool follow, const std::function<bool()>& goes_on,
                  const std::function<void(const Event&)>& take) {
   EventQueue queue;
@@ -146,17 +149,22 @@ void take_events(client::Session& session, bool follow, const std::function<bool
         queue.push(event);
       },
       client::EventHistory::kept);
+  // The network orders the events of a kind only.
+  std::vector<Event> kept;
   const auto begin = Clock::now();
   auto last = begin;
-  while (goes_on()) {
-    if (const auto event = queue.next(kPeriod)) {
-      take(*event);
-      last = Clock::now();  // to take it may have lasted
-      // A bench on which something happens all the time is never quiet.
-      if (!follow && last - begin > kLongest) break;
-    } else if (!follow && Clock::now() - last > kQuiet) {
-      break;
+  // A bench on which something happens all the time is never quiet.
+  const auto end = begin + (follow ? kLongestOfFollower : kLongest);
+  while (goes_on() && last < end && Clock::now() - last <= kQuiet) {
+    if (auto event = queue.next(kPeriod)) {
+      kept.push_back(*std::move(event));
+      last = Clock::now();
     }
+  }
+  std::ranges::stable_sort(kept, {}, &Event::tick);
+  std::ranges::for_each(kept, take);
+  while (follow && goes_on()) {
+    if (const auto event = queue.next(kPeriod)) take(*event);
   }
   session.on_event(nullptr);
 }

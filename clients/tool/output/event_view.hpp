@@ -26,8 +26,7 @@ client::Outcome show_events(client::Session& session, const EventChoice& choice,
 
 /// Waits until nothing has come for half a second: nothing marks the end of what the benches keep.
 /// Replaces the observer of Session::on_event.
-/// @return the events that all benches keep, of each bench in their order; fewer after an
-/// interrupt.
+/// @return the events that all benches keep, by tick; fewer after an interrupt.
 [[nodiscard]] std::vector<client::Event> kept_events(client::Session& session);
 
 /// @return the tick of the newest event of this fault, none where the bench does not keep it.

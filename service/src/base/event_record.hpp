@@ -26,6 +26,15 @@ struct LostAxes {
   friend bool operator==(const LostAxes&, const LostAxes&) = default;
 };
 
+/// Ticks that ended too late.
+struct Overruns {
+  std::uint64_t count = 0;
+  std::chrono::microseconds worst{0};
+  std::chrono::milliseconds span{0};  ///< from the first of them on
+
+  friend bool operator==(const Overruns&, const Overruns&) = default;
+};
+
 /// A number that names something: a snapshot, an incarnation.
 struct Label {
   std::uint64_t value = 0;
@@ -103,7 +112,7 @@ struct WireLoss {
 /// | refused | RefusedMessage |
 /// | set-point ignored, control changed, tick jumped, queue overflow | Count |
 /// | master lost | LostAxes |
-/// | tick overrun | how late it ended |
+/// | tick overrun | Overruns |
 /// | wall clock | how far the wall clock is ahead of drive time |
 /// | clock changed | NewRate, or why a stepper left: Parting |
 /// | snapshot, bench conflict | Label |
@@ -113,7 +122,7 @@ struct WireLoss {
 /// | wire | WireLoss, or the time without one, or until the next one |
 /// | any other | nothing |
 using EventDetail =
-    std::variant<std::monostate, Count, LostAxes, Label, RefusedMessage, NewRate, Parting,
+    std::variant<std::monostate, Count, LostAxes, Overruns, Label, RefusedMessage, NewRate, Parting,
                  SystemError, StoredProblem, WireLoss, std::chrono::microseconds>;
 
 /// Something to report, before it becomes text.

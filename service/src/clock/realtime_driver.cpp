@@ -67,8 +67,12 @@ void RealtimeDriver::tick() noexcept {
   engine_.step();
   if (engine_.tick() % status_every_ == 0) engine_.queue_status();
   follow_wall_clock();
-  const auto late = timer_.monotonic_now() - clock_->deadline();
-  if (late > std::chrono::nanoseconds::zero()) engine_.report_overrun(late);
+  const auto end = timer_.monotonic_now();
+  const auto late = end - clock_->deadline();
+  if (late > std::chrono::nanoseconds::zero()) counters_.overruns.add();
+  if (const auto overruns = overruns_.note(end, late)) {
+    engine_.report({.kind = msg::EVENT_TICK_OVERRUN, .detail = *overruns});
+  }
 }
 
 void RealtimeDriver::follow_wall_clock() noexcept {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "clock/cycle_timer.hpp"
+#include "clock/overrun_tally.hpp"
 #include "clock/tick_clock.hpp"
 #include "engine/bench_engine.hpp"
 #include "seam/queues.hpp"
@@ -51,6 +52,7 @@ class RealtimeDriver {
   WallStepPolicy wall_step_policy_;
   double rate_;
   std::optional<TickClock> clock_;  ///< nothing = paused
+  OverrunTally overruns_;
   std::chrono::nanoseconds next_repeat_{0};
   std::atomic<std::int64_t> next_cycle_{0};
 };

@@ -63,6 +63,7 @@ void check(const Configuration& configuration) {
   if (configuration.rate != 0.0) {
     check_range("rate", configuration.rate, kLowestRate, kHighestRate, ", or 0 = paused");
   }
+  check_range("steppers", configuration.steppers, 0, kMaxSteppers, "");
   check_range("threads", configuration.threads, 1, kMaxThreads, "");
   check_range("domain", configuration.network.domain, 0, wire::kHighestDomain, "");
   check_range("status.every_ticks", configuration.status_every, 1, kMaxStatusEvery, " ticks");
@@ -77,6 +78,19 @@ void check(const Configuration& configuration) {
                 static_cast<double>(kShortestWatchdog.count()),
                 static_cast<double>(kLongestWatchdog.count()), " ms");
   }
+}
+
+std::optional<std::string> problem_of_clock(std::string_view key,
+                                            const Configuration& configuration) {
+  const ClockMode mode = configuration.clock;
+  const bool awaits = key == "steppers" && configuration.steppers != 0;
+  const bool is_unfit =
+      (key == "rate" && mode != ClockMode::realtime) || (awaits && mode != ClockMode::lockstep);
+  if (!is_unfit) return std::nullopt;
+  const std::string_view how = mode == ClockMode::lockstep  ? "as programs step it"
+                               : mode == ClockMode::freerun ? "as fast as possible"
+                                                            : "by the wall clock";
+  return std::string(to_string(mode)) + ", which runs " + std::string(how);
 }
 
 std::string_view to_string(WireForm form) noexcept {

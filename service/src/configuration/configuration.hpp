@@ -28,6 +28,7 @@ inline constexpr std::size_t kMaxAxes = 16'384;
 inline constexpr std::size_t kAxisNumbers = 65'536;
 inline constexpr std::size_t kMaxNameLength = 64;
 inline constexpr std::uint32_t kMaxThreads = 64;
+inline constexpr std::uint32_t kMaxSteppers = 64;
 inline constexpr std::uint32_t kMaxStatusEvery = 10'000;
 inline constexpr double kLowestRate = 0.1;
 inline constexpr double kHighestRate = 100.0;
@@ -62,7 +63,10 @@ struct Configuration {
   ClockMode clock = ClockMode::realtime;
   WallStepPolicy clock_step = WallStepPolicy::steer;  ///< realtime
   std::chrono::microseconds period{1'000};            ///< kShortestPeriod to kLongestPeriod
-  double rate = 1.0;               ///< realtime: 0 = paused, or kLowestRate to kHighestRate
+  double rate = 1.0;  ///< realtime: 0 = paused, or kLowestRate to kHighestRate
+  /// lock-step: time stands until so many programs have joined the clock, 0 to kMaxSteppers; 0 =
+  /// none is awaited
+  std::uint32_t steppers = 0;
   std::uint32_t threads = 1;       ///< that step the bank
   int realtime_priority = 0;       ///< SCHED_FIFO of the tick thread, 0 = none
   std::uint32_t status_every = 1;  ///< one status frame each n ticks
@@ -87,6 +91,12 @@ struct Configuration {
 /// Of every configuration, once flags and options have changed it.
 /// @throws ConfigurationError when a value is outside the limits above.
 void check(const Configuration& configuration);
+
+/// @param key of the section `clock`
+/// @return which mode has no use for the key, such as "lockstep, which runs as programs step it";
+///         nothing where it has.
+[[nodiscard]] std::optional<std::string> problem_of_clock(std::string_view key,
+                                                          const Configuration& configuration);
 
 /// @return the watchdog in effect; nothing = off.
 [[nodiscard]] std::optional<std::chrono::milliseconds> effective_watchdog(

@@ -45,12 +45,11 @@ ClockMode checked_mode(const YamlValue& value) {
                     to_string(ClockMode::freerun)}));
 }
 
-/// Here and not in the row of the rate: the mode may stand below it.
-void refuse_rate_in_freerun(const YamlValue& clock, const Configuration& configuration) {
-  if (configuration.clock != ClockMode::freerun) return;
-  clock.for_each_entry({}, [](const std::string& key, const YamlValue& value) {
-    if (key == "rate") {
-      value.refuse("cannot be used with clock.mode freerun, which runs as fast as possible");
+/// Here and not in the rows of the keys: the mode may stand below them.
+void refuse_keys_of_other_modes(const YamlValue& clock, const Configuration& configuration) {
+  clock.for_each_entry({}, [&](const std::string& key, const YamlValue& value) {
+    if (const auto problem = problem_of_clock(key, configuration)) {
+      value.refuse("cannot be used with clock.mode " + *problem);
     }
   });
 }
@@ -238,7 +237,9 @@ constexpr auto kClockRows = std::to_array<ConfigurationRow<Configuration>>({
            out << c.period.count();
          }},
     {.key = "rate",
-     .what = "realtime: drive time over wall time, 0 (paused) or 0.1 to 100. Refused with freerun.",
+     .what =
+         "realtime: drive time over wall time, 0 (paused) or 0.1 to 100. Refused with the other "
+         "modes.",
      .read =
          [](const YamlValue& value, Configuration& c) {
            c.rate = checked_rate(value);
@@ -249,8 +250,12 @@ constexpr auto kClockRows = std::to_array<ConfigurationRow<Configuration>>({
          },
      .is_printed =
          [](const Configuration& c) {
-           return c.clock != ClockMode::freerun;
+           return c.clock == ClockMode::realtime;
          }},
+    integer_row<Configuration, &Configuration::steppers>(
+        "steppers", {0, kMaxSteppers, ""},
+        "lockstep: time begins to pass once so many programs have joined the clock, {}; 0: it "
+        "waits for none."),
     {.key = "clock_step",
      .what = "realtime at rate 1, after a change of the wall clock: steer (slowly, by 500 ppm) or "
              "jump (at once, forward only).",
@@ -409,7 +414,7 @@ constexpr auto kRootRows = std::to_array<ConfigurationRow<ParsedConfiguration>>(
      .read =
          [](const YamlValue& value, ParsedConfiguration& c) {
            read_section<Configuration>(value, kClockRows, c.configuration);
-           refuse_rate_in_freerun(value, c.configuration);
+           refuse_keys_of_other_modes(value, c.configuration);
          },
      .write =
          [](YAML::Emitter& out, const ParsedConfiguration& c) {

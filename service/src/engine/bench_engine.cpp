@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/bench_engine.hpp"
 
-#include <algorithm>
-
 namespace vdrive::service {
 
 BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity& identity,
                          Outbox& outbox, Counters& counters)
     : outbox_(outbox),
-      counters_(counters),
       clock_(configuration, counters),
       events_(clock_, outbox.events, counters),
       axes_(configuration),
@@ -17,7 +14,7 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
       writer_(axes_, schedule_),
       brake_(axes_, schedule_, events_),
       masters_(axes_, clock_, schedule_, events_, counters),
-      master_watch_(configuration, clock_, masters_, counters_),
+      master_watch_(configuration, clock_, masters_, counters),
       application_(axes_, writer_, masters_, frame_answers_, events_, counters),
       frames_(clock_, brake_, masters_, schedule_, frame_answers_, application_, counters),
       axis_events_(axes_, masters_, schedule_, events_, counters),
@@ -30,7 +27,8 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
           clock_, master_watch_, brake_,
           {.axes = axis_requests_, .masters = masters_, .stores = stores_, .snapshots = snapshots_},
           request_answers_, events_),
-      step_requests_(clock_, frames_, masters_, requests_, request_answers_, events_, counters) {}
+      step_requests_(configuration, clock_, frames_, masters_, requests_, request_answers_, events_,
+                     counters) {}
 
 bool BenchEngine::can_answer() const noexcept {
   const auto& frames = outbox_.command_replies;
@@ -62,13 +60,6 @@ void BenchEngine::jump(std::uint64_t ticks) {
   clock_.jump(ticks);
   master_watch_.skip(ticks);
   events_.report({.kind = msg::EVENT_TICK_JUMPED, .detail = Count{ticks}});
-}
-
-void BenchEngine::report_overrun(std::chrono::nanoseconds late) {
-  counters_.overruns.add();
-  events_.report({.kind = msg::EVENT_TICK_OVERRUN,
-                  .detail = std::chrono::floor<std::chrono::microseconds>(
-                      std::max(late, std::chrono::nanoseconds::zero()))});
 }
 
 }  // namespace vdrive::service

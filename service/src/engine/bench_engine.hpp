@@ -27,7 +27,6 @@
 #include "seam/queues.hpp"
 #include "store/parameter_saver.hpp"
 
-#include <chrono>
 #include <cstdint>
 
 namespace vdrive::service {
@@ -97,9 +96,6 @@ class BenchEngine {
   /// master.
   void jump(std::uint64_t ticks);
 
-  /// A tick took longer than its period.
-  void report_overrun(std::chrono::nanoseconds late);
-
   /// Puts the event into the outbox, with the present tick.
   void report(EventRecord event) { events_.report(event); }
 
@@ -118,7 +114,6 @@ class BenchEngine {
  private:
   // In the order of construction: each knows only what stands above it.
   Outbox& outbox_;
-  Counters& counters_;
   BenchClock clock_;
   BenchEvents events_;
   BenchAxes axes_;

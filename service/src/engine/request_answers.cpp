@@ -50,6 +50,8 @@ void RequestAnswers::begin(const Arrival& arrival, OutgoingReply& outgoing) cons
   outgoing.axes.clear();
 }
 
+/// An entry of 1003h beyond the last fault is no refusal: programs that read all objects learn from
+/// it where the list ends.
 void RequestAnswers::finish(std::uint64_t session, Reason reason, msg::Reply& reply) {
   reply.reason(reason.code());
   const SessionRecord* const record = session == 0 ? nullptr : masters_.find(session);
@@ -59,6 +61,7 @@ void RequestAnswers::finish(std::uint64_t session, Reason reason, msg::Reply& re
   std::uint16_t axis = reply.refused_axis();
   std::uint32_t code = reason.code();  // of the request, or of its first object that is refused
   for (const auto& object : reply.objects()) {
+    if (object.abort_code() == wire_code(AbortCode::no_data_available)) continue;
     if (code == msg::REASON_NONE && object.abort_code() != msg::REASON_NONE) {
       code = object.abort_code();
       axis = object.axis();

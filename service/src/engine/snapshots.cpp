@@ -22,7 +22,7 @@ Snapshots::Snapshots(BenchAxes& axes, const BenchClock& clock, const Masters& ma
 
 Reason Snapshots::take(const msg::Request& request, msg::Reply& reply) {
   if (!clock_.time_stands()) return msg::REASON_TIME_PASSES;
-  if (kept_.size() == kMost) return msg::REASON_QUEUE_FULL;
+  if (kept_.size() == kMost) return msg::REASON_TOO_MANY_SNAPSHOTS;
   kept_.push_back({.number = ++last_number_,
                    .tick = clock_.tick(),
                    .state = std::make_shared<const AxisBank::Snapshot>(axes_.bank().snapshot())});

@@ -23,7 +23,7 @@ namespace vdrive::service {
 class Snapshots {
  public:
   /// Each holds the state of all axes: a client that never drops one has an end.
-  static constexpr std::size_t kMost = 16;
+  static constexpr std::size_t kMost = msg::MAX_SNAPSHOTS;
 
   Snapshots(BenchAxes& axes, const BenchClock& clock, const Masters& masters,
             FrameSchedule& schedule, BenchOutput& output, BenchEvents& events, Counters& counters);

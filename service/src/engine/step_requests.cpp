@@ -8,16 +8,19 @@
 
 namespace vdrive::service {
 
-StepRequests::StepRequests(const BenchClock& clock, const CommandFrames& frames, Masters& masters,
-                           Requests& requests, RequestAnswers& answers, BenchEvents& events,
-                           Counters& counters)
+static_assert(kMaxSteppers == msg::MAX_STEPPERS, "the wire promises it");
+
+StepRequests::StepRequests(const Configuration& configuration, const BenchClock& clock,
+                           const CommandFrames& frames, Masters& masters, Requests& requests,
+                           RequestAnswers& answers, BenchEvents& events, Counters& counters)
     : clock_(clock),
       frames_(frames),
       masters_(masters),
       requests_(requests),
       answers_(answers),
       events_(events),
-      counters_(counters) {}
+      counters_(counters),
+      steppers_(configuration.steppers) {}
 
 bool StepRequests::is_for(const Arrival& arrival) noexcept {
   if (arrival.kind != Arrival::Kind::request) return false;
@@ -56,7 +59,7 @@ Reason StepRequests::check(const Arrival& arrival) const {
 
 /// A step of no ticks only observes: beside steppers every session may request it.
 Reason StepRequests::keep(Arrival& arrival, Time now) {
-  const bool is_alone = steppers_.empty();
+  const bool is_alone = steppers_.is_open();
   const bool is_stepper = steppers_.find(arrival.request.session()) != nullptr;
   if (!is_alone && !is_stepper && arrival.request.ticks() > 0) return msg::REASON_NOT_A_STEPPER;
   if (waiting_.size() == kMostWaiting) return msg::REASON_QUEUE_FULL;
@@ -70,7 +73,11 @@ Reason StepRequests::join(const Arrival& arrival, Time now) {
   const std::uint64_t session = arrival.request.session();
   if (session == 0) return msg::REASON_BAD_SESSION;
   if (steppers_.find(session) != nullptr) return msg::REASON_NONE;
-  if (!steppers_.join(session, arrival.source, clock_.tick(), now)) return msg::REASON_QUEUE_FULL;
+  const std::uint64_t awaited = arrival.request.ticks();
+  if (awaited > kMaxSteppers ||
+      !steppers_.join(session, arrival.source, clock_.tick(), now, awaited)) {
+    return msg::REASON_TOO_MANY_STEPPERS;
+  }
   events_.report(
       {.kind = msg::EVENT_CLOCK_CHANGED, .session = session, .code = msg::REQUEST_JOIN_CLOCK});
   show_steppers();
@@ -99,7 +106,7 @@ std::uint64_t StepRequests::ticks_to_run(Time now) {
   const std::uint64_t tick = clock_.tick();
   const Stepper* const slowest = steppers_.slowest();
   std::uint64_t limit = tick;
-  if (slowest != nullptr) limit = slowest->granted;
+  if (slowest != nullptr && steppers_.is_complete()) limit = slowest->granted;
   if (holds_requests_back() && waiting_.back().is_granted) limit = waiting_.back().aim;
   for (const WaitingStep& waiting : waiting_) {
     if (waiting.is_granted && waiting.aim > tick) limit = std::min(limit, waiting.aim);
@@ -170,7 +177,8 @@ bool StepRequests::answer_if_due(const WaitingStep& waiting, Time now) {
   if (!is_late) return false;
   const Stepper* const slowest = steppers_.slowest();
   ensure(slowest != nullptr, "a step that waits for time has a stepper");
-  answer(waiting.arrival, msg::REASON_MISSING_STEPPER, slowest->session);
+  answer(waiting.arrival, msg::REASON_MISSING_STEPPER,
+         steppers_.is_complete() ? slowest->session : 0);
   return true;
 }
 
@@ -215,7 +223,8 @@ void StepRequests::remove_absent(Time now,
 void StepRequests::show_steppers() {
   const Stepper* const slowest = steppers_.slowest();
   counters_.steppers.set(steppers_.size());
-  counters_.slowest_stepper.set(slowest == nullptr ? 0 : slowest->session);
+  const bool is_waited_for = slowest != nullptr && steppers_.is_complete();
+  counters_.slowest_stepper.set(is_waited_for ? slowest->session : 0);
 }
 
 }  // namespace vdrive::service

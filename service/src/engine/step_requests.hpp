@@ -3,6 +3,7 @@
 
 #include "base/counters.hpp"
 #include "base/reason.hpp"
+#include "configuration/configuration.hpp"
 #include "engine/bench_clock.hpp"
 #include "engine/bench_events.hpp"
 #include "engine/command_frames.hpp"
@@ -34,8 +35,8 @@ enum class ReaderState : std::uint8_t {
 ///
 /// While no session has joined the clock, a step waits for the command frames that were sent before
 /// it, and then lets its ticks pass; requests that came after it act after it. With steppers, time
-/// passes as far as all of them grant it, and a step is answered in the tick that its session waits
-/// for; other requests are carried out meanwhile.
+/// passes as far as all of them grant it, once as many have joined as are awaited, and a step is
+/// answered in the tick that its session waits for; other requests are carried out meanwhile.
 ///
 /// Wall time is an argument. Not thread-safe.
 class StepRequests {
@@ -52,9 +53,9 @@ class StepRequests {
 
   static constexpr std::size_t kMostWaiting = 1'024;
 
-  StepRequests(const BenchClock& clock, const CommandFrames& frames, Masters& masters,
-               Requests& requests, RequestAnswers& answers, BenchEvents& events,
-               Counters& counters);
+  StepRequests(const Configuration& configuration, const BenchClock& clock,
+               const CommandFrames& frames, Masters& masters, Requests& requests,
+               RequestAnswers& answers, BenchEvents& events, Counters& counters);
 
   /// @return whether the arrival is a request of these kinds.
   [[nodiscard]] static bool is_for(const Arrival& arrival) noexcept;

@@ -6,10 +6,16 @@
 namespace vdrive::service {
 
 bool StepperTable::join(std::uint64_t session, const wire::Source& source, std::uint64_t tick,
-                        Time now) {
+                        Time now, std::size_t awaited) {
   if (find(session) != nullptr) return true;
   if (steppers_.size() == kMaxSteppers) return false;
   steppers_.push_back({.session = session, .source = source, .granted = tick, .last_message = now});
+  awaited_ = std::max(awaited_, awaited);
+  if (steppers_.size() >= awaited_) {
+    is_complete_ = true;
+  } else if (awaited > steppers_.size()) {
+    is_complete_ = false;
+  }
   note_waits(now);
   return true;
 }
@@ -18,6 +24,10 @@ bool StepperTable::leave(std::uint64_t session, Time now) {
   const auto left = std::erase_if(steppers_, [&](const Stepper& stepper) {
     return stepper.session == session;
   });
+  if (steppers_.empty()) {
+    awaited_ = always_awaited_;
+    is_complete_ = false;
+  }
   note_waits(now);
   return left != 0;
 }
@@ -52,7 +62,7 @@ const Stepper* StepperTable::silent(Time now) const noexcept {
 void StepperTable::note_waits(Time now) noexcept {
   const auto farthest = std::ranges::max_element(steppers_, {}, &Stepper::granted);
   for (auto& stepper : steppers_) {
-    const bool is_behind = stepper.granted < farthest->granted;
+    const bool is_behind = is_complete_ && stepper.granted < farthest->granted;
     if (is_behind && !stepper.is_waited_for) stepper.waited_for_since = now;
     stepper.is_waited_for = is_behind;
   }

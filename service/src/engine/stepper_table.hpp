@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/event_record.hpp"
+#include "configuration/configuration.hpp"
 #include "vdrive/wire/source.hpp"
 
 #include <chrono>
@@ -31,15 +32,25 @@ class StepperTable {
  public:
   using Time = Stepper::Time;
 
-  static constexpr std::size_t kMaxSteppers = 64;
-
   /// A stepper is silent when others have waited for it and nothing arrived from it for this long.
   static constexpr std::chrono::seconds kLongestSilence{10};
 
+  /// @param awaited steppers without which time does not begin to pass, 0 to kMaxSteppers
+  explicit StepperTable(std::size_t awaited = 0) noexcept
+      : always_awaited_(awaited), awaited_(awaited) {}
+
   /// Makes the session (not 0) a stepper whose grant is the present tick; a stepper stays as it is.
+  /// @param awaited how many it waits for, 0 to kMaxSteppers: until all have left
   /// @return false when there is no room.
   [[nodiscard]] bool join(std::uint64_t session, const wire::Source& source, std::uint64_t tick,
-                          Time now);
+                          Time now, std::size_t awaited = 0);
+
+  /// @return whether as many have joined as are awaited: from then on time passes, also when some
+  ///         leave. When all have left it waits for them again.
+  [[nodiscard]] bool is_complete() const noexcept { return is_complete_; }
+
+  /// @return whether sessions that have not joined may step.
+  [[nodiscard]] bool is_open() const noexcept { return steppers_.empty() && always_awaited_ == 0; }
 
   /// @return false when the session is no stepper.
   bool leave(std::uint64_t session, Time now);
@@ -70,6 +81,9 @@ class StepperTable {
   void note_waits(Time now) noexcept;
 
   std::vector<Stepper> steppers_;
+  std::size_t always_awaited_;
+  std::size_t awaited_;  ///< by the bench or by one of its steppers
+  bool is_complete_ = false;
 };
 
 }  // namespace vdrive::service

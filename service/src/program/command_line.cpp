@@ -79,6 +79,7 @@ struct Arguments {
   std::optional<std::uint32_t> domain;
   std::optional<std::string> security;
   std::optional<double> rate;
+  std::optional<std::uint32_t> steppers;
   std::optional<std::uint32_t> threads;
   std::optional<std::uint32_t> metrics;
   std::optional<std::string> journal;
@@ -144,6 +145,11 @@ void declare_bench(CLI::App& app, Arguments& arguments) {
                  "realtime: 0 = paused, " + range(kLowestRate, kHighestRate))
       ->transform(CLI::Validator(take_rate, ""))
       ->type_name("R");
+  app.add_option("--steppers", arguments.steppers,
+                 "lockstep: time begins to pass once N programs have joined the clock, " +
+                     range(0, kMaxSteppers) + "; 0 = it waits for none")
+      ->transform(whole_number(0, kMaxSteppers))
+      ->type_name("N");
   app.add_option("--bench", arguments.bench,
                  "Number of the bench, " + range(1, wire::kHighestBench))
       ->transform(whole_number(1, wire::kHighestBench))
@@ -227,10 +233,15 @@ void override(Configuration& configuration, const Arguments& arguments) {
   configuration.bench = arguments.bench.value_or(configuration.bench);
   configuration.network.domain = arguments.domain.value_or(configuration.network.domain);
   configuration.network.security = arguments.security.value_or(configuration.network.security);
-  if (arguments.rate && configuration.clock == ClockMode::freerun) {
-    throw ConfigurationError("--rate cannot be used with the clock freerun");
-  }
   configuration.rate = arguments.rate.value_or(configuration.rate);
+  configuration.steppers = arguments.steppers.value_or(configuration.steppers);
+  const auto refuse_unfit = [&](bool is_given, const std::string& key) {
+    const auto problem = is_given ? problem_of_clock(key, configuration) : std::nullopt;
+    if (problem)
+      throw ConfigurationError("--" + key + " cannot be used with the clock " + *problem);
+  };
+  refuse_unfit(arguments.rate.has_value(), "rate");
+  refuse_unfit(arguments.steppers.has_value(), "steppers");
   configuration.threads = arguments.threads.value_or(configuration.threads);
   configuration.network.guard = !arguments.without_guard;
   if (arguments.wire) configuration.wire_form = wire_form_named(*arguments.wire);

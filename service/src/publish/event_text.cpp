@@ -167,8 +167,12 @@ std::string ignored_text(const EventRecord& event) {
 }
 
 std::string overrun_text(const EventRecord& event) {
-  return "tick ended " + std::to_string(detail_of<std::chrono::microseconds>(event).count()) +
-         " us too late";
+  const auto [count, worst, span] = detail_of<Overruns>(event);
+  const std::string late = std::to_string(worst.count()) + " us too late";
+  if (count == 1) return "tick ended " + late;
+  const std::chrono::duration<double> seconds = span;
+  return std::to_string(count) + " ticks ended up to " + late + " in " + to_text(seconds.count()) +
+         " s";
 }
 
 std::string jump_text(const EventRecord& event) {

@@ -16,13 +16,14 @@ using vdrive::to_string;
 /// Whether Session::on_event begins with what the benches keep.
 enum class EventHistory : std::uint8_t {
   left_out,
-  kept,  ///< the last 1,024 events of each bench come first
+  kept,  ///< the last 1,024 events of each kind of each bench come first, those of a kind in order
 };
 
 /// Something that happened on a bench, see EVENT_... in docs/reference/wire.md.
 struct Event {
   std::uint32_t bench = 0;
-  std::uint16_t axis = 0;  ///< number on the bench; 0 = the bench, or several axes
+  std::uint64_t incarnation = 0;  ///< of the bench: another one is another run of its service
+  std::uint16_t axis = 0;         ///< number on the bench; 0 = the bench, or several axes
   EventKind kind = EventKind::state_changed;
   std::uint64_t tick = 0;
   std::uint64_t session = 0;  ///< 0 = none

@@ -388,7 +388,8 @@ class Session {
   /// @param axes of one bench, in any order; the result has the same order
   Result<Observation> observe(std::span<const AxisId> axes);
 
-  /// @param axes of one bench, none of them twice
+  /// @param axes of one bench
+  /// @return refused when one of them is named twice.
   Result<Follower> follow(std::vector<AxisId> axes, Pace pace);
 
   /// Calls `observer`, in a thread of the session, when a service is found, falls silent, sends
@@ -423,7 +424,7 @@ class Session {
   /// @param period wall time, 1 ms or more
   /// @param observer must not end the session; an empty one ends the reports. It replaces the last.
   /// @param ended called with lost, and its reason, when the reports of a bench have ended
-  /// @return not_found when one of the axes is not there.
+  /// @return not_found when one of the axes is not there; failed for a shorter period.
   Outcome on_status(std::span<const AxisId> axes, std::chrono::milliseconds period,
                     std::function<void(const Observation&)> observer,
                     std::function<void(const Outcome&)> ended = {});

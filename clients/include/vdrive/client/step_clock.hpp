@@ -31,11 +31,20 @@ class StepClock {
   /// Wall time that a step may take.
   static constexpr std::chrono::milliseconds kPatience{10'000};
 
-  /// Joins the clock of each bench.
+  static constexpr std::uint32_t kMostSteppers = 64;  ///< of a bench
+
+  /// Joins the clock of each bench. Without `steppers`, and on a bench that is configured to wait
+  /// for none, the first of several programs steps alone until the next one has joined: its first
+  /// ticks differ from run to run.
   /// @param benches by number, each in lock-step; their periods may differ
+  /// @param steppers 1 to kMostSteppers: time of each bench stands until so many sessions, with
+  /// this one, have
+  ///        joined its clock; then it passes, also when some of them leave. 0 = as the bench is
+  ///        configured. Joining does not wait, the first step does.
   /// @return not_found or refused, naming the bench; then no clock was joined. Refused also where
   ///         this thread has joined the clock of a bench in this process with another session.
-  static Result<StepClock> join(Session& session, std::span<const std::uint32_t> benches);
+  static Result<StepClock> join(Session& session, std::span<const std::uint32_t> benches,
+                                std::uint32_t steppers = 0);
 
   /// Leaves the clock of each bench.
   ~StepClock();
@@ -47,7 +56,8 @@ class StepClock {
   /// Steps all benches at once, and waits for all of them.
   /// @param ticks of each bench; their periods have to be equal
   /// @return the tick that each bench has reached, in the order of `join`;
-  ///         timed_out, naming the benches that have not got there and the session each waits for:
+  ///         timed_out, naming the benches that have not got there and the session each waits for,
+  ///         or that it waits for more steppers:
   ///         what was granted stays granted, and the same call again continues with it;
   ///         timed_out, with nothing granted, when another thread has stepped this clock since;
   ///         lost, naming the bench, when its service fell silent or was restarted: the new one is

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Programs that step one bench together.
+#include "client/session_options.hpp"
+#include "support/effort.hpp"
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string>
+
+namespace vdrive::client {
+namespace {
+
+using test::RunningService;
+
+constexpr std::size_t kPrograms = 3;
+
+/// What each program saw, as a number.
+using Seen = std::array<std::string, kPrograms>;
+
+/// Runs the programs on a bench of their own, one after the other has joined the clock.
+/// @param first the program that is started first
+/// @param is_configured whether the bench awaits the programs, or the programs each other
+Seen seen_in_a_run(std::size_t first, bool is_configured) {
+  const std::string count = std::to_string(kPrograms);
+  const RunningService service(test::patient("--clock lockstep --axes " + count) +
+                               (is_configured ? " --steppers " + count : ""));
+  std::array<std::unique_ptr<test::Process>, kPrograms> programs;
+  for (std::size_t place = 0; place < kPrograms; ++place) {
+    const std::size_t number = (first + place) % kPrograms;
+    programs[number] = std::make_unique<test::Process>(
+        VDRIVE_CO_STEPPER,
+        std::vector<std::string>{std::to_string(test::test_domain()), std::to_string(number + 1),
+                                 count, is_configured ? "0" : count});
+    EXPECT_EQ(programs[number]->read_line(), "joined");
+  }
+  Seen seen;
+  std::ranges::transform(programs, seen.begin(), [](const auto& program) {
+    return program->read_line();
+  });
+  for (const auto& program : programs) EXPECT_EQ(program->wait().code, 0);
+  return seen;
+}
+
+// Without the wait the first program steps alone until the next one has joined.
+TEST(CommonClock, GivesThreeProgramsTheSameBitsInEachRunInWhateverOrderTheyStart) {
+  const int runs = test::number_of<int>({.usual = 3, .full = 200, .nightly = 200});
+  const Seen first = seen_in_a_run(0, false);
+  for (int run = 1; run < runs; ++run) {
+    const auto order = static_cast<std::size_t>(run) % kPrograms;
+    ASSERT_EQ(seen_in_a_run(order, run % 2 == 0), first) << "run " << run;
+  }
+}
+
+}  // namespace
+}  // namespace vdrive::client
