@@ -71,6 +71,9 @@ class BenchNodes final : public Port {
 
   [[nodiscard]] bool is_running() const noexcept { return is_running_; }
 
+  /// @return the drive time that the nodes were told last.
+  [[nodiscard]] DriveTime now() const noexcept { return now_; }
+
   /// The drives after a tick.
   void update(std::span<const client::AxisSnapshot> drives, DriveTime now);
 

@@ -62,9 +62,25 @@ ServedBus::ServedBus(const BridgeParts& shared, const Settings& settings, const 
 ServedBus::~ServedBus() = default;
 
 void ServedBus::open_ports() {
+  // Time that waits for SYNC can wait for whoever reads the answers, too.
+  const bool holds_bus = sync_steps_.has_value();
+  const auto report_as = [this](const std::string& subject) {
+    return [&reports = shared_.reports, subject = label_ + ": " + subject](
+               bridge::Severity severity, const std::string& text) {
+      reports.report(severity, subject, text);
+    };
+  };
   for (const TcpAddress& address : setting_.socketcand) {
-    socketcand_.push_back(std::make_unique<SocketcandServer>(
-        shared_.loop, bus_, SocketcandSettings{.listen = address}));
+    SocketcandSettings server{.listen = address,
+                              .holds_bus = holds_bus,
+                              .report = report_as("socketcand " + address_text(address))};
+    if (sync_steps_) {
+      server.clock = [this] {
+        return drive_time();
+      };
+    }
+    socketcand_.push_back(
+        std::make_unique<SocketcandServer>(shared_.loop, bus_, std::move(server)));
   }
   for (const TcpAddress& address : setting_.gateways) {
     gateways_.push_back(std::make_unique<AsciiGatewayServer>(
@@ -72,12 +88,11 @@ void ServedBus::open_ports() {
         AsciiGatewayServerSettings{.listen = address, .gateway = gateway_settings(number_)}));
   }
   for (const std::string& interface : setting_.interfaces) {
-    const auto report = [&reports = shared_.reports, subject = label_ + ": interface " + interface](
-                            bridge::Severity severity, const std::string& text) {
-      reports.report(severity, subject, text);
-    };
     interfaces_.push_back(std::make_unique<SocketCan>(
-        shared_.loop, bus_, SocketCanSettings{.interface = interface, .report = report}));
+        shared_.loop, bus_,
+        SocketCanSettings{.interface = interface,
+                          .holds_bus = holds_bus,
+                          .report = report_as("interface " + interface)}));
   }
 }
 
@@ -177,6 +192,13 @@ void ServedBus::note_refused_set_points(const client::SetPointRefusal& refusal,
                          "the drive refuses what a PDO brings for " + address_text(refusal.object) +
                              ": " + hex(wire_code(refusal.code), kAbortDigits) + ", " +
                              std::string(vdrive::describe(refusal.code)));
+}
+
+/// Of the bench that is the furthest: they have a clock each, and all pass the same SYNCs.
+std::chrono::microseconds ServedBus::drive_time() const {
+  DriveTime time{};
+  for (const auto& [number, bench] : benches_) time = std::max(time, bench.nodes().now());
+  return time;
 }
 
 // ---- questions -------------------------------------------------------------------------------

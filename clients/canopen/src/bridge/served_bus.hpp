@@ -90,6 +90,7 @@ class ServedBus final {
   [[nodiscard]] std::optional<std::string> add(const client::BenchInfo& info);
   void remove(std::uint32_t bench);
   void leave_out(const client::BenchInfo& info, const std::string& reason);
+  [[nodiscard]] std::chrono::microseconds drive_time() const;
   void report(bridge::Severity severity, std::uint32_t bench, const std::string& text) const;
 
   const BridgeParts shared_;
