@@ -471,6 +471,22 @@ TEST(PowerUp, TakesTheInitialValuesOfTheConfiguration) {
   EXPECT_EQ(axis.read("motor_position_actual_value"), -12345);
 }
 
+TEST(PowerUp, TakesTheIdentityOfTheConfigurationWhichNobodyWrites) {
+  AxisConfiguration configuration;
+  configuration.serial_number = 65537;
+  configuration.parameters = {
+      {{0x1018, 1}, 0xFFFFFFFF}, {{0x1018, 2}, 77}, {{0x1018, 3}, 3}, {{0x1018, 4}, 5}};
+  AxisUnderTest axis(configuration);
+  for (int power_up = 0; power_up < 2; ++power_up) {
+    EXPECT_EQ(axis.read("vendor_id"), 0xFFFFFFFF);
+    EXPECT_EQ(axis.read("product_code"), 77);
+    EXPECT_EQ(axis.read("revision_number"), 3);
+    EXPECT_EQ(axis.read("serial_number"), 5) << "instead of that of the bench";
+    axis.axis().power_cycle();
+  }
+  EXPECT_EQ(axis.try_write("vendor_id", 1), AbortCode::write_of_read_only_object);
+}
+
 TEST(PowerUp, RefusesAnInitialValueByTheAxisWhereThereAreSeveral) {
   const auto refusal_of = [](const std::vector<AxisConfiguration>& axes) {
     try {
