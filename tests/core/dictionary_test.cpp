@@ -141,8 +141,8 @@ std::uint32_t dictionary_check() {
 }
 
 TEST(ObjectTable, HasANewVersionWhenItsRowsChange) {
-  constexpr std::string_view kVersion = "1.3";
-  constexpr std::uint32_t kCheck = 0x57D6FB06;  // of the rows of that version
+  constexpr std::string_view kVersion = "1.4";
+  constexpr std::uint32_t kCheck = 0x9E8F75FC;  // of the rows of that version
   EXPECT_EQ(kDictionaryVersion, kVersion);
   EXPECT_EQ(dictionary_check(), kCheck)
       << "the rows of " << kTable << " have changed: kDictionaryVersion of "
@@ -187,7 +187,7 @@ TEST(ObjectTable, MarksTheCommandObjectsAndTheTestInputs) {
                                                   {0x60B2, 0},
                                                   {0x60C1, 1},
                                                   {0x60FF, 0}}));
-  EXPECT_EQ(test_inputs, 29U);
+  EXPECT_EQ(test_inputs, 30U);
   EXPECT_FALSE(has_role({0x6040, 1}, Role::command)) << "no such object";
 }
 
