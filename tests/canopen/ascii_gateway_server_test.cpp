@@ -157,6 +157,25 @@ TEST(AsciiGatewayServer, AnswersAClientThatHasSentAllBeforeItCloses) {
   EXPECT_EQ(bench.server->counters().clients, 0U);
 }
 
+TEST(AsciiGatewayServer, TakesNoCommandWhileTheBusIsHeld) {
+  GatewayBench bench;
+  const RecordedPort slow(bench.bus);
+  const auto peer = bench.connect();
+  ASSERT_EQ(peer->ask("[1] set node 3\n"), "[1] OK\r\n");
+  bench.bus.hold(slow);
+  peer->send("[2] 3 start\n[3] 3 stop\n");
+  peer->end_sending();
+  while (bench.context.poll() > 0) {
+  }
+  EXPECT_EQ(bench.port.frames, Frames{});
+  bench.bus.release(slow);
+  ASSERT_TRUE(run_until(bench.context, "the end", [&] {
+    return peer->has_ended();
+  }));
+  EXPECT_EQ(peer->received(), "[1] OK\r\n[2] OK\r\n[3] OK\r\n");
+  EXPECT_EQ(bench.port.frames, (Frames{data_frame(0x000, {1, 3}), data_frame(0x000, {2, 3})}));
+}
+
 TEST(AsciiGatewayServer, EndsAnOverdueTransfer) {
   GatewayBench bench;
   const auto peer = bench.connect();

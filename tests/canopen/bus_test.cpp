@@ -50,6 +50,48 @@ TEST(Bus, DeliversAFrameWithoutASenderToAll) {
   EXPECT_EQ(port.frames, Frames{kFirst});
 }
 
+/// A port that counts how often it resumes.
+class ResumingPort final : public Port {
+ public:
+  void deliver(const Frame& /*frame*/) override {}
+
+  void resume() override { ++resumed; }
+
+  int resumed = 0;
+};
+
+TEST(Bus, ResumesAllPortsWhenTheLastOneReleasesIt) {
+  Bus bus;
+  ResumingPort slow;
+  ResumingPort slower;
+  bus.attach(slow);
+  bus.attach(slower);
+  bus.hold(slow);
+  bus.hold(slow);
+  bus.hold(slower);
+  bus.release(slow);
+  EXPECT_TRUE(bus.is_held());
+  EXPECT_EQ(slow.resumed, 0);
+  bus.release(slower);
+  EXPECT_FALSE(bus.is_held());
+  EXPECT_EQ(slow.resumed, 1);
+  EXPECT_EQ(slower.resumed, 1);
+  bus.release(slower);
+  EXPECT_EQ(slow.resumed, 1) << "nobody held it";
+}
+
+TEST(Bus, IsNotHeldByAPortThatIsDetached) {
+  Bus bus;
+  ResumingPort slow;
+  ResumingPort other;
+  bus.attach(slow);
+  bus.attach(other);
+  bus.hold(slow);
+  bus.detach(slow);
+  EXPECT_FALSE(bus.is_held());
+  EXPECT_EQ(other.resumed, 1);
+}
+
 TEST(Bus, CountsFramesWithAndWithoutReceivers) {
   Bus bus;
   bus.send(kFirst, nullptr);

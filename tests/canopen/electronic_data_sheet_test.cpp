@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -137,7 +138,10 @@ class ElectronicDataSheet : public testing::Test {
                        : index + "sub" + hex(address.subindex, 1).substr(2));
   }
 
-  const std::string text_ = electronic_data_sheet({});
+  explicit ElectronicDataSheet(const DataSheetSettings& settings = {})
+      : text_(electronic_data_sheet(settings)) {}
+
+  const std::string text_;
   const Sheet sheet_ = parse_sheet(text_);
 };
 
@@ -175,13 +179,13 @@ TEST_F(ElectronicDataSheet, DescribesItsFile) {
 
 TEST_F(ElectronicDataSheet, DescribesTheDevice) {
   const SheetSection& info = section("DeviceInfo");
-  EXPECT_THAT(info.keys(),
-              ElementsAre("VendorName", "VendorNumber", "ProductName", "ProductNumber",
-                          "RevisionNumber", "OrderCode", "BaudRate_10", "BaudRate_20",
-                          "BaudRate_50", "BaudRate_125", "BaudRate_250", "BaudRate_500",
-                          "BaudRate_800", "BaudRate_1000", "SimpleBootUpMaster",
-                          "SimpleBootUpSlave", "Granularity", "DynamicChannelsSupported",
-                          "GroupMessaging", "NrOfRXPDO", "NrOfTXPDO", "LSS_Supported"));
+  EXPECT_THAT(info.keys(), ElementsAre("VendorName", "VendorNumber", "ProductName", "ProductNumber",
+                                       "RevisionNumber", "OrderCode", "BaudRate_10", "BaudRate_20",
+                                       "BaudRate_50", "BaudRate_125", "BaudRate_250",
+                                       "BaudRate_500", "BaudRate_800", "BaudRate_1000",
+                                       "SimpleBootUpMaster", "SimpleBootUpSlave", "Granularity",
+                                       "DynamicChannelsSupported", "CompactPDO", "GroupMessaging",
+                                       "NrOfRXPDO", "NrOfTXPDO", "LSS_Supported"));
   EXPECT_EQ(info.at("NrOfRXPDO"), "4");
   EXPECT_EQ(info.at("NrOfTXPDO"), "4");
   EXPECT_EQ(info.at("Granularity"), "8") << "PDOs map whole bytes";
@@ -398,6 +402,51 @@ TEST_F(ElectronicDataSheet, HasTheAccessOfCiA306) {
   EXPECT_EQ(section("1008").at("AccessType"), "const");
   EXPECT_EQ(section("1010sub1").at("AccessType"), "rw");
   EXPECT_EQ(section("1600sub0").at("AccessType"), "rw");
+  for (const char* const once : {"60C4sub5", "60C4sub6"}) {
+    EXPECT_EQ(section(once).at("AccessType"), "wo") << "CiA 402-2";
+    EXPECT_EQ(section(once).at("PDOMapping"), "1");
+  }
+}
+
+/// That of node 3, whose drive has other values than the dictionary.
+class DeviceConfigurationFile : public ElectronicDataSheet {
+ protected:
+  static constexpr std::array<DriveValue, 3> kValues{{
+      {.object = {0x1018, 2}, .value = 77},
+      {.object = {0x6065, 0}, .value = 99},
+      {.object = {0x607D, 1}, .value = -5},
+  }};
+
+  DeviceConfigurationFile()
+      : ElectronicDataSheet({.program_version = "1.2.3", .node_id = 3, .values = kValues}) {}
+};
+
+// Readers that do not know $NODEID take it for 0: package canopen of npm.
+TEST_F(DeviceConfigurationFile, HasNumbersForCobIds) {
+  EXPECT_EQ(text_.find('$'), std::string::npos);
+  EXPECT_EQ(section("1400sub1").at("DefaultValue"), "0x00000203");
+  EXPECT_EQ(section("1803sub1").at("DefaultValue"), "0x00000483");
+  EXPECT_EQ(section("1014").at("DefaultValue"), "0x00000083");
+  EXPECT_EQ(section("1200sub2").at("DefaultValue"), "0x00000583");
+  EXPECT_EQ(section("1005").at("DefaultValue"), "0x00000080") << "of no node";
+}
+
+TEST_F(DeviceConfigurationFile, NamesItsNode) {
+  const SheetSection& commissioning = section("DeviceComissioning");
+  EXPECT_THAT(commissioning.keys(),
+              ElementsAre("NodeID", "NodeName", "Baudrate", "NetNumber", "NetworkName",
+                          "CANopenManager", "LSS_SerialNumber"));
+  EXPECT_EQ(commissioning.at("NodeID"), "3");
+}
+
+TEST_F(DeviceConfigurationFile, HasTheValuesOfItsDrive) {
+  EXPECT_EQ(section("6065").at("DefaultValue"), "99");
+  EXPECT_EQ(section("607Dsub1").at("DefaultValue"), "-5");
+  EXPECT_EQ(section("1018sub2").at("DefaultValue"), "0x0000004D");
+  EXPECT_EQ(section("DeviceInfo").at("ProductNumber"), "0x0000004D");
+  EXPECT_EQ(section("100A").at("DefaultValue"), "1.2.3");
+  EXPECT_EQ(section("6066").at("DefaultValue"),
+            std::to_string(find_node_object({0x6066, 0})->default_value));
 }
 
 // 1600h.. and 1A00h..: index, sub-index and length in bits of the objects that they map.

@@ -118,7 +118,7 @@ TEST(Emergency, OfTheCommunicationIsSentAlsoWhileTheDriveRestarts) {
   node.emergency.await_restart(node.drive, 0s);
   node.emergency.set_allowed(true, 0s);
   node.update(1ms);
-  node.emergency.raise(0x8210, 1ms);
+  node.emergency.begin_error(0x8210, 1ms);
   EXPECT_THAT(node.host.take(), SizeIs(1));
 }
 
@@ -176,19 +176,79 @@ TEST(Emergency, IsSentForAnotherFaultInAFault) {
   EXPECT_THAT(node.fault(0x4310, 0x29), ElementsAre("081#1043290802010200"));
 }
 
-TEST(Emergency, OfTheCommunicationSetsItsBitsAndLeavesNoState) {
+TEST(Emergency, OfTheCommunicationSetsItsBitsUntilItIsOver) {
   EmergencyUnderTest node;
   node.update();
-  node.emergency.raise(0x8210, 0s);
+  node.emergency.begin_error(0x8210, 0s);
   EXPECT_THAT(node.host.take(), ElementsAre("081#1082113706010000"));
+  EXPECT_EQ(node.emergency.error_register(), 0x11);
+  EXPECT_THAT(node.update(1s), IsEmpty());
+  node.emergency.end_errors(2s);
+  EXPECT_THAT(node.host.take(), ElementsAre("081#0000003706010000"));
   EXPECT_EQ(node.emergency.error_register(), 0);
-  EXPECT_THAT(node.update(1s), IsEmpty()) << "no error reset";
+  node.emergency.end_errors(3s);
+  EXPECT_THAT(node.host.take(), IsEmpty()) << "it was over";
+}
+
+// CiA 301, 7.2.7.1: the error free state is that without any error.
+TEST(Emergency, OfTheCommunicationIsOverWhenTheLastOneIs) {
+  EmergencyUnderTest node;
+  node.fault(0x2310, 0x03);
+  node.emergency.begin_heartbeat_error(9, 0s);
+  node.emergency.begin_error(0x8210, 0s);
+  node.host.take();
+  node.emergency.end_errors(1s);
+  EXPECT_THAT(node.host.take(), IsEmpty());
+  EXPECT_THAT(node.reset(2s), ElementsAre("081#0000115002010100")) << "a reset is always told";
+  node.emergency.end_heartbeat_error(3s);
+  EXPECT_THAT(node.host.take(), ElementsAre("081#0000005002010100"));
+}
+
+// ---- 1003h
+
+TEST(Emergency, IsInTheHistoryNewestFirstWithoutErrorResets) {
+  EmergencyUnderTest node;
+  node.fault(0x8611, 0x21);
+  node.emergency.begin_error(0x8210, 0s);
+  node.reset();
+  node.emergency.end_errors(0s);
+  node.emergency.begin_heartbeat_error(9, 0s);
+  node.fault(0x8130, 0x11);  // what the drive makes of it
+  EXPECT_THAT(node.emergency.history(), ElementsAre(0x8130, 0x8210, 0x8611));
+  node.emergency.clear_history();
+  EXPECT_THAT(node.emergency.history(), IsEmpty());
+}
+
+TEST(Emergency, LeavesTheNewestEightInTheHistory) {
+  EmergencyUnderTest node;
+  for (std::uint16_t code = 0x8201; code <= 0x8209; ++code) node.emergency.begin_error(code, 0s);
+  EXPECT_THAT(node.emergency.history(),
+              ElementsAre(0x8209, 0x8208, 0x8207, 0x8206, 0x8205, 0x8204, 0x8203, 0x8202));
+}
+
+TEST(Emergency, IsInTheHistoryAlsoWhereItsMessageIsSwitchedOff) {
+  EmergencyUnderTest node;
+  ASSERT_EQ(node.emergency.set_cob_id(0x8000'0081), AbortCode::none);
+  node.fault(0x8611, 0x21);
+  EXPECT_THAT(node.emergency.history(), ElementsAre(0x8611));
+}
+
+TEST(Emergency, HasNoHistoryOnceTheDriveWasSwitchedOff) {
+  EmergencyUnderTest by_master;
+  by_master.fault(0x8611, 0x21);
+  by_master.emergency.await_restart(by_master.drive, 0s);
+  EXPECT_THAT(by_master.emergency.history(), IsEmpty());
+  EmergencyUnderTest by_others;
+  by_others.fault(0x8611, 0x21);
+  by_others.drive.fault_count = 0;
+  by_others.reset();
+  EXPECT_THAT(by_others.emergency.history(), IsEmpty());
 }
 
 TEST(Emergency, OfTheCommunicationShowsAFaultOfTheDriveToo) {
   EmergencyUnderTest node;
   node.fault(0x2310, 0x03);
-  node.emergency.raise(0x8220, 0s);
+  node.emergency.begin_error(0x8220, 0s);
   EXPECT_THAT(node.host.take(), ElementsAre("081#2082130802010100")) << "03h | 11h";
 }
 
@@ -211,7 +271,7 @@ TEST(Emergency, SendsThoseThatTheInhibitTimeHeldBackOneByOneInTheirOrder) {
   node.fault(0x8611, 0x21);
   node.reset(10ms);
   node.fault(0x4310, 0x09, 20ms);
-  node.emergency.raise(0x8210, 30ms);
+  node.emergency.begin_error(0x8210, 30ms);
   EXPECT_THAT(node.advance(50ms), ElementsAre("081#0000005002010100"));
   EXPECT_THAT(node.advance(99ms), IsEmpty());
   EXPECT_THAT(node.advance(100ms), ElementsAre("081#1043090802010200"));
@@ -223,10 +283,10 @@ TEST(Emergency, SendsThoseThatTheInhibitTimeHeldBackOneByOneInTheirOrder) {
 TEST(Emergency, LeavesOutTheOldestOfMoreThanEightThatWait) {
   EmergencyUnderTest node;
   node.emergency.set_inhibit_time(500);
-  node.emergency.raise(0x8210, 0ms);
+  node.emergency.begin_error(0x8210, 0ms);
   EXPECT_THAT(node.advance(0ms), SizeIs(1));
   for (std::uint16_t number = 0; number < 10; ++number) {
-    node.emergency.raise(static_cast<std::uint16_t>(0x8220 + number), 1ms);
+    node.emergency.begin_error(static_cast<std::uint16_t>(0x8220 + number), 1ms);
   }
   EXPECT_EQ(node.emergency.held_back(), 2U);
   const auto first = node.advance(50ms);

@@ -235,6 +235,18 @@ TEST(NodeObjects, MapWritableObjectsToPdosOfBothDirectionsButNotMemoryAndHistory
   EXPECT_EQ(dictionary_object(0x1011, 1).mapping, PdoMapping::none);
 }
 
+TEST(NodeObjects, AreWrittenOnlyWhereCiA402SaysSo) {
+  for (const NodeObject& object : node_objects()) {
+    const bool is_written_only =
+        object.address == ObjectAddress{0x60C4, 5} || object.address == ObjectAddress{0x60C4, 6};
+    EXPECT_EQ(object.access == NodeAccess::write_only, is_written_only)
+        << address_text(object.address);
+    if (!is_written_only) continue;
+    EXPECT_TRUE(allows(object.mapping, PdoDirection::receive));
+    EXPECT_FALSE(allows(object.mapping, PdoDirection::transmit)) << "nobody could read it";
+  }
+}
+
 TEST(NodeObjects, MapNoObjectOfTheNodeItself) {
   for (const NodeObject& object : node_objects()) {
     if (object.owner == ObjectOwner::drive) continue;

@@ -457,6 +457,81 @@ TEST(Node, SendsTheEmergencyOfAPdoThatIsTooShort) {
   EXPECT_EQ(test.node.counters().dropped_pdos, 1U);
 }
 
+/// An error of the communication: what brings it about, and the frame that ends it.
+struct CommunicationError {
+  const char* code;  ///< as it is in frames
+  std::vector<const char*> causes;
+  const char* cure;
+};
+
+class CommunicationErrors : public testing::TestWithParam<CommunicationError> {};
+
+// CiA 301, 7.2.7.1, 7.5.2.2 and 7.5.2.4. The drive itself has no error.
+TEST_P(CommunicationErrors, LastUntilARightFrameComesAndAreIn1001hAnd1003h) {
+  const CommunicationError& error = GetParam();
+  const std::string code = error.code;
+  const auto error_register = [](NodeUnderTest& test) {
+    test.receive("601#4001100000000000");
+    return test.answer({.value = 0});
+  };
+  NodeUnderTest test;
+  test.receive(kStart);
+  for (const char* const cause : error.causes) test.receive(cause);
+  test.advance(10ms);
+  EXPECT_THAT(error_register(test), ElementsAre("581#4F01100011000000"));
+  EXPECT_THAT(test.receive("601#4003100000000000"), ElementsAre("581#4F03100001000000"));
+  EXPECT_THAT(test.receive("601#4003100100000000"), ElementsAre("581#43031001" + code + "0000"));
+  EXPECT_THAT(test.receive("601#4003100200000000"), ElementsAre("581#8003100224000008"));
+  EXPECT_THAT(test.receive(error.cure), ElementsAre("081#0000003706000000"));
+  EXPECT_THAT(error_register(test), ElementsAre("581#4F01100000000000"));
+  EXPECT_THAT(test.receive("601#4003100000000000"), ElementsAre("581#4F03100001000000"))
+      << "the history stays";
+  EXPECT_THAT(test.receive(error.cure), IsEmpty());
+}
+
+TEST_P(CommunicationErrors, AreSignalledWith1001hInByte2) {
+  const CommunicationError& error = GetParam();
+  NodeUnderTest test;
+  test.receive(kStart);
+  std::vector<std::string> frames;
+  for (const char* const cause : error.causes) frames = test.receive(cause);
+  if (frames.empty() || !frames.front().starts_with("081#")) frames = test.advance(10ms);
+  EXPECT_THAT(frames, ElementsAre("081#" + std::string(error.code) + "113706000000"));
+}
+
+TEST_P(CommunicationErrors, EndWhereTheNodeHasNoPdos) {
+  NodeUnderTest test;
+  test.receive(kStart);
+  for (const char* const cause : GetParam().causes) test.receive(cause);
+  test.advance(10ms);
+  EXPECT_THAT(test.receive(kPreOperational), ElementsAre("081#0000003706000000"));
+}
+
+// 1400h:05 = 10 ms in the third one.
+INSTANTIATE_TEST_SUITE_P(
+    Node, CommunicationErrors,
+    testing::Values(CommunicationError{"1082", {"201#0F"}, "201#0600"},
+                    CommunicationError{"2082", {"201#060000"}, "201#0600"},
+                    CommunicationError{"5082", {"601#2B0014050A000000", "201#0600"}, "201#0600"},
+                    CommunicationError{"4082", {"080#01"}, "080#"}),
+    [](const auto& row) {
+      return "Code" + std::string(row.param.code);
+    });
+
+TEST(Node, ClearsTheHistoryOfItselfAndOfTheDriveWith0To1003h) {
+  NodeUnderTest test;
+  test.receive(kStart);
+  test.receive("201#0F");
+  test.receive("601#2F03100000000000");
+  EXPECT_EQ(test.host.accesses.back().object, (ObjectAddress{0x1003, 0}));
+  EXPECT_THAT(test.answer({.abort = AbortCode::refused_local_control}),
+              Contains(StartsWith("581#80")));
+  EXPECT_THAT(test.receive("601#4003100000000000"), ElementsAre("581#4F03100001000000"));
+  test.receive("601#2F03100000000000");
+  EXPECT_THAT(test.answer({}), ElementsAre("581#6003100000000000"));
+  EXPECT_THAT(test.receive("601#4003100000000000"), ElementsAre("581#4F03100000000000"));
+}
+
 // --- SDO to the node's own objects ---
 
 TEST(Node, AnswersItsOwnObjectsByItself) {
@@ -555,7 +630,16 @@ TEST(Node, AnswersAReadOfEachObjectOfItsDictionary) {
                                     hex_digits(object.address.subindex, 2);
     const std::size_t begun = test.host.accesses.size();
     auto answers = test.receive("601#40" + multiplexer + "00000000");
-    const bool is_drives = object.owner == ObjectOwner::drive;
+    if (object.access == NodeAccess::write_only) {
+      EXPECT_EQ(answers, std::vector{"581#80" + multiplexer + "01000106"}) << "write-only";
+      continue;
+    }
+    const bool is_history = object.address.index == 0x1003;
+    if (is_history && object.address.subindex > 0) {
+      EXPECT_EQ(answers, std::vector{"581#80" + multiplexer + "24000008"}) << "it is empty";
+      continue;
+    }
+    const bool is_drives = object.owner == ObjectOwner::drive && !is_history;
     EXPECT_EQ(test.host.accesses.size() - begun, is_drives ? 1U : 0U) << multiplexer;
     if (is_drives) answers = test.answer({.value = 1});
     ASSERT_EQ(answers.size(), 1U) << multiplexer;

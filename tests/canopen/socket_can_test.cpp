@@ -16,6 +16,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <stdexcept>
@@ -147,8 +148,13 @@ class PluggedInterface {
     while (!is_done()) ASSERT_GT(context_.run_one_for(std::chrono::seconds(10)), 0U);
   }
 
+  static constexpr std::uint8_t kMostWaiting = 8;
+
+  [[nodiscard]] const Bus& bus() const { return bus_; }
+
   int write_error = 0;  ///< of each write; 0 = none
-  int read_error = 0;   ///< of the next read
+  int write_attempts = 0;
+  int read_error = 0;  ///< of the next read
   int open_failures = 0;
   std::vector<std::string> lines{};
   RecordedPort master{bus_};
@@ -177,6 +183,8 @@ class PluggedInterface {
 
   SocketCanSettings settings() {
     return {.interface = "can7",
+            .most_waiting_frames = kMostWaiting,
+            .holds_bus = true,
             .reopen_period = std::chrono::milliseconds(1),
             .report =
                 [this](bridge::Severity, const std::string& text) {
@@ -193,6 +201,7 @@ class PluggedInterface {
                           },
                       .write =
                           [this](int socket, const can_frame& frame) {
+                            ++write_attempts;
                             if (write_error != 0) return failed(write_error);
                             return ::write(socket, &frame, sizeof frame);
                           }}};
@@ -222,6 +231,44 @@ TEST(SocketCan, DropsFramesWhileTheInterfaceIsDownAndSendsThoseAfterIt) {
   EXPECT_EQ(can.sent(), std::nullopt);
   EXPECT_THAT(can.lines,
               testing::ElementsAre(testing::StartsWith("is down: frames are dropped"), "is up"));
+}
+
+TEST(SocketCan, HoldsTheBusWhileTheQueueOfTheInterfaceIsFull) {
+  PluggedInterface can;
+  can.write_error = ENOBUFS;
+  for (std::uint8_t frame = 0; frame <= PluggedInterface::kMostWaiting; ++frame) {
+    EXPECT_FALSE(can.bus().is_held());
+    can.master.send(data_frame(0x201, {frame}));
+  }
+  EXPECT_TRUE(can.bus().is_held());
+  can.receive(data_frame(0x080, {}));
+  can.run_until([&can] {
+    return can.write_attempts > 10;
+  });
+  EXPECT_TRUE(can.master.frames.empty()) << "it reads none";
+  can.write_error = 0;
+  can.run_until([&can] {
+    return !can.master.frames.empty();
+  });
+  EXPECT_FALSE(can.bus().is_held());
+  for (std::uint8_t frame = 0; frame <= PluggedInterface::kMostWaiting; ++frame) {
+    EXPECT_EQ(can.sent(), data_frame(0x201, {frame}));
+  }
+  EXPECT_EQ(can.counters().dropped_frames, 0U);
+}
+
+TEST(SocketCan, HoldsNoBusWhenItsInterfaceGoesDown) {
+  PluggedInterface can;
+  can.write_error = ENOBUFS;
+  for (std::uint8_t frame = 0; frame <= PluggedInterface::kMostWaiting; ++frame) {
+    can.master.send(data_frame(0x201, {frame}));
+  }
+  ASSERT_TRUE(can.bus().is_held());
+  can.write_error = ENETDOWN;
+  can.run_until([&can] {
+    return !can.lines.empty();
+  });
+  EXPECT_FALSE(can.bus().is_held());
 }
 
 TEST(SocketCan, IsUpAgainWithTheFirstFrameThatItReceives) {

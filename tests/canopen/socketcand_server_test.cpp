@@ -4,8 +4,10 @@
 #include "canopen/recorded_port.hpp"
 #include "canopen/tcp_peer.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -16,6 +18,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace vdrive::canopen {
 namespace {
@@ -278,6 +281,97 @@ TEST(SocketcandServer, DropsTheOldestFramesOfAClientThatDoesNotRead) {
   EXPECT_GE(bench.server->counters().dropped_frames, 10U);
   EXPECT_EQ(reader->received_bytes(), head + sent * frame);
   EXPECT_EQ(reader->ask("< echo >"), "< echo >");
+}
+
+/// A client that holds the bus: nothing reads what its kernel and the server keep for it.
+struct HeldBus {
+  static constexpr std::size_t kMostWaiting = 64;
+
+  HeldBus() {
+    sleeper.send("< open can0 >< rawmode >");
+    // With the second one it is known to have raw mode, and gets its frames at once.
+    for (std::uint64_t refused = 1; refused <= 2; ++refused) {
+      sleeper.send("< nonsense >");
+      EXPECT_TRUE(bench.wait_for("a refused word", [&] {
+        return bench.server->counters().refused_words == refused;
+      }));
+    }
+    while (!bench.bus.is_held() && sent < 1'000'000) {
+      bench.port.send(data_frame(0x181, {1, 2, 3, 4, 5, 6, 7, 8}));
+      ++sent;
+      bench.context.poll();
+    }
+    EXPECT_TRUE(bench.bus.is_held());
+  }
+
+  std::vector<std::string> reports;
+  SocketcandBench bench{
+      SocketcandSettings{.most_waiting_frames = kMostWaiting,
+                         .holds_bus = true,
+                         .report = [this](bridge::Severity, const std::string& text) {
+                           reports.push_back(text);
+                         }}};
+  std::unique_ptr<TcpPeer> other = bench.connect();
+  TcpPeer sleeper{bench.context, bench.server->address()};
+  std::size_t sent = 0;
+};
+
+TEST(SocketcandServer, ReadsFromNobodyWhileAClientThatDoesNotReadHoldsTheBus) {
+  HeldBus held;
+  held.other->send("< open can0 >< bcmmode >< send 80 0 >< send 81 0 >");
+  ASSERT_TRUE(held.bench.wait_for("a report", [&] {
+    return !held.reports.empty();
+  }));
+  EXPECT_THAT(held.reports.front(), testing::HasSubstr("a client does not read: 65 frames wait"));
+  EXPECT_TRUE(held.bench.port.frames.empty());
+  held.sleeper.read();
+  ASSERT_TRUE(held.bench.wait_for("the frames of the other client", [&] {
+    return held.bench.port.frames.size() == 2;
+  }));
+  ASSERT_TRUE(held.bench.wait_for("all frames",
+                                  [&] {
+                                    return held.sleeper.received_frames() == held.sent + 2;
+                                  }))
+      << held.sleeper.received_frames() << " of " << held.sent + 2;
+  EXPECT_EQ(held.bench.server->counters().dropped_frames, 0U);
+}
+
+TEST(SocketcandServer, DoesNotLetAClientHoldTheBusThatHasGone) {
+  HeldBus held;
+  held.other->send("< open can0 >< bcmmode >< send 80 0 >");
+  held.sleeper.close();
+  EXPECT_TRUE(held.bench.wait_for("the frame of the other client", [&] {
+    return held.bench.port.frames.size() == 1;
+  }));
+  EXPECT_FALSE(held.bench.bus.is_held());
+}
+
+TEST(SocketcandServer, HoldsTheBusBetweenTwoWordsThatCameTogether) {
+  SocketcandBench bench(SocketcandSettings{.most_waiting_frames = 2, .holds_bus = true});
+  const auto reader = bench.connect_raw();
+  const auto sender = bench.connect_raw();
+  std::string words;
+  for (int i = 0; i < 100; ++i) words += "< send 80 0 >";
+  std::size_t most_in_a_turn = 0;
+  sender->send(words);
+  std::size_t before = 0;
+  ASSERT_TRUE(bench.wait_for("all frames", [&] {
+    most_in_a_turn = std::max(most_in_a_turn, bench.port.frames.size() - before);
+    before = bench.port.frames.size();
+    return reader->received_frames() == 100;
+  }));
+  EXPECT_EQ(most_in_a_turn, 3U) << "the third one finds two that wait";
+}
+
+TEST(SocketcandServer, SendsWhatWaitsToAClientThatHasSentAll) {
+  SocketcandBench bench;
+  const auto peer = bench.connect_raw();
+  bench.port.send(data_frame(0x181, {1}));
+  peer->end_sending();
+  ASSERT_TRUE(bench.wait_for("the end", [&] {
+    return peer->has_ended();
+  }));
+  EXPECT_EQ(peer->received_frames(), 1U);
 }
 
 TEST(SocketcandServer, TakesAFloodOfFramesInTheirOrder) {

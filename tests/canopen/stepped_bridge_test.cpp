@@ -10,8 +10,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -93,7 +96,11 @@ TEST(SteppedBridge, TakesEveryWritableObjectOfTheDriveAndRefusesTheOthers) {
                 AbortCode::write_of_read_only_object)
           << name;
     } else if (object.change != Change::memory) {
-      const std::int64_t value = bus.read(1, object.address, object.lower_limit < 0);
+      const bool is_written_only =
+          canopen::find_node_object(object.address)->access == canopen::NodeAccess::write_only;
+      const std::int64_t value = is_written_only
+                                     ? object.default_value
+                                     : bus.read(1, object.address, object.lower_limit < 0);
       EXPECT_EQ(bus.master().download(1, object.address, value, size), AbortCode::none) << name;
     }
   }
@@ -610,6 +617,93 @@ TEST(SteppedBridge, CountsAValueOfAPdoThatTheDriveRefuses) {
     return bus.nodes().counters().refused_set_points == 1;
   }));
   EXPECT_THAT(bus.bridge().counter_lines().front(), HasSubstr(", 1 refused values of PDOs, "));
+}
+
+/// A private bridge with a socketcand server, each SYNC of which lets 1 ms pass.
+canopen::Settings private_settings(std::size_t nodes) {
+  canopen::Settings settings;
+  settings.is_private = true;
+  settings.sync_steps = 1ms;
+  settings.buses.emplace_back(canopen::BusSetting{.socketcand = {{.host = "127.0.0.1", .port = 0}},
+                                                  .benches = {{.axes = nodes}}});
+  complete_settings(settings);
+  return settings;
+}
+
+/// @return of each TPDO of each node, how many frames a client of socketcand got.
+std::map<std::string, std::size_t> tpdos_in(const std::string& received) {
+  constexpr std::string_view kFrame = "< frame ";
+  constexpr std::size_t kDigits = 3;
+  std::map<std::string, std::size_t> counts;
+  for (std::size_t at = received.find(kFrame); at != std::string::npos;
+       at = received.find(kFrame, at + 1)) {
+    const std::string id = received.substr(at + kFrame.size(), kDigits);
+    if (id >= "181" && id < "500") ++counts[id];
+  }
+  return counts;
+}
+
+/// Four TPDOs of each node answer each SYNC, nothing else does.
+void answer_each_sync(canopen::CanopenBridge& bridge, std::size_t nodes) {
+  TestMaster master(bridge.bus(0).bus(), [] {});
+  for (std::size_t node = 1; node <= nodes; ++node) {
+    for (std::uint16_t pdo = 0x1800; pdo < 0x1804; ++pdo) {
+      ASSERT_EQ(master.download(static_cast<std::uint8_t>(node), {pdo, 2}, 1, 1), AbortCode::none);
+    }
+  }
+  master.send_nmt(kStart, 0);
+}
+
+struct Flood {
+  std::size_t nodes;
+  std::size_t syncs;
+};
+
+class FloodOfSyncs : public testing::TestWithParam<Flood> {};
+
+// 4,000 SYNCs ask three nodes for 48,000 TPDOs, and 60 ask 127 nodes for 30,480: more than the
+// 16,384 frames that may wait for a client.
+TEST_P(FloodOfSyncs, LosesNoTpdoOfAMasterThatSendsAllBeforeItReads) {
+  const auto [nodes, syncs] = GetParam();
+  canopen::CanopenBridge bridge(private_settings(nodes));
+  bridge.start();
+  ASSERT_NO_FATAL_FAILURE(answer_each_sync(bridge, nodes));
+  canopen::TcpPeer peer(bridge.loop(), bridge.bus(0).socketcand().value());
+  std::string words = "< open can0 >< rawmode >";
+  for (std::size_t i = 0; i < syncs; ++i) words += "< send 80 0 >";
+  peer.send(words + "< echo >");
+  peer.read();
+  const std::size_t wanted = syncs * nodes * 4;
+  EXPECT_TRUE(canopen::run_until(bridge.loop(), "the answers to all SYNCs", [&] {
+    return peer.received_frames() >= wanted;
+  }));
+  const auto counts = tpdos_in(peer.received());
+  EXPECT_EQ(counts.size(), nodes * 4);
+  for (const auto& [id, count] : counts) EXPECT_EQ(count, syncs) << id;
+  EXPECT_THAT(bridge.counter_lines().front(), HasSubstr(", 0 frames not read in time, "));
+}
+
+INSTANTIATE_TEST_SUITE_P(SteppedBridge, FloodOfSyncs,
+                         testing::Values(Flood{.nodes = 3, .syncs = 4'000},
+                                         Flood{.nodes = 127, .syncs = 60}),
+                         [](const auto& flood) {
+                           return "With" + std::to_string(flood.param.nodes) + "Nodes";
+                         });
+
+// A bench begins with tick 1: SYNC n comes at n ms, when its TPDOs are sampled.
+TEST(SteppedBridge, StampsFramesWithTheTimeOfTheDrives) {
+  canopen::CanopenBridge bridge(private_settings(1));
+  bridge.start();
+  ASSERT_NO_FATAL_FAILURE(answer_each_sync(bridge, 1));
+  canopen::TcpPeer peer(bridge.loop(), bridge.bus(0).socketcand().value());
+  peer.read();
+  peer.send("< open can0 >< rawmode >< send 80 0 >< send 80 0 >< send 80 0 >");
+  EXPECT_TRUE(canopen::run_until(bridge.loop(), "twelve TPDOs", [&] {
+    return peer.received_frames() == 12;
+  }));
+  for (const std::string time : {"0.001000", "0.002000", "0.003000"}) {
+    EXPECT_THAT(peer.received(), HasSubstr("< frame 181 " + time + " "));
+  }
 }
 
 // The master of an SDO has the abort code.

@@ -5,6 +5,7 @@
 #include "bus/tcp_address.hpp"
 #include "support/deadline.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -87,6 +88,9 @@ class TcpPeer final {
 
   [[nodiscard]] std::size_t received_bytes() const { return state_->bytes; }
 
+  /// @return words of socketcand that bring a frame, as far as they are here.
+  [[nodiscard]] std::size_t received_frames() const { return state_->frames; }
+
   [[nodiscard]] std::size_t blocks() const { return state_->blocks.size(); }
 
   [[nodiscard]] bool has_ended() const { return state_->has_ended; }
@@ -103,6 +107,8 @@ class TcpPeer final {
           return;
         }
         self->blocks.emplace_back(self->input.data(), size);
+        // Each begins with a line feed, and nothing else does.
+        self->frames += static_cast<std::size_t>(std::ranges::count(self->blocks.back(), '\n'));
         self->bytes += size;
         self->read();
       });
@@ -112,6 +118,7 @@ class TcpPeer final {
     std::array<char, 65'536> input{};
     std::vector<std::string> blocks;
     std::size_t bytes = 0;
+    std::size_t frames = 0;
     bool has_ended = false;
   };
 

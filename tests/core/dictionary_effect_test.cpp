@@ -520,6 +520,7 @@ const std::set<std::string> kOfOtherModes{"velocity_window",
                                           "habit_statusword_bits",
                                           "habit_homing_by_level",
                                           "habit_clear_target_velocity",
+                                          "habit_homing_ends_at_halt",
                                           "store_all_parameters",
                                           "restore_all_default_parameters"};
 

@@ -141,8 +141,8 @@ std::uint32_t dictionary_check() {
 }
 
 TEST(ObjectTable, HasANewVersionWhenItsRowsChange) {
-  constexpr std::string_view kVersion = "1.3";
-  constexpr std::uint32_t kCheck = 0x57D6FB06;  // of the rows of that version
+  constexpr std::string_view kVersion = "1.4";
+  constexpr std::uint32_t kCheck = 0x9E8F75FC;  // of the rows of that version
   EXPECT_EQ(kDictionaryVersion, kVersion);
   EXPECT_EQ(dictionary_check(), kCheck)
       << "the rows of " << kTable << " have changed: kDictionaryVersion of "
@@ -187,7 +187,7 @@ TEST(ObjectTable, MarksTheCommandObjectsAndTheTestInputs) {
                                                   {0x60B2, 0},
                                                   {0x60C1, 1},
                                                   {0x60FF, 0}}));
-  EXPECT_EQ(test_inputs, 29U);
+  EXPECT_EQ(test_inputs, 30U);
   EXPECT_FALSE(has_role({0x6040, 1}, Role::command)) << "no such object";
 }
 
@@ -469,6 +469,22 @@ TEST(PowerUp, TakesTheInitialValuesOfTheConfiguration) {
   EXPECT_EQ(axis.read("load_position_actual_value"), -12345);
   EXPECT_EQ(axis.read("position_demand_value"), -12345);
   EXPECT_EQ(axis.read("motor_position_actual_value"), -12345);
+}
+
+TEST(PowerUp, TakesTheIdentityOfTheConfigurationWhichNobodyWrites) {
+  AxisConfiguration configuration;
+  configuration.serial_number = 65537;
+  configuration.parameters = {
+      {{0x1018, 1}, 0xFFFFFFFF}, {{0x1018, 2}, 77}, {{0x1018, 3}, 3}, {{0x1018, 4}, 5}};
+  AxisUnderTest axis(configuration);
+  for (int power_up = 0; power_up < 2; ++power_up) {
+    EXPECT_EQ(axis.read("vendor_id"), 0xFFFFFFFF);
+    EXPECT_EQ(axis.read("product_code"), 77);
+    EXPECT_EQ(axis.read("revision_number"), 3);
+    EXPECT_EQ(axis.read("serial_number"), 5) << "instead of that of the bench";
+    axis.axis().power_cycle();
+  }
+  EXPECT_EQ(axis.try_write("vendor_id", 1), AbortCode::write_of_read_only_object);
 }
 
 TEST(PowerUp, RefusesAnInitialValueByTheAxisWhereThereAreSeveral) {

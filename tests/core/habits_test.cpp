@@ -21,12 +21,12 @@ namespace {
 using test::AxisUnderTest;
 using enum PowerState;
 
-constexpr std::array<std::string_view, 14> kHabits{
-    "habit_acknowledge_at_enabling", "habit_stream_release_bits",  "habit_short_quick_stop",
-    "habit_transition_16",           "habit_mode_change_refusal",  "habit_controlword_loop",
-    "habit_power_on_time",           "habit_mode_display_delay",   "habit_fault_reset_delay",
-    "habit_stream_target_bit",       "habit_plan_from_rest",       "habit_statusword_bits",
-    "habit_homing_by_level",         "habit_clear_target_velocity"};
+constexpr std::array<std::string_view, 15> kHabits{
+    "habit_acknowledge_at_enabling", "habit_stream_release_bits",   "habit_short_quick_stop",
+    "habit_transition_16",           "habit_mode_change_refusal",   "habit_controlword_loop",
+    "habit_power_on_time",           "habit_mode_display_delay",    "habit_fault_reset_delay",
+    "habit_stream_target_bit",       "habit_plan_from_rest",        "habit_statusword_bits",
+    "habit_homing_by_level",         "habit_clear_target_velocity", "habit_homing_ends_at_halt"};
 
 template <std::size_t kCount>
 using Words = std::array<std::uint16_t, kCount>;
@@ -681,6 +681,28 @@ TEST(HabitHomingByLevel, KeepsTheResultOfARunThatHasEnded) {
   ASSERT_EQ(axis.statusword() & 0x3400, 0x1400);
   axis.command(0x000F);
   EXPECT_EQ(axis.statusword() & 0x3400, 0x1400);
+}
+
+// ---- o: halt ends a homing run ------------------------------------------------------------------
+
+TEST(HabitHomingEndsAtHalt, LeavesNoRunThatContinues) {
+  for (const std::int64_t habit : {0, 1}) {
+    SCOPED_TRACE(habit);
+    AxisUnderTest axis;
+    axis.write("habit_homing_ends_at_halt", habit);
+    axis.write("homing_method", 17);
+    axis.write("op_mode_cmd", 6);
+    axis.command(0x000F);
+    axis.command(0x001F);
+    axis.step(50);
+    axis.command(0x011F);
+    axis.step(500);
+    EXPECT_EQ(axis.statusword() & 0x3400, 0x0400) << "it stands";
+    axis.command(0x001F);
+    axis.step(200);
+    EXPECT_EQ(axis.demand_velocity(), habit == 0 ? -34'133 : 0);
+    EXPECT_EQ(axis.statusword() & 0x3400, habit == 0 ? 0x0000 : 0x0400) << "under way, or idle";
+  }
 }
 
 // ---- n: enabling clears the target velocity -----------------------------------------------------

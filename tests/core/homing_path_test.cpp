@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <ostream>
@@ -438,10 +439,27 @@ TEST(HomingHomeSwitch, IsNotSeenAgainByARunThatHasPassedItsEdge) {
   EXPECT_NEAR(course.place, 16'384, 2.0);
 }
 
+// Method 8 from the right: search, back from the limit switch, off the switch, onto it, index.
+constexpr std::array<const char*, 5> kStagesOfMethod8{">>", ">> P <<", ">> P << H", ">> P << H h >",
+                                                      ">> P << H h > H"};
+
+TEST(HomingHomeSwitch, RunsContinueBehindAHaltInEachStage) {
+  for (const char* const stage : kStagesOfMethod8) {
+    SCOPED_TRACE(stage);
+    HomingCourse course(20'000, kMiddle);
+    course.start(8);
+    for (int i = 0; i < 20'000 && course.way != stage; ++i) course.tick();
+    ASSERT_EQ(course.way, stage);
+    course.axis.controlword(0x011F);
+    ASSERT_TRUE(course.tick_until_phase(HomingCourse::kIdle));
+    course.axis.controlword(0x001F);
+    ASSERT_TRUE(course.tick_until_phase(HomingCourse::kDone));
+    EXPECT_NEAR(course.place, 12'288, 2.0);
+  }
+}
+
 TEST(HomingHomeSwitch, RunsAreEndedByAHaltInEachStage) {
-  // Method 8 from the right: search, back from the limit switch, off the switch, onto it, index.
-  for (const char* const stage :
-       {">>", ">> P <<", ">> P << H", ">> P << H h >", ">> P << H h > H"}) {
+  for (const char* const stage : kStagesOfMethod8) {
     SCOPED_TRACE(stage);
     HomingCourse course(20'000, kMiddle);
     course.start(8);

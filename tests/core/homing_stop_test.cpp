@@ -242,6 +242,19 @@ TEST(HomingStopTorque, IsNotReachedByAnAxisThatAccelerates) {
   EXPECT_EQ(bench.axis.demand_velocity(), 34'133);
 }
 
+TEST(HomingStopHalt, LetsARunThatPressesContinue) {
+  AxisAtWall bench(-1, -5'000.0);
+  bench.axis.write("homing_stop_time", 5'000);
+  bench.start(-1);
+  for (int i = 0; i < 1'000 && bench.contact_at == 0; ++i) bench.tick();
+  bench.ticks(1'000);
+  bench.axis.controlword(0x011F);
+  ASSERT_TRUE(bench.tick_until_phase(AxisAtWall::kNotStarted));
+  bench.axis.controlword(0x001F);
+  bench.tick();
+  EXPECT_EQ(bench.phase(), AxisAtWall::kRuns);
+}
+
 TEST(HomingStopHalt, EndsARunThatPresses) {
   AxisAtWall bench(-1, -5'000.0);
   bench.axis.write("homing_stop_time", 5'000);

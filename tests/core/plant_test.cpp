@@ -543,6 +543,29 @@ TEST(Plant, AntiWindUpLetsAReleasedAxisReturnAndSettle) {
 // ---- sub-steps
 // --------------------------------------------------------------------------------------
 
+// The largest 5E00h accelerates the default axis by 2.1e6 N.m / 6e-4 kg.m² = 3.6e9 rad/s².
+// 1,000,000 rpm are 68,266,667 UU/s.
+TEST(Plant, TheLargestLoadTorqueLeavesASpeedFromWhichTheAxisComesToRest) {
+  for (const Coupling coupling : {Coupling::rigid, Coupling::two_inertia}) {
+    SCOPED_TRACE(to_string(coupling));
+    AxisConfiguration configuration;
+    configuration.model.coupling = coupling;
+    AxisUnderTest axis(configuration);
+    axis.enable();
+    axis.write("test_load_torque", 0x7FFFFFFF);
+    axis.step(1'000);
+    axis.write("test_load_torque", 0);
+    axis.step(100);  // a shaft swings out
+    EXPECT_LE(std::abs(axis.velocity()), 68'266'667);
+    EXPECT_GT(axis.step_until(
+                  [&axis] {
+                    return axis.velocity() == 0;
+                  },
+                  30'000),
+              0U);
+  }
+}
+
 TEST(Plant, FreeMotionIsExactForAnySubStep) {
   // 0.1 s under a constant load torque with viscous friction: x = T/b (t - τ (1 - e^(-t/τ))).
   AxisConfiguration configuration = frictionless();

@@ -4,8 +4,8 @@
 
   canopen.py VDRIVE VDRIVE_CANOPEN WORK
 
-In both clocks: the master of the package canopen (npm, versions fixed by the lock file) loads the EDS,
-boots three nodes, reads all that the EDS names, remaps PDOs, moves by SDO and by PDO, streams
+In both clocks: the master of the package canopen (npm, versions fixed by the lock file) loads the DCF of
+each node, boots three nodes, reads all that they name, remaps PDOs, moves by SDO and by PDO, streams
 positions, homes, meets a fault and resets. Meanwhile Debian's python3-can listens on the same bus: it
 receives every frame, in the order in which the master has sent and received them, and the program
 counts as many. Debian's tshark decodes the capture as CANopen, without a malformed frame.
@@ -154,13 +154,15 @@ def decode(path, frames):
 
 
 def judge(can, vdrive, program, clock, work, programs):
-    sheet, output, capture = work / "vdrive.eds", work / f"{clock}.json", work / f"{clock}.pcap"
-    with sheet.open("w", encoding="ascii") as file:
-        subprocess.run([vdrive, "dictionary", "--format", "eds"], check=True, stdout=file, timeout=PATIENCE)
+    output, capture = work / f"{clock}.json", work / f"{clock}.pcap"
+    for node in range(1, NODES + 1):
+        with (work / f"node{node}.dcf").open("w", encoding="ascii") as file:
+            subprocess.run([vdrive, "dictionary", "--format", "eds", "--node", str(node)], check=True, stdout=file,
+                           timeout=PATIENCE)
     bus = Bus(program, clock, programs)
     listener = Listener(can, bus)
     try:
-        done = subprocess.run(["node", work / "judge.mjs", bus.host, str(bus.port), sheet, clock, output],
+        done = subprocess.run(["node", work / "judge.mjs", bus.host, str(bus.port), work, clock, output],
                               capture_output=True, text=True, timeout=600)
         if done.returncode != 0:
             fail(f"{clock}: {done.stdout}{done.stderr.strip()}")

@@ -385,6 +385,17 @@ INSTANTIATE_TEST_SUITE_P(
       return row.param.name;
     });
 
+TEST(Configuration, GivesAnAxisTheIdentityThatAMasterExpects) {
+  const Configuration configuration =
+      parse("axes:\n  - number: 1\n    parameters: {vendor_id: 0x1234, \"1018h:4\": 4294967295}");
+  const auto& parameters = bank_axes(configuration)[0].parameters;
+  ASSERT_EQ(parameters.size(), 2U);
+  EXPECT_EQ(parameters[0].address, (ObjectAddress{0x1018, 1}));
+  EXPECT_EQ(parameters[0].value, 0x1234);
+  EXPECT_EQ(parameters[1].address, (ObjectAddress{0x1018, 4}));
+  EXPECT_EQ(parameters[1].value, 4'294'967'295);
+}
+
 // A mistake does not hide those behind it; what can only be judged without a mistake, such as the
 // number that axis 2 lacks, is not judged.
 TEST(Configuration, IsRefusedWithEachMistakeInItsLine) {

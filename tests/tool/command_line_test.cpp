@@ -111,6 +111,21 @@ TEST(CommandLine, RefusesToShowAPartOfTheDictionaryOfANode) {
             "'--format eds' is no JSON; 'vdrive dictionary --format node-json' is");
 }
 
+TEST(CommandLine, TakesTheAxisOfANodeForADataSheetAlone) {
+  const auto sheet = command<DictionaryCommand>("dictionary --format eds --node 12 --axis 2");
+  EXPECT_EQ(sheet.node, 12U);
+  EXPECT_EQ(sheet.axis_number, 2U);
+  EXPECT_EQ(refusal_of(split("dictionary --node 3")),
+            "--node is of a data sheet: add --format eds");
+  EXPECT_EQ(refusal_of(split("dictionary --format eds --node 0")),
+            "--node 0 is every node; a node-ID is 1 to 127");
+  EXPECT_NE(refusal_of(split("dictionary --format eds --node 128")), "");
+  EXPECT_EQ(refusal_of(split("dictionary --format eds --preset winder")),
+            "--axis, --preset and --config say which axis a node is: add --node with its node-ID");
+  EXPECT_EQ(refusal_of(split("dictionary --format eds --node 1 --preset winder --config a.yaml")),
+            "--preset and --config name two machines; leave one of them out");
+}
+
 TEST(CommandLine, ListsTheSubIndicesOfAnIndex) {
   EXPECT_EQ(refusal_of(split("dictionary 0x607D:7")),
             "the dictionary has no object '0x607D:7': 607Dh has the sub-indices 1 and 2");

@@ -2,6 +2,7 @@
 // The output of the tool: JSON fields of docs/reference/json.md, text, the dictionary.
 #include "output/report.hpp"
 
+#include "base/usage_error.hpp"
 #include "commands/dictionary.hpp"
 #include "execution/command_progress.hpp"
 #include "output/event_view.hpp"
@@ -265,6 +266,38 @@ TEST(Dictionary, OfANodeIsAnElectronicDataSheet) {
   for (const char* const line : {"[MandatoryObjects]", "[607Dsub1]", "NrOfRXPDO=4"}) {
     EXPECT_THAT(lines, testing::Contains(line));
   }
+}
+
+/// @return the DefaultValue of a section of a data sheet.
+std::string default_in(const std::vector<std::string>& lines, const std::string& section) {
+  constexpr std::string_view kKey = "DefaultValue=";
+  auto line = std::ranges::find(lines, "[" + section + "]");
+  while (line != lines.end() && !line->starts_with(kKey)) ++line;
+  return line == lines.end() ? "" : line->substr(kKey.size());
+}
+
+// Axis 2 of bench 1 has the serial number 65538, 0x10002.
+TEST(Dictionary, OfOneNodeHasTheValuesOfItsAxisAfterPowerUp) {
+  const auto lines = dictionary_lines({.format = TableFormat::eds, .node = 12, .axis_number = 2});
+  EXPECT_EQ(default_in(lines, "1018sub4"), "0x00010002");
+  EXPECT_EQ(default_in(lines, "1800sub1"), "0x0000018C");
+  EXPECT_EQ(default_in(lines, "6041"), "592") << "0250h, switch on disabled";
+  for (const std::string& line : lines) EXPECT_EQ(line.find('$'), std::string::npos) << line;
+}
+
+TEST(Dictionary, OfANodeSaysWhyThereIsNoSuchAxis) {
+  const auto refusal_of_sheet = [](const DictionaryCommand& command) {
+    try {
+      return dictionary_lines(command).front();
+    } catch (const UsageError& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_THAT(refusal_of_sheet({.format = TableFormat::eds, .node = 1, .preset = "widner"}),
+              testing::HasSubstr("winder"));
+  EXPECT_THAT(refusal_of_sheet(
+                  {.format = TableFormat::eds, .node = 1, .configuration = "no-such-file.yaml"}),
+              testing::HasSubstr("no-such-file.yaml"));
 }
 
 TEST(Dictionary, JsonHasEveryColumnOfTheRow) {

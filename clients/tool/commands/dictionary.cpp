@@ -7,9 +7,13 @@
 #include "language/arguments.hpp"
 #include "node/electronic_data_sheet.hpp"
 #include "node/node_object.hpp"
+#include "node/node_settings.hpp"
 #include "terminal/columns.hpp"
+#include "vdrive/bench/bench.hpp"
 #include "vdrive/cia402/homing_method.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
+#include "vdrive/client/session.hpp"
+#include "vdrive/clock_mode.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
@@ -145,6 +149,8 @@ std::string_view pdo_mapping_of(canopen::PdoMapping mapping) {
       return "none";
     case canopen::PdoMapping::transmit:
       return "transmit";
+    case canopen::PdoMapping::receive:
+      return "receive";
     case canopen::PdoMapping::both:
       return "both";
   }
@@ -181,8 +187,43 @@ std::vector<std::string> node_lines() {
   return lines;
 }
 
-std::vector<std::string> data_sheet_lines() {
-  std::istringstream text(canopen::electronic_data_sheet({.program_version = VDRIVE_VERSION}));
+/// What an axis has after power-up, by a bench of its own.
+/// @param number of the axis
+std::vector<canopen::DriveValue> values_of_axis(const DictionaryCommand& command,
+                                                std::uint64_t number) {
+  bench::BenchOptions options{.configuration_file = command.configuration,
+                              .preset = command.preset,
+                              .clock = ClockMode::lockstep};
+  if (command.configuration.empty()) options.axes = number;
+  const bench::Bench bench(options);
+  client::Session session = bench.session();
+  const std::string name = std::to_string(bench.number()) + "." + std::to_string(number);
+  const auto axis = session.axis(name);
+  if (!axis) throw UsageError("--axis: " + axis.outcome().message());
+  std::vector<canopen::DriveValue> values;
+  for (const canopen::NodeObject& object : canopen::node_objects()) {
+    if (object.owner != canopen::ObjectOwner::drive) continue;
+    if (const auto value = axis->read(object.address)) values.push_back({object.address, *value});
+  }
+  return values;
+}
+
+std::string data_sheet_of_node(const DictionaryCommand& command, std::uint64_t node) {
+  try {
+    const auto values = values_of_axis(command, command.axis_number.value_or(node));
+    return canopen::electronic_data_sheet({.file_name = "vdrive.dcf",
+                                           .program_version = VDRIVE_VERSION,
+                                           .node_id = static_cast<std::uint8_t>(node),
+                                           .values = values});
+  } catch (const bench::BenchError& error) {
+    throw UsageError(error.what());
+  }
+}
+
+std::vector<std::string> data_sheet_lines(const DictionaryCommand& command) {
+  std::istringstream text(
+      command.node ? data_sheet_of_node(command, *command.node)
+                   : canopen::electronic_data_sheet({.program_version = VDRIVE_VERSION}));
   std::vector<std::string> lines;
   for (std::string line; std::getline(text, line);) lines.push_back(line);
   return lines;
@@ -236,6 +277,23 @@ TableFormat parse_table_format(const std::string& text) {
   return row == kFormatNames.end() ? TableFormat::table : row->format;
 }
 
+/// A data sheet of one node has its options, and nothing else has.
+void check_node(const DictionaryCommand& command) {
+  if (command.node && command.format != TableFormat::eds) {
+    throw UsageError("--node is of a data sheet: add --format eds");
+  }
+  if (command.node == 0U) throw UsageError("--node 0 is every node; a node-ID is 1 to 127");
+  const bool has_axis =
+      command.axis_number || !command.preset.empty() || !command.configuration.empty();
+  if (has_axis && !command.node) {
+    throw UsageError(
+        "--axis, --preset and --config say which axis a node is: add --node with its node-ID");
+  }
+  if (!command.preset.empty() && !command.configuration.empty()) {
+    throw UsageError("--preset and --config name two machines; leave one of them out");
+  }
+}
+
 /// @param is_json whether the line has --json
 void check_node_format(const DictionaryCommand& command, bool is_json) {
   if (!is_of_node(command.format)) return;
@@ -265,7 +323,7 @@ void print_dictionary(DictionaryCommand command, bool is_json, Terminal& termina
 
 std::vector<std::string> dictionary_lines(const DictionaryCommand& command) {
   if (command.format == TableFormat::table) return table_lines(command);
-  if (command.format == TableFormat::eds) return data_sheet_lines();
+  if (command.format == TableFormat::eds) return data_sheet_lines(command);
   if (command.format == TableFormat::node_json) return node_lines();
   std::vector<std::string> lines;
   for (const ObjectDescription& row : kObjectTable) {
@@ -304,7 +362,23 @@ void DictionaryCommand::declare(Arguments& arguments) {
                 return text == "zh" ? Language::zh : Language::en;
               })
       .one_of({"en", "zh"});
+  arguments.option(
+      "--node", "ID", node,
+      "With --format eds: of this node, 1 to 127, with numbers for its COB-IDs and the "
+      "values that its axis has after power-up",
+      [](const std::string& text) {
+        return parse_number(text, "node-ID", canopen::kHighestNodeId);
+      });
+  arguments.option("--axis", "N", axis_number,
+                   "With --node: number of the axis on its bench; default: the node-ID",
+                   [](const std::string& text) {
+                     return parse_number(text, "number of an axis", bench::kMostAxes);
+                   });
+  arguments.option("--preset", "NAME", preset, "With --node: the machine that the axis is");
+  arguments.option("--config", "FILE", configuration,
+                   "With --node: configuration of the bench, as that of vdrived");
   arguments.then([this, &is_json = arguments.is_json()] {
+    check_node(*this);
     check_node_format(*this, is_json);
   });
 }

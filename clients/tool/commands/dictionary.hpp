@@ -5,6 +5,7 @@
 #include "values/value.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,12 +25,19 @@ struct DictionaryCommand {
   Language language = Language::en;
   std::vector<ObjectName> objects = {};  ///< rows of these; none = all
 
+  // Of a data sheet: of one node, with the values that its axis has after power-up.
+  std::optional<std::uint64_t> node = {};
+  std::optional<std::uint64_t> axis_number = {};  ///< on its bench; none = the node-ID
+  std::string preset = {};                        ///< machine; empty = the default axis
+  std::string configuration = {};                 ///< file of the bench
+
   void declare(Arguments& arguments);
   client::Outcome run(CommandContext& context) const;
   ExitCode start(const Program& program) const;
 };
 
 /// The object dictionary as lines.
+/// @throws UsageError when there is no such axis to read the values from
 [[nodiscard]] std::vector<std::string> dictionary_lines(const DictionaryCommand& command);
 
 }  // namespace vdrive::tool

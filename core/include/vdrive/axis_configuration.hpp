@@ -24,13 +24,19 @@ struct InitialValue {
   std::int64_t value = 0;
 };
 
+/// @return whether it is a number of the identity object (1018h), which only the configuration of
+///         an axis gives.
+[[nodiscard]] constexpr bool is_identity(ObjectAddress address) noexcept {
+  return address.index == 0x1018;
+}
+
 /// Everything that makes one axis what it is.
 struct AxisConfiguration {
   AxisModel model;
   AxisSettings settings;
   std::int32_t initial_position = 0;     ///< [user units] at first power-up
   std::uint32_t serial_number = 0;       ///< 1018h:04
-  std::vector<InitialValue> parameters;  ///< written at every power-up
+  std::vector<InitialValue> parameters;  ///< written at every power-up; also the identity
 
   /// What the axis stored by 1010h in an earlier run; see AxisBank::set_stored.
   std::vector<InitialValue> stored{};

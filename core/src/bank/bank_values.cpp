@@ -64,6 +64,10 @@ const InitialValue* AxisBank::State::set_initial_values(std::size_t axis) {
   const InitialValue* refused = nullptr;
   for (const InitialValue& initial : configurations[axis].parameters) {
     const auto row = find_object(initial.address);
+    if (row && is_identity(initial.address)) {
+      drive.registers().values[*row] = initial.value;
+      continue;
+    }
     // A controlword is a command, not a parameter: no axis is enabled by its configuration.
     const bool allowed = row && *row != "ds402_controlword"_object &&
                          write_object(drive, *row, initial.value).code == AbortCode::none;

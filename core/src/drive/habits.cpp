@@ -49,7 +49,8 @@ void update_habits(Drive& drive) noexcept {
       .shows_points = is_on(drive, "habit_stream_target_bit"_object),
       .plans_from_rest = is_on(drive, "habit_plan_from_rest"_object),
       .homes_by_level = is_on(drive, "habit_homing_by_level"_object),
-      .clears_velocity = is_on(drive, "habit_clear_target_velocity"_object)};
+      .clears_velocity = is_on(drive, "habit_clear_target_velocity"_object),
+      .ends_homing_at_halt = is_on(drive, "habit_homing_ends_at_halt"_object)};
   DriveState& s = drive.state();
   s.maker_bits = static_cast<std::uint16_t>(Statusword::kRemote ^
                                             unsigned_reg(drive, "habit_statusword_bits"_object));

@@ -77,4 +77,9 @@ inline void forget_commands(Drive& drive) {
   return drive.registers().habits.homes_by_level;
 }
 
+/// Question, 5E20h:0F: halt ends a homing run for good.
+[[nodiscard]] inline bool ends_homing_at_halt(const Drive& drive) {
+  return drive.registers().habits.ends_homing_at_halt;
+}
+
 }  // namespace vdrive

@@ -32,7 +32,8 @@ struct Habits {
   bool plans_from_rest = false;        // :0B
   bool homes_by_level = false;         // :0D
   bool clears_velocity = false;        // :0E
-  std::array<std::uint8_t, 6> unused{};
+  bool ends_homing_at_halt = false;    // :0F
+  std::array<std::uint8_t, 5> unused{};
 };
 
 /// What a habit holds back at present. Counts are ticks, the present one included; 0 = nothing.

@@ -5,6 +5,7 @@
 #include "plant/servo_block.hpp"
 #include "scramble.hpp"
 #include "vdrive/motion/profile.hpp"
+#include "vdrive/plant/axis_model.hpp"
 
 namespace vdrive {
 namespace {
@@ -335,10 +336,24 @@ template <bool kJerk>
   return sample_lane<kJerk>(demand, l, (first + k) * substeps.length);
 }
 
+/// No motor turns faster than kHighestMotorSpeed, whatever drives it.
+[[gnu::always_inline]] inline void bound_speed(const RigidParameters& /*p*/, ServoState& s,
+                                               std::size_t l) {
+  s.velocity[l] = clamp(s.velocity[l], -kHighestMotorSpeed, kHighestMotorSpeed);
+}
+
+[[gnu::always_inline]] inline void bound_speed(const ElasticParameters& p, ServoState& s,
+                                               std::size_t l) {
+  const double highest_of_load = kHighestMotorSpeed * p.loop.ratio[l];
+  s.velocity[l] = clamp(s.velocity[l], -kHighestMotorSpeed, kHighestMotorSpeed);
+  s.load_velocity[l] = clamp(s.load_velocity[l], -highest_of_load, highest_of_load);
+}
+
 template <bool kEffects, typename Parameters>
 [[gnu::always_inline]] inline void end_tick(const ServoBlock<Parameters>& block, double tick_rate) {
   VDRIVE_INDEPENDENT_LANES
   for (std::size_t l = 0; l < kLanes; ++l) {
+    bound_speed(*block.parameters, *block.state, l);
     place_load(*block.parameters, *block.state, l);
     read_encoders<kEffects>(block.parameters->loop, *block.state, block.effects, l, tick_rate);
   }

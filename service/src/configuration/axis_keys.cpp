@@ -152,6 +152,9 @@ ObjectRow row_named(const std::string& key, const YamlValue& value) {
 /// What it takes on a modulo axis only, `check_direction` judges.
 std::int64_t read_object_value(const YamlValue& value, ObjectRow row) {
   const ObjectDescription& object = describe(row);
+  if (is_identity(object.address)) {
+    return value.integer({object.lower_limit, object.upper_limit, ""});
+  }
   const auto number = parse_integer(value.text());
   const AbortCode code = number ? check_value_on_modulo_axis(row, *number) : AbortCode::none;
   if (number && code == AbortCode::none) return *number;

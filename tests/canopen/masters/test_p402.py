@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """The CiA 402 profile of python-canopen, with its time-outs: states, modes, homing, reset of a fault.
 
-Read in canopen-python/canopen (christiansandberg/canopen): canopen/profiles/p402.py (BaseNode402) and
-canopen/pdo/base.py (what it uploads, and when it waits for a TPDO). Nothing of it is copied.
+Read in canopen-python/canopen (christiansandberg/canopen): canopen/profiles/p402.py (BaseNode402),
+canopen/nmt.py (which state it knows) and canopen/pdo/base.py (what it uploads, when a PDO is periodic to
+it, and when it waits for a TPDO). Nothing of it is copied.
 """
+import pathlib
 import struct
 
 import pytest
-from can_client import NOT_VALID, RPDO, START, TPDO, SdoAbort
+from can_client import NOT_VALID, PRE_OPERATIONAL, RPDO, START, TPDO, SdoAbort
+
+GUIDE = pathlib.Path(__file__).parents[3] / "docs" / "guides" / "canopen.md"
+EVENT_TIMER = 100  # [ms] below the 0.2 s that it waits for a TPDO
 
 # What it waits for [s].
 TIME_OF_A_TPDO, TIME_OF_A_STEP, TIME_OF_A_STATE, TIME_OF_A_MODE = 0.2, 0.4, 0.8, 0.5
@@ -42,7 +47,7 @@ class Pdo:
     def __init__(self, cob_id, transmission, objects):
         self.cob_id = cob_id & 0x1FFFFFFF
         self.is_enabled = not cob_id & NOT_VALID
-        self.is_periodic = transmission <= 0xF0
+        self.transmission = transmission
         self.objects = objects  # (index, bits) each
         self.data = bytearray(sum(bits for _, bits in objects) // 8)
 
@@ -58,6 +63,7 @@ class Pdo:
 class Node402:
     def __init__(self, client, clock, node):
         self.client, self.clock, self.node = client, clock, node
+        self.before = client.received.copy()  # it listens to PDOs from now on
         assert client.read(node, 0x1000) & 0xFFFF == 0x0192  # CiA 402
         self.tpdos = [self.upload_pdo(0x1800 + place, has_timers=True) for place in range(4)]
         self.rpdos = [self.upload_pdo(0x1400 + place, has_timers=False) for place in range(4)]
@@ -72,6 +78,10 @@ class Node402:
         entries = [client.read(node, communication + 0x200, sub)
                    for sub in range(1, client.read(node, communication + 0x200, 0) + 1)]
         return Pdo(cob_id, transmission, [(entry >> 16, entry & 0xFF) for entry in entries])
+
+    def is_periodic(self, pdo):
+        """Driven by SYNC, or received twice: it then has a period."""
+        return pdo.transmission <= 0xF0 or self.client.received[pdo.cob_id] - self.before[pdo.cob_id] >= 2
 
     # TPDOs: the first enabled one that has the object.
 
@@ -100,7 +110,7 @@ class Node402:
 
     def check_statusword(self):
         pdo = self.first_with(self.tpdos, 0x6041)
-        if pdo.is_periodic:
+        if self.is_periodic(pdo):
             self.wait_for_tpdo(pdo)
             return self.statusword
         self.clock.cycle()  # the time that an SDO takes
@@ -138,7 +148,7 @@ class Node402:
     @property
     def op_mode(self):
         pdo = self.first_with(self.tpdos, 0x6061)
-        if pdo.is_periodic:
+        if self.is_periodic(pdo):
             self.wait_for_tpdo(pdo)
         else:
             self.clock.cycle()
@@ -179,7 +189,10 @@ class Node402:
 def drive(request, client, clock, node):
     """The profile on a node with the default PDOs, which are event-driven, or with all that SYNC drives."""
     clock.boot()
-    if request.param == "SYNC":
+    if request.param == "event-driven":
+        for communication in (0x1800, 0x1801):
+            client.write(node, communication, 5, EVENT_TIMER, 2)
+    else:
         for communication in (*range(0x1400, 0x1404), *range(0x1800, 0x1804)):
             cob_id = client.read(node, communication, 1)
             client.write(node, communication, 1, NOT_VALID | cob_id, 4)
@@ -245,3 +258,101 @@ def test_a_mode_that_the_drive_does_not_have_is_refused(drive, client, node):
     with pytest.raises(SdoAbort) as refusal:
         client.write(node, 0x6060, 0, 5, 1)
     assert refusal.value.code == 0x06090030
+
+
+# The guide's lines, in the place of `import canopen` with what is read above.
+
+class Objects:
+    """`node.sdo[index]` and `node.sdo[index][sub]`, whose `raw` is read and written with the length that
+    the object has."""
+
+    def __init__(self, client, node, index=None, sub=0):
+        self.client, self.node, self.index, self.sub = client, node, index, sub
+
+    def __getitem__(self, key):
+        return Objects(self.client, self.node, *((key,) if self.index is None else (self.index, key)))
+
+    @property
+    def raw(self):
+        return self.client.read(self.node, self.index, self.sub)
+
+    @raw.setter
+    def raw(self, value):
+        size = len(self.client.upload(self.node, self.index, self.sub))
+        self.client.write(self.node, self.index, self.sub, value, size)
+
+
+class Nmt:
+    """The state that it has commanded; it begins with one in which it sets up no node."""
+
+    COMMANDS = {"PRE-OPERATIONAL": PRE_OPERATIONAL, "OPERATIONAL": START}
+
+    def __init__(self, client, node):
+        self.client, self.node, self._state = client, node, "INITIALISING"
+
+    @property
+    def state(self):
+        return self._state
+
+    @state.setter
+    def state(self, state):
+        self._state = state
+        self.client.nmt(self.COMMANDS[state], self.node)
+
+
+class BaseNode402:
+    def __init__(self, node_id, eds):
+        assert eds == "vdrive.eds"
+        self.id = node_id
+
+    def join(self, client, clock):
+        self._client, self._clock = client, clock
+        self.sdo, self.nmt = Objects(client, self.id), Nmt(client, self.id)
+
+    def setup_402_state_machine(self):
+        assert self.nmt.state in ("PRE-OPERATIONAL", "OPERATIONAL")
+        self._drive = Node402(self._client, self._clock, self.id)
+
+    def _set(self, name, *value):
+        getattr(self._drive, name)(*value)
+
+    op_mode = property(fset=lambda self, mode: self._set("set_op_mode", mode))
+    state = property(fset=lambda self, state: self._set("set_state", state))
+    controlword = property(fset=lambda self, word: self._set("transmit", 0x6040, "<H", word))
+
+
+class Library:
+    """What `import canopen` gives to the lines, on the bus of a test."""
+
+    BaseNode402 = BaseNode402
+
+    def __init__(self, client, clock):
+        self.client, self.clock = client, clock
+
+    def Network(self):  # noqa: N802: a class of the library
+        return self
+
+    def connect(self, interface, channel):
+        assert (interface, channel) == ("socketcan", "can0")
+
+    def add_node(self, node):
+        node.join(self.client, self.clock)
+
+
+def test_the_lines_of_the_guide_enable_and_move(client, clock, node):
+    lines = GUIDE.read_text(encoding="utf-8").split("### python-canopen")[1].split("```")[1]
+    exec(lines.removeprefix("python\n"), {"canopen": Library(client, clock)})
+    deadline = clock.deadline(10.0)
+    while client.read(node, 0x6064, signed=True) != 10_000:
+        assert clock.now < deadline
+        clock.cycle()
+
+
+@pytest.mark.parametrize("bus", ["lockstep"], indirect=True)
+def test_without_an_event_timer_it_waits_for_a_tpdo_that_does_not_come(client, clock, node):
+    clock.boot()
+    drive = Node402(client, clock, node)
+    client.nmt(START, node)
+    drive.set_op_mode("PROFILED POSITION")  # its TPDO comes for the second time
+    with pytest.raises(AssertionError, match="timeout waiting for a TPDO"):
+        _ = drive.op_mode

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drives three nodes with the CANopen master of the package `canopen` (Daxbot/node-canopen).
 //
-//   node judge.mjs HOST PORT SHEET CLOCK OUTPUT
+//   node judge.mjs HOST PORT SHEETS CLOCK OUTPUT
 //
-// SHEET: the EDS of the nodes. CLOCK: realtime, or lockstep, where each SYNC lets 10 ms pass. OUTPUT: a
+// SHEETS: a directory with the DCF of each node, node1.dcf and so on. CLOCK: realtime, or lockstep, where each SYNC lets 10 ms pass. OUTPUT: a
 // file that gets one JSON object {"sent": [[id, hex]], "received": [[id, hex]]}: all frames of this
 // master and of its nodes, in order. Exit code 0: all that it expects has come true.
 import assert from "node:assert/strict";
@@ -20,7 +20,7 @@ const { AccessType, DataType, Device, Eds, NmtState, ObjectType } = canopen;
 const NODES = [1, 2, 3];
 const PERIOD = 10; // [ms] of SYNC
 const PATIENCE = 60_000; // [ms] of wall clock, for what a busy machine delays
-const [host, port, sheet, clock, output] = process.argv.slice(2);
+const [host, port, folder, clock, output] = process.argv.slice(2);
 
 const log = { sent: [], received: [] };
 const boots = new Map(NODES.map((node) => [node, 0]));
@@ -32,23 +32,13 @@ function fail(error) {
   process.exit(1);
 }
 
-// The nodes' EDS as this package can read it: it knows no $NODEID.
-function sheetOf(node) {
-  const text = fs
-    .readFileSync(sheet, "ascii")
-    .replace(/\$NODEID\+0x([0-9A-Fa-f]+)/g, (_, base) => `0x${(parseInt(base, 16) + node).toString(16)}`);
-  const file = path.join(path.dirname(output), `node${node}.eds`);
-  fs.writeFileSync(file, text);
-  return Eds.fromFile(file);
-}
-
 const bus = await SocketcandClient.connect(host, Number(port));
 bus.on("close", fail);
 
 const device = new Device({ id: 0x7e });
 device.eds.setSyncCobId(0x80);
 device.eds.setSyncGenerationEnable(true);
-const sheets = new Map(NODES.map((node) => [node, sheetOf(node)]));
+const sheets = new Map(NODES.map((node) => [node, Eds.fromFile(path.join(folder, `node${node}.dcf`))]));
 for (const node of NODES) {
   device.mapRemoteNode({ id: node, eds: sheets.get(node), skipPdo: true });
   device.eds.addHeartbeatConsumer(node, 60_000);

@@ -91,8 +91,10 @@ void declare(CLI::App& app, CommandLine& line) {
   app.set_version_flag("--version", std::string("vdrive-canopen ") + VDRIVE_VERSION);
   declare_benches(app, line.arguments);
   declare_ports(app, line.arguments);
-  add_text(app, "--state", line.arguments.state,
-           "Directory of what 1010h stores; default: kept in memory")
+  add_text(
+      app, "--state", line.arguments.state,
+      "Directory of what 1010h stores; without it a private bench refuses 1010h, and of others "
+      "the communication parameters of the nodes are kept in memory")
       ->type_name("DIR");
   add_text(app, "--log", line.arguments.log,
            "Write each frame into this file, as candump does; with --sync-steps in drive time")

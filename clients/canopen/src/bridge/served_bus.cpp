@@ -82,9 +82,25 @@ void ServedBus::open_log() {
 }
 
 void ServedBus::open_ports() {
+  // Time that waits for SYNC can wait for whoever reads the answers, too.
+  const bool holds_bus = sync_steps_.has_value();
+  const auto report_as = [this](const std::string& subject) {
+    return [&reports = shared_.reports, subject = label_ + ": " + subject](
+               bridge::Severity severity, const std::string& text) {
+      reports.report(severity, subject, text);
+    };
+  };
   for (const TcpAddress& address : setting_.socketcand) {
-    socketcand_.push_back(std::make_unique<SocketcandServer>(
-        shared_.loop, bus_, SocketcandSettings{.listen = address}));
+    SocketcandSettings server{.listen = address,
+                              .holds_bus = holds_bus,
+                              .report = report_as("socketcand " + address_text(address))};
+    if (sync_steps_) {
+      server.clock = [this] {
+        return drive_time();
+      };
+    }
+    socketcand_.push_back(
+        std::make_unique<SocketcandServer>(shared_.loop, bus_, std::move(server)));
   }
   for (const TcpAddress& address : setting_.gateways) {
     gateways_.push_back(std::make_unique<AsciiGatewayServer>(
@@ -96,12 +112,11 @@ void ServedBus::open_ports() {
                                    }}));
   }
   for (const std::string& interface : setting_.interfaces) {
-    const auto report = [&reports = shared_.reports, subject = label_ + ": interface " + interface](
-                            bridge::Severity severity, const std::string& text) {
-      reports.report(severity, subject, text);
-    };
     interfaces_.push_back(std::make_unique<SocketCan>(
-        shared_.loop, bus_, SocketCanSettings{.interface = interface, .report = report}));
+        shared_.loop, bus_,
+        SocketCanSettings{.interface = interface,
+                          .holds_bus = holds_bus,
+                          .report = report_as("interface " + interface)}));
   }
 }
 

@@ -122,6 +122,14 @@ struct AsciiGatewayServer::State final : Port,
     settle();
   }
 
+  void resume() override {
+    asio::post(context, [self = shared_from_this()] {
+      if (self->is_over) return;
+      for (const auto& [session, client] : self->clients) self->take_lines(*client);
+      self->settle();
+    });
+  }
+
   void take_inbox() {
     for (const Frame& frame : std::exchange(inbox, {})) gateway.receive(frame, gateway_time());
     settle();
@@ -167,7 +175,7 @@ struct AsciiGatewayServer::State final : Port,
   }
 
   [[nodiscard]] bool is_behind(const GatewayClient& client) const {
-    return gateway.waiting(client.session) >= kMostWaitingLines ||
+    return bus.is_held() || gateway.waiting(client.session) >= kMostWaitingLines ||
            client.waiting.size() >= kMostGatewayAnswers;
   }
 
@@ -189,9 +197,18 @@ struct AsciiGatewayServer::State final : Port,
       end(client);
     } else {
       client.lines.append({client.input.data(), size});
-      while (const auto line = client.lines.next()) take_line(client.session, *line);
+      take_lines(client);
     }
     settle();
+  }
+
+  /// Each line may bring about frames for which somebody has no room.
+  void take_lines(GatewayClient& client) {
+    while (!bus.is_held()) {
+      const auto line = client.lines.next();
+      if (!line) return;
+      take_line(client.session, *line);
+    }
   }
 
   void take_line(GatewaySession session, const StreamLine& line) {
@@ -221,7 +238,7 @@ struct AsciiGatewayServer::State final : Port,
       write(client);
       read(client);
       const bool is_served = client->has_sent_all && !client->is_over && !client->is_writing &&
-                             gateway.waiting(session) == 0;
+                             gateway.waiting(session) == 0 && !bus.is_held();
       if (is_served) end(*client);
     }
     std::erase_if(clients, [](const auto& entry) {

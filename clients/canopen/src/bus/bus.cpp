@@ -14,12 +14,24 @@ void Bus::detach(Port& port) {
   for (Waiting& waiting : waiting_) {
     if (waiting.sender == &port) waiting.sender = nullptr;
   }
+  release(port);
   const auto found = std::ranges::find(ports_, &port);
   if (found == ports_.end()) return;
   if (is_delivering_) {
     *found = nullptr;  // send() goes through the places by number
   } else {
     ports_.erase(found);
+  }
+}
+
+void Bus::hold(const Port& port) {
+  if (std::ranges::find(holders_, &port) == holders_.end()) holders_.push_back(&port);
+}
+
+void Bus::release(const Port& port) {
+  if (std::erase(holders_, &port) == 0 || is_held()) return;
+  for (Port* const attached : ports_) {
+    if (attached != nullptr) attached->resume();
   }
 }
 

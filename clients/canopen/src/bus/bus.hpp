@@ -18,6 +18,10 @@ class Port {
 
   /// A frame that another port has sent. What it sends within this call comes behind the frame.
   virtual void deliver(const Frame& frame) = 0;
+
+  /// The bus is not held any more (Bus::hold()): reads on. It puts nothing on the bus within this
+  /// call.
+  virtual void resume() {}
 };
 
 /// A CAN bus: each frame that a port sends is delivered to every other port, in one order for all.
@@ -31,13 +35,22 @@ class Bus {
 
   void attach(Port& port);
 
-  /// What is detached gets no further frame.
+  /// What is detached gets no further frame, and does not hold the bus any more.
   void detach(Port& port);
 
   /// Delivers `frame` to all ports but `sender`. Frames that are sent during a delivery wait for
   /// its end; those beyond kMostAtOnce are dropped.
   /// @return its number: frames() while it is delivered; 0 = it is dropped
   std::uint64_t send(const Frame& frame, const Port* sender);
+
+  /// Back pressure, where time stands until a frame comes: frames that would be lost on the way to
+  /// whoever is behind `port` hold the bus. As long as it is held no port reads from outside.
+  void hold(const Port& port);
+
+  /// `port` can take frames again. When no other one holds the bus all ports resume.
+  void release(const Port& port);
+
+  [[nodiscard]] bool is_held() const noexcept { return !holders_.empty(); }
 
   /// Counts frames that their port has dropped for kMostAtOnce itself.
   void note_dropped(std::size_t frames) noexcept { dropped_frames_ += frames; }
@@ -61,6 +74,7 @@ class Bus {
   void deliver_waiting();
 
   std::vector<Port*> ports_;
+  std::vector<const Port*> holders_;  ///< each once
   std::vector<Waiting> waiting_;
   BusFaults faults_;
   std::uint64_t frames_ = 0;

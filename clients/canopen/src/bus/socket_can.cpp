@@ -163,6 +163,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
     cancel(read_pause);
     cancel(write_pause);
     is_awaiting_write = false;
+    is_read_put_off = false;
     AsioError ignored;
     socket.close(ignored);
   }
@@ -176,12 +177,22 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
       ++counters.dropped_frames;
       return;
     }
-    if (waiting.size() >= settings.most_waiting_frames) {
-      waiting.pop_front();
-      ++counters.dropped_frames;
-    }
     waiting.push_back(frame);
+    if (waiting.size() > settings.most_waiting_frames) make_room();
     if (!is_awaiting_write) write_waiting();
+  }
+
+  void resume() override {
+    if (!std::exchange(is_read_put_off, false)) return;
+    asio::post(socket.get_executor(), [self = shared_from_this(), its_opening = opening] {
+      if (self->is_current(its_opening)) self->read();
+    });
+  }
+
+  void make_room() {
+    if (settings.holds_bus) return bus.hold(*this);
+    waiting.pop_front();
+    ++counters.dropped_frames;
   }
 
   void await_readable() {
@@ -194,6 +205,10 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   void read() {
     const std::uint64_t its_opening = opening;
     for (int frames = 0; frames < kMostFramesAtOnce; ++frames) {
+      if (bus.is_held()) {
+        is_read_put_off = true;
+        return;
+      }
       can_frame received{};
       const ssize_t size = settings.calls.read(socket.native_handle(), received);
       if (size < 0) return on_read_error(errno);
@@ -233,6 +248,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
       ++counters.sent_frames;
       waiting.pop_front();
       note_up();
+      if (waiting.size() <= settings.most_waiting_frames / 2) bus.release(*this);
     }
   }
 
@@ -268,6 +284,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   void drop_waiting() {
     counters.dropped_frames += waiting.size();
     waiting.clear();
+    bus.release(*this);
   }
 
   void note_down() {
@@ -318,6 +335,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   SocketCanCounters counters;
   std::uint64_t opening = 0;  ///< of the socket, counted
   bool is_awaiting_write = false;
+  bool is_read_put_off = false;  ///< the bus was held
   bool is_down = false;
   bool is_over = false;
 };

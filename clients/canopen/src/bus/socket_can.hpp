@@ -40,8 +40,10 @@ struct SocketCanCalls {
 };
 
 struct SocketCanSettings {
-  std::string interface;                          ///< such as "can0"
-  std::size_t most_waiting_frames = 4096;         ///< while the interface takes none, at least 1
+  std::string interface;                   ///< such as "can0"
+  std::size_t most_waiting_frames = 4096;  ///< while the interface takes none, at least 1
+  /// While that many wait the bus is held until half of them are sent, and none is lost.
+  bool holds_bus = false;
   std::chrono::milliseconds reopen_period{1000};  ///< while there is no interface of this name
   /// Takes what happens to the interface, a sentence without a full stop.
   std::function<void(bridge::Severity severity, const std::string& text)> report{};

@@ -27,6 +27,8 @@ constexpr std::size_t kMostSocketcandReplies = 256;
 // busy bus would keep it out. It waits until the client, which has read the answer, sends
 // something; a client that only listens gets its first frames late.
 constexpr std::chrono::milliseconds kQuietAfterRawmode{100};
+// A client that holds the bus for longer is reported: to its user the bus is dead.
+constexpr std::chrono::milliseconds kLongHold{1000};
 
 std::chrono::microseconds socketcand_wall_clock() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
@@ -54,6 +56,7 @@ class SocketcandConnection final : public Port,
         socket_(std::move(socket)),
         quiet_timer_(socket_.get_executor()),
         statistics_timer_(socket_.get_executor()),
+        hold_timer_(socket_.get_executor()),
         session_(calls()) {}
 
   ~SocketcandConnection() override = default;
@@ -71,12 +74,15 @@ class SocketcandConnection final : public Port,
     ++traffic_.received_frames;
     traffic_.received_bytes += frame.bytes().size();
     if (is_closing_ || session_.mode() != SocketcandMode::raw) return;
-    if (frames_.size() >= shared_->settings.most_waiting_frames) {
-      frames_.pop_front();
-      ++shared_->counters.dropped_frames;
-    }
     frames_.push_back({frame, shared_->settings.clock()});
+    if (frames_.size() > shared_->settings.most_waiting_frames) make_room();
     write_later();
+  }
+
+  void resume() override {
+    asio::post(socket_.get_executor(), [self = shared_from_this()] {
+      if (!self->is_over_) self->proceed();
+    });
   }
 
   /// Leaves the bus, and closes the connection.
@@ -86,6 +92,7 @@ class SocketcandConnection final : public Port,
     --shared_->counters.clients;
     cancel(quiet_timer_);
     cancel(statistics_timer_);
+    cancel(hold_timer_);
     AsioError ignored;
     socket_.close(ignored);
   }
@@ -105,7 +112,10 @@ class SocketcandConnection final : public Port,
   }
 
   void read() {
-    if (is_reading_ || is_closing_ || replies_.size() > kMostSocketcandReplies) return;
+    if (is_reading_ || has_sent_all_ || is_closing_ || !unread_.empty() || shared_->bus.is_held() ||
+        replies_.size() > kMostSocketcandReplies) {
+      return;
+    }
     is_reading_ = true;
     socket_.async_read_some(asio::buffer(input_),
                             [self = shared_from_this()](const AsioError& error, std::size_t size) {
@@ -115,19 +125,67 @@ class SocketcandConnection final : public Port,
   }
 
   void take(const AsioError& error, std::size_t size) {
-    // Whoever has sent all still reads the answers.
-    if (error == asio::error::eof) return close_after_replies();
-    if (error) return end();
+    if (error && error != asio::error::eof) return end();
+    has_sent_all_ = static_cast<bool>(error);
+    unread_ = {input_.data(), size};
     end_quiet();
+    proceed();
+  }
+
+  /// Does what the client has sent, and reads on.
+  void proceed() {
     const SocketcandMode before = session_.mode();
     const std::uint64_t refused_before = session_.refused_words();
-    session_.take({input_.data(), size});
+    take_words();
     shared_->counters.refused_words += session_.refused_words() - refused_before;
     if (session_.mode() != before) follow_mode();
     if (session_.statistics_period() != statistics_period_) follow_statistics();
-    if (session_.is_over()) return close_after_replies();
+    // Whoever has sent all still reads the answers, and what they have brought about.
+    if (session_.is_over() || (has_sent_all_ && unread_.empty())) return close_after_replies();
     write_next();
     read();
+  }
+
+  /// Word by word: each one may bring about frames for which somebody has no room.
+  void take_words() {
+    while (!unread_.empty() && !shared_->bus.is_held()) {
+      const std::size_t end_of_word = unread_.find('>');
+      const std::size_t size =
+          end_of_word == std::string_view::npos ? unread_.size() : end_of_word + 1;
+      session_.take(unread_.substr(0, size));
+      unread_.remove_prefix(size);
+    }
+  }
+
+  /// More frames wait than should.
+  void make_room() {
+    if (shared_->settings.holds_bus) return hold_bus();
+    frames_.pop_front();
+    ++shared_->counters.dropped_frames;
+  }
+
+  void hold_bus() {
+    if (std::exchange(is_holding_, true)) return;
+    shared_->bus.hold(*this);
+    hold_timer_.expires_after(kLongHold);
+    hold_timer_.async_wait([self = shared_from_this()](const AsioError& error) {
+      if (!error && !self->is_over_) self->report_hold();
+    });
+  }
+
+  void release_bus() {
+    if (!std::exchange(is_holding_, false)) return;
+    cancel(hold_timer_);
+    shared_->bus.release(*this);
+  }
+
+  void report_hold() const {
+    if (!shared_->settings.report) return;
+    shared_->settings.report(
+        bridge::Severity::warning,
+        "a client does not read: " + std::to_string(frames_.size()) +
+            " frames wait for it, and the bus waits, with the time of its drives, until it reads "
+            "or disconnects; a client that only sends joins with '< bcmmode >'");
   }
 
   void send(const Frame& frame) {
@@ -138,7 +196,7 @@ class SocketcandConnection final : public Port,
   }
 
   void follow_mode() {
-    if (session_.mode() != SocketcandMode::raw) return frames_.clear();
+    if (session_.mode() != SocketcandMode::raw) return drop_frames();
     is_quiet_ = true;
     quiet_timer_.expires_after(kQuietAfterRawmode);
     quiet_timer_.async_wait([self = shared_from_this()](const AsioError& error) {
@@ -173,8 +231,12 @@ class SocketcandConnection final : public Port,
 
   void close_after_replies() {
     is_closing_ = true;
-    frames_.clear();
     write_next();
+  }
+
+  void drop_frames() {
+    frames_.clear();
+    release_bus();
   }
 
   void write_next() {
@@ -215,6 +277,7 @@ class SocketcandConnection final : public Port,
       frames_.pop_front();
       ++frames_in_output_;
     }
+    if (frames_.size() <= shared_->settings.most_waiting_frames / 2) release_bus();
   }
 
   void on_written(const AsioError& error) {
@@ -228,10 +291,12 @@ class SocketcandConnection final : public Port,
   tcp::socket socket_;
   asio::steady_timer quiet_timer_;
   asio::steady_timer statistics_timer_;
+  asio::steady_timer hold_timer_;
   SocketcandSession session_;
   SocketcandTraffic traffic_;
   std::chrono::milliseconds statistics_period_{};
   std::array<char, kSocketcandInput> input_{};
+  std::string_view unread_;  ///< of input_, while the bus is held
   std::deque<std::string> replies_;
   std::deque<WaitingFrame> frames_;
   std::string output_;  ///< on its way
@@ -239,7 +304,9 @@ class SocketcandConnection final : public Port,
   bool is_reading_ = false;
   bool is_writing_ = false;
   bool is_write_posted_ = false;
-  bool is_quiet_ = false;  ///< frames wait; see kQuietAfterRawmode
+  bool is_quiet_ = false;    ///< frames wait; see kQuietAfterRawmode
+  bool is_holding_ = false;  ///< the bus, see SocketcandSettings::holds_bus
+  bool has_sent_all_ = false;
   bool is_closing_ = false;
   bool is_over_ = false;
 };

@@ -3,12 +3,14 @@
 
 #include "bus/bus.hpp"
 #include "bus/tcp_address.hpp"
+#include "severity.hpp"
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 
 namespace boost::asio {
 class io_context;
@@ -25,8 +27,12 @@ struct SocketcandSettings {
   /// Frames that wait for one client, at least 1: 0.3 s of the 50,000 frames/s of a bus that is
   /// flooded, 2 s of one of 1 Mbit/s.
   std::size_t most_waiting_frames = 16'384;
+  /// A client for which that many wait holds the bus until half of them are sent, and loses none.
+  bool holds_bus = false;
   /// When a frame is on the bus, for its time stamp; none = the wall clock, since 1970.
   std::function<std::chrono::microseconds()> clock{};
+  /// Takes what happens to the server, a sentence without a full stop.
+  std::function<void(bridge::Severity severity, const std::string& text)> report{};
 };
 
 /// What a server counts since it was made, where nothing else is stated.
@@ -42,7 +48,8 @@ struct SocketcandCounters {
 
 /// A bus for clients of the socketcand protocol (bus/socketcand.hpp), each with its own port on it.
 /// A client that goes is an unplugged cable; one that reads too slowly loses the oldest frames that
-/// wait for it, and holds up nobody. For the thread of its context.
+/// wait for it, and holds up nobody, unless the settings let it hold the bus. For the thread of its
+/// context.
 class SocketcandServer final {
  public:
   /// Listens on return, and serves while `context` runs.

@@ -19,6 +19,8 @@ namespace {
 
 using namespace vdrive::literals;
 
+constexpr ObjectAddress kVersionObject{0x100A, 0};
+
 /// The objects of one index.
 using IndexObjects = std::span<const NodeObject>;
 
@@ -172,9 +174,9 @@ void add_file_info(const DataSheetSettings& settings, SheetText& sheet) {
 }
 
 /// @return a number of the identity object (1018h), as the section of this object has it.
-std::string identity_number(ObjectRow row) {
-  const NodeObject* const object = find_node_object(describe(row).address);
-  ensure(object != nullptr, "a row of the core's table is an object of the node");
+std::string identity_number(const std::vector<NodeObject>& objects, ObjectRow row) {
+  const auto object = std::ranges::find(objects, describe(row).address, &NodeObject::address);
+  ensure(object != objects.end(), "a row of the core's table is an object of the node");
   return sheet_number(*object, object->default_value);
 }
 
@@ -187,21 +189,23 @@ std::string count_pdos(const std::vector<IndexObjects>& indices, std::uint16_t f
   }));
 }
 
-void add_device_info(const std::vector<IndexObjects>& indices, SheetText& sheet) {
+void add_device_info(const std::vector<NodeObject>& objects,
+                     const std::vector<IndexObjects>& indices, SheetText& sheet) {
   constexpr std::array<std::string_view, 8> kRates{"10",  "20",  "50",  "125",
                                                    "250", "500", "800", "1000"};
   sheet.begin_section("DeviceInfo");
   sheet.add("VendorName", "vdrive");
-  sheet.add("VendorNumber", identity_number("vendor_id"_object));
+  sheet.add("VendorNumber", identity_number(objects, "vendor_id"_object));
   sheet.add("ProductName", "vdrive");
-  sheet.add("ProductNumber", identity_number("product_code"_object));
-  sheet.add("RevisionNumber", identity_number("revision_number"_object));
+  sheet.add("ProductNumber", identity_number(objects, "product_code"_object));
+  sheet.add("RevisionNumber", identity_number(objects, "revision_number"_object));
   sheet.add("OrderCode", "vdrive");
   for (const std::string_view rate : kRates) sheet.add("BaudRate_" + std::string(rate), "1");
   sheet.add("SimpleBootUpMaster", "0");
   sheet.add("SimpleBootUpSlave", "1");
   sheet.add("Granularity", "8");
   sheet.add("DynamicChannelsSupported", "0");
+  sheet.add("CompactPDO", "0");
   sheet.add("GroupMessaging", "0");
   sheet.add("NrOfRXPDO", count_pdos(indices, 0x1400));
   sheet.add("NrOfTXPDO", count_pdos(indices, 0x1800));
@@ -218,22 +222,56 @@ void add_dummy_usage(SheetText& sheet) {
   }
 }
 
-void add_comments(SheetText& sheet) {
+void add_comments(const DataSheetSettings& settings, SheetText& sheet) {
   sheet.begin_section("Comments");
   sheet.add("Lines", "2");
   sheet.add("Line1", "Positions are in user units of the axis, 4096 a revolution by default.");
-  sheet.add("Line2", "The configuration of the bench may set other default values.");
+  sheet.add("Line2", settings.values.empty()
+                         ? "The configuration of the bench may set other default values."
+                         : "Default values are those of this axis after its power-up.");
+}
+
+/// What makes a sheet a device configuration file, in the spelling of CiA 306.
+void add_commissioning(std::uint8_t node_id, SheetText& sheet) {
+  const std::string number = std::to_string(node_id);
+  sheet.begin_section("DeviceComissioning");
+  sheet.add("NodeID", number);
+  sheet.add("NodeName", "vdrive " + number);
+  sheet.add("Baudrate", "1000");
+  sheet.add("NetNumber", "1");
+  sheet.add("NetworkName", "");
+  sheet.add("CANopenManager", "0");
+  sheet.add("LSS_SerialNumber", "0");
+}
+
+/// @return node_objects() with the defaults of the settings.
+std::vector<NodeObject> objects_of(const DataSheetSettings& settings) {
+  std::vector<NodeObject> objects(node_objects().begin(), node_objects().end());
+  for (const DriveValue& value : settings.values) {
+    const auto object = std::ranges::find(objects, value.object, &NodeObject::address);
+    ensure(object != objects.end(), "a value has an object of the node");
+    object->default_value = value.value;
+  }
+  if (!settings.node_id) return objects;
+  for (NodeObject& object : objects) {
+    object.default_value = default_of(object, *settings.node_id);
+    object.has_node_id = false;
+    if (object.address == kVersionObject) object.default_text = settings.program_version;
+  }
+  return objects;
 }
 
 }  // namespace
 
 std::string electronic_data_sheet(const DataSheetSettings& settings) {
-  const std::vector<IndexObjects> indices = by_index(node_objects());
+  const std::vector<NodeObject> objects = objects_of(settings);
+  const std::vector<IndexObjects> indices = by_index(IndexObjects(objects));
   SheetText sheet;
   add_file_info(settings, sheet);
-  add_device_info(indices, sheet);
+  add_device_info(objects, indices, sheet);
   add_dummy_usage(sheet);
-  add_comments(sheet);
+  add_comments(settings, sheet);
+  if (settings.node_id) add_commissioning(*settings.node_id, sheet);
   for (const ObjectList& list : kObjectLists) add_object_list(list, indices, sheet);
   return sheet.take();
 }

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "node/node_host.hpp"
 #include "node/node_object.hpp"
 
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -15,11 +19,15 @@ struct DataSheetSettings {
   std::string_view program_version = "0";
   std::string_view date = "11-26-2026";  ///< of creation and modification: month-day-year
   std::string_view time = "08:00AM";     ///< hours:minutes
+  /// Makes it the device configuration file of this node, 1 to 127: its COB-IDs are numbers, which
+  /// readers want that do not know "$NODEID". None = valid for every node id.
+  std::optional<std::uint8_t> node_id{};
+  /// Objects of the drive whose defaults are others than those of the dictionary.
+  std::span<const DriveValue> values{};
 };
 
 /// The electronic data sheet of a node (CiA 306-1): what a master reads instead of the dictionary
-/// of the node. It has every object of node_objects() and is valid for every node id. Equal
-/// settings give equal bytes.
+/// of the node. It has every object of node_objects(). Equal settings give equal bytes.
 /// @return ASCII text; its lines end with a line feed.
 [[nodiscard]] std::string electronic_data_sheet(const DataSheetSettings& settings);
 

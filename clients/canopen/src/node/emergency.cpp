@@ -7,6 +7,7 @@
 #include "vdrive/cia402/statusword.hpp"
 
 #include <chrono>
+#include <utility>
 
 namespace vdrive::canopen {
 namespace {
@@ -56,6 +57,7 @@ void Emergency::reset() {
   is_allowed_ = false;
   drive_ = {};
   has_heartbeat_error_ = false;
+  has_error_ = false;
   waiting_.clear();
   last_sent_.reset();
 }
@@ -67,6 +69,7 @@ void Emergency::set_allowed(bool is_allowed, DriveTime now) {
 
 void Emergency::await_restart(const AxisStatus& drive, DriveTime now) {
   restart_ = Restart{.faults_before = drive.fault_count, .end = now + kLongestRestart};
+  clear_history();
 }
 
 bool Emergency::awaits_restart(const AxisStatus& drive, DriveTime now) {
@@ -82,6 +85,7 @@ void Emergency::update(const AxisStatus& drive, DriveTime now) {
     drive_.error_code = 0;  // not sent: neither is its end
     return;
   }
+  if (drive.fault_count < drive_.fault_count) clear_history();  // it was switched off
   const bool has_fault = drive.error_code != 0;
   // Beside the code: a fault of the same kind may have come behind a reset within one tick.
   const bool is_new = has_fault && (drive.error_code != drive_.error_code ||
@@ -89,29 +93,33 @@ void Emergency::update(const AxisStatus& drive, DriveTime now) {
   const bool is_over = !has_fault && drive_.error_code != 0;
   drive_ = drive;
   const bool is_sent = has_heartbeat_error_ && drive.error_code == kHeartbeatError;
-  if ((is_new && !is_sent) || is_over) {
-    post({.error_code = drive.error_code, .error_register = error_register()}, now);
-  }
+  if ((is_new && !is_sent) || is_over) post({.error_code = drive.error_code}, now);
 }
 
-void Emergency::raise(std::uint16_t error_code, DriveTime now) {
-  post({.error_code = error_code, .error_register = kCommunicationError}, now);
+void Emergency::begin_error(std::uint16_t error_code, DriveTime now) {
+  has_error_ = true;
+  post({.error_code = error_code}, now);
+}
+
+void Emergency::end_errors(DriveTime now) {
+  if (std::exchange(has_error_, false)) note_end(now);
 }
 
 void Emergency::begin_heartbeat_error(std::uint8_t producer, DriveTime now) {
   has_heartbeat_error_ = true;
-  post({.error_code = kHeartbeatError, .error_register = kCommunicationError, .producer = producer},
-       now);
+  post({.error_code = kHeartbeatError, .producer = producer}, now);
 }
 
 void Emergency::end_heartbeat_error(DriveTime now) {
-  if (!has_heartbeat_error_) return;
-  has_heartbeat_error_ = false;
-  if (drive_.error_code == 0) post({}, now);
+  if (std::exchange(has_heartbeat_error_, false)) note_end(now);
+}
+
+void Emergency::note_end(DriveTime now) {
+  if (error_register() == 0 && drive_.error_code == 0) post({}, now);
 }
 
 std::uint8_t Emergency::error_register() const noexcept {
-  return has_heartbeat_error_ ? kCommunicationError : std::uint8_t{0};
+  return has_heartbeat_error_ || has_error_ ? kCommunicationError : std::uint8_t{0};
 }
 
 void Emergency::advance(DriveTime now) {
@@ -131,6 +139,8 @@ DriveTime Emergency::next_allowed() const {
 }
 
 void Emergency::post(const Cause& cause, DriveTime now) {
+  if (cause.error_code != 0) history_.push_front(cause.error_code);
+  if (history_.size() > kMostHistory) history_.pop_back();
   if ((cob_id_ & kCobIdNotValid) != 0) return;
   advance(now);  // what was due before
   waiting_.push_back(message_of(cause));
@@ -148,7 +158,7 @@ Emergency::Message Emergency::message_of(const Cause& cause) const {
   const std::uint16_t statusword = drive_.ds402_statusword;
   return {low(cause.error_code),
           low(cause.error_code >> 8U),
-          static_cast<std::uint8_t>(drive_.error_register | cause.error_register),
+          static_cast<std::uint8_t>(drive_.error_register | error_register()),
           low(statusword),
           low(statusword >> 8U),
           static_cast<std::uint8_t>(drive_.op_mode_actual),

@@ -28,18 +28,20 @@ namespace vdrive::canopen {
 /// | 7 | of a heartbeat error 8130h: node id of the silent producer; else 0 |
 ///
 /// Each fault of the drive is sent once with its code 603Fh, and 0000h when its reset has cleared
-/// 603Fh. A heartbeat error lasts until all producers are heard again; then 0000h, unless the drive
-/// has a fault. The drive reacts to a heartbeat error with a fault of the same code (6007h): while
-/// the heartbeat error lasts that fault is not sent a second time.
+/// 603Fh. A heartbeat error lasts until all producers are heard again, another error of the
+/// communication, such as 8210h, until a right frame comes. When the last of them is over 0000h is
+/// sent, unless the drive has a fault. The drive reacts to a heartbeat error with a fault of the
+/// same code (6007h): while the heartbeat error lasts that fault is not sent a second time.
 ///
-/// Other errors of the communication, such as 8210h, are events: there is no state to be reset.
-///
-/// 1003h is the history of the drive and has its faults; an error of the communication is not
-/// entered there, since the drive does not know it. One that the drive reacts to is: as its fault.
+/// 1003h is the history of what was signalled (CiA 301, 7.5.2.4), also where the inhibit time or
+/// 1014h has kept the message back. It is empty at power-up of the node and of its drive.
 class Emergency {
  public:
   /// Emergencies that wait, as many as 1003h has: of more the oldest is left out, and counted.
   static constexpr std::size_t kMostWaiting = 8;
+
+  /// Entries of 1003h.
+  static constexpr std::size_t kMostHistory = 8;
 
   /// Drive time within which a drive restarts. One that shows no restart keeps its faults, which
   /// are sent then.
@@ -81,14 +83,23 @@ class Emergency {
   /// The drive after a tick, with 6041h as masters see it.
   void update(const AxisStatus& drive, DriveTime now);
 
-  /// An error of the communication that is over when it is sent.
-  void raise(std::uint16_t error_code, DriveTime now);
+  /// An error of the communication other than a silent producer has begun, such as 8210h.
+  void begin_error(std::uint16_t error_code, DriveTime now);
+
+  /// All of them are over: nothing happens without one.
+  void end_errors(DriveTime now);
 
   void begin_heartbeat_error(std::uint8_t producer, DriveTime now);
   void end_heartbeat_error(DriveTime now);
 
   /// @return the bits that errors of the communication set in 1001h now, beside those of the drive.
   [[nodiscard]] std::uint8_t error_register() const noexcept;
+
+  /// 1003h: error codes, the newest first.
+  [[nodiscard]] const std::deque<std::uint16_t>& history() const noexcept { return history_; }
+
+  /// 0 was written to 1003h:00.
+  void clear_history() noexcept { history_.clear(); }
 
   void advance(DriveTime now);
   [[nodiscard]] std::optional<DriveTime> next_due() const;
@@ -100,7 +111,6 @@ class Emergency {
 
   struct Cause {
     std::uint16_t error_code = 0;
-    std::uint8_t error_register = 0;  ///< beside what the drive shows
     std::uint8_t producer = 0;
   };
 
@@ -113,6 +123,7 @@ class Emergency {
   [[nodiscard]] bool awaits_restart(const AxisStatus& drive, DriveTime now);
   [[nodiscard]] Message message_of(const Cause& cause) const;
   void post(const Cause& cause, DriveTime now);
+  void note_end(DriveTime now);
   [[nodiscard]] DriveTime next_allowed() const;
 
   std::uint8_t node_id_;
@@ -123,6 +134,8 @@ class Emergency {
   AxisStatus drive_;
   std::optional<Restart> restart_;
   bool has_heartbeat_error_ = false;
+  bool has_error_ = false;
+  std::deque<std::uint16_t> history_;
   std::deque<Message> waiting_;
   std::optional<DriveTime> last_sent_;
   std::uint64_t held_back_ = 0;

@@ -94,7 +94,7 @@ class Node::Parts final : private PdoHost {
 
   void command(std::span<const DriveValue> values, std::uint8_t pdos) override;
 
-  void raise(std::uint16_t error_code) override { emergency_.raise(error_code, now_); }
+  void raise(std::uint16_t error_code) override { emergency_.begin_error(error_code, now_); }
 
   void receive_nmt(const Frame& frame);
   void receive_request(const Frame& frame);
@@ -103,6 +103,7 @@ class Node::Parts final : private PdoHost {
   void reset_communication();
   void enter(NmtState next);
   void watch_producers();
+  void end_errors();
   void end_heartbeat_error();
   void react_to_communication_error();
   void answered();
@@ -160,6 +161,12 @@ void Node::Parts::receive(const Frame& frame, DriveTime now) {
   } else {
     pdos_.receive(frame, now);
   }
+  end_errors();
+}
+
+/// Whatever has ended them: a right frame, other parameters or another state of NMT.
+void Node::Parts::end_errors() {
+  if (!pdos_.has_error()) emergency_.end_errors(now_);
 }
 
 void Node::Parts::receive_nmt(const Frame& frame) {
@@ -249,6 +256,7 @@ void Node::Parts::complete(std::uint32_t ticket, const DriveAnswer& answer, Driv
 void Node::Parts::answered() {
   producer_.advance(state_, now_);  // 1017h: the first heartbeat
   end_heartbeat_error();            // 1016h: the silent producer is not watched any more
+  end_errors();                     // a PDO has other parameters
 }
 
 /// A remote frame is node guarding, which there is not: it stays unanswered.
@@ -355,6 +363,7 @@ void Node::Parts::advance(DriveTime now) {
   sdo_.advance(now);
   emergency_.advance(now);
   pdos_.advance(now);
+  end_errors();  // 1029h: without PDOs there are none
 }
 
 std::optional<DriveTime> Node::Parts::next_due() const {

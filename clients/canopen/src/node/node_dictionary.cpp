@@ -17,6 +17,7 @@ namespace vdrive::canopen {
 namespace {
 
 constexpr ObjectAddress kErrorRegister{0x1001, 0};
+constexpr std::uint16_t kErrorField = 0x1003;
 constexpr ObjectAddress kStoreAll{0x1010, 1};
 constexpr ObjectAddress kRestoreAll{0x1011, 1};
 constexpr std::uint16_t kVerifyIndex = 0x1020;
@@ -79,6 +80,7 @@ std::optional<SdoAnswer> NodeDictionary::begin_upload(ObjectAddress object) {
   if (found->access == NodeAccess::write_only) {
     return SdoAnswer{.abort = AbortCode::read_of_write_only_object};
   }
+  if (object.index == kErrorField) return read_error_field(*found);
   if (found->owner == ObjectOwner::node) return read_own(*found);
   begin(object, std::nullopt);
   return std::nullopt;
@@ -131,8 +133,18 @@ std::int64_t NodeDictionary::as_masters_see(const DriveAccess& access, std::int6
   return access.object == kErrorRegister ? value | parts_.emergency.error_register() : value;
 }
 
+/// What the drive has there is without the errors of the communication.
+SdoAnswer NodeDictionary::read_error_field(const NodeObject& object) const {
+  const auto& history = parts_.emergency.history();
+  const std::size_t entry = object.address.subindex;
+  if (entry > history.size()) return {.abort = AbortCode::no_data_available};
+  const std::size_t value = entry == 0 ? history.size() : history[entry - 1];
+  return {.bytes = bytes_of_number(static_cast<std::int64_t>(value), size_of(object.data_type))};
+}
+
 /// @param object of the drive that was written
 AbortCode NodeDictionary::follow_memory(ObjectAddress object) {
+  if (object.index == kErrorField) parts_.emergency.clear_history();
   if (object != kStoreAll && object != kRestoreAll) {
     note_written(object);
     return AbortCode::none;

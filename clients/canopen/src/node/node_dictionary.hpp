@@ -81,6 +81,7 @@ class NodeDictionary final : public SdoObjects {
 
  private:
   void begin(ObjectAddress object, std::optional<std::int64_t> value);
+  [[nodiscard]] SdoAnswer read_error_field(const NodeObject& object) const;
   [[nodiscard]] SdoAnswer read_own(const NodeObject& object) const;
   [[nodiscard]] std::uint32_t value_of(const NodeObject& object) const;
   [[nodiscard]] std::int64_t as_masters_see(const DriveAccess& access, std::int64_t value) const;

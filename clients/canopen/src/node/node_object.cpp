@@ -35,6 +35,14 @@ constexpr std::array kNamedIndices{
     NodeIndex{0x1018, "Identity Object", ObjectCode::record},
 };
 
+/// Which CiA 402-2 has as write-only. Sessions of the bench may read them.
+constexpr std::array kWriteOnly{ObjectAddress{0x60C4, 0x05}, ObjectAddress{0x60C4, 0x06}};
+
+NodeAccess access_of_row(const ObjectDescription& row) {
+  if (std::ranges::find(kWriteOnly, row.address) != kWriteOnly.end()) return NodeAccess::write_only;
+  return row.access == Access::read_only ? NodeAccess::read_only : NodeAccess::read_write;
+}
+
 bool is_in_status(ObjectAddress address) {
   return std::ranges::any_of(status_members(), [address](const StatusMember& member) {
     return member.is_published && member.address == address;
@@ -52,7 +60,8 @@ PdoMapping mapping_of_row(const ObjectDescription& row) {
   }
   // A PDO would store or clear in each cycle what a master means to store or clear once.
   const bool is_once = row.change == Change::memory || row.change == Change::history;
-  return is_once ? PdoMapping::none : PdoMapping::both;
+  if (is_once) return PdoMapping::none;
+  return access_of_row(row) == NodeAccess::write_only ? PdoMapping::receive : PdoMapping::both;
 }
 
 /// @return the words that all names begin with, such as "Homing Speed"; the first name where there
@@ -86,18 +95,17 @@ NodeIndex drive_index(DriveRows rows) {
 }
 
 NodeObject drive_object(const NodeIndex& index, const ObjectDescription& row) {
-  return {
-      .address = row.address,
-      .name = row.name,
-      .index_name = index.name,
-      .code = index.code,
-      .data_type = node_type_of(row.data_type),
-      .access = row.access == Access::read_only ? NodeAccess::read_only : NodeAccess::read_write,
-      .owner = ObjectOwner::drive,
-      .mapping = mapping_of_row(row),
-      .lower_limit = row.lower_limit,
-      .upper_limit = row.upper_limit,
-      .default_value = row.default_value};
+  return {.address = row.address,
+          .name = row.name,
+          .index_name = index.name,
+          .code = index.code,
+          .data_type = node_type_of(row.data_type),
+          .access = access_of_row(row),
+          .owner = ObjectOwner::drive,
+          .mapping = mapping_of_row(row),
+          .lower_limit = row.lower_limit,
+          .upper_limit = row.upper_limit,
+          .default_value = row.default_value};
 }
 
 /// @param rows all of one index

@@ -49,6 +49,7 @@ enum class ObjectOwner : std::uint8_t {
 enum class PdoMapping : std::uint8_t {
   none,
   transmit,  ///< into TPDOs: the drive has it, and no PDO may bring it
+  receive,   ///< into RPDOs: it is write-only
   both,      ///< a set-point of the drive may bring it, and a TPDO shows it
 };
 
@@ -58,7 +59,8 @@ enum class PdoDirection : std::uint8_t { receive, transmit };
 /// @return whether PDOs of this direction may carry what is mapped so.
 [[nodiscard]] constexpr bool allows(PdoMapping mapping, PdoDirection direction) noexcept {
   return mapping == PdoMapping::both ||
-         (mapping == PdoMapping::transmit && direction == PdoDirection::transmit);
+         mapping ==
+             (direction == PdoDirection::transmit ? PdoMapping::transmit : PdoMapping::receive);
 }
 
 /// Shape of the index that an object belongs to (CiA 301, table "Object code").

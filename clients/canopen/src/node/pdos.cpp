@@ -124,6 +124,10 @@ void Pdos::advance(DriveTime now) {
   }
 }
 
+bool Pdos::has_error() const noexcept {
+  return sync_.has_error() || std::ranges::any_of(receive_, &ReceivePdo::has_error);
+}
+
 std::optional<DriveTime> Pdos::next_due() const {
   std::optional<DriveTime> due;
   if (!is_started_) return due;

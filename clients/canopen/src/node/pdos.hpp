@@ -98,6 +98,9 @@ class Pdos {
 
   /// @return when advance() has something to do next, a time that has passed = at once; none =
   ///         nothing waits for time.
+  /// @return whether an error of a receive PDO or of SYNC lasts, which PdoHost::raise() was told.
+  [[nodiscard]] bool has_error() const noexcept;
+
   [[nodiscard]] std::optional<DriveTime> next_due() const;
 
   [[nodiscard]] const PdoCounters& counters() const noexcept { return counters_; }

@@ -40,6 +40,7 @@ void ReceivePdo::restart() {
   latched_.reset();
   received_.reset();
   length_error_ = 0;
+  is_timed_out_ = false;
 }
 
 AbortCode ReceivePdo::write(ObjectAddress object, std::uint32_t value) {
@@ -73,6 +74,7 @@ PdoReception ReceivePdo::receive(const Frame& frame, DriveTime now) {
   if (!is_dropped) {
     latched_ = frame;
     received_ = now;
+    is_timed_out_ = false;
   }
   return {.is_dropped = is_dropped, .error_code = is_news ? error : std::uint16_t{0}};
 }
@@ -96,6 +98,7 @@ bool ReceivePdo::times_out(DriveTime now) {
   const std::optional<DriveTime> due = next_due();
   if (!due || now < *due) return false;
   received_.reset();
+  is_timed_out_ = true;
   return true;
 }
 

@@ -61,6 +61,10 @@ class ReceivePdo {
   ///         another frame comes.
   bool times_out(DriveTime now);
 
+  /// @return whether an error lasts: of the length, until a frame with the right one comes; the
+  ///         time-out, until one comes that is used; both no longer than until restart().
+  [[nodiscard]] bool has_error() const noexcept { return length_error_ != 0 || is_timed_out_; }
+
   /// @return when it times out; none = it does not.
   [[nodiscard]] std::optional<DriveTime> next_due() const;
 
@@ -69,6 +73,7 @@ class ReceivePdo {
   std::optional<Frame> latched_{};
   std::optional<DriveTime> received_{};  ///< of the time-out that runs
   std::uint16_t length_error_ = 0;       ///< of the frame received last
+  bool is_timed_out_ = false;
 };
 
 }  // namespace vdrive::canopen

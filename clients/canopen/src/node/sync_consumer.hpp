@@ -56,6 +56,9 @@ class SyncConsumer {
   /// @pre is_sync(frame)
   SyncReception receive(const Frame& frame, DriveTime now);
 
+  /// @return whether the last SYNC had a wrong length.
+  [[nodiscard]] bool has_error() const noexcept { return has_wrong_length_; }
+
   /// @return whether more than 1007h has passed since the last SYNC: synchronous RPDOs are then
   ///         dropped until the next one. Never when 1007h is 0, and not before the first SYNC.
   ///         Where time stands between SYNCs, the window has no effect. TPDOs are sent within the

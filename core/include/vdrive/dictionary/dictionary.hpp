@@ -25,7 +25,7 @@ inline constexpr std::size_t kObjectCount = kObjectTable.size();
 /// Of objects, names, types, access and ranges; clients find it in the description of a bench. The
 /// second number grows with every change of a row, the first with one that existing clients cannot
 /// use.
-inline constexpr std::string_view kDictionaryVersion = "1.3";
+inline constexpr std::string_view kDictionaryVersion = "1.4";
 
 /// What has to be written to 1010h:01 and 1011h:01; any other value is refused with
 /// AbortCode::cannot_store_or_transfer.

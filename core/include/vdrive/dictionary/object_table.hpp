@@ -16,7 +16,7 @@ namespace vdrive {
 /// 5E21h).
 /// Sorted by index and sub-index.
 // clang-format off
-inline constexpr std::array<ObjectDescription, 174> kObjectTable{{
+inline constexpr std::array<ObjectDescription, 175> kObjectTable{{
     {{0x1000, 0x00}, "Device Type", "设备类型", "Device", "device_type",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 131474, "-", Origin::companion},
     {{0x1001, 0x00}, "Error Register", "错误寄存器", "Device", "error_register",
@@ -140,6 +140,8 @@ inline constexpr std::array<ObjectDescription, 174> kObjectTable{{
     {{0x5E20, 0x0D}, "Habit Homing By Level", "习性：回零需保持位 4", "Test", "habit_homing_by_level",
      DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
     {{0x5E20, 0x0E}, "Habit Clear Target Velocity", "习性：使能清目标速度", "Test", "habit_clear_target_velocity",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x0F}, "Habit Homing Ends At Halt", "习性：暂停即终止回零", "Test", "habit_homing_ends_at_halt",
      DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
     {{0x5E21, 0x01}, "Test Switch Negative Limit", "测试：负限位开关位置", "Test", "test_switch_negative_limit",
      DataType::integer32, Access::read_write, Storage::not_stored, Effective::immediately, -2147483648, 2147483647, -2147483648, "PosUU", Origin::companion, Role::test_input},

@@ -10,6 +10,11 @@ namespace vdrive {
 /// 4096 user units a motor revolution).
 inline constexpr double kUserUnitsPerRevolution = 4096.0;
 
+/// Speed that no motor of the model exceeds at the end of a tick, whatever torque drives it: a
+/// million revolutions a minute, which no real one reaches [UU/s]. A load on an elastic shaft has
+/// that of its motor, through the gear.
+inline constexpr double kHighestMotorSpeed = 1.0e6 / 60.0 * kUserUnitsPerRevolution;
+
 /// Values of lower_end_stop and upper_end_stop that stand for none, as those of 607Dh do [UU].
 inline constexpr double kNoLowerEndStop = -2147483648.0;
 inline constexpr double kNoUpperEndStop = 2147483647.0;

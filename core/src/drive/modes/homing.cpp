@@ -101,7 +101,7 @@ bool start(Drive& drive) {
   return true;
 }
 
-/// Halt or a stop ends a run that is under way; what one has found or not found before stays.
+/// Ends a run that is under way; what one has found or not found before stays.
 void interrupt(Drive& drive) {
   DriveState& s = drive.state();
   if (runs(s.modes.homing.stage)) {
@@ -110,12 +110,26 @@ void interrupt(Drive& drive) {
   }
 }
 
-/// Bit 4 starts a homing run, bit 8 ends it for good.
+/// Halt has ended. Its stop has put the target where it came to rest: the way back leads to home.
+void continue_run(Drive& drive) {
+  DriveState& s = drive.state();
+  if (s.modes.homing.stage != HomingStage::back) return;
+  s.target.position = real(drive, "home_offset"_object);
+  s.target.arrived = false;
+}
+
+/// Bit 4 starts a homing run. Bit 8 stops it; the run continues when bit 8 falls, unless bit 4 was
+/// 0 until then.
 void command(Drive& drive, const WrittenControlword& word) {
   DriveState& s = drive.state();
-  const bool falling = (word.previous & ~s.controlword & Controlword::kStartHoming) != 0;
-  if (halted(drive) || (falling && homes_by_level(drive))) interrupt(drive);
-  const bool rising = (s.controlword & ~word.previous & Controlword::kStartHoming) != 0;
+  const bool wanted = (s.controlword & Controlword::kStartHoming) != 0;
+  const bool falling = !wanted && (word.previous & Controlword::kStartHoming) != 0;
+  const bool released = !halted(drive) && (word.previous & Controlword::kHalt) != 0;
+  const bool ended_by_halt =
+      ends_homing_at_halt(drive) ? halted(drive) : (halted(drive) || released) && !wanted;
+  if (ended_by_halt || (falling && homes_by_level(drive))) interrupt(drive);
+  if (released) continue_run(drive);
+  const bool rising = wanted && (word.previous & Controlword::kStartHoming) == 0;
   if (!rising) return;
   if (word.accepting && !halted(drive) && start(drive)) {
     s.target.fresh = true;
@@ -230,15 +244,18 @@ MotionRequest ask(const Drive& drive) {
 /// The run ends when the axis has come back to home.
 void watch(Drive& drive) {
   HomingState& homing = drive.state().modes.homing;
+  if (halted(drive) && runs(homing.stage)) return;
   if (homing.stage == HomingStage::back || homing.stage == HomingStage::done) {
     watch_target_window(drive);
     if (on_target(drive)) homing.stage = HomingStage::done;
   }
 }
 
-/// Bits 10, 12 and 13.
+/// Bits 10, 12 and 13. Under halt a run is shown as an interrupted one, also on its way back: an
+/// axis that stands there has not reached its home.
 std::uint16_t status_bits(const Drive& drive) {
-  switch (drive.state().modes.homing.stage) {
+  const HomingStage stage = drive.state().modes.homing.stage;
+  switch (halted(drive) && runs(stage) ? HomingStage::idle : stage) {
     case HomingStage::idle:
       // A load that is pushed does not look like a run.
       return reached_when(!drive.state().demand.moving);
