@@ -66,7 +66,7 @@ std::uint32_t largest_sample() {
 
 /// A member of a key.
 struct KeyMember {
-  std::size_t offset = 0;  ///< in a sample, behind the encapsulation [bytes]
+  std::size_t offset = 0;  ///< in a sample, after the encapsulation [bytes]
   std::size_t place = 0;   ///< in the key, which has no other members [bytes]
   std::size_t size = 0;    ///< [bytes]
 };
@@ -88,7 +88,7 @@ constexpr std::array<KeyMember, 2> members_of(TopicKey key) noexcept {
   }
 }
 
-/// @return how much of a sample is needed for its key, behind the encapsulation [bytes].
+/// @return how much of a sample is needed for its key, after the encapsulation [bytes].
 constexpr std::size_t end_of_key(TopicKey key) noexcept {
   const auto [first, second] = members_of(key);
   return second.size == 0 ? first.size : second.offset + second.size;

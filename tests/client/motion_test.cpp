@@ -475,7 +475,9 @@ TEST_F(MotionOfAnAxis, FailsWhereASoftwareLimitHasCutItOff) {
   ASSERT_TRUE(session_.step(1, 1));
   const auto motion = axis_.start_move(8'000);
   ASSERT_TRUE(motion);
-  EXPECT_THAT(motion->wait().message(), HasSubstr("(607Dh:2) = 1000 has cut the move to 8000 off"));
+  EXPECT_THAT(motion->wait().message(),
+              AllOf(HasSubstr("software limit"), HasSubstr("(607Dh:2) = 1000 UU"),
+                    HasSubstr("the move to 8000 UU")));
   EXPECT_FALSE(motion->has_ended());
 }
 

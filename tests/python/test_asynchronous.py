@@ -151,3 +151,20 @@ def test_a_cancelled_wait_for_drive_time_ends():
         asyncio.run(run())
         assert all(thread.name != "vdrive await" or not thread.is_alive()
                    for thread in threading.enumerate())
+
+
+@pytest.mark.parametrize("clock", ["lockstep", "realtime"])
+def test_a_cancelled_task_whose_axis_cannot_be_halted_says_so(clock):
+    async def run():
+        task = asyncio.create_task(awaitable(axis.start_move(FAR, velocity=20000)))
+        await axis.wait_until_async(lambda status: status.velocity > 1000, timeout=PATIENCE)
+        other.axis("1.1").take_over()
+        task.cancel()
+        await asyncio.wait_for(task, PATIENCE)
+
+    with vdrive.Bench(1, clock=clock) as bench, bench.session() as session, bench.session() as other:
+        axis = session.axis("1.1")
+        axis.enable()
+        with pytest.raises(vdrive.Refused):
+            asyncio.run(run())
+        assert not is_halted(axis)

@@ -105,7 +105,7 @@ def group_of(session):
     (f"snapshot = 'a': {WHOLE} 0 ", lambda s, a: s.restore_snapshot("a")),
     (f"bits = '1': {WHOLE} 0 to 65535$", lambda s, a: a.status().shows("1")),
     (f"benches\\[0\\] = True: {WHOLE} 0 ", lambda s, a: vdrive.StepClock(s, [True])),
-    (f"steppers = -1: {WHOLE} 0 ", lambda s, a: vdrive.StepClock(s, [1], steppers=-1)),
+    (f"steppers = '3': {WHOLE} 0 ", lambda s, a: vdrive.StepClock(s, [1], steppers="3")),
     (f"targets\\[1\\] = '2': {WHOLE} -2147483648 to 2147483647 UU$", lambda s, a: group_of(s).move_together([1, "2"])),
     ("targets = 5: must be a sequence$", lambda s, a: group_of(s).queue_move(5)),
     ("set_points\\[0\\] = True: must be a number$", lambda s, a: group_of(s).stream([True, 1])),

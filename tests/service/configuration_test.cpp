@@ -366,7 +366,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "axes:\n  - number: 1\n    parameters:\n      profile_velocity: 1\n"
                 "      \"0x6081\": 2",
                 "bench.yaml:5: axes[0].parameters.0x6081 = 2: the same object, 0x6081, has the "
-                "value 1 in line 4"},
+                "value 1 UU/s (0.09 deg/s) in line 4"},
         Refused{"parameter_is_a_command", "axes:\n  - number: 1\n    parameters: {6040h: 15}",
                 "bench.yaml:3: axes[0].parameters.6040h = 15: ds402_controlword (0x6040) is no "
                 "parameter: a write of it commands the axis; parameters are objects that keep a "
@@ -388,7 +388,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Configuration, GivesAnAxisTheIdentityThatAMasterExpects) {
   const Configuration configuration =
       parse("axes:\n  - number: 1\n    parameters: {vendor_id: 0x1234, \"1018h:4\": 4294967295}");
-  const auto& parameters = bank_axes(configuration)[0].parameters;
+  const auto parameters = bank_axes(configuration)[0].parameters;
   ASSERT_EQ(parameters.size(), 2U);
   EXPECT_EQ(parameters[0].address, (ObjectAddress{0x1018, 1}));
   EXPECT_EQ(parameters[0].value, 0x1234);

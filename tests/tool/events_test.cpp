@@ -115,8 +115,10 @@ class HealthyBench : public testing::Test {
   [[nodiscard]] const std::set<std::string>& called() const { return called_; }
 
   [[nodiscard]] std::string with_directory(std::string text) const {
-    const auto place = text.find("DIR");
-    return place == std::string::npos ? text : text.replace(place, 3, directory_.path());
+    for (auto place = text.find("DIR"); place != std::string::npos; place = text.find("DIR")) {
+      text.replace(place, 3, directory_.path());
+    }
+    return text;
   }
 
  private:

@@ -121,7 +121,7 @@ class Numbers {
 
 struct Field {
   const char* name;
-  std::int64_t largest;  ///< behind a writer that has sent 100 samples, all acknowledged
+  std::int64_t largest;  ///< after a writer that has sent 100 samples, all acknowledged
   std::function<Part(std::int64_t)> part;
 };
 

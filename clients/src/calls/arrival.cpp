@@ -117,16 +117,18 @@ Outcome check_arrival(AxesCall& call, const AxisSnapshot& at_rest, std::int32_t 
   const auto limits = std::span(read).first(kSoftwareLimits);
   const auto limit = std::ranges::find(limits, demand);
   const std::string axis = "axis " + to_string(at_rest.id) + ": ";
+  const std::string place_of_rest = call.position_text(demand);
+  const std::string move = move_to(target, call.unit_of(at_rest.id));
   if (at_rest.shows(Statusword::kInternalLimitActive) && limit != limits.end()) {
     const auto place = static_cast<std::size_t>(limit - limits.begin());
     return Outcome::failed(axis + "the software limit " + object_text(kArrivalObjects.at(place)) +
-                           " = " + std::to_string(demand) + " has cut " + move_to(target) + " off");
+                           " = " + place_of_rest + " has cut " + move + " off");
   }
   const std::int64_t span = read.back() - read[kSoftwareLimits];
   const bool is_there = span > 0 && (std::int64_t{target} - demand) % span == 0;
   if (is_there || !is_exact) return {};
-  return Outcome::failed(axis + "something else has ended " + move_to(target) + ": it rests at " +
-                         std::to_string(demand) + " (6062h)");
+  return Outcome::failed(axis + "something else has ended " + move + ": it rests at " +
+                         place_of_rest + " (6062h)");
 }
 
 Outcome check_set_point(const AxisSnapshot& axis) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "calls/observed_axes.hpp"
-#include "exchange/command_history.hpp"
 #include "vdrive/quantity.hpp"
 
 #include <chrono>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "commands/parameter_memory.hpp"
 #include "execution/axis_action.hpp"
+#include "execution/parameter_memory.hpp"
 
 namespace vdrive::tool {
 namespace {

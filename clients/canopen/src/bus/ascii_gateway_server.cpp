@@ -110,7 +110,7 @@ struct AsciiGatewayServer::State final : Port,
 
   /// In a turn of its own: each SYNC may bring about many frames.
   void post_sync() {
-    if (!gateway.has_syncs() || std::exchange(is_sync_posted, true)) return;
+    if (!gateway.has_syncs() || bus.is_held() || std::exchange(is_sync_posted, true)) return;
     asio::post(context, [self = shared_from_this()] {
       self->is_sync_posted = false;
       if (!self->is_over) self->send_sync();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "commands/parameter_memory.hpp"
+#include "execution/parameter_memory.hpp"
 
 #include "vdrive/dictionary/dictionary.hpp"
 
