@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """vdrive.canopen: its start and end, raw sockets on its bus, python-can, and the fixture."""
+import configparser
 import os
 import pathlib
+import re
 import select
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import textwrap
@@ -522,3 +525,42 @@ def test_every_public_name_has_a_docstring():
 
 def test_a_frame_shows_itself_as_on_a_bus():
     assert repr(Frame(0x181, b"\x40\x02")) == "181#4002"
+
+
+CONFIGURED = """
+bench: {number: 7}
+axes:
+  - number: 3
+    parameters: {profile_velocity: 4321, vendor_id: 0x1234, serial_number: 99}
+"""
+NUMBER_TYPES = {0x1: "?", 0x2: "b", 0x3: "h", 0x4: "i", 0x5: "B", 0x6: "H", 0x7: "I", 0x15: "q", 0x1B: "Q"}  # CiA 306
+
+
+@pytest.mark.parametrize("machine", ["default", "preset", "configuration"])
+def test_a_node_answers_what_its_device_configuration_file_says(tmp_path, machine):
+    config = tmp_path / "bench.yaml"
+    config.write_text(CONFIGURED)
+    options = {"default": {"axes": 3}, "preset": {"axes": 3, "preset": "winder"},
+               "configuration": {"config": config}}[machine]
+    chosen = {"default": [], "preset": ["--preset", "winder"],
+              "configuration": ["--config", str(config)]}[machine]
+    text = subprocess.run([os.environ["VDRIVE_TOOL"], "dictionary", "--format", "eds", "--node", "3", *chosen],
+                          check=True, capture_output=True, text=True).stdout
+    sheet = configparser.ConfigParser(interpolation=None)
+    sheet.optionxform = str
+    sheet.read_string(text)
+    objects = {name: entry for name, entry in sheet.items()
+               if re.fullmatch(r"[0-9A-F]{4}(sub[0-9A-F]+)?", name) and "DefaultValue" in entry
+               and not re.fullmatch("1003sub[1-8]", name)}  # of a node without errors: 08000024h
+    differing, compared = [], 0
+    with vdrive.canopen.Bus(sync_steps=PERIOD, **options) as bus, CanClient(bus.host, bus.port) as client:
+        for name, entry in objects.items():
+            kind = NUMBER_TYPES.get(int(entry["DataType"], 0))
+            if entry["AccessType"] == "wo" or kind is None or entry["DefaultValue"] == "":
+                continue
+            index, _, sub = name.partition("sub")
+            answer = struct.unpack("<" + kind, client.upload(3, int(index, 16), int(sub or "0", 16)))[0]
+            compared += 1
+            if answer != int(entry["DefaultValue"], 0):
+                differing.append((name, entry["DefaultValue"], answer))
+    assert compared > 150 and differing == []
