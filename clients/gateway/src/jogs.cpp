@@ -64,21 +64,21 @@ void Jogs::request(const JogRequest& request, Clock::time_point now, const Answe
     return;
   }
   Jog& jog = jogs_[request.axis];
-  const bool is_held = request.velocity != 0;
-  const bool continues = is_held && is_running(jog, now);
+  const bool is_press = request.velocity != 0;
+  const bool continues = is_press && is_running(jog, now);
   if (continues && jog.velocity == request.velocity) {
     *jog.held_until = now + kHeldTime;
     answer({});
     return;
   }
-  if (is_held && jog.is_pressed && !continues) {
+  if (is_press && jog.is_pressed && !continues) {
     answer({.outcome = Outcome::failed("the jog of axis " + request.axis +
                                        " has ended: let go (velocity 0), then press again")});
     return;
   }
   let_go(jog);
-  jog.is_pressed = is_held;
-  if (!is_held) {
+  jog.is_pressed = is_press;
+  if (!is_press) {
     post(jog, answer, [answer] {
       answer({});  // after the jog before: the axis stands
     });

@@ -32,7 +32,7 @@ class EventFilter {
   struct Run {
     std::uint64_t first_tick = 0;
     /// By kind, the oldest first; kinds of later versions are one.
-    std::array<std::deque<msg::Event>, kEventKinds.size() + 1> passed;
+    std::array<std::deque<msg::Event>, kEventKinds.size() + 1> passed{};
   };
 
   std::map<BenchKey, Run> runs_;
