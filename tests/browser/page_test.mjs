@@ -110,13 +110,18 @@ async function keepTexts(locator) {
   return () => locator.evaluate((element) => element.keptTexts);
 }
 
-/** Takes control from its holder. A press within half a second of the question is taken for a double click. */
+/** Waits until a press is no second click: within half a second it does nothing. */
+async function waitForNextPress(shown) {
+  const pressed = await shown.evaluate(() => performance.now());
+  await shown.waitForFunction((since) => performance.now() - since > 500, pressed);
+}
+
+/** Takes control from its holder. */
 async function takeOver(shown) {
   await shown.click('[data-test="take"]');
   const confirm = shown.locator('[data-test="take-confirm"]');
   await confirm.waitFor();
-  const asked = await shown.evaluate(() => performance.now());
-  await shown.waitForFunction((since) => performance.now() - since > 500, asked);
+  await waitForNextPress(shown);
   await confirm.click();
   await waitForText(shown.locator(".holder"), /You have control/);
 }
@@ -937,6 +942,7 @@ test("control is taken from its holder after a question that names it and what m
   await other.locator('[data-test="take-confirm"]').waitFor();
   assert.match((await page.locator(".holder").textContent()) ?? "", /You have control/);
   await other.keyboard.press("Escape");
+  await waitForNextPress(other);
   await takeOver(other);
   await waitForText(page.locator(".holder"), /Control is held by page \(Chrome/);
   await waitForText(page.locator(".notices"), /^\d\d:\d\d: control was taken from this page by page \(Chrome \d+, Linux\)/);

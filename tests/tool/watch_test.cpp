@@ -114,7 +114,7 @@ TEST_F(WatchOnATerminal, ShowsAFaultWithItsCodeItsNameAndAColor) {
     return screen.rows()[2].find("Fault 0x2310") != std::string::npos;
   };
   ASSERT_TRUE(watch.wait_until(shows_fault)) << error_of(watch.screen());
-  EXPECT_THAT(watch.screen().rows()[2], HasSubstr("over-cu"));
+  EXPECT_THAT(watch.screen().rows()[2], HasSubstr("0x2310 continuous"));
   EXPECT_EQ(watch.screen().color_of_row(2), kRed);
   EXPECT_NE(watch.screen().color_of_row(3), kRed);
   ASSERT_TRUE(without_color.wait_until(shows_fault)) << error_of(without_color.screen());
