@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <array>
-#include <span>
+#include <cstring>
 #include <tuple>
 
 namespace vdrive::wire {
@@ -49,16 +49,17 @@ const MessageSupport& support_of(TopicId topic) noexcept {
 std::array<std::byte, kKeyHashSize> key_of(std::span<const std::byte> sample,
                                            TopicKey key) noexcept {
   std::array<std::byte, kKeyHashSize> hash{};
-  if (sample.size() < kEncapsulation + end_of_key(key)) return hash;
+  if (sample.size() < kEncapsulation + size_of_key(key)) return hash;
+  std::memcpy(hash.data(), &sample[kEncapsulation], size_of_key(key));
+  constexpr auto kSession = 8;  // behind the padding, which a sender may fill with anything
+  if (key == TopicKey::bench_and_session) {
+    std::fill(hash.begin() + 4, hash.begin() + kSession, std::byte{0});
+  }
   const bool is_little = sample[1] != std::byte{0};
-  for (const auto& [offset, place, size] : members_of(key)) {
-    const auto bytes = sample.subspan(kEncapsulation + offset, size);
-    const auto member = std::span(hash).subspan(place, size);
-    if (is_little) {
-      std::ranges::reverse_copy(bytes, member.begin());
-    } else {
-      std::ranges::copy(bytes, member.begin());
-    }
+  if (is_little) {
+    std::reverse(hash.begin(), hash.begin() + 4);
+    if (key == TopicKey::bench_and_number) std::swap(hash[4], hash[5]);
+    if (key == TopicKey::bench_and_session) std::reverse(hash.begin() + kSession, hash.end());
   }
   return hash;
 }

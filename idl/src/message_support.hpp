@@ -64,40 +64,18 @@ std::uint32_t largest_sample() {
   return static_cast<std::uint32_t>(2 * (kEncapsulation + padded - padded % kSubmessageAlignment));
 }
 
-/// A member of a key.
-struct KeyMember {
-  std::size_t offset = 0;  ///< in a sample, after the encapsulation [bytes]
-  std::size_t place = 0;   ///< in the key, which has no other members [bytes]
-  std::size_t size = 0;    ///< [bytes]
-};
-
-/// @return the members of a key; those that it does not have are of size 0.
-constexpr std::array<KeyMember, 2> members_of(TopicKey key) noexcept {
-  constexpr KeyMember kOfBench{.offset = 0, .place = 0, .size = 4};
+/// @return the bytes that the key of a topic takes in a sample, behind the encapsulation.
+constexpr std::size_t size_of_key(TopicKey key) noexcept {
   switch (key) {
     case TopicKey::bench:
-      return {kOfBench};
-    case TopicKey::bench_and_kind:
-      return {kOfBench, {.offset = 32, .place = 4, .size = 4}};
+      return 4;
     case TopicKey::bench_and_number:
-      return {kOfBench, {.offset = 4, .place = 4, .size = 2}};
+      return 6;
     case TopicKey::bench_and_session:
-      return {kOfBench, {.offset = 8, .place = 8, .size = 8}};
+      return 16;  // four bytes align the second member
     default:
-      return {};
+      return 0;
   }
-}
-
-/// @return how much of a sample is needed for its key, after the encapsulation [bytes].
-constexpr std::size_t end_of_key(TopicKey key) noexcept {
-  const auto [first, second] = members_of(key);
-  return second.size == 0 ? first.size : second.offset + second.size;
-}
-
-/// @return the length of the key of a topic [bytes].
-constexpr std::size_t size_of_key(TopicKey key) noexcept {
-  const auto [first, second] = members_of(key);
-  return second.size == 0 ? first.size : second.place + second.size;
 }
 
 inline constexpr std::size_t kKeyHashSize = 16;

@@ -57,29 +57,6 @@ TEST(EventFilter, RemembersAsManyEventsAsABenchRepeats) {
   EXPECT_TRUE(sut.passes(event(0, 1))) << "forgotten";
 }
 
-TEST(EventFilter, RemembersARareEventThroughAFloodOfAnotherKind) {
-  EventFilter sut;
-  sut.begin(kRun, 0);
-  EXPECT_TRUE(sut.passes(event(0, 1)));
-  for (std::uint64_t tick = 0; tick < 3 * EventFilter::kRemembered; ++tick) {
-    msg::Event overrun = event(tick, 0);
-    overrun.kind(msg::EVENT_TICK_OVERRUN);
-    EXPECT_TRUE(sut.passes(overrun));
-  }
-  EXPECT_FALSE(sut.passes(event(0, 1))) << "the bench sends it again with its history";
-}
-
-TEST(EventFilter, TakesEventsOfALaterVersion) {
-  EventFilter sut;
-  sut.begin(kRun, 0);
-  for (const std::uint32_t kind : {0U, 20U, 0xFFFFFFFFU}) {
-    msg::Event later = event(1, 0);
-    later.kind(kind);
-    EXPECT_TRUE(sut.passes(later)) << kind;
-    EXPECT_FALSE(sut.passes(later)) << kind;
-  }
-}
-
 TEST(EventFilter, ForgetsThePreviousRun) {
   EventFilter sut;
   const BenchKey next{1, 11};

@@ -73,23 +73,6 @@ TEST_F(Events, HaveTheNameOfTheirSessionInJson) {
   EXPECT_GT(named, 0);
 }
 
-// A bench keeps 1,024 events of a kind. Each epoch is a change of control of its own: 1,100 of them
-// would leave no place for the fault before them.
-TEST_F(Events, KeepAFaultThroughAFloodOfOthers) {
-  client::Session session(options_on_wire());
-  const auto axis = session.axis("1.2");
-  ASSERT_TRUE(axis) << axis.outcome().message();
-  for (int time = 0; time < 1'100; ++time) {
-    ASSERT_TRUE(session.acquire(std::array{axis->id()}));
-    ASSERT_TRUE(session.release());
-  }
-  const Finished finished = call("events");
-  EXPECT_EQ(finished.code, 0) << finished.errors;
-  EXPECT_THAT(finished.output, HasSubstr("  1.1  fault 0x2310\n"));
-  const Finished described = call("describe 1.1");
-  EXPECT_THAT(described.output, ContainsRegex("last fault  0x2310 .* in tick [0-9]+"));
-}
-
 TEST_F(Events, OfAMissingBenchOrAxisAreNotFound) {
   EXPECT_EQ(call("events 7 --timeout 0.2").code, 3);
   EXPECT_EQ(call("events 1.7").code, 3);

@@ -130,7 +130,7 @@ static const Topic kTopics[] = {
     TOPIC("axis", AxisStatus, .depth = 1, .instances = kAxesInDomain),
     TOPIC("parameters", AxisParameters, LAST, .instances = kAxesInDomain),
     TOPIC("event", Event, .reliable = true, .transient_local = true, .depth = 1024,
-          .instances = 1024 * 32),
+          .instances = 1024),
     TOPIC("bench", BenchDescription, LAST, .instances = 4096),
     TOPIC("bench_state", BenchState, .depth = 1, .instances = 1024),
     TOPIC("session", SessionName, LAST, .instances = kSessionsInDomain),

@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What stands beside the rows of the topics, compared with them.
-#include "message_support.hpp"
-#include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/topics.hpp"
 
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cxxabi.h>
 
-#include <algorithm>
-#include <array>
-#include <cstddef>
 #include <cstdlib>
 #include <fstream>
 #include <memory>
@@ -23,7 +16,6 @@
 #include <string>
 #include <tuple>
 #include <typeinfo>
-#include <vector>
 
 namespace vdrive::wire {
 namespace {
@@ -69,41 +61,13 @@ TEST(TopicRows, AnnounceTheTypeOfTheirMessage) {
 TEST(TopicRows, HaveTheKeyOfTheIdl) {
   for_each_row([]<typename Message>(const TopicRow<Message>& row) {
     EXPECT_EQ(row.traits.key != TopicKey::none, Message::isKeyDefined()) << row.traits.name;
-    // uint32, or uint32 and uint32, uint16, or uint64, which begins at 8; the generator counts
+    // uint32, or uint32 and uint16, or uint32 and uint64, which begins at 8; the generator counts
     // each key as if it stood alone.
     const std::size_t size = row.traits.key == TopicKey::bench               ? 4
-                             : row.traits.key == TopicKey::bench_and_kind    ? 8
                              : row.traits.key == TopicKey::bench_and_number  ? 6
                              : row.traits.key == TopicKey::bench_and_session ? 16
                                                                              : 0;
     EXPECT_EQ(Message::getKeyMaxCdrSerializedSize(), size) << row.traits.name;
-  });
-}
-
-/// @return the key hash of DDS by the generated code: the key members, the highest byte first.
-template <typename Message>
-std::array<std::byte, kKeyHashSize> generated_key_of(const Message& message) {
-  std::array<std::byte, kKeyHashSize> key{};
-  eprosima::fastcdr::FastBuffer buffer(reinterpret_cast<char*>(key.data()),
-                                       key.size());  // NOLINT(*-reinterpret-cast)
-  eprosima::fastcdr::Cdr cdr(buffer, eprosima::fastcdr::Cdr::BIG_ENDIANNESS);
-  message.serializeKey(cdr);
-  return key;
-}
-
-// Each byte of the sample has another value, but for the bytes of a sequence or a string.
-TEST(TopicRows, HaveTheKeyOfTheIdlInTheBytesOfASample) {
-  for_each_row([]<typename Message>(const TopicRow<Message>& row) {
-    if (row.traits.key == TopicKey::none) return;
-    std::vector<std::byte> sample(encoded_size(Message()));
-    ASSERT_NE(encode(Message(), sample), 0U);
-    const std::size_t end = std::min(sample.size(), kEncapsulation + end_of_key(row.traits.key));
-    for (std::size_t place = kEncapsulation; place < end; ++place) {
-      sample[place] = static_cast<std::byte>(place);
-    }
-    Message message;
-    ASSERT_TRUE(decode(sample, message)) << row.traits.name;
-    EXPECT_EQ(key_of(sample, row.traits.key), generated_key_of(message)) << row.traits.name;
   });
 }
 

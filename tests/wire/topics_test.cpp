@@ -4,8 +4,6 @@
 
 #include "support/test_domain.hpp"
 #include "vdrive/wire/address.hpp"
-#include "vdrive/wire/bytes_publication.hpp"
-#include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
 #include "vdrive/wire/subscription.hpp"
@@ -331,34 +329,6 @@ TEST(Subscription, CreatedLateReceivesTheLastThousandEventsInOrder) {
   for (std::size_t position = 0; position < kKept; ++position) {
     EXPECT_EQ(events[position].tick(), kWritten - kKept + 1 + position);
   }
-}
-
-// As the wire of a service writes them: as bytes.
-TEST(Subscription, CreatedLateReceivesARareEventFromBeforeAFloodOfAnotherKind) {
-  constexpr std::size_t kKept = 1'024;
-  Participant sender(loopback(), "sender");
-  BytesPublication publication(sender, Topic<msg::Event>::kId);
-  const auto write = [&publication](std::uint32_t kind, std::uint64_t tick) {
-    msg::Event event;
-    event.bench(1);
-    event.kind(kind);
-    event.tick(tick);
-    std::vector<std::byte> sample(encoded_size(event));
-    ASSERT_NE(encode(event, sample), 0U);
-    ASSERT_TRUE(publication.write(sample));
-  };
-  write(msg::EVENT_FAULT, 1);
-  for (std::uint64_t tick = 2; tick <= 1'500; ++tick) write(msg::EVENT_TICK_OVERRUN, tick);
-  Participant receiver(loopback(), "latecomer");
-  Received<msg::Event> received;
-  const Subscription<msg::Event> subscription(receiver, received.handler());
-  ASSERT_TRUE(received.wait_for(kKept + 1));
-  const auto events = received.messages();
-  EXPECT_EQ(std::ranges::count_if(events,
-                                  [](const msg::Event& event) {
-                                    return event.kind() == msg::EVENT_FAULT;
-                                  }),
-            1);
 }
 
 TEST(Publication, AnswersWithinOneProcessWithoutADeadlock) {

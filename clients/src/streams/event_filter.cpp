@@ -10,14 +10,13 @@ void EventFilter::begin(const BenchKey& key, std::uint64_t tick) {
   std::erase_if(runs_, [&key](const auto& item) {
     return item.first.number == key.number && item.first.incarnation < key.incarnation;
   });
-  runs_.try_emplace(key, Run{.first_tick = tick});
+  runs_.try_emplace(key, Run{.first_tick = tick, .passed = {}});
 }
 
 bool EventFilter::passes(const msg::Event& event) {
   const auto found = runs_.find({event.bench(), event.incarnation()});
   if (found == runs_.end() || event.tick() < found->second.first_tick) return false;
-  const auto kind = static_cast<std::size_t>(event.kind() - msg::EVENT_STATE_CHANGED);
-  std::deque<msg::Event>& passed = found->second.passed[std::min(kind, kEventKinds.size())];
+  std::deque<msg::Event>& passed = found->second.passed;
   if (std::ranges::find(passed, event) != passed.end()) return false;
   if (passed.size() == kRemembered) passed.pop_front();
   passed.push_back(event);

@@ -2,10 +2,8 @@
 #pragma once
 
 #include "presence/directory.hpp"
-#include "vdrive/event_kind.hpp"
 #include "vdrive_messages.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -13,11 +11,11 @@
 
 namespace vdrive::client {
 
-/// Which events are new. A reader gets the last 1,024 events of each kind of a bench when it joins,
-/// and again when the network process of its service restarts. Not thread-safe.
+/// Which events are new. A reader gets the last 1,024 events of a bench when it joins, and again
+/// when the network process of its service restarts. Not thread-safe.
 class EventFilter {
  public:
-  /// Of a kind: as many as a service sends again.
+  /// As many as a service sends again.
   static constexpr std::size_t kRemembered = 1'024;
 
   /// Events of this run before `tick` are history.
@@ -31,8 +29,7 @@ class EventFilter {
  private:
   struct Run {
     std::uint64_t first_tick = 0;
-    /// By kind, the oldest first; kinds of later versions are one.
-    std::array<std::deque<msg::Event>, kEventKinds.size() + 1> passed{};
+    std::deque<msg::Event> passed;  ///< oldest first
   };
 
   std::map<BenchKey, Run> runs_;

@@ -17,7 +17,7 @@ namespace vdrive::wire {
 struct BytesSample {
   std::span<const std::byte> bytes;                                       ///< to be written
   const std::function<void(std::span<const std::byte>)>* take = nullptr;  ///< of a reader
-  std::array<std::byte, 40> head{};  ///< of what was received: encapsulation and key
+  std::array<std::byte, 20> head{};  ///< of what was received: encapsulation and key
   std::size_t head_size = 0;
 };
 

@@ -11,7 +11,6 @@
 #include <bit>
 #include <chrono>
 #include <cstdint>
-#include <iterator>
 #include <thread>
 #include <utility>
 
@@ -266,18 +265,15 @@ void LocalWriter::publish(std::span<const std::byte> sample) {
 }
 
 void LocalWriter::keep(std::span<const std::byte> sample) {
-  auto& numbers = kept_[key_of(sample, traits_of(topic_).key)];
-  if (numbers.size() == static_cast<std::size_t>(traits_of(topic_).depth)) {
-    history_.erase(numbers.front());
-    numbers.pop_front();
-  }
-  const std::uint64_t number = history_.empty() ? 0 : std::prev(history_.end())->first + 1;
-  history_[number].assign(sample.begin(), sample.end());
-  numbers.push_back(number);
+  auto& kept = history_[key_of(sample, traits_of(topic_).key)];
+  if (kept.size() == static_cast<std::size_t>(traits_of(topic_).depth)) kept.pop_front();
+  kept.emplace_back(sample.begin(), sample.end());
 }
 
 void LocalWriter::replay(LocalReader& reader) const {
-  for (const auto& [number, sample] : history_) reader.take(sample, id_.source);
+  for (const auto& [key, samples] : history_) {
+    for (const auto& sample : samples) reader.take(sample, id_.source);
+  }
 }
 
 // ---- reader ------------------------------------------------------------------------------------

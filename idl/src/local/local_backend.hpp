@@ -142,8 +142,8 @@ class LocalWriter final : public WriterEnd {
   /// Of the last message: keeps its capacity. Not of a thread, whose objects may end before a
   /// session that it made and that gives its axes back.
   std::vector<std::byte> encoded_;
-  std::map<std::uint64_t, std::vector<std::byte>> history_;  ///< by number, in the order written
-  std::map<std::array<std::byte, kKeyHashSize>, std::deque<std::uint64_t>> kept_;  ///< by key
+  std::map<std::array<std::byte, kKeyHashSize>, std::deque<std::vector<std::byte>>>
+      history_;  ///< by key
 };
 
 /// A reader on a local bus.

@@ -24,7 +24,7 @@ using namespace vdrive::literals;
 constexpr std::chrono::seconds kRateWindow{1};  // long beside the jitter of a tick
 constexpr std::chrono::milliseconds kReportInterval{100};
 constexpr const char* kUnit = "UU";
-/// Of a kind: as deep as the history of the topic.
+/// As deep as the history of the topic.
 constexpr auto kEventsKept = static_cast<std::size_t>(wire::Topic<msg::Event>::kRow.traits.depth);
 /// The wire empties a lane within this, or hangs.
 constexpr std::chrono::milliseconds kLongestWaitForRoom{100};
@@ -117,7 +117,7 @@ void ReportPublisher::meet_wire() {
     if (parameters.tick() == 0) parameters.tick(counters_.tick.get());
     write(parameters);
   }
-  for (const auto& [number, event] : history_) write(event);
+  for (const auto& event : history_) write(event);
   sessions_.begin_again();
 }
 
@@ -159,23 +159,13 @@ void ReportPublisher::publish_event(const CountedEvent& counted) {
   event_.error_register(event.error_register);
   event_.suppressed(suppressed);
   event_.text(text);
-  keep(event_);
+  if (history_.size() == kEventsKept) history_.pop_front();
+  history_.push_back(event_);
   write(event_);
   counters_.events_sent.add();
   if (const auto level = level_of(event); is_logged(level)) {
     spdlog::log(level, log_line(identity_.bench, event, suppressed));
   }
-}
-
-/// What the writer of the topic keeps, too: of too many the oldest of the same kind goes.
-void ReportPublisher::keep(const msg::Event& event) {
-  auto& numbers = kept_[event.kind()];
-  if (numbers.size() == kEventsKept) {
-    history_.erase(numbers.front());
-    numbers.pop_front();
-  }
-  numbers.push_back(++last_event_);
-  history_.emplace(last_event_, event);
 }
 
 void ReportPublisher::publish_parameters(Outbox& outbox) {

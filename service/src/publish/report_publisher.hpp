@@ -15,7 +15,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -45,7 +44,7 @@ class ReportPublisher {
 
   /// Publishes what waits, and the bench's state every 50 ms of wall time and when the wire knows
   /// of a new reader. A wire that is new gets the history first: descriptions, parameters of all
-  /// axes, the last events of each kind, names of sessions.
+  /// axes, the last events, names of sessions.
   void publish(Inbox& inbox, Outbox& outbox);
 
   /// Publishes one event past the queue.
@@ -59,7 +58,6 @@ class ReportPublisher {
 
   void describe_axes(const Configuration& configuration, const AxisBank& bank);
   void publish_events(Outbox& outbox);
-  void keep(const msg::Event& event);
   void publish_parameters(Outbox& outbox);
   void publish_sessions();
   void publish_state(const Inbox& inbox, const Outbox& outbox, Clock::time_point now);
@@ -81,9 +79,7 @@ class ReportPublisher {
   std::vector<msg::BenchDescription> parts_;
   std::vector<msg::AxisParameters> parameters_;  ///< the newest of each axis
   std::vector<std::uint16_t> indices_;           ///< in `parameters_`, by number of an axis
-  std::map<std::uint64_t, msg::Event> history_;  ///< by number, in the order of publication
-  std::map<std::uint32_t, std::deque<std::uint64_t>> kept_;  ///< by kind: numbers in `history_`
-  std::uint64_t last_event_ = 0;                             ///< its number
+  std::deque<msg::Event> history_;               ///< the last kEventsKept
   SessionNames sessions_;
   msg::SessionName said_;  ///< the newest
   TokenBucket session_samples_{kSessionSamples};

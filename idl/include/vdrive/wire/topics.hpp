@@ -18,11 +18,10 @@ namespace vdrive::wire {
 /// Topics of the wire contract, version 1, are called "vdrive/v1/" and their name.
 inline constexpr std::string_view kTopicPrefix = "vdrive/v1/";
 
-/// The members that are the key of a topic.
+/// The members that are the key of a topic. They are the first ones of its message.
 enum class TopicKey : std::uint8_t {
   none,
   bench,              ///< uint32
-  bench_and_kind,     ///< uint32, uint32: of an event
   bench_and_number,   ///< uint32, uint16: an axis, a part of a description, a place
   bench_and_session,  ///< uint32, uint64
 };
@@ -58,7 +57,6 @@ struct TopicRow {
 
 inline constexpr std::int32_t kAxesInDomain = 65'536;
 inline constexpr std::int32_t kBenchesInDomain = 1'024;
-inline constexpr std::int32_t kMostEventKinds = 32;  // room for kinds of later versions
 inline constexpr std::int32_t kBenchPartsInDomain = 4'096;
 inline constexpr std::int32_t kSessionsInDomain = 65'536;
 inline constexpr std::int32_t kSessionsOfBench = 256;  // places of `bench_session`
@@ -134,11 +132,11 @@ inline constexpr std::tuple kTopicRows{
                                              .instances = kAxesInDomain}},
     TopicRow<msg::Event>{.traits = {.name = "event",
                                     .type_name = "vdrive::msg::Event",
-                                    .key = TopicKey::bench_and_kind,
+                                    .key = TopicKey::bench,
                                     .reliable = true,
                                     .transient_local = true,
                                     .depth = 1'024,
-                                    .instances = kBenchesInDomain * kMostEventKinds}},
+                                    .instances = kBenchesInDomain}},
     TopicRow<msg::BenchDescription>{.traits = {.name = "bench",
                                                .type_name = "vdrive::msg::BenchDescription",
                                                .key = TopicKey::bench_and_number,
