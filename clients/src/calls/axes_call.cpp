@@ -138,6 +138,7 @@ Outcome AxesCall::require(bool (*fulfils)(const AxisSnapshot& axis), std::string
                                          : refused_in_state(*offender(), command, needs);
 }
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one look at each axis, in order
 Outcome AxesCall::acquire(bool by_force) {
   for (BenchPart& part : axes_.parts()) {
     if (!core_->links.may_command()) return not_permitted(part.target);
@@ -457,12 +458,12 @@ Outcome AxesCall::check(std::string_view awaited, std::uint64_t from) {
     if (sound) continue;
     const AxisSnapshot axis = snapshots()[place];
     Outcome stopped = stop_others(std::move(sound));
-    return is_enabled(axis) ? stopped : explain_by_service(std::move(stopped), axis);
+    return is_enabled(axis) ? stopped : explain_by_service(stopped, axis);
   }
   return {};
 }
 
-Outcome AxesCall::explain_by_service(Outcome failed, const AxisSnapshot& axis) {
+Outcome AxesCall::explain_by_service(const Outcome& failed, const AxisSnapshot& axis) {
   const Outcome service = check_service(axis);
   return service ? failed : service.with_message(service.message() + "; " + failed.message());
 }
@@ -476,8 +477,7 @@ Outcome AxesCall::check_service(const AxisSnapshot& axis) {
   });
   msg::Request request;
   request.kind(msg::REQUEST_NEXT_SNAPSHOT);
-  const Outcome answer =
-      core_->requests.exchange(part->target, std::move(request), "question").outcome();
+  Outcome answer = core_->requests.exchange(part->target, std::move(request), "question").outcome();
   if (answer.kind() == OutcomeKind::lost) return answer;
   return answer.code() == msg::REASON_SHUTTING_DOWN
              ? Outcome::lost(name_of(part->target) +

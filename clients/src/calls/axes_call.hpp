@@ -270,7 +270,7 @@ class AxesCall {
   [[nodiscard]] Outcome check_service(const AxisSnapshot& axis);
 
   /// @return `failed`; where check_service() knows the cause, that first.
-  [[nodiscard]] Outcome explain_by_service(Outcome failed, const AxisSnapshot& axis);
+  [[nodiscard]] Outcome explain_by_service(const Outcome& failed, const AxisSnapshot& axis);
 
  private:
   /// @return the places of the axes that are not `done` at `from` or later.

@@ -426,6 +426,7 @@ Outcome check_torque(AxesCall& call, std::int16_t torque, const TorqueOptions& o
   slope = options.slope.value_or(read[0]);
   const std::int64_t wanted = std::abs(std::int64_t{torque});
   const auto above = [&](ObjectRow limit, std::int64_t value) {
+    // NOLINTNEXTLINE(readability-suspicious-call-argument): a torque is the value here
     return above_limit(call.snapshot().id, user_unit(), "torque", torque, limit, value);
   };
   if (wanted > read[1]) return above("max_torque"_object, read[1]);
@@ -521,6 +522,7 @@ Outcome Axis::apply_torque(std::int16_t torque, const TorqueOptions& options) {
   return explain_loss(*core_, std::move(outcome), {&id_, 1});
 }
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one look at each axis, in order
 Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnapshot&)>& held,
                   const VelocityOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);

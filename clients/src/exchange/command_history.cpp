@@ -98,7 +98,7 @@ void CommandHistory::add(const BenchKey& key, std::uint16_t axis, Entry entry) {
   if (bench.incarnation != key.incarnation) bench = {.incarnation = key.incarnation, .axes = {}};
   Entries& entries = bench.axes[axis];
   if (entries.size() == kMostOfAxis) entries.pop_front();
-  entries.push_back(std::move(entry));
+  entries.push_back(entry);
 }
 
 void CommandHistory::note_frame(const BenchKey& key, const msg::CommandFrame& frame) {

@@ -291,6 +291,7 @@ Result<GroupStatus> AxisGroup::status() const {
 
 // ---- power states ----------------------------------------------------------------------------
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one look at each axis, in order
 Outcome AxisGroup::enable_all(const GroupCallOptions& options) {
   AxesCall call = state_->call(options);
   if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
