@@ -36,7 +36,7 @@ enum class ReaderState : std::uint8_t {
 /// While no session has joined the clock, a step waits for the command frames that were sent before
 /// it, and then lets its ticks pass; requests that came after it act after it. With steppers, time
 /// passes as far as all of them grant it, once as many have joined as are awaited, and a step is
-/// answered in the tick that its session waits for; other requests are carried out meanwhile.
+/// answered in the tick that its session waits for; other requests are carried out while it waits.
 ///
 /// Wall time is an argument. Not thread-safe.
 class StepRequests {

@@ -44,7 +44,7 @@ class Bus {
   std::uint64_t send(const Frame& frame, const Port* sender);
 
   /// Back pressure, where time stands until a frame comes: frames that would be lost on the way to
-  /// whoever is behind `port` hold the bus. As long as it is held no port reads from outside.
+  /// the clients of `port` hold the bus. As long as it is held no port reads from outside.
   void hold(const Port& port);
 
   /// `port` can take frames again. When no other one holds the bus all ports resume.
