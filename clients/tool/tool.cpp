@@ -80,6 +80,7 @@ ExitCode complete(const std::vector<std::string>& words, const std::shared_ptr<w
 ExitCode run_in_session(const Command& command, const Program& program) {
   GlobalOptions options = program.options;
   if (command.limits_itself) options.timeout.reset();
+  options.ends_at_silence = !command.bridges_silence;
   return run_connected(program, options, [&](client::Session& session) {
     CommandContext context(session, {program.terminal, program.options.json, false},
                            program.commands);

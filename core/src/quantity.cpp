@@ -134,10 +134,10 @@ std::string object_value_text(ObjectRow row, std::int64_t value, const Unit& uni
 }
 
 std::string advice_on(ObjectAddress object, AbortCode code, const Unit& unit) {
+  const std::string plain = advice_on(object, code);
   const auto row = find_object(object);
-  const bool is_of_limits = code == AbortCode::value_range_exceeded ||
-                            code == AbortCode::value_too_high || code == AbortCode::value_too_low;
-  if (!row || !dimension_of(*row) || !is_of_limits) return advice_on(object, code);
+  const bool is_of_limits = code != AbortCode::subindex_does_not_exist && !plain.empty();
+  if (!is_of_limits || !row || !dimension_of(*row)) return plain;
   const ObjectDescription& limited = describe(*row);
   return std::string(limited.variable_name) + " takes " +
          object_value_text(*row, limited.lower_limit, unit) + " to " +

@@ -128,7 +128,7 @@ constexpr std::array kReasons{
     ReasonRow{msg::REASON_MISSING_STEPPER, "missing_stepper",
               "another stepper has not granted the tick yet"},
     ReasonRow{msg::REASON_NOT_A_STEPPER, "not_a_stepper",
-              "others have joined the clock, or are awaited; this session has not"},
+              "this session has not joined the clock; others have, or are awaited"},
     ReasonRow{msg::REASON_TIME_PASSES, "time_passes",
               "allowed only while time stands still: in lock-step, or paused"},
     ReasonRow{msg::REASON_UNKNOWN_SNAPSHOT, "unknown_snapshot", "no such snapshot"},
@@ -136,7 +136,7 @@ constexpr std::array kReasons{
               "the rate is neither 0 nor from 0.1 to 100"},
     ReasonRow{msg::REASON_SHUTTING_DOWN, "shutting_down", "the service shuts down"},
     ReasonRow{msg::REASON_TOO_MANY_SNAPSHOTS, "too_many_snapshots",
-              "all 16 snapshots are taken; drop one of them"},
+              "the bench already keeps 16 snapshots; drop one of them"},
     ReasonRow{msg::REASON_TOO_MANY_STEPPERS, "too_many_steppers",
               "a clock has at most 64 steppers"},
 };

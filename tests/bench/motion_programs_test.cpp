@@ -152,13 +152,8 @@ class MotionProgram {
 
   // What a program may do.
 
+  // The axes rest whatever mode and velocity they had: enabling clears 60FFh.
   void enable() {
-    for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
-      if (known_[axis].is_enabled) continue;
-      // An axis that was enabled in velocity mode would run.
-      line_of(axis) << "write(0x60FF, 0)";
-      (void)expect(axes_[axis].write({0x60FF, 0}, 0).outcome(), "");
-    }
     text_ << "g.enable_all()";
     (void)expect(group_.enable_all(), "");
     for (Known& axis : known_) {

@@ -595,6 +595,20 @@ test("an object is found, written and read back", async () => {
   await row.locator("text=Cancel").click();
 });
 
+test("an edit that a person leaves as it is writes the value that its field shows", async () => {
+  await page.fill(".objects .search", "6065");
+  const row = page.locator('[data-object="0x6065"]');
+  await waitForText(row.locator(".value .number"), /^20.480$/);
+  await row.locator("button.edit").click();
+  await page.fill('[data-test="new_window"]', "30000");
+  await page.locator('[data-test="new_window"]').press("Enter");
+  await waitForText(command("error_window"), /^30.000 UU$/);
+  await new Promise((resolve) => setTimeout(resolve, 2_500)); // the list has read it, too: it reads once a second
+  await row.locator("input").press("Enter");
+  await waitForText(command("error_window"), /^20.480 UU$/);
+  await waitForText(row.locator(".value .number"), /^20.480$/);
+});
+
 test("reading objects causes no refusal", async () => {
   // The list of errors has the one entry of the fault; the other seven would be refused.
   await page.fill(".objects .search", "");
@@ -682,6 +696,37 @@ test("a target stays in another view, and is converted with the unit", async () 
   await waitForValue("#move-target", "");
   await page.click("nav a >> nth=0");
   await page.click('[data-address="1.1"]');
+});
+
+test("objects and CSV are in the unit that the page shows", async () => {
+  await unitSelect().selectOption("axis");
+  await waitForText(page.locator('[data-object="0x6081"] .unit'), /^°\/s$/);
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("text=CSV")]);
+  const [heads] = (await readFile(await download.path(), "utf8")).split("\n");
+  assert.match(heads, /,position_demand_value \[deg\],load_position_actual_value \[deg\],/);
+  await unitSelect().selectOption("user");
+  await waitForText(page.locator('[data-object="0x6081"] .unit'), /^UU\/s$/);
+});
+
+test("an edit that begins before the value was read writes nothing until a person has typed one", async () => {
+  // Another unit makes new rows: as soon as this one is there, before the answer with its value.
+  await page.evaluate(() => {
+    const find = () => document.querySelector('[data-object="0x6081"]');
+    const before = find();
+    new MutationObserver((_, observer) => {
+      const row = find();
+      if (row === null || row === before) return;
+      observer.disconnect();
+      row.querySelector("button.edit").click();
+    }).observe(document.body, { childList: true, subtree: true });
+  });
+  await unitSelect().selectOption("axis");
+  const row = page.locator('[data-object="0x6081"]');
+  assert.equal(await row.locator("input").inputValue(), "");
+  await row.locator("input").press("Enter");
+  await waitForText(page.locator("footer"), /0x6081: "" is not a number/);
+  await row.locator("text=Cancel").click();
+  await unitSelect().selectOption("user");
 });
 
 test("a fraction of a user unit is refused, a value with a unit is rounded and shown", async () => {
@@ -946,7 +991,7 @@ test("control is taken from its holder after a question that names it and what m
   await takeOver(other);
   await waitForText(page.locator(".holder"), /Control is held by page \(Chrome/);
   await waitForText(page.locator(".notices"), /^\d\d:\d\d: control was taken from this page by page \(Chrome \d+, Linux\)/);
-  await waitForText(motions(), /ended at .*: this page has lost control/);
+  await waitForText(motions(), /ended at .*: this page lost control/);
   await page.locator(".notices button").click();
   await waitForNone(page.locator(".notices button"));
   await other.close();

@@ -96,6 +96,12 @@ struct GatewayBench {
     return peer;
   }
 
+  /// Does all that can be done.
+  void rest() {
+    while (context.poll() > 0) {
+    }
+  }
+
   /// @return whether the client has received just that, in the end.
   bool has_received(const TcpPeer& peer, std::string_view text) {
     const bool has_come = run_until(context, "all lines", [&] {
@@ -165,8 +171,7 @@ TEST(AsciiGatewayServer, TakesNoCommandWhileTheBusIsHeld) {
   bench.bus.hold(slow);
   peer->send("[2] 3 start\n[3] 3 stop\n");
   peer->end_sending();
-  while (bench.context.poll() > 0) {
-  }
+  bench.rest();
   EXPECT_EQ(bench.port.frames, Frames{});
   bench.bus.release(slow);
   ASSERT_TRUE(run_until(bench.context, "the end", [&] {
@@ -174,6 +179,47 @@ TEST(AsciiGatewayServer, TakesNoCommandWhileTheBusIsHeld) {
   }));
   EXPECT_EQ(peer->received(), "[1] OK\r\n[2] OK\r\n[3] OK\r\n");
   EXPECT_EQ(bench.port.frames, (Frames{data_frame(0x000, {1, 3}), data_frame(0x000, {2, 3})}));
+}
+
+// For a boot-up of which it tells nobody the server works before it learns that the bus is free.
+TEST(AsciiGatewayServer, TakesWhatWaitedWhileTheBusWasHeldBeforeItCloses) {
+  GatewayBench bench;
+  const RecordedPort slow(bench.bus);
+  const auto peer = bench.connect();
+  ASSERT_EQ(peer->ask("[1] boot_up_indication Disable\n"), "[1] OK\r\n");
+  bench.bus.hold(slow);
+  peer->send("[2] 3 start\n");
+  peer->end_sending();
+  bench.rest();
+  // First the server reads that the client has sent all, then it could close.
+  for (int i = 0; i < 2; ++i) {
+    bench.port.send(data_frame(0x703, {0x00}));
+    bench.bus.release(slow);
+    bench.context.poll_one();
+    bench.bus.hold(slow);
+    bench.rest();
+  }
+  bench.bus.release(slow);
+  ASSERT_TRUE(run_until(bench.context, "the end", [&] {
+    return peer->has_ended();
+  }));
+  EXPECT_EQ(peer->received(), "[1] OK\r\n[2] OK\r\n");
+}
+
+TEST(AsciiGatewayServer, SendsNoSyncWhileTheBusIsHeldAndThoseThatAreLeftBehindIt) {
+  GatewayBench bench;
+  const RecordedPort slow(bench.bus);
+  const auto peer = bench.connect();
+  peer->send("[1] _sync 3\n");
+  ASSERT_TRUE(run_until(bench.context, "a SYNC", [&] {
+    return !bench.port.frames.empty();
+  }));
+  bench.bus.hold(slow);
+  bench.rest();
+  EXPECT_EQ(bench.port.frames, Frames(1, data_frame(0x080, {})));
+  bench.bus.release(slow);
+  EXPECT_TRUE(bench.has_received(*peer, "[1] OK\r\n"));
+  EXPECT_EQ(bench.port.frames, Frames(3, data_frame(0x080, {})));
 }
 
 TEST(AsciiGatewayServer, EndsAnOverdueTransfer) {

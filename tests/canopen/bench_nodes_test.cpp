@@ -16,6 +16,8 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 namespace vdrive::canopen {
@@ -39,9 +41,21 @@ struct NodeOnABus {
     start();
   }
 
-  void start() {
-    nodes.start(drives, DriveTime::zero());
+  void start(DriveTime now = {}) {
+    nodes.start(drives, now);
     master.frames.clear();
+  }
+
+  void disturb(std::string_view text) {
+    const auto fault = std::get<BusFault>(parse_fault_of_node(text));
+    EXPECT_TRUE(bus.faults().add(fault, DriveTime::zero()));
+  }
+
+  /// @return whether the node answers a read of 1017h, which it has itself.
+  bool answers() {
+    master.frames.clear();
+    master.send(data_frame(0x601, {0x40, 0x17, 0x10, 0x00, 0, 0, 0, 0}));
+    return !master.frames.empty();
   }
 
   void set_owner(std::uint64_t session) {
@@ -217,6 +231,54 @@ TEST(BenchNodes, IgnoreAValueThatWasAskedForByANodeThatIsGone) {
   test.master.send(data_frame(0x000, {0x01, 1}));
   test.show(1ms);
   EXPECT_THAT(test.master.frames, Not(Contains(Field(&Frame::id, 0x181U))));
+}
+
+constexpr DriveTime kSince1970 = 1'700'000'000s;  // as ticks of real time count
+
+TEST(BenchNodes, CountTheTimeOfFaultsSinceTheyCameToTheBus) {
+  NodeOnABus test;
+  test.start(kSince1970);
+  test.disturb("lost from 2s for 500ms");
+  const auto answers_at = [&test](DriveTime time) {
+    test.show(kSince1970 + time);
+    return test.answers();
+  };
+  EXPECT_TRUE(answers_at(1'999ms));
+  EXPECT_FALSE(answers_at(2s));
+  EXPECT_FALSE(answers_at(2'499ms));
+  EXPECT_TRUE(answers_at(2'500ms));
+}
+
+TEST(BenchNodes, AreOffTheBusWhileAFaultOfRealTimeLasts) {
+  NodeOnABus test;
+  test.start(kSince1970);
+  test.disturb("bus_off for 5s");
+  test.show(kSince1970 + 1ms);
+  EXPECT_FALSE(test.answers());
+  test.show(kSince1970 + 5s);
+  EXPECT_THAT(test.master.frames, Contains(Field(&Frame::id, 0x081U))) << "8140h";
+}
+
+TEST(BenchNodes, ShareTheTimeOfFaultsWithThoseThatCameFirst) {
+  NodeOnABus test;
+  test.start(kSince1970);
+  test.show(kSince1970 + 10s);
+  const std::array<NodePlace, 1> places{NodePlace{.axis = 1, .node_id = 2}};
+  BenchNodes later(test.bus, test.store, places, {.session = NodeOnABus::kSession}, {});
+  later.start(test.drives, kSince1970 + 10s);
+  EXPECT_EQ(later.fault_time(), 10s);
+  later.update(test.drives, kSince1970 + 12s);
+  EXPECT_EQ(test.bus.faults().now(), 12s);
+}
+
+TEST(BenchNodes, HaveTheTimeOfFaultsOfBeforeWhenTheirDrivesComeBack) {
+  NodeOnABus test;
+  test.start(kSince1970);
+  test.show(kSince1970 + 3s);
+  test.start(kSince1970 + 60s);
+  EXPECT_EQ(test.nodes.fault_time(), 3s);
+  test.start(kSince1970 - 60s);
+  EXPECT_EQ(test.nodes.fault_time(), 3s) << "the clock was set back";
 }
 
 TEST(BenchNodes, CountWhatTheirDrivesRefuseAlsoOfNodesThatAreGone) {

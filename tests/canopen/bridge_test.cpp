@@ -56,8 +56,8 @@ TEST(Bridge, EnablesByPdos) {
     bus.master().send(0x201, {word, 0});
     bus.master().send(0x202, {word, 0});
   }
-  EXPECT_TRUE(wait_for_status(bus, 1, kStateBits, kShowsEnabled));
-  EXPECT_TRUE(wait_for_status(bus, 2, kStateBits, kShowsEnabled));
+  EXPECT_TRUE(wait_for_status(bus, 1, kStateBits, kShowsEnabled)) << bus.bridge().bus(0).counters();
+  EXPECT_TRUE(wait_for_status(bus, 2, kStateBits, kShowsEnabled)) << bus.bridge().bus(0).counters();
 }
 
 TEST(Bridge, SendsHeartbeats) {

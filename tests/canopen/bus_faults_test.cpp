@@ -73,7 +73,7 @@ TEST(BusFault, BeginsNowWhereItDoesNotSayWhen) {
 
 TEST(BusFault, IsRefusedWithTheWordThatIsWrongAndWhatMayBeWritten) {
   const std::vector<std::pair<std::string, std::string>> rows{
-      {"", "missing"},
+      {"", "a word is missing at the end"},
       {"3", "missing"},
       {"gone", "'gone' is not a fault of the bus"},
       {"128 lost", "1 to 127"},
@@ -81,13 +81,15 @@ TEST(BusFault, IsRefusedWithTheWordThatIsWrongAndWhatMayBeWritten) {
       {"lost 101%", "'101%'"},
       {"lost %", "'%'"},
       {"late", "missing"},
+      {"late 0ms", "late needs a time above 0"},
+      {"lost for 0s", "for needs a time above 0"},
       {"late soon", "'soon' is not a time"},
       {"lost from", "missing"},
       {"lost for x", "'x' is not a time"},
       {"lost seed -1", "'-1' is not a seed"},
-      {"lost sideways", "'sideways' has no place in lost"},
-      {"bus_off 5%", "'5%' has no place in bus_off"},
-      {"duplicate sent", "'sent' has no place in duplicate"},
+      {"lost sideways", "'sideways' does not apply to lost"},
+      {"bus_off 5%", "'5%' does not apply to bus_off"},
+      {"duplicate sent", "'sent' does not apply to duplicate"},
   };
   for (const auto& [text, reason] : rows) {
     EXPECT_THAT(refusal_of(text), HasSubstr(reason)) << text;
@@ -128,6 +130,13 @@ TEST(BusFaults, LastFromTheirBeginningToTheirEnd) {
   EXPECT_TRUE(faults.fate_of(1, kSent, 1, 2s).is_doubled);
   EXPECT_TRUE(faults.fate_of(1, kSent, 1, 2'999'999us).is_doubled);
   EXPECT_FALSE(faults.fate_of(1, kSent, 1, 3s).is_doubled);
+}
+
+TEST(BusFaults, HaveTheTimeOfTheNodesThatAreTheFurthest) {
+  BusFaults faults;
+  faults.pass_to(2s);
+  faults.pass_to(1s);
+  EXPECT_EQ(faults.now(), 2s);
 }
 
 TEST(BusFaults, ActTogether) {

@@ -3,6 +3,7 @@
 
 #include "bus/asio.hpp"
 #include "canopen/recorded_port.hpp"
+#include "support/process_tree.hpp"
 #include "support/temporary_directory.hpp"
 
 #include <gmock/gmock.h>
@@ -11,7 +12,6 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -71,11 +71,6 @@ struct LoggedBus {
   std::optional<BusLog> log;
 };
 
-std::string content_of(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 TEST(BusLog, HasTheFramesOfATurnOfTheLoopAtItsEnd) {
   const test::TemporaryDirectory directory;
   const std::filesystem::path file = directory.path() / "bus.log";
@@ -83,13 +78,14 @@ TEST(BusLog, HasTheFramesOfATurnOfTheLoopAtItsEnd) {
   logged.send(0x701);
   logged.send(0x702);
   logged.turn();
-  EXPECT_EQ(content_of(file), "(0000000000.001000) can0 701#42\n(0000000000.002000) can0 702#42\n");
+  EXPECT_EQ(test::text_of(file),
+            "(0000000000.001000) can0 701#42\n(0000000000.002000) can0 702#42\n");
   logged.send(0x703);
   EXPECT_EQ(logged.log->flush(), 0U);
-  EXPECT_THAT(content_of(file), HasSubstr("703#42\n"));
+  EXPECT_THAT(test::text_of(file), HasSubstr("703#42\n"));
   logged.send(0x704);
   logged.log.reset();
-  EXPECT_THAT(content_of(file), HasSubstr("704#42\n")) << "an end loses nothing";
+  EXPECT_THAT(test::text_of(file), HasSubstr("704#42\n")) << "an end loses nothing";
   logged.send(0x705);
   logged.turn();
 }
@@ -99,7 +95,7 @@ TEST(BusLog, ReplacesAFileOfAnEarlierRun) {
   const std::filesystem::path file = directory.path() / "bus.log";
   std::ofstream(file) << "old\n";
   const LoggedBus logged(file);
-  EXPECT_EQ(content_of(file), "");
+  EXPECT_EQ(test::text_of(file), "");
 }
 
 TEST(BusLog, ReportsAFullDiskOnceAndCountsWhatIsMissing) {

@@ -132,6 +132,7 @@ TEST(GatewayPdo, IsRefusedWithTheReason) {
       {"set rpdo 1 0x181 event 1 0x2FFF 0", "ERROR:0x06020000"},
       {"set rpdo 1 0x181 event 1 0x6041 1", "ERROR:0x06090011"},
       {"set rpdo 1 0x181 event 1 0x1008 0", "ERROR:0x06040041"},
+      {"set tpdo 1 0x201 event 1 0x1010 1", "ERROR:0x06040041"},
       {"w pdo 2 1 6", "ERROR:102"},
       {"w pdo 1 2 6 1", "ERROR:101"},
       {"w pdo 1 1 0x10000", "ERROR:101"},
@@ -193,10 +194,12 @@ TEST(GatewayDisturb, PassesOnTheNodeAndTheFault) {
   EXPECT_THAT(test.take("[2] 1 0 _disturb none"), ElementsAre("[2] OK"));
   EXPECT_THAT(test.take("[3] _disturb lost"), ElementsAre(HasSubstr("[3] ERROR:105")));
   EXPECT_THAT(test.take("[4] 128 _disturb lost"), ElementsAre(HasSubstr("[4] ERROR:107")));
-  EXPECT_THAT(test.faults, ElementsAre("3 lost 5%", "0 none"));
+  EXPECT_THAT(test.take("[5] 0 _DISTURB Late 4ms"), ElementsAre("[5] OK"));
+  EXPECT_THAT(test.take("[6] 2 _disturb NONE"), ElementsAre("[6] OK"));
+  EXPECT_THAT(test.faults, ElementsAre("3 lost 5%", "0 none", "0 late 4ms", "2 none"));
   test.refusal = "no such fault";
-  EXPECT_THAT(test.take("[5] 3 _disturb x"),
-              ElementsAre("[5] ERROR:101 #syntax error: no such fault"));
+  EXPECT_THAT(test.take("[7] 3 _disturb x"),
+              ElementsAre("[7] ERROR:101 #syntax error: no such fault"));
 }
 
 // ---- the server

@@ -1031,6 +1031,13 @@ TEST(NodeBusOff, IsReportedWithEmergency8140AtItsEnd) {
   EXPECT_THAT(test.host.take(), Contains(StartsWith("081#4081")));
 }
 
+TEST(NodeBusOff, IsOverWhenItIsReported) {
+  NodeUnderTest test;
+  test.node.set_bus_off(true, test.now);
+  test.node.set_bus_off(false, test.now);
+  EXPECT_THAT(test.host.take(), ElementsAre(StartsWith("081#408111"), StartsWith("081#000000")));
+}
+
 // --- any frames ---
 
 /// Frames that mean something to node 1 more often than not, and requests of objects that exist.

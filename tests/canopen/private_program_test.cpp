@@ -2,6 +2,7 @@
 // The program vdrive-canopen alone: it answers, and it serves a private bench. Its clients speak
 // socketcand. program_test has it with services over DDS.
 #include "canopen/running_canopen.hpp"
+#include "support/process_tree.hpp"
 #include "support/temporary_directory.hpp"
 #include "tool/process.hpp"
 
@@ -11,8 +12,6 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -95,11 +94,6 @@ class GatewayPeer {
   std::string received_;
 };
 
-std::string text_of_file(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 /// A script enables the axis over a bus that loses and delays frames, by SYNC and PDOs of the
 /// gateway alone.
 /// @return the log of the bus
@@ -125,7 +119,7 @@ std::string log_of_a_disturbed_run(const std::filesystem::path& file) {
   const Finished ended = program.stop();
   EXPECT_EQ(ended.code, 0) << ended.errors;
   EXPECT_THAT(ended.output, testing::Not(HasSubstr(" 0 frames disturbed")));
-  return text_of_file(file);
+  return text_of(file);
 }
 
 // 8140h after bus-off, and 8130h as the reaction of the enabled drive to it. The hundredth of the
@@ -153,8 +147,22 @@ TEST(PrivateCanopenProgram, RefusesAFaultThatItCannotMake) {
       Process(VDRIVE_CANOPEN, {"--private", "--axes", "2", "--disturb", "3 lost", "--check"})
           .wait();
   EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.errors,
-              HasSubstr("a fault is that of node 3, and the bus has 2 nodes (1 to 2)"));
+  EXPECT_THAT(refused.errors, HasSubstr("a fault names node 3, but the bus has 2 nodes (1 to 2)"));
+}
+
+// 1017h of node 1: none of its frames passes, from the start on and by a command.
+TEST(PrivateCanopenProgram, DisturbsABusInRealTime) {
+  const RunningCanopen program(std::vector<std::string>{
+      "--private", "--axes", "2", "--gateway", "127.0.0.1:0", "--disturb", "1 lost for 1000s"});
+  GatewayPeer peer(program.gateway_port());
+  for (const std::string end : {"1 _disturb none", "0 _disturb none"}) {
+    EXPECT_EQ(peer.ask("set sdo_timeout 50"), "OK");
+    EXPECT_THAT(peer.ask("1 r 0x1017 0 u16"), StartsWith("ERROR:0x05040000")) << end;
+    EXPECT_EQ(peer.ask(end), "OK");
+    EXPECT_EQ(peer.ask("set sdo_timeout 40000"), "OK");
+    EXPECT_EQ(peer.ask("1 r 0x1017 0 u16"), "0") << end;
+    EXPECT_EQ(peer.ask("0 _disturb lost for 1000s"), "OK");
+  }
 }
 
 TEST(PrivateCanopenProgram, FailsAtItsEndWhenItsLogIsNotWhole) {

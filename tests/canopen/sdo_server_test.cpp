@@ -2,7 +2,7 @@
 // The SDO server by itself: bytes of CiA 301, 7.2.4.3. Node 1: requests 601h, responses 581h.
 #include "node/sdo_server.hpp"
 
-#include "canopen/fake_host.hpp"
+#include "canopen/served_sdo.hpp"
 #include "core/support/random_cases.hpp"
 
 #include <gmock/gmock.h>
@@ -10,17 +10,14 @@
 
 #include <rapidcheck.h>
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
-#include <iterator>
 #include <optional>
 #include <ostream>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace vdrive::canopen {
@@ -96,37 +93,7 @@ class FakeObjects final : public SdoObjects {
   int begun = 0;                        ///< accesses that wait for SdoServer::finish()
 };
 
-/// A server and its client.
-struct SdoServerUnderTest {
-  static constexpr std::uint8_t kNode = 1;
-
-  FakeHost host;
-  FakeObjects objects;
-  SdoServer server{kNode, host, objects};
-  DriveTime now{};
-
-  /// @param data such as "40 00 20 02", filled up with zeros
-  std::vector<std::string> request(std::string_view data) {
-    std::string text = "601#";
-    std::ranges::copy_if(data, std::back_inserter(text), [](char c) {
-      return c != ' ';
-    });
-    text.resize(std::string_view("601#0000000000000000").size(), '0');
-    server.receive(frame_of(text), now);
-    return host.take();
-  }
-
-  std::vector<std::string> finish(const SdoAnswer& answer) {
-    server.finish(answer, now);
-    return host.take();
-  }
-
-  std::vector<std::string> advance(DriveTime time) {
-    now = time;
-    server.advance(now);
-    return host.take();
-  }
-};
+using SdoServerUnderTest = ServedSdo<FakeObjects>;
 
 struct SizeRow {
   const char* name;

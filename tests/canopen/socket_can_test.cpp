@@ -150,6 +150,13 @@ class PluggedInterface {
 
   static constexpr std::uint8_t kMostWaiting = 8;
 
+  /// Sends one frame more than may wait.
+  void fill() {
+    for (std::uint8_t frame = 0; frame <= kMostWaiting; ++frame) {
+      master.send(data_frame(0x201, {frame}));
+    }
+  }
+
   [[nodiscard]] const Bus& bus() const { return bus_; }
 
   int write_error = 0;  ///< of each write; 0 = none
@@ -260,15 +267,36 @@ TEST(SocketCan, HoldsTheBusWhileTheQueueOfTheInterfaceIsFull) {
 TEST(SocketCan, HoldsNoBusWhenItsInterfaceGoesDown) {
   PluggedInterface can;
   can.write_error = ENOBUFS;
-  for (std::uint8_t frame = 0; frame <= PluggedInterface::kMostWaiting; ++frame) {
-    can.master.send(data_frame(0x201, {frame}));
-  }
+  can.fill();
   ASSERT_TRUE(can.bus().is_held());
   can.write_error = ENETDOWN;
   can.run_until([&can] {
     return !can.lines.empty();
   });
   EXPECT_FALSE(can.bus().is_held());
+}
+
+TEST(SocketCan, ReportsAnInterfaceThatHoldsTheBusForASecond) {
+  PluggedInterface can;
+  can.write_error = ENOBUFS;
+  can.fill();
+  can.run_until([&can] {
+    return !can.lines.empty();
+  });
+  EXPECT_THAT(can.lines, testing::ElementsAre(testing::StartsWith(
+                             "is not sending: 9 frames are waiting for it, and the bus")));
+}
+
+TEST(SocketCan, HoldsNoBusForFramesThatTheInterfaceHasRefused) {
+  PluggedInterface can;
+  can.write_error = ENOBUFS;
+  can.fill();
+  ASSERT_TRUE(can.bus().is_held());
+  can.write_error = EINVAL;
+  can.run_until([&can] {
+    return can.counters().dropped_frames == 5;
+  });
+  EXPECT_FALSE(can.bus().is_held()) << "four are left, half of those that may wait";
 }
 
 TEST(SocketCan, IsUpAgainWithTheFirstFrameThatItReceives) {

@@ -322,7 +322,8 @@ TEST(SocketcandServer, ReadsFromNobodyWhileAClientThatDoesNotReadHoldsTheBus) {
   ASSERT_TRUE(held.bench.wait_for("a report", [&] {
     return !held.reports.empty();
   }));
-  EXPECT_THAT(held.reports.front(), testing::HasSubstr("a client does not read: 65 frames wait"));
+  EXPECT_THAT(held.reports.front(),
+              testing::HasSubstr("a client is not reading: 65 frames are waiting"));
   EXPECT_TRUE(held.bench.port.frames.empty());
   held.sleeper.read();
   ASSERT_TRUE(held.bench.wait_for("the frames of the other client", [&] {

@@ -22,7 +22,8 @@ constexpr std::size_t kPrograms = 3;
 /// What each program saw, as a number.
 using Seen = std::array<std::string, kPrograms>;
 
-/// Runs the programs on a bench of their own, one after the other has joined the clock.
+/// Runs the programs on a bench of their own; each starts once the previous one has joined the
+/// clock.
 /// @param first the program that is started first
 /// @param is_configured whether the bench awaits the programs, or the programs each other
 Seen seen_in_a_run(std::size_t first, bool is_configured) {

@@ -191,12 +191,16 @@ TEST_P(JoggedAxis, HasNoVelocityLeftAndRestsWhenItIsEnabledAgain) {
   ASSERT_TRUE(axis.enable());
   int ticks = 0;
   try {
-    (void)axis.jog(2'048, [&](const AxisSnapshot&) {
-      if (++ticks == 50) GetParam().end(session_, axis);
+    (void)axis.jog(2'048, [&](const AxisSnapshot& seen) {
+      if (++ticks == 50) {
+        EXPECT_NE(seen.status.velocity_demand_value, 0);
+        GetParam().end(session_, axis);
+      }
       return ticks < 60;  // then the button is released
     });
   } catch (int) {
   }
+  ASSERT_GE(ticks, 50) << "the jog ran";
   session_.end_interrupt();
   ASSERT_TRUE(session_.step(1, 500));
   EXPECT_EQ(axis.read(kTargetVelocity).value(), 0);

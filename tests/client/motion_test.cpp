@@ -54,7 +54,7 @@ class MotionOfAnAxis : public testing::Test {
   }
 
  private:
-  test::BenchOnWire bench_{"--clock lockstep --axes 2"};
+  test::BenchOnWire bench_{"--clock lockstep --axes 3"};
 
  protected:
   Session session_{options_on_wire()};
@@ -226,7 +226,7 @@ const std::vector<Deed> kDeeds{
      [](Session& session, Axis&, Axis&) {
        session.release(1).or_throw();
      },
-     "control of it was released or taken"},
+     "its control was released or taken over"},
     {"ATakeOver",
      [](Session&, Axis&, Axis& others) {
        others.take_over().or_throw();
@@ -245,7 +245,7 @@ const std::vector<Deed> kDeeds{
        axis.take_over().or_throw();
        session.step(1, 1).outcome().or_throw();
      },
-     "control of the axis, taken again"},
+     "a new acquisition of the axis"},
     {"AMoveOfAnotherSessionBeforeAResume",
      [](Session&, Axis& axis, Axis& others) {
        others.take_over().or_throw();
@@ -253,7 +253,7 @@ const std::vector<Deed> kDeeds{
        axis.take_over().or_throw();
        axis.resume(kInForce).or_throw();
      },
-     "control of the axis, taken again"},
+     "a new acquisition of the axis"},
     {"AQuickStopOfAnotherSession",
      [](Session&, Axis& axis, Axis& others) {
        others.quick_stop().or_throw();
@@ -310,6 +310,18 @@ const std::vector<Deed> kDeeds{
     {"ControlThatIsTakenTwice",
      [](Session&, Axis& axis, Axis&) {
        axis.take_over().or_throw();
+     }},
+    {"AnAcquisitionOfItWithAFreeAxis",
+     [](Session& session, Axis&, Axis&) {
+       const std::array axes{AxisId{1, 1}, AxisId{1, 3}};
+       session.acquire(axes).or_throw();
+     }},
+    {"AModeThatTheDriveRefuses",
+     [](Session& session, Axis& axis, Axis&) {
+       write(axis, {0x5E20, 5}, 2);  // no 6060h in Operation enabled
+       const std::array frames{
+           frame_of({.axis = 1, .mode = OperatingMode::homing, .position = kFar})};
+       session.send_set_points(1, frames).or_throw();
      }},
     {"AMoveOfAnotherAxis",
      [](Session& session, Axis&, Axis&) {
@@ -399,7 +411,10 @@ TEST_F(MotionOfAnAxis, ACallThatWaitsEndsByTheCommandOfAnotherThread) {
       return call.run(axis);
     });
     // The other thread lets time pass: this one only looks.
-    while (axis_.status()->status.velocity_demand_value == 0) std::this_thread::yield();
+    while (axis_.status()->status.velocity_demand_value == 0 &&
+           waiting.wait_for(0s) != std::future_status::ready) {
+      std::this_thread::yield();
+    }
     const auto motion = axis_.start_move(-700);
     ASSERT_TRUE(motion) << motion.outcome().message();
     const Outcome ended = waiting.get();
@@ -409,6 +424,47 @@ TEST_F(MotionOfAnAxis, ACallThatWaitsEndsByTheCommandOfAnotherThread) {
     EXPECT_TRUE(reached) << reached.message();
     EXPECT_EQ(axis_.status()->status.position_demand_value, -700);
   }
+}
+
+TEST_F(MotionOfAnAxis, AVelocityThatIsWaitedForEndsByAFrameWithAnother) {
+  auto waiting = std::async(std::launch::async, [&] {
+    Axis axis = axis_;
+    return axis.run_at(30'000, {.acceleration = 1'000});
+  });
+  while (axis_.status()->status.velocity_demand_value == 0 &&
+         waiting.wait_for(0s) != std::future_status::ready) {
+    std::this_thread::yield();
+  }
+  // A target of another mode ends nothing.
+  ASSERT_TRUE(axis_.write(kTarget, 5));
+  const std::array frames{frame_of({.axis = 1, .velocity = 100})};
+  ASSERT_TRUE(session_.send_set_points(1, frames));
+  const Outcome ended = waiting.get();
+  EXPECT_EQ(ended.kind(), OutcomeKind::failed);
+  EXPECT_THAT(ended.message(), HasSubstr("superseded by a write of target_velocity (60FFh)"));
+}
+
+TEST_F(MotionOfAnAxis, ALineLeavesAxesThatAnotherThreadHasMovedToIt) {
+  const std::array all{std::string("1.1"), std::string("1.2"), std::string("1.3")};
+  AxisGroup group = AxisGroup::create(session_, all).value();
+  ASSERT_TRUE(group.enable_all());
+  auto waiting = std::async(std::launch::async, [&] {
+    return group.move_together(Eigen::Vector3d(kFar, kFar, kFar),
+                               {.velocity_factor = 0.02, .call = {}});
+  });
+  while (axis_.status()->status.velocity_demand_value == 0 &&
+         waiting.wait_for(0s) != std::future_status::ready) {
+    std::this_thread::yield();
+  }
+  SetPointFrame frame = frame_of({.axis = 1, .position = -700, .controlword = 0x3F});
+  frame.axes.push_back({.axis = 2, .position = -700, .controlword = 0x3F});
+  ASSERT_TRUE(session_.send_set_points(1, {&frame, 1}));
+  EXPECT_EQ(waiting.get().kind(), OutcomeKind::failed);
+  ASSERT_TRUE(session_.step(1, 5'000));
+  EXPECT_EQ(axis_.status()->status.position_demand_value, -700);
+  EXPECT_EQ(second_.status()->status.position_demand_value, -700);
+  EXPECT_NE(session_.axis("1.3")->status()->state(), PowerState::operation_enabled)
+      << "it is stopped";
 }
 
 TEST_F(MotionOfAnAxis, ALineEndsAndStopsItsOtherAxesByAnotherCommandForOneOfThem) {
@@ -502,6 +558,20 @@ TEST(MotionOfAnEarlierRun, IsLost) {
   bench.reset();
   bench = std::make_unique<test::BenchOnWire>("--clock lockstep");
   EXPECT_EQ(motion->wait().kind(), OutcomeKind::lost);
+}
+
+TEST(MotionOfAPausedBench, GoesOnAndEndsAfterThePause) {
+  const test::BenchOnWire bench("--clock realtime");
+  Session session(options_on_wire());
+  Axis axis = session.axis("1.1").value();
+  ASSERT_TRUE(axis.enable());
+  const Motion motion = axis.start_move(kFar / 10, kSlow).value();
+  ASSERT_TRUE(session.set_rate(1, 0.0));
+  const auto ended = motion.has_ended();
+  ASSERT_TRUE(ended) << ended.outcome().message();
+  ASSERT_TRUE(session.set_rate(1, 1.0));
+  const Outcome reached = motion.wait();
+  EXPECT_TRUE(reached) << reached.message();
 }
 
 }  // namespace

@@ -652,15 +652,21 @@ TEST(HabitStatuswordBits, RefusesBitsThatTheStandardHas) {
 
 // ---- m: bit 4 of homing is a level --------------------------------------------------------------
 
+/// Starts a homing run with this value of a habit.
+void home_with(AxisUnderTest& axis, std::string_view habit, std::int64_t value,
+               std::int64_t method) {
+  axis.write(habit, value);
+  axis.write("homing_method", method);
+  axis.write("op_mode_cmd", 6);
+  axis.command(0x000F);
+  axis.command(0x001F);
+}
+
 TEST(HabitHomingByLevel, DroppingBit4EndsTheRun) {
   for (const std::int64_t habit : {0, 1}) {
     SCOPED_TRACE(habit);
     AxisUnderTest axis;
-    axis.write("habit_homing_by_level", habit);
-    axis.write("homing_method", 17);
-    axis.write("op_mode_cmd", 6);
-    axis.command(0x000F);
-    axis.command(0x001F);
+    home_with(axis, "habit_homing_by_level", habit, 17);
     axis.step(50);
     ASSERT_LT(axis.demand_velocity(), -10'000) << "towards the negative switch";
     axis.command(0x000F);
@@ -672,11 +678,7 @@ TEST(HabitHomingByLevel, DroppingBit4EndsTheRun) {
 
 TEST(HabitHomingByLevel, KeepsTheResultOfARunThatHasEnded) {
   AxisUnderTest axis;
-  axis.write("habit_homing_by_level", 1);
-  axis.write("homing_method", 37);
-  axis.write("op_mode_cmd", 6);
-  axis.command(0x000F);
-  axis.command(0x001F);
+  home_with(axis, "habit_homing_by_level", 1, 37);
   axis.step(100);
   ASSERT_EQ(axis.statusword() & 0x3400, 0x1400);
   axis.command(0x000F);
@@ -689,11 +691,7 @@ TEST(HabitHomingEndsAtHalt, LeavesNoRunThatContinues) {
   for (const std::int64_t habit : {0, 1}) {
     SCOPED_TRACE(habit);
     AxisUnderTest axis;
-    axis.write("habit_homing_ends_at_halt", habit);
-    axis.write("homing_method", 17);
-    axis.write("op_mode_cmd", 6);
-    axis.command(0x000F);
-    axis.command(0x001F);
+    home_with(axis, "habit_homing_ends_at_halt", habit, 17);
     axis.step(50);
     axis.command(0x011F);
     axis.step(500);

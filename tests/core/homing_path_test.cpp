@@ -62,6 +62,13 @@ class HomingCourse {
     tick();
   }
 
+  /// Starts, and goes on until the run has come this way.
+  void start_until(int method, const std::string& stage) {
+    start(method);
+    for (int i = 0; i < 20'000 && way != stage; ++i) tick();
+    ASSERT_EQ(way, stage);
+  }
+
   /// One tick; then the switches are set from the place of the axis.
   void tick() {
     const bool was_attained = attained();
@@ -429,9 +436,8 @@ TEST(HomingHomeSwitch, WithALimitSwitchBeforeItsEdgeIsAnError) {
 
 TEST(HomingHomeSwitch, IsNotSeenAgainByARunThatHasPassedItsEdge) {
   HomingCourse course(0, kMiddle);
-  course.start(10);
-  for (int i = 0; i < 20'000 && course.way != ">> H > h"; ++i) course.tick();
-  ASSERT_EQ(course.way, ">> H > h") << "on its way to the index pulse at 16384";
+  // On its way to the index pulse at 16384.
+  ASSERT_NO_FATAL_FAILURE(course.start_until(10, ">> H > h"));
   course.axis.write("test_home_input", 1);
   course.tick();
   course.axis.write("test_home_input", 0);
@@ -443,13 +449,11 @@ TEST(HomingHomeSwitch, IsNotSeenAgainByARunThatHasPassedItsEdge) {
 constexpr std::array<const char*, 5> kStagesOfMethod8{">>", ">> P <<", ">> P << H", ">> P << H h >",
                                                       ">> P << H h > H"};
 
-TEST(HomingHomeSwitch, RunsContinueBehindAHaltInEachStage) {
+TEST(HomingHomeSwitch, RunsContinueAfterAHaltInEachStage) {
   for (const char* const stage : kStagesOfMethod8) {
     SCOPED_TRACE(stage);
     HomingCourse course(20'000, kMiddle);
-    course.start(8);
-    for (int i = 0; i < 20'000 && course.way != stage; ++i) course.tick();
-    ASSERT_EQ(course.way, stage);
+    ASSERT_NO_FATAL_FAILURE(course.start_until(8, stage));
     course.axis.controlword(0x011F);
     ASSERT_TRUE(course.tick_until_phase(HomingCourse::kIdle));
     course.axis.controlword(0x001F);
@@ -462,9 +466,7 @@ TEST(HomingHomeSwitch, RunsAreEndedByAHaltInEachStage) {
   for (const char* const stage : kStagesOfMethod8) {
     SCOPED_TRACE(stage);
     HomingCourse course(20'000, kMiddle);
-    course.start(8);
-    for (int i = 0; i < 20'000 && course.way != stage; ++i) course.tick();
-    ASSERT_EQ(course.way, stage);
+    ASSERT_NO_FATAL_FAILURE(course.start_until(8, stage));
     course.axis.controlword(0x011F);
     ASSERT_TRUE(course.tick_until_phase(HomingCourse::kIdle));
     course.axis.controlword(0x000F);

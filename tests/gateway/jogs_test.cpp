@@ -10,6 +10,7 @@
 #include <chrono>
 #include <future>
 #include <memory>
+#include <string>
 
 namespace vdrive::gateway {
 namespace {
@@ -24,10 +25,11 @@ constexpr ObjectAddress kTargetVelocity{0x60FF, 0};
 /// A client that jogs axis 1.1 of a bench in lock-step, which runs while the axis is jogged.
 class JogsOfAClient : public testing::Test {
  protected:
-  /// @param ago that the request was made: it counts until kHeldTime after that
-  Outcome request(std::int32_t velocity, std::chrono::milliseconds ago = 0ms) {
+  /// @param ago that the request was made: it counts until kHeldTime after that; negative = later
+  Outcome request(std::int32_t velocity, std::chrono::milliseconds ago = 0ms,
+                  const std::string& axis = "1.1") {
     auto answered = std::make_shared<std::promise<Outcome>>();
-    jogs_.request({.axis = "1.1", .velocity = velocity}, Jogs::Clock::now() - ago,
+    jogs_.request({.axis = axis, .velocity = velocity}, Jogs::Clock::now() - ago,
                   [answered](const CallAnswer& answer) {
                     answered->set_value(answer.outcome);
                   });
@@ -62,7 +64,7 @@ class JogsOfAClient : public testing::Test {
 TEST_F(JogsOfAClient, RunWhileTheButtonIsHeldAndAgainAfterItWasLetGo) {
   ASSERT_TRUE(axis_.enable());
   for (int press = 0; press < 2; ++press) {
-    ASSERT_TRUE(request(1'000));
+    ASSERT_TRUE(request(1'000, -20s)) << "held for longer than a busy machine takes";
     EXPECT_TRUE(request(1'000));
     EXPECT_TRUE(request(0));
     expect_rest();
@@ -86,7 +88,7 @@ TEST_F(JogsOfAClient, NeedANewPressAfterASilence) {
 
 TEST_F(JogsOfAClient, NeedANewPressAfterAStopOfAnotherProgram) {
   ASSERT_TRUE(axis_.enable());
-  ASSERT_TRUE(request(1'000));
+  ASSERT_TRUE(request(1'000, -20s)) << "held for longer than the other program takes";
   client::Session other(test::options_on_wire());
   ASSERT_TRUE(other.quick_stop(1, {.until = client::Until::in_force}));
   EXPECT_EQ(hold_until_refused(1'000).kind(), OutcomeKind::failed);
@@ -105,6 +107,17 @@ TEST_F(JogsOfAClient, NeedANewPressWhereTheFirstWasRefused) {
   expect_rest();
   EXPECT_TRUE(request(0));
   EXPECT_TRUE(request(1'000));
+  EXPECT_TRUE(request(0));
+}
+
+// Wrong names, each pressed once and never let go.
+TEST_F(JogsOfAClient, GiveAnotherAxisThePlaceOfOneWhoseRequestIsNotRepeated) {
+  ASSERT_TRUE(axis_.enable());
+  for (std::size_t i = 0; i < Jogs::kMostAxes; ++i) {
+    EXPECT_FALSE(request(1'000, -20s, "1." + std::to_string(100 + i)));
+  }
+  EXPECT_THAT(request(1'000).message(), HasSubstr("32 axes jog already"));
+  EXPECT_TRUE(request(1'000, -60s)) << "40 s after the others";
   EXPECT_TRUE(request(0));
 }
 

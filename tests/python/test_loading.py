@@ -165,7 +165,7 @@ def test_a_package_of_another_python_says_for_which_it_is_and_how_to_build_it_fo
         except ImportError as error:
             print(error)
     """
-    this = f"this is Python {sys.version_info.major}.{sys.version_info.minor} ({sys.executable})"
+    this = f"but this is Python {sys.version_info.major}.{sys.version_info.minor} ({sys.executable})"
     said = run(read, PYTHONPATH=str(tmp_path))
     assert f"{package} is built for Python 3.7, {this}" in said
     assert f"-D VDRIVE_PYTHON={sys.executable}" in said

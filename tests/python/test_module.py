@@ -328,6 +328,23 @@ def broken(recording, **members):
     return recording
 
 
+def retyped(recording, **changes):
+    """Give the records of a recording a type without short names, with changes of its description."""
+    own = recording.frames.dtype
+    formats, offsets = zip(*(own.fields[name][:2] for name in own.names))
+    description = {"names": own.names, "formats": formats, "offsets": offsets}
+    for key, change in changes.items():
+        description[key] = change(list(description[key]))
+    return broken(recording, frames=recording.frames.view(numpy.dtype(description)))
+
+
+def test_records_without_short_names_as_of_an_earlier_version_are_saved(vdrive_session, tmp_path):
+    recording = retyped(recorded(vdrive_session))
+    assert "position" not in recording.frames.dtype.fields
+    recording.save(tmp_path / "run.csv")
+    assert vdrive.load(tmp_path / "run.csv").frames.tolist() == recording.frames.tolist()
+
+
 @pytest.mark.parametrize("name, change, reason", [
     ("run.txt", lambda r: r, "ends in .csv, .jsonl or .mcap"),
     ("run", lambda r: r, "ends in .csv, .jsonl or .mcap"),
@@ -336,6 +353,9 @@ def broken(recording, **members):
     ("run.csv", lambda r: broken(r, frames=r.frames[::-1]), "tick .* follows the tick"),
     ("run.csv", lambda r: broken(r, frames=r.frames[:, :1]), "a column for each of its 2 axes"),
     ("run.csv", lambda r: broken(r, frames=r["position"]), "the dtype of vdrive.record_type"),
+    ("run.csv", lambda r: retyped(r, names=lambda names: names[::-1]), "the dtype of vdrive.record_type"),
+    ("run.csv", lambda r: retyped(r, formats=lambda old: [">u8", *old[1:]]), "the dtype of vdrive.record_type"),
+    ("run.csv", lambda r: retyped(r, offsets=lambda old: [*old[1::-1], *old[2:]]), "the dtype of vdrive.record_type"),
     ("run.csv", lambda r: broken(r, axes=["1.1", "2.1"]), "1.1 and 2.1 are not of one bench"),
     ("run.csv", lambda r: broken(r, axes=["1.1", "lift"]), "axis 'lift' is no address such as 1.2"),
     ("run.csv", lambda r: broken(r, names=["x"]), "2 axes and 1 names"),

@@ -17,14 +17,17 @@ PACKAGES = pathlib.Path(vdrive.__file__).parent.parent
 def checked(tmp_path_factory):
     """A function that checks a program of a user, and the module with it; it returns the errors."""
     directory = tmp_path_factory.mktemp("typed")
+    # Of a package on PYTHONPATH mypy keeps the errors to itself, as of one that is installed.
+    environment = {**os.environ, "MYPYPATH": str(PACKAGES)}
+    environment.pop("PYTHONPATH", None)
 
     def check(text):
         program = directory / "test_of_a_user.py"
         program.write_text(textwrap.dedent(text))
         done = subprocess.run(
             [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", "--cache-dir",
-             str(directory / "cache"), str(program)], env={**os.environ, "MYPYPATH": str(PACKAGES)},
-            cwd=directory, capture_output=True, text=True, timeout=200, check=False)
+             str(directory / "cache"), str(program)], env=environment, cwd=directory,
+            capture_output=True, text=True, timeout=200, check=False)
         assert done.stderr == ""
         assert (done.returncode == 0) == (done.stdout == "")
         return done.stdout.splitlines()

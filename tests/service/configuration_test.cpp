@@ -271,8 +271,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"rate_in_freerun", "clock:\n  rate: 2\n  mode: freerun",
                 "bench.yaml:2: clock.rate = 2: cannot be used with clock.mode freerun"},
         Refused{"rate_in_lockstep", "clock: {mode: lockstep, rate: 2}",
-                "bench.yaml:1: clock.rate = 2: cannot be used with clock.mode lockstep, which runs "
-                "as programs step it"},
+                "bench.yaml:1: clock.rate = 2: cannot be used with clock.mode lockstep, which "
+                "advances only when programs step it"},
         Refused{"steppers_in_realtime", "clock: {steppers: 2}",
                 "bench.yaml:1: clock.steppers = 2: cannot be used with clock.mode realtime, which "
                 "runs by the wall clock"},

@@ -64,7 +64,7 @@ TEST(EventWords, SayHowLateOneTickWasAndTheWorstOfSeveral) {
   EXPECT_EQ(words_of({.kind = msg::EVENT_TICK_OVERRUN, .detail = Overruns{1, 1'203us, 0ms}}),
             "tick ended 1203 us too late");
   EXPECT_EQ(words_of({.kind = msg::EVENT_TICK_OVERRUN, .detail = Overruns{412, 5'120us, 8'000ms}}),
-            "412 ticks ended up to 5120 us too late in 8 s");
+            "412 ticks in 8 s ended too late, by up to 5120 us");
 }
 
 TEST(EventWords, NameTheSessionThatStoppedAnAxisAndItsOwner) {

@@ -72,5 +72,14 @@ TEST(OverrunTally, BeginsWithTheShortestSpanAfterALongQuietTime) {
   EXPECT_EQ(ticks.reports.size(), 7U);
 }
 
+TEST(OverrunTally, TellsAtAPauseWhatIsLeft) {
+  OverrunTally tally;
+  EXPECT_TRUE(tally.note(1ms, 300us));
+  EXPECT_FALSE(tally.note(2ms, 900us));
+  EXPECT_FALSE(tally.note(3ms, 100us));
+  EXPECT_EQ(tally.flush(3ms), (Overruns{2, 900us, 1ms}));
+  EXPECT_EQ(tally.flush(4ms), std::nullopt);
+}
+
 }  // namespace
 }  // namespace vdrive::service

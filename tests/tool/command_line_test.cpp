@@ -116,14 +116,14 @@ TEST(CommandLine, TakesTheAxisOfANodeForADataSheetAlone) {
   EXPECT_EQ(sheet.node, 12U);
   EXPECT_EQ(sheet.axis_number, 2U);
   EXPECT_EQ(refusal_of(split("dictionary --node 3")),
-            "--node is of a data sheet: add --format eds");
+            "--node applies to a data sheet only: add --format eds");
   EXPECT_EQ(refusal_of(split("dictionary --format eds --node 0")),
-            "--node 0 is every node; a node-ID is 1 to 127");
+            "--node 0 means all nodes; a node-ID is 1 to 127");
   EXPECT_NE(refusal_of(split("dictionary --format eds --node 128")), "");
   EXPECT_EQ(refusal_of(split("dictionary --format eds --preset winder")),
             "--axis, --preset and --config say which axis a node is: add --node with its node-ID");
   EXPECT_EQ(refusal_of(split("dictionary --format eds --node 1 --preset winder --config a.yaml")),
-            "--preset and --config name two machines; leave one of them out");
+            "--preset and --config cannot be used together");
 }
 
 TEST(CommandLine, ListsTheSubIndicesOfAnIndex) {

@@ -65,11 +65,15 @@ TEST_F(StoredParameters, AreReportedWithTheirNumberAndTheirFile) {
             "1.1: stored " + objects + " parameters (1010h:01) in " + place + "\n");
   EXPECT_TRUE(fs::exists(file()));
   EXPECT_EQ(call("restore 1.1").output,
-            "1.1: removed " + objects + " parameters (1010h:01) from " + place +
+            "1.1: no stored parameters (1011h:01) are left in " + place +
                 "; the configured values are in force after the next power cycle\n");
   EXPECT_EQ(call("store 1.1 --json").output,
             R"({"axis":"1.1","command":"store","outcome":"ok","objects":)" + objects +
                 R"(,"group":"1010h:01","file":"bench-1.parameters"})" + "\n");
+  EXPECT_EQ(call("restore 1.1 --json").output,
+            R"({"axis":"1.1","command":"restore","outcome":"ok","group":"1011h:01",)"
+            R"("file":"bench-1.parameters"})"
+            "\n");
 }
 
 TEST_F(StoredParameters, NeedAStateDirectory) {

@@ -99,7 +99,8 @@ TEST_F(ProgressOnATerminal, OfAWaitNamesWhatItWaitsFor) {
 TEST_F(ProgressOnATerminal, OfAnExpectationNamesWhatIsChecked) {
   PseudoTerminal expect(kRowsOfProgress, 120,
                         "expect 1.1 position == 0 --tolerance 2 --throughout 60s");
-  EXPECT_TRUE(expect.wait_until(has_row("axis 1.1: checking position 0 UU (0.00 deg) +- 2 UU (0.18 deg), at 0.")))
+  EXPECT_TRUE(expect.wait_until(
+      has_row("axis 1.1: checking position 0 UU (0.00 deg) +- 2 UU (0.18 deg), at 0.")))
       << rows_on(expect);
 }
 

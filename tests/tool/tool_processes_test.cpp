@@ -23,10 +23,12 @@ namespace vdrive::test {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::MatchesRegex;
+using testing::Not;
 using testing::SizeIs;
 
 TEST(Tool, WithoutAServiceExitsThreeWithinTheTimeoutWithAnError) {
@@ -266,9 +268,10 @@ struct WaitingCommand {
   const char* under_way;  ///< as `wait` takes it
 };
 
-// Not those that follow a value (`expect --within`, `wait AXIS OBJECT`): they bridge a silence of
-// 10 s, SessionOptions::patience. First what changes nothing: it has begun when the others move.
+// First what changes nothing: it has begun when the others move.
 constexpr std::array kWaitingCommands{
+    WaitingCommand{"1.1", "wait 1.1 position == 20000000", "velocity_demand_value == 0"},
+    WaitingCommand{"1.1", "expect 1.1 position 20000000 --within 1h", "velocity_demand_value == 0"},
     WaitingCommand{"1.1", "wait 1.1 fault", "velocity_demand_value == 0"},
     WaitingCommand{"1.1", "move 1.1 10000000 --velocity 1000", "velocity_demand_value != 0"},
     WaitingCommand{"1.2", "home 1.2 --method 17 --speed 100 --creep 100",
@@ -330,7 +333,7 @@ TEST_F(CommandsThatWait, AreToldThatTheirServiceShutsDown) {
     if (ended[i].code == 0 && std::string(kWaitingCommands.at(i).axis) == "1.6") continue;
     EXPECT_EQ(ended[i].code, 1) << kWaitingCommands.at(i).words;
     EXPECT_THAT(ended[i].errors,
-                MatchesRegex("vdrive: bench 1 (shuts down: its service brakes the axes, then ends|"
+                MatchesRegex("vdrive: bench 1 (shuts down: its service brakes the axes, then exits|"
                              "went offline: its service has ended).*\n"))
         << kWaitingCommands.at(i).words;
   }
@@ -416,6 +419,14 @@ TEST_F(Events, AreFollowedAsTheyArrive) {
   EXPECT_THAT(line, HasSubstr("fault 0x"));
   events.send(SIGINT);
   EXPECT_EQ(events.wait().code, 130);
+}
+
+// The other commands: HealthyBench.RefusesNothingOfAnyCommandOfTheTool.
+TEST_F(Events, HaveNoRefusalOfTheDoctor) {
+  EXPECT_THAT(tool("doctor").output, HasSubstr("bench 1"));
+  const std::vector<std::string> events = tool("events --json").lines();
+  EXPECT_THAT(events, Not(IsEmpty()));
+  EXPECT_THAT(events, Each(Not(HasSubstr("refused"))));
 }
 
 TEST(EventsWithoutABench, AreNotFound) {

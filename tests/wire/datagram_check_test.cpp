@@ -19,13 +19,13 @@ using test::Body;
 using test::data_to;
 using test::Datagram;
 using test::DatagramWriter;
+using test::kSender;
+using test::kUserReader;
+using test::kUserWriter;
 
-constexpr test::GuidPrefix kSender{1, 15, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
 constexpr std::uint8_t kLittle = 1;
 constexpr std::uint8_t kWithData = 5;
 constexpr std::uint8_t kWithInlineQos = 3;
-constexpr std::uint32_t kUserReader = 0x00000104;
-constexpr std::uint32_t kUserWriter = 0x00000203;
 
 struct Case {
   const char* name;
@@ -38,14 +38,11 @@ Datagram single(std::uint8_t kind, const Body& body, std::uint8_t flags = kLittl
 }
 
 Body heartbeat(std::int64_t first, std::int64_t last) {
-  return Body().entity(kUserReader).entity(kUserWriter).sequence(first).sequence(last).u32(1);
+  return test::heartbeat(kUserReader, kUserWriter, first, last);
 }
 
 Body acknack(std::int64_t base, std::uint32_t bits, std::size_t words) {
-  Body body;
-  body.entity(kUserReader).entity(kUserWriter).sequence(base).u32(bits);
-  for (std::size_t word = 0; word < words; ++word) body.u32(0);
-  return body.u32(1);
+  return test::acknack(kUserReader, kUserWriter, base, bits, words);
 }
 
 Body nack_frag(std::uint32_t base, std::uint32_t bits, std::size_t words) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <string>
@@ -96,6 +97,25 @@ inline Body data_to(std::uint32_t reader, std::uint32_t writer, std::int64_t seq
 
 inline Body gap(std::uint32_t reader, std::uint32_t writer, std::int64_t start, std::int64_t base) {
   return Body().entity(reader).entity(writer).sequence(start).sequence(base).u32(0);
+}
+
+/// A participant that sends, a writer of it, and a reader here.
+constexpr GuidPrefix kSender{1, 15, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+constexpr std::uint32_t kUserReader = 0x00000104;
+constexpr std::uint32_t kUserWriter = 0x00000203;
+
+inline Body heartbeat(std::uint32_t reader, std::uint32_t writer, std::int64_t first,
+                      std::int64_t last, std::uint32_t count = 1) {
+  return Body().entity(reader).entity(writer).sequence(first).sequence(last).u32(count);
+}
+
+/// @param words of the set, of which all bits are 0
+inline Body acknack(std::uint32_t reader, std::uint32_t writer, std::int64_t base,
+                    std::uint32_t bits = 0, std::size_t words = 0) {
+  Body body;
+  body.entity(reader).entity(writer).sequence(base).u32(bits);
+  for (std::size_t word = 0; word < words; ++word) body.u32(0);
+  return body.u32(1);
 }
 
 /// A GUID as the value of a parameter.

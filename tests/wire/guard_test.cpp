@@ -359,8 +359,7 @@ TEST(GuardedParticipant, SurvivesAStatisticsSubmessageAndAnEndlessGap) {
   EXPECT_NE(finished.output.find("refused 2 "), std::string::npos) << finished.output;
 }
 
-// ---- sequence numbers
-// ---------------------------------------------------------------------------
+// ---- sequence numbers --------------------------------------------------------------------------
 
 constexpr GuidPrefix kRawWriter{1, 15, 'r', 'a', 'w', 0, 0, 0, 0, 0, 0, 1};
 constexpr std::int64_t kSentBefore = 1'000'000'000;

@@ -45,7 +45,7 @@ class RawWriter {
         .u32(1);
     network_.send_to_discovery(DatagramWriter(prefix_)
                                    .add(0x15, 5, writer.bytes())
-                                   .add(0x07, 3, heartbeat(kPublicationsWriter, 1, 1, 1).bytes())
+                                   .add(0x07, 3, heartbeat(0, kPublicationsWriter, 1, 1, 1).bytes())
                                    .bytes());
   }
 
@@ -56,7 +56,7 @@ class RawWriter {
     Datagram sample(wire::encoded_size(request));
     wire::encode(request, std::as_writable_bytes(std::span(sample)));
     send_to_data(DatagramWriter(prefix_)
-                     .add(0x07, 3, heartbeat(kEntity, number, number, ++count_).bytes())
+                     .add(0x07, 3, heartbeat(0, kEntity, number, number, ++count_).bytes())
                      .add(0x15, 5, data_to(0, kEntity, number).raw(sample).bytes())
                      .bytes());
   }
@@ -64,7 +64,7 @@ class RawWriter {
   /// Sends the heartbeat of a history with one sample.
   void send_heartbeat(std::int64_t number, std::uint32_t count) const {
     send_to_data(DatagramWriter(prefix_)
-                     .add(0x07, 3, heartbeat(kEntity, number, number, count).bytes())
+                     .add(0x07, 3, heartbeat(0, kEntity, number, number, count).bytes())
                      .bytes());
   }
 
@@ -86,11 +86,6 @@ class RawWriter {
     Datagram bytes = list.bytes();
     bytes.resize(bytes.size() - 4);
     return bytes;
-  }
-
-  static Body heartbeat(std::uint32_t writer, std::int64_t first, std::int64_t last,
-                        std::uint32_t count) {
-    return Body().entity(0).entity(writer).sequence(first).sequence(last).u32(count);
   }
 
   void send_to_data(const Datagram& datagram) const {

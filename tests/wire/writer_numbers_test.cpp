@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -19,11 +20,11 @@ using test::Body;
 using test::data_to;
 using test::Datagram;
 using test::DatagramWriter;
+using test::kSender;
 
-constexpr test::GuidPrefix kSender{1, 15, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
 constexpr test::GuidPrefix kAnother{1, 15, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12};
-constexpr std::uint32_t kReader = 0x00000104;
-constexpr std::uint32_t kWriter = 0x00000203;
+constexpr std::uint32_t kReader = test::kUserReader;
+constexpr std::uint32_t kWriter = test::kUserWriter;
 constexpr std::int64_t kReach = WriterNumbers::kReach;
 constexpr std::int64_t kFar = std::int64_t{1} << 39U;
 constexpr std::int64_t kLate = 1'000'000'000;
@@ -40,7 +41,7 @@ Datagram of(const std::vector<Part>& parts, const test::GuidPrefix& sender = kSe
 }
 
 Part heartbeat(std::int64_t first, std::int64_t last, std::uint32_t writer = kWriter) {
-  return {0x07, Body().entity(kReader).entity(writer).sequence(first).sequence(last).u32(1)};
+  return {0x07, test::heartbeat(kReader, writer, first, last)};
 }
 
 /// A GAP without bits in its set.
@@ -65,7 +66,7 @@ Part fragment(std::int64_t number) {
 }
 
 Part acknack(std::int64_t base) {
-  return {0x06, Body().entity(kReader).entity(kWriter).sequence(base).u32(0).u32(1)};
+  return {0x06, test::acknack(kReader, kWriter, base)};
 }
 
 Part nack_frag(std::int64_t number) {
@@ -326,6 +327,16 @@ TEST(WriterThatIsHeardLate, WithoutItsFirstHeartbeatIsBegunAgain) {
   (*numbers).removed(kSender);
   (*numbers).found(kSender);
   EXPECT_EQ(numbers.read({heartbeat(kLate - 1, kLate)}), of({heartbeat(1, 2)}));
+}
+
+TEST(WriterOfDataAlone, IsNotBegunAgainByOneHeartbeatThatIsFarFromThem) {
+  Numbers numbers;
+  numbers.take({data(kLate)});
+  for (const std::int64_t number : {kLate - kReach - 1, kLate + kReach + 1, kFar}) {
+    EXPECT_EQ(numbers.take({heartbeat(number, number)}).refusal, Refusal::jump) << number;
+    EXPECT_EQ(numbers.take({heartbeat(number, number)}).astray, std::nullopt) << number;
+  }
+  EXPECT_EQ(numbers.refusal_of(data(kLate + 1)), Refusal::none);
 }
 
 // ---- a writer that has gone on without this program ---------------------------------------------

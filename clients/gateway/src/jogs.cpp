@@ -60,10 +60,17 @@ void Jogs::post(Jog& jog, const Answer& answer, std::function<void()> call) {
 
 void Jogs::request(const JogRequest& request, Clock::time_point now, const Answer& answer) {
   if (jogs_.size() >= kMostAxes && !jogs_.contains(request.axis)) {
+    // Who repeats no request has gone without letting go: another axis gets the place.
+    std::erase_if(jogs_, [now](const auto& entry) {
+      return entry.second.calls == 0 && now - entry.second.asked > kHeldTime;
+    });
+  }
+  if (jogs_.size() >= kMostAxes && !jogs_.contains(request.axis)) {
     answer({.outcome = Outcome::failed(counted(kMostAxes, "axis jogs", "axes jog") + " already")});
     return;
   }
   Jog& jog = jogs_[request.axis];
+  jog.asked = now;
   const bool is_press = request.velocity != 0;
   const bool continues = is_press && is_running(jog, now);
   if (continues && jog.velocity == request.velocity) {

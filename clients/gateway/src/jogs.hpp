@@ -29,7 +29,8 @@ class Jogs {
   /// the client is lost the axis runs on for so long.
   static constexpr std::chrono::milliseconds kHeldTime{400};
 
-  /// Axes at a time: each has a thread.
+  /// Axes at a time: each has a thread. Beyond them an axis gets the place of one that has ended
+  /// and for which no request has come within kHeldTime.
   static constexpr std::size_t kMostAxes = 32;
 
   /// Called once for each request, in any thread.
@@ -59,6 +60,7 @@ class Jogs {
     std::int32_t velocity = 0;
     std::shared_ptr<Hold> held_until;
     bool is_pressed = false;
+    Clock::time_point asked{};           ///< when the last request for it came
     std::atomic<std::size_t> calls = 0;  ///< that the worker has to do
     bridge::Worker worker;
   };

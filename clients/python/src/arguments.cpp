@@ -226,6 +226,14 @@ void add_arguments(py::module_& module) {
       },
       py::arg("name"), py::arg("value"),
       "The value of the argument `name` as a float. Raises TypeError when it is not a number.");
+  module.def(
+      "nanoseconds",
+      [](const std::string& name, const Real& value) {
+        return nanoseconds_of(value, name.c_str()).count();
+      },
+      py::arg("name"), py::arg("value"),
+      "The value of the argument `name`, a time in s, in ns. Raises TypeError when it is not a "
+      "number, and ValueError unless it is from 0 to 100 years.");
 }
 
 client::SetPointFrame frame_of(const py::dict& set_points) {

@@ -116,8 +116,8 @@ void add_commands(AxisClass& axis) {
       },
       py::kw_only(), py::arg("timeout") = 60.0, py::arg("until") = "done",
       py::arg("keep_target") = false,
-      "Goes to Operation enabled, where the axis rests: 60FFh, 6042h and 6071h get 0, unless "
-      "keep_target is true. Refused in a fault: reset it first.");
+      "Goes to Operation enabled and keeps the axis at rest: 60FFh, 6042h and 6071h become 0 "
+      "unless keep_target is true. Refused in a fault: reset it first.");
   add_command(axis, "disable", &Axis::disable, "Goes to Ready to switch on.");
   add_command(
       axis, "halt", &Axis::halt,
@@ -515,7 +515,6 @@ std::vector<Axis> axes_of(const SharedPySession& py_session, const py::object& a
   }
   if (!py::isinstance<py::iterable>(axes)) refuse_axes(axes);
   for (const py::handle axis : axes) found.push_back(axis_of(py_session, axis));
-  if (found.empty()) throw py::value_error("axes = " + shown(axes) + ": needs at least one axis");
   return found;
 }
 

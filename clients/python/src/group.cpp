@@ -93,6 +93,7 @@ class GroupCall {
 PyGroup open_group(const SharedPySession& py_session, const py::object& axes) {
   load_numpy();
   const std::vector<client::Axis> found = axes_of(py_session, axes);
+  if (found.empty()) throw py::value_error("axes = " + shown(axes) + ": needs at least one axis");
   return {value_or_raise(waiting(py_session,
                                  [&](Session& session) {
                                    return AxisGroup::create(session, found);
@@ -208,7 +209,7 @@ void add_calls(GroupClass& group) {
       },
       py::kw_only(), py::arg("timeout") = py::none(), py::arg("until") = "done",
       py::arg("progress") = py::none(), py::arg("keep_target") = false,
-      "Brings every axis to Operation enabled, where it rests, as Axis.enable() does.");
+      "Brings every axis to Operation enabled, at rest, as Axis.enable() does.");
   add_call(group, "disable_all", &AxisGroup::disable_all,
            "Shutdown of every axis without a fault. Drops the queue.");
   add_call(group, "wait_all", &AxisGroup::wait_all,

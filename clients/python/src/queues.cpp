@@ -67,7 +67,7 @@ std::deque<Item> take(Source& source, std::size_t most, const OptionalReal& time
   return items;
 }
 
-/// @return whether nothing comes any more, because the program closed it: any other end is raised.
+/// @return whether the program has closed it and nothing is left; any other end is raised.
 template <typename Source>
 bool is_closed(Source& source) {
   const auto outcome = source.queue().ended();
@@ -115,8 +115,9 @@ void add_queue(py::class_<Source, std::shared_ptr<Source>>& queue) {
       "next", &next_within<Source, Item>, py::arg("timeout") = py::none(),
       "Waits for the next one, at most for `timeout` s; None when none has come. Raises Failed "
       "after close().");
-  queue.def_property_readonly("is_closed", &is_closed<Source>,
-                              "Whether it was closed, and all that had come was taken.");
+  queue.def_property_readonly(
+      "is_closed", &is_closed<Source>,
+      "Whether it was closed and everything that had arrived has been taken.");
   queue.def("close", &close_source<Source>, "Ends it.");
   queue.def(
       "fileno",

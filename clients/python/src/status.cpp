@@ -190,6 +190,20 @@ const RecordLayout& layout() {
   return only;
 }
 
+/// @return whether the records have these fields. Titles, the short names, do not count: arrays
+///         that an earlier version has saved have none.
+bool has_layout(const py::dtype& type) {
+  const py::dtype own = layout().type();
+  const py::object names = own.attr("names");
+  if (!names.equal(type.attr("names")) || own.itemsize() != type.itemsize()) return false;
+  const py::slice type_and_offset(0, 2, 1);
+  for (const py::handle name : names) {
+    const py::object field = own.attr("fields")[name][type_and_offset];
+    if (!field.equal(type.attr("fields")[name][type_and_offset])) return false;
+  }
+  return true;
+}
+
 std::string repr_of(const AxisSnapshot& status) {
   return "<vdrive.Status " + to_string(status.id) + " tick " + std::to_string(status.tick) + " " +
          client::describe_statusword(status.status.ds402_statusword, status.mode()) + ">";
@@ -400,7 +414,7 @@ FrameView::FrameView(const py::array& frames, std::size_t axes)
         std::to_string(axes) + " axes");
   }
   const bool is_dense = (frames.flags() & py::array::c_style) != 0;
-  if (!is_dense || !frames.dtype().equal(layout().type())) {
+  if (!is_dense || !has_layout(frames.dtype())) {
     throw py::value_error(
         "the frames of a recording have the dtype of vdrive.record_type() and lie behind each "
         "other");

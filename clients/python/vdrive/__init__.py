@@ -89,11 +89,13 @@ for _function in (_asynchronous.follow_async, _asynchronous.events_async, _obser
                   _observers.on_status, _observers.watch_services, _recording.record):
     setattr(Session, _function.__name__, _function)
 del _function
-Motion.wait_async = _asynchronous.wait_motion_async
-Motion.__await__ = _asynchronous.await_motion
-AxisGroup.wait_all_async = _asynchronous.wait_all_async
-Axis.wait_until_async = _asynchronous.wait_until_async
-Session.wait_async = _asynchronous.wait_async
+for _waiting, _name, _wait in ((Motion, "wait_async", _asynchronous.wait_motion_async),
+                               (Motion, "__await__", _asynchronous.await_motion),
+                               (AxisGroup, "wait_all_async", _asynchronous.wait_all_async),
+                               (Axis, "wait_until_async", _asynchronous.wait_until_async),
+                               (Session, "wait_async", _asynchronous.wait_async)):
+    setattr(_waiting, _name, _wait)
+del _waiting, _name, _wait
 
 # What a traceback names is what a program writes.
 for _class in [value for value in globals().values() if isinstance(value, type)]:

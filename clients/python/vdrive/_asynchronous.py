@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 
 from . import _vdrive
-from ._errors import Error, Failed
+from ._errors import Error, Failed, Refused
 
 _PATIENCE = 1.0  # s of a cancelled task for the end of its call
 _SLICE = 100  # ticks after which a wait for time looks whether it was cancelled
@@ -115,7 +115,7 @@ def events_async(self: _vdrive.Session, *, history: bool = False,
 
 
 async def _in_thread(call: Callable[[], Taken], end: Callable[[], object]) -> Taken:
-    """Run a call that waits in a thread of its own. A task that is cancelled has `end` end the call."""
+    """Run a call that waits in a thread of its own. When the task is cancelled, `end` ends the call."""
     import asyncio
     import threading
 
@@ -125,22 +125,28 @@ async def _in_thread(call: Callable[[], Taken], end: Callable[[], object]) -> Ta
     def run() -> None:
         try:
             report = functools.partial(ended.set_result, call())
+        except StopIteration as error:  # no future takes it
+            report = functools.partial(ended.set_exception,
+                                       RuntimeError(f"the call raised {error!r}"))
         except BaseException as error:
             report = functools.partial(ended.set_exception, error)
-        if not loop.is_closed():
+        try:
             loop.call_soon_threadsafe(report)
+        except RuntimeError:
+            pass  # the loop is closed: nobody waits any more
 
+    # A cancelled task does not ask how the call ended: asyncio would complain.
+    ended.add_done_callback(lambda future: future.exception())
     # Not of the executor of the loop, which has a few threads: a hundred motions may be awaited.
     threading.Thread(target=run, name="vdrive await", daemon=True).start()
     try:
-        return await asyncio.shield(ended)
+        await asyncio.wait([ended])  # a cancelled task leaves it as it is
     except asyncio.CancelledError:
         await asyncio.to_thread(end)
         # A wait on a bench that is paused ends when it goes on: the task does not stay for it.
         await asyncio.wait([ended], timeout=_PATIENCE)
-        if ended.done():
-            ended.exception()  # it tells why the call ended, which the task knows
         raise
+    return ended.result()
 
 
 async def wait_motion_async(self: _vdrive.Motion, timeout: float = 60.0) -> None:
@@ -153,7 +159,7 @@ async def wait_motion_async(self: _vdrive.Motion, timeout: float = 60.0) -> None
         try:
             if self.has_ended():
                 return
-        except Failed:
+        except (Failed, Refused):
             return
         self.axis.halt(until="in_force")
 
@@ -172,23 +178,23 @@ async def wait_all_async(self: _vdrive.AxisGroup, *, timeout: float | None = Non
 
 async def wait_until_async(self: _vdrive.Axis, condition: Callable[[_vdrive.Status], bool],
                            timeout: float = 60.0) -> _vdrive.Status:
-    """Wait as wait_until() does. A task that is cancelled does not stop the axis.
+    """Wait as wait_until() does; the condition is called in another thread.
 
-    A thread calls the condition.
+    Cancelling the task does not stop the axis.
     """
-    is_cancelled = []
+    is_cancelled: list[bool] = []
     return await _in_thread(
         lambda: self.wait_until(lambda status: bool(is_cancelled) or condition(status), timeout),
         lambda: is_cancelled.append(True))
 
 
 async def wait_async(self: _vdrive.Session, duration: float, *, bench: int | None = None) -> int:
-    """Wait for a time of the drive, as wait() does. A task that is cancelled stops no axis."""
-    is_cancelled = []
+    """Wait for drive time, as wait() does. Cancelling the task stops no axis."""
+    nanoseconds = _vdrive.nanoseconds("duration", duration)
+    is_cancelled: list[bool] = []
 
     def wait() -> int:
         there = self.find_bench(bench)
-        nanoseconds = round(_vdrive.real_number("duration", duration) * 1e9)
         now = self.wait(0.0, bench=there.number)
         end = now - -nanoseconds // round(there.period * 1e9)
         while now < end and not is_cancelled:

@@ -17,7 +17,7 @@ def check() -> None:
         return
     versions = [re.sub(r"_vdrive\.cpython-(\d)(\d+)-.*", r"Python \1.\2", name) for name in built]
     raise ImportError(
-        f"{package} is built for {', '.join(versions) or 'no Python at all'}, this is Python "
+        f"{package} is built for {', '.join(versions) or 'no Python at all'}, but this is Python "
         f"{sys.version_info.major}.{sys.version_info.minor} ({sys.executable}). In the source tree of "
         f"vdrive, `deploy/build.sh --target vdrive_python -D VDRIVE_BUILD_PYTHON=ON "
         f"-D VDRIVE_PYTHON={sys.executable}` builds it for this one") from None

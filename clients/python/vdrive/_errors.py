@@ -54,7 +54,11 @@ class Lost(Error, ConnectionError):
 
 
 class Failed(Error):
-    """Accepted, but ended by a fault, a lost enable or an interrupt."""
+    """Accepted, but not done.
+
+    A fault, a lost enable, a limit, a halt, another command or an interrupt has ended it, or its stream
+    was closed.
+    """
 
 
 class Forked(Error, RuntimeError):

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/standing_targets.hpp"
 #include "vdrive/dictionary/object.hpp"
 #include "vdrive_messages.h"
@@ -27,6 +28,13 @@ inline void add_rest(msg::AxisCommand& command) {
 inline void add_word(msg::AxisCommand& command, std::uint16_t word) {
   command.members(static_cast<std::uint16_t>(command.members() | msg::HAS_DS402_CONTROLWORD));
   command.ds402_controlword(word);
+}
+
+/// Adds one of enabling_words(). With the last one the axis gets its power, and rests unless
+/// `keep_target`.
+inline void add_enabling_word(msg::AxisCommand& command, std::uint16_t word, bool keep_target) {
+  add_word(command, word);
+  if (word == controlwords::kEnableOperation && !keep_target) add_rest(command);
 }
 
 }  // namespace vdrive::client

@@ -127,8 +127,8 @@ Outcome check_arrival(AxesCall& call, const AxisSnapshot& at_rest, std::int32_t 
   const std::int64_t span = read.back() - read[kSoftwareLimits];
   const bool is_there = span > 0 && (std::int64_t{target} - demand) % span == 0;
   if (is_there || !is_exact) return {};
-  return Outcome::failed(axis + "something else has ended " + move + ": it rests at " +
-                         place_of_rest + " (6062h)");
+  return Outcome::failed(axis + "rests at " + place_of_rest +
+                         " (6062h): something else has ended " + move);
 }
 
 Outcome check_set_point(const AxisSnapshot& axis) {
@@ -138,10 +138,11 @@ Outcome check_set_point(const AxisSnapshot& axis) {
                            " mode (6061h = " + std::to_string(axis.status.op_mode_actual) +
                            "); waited for " + std::string(kTargetReached));
   }
-  if (axis.last_sequence != 0) return {};
-  return Outcome::failed("axis " + to_string(axis.id) +
-                         ": control of it was released or taken after its set-point; waited for " +
-                         std::string(kTargetReached));
+  if (axis.last_sequence != 0 || !axis.has_owner) return {};
+  return Outcome::failed(
+      "axis " + to_string(axis.id) +
+      ": its control was released or taken over after the set-point; waited for " +
+      std::string(kTargetReached));
 }
 
 Outcome await_target(AxesCall& call, const Wakeup& wakeup, std::optional<std::int32_t> target,

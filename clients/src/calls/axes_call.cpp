@@ -138,22 +138,25 @@ Outcome AxesCall::require(bool (*fulfils)(const AxisSnapshot& axis), std::string
                                          : refused_in_state(*offender(), command, needs);
 }
 
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): one look at each axis, in order
+/// Only those that the session does not have: an axis that is taken again ends what it was given
+/// before.
+std::vector<std::uint16_t> AxesCall::axes_to_acquire(const BenchPart& part) const {
+  std::vector<std::uint16_t> axes;
+  for (const AxisSnapshot& axis : part.seen.axes) {
+    if (!has_control_of(part.target, axis)) axes.push_back(axis.id.axis);
+  }
+  return axes;
+}
+
 Outcome AxesCall::acquire(bool by_force) {
   for (BenchPart& part : axes_.parts()) {
     if (!core_->links.may_command()) return not_permitted(part.target);
     if (axes_.caller() == Caller::axis && core_->discovery.is_paused(part.target.key)) {
       return Outcome::failed(paused_text(part.target));
     }
-    // Not those that it has: what was commanded before an axis was taken counts no more.
-    std::vector<std::uint16_t> others;
-    for (const AxisSnapshot& axis : part.seen.axes) {
-      const bool ours =
-          axis.owner_session == core_->id && core_->control.holds(part.target, {&axis.id.axis, 1});
-      if (!ours) others.push_back(axis.id.axis);
-    }
-    if (others.empty()) continue;
-    if (Outcome taken = core_->control.acquire(part.target, others, by_force); !taken) {
+    const std::vector<std::uint16_t> axes = axes_to_acquire(part);
+    if (axes.empty()) continue;
+    if (Outcome taken = core_->control.acquire(part.target, axes, by_force); !taken) {
       return core_->names.named(part.target, axes_.note_lost(part, std::move(taken)));
     }
   }
@@ -422,13 +425,16 @@ Outcome AxesCall::check_owners() {
   return {};
 }
 
+const BenchPart& AxesCall::part_of(const AxisId& axis) const {
+  return *std::ranges::find_if(axes_.parts(), [&axis](const BenchPart& part) {
+    return part.bench->number == axis.bench;
+  });
+}
+
 std::optional<std::string> AxesCall::find_end(std::size_t place) const {
   if (given_[place].sequence == 0) return std::nullopt;
   const AxisSnapshot& axis = snapshots()[place];
-  const auto part = std::ranges::find_if(axes_.parts(), [&axis](const BenchPart& each) {
-    return each.bench->number == axis.id.bench;
-  });
-  return core_->history.find_end(part->target.key, given_[place], axis);
+  return core_->history.find_end(part_of(axis.id).target.key, given_[place], axis);
 }
 
 Outcome AxesCall::check_command(std::string_view awaited, std::size_t place) {
@@ -472,16 +478,14 @@ Outcome AxesCall::explain_by_service(const Outcome& failed, const AxisSnapshot& 
 /// nothing and may be asked in every clock mode.
 Outcome AxesCall::check_service(const AxisSnapshot& axis) {
   if (is_fault(axis.state())) return {};
-  const auto part = std::ranges::find(axes_.parts(), axis.id.bench, [](const BenchPart& some) {
-    return some.bench->number;
-  });
+  const Target& target = part_of(axis.id).target;
   msg::Request request;
   request.kind(msg::REQUEST_NEXT_SNAPSHOT);
-  Outcome answer = core_->requests.exchange(part->target, std::move(request), "question").outcome();
+  Outcome answer = core_->requests.exchange(target, std::move(request), "question").outcome();
   if (answer.kind() == OutcomeKind::lost) return answer;
   return answer.code() == msg::REASON_SHUTTING_DOWN
-             ? Outcome::lost(name_of(part->target) +
-                             " shuts down: its service brakes the axes, then ends")
+             ? Outcome::lost(name_of(target) +
+                             " shuts down: its service brakes the axes, then exits")
              : Outcome();
 }
 
@@ -513,7 +517,8 @@ Outcome AxesCall::send_stop(Outcome cause, Answers& stop) {
     return is_enabled(axis) && axes_.is_present(axis);
   });
   std::erase_if(round.entries, [this](const Round::Entry& entry) {
-    return is_taken(entry.place) || is_superseded_[entry.place];
+    return is_taken(entry.place) || is_superseded_[entry.place] ||
+           find_end(entry.place).has_value();
   });
   if (!round.entries.empty()) stop.outcome = renew_control(round);
   // At once: a common tick would be later, and what is lost cannot take part in it.

@@ -247,6 +247,11 @@ class AxesCall {
   ///         given it another command than this call, naming it: then this call does not stop it
   [[nodiscard]] Outcome check_command(std::string_view awaited, std::size_t place);
 
+  /// @return whether this session has the axis, by the bench and by its own knowledge.
+  [[nodiscard]] bool has_control_of(const Target& target, const AxisSnapshot& axis) const {
+    return axis.owner_session == core_->id && core_->control.holds(target, {&axis.id.axis, 1});
+  }
+
   /// @return whether check_command() has seen another command on an axis in Operation enabled.
   [[nodiscard]] bool is_superseded() const;
 
@@ -254,11 +259,12 @@ class AxesCall {
   ///         call observed or before it.
   [[nodiscard]] Outcome check_owners();
 
-  /// Quick stop of every axis in Operation enabled; observes them until all are at rest.
+  /// Quick stop of every axis in Operation enabled, save those that another session has taken or
+  /// that have another command; observes them until all are at rest.
   /// @return `cause`.
   Outcome stop_others(Outcome cause);
 
-  /// The same without waiting; an axis that another session has taken is left to that session.
+  /// The same without waiting.
   /// @return `cause`; `stop` is what became of the quick stop.
   Outcome send_stop(Outcome cause, Answers& stop);
 
@@ -292,6 +298,8 @@ class AxesCall {
     }
   }
 
+  [[nodiscard]] const BenchPart& part_of(const AxisId& axis) const;
+  [[nodiscard]] std::vector<std::uint16_t> axes_to_acquire(const BenchPart& part) const;
   [[nodiscard]] bool is_taken(std::size_t place) const;
   void note_given(std::size_t place, const msg::AxisCommand& command, std::uint64_t sequence);
   void note_given(const BenchPart& part, std::span<const Round> rounds,

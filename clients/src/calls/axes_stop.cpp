@@ -25,9 +25,7 @@ Outcome AxesStop::begin(std::chrono::nanoseconds timeout) {
       return Outcome::failed(paused_text(part.target));
     }
     for (const std::size_t place : part.bench->places) {
-      const AxisSnapshot& axis = call_.snapshots()[place];
-      held_[place] =
-          axis.owner_session == core_.id && core_.control.holds(part.target, {&axis.id.axis, 1});
+      held_[place] = call_.has_control_of(part.target, call_.snapshots()[place]);
     }
   }
   return {};

@@ -8,6 +8,7 @@
 #include "calls/profile_move.hpp"
 #include "calls/slow_drive.hpp"
 #include "session/session_core.hpp"
+#include "vdrive/cia402/standing_targets.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
@@ -394,7 +395,22 @@ Outcome end_jog(const std::shared_ptr<SessionCore>& core, AxesCall& call,
 /// An axis that another session has is that session's; of a lost bench nothing can be asked.
 void clear_velocity(Axis& axis, const Outcome& ended) {
   if (ended.kind() == OutcomeKind::lost || !axis.acquire()) return;
-  (void)axis.write(vdrive::describe("target_velocity"_object).address, 0);
+  (void)axis.write(kTargetVelocity, 0);
+}
+
+/// What was sent may be in force although the wait for it has failed.
+void end_failed_start(const std::shared_ptr<SessionCore>& core, AxesCall& call,
+                      const Outcome& started, std::chrono::nanoseconds timeout) {
+  if (started.kind() == OutcomeKind::refused || call.is_superseded()) return;
+  if (is_enabled(call.snapshot())) (void)end_jog(core, call, timeout);
+}
+
+/// The last of each jog. Superseded, the axis is in the hands of another thread.
+/// @return `ended`, with who has taken the axis.
+Outcome conclude_jog(Axis& axis, SessionCore& core, const AxesCall& call, Outcome ended) {
+  if (!ended && !call.is_superseded()) clear_velocity(axis, ended);
+  const AxisId id = axis.id();
+  return explain_loss(core, std::move(ended), {&id, 1});
 }
 
 // ---- torque ----------------------------------------------------------------------------------
@@ -522,26 +538,16 @@ Outcome Axis::apply_torque(std::int16_t torque, const TorqueOptions& options) {
   return explain_loss(*core_, std::move(outcome), {&id_, 1});
 }
 
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): one look at each axis, in order
 Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnapshot&)>& held,
                   const VelocityOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
   if (Outcome ready = begin_motion(call, options.call.timeout, "a jog"); !ready) return ready;
   std::int64_t slowest = 0;
   if (Outcome good = check_velocity(call, velocity, options, slowest); !good) return good;
-  const auto at_end = [this, &call](Outcome ended) {
-    // Superseded, the axis is in the hands of another thread.
-    if (!ended && !call.is_superseded()) clear_velocity(*this, ended);
-    return explain_loss(*core_, std::move(ended), {&id_, 1});
-  };
   EndlessMotion motion(*core_, call);
   if (Outcome started = start_velocity(call, motion, velocity, options); !started) {
-    // What was sent may be in force although the wait for it has failed.
-    const bool has_ended = started.kind() == OutcomeKind::refused || call.is_superseded();
-    if (is_enabled(call.snapshot()) && !has_ended) {
-      (void)end_jog(core_, call, options.call.timeout);
-    }
-    return at_end(std::move(started));
+    end_failed_start(core_, call, started, options.call.timeout);
+    return conclude_jog(*this, *core_, call, std::move(started));
   }
   call.set_timeout(kHeldAtMost);
   // Without control no watchdog guards the axis: the jog ends at once.
@@ -552,16 +558,16 @@ Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnap
   try {
     seen = call.await_enabled("the end of the jog", call.tick(), ends);
   } catch (...) {  // of the program, in `held`
-    (void)at_end(end_jog(core_, call, options.call.timeout));
+    (void)conclude_jog(*this, *core_, call, end_jog(core_, call, options.call.timeout));
     throw;
   }
   if (seen.kind() == OutcomeKind::lost) return seen;
   if (!seen && (!is_enabled(call.snapshot()) || call.is_superseded())) {
-    return at_end(std::move(seen));
+    return conclude_jog(*this, *core_, call, std::move(seen));
   }
   Outcome ended = end_jog(core_, call, options.call.timeout);
   if (ended) motion.settle();
-  return at_end(std::move(ended));
+  return conclude_jog(*this, *core_, call, std::move(ended));
 }
 
 }  // namespace vdrive::client

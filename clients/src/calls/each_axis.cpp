@@ -279,11 +279,6 @@ bool EachAxis::goes_by_frames() const {
   return !stop_ && row_.command != EachCommand::power_cycle;
 }
 
-/// @return whether the word gives an axis its power that is to stand then.
-bool EachAxis::rests_before(std::uint16_t word) const {
-  return row_.command == EachCommand::enable && word == kEnableOperation && !options_.keep_target;
-}
-
 /// The n-th round has the n-th word of each axis.
 std::vector<Round> EachAxis::rounds() const {
   std::vector<Round> rounds;
@@ -293,8 +288,11 @@ std::vector<Round> EachAxis::rounds() const {
     rounds.resize(std::max(rounds.size(), words.size()));
     for (std::size_t i = 0; i < words.size(); ++i) {
       msg::AxisCommand command = call_.command_to(place);
-      add_word(command, words[i]);
-      if (rests_before(words[i])) add_rest(command);
+      if (row_.command == EachCommand::enable) {
+        add_enabling_word(command, words[i], options_.keep_target);
+      } else {
+        add_word(command, words[i]);
+      }
       rounds[i].entries.push_back({place, std::move(command)});
     }
   }
@@ -462,7 +460,9 @@ void EachAxis::await_targets() {
     if (goes_on && is_enabled(call_.snapshots()[place])) {
       outcomes_[place] = goes_on_to_target(call_.snapshots()[place]);
     }
-    if (is_pending_[place] && !sound[place]) end(place, std::move(sound[place]));
+    if (!is_pending_[place] || sound[place]) continue;
+    const AxisSnapshot& axis = at_end_[place];
+    end(place, is_enabled(axis) ? sound[place] : call_.explain_by_service(sound[place], axis));
   }
   if (!has_pending()) return;
   const auto words = call_.read(kControlwordObject);

@@ -83,7 +83,6 @@ class EachAxis {
   void end(std::size_t place, Outcome outcome);
   void end_all(const Outcome& outcome);
 
-  [[nodiscard]] bool rests_before(std::uint16_t word) const;
   [[nodiscard]] std::vector<Round> rounds() const;
 
   std::shared_ptr<SessionCore> core_;

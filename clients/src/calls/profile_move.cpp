@@ -168,6 +168,7 @@ Outcome ProfileMove::await_target() {
   Outcome reached = client::await_target(
       call_, wakeup_, wraps_ ? std::nullopt : std::optional(target_), call_.tick());
   if (reached) return reached;
+  if (call_.is_superseded()) return reached;  // the ramps are those of another motion
   // After a time-out the axis still moves, and after a halt it continues: the ramps are those of
   // its motion.
   const AxisSnapshot& axis = call_.snapshot();

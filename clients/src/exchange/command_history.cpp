@@ -2,6 +2,7 @@
 #include "exchange/command_history.hpp"
 
 #include "vdrive/cia402/controlword.hpp"
+#include "vdrive/cia402/standing_targets.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
@@ -48,18 +49,32 @@ bool has_start_bit(OperatingMode mode) {
   return mode == OperatingMode::profile_position || mode == OperatingMode::homing;
 }
 
-/// @return whether the mode takes each value that is written as its next set-point, and a call
-///         waits for that value.
-bool has_written_target(OperatingMode mode) {
-  return mode == OperatingMode::velocity || mode == OperatingMode::profile_velocity ||
-         mode == OperatingMode::profile_torque;
+/// @return the object that the mode follows as it is written, and whose value a call waits for.
+std::optional<ObjectAddress> written_target(OperatingMode mode) {
+  switch (mode) {
+    case OperatingMode::velocity:
+      return kTargetOfVelocityMode;
+    case OperatingMode::profile_velocity:
+      return kTargetVelocity;
+    case OperatingMode::profile_torque:
+      return kTargetTorque;
+    default:
+      return std::nullopt;
+  }
+}
+
+bool is_standing_target(ObjectAddress address) {
+  return std::ranges::find(kStandingTargets, address) != kStandingTargets.end();
 }
 
 }  // namespace
 
 bool ends_motion(const msg::AxisCommand& command) noexcept {
   const bool has_word = (command.members() & msg::HAS_DS402_CONTROLWORD) != 0;
-  return (command.members() & msg::HAS_OP_MODE_CMD) != 0 ||
+  const bool has_target = std::ranges::any_of(command.objects(), [](const msg::ObjectValue& each) {
+    return is_standing_target({each.index(), each.subindex()});
+  });
+  return has_target || (command.members() & msg::HAS_OP_MODE_CMD) != 0 ||
          (has_word && ends_something(command.ds402_controlword()));
 }
 
@@ -75,6 +90,10 @@ CommandHistory::Entry CommandHistory::entry_of(const msg::AxisCommand& command) 
   if ((command.members() & msg::HAS_POSITION_USER_TARGET_VALUE) != 0) {
     entry.target = command.position_user_target_value();
   }
+  for (const msg::ObjectValue& object : command.objects()) {
+    const ObjectAddress address{object.index(), object.subindex()};
+    if (is_standing_target(address)) entry.written = address;
+  }
   return entry;
 }
 
@@ -82,13 +101,11 @@ CommandHistory::Entry CommandHistory::entry_of(const msg::ObjectAccess& access) 
   Entry entry;
   const auto row = find_object({access.index(), access.subindex()});
   if (!row) return entry;
-  const Change change = describe(*row).change;
+  const ObjectAddress address = describe(*row).address;
   const auto word = static_cast<std::uint16_t>(access.value());
   if (*row == "op_mode_cmd"_object) entry.mode = static_cast<OperatingMode>(access.value());
   if (*row == "ds402_controlword"_object && ends_something(word)) entry.controlword = word;
-  if (change == Change::target || change == Change::planned_target) {
-    entry.written = describe(*row).address;
-  }
+  if (is_standing_target(address)) entry.written = address;
   return entry;
 }
 
@@ -97,7 +114,13 @@ void CommandHistory::add(const BenchKey& key, std::uint16_t axis, Entry entry) {
   OfBench& bench = benches_[key.number];
   if (bench.incarnation != key.incarnation) bench = {.incarnation = key.incarnation, .axes = {}};
   Entries& entries = bench.axes[axis];
-  if (entries.size() == kMostOfAxis) entries.pop_front();
+  if (entries.size() == kMostOfAxis) {
+    // Of a stream of targets the newest say enough.
+    const auto oldest = std::ranges::find_if(entries, [](const Entry& each) {
+      return each.written && !each.mode && !each.controlword;
+    });
+    entries.erase(oldest == entries.end() ? entries.begin() : oldest);
+  }
   entries.push_back(entry);
 }
 
@@ -109,6 +132,21 @@ void CommandHistory::note_frame(const BenchKey& key, const msg::CommandFrame& fr
     entry.is_whole = (frame.flags() & msg::FRAME_ALL_OR_NOTHING) != 0;
     const std::scoped_lock lock(mutex_);
     add(key, command.axis(), entry);
+  }
+}
+
+/// What the drive did not take of a frame that is not carried out whole.
+void CommandHistory::take_back(Entry& entry, std::uint16_t axis, const msg::CommandReply& reply) {
+  constexpr ObjectAddress kMode = vdrive::describe("op_mode_cmd"_object).address;
+  constexpr ObjectAddress kControlword = vdrive::describe("ds402_controlword"_object).address;
+  const auto& ignored = reply.ignored_set_points();
+  if (std::ranges::find(ignored, axis) != ignored.end()) entry.controlword.reset();
+  for (const msg::Refusal& refusal : reply.refusals()) {
+    if (refusal.axis() != axis) continue;
+    const ObjectAddress refused{refusal.index(), refusal.subindex()};
+    if (refused == kMode) entry.mode.reset();
+    if (refused == kControlword) entry.controlword.reset();
+    if (refused == entry.written) entry.written.reset();
   }
 }
 
@@ -124,9 +162,9 @@ void CommandHistory::forget_refused(Entries& entries, std::uint16_t axis,
     const bool is_of_axis = refusal.axis() == axis && refusal.index() == 0;
     return refusal.axis() == 0 || entry->is_whole || is_of_axis;
   });
-  const auto& ignored = reply.ignored_set_points();
-  if (std::ranges::find(ignored, axis) != ignored.end()) entry->controlword.reset();
-  if (is_refused || (!entry->mode && !entry->controlword)) entries.erase(entry);
+  take_back(*entry, axis, reply);
+  const bool is_empty = !entry->mode && !entry->controlword && !entry->written;
+  if (is_refused || is_empty) entries.erase(entry);
 }
 
 void CommandHistory::note_answer(const msg::CommandReply& reply) {
@@ -176,8 +214,8 @@ void CommandHistory::note_gained(const BenchKey& key, std::span<const std::uint1
                                  std::uint64_t last_sequence) {
   const std::scoped_lock lock(mutex_);
   for (const std::uint16_t axis : axes) {
-    // In force already: nothing that this session does to the axis is older.
-    add(key, axis, {.after = last_sequence, .tick = 1, .what = "control of the axis, taken again"});
+    // In force already: whatever this session gave the axis before is older.
+    add(key, axis, {.after = last_sequence, .tick = 1, .what = "a new acquisition of the axis"});
   }
 }
 
@@ -190,7 +228,7 @@ bool CommandHistory::ends(const Entry& entry, OperatingMode mode) {
   constexpr OperatingMode kSetPoints = OperatingMode::profile_position;
   const bool stays = entry.mode == kSetPoints && mode == kSetPoints;
   if (entry.mode && !stays) return true;
-  if (entry.written && has_written_target(mode)) return true;
+  if (entry.written && entry.written == written_target(mode)) return true;
   return entry.controlword && (has_start_bit(mode) || !leaving(*entry.controlword).empty());
 }
 

@@ -79,6 +79,7 @@ class CommandHistory {
   static bool is_in_force(const Entry& entry, const AxisSnapshot& seen);
   static bool ends(const Entry& entry, OperatingMode mode);
   static std::string text_of(const Entry& entry);
+  static void take_back(Entry& entry, std::uint16_t axis, const msg::CommandReply& reply);
   static void forget_refused(Entries& entries, std::uint16_t axis, const msg::CommandReply& reply);
   void add(const BenchKey& key, std::uint16_t axis, Entry entry);
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -74,6 +75,20 @@ bool Control::holds(const Target& target, std::span<const std::uint16_t> axes) {
 }
 
 Outcome Control::acquire(const Target& target, std::span<const std::uint16_t> axes, bool by_force) {
+  std::vector<std::uint16_t> held;
+  std::vector<std::uint16_t> others;
+  std::ranges::partition_copy(axes, std::back_inserter(held), std::back_inserter(others),
+                              [&](std::uint16_t axis) {
+                                return holds(target, {&axis, 1});
+                              });
+  if (held.empty() || others.empty()) return acquire_part(target, axes, by_force);
+  // Apart, and first: the new epoch that comes with the others says nothing about them.
+  if (Outcome kept = acquire_part(target, held, by_force); !kept) return kept;
+  return acquire_part(target, others, by_force);
+}
+
+Outcome Control::acquire_part(const Target& target, std::span<const std::uint16_t> axes,
+                              bool by_force) {
   msg::Request request;
   request.kind(by_force ? msg::REQUEST_TAKE_OVER : msg::REQUEST_ACQUIRE);
   request.axes().assign(axes.begin(), axes.end());
@@ -126,10 +141,12 @@ Result<std::uint64_t> Control::stop(const Target& target, std::span<const std::u
                              "stop of " + (axes.size() == 1 ? name_of(target, axes.front())
                                                             : "axes of " + name_of(target)));
   if (!replies) return replies.outcome();
-  std::uint64_t tick = 0;
   for (std::size_t i = 0; i < replies->size(); ++i) {
-    const msg::Reply& reply = (*replies)[i];
-    history_.note_request(target.key, requests[i], reply, holdings_.last_sequence(target.key));
+    history_.note_request(target.key, requests[i], (*replies)[i],
+                          holdings_.last_sequence(target.key));
+  }
+  std::uint64_t tick = 0;
+  for (const msg::Reply& reply : *replies) {
     tick = std::max(tick, reply.tick());
     for (const msg::ObjectResult& result : reply.objects()) {
       if (result.abort_code() != 0) {

@@ -58,6 +58,7 @@ class Control {
   void end();
 
  private:
+  Outcome acquire_part(const Target& target, std::span<const std::uint16_t> axes, bool by_force);
   Outcome release(const GivenBack& given);
   Outcome release(const Target& target, std::span<const std::vector<std::uint16_t>> parts);
   Result<RequestAnswer> carry_out(const Target& target, msg::Request request,

@@ -46,7 +46,7 @@ class Holdings {
 
   /// The bench answered that these axes are held in `epoch`.
   /// @param lives_by_wall_clock whether it takes them away from a session that is silent
-  /// @return whether the epoch is a new one: the session did not have all of them until now.
+  /// @return whether the epoch is a new one: the session has gained an axis, or lost another one.
   bool note_acquired(const BenchKey& key, std::span<const std::uint16_t> axes, std::uint32_t epoch,
                      bool lives_by_wall_clock);
 

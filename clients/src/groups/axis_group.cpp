@@ -109,6 +109,21 @@ bool is_factor(double factor) {
   return factor > 0.0 && factor <= 1.0;
 }
 
+/// The n-th round has the n-th word of each axis.
+std::vector<Round> enabling_rounds(const AxesCall& call, bool keep_target) {
+  std::vector<Round> rounds;
+  for (std::size_t place = 0; place < call.snapshots().size(); ++place) {
+    const std::span<const std::uint16_t> words = enabling_words(call.snapshots()[place].state());
+    rounds.resize(std::max(rounds.size(), words.size()));
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      msg::AxisCommand command = call.command_to(place);
+      add_enabling_word(command, words[i], keep_target);
+      rounds[i].entries.push_back({place, std::move(command)});
+    }
+  }
+  return rounds;
+}
+
 }  // namespace
 
 std::string_view to_string(GroupState state) noexcept {
@@ -291,7 +306,6 @@ Result<GroupStatus> AxisGroup::status() const {
 
 // ---- power states ----------------------------------------------------------------------------
 
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): one look at each axis, in order
 Outcome AxisGroup::enable_all(const GroupCallOptions& options) {
   AxesCall call = state_->call(options);
   if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
@@ -300,18 +314,8 @@ Outcome AxisGroup::enable_all(const GroupCallOptions& options) {
   if (options.until == Until::done) {
     if (Outcome rested = call.await_quick_stops(); !rested) return rested;
   }
-  std::vector<Round> rounds;
-  for (std::size_t place = 0; place < call.snapshots().size(); ++place) {
-    const std::span<const std::uint16_t> words = enabling_words(call.snapshots()[place].state());
-    rounds.resize(std::max(rounds.size(), words.size()));
-    for (std::size_t i = 0; i < words.size(); ++i) {
-      msg::AxisCommand command = call.command_to(place);
-      add_word(command, words[i]);
-      if (words[i] == kEnableOperation && !options.keep_target) add_rest(command);
-      rounds[i].entries.push_back({place, std::move(command)});
-    }
-  }
-  const Answers answers = call.exchange(rounds, Timing::at_once);
+  const Answers answers =
+      call.exchange(enabling_rounds(call, options.keep_target), Timing::at_once);
   if (!answers.outcome) return state_->explained(answers.outcome);
   Outcome seen = call.await_tick("Operation enabled", answers.tick);
   if (seen && options.until == Until::done) seen = await_enabling(call);
@@ -425,7 +429,11 @@ Result<GroupStatus> AxisGroup::poll() {
   if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
   Outcome sound = state_->watch(call);
   if (sound) sound = state_->watch_commands(call);
-  if (!sound) return state_->explained(std::move(sound));
+  if (!sound) {
+    const auto off = std::ranges::find_if_not(call.snapshots(), is_enabled);
+    if (off != call.snapshots().end()) sound = call.explain_by_service(sound, *off);
+    return state_->explained(std::move(sound));
+  }
   const auto moving = state_->line_in_hand();
   const bool at_rest = !moving || (call.tick() >= moving->start_tick &&
                                    state_->has_arrived(*moving, call.snapshots()));

@@ -192,9 +192,9 @@ std::vector<std::int32_t> demands_of(std::span<const AxisSnapshot> axes) {
   return demands;
 }
 
-/// A drive takes no set-point before it shows its mode: later than its command where it says so
-/// (5E20h:08), and where the axis has to come to rest first. That it does so 606Bh does not show in
-/// a mode without a position loop. There the axes get the mode before the line, and not with it.
+/// A drive takes no set-point before it shows its mode. It shows it later than commanded where it
+/// says so (5E20h:08), and where the axis has to come to rest first, which 606Bh does not show in a
+/// mode without a position loop. Such axes get the mode before the line, not with it.
 Outcome await_late_mode(AxesCall& call) {
   constexpr OperatingMode kMode = OperatingMode::profile_position;
   const auto has_mode = [](const AxisSnapshot& axis) {

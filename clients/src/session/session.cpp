@@ -383,9 +383,11 @@ Outcome Session::on_status(std::span<const AxisId> axes, std::chrono::millisecon
                            std::function<void(const Observation&)> observer,
                            std::function<void(const Outcome&)> ended) {
   if (Outcome here = core_->discovery.check_process(); !here) return here;
+  if (observer) {
+    if (Outcome good = check_period(period); !good) return good;
+  }
   core_->status_reports.stop();
   if (!observer) return {};
-  if (Outcome good = check_period(period); !good) return good;
   const auto numbers = find_by_bench(*core_, axes);
   if (!numbers) return numbers.outcome();
   core_->statuses.watch(core_->status_reports, *numbers, period, std::move(observer),

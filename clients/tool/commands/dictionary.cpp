@@ -280,9 +280,9 @@ TableFormat parse_table_format(const std::string& text) {
 /// A data sheet of one node has its options, and nothing else has.
 void check_node(const DictionaryCommand& command) {
   if (command.node && command.format != TableFormat::eds) {
-    throw UsageError("--node is of a data sheet: add --format eds");
+    throw UsageError("--node applies to a data sheet only: add --format eds");
   }
-  if (command.node == 0U) throw UsageError("--node 0 is every node; a node-ID is 1 to 127");
+  if (command.node == 0U) throw UsageError("--node 0 means all nodes; a node-ID is 1 to 127");
   const bool has_axis =
       command.axis_number || !command.preset.empty() || !command.configuration.empty();
   if (has_axis && !command.node) {
@@ -290,7 +290,7 @@ void check_node(const DictionaryCommand& command) {
         "--axis, --preset and --config say which axis a node is: add --node with its node-ID");
   }
   if (!command.preset.empty() && !command.configuration.empty()) {
-    throw UsageError("--preset and --config name two machines; leave one of them out");
+    throw UsageError("--preset and --config cannot be used together");
   }
 }
 
@@ -364,8 +364,8 @@ void DictionaryCommand::declare(Arguments& arguments) {
       .one_of({"en", "zh"});
   arguments.option(
       "--node", "ID", node,
-      "With --format eds: of this node, 1 to 127, with numbers for its COB-IDs and the "
-      "values that its axis has after power-up",
+      "With --format eds: for this node, 1 to 127, with numeric COB-IDs and the values that its "
+      "axis has after power-up",
       [](const std::string& text) {
         return parse_number(text, "node-ID", canopen::kHighestNodeId);
       });
@@ -374,9 +374,9 @@ void DictionaryCommand::declare(Arguments& arguments) {
                    [](const std::string& text) {
                      return parse_number(text, "number of an axis", bench::kMostAxes);
                    });
-  arguments.option("--preset", "NAME", preset, "With --node: the machine that the axis is");
+  arguments.option("--preset", "NAME", preset, "With --node: the machine that the axis belongs to");
   arguments.option("--config", "FILE", configuration,
-                   "With --node: configuration of the bench, as that of vdrived");
+                   "With --node: configuration file of the bench, as for vdrived");
   arguments.then([this, &is_json = arguments.is_json()] {
     check_node(*this);
     check_node_format(*this, is_json);

@@ -13,6 +13,8 @@ struct RecordCommand {
   std::vector<std::string> axes{};  ///< none = all of the only bench there is
   RecordingChoice choice{};
 
+  static constexpr bool kBridgesSilence = true;
+
   void declare(Arguments& arguments);
   client::Outcome run(CommandContext& context) const;
 };

@@ -11,9 +11,9 @@ client::Outcome restore_parameters(client::Axis& axis) {
 }
 
 Deed restored(const client::Axis& axis) {
-  return {.text = "removed " + parameters_text() + " from " + memory_text(axis) +
+  return {.text = "no stored parameters (1011h:01) are left in " + memory_text(axis) +
                   "; the configured values are in force after the next power cycle",
-          .facts = memory_json(axis)};
+          .facts = memory_json(axis, "1011h:01")};
 }
 
 constexpr AxisAction kRestoreAction{

@@ -71,7 +71,9 @@ ExitCode RunCommand::start(const Program& program) const {
     if (is_private) benches.check(options);
     const auto loaded = scenarios.load(program.commands);
     if (is_private) return start_privately(loaded, junit, program);
-    return run_connected(program, options, [&](client::Session& session) {
+    GlobalOptions told_at_once = options;
+    told_at_once.ends_at_silence = true;
+    return run_connected(program, told_at_once, [&](client::Session& session) {
       return run_scenarios(loaded,
                            {.is_json = options.json, .is_live = live, .timeout = options.timeout},
                            junit, session, program.terminal);

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "execution/axis_action.hpp"
 #include "execution/parameter_memory.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <string>
+#include <utility>
 
 namespace vdrive::tool {
 namespace {
@@ -11,8 +15,11 @@ client::Outcome store_parameters(client::Axis& axis) {
 }
 
 Deed stored(const client::Axis& axis) {
-  return {.text = "stored " + parameters_text() + " in " + memory_text(axis),
-          .facts = memory_json(axis)};
+  Json facts{{"objects", kStoredCount}};
+  facts.update(memory_json(axis, "1010h:01"));
+  return {.text = "stored " + std::to_string(kStoredCount) + " parameters (1010h:01) in " +
+                  memory_text(axis),
+          .facts = std::move(facts)};
 }
 
 constexpr AxisAction kStoreAction{.name = "store", .each = store_parameters, .deed = stored};

@@ -13,6 +13,8 @@ struct WatchCommand {
   std::vector<std::string> axes{};  ///< none = all of all benches
   std::uint64_t count = 0;          ///< samples an axis; 0 = until interrupted
 
+  static constexpr bool kBridgesSilence = true;
+
   /// --timeout limits the wait for a tick.
   [[nodiscard]] bool limits_itself() const { return count != 0; }
 

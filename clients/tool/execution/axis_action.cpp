@@ -54,8 +54,7 @@ std::vector<Outcome> command_all(std::vector<client::Axis>& axes, const AxisActi
   return outcomes;
 }
 
-/// @return the axes whose bench was not lost: one that is would be searched for as long as
-/// --timeout.
+/// @return the axes whose bench is not lost: a lost one would be searched for until --timeout.
 std::vector<client::Axis> present(const std::vector<client::Axis>& axes,
                                   const std::vector<Outcome>& outcomes) {
   std::vector<client::Axis> present;
@@ -80,7 +79,7 @@ void AxisActionCommand::declare(Arguments& arguments) {
   }
   if (action->together == client::EachCommand::enable) {
     arguments.flag("--keep-target", keep_target,
-                   "Leave 60FFh, 6042h and 6071h as they are: the axis may run off at once");
+                   "Leave 60FFh, 6042h and 6071h as they are: the axis may start to move at once");
   }
   arguments.take_over(take_over);
   arguments.then([this] {

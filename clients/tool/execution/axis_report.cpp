@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "execution/axis_report.hpp"
 
+#include "vdrive/dictionary/dictionary.hpp"
+
 #include <utility>
 
 namespace vdrive::tool {
 namespace {
 
 using client::Outcome;
+using namespace literals;
 
 /// @return what to do first where the power state has refused a command, or nothing.
 std::string next_step(const std::string& label, PowerState state) {
@@ -25,9 +28,8 @@ Json json_of_report(const CommandContext& context, const client::Axis& axis,
     json["state"] = to_string(status->state());
     json["statusword"] = status->status.ds402_statusword;
     json["position"] = status->status.load_position_actual_value;
-    json["unit"] = axis.unit().name;
-    json["position_in_unit"] =
-        client::from_user_units(status->status.load_position_actual_value, axis.unit());
+    add_in_unit(json, "load_position_actual_value"_object, axis.unit(), "position",
+                status->status.load_position_actual_value);
   }
   return json;
 }

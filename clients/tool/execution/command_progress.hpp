@@ -66,9 +66,8 @@ class EndOfProgress {
   CommandProgress& progress_;
 };
 
-/// @return such as "axis 1.1: at 96.42 deg of 0.00 deg at -1.14 deg/s, some 85 s more": one line,
-/// in the
-///         unit of the axis alone.
+/// @return one line, in the unit of the axis alone, such as
+///         "axis 1.1: at 96.42 deg of 0.00 deg at -1.14 deg/s, some 85 s more".
 [[nodiscard]] std::string motion_text(const client::AxisSnapshot& axis, const std::string& label,
                                       const client::Unit& unit, std::optional<std::int32_t> target);
 

@@ -16,6 +16,7 @@ client::SessionOptions session_options(const GlobalOptions& options) {
   session.discovery_servers = options.discovery_servers;
   session.security = options.security;
   session.bus = options.bus;
+  if (options.ends_at_silence) session.patience = session.silence;
   if (options.timeout) {
     session.find_timeout = std::chrono::ceil<std::chrono::milliseconds>(*options.timeout);
   } else if (!options.security.empty()) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "execution/parameter_memory.hpp"
 
-#include "vdrive/dictionary/dictionary.hpp"
-
 namespace vdrive::tool {
 namespace {
 
@@ -13,17 +11,13 @@ std::string file_of(const client::Axis& axis) {
 
 }  // namespace
 
-std::string parameters_text() {
-  return std::to_string(kStoredCount) + " parameters (1010h:01)";
-}
-
 std::string memory_text(const client::Axis& axis) {
   return file_of(axis) + " in the state directory of the service of bench " +
          std::to_string(axis.id().bench);
 }
 
-Json memory_json(const client::Axis& axis) {
-  return {{"objects", kStoredCount}, {"group", "1010h:01"}, {"file", file_of(axis)}};
+Json memory_json(const client::Axis& axis, std::string_view group) {
+  return {{"group", group}, {"file", file_of(axis)}};
 }
 
 }  // namespace vdrive::tool

@@ -37,7 +37,8 @@ struct Command {
   std::vector<std::string> axes;         ///< that it names: addresses such as 7.1, names, 7.*, *
   std::optional<std::uint32_t> bench;    ///< that it names
   std::optional<std::uint32_t> refusal;  ///< `refused`: it passes if it is refused with this code
-  bool limits_itself = false;  ///< --timeout is the limit of the command, not of the search
+  bool limits_itself = false;    ///< --timeout is the limit of the command, not of the search
+  bool bridges_silence = false;  ///< it continues after a gap, up to SessionOptions::patience
 };
 
 /// The tool as it was called: what a command works with that opens its own session, or none.
@@ -117,10 +118,14 @@ template <typename Given>
                   .axes = axes_of(given),
                   .bench = {},
                   .refusal = {},
-                  .limits_itself = false};
-  if constexpr (requires { given.bench; }) command.bench = given.bench;
-  if constexpr (requires { given.limits_itself(); }) command.limits_itself = given.limits_itself();
-  return command;
+                  .limits_itself = false,
+                  .bridges_silence = requires {Given::kBridgesSilence;
+}
+};  // namespace vdrive::tool
+
+if constexpr (requires { given.bench; }) command.bench = given.bench;
+if constexpr (requires { given.limits_itself(); }) command.limits_itself = given.limits_itself();
+return command;
 }
 
 template <typename Given>

@@ -33,7 +33,8 @@ struct GlobalOptions {
   bool json = false;
   std::shared_ptr<wire::LocalBus> bus{};  ///< of the benches of this process, instead of a network
   bool is_one_of_several = false;         ///< this process carries out one file of a run
-  std::optional<Duration> timeout;        ///< wall time to find a service, drive time of motion
+  bool ends_at_silence = false;     ///< SessionOptions::silence ends what follows a bench, too
+  std::optional<Duration> timeout;  ///< wall time to find a service, drive time of motion
 };
 
 }  // namespace vdrive::tool

@@ -47,9 +47,8 @@ enum class Mistake : std::uint8_t {
 /// @param commands those that its lines may be
 /// @param file its name, for messages
 /// @param settings values of variables, from settings_of()
-/// @throws UsageError with a line for each mistake, starting with file:line, also beyond the limits
-///         of line and file; and for a file that has
-///         no command, or none above finally.
+/// @throws UsageError with a line for each mistake, each starting with file:line, also beyond the
+///         limits of line and file; and for a file without a command, or with none above finally.
 [[nodiscard]] Scenario parse_scenario(CommandTable commands, std::istream& input,
                                       const std::string& file,
                                       const Variables::Values& settings = {});

@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 // What a bench keeps arrives in one go, once the reader is matched; nothing marks its end.
 constexpr std::chrono::milliseconds kQuiet{500};
 constexpr std::chrono::seconds kLongest{5};
-constexpr std::chrono::seconds kLongestOfFollower{1};  // who waits for what comes after it
+constexpr std::chrono::seconds kLongestOfFollower{1};  // a follower is here for what comes next
 constexpr std::chrono::milliseconds kPeriod{50};       // an interrupt rings no bell of the queue
 
 /// Hands events over from the thread of the session.

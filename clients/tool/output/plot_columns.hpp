@@ -26,9 +26,8 @@ struct PlotColumn {
 [[nodiscard]] std::vector<PlotColumn> plot_columns_in(const Unit& unit,
                                                       std::vector<PlotColumn> columns);
 
-/// @param text names with commas between them: those of a recording, or names and addresses of
-/// their
-///        objects as every command takes them
+/// @param text names separated by commas: those of a recording, or names and addresses of their
+///        objects, as every command takes them
 /// @return each column once, in this order.
 /// @throws UsageError for a name that no column has, with the nearest one, or with all
 [[nodiscard]] std::vector<PlotColumn> parse_plot_columns(std::string_view text);

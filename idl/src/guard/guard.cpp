@@ -100,14 +100,19 @@ void Guard::receive(Receiver& channel, ByteView datagram, const Locator& local,
   }
 }
 
-/// Where the library encrypts no number is seen.
+/// In the closed mode the numbers are encrypted, and pass.
 /// @return what the library may read of the numbers; nothing when it may not.
 std::optional<ByteView> Guard::with_plausible_numbers(ByteView datagram, Clock::time_point now,
                                                       const Locator& remote,
                                                       std::vector<std::uint8_t>& renumbered) {
   if (mode_ == Mode::closed) return datagram;
   const WriterNumbers::Report report = numbers_.receive(datagram, now, renumbered);
-  if (report.astray && keeps_leases_) {
+  if (report.astray && !keeps_leases_) {
+    // Nobody here can make the library begin again: it walks, as it would without the guard.
+    numbers_.removed(*report.astray);
+    return datagram;
+  }
+  if (report.astray) {
     const std::scoped_lock lock(keeper_mutex_);
     keeper_.expire(*report.astray);
   }

@@ -141,8 +141,11 @@ bool WriterNumbers::is_plausible(const Numbers& numbers, const Writer& writer) {
 }
 
 bool WriterNumbers::has_gone_astray(const Numbers& numbers, Writer& writer, Clock::time_point now) {
-  // Its first heartbeat was lost, and the library has read its large numbers as they are.
-  if (!writer.is_reliable && !numbers.is_data()) return true;
+  // Its first heartbeat was lost, and the library has read its large numbers as they are. One that
+  // does not fit its data is doubted like any other.
+  const bool fits_data =
+      numbers.last <= writer.highest + kReach && numbers.last + kReach >= writer.highest;
+  if (!writer.is_reliable && !numbers.is_data() && fits_data) return true;
   const auto since = now - writer.doubted;
   if (since > kMemory) writer.doubted = now;
   return since >= kDoubt && since <= kMemory;

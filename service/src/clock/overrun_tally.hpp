@@ -3,6 +3,7 @@
 
 #include "base/event_record.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 
@@ -22,6 +23,12 @@ class OverrunTally {
   /// @return what is to be reported now, if anything.
   std::optional<Overruns> note(std::chrono::nanoseconds now,
                                std::chrono::nanoseconds late) noexcept;
+
+  /// Ticks pause. @return what has not been reported yet.
+  std::optional<Overruns> flush(std::chrono::nanoseconds now) noexcept {
+    end_ = std::min(end_, now);
+    return note(now, std::chrono::nanoseconds::zero());
+  }
 
  private:
   Overruns overruns_;                  ///< not reported yet, without their span

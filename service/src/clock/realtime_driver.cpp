@@ -47,6 +47,9 @@ void RealtimeDriver::change_rate() noexcept {
   if (rate_ == 0.0) {
     clock_.reset();
     next_repeat_ = now.monotonic;
+    if (const auto overruns = overruns_.flush(now.monotonic)) {
+      engine_.report({.kind = msg::EVENT_TICK_OVERRUN, .detail = *overruns});
+    }
   } else if (clock_) {
     clock_->set_rate(rate_, now);
   } else {

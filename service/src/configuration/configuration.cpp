@@ -87,10 +87,10 @@ std::optional<std::string> problem_of_clock(std::string_view key,
   const bool is_unfit =
       (key == "rate" && mode != ClockMode::realtime) || (awaits && mode != ClockMode::lockstep);
   if (!is_unfit) return std::nullopt;
-  const std::string_view how = mode == ClockMode::lockstep  ? "as programs step it"
-                               : mode == ClockMode::freerun ? "as fast as possible"
-                                                            : "by the wall clock";
-  return std::string(to_string(mode)) + ", which runs " + std::string(how);
+  const std::string_view how = mode == ClockMode::lockstep  ? "advances only when programs step it"
+                               : mode == ClockMode::freerun ? "runs as fast as possible"
+                                                            : "runs by the wall clock";
+  return std::string(to_string(mode)) + ", which " + std::string(how);
 }
 
 std::string_view to_string(WireForm form) noexcept {

@@ -93,7 +93,8 @@ struct Configuration {
 void check(const Configuration& configuration);
 
 /// @param key of the section `clock`
-/// @return which mode has no use for the key, such as "lockstep, which runs as programs step it";
+/// @return which mode has no use for the key, such as "lockstep, which advances only when programs
+/// step it";
 ///         nothing where it has.
 [[nodiscard]] std::optional<std::string> problem_of_clock(std::string_view key,
                                                           const Configuration& configuration);

@@ -223,7 +223,14 @@ ClockMode clock_named(const std::string& name) {
 }
 
 void override(Configuration& configuration, const Arguments& arguments) {
-  if (arguments.clock) configuration.clock = clock_named(*arguments.clock);
+  if (arguments.clock) {
+    const ClockMode clock = clock_named(*arguments.clock);
+    if (clock != configuration.clock) {  // what the file says of its own clock goes with it
+      configuration.rate = Configuration{}.rate;
+      configuration.steppers = Configuration{}.steppers;
+    }
+    configuration.clock = clock;
+  }
   if (arguments.period) configuration.period = std::chrono::microseconds{*arguments.period};
   if (arguments.preset) {
     configuration.axes = preset_axes(*arguments.preset, arguments.axes.value_or(1));

@@ -168,11 +168,11 @@ std::string ignored_text(const EventRecord& event) {
 
 std::string overrun_text(const EventRecord& event) {
   const auto [count, worst, span] = detail_of<Overruns>(event);
-  const std::string late = std::to_string(worst.count()) + " us too late";
-  if (count == 1) return "tick ended " + late;
+  const std::string late = std::to_string(worst.count()) + " us";
+  if (count == 1) return "tick ended " + late + " too late";
   const std::chrono::duration<double> seconds = span;
-  return std::to_string(count) + " ticks ended up to " + late + " in " + to_text(seconds.count()) +
-         " s";
+  return std::to_string(count) + " ticks in " + to_text(seconds.count()) +
+         " s ended too late, by up to " + late;
 }
 
 std::string jump_text(const EventRecord& event) {

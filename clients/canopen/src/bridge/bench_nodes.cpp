@@ -114,7 +114,7 @@ class BenchNodes::Slot final : public NodeHost {
 
   void follow_faults() {
     const auto acts = [this](BusFaultKind kind) {
-      return nodes_.bus_.faults().acts(kind, ids_.node_id, nodes_.now_);
+      return nodes_.bus_.faults().acts(kind, ids_.node_id, nodes_.fault_time());
     };
     const bool is_off = acts(BusFaultKind::bus_off);
     if (std::exchange(is_bus_off_, is_off) != is_off) node_->set_bus_off(is_off, nodes_.now_);
@@ -254,6 +254,8 @@ void BenchNodes::start(std::span<const client::AxisSnapshot> drives, DriveTime n
   ensure(drives.size() == slots_.size(), "each node has its drive");
   stop();
   now_ = now;
+  // Nodes that come later, or once more, have the time of those that are there.
+  if (!options_.sync_period) begin_ = now - bus_.faults().now();
   is_running_ = true;
   are_listeners_old_ = true;
   are_mappings_new_ = true;
@@ -274,6 +276,7 @@ void BenchNodes::update(std::span<const client::AxisSnapshot> drives, DriveTime 
   ensure(drives.size() == slots_.size(), "each node has its drive");
   if (!is_running_) return;
   now_ = std::max(now_, now);
+  bus_.faults().pass_to(fault_time());
   follow_faults();
   for (std::size_t place = 0; place < slots_.size(); ++place) {
     // First: where the answer comes within the call it is of the tick that is shown.
@@ -347,8 +350,8 @@ void BenchNodes::receive(const Incoming& incoming) {
 void BenchNodes::give(std::size_t place, const Incoming& incoming) {
   if (slots_[place]->node() == nullptr || place == incoming.sender) return;
   if (bus_.faults().empty()) return give_now(place, incoming.frame);
-  const FrameFate fate = bus_.faults().fate_of(slots_[place]->ids().node_id,
-                                               FrameDirection::received, incoming.number, now_);
+  const FrameFate fate = bus_.faults().fate_of(
+      slots_[place]->ids().node_id, FrameDirection::received, incoming.number, fault_time());
   int copies = copies_now(fate, {incoming.frame, place, FrameDirection::received});
   for (; copies > 0; --copies) give_now(place, incoming.frame);
 }
@@ -439,7 +442,7 @@ void BenchNodes::settle() {
 void BenchNodes::send(const Outgoing& outgoing) {
   if (bus_.faults().empty() || outgoing.is_late) return send_now(outgoing);
   const FrameFate fate = bus_.faults().fate_of(slots_[outgoing.place]->ids().node_id,
-                                               FrameDirection::sent, ++sent_, now_);
+                                               FrameDirection::sent, ++sent_, fault_time());
   int copies = copies_now(fate, {outgoing.frame, outgoing.place, FrameDirection::sent});
   for (; copies > 0; --copies) send_now(outgoing);
 }

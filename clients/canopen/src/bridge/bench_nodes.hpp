@@ -75,6 +75,10 @@ class BenchNodes final : public Port {
   /// @return the drive time that the nodes were told last.
   [[nodiscard]] DriveTime now() const noexcept { return now_; }
 
+  /// @return drive time as the faults of the bus count it: since the bench began where SYNC steps
+  ///         it, else since the first nodes came to the bus. Ticks of real time count from 1970.
+  [[nodiscard]] DriveTime fault_time() const noexcept { return now_ - begin_; }
+
   /// The drives after a tick.
   void update(std::span<const client::AxisSnapshot> drives, DriveTime now);
 
@@ -151,6 +155,7 @@ class BenchNodes final : public Port {
   const Calls calls_;
   std::vector<std::unique_ptr<Slot>> slots_;
   DriveTime now_{};
+  DriveTime begin_{};  ///< of fault_time()
   bool is_running_ = false;
   bool is_settling_ = false;
   bool are_noted_ = false;  ///< Calls::set_points was called for what waits

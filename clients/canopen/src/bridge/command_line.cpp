@@ -93,11 +93,11 @@ void declare(CLI::App& app, CommandLine& line) {
   declare_ports(app, line.arguments);
   add_text(
       app, "--state", line.arguments.state,
-      "Directory of what 1010h stores; without it a private bench refuses 1010h, and of others "
-      "the communication parameters of the nodes are kept in memory")
+      "Directory for what 1010h stores; without it, a private bench refuses 1010h, and the nodes "
+      "of other benches keep their communication parameters in memory only")
       ->type_name("DIR");
   add_text(app, "--log", line.arguments.log,
-           "Write each frame into this file, as candump does; with --sync-steps in drive time")
+           "Write each frame to this file in candump's format; with --sync-steps, in drive time")
       ->type_name("FILE");
   app.add_option("--disturb", line.arguments.faults,
                  "Fault of the bus, such as '3 late 4ms 10% from 2s for 500ms': node (none = all), "

@@ -129,14 +129,14 @@ std::optional<std::string> ServedBus::disturb(std::uint8_t node, std::string_vie
     bus_.faults().clear(node);
     return std::nullopt;
   }
-  const DriveTime now = drive_time();
+  const DriveTime now = fault_time();
   auto parsed = parse_bus_fault(text, now);
   if (auto* const refusal = std::get_if<std::string>(&parsed)) return std::move(*refusal);
   BusFault& fault = std::get<BusFault>(parsed);
   fault.node = node;
   if (bus_.faults().add(fault, now)) return std::nullopt;
-  return "there are " + std::to_string(BusFaults::kMostFaults) +
-         " faults already; clear some with none";
+  return "there are already " + std::to_string(BusFaults::kMostFaults) +
+         " faults; clear some with '_disturb none'";
 }
 
 void ServedBus::report(bridge::Severity severity, std::uint32_t bench,
@@ -242,6 +242,11 @@ std::chrono::microseconds ServedBus::drive_time() const {
   DriveTime time{};
   for (const auto& [number, bench] : benches_) time = std::max(time, bench.nodes().now());
   return time;
+}
+
+/// As BenchNodes::fault_time(). A stepped bench that begins again counts from 0 again.
+DriveTime ServedBus::fault_time() const {
+  return sync_steps_ ? drive_time() : bus_.faults().now();
 }
 
 // ---- questions -------------------------------------------------------------------------------

@@ -99,6 +99,7 @@ class ServedBus final {
   void remove(std::uint32_t bench);
   void leave_out(const client::BenchInfo& info, const std::string& reason);
   [[nodiscard]] std::chrono::microseconds drive_time() const;
+  [[nodiscard]] DriveTime fault_time() const;
   void report(bridge::Severity severity, std::uint32_t bench, const std::string& text) const;
 
   const BridgeParts shared_;

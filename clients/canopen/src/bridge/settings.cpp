@@ -209,8 +209,8 @@ void check_benches(const Settings& settings) {
 void check_fault_nodes(const BusSetting& bus, const NodeIds& ids) {
   for (const BusFault& fault : bus.faults) {
     if (fault.node == 0 || ids.contains(fault.node)) continue;
-    throw ConfigurationError("bus " + bus.name + ": a fault is that of node " +
-                             std::to_string(fault.node) + ", and the bus has " + ids.text());
+    throw ConfigurationError("bus " + bus.name + ": a fault names node " +
+                             std::to_string(fault.node) + ", but the bus has " + ids.text());
   }
 }
 

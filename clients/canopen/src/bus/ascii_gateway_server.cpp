@@ -118,15 +118,13 @@ struct AsciiGatewayServer::State final : Port,
   }
 
   void send_sync() {
-    gateway.send_sync(gateway_time());
+    if (!bus.is_held()) gateway.send_sync(gateway_time());
     settle();
   }
 
   void resume() override {
     asio::post(context, [self = shared_from_this()] {
-      if (self->is_over) return;
-      for (const auto& [session, client] : self->clients) self->take_lines(*client);
-      self->settle();
+      if (!self->is_over) self->settle();
     });
   }
 
@@ -235,6 +233,7 @@ struct AsciiGatewayServer::State final : Port,
   /// Continues with every client, and with the timer, after something has happened to the gateway.
   void settle() {
     for (const auto& [session, client] : clients) {
+      if (!client->is_over) take_lines(*client);  // that waited while the bus was held
       write(client);
       read(client);
       const bool is_served = client->has_sent_all && !client->is_over && !client->is_writing &&

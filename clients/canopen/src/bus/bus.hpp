@@ -43,8 +43,8 @@ class Bus {
   /// @return its number: frames() while it is delivered; 0 = it is dropped
   std::uint64_t send(const Frame& frame, const Port* sender);
 
-  /// Back pressure, where time stands until a frame comes: frames that would be lost on the way to
-  /// the clients of `port` hold the bus. As long as it is held no port reads from outside.
+  /// Back pressure, where time stands until a frame comes: a port whose clients have no room for
+  /// more frames holds the bus. While it is held no port reads from outside.
   void hold(const Port& port);
 
   /// `port` can take frames again. When no other one holds the bus all ports resume.

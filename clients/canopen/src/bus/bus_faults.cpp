@@ -48,7 +48,7 @@ class FaultWords final {
   [[nodiscard]] std::string_view rest() const noexcept { return rest_; }
 
   std::string_view take() {
-    if (empty()) throw BadFault{"a word is missing at its end"};
+    if (empty()) throw BadFault{"a word is missing at the end"};
     const std::string_view word = rest_.substr(0, rest_.find_first_of(" \t"));
     rest_.remove_prefix(word.size());
     skip_blanks();
@@ -60,6 +60,13 @@ class FaultWords final {
     const auto time = parse_duration(word);
     if (!time) throw BadFault{in_quotes(word) + " is not a time such as 4ms"};
     return std::chrono::ceil<DriveTime>(*time);
+  }
+
+  /// @param what has this time, for the refusal of none
+  DriveTime take_length(std::string_view what) {
+    const DriveTime time = take_time();
+    if (time == DriveTime{}) throw BadFault{std::string(what) + " needs a time above 0"};
+    return time;
   }
 
  private:
@@ -105,16 +112,16 @@ bool take_choice(std::string_view word, FaultWords& words, BusFault& fault) {
 BusFault take_fault(FaultWords& words, DriveTime now) {
   const KindRow& row = take_kind(words);
   BusFault fault{.kind = row.kind, .from = now};
-  if (row.kind == BusFaultKind::late) fault.delay = words.take_time();
+  if (row.kind == BusFaultKind::late) fault.delay = words.take_length(row.word);
   std::optional<DriveTime> length;
   while (!words.empty()) {
     const std::string_view word = words.take();
     if (word == "from") {
       fault.from = words.take_time();
     } else if (word == "for") {
-      length = words.take_time();
+      length = words.take_length(word);
     } else if (!row.is_of_frames || !take_choice(word, words, fault)) {
-      throw BadFault{in_quotes(word) + " has no place in " + std::string(row.word)};
+      throw BadFault{in_quotes(word) + " does not apply to " + std::string(row.word)};
     }
   }
   if (length) fault.until = fault.from + *length;

@@ -3,6 +3,7 @@
 
 #include "node/drive_time.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -53,8 +54,8 @@ struct FrameFate {
 ///     KIND [PERCENT%] [sent | received] [seed N] [from T] [for T]
 ///     KIND = lost | late T | doubled | duplicate | bus_off
 ///
-/// such as "late 4ms 10% sent seed 7 from 2s for 500ms". `from` is drive time since the bench
-/// began, without it `now`.
+/// such as "late 4ms 10% sent seed 7 from 2s for 500ms". `from` is drive time since the bench began
+/// where SYNC steps it, else since the first nodes came to the bus; without it `now`.
 /// @return the fault of every node, or why `text` is none, with what it may be
 [[nodiscard]] std::variant<BusFault, std::string> parse_bus_fault(std::string_view text,
                                                                   DriveTime now);
@@ -85,11 +86,18 @@ class BusFaults final {
   /// @return whether a fault of this kind acts on the node now.
   [[nodiscard]] bool acts(BusFaultKind kind, std::uint8_t node, DriveTime now) const;
 
+  /// Drive time has passed for nodes of the bus, as `from` of a fault counts it.
+  void pass_to(DriveTime now) noexcept { now_ = std::max(now_, now); }
+
+  /// @return what pass_to() was told last, of the nodes that are the furthest.
+  [[nodiscard]] DriveTime now() const noexcept { return now_; }
+
   /// @return frames that were not left alone, each where it was to arrive.
   [[nodiscard]] std::uint64_t disturbed_frames() const noexcept { return disturbed_; }
 
  private:
   std::vector<BusFault> faults_;
+  DriveTime now_{};
   std::uint64_t disturbed_ = 0;
 };
 

@@ -250,7 +250,7 @@ void take_arguments(GatewayCommand& command, GatewayTokens& tokens) {
       command.value = tokens.empty() ? 1 : take_positive(tokens, kMostSyncs);
       break;
     case GatewayVerb::disturb:
-      command.fault = tokens.take_rest();
+      command.fault = lower_case_token(tokens.take_rest());
       break;
     case GatewayVerb::set_network:
     case GatewayVerb::set_node:

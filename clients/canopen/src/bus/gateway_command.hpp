@@ -92,7 +92,7 @@ struct GatewayCommand {
   std::uint64_t cob_id = 0;  ///< of a PDO that is set: 11 bits
   std::vector<ObjectAddress> mapped{};  ///< likewise
   std::vector<std::uint64_t> values{};  ///< of "write pdo"
-  std::string fault{};                  ///< of _disturb, as it was written
+  std::string fault{};                  ///< of _disturb, in lower case
 
   friend bool operator==(const GatewayCommand&, const GatewayCommand&) = default;
 };

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/gateway_pdos.hpp"
 
+#include "node/little_endian.hpp"
 #include "node/pdo_mapping.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 namespace vdrive::canopen {
@@ -16,7 +18,8 @@ std::uint8_t mapped_size(ObjectAddress object) {
     return size_of(static_cast<NodeDataType>(object.index));
   }
   const NodeObject* const found = find_node_object(object);
-  return found == nullptr ? std::uint8_t{0} : size_of(found->data_type);
+  if (found == nullptr || found->mapping == PdoMapping::none) return 0;
+  return size_of(found->data_type);
 }
 
 }  // namespace
@@ -49,13 +52,13 @@ PdoRefusal GatewayPdos::write(const GatewayCommand& command, Frame& frame) const
   const Pdo& pdo = found->second;
   if (command.values.size() != pdo.sizes.size()) return GatewayError::syntax;
   frame = {.id = pdo.can_id, .size = static_cast<std::uint8_t>(pdo.size)};
-  std::size_t position = 0;
+  std::span<std::uint8_t> rest(frame.data);
   for (std::size_t i = 0; i < pdo.sizes.size(); ++i) {
-    std::uint64_t value = command.values[i];
-    for (std::size_t byte = 0; byte < pdo.sizes[i]; ++byte, value >>= 8U) {
-      frame.data.at(position++) = static_cast<std::uint8_t>(value & 0xFFU);
-    }
-    if (value != 0) return GatewayError::syntax;
+    const std::uint64_t value = command.values[i];
+    const std::size_t size = pdo.sizes[i];
+    if (value >> (8U * size) != 0) return GatewayError::syntax;
+    put_little_endian(value, rest.first(size));
+    rest = rest.subspan(size);
   }
   return {};
 }
@@ -82,14 +85,10 @@ std::vector<std::string> GatewayPdos::receive(const Frame& frame) {
 
 std::string GatewayPdos::values_of(const Pdo& pdo) {
   std::string text = std::to_string(pdo.sizes.size());
-  std::size_t position = 0;
+  std::span<const std::uint8_t> rest(pdo.newest->data);
   for (const std::uint8_t size : pdo.sizes) {
-    std::uint64_t value = 0;
-    for (std::size_t byte = size; byte-- > 0;) {
-      value = value << 8U | pdo.newest->data.at(position + byte);
-    }
-    position += size;
-    text += " " + hex(value, 1);
+    text += " " + hex(little_endian_number(rest.first(size)), 1);
+    rest = rest.subspan(size);
   }
   return text;
 }

@@ -27,11 +27,10 @@ class GatewayPdos final {
   [[nodiscard]] PdoRefusal set(const GatewayCommand& command);
 
   /// @return the values that the RPDO of this number received last, such as "2 0x237 0x3E8";
-  /// nothing
-  ///         when there is none.
+  ///         nothing where it is not configured or has received nothing.
   [[nodiscard]] std::optional<std::string> read(std::uint64_t number) const;
 
-  /// @param frame gets the values that "write pdo" has for its TPDO
+  /// @param frame receives the values that "write pdo" gives for its TPDO
   [[nodiscard]] PdoRefusal write(const GatewayCommand& command, Frame& frame) const;
 
   /// @return whether an RPDO has this frame.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/gateway_value.hpp"
 
+#include "node/little_endian.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
@@ -24,14 +25,8 @@ constexpr std::uint32_t kSextet = 0x3F;
 
 ValueBytes little_endian_bytes(std::uint64_t number, std::size_t size) {
   ValueBytes bytes(size);
-  for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::uint8_t>(number >> (8U * i));
+  put_little_endian(number, bytes);
   return bytes;
-}
-
-std::uint64_t little_endian_number(std::span<const std::uint8_t> data) {
-  std::uint64_t number = 0;
-  for (std::size_t i = 0; i < data.size(); ++i) number |= std::uint64_t{data[i]} << (8U * i);
-  return number;
 }
 
 /// @return the highest number of `bits` bits, 1 to 64.
@@ -53,12 +48,6 @@ std::optional<ValueBytes> encode_integer(std::string_view text, std::size_t size
   if (!number || *number > highest + (is_negative ? 1U : 0U)) return std::nullopt;
   // The two's complement, whose lower bytes are those of each size.
   return little_endian_bytes(is_negative ? std::uint64_t{0} - *number : *number, size);
-}
-
-std::int64_t signed_number(std::span<const std::uint8_t> data) {
-  const auto unused = static_cast<unsigned>(sizeof(std::int64_t) - data.size()) * 8U;
-  // The shift back repeats the sign.
-  return static_cast<std::int64_t>(little_endian_number(data) << unused) >> unused;
 }
 
 std::optional<ValueBytes> encode_real(std::string_view text, std::size_t size) {
@@ -183,7 +172,7 @@ std::optional<std::string> decode_value(const GatewayType& type,
     case GatewayKind::natural:
       return std::to_string(little_endian_number(data));
     case GatewayKind::integer:
-      return std::to_string(signed_number(data));
+      return std::to_string(signed_little_endian_number(data));
     case GatewayKind::real:
       return decode_real(data);
     case GatewayKind::visible:

@@ -2,9 +2,11 @@
 #include "bus/sdo_client.hpp"
 
 #include "node/connection_set.hpp"
+#include "node/little_endian.hpp"
 #include "vdrive/assert.hpp"
 
 #include <algorithm>
+#include <span>
 
 namespace vdrive::canopen {
 namespace {
@@ -31,17 +33,12 @@ constexpr std::size_t kExpeditedData = 4;  // [bytes], behind command and multip
 constexpr std::size_t kSegmentData = 7;    // [bytes], behind the command
 
 void put_number(Frame& frame, std::size_t place, std::uint32_t number) {
-  for (std::size_t i = 0; i < sizeof number; ++i) {
-    frame.data.at(place + i) = static_cast<std::uint8_t>(number >> (8U * i));
-  }
+  put_little_endian(number, std::span(frame.data).subspan(place, sizeof number));
 }
 
 std::uint32_t number_at(const Frame& frame, std::size_t place) {
-  std::uint32_t number = 0;
-  for (std::size_t i = 0; i < sizeof number; ++i) {
-    number |= std::uint32_t{frame.data.at(place + i)} << (8U * i);
-  }
-  return number;
+  const auto bytes = std::span(frame.data).subspan(place, sizeof(std::uint32_t));
+  return static_cast<std::uint32_t>(little_endian_number(bytes));
 }
 
 }  // namespace

@@ -28,6 +28,8 @@ namespace {
 constexpr std::chrono::milliseconds kFullQueuePause{1};
 // While an interface fails, each operation fails at once.
 constexpr std::chrono::milliseconds kCanErrorPause{100};
+// An interface that holds the bus for longer is reported: to its user the bus is dead.
+constexpr std::chrono::milliseconds kLongCanHold{1000};
 // What is read before others work.
 constexpr int kMostFramesAtOnce = 64;
 
@@ -139,7 +141,8 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
         socket(context, settings.calls.open(settings.interface)),
         read_pause(context),
         write_pause(context),
-        reopen_pause(context) {}
+        reopen_pause(context),
+        hold_timer(context) {}
 
   ~State() override = default;
   State(const State&) = delete;
@@ -154,6 +157,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
     if (std::exchange(is_over, true)) return;
     bus.detach(*this);
     cancel(reopen_pause);
+    cancel(hold_timer);
     close();
   }
 
@@ -190,9 +194,30 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   }
 
   void make_room() {
-    if (settings.holds_bus) return bus.hold(*this);
+    if (settings.holds_bus) return hold_bus();
     waiting.pop_front();
     ++counters.dropped_frames;
+  }
+
+  void hold_bus() {
+    if (std::exchange(is_holding, true)) return;
+    bus.hold(*this);
+    hold_timer.expires_after(kLongCanHold);
+    hold_timer.async_wait([self = shared_from_this()](const AsioError& error) {
+      if (!error && !self->is_over) self->report_hold();
+    });
+  }
+
+  void release_bus() {
+    if (!std::exchange(is_holding, false)) return;
+    cancel(hold_timer);
+    bus.release(*this);
+  }
+
+  /// A frame has left, to the wire or not.
+  void pop_waiting() {
+    waiting.pop_front();
+    if (waiting.size() <= settings.most_waiting_frames / 2) release_bus();
   }
 
   void await_readable() {
@@ -246,9 +271,8 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
       const ssize_t size = settings.calls.write(socket.native_handle(), frame);
       if (size < 0) return on_write_error(errno);
       ++counters.sent_frames;
-      waiting.pop_front();
+      pop_waiting();
       note_up();
-      if (waiting.size() <= settings.most_waiting_frames / 2) bus.release(*this);
     }
   }
 
@@ -260,7 +284,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
     if (error == ENETDOWN) return note_down();  // the next frame tries again
     report(bridge::Severity::warning, "refuses a frame: " + can_error_words(error));
     ++counters.dropped_frames;
-    waiting.pop_front();
+    pop_waiting();
     write_after(kCanErrorPause);
   }
 
@@ -284,7 +308,15 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   void drop_waiting() {
     counters.dropped_frames += waiting.size();
     waiting.clear();
-    bus.release(*this);
+    release_bus();
+  }
+
+  void report_hold() const {
+    report(bridge::Severity::warning,
+           "is not sending: " + std::to_string(waiting.size()) +
+               " frames are waiting for it, and the bus and the time of its drives stand still "
+               "until it sends or goes down; 'ip -details link show " +
+               settings.interface + "' has its state");
   }
 
   void note_down() {
@@ -331,11 +363,13 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   asio::steady_timer read_pause;
   asio::steady_timer write_pause;
   asio::steady_timer reopen_pause;
+  asio::steady_timer hold_timer;
   std::deque<Frame> waiting;
   SocketCanCounters counters;
   std::uint64_t opening = 0;  ///< of the socket, counted
   bool is_awaiting_write = false;
   bool is_read_put_off = false;  ///< the bus was held
+  bool is_holding = false;       ///< the bus, see SocketCanSettings::holds_bus
   bool is_down = false;
   bool is_over = false;
 };

@@ -183,9 +183,9 @@ class SocketcandConnection final : public Port,
     if (!shared_->settings.report) return;
     shared_->settings.report(
         bridge::Severity::warning,
-        "a client does not read: " + std::to_string(frames_.size()) +
-            " frames wait for it, and the bus waits, with the time of its drives, until it reads "
-            "or disconnects; a client that only sends joins with '< bcmmode >'");
+        "a client is not reading: " + std::to_string(frames_.size()) +
+            " frames are waiting for it, and the bus and the time of its drives stand still until "
+            "it reads or disconnects; a client that only sends should use '< bcmmode >'");
   }
 
   void send(const Frame& frame) {

@@ -5,8 +5,8 @@
 
 namespace vdrive::canopen {
 
-/// Drive time since a bench began, as the caller counts it: heartbeats, inhibit times and event
-/// timers of a node count it.
+/// Drive time as the bench counts it (in real time since 1970): only differences have a meaning to
+/// a node. Its heartbeats, inhibit times and event timers count it.
 using DriveTime = std::chrono::microseconds;
 
 }  // namespace vdrive::canopen

@@ -28,10 +28,11 @@ namespace vdrive::canopen {
 /// | 7 | of a heartbeat error 8130h: node id of the silent producer; else 0 |
 ///
 /// Each fault of the drive is sent once with its code 603Fh, and 0000h when its reset has cleared
-/// 603Fh. A heartbeat error lasts until all producers are heard again, another error of the
-/// communication, such as 8210h, until a right frame comes. When the last of them is over 0000h is
-/// sent, unless the drive has a fault. The drive reacts to a heartbeat error with a fault of the
-/// same code (6007h): while the heartbeat error lasts that fault is not sent a second time.
+/// 603Fh. A heartbeat error lasts until all producers are heard again; one of a PDO or of SYNC,
+/// such as 8210h, until a correct frame, other parameters or another state of NMT ends it; 8140h is
+/// over when it is sent. When the last of them is over 0000h is sent, unless the drive has a fault.
+/// The drive reacts to a heartbeat error with a fault of the same code (6007h): while the heartbeat
+/// error lasts that fault is not sent a second time.
 ///
 /// 1003h is the history of what was signalled (CiA 301, 7.5.2.4), also where the inhibit time or
 /// 1014h has kept the message back. It is empty at power-up of the node and of its drive.

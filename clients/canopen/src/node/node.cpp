@@ -299,6 +299,7 @@ void Node::Parts::set_bus_off(bool is_off, DriveTime now) {
     return;
   }
   raise(kRecoveredFromBusOff);
+  end_errors();  // over as soon as it is told
   if (!has_heartbeat_error_ && !has_left_by_nmt_) regain_master();
 }
 

@@ -3,6 +3,7 @@
 
 #include "node/emergency.hpp"
 #include "node/heartbeat.hpp"
+#include "node/little_endian.hpp"
 #include "node/node_object.hpp"
 #include "node/pdos.hpp"
 #include "vdrive/assert.hpp"
@@ -32,27 +33,11 @@ bool is_writable(const NodeObject& object) {
   return object.access == NodeAccess::read_write || object.access == NodeAccess::write_only;
 }
 
-bool is_signed(NodeDataType type) {
-  return type == NodeDataType::integer8 || type == NodeDataType::integer16 ||
-         type == NodeDataType::integer32;
-}
-
 /// @param size 1 to 4
 std::string bytes_of_number(std::int64_t number, std::uint8_t size) {
-  std::string bytes;
-  for (unsigned i = 0; i < size; ++i) {
-    bytes.push_back(static_cast<char>(static_cast<std::uint8_t>(number >> (8U * i) & 0xFF)));
-  }
-  return bytes;
-}
-
-/// @param bytes 1 to 4
-std::int64_t number_of_bytes(std::span<const std::uint8_t> bytes, bool has_sign) {
-  std::uint64_t bits = 0;
-  for (std::size_t i = bytes.size(); i-- > 0;) bits = bits << 8U | bytes[i];
-  if (!has_sign) return static_cast<std::int64_t>(bits);
-  const std::size_t unused = 64 - 8 * bytes.size();
-  return static_cast<std::int64_t>(bits << unused) >> unused;
+  std::array<std::uint8_t, 4> bytes{};
+  put_little_endian(static_cast<std::uint64_t>(number), bytes);
+  return {bytes.begin(), bytes.begin() + size};
 }
 
 }  // namespace
@@ -92,7 +77,7 @@ std::optional<SdoAnswer> NodeDictionary::begin_download(ObjectAddress object,
   const NodeObject* const found = find_node_object(object);
   ensure(found != nullptr && data.size() == size_of(found->data_type),
          "a download was checked before it begins");
-  const std::int64_t number = number_of_bytes(data, is_signed(found->data_type));
+  const std::int64_t number = number_of(found->data_type, data);
   if (found->owner == ObjectOwner::node) {
     const AbortCode abort = write(object, static_cast<std::uint32_t>(number), now);
     if (abort == AbortCode::none) note_written(object);

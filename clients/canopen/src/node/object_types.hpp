@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "node/little_endian.hpp"
 #include "vdrive/dictionary/object.hpp"
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace vdrive::canopen {
@@ -35,6 +37,15 @@ enum class NodeDataType : std::uint16_t {
       return 0;
   }
   return 0;
+}
+
+/// @param bytes of a number of this type, as frames have them
+[[nodiscard]] constexpr std::int64_t number_of(NodeDataType type,
+                                               std::span<const std::uint8_t> bytes) noexcept {
+  const bool is_signed = type == NodeDataType::integer8 || type == NodeDataType::integer16 ||
+                         type == NodeDataType::integer32;
+  return is_signed ? signed_little_endian_number(bytes)
+                   : static_cast<std::int64_t>(little_endian_number(bytes));
 }
 
 enum class NodeAccess : std::uint8_t { read_only, read_write, write_only, constant };

@@ -96,11 +96,11 @@ class Pdos {
   /// Sends TPDOs whose inhibit time or event timer has elapsed; raises the time-outs of RPDOs.
   void advance(DriveTime now);
 
-  /// @return when advance() has something to do next, a time that has passed = at once; none =
-  ///         nothing waits for time.
   /// @return whether an error of a receive PDO or of SYNC lasts, which PdoHost::raise() was told.
   [[nodiscard]] bool has_error() const noexcept;
 
+  /// @return when advance() has something to do next, a time that has passed = at once; none =
+  ///         nothing waits for time.
   [[nodiscard]] std::optional<DriveTime> next_due() const;
 
   [[nodiscard]] const PdoCounters& counters() const noexcept { return counters_; }

@@ -5,29 +5,6 @@
 #include <span>
 
 namespace vdrive::canopen {
-namespace {
-
-/// @return the number in `bytes`, the least one first, with the sign that its type has.
-std::int64_t decode(std::span<const std::uint8_t> bytes, NodeDataType type) {
-  std::uint32_t bits = 0;
-  for (std::size_t i = bytes.size(); i > 0; --i) bits = (bits << 8U) | bytes[i - 1];
-  switch (type) {
-    case NodeDataType::integer8:
-      return static_cast<std::int8_t>(bits);
-    case NodeDataType::integer16:
-      return static_cast<std::int16_t>(bits);
-    case NodeDataType::integer32:
-      return static_cast<std::int32_t>(bits);
-    case NodeDataType::unsigned8:
-    case NodeDataType::unsigned16:
-    case NodeDataType::unsigned32:
-    case NodeDataType::visible_string:  // has no length that a PDO carries
-      break;
-  }
-  return bits;
-}
-
-}  // namespace
 
 ReceivePdo::ReceivePdo(PdoPlace place) : parameters_(PdoDirection::receive, place) {}
 
@@ -86,7 +63,7 @@ bool ReceivePdo::take(SetPoints& set_points) {
   for (const MappedObject& object : parameters_.mapping().objects()) {
     const std::size_t size = size_of(object.type);
     if (!object.is_dummy()) {
-      set_points.put({object.address, decode(bytes.subspan(begin, size), object.type)});
+      set_points.put({object.address, number_of(object.type, bytes.subspan(begin, size))});
     }
     begin += size;
   }

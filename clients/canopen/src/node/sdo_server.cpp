@@ -2,6 +2,7 @@
 #include "node/sdo_server.hpp"
 
 #include "node/connection_set.hpp"
+#include "node/little_endian.hpp"
 
 #include <algorithm>
 #include <array>
@@ -56,9 +57,8 @@ ObjectAddress multiplexer_of(const Frame& request) {
 
 /// Bytes 4 to 7.
 std::uint32_t indicated_size(const Frame& request) {
-  std::uint32_t size = 0;
-  for (std::size_t i = kMostData; i-- > kExpeditedData;) size = size << 8U | request.data[i];
-  return size;
+  const auto bytes = std::span(request.data).subspan(kExpeditedData);
+  return static_cast<std::uint32_t>(little_endian_number(bytes));
 }
 
 /// @return whether the data that follow the command name an object: of these requests, only.
@@ -83,10 +83,7 @@ AbortCode check_size(std::size_t size, std::size_t expected) {
 
 std::array<std::uint8_t, 4> sdo_bytes_of(std::uint32_t number) {
   std::array<std::uint8_t, 4> bytes{};
-  for (std::uint8_t& byte : bytes) {
-    byte = static_cast<std::uint8_t>(number & 0xFFU);
-    number >>= 8U;
-  }
+  put_little_endian(number, bytes);
   return bytes;
 }
 

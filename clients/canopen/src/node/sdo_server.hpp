@@ -58,9 +58,9 @@ struct SdoCounters {
 /// The SDO server of a node with the default COB-IDs 600h and 580h + node id (CiA 301, 7.2.4):
 /// expedited, segmented and block transfers in both directions.
 ///
-/// Each request gets one response or abort, and requests are answered in their order. Two
-/// exceptions are those of block transfer: a block of segments has one response, and so many may be
-/// one.
+/// Each request gets one response or abort, and requests are answered in their order. Block
+/// transfer has two exceptions: a block of segments gets one response, and a response may be a
+/// whole block.
 ///
 /// | request | answer |
 /// | --- | --- |

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/transmit_pdo.hpp"
 
+#include "node/little_endian.hpp"
+
 #include <algorithm>
 #include <cstddef>
+#include <span>
 
 namespace vdrive::canopen {
 
@@ -163,14 +166,11 @@ bool TransmitPdo::has_event(const Frame& present, DriveTime now) const {
 
 Frame TransmitPdo::frame_of(const AxisStatus& drive) const {
   Frame frame{.id = parameters_.can_id(), .size = parameters_.mapping().size()};
-  std::size_t end = 0;
+  std::span<std::uint8_t> rest(frame.data);
   for (const MappedObject& object : parameters_.mapping().objects()) {
-    auto bits = static_cast<std::uint64_t>(value_of(object, drive));
-    for (std::size_t i = 0; i < size_of(object.type); ++i) {
-      frame.data[end] = static_cast<std::uint8_t>(bits);
-      bits >>= 8U;
-      ++end;
-    }
+    const std::size_t size = size_of(object.type);
+    put_little_endian(static_cast<std::uint64_t>(value_of(object, drive)), rest.first(size));
+    rest = rest.subspan(size);
   }
   return frame;
 }

@@ -486,7 +486,7 @@ export class Model {
     return taken.length === 0 ? undefined : `${t("was_taken")}: ${listed(taken)}`;
   }
 
-  /** Takes control with the limit of silence that was chosen; from who holds it a person has been asked. */
+  /** Takes control with the chosen limit of silence; if another client holds it, a person has been asked. */
   takeControl(): void {
     const force = this.control.holder !== "";
     const browser = browserOf(navigator.userAgent);

@@ -9,10 +9,10 @@ import type { Message } from "./protocol/cdr";
 
 /** Services that start or continue a motion: they are answered when the drive has accepted it. */
 export const STARTS_MOTION: ReadonlySet<string> = new Set(["/move", "/move_group", "/home", "/resume"]);
-/** Axes whose motion is followed: each costs a subscription. */
+/** Axes whose motion is followed, of all commands: each costs a subscription. */
 const MOST_FOLLOWED = 32;
 const ASK_EVERY_MS = 200;
-const OBJECTS = ["0x6040", "0x6061", "0x607A", "0x6064"];
+const OBJECTS = ["0x6040", "0x6061", "0x607A", "0x6064", "0x607B:01", "0x607B:02"];
 
 /** What a person reads of a motion. */
 export interface MotionLine {
@@ -53,6 +53,7 @@ export class Motions {
       const ref = this.model.find(address);
       const reading = ref === undefined ? undefined : await this.read(ref);
       const motion = reading === undefined ? undefined : Motion.of(reading, owner, target);
+      if (this.followed.size >= MOST_FOLLOWED) return; // also by another command, while this one has read
       if (ref !== undefined && motion !== undefined) this.open(ref, motion);
     }
   }
@@ -129,8 +130,8 @@ export class Motions {
     const answer = await this.model.connection.call("/read", { axis: addressOf(ref), objects: OBJECTS });
     const values = (answer["values"] as { value?: number }[] | undefined)?.map(({ value }) => value);
     if (values === undefined || values.includes(undefined)) return undefined;
-    const [controlword, mode, target, position] = values as number[];
-    return { tick: Number(answer["tick"]), controlword, mode, target, position };
+    const [controlword, mode, target, position, lower, upper] = values as number[];
+    return { tick: Number(answer["tick"]), controlword, mode, target, position, span: upper - lower };
   }
 
   private line(ref: AxisRef, motion: Motion): MotionLine {

@@ -13,7 +13,7 @@ const HOMING_ERROR = 1 << 13;
 const HALT = 0x10f;
 
 /** From 1,000 to 5,000 in profile position mode, accepted before tick 100. */
-const ACCEPTED: Reading = { tick: 100, controlword: 0x0f, mode: 1, target: 5000, position: 1000 };
+const ACCEPTED: Reading = { tick: 100, controlword: 0x0f, mode: 1, target: 5000, position: 1000, span: 0 };
 const ON_THE_WAY: Sight = {
   tick: 101,
   owner: OWN,
@@ -118,6 +118,18 @@ test("where a relative move ends is not known before, and bit 10 without a halt 
   taking(motion, STANDS);
   motion.answer({ ...ACCEPTED, tick: 102 });
   assert.deepEqual(motion.end, { kind: "reached" });
+});
+
+test("on a modulo axis 6062h of a target beyond the range is its place in the range", () => {
+  const ends = (sight: Partial<Sight>, span: number, target: number) => {
+    const motion = taking(move({ target }), { ...STANDS, ...sight });
+    motion.answer({ ...ACCEPTED, tick: 102, target, span });
+    return motion.end;
+  };
+  assert.deepEqual(ends({ demand: 1400 }, 3600, 5000), { kind: "reached" });
+  assert.deepEqual(ends({ demand: 3400 }, 3600, -200), { kind: "reached" });
+  assert.equal(ends({ demand: 1401 }, 3600, 5000), undefined);
+  assert.equal(ends({ demand: 1400 }, 0, 5000), undefined, "607Bh makes no modulo axis of it");
 });
 
 test("a homing run ends with home found, a homing error, a halt or an interruption", () => {

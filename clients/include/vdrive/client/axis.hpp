@@ -183,8 +183,8 @@ class Axis {
   /// Runs at `velocity` in profile velocity mode while `held` returns true, then brakes and waits
   /// for standstill. Session::interrupt() ends the jog likewise. When this program hangs or dies
   /// meanwhile the watchdog of the bench stops the axis.
-  /// However it ends, 60FFh is 0 afterwards, unless the bench is lost or another session has the
-  /// axis: it does not run on when it is enabled again.
+  /// However it ends, 60FFh is 0 afterwards, so that the axis does not run on when it is enabled
+  /// again; unless the bench is lost, or another session or another call of this one has the axis.
   /// The jog ends, too, when another session takes the axis. When its last command is refused or
   /// its standstill is not seen, it stops the axis by a quick stop, which needs no control; an axis
   /// that another session has commanded since is left to that session.
@@ -271,11 +271,11 @@ class Axis {
   Unit unit_;
 };
 
-/// A move that was started: one set-point. A handle: copies refer to the same set-point. What comes
-/// after it ends it as failed, also where the axis shows a target that it has reached: a later
-/// set-point of any thread of this session, also one with MoveOptions::queue; another mode; a
-/// command that leaves Operation enabled; a power cycle; a snapshot that is restored. The message
-/// names it. A halt ends it for as long as it lasts.
+/// A move that was started: one set-point. A handle: copies refer to the same set-point. Any later
+/// command ends it as failed, even where the axis shows that it has reached a target: a later
+/// set-point from any thread of this session, also one with MoveOptions::queue; another mode; a
+/// command that leaves Operation enabled; a power cycle; a restored snapshot. The message names it.
+/// While the axis is halted the move counts as failed.
 class Motion {
  public:
   /// Waits until the axis is at its target.
@@ -286,7 +286,8 @@ class Motion {
   ///         service was restarted.
   Outcome wait(std::chrono::nanoseconds timeout = std::chrono::seconds(60)) const;
 
-  /// Does not wait. @return whether the axis is at its target; else as wait() ends.
+  /// Waits for one sample at most. @return whether the axis is at its target, false while it is on
+  ///         its way; where the move has ended otherwise, what wait() returns.
   [[nodiscard]] Result<bool> has_ended() const;
 
  private:

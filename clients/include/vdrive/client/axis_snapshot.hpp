@@ -23,6 +23,8 @@ struct AxisSnapshot {
   std::uint64_t owner_session = 0;  ///< 0 = free
   std::uint32_t owner_epoch = 0;
   std::uint64_t last_sequence = 0;  ///< last command frame of the owner that was applied
+  /// Whether owner and last command are known: not where the objects of a paused bench were read.
+  bool has_owner = true;
 
   /// Ticks that the number jumped over since the call or the follower that shows this began: they
   /// were not run. Drive time between two snapshots of it is that of driven_tick().

@@ -16,7 +16,7 @@ using vdrive::to_string;
 /// Whether Session::on_event begins with what the benches keep.
 enum class EventHistory : std::uint8_t {
   left_out,
-  kept,  ///< the last 1,024 events of each kind of each bench come first, those of a kind in order
+  kept,  ///< the last 1,024 events of each bench come first
 };
 
 /// Something that happened on a bench, see EVENT_... in docs/reference/wire.md.

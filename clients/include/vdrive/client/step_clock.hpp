@@ -37,10 +37,9 @@ class StepClock {
   /// for none, the first of several programs steps alone until the next one has joined: its first
   /// ticks differ from run to run.
   /// @param benches by number, each in lock-step; their periods may differ
-  /// @param steppers 1 to kMostSteppers: time of each bench stands until so many sessions, with
-  /// this one, have
-  ///        joined its clock; then it passes, also when some of them leave. 0 = as the bench is
-  ///        configured. Joining does not wait, the first step does.
+  /// @param steppers 1 to kMostSteppers: the time of each bench stands until that many sessions,
+  ///        including this one, have joined its clock, then passes even when some of them leave.
+  ///        0 = as the bench is configured. Joining does not wait, the first step does.
   /// @return not_found or refused, naming the bench; then no clock was joined. Refused also where
   ///         this thread has joined the clock of a bench in this process with another session.
   static Result<StepClock> join(Session& session, std::span<const std::uint32_t> benches,

@@ -11,7 +11,9 @@ namespace vdrive {
 /// of bit 4: 6042h in mode 2, 60FFh in 3 and 9, 6071h in 4 and 10. An axis that gets its power in
 /// such a mode runs off at what a master has left there (CiA 402-2); with 0 in all of them it
 /// rests, whichever mode it has or takes. Positions wait for an edge or for a new set-point.
-inline constexpr std::array kStandingTargets{ObjectAddress{0x6042, 0}, ObjectAddress{0x60FF, 0},
-                                             ObjectAddress{0x6071, 0}};
+inline constexpr ObjectAddress kTargetOfVelocityMode{0x6042, 0};
+inline constexpr ObjectAddress kTargetVelocity{0x60FF, 0};
+inline constexpr ObjectAddress kTargetTorque{0x6071, 0};
+inline constexpr std::array kStandingTargets{kTargetOfVelocityMode, kTargetVelocity, kTargetTorque};
 
 }  // namespace vdrive

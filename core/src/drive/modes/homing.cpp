@@ -118,8 +118,8 @@ void continue_run(Drive& drive) {
   s.target.arrived = false;
 }
 
-/// Bit 4 starts a homing run. Bit 8 stops it; the run continues when bit 8 falls, unless bit 4 was
-/// 0 until then.
+/// Bit 4 starts a homing run. Bit 8 stops it; the run continues when bit 8 falls while bit 4 is
+/// still 1.
 void command(Drive& drive, const WrittenControlword& word) {
   DriveState& s = drive.state();
   const bool wanted = (s.controlword & Controlword::kStartHoming) != 0;

@@ -19,6 +19,8 @@ export interface Reading {
   target: number;
   /** 6064h [UU] */
   position: number;
+  /** of 607Bh [UU] */
+  span: number;
 }
 
 /** The status of an axis after a tick. */
@@ -62,6 +64,8 @@ export class Motion {
   end?: Cause;
   /** Bit 10 is 1, and the status does not show why: the drive has to be asked. */
   mustAsk = false;
+  /** 6062h of the last status [UU] */
+  private demand?: number;
   private blocked?: "positive_limit" | "negative_limit";
 
   /** @param target where it will end [UU]; undefined where that is not known, as of a relative move
@@ -93,6 +97,7 @@ export class Motion {
   take(sight: Sight): void {
     if (this.end !== undefined || sight.tick < this.start.tick) return;
     this.position = sight.position;
+    this.demand = sight.demand;
     this.end = this.isHoming ? this.endOfHoming(sight) : this.endOfMove(sight);
     this.end = this.endFromOutside(sight) ?? this.end;
     this.mustAsk = this.end === undefined && isAmong(sight.statusword, STATUS_BIT.targetReached);
@@ -104,7 +109,12 @@ export class Motion {
     if (isAmong(reading.controlword, CONTROL_BIT.halt)) this.end = { kind: "halt" };
     else if (this.isHoming) this.end = { kind: "interrupted" };
     else if (reading.target !== this.start.target) this.end = { kind: "set_point", target: reading.target };
-    else if (this.target === undefined) this.end = { kind: "reached" };
+    else if (this.target === undefined || this.isThere(reading.span)) this.end = { kind: "reached" };
+  }
+
+  /** On a modulo axis 6062h is the place in the range of a target beyond it. */
+  private isThere(span: number): boolean {
+    return this.target !== undefined && this.demand !== undefined && span > 0 && (this.target - this.demand) % span === 0;
   }
 
   private endFromOutside({ owner, statusword, mode, errorCode }: Sight): Cause | undefined {

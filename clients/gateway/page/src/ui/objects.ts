@@ -126,7 +126,8 @@ class ObjectLine {
 
   private edit(): void {
     const input = h("input", { attributes: { type: "text", inputmode: "decimal", "aria-label": this.row.title } });
-    const before = this.latest === undefined ? "" : String(Number((this.latest * this.scale.factor).toFixed(this.scale.decimals)));
+    const shown = this.latest;
+    const before = shown === undefined ? "" : String(Number((shown * this.scale.factor).toFixed(this.scale.decimals)));
     input.value = before;
     const leave = () => this.valueCell.replaceChildren(this.value, this.editButton());
     const refuse = (reason: string) => {
@@ -137,7 +138,7 @@ class ObjectLine {
       const notes: string[] = [];
       try {
         // What was not changed is not rounded.
-        const value = input.value === before ? this.latest : this.read(input.value.trim(), notes);
+        const value = shown !== undefined && input.value === before ? shown : this.read(input.value.trim(), notes);
         const answer = await this.model.command("/write", { axis: addressOf(this.ref), object: this.address, value }, notes);
         if (answer.ok) leave();
       } catch (error) {
