@@ -134,7 +134,7 @@ std::string object_value_text(ObjectRow row, std::int64_t value, const Unit& uni
 }
 
 std::string advice_on(ObjectAddress object, AbortCode code, const Unit& unit) {
-  const std::string plain = advice_on(object, code);
+  std::string plain = advice_on(object, code);
   const auto row = find_object(object);
   const bool is_of_limits = code != AbortCode::subindex_does_not_exist && !plain.empty();
   if (!is_of_limits || !row || !dimension_of(*row)) return plain;

@@ -194,14 +194,13 @@ const RecordLayout& layout() {
 ///         that an earlier version has saved have none.
 bool has_layout(const py::dtype& type) {
   const py::dtype own = layout().type();
-  const py::object names = own.attr("names");
+  const py::tuple names = own.attr("names");
   if (!names.equal(type.attr("names")) || own.itemsize() != type.itemsize()) return false;
   const py::slice type_and_offset(0, 2, 1);
-  for (const py::handle name : names) {
+  return std::all_of(names.begin(), names.end(), [&](const py::handle name) {
     const py::object field = own.attr("fields")[name][type_and_offset];
-    if (!field.equal(type.attr("fields")[name][type_and_offset])) return false;
-  }
-  return true;
+    return field.equal(type.attr("fields")[name][type_and_offset]);
+  });
 }
 
 std::string repr_of(const AxisSnapshot& status) {

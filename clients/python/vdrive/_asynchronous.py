@@ -152,8 +152,8 @@ async def _in_thread(call: Callable[[], Taken], end: Callable[[], object]) -> Ta
 async def wait_motion_async(self: _vdrive.Motion, timeout: float = 60.0) -> None:
     """Wait as wait() does; `await motion` is the same. A task that is cancelled halts the axis.
 
-    The axis is left alone when its motion has ended, or has given way to another one. When the axis
-    cannot be halted the task ends with that error.
+    The axis is left alone when its motion has ended or has given way to another one, and when another
+    session has taken the axis. When the axis cannot be halted the task ends with that error.
     """
     def halt() -> None:
         try:

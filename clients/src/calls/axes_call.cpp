@@ -464,9 +464,18 @@ Outcome AxesCall::check(std::string_view awaited, std::uint64_t from) {
     if (sound) continue;
     const AxisSnapshot axis = snapshots()[place];
     Outcome stopped = stop_others(std::move(sound));
-    return is_enabled(axis) ? stopped : explain_by_service(stopped, axis);
+    return explain_lost_power(stopped, axis);
   }
   return {};
+}
+
+Outcome AxesCall::explain_lost_power(const Outcome& failed) {
+  const auto off = std::ranges::find_if_not(snapshots(), is_enabled);
+  return off == snapshots().end() ? failed : explain_by_service(failed, *off);
+}
+
+Outcome AxesCall::explain_lost_power(const Outcome& failed, const AxisSnapshot& axis) {
+  return is_enabled(axis) ? failed : explain_by_service(failed, axis);
 }
 
 Outcome AxesCall::explain_by_service(const Outcome& failed, const AxisSnapshot& axis) {

@@ -278,6 +278,12 @@ class AxesCall {
   /// @return `failed`; where check_service() knows the cause, that first.
   [[nodiscard]] Outcome explain_by_service(const Outcome& failed, const AxisSnapshot& axis);
 
+  /// The same for an axis that is not in Operation enabled; for another one, `failed`.
+  [[nodiscard]] Outcome explain_lost_power(const Outcome& failed, const AxisSnapshot& axis);
+
+  /// The same for the first axis that is not in Operation enabled.
+  [[nodiscard]] Outcome explain_lost_power(const Outcome& failed);
+
  private:
   /// @return the places of the axes that are not `done` at `from` or later.
   template <typename Done>

@@ -460,9 +460,9 @@ void EachAxis::await_targets() {
     if (goes_on && is_enabled(call_.snapshots()[place])) {
       outcomes_[place] = goes_on_to_target(call_.snapshots()[place]);
     }
-    if (!is_pending_[place] || sound[place]) continue;
-    const AxisSnapshot& axis = at_end_[place];
-    end(place, is_enabled(axis) ? sound[place] : call_.explain_by_service(sound[place], axis));
+    if (is_pending_[place] && !sound[place]) {
+      end(place, call_.explain_lost_power(sound[place], at_end_[place]));
+    }
   }
   if (!has_pending()) return;
   const auto words = call_.read(kControlwordObject);

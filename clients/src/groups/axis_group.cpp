@@ -429,11 +429,7 @@ Result<GroupStatus> AxisGroup::poll() {
   if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
   Outcome sound = state_->watch(call);
   if (sound) sound = state_->watch_commands(call);
-  if (!sound) {
-    const auto off = std::ranges::find_if_not(call.snapshots(), is_enabled);
-    if (off != call.snapshots().end()) sound = call.explain_by_service(sound, *off);
-    return state_->explained(std::move(sound));
-  }
+  if (!sound) return state_->explained(call.explain_lost_power(sound));
   const auto moving = state_->line_in_hand();
   const bool at_rest = !moving || (call.tick() >= moving->start_tick &&
                                    state_->has_arrived(*moving, call.snapshots()));

@@ -132,7 +132,7 @@ std::optional<std::string> ServedBus::disturb(std::uint8_t node, std::string_vie
   const DriveTime now = fault_time();
   auto parsed = parse_bus_fault(text, now);
   if (auto* const refusal = std::get_if<std::string>(&parsed)) return std::move(*refusal);
-  BusFault& fault = std::get<BusFault>(parsed);
+  auto& fault = std::get<BusFault>(parsed);
   fault.node = node;
   if (bus_.faults().add(fault, now)) return std::nullopt;
   return "there are already " + std::to_string(BusFaults::kMostFaults) +

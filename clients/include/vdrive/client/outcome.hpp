@@ -20,8 +20,8 @@ enum class OutcomeKind : std::uint8_t {
   refused,    ///< the service, the dictionary or the drive's state does not allow it: see the code
   timed_out,  ///< the deadline passed first
   not_found,  ///< no such bench, axis or name was found
-  lost,       ///< the service stopped sending, ended or was restarted
-  failed,     ///< accepted, but ended by a fault, a lost enable or an interrupt
+  lost,       ///< the service stopped sending, shuts down, ended or was restarted
+  failed,     ///< accepted, but ended by a fault, another command or an interrupt
 };
 
 /// Code of a refusal by this program's own permissions (closed mode): nothing was sent to a bench.
