@@ -674,7 +674,9 @@ TEST_F(LockStepGroup, RunsALineThatIsQueuedAfterAnyLine) {
     return static_cast<double>(random() % 100'000) - 50'000.0;
   };
   write("1.2", kDeceleration, 1'000);  // below 0.5 UU/s for half a tick
-  const int pairs = test::number_of<int>({.usual = 60, .full = 600, .nightly = 6'000});
+  // Over DDS each tick takes some twenty times as long.
+  const int share = test::runs_over_dds() ? 20 : 1;
+  const int pairs = test::number_of<int>({.usual = 60, .full = 600, .nightly = 6'000}) / share;
   for (int pair = 0; pair < pairs; ++pair) {
     // Every other pair leaves the slow axis at rest.
     const double slow = pair % 2 == 0 ? 0.0 : static_cast<double>(random() % 200);
