@@ -968,6 +968,7 @@ test("an axis that is not there is named", async () => {
 
 test("control is taken from its holder after a question that names it and what moves, and the holder learns by whom", async () => {
   await page.goto(`${gateway.address}#/axis/1.1`);
+  await figure("state").waitFor(); // Control, which the page leaves, has such a field, too
   await page.fill("#move-target", "-900000");
   await command("move").click();
   await waitForText(figure("velocity"), /−\d\d.\d{3}/);
