@@ -41,6 +41,7 @@ export class QuantityField {
     this.input = made.input;
     this.unit = made.unit;
     this.input.addEventListener("input", () => this.keep());
+    this.input.readOnly = true; // until bind(), which would replace what is typed before
   }
 
   /** Shows what was typed under this key before, in the unit in force now.
@@ -50,6 +51,7 @@ export class QuantityField {
     const same = key === this.key && scale.name === this.scale?.name && scale.factor === this.scale.factor;
     this.ref = ref;
     if (same) return;
+    this.input.readOnly = false;
     this.key = key;
     this.scale = scale;
     const typed = this.model.typed.get(key);
