@@ -661,6 +661,7 @@ test("events have one stop of the Tab key, and the arrow keys go through them", 
 
 test("Enter on a row opens the axis, where the next Tab goes on, and back leads to the row", async () => {
   await page.click("nav a >> nth=0");
+  await page.locator(".row[data-address='1.2']").waitFor(); // keys go through rows that are there
   await page.locator(".scroller").focus();
   await page.keyboard.press("ArrowDown");
   await page.locator(".row.selected[data-address='1.2']").waitFor();
