@@ -437,7 +437,7 @@ TEST_F(MotionOfAnAxis, AVelocityThatIsWaitedForEndsByAFrameWithAnother) {
   }
   // A target of another mode ends nothing.
   ASSERT_TRUE(axis_.write(kTarget, 5));
-  const std::array frames{frame_of({.axis = 1, .velocity = 100})};
+  const std::array frames{frame_of({.axis = 1, .velocity = 100, .torque = 5})};
   ASSERT_TRUE(session_.send_set_points(1, frames));
   const Outcome ended = waiting.get();
   EXPECT_EQ(ended.kind(), OutcomeKind::failed);

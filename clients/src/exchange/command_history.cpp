@@ -63,6 +63,10 @@ std::optional<ObjectAddress> written_target(OperatingMode mode) {
   }
 }
 
+bool contains(std::span<const ObjectAddress> written, std::optional<ObjectAddress> target) {
+  return target && std::ranges::find(written, *target) != written.end();
+}
+
 bool is_standing_target(ObjectAddress address) {
   return std::ranges::find(kStandingTargets, address) != kStandingTargets.end();
 }
@@ -92,7 +96,7 @@ CommandHistory::Entry CommandHistory::entry_of(const msg::AxisCommand& command) 
   }
   for (const msg::ObjectValue& object : command.objects()) {
     const ObjectAddress address{object.index(), object.subindex()};
-    if (is_standing_target(address)) entry.written = address;
+    if (is_standing_target(address)) entry.written.push_back(address);
   }
   return entry;
 }
@@ -105,7 +109,7 @@ CommandHistory::Entry CommandHistory::entry_of(const msg::ObjectAccess& access) 
   const auto word = static_cast<std::uint16_t>(access.value());
   if (*row == "op_mode_cmd"_object) entry.mode = static_cast<OperatingMode>(access.value());
   if (*row == "ds402_controlword"_object && ends_something(word)) entry.controlword = word;
-  if (is_standing_target(address)) entry.written = address;
+  if (is_standing_target(address)) entry.written.push_back(address);
   return entry;
 }
 
@@ -117,11 +121,11 @@ void CommandHistory::add(const BenchKey& key, std::uint16_t axis, Entry entry) {
   if (entries.size() == kMostOfAxis) {
     // Of a stream of targets the newest say enough.
     const auto oldest = std::ranges::find_if(entries, [](const Entry& each) {
-      return each.written && !each.mode && !each.controlword;
+      return !each.written.empty() && !each.mode && !each.controlword;
     });
     entries.erase(oldest == entries.end() ? entries.begin() : oldest);
   }
-  entries.push_back(entry);
+  entries.push_back(std::move(entry));
 }
 
 void CommandHistory::note_frame(const BenchKey& key, const msg::CommandFrame& frame) {
@@ -131,7 +135,7 @@ void CommandHistory::note_frame(const BenchKey& key, const msg::CommandFrame& fr
     entry.after = frame.sequence_number() - 1;
     entry.is_whole = (frame.flags() & msg::FRAME_ALL_OR_NOTHING) != 0;
     const std::scoped_lock lock(mutex_);
-    add(key, command.axis(), entry);
+    add(key, command.axis(), std::move(entry));
   }
 }
 
@@ -146,7 +150,7 @@ void CommandHistory::take_back(Entry& entry, std::uint16_t axis, const msg::Comm
     const ObjectAddress refused{refusal.index(), refusal.subindex()};
     if (refused == kMode) entry.mode.reset();
     if (refused == kControlword) entry.controlword.reset();
-    if (refused == entry.written) entry.written.reset();
+    std::erase(entry.written, refused);
   }
 }
 
@@ -163,7 +167,7 @@ void CommandHistory::forget_refused(Entries& entries, std::uint16_t axis,
     return refusal.axis() == 0 || entry->is_whole || is_of_axis;
   });
   take_back(*entry, axis, reply);
-  const bool is_empty = !entry->mode && !entry->controlword && !entry->written;
+  const bool is_empty = !entry->mode && !entry->controlword && entry->written.empty();
   if (is_refused || is_empty) entries.erase(entry);
 }
 
@@ -182,10 +186,10 @@ void CommandHistory::note_writes(const BenchKey& key, const msg::Request& reques
   for (std::size_t i = 0; i < count; ++i) {
     if (reply.objects()[i].abort_code() != 0) continue;
     Entry entry = entry_of(request.objects()[i]);
-    if (!entry.mode && !entry.controlword && !entry.written) continue;
+    if (!entry.mode && !entry.controlword && entry.written.empty()) continue;
     entry.after = last_sequence;
     entry.tick = reply.tick();
-    add(key, request.objects()[i].axis(), entry);
+    add(key, request.objects()[i].axis(), std::move(entry));
   }
 }
 
@@ -228,11 +232,11 @@ bool CommandHistory::ends(const Entry& entry, OperatingMode mode) {
   constexpr OperatingMode kSetPoints = OperatingMode::profile_position;
   const bool stays = entry.mode == kSetPoints && mode == kSetPoints;
   if (entry.mode && !stays) return true;
-  if (entry.written && entry.written == written_target(mode)) return true;
+  if (contains(entry.written, written_target(mode))) return true;
   return entry.controlword && (has_start_bit(mode) || !leaving(*entry.controlword).empty());
 }
 
-std::string CommandHistory::text_of(const Entry& entry) {
+std::string CommandHistory::text_of(const Entry& entry, OperatingMode mode) {
   const auto word = [&entry] {
     return "6040h = " + hex(*entry.controlword, kDigitsOfWord);
   };
@@ -244,7 +248,9 @@ std::string CommandHistory::text_of(const Entry& entry) {
     return std::string(to_string(*entry.mode)) +
            " mode (6060h = " + std::to_string(static_cast<int>(*entry.mode)) + ")";
   }
-  if (entry.written) return "a write of " + object_text(*entry.written);
+  if (const auto target = written_target(mode); contains(entry.written, target)) {
+    return "a write of " + object_text(*target);
+  }
   if (!entry.controlword) return "profile position mode (6060h = 1)";
   return "a later set-point (" + word() +
          (entry.target ? ", 607Ah = " + std::to_string(*entry.target) : "") + ")";
@@ -260,7 +266,7 @@ std::optional<std::string> CommandHistory::find_end(const BenchKey& key, const G
     if (entries == bench->second.axes.end()) continue;
     for (const Entry& entry : entries->second) {
       if (entry.after >= given.sequence && is_in_force(entry, seen) && ends(entry, given.mode)) {
-        return text_of(entry);
+        return text_of(entry, given.mode);
       }
     }
   }

@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdrive::client {
 
@@ -61,7 +62,7 @@ class CommandHistory {
     std::optional<OperatingMode> mode{};         ///< 6060h
     std::optional<std::uint16_t> controlword{};  ///< 6040h, where it ends something
     std::optional<std::int32_t> target{};        ///< 607Ah, handed over with it
-    std::optional<ObjectAddress> written{};      ///< set-point of a mode without a handshake
+    std::vector<ObjectAddress> written{};        ///< set-points of modes without a handshake
     std::string_view what{};                     ///< something else
   };
 
@@ -78,7 +79,7 @@ class CommandHistory {
   static Entry entry_of(const msg::ObjectAccess& access);
   static bool is_in_force(const Entry& entry, const AxisSnapshot& seen);
   static bool ends(const Entry& entry, OperatingMode mode);
-  static std::string text_of(const Entry& entry);
+  static std::string text_of(const Entry& entry, OperatingMode mode);
   static void take_back(Entry& entry, std::uint16_t axis, const msg::CommandReply& reply);
   static void forget_refused(Entries& entries, std::uint16_t axis, const msg::CommandReply& reply);
   void add(const BenchKey& key, std::uint16_t axis, Entry entry);
