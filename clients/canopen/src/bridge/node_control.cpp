@@ -53,7 +53,7 @@ std::optional<client::Observation> NodeControl::keep(std::span<const client::Axi
   if (held) {
     // The state of a paused bench names no owner, and it was asked a moment ago.
     for (client::AxisSnapshot& axis : held->axes) {
-      if (axis.owner_session == 0) axis.owner_session = session_.id();
+      if (!axis.has_owner) axis.owner_session = session_.id();
     }
     return held;
   }

@@ -2,6 +2,7 @@
 #include "bus/socket_can.hpp"
 
 #include "bus/asio.hpp"
+#include "bus/bus_hold.hpp"
 #include "vdrive/text.hpp"
 
 #include <linux/can.h>
@@ -28,8 +29,6 @@ namespace {
 constexpr std::chrono::milliseconds kFullQueuePause{1};
 // While an interface fails, each operation fails at once.
 constexpr std::chrono::milliseconds kCanErrorPause{100};
-// An interface that holds the bus for longer is reported: to its user the bus is dead.
-constexpr std::chrono::milliseconds kLongCanHold{1000};
 // What is read before others work.
 constexpr int kMostFramesAtOnce = 64;
 
@@ -142,7 +141,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
         read_pause(context),
         write_pause(context),
         reopen_pause(context),
-        hold_timer(context) {}
+        hold(context.get_executor(), bus, *this) {}
 
   ~State() override = default;
   State(const State&) = delete;
@@ -155,9 +154,9 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
 
   void stop() {
     if (std::exchange(is_over, true)) return;
+    hold.end();
     bus.detach(*this);
     cancel(reopen_pause);
-    cancel(hold_timer);
     close();
   }
 
@@ -194,30 +193,19 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   }
 
   void make_room() {
-    if (settings.holds_bus) return hold_bus();
+    if (settings.holds_bus) {
+      return hold.begin([self = shared_from_this()] {
+        if (!self->is_over) self->report_hold();
+      });
+    }
     waiting.pop_front();
     ++counters.dropped_frames;
-  }
-
-  void hold_bus() {
-    if (std::exchange(is_holding, true)) return;
-    bus.hold(*this);
-    hold_timer.expires_after(kLongCanHold);
-    hold_timer.async_wait([self = shared_from_this()](const AsioError& error) {
-      if (!error && !self->is_over) self->report_hold();
-    });
-  }
-
-  void release_bus() {
-    if (!std::exchange(is_holding, false)) return;
-    cancel(hold_timer);
-    bus.release(*this);
   }
 
   /// A frame has left, to the wire or not.
   void pop_waiting() {
     waiting.pop_front();
-    if (waiting.size() <= settings.most_waiting_frames / 2) release_bus();
+    if (waiting.size() <= settings.most_waiting_frames / 2) hold.end();
   }
 
   void await_readable() {
@@ -308,7 +296,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   void drop_waiting() {
     counters.dropped_frames += waiting.size();
     waiting.clear();
-    release_bus();
+    hold.end();
   }
 
   void report_hold() const {
@@ -363,13 +351,12 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   asio::steady_timer read_pause;
   asio::steady_timer write_pause;
   asio::steady_timer reopen_pause;
-  asio::steady_timer hold_timer;
+  BusHold hold;  ///< see SocketCanSettings::holds_bus
   std::deque<Frame> waiting;
   SocketCanCounters counters;
   std::uint64_t opening = 0;  ///< of the socket, counted
   bool is_awaiting_write = false;
   bool is_read_put_off = false;  ///< the bus was held
-  bool is_holding = false;       ///< the bus, see SocketCanSettings::holds_bus
   bool is_down = false;
   bool is_over = false;
 };

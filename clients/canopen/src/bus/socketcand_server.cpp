@@ -2,6 +2,7 @@
 #include "bus/socketcand_server.hpp"
 
 #include "bus/asio.hpp"
+#include "bus/bus_hold.hpp"
 #include "bus/socketcand.hpp"
 #include "bus/tcp_acceptor.hpp"
 
@@ -27,8 +28,6 @@ constexpr std::size_t kMostSocketcandReplies = 256;
 // busy bus would keep it out. It waits until the client, which has read the answer, sends
 // something; a client that only listens gets its first frames late.
 constexpr std::chrono::milliseconds kQuietAfterRawmode{100};
-// A client that holds the bus for longer is reported: to its user the bus is dead.
-constexpr std::chrono::milliseconds kLongHold{1000};
 
 std::chrono::microseconds socketcand_wall_clock() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
@@ -56,7 +55,7 @@ class SocketcandConnection final : public Port,
         socket_(std::move(socket)),
         quiet_timer_(socket_.get_executor()),
         statistics_timer_(socket_.get_executor()),
-        hold_timer_(socket_.get_executor()),
+        hold_(socket_.get_executor(), shared_->bus, *this),
         session_(calls()) {}
 
   ~SocketcandConnection() override = default;
@@ -88,11 +87,11 @@ class SocketcandConnection final : public Port,
   /// Leaves the bus, and closes the connection.
   void end() {
     if (std::exchange(is_over_, true)) return;
+    hold_.end();
     shared_->bus.detach(*this);
     --shared_->counters.clients;
     cancel(quiet_timer_);
     cancel(statistics_timer_);
-    cancel(hold_timer_);
     AsioError ignored;
     socket_.close(ignored);
   }
@@ -159,24 +158,13 @@ class SocketcandConnection final : public Port,
 
   /// More frames wait than should.
   void make_room() {
-    if (shared_->settings.holds_bus) return hold_bus();
+    if (shared_->settings.holds_bus) {
+      return hold_.begin([self = shared_from_this()] {
+        if (!self->is_over_) self->report_hold();
+      });
+    }
     frames_.pop_front();
     ++shared_->counters.dropped_frames;
-  }
-
-  void hold_bus() {
-    if (std::exchange(is_holding_, true)) return;
-    shared_->bus.hold(*this);
-    hold_timer_.expires_after(kLongHold);
-    hold_timer_.async_wait([self = shared_from_this()](const AsioError& error) {
-      if (!error && !self->is_over_) self->report_hold();
-    });
-  }
-
-  void release_bus() {
-    if (!std::exchange(is_holding_, false)) return;
-    cancel(hold_timer_);
-    shared_->bus.release(*this);
   }
 
   void report_hold() const {
@@ -236,7 +224,7 @@ class SocketcandConnection final : public Port,
 
   void drop_frames() {
     frames_.clear();
-    release_bus();
+    hold_.end();
   }
 
   void write_next() {
@@ -277,7 +265,7 @@ class SocketcandConnection final : public Port,
       frames_.pop_front();
       ++frames_in_output_;
     }
-    if (frames_.size() <= shared_->settings.most_waiting_frames / 2) release_bus();
+    if (frames_.size() <= shared_->settings.most_waiting_frames / 2) hold_.end();
   }
 
   void on_written(const AsioError& error) {
@@ -291,7 +279,7 @@ class SocketcandConnection final : public Port,
   tcp::socket socket_;
   asio::steady_timer quiet_timer_;
   asio::steady_timer statistics_timer_;
-  asio::steady_timer hold_timer_;
+  BusHold hold_;  ///< see SocketcandSettings::holds_bus
   SocketcandSession session_;
   SocketcandTraffic traffic_;
   std::chrono::milliseconds statistics_period_{};
@@ -304,8 +292,7 @@ class SocketcandConnection final : public Port,
   bool is_reading_ = false;
   bool is_writing_ = false;
   bool is_write_posted_ = false;
-  bool is_quiet_ = false;    ///< frames wait; see kQuietAfterRawmode
-  bool is_holding_ = false;  ///< the bus, see SocketcandSettings::holds_bus
+  bool is_quiet_ = false;  ///< frames wait; see kQuietAfterRawmode
   bool has_sent_all_ = false;
   bool is_closing_ = false;
   bool is_over_ = false;

@@ -114,12 +114,14 @@ export class KeptCheckbox {
     text: string,
   ) {
     this.root = h("label", { class: "check" }, this.input, text);
+    this.input.disabled = true; // as above
     this.input.addEventListener("change", () => this.model.ticked.set(this.key, this.input.checked));
   }
 
   bind(key: string): void {
     if (key === this.key) return;
     this.key = key;
+    this.input.disabled = false;
     this.input.checked = this.model.ticked.get(key) ?? false;
   }
 }
