@@ -4,6 +4,7 @@
 #include "plant/servo_design.hpp"
 #include "torque_limit.hpp"
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>

@@ -2,6 +2,7 @@
 #include "vdrive/quantity.hpp"
 
 #include "vdrive/assert.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "vdrive/axis_status.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <array>
 #include <cstddef>
@@ -39,9 +39,9 @@ constexpr DataType data_type_of() noexcept {
 
 template <auto kMember>
 constexpr StatusMember status_member(std::string_view name, bool is_published = true) {
-  const auto row = find_object(name);
+  const auto row = find_row(name);
   return {.name = name,
-          .address = row ? describe(*row).address : ObjectAddress{},
+          .address = row ? kObjectRows[*row].address : ObjectAddress{},
           .data_type = data_type_of<std::remove_cvref_t<decltype(AxisStatus{}.*kMember)>>(),
           .is_published = is_published,
           .value = get_status_member<kMember>,

@@ -4,6 +4,7 @@
 #include "status_members.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <algorithm>

@@ -7,8 +7,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <set>
@@ -110,7 +112,7 @@ TEST(Architecture, PrivateHeadersAreIncludedInTheirOwnRoomOnly) {
   }
 }
 
-/// Which header includes which, by their paths.
+/// Which file includes which headers, by their paths.
 using IncludeGraph = std::map<std::string, std::vector<std::string>>;
 
 IncludeGraph include_graph(const std::vector<SourceFile>& files) {
@@ -119,13 +121,13 @@ IncludeGraph include_graph(const std::vector<SourceFile>& files) {
   for (const SourceFile& file : files) headers.emplace(last_part(file.path), &file);
   IncludeGraph graph;
   for (const SourceFile& file : files) {
-    if (!file.path.ends_with(".hpp") || file.path.starts_with("tests/")) continue;
     auto& included = graph[file.path];
     for (const std::string& name : own_includes(file.text)) {
       const auto [begin, end] = headers.equal_range(last_part(name));
       for (auto header = begin; header != end; ++header) {
         const std::string& path = header->second->path;
-        const bool is_meant = is_public(name) || room_of(path) == room_of(file.path);
+        const bool is_meant = is_public(name) || room_of(path) == room_of(file.path) ||
+                              file.path.starts_with("tests/");
         if (is_meant && path.ends_with("/" + name)) included.push_back(path);
       }
     }
@@ -136,15 +138,62 @@ IncludeGraph include_graph(const std::vector<SourceFile>& files) {
 TEST(Architecture, NoHeaderIncludesItselfThroughOthers) {
   IncludeGraph graph = include_graph(sources());
   ASSERT_GT(graph.size(), 100U);
-  // A header without remaining includes is part of no circle.
-  const auto is_free = [&](const IncludeGraph::value_type& header) {
-    return std::ranges::none_of(header.second, [&](const std::string& included) {
+  // A file without remaining includes is part of no circle.
+  const auto is_free = [&](const IncludeGraph::value_type& file) {
+    return std::ranges::none_of(file.second, [&](const std::string& included) {
       return graph.contains(included);
     });
   };
   while (std::erase_if(graph, is_free) > 0) {
   }
   EXPECT_THAT(graph, IsEmpty());
+}
+
+/// @return the header and what includes it, also through others.
+std::set<std::string> reaching(const std::string& header, const IncludeGraph& graph) {
+  std::set<std::string> found{header};
+  const auto includes_found = [&](const IncludeGraph::value_type& file) {
+    return std::ranges::any_of(file.second, [&](const std::string& included) {
+      return found.contains(included);
+    });
+  };
+  for (std::size_t before = 0; before != found.size();) {
+    before = found.size();
+    for (const auto& file : graph) {
+      if (includes_found(file)) found.insert(file.first);
+    }
+  }
+  return found;
+}
+
+/// @return how many of the files are compiled: sources, and the headers that are compiled alone.
+std::ptrdiff_t units_of(const std::set<std::string>& files) {
+  return std::ranges::count_if(files, [](const std::string& path) {
+    return path.ends_with(".cpp") || path.find("/include/") != std::string::npos;
+  });
+}
+
+/// @return the ten headers through which most units reach a header, with their number.
+std::string ways_to(const std::set<std::string>& files, const IncludeGraph& graph) {
+  std::multimap<std::ptrdiff_t, std::string, std::greater<>> headers;
+  for (const std::string& path : files) {
+    if (path.ends_with(".hpp")) headers.emplace(units_of(reaching(path, graph)), path);
+  }
+  std::ostringstream text;
+  std::size_t lines = 0;
+  for (const auto& [units, path] : headers) {
+    if (++lines > 10) break;
+    text << "\n  " << units << " through " << path;
+  }
+  return text.str();
+}
+
+TEST(Architecture, AnObjectRowCompilesAtMost200Units) {
+  const IncludeGraph graph = include_graph(sources());
+  const std::set<std::string> files =
+      reaching("core/include/vdrive/dictionary/object_table.hpp", graph);
+  ASSERT_TRUE(files.contains("core/src/drive/tick.cpp"));
+  EXPECT_LE(units_of(files), 200) << ways_to(files, graph);
 }
 
 std::string module_of(const std::string& path) {

@@ -5,6 +5,7 @@
 
 #include "node/by_index.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <gmock/gmock.h>

@@ -15,6 +15,7 @@
 #include "vdrive/cia402/homing_method.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/power_state.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <gtest/gtest.h>
 

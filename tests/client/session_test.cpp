@@ -8,7 +8,7 @@
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/step_clock.hpp"
-#include "vdrive/dictionary/object_table.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

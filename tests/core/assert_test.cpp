@@ -32,7 +32,7 @@ TEST(InvariantDeathTest, NamesItselfAndThePlaceOfTheCaller) {
 }
 
 TEST(InvariantDeathTest, ARowOutsideTheDictionaryEndsTheProgram) {
-  const auto row = static_cast<ObjectRow>(kObjectCount);
+  const auto row = static_cast<ObjectRow>(kObjectTable.size());
   EXPECT_DEATH(static_cast<void>(describe(row)), "inside its table");
 }
 

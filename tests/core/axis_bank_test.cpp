@@ -760,7 +760,7 @@ bool beyond_physics(const ObjectDescription& row, std::int64_t value) {
 void abuse(AxisUnderTest& axis, Random& random, std::uint64_t ticks, bool physical) {
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     if (random.one_in(10)) {
-      const ObjectDescription& row = kObjectTable[random.below(kObjectCount)];
+      const ObjectDescription& row = kObjectTable[random.below(kObjectTable.size())];
       const std::int64_t value = any_value(row, random);
       if (!physical || !beyond_physics(row, value)) {
         static_cast<void>(axis.axis().write(row.address, value));

@@ -6,6 +6,7 @@
 #include "core/support/axis_under_test.hpp"
 #include "core/support/csv.hpp"
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/dictionary/standard_names.hpp"
 
@@ -145,9 +146,10 @@ TEST(ObjectTable, HasANewVersionWhenItsRowsChange) {
   constexpr std::uint32_t kCheck = 0x9E8F75FC;  // of the rows of that version
   EXPECT_EQ(kDictionaryVersion, kVersion);
   EXPECT_EQ(dictionary_check(), kCheck)
-      << "the rows of " << kTable << " have changed: kDictionaryVersion of "
-      << "core/include/vdrive/dictionary/dictionary.hpp needs the next version, and this test of "
-      << "tests/core/dictionary_test.cpp that version and the check " << dictionary_check();
+      << "the rows of " << kTable
+      << " have changed: its kDictionaryVersion needs the next version, "
+      << "and this test of tests/core/dictionary_test.cpp that version and the check "
+      << dictionary_check();
 }
 
 TEST(ObjectTable, GivesTheMomentOfEffectFromTheManualsMoreSpecificNotes) {
@@ -243,7 +245,7 @@ TEST(ObjectTable, RowsAreConsistent) {
 }
 
 TEST(ObjectTable, IsFoundByAddressAndByName) {
-  for (std::size_t i = 0; i < kObjectCount; ++i) {
+  for (std::size_t i = 0; i < kObjectTable.size(); ++i) {
     const ObjectDescription& object = kObjectTable[i];
     EXPECT_EQ(find_object(object.address), std::optional<ObjectRow>(i));
     EXPECT_EQ(find_object(object.variable_name), std::optional<ObjectRow>(i));

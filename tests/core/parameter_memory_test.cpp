@@ -154,13 +154,12 @@ TEST(ParameterMemory, HoldsEveryObjectThatTheTableStores) {
     ASSERT_EQ(bank.set_stored(0, row.address, other), AbortCode::none) << row.variable_name;
     bank.power_cycle(0);
     EXPECT_EQ(value(bank, row.address), other) << row.variable_name;
-    std::array<std::int64_t, kStoredCount> now{};
+    std::vector<std::int64_t> now(kStoredRows.size());
     bank.read_parameters(0, now);
-    for (std::size_t position = 0; position < kStoredCount; ++position) {
+    for (std::size_t position = 0; position < kStoredRows.size(); ++position) {
       ASSERT_EQ(now[position], value(bank, describe(kStoredRows[position]).address));
     }
   }
-  EXPECT_EQ(count, kStoredCount);
   EXPECT_EQ(count, kStoredRows.size());
 }
 

@@ -706,7 +706,7 @@ class LongRunningDrive {
  public:
   LongRunningDrive() {
     // A power-up leaves the objects of the test bench as they are: 5E21h, no switch has a place.
-    for (std::size_t row = 0; row < kObjectCount; ++row) {
+    for (std::size_t row = 0; row < kObjectTable.size(); ++row) {
       registers_.values[row] = kObjectTable[row].default_value;
     }
     power_up(axis_, true);

@@ -4,7 +4,8 @@
 // snapshots.
 #include "vdrive/axis_configuration.hpp"
 #include "vdrive/axis_status.hpp"  // status_digest.cpp checks the image
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/abort_code.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <array>
 #include <cstdint>

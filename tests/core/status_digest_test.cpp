@@ -2,6 +2,7 @@
 #include "vdrive/status_digest.hpp"
 
 #include "core/support/random_cases.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,6 +6,7 @@
 #include "fuzz/support/bytes.hpp"
 #include "support/axis_invariants.hpp"
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <array>
 #include <chrono>
@@ -125,7 +126,8 @@ std::int64_t value_for(Bytes& bytes, const ObjectDescription& object) {
 }
 
 void write_any(AxisBank& bank, std::size_t axis, Bytes& bytes) {
-  const ObjectDescription& object = describe(static_cast<ObjectRow>(bytes.below(kObjectCount)));
+  const ObjectDescription& object =
+      describe(static_cast<ObjectRow>(bytes.below(kObjectTable.size())));
   const std::int64_t value = value_for(bytes, object);
   if (bank.write(axis, object.address, value) == AbortCode::none &&
       object.address != kErrorHistory) {
@@ -189,7 +191,7 @@ void check_healed(Bench& bench, std::size_t axis) {
   constexpr std::int64_t kDistance = 1000;
   constexpr auto kPatience = std::chrono::milliseconds{400};
   AxisBank& bank = bench.bank();
-  for (std::size_t row = 0; row < kObjectCount; ++row) {
+  for (std::size_t row = 0; row < kObjectTable.size(); ++row) {
     const ObjectDescription& object = describe(static_cast<ObjectRow>(row));
     if (object.address >= kTestLoadTorque && object.address.index < 0x5F00) {
       bank.write(axis, object.address, object.default_value);  // 0 is a place of a switch

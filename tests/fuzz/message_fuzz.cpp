@@ -11,6 +11,7 @@
 #include "publish/session_names.hpp"
 #include "streams/status_feed.hpp"
 #include "support/local_inbox.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/conversion.hpp"
@@ -140,7 +141,7 @@ class Peers {
 
   void receive(const msg::AxisStatus& status) {
     const AxisStatus shown = wire::from_message(status);
-    for (std::size_t row = 0; row < kObjectCount; ++row) {
+    for (std::size_t row = 0; row < kObjectTable.size(); ++row) {
       static_cast<void>(value_of(shown, static_cast<ObjectRow>(row)));
     }
   }
@@ -326,8 +327,8 @@ constexpr std::array kReceivers = std::apply(
 
 ObjectAddress address_from(Bytes& bytes) {
   const std::size_t row = bytes.take();
-  return row < kObjectCount ? describe(static_cast<ObjectRow>(row)).address
-                            : ObjectAddress{bytes.take<std::uint16_t>(), bytes.take()};
+  return row < kObjectTable.size() ? describe(static_cast<ObjectRow>(row)).address
+                                   : ObjectAddress{bytes.take<std::uint16_t>(), bytes.take()};
 }
 
 std::uint16_t axis_from(Bytes& bytes) {

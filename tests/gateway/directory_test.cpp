@@ -39,7 +39,7 @@ TEST(Names, HaveLettersDigitsAndUnderlinesAndAreUnique) {
 TEST(Parameters, AreFoundByTheirListedNames) {
   const std::vector<KnownBench> benches{bench_of({"x", "y"})};
   const auto names = all_parameters(benches);
-  EXPECT_EQ(names.size(), 2 * kObjectCount);
+  EXPECT_EQ(names.size(), 2 * kObjectTable.size());
   for (const std::string& name : names) EXPECT_TRUE(find_parameter(benches, name)) << name;
   for (const char* object : {"0x607D:01", "0x607D:1", "607Dh:1"}) {
     const auto found = find_parameter(benches, std::string("bench3/y/") + object);
@@ -62,12 +62,12 @@ TEST(Parameters, AreNotListedAboveTheLimitOfAxes) {
   std::vector<std::string> names(kMostAxesOfAll + 1, "a");
   EXPECT_TRUE(all_parameters({bench_of(names)}).empty());
   names.pop_back();
-  EXPECT_EQ(all_parameters({bench_of(names)}).size(), kMostAxesOfAll * kObjectCount);
+  EXPECT_EQ(all_parameters({bench_of(names)}).size(), kMostAxesOfAll * kObjectTable.size());
 }
 
 TEST(Dictionary, HasEveryObjectAndTheNamesOfBits) {
   const Json dictionary = Json::parse(dictionary_text());
-  EXPECT_EQ(dictionary["objects"].size(), kObjectCount);
+  EXPECT_EQ(dictionary["objects"].size(), kObjectTable.size());
   EXPECT_EQ(dictionary["modes"].size(), 10U);        // 0 to 4, 6 to 10
   EXPECT_EQ(dictionary["error_codes"].size(), 10U);  // 9 errors and none
   for (const Json& row : dictionary["modes"]) {

@@ -117,11 +117,9 @@ RECIPES = [
                '    {{0x5E0B, 0x00}, "Scratch Input", "试验", "Test", "test_scratch",\n'
                "     DataType::unsigned8, Access::read_write, Storage::not_stored, "
                'Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input},'),
-        grown(OBJECT_TABLE, r"array<ObjectDescription, (\d+)>"),
         after("tests/data/companion-objects.csv", "0x5E0A,0x00",
               "0x5E0B,0x00,Scratch Input,test_scratch,RW,N,UNS8,0,1,0,-,"),
-        instead("core/include/vdrive/dictionary/dictionary.hpp", 'kDictionaryVersion = "1.4"',
-                'kDictionaryVersion = "1.4s"'),
+        instead(OBJECT_TABLE, 'kDictionaryVersion = "1.4"', 'kDictionaryVersion = "1.4s"'),
         instead(DICTIONARY_TEST, 'kVersion = "1.4"', 'kVersion = "1.4s"'),
         instead(DICTIONARY_TEST, "index <= 0x5E0A)", "index <= 0x5E0B)"),
         grown(DICTIONARY_TEST, r"EXPECT_EQ\(test_inputs, (\d+)U\)"),

@@ -4,6 +4,7 @@
 #include "mcap_writer.hpp"
 #include "recording/sample_recording.hpp"
 #include "status_layout.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,6 +5,7 @@
 #include "configuration/configuration_file.hpp"
 #include "configuration/configuration_warnings.hpp"
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -4,6 +4,7 @@
 
 #include "service/failing_files.hpp"
 #include "support/temporary_directory.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <gtest/gtest.h>
 
@@ -72,7 +73,7 @@ TEST_F(Saver, WritesAllWaitingAxesInOneSave) {
   }
   const ParameterTable table = open()->load().table;
   EXPECT_EQ(table.size(), 1'000U);
-  EXPECT_EQ(table.at(1'000).size(), kStoredCount);
+  EXPECT_EQ(table.at(1'000).size(), kStoredRows.size());
   EXPECT_EQ(table.at(1'000)[0].value, 1'000);
 }
 

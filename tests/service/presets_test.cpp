@@ -6,6 +6,8 @@
 #include "configuration/configuration_file.hpp"
 #include "configuration/configuration_warnings.hpp"
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/quantity.hpp"
 
 #include <gmock/gmock.h>

@@ -4,6 +4,7 @@
 #include "base/event_codes.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/cia402/statusword.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -113,8 +114,8 @@ void Bench::start_storage() {
         stored.velocity = static_cast<std::uint32_t>(value.value);
       }
     }
-    if (values.size() != kStoredCount) {
-      happenings_.fail(Invariant::kStored, axis, std::to_string(kStoredCount) + " values",
+    if (values.size() != kStoredRows.size()) {
+      happenings_.fail(Invariant::kStored, axis, std::to_string(kStoredRows.size()) + " values",
                        std::to_string(values.size()));
     }
   }

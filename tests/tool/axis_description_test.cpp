@@ -2,6 +2,8 @@
 // What `vdrive describe` makes of what it has read.
 #include "output/axis_description.hpp"
 
+#include "vdrive/dictionary/dictionary.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

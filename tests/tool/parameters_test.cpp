@@ -58,7 +58,7 @@ TEST_F(StoredParameters, AreStoredByAWriteOfTheirObject) {
 
 TEST_F(StoredParameters, AreReportedWithTheirNumberAndTheirFile) {
   const BenchOnWire bench(flags("lockstep"));
-  const std::string objects = std::to_string(kStoredCount);
+  const std::string objects = std::to_string(kStoredRows.size());
   const std::string place =
       file().filename().string() + " in the state directory of the service of bench 1";
   EXPECT_EQ(call("store 1.1").output,

@@ -7,6 +7,7 @@
 #include "execution/command_progress.hpp"
 #include "output/event_view.hpp"
 #include "output/live_view.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -198,9 +199,9 @@ TEST(Line, OfTextThatIsNotUtf8StaysOneLine) {
 
 TEST(Dictionary, HasARowForEachObjectInEachFormat) {
   for (const Language language : {Language::en, Language::zh}) {
-    EXPECT_THAT(dictionary_lines({TableFormat::table, language}), SizeIs(kObjectCount + 1));
-    EXPECT_THAT(dictionary_lines({TableFormat::csv, language}), SizeIs(kObjectCount + 1));
-    EXPECT_THAT(dictionary_lines({TableFormat::json, language}), SizeIs(kObjectCount));
+    EXPECT_THAT(dictionary_lines({TableFormat::table, language}), SizeIs(kObjectTable.size() + 1));
+    EXPECT_THAT(dictionary_lines({TableFormat::csv, language}), SizeIs(kObjectTable.size() + 1));
+    EXPECT_THAT(dictionary_lines({TableFormat::json, language}), SizeIs(kObjectTable.size()));
   }
 }
 
@@ -249,8 +250,8 @@ TEST(Dictionary, OfANodeHasCommunicationObjectsBesideTheRows) {
     if (row["index"] == "0x6040") controlword = row;
     if (row["index"] == "0x1008") device_name = row;
   }
-  EXPECT_EQ(of_the_drive, kObjectCount);
-  EXPECT_GT(lines.size(), kObjectCount);
+  EXPECT_EQ(of_the_drive, kObjectTable.size());
+  EXPECT_GT(lines.size(), kObjectTable.size());
   EXPECT_EQ(to_line(controlword),
             R"({"index":"0x6040","subindex":0,"name":"DS402 Controlword",)"
             R"("index_name":"DS402 Controlword","object_type":"variable","type":"UNSIGNED16",)"

@@ -105,7 +105,7 @@ struct MeasuredObject {
 /// By the units of the dictionary's own text, as a reader of the table understands it.
 std::vector<MeasuredObject> measured_objects(Access access) {
   std::vector<MeasuredObject> objects;
-  for (std::size_t place = 0; place < kObjectCount; ++place) {
+  for (std::size_t place = 0; place < kObjectTable.size(); ++place) {
     const auto row = static_cast<ObjectRow>(place);
     const std::string units(describe(row).units);
     const auto begins = [&units](const char* word) {

@@ -3,6 +3,7 @@
 #include "values/units.hpp"
 
 #include "base/usage_error.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,6 +2,7 @@
 #include "vdrive/wire/conversion.hpp"
 
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <gtest/gtest.h>
 
@@ -60,7 +61,7 @@ TEST(StatusConversion, CarriesEveryMonitoredObjectOfTheManual) {
   EXPECT_EQ(message.ds402_statusword(), status.ds402_statusword);
   EXPECT_EQ(message.current_error_value(), status.current_error_value);
   const AxisStatus received = from_message(message);
-  for (ObjectRow row = 0; row < kObjectCount; ++row) {
+  for (ObjectRow row = 0; row < kObjectTable.size(); ++row) {
     const auto& object = describe(row);
     if (object.origin == Origin::manual && object.access == Access::read_only) {
       EXPECT_NE(value_of(received, row).value_or(0), 0)

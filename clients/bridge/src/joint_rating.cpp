@@ -3,7 +3,7 @@
 
 #include "joint_values.hpp"
 #include "vdrive/assert.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <array>
 
@@ -11,9 +11,9 @@ namespace vdrive::bridge {
 
 std::optional<double> read_effort_per_mille(const client::Axis& axis, const Unit& unit) {
   using namespace literals;
-  constexpr std::array kObjects{vdrive::describe("motor_rated_torque"_object).address,
-                                vdrive::describe("gear_ratio_numerator"_object).address,
-                                vdrive::describe("gear_ratio_denominator"_object).address};
+  constexpr std::array kObjects{kObjectRows["motor_rated_torque"_object].address,
+                                kObjectRows["gear_ratio_numerator"_object].address,
+                                kObjectRows["gear_ratio_denominator"_object].address};
   const auto readings = axis.read(kObjects);
   if (!readings) return std::nullopt;
   const auto& values = readings->objects;

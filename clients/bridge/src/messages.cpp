@@ -182,7 +182,7 @@ std::string encode_axis_trace(const Trace& trace, std::uint64_t time) {
 }
 
 std::string encode_axis_parameters(const ParameterImage& image, std::uint64_t time) {
-  std::array<std::optional<std::int64_t>, kObjectCount> values{};
+  std::vector<std::optional<std::int64_t>> values(kObjectTable.size());
   for (const client::ObjectReading& reading : image.objects) {
     const auto row = find_object(reading.object);
     if (row && reading.code == AbortCode::none) values[*row] = reading.value;
@@ -191,8 +191,8 @@ std::string encode_axis_parameters(const ParameterImage& image, std::uint64_t ti
   message.writer.put(image.tick);
   message.writer.put(image.axis.axis);
   std::vector<std::uint32_t> refused;
-  refused.reserve(kObjectCount);
-  for (std::size_t row = 0; row < kObjectCount; ++row) {
+  refused.reserve(kObjectTable.size());
+  for (std::size_t row = 0; row < kObjectTable.size(); ++row) {
     const ObjectDescription& object = kObjectTable[row];
     message.writer.put(object.data_type, values[row].value_or(0));
     if (!values[row]) refused.push_back(object.address.index * 256U + object.address.subindex);

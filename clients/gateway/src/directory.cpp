@@ -3,6 +3,7 @@
 
 #include "topic_names.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -13,7 +14,7 @@ namespace {
 
 // parse_address reads a sub-index as a decimal number.
 constexpr std::size_t kDigitsOfSubindex = 2;
-static_assert(std::ranges::all_of(kObjectTable, [](const ObjectDescription& object) {
+static_assert(std::ranges::all_of(kObjectRows, [](const ObjectDescription& object) {
   return object.address.subindex < 100;
 }));
 

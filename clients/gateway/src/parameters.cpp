@@ -49,7 +49,7 @@ std::vector<std::string> all_parameters(const std::vector<KnownBench>& benches) 
   for (const KnownBench& bench : benches) axes += bench.axis_names.size();
   std::vector<std::string> names;
   if (axes > kMostAxesOfAll) return names;
-  names.reserve(axes * kObjectCount);
+  names.reserve(axes * kObjectTable.size());
   for (const KnownBench& bench : benches) {
     for (std::size_t axis = 0; axis < bench.axis_names.size(); ++axis) {
       for (const ObjectDescription& row : kObjectTable) {

@@ -6,6 +6,7 @@
 #include "vdrive/client/axis_group.hpp"
 #include "vdrive/client/disturbance.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/text.hpp"
 
@@ -211,9 +212,9 @@ struct LimitRow {
 };
 
 constexpr std::array kMoveLimits{
-    LimitRow{"velocity", vdrive::describe("profile_velocity"_object).address},
-    LimitRow{"acceleration", vdrive::describe("profile_acc"_object).address},
-    LimitRow{"deceleration", vdrive::describe("profile_dec"_object).address},
+    LimitRow{"velocity", kObjectRows["profile_velocity"_object].address},
+    LimitRow{"acceleration", kObjectRows["profile_acc"_object].address},
+    LimitRow{"deceleration", kObjectRows["profile_dec"_object].address},
 };
 
 Outcome write_limits(std::vector<Axis>& axes, const Json& request) {

@@ -2,6 +2,7 @@
 #include "arguments.hpp"
 
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
@@ -37,11 +38,11 @@ Member member_of(ObjectRow row, std::int64_t value) {
 /// Mode, target position and controlword have members of their own in a frame.
 void add_value(client::SetPoint& point, ObjectAddress object, std::int64_t value) {
   using namespace literals;
-  if (object == vdrive::describe("op_mode_cmd"_object).address) {
+  if (object == kObjectRows["op_mode_cmd"_object].address) {
     point.mode = static_cast<OperatingMode>(member_of<std::int8_t>("op_mode_cmd"_object, value));
-  } else if (object == vdrive::describe("position_user_target_value"_object).address) {
+  } else if (object == kObjectRows["position_user_target_value"_object].address) {
     point.position = member_of<std::int32_t>("position_user_target_value"_object, value);
-  } else if (object == vdrive::describe("ds402_controlword"_object).address) {
+  } else if (object == kObjectRows["ds402_controlword"_object].address) {
     point.controlword = member_of<std::uint16_t>("ds402_controlword"_object, value);
   } else {
     point.objects.push_back({.object = object, .value = value});

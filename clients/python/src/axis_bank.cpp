@@ -8,6 +8,7 @@
 #include "py_session.hpp"
 #include "python.hpp"
 #include "status.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"
 #include "vdrive/text.hpp"

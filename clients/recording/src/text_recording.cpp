@@ -40,7 +40,7 @@ const std::vector<ObjectRow>& recorded_objects() {
   static const std::vector<ObjectRow> objects = [] {
     std::vector<ObjectRow> rows;
     rows.reserve(kStatusMembers);
-    for (std::size_t row = 0; row < kObjectCount; ++row) {
+    for (std::size_t row = 0; row < kObjectTable.size(); ++row) {
       const auto object = static_cast<ObjectRow>(row);
       if (value_of(AxisStatus{}, object)) rows.push_back(object);
     }

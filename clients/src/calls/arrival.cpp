@@ -18,10 +18,10 @@ namespace {
 using namespace literals;
 
 /// What tells why an axis rests elsewhere than at its target: the software limits, then the range.
-constexpr std::array kArrivalObjects{vdrive::describe("user_position_lower_limit"_object).address,
-                                     vdrive::describe("user_position_upper_limit"_object).address,
-                                     vdrive::describe("min_position_range_limit"_object).address,
-                                     vdrive::describe("max_position_range_limit"_object).address};
+constexpr std::array kArrivalObjects{kObjectRows["user_position_lower_limit"_object].address,
+                                     kObjectRows["user_position_upper_limit"_object].address,
+                                     kObjectRows["min_position_range_limit"_object].address,
+                                     kObjectRows["max_position_range_limit"_object].address};
 constexpr std::size_t kSoftwareLimits = 2;
 
 constexpr std::uint8_t kNegativeLimitSwitch = 1U << 0U;  // of 60FDh

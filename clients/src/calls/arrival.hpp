@@ -3,7 +3,7 @@
 
 #include "base/wakeup.hpp"
 #include "calls/axes_call.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <array>
 #include <cstdint>
@@ -21,7 +21,7 @@ inline constexpr std::string_view kTargetReached = "target reached, bit 10";
 /// 6040h, for AxesCall::read().
 inline constexpr std::array kControlwordObject = [] {
   using namespace literals;
-  return std::array{vdrive::describe("ds402_controlword"_object).address};
+  return std::array{kObjectRows["ds402_controlword"_object].address};
 }();
 
 /// @return failed when 6040h = `word` halts the axis.

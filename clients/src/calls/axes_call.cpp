@@ -2,7 +2,7 @@
 #include "calls/axes_call.hpp"
 
 #include "base/command_words.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <algorithm>
@@ -396,7 +396,7 @@ Outcome AxesCall::await_quick_stops(std::string_view awaited) {
     return axis.state() == PowerState::quick_stop_active;
   });
   if (none) return {};
-  const std::array option{vdrive::describe("quick_stop_option_code"_object).address};
+  const std::array option{kObjectRows["quick_stop_option_code"_object].address};
   const auto options = read(option);
   if (!options) return options.outcome();
   return await(awaited, tick(), [&](std::size_t place) {

@@ -9,6 +9,7 @@
 #include "calls/profile_move.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/quantity.hpp"
 
@@ -258,9 +259,9 @@ Result<std::int64_t> Axis::read(ObjectAddress object) const {
 
 Outcome Axis::check_velocity_limits(std::int64_t velocity) const {
   using namespace literals;
-  const auto app_speed_limit = read(vdrive::describe("app_speed_limit"_object).address);
+  const auto app_speed_limit = read(kObjectRows["app_speed_limit"_object].address);
   if (!app_speed_limit) return app_speed_limit.outcome();
-  const auto motor_speed_limit = read(vdrive::describe("motor_speed_limit"_object).address);
+  const auto motor_speed_limit = read(kObjectRows["motor_speed_limit"_object].address);
   if (!motor_speed_limit) return motor_speed_limit.outcome();
   return check_speed(
       id_, unit_, velocity,

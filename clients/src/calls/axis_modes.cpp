@@ -11,6 +11,7 @@
 #include "vdrive/cia402/standing_targets.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -136,8 +137,8 @@ bool is_homing(const AxisSnapshot& axis) {
 /// The drive cuts 6099h without a word: what a call gives is meant.
 Outcome check_homing_speeds(AxesCall& call, const HomingOptions& options) {
   if (!options.search_speed && !options.creep_speed) return {};
-  const auto values = call.read(std::array{vdrive::describe("app_speed_limit"_object).address,
-                                           vdrive::describe("motor_speed_limit"_object).address});
+  const auto values = call.read(std::array{kObjectRows["app_speed_limit"_object].address,
+                                           kObjectRows["motor_speed_limit"_object].address});
   if (!values) return values.outcome();
   const SpeedLimits limits{.app_speed_limit = values->front()[0],
                            .motor_speed_limit = values->front()[1]};
@@ -165,7 +166,7 @@ Outcome homing_result(AxesCall& call) {
   const AxisSnapshot& axis = call.snapshot();
   const std::string name = "axis " + to_string(axis.id);
   if (axis.shows(Statusword::kHomingError)) {
-    const std::array method{vdrive::describe("homing_method"_object).address};
+    const std::array method{kObjectRows["homing_method"_object].address};
     const auto value = call.read(method);
     if (!value) return value.outcome();
     return Outcome::failed(name + ": homing error, bit 13, with homing_method (6098h) = " +
@@ -424,7 +425,7 @@ ObjectRow relative_limit_of(std::int16_t torque) {
 
 /// What keeps a torque back that no limit alone forbids: 60E0h and 60E1h bound the current, too.
 std::string torque_limits(std::int16_t torque) {
-  return object_text(vdrive::describe("max_torque"_object).address) + " or " +
+  return object_text(kObjectRows["max_torque"_object].address) + " or " +
          object_text(vdrive::describe(relative_limit_of(torque)).address) +
          ", which also limits the current";
 }
@@ -434,8 +435,8 @@ std::string torque_limits(std::int16_t torque) {
 Outcome check_torque(AxesCall& call, std::int16_t torque, const TorqueOptions& options,
                      std::int64_t& slope) {
   const ObjectRow relative = relative_limit_of(torque);
-  const auto values = call.read(std::array{vdrive::describe("torque_slope"_object).address,
-                                           vdrive::describe("max_torque"_object).address,
+  const auto values = call.read(std::array{kObjectRows["torque_slope"_object].address,
+                                           kObjectRows["max_torque"_object].address,
                                            vdrive::describe(relative).address});
   if (!values) return values.outcome();
   const std::vector<std::int64_t>& read = values->front();

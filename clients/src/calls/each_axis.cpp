@@ -7,7 +7,7 @@
 #include "calls/lost_control.hpp"
 #include "calls/slow_drive.hpp"
 #include "vdrive/assert.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
 #include <array>
@@ -482,7 +482,7 @@ void EachAxis::await_quick_stops() {
     none = none && (!is_pending_[place] || at_end_[place].state() != PowerState::quick_stop_active);
   }
   if (none) return;
-  const std::array option{vdrive::describe("quick_stop_option_code"_object).address};
+  const std::array option{kObjectRows["quick_stop_option_code"_object].address};
   const auto options = call_.read(option);
   if (!options) return end_all(options.outcome());
   await_each(kQuickStopEnd, call_.tick(), [&](std::size_t place) {

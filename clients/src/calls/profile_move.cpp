@@ -3,6 +3,7 @@
 
 #include "base/command_words.hpp"
 #include "calls/arrival.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/plant/axis_model.hpp"
 #include "vdrive/quantity.hpp"
@@ -64,9 +65,9 @@ Outcome check_speed(const AxisId& axis, const Unit& unit, std::int64_t velocity,
 
 Outcome ProfileMove::prepare() {
   std::vector<ObjectAddress> objects(kMoveBounds.begin(), kMoveBounds.end());
-  objects.push_back(vdrive::describe("motor_speed_limit"_object).address);
-  objects.push_back(vdrive::describe("positioning_option_code"_object).address);
-  objects.push_back(vdrive::describe("habit_controlword_loop"_object).address);
+  objects.push_back(kObjectRows["motor_speed_limit"_object].address);
+  objects.push_back(kObjectRows["positioning_option_code"_object].address);
+  objects.push_back(kObjectRows["habit_controlword_loop"_object].address);
   auto values = call_.read(objects);
   if (!values) return values.outcome();
   bounds_ = std::move(values->front());

@@ -4,7 +4,7 @@
 #include "base/wakeup.hpp"
 #include "calls/axes_call.hpp"
 #include "vdrive/client/axis.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <array>
 #include <cstdint>
@@ -18,12 +18,10 @@ namespace vdrive::client {
 /// move then, or with 1 UU/s².
 inline constexpr std::array kMoveBounds = [] {
   using namespace literals;
-  return std::array{vdrive::describe("profile_velocity"_object).address,
-                    vdrive::describe("profile_acc"_object).address,
-                    vdrive::describe("profile_dec"_object).address,
-                    vdrive::describe("app_speed_limit"_object).address,
-                    vdrive::describe("app_acc_limit"_object).address,
-                    vdrive::describe("app_dec_limit"_object).address};
+  return std::array{
+      kObjectRows["profile_velocity"_object].address, kObjectRows["profile_acc"_object].address,
+      kObjectRows["profile_dec"_object].address,      kObjectRows["app_speed_limit"_object].address,
+      kObjectRows["app_acc_limit"_object].address,    kObjectRows["app_dec_limit"_object].address};
 }();
 
 /// @param values of kMoveBounds, in this order

@@ -2,7 +2,7 @@
 #include "calls/slow_drive.hpp"
 
 #include "base/command_words.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
 #include <array>
@@ -19,8 +19,7 @@ using namespace literals;
 ///         bench does not say it.
 std::vector<std::chrono::milliseconds> loops_of(AxesCall& call) {
   std::vector<std::chrono::milliseconds> loops(call.snapshots().size());
-  const auto values =
-      call.read(std::array{vdrive::describe("habit_controlword_loop"_object).address});
+  const auto values = call.read(std::array{kObjectRows["habit_controlword_loop"_object].address});
   for (std::size_t place = 0; values && place < loops.size(); ++place) {
     loops[place] = std::chrono::milliseconds((*values)[place].front());
   }

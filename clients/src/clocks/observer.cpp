@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "clocks/observer.hpp"
 
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -27,7 +27,7 @@ constexpr Patience kAnyTick{std::chrono::hours(24 * 365), true, true, Silence::i
 // Requests on the way at a time: their answers take one after the other, and no queue overflows.
 constexpr std::size_t kReadsAtOnce = 16;
 
-constexpr ObjectAddress kStatusword = vdrive::describe("ds402_statusword"_object).address;
+constexpr ObjectAddress kStatusword = kObjectRows["ds402_statusword"_object].address;
 
 /// Members of the status image that can be read as objects.
 std::vector<StatusMember> readable_members() {

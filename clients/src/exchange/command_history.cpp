@@ -4,6 +4,7 @@
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/standing_targets.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -141,8 +142,8 @@ void CommandHistory::note_frame(const BenchKey& key, const msg::CommandFrame& fr
 
 /// What the drive did not take of a frame that is not carried out whole.
 void CommandHistory::take_back(Entry& entry, std::uint16_t axis, const msg::CommandReply& reply) {
-  constexpr ObjectAddress kMode = vdrive::describe("op_mode_cmd"_object).address;
-  constexpr ObjectAddress kControlword = vdrive::describe("ds402_controlword"_object).address;
+  constexpr ObjectAddress kMode = kObjectRows["op_mode_cmd"_object].address;
+  constexpr ObjectAddress kControlword = kObjectRows["ds402_controlword"_object].address;
   const auto& ignored = reply.ignored_set_points();
   if (std::ranges::find(ignored, axis) != ignored.end()) entry.controlword.reset();
   for (const msg::Refusal& refusal : reply.refusals()) {

@@ -3,6 +3,7 @@
 
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
 #include <array>
@@ -20,7 +21,7 @@ using namespace literals;
 // For the end of a session: the service may be gone already.
 constexpr std::chrono::milliseconds kReleaseAnswer{500};
 
-constexpr ObjectAddress kControlword = vdrive::describe("ds402_controlword"_object).address;
+constexpr ObjectAddress kControlword = kObjectRows["ds402_controlword"_object].address;
 
 }  // namespace
 

@@ -9,6 +9,7 @@
 #include "calls/slow_drive.hpp"
 #include "groups/group_state.hpp"
 #include "vdrive/client/session.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/wire/origin.hpp"
 
 #include <algorithm>

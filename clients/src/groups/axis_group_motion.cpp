@@ -7,7 +7,7 @@
 #include "calls/profile_move.hpp"
 #include "groups/group_state.hpp"
 #include "vdrive/cia402/positioning_option.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/plant/axis_model.hpp"
 
 #include <algorithm>
@@ -31,29 +31,29 @@ constexpr std::chrono::seconds kBeyondDuration{5};
 // An axis may rest this far beside the whole unit that 6062h shows [UU].
 constexpr double kBesideDemand = 0.5;
 
-constexpr ObjectAddress kDuration = vdrive::describe("synchronous_move_duration"_object).address;
+constexpr ObjectAddress kDuration = kObjectRows["synchronous_move_duration"_object].address;
 constexpr ObjectAddress kAccelerationTime =
-    vdrive::describe("synchronous_move_acceleration_time"_object).address;
+    kObjectRows["synchronous_move_acceleration_time"_object].address;
 constexpr ObjectAddress kDecelerationTime =
-    vdrive::describe("synchronous_move_deceleration_time"_object).address;
-constexpr ObjectAddress kJerkTime = vdrive::describe("synchronous_move_jerk_time"_object).address;
+    kObjectRows["synchronous_move_deceleration_time"_object].address;
+constexpr ObjectAddress kJerkTime = kObjectRows["synchronous_move_jerk_time"_object].address;
 constexpr ObjectAddress kReferenceWay =
-    vdrive::describe("synchronous_move_reference_way"_object).address;
+    kObjectRows["synchronous_move_reference_way"_object].address;
 
 /// What the times of a line depend on, in the order of LimitObject: kMoveBounds, then the others.
-constexpr std::array kOtherLimits{vdrive::describe("motor_speed_limit"_object).address,
-                                  vdrive::describe("app_position_limit_switch"_object).address,
-                                  vdrive::describe("user_position_lower_limit"_object).address,
-                                  vdrive::describe("user_position_upper_limit"_object).address,
-                                  vdrive::describe("min_position_range_limit"_object).address,
-                                  vdrive::describe("max_position_range_limit"_object).address,
-                                  vdrive::describe("positioning_option_code"_object).address,
-                                  vdrive::describe("motion_profile_type"_object).address,
-                                  vdrive::describe("profile_jerk_use"_object).address,
-                                  vdrive::describe("profile_jerk_1"_object).address,
-                                  vdrive::describe("profile_jerk_2"_object).address,
-                                  vdrive::describe("habit_plan_from_rest"_object).address,
-                                  vdrive::describe("habit_controlword_loop"_object).address};
+constexpr std::array kOtherLimits{kObjectRows["motor_speed_limit"_object].address,
+                                  kObjectRows["app_position_limit_switch"_object].address,
+                                  kObjectRows["user_position_lower_limit"_object].address,
+                                  kObjectRows["user_position_upper_limit"_object].address,
+                                  kObjectRows["min_position_range_limit"_object].address,
+                                  kObjectRows["max_position_range_limit"_object].address,
+                                  kObjectRows["positioning_option_code"_object].address,
+                                  kObjectRows["motion_profile_type"_object].address,
+                                  kObjectRows["profile_jerk_use"_object].address,
+                                  kObjectRows["profile_jerk_1"_object].address,
+                                  kObjectRows["profile_jerk_2"_object].address,
+                                  kObjectRows["habit_plan_from_rest"_object].address,
+                                  kObjectRows["habit_controlword_loop"_object].address};
 
 constexpr auto kLimitObjects = [] {
   std::array<ObjectAddress, kMoveBounds.size() + kOtherLimits.size()> objects{};
@@ -201,8 +201,7 @@ Outcome await_late_mode(AxesCall& call) {
     return axis.mode() == kMode;
   };
   if (std::ranges::all_of(call.snapshots(), has_mode)) return {};
-  const auto delays =
-      call.read(std::array{vdrive::describe("habit_mode_display_delay"_object).address});
+  const auto delays = call.read(std::array{kObjectRows["habit_mode_display_delay"_object].address});
   if (!delays) return delays.outcome();
   const bool is_late = std::ranges::any_of(*delays, [](const std::vector<std::int64_t>& values) {
     return values.front() != 0;

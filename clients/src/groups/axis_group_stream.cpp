@@ -5,6 +5,7 @@
 #include "groups/group_state.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
 #include <array>
@@ -51,7 +52,7 @@ std::uint64_t lead_of(const Stream& stream) {
 /// @param released receives their places
 Outcome release_positions(AxesCall& call, std::vector<std::size_t>& released) {
   const auto habits =
-      call.read(std::array{vdrive::describe("habit_stream_release_bits"_object).address});
+      call.read(std::array{kObjectRows["habit_stream_release_bits"_object].address});
   if (!habits) return habits.outcome();
   Round round;
   for (std::size_t place = 0; place < habits->size(); ++place) {

@@ -6,7 +6,7 @@
 #include "groups/line_times.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/client/axis_group.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <array>
 #include <chrono>

@@ -5,6 +5,7 @@
 #include "session/session_core.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/wire/origin.hpp"
 
 #include <algorithm>
@@ -108,10 +109,10 @@ msg::AxisCommand command_of(const SetPoint& point) {
     command.position_user_target_value(*point.position);
   }
   if (point.velocity) {
-    add_object(command, vdrive::describe("target_velocity"_object).address, *point.velocity);
+    add_object(command, kObjectRows["target_velocity"_object].address, *point.velocity);
   }
   if (point.torque) {
-    add_object(command, vdrive::describe("target_torque"_object).address, *point.torque);
+    add_object(command, kObjectRows["target_torque"_object].address, *point.torque);
   }
   for (const ObjectValue& value : point.objects) {
     add_object(command, value.object, value.value);

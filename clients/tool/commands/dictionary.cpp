@@ -14,6 +14,8 @@
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/clock_mode.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"

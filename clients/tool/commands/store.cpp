@@ -15,9 +15,9 @@ client::Outcome store_parameters(client::Axis& axis) {
 }
 
 Deed stored(const client::Axis& axis) {
-  Json facts{{"objects", kStoredCount}};
+  Json facts{{"objects", kStoredRows.size()}};
   facts.update(memory_json(axis, "1010h:01"));
-  return {.text = "stored " + std::to_string(kStoredCount) + " parameters (1010h:01) in " +
+  return {.text = "stored " + std::to_string(kStoredRows.size()) + " parameters (1010h:01) in " +
                   memory_text(axis),
           .facts = std::move(facts)};
 }

@@ -5,6 +5,7 @@
 #include "output/report.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "execution/object_write.hpp"
 
+#include "vdrive/dictionary/object_table.hpp"
+
 #include <algorithm>
 #include <array>
 #include <string>
@@ -13,9 +15,9 @@ using client::Outcome;
 /// The drive takes every value of 607Dh, and uses them with 3535h and in the right order only.
 void note_limits(const CommandContext& context, const client::Axis& axis, ObjectAddress written) {
   using namespace vdrive::literals;
-  const std::array limits{describe("app_position_limit_switch"_object).address,
-                          describe("user_position_lower_limit"_object).address,
-                          describe("user_position_upper_limit"_object).address};
+  const std::array limits{kObjectRows["app_position_limit_switch"_object].address,
+                          kObjectRows["user_position_lower_limit"_object].address,
+                          kObjectRows["user_position_upper_limit"_object].address};
   if (std::ranges::find(limits, written) == limits.end()) return;
   const auto values = axis.read(limits);
   if (!values) return;  // the write itself has succeeded

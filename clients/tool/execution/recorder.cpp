@@ -31,7 +31,7 @@ constexpr std::chrono::milliseconds kNap{5};
 
 std::vector<ObjectAddress> all_objects() {
   std::vector<ObjectAddress> objects;
-  objects.reserve(kObjectCount);
+  objects.reserve(kObjectTable.size());
   for (const ObjectDescription& object : kObjectTable) objects.push_back(object.address);
   return objects;
 }

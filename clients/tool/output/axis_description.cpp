@@ -5,6 +5,7 @@
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/quantity.hpp"
 #include "vdrive/text.hpp"

@@ -4,6 +4,7 @@
 #include "terminal/columns.hpp"
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/cia402/statusword.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/quantity.hpp"
 #include "vdrive/text.hpp"

@@ -6,6 +6,7 @@
 #include "vdrive/cia402/bit_names.hpp"
 #include "vdrive/cia402/power_state_machine.hpp"
 #include "vdrive/cia402/statusword.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 

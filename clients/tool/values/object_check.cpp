@@ -2,6 +2,7 @@
 #include "values/object_check.hpp"
 
 #include "base/usage_error.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/text.hpp"
 

@@ -2,6 +2,7 @@
 #include "values/units.hpp"
 
 #include "base/usage_error.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 

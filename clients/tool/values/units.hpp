@@ -3,7 +3,7 @@
 
 #include "values/value.hpp"
 #include "vdrive/client/bench.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object.hpp"
 #include "vdrive/quantity.hpp"
 
 #include <cstdint>

@@ -2,6 +2,7 @@
 #include "values/value.hpp"
 
 #include "base/usage_error.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/dictionary/standard_names.hpp"
 #include "vdrive/number_text.hpp"

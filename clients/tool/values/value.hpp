@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object.hpp"
 #include "vdrive/quantity.hpp"
 
 #include <chrono>

@@ -4,7 +4,8 @@
 #include "vdrive/axis_configuration.hpp"
 #include "vdrive/axis_status.hpp"
 #include "vdrive/cia402/power_state.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/abort_code.hpp"
+#include "vdrive/dictionary/object.hpp"
 
 #include <chrono>
 #include <cstddef>
@@ -105,9 +106,10 @@ class AxisBank {
   /// @return AbortCode::none when 1010h could store this value of this object, else the code of the
   ///         dictionary, or AbortCode::cannot_store_or_transfer where the object is not stored.
   [[nodiscard]] static AbortCode check_stored(ObjectAddress object, std::int64_t value) noexcept;
-  /// Reads what 1010h would store now: the values of kStoredRows.
-  void read_parameters(std::size_t axis,
-                       std::span<std::int64_t, kStoredCount> values) const noexcept;
+  /// Reads what 1010h would store now: the values of kStoredRows of
+  /// vdrive/dictionary/dictionary.hpp.
+  /// @param values as many
+  void read_parameters(std::size_t axis, std::span<std::int64_t> values) const noexcept;
   /// From the next power-up on the object has this value.
   /// @return that of `check_stored`; where it is not none nothing has changed.
   AbortCode set_stored(std::size_t axis, ObjectAddress object, std::int64_t value) noexcept;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "vdrive/dictionary/abort_code.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object.hpp"
 #include "vdrive/unit.hpp"
 
 #include <cstdint>

@@ -7,6 +7,7 @@
 #include "drive/tick.hpp"
 #include "scramble.hpp"
 #include "vdrive/assert.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/plant/model_parameters.hpp"
 #include "vdrive/status_digest.hpp"
 
@@ -77,7 +78,7 @@ std::chrono::microseconds AxisBank::period() const noexcept {
 }
 
 AbortCode AxisBank::write(std::size_t axis, ObjectAddress object, std::int64_t value) noexcept {
-  const auto row = find_object(object);
+  const auto row = find_row(object);
   return row ? write(axis, *row, value) : check_address(object);
 }
 
@@ -90,7 +91,7 @@ AbortCode AxisBank::check(std::size_t axis, ObjectRow row, std::int64_t value) c
 }
 
 ReadResult AxisBank::read(std::size_t axis, ObjectAddress object) const noexcept {
-  const auto row = find_object(object);
+  const auto row = find_row(object);
   return row ? read(axis, *row) : ReadResult{check_address(object), 0};
 }
 
@@ -155,8 +156,8 @@ AbortCode AxisBank::check_stored(ObjectAddress object, std::int64_t value) noexc
   return vdrive::check_stored(object, value);
 }
 
-void AxisBank::read_parameters(std::size_t axis,
-                               std::span<std::int64_t, kStoredCount> values) const noexcept {
+void AxisBank::read_parameters(std::size_t axis, std::span<std::int64_t> values) const noexcept {
+  ensure(values.size() == kStoredCount, "each stored object has its value");
   Drive drive = state_->drive(axis);
   for (std::size_t position = 0; position < kStoredCount; ++position) {
     values[position] = drive.registers().values[kStoredRows[position]];

@@ -2,7 +2,7 @@
 #include "bank/bank_state.hpp"
 #include "vdrive/cia402/homing_method.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -100,9 +100,8 @@ std::uint64_t AxisBank::snapshot_layout() noexcept {
         std::uint64_t{std::endian::native == std::endian::little}}) {
     layout = (layout ^ part) * kPrime;
   }
-  for (std::size_t row = 0; row < kObjectCount; ++row) {  // registers are kept by row
-    const ObjectAddress address = describe(static_cast<ObjectRow>(row)).address;
-    layout = (layout ^ (address.index * 256U + address.subindex)) * kPrime;
+  for (const ObjectDescription& row : kObjectRows) {  // registers are kept by row
+    layout = (layout ^ (row.address.index * 256U + row.address.subindex)) * kPrime;
   }
   return layout;
 }

@@ -36,7 +36,7 @@ void AxisBank::State::start_axis(std::size_t axis) {
   }
   // Objects of the test bench keep their values at a power-up: only here they get their defaults.
   for (std::size_t row = 0; row < kObjectCount; ++row) {
-    drive.registers().values[row] = kObjectTable[row].default_value;
+    drive.registers().values[row] = kObjectRows[row].default_value;
   }
   drive.registers().settings = configurations[axis].settings;
   drive.registers().single_encoder =
@@ -63,7 +63,7 @@ const InitialValue* AxisBank::State::set_initial_values(std::size_t axis) {
   drive.registers().values["serial_number"_object] = configurations[axis].serial_number;
   const InitialValue* refused = nullptr;
   for (const InitialValue& initial : configurations[axis].parameters) {
-    const auto row = find_object(initial.address);
+    const auto row = find_row(initial.address);
     if (row && is_identity(initial.address)) {
       drive.registers().values[*row] = initial.value;
       continue;

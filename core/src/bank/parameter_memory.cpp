@@ -2,6 +2,7 @@
 #include "bank/parameter_memory.hpp"
 
 #include "drive/objects.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -9,17 +10,17 @@
 namespace vdrive {
 
 AbortCode check_stored(ObjectAddress object, std::int64_t value) noexcept {
-  const auto row = find_object(object);
+  const auto row = find_row(object);
   if (!row) return check_address(object);
   // What the axis is, its other stored values decide: `load_into` asks it.
-  return describe(*row).storage == Storage::flash ? check_value_on_modulo_axis(*row, value)
-                                                  : AbortCode::cannot_store_or_transfer;
+  return kObjectRows[*row].storage == Storage::flash ? check_value_on_modulo_axis(*row, value)
+                                                     : AbortCode::cannot_store_or_transfer;
 }
 
 AbortCode ParameterMemory::keep(ObjectAddress object, std::int64_t value) noexcept {
   const AbortCode code = check_stored(object, value);
   if (code != AbortCode::none) return code;
-  const auto* const place = std::ranges::lower_bound(kStoredRows, *find_object(object));
+  const auto place = std::ranges::lower_bound(kStoredRows, *find_row(object));
   const auto position = static_cast<std::size_t>(place - kStoredRows.begin());
   values[position] = value;
   present[position] = true;

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/dictionary/dictionary.hpp"
 
+#include "vdrive/assert.hpp"
 #include "vdrive/cia402/homing_method.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/positioning_option.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace vdrive {
@@ -14,12 +17,21 @@ namespace {
 
 constexpr bool sorted_without_duplicates() {
   for (std::size_t row = 1; row < kObjectCount; ++row) {
-    if (!(kObjectTable[row - 1].address < kObjectTable[row].address)) return false;
+    if (!(kObjectRows[row - 1].address < kObjectRows[row].address)) return false;
   }
   return true;
 }
 
-static_assert(sorted_without_duplicates(), "find_object searches by bisection");
+static_assert(sorted_without_duplicates(), "find_row searches by bisection");
+
+constexpr std::array<ObjectRow, kStoredCount> kStored = [] {
+  std::array<ObjectRow, kStoredCount> rows{};
+  std::size_t count = 0;
+  for (std::size_t row = 0; row < kObjectCount; ++row) {
+    if (kObjectRows[row].storage == Storage::flash) rows[count++] = static_cast<ObjectRow>(row);
+  }
+  return rows;
+}();
 
 using namespace vdrive::literals;
 
@@ -110,6 +122,31 @@ std::vector<std::string> parts_of_list(const std::vector<std::int64_t>& values) 
 }
 
 }  // namespace
+
+constinit const std::span<const ObjectDescription> kObjectTable{kObjectRows};
+constinit const std::span<const ObjectRow> kStoredRows{kStored};
+
+std::optional<ObjectRow> find_object(ObjectAddress address) noexcept {
+  return find_row(address);
+}
+
+std::optional<ObjectRow> find_object(std::string_view variable_name) noexcept {
+  return find_row(variable_name);
+}
+
+const ObjectDescription& describe(ObjectRow row) noexcept {
+  ensure(row < kObjectCount, "a row of the dictionary is inside its table");
+  return kObjectRows[row];
+}
+
+bool has_role(ObjectRow row, Role role) noexcept {
+  return describe(row).role == role;
+}
+
+bool has_role(ObjectAddress address, Role role) noexcept {
+  const auto row = find_object(address);
+  return row && has_role(*row, role);
+}
 
 std::string_view describe(AbortCode code) noexcept {
   const auto* const found = std::ranges::find(kAbortCodes, code, &AbortCodeRow::code);

@@ -44,6 +44,12 @@ std::string subindices_text(std::uint16_t index) {
 
 }  // namespace
 
+std::optional<ObjectRow> find_named(std::string_view name) noexcept {
+  if (const auto row = find_object(name)) return row;
+  const auto* const standard = std::ranges::find(kStandardNames, name, &StandardName::name);
+  return standard == kStandardNames.end() ? std::nullopt : find_object(standard->variable_name);
+}
+
 std::string index_text(std::uint16_t index) {
   return hex(index, 4).substr(2) + "h";
 }

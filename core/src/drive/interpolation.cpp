@@ -22,8 +22,8 @@ constexpr std::int64_t kLowestTimeIndex = -6;  // of 60C2h:02
 constexpr std::array<std::int64_t, 7> kInterpolationUnits{1,      10,      100,      1'000,
                                                           10'000, 100'000, 1'000'000};
 
-static_assert(describe("interpolation_time_index"_object).lower_limit == kLowestTimeIndex &&
-                  describe("interpolation_time_index"_object).upper_limit == 0 &&
+static_assert(kObjectRows["interpolation_time_index"_object].lower_limit == kLowestTimeIndex &&
+                  kObjectRows["interpolation_time_index"_object].upper_limit == 0 &&
                   static_cast<std::int64_t>(kInterpolationUnits.size()) == 1 - kLowestTimeIndex,
               "each value of 60C2h:02 has its unit");
 

@@ -10,6 +10,7 @@
 #include "drive/registers.hpp"
 #include "drive/touch_probe.hpp"
 #include "drive/vl_units.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -44,7 +45,7 @@ void take_target(Drive& drive, ObjectRow row) {
 /// 5E11h: 6080h in the units of 6064h, as far as the object can show it.
 std::int64_t motor_speed_limit(const Drive& drive) {
   const double limit = velocity_of_motor(drive, real(drive, "motor_max_speed_rpm"_object));
-  const auto highest = static_cast<double>(describe("motor_speed_limit"_object).upper_limit);
+  const auto highest = static_cast<double>(kObjectRows["motor_speed_limit"_object].upper_limit);
   return static_cast<std::int64_t>(std::min(limit, highest));
 }
 
@@ -54,7 +55,7 @@ AbortCode check_object(const Drive& drive, ObjectRow row, std::int64_t value) no
   const AbortCode code =
       is_modulo(drive) ? check_value_on_modulo_axis(row, value) : check_object_value(row, value);
   if (code != AbortCode::none) return code;
-  const bool is_refused = describe(row).change == Change::mode &&
+  const bool is_refused = kObjectRows[row].change == Change::mode &&
                           refuses_mode_change(drive, static_cast<OperatingMode>(value));
   return is_refused ? AbortCode::refused_in_present_device_state : AbortCode::none;
 }
@@ -63,7 +64,7 @@ WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexce
   if (const AbortCode code = check_object(drive, row, value); code != AbortCode::none) {
     return {code};
   }
-  const Change change = describe(row).change;
+  const Change change = kObjectRows[row].change;
   if (change == Change::memory) {
     return {};  // the row still reads 1
   }
@@ -136,8 +137,9 @@ std::int64_t read_object(const Drive& drive, ObjectRow row, AbortCode& code) noe
     default:
       break;
   }
-  const ObjectAddress address = describe(row).address;
-  if (address.index != 0x1003) return registers.values[row];
+  const std::int64_t value = reg(drive, row);
+  const ObjectAddress address = kObjectRows[row].address;
+  if (address.index != 0x1003) return value;
   const std::size_t entry = address.subindex - 1U;
   if (entry >= registers.history.count) {
     code = AbortCode::no_data_available;

@@ -2,7 +2,8 @@
 #pragma once
 
 #include "drive/state.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/abort_code.hpp"
+#include "vdrive/dictionary/object.hpp"
 
 #include <cstdint>
 

@@ -188,7 +188,7 @@ void power_up(Drive& drive, bool initialise) noexcept {
   DriveRegisters& r = drive.registers();
   for (std::size_t row = 0; row < kObjectCount; ++row) {
     // The test bench is not the drive: what it does to the axis outlasts a power cycle.
-    const ObjectDescription& object = kObjectTable[row];
+    const ObjectDescription& object = kObjectRows[row];
     if (object.role != Role::test_input) r.values[row] = object.default_value;
   }
   drive.state() = {};

@@ -13,7 +13,7 @@
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/power_state_machine.hpp"
 #include "vdrive/cia402/statusword.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/motion/jerk_profile.hpp"
 #include "vdrive/motion/profile.hpp"
 

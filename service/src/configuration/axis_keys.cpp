@@ -6,6 +6,7 @@
 #include "settings/configuration_error.hpp"
 #include "settings/unit_settings.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"
@@ -174,8 +175,8 @@ struct PlacedValue {
 
 /// The drive takes every value of each limit, and has none while they are in the wrong order.
 void check_software_limits(const std::map<ObjectAddress, PlacedValue>& values, const Unit& unit) {
-  const auto lower = values.find(describe("user_position_lower_limit"_object).address);
-  const auto upper = values.find(describe("user_position_upper_limit"_object).address);
+  const auto lower = values.find(kObjectRows["user_position_lower_limit"_object].address);
+  const auto upper = values.find(kObjectRows["user_position_upper_limit"_object].address);
   if (lower == values.end() || upper == values.end()) return;
   if (lower->second.value < upper->second.value) return;
   lower->second.place.refuse("must be below user_position_upper_limit (607Dh:2) = " +
@@ -188,8 +189,8 @@ void check_direction(const std::map<ObjectAddress, PlacedValue>& values) {
   const auto value = values.find(describe(option).address);
   if (value == values.end()) return;
   if (check_object_value(option, value->second.value) == AbortCode::none) return;
-  const auto lower = values.find(describe("min_position_range_limit"_object).address);
-  const auto upper = values.find(describe("max_position_range_limit"_object).address);
+  const auto lower = values.find(kObjectRows["min_position_range_limit"_object].address);
+  const auto upper = values.find(kObjectRows["max_position_range_limit"_object].address);
   const std::int64_t first = lower == values.end() ? 0 : lower->second.value;
   const std::int64_t last = upper == values.end() ? 0 : upper->second.value;
   if (first < last) return;
@@ -201,7 +202,7 @@ void check_direction(const std::map<ObjectAddress, PlacedValue>& values) {
 
 /// The range makes the modulo axis that takes bits 6 and 7 of 60F2h: it is written first.
 void put_range_first(std::vector<InitialValue>& parameters) {
-  constexpr std::uint16_t kRange = describe("min_position_range_limit"_object).address.index;
+  constexpr std::uint16_t kRange = kObjectRows["min_position_range_limit"_object].address.index;
   const auto is_of_range = [](const InitialValue& parameter) {
     return parameter.address.index == kRange;
   };

@@ -3,7 +3,7 @@
 
 #include "configuration/configuration.hpp"
 #include "settings/yaml_reader.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object.hpp"
 #include "vdrive/quantity.hpp"
 
 #include <cstdint>

@@ -3,6 +3,7 @@
 
 #include "configuration/axis_units.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
@@ -124,7 +125,7 @@ void warn_of_unit(const NamedAxis& axis, const AxisEntries& entries,
 /// @return [UU/s] the highest velocity that 6080h permits, in whole user units as the drive has it;
 ///         no more than 607Fh can have.
 std::int64_t motor_limit_of(const NamedAxis& axis) {
-  const auto most = static_cast<double>(describe("app_speed_limit"_object).upper_limit);
+  const auto most = static_cast<double>(kObjectRows["app_speed_limit"_object].upper_limit);
   return static_cast<std::int64_t>(
       std::floor(std::min(highest_motor_velocity(axis.configuration), most)));
 }

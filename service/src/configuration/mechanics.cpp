@@ -2,6 +2,8 @@
 #include "configuration/mechanics.hpp"
 
 #include "configuration/axis_units.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/quantity.hpp"

@@ -3,6 +3,7 @@
 
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
 #include <limits>

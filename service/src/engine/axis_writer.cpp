@@ -2,7 +2,7 @@
 #include "engine/axis_writer.hpp"
 
 #include "vdrive/cia402/controlword.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 namespace vdrive::service {
 

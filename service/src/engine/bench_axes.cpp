@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/bench_axes.hpp"
 
+#include "vdrive/dictionary/dictionary.hpp"
+
 namespace vdrive::service {
 
 BenchAxes::BenchAxes(const Configuration& configuration)
@@ -50,8 +52,9 @@ void BenchAxes::forget_stored(std::size_t axis) {
   record({.kind = JournalChange::Kind::forgot, .axis = static_cast<std::uint16_t>(axis)});
 }
 
-void BenchAxes::set_stored(std::size_t axis, std::span<const std::int64_t, kStoredCount> values) {
-  for (std::size_t position = 0; position < kStoredCount; ++position) {
+void BenchAxes::set_stored(std::size_t axis, std::span<const std::int64_t> values) {
+  ensure(values.size() == kStoredRows.size(), "each stored object has its value");
+  for (std::size_t position = 0; position < values.size(); ++position) {
     const ObjectAddress address = describe(kStoredRows[position]).address;
     bank_.set_stored(axis, address, values[position]);
     record({.kind = JournalChange::Kind::stored,

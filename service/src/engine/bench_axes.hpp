@@ -65,7 +65,7 @@ class BenchAxes {
   void forget_stored(std::size_t axis);
 
   /// From the next power cycle on the axis has these values of kStoredRows.
-  void set_stored(std::size_t axis, std::span<const std::int64_t, kStoredCount> values);
+  void set_stored(std::size_t axis, std::span<const std::int64_t> values);
 
   /// Gives all axes the state of the snapshot, but for what is stored: that is on a disk.
   void restore(const std::shared_ptr<const AxisBank::Snapshot>& snapshot, std::uint64_t tick);

@@ -3,6 +3,7 @@
 
 #include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <array>
 

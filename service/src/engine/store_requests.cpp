@@ -3,8 +3,11 @@
 
 #include "base/event_codes.hpp"
 #include "vdrive/assert.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 namespace vdrive::service {
@@ -73,7 +76,7 @@ void StoreRequests::order(std::size_t axis, bool forget, std::size_t object) {
   order.number = axes_.number_of(axis);
   order.object = static_cast<std::uint16_t>(object);
   order.forget = forget;
-  axes_.bank().read_parameters(axis, order.values);
+  axes_.bank().read_parameters(axis, std::span(order.values).first(kStoredRows.size()));
   saver_->push();
   ++ordered_;
 }
@@ -124,7 +127,9 @@ void StoreRequests::take_order(const StoreOrder& order, Waiting& waiting) {
   if (order.error == 0) {
     counters_.saves.add();
     axes_.forget_stored(order.axis);
-    if (!order.forget) axes_.set_stored(order.axis, order.values);
+    if (!order.forget) {
+      axes_.set_stored(order.axis, std::span(order.values).first(kStoredRows.size()));
+    }
     return;
   }
   counters_.save_failures.add();

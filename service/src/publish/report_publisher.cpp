@@ -4,6 +4,7 @@
 #include "base/log.hpp"
 #include "publish/event_text.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/codec.hpp"

@@ -3,6 +3,8 @@
 
 #include "base/log.hpp"
 #include "vdrive/assert.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <cerrno>
 #include <chrono>
@@ -16,6 +18,8 @@ namespace {
 // A thread that ticks must make no system call to wake this one: this one polls.
 constexpr std::chrono::milliseconds kNap{2};
 
+static_assert(kStoredCount <= kMostStored, "an order has room for each object that is stored");
+
 void save(const StoreOrder& order, ParameterTable& table) {
   if (order.forget) {
     table.erase(order.number);
@@ -23,8 +27,8 @@ void save(const StoreOrder& order, ParameterTable& table) {
   }
   auto& values = table[order.number];
   values.clear();
-  values.reserve(kStoredCount);
-  for (std::size_t position = 0; position < kStoredCount; ++position) {
+  values.reserve(kStoredRows.size());
+  for (std::size_t position = 0; position < kStoredRows.size(); ++position) {
     values.push_back({describe(kStoredRows[position]).address, order.values[position]});
   }
 }

@@ -3,7 +3,6 @@
 
 #include "base/ring.hpp"
 #include "store/parameter_store.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
 
 #include <array>
 #include <atomic>
@@ -16,6 +15,9 @@
 
 namespace vdrive::service {
 
+/// Room for the values that an axis stores.
+inline constexpr std::size_t kMostStored = 96;
+
 /// One axis to be stored or to be forgotten, and on the way back what became of it.
 struct StoreOrder {
   std::uint32_t request = 0;  ///< as the engine counts them
@@ -23,8 +25,8 @@ struct StoreOrder {
   std::uint16_t number = 0;   ///< of the axis on the bench
   std::uint16_t object = 0;   ///< place of the object in a request that writes
   bool forget = false;
-  std::array<std::int64_t, kStoredCount> values{};  ///< of kStoredRows
-  int error = 0;                                    ///< errno; 0 = durable
+  std::array<std::int64_t, kMostStored> values{};  ///< of kStoredRows, from the first on
+  int error = 0;                                   ///< errno; 0 = durable
 };
 
 /// Saves parameters away from the thread that steps the bank, which hands orders over without lock,

@@ -4,6 +4,7 @@
 #include "base/event_codes.hpp"
 #include "base/log.hpp"
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive_messages.h"
 

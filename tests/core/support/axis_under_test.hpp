@@ -3,6 +3,7 @@
 
 #include "vdrive/axis.hpp"
 #include "vdrive/cia402/statusword.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <chrono>
 #include <concepts>

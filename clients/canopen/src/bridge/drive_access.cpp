@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge/drive_access.hpp"
 
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
 
@@ -40,7 +40,7 @@ std::vector<DriveValue> read_values(client::Axis& axis, std::span<const ObjectAd
 }
 
 client::Outcome tell_connection(client::Axis& axis, bool is_lost) {
-  constexpr ObjectAddress kInput = vdrive::describe("test_connection_loss"_object).address;
+  constexpr ObjectAddress kInput = kObjectRows["test_connection_loss"_object].address;
   // The drive reacts to the edge: an earlier loss, or a test, may have left 1.
   client::Outcome cleared = axis.write(kInput, 0).outcome();
   if (!is_lost || !cleared) return cleared;

@@ -4,6 +4,7 @@
 #include "topic_names.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/wording.hpp"
 #include "wall_time.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge/set_point_batch.hpp"
 
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -12,7 +12,7 @@ namespace {
 
 using namespace literals;
 
-constexpr ObjectAddress kControlwordOfPdo = vdrive::describe("ds402_controlword"_object).address;
+constexpr ObjectAddress kControlwordOfPdo = kObjectRows["ds402_controlword"_object].address;
 
 auto find_value(std::vector<client::ObjectValue>& values, ObjectAddress object) {
   return std::ranges::find(values, object, &client::ObjectValue::object);

@@ -2,7 +2,7 @@
 #include "node/communication_objects.hpp"
 
 #include "node/connection_set.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
 #include <array>
@@ -181,7 +181,7 @@ constexpr std::array<std::string_view, 8> kMappedNames{
 /// @return index, sub-index and length [bits] of an object of the drive, as a mapping parameter has
 ///         them (CiA 301, 7.5.2.36).
 constexpr std::int64_t mapping_entry(ObjectAddress address) {
-  const ObjectDescription& object = describe(*find_object(address));
+  const ObjectDescription& object = kObjectRows[*find_row(address)];
   return std::int64_t{address.index} * 0x10000 + std::int64_t{address.subindex} * 0x100 +
          std::int64_t{size_of(object.data_type)} * 8;
 }

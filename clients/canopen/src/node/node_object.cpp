@@ -5,6 +5,7 @@
 #include "node/communication_objects.hpp"
 #include "vdrive/axis_status.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
 #include <array>
@@ -23,7 +24,7 @@ constexpr bool fits_data_sheet(std::string_view text) {
   });
 }
 
-static_assert(std::ranges::all_of(kObjectTable,
+static_assert(std::ranges::all_of(kObjectRows,
                                   [](const ObjectDescription& row) {
                                     return fits_data_sheet(row.name);
                                   }),

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/set_points.hpp"
 
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 namespace vdrive::canopen {
 
 void SetPoints::put(const DriveValue& value) {
   using namespace vdrive::literals;
-  constexpr ObjectAddress kControlword = vdrive::describe("ds402_controlword"_object).address;
+  constexpr ObjectAddress kControlword = kObjectRows["ds402_controlword"_object].address;
   std::erase_if(values_, [&value](const DriveValue& earlier) {
     return earlier.object == value.object;
   });

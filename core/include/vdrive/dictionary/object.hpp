@@ -44,6 +44,9 @@ struct ObjectAddress {
   friend constexpr auto operator<=>(const ObjectAddress&, const ObjectAddress&) = default;
 };
 
+/// Position of an object in the dictionary; rows are sorted by index, then sub-index.
+using ObjectRow = std::uint16_t;
+
 /// What a write of an object is to the one who controls the axis.
 enum class Role : std::uint8_t {
   parameter,   ///< anybody may write it on a free axis, the owner on its own

@@ -5,8 +5,20 @@
 #include "vdrive/dictionary/object.hpp"
 
 #include <array>
+#include <cstddef>
+#include <optional>
+#include <string_view>
 
 namespace vdrive {
+
+// A change of this header compiles all that includes it: those that need rows at compile time, as
+// "profile_velocity"_object does. All others find and describe objects with
+// vdrive/dictionary/dictionary.hpp.
+
+/// Of objects, names, types, access and ranges; clients find it in the description of a bench. The
+/// second number grows with every change of a row, the first with one that existing clients cannot
+/// use.
+inline constexpr std::string_view kDictionaryVersion = "1.4";
 
 /// The object dictionary: each object stands here once. Rows of the manual first name their
 /// category as the manual does; companion rows are those that the drive needs beside them
@@ -16,7 +28,7 @@ namespace vdrive {
 /// 5E21h).
 /// Sorted by index and sub-index.
 // clang-format off
-inline constexpr std::array<ObjectDescription, 175> kObjectTable{{
+inline constexpr auto kObjectRows = std::to_array<ObjectDescription>({
     {{0x1000, 0x00}, "Device Type", "设备类型", "Device", "device_type",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 131474, "-", Origin::companion},
     {{0x1001, 0x00}, "Error Register", "错误寄存器", "Device", "error_register",
@@ -367,7 +379,53 @@ inline constexpr std::array<ObjectDescription, 175> kObjectTable{{
      DataType::unsigned16, Access::read_only, Storage::not_stored, Effective::read_only, 0, 65535, 10, "-", Origin::companion},
     {{0x6502, 0x00}, "Supported Drive Modes", "支持的驱动模式", "Device", "supported_drive_modes",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, kSupportedDriveModes, "-", Origin::companion},
-}};
+});
 // clang-format on
+
+inline constexpr std::size_t kObjectCount = kObjectRows.size();
+
+/// How many objects 1010h stores.
+inline constexpr std::size_t kStoredCount = [] {
+  std::size_t count = 0;
+  for (const ObjectDescription& row : kObjectRows) {
+    count += row.storage == Storage::flash ? 1U : 0U;
+  }
+  return count;
+}();
+
+/// The find_object of vdrive/dictionary/dictionary.hpp, at compile time.
+[[nodiscard]] constexpr std::optional<ObjectRow> find_row(ObjectAddress address) noexcept {
+  std::size_t first = 0;
+  std::size_t last = kObjectCount;
+  while (first < last) {
+    const std::size_t middle = first + (last - first) / 2;
+    if (kObjectRows[middle].address < address) {
+      first = middle + 1;
+    } else {
+      last = middle;
+    }
+  }
+  if (first < kObjectCount && kObjectRows[first].address == address) {
+    return static_cast<ObjectRow>(first);
+  }
+  return std::nullopt;
+}
+
+[[nodiscard]] constexpr std::optional<ObjectRow> find_row(std::string_view variable_name) noexcept {
+  for (std::size_t row = 0; row < kObjectCount; ++row) {
+    if (kObjectRows[row].variable_name == variable_name) return static_cast<ObjectRow>(row);
+  }
+  return std::nullopt;
+}
+
+namespace literals {
+
+/// Row of an object by its variable_name; an unknown name does not compile:
+/// `"profile_velocity"_object`.
+consteval ObjectRow operator""_object(const char* variable_name, std::size_t length) {
+  return *find_row(std::string_view{variable_name, length});
+}
+
+}  // namespace literals
 
 }  // namespace vdrive

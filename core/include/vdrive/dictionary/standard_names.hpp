@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object.hpp"
 
-#include <algorithm>
 #include <array>
 #include <optional>
 #include <string_view>
@@ -55,10 +54,6 @@ inline constexpr std::array kStandardNames{
 
 /// @param name a variable_name, or the standard's
 /// @return the row of that object, or nothing.
-[[nodiscard]] constexpr std::optional<ObjectRow> find_named(std::string_view name) noexcept {
-  if (const auto row = find_object(name)) return row;
-  const auto* const standard = std::ranges::find(kStandardNames, name, &StandardName::name);
-  return standard == kStandardNames.end() ? std::nullopt : find_object(standard->variable_name);
-}
+[[nodiscard]] std::optional<ObjectRow> find_named(std::string_view name) noexcept;
 
 }  // namespace vdrive

@@ -16,9 +16,9 @@ namespace {
 
 using namespace vdrive::literals;
 
-static_assert(describe("interpolation_buffer_maximum_size"_object).default_value ==
+static_assert(kObjectRows["interpolation_buffer_maximum_size"_object].default_value ==
                       static_cast<std::int64_t>(kRecordBufferSize) &&
-                  describe("interpolation_buffer_size"_object).upper_limit ==
+                  kObjectRows["interpolation_buffer_size"_object].upper_limit ==
                       static_cast<std::int64_t>(kRecordBufferSize),
               "60C4h shows the buffer that the drive has");
 

@@ -3,6 +3,7 @@
 #include "loaded.hpp"
 
 #include <vdrive/axis_bank.hpp>
+#include <vdrive/dictionary/object_table.hpp>
 
 #include <chrono>
 #include <iostream>
