@@ -56,10 +56,6 @@ int decimals_of(double step) {
 
 }  // namespace
 
-std::string_view to_string(UnitKind kind) noexcept {
-  return kind == UnitKind::rotary ? "rotary" : "linear";
-}
-
 std::optional<std::string> check_unit_name(UnitKind kind, std::string_view name) {
   if (kind == UnitKind::rotary) {
     if (scale_named(kAngles, name) != nullptr) return std::nullopt;

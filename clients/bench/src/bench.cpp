@@ -61,7 +61,7 @@ void refuse_network(const Configuration& configuration, const std::string& where
   };
   if (configuration.metrics_port) refuse("metrics.port");
   if (configuration.wire_form) refuse("wire.form");
-  if (configuration.wire_memory_limit != Configuration().wire_memory_limit) {
+  if (configuration.wire_memory_limit_mib != Configuration().wire_memory_limit_mib) {
     refuse("wire.memory_limit_mib");
   }
   if (!network.interfaces.empty()) refuse("network.interfaces");

@@ -34,7 +34,9 @@ struct Unit {
 };
 
 /// @return "rotary" or "linear".
-[[nodiscard]] std::string_view to_string(UnitKind kind) noexcept;
+[[nodiscard]] constexpr std::string_view to_string(UnitKind kind) noexcept {
+  return kind == UnitKind::rotary ? "rotary" : "linear";
+}
 
 /// @return what is wrong with the name of a unit of that kind; nothing for a good one. The name of
 ///         a length has 1 to kMaxUnitNameLength bytes of UTF-8, of ASCII only letters and %, and is

@@ -3,7 +3,6 @@
 #include "configuration/axis_units.hpp"
 #include "configuration/configuration_keys.hpp"
 #include "configuration/mechanics.hpp"
-#include "settings/configuration_error.hpp"
 #include "settings/unit_settings.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_table.hpp"
@@ -24,8 +23,15 @@ namespace vdrive::service {
 namespace {
 
 using namespace vdrive::literals;
-using settings::read_unit;
-using settings::write_unit;
+using settings::Any;
+using settings::ConfigurationKey;
+using settings::IntegerLimits;
+using settings::key;
+using settings::NumberLimits;
+using settings::one_of;
+using settings::Row;
+using settings::Rule;
+using settings::section;
 
 constexpr std::int64_t kHighestAxisNumber = kAxisNumbers - 1;
 constexpr std::int64_t kLongestDwell = 65'535;
@@ -34,104 +40,64 @@ constexpr IntegerLimits kPositions{std::numeric_limits<std::int32_t>::min(),
 
 // ---- settings ----------------------------------------------------------------------------------
 
-template <auto kMember>
-constexpr ConfigurationRow<AxisSettings> switch_row(std::string_view key, std::string_view what) {
-  return boolean_row<AxisSettings, kMember>(key, what);
-}
-
-constexpr auto kSettingsRows = std::to_array<ConfigurationRow<AxisSettings>>({
-    switch_row<&AxisSettings::acknowledge_while_halted>(
-        "acknowledge_while_halted",
+constexpr auto kSettingsRows = std::to_array<Row<AxisSettings>>({
+    key<&AxisSettings::acknowledge_while_halted>(
+        "acknowledge_while_halted", Any{},
         "false: no set-point is taken while bit 8 of the controlword is 1."),
-    switch_row<&AxisSettings::enable_from_switch_on_disabled>(
-        "enable_from_switch_on_disabled",
+    key<&AxisSettings::enable_from_switch_on_disabled>(
+        "enable_from_switch_on_disabled", Any{},
         "true: the controlword 000Fh in Switch on disabled enables."),
-    switch_row<&AxisSettings::following_error_is_fault>(
-        "following_error_is_fault",
+    key<&AxisSettings::following_error_is_fault>(
+        "following_error_is_fault", Any{},
         "false: a following error shows in bit 13 of the statusword only."),
-    switch_row<&AxisSettings::limits_need_homing>(
-        "limits_need_homing", "true: 607Dh is in force only once the axis is homed."),
-    integer_row<AxisSettings, &AxisSettings::quick_stop_dwell_ms>(
-        "quick_stop_dwell_ms", {0, kLongestDwell, "ms"}, "Least time in Quick stop active, {} ms."),
+    key<&AxisSettings::limits_need_homing>("limits_need_homing", Any{},
+                                           "true: 607Dh is in force only once the axis is homed."),
+    key<&AxisSettings::quick_stop_dwell_ms>("quick_stop_dwell_ms",
+                                            IntegerLimits{0, kLongestDwell, "ms"},
+                                            "Least time in Quick stop active, {} ms."),
 });
 
 // ---- model -------------------------------------------------------------------------------------
 
-constexpr auto kModelRows = std::to_array<ConfigurationRow<AxisModel>>({
-    {.key = "coupling",
-     .what = "rigid: one inertia; two_inertia: motor and load on an elastic shaft.",
-     .read =
-         [](const YamlValue& value, AxisModel& model) {
-           constexpr std::array kAll{Coupling::rigid, Coupling::two_inertia};
-           model.coupling = kAll.at(value.choice({to_string(kAll[0]), to_string(kAll[1])}));
-         },
-     .write =
-         [](YAML::Emitter& out, const AxisModel& model) {
-           out << std::string(to_string(model.coupling));
-         }},
-    {.key = "feedback",
-     .what = "The position loop uses the encoder of the motor (single_encoder) or of the load "
-             "(dual_encoder).",
-     .read =
-         [](const YamlValue& value, AxisModel& model) {
-           constexpr std::array kAll{Feedback::single_encoder, Feedback::dual_encoder};
-           model.feedback = kAll.at(value.choice({to_string(kAll[0]), to_string(kAll[1])}));
-         },
-     .write =
-         [](YAML::Emitter& out, const AxisModel& model) {
-           out << std::string(to_string(model.feedback));
-         }},
-});
+template <std::size_t kPlace>
+void describe_parameter(const std::string& path, std::vector<ConfigurationKey>& keys) {
+  constexpr const ModelParameter& kParameter = kModelParameters[kPlace];
+  keys.push_back({path, std::string(kParameter.what) + ", " + to_text(kParameter.lowest) +
+                            (kParameter.from_zero_if_rigid ? " (rigid: 0)" : "") + " to " +
+                            with_unit(kParameter.highest, kParameter) + "."});
+}
 
-/// The keys of `model` without rows here: kModelParameters is the table of its numbers.
-const ModelParameter* find_parameter(const std::string& key) {
-  const auto* const parameter = std::ranges::find_if(kModelParameters, [&](const auto& candidate) {
-    return candidate.name == key;
+/// Their limits depend on the coupling, which may stand below them.
+template <std::size_t kPlace>
+constexpr Row<AxisModel> parameter_row() {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  constexpr const ModelParameter& kParameter = kModelParameters[kPlace];
+  return key<kParameter.member>(kParameter.name, NumberLimits{-kAny, kAny, kParameter.unit}, {},
+                                {.describe = describe_parameter<kPlace>});
+}
+
+template <std::size_t... kPlaces>
+constexpr auto model_rows(std::index_sequence<kPlaces...> /*parameters*/) {
+  return std::to_array<Row<AxisModel>>(
+      {key<&AxisModel::coupling>(
+           "coupling", one_of<Coupling::rigid, Coupling::two_inertia>,
+           "rigid: one inertia; two_inertia: motor and load on an elastic shaft."),
+       key<&AxisModel::feedback>(
+           "feedback", one_of<Feedback::single_encoder, Feedback::dual_encoder>,
+           "The position loop uses the encoder of the motor (single_encoder) or of the load "
+           "(dual_encoder)."),
+       parameter_row<kPlaces>()...});
+}
+
+constexpr auto kModelRows = model_rows(std::make_index_sequence<kModelParameters.size()>());
+
+void check_model(const YamlValue& value, NamedAxis& axis) {
+  value.for_each_entry({}, [&](const std::string& key, const YamlValue& entry) {
+    const auto* const parameter = std::ranges::find(kModelParameters, key, &ModelParameter::name);
+    if (parameter == kModelParameters.end()) return;
+    const auto limits = limits_broken(axis.configuration.model, *parameter);
+    if (limits) entry.refuse(*limits);
   });
-  return parameter == kModelParameters.end() ? nullptr : parameter;
-}
-
-void read_model(const YamlValue& value, AxisModel& model) {
-  auto known = keys_of<AxisModel>(kModelRows);
-  for (const ModelParameter& parameter : kModelParameters) known.push_back(parameter.name);
-  std::vector<std::pair<const ModelParameter*, YamlValue>> numbers;
-  value.for_each_entry(known, [&](const std::string& key, const YamlValue& entry) {
-    if (const ModelParameter* const parameter = find_parameter(key)) {
-      model.*parameter->member = entry.number(parameter->unit);
-      numbers.emplace_back(parameter, entry);
-    } else {
-      read_key(row_of_known<AxisModel>(kModelRows, key), entry, model);
-    }
-  });
-  // The limits depend on the coupling, which may stand below the numbers.
-  settings::Mistakes mistakes;
-  for (const auto& number : numbers) {
-    mistakes.collect([&model, &number] {
-      if (const auto limits = limits_broken(model, *number.first)) number.second.refuse(*limits);
-    });
-  }
-  mistakes.throw_if_any();
-}
-
-void write_model(YAML::Emitter& out, const AxisModel& model) {
-  out << YAML::BeginMap;
-  write_entries<AxisModel>(out, kModelRows, model);
-  for (const auto& parameter : kModelParameters) {
-    out << YAML::Key << std::string(parameter.name) << YAML::Value
-        << to_text(model.*parameter.member);
-  }
-  out << YAML::EndMap;
-}
-
-void describe_model(const std::string& prefix, std::vector<ConfigurationKey>& keys) {
-  describe_section<AxisModel>(prefix, kModelRows, keys);
-  for (const ModelParameter& parameter : kModelParameters) {
-    keys.push_back({prefix + std::string(parameter.name),
-                    std::string(parameter.what) + ", " + to_text(parameter.lowest) +
-                        (parameter.from_zero_if_rigid ? " (rigid: 0)" : "") + " to " +
-                        with_unit(parameter.highest, parameter) +
-                        ". Default: " + to_text(AxisModel{}.*parameter.member) + "."});
-  }
 }
 
 // ---- parameters --------------------------------------------------------------------------------
@@ -232,7 +198,7 @@ void check_is_parameter(const ObjectDescription& object, const YamlValue& value)
 
 /// @return [units of the object] a value that the object takes; a position, a speed, a ramp or a
 ///         jerk may have a unit of the axis.
-std::int64_t read_value(const YamlValue& value, ObjectRow row, const Unit& unit) {
+std::int64_t read_parameter(const YamlValue& value, ObjectRow row, const Unit& unit) {
   const auto dimension = dimension_of(row);
   if (!dimension) return read_object_value(value, row);
   const ObjectDescription& object = describe(row);
@@ -261,7 +227,7 @@ void read_parameters(const YamlValue& value, NamedAxis& axis) {
     const ObjectRow row = row_named(key, entry);
     const ObjectDescription& object = describe(row);
     check_is_parameter(object, entry);
-    const std::int64_t number = read_value(entry, row, axis.unit);
+    const std::int64_t number = read_parameter(entry, row, axis.unit);
     const auto [first, is_first] = values.emplace(object.address, PlacedValue{number, entry});
     if (!is_first) {
       entry.refuse("the same object, " + address_text(object.address) + ", has the value " +
@@ -284,9 +250,9 @@ std::string comment_on(ObjectRow row) {
   return comment;
 }
 
-void write_parameters(YAML::Emitter& out, const std::vector<InitialValue>& parameters) {
+void write_parameters(YAML::Emitter& out, const Rule& /*rule*/, const NamedAxis& axis) {
   out << YAML::BeginMap;
-  for (const auto& parameter : parameters) {
+  for (const auto& parameter : axis.configuration.parameters) {
     out << YAML::Key << YAML::DoubleQuoted << address_text(parameter.address) << YAML::Value
         << parameter.value;
     if (const auto row = find_object(parameter.address)) out << YAML::Comment(comment_on(*row));
@@ -296,118 +262,58 @@ void write_parameters(YAML::Emitter& out, const std::vector<InitialValue>& param
 
 // ---- axis --------------------------------------------------------------------------------------
 
-/// The keys of `unit`, which settings/unit_settings reads.
-void describe_unit(const std::string& prefix, std::vector<ConfigurationKey>& keys) {
-  keys.push_back({prefix + ".kind",
-                  "What the user units of the axis are: rotary (parts of a revolution) or linear "
-                  "(parts of a length). Programs convert; the drive does not use it."});
-  keys.push_back({prefix + ".name",
-                  "In which positions are shown. rotary: deg, rad or rev; linear: letters, such as "
-                  "mm, at most 16 bytes; the key is needed. m, cm, mm and um follow from each "
-                  "other."});
-  keys.push_back({prefix + ".per_revolution",
-                  "rotary: user units in a revolution of the load, 1e-06 to 1e+09."});
-  keys.push_back({prefix + ".per_unit",
-                  "linear: user units in one unit, 1e-06 to 1e+09. Default: none, a linear axis "
-                  "needs it."});
+void check_axis_name(const YamlValue& value, NamedAxis& axis) {
+  check_name(value, axis.name);
+  if (axis.name.find(' ') != std::string::npos ||
+      (axis.name.front() >= '0' && axis.name.front() <= '9')) {
+    value.refuse("a name must not contain a blank and must not begin with a digit");
+  }
 }
 
-constexpr auto kAxisRows = std::to_array<ConfigurationRow<NamedAxis>>({
-    integer_row<NamedAxis, &NamedAxis::number>(
-        "number", {1, kHighestAxisNumber, ""},
-        "{}, unique on the bench. Default: none, each axis needs it."),
-    {.key = "name",
-     .what = "Unique, no blanks, no digit first. Default: axis and its number.",
-     .read =
-         [](const YamlValue& value, NamedAxis& axis) {
-           axis.name = checked_name(value, true);
-         },
-     .write =
-         [](YAML::Emitter& out, const NamedAxis& axis) {
-           out << axis.name;
-         }},
-    {.key = "unit",
-     .read =
-         [](const YamlValue& value, NamedAxis& axis) {
-           axis.unit = read_unit(value);
-         },
-     .write =
-         [](YAML::Emitter& out, const NamedAxis& axis) {
-           write_unit(out, axis.unit);
-         },
-     .describe = describe_unit},
-    {.key = "mechanics",
-     .read =
-         [](const YamlValue& value, NamedAxis& axis) {
-           read_mechanics(value, axis);
-         },
-     .write = [](YAML::Emitter& /*out*/, const NamedAxis& /*axis*/) {},
-     .is_printed =
-         [](const NamedAxis& /*axis*/) {
-           return false;  // what follows from it is printed
-         },
-     .describe = describe_mechanics},
+void read_initial_position(const YamlValue& value, NamedAxis& axis) {
+  axis.configuration.initial_position =
+      static_cast<std::int32_t>(read_user_units(value, Dimension::position, axis.unit, kPositions));
+}
+
+void write_initial_position(YAML::Emitter& out, const Rule& /*rule*/, const NamedAxis& axis) {
+  out << axis.configuration.initial_position;
+}
+
+bool has_parameters(const NamedAxis& axis) {
+  return !axis.configuration.parameters.empty();
+}
+
+constexpr auto kAxisRows = std::to_array<Row<NamedAxis>>({
+    key<&NamedAxis::number>("number", IntegerLimits{1, kHighestAxisNumber, ""},
+                            "{}, unique on the bench. Default: none, each axis needs it."),
+    key<&NamedAxis::name>("name", Any{},
+                          "Unique, no blanks, no digit first. Default: axis and its number.",
+                          {.then = check_axis_name}),
+    key<&NamedAxis::unit>("unit", Any{}, {}, {.describe = settings::describe_unit}),
+    // What follows from it is printed.
+    {.key = "mechanics", .then = read_mechanics, .describe = describe_mechanics},
     {.key = "initial_position",
      .what = "At the first power-up, {} user units, or with a unit of the axis, such as 25mm.",
-     .limits = kPositions,
-     .read =
-         [](const YamlValue& value, NamedAxis& axis) {
-           axis.configuration.initial_position = static_cast<std::int32_t>(
-               read_user_units(value, Dimension::position, axis.unit, kPositions));
-         },
-     .write =
-         [](YAML::Emitter& out, const NamedAxis& axis) {
-           out << axis.configuration.initial_position;
-         }},
-    {.key = "settings",
-     .read =
-         [](const YamlValue& value, NamedAxis& axis) {
-           read_section<AxisSettings>(value, kSettingsRows, axis.configuration.settings);
-         },
-     .write =
-         [](YAML::Emitter& out, const NamedAxis& axis) {
-           write_section<AxisSettings>(out, kSettingsRows, axis.configuration.settings);
-         },
-     .describe =
-         [](const std::string& prefix, std::vector<ConfigurationKey>& keys) {
-           describe_section<AxisSettings>(prefix + ".", kSettingsRows, keys);
-         }},
-    {.key = "model",
-     .read =
-         [](const YamlValue& value, NamedAxis& axis) {
-           read_model(value, axis.configuration.model);
-         },
-     .write =
-         [](YAML::Emitter& out, const NamedAxis& axis) {
-           write_model(out, axis.configuration.model);
-         },
-     .describe =
-         [](const std::string& prefix, std::vector<ConfigurationKey>& keys) {
-           describe_model(prefix + ".", keys);
-         }},
+     .rule = kPositions,
+     .then = read_initial_position,
+     .write = write_initial_position},
+    section<kSettingsRows, &NamedAxis::configuration, &AxisConfiguration::settings>("settings"),
+    section<kModelRows, &NamedAxis::configuration, &AxisConfiguration::model>(
+        "model", {.then = check_model}),
     {.key = "parameters",
      .what = "Map of objects to the values that they have from power-up on, by variable_name, name "
              "in CiA 402 or address, such as profile_velocity: 68267 and \"0x607D:1\": -100000. "
              "Positions, speeds and ramps may have a unit of the axis: 250mm/s. The "
              "gear is load turns over motor turns: gear_ratio_numerator: 1 with "
              "gear_ratio_denominator: 10 is a gear that reduces ten to one.",
-     .read =
-         [](const YamlValue& value, NamedAxis& axis) {
-           read_parameters(value, axis);
-         },
-     .write =
-         [](YAML::Emitter& out, const NamedAxis& axis) {
-           write_parameters(out, axis.configuration.parameters);
-         },
-     .is_printed =
-         [](const NamedAxis& axis) {
-           return !axis.configuration.parameters.empty();
-         }},
+     .then = read_parameters,
+     .write = write_parameters,
+     .is_printed = has_parameters},
 });
 
 }  // namespace
 
-std::span<const ConfigurationRow<NamedAxis>> axis_rows() noexcept {
+std::span<const Row<NamedAxis>> axis_rows() noexcept {
   return kAxisRows;
 }
 

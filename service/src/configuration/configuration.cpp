@@ -93,10 +93,6 @@ std::optional<std::string> problem_of_clock(std::string_view key,
   return std::string(to_string(mode)) + ", which " + std::string(how);
 }
 
-std::string_view to_string(WireForm form) noexcept {
-  return form == WireForm::process ? "process" : "thread";
-}
-
 std::optional<WireForm> wire_form_named(std::string_view name) noexcept {
   if (name == to_string(WireForm::process)) return WireForm::process;
   return name == to_string(WireForm::thread) ? std::optional(WireForm::thread) : std::nullopt;

@@ -50,7 +50,9 @@ enum class WireForm : std::uint8_t {
   thread,   ///< threads of the service: one hop less, but its failure ends the service
 };
 
-[[nodiscard]] std::string_view to_string(WireForm form) noexcept;
+[[nodiscard]] constexpr std::string_view to_string(WireForm form) noexcept {
+  return form == WireForm::process ? "process" : "thread";
+}
 
 /// @return the form of that name, or nothing.
 [[nodiscard]] std::optional<WireForm> wire_form_named(std::string_view name) noexcept;
@@ -75,8 +77,8 @@ struct Configuration {
   bool watchdog_is_chosen = false;  ///< in freerun a watchdog that was not chosen is off
   /// Prometheus metrics on this port of 127.0.0.1, 0 = any free one; nothing = off.
   std::optional<std::uint16_t> metrics_port;
-  std::optional<WireForm> wire_form;  ///< nothing = see `effective_wire_form`
-  std::uint64_t wire_memory_limit = std::uint64_t{512} << 20U;  ///< of its process [bytes]
+  std::optional<WireForm> wire_form;          ///< nothing = see `effective_wire_form`
+  std::uint32_t wire_memory_limit_mib = 512;  ///< of its process
   wire::NetworkSettings network;
   std::vector<NamedAxis> axes;  ///< 1 to kMaxAxes, in ascending order of their numbers
 };

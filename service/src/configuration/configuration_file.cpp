@@ -35,7 +35,7 @@ Configuration read_configuration(const YamlValue& root) {
   ParsedConfiguration parsed{.configuration = demo_configuration(), .axes = {}};
   settings::Mistakes mistakes;
   mistakes.collect([&] {
-    read_section(root, configuration_rows(), parsed);
+    settings::read_section(root, configuration_rows(), parsed);
   });
   // There are axes where their section has no mistake, whatever another section has.
   mistakes.collect([&] {
@@ -64,8 +64,11 @@ Configuration load_configuration(const std::filesystem::path& file) {
 }
 
 std::string to_yaml(const Configuration& configuration) {
+  ParsedConfiguration printed{configuration, {}};
+  printed.configuration.watchdog = effective_watchdog(configuration);
+  printed.configuration.wire_form = effective_wire_form(configuration);
   YAML::Emitter out;
-  write_section(out, configuration_rows(), ParsedConfiguration{configuration, {}});
+  settings::write_section(out, configuration_rows(), printed);
   return std::string(out.c_str()) + "\n";
 }
 

@@ -34,7 +34,7 @@ void add(std::string& help, std::string_view key, const std::string& text) {
 
 std::vector<ConfigurationKey> configuration_keys() {
   std::vector<ConfigurationKey> keys;
-  describe_section("", configuration_rows(), keys);
+  settings::describe_section("", configuration_rows(), keys);
   return keys;
 }
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "configuration/configuration_rows.hpp"
+#include "settings/rows.hpp"
 
 #include <string>
 #include <vector>
 
 namespace vdrive::service {
+
+using settings::ConfigurationKey;
 
 /// The keys in the order of the configuration.
 [[nodiscard]] std::vector<ConfigurationKey> configuration_keys();

@@ -21,6 +21,16 @@
 namespace vdrive::service {
 namespace {
 
+using settings::Any;
+using settings::IntegerLimits;
+using settings::IntegerOrNone;
+using settings::key;
+using settings::one_of;
+using settings::Row;
+using settings::Rule;
+using settings::section;
+using settings::TextRule;
+
 constexpr std::int64_t kHighestPort = 65'535;
 constexpr std::int64_t kHighestPriority = 99;
 
@@ -30,77 +40,44 @@ bool has_control_characters(std::string_view name) {
   });
 }
 
-double checked_rate(const YamlValue& value) {
-  const double rate = value.number("");
+void check_bench_name(const YamlValue& value, Configuration& configuration) {
+  check_name(value, configuration.name);
+}
+
+void check_rate(const YamlValue& value, Configuration& configuration) {
+  const double rate = configuration.rate;
   if (rate != 0.0 && (rate < kLowestRate || rate > kHighestRate)) {
     value.refuse("must be 0 (paused) or from " + to_text(kLowestRate) + " to " +
                  to_text(kHighestRate));
   }
-  return rate;
 }
 
-ClockMode checked_mode(const YamlValue& value) {
-  return kClockModes.at(
-      value.choice({to_string(ClockMode::realtime), to_string(ClockMode::lockstep),
-                    to_string(ClockMode::freerun)}));
+bool has_rate(const Configuration& configuration) {
+  return !problem_of_clock("rate", configuration);
 }
 
 /// Here and not in the rows of the keys: the mode may stand below them.
-void refuse_keys_of_other_modes(const YamlValue& clock, const Configuration& configuration) {
+void refuse_keys_of_other_modes(const YamlValue& clock, ParsedConfiguration& parsed) {
   clock.for_each_entry({}, [&](const std::string& key, const YamlValue& value) {
-    if (const auto problem = problem_of_clock(key, configuration)) {
+    if (const auto problem = problem_of_clock(key, parsed.configuration)) {
       value.refuse("cannot be used with clock.mode " + *problem);
     }
   });
 }
 
-void read_timeout(const YamlValue& value, Configuration& configuration);
-
-void write_timeout(YAML::Emitter& out, const Configuration& configuration) {
-  if (const auto watchdog = effective_watchdog(configuration)) {
-    out << watchdog->count();
-  } else {
-    out << "off";
-  }
+void choose_watchdog(const YamlValue& /*value*/, ParsedConfiguration& parsed) {
+  parsed.configuration.watchdog_is_chosen = true;
 }
 
-std::vector<std::string> read_addresses(const YamlValue& value) {
-  std::vector<std::string> addresses;
-  value.for_each_element([&](const YamlValue& element) {
-    if (!wire::is_address(addresses.emplace_back(element.text()))) {
-      element.refuse("must be an IPv4 address, such as 10.0.0.1");
-    }
-  });
-  return addresses;
+bool is_server(const std::string& text) {
+  return wire::parse_server_address(text).has_value();
 }
 
-std::vector<std::string> read_servers(const YamlValue& value) {
-  std::vector<std::string> servers;
-  value.for_each_element([&](const YamlValue& element) {
-    if (!wire::parse_server_address(servers.emplace_back(element.text()))) {
-      element.refuse("must be an IPv4 address and a port, such as 10.0.0.9:11811");
-    }
-  });
-  return servers;
-}
-
-std::string checked_directory(const YamlValue& value) {
-  std::string directory = value.text();
-  if (directory.empty()) {
-    value.refuse("must name a directory; leave out this key for an open bench");
-  }
-  return directory;
-}
-
-void check_network(const YamlValue& value, const wire::NetworkSettings& network) {
+void check_network(const YamlValue& value, ParsedConfiguration& parsed) {
+  const wire::NetworkSettings& network = parsed.configuration.network;
   if (!network.peers.empty() && !network.discovery_servers.empty()) {
     value.refuse("peers and discovery servers cannot be used together: name only one kind");
   }
-}
-
-template <typename Owner, const auto& kRows>
-void describe_rows(const std::string& prefix, std::vector<ConfigurationKey>& keys) {
-  describe_section<Owner>(prefix + ".", kRows, keys);
 }
 
 /// Keys of an axis that are read last, in this order: what `mechanics` gives depends on the model,
@@ -140,15 +117,16 @@ NamedAxis read_axis(const YamlValue& value) {
   std::set<std::string> wrong;
   const auto read = [&](const std::string& key, const YamlValue& entry) {
     const bool is_good = mistakes.collect([&] {
-      read_key(row_of_known(axis_rows(), key), entry, axis);
+      settings::read_key(axis_rows(), key, entry, axis);
     });
     if (!is_good) wrong.insert(key);
   };
   mistakes.collect([&] {
-    value.for_each_entry(keys_of(axis_rows()), [&](const std::string& key, const YamlValue& entry) {
-      entries.emplace(key, entry);
-      if (!is_read_last(key)) read(key, entry);
-    });
+    value.for_each_entry(settings::keys_of(axis_rows()),
+                         [&](const std::string& key, const YamlValue& entry) {
+                           entries.emplace(key, entry);
+                           if (!is_read_last(key)) read(key, entry);
+                         });
   });
   const Unit written = axis.unit;
   const bool has_mechanics = entries.contains("mechanics");
@@ -170,7 +148,7 @@ NamedAxis read_axis(const YamlValue& value) {
   return axis;
 }
 
-ParsedAxes read_axes(const YamlValue& value) {
+void read_axes(const YamlValue& value, ParsedConfiguration& configuration) {
   ParsedAxes parsed;
   std::set<std::string> names;
   value.for_each_element([&](const YamlValue& element) {
@@ -189,325 +167,137 @@ ParsedAxes read_axes(const YamlValue& value) {
   std::ranges::sort(parsed.axes, [](const auto& a, const auto& b) {
     return a.number < b.number;
   });
-  return parsed;
+  configuration.axes = std::move(parsed);
 }
 
-void write_axes(YAML::Emitter& out, const std::vector<NamedAxis>& axes) {
+void write_axes(YAML::Emitter& out, const Rule& /*rule*/, const ParsedConfiguration& parsed) {
   out << YAML::BeginSeq;
-  for (const NamedAxis& axis : axes) write_section(out, axis_rows(), axis);
+  for (const NamedAxis& axis : parsed.configuration.axes) write_section(out, axis_rows(), axis);
   out << YAML::EndSeq;
 }
 
-constexpr auto kBenchRows = std::to_array<ConfigurationRow<Configuration>>({
-    integer_row<Configuration, &Configuration::bench>("number", {1, wire::kHighestBench, ""},
-                                                      "{}, unique in its DDS domain."),
-    {.key = "name",
-     .what = "1 to 64 bytes of UTF-8 without control characters.",
-     .read =
-         [](const YamlValue& value, Configuration& c) {
-           c.name = checked_name(value, false);
-         },
-     .write =
-         [](YAML::Emitter& out, const Configuration& c) {
-           out << c.name;
-         }},
+void describe_axis_keys(const std::string& path, std::vector<settings::ConfigurationKey>& keys) {
+  describe_section(path + "[].", axis_rows(), keys);
+}
+
+constexpr auto kBenchRows = std::to_array<Row<Configuration>>({
+    key<&Configuration::bench>("number", IntegerLimits{1, wire::kHighestBench, ""},
+                               "{}, unique in its DDS domain."),
+    key<&Configuration::name>("name", Any{}, "1 to 64 bytes of UTF-8 without control characters.",
+                              {.then = check_bench_name}),
 });
 
-constexpr auto kClockRows = std::to_array<ConfigurationRow<Configuration>>({
-    {.key = "mode",
-     .what = "realtime: by the wall clock; lockstep: by steps of clients; freerun: as fast as "
-             "possible.",
-     .read =
-         [](const YamlValue& value, Configuration& c) {
-           c.clock = checked_mode(value);
-         },
-     .write =
-         [](YAML::Emitter& out, const Configuration& c) {
-           out << std::string(to_string(c.clock));
-         }},
-    {.key = "period_us",
-     .what = "Length of a tick, {} us.",
-     .limits = IntegerLimits{kShortestPeriod.count(), kLongestPeriod.count(), "us"},
-     .set =
-         [](Configuration& c, std::int64_t value) {
-           c.period = std::chrono::microseconds{value};
-         },
-     .write =
-         [](YAML::Emitter& out, const Configuration& c) {
-           out << c.period.count();
-         }},
-    {.key = "rate",
-     .what =
-         "realtime: drive time over wall time, 0 (paused) or 0.1 to 100. Refused with the other "
-         "modes.",
-     .read =
-         [](const YamlValue& value, Configuration& c) {
-           c.rate = checked_rate(value);
-         },
-     .write =
-         [](YAML::Emitter& out, const Configuration& c) {
-           out << to_text(c.rate);
-         },
-     .is_printed =
-         [](const Configuration& c) {
-           return c.clock == ClockMode::realtime;
-         }},
-    integer_row<Configuration, &Configuration::steppers>(
-        "steppers", {0, kMaxSteppers, ""},
+constexpr auto kClockRows = std::to_array<Row<Configuration>>({
+    key<&Configuration::clock>(
+        "mode", one_of<ClockMode::realtime, ClockMode::lockstep, ClockMode::freerun>,
+        "realtime: by the wall clock; lockstep: by steps of clients; freerun: as fast as "
+        "possible."),
+    key<&Configuration::period>(
+        "period_us", IntegerLimits{kShortestPeriod.count(), kLongestPeriod.count(), "us"},
+        "Length of a tick, {} us."),
+    key<&Configuration::rate>(
+        "rate", Any{},
+        "realtime: drive time over wall time, 0 (paused) or 0.1 to 100. Refused with the other "
+        "modes.",
+        {.then = check_rate, .is_printed = has_rate}),
+    key<&Configuration::steppers>(
+        "steppers", IntegerLimits{0, kMaxSteppers, ""},
         "lockstep: time begins to pass once so many programs have joined the clock, {}; 0: it "
         "waits for none."),
-    {.key = "clock_step",
-     .what = "realtime at rate 1, after a change of the wall clock: steer (slowly, by 500 ppm) or "
-             "jump (at once, forward only).",
-     .read =
-         [](const YamlValue& value, Configuration& c) {
-           c.clock_step =
-               value.choice({"steer", "jump"}) == 0 ? WallStepPolicy::steer : WallStepPolicy::jump;
-         },
-     .write =
-         [](YAML::Emitter& out, const Configuration& c) {
-           out << (c.clock_step == WallStepPolicy::steer ? "steer" : "jump");
-         }},
-    integer_row<Configuration, &Configuration::threads>(
-        "threads", {1, kMaxThreads, ""},
+    key<&Configuration::clock_step>(
+        "clock_step", one_of<WallStepPolicy::steer, WallStepPolicy::jump>,
+        "realtime at rate 1, after a change of the wall clock: steer (slowly, by 500 ppm) or "
+        "jump (at once, forward only)."),
+    key<&Configuration::threads>(
+        "threads", IntegerLimits{1, kMaxThreads, ""},
         "Threads that step the axes, {}. The result is the same for any number."),
-    integer_row<Configuration, &Configuration::realtime_priority>(
-        "realtime_priority", {0, kHighestPriority, ""},
+    key<&Configuration::realtime_priority>(
+        "realtime_priority", IntegerLimits{0, kHighestPriority, ""},
         "SCHED_FIFO of the thread of the ticks where permitted, {}; 0: none."),
 });
 
-constexpr auto kStatusRows = std::to_array<ConfigurationRow<Configuration>>({
-    integer_row<Configuration, &Configuration::status_every>(
-        "every_ticks", {1, kMaxStatusEvery, "ticks"}, "One status frame each n ticks, {}."),
+constexpr auto kStatusRows = std::to_array<Row<Configuration>>({
+    key<&Configuration::status_every>("every_ticks", IntegerLimits{1, kMaxStatusEvery, "ticks"},
+                                      "One status frame each n ticks, {}."),
 });
 
-constexpr auto kWatchdogRows = std::to_array<ConfigurationRow<Configuration>>({
-    {.key = "timeout_ms",
-     .what = "The owner of an axis must send at least this often: {} ms of drive time (at a rate "
-             "above 1 of wall time), or off. Off in freerun unless the key is set.",
-     .limits = IntegerLimits{kShortestWatchdog.count(), kLongestWatchdog.count(), "ms, or off"},
-     .read =
-         [](const YamlValue& value, Configuration& c) {
-           read_timeout(value, c);
-         },
-     .write =
-         [](YAML::Emitter& out, const Configuration& c) {
-           write_timeout(out, c);
-         }},
+constexpr auto kWatchdogRows = std::to_array<Row<Configuration>>({
+    key<&Configuration::watchdog>(
+        "timeout_ms",
+        IntegerOrNone{{kShortestWatchdog.count(), kLongestWatchdog.count(), "ms, or off"}, "off"},
+        "The owner of an axis must send at least this often: {} ms of drive time (at a rate "
+        "above 1 of wall time), or off. Off in freerun unless the key is set."),
 });
 
-void read_timeout(const YamlValue& value, Configuration& configuration) {
-  if (value.text() == "off") {
-    configuration.watchdog.reset();
-  } else {
-    configuration.watchdog = std::chrono::milliseconds{value.integer(*kWatchdogRows[0].limits)};
-  }
-}
-
-constexpr auto kWireRows = std::to_array<ConfigurationRow<Configuration>>({
-    {.key = "form",
-     .what = "Where DDS runs: in a process, which the service restarts when it fails, or in a "
-             "thread of the service. Default: process in realtime, with network.security and with "
-             "an interface other than loopback; thread otherwise and with shared memory.",
-     .read =
-         [](const YamlValue& value, Configuration& c) {
-           constexpr std::array kForms{WireForm::process, WireForm::thread};
-           c.wire_form =
-               kForms.at(value.choice({to_string(WireForm::process), to_string(WireForm::thread)}));
-         },
-     .write =
-         [](YAML::Emitter& out, const Configuration& c) {
-           out << std::string(to_string(effective_wire_form(c)));
-         }},
-    {.key = "memory_limit_mib",
-     .what = "Of the network process, {} MiB: one that uses more is restarted.",
-     .limits = IntegerLimits{64, 65'536, "MiB"},
-     .set =
-         [](Configuration& c, std::int64_t value) {
-           c.wire_memory_limit = static_cast<std::uint64_t>(value) << 20U;
-         },
-     .write =
-         [](YAML::Emitter& out, const Configuration& c) {
-           out << (c.wire_memory_limit >> 20U);
-         }},
+constexpr auto kWireRows = std::to_array<Row<Configuration>>({
+    key<&Configuration::wire_form>(
+        "form", one_of<WireForm::process, WireForm::thread>,
+        "Where DDS runs: in a process, which the service restarts when it fails, or in a "
+        "thread of the service. Default: process in realtime, with network.security and with "
+        "an interface other than loopback; thread otherwise and with shared memory."),
+    key<&Configuration::wire_memory_limit_mib>(
+        "memory_limit_mib", IntegerLimits{64, 65'536, "MiB"},
+        "Of the network process, {} MiB: one that uses more is restarted."),
 });
 
-constexpr auto kMetricsRows = std::to_array<ConfigurationRow<Configuration>>({
-    {.key = "port",
-     .what = "Prometheus text on this port of 127.0.0.1, {}; 0: any free one. Without the key "
-             "there are no metrics.",
-     .limits = IntegerLimits{0, kHighestPort, ", 0 = any free one"},
-     .set =
-         [](Configuration& c, std::int64_t value) {
-           c.metrics_port = static_cast<std::uint16_t>(value);
-         },
-     .write =
-         [](YAML::Emitter& out, const Configuration& c) {
-           out << *c.metrics_port;
-         }},
+constexpr auto kMetricsRows = std::to_array<Row<Configuration>>({
+    key<&Configuration::metrics_port>(
+        "port", IntegerLimits{0, kHighestPort, ", 0 = any free one"},
+        "Prometheus text on this port of 127.0.0.1, {}; 0: any free one. Without the key "
+        "there are no metrics."),
 });
 
-constexpr auto kNetworkRows = std::to_array<ConfigurationRow<wire::NetworkSettings>>({
-    integer_row<wire::NetworkSettings, &wire::NetworkSettings::domain>(
-        "domain", {0, wire::kHighestDomain, ""}, "DDS domain, {}."),
-    {.key = "interfaces",
-     .what = "List of IPv4 addresses of this machine in the networks to serve; empty: this machine "
-             "only.",
-     .read =
-         [](const YamlValue& value, wire::NetworkSettings& c) {
-           c.interfaces = read_addresses(value);
-         },
-     .write =
-         [](YAML::Emitter& out, const wire::NetworkSettings& c) {
-           out << YAML::Flow << c.interfaces;
-         }},
-    {.key = "peers",
-     .what = "List of IPv4 addresses of hosts that are searched in addition to multicast.",
-     .read =
-         [](const YamlValue& value, wire::NetworkSettings& c) {
-           c.peers = read_addresses(value);
-         },
-     .write =
-         [](YAML::Emitter& out, const wire::NetworkSettings& c) {
-           out << YAML::Flow << c.peers;
-         }},
-    {.key = "discovery_server",
-     .what = "List of servers, such as 10.0.0.9:11811, used instead of multicast and peers.",
-     .read =
-         [](const YamlValue& value, wire::NetworkSettings& c) {
-           c.discovery_servers = read_servers(value);
-         },
-     .write =
-         [](YAML::Emitter& out, const wire::NetworkSettings& c) {
-           out << YAML::Flow << c.discovery_servers;
-         }},
-    boolean_row<wire::NetworkSettings, &wire::NetworkSettings::shared_memory>(
-        "shared_memory", "true: DDS uses shared memory, too, and runs in threads of the service."),
-    {.key = "security",
-     .what = "Directory of the closed mode's material. Without the key the bench is open.",
-     .read =
-         [](const YamlValue& value, wire::NetworkSettings& c) {
-           c.security = checked_directory(value);
-         },
-     .write =
-         [](YAML::Emitter& out, const wire::NetworkSettings& c) {
-           out << YAML::DoubleQuoted << c.security;
-         },
-     .is_printed =
-         [](const wire::NetworkSettings& c) {
-           return !c.security.empty();
-         }},
+constexpr TextRule kAddress{.fits = wire::is_address,
+                            .refusal = "must be an IPv4 address, such as 10.0.0.1"};
+constexpr TextRule kServer{.fits = is_server,
+                           .refusal = "must be an IPv4 address and a port, such as 10.0.0.9:11811"};
+constexpr TextRule kCredentials{
+    .if_empty = "must name a directory; leave out this key for an open bench", .is_quoted = true};
+
+constexpr auto kNetworkRows = std::to_array<Row<wire::NetworkSettings>>({
+    key<&wire::NetworkSettings::domain>("domain", IntegerLimits{0, wire::kHighestDomain, ""},
+                                        "DDS domain, {}."),
+    key<&wire::NetworkSettings::interfaces>(
+        "interfaces", kAddress,
+        "List of IPv4 addresses of this machine in the networks to serve; empty: this machine "
+        "only."),
+    key<&wire::NetworkSettings::peers>(
+        "peers", kAddress,
+        "List of IPv4 addresses of hosts that are searched in addition to multicast."),
+    key<&wire::NetworkSettings::discovery_servers>(
+        "discovery_server", kServer,
+        "List of servers, such as 10.0.0.9:11811, used instead of multicast and peers."),
+    key<&wire::NetworkSettings::shared_memory>(
+        "shared_memory", Any{},
+        "true: DDS uses shared memory, too, and runs in threads of the service."),
+    key<&wire::NetworkSettings::security>(
+        "security", kCredentials,
+        "Directory of the closed mode's material. Without the key the bench is open."),
 });
 
-constexpr auto kRootRows = std::to_array<ConfigurationRow<ParsedConfiguration>>({
-    {.key = "bench",
-     .read =
-         [](const YamlValue& value, ParsedConfiguration& c) {
-           read_section<Configuration>(value, kBenchRows, c.configuration);
-         },
-     .write =
-         [](YAML::Emitter& out, const ParsedConfiguration& c) {
-           write_section<Configuration>(out, kBenchRows, c.configuration);
-         },
-     .describe = describe_rows<Configuration, kBenchRows>},
-    {.key = "clock",
-     .read =
-         [](const YamlValue& value, ParsedConfiguration& c) {
-           read_section<Configuration>(value, kClockRows, c.configuration);
-           refuse_keys_of_other_modes(value, c.configuration);
-         },
-     .write =
-         [](YAML::Emitter& out, const ParsedConfiguration& c) {
-           write_section<Configuration>(out, kClockRows, c.configuration);
-         },
-     .describe = describe_rows<Configuration, kClockRows>},
-    {.key = "status",
-     .read =
-         [](const YamlValue& value, ParsedConfiguration& c) {
-           read_section<Configuration>(value, kStatusRows, c.configuration);
-         },
-     .write =
-         [](YAML::Emitter& out, const ParsedConfiguration& c) {
-           write_section<Configuration>(out, kStatusRows, c.configuration);
-         },
-     .describe = describe_rows<Configuration, kStatusRows>},
-    {.key = "watchdog",
-     .read =
-         [](const YamlValue& value, ParsedConfiguration& c) {
-           read_section<Configuration>(value, kWatchdogRows, c.configuration);
-           c.configuration.watchdog_is_chosen = true;
-         },
-     .write =
-         [](YAML::Emitter& out, const ParsedConfiguration& c) {
-           write_section<Configuration>(out, kWatchdogRows, c.configuration);
-         },
-     .describe = describe_rows<Configuration, kWatchdogRows>},
-    {.key = "wire",
-     .read =
-         [](const YamlValue& value, ParsedConfiguration& c) {
-           read_section<Configuration>(value, kWireRows, c.configuration);
-         },
-     .write =
-         [](YAML::Emitter& out, const ParsedConfiguration& c) {
-           write_section<Configuration>(out, kWireRows, c.configuration);
-         },
-     .describe = describe_rows<Configuration, kWireRows>},
-    {.key = "metrics",
-     .read =
-         [](const YamlValue& value, ParsedConfiguration& c) {
-           read_section<Configuration>(value, kMetricsRows, c.configuration);
-         },
-     .write =
-         [](YAML::Emitter& out, const ParsedConfiguration& c) {
-           write_section<Configuration>(out, kMetricsRows, c.configuration);
-         },
-     .is_printed =
-         [](const ParsedConfiguration& c) {
-           return c.configuration.metrics_port.has_value();
-         },
-     .describe = describe_rows<Configuration, kMetricsRows>},
-    {.key = "network",
-     .read =
-         [](const YamlValue& value, ParsedConfiguration& c) {
-           read_section<wire::NetworkSettings>(value, kNetworkRows, c.configuration.network);
-           check_network(value, c.configuration.network);
-         },
-     .write =
-         [](YAML::Emitter& out, const ParsedConfiguration& c) {
-           write_section<wire::NetworkSettings>(out, kNetworkRows, c.configuration.network);
-         },
-     .describe = describe_rows<wire::NetworkSettings, kNetworkRows>},
-    {.key = "axes",
-     .read =
-         [](const YamlValue& value, ParsedConfiguration& c) {
-           c.axes = read_axes(value);
-         },
-     .write =
-         [](YAML::Emitter& out, const ParsedConfiguration& c) {
-           write_axes(out, c.configuration.axes);
-         },
-     .describe =
-         [](const std::string& prefix, std::vector<ConfigurationKey>& keys) {
-           describe_section(prefix + "[].", axis_rows(), keys);
-         }},
+constexpr auto kBench = &ParsedConfiguration::configuration;
+
+constexpr auto kRootRows = std::to_array<Row<ParsedConfiguration>>({
+    section<kBenchRows, kBench>("bench"),
+    section<kClockRows, kBench>("clock", {.then = refuse_keys_of_other_modes}),
+    section<kStatusRows, kBench>("status"),
+    section<kWatchdogRows, kBench>("watchdog", {.then = choose_watchdog}),
+    section<kWireRows, kBench>("wire"),
+    section<kMetricsRows, kBench>("metrics"),
+    section<kNetworkRows, kBench, &Configuration::network>("network", {.then = check_network}),
+    {.key = "axes", .then = read_axes, .write = write_axes, .describe = describe_axis_keys},
 });
 
 }  // namespace
 
-std::string checked_name(const YamlValue& value, bool of_axis) {
-  std::string name = value.text();
+void check_name(const YamlValue& value, const std::string& name) {
   if (name.empty() || name.size() > kMaxNameLength) {
     value.refuse("a name must have 1 to " + std::to_string(kMaxNameLength) + " bytes");
   }
   if (has_control_characters(name)) value.refuse("a name must not have control characters");
-  if (of_axis &&
-      (name.find(' ') != std::string::npos || (name.front() >= '0' && name.front() <= '9'))) {
-    value.refuse("a name must not contain a blank and must not begin with a digit");
-  }
-  return name;
 }
 
-std::span<const ConfigurationRow<ParsedConfiguration>> configuration_rows() noexcept {
+std::span<const Row<ParsedConfiguration>> configuration_rows() noexcept {
   return kRootRows;
 }
 

@@ -2,12 +2,15 @@
 #pragma once
 
 #include "configuration/configuration.hpp"
-#include "configuration/configuration_rows.hpp"
+#include "settings/rows.hpp"
 
 #include <map>
 #include <span>
+#include <string>
 
 namespace vdrive::service {
+
+using settings::YamlValue;
 
 /// The axes of a file, and where they stand, to name the place when the bank refuses one.
 struct ParsedAxes {
@@ -23,14 +26,12 @@ struct ParsedConfiguration {
 
 /// The keys of a configuration, and of the sections that they begin: bench, clock, status,
 /// watchdog, wire, metrics, network, axes.
-[[nodiscard]] std::span<const ConfigurationRow<ParsedConfiguration>> configuration_rows() noexcept;
+[[nodiscard]] std::span<const settings::Row<ParsedConfiguration>> configuration_rows() noexcept;
 
 /// Every key of an element of `axes`.
-[[nodiscard]] std::span<const ConfigurationRow<NamedAxis>> axis_rows() noexcept;
+[[nodiscard]] std::span<const settings::Row<NamedAxis>> axis_rows() noexcept;
 
-/// @return 1 to 64 bytes of UTF-8 without control characters; the name of an axis has no blank and
-///         begins with no digit.
-/// @throws ConfigurationError when it is no such name
-[[nodiscard]] std::string checked_name(const YamlValue& value, bool of_axis);
+/// @throws ConfigurationError when a name has not 1 to 64 bytes, or a control character
+void check_name(const YamlValue& value, const std::string& name);
 
 }  // namespace vdrive::service

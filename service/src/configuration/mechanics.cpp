@@ -23,6 +23,11 @@ namespace vdrive::service {
 namespace {
 
 using namespace vdrive::literals;
+using settings::Any;
+using settings::IntegerLimits;
+using settings::key;
+using settings::Row;
+using settings::YamlValue;
 
 constexpr std::int64_t kMostTeeth = 100'000;
 constexpr std::int64_t kMostStarts = 64;
@@ -53,81 +58,90 @@ struct Mechanics {
 /// Any length in metres converts to any other.
 const Unit kMetre{.kind = UnitKind::linear, .name = "m", .size = 1.0};
 
-Length read_length(const YamlValue& value) {
+void read_value(const YamlValue& value, const Any& /*rule*/, Length& place) {
   const std::string problem = "must be a length above 0 with its unit, such as 5mm (m, cm, mm, um)";
   try {
     const WrittenQuantity length = read_quantity(value.text(), Dimension::position);
     const bool is_length = !length.is_in_user_units() && user_units_in(kMetre, length.unit);
     if (!is_length || length.value <= 0.0) value.refuse(problem);
-    return {length.value, length.unit};
+    place = {length.value, length.unit};
   } catch (const std::invalid_argument&) {
     value.refuse(problem);
   }
 }
 
-GearTurns read_gear(const YamlValue& value) {
+void read_value(const YamlValue& value, const Any& /*rule*/, GearTurns& gear) {
   const std::string text = value.text();
   const std::size_t colon = text.find(':');
   if (colon != std::string::npos) {
     const auto motor = parse_digits<std::uint32_t>(std::string_view(text).substr(0, colon));
     const auto load = parse_digits<std::uint32_t>(std::string_view(text).substr(colon + 1));
-    if (motor.value_or(0) != 0 && load.value_or(0) != 0) return {*motor, *load};
+    if (motor.value_or(0) != 0 && load.value_or(0) != 0) {
+      gear = {*motor, *load};
+      return;
+    }
   }
   value.refuse(
       "must be turns of the motor to turns of the load, two whole numbers from 1 to 4294967295, "
       "such as 10:1 for a gear that reduces ten to one, or 25:2");
 }
 
-/// A screw moves the load by its pitch, with several starts by several pitches.
-Length read_screw(const YamlValue& value) {
-  std::optional<Length> pitch;
-  std::int64_t starts = 1;
-  value.take_keys({{"pitch",
-                    [&](const YamlValue& entry) {
-                      pitch = read_length(entry);
-                    }},
-                   {"starts", [&](const YamlValue& entry) {
-                      starts = entry.integer({1, kMostStarts, ""});
-                    }}});
-  if (!pitch) value.refuse("a screw needs its pitch, such as {pitch: 5mm}");
-  pitch->value *= static_cast<double>(starts);
-  return *pitch;
+void take_length(Mechanics& mechanics, double travel, const std::string& unit) {
+  ++mechanics.drives;
+  mechanics.kind = UnitKind::linear;
+  mechanics.unit = unit;
+  mechanics.travel = travel;
 }
 
-/// A pulley or a pinion moves the load by its circumference.
-Length read_wheel(const YamlValue& value) {
+struct Screw {
+  Length pitch;
+  std::int64_t starts = 1;
+};
+
+constexpr auto kScrewRows = std::to_array<Row<Screw>>({
+    key<&Screw::pitch>("pitch", Any{}, {},
+                       {.needed = "a screw needs its pitch, such as {pitch: 5mm}"}),
+    key<&Screw::starts>("starts", IntegerLimits{1, kMostStarts, ""}),
+});
+
+/// A screw moves the load by its pitch, with several starts by several pitches.
+void take_screw(const YamlValue& value, Mechanics& mechanics) {
+  Screw screw;
+  read_section(value, kScrewRows, screw);
+  take_length(mechanics, screw.pitch.value * static_cast<double>(screw.starts), screw.pitch.unit);
+}
+
+struct Wheel {
   std::optional<Length> diameter;
-  std::optional<Length> pitch;
   std::optional<std::int64_t> teeth;
-  value.take_keys({{"diameter",
-                    [&](const YamlValue& entry) {
-                      diameter = read_length(entry);
-                    }},
-                   {"teeth",
-                    [&](const YamlValue& entry) {
-                      teeth = entry.integer({1, kMostTeeth, ""});
-                    }},
-                   {"pitch", [&](const YamlValue& entry) {
-                      pitch = read_length(entry);
-                    }}});
+  std::optional<Length> pitch;
+};
+
+constexpr auto kWheelRows = std::to_array<Row<Wheel>>({
+    key<&Wheel::diameter>("diameter"),
+    key<&Wheel::teeth>("teeth", IntegerLimits{1, kMostTeeth, ""}),
+    key<&Wheel::pitch>("pitch"),
+});
+
+/// A pulley or a pinion moves the load by its circumference.
+void take_wheel(const YamlValue& value, Mechanics& mechanics) {
+  Wheel wheel;
+  read_section(value, kWheelRows, wheel);
+  const auto& [diameter, teeth, pitch] = wheel;
   const bool has_teeth = teeth && pitch;
   if (diameter.has_value() == has_teeth || teeth.has_value() != pitch.has_value()) {
     value.refuse(
         "needs either the diameter, such as {diameter: 40mm}, or teeth and their pitch, "
         "such as {teeth: 20, pitch: 5mm}");
   }
-  if (diameter) return {diameter->value * std::numbers::pi, diameter->unit};
-  return {pitch->value * static_cast<double>(*teeth), pitch->unit};
+  if (diameter) {
+    take_length(mechanics, diameter->value * std::numbers::pi, diameter->unit);
+  } else {
+    take_length(mechanics, pitch->value * static_cast<double>(*teeth), pitch->unit);
+  }
 }
 
-void take_length(Mechanics& mechanics, Length travel) {
-  ++mechanics.drives;
-  mechanics.kind = UnitKind::linear;
-  mechanics.unit = std::move(travel.unit);
-  mechanics.travel = travel.value;
-}
-
-void take_angle(Mechanics& mechanics, const YamlValue& value) {
+void take_angle(const YamlValue& value, Mechanics& mechanics) {
   ++mechanics.drives;
   mechanics.kind = UnitKind::rotary;
   mechanics.unit = value.text();
@@ -136,42 +150,28 @@ void take_angle(Mechanics& mechanics, const YamlValue& value) {
   }
 }
 
-Mechanics read_entries(const YamlValue& value) {
-  Mechanics mechanics;
-  value.take_keys({{"screw",
-                    [&](const YamlValue& entry) {
-                      take_length(mechanics, read_screw(entry));
-                    }},
-                   {"belt",
-                    [&](const YamlValue& entry) {
-                      take_length(mechanics, read_wheel(entry));
-                    }},
-                   {"rack",
-                    [&](const YamlValue& entry) {
-                      take_length(mechanics, read_wheel(entry));
-                    }},
-                   {"rotary_table",
-                    [&](const YamlValue& entry) {
-                      take_angle(mechanics, entry);
-                    }},
-                   {"gear",
-                    [&](const YamlValue& entry) {
-                      mechanics.gear = read_gear(entry);
-                    }},
-                   {"resolution",
-                    [&](const YamlValue& entry) {
-                      mechanics.resolution.emplace(entry);
-                    }},
-                   {"software_limit", [&](const YamlValue& entry) {
-                      mechanics.software_limit.emplace(entry);
-                    }}});
-  if (mechanics.drives != 1) {
-    value.refuse(
-        "must have exactly one of screw, belt, rack and rotary_table, such as {screw: "
-        "{pitch: 5mm}, gear: 10:1}");
-  }
-  return mechanics;
-}
+constexpr auto kMechanicsRows = std::to_array<Row<Mechanics>>({
+    {.key = "screw",
+     .what = "{pitch: LENGTH, starts: N}: the load moves by the pitch, times the starts (1 to 64, "
+             "default 1), in a turn of the screw. A length has its unit, such as 5mm; the unit of "
+             "the axis follows from it.",
+     .then = take_screw},
+    {.key = "belt",
+     .what = "{diameter: LENGTH} or {teeth: N, pitch: LENGTH} of the pulley: the load moves by its "
+             "circumference in a turn.",
+     .then = take_wheel},
+    {.key = "rack", .what = "The same of the pinion that moves the rack.", .then = take_wheel},
+    {.key = "rotary_table", .what = "The unit of the angle: deg, rad or rev.", .then = take_angle},
+    key<&Mechanics::gear>("gear", Any{},
+                          "Turns of the motor to turns of the screw, pulley, pinion or table, such "
+                          "as 10:1, which sets 3576h and 3577h. Default: 1:1."),
+    key<&Mechanics::resolution>("resolution", Any{},
+                                "The step that the axis needs, such as 5um: refused when a user "
+                                "unit is larger. Default: none."),
+    key<&Mechanics::software_limit>(
+        "software_limit", Any{},
+        "[LOWER, UPPER] such as [-10mm, 300mm]: sets 607Dh and 3535h. Default: none."),
+});
 
 void set(AxisConfiguration& axis, ObjectRow row, std::int64_t value) {
   axis.parameters.push_back({describe(row).address, value});
@@ -206,8 +206,8 @@ void check_resolution(const YamlValue& value, const NamedAxis& axis) {
 }
 
 void read_software_limits(const YamlValue& value, NamedAxis& axis) {
-  constexpr settings::IntegerLimits kLimits{std::numeric_limits<std::int32_t>::min(),
-                                            std::numeric_limits<std::int32_t>::max(), "UU"};
+  constexpr IntegerLimits kLimits{std::numeric_limits<std::int32_t>::min(),
+                                  std::numeric_limits<std::int32_t>::max(), "UU"};
   std::vector<std::int64_t> limits;
   value.for_each_element([&](const YamlValue& element) {
     limits.push_back(read_user_units(element, Dimension::position, axis.unit, kLimits));
@@ -289,7 +289,13 @@ void add_number(std::string& numbers, std::uint16_t last, std::uint16_t number) 
 }  // namespace
 
 void read_mechanics(const YamlValue& value, NamedAxis& axis) {
-  const Mechanics mechanics = read_entries(value);
+  Mechanics mechanics;
+  read_section(value, kMechanicsRows, mechanics);
+  if (mechanics.drives != 1) {
+    value.refuse(
+        "must have exactly one of screw, belt, rack and rotary_table, such as {screw: "
+        "{pitch: 5mm}, gear: 10:1}");
+  }
   set(axis.configuration, "gear_ratio_numerator"_object, mechanics.gear.load);
   set(axis.configuration, "gear_ratio_denominator"_object, mechanics.gear.motor);
   const double turn = user_units_a_load_turn(axis.configuration);
@@ -324,24 +330,8 @@ void complete_speeds(AxisConfiguration& axis) {
   }
 }
 
-void describe_mechanics(const std::string& prefix, std::vector<ConfigurationKey>& keys) {
-  keys.push_back({prefix + ".screw",
-                  "{pitch: LENGTH, starts: N}: the load moves by the pitch, times the starts (1 to "
-                  "64, default 1), in a turn of the screw. A length has its unit, such as 5mm; the "
-                  "unit of the axis follows from it."});
-  keys.push_back({prefix + ".belt",
-                  "{diameter: LENGTH} or {teeth: N, pitch: LENGTH} of the pulley: the load moves "
-                  "by its circumference in a turn."});
-  keys.push_back({prefix + ".rack", "The same of the pinion that moves the rack."});
-  keys.push_back({prefix + ".rotary_table", "The unit of the angle: deg, rad or rev."});
-  keys.push_back({prefix + ".gear",
-                  "Turns of the motor to turns of the screw, pulley, pinion or table, such as "
-                  "10:1, which sets 3576h and 3577h. Default: 1:1."});
-  keys.push_back({prefix + ".resolution",
-                  "The step that the axis needs, such as 5um: refused when a user unit is "
-                  "larger. Default: none."});
-  keys.push_back({prefix + ".software_limit",
-                  "[LOWER, UPPER] such as [-10mm, 300mm]: sets 607Dh and 3535h. Default: none."});
+void describe_mechanics(const std::string& path, std::vector<settings::ConfigurationKey>& keys) {
+  describe_section(path + ".", kMechanicsRows, keys);
 }
 
 std::vector<std::string> mechanics_table(const Configuration& configuration) {

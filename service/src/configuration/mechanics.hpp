@@ -2,7 +2,7 @@
 #pragma once
 
 #include "configuration/configuration.hpp"
-#include "configuration/configuration_rows.hpp"
+#include "settings/rows.hpp"
 
 #include <string>
 #include <vector>
@@ -17,14 +17,14 @@ namespace vdrive::service {
 /// @throws ConfigurationError when the mechanics are incomplete or contradict themselves, when a
 ///         value is no length or no gear, and when they ask for a finer resolution than that of a
 ///         user unit.
-void read_mechanics(const YamlValue& value, NamedAxis& axis);
+void read_mechanics(const settings::YamlValue& value, NamedAxis& axis);
 
 /// Gives an axis with mechanics, after its `parameters`, the speeds and ramps that the default axis
 /// has at its motor, where the file gives none; 607Fh follows from 6080h.
 void complete_speeds(AxisConfiguration& axis);
 
-/// Adds the keys of `mechanics`, whose paths begin with `prefix`.
-void describe_mechanics(const std::string& prefix, std::vector<ConfigurationKey>& keys);
+/// Adds the keys of `mechanics` that stand at `path`.
+void describe_mechanics(const std::string& path, std::vector<settings::ConfigurationKey>& keys);
 
 /// @return for each axis what a revolution, a user unit and its limits are in its unit: the lines
 ///         of a table. Axes with the same facts share a line.

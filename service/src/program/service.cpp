@@ -29,7 +29,8 @@ class ProcessWire final : public BenchWire {
               Counters& counters)
       : host_(std::move(host)),
         link_(host_->region),
-        supervisor_(host_->region, host_->spawner, configuration.wire_memory_limit, counters) {}
+        supervisor_(host_->region, host_->spawner,
+                    std::uint64_t{configuration.wire_memory_limit_mib} << 20U, counters) {}
 
   [[nodiscard]] const WireRegion& region() const noexcept override { return host_->region; }
 

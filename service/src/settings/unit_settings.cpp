@@ -3,6 +3,7 @@
 
 #include "vdrive/number_text.hpp"
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,67 +18,65 @@ std::string_view size_key(UnitKind kind) {
 
 /// What a `unit` of the configuration has, each with its place.
 struct UnitEntries {
-  std::optional<UnitKind> kind{};
+  UnitKind kind{};
   std::optional<YamlValue> name{};
   std::optional<YamlValue> per_revolution{};
   std::optional<YamlValue> per_unit{};
 };
 
-UnitKind read_kind(const YamlValue& value) {
-  const bool is_rotary =
-      value.choice({to_string(UnitKind::rotary), to_string(UnitKind::linear)}) == 0;
-  return is_rotary ? UnitKind::rotary : UnitKind::linear;
-}
-
-UnitEntries read_entries(const YamlValue& value) {
-  UnitEntries entries;
-  value.for_each_entry({"kind", "name", "per_revolution", "per_unit"},
-                       [&](const auto& key, const YamlValue& entry) {
-                         if (key == "kind") {
-                           entries.kind = read_kind(entry);
-                         } else if (key == "name") {
-                           entries.name.emplace(entry);
-                         } else if (key == "per_revolution") {
-                           entries.per_revolution.emplace(entry);
-                         } else {
-                           entries.per_unit.emplace(entry);
-                         }
-                       });
-  return entries;
-}
+constexpr auto kUnitRows = std::to_array<Row<UnitEntries>>({
+    key<&UnitEntries::kind>(
+        "kind", one_of<UnitKind::rotary, UnitKind::linear>,
+        "What the user units of the axis are: rotary (parts of a revolution) or linear (parts of a "
+        "length). Programs convert; the drive does not use it.",
+        {.needed = "a unit needs a kind: rotary or linear"}),
+    key<&UnitEntries::name>(
+        "name", Any{},
+        "In which positions are shown. rotary: deg, rad or rev; linear: letters, such as mm, at "
+        "most 16 bytes; the key is needed. m, cm, mm and um follow from each other."),
+    key<&UnitEntries::per_revolution>(
+        "per_revolution", Any{}, "rotary: user units in a revolution of the load, 1e-06 to 1e+09."),
+    key<&UnitEntries::per_unit>("per_unit", Any{},
+                                "linear: user units in one unit, 1e-06 to 1e+09. Default: none, a "
+                                "linear axis needs it."),
+});
 
 }  // namespace
 
-Unit read_unit(const YamlValue& value) {
-  const auto [kind, name, per_revolution, per_unit] = read_entries(value);
-  if (!kind) value.refuse("a unit needs a kind: rotary or linear");
-  const bool is_linear = *kind == UnitKind::linear;
+void read_value(const YamlValue& value, const Any& /*rule*/, Unit& unit) {
+  UnitEntries entries;
+  read_section(value, kUnitRows, entries);
+  const auto& [kind, name, per_revolution, per_unit] = entries;
+  const bool is_linear = kind == UnitKind::linear;
   const auto& size = is_linear ? per_unit : per_revolution;
   const auto& other = is_linear ? per_revolution : per_unit;
   if (other) {
-    other->refuse("belongs to the other kind; a " + std::string(to_string(*kind)) + " unit has " +
-                  std::string(size_key(*kind)));
+    other->refuse("belongs to the other kind; a " + std::string(to_string(kind)) + " unit has " +
+                  std::string(size_key(kind)));
   }
   if (is_linear && (!name || !size)) {
     value.refuse(
         "a linear unit needs name and per_unit, such as {kind: linear, name: mm, "
         "per_unit: 819.2}");
   }
-  Unit unit{.kind = *kind};
+  unit = {.kind = kind};
   if (name) {
     unit.name = name->text();
-    if (const auto problem = check_unit_name(*kind, unit.name)) name->refuse(*problem);
+    if (const auto problem = check_unit_name(kind, unit.name)) name->refuse(*problem);
   }
   if (size) unit.size = size->number({kSmallestUnit, kLargestUnit, "user units"});
-  return unit;
 }
 
-void write_unit(YAML::Emitter& out, const Unit& unit) {
+void write_value(YAML::Emitter& out, const Any& /*rule*/, const Unit& unit) {
   out << YAML::BeginMap;
   out << YAML::Key << "kind" << YAML::Value << std::string(to_string(unit.kind));
   out << YAML::Key << "name" << YAML::Value << YAML::DoubleQuoted << unit.name;
   out << YAML::Key << std::string(size_key(unit.kind)) << YAML::Value << to_text(unit.size);
   out << YAML::EndMap;
+}
+
+void describe_unit(const std::string& path, std::vector<ConfigurationKey>& keys) {
+  describe_section(path + ".", kUnitRows, keys);
 }
 
 }  // namespace vdrive::settings

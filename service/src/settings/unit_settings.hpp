@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "settings/yaml_reader.hpp"
+#include "settings/rows.hpp"
 #include "vdrive/unit.hpp"
 
-#include <yaml-cpp/yaml.h>
+#include <string>
+#include <vector>
 
 namespace vdrive::settings {
 
-/// @return the unit that `axes[].unit` describes; what it does not mention has its default.
+/// Reads the unit that `axes[].unit` describes; what it does not mention has its default.
 /// @throws ConfigurationError when the kind is missing, a key belongs to the other kind, or a value
 ///         is outside its limits.
-[[nodiscard]] Unit read_unit(const YamlValue& value);
+void read_value(const YamlValue& value, const Any& rule, Unit& unit);
 
-/// Writes the map that `read_unit` reads.
-void write_unit(YAML::Emitter& out, const Unit& unit);
+/// Writes the map that `read_value` reads.
+void write_value(YAML::Emitter& out, const Any& rule, const Unit& unit);
+
+/// Adds the keys of a unit that stands at `path`.
+void describe_unit(const std::string& path, std::vector<ConfigurationKey>& keys);
 
 }  // namespace vdrive::settings

@@ -2,7 +2,6 @@
 #include "settings/yaml_reader.hpp"
 
 #include "settings/configuration_error.hpp"
-#include "vdrive/assert.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
@@ -10,6 +9,7 @@
 #include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -23,9 +23,9 @@
 namespace vdrive::settings {
 namespace {
 
-std::string joined(std::span<const std::string_view> words) {
+std::string joined(const std::vector<std::string>& words) {
   std::string list;
-  for (const auto word : words) list += (list.empty() ? "" : ", ") + std::string(word);
+  for (const auto& word : words) list += (list.empty() ? "" : ", ") + word;
   return list;
 }
 
@@ -207,17 +207,6 @@ YAML::Node read_yaml(const std::string& text, const std::string& file_name) {
   }
 }
 
-void YamlValue::take_keys(std::initializer_list<KeyRow> rows) const {
-  std::vector<std::string_view> known;
-  known.reserve(rows.size());
-  for (const KeyRow& row : rows) known.push_back(row.key);
-  for_each_entry(known, [rows](const std::string& key, const YamlValue& value) {
-    const auto* const row = std::ranges::find(rows, key, &KeyRow::key);
-    ensure(row != rows.end(), "a known key has a row");
-    row->take(value);
-  });
-}
-
 void YamlValue::for_each_entry(
     std::span<const std::string_view> known,
     const std::function<void(const std::string&, const YamlValue&)>& visit) const {
@@ -230,8 +219,8 @@ void YamlValue::for_each_entry(
       const std::string path = path_.empty() ? key : path_ + "." + key;
       const YamlValue name(entry.first, file_, path);
       if (!known.empty() && std::ranges::find(known, key) == known.end()) {
-        name.refuse("unknown key" + suggestion(key, {known.begin(), known.end()}) +
-                    "; known here: " + joined(known));
+        const std::vector<std::string> names(known.begin(), known.end());
+        name.refuse("unknown key" + suggestion(key, names) + "; known here: " + joined(names));
       }
       if (!seen.insert(key).second) name.refuse("the key appears twice");
       visit(key, YamlValue(entry.second, file_, path));
@@ -278,7 +267,8 @@ double YamlValue::number(const NumberLimits& limits) const {
 }
 
 bool YamlValue::boolean() const {
-  return choice({"false", "true"}) == 1;
+  constexpr std::array kWords{Choice{"false", 0}, Choice{"true", 1}};
+  return choice(kWords) == 1;
 }
 
 std::string YamlValue::text() const {
@@ -286,14 +276,15 @@ std::string YamlValue::text() const {
   return node_.Scalar();
 }
 
-std::size_t YamlValue::choice(std::initializer_list<std::string_view> choices) const {
+int YamlValue::choice(const Choices& choices) const {
   const std::string value = text();
-  const auto* const found = std::ranges::find(choices, value);
+  const auto found = std::ranges::find(choices, value, &Choice::name);
   if (found == choices.end()) {
-    refuse("must be one of " + joined({choices.begin(), choices.end()}) +
-           suggestion(value, {choices.begin(), choices.end()}));
+    std::vector<std::string> names;
+    for (const Choice& each : choices) names.emplace_back(each.name);
+    refuse("must be one of " + joined(names) + suggestion(value, names));
   }
-  return static_cast<std::size_t>(found - choices.begin());
+  return found->value;
 }
 
 int YamlValue::line() const {

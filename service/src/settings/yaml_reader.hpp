@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
@@ -39,13 +38,13 @@ struct NumberLimits {
   std::string_view unit;  ///< empty = none
 };
 
-class YamlValue;
-
-/// A key of a map, and what takes its value.
-struct KeyRow {
-  std::string_view key;
-  std::function<void(const YamlValue&)> take;
+/// A name that stands for a value.
+struct Choice {
+  std::string_view name;
+  int value;
 };
+
+using Choices = std::span<const Choice>;
 
 /// A value of a YAML document with its file and its key, which every error about it names.
 class YamlValue {
@@ -59,16 +58,6 @@ class YamlValue {
   ///         `visit` throws.
   void for_each_entry(std::span<const std::string_view> known,
                       const std::function<void(const std::string&, const YamlValue&)>& visit) const;
-
-  void for_each_entry(
-      std::initializer_list<std::string_view> known,
-      const std::function<void(const std::string&, const YamlValue&)>& visit) const {
-    for_each_entry(std::span(known.begin(), known.size()), visit);
-  }
-
-  /// Hands the value of each entry of a map to the row of its key.
-  /// @throws ConfigurationError as for_each_entry(); `rows` has the known keys.
-  void take_keys(std::initializer_list<KeyRow> rows) const;
 
   /// Calls `visit(value)` for each element of a list, also behind an element with a mistake.
   /// @throws ConfigurationError when this is no list; at the end, what `visit` has thrown.
@@ -92,9 +81,9 @@ class YamlValue {
   /// @return whether this is a map of keys and values.
   [[nodiscard]] bool is_map() const { return node_.IsMap(); }
 
-  /// @return the position of the value in `choices`.
+  /// @return the value whose name this is.
   /// @throws ConfigurationError naming the choices, when it is none of them.
-  [[nodiscard]] std::size_t choice(std::initializer_list<std::string_view> choices) const;
+  [[nodiscard]] int choice(const Choices& choices) const;
 
   /// @return the line of the file, from 1.
   [[nodiscard]] int line() const;

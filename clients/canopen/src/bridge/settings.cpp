@@ -3,7 +3,7 @@
 
 #include "bridge/node_ids.hpp"
 #include "settings/configuration_error.hpp"
-#include "settings/yaml_reader.hpp"
+#include "settings/rows.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/bench_number.hpp"
 
@@ -18,6 +18,11 @@ namespace vdrive::canopen {
 namespace {
 
 using vdrive::settings::ConfigurationError;
+using vdrive::settings::IntegerLimits;
+using vdrive::settings::key;
+using vdrive::settings::one_of;
+using vdrive::settings::Row;
+using vdrive::settings::TextRule;
 using vdrive::settings::YamlValue;
 
 /// The port that clients of socketcand take where nothing else is said.
@@ -25,69 +30,47 @@ const TcpAddress kUsualSocketcand{.host = "127.0.0.1", .port = 29'536};
 
 constexpr std::size_t kLongestNameOfBus = 16;  // that of an interface of Linux, and one more
 
-bool is_bus_name(std::string_view name) {
+bool is_bus_name(const std::string& name) {
   constexpr std::string_view kMay =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.";
   return !name.empty() && name.size() <= kLongestNameOfBus && name.front() != '.' &&
          name.find_first_not_of(kMay) == std::string_view::npos;
 }
 
-void read_addresses(const YamlValue& list, std::vector<TcpAddress>& addresses) {
-  addresses.clear();  // the key replaces, it does not add
+template <auto kMember>
+void read_addresses(const YamlValue& list, BusSetting& bus) {
   list.for_each_element([&](const YamlValue& element) {
     const auto address = parse_tcp_address(element.text());
     if (!address) element.refuse("must be an address and a port, such as 127.0.0.1:29536");
-    addresses.push_back(*address);
+    (bus.*kMember).push_back(*address);
   });
 }
 
-void read_interfaces(const YamlValue& list, std::vector<std::string>& interfaces) {
-  interfaces.clear();
+constexpr IntegerLimits kNodeOffsets{kLowestNodeOffset, kHighestNodeOffset, ""};
+
+constexpr auto kBenchRows = std::to_array<Row<BenchSetting>>({
+    key<&BenchSetting::number>("bench", IntegerLimits{1, wire::kHighestBench, ""}, {},
+                               {.needed = "needs the key bench, the number of the bench"}),
+    key<&BenchSetting::node_offset>("node_offset", kNodeOffsets),
+    key<&BenchSetting::axes>("axes", IntegerLimits{1, kMostNodes, ""}),
+    key<&BenchSetting::preset>("preset"),
+    key<&BenchSetting::configuration>("config"),
+});
+
+void read_benches(const YamlValue& list, BusSetting& bus) {
   list.for_each_element([&](const YamlValue& element) {
-    interfaces.push_back(element.text());
-    if (interfaces.back().empty()) element.refuse("must be the name of an interface, such as can0");
+    BenchSetting bench;
+    read_section(element, kBenchRows, bench);
+    if ((bench.axes || !bench.preset.empty()) && !bench.configuration.empty()) {
+      element.refuse((bench.axes ? std::string("axes") : std::string("preset")) +
+                     " and config are both given: name one of them");
+    }
+    bus.benches.push_back(bench);
   });
 }
 
-std::int32_t read_offset(const YamlValue& value) {
-  return static_cast<std::int32_t>(value.integer({kLowestNodeOffset, kHighestNodeOffset, ""}));
-}
-
-BenchSetting read_bench(const YamlValue& map) {
-  BenchSetting bench;
-  bool has_number = false;
-  map.take_keys(
-      {{"bench",
-        [&](const YamlValue& value) {
-          bench.number = static_cast<std::uint32_t>(value.integer({1, wire::kHighestBench, ""}));
-          has_number = true;
-        }},
-       {"node_offset",
-        [&](const YamlValue& value) {
-          bench.node_offset = read_offset(value);
-        }},
-       {"axes",
-        [&](const YamlValue& value) {
-          constexpr auto kMost = static_cast<std::int64_t>(kMostNodes);
-          bench.axes = static_cast<std::size_t>(value.integer({1, kMost, ""}));
-        }},
-       {"preset",
-        [&](const YamlValue& value) {
-          bench.preset = value.text();
-        }},
-       {"config", [&](const YamlValue& value) {
-          bench.configuration = value.text();
-        }}});
-  if (!has_number) map.refuse("needs the key bench, the number of the bench");
-  if ((bench.axes || !bench.preset.empty()) && !bench.configuration.empty()) {
-    map.refuse((bench.axes ? std::string("axes") : std::string("preset")) +
-               " and config are both given: name one of them");
-  }
-  return bench;
-}
-
-void read_faults(const YamlValue& list, std::vector<BusFault>& faults) {
-  faults.clear();
+void read_faults(const YamlValue& list, BusSetting& bus) {
+  std::vector<BusFault>& faults = bus.faults;
   list.for_each_element([&](const YamlValue& element) {
     if (faults.size() >= BusFaults::kMostFaults) {
       element.refuse("a bus has at most " + std::to_string(BusFaults::kMostFaults) + " faults");
@@ -98,57 +81,42 @@ void read_faults(const YamlValue& list, std::vector<BusFault>& faults) {
   });
 }
 
-BusSetting read_bus(const YamlValue& map, std::string name) {
-  BusSetting bus{.name = std::move(name)};
-  map.take_keys({{"name",
-                  [&](const YamlValue& value) {
-                    bus.name = value.text();
-                    if (is_bus_name(bus.name)) return;
-                    value.refuse("must be 1 to 16 letters, digits, '-', '_' or '.'");
-                  }},
-                 {"socketcand",
-                  [&](const YamlValue& value) {
-                    read_addresses(value, bus.socketcand);
-                  }},
-                 {"gateways",
-                  [&](const YamlValue& value) {
-                    read_addresses(value, bus.gateways);
-                  }},
-                 {"interfaces",
-                  [&](const YamlValue& value) {
-                    read_interfaces(value, bus.interfaces);
-                  }},
-                 {"node_offset",
-                  [&](const YamlValue& value) {
-                    bus.node_offset = read_offset(value);
-                  }},
-                 {"log",
-                  [&](const YamlValue& value) {
-                    bus.log = value.text();
-                    if (bus.log.empty()) value.refuse("must be the name of a file");
-                  }},
-                 {"disturb",
-                  [&](const YamlValue& value) {
-                    read_faults(value, bus.faults);
-                  }},
-                 {"benches", [&](const YamlValue& list) {
-                    list.for_each_element([&](const YamlValue& element) {
-                      bus.benches.push_back(read_bench(element));
-                    });
-                  }}});
-  return bus;
-}
+constexpr TextRule kBusName{.fits = is_bus_name,
+                            .refusal = "must be 1 to 16 letters, digits, '-', '_' or '.'"};
+constexpr TextRule kInterface{.if_empty = "must be the name of an interface, such as can0"};
 
-void read_buses(const YamlValue& list, std::vector<BusSetting>& buses) {
-  buses.clear();
+constexpr auto kBusRows = std::to_array<Row<BusSetting>>({
+    key<&BusSetting::name>("name", kBusName),
+    {.key = "socketcand", .then = read_addresses<&BusSetting::socketcand>},
+    {.key = "gateways", .then = read_addresses<&BusSetting::gateways>},
+    key<&BusSetting::interfaces>("interfaces", kInterface),
+    key<&BusSetting::node_offset>("node_offset", kNodeOffsets),
+    key<&BusSetting::log>("log", TextRule{.if_empty = "must be the name of a file"}),
+    {.key = "disturb", .then = read_faults},
+    {.key = "benches", .then = read_benches},
+});
+
+void read_buses(const YamlValue& list, Settings& settings) {
+  std::vector<BusSetting>& buses = settings.buses;
+  buses.clear();  // the key replaces, it does not add
   list.for_each_element([&](const YamlValue& element) {
-    buses.push_back(read_bus(element, "can" + std::to_string(buses.size())));
-    const BusSetting& last = buses.back();
-    if (std::ranges::count(buses, last.name, &BusSetting::name) > 1) {
-      element.refuse("another bus has the name " + in_quotes(last.name));
+    BusSetting bus{.name = "can" + std::to_string(buses.size())};
+    read_section(element, kBusRows, bus);
+    buses.push_back(bus);
+    if (std::ranges::count(buses, bus.name, &BusSetting::name) > 1) {
+      element.refuse("another bus has the name " + in_quotes(bus.name));
     }
   });
 }
+
+constexpr auto kRows = std::to_array<Row<Settings>>({
+    key<&Settings::is_private>("private"),
+    key<&Settings::clock>("clock", one_of<ClockMode::realtime, ClockMode::lockstep>),
+    key<&Settings::sync_steps>(
+        "sync_steps_us", IntegerLimits{kShortestSyncStep.count(), kLongestSyncStep.count(), "us"}),
+    key<&Settings::state>("state", TextRule{.if_empty = "must be the name of a directory"}),
+    {.key = "buses", .then = read_buses},
+});
 
 // ---- what several settings say together ------------------------------------------------------
 
@@ -271,30 +239,7 @@ void complete_private_benches(BusSetting& bus) {
 void read_settings(const std::string& text, const std::string& file, Settings& settings) {
   const YAML::Node document = vdrive::settings::read_yaml(text, file);
   if (document.IsNull()) return;
-  const YamlValue root(document, file, "");
-  root.take_keys(
-      {{"private",
-        [&](const YamlValue& value) {
-          settings.is_private = value.boolean();
-        }},
-       {"clock",
-        [&](const YamlValue& value) {
-          constexpr std::array kModes{ClockMode::realtime, ClockMode::lockstep};
-          settings.clock = kModes.at(value.choice({to_string(kModes[0]), to_string(kModes[1])}));
-        }},
-       {"sync_steps_us",
-        [&](const YamlValue& value) {
-          settings.sync_steps = std::chrono::microseconds(
-              value.integer({kShortestSyncStep.count(), kLongestSyncStep.count(), "us"}));
-        }},
-       {"state",
-        [&](const YamlValue& value) {
-          settings.state = value.text();
-          if (settings.state.empty()) value.refuse("must be the name of a directory");
-        }},
-       {"buses", [&](const YamlValue& value) {
-          read_buses(value, settings.buses);
-        }}});
+  read_section(YamlValue(document, file, ""), kRows, settings);
 }
 
 void complete_settings(Settings& settings) {
