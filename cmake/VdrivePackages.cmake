@@ -73,7 +73,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "The libraries for programs in C++: arc
 vdrive::client (sessions over DDS), vdrive::bench (a bench in the process of the
 program, without DDS) and vdrive::core (the drive alone).")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "libeigen3-dev (>= 3.4), libfastcdr-dev, libspdlog-dev, libyaml-cpp-dev")
+    "libeigen3-dev (>= 3.4), libspdlog-dev, libyaml-cpp-dev")
 # Of the component client: a program without DDS does not need them.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libfastrtps-dev (>= 2.9), libssl-dev, libtinyxml2-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS vdrive-doc)

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # Builds the web page of the gateway with npm and Vite, in WORK.
 #
-#   cmake -D SOURCE=DIRECTORY -D WORK=DIRECTORY -D STAMP=FILE -D NODE=PROGRAM -D NPM=PROGRAM
-#         -P build_page.cmake
+#   cmake -D SOURCE=DIRECTORY -D TABLES=FILE -D WORK=DIRECTORY -D STAMP=FILE -D NODE=PROGRAM
+#         -D NPM=PROGRAM -P build_page.cmake
 #
-# Makes WORK/dist and STAMP. Without node and npm, dist is empty. Where the packages cannot be
-# fetched, dist is empty and STAMP is not made: the next build tries again. A page that Vite refuses
-# is an error.
+# TABLES becomes src/data/tables.ts. Makes WORK/dist and STAMP. Without node and npm, dist is empty.
+# Where the packages cannot be fetched, dist is empty and STAMP is not made: the next build tries
+# again. A page that Vite refuses is an error.
 
 set(oldest_node 18)
 set(dist ${WORK}/dist)
@@ -20,6 +20,7 @@ endfunction()
 # The sources, and no file that the tree no longer has.
 file(REMOVE_RECURSE ${WORK}/src ${WORK}/public ${WORK}/test)
 file(COPY ${SOURCE}/ DESTINATION ${WORK} PATTERN node_modules EXCLUDE PATTERN dist EXCLUDE)
+file(COPY_FILE ${TABLES} ${WORK}/src/data/tables.ts)
 
 if(NOT NODE OR NOT NPM)
   give_up("node and npm are missing (deploy/setup.sh --page installs them)")

@@ -18,13 +18,11 @@ packages=(
   build-essential
   ccache
   cmake
-  fastddsgen # brings a Java runtime, through antlr4
   help2man
   libboost-dev # Beast, the web servers of the metrics and of the gateway; Asio, the servers of CANopen
   libcli11-dev
   libedit-dev # lines of the shell of the tool
   libeigen3-dev
-  libfastcdr-dev
   libfastrtps-dev
   libseccomp-dev # what each half of the service may ask of the kernel
   libspdlog-dev
@@ -37,6 +35,7 @@ packages=(
   nlohmann-json3-dev
   pkg-config
   prometheus-cpp-dev # text of the metrics
+  python3 # makes the messages of the IDL
   zlib1g-dev # check sums of recordings
 )
 test_packages=(
@@ -47,6 +46,7 @@ test_packages=(
   cyclonedds-dev # a second vendor's DDS
   cyclonedds-tools
   faketime # a clock that is ahead, for certificates that expire
+  fastddsgen # what Fast DDS makes of our IDL; brings a Java runtime, through antlr4
   fastdds-tools # the discovery server of the network tests
   fish # completion of the tool
   iproute2 # hosts of the network tests
@@ -54,6 +54,7 @@ test_packages=(
   libclang-rt-dev # sanitizers and fuzzers with clang
   libgmock-dev
   libgtest-dev
+  libfastcdr-dev # the encoder of Fast DDS, which ours is compared with
   librapidcheck-dev
   lld # links tests in a third of the time
   llvm # coverage of core/
@@ -61,7 +62,6 @@ test_packages=(
   mypy # the types of the Python module
   nftables # loss and blocked multicast in the network tests
   openssl # makes the material of the closed mode
-  python3 # the conformance and mutation checks, the list of the IDL's fields
   python3-can # a client of the CAN bus that others wrote
   python3-matplotlib # a plot of the documents
   python3-pip # the wheel

@@ -10,17 +10,23 @@
 #include <numeric>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
 namespace vdrive {
 
-template <auto kMember>
+/// The pointer to member `kField` of AxisStatus.
+template <std::size_t kField>
+inline constexpr auto kStatusPointer = std::get<kField>(kStatusFields).member;
+
+template <std::size_t kField>
 std::int64_t get_status_member(const AxisStatus& status) noexcept {
-  return status.*kMember;
+  return status.*kStatusPointer<kField>;
 }
 
-template <auto kMember>
+template <std::size_t kField>
 void set_status_member(AxisStatus& status, std::int64_t value) noexcept {
-  status.*kMember = static_cast<std::remove_reference_t<decltype(status.*kMember)>>(value);
+  auto& member = status.*kStatusPointer<kField>;
+  member = static_cast<std::remove_reference_t<decltype(member)>>(value);
 }
 
 template <typename Number>
@@ -37,44 +43,24 @@ constexpr DataType data_type_of() noexcept {
   }
 }
 
-template <auto kMember>
-constexpr StatusMember status_member(std::string_view name, bool is_published = true) {
-  const auto row = find_row(name);
-  return {.name = name,
+template <std::size_t kField>
+constexpr StatusMember status_member() {
+  constexpr auto kRow = std::get<kField>(kStatusFields);
+  const auto row = find_row(kRow.name);
+  return {.name = kRow.name,
           .address = row ? kObjectRows[*row].address : ObjectAddress{},
-          .data_type = data_type_of<std::remove_cvref_t<decltype(AxisStatus{}.*kMember)>>(),
-          .is_published = is_published,
-          .value = get_status_member<kMember>,
-          .set = set_status_member<kMember>};
+          .data_type = data_type_of<std::remove_cvref_t<decltype(AxisStatus{}.*kRow.member)>>(),
+          .is_published = kRow.is_published,
+          .value = get_status_member<kField>,
+          .set = set_status_member<kField>};
 }
 
-/// Every member of AxisStatus once, in the order of their declaration: the order of the check
-/// values of a journal.
-inline constexpr std::array<StatusMember, kStatusMembers> kStatusMemberTable{{
-    status_member<&AxisStatus::position_demand_value>("position_demand_value"),
-    status_member<&AxisStatus::load_position_actual_value>("load_position_actual_value"),
-    status_member<&AxisStatus::load_position_error_value>("load_position_error_value"),
-    status_member<&AxisStatus::motor_position_actual_value>("motor_position_actual_value"),
-    status_member<&AxisStatus::motor_position_error_value>("motor_position_error_value"),
-    status_member<&AxisStatus::velocity_demand_value>("velocity_demand_value"),
-    status_member<&AxisStatus::load_velocity_actual_value>("load_velocity_actual_value"),
-    status_member<&AxisStatus::load_velocity_error_value>("load_velocity_error_value"),
-    status_member<&AxisStatus::motor_velocity_actual_value>("motor_velocity_actual_value"),
-    status_member<&AxisStatus::motor_velocity_error_value>("motor_velocity_error_value"),
-    status_member<&AxisStatus::current_error_value>("current_error_value"),
-    status_member<&AxisStatus::current_actual_value>("current_actual_value"),
-    status_member<&AxisStatus::torque_actual_value>("torque_actual_value"),
-    status_member<&AxisStatus::torque_demand>("torque_demand"),
-    status_member<&AxisStatus::ds402_statusword>("ds402_statusword"),
-    status_member<&AxisStatus::ds402_controlword>("ds402_controlword", false),
-    status_member<&AxisStatus::error_code>("error_code"),
-    status_member<&AxisStatus::op_mode_actual>("op_mode_actual"),
-    status_member<&AxisStatus::motor_op_status>("motor_op_status"),
-    status_member<&AxisStatus::error_register>("error_register"),
-    status_member<&AxisStatus::digital_inputs>("digital_inputs"),
-    status_member<&AxisStatus::ignored_set_points>("ignored_set_points"),
-    status_member<&AxisStatus::fault_count>("fault_count"),
-}};
+/// The rows of kStatusFields with what the dictionary says about them.
+inline constexpr auto kStatusMemberTable =
+    []<std::size_t... kField>(std::index_sequence<kField...>) {
+  return std::array{status_member<kField>()...};
+}
+(std::make_index_sequence<kStatusMembers>{});
 
 static_assert(std::accumulate(kStatusMemberTable.begin(), kStatusMemberTable.end(), std::size_t{0},
                               [](std::size_t bytes, const StatusMember& member) {

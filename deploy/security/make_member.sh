@@ -99,8 +99,25 @@ run openssl ca -batch -notext -config "$work/ca.conf" -cert "$directory/identity
   -enddate "$(compact "$to")" -in "$work/request.pem" -out "$work/certificate.pem"
 subject=$(openssl x509 -in "$work/certificate.pem" -noout -subject -nameopt RFC2253)
 
-sed -e "s|@SUBJECT@|${subject#subject=}|; s|@NAME@|$name|" -e "s|@FROM@|$from|; s|@TO@|$to|" \
-  "$here/permissions_$role.xml" >"$work/permissions.xml"
+[[ -r $here/topics.txt ]] || fail "$here/topics.txt cannot be read"
+section() { # publish or subscribe, the side that publishes these topics, one topic more
+  printf '        <%s>\n          <topics>\n' "$1"
+  awk -v side="$2" -v more="${3-}" '$1 !~ /^#/ && ($2 == side || $1 == more) {
+    print "            <topic>vdrive/v1/" $1 "</topic>" }' "$here/topics.txt"
+  printf '          </topics>\n        </%s>\n' "$1"
+}
+case $role in
+  # It also receives bench_state, to detect another service with its number.
+  service) topics=$(section publish service && section subscribe client bench_state) ;;
+  controller) topics=$(section publish client && section subscribe service) ;;
+  viewer) topics=$(section subscribe service) ;;
+esac
+[[ $topics == *"<topic>"* ]] || fail "$here/topics.txt names no topic of a $role"
+while IFS= read -r line; do
+  if [[ $line == @TOPICS@ ]]; then echo "$topics"; else echo "$line"; fi
+done <"$here/permissions.xml" |
+  sed -e "s|@SUBJECT@|${subject#subject=}|; s|@NAME@|$name|" -e "s|@FROM@|$from|; s|@TO@|$to|" \
+    >"$work/permissions.xml"
 run openssl smime -sign -in "$work/permissions.xml" -text -out "$work/permissions.smime" \
   -signer "$directory/permissions_ca.pem" -inkey "$directory/permissions_ca_key.pem"
 

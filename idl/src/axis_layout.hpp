@@ -1,162 +1,143 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "status_members.hpp"
+#include "status_fields.hpp"
 #include "vdrive/axis_status.hpp"
-#include "vdrive/wire/codec.hpp"
+#include "vdrive/wire/cdr.hpp"
 #include "vdrive/wire/conversion.hpp"
 #include "vdrive/wire/status_frame.hpp"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <span>
-#include <tuple>
 #include <type_traits>
 #include <utility>
 
 /// The AxisStatus of the IDL as bytes, alone or in a sequence: copied between status images and
-/// samples, without a message object between them.
+/// samples, without a message object between them. Where each member stands follows from its
+/// description.
 namespace vdrive::wire {
 
 static_assert(std::endian::native == std::endian::little,
               "status samples are copied as they stand in memory and announced as CDR_LE");
 
-using Image = std::array<std::byte, sizeof(AxisStatus)>;
-
-/// What is in front of the members of the status image, in the order of the IDL; the gaps align the
-/// member behind them.
-template <std::size_t kGapBeforeTick>
-struct [[gnu::packed]] AxisHead {
-  std::uint32_t bench;
-  std::uint16_t axis;
-  std::array<std::byte, kGapBeforeTick> gap_before_tick;
-  std::uint64_t tick;
-  std::uint64_t owner_session;
-  std::uint32_t owner_epoch;
-  std::uint32_t gap_before_last_sequence;
-  std::uint64_t last_sequence;
-};
-
-/// Bytes that stand side by side in the image and in a sample.
+/// Bytes that stand side by side in the status image and in a sample.
 struct Piece {
   std::size_t in_image = 0;
-  std::size_t in_sample = 0;  ///< from the end of the head
-  std::size_t size = 0;       ///< 0 = no piece
+  std::size_t in_sample = 0;
+  std::size_t size = 0;
 };
 
-/// The members of the status image in a sample: what kWireStatusMembers says.
-struct MemberLayout {
-  std::array<Piece, std::tuple_size_v<decltype(kWireStatusMembers)>> pieces{};
-  std::size_t count = 0;  ///< of `pieces`
-  std::size_t gaps = 0;   ///< that align the member behind them
-  std::size_t gap = 0;    ///< where the last one begins, from the end of the head
-  std::size_t gap_size = 0;
-  std::size_t size = 0;  ///< of all
+/// An axis in a sample: which bytes of the status image stand where, and which bytes align the
+/// member after them. All from the beginning of the axis.
+struct AxisLayout {
+  std::array<Piece, kStatusMembers> pieces{};
+  std::size_t count = 0;        ///< of `pieces`
+  std::array<Piece, 4> gaps{};  ///< without `in_image`
+  std::size_t gap_count = 0;
+  std::size_t size = 0;
 };
 
-/// @return where the member is in an image: that of an image with 1 in every bit of it.
-template <typename Number>
-constexpr std::size_t place_in_image(Number AxisStatus::*member) {
-  AxisStatus status;
-  status.*member = static_cast<Number>(-1);
-  const auto image = std::bit_cast<Image>(status);
-  return static_cast<std::size_t>(std::ranges::find(image, std::byte{0xFF}) - image.begin());
-}
-
-/// CDR aligns a number to its size. Members that follow each other in image and sample are one
-/// piece: one copy, not one for each.
-constexpr MemberLayout layout_of_members() {
-  MemberLayout layout;
-  for_each_status_member([&layout]<typename Number>(Number AxisStatus::*member, const auto&) {
-    const std::size_t aligned =
-        (layout.size + sizeof(Number) - 1) / sizeof(Number) * sizeof(Number);
-    if (aligned != layout.size) {
-      ++layout.gaps;
-      layout.gap = layout.size;
-      layout.gap_size = aligned - layout.size;
-    }
-    const Piece next{
-        .in_image = place_in_image(member), .in_sample = aligned, .size = sizeof(Number)};
-    Piece* const last = layout.count == 0 ? nullptr : &layout.pieces[layout.count - 1];
-    if (last != nullptr && last->in_image + last->size == next.in_image &&
-        last->in_sample + last->size == next.in_sample) {
-      last->size += next.size;
-    } else {
-      layout.pieces[layout.count++] = next;
-    }
-    layout.size = aligned + sizeof(Number);
-  });
+/// Members that follow each other in image and sample are one piece: one copy, not one for each.
+constexpr AxisLayout layout_of_axis(std::size_t begin) {
+  AxisLayout layout;
+  for_each_member<msg::AxisStatus>(
+      [&]<typename Number>(const Member<msg::AxisStatus, Number>& member) {
+        const std::size_t gap = cdr_gap(begin + layout.size, sizeof(Number));
+        if (gap != 0) layout.gaps.at(layout.gap_count++) = {.in_sample = layout.size, .size = gap};
+        layout.size += gap;
+        if (const auto in_image = place_in_image(member.name)) {
+          Piece* const last = layout.count == 0 ? nullptr : &layout.pieces[layout.count - 1];
+          if (last != nullptr && last->in_image + last->size == *in_image &&
+              last->in_sample + last->size == layout.size) {
+            last->size += sizeof(Number);
+          } else {
+            layout.pieces.at(layout.count++) = {
+                .in_image = *in_image, .in_sample = layout.size, .size = sizeof(Number)};
+          }
+        }
+        layout.size += sizeof(Number);
+      });
   return layout;
 }
 
-inline constexpr MemberLayout kMembers = layout_of_members();
-static_assert(kMembers.gaps == 1, "put_axis fills one gap with zeros");
+/// An axis that begins at a multiple of 8 bytes (0), or 4 bytes after one (4).
+template <std::size_t kBegin>
+inline constexpr AxisLayout kAxisLayout = layout_of_axis(kBegin);
 
-/// Calls `visit` with each piece, known to the compiler: the copies become single instructions.
-template <typename Visit>
-void for_each_piece(const Visit& visit) noexcept {
+// Both end alike.
+inline constexpr std::size_t kEnd = kAxisLayout<0>.size % 8;
+static_assert(kEnd % 4 == 0 && (4 + kAxisLayout<4>.size) % 8 == kEnd,
+              "the member `bench` of the next axis follows without a gap");
+static_assert(kEncapsulation + kAxisLayout<0>.size == kAxisStatusSize);
+
+/// Where the members in front of the status image stand, from the beginning of the axis.
+template <std::size_t kBegin>
+struct AxisPlaces {
+  static constexpr std::size_t kBench = place_of_member<msg::AxisStatus>("bench", kBegin);
+  static constexpr std::size_t kAxis = place_of_member<msg::AxisStatus>("axis", kBegin);
+  static constexpr std::size_t kTick = place_of_member<msg::AxisStatus>("tick", kBegin);
+  static constexpr std::size_t kSession = place_of_member<msg::AxisStatus>("owner_session", kBegin);
+  static constexpr std::size_t kEpoch = place_of_member<msg::AxisStatus>("owner_epoch", kBegin);
+  static constexpr std::size_t kSequence =
+      place_of_member<msg::AxisStatus>("last_sequence", kBegin);
+};
+
+/// Calls `visit(kIndex)` with each index below `kCount`, known to the compiler: the copies become
+/// single instructions.
+template <std::size_t kCount, typename Visit>
+constexpr void for_each_index(const Visit& visit) noexcept {
   [&]<std::size_t... kIndex>(std::index_sequence<kIndex...>) {
     (visit(std::integral_constant<std::size_t, kIndex>{}), ...);
   }
-  (std::make_index_sequence<kMembers.count>{});
+  (std::make_index_sequence<kCount>{});
 }
 
-template <typename Head>
-constexpr std::size_t kSizeWith = sizeof(Head) + kMembers.size;
-
-// An axis that begins at a multiple of 8, and one that begins 4 bytes behind one. Both end alike:
-// the head ends at a multiple of 8.
-using AlignedAxis = AxisHead<2>;
-using ShiftedAxis = AxisHead<6>;
-inline constexpr std::size_t kEnd = kSizeWith<AlignedAxis> % 8;
-static_assert(kEnd % 4 == 0, "the member `bench` of the next axis follows without a gap");
-static_assert(offsetof(AlignedAxis, tick) % 8 == 0 && sizeof(AlignedAxis) % 8 == 0 &&
-              (4 + offsetof(ShiftedAxis, tick)) % 8 == 0 && (4 + sizeof(ShiftedAxis)) % 8 == 0);
-static_assert(kEncapsulation + kSizeWith<AlignedAxis> == kAxisStatusSize);
-
 /// Straight to its place: a copy of what was just written in small pieces would have to wait.
-template <typename Head>
+template <std::size_t kBegin>
 void put_axis(const AxisStatus& status, const AxisAddress& address, std::uint64_t tick,
               const Ownership& owner, std::byte* place) noexcept {
   const auto put = [place](std::size_t offset, const auto& value) {
     std::memcpy(place + offset, &value, sizeof value);
   };
-  put(offsetof(Head, bench), address.bench);
-  put(offsetof(Head, axis), address.axis);
-  put(offsetof(Head, gap_before_tick), decltype(Head::gap_before_tick){});
-  put(offsetof(Head, tick), tick);
-  put(offsetof(Head, owner_session), owner.session);
-  put(offsetof(Head, owner_epoch), owner.epoch);
-  put(offsetof(Head, gap_before_last_sequence), std::uint32_t{0});
-  put(offsetof(Head, last_sequence), owner.last_sequence);
-  put(sizeof(Head) + kMembers.gap, std::array<std::byte, kMembers.gap_size>{});
+  using Places = AxisPlaces<kBegin>;
+  put(Places::kBench, address.bench);
+  put(Places::kAxis, address.axis);
+  put(Places::kTick, tick);
+  put(Places::kSession, owner.session);
+  put(Places::kEpoch, owner.epoch);
+  put(Places::kSequence, owner.last_sequence);
+  for_each_index<kAxisLayout<kBegin>.gap_count>([&](auto index) {
+    constexpr Piece kGap = kAxisLayout<kBegin>.gaps[index];
+    put(kGap.in_sample, std::array<std::byte, kGap.size>{});
+  });
   const std::byte* const image = std::as_bytes(std::span(&status, 1)).data();
-  for_each_piece([&](auto index) {
-    constexpr Piece kPiece = kMembers.pieces[index];
-    std::memcpy(place + sizeof(Head) + kPiece.in_sample, image + kPiece.in_image, kPiece.size);
+  for_each_index<kAxisLayout<kBegin>.count>([&](auto index) {
+    constexpr Piece kPiece = kAxisLayout<kBegin>.pieces[index];
+    std::memcpy(place + kPiece.in_sample, image + kPiece.in_image, kPiece.size);
   });
 }
 
 /// Straight to its place, as put_axis. What a sample does not have stays as it is.
-template <typename Head>
+template <std::size_t kBegin>
 void get_axis(const std::byte* place, ReceivedStatus& received) noexcept {
   const auto get = [place](std::size_t offset, auto& value) {
     std::memcpy(&value, place + offset, sizeof value);
   };
-  get(offsetof(Head, bench), received.address.bench);
-  get(offsetof(Head, axis), received.address.axis);
-  get(offsetof(Head, tick), received.tick);
-  get(offsetof(Head, owner_session), received.owner.session);
-  get(offsetof(Head, owner_epoch), received.owner.epoch);
-  get(offsetof(Head, last_sequence), received.owner.last_sequence);
+  using Places = AxisPlaces<kBegin>;
+  get(Places::kBench, received.address.bench);
+  get(Places::kAxis, received.address.axis);
+  get(Places::kTick, received.tick);
+  get(Places::kSession, received.owner.session);
+  get(Places::kEpoch, received.owner.epoch);
+  get(Places::kSequence, received.owner.last_sequence);
   std::byte* const image = std::as_writable_bytes(std::span(&received.status, 1)).data();
-  for_each_piece([&](auto index) {
-    constexpr Piece kPiece = kMembers.pieces[index];
-    std::memcpy(image + kPiece.in_image, place + sizeof(Head) + kPiece.in_sample, kPiece.size);
+  for_each_index<kAxisLayout<kBegin>.count>([&](auto index) {
+    constexpr Piece kPiece = kAxisLayout<kBegin>.pieces[index];
+    std::memcpy(image + kPiece.in_image, place + kPiece.in_sample, kPiece.size);
   });
 }
 
@@ -177,9 +158,9 @@ class AxisSequence {
            std::uint64_t tick, const Ownership& owner, std::byte* first) const noexcept {
     std::byte* const place = first + place_of(position);
     if (is_aligned(position)) {
-      put_axis<AlignedAxis>(status, address, tick, owner, place);
+      put_axis<0>(status, address, tick, owner, place);
     } else {
-      put_axis<ShiftedAxis>(status, address, tick, owner, place);
+      put_axis<4>(status, address, tick, owner, place);
     }
   }
 
@@ -187,15 +168,15 @@ class AxisSequence {
   void get(std::size_t position, const std::byte* first, ReceivedStatus& received) const noexcept {
     const std::byte* const place = first + place_of(position);
     if (is_aligned(position)) {
-      get_axis<AlignedAxis>(place, received);
+      get_axis<0>(place, received);
     } else {
-      get_axis<ShiftedAxis>(place, received);
+      get_axis<4>(place, received);
     }
   }
 
  private:
   static constexpr std::size_t size_of(bool is_aligned) noexcept {
-    return is_aligned ? kSizeWith<AlignedAxis> : kSizeWith<ShiftedAxis>;
+    return is_aligned ? kAxisLayout<0>.size : kAxisLayout<4>.size;
   }
 
   /// The first axis begins where the sequence does, each other one where an axis ends.

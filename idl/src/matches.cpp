@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "matches.hpp"
+#include "vdrive/wire/matches.hpp"
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@ namespace vdrive::wire {
 
 void Matches::add(const EndpointId& endpoint) {
   const std::scoped_lock lock(mutex_);
-  std::erase(endpoints_, endpoint);  // a backend may report a match twice
+  std::erase(endpoints_, endpoint);  // DDS may report a match twice
   endpoints_.push_back(endpoint);
   changed_.notify_all();
 }

@@ -2,66 +2,65 @@
 #include "message_support.hpp"
 
 #include "vdrive/assert.hpp"
+#include "vdrive/wire/cdr.hpp"
+#include "vdrive_messages_description.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <tuple>
 
 namespace vdrive::wire {
 namespace {
 
+/// The key members are the first ones of a message.
 template <typename Message>
-constexpr MessageSupport support_of_row(const TopicRow<Message>& /*row*/) {
-  return {.largest_sample = largest_sample<Message>,
-          .encoded_size =
-              [](const void* message) {
-                return kEncapsulation +
-                       Message::getCdrSerializedSize(*static_cast<const Message*>(message));
-              },
-          .encode =
-              [](const void* message, std::span<std::byte> output) noexcept {
-                return write_sample(*static_cast<const Message*>(message), output);
-              },
-          .read =
-              [](std::span<const std::byte> sample, void* message) noexcept {
-                return read_sample(sample, *static_cast<Message*>(message));
-              },
-          .within_bounds =
-              [](const void* message) noexcept {
-                return Topic<Message>::kRow.within_bounds(*static_cast<const Message*>(message));
-              }};
+MessageKey key_of(std::span<const std::byte> sample) noexcept {
+  CdrReader reader(sample);
+  std::array<std::byte, kEncapsulation + kKeyHashSize> image{};
+  CdrWriter writer(image, CdrWriter::Order::big_endian);
+  for_each_member<Message>([&]<typename Value>(const Member<Message, Value>& member) {
+    if constexpr (CdrNumber<Value>) {
+      if (member.is_key) writer.put(reader.next<Value>());
+    }
+  });
+  ensure(writer.is_good(), "a key has at most 16 bytes");
+  MessageKey key{.bytes = {}, .size = writer.size() - kEncapsulation};
+  if (reader.is_good()) std::copy_n(image.begin() + kEncapsulation, key.size, key.bytes.begin());
+  return key;
 }
 
-constexpr std::array kSupport = std::apply(
-    [](const auto&... rows) {
-      return std::array{support_of_row(rows)...};
-    },
-    kTopicRows);
+template <typename Message>
+MessageSupport support_of_row(const TopicRow<Message>& /*row*/) {
+  return {.largest_sample = largest_sample<Message>(),
+          .encode =
+              [](const void* message, std::span<std::byte> output) noexcept {
+                CdrWriter writer(output);
+                writer.put(*static_cast<const Message*>(message));
+                return writer.size();
+              },
+          .decode =
+              [](std::span<const std::byte> sample, void* message) {
+                CdrReader reader(sample);
+                reader.get(*static_cast<Message*>(message));
+                return decoding_of(reader);
+              },
+          .key = key_of<Message>};
+}
 
 }  // namespace
 
 const MessageSupport& support_of(TopicId topic) noexcept {
-  ensure(static_cast<std::size_t>(topic) < kSupport.size(), "a topic has a row");
-  return kSupport[static_cast<std::size_t>(topic)];
+  static const std::array rows_of_support = std::apply(
+      [](const auto&... rows) {
+        return std::array{support_of_row(rows)...};
+      },
+      kTopicRows);
+  ensure(static_cast<std::size_t>(topic) < rows_of_support.size(), "a topic has a row");
+  return rows_of_support[static_cast<std::size_t>(topic)];
 }
 
-std::array<std::byte, kKeyHashSize> key_of(std::span<const std::byte> sample,
-                                           TopicKey key) noexcept {
-  std::array<std::byte, kKeyHashSize> hash{};
-  if (sample.size() < kEncapsulation + size_of_key(key)) return hash;
-  std::memcpy(hash.data(), &sample[kEncapsulation], size_of_key(key));
-  constexpr auto kSession = 8;  // behind the padding, which a sender may fill with anything
-  if (key == TopicKey::bench_and_session) {
-    std::fill(hash.begin() + 4, hash.begin() + kSession, std::byte{0});
-  }
-  const bool is_little = sample[1] != std::byte{0};
-  if (is_little) {
-    std::reverse(hash.begin(), hash.begin() + 4);
-    if (key == TopicKey::bench_and_number) std::swap(hash[4], hash[5]);
-    if (key == TopicKey::bench_and_session) std::reverse(hash.begin() + kSession, hash.end());
-  }
-  return hash;
+Decoding decoding_of(const CdrReader& reader) noexcept {
+  if (!reader.beyond_bound().empty()) return Decoding::beyond_bounds;
+  return reader.is_good() ? Decoding::good : Decoding::malformed;
 }
 
 }  // namespace vdrive::wire

@@ -2,64 +2,31 @@
 #include "vdrive/wire/reply.hpp"
 
 #include "axis_layout.hpp"
-#include "cdr.hpp"
+#include "vdrive/wire/cdr.hpp"
+#include "vdrive_messages_description.hpp"
+
+#include <tuple>
+#include <utility>
 
 namespace vdrive::wire {
 namespace {
 
-/// Everything in front of the axes, in the order of the IDL.
+/// Calls `visit(member)` with each member in front of the axes, which are the last one.
+template <typename Visit>
+void for_each_of_head(const Visit& visit) {
+  constexpr std::size_t kAxes = member_index<msg::Reply>("statuses");
+  static_assert(kAxes + 1 == std::tuple_size_v<decltype(Description<msg::Reply>::kMembers)>);
+  [&]<std::size_t... kMember>(std::index_sequence<kMember...>) {
+    (visit(std::get<kMember>(Description<msg::Reply>::kMembers)), ...);
+  }
+  (std::make_index_sequence<kAxes>{});
+}
+
 void put_head(const msg::Reply& reply, std::size_t axes, CdrWriter& writer) noexcept {
-  writer.put(reply.client());
-  writer.put(reply.request_id());
-  writer.put(reply.bench());
-  writer.put(reply.incarnation());
-  writer.put(reply.reason());
-  writer.put(reply.refused_axis());
-  writer.put(reply.owner_session());
-  writer.put(reply.tick());
-  writer.put(reply.epoch());
-  writer.put(reply.last_sequence());
-  writer.put(reply.missing_stepper());
-  writer.put(reply.snapshot());
-  writer.put(static_cast<std::uint32_t>(reply.objects().size()));
-  for (const msg::ObjectResult& object : reply.objects()) {
-    writer.put(object.axis());
-    writer.put(object.index());
-    writer.put(object.subindex());
-    writer.put(object.abort_code());
-    writer.put(object.value());
-  }
+  for_each_of_head([&](const auto& member) {
+    writer.put(reply.*member.pointer);
+  });
   writer.put(static_cast<std::uint32_t>(axes));
-}
-
-void read_members(CdrReader& reader, msg::Reply& reply) noexcept {
-  reply.client(reader.next<std::uint64_t>());
-  reply.request_id(reader.next<std::uint64_t>());
-  reply.bench(reader.next<std::uint32_t>());
-  reply.incarnation(reader.next<std::uint64_t>());
-  reply.reason(reader.next<std::uint32_t>());
-  reply.refused_axis(reader.next<std::uint16_t>());
-  reply.owner_session(reader.next<std::uint64_t>());
-  reply.tick(reader.next<std::uint64_t>());
-  reply.epoch(reader.next<std::uint32_t>());
-  reply.last_sequence(reader.next<std::uint64_t>());
-  reply.missing_stepper(reader.next<std::uint64_t>());
-  reply.snapshot(reader.next<std::uint64_t>());
-}
-
-/// @return false when there are too many.
-bool read_objects(CdrReader& reader, std::vector<msg::ObjectResult>& objects) {
-  const auto count = reader.next<std::uint32_t>();
-  if (count > msg::MAX_OBJECTS_PER_REQUEST) return false;
-  objects.resize(count);
-  for (msg::ObjectResult& object : objects) {
-    object.axis(reader.next<std::uint16_t>());
-    object.index(reader.next<std::uint16_t>());
-    object.subindex(reader.next<std::uint8_t>());
-    object.abort_code(reader.next<std::uint32_t>());
-    object.value(reader.next<std::int64_t>());
-  }
-  return true;
 }
 
 }  // namespace
@@ -80,7 +47,7 @@ std::size_t encode_reply(const msg::Reply& reply, std::span<const ShownAxis> axe
   std::byte* const first = output.data() + head.size();
   for (std::size_t position = 0; position < axes.size(); ++position) {
     const ShownAxis& axis = axes[position];
-    sequence.put(position, axis.status, {reply.bench(), axis.number}, axis.tick, axis.owner, first);
+    sequence.put(position, axis.status, {reply.bench, axis.number}, axis.tick, axis.owner, first);
   }
   return size;
 }
@@ -89,8 +56,9 @@ bool decode_reply(std::span<const std::byte> sample, msg::Reply& reply,
                   std::vector<ReceivedStatus>& axes) {
   CdrReader reader(sample);
   if (!reader.is_native()) return false;
-  read_members(reader, reply);
-  if (!read_objects(reader, reply.objects())) return false;
+  for_each_of_head([&](const auto& member) {
+    reader.get(member, reply.*member.pointer);
+  });
   const auto count = reader.next<std::uint32_t>();
   const std::size_t begin = reader.position();
   const AxisSequence sequence(begin - kEncapsulation);

@@ -3,41 +3,35 @@
 
 #include "axis_layout.hpp"
 #include "vdrive/assert.hpp"
-#include "vdrive/wire/codec.hpp"
-#include "vdrive_messages.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstring>
-#include <type_traits>
+#include <string_view>
 
 namespace vdrive::wire {
 namespace {
 
-constexpr std::array<std::byte, kEncapsulation> kLittleEndian{std::byte{0}, std::byte{1},
-                                                              std::byte{0}, std::byte{0}};
+/// Where a member of the frame stands in a sample.
+constexpr std::size_t place_of(std::string_view name) {
+  return kEncapsulation + place_of_member<msg::StatusFrame>(name);
+}
 
-struct FrameLayout {
-  std::uint32_t bench;
-  std::uint32_t skipped_ticks;
-  std::uint64_t incarnation;
-  std::uint64_t tick;
-  std::int64_t time_ns;
-  std::uint16_t part;
-  std::uint16_t parts;
-  std::uint32_t axes;  ///< length of the sequence
-};
-
-static_assert(sizeof(FrameLayout) == 40 && std::is_trivially_copyable_v<FrameLayout>);
-
-constexpr std::size_t kFirst = kEncapsulation + sizeof(FrameLayout);
-constexpr AxisSequence kAxes(sizeof(FrameLayout));
+constexpr std::size_t kPlaceOfBench = place_of("bench");
+constexpr std::size_t kPlaceOfSkippedTicks = place_of("skipped_ticks");
+constexpr std::size_t kPlaceOfIncarnation = place_of("incarnation");
+constexpr std::size_t kPlaceOfTick = place_of("tick");
+constexpr std::size_t kPlaceOfTimeNs = place_of("time_ns");
+constexpr std::size_t kPlaceOfPart = place_of("part");
+constexpr std::size_t kPlaceOfParts = place_of("parts");
+constexpr std::size_t kPlaceOfAxes = place_of("axes");
+constexpr std::size_t kFirst = kPlaceOfAxes + sizeof(std::uint32_t);
+constexpr AxisSequence kAxes(kFirst - kEncapsulation);
 
 }  // namespace
 
 std::size_t encoded_status_frame_size(std::size_t axes) noexcept {
-  return kEncapsulation + sizeof(FrameLayout) + kAxes.place_of(axes);
+  return kFirst + kAxes.place_of(axes);
 }
 
 std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick& axes,
@@ -47,18 +41,20 @@ std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick
          "each axis has a status, an owner and a number");
   const std::size_t size = encoded_status_frame_size(count);
   if (output.size() < size) return 0;
-  const FrameLayout frame{.bench = head.bench,
-                          .skipped_ticks = head.skipped_ticks,
-                          .incarnation = head.incarnation,
-                          .tick = head.tick,
-                          .time_ns = head.time_ns,
-                          .part = head.part,
-                          .parts = head.parts,
-                          .axes = static_cast<std::uint32_t>(count)};
-  std::byte* const place = output.data();
-  std::memcpy(place, kLittleEndian.data(), kEncapsulation);
-  std::memcpy(place + kEncapsulation, &frame, sizeof frame);
-  std::byte* const first = place + kEncapsulation + sizeof frame;
+  std::byte* const sample = output.data();
+  const auto put = [sample](std::size_t place, const auto& value) {
+    std::memcpy(sample + place, &value, sizeof value);
+  };
+  put(0, kLittleEndian);
+  put(kPlaceOfBench, head.bench);
+  put(kPlaceOfSkippedTicks, head.skipped_ticks);
+  put(kPlaceOfIncarnation, head.incarnation);
+  put(kPlaceOfTick, head.tick);
+  put(kPlaceOfTimeNs, head.time_ns);
+  put(kPlaceOfPart, head.part);
+  put(kPlaceOfParts, head.parts);
+  put(kPlaceOfAxes, static_cast<std::uint32_t>(count));
+  std::byte* const first = sample + kFirst;
   for (std::size_t axis = 0; axis < count; ++axis) {
     kAxes.put(axis, axes.status[axis], {head.bench, axes.numbers[axis]}, head.tick,
               axes.owners[axis], first);
@@ -71,7 +67,7 @@ std::size_t encode_axis_status(const AxisStatus& status, const AxisAddress& addr
                                std::span<std::byte> output) noexcept {
   if (output.size() < kAxisStatusSize) return 0;
   std::memcpy(output.data(), kLittleEndian.data(), kEncapsulation);
-  put_axis<AlignedAxis>(status, address, tick, owner, &output[kEncapsulation]);
+  put_axis<0>(status, address, tick, owner, &output[kEncapsulation]);
   return kAxisStatusSize;
 }
 
@@ -81,31 +77,33 @@ std::optional<StatusFrameView> StatusFrameView::of(std::span<const std::byte> sa
       !std::equal(kLittleEndian.begin(), kLittleEndian.begin() + 2, sample.begin())) {
     return std::nullopt;
   }
-  FrameLayout frame{};
-  std::memcpy(&frame, &sample[kEncapsulation], sizeof frame);
-  if (frame.axes > msg::MAX_AXES_PER_FRAME ||
-      sample.size() < encoded_status_frame_size(frame.axes)) {
+  const auto get = [&sample](std::size_t place, auto& value) {
+    std::memcpy(&value, &sample[place], sizeof value);
+  };
+  std::uint32_t axes = 0;
+  get(kPlaceOfAxes, axes);
+  if (axes > msg::MAX_AXES_PER_FRAME || sample.size() < encoded_status_frame_size(axes)) {
     return std::nullopt;
   }
   StatusFrameView view;
-  view.head_ = {.bench = frame.bench,
-                .skipped_ticks = frame.skipped_ticks,
-                .incarnation = frame.incarnation,
-                .tick = frame.tick,
-                .time_ns = frame.time_ns,
-                .part = frame.part,
-                .parts = frame.parts};
-  view.size_ = frame.axes;
+  get(kPlaceOfBench, view.head_.bench);
+  get(kPlaceOfSkippedTicks, view.head_.skipped_ticks);
+  get(kPlaceOfIncarnation, view.head_.incarnation);
+  get(kPlaceOfTick, view.head_.tick);
+  get(kPlaceOfTimeNs, view.head_.time_ns);
+  get(kPlaceOfPart, view.head_.part);
+  get(kPlaceOfParts, view.head_.parts);
+  view.size_ = axes;
   view.axes_ = sample.subspan(kFirst);
   return view;
 }
 
 std::uint16_t StatusFrameView::number(std::size_t position) const noexcept {
-  static_assert(offsetof(AlignedAxis, axis) == offsetof(ShiftedAxis, axis));
+  constexpr std::size_t kNumber = place_of_member<msg::AxisStatus>("axis");
+  static_assert(kNumber == place_of_member<msg::AxisStatus>("axis", 4));
   ensure(position < size_, "the frame has that many axes");
   std::uint16_t number = 0;
-  std::memcpy(&number, &axes_[kAxes.place_of(position) + offsetof(AlignedAxis, axis)],
-              sizeof number);
+  std::memcpy(&number, &axes_[kAxes.place_of(position) + kNumber], sizeof number);
   return number;
 }
 

@@ -348,10 +348,11 @@ LinkGraph documented_links() {
   return graph;
 }
 
-/// Programs, whose library has a row, examples and generated code.
+/// Programs, whose library has a row, examples and generated code; programs of the build itself.
 bool needs_no_row(const std::string& target) {
-  static const std::set<std::string> programs{"vdrive", "vdrived", "vdrive-canopen",
-                                              "vdrive-gateway", "vdrive-ros2"};
+  static const std::set<std::string> programs{"vdrive",         "vdrived",     "vdrive-canopen",
+                                              "vdrive-gateway", "vdrive-ros2", "make_page_tables",
+                                              "fill_template"};
   return programs.contains(target) || target.starts_with("example_") ||
          target.ends_with("messages");
 }

@@ -18,7 +18,7 @@ enum class Origin {
   system,       ///< <unistd.h>, <sys/socket.h>, and C's own <math.h>
   eigen,        ///< <Eigen/Core>, <unsupported/Eigen/MatrixFunctions>
   dds,          ///< Fast DDS, any other DDS
-  cdr,          ///< Fast CDR, the encoding of samples
+  cdr,          ///< "vdrive/wire/cdr.hpp", the encoding of samples: no network
   python,       ///< <pybind11/pybind11.h>, <Python.h>
   third_party,  ///< any other library: <spdlog/spdlog.h>
   core,         ///< "vdrive/axis_bank.hpp"
@@ -39,6 +39,7 @@ struct PrefixRow {
 
 // The first match counts.
 constexpr std::array kPrefixes{
+    PrefixRow{"vdrive/wire/cdr.hpp", Origin::cdr},
     PrefixRow{"vdrive/wire/", Origin::wire},
     PrefixRow{"vdrive/msg/", Origin::messages},
     PrefixRow{"vdrive_messages", Origin::messages},
@@ -52,7 +53,7 @@ constexpr std::array kPrefixes{
     PrefixRow{"unsupported/Eigen/", Origin::eigen},
     PrefixRow{"fastdds/", Origin::dds},
     PrefixRow{"fastrtps/", Origin::dds},
-    PrefixRow{"fastcdr/", Origin::cdr},
+    PrefixRow{"fastcdr/", Origin::dds},
     PrefixRow{"openssl/", Origin::dds},  // the cryptography of DDS Security
     PrefixRow{"dds/", Origin::dds},
     PrefixRow{"pybind11/", Origin::python},
@@ -97,7 +98,7 @@ struct RoomRow {
 constexpr std::array kCoreMay{Origin::standard, Origin::eigen, Origin::core, Origin::beside};
 constexpr std::array kIdlMay{Origin::standard, Origin::system,   Origin::cdr,   Origin::core,
                              Origin::wire,     Origin::messages, Origin::beside};
-// The backend that reaches a network.
+// Participants that reach a network.
 constexpr std::array kDdsMay{Origin::standard, Origin::system, Origin::cdr,      Origin::dds,
                              Origin::core,     Origin::wire,   Origin::messages, Origin::beside};
 constexpr std::array kServiceMay{Origin::standard,    Origin::system, Origin::eigen,
@@ -108,9 +109,11 @@ constexpr std::array kClientHeaderMay{Origin::standard, Origin::eigen, Origin::c
 // A client without our library: a DDS and the code that its compiler generates from the IDL.
 constexpr std::array kRawExampleMay{Origin::standard, Origin::system, Origin::dds,
                                     Origin::messages};
-// The formats do not use DDS: they get the data of a bench from the client library.
+// The formats do not use DDS: they get the data of a bench from the client library. Recorded
+// messages are encoded as samples are.
 constexpr std::array kRecordingMay{Origin::standard, Origin::system, Origin::third_party,
-                                   Origin::core,     Origin::client, Origin::beside};
+                                   Origin::core,     Origin::cdr,    Origin::client,
+                                   Origin::beside};
 constexpr std::array kClientMay{Origin::standard,    Origin::system, Origin::eigen,
                                 Origin::third_party, Origin::core,   Origin::wire,
                                 Origin::messages,    Origin::client, Origin::beside};
@@ -119,9 +122,10 @@ constexpr std::array kToolMay{
     Origin::standard, Origin::system,   Origin::eigen,  Origin::third_party, Origin::core,
     Origin::wire,     Origin::messages, Origin::client, Origin::bench,       Origin::beside};
 // A bridge reads a YAML file as the service does: with the same checks and the same words.
-constexpr std::array kBridgeMay{
-    Origin::standard, Origin::system,   Origin::eigen,  Origin::core,   Origin::third_party,
-    Origin::wire,     Origin::messages, Origin::client, Origin::beside, Origin::settings};
+constexpr std::array kBridgeMay{Origin::standard, Origin::system,      Origin::eigen,
+                                Origin::core,     Origin::third_party, Origin::cdr,
+                                Origin::wire,     Origin::messages,    Origin::client,
+                                Origin::beside,   Origin::settings};
 // Nodes are functions of frames, states and time.
 constexpr std::array kCanopenNodeMay{Origin::standard, Origin::core, Origin::beside};
 // That bridge makes benches of its own, for masters that are tested without a network.

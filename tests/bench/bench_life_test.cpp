@@ -711,11 +711,11 @@ TEST(BenchState, IsThereForEachReaderThatComes) {
   Session session = bench.session();
   for (int reader = 1; reader <= 5; ++reader) {
     ASSERT_TRUE(session.step(1, 1));
-    wire::Participant participant({.role = wire::Role::client, .bus = bench.bus()},
-                                  "vdrive client");
+    const auto participant =
+        wire::make_participant({.role = wire::Role::client, .bus = bench.bus()}, "vdrive client");
     std::atomic<int> states{0};
     const wire::Subscription<msg::BenchState> subscription(
-        participant, [&](const msg::BenchState& /*state*/, const wire::Source& /*source*/) {
+        *participant, [&](const msg::BenchState& /*state*/, const wire::Source& /*source*/) {
           ++states;
         });
     ASSERT_TRUE(session.step(1, 1));  // much earlier than 50 ms after the last state

@@ -16,7 +16,7 @@
 #include "vdrive/client/session.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/subscription.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -49,12 +49,13 @@ struct Followed {
 class States {
  public:
   explicit States(std::uint32_t domain)
-      : participant_({.domain = domain, .role = wire::Role::client}, "benchmark"),
-        states_(participant_, [this](const msg::BenchState& state, const wire::Source&) {
-          tick_ = state.tick();
-          overruns_ = state.overruns();
-          overflows_ = state.queue_overflows();
-          jumps_ = state.jumps();
+      : participant_(
+            wire::make_participant({.domain = domain, .role = wire::Role::client}, "benchmark")),
+        states_(*participant_, [this](const msg::BenchState& state, const wire::Source&) {
+          tick_ = state.tick;
+          overruns_ = state.overruns;
+          overflows_ = state.queue_overflows;
+          jumps_ = state.jumps;
         }) {}
 
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
@@ -71,7 +72,7 @@ class States {
   std::atomic<std::uint64_t> overruns_{0};
   std::atomic<std::uint64_t> overflows_{0};
   std::atomic<std::uint64_t> jumps_{0};
-  wire::Participant participant_;
+  std::unique_ptr<wire::Participant> participant_;
   wire::Subscription<msg::BenchState> states_;
 };
 

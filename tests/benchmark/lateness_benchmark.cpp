@@ -18,7 +18,7 @@
 #include "vdrive/client/session.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/subscription.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <pthread.h>
 #include <sched.h>
@@ -148,10 +148,11 @@ class BareLoop {
 class States {
  public:
   States()
-      : participant_({.domain = test::test_domain(), .role = wire::Role::client}, "benchmark"),
-        states_(participant_, [this](const msg::BenchState& state, const wire::Source&) {
+      : participant_(wire::make_participant(
+            {.domain = test::test_domain(), .role = wire::Role::client}, "benchmark")),
+        states_(*participant_, [this](const msg::BenchState& state, const wire::Source&) {
           const std::lock_guard lock(mutex_);
-          const auto& bins = state.lateness_histogram();
+          const auto& bins = state.lateness_histogram;
           std::copy_n(bins.begin(), std::min(bins.size(), kBins), late_.begin());
           has_arrived_ = true;
         }) {}
@@ -170,7 +171,7 @@ class States {
   std::mutex mutex_;
   Histogram late_{};
   bool has_arrived_ = false;
-  wire::Participant participant_;
+  std::unique_ptr<wire::Participant> participant_;
   wire::Subscription<msg::BenchState> states_;
 };
 

@@ -63,16 +63,16 @@ class MovingBench {
                                                                         {0x6040, 0x0F},
                                                                         {0x6040, 0x3F}}};
     msg::Request request;
-    request.client(1);
-    request.request_id(axis);
-    request.bench(1);
-    request.session(1);
-    request.kind(msg::REQUEST_WRITE);
+    request.client = 1;
+    request.request_id = axis;
+    request.bench = 1;
+    request.session = 1;
+    request.kind = msg::RequestKind::write;
     for (const auto& [index, value] : writes) {
-      auto& object = request.objects().emplace_back();
-      object.axis(axis);
-      object.index(index);
-      object.value(value);
+      auto& object = request.objects.emplace_back();
+      object.axis = axis;
+      object.index = index;
+      object.value = value;
     }
     inbox_.receive(request, {});
     constexpr std::uint16_t kRequestsPerTick = 64;

@@ -18,7 +18,6 @@
 #include "seam/wire_region.hpp"
 #include "streams/status_feed.hpp"
 #include "support/test_domain.hpp"
-#include "vdrive/wire/bytes_subscription.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/status_frame.hpp"
 #include "wire/wire_program.hpp"
@@ -73,18 +72,19 @@ std::vector<std::uint16_t> numbers(std::size_t axes) {
   node.read("bare_status", false, listener);
   client::StatusFeed feed({kBench, kIncarnation}, numbers(axes), 1);
   client::Observation observation;
-  wire::Participant participant({.domain = domain, .role = wire::Role::client}, "receiver");
-  const wire::BytesSubscription status(participant, wire::Topic<msg::StatusFrame>::kId,
-                                       {.take =
-                                            [&feed](std::span<const std::byte> sample) {
-                                              feed.on_frame(*wire::StatusFrameView::of(sample));
-                                            },
-                                        .deliver =
-                                            [&feed, &observation, &received](const wire::Source&) {
-                                              while (feed.take(observation)) {
-                                                received.axes += observation.axes.size();
-                                              }
-                                            }});
+  const auto participant =
+      wire::make_participant({.domain = domain, .role = wire::Role::client}, "receiver");
+  const auto status =
+      participant->make_reader(wire::Topic<msg::StatusFrame>::kId,
+                               {.take =
+                                    [&feed](std::span<const std::byte> sample) {
+                                      feed.on_frame(*wire::StatusFrameView::of(sample));
+                                    },
+                                .deliver =
+                                    [&feed, &observation, &received](const wire::Source&) {
+                                      while (feed.take(observation))
+                                        received.axes += observation.axes.size();
+                                    }});
   while (true) std::this_thread::sleep_for(1s);
 }
 

@@ -14,7 +14,7 @@
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
 #include "vdrive/wire/subscription.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -42,24 +42,25 @@ constexpr auto kPublishing = 10s;
 class Client {
  public:
   Client()
-      : participant_({.domain = test::test_domain(), .role = wire::Role::client}, "vdrive client"),
-        requests_(participant_),
-        frames_(participant_),
-        replies_(participant_,
+      : participant_(wire::make_participant(
+            {.domain = test::test_domain(), .role = wire::Role::client}, "vdrive client")),
+        requests_(*participant_),
+        frames_(*participant_),
+        replies_(*participant_,
                  [this](const msg::Reply& reply, const wire::Source&) {
-                   if (reply.client() != kSession) return;
+                   if (reply.client != kSession) return;
                    {
                      const std::lock_guard lock(mutex_);
                      reply_ = reply;
                    }
                    changed_.notify_all();  // as in the bare program: the lock is free then
                  }),
-        command_replies_(participant_, [](const msg::CommandReply&, const wire::Source&) {}),
-        descriptions_(participant_,
+        command_replies_(*participant_, [](const msg::CommandReply&, const wire::Source&) {}),
+        descriptions_(*participant_,
                       [this](const msg::BenchDescription& bench, const wire::Source& source) {
                         const std::lock_guard lock(mutex_);
                         bench_ = source;
-                        incarnation_ = bench.incarnation();
+                        incarnation_ = bench.incarnation;
                         changed_.notify_all();
                       }) {}
 
@@ -76,14 +77,14 @@ class Client {
   }
 
   msg::Reply exchange(msg::Request request) {
-    request.client(kSession);
-    request.session(kSession);
-    request.bench(1);
-    request.request_id(++last_request_);
+    request.client = kSession;
+    request.session = kSession;
+    request.bench = 1;
+    request.request_id = ++last_request_;
     static_cast<void>(requests_.write(request));
     std::unique_lock lock(mutex_);
     if (!changed_.wait_for(lock, 10s, [this] {
-          return reply_ && reply_->request_id() == last_request_;
+          return reply_ && reply_->request_id == last_request_;
         })) {
       std::cerr << "no reply\n";
       std::exit(1);
@@ -93,19 +94,19 @@ class Client {
 
   void send(std::uint32_t epoch, std::uint64_t sequence) {
     msg::CommandFrame frame;
-    frame.bench(1);
-    frame.incarnation(incarnation_);
-    frame.session(kSession);
-    frame.epoch(epoch);
-    frame.sequence_number(sequence);
-    auto& command = frame.axes().emplace_back();
-    command.axis(1);
-    command.members(msg::HAS_PROFILE_VELOCITY);
-    command.profile_velocity(static_cast<std::uint32_t>(1'000 + sequence % 10));
+    frame.bench = 1;
+    frame.incarnation = incarnation_;
+    frame.session = kSession;
+    frame.epoch = epoch;
+    frame.sequence_number = sequence;
+    auto& command = frame.axes.emplace_back();
+    command.axis = 1;
+    command.members = msg::HAS_PROFILE_VELOCITY;
+    command.profile_velocity = static_cast<std::uint32_t>(1'000 + sequence % 10);
     static_cast<void>(frames_.write(frame));
   }
 
-  [[nodiscard]] wire::Participant& participant() { return participant_; }
+  [[nodiscard]] wire::Participant& participant() { return *participant_; }
 
  private:
   std::mutex mutex_;
@@ -114,7 +115,7 @@ class Client {
   std::optional<wire::Source> bench_;
   std::uint64_t incarnation_ = 0;
   std::uint64_t last_request_ = 0;
-  wire::Participant participant_;
+  std::unique_ptr<wire::Participant> participant_;
   wire::Publication<msg::Request> requests_;
   wire::Publication<msg::CommandFrame> frames_;
   wire::Subscription<msg::Reply> replies_;
@@ -141,8 +142,8 @@ void measure_steps(Client& client) {
   const auto begin = Clock::now();
   for (int count = 0; count < kSteps; ++count) {
     msg::Request step;
-    step.kind(msg::REQUEST_STEP);
-    step.ticks(1);
+    step.kind = msg::RequestKind::step;
+    step.ticks = 1;
     const auto sent = Clock::now();
     static_cast<void>(client.exchange(step));
     times.push_back(microseconds_since(sent));
@@ -157,16 +158,16 @@ void measure_commands(Client& client) {
   std::uint64_t shown = 0;
   const wire::Subscription<msg::StatusFrame> status(
       client.participant(), [&](const msg::StatusFrame& frame, const wire::Source&) {
-        if (frame.axes().front().last_sequence() != shown) {
+        if (frame.axes.front().last_sequence != shown) {
           const std::lock_guard lock(mutex);
-          shown = frame.axes().front().last_sequence();
+          shown = frame.axes.front().last_sequence;
           changed.notify_one();
         }
       });
   msg::Request acquire;
-  acquire.kind(msg::REQUEST_ACQUIRE);
-  acquire.axes().push_back(1);
-  const std::uint32_t epoch = client.exchange(acquire).epoch();
+  acquire.kind = msg::RequestKind::acquire;
+  acquire.axes.push_back(1);
+  const std::uint32_t epoch = client.exchange(acquire).epoch;
   std::vector<double> times;
   for (std::uint64_t sequence = 1; sequence <= kCommands; ++sequence) {
     // Anywhere between two ticks.
@@ -194,7 +195,7 @@ void measure_publication(Client& client, const test::ServiceProcess& service) {
   const double alone = measure();
   const wire::Subscription<msg::StatusFrame> status(
       client.participant(), [&](const msg::StatusFrame& frame, const wire::Source&) {
-        axes += frame.axes().size();
+        axes += frame.axes.size();
       });
   static_cast<void>(
       const_cast<wire::Subscription<msg::StatusFrame>&>(status).wait_for_matched(1, 5s));

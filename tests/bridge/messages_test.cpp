@@ -2,8 +2,6 @@
 // Schemas and bytes of the messages that bridges publish.
 #include "messages.hpp"
 
-#include "cdr_writer.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,34 +19,6 @@ using testing::StartsWith;
 
 std::string bytes_of(const std::vector<int>& numbers) {
   return {numbers.begin(), numbers.end()};
-}
-
-TEST(CdrWriter, AlignsEachNumberToItsSize) {
-  std::string bytes;
-  CdrWriter writer(bytes);
-  writer.put(std::uint8_t{1});
-  writer.put(std::uint32_t{2});
-  writer.put(std::uint16_t{3});
-  writer.put(std::uint64_t{4});
-  EXPECT_EQ(bytes, bytes_of({0, 1, 0, 0,              // CDR, little-endian
-                             1, 0, 0, 0, 2, 0, 0, 0,  // three bytes of padding
-                             3, 0, 0, 0, 0, 0, 0, 0,  // six
-                             4, 0, 0, 0, 0, 0, 0, 0}));
-}
-
-TEST(CdrWriter, CountsTheZeroByteOfAText) {
-  std::string bytes;
-  CdrWriter writer(bytes);
-  writer.put(std::string_view("ab"));
-  EXPECT_EQ(bytes, bytes_of({0, 1, 0, 0, 3, 0, 0, 0, 'a', 'b', 0}));
-}
-
-TEST(CdrWriter, KeepsNegativeNumbers) {
-  std::string bytes;
-  CdrWriter writer(bytes);
-  writer.put(DataType::integer16, -2);
-  writer.put(DataType::integer8, -1);
-  EXPECT_EQ(bytes.substr(4), bytes_of({0xFE, 0xFF, 0xFF}));
 }
 
 /// The fields of a schema's own type, such as "int32 position_demand_value".
@@ -78,6 +48,20 @@ TEST(Schemas, HaveEveryPublishedMemberOfTheStatus) {
   EXPECT_THAT(axis, testing::Contains("uint16 ds402_statusword"));
   EXPECT_THAT(bench, testing::Contains("int8[] op_mode_actual"));
   EXPECT_THAT(trace, testing::Contains("uint64[] tick"));
+}
+
+TEST(Schemas, AreTheTextOfTheirFields) {
+  const std::string line(80, '=');
+  EXPECT_EQ(joint_states_schema().text,
+            "builtin_interfaces/Time timestamp\nfoxglove_msgs/JointState[] joints\n" + line +
+                "\nMSG: foxglove_msgs/JointState\nstring name\nfloat64 position\n"
+                "float64 velocity\nfloat64 acceleration\nfloat64 effort\n" +
+                line + "\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n");
+  EXPECT_EQ(log_schema().text,
+            "uint8 UNKNOWN=0\nuint8 DEBUG=1\nuint8 INFO=2\nuint8 WARNING=3\nuint8 ERROR=4\n"
+            "uint8 FATAL=5\nbuiltin_interfaces/Time timestamp\nuint8 level\nstring message\n"
+            "string name\nstring file\nuint32 line\n" +
+                line + "\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n");
 }
 
 TEST(Schemas, IncludeTheTypesThatTheyUse) {

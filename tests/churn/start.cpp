@@ -26,27 +26,27 @@ std::uint32_t members_of_set_point() {
 bool send(Probe& probe, const std::vector<std::uint16_t>& axes, std::uint16_t word, bool moves) {
   auto frame = probe.make_frame();
   for (const std::uint16_t axis : axes) {
-    auto& command = frame.axes().emplace_back();
-    command.axis(axis);
-    command.ds402_controlword(word);
-    command.members(msg::HAS_DS402_CONTROLWORD);
+    auto& command = frame.axes.emplace_back();
+    command.axis = axis;
+    command.ds402_controlword = word;
+    command.members = msg::HAS_DS402_CONTROLWORD;
     if (!moves) continue;
-    command.members(static_cast<std::uint16_t>(members_of_set_point()));
-    command.op_mode_cmd(1);
-    command.position_user_target_value(kFar);
-    command.profile_velocity(kSteadySpeed);
-    command.profile_acc(kRamp);
-    command.profile_dec(kRamp);
+    command.members = static_cast<std::uint16_t>(members_of_set_point());
+    command.op_mode_cmd = 1;
+    command.position_user_target_value = kFar;
+    command.profile_velocity = kSteadySpeed;
+    command.profile_acc = kRamp;
+    command.profile_dec = kRamp;
   }
-  const std::uint64_t sequence = frame.sequence_number();
+  const std::uint64_t sequence = frame.sequence_number;
   if (!probe.send(frame)) return false;
   const auto reply = probe.reply_to(sequence);
-  return reply && reply->refusals().empty();
+  return reply && reply->refusals.empty();
 }
 
 bool start_block(Probe& probe, const std::vector<std::uint16_t>& axes) {
   const auto acquired = probe.acquire(axes);
-  if (!acquired || acquired->reason() != msg::REASON_NONE) return false;
+  if (!acquired || acquired->reason != msg::Reason::none) return false;
   constexpr std::array<std::uint16_t, 3> kEnable{0x06, 0x07, 0x0F};
   for (const std::uint16_t word : kEnable) {
     if (!send(probe, axes, word, false)) return false;
@@ -79,7 +79,7 @@ int start(const Setting& setting, AxisRange range) {
     block.clear();
   }
   // Released axes keep their state: they continue to move.
-  const auto released = probe.exchange(probe.make_request(msg::REQUEST_RELEASE));
+  const auto released = probe.exchange(probe.make_request(msg::RequestKind::release));
   print_line({{"started", range.last - range.first + 1}});
   return released ? 0 : 1;
 }

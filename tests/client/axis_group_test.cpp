@@ -7,7 +7,7 @@
 #include "support/bench_on_wire.hpp"
 #include "support/effort.hpp"
 #include "vdrive/cia402/statusword.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -439,9 +439,9 @@ class Taker {
   [[nodiscard]] testing::AssertionResult is_named_by(const Outcome& outcome) const {
     const AxisOwner* const owner = outcome.owner();
     const bool is_named = outcome.kind() == OutcomeKind::refused &&
-                          outcome.code() == msg::REASON_NOT_OWNER && owner != nullptr &&
-                          owner->axis == AxisId{1, 2} && owner->session == session_.id() &&
-                          owner->name.has_value();
+                          outcome.code() == wire::number(msg::Reason::not_owner) &&
+                          owner != nullptr && owner->axis == AxisId{1, 2} &&
+                          owner->session == session_.id() && owner->name.has_value();
     return (is_named ? testing::AssertionSuccess() : testing::AssertionFailure())
            << outcome.message();
   }
@@ -998,7 +998,7 @@ TEST(TwoServices, StartInTheSameTickInRealTime) {
     const int before = jumps.count();
     DemandByTick seen;
     const Outcome moved = group->move_together(vector({target, target}), {.call = seen.options()});
-    if (moved.code() == msg::REASON_TOO_LATE) {
+    if (moved.code() == wire::number(msg::Reason::too_late)) {
       is_from_one_place = false;
       for (const char* axis : {"1.1", "2.1"}) {
         EXPECT_EQ(session.axis(axis)->read(kMoveDuration).value(), 0) << axis;

@@ -219,20 +219,20 @@ TEST(OldMaster, ChangesNothingAfterARestartOfTheService) {
   EXPECT_EQ(present->epoch, old.epoch);
   for (const std::uint16_t word : std::array<std::uint16_t, 3>{0x06, 0x07, 0x0F}) {
     auto frame = old.make_frame();
-    auto& command = frame.axes().emplace_back();
-    command.axis(1);
-    command.members(msg::HAS_DS402_CONTROLWORD);
-    command.ds402_controlword(word);
+    auto& command = frame.axes.emplace_back();
+    command.axis = 1;
+    command.members = msg::HAS_DS402_CONTROLWORD;
+    command.ds402_controlword = word;
     ASSERT_TRUE(old.send(frame));
-    const auto reply = old.reply_to(frame.sequence_number());
+    const auto reply = old.reply_to(frame.sequence_number);
     ASSERT_TRUE(reply) << "a refusal is answered";
-    ASSERT_FALSE(reply->refusals().empty());
-    EXPECT_EQ(reply->refusals()[0].reason(), msg::REASON_WRONG_INCARNATION);
+    ASSERT_FALSE(reply->refusals.empty());
+    EXPECT_EQ(reply->refusals[0].reason, msg::Reason::wrong_incarnation);
   }
   ASSERT_TRUE(present->step(3));
   const auto statusword = present->read(1, 0x6041);
   ASSERT_TRUE(statusword);
-  EXPECT_EQ(statusword->objects()[0].value(), 0x250) << "after a restart axes are disabled";
+  EXPECT_EQ(statusword->objects[0].value, 0x250) << "after a restart axes are disabled";
 }
 
 /// The changes of services that a session reports, in order.

@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which benches are present: judged by the age of samples.
+// Which benches are present: judged by the age of samples, and by who is on a bus.
 #include "presence/directory.hpp"
 
 #include "bench_messages.hpp"
+#include "vdrive/wire/local_bus.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive_messages_description.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
 
 namespace vdrive::client {
 namespace {
@@ -15,14 +22,14 @@ using testing::IsEmpty;
 using testing::SizeIs;
 
 TEST(Directory, NamesTheRunThatWasHeardLastAndWhetherItAnnouncedItsEnd) {
-  Directory sut;
+  Directory sut(by_age());
   EXPECT_EQ(sut.newest_run(1), (BenchKey{1, 0})) << "of a bench that nobody knows";
   auto message = description(1, 10);
   sut.on_description(message, kSource, kStart);
   sut.on_description(description(1, 9), kSource, kStart + 1s);
   EXPECT_EQ(sut.newest_run(1), (BenchKey{1, 9}));
   EXPECT_FALSE(sut.is_offline({1, 10}));
-  message.alive(false);
+  message.alive = false;
   sut.on_description(message, kSource, kStart + 2s);
   EXPECT_EQ(sut.newest_run(1), (BenchKey{1, 10}));
   EXPECT_TRUE(sut.is_offline({1, 10}));
@@ -30,7 +37,7 @@ TEST(Directory, NamesTheRunThatWasHeardLastAndWhetherItAnnouncedItsEnd) {
 }
 
 TEST(Directory, ListsABenchAfterItsDescriptionAndItsState) {
-  Directory sut;
+  Directory sut(by_age());
   sut.on_description(description(1, 10), kSource, kStart);
   EXPECT_THAT(sut.present(kStart), IsEmpty()) << "a description comes from the history";
   sut.on_state(state(1, 10, 7), kStart);
@@ -43,35 +50,54 @@ TEST(Directory, ListsABenchAfterItsDescriptionAndItsState) {
   EXPECT_EQ(benches[0].info.axes[0].id, (AxisId{1, 1}));
 }
 
+class DirectoryOnABus : public testing::Test {
+ protected:
+  [[nodiscard]] std::unique_ptr<wire::Participant> join(wire::Role role,
+                                                        const std::string& name) const {
+    wire::NetworkSettings settings;
+    settings.role = role;
+    settings.bus = bus_;
+    return wire::make_participant(settings, name);
+  }
+
+  std::shared_ptr<wire::LocalBus> bus_ = std::make_shared<wire::LocalBus>();
+  std::unique_ptr<wire::Participant> client_ = join(wire::Role::client, "vdrive client");
+  std::unique_ptr<wire::Participant> service_ = join(wire::Role::service, "vdrived 1");
+  Directory sut_{client_->presence()};
+};
+
+TEST_F(DirectoryOnABus, ListsABenchFromItsDescriptionUntilItsSenderLeaves) {
+  sut_.on_description(description(1, 10), service_->source(), kStart);
+  const auto later = kStart + 1h;
+  ASSERT_THAT(sut_.present(later), SizeIs(1)) << "no age judges it";
+  EXPECT_EQ(sut_.present(later)[0].info.sample_age, 0ms);
+  EXPECT_TRUE(sut_.is_alive({1, 10}, 1ms, later));
+  service_.reset();
+  EXPECT_THAT(sut_.present(later), IsEmpty());
+  EXPECT_FALSE(sut_.is_alive({1, 10}, 1h, later));
+  EXPECT_EQ(sut_.age({1, 10}, later), std::nullopt);
+}
+
 // Only a state has the rate: a session that comes to a paused bench would take it for one that
 // runs.
-TEST(Directory, ListsABenchInRealTimeWhoseSenderIsKnownToBeThereAfterItsState) {
-  const auto is_there = [](const wire::Source& source) {
-    return source == kSource;
-  };
-  Directory sut;
-  sut.on_description(description(1, 10), kSource, kStart);
-  msg::BenchDescription in_real_time = description(2, 10);
-  in_real_time.clock_mode(msg::CLOCK_MODE_REALTIME);
-  sut.on_description(in_real_time, kSource, kStart);
-  sut.confirm(kStart, std::nullopt, is_there);
-  ASSERT_THAT(sut.present(kStart), SizeIs(1)) << "the bench in lock-step";
-  msg::BenchState paused = state(2, 10);
-  paused.rate(0.0);
-  sut.on_state(paused, kStart);
-  sut.confirm(kStart + 10s, 1, is_there);
-  ASSERT_THAT(sut.present(kStart + 10s), SizeIs(1)) << "only the first was asked for";
-  sut.confirm(kStart + 10s, std::nullopt, is_there);
-  ASSERT_THAT(sut.present(kStart + 10s), SizeIs(2));
-  EXPECT_EQ(sut.present(kStart + 10s)[1].info.rate, 0.0);
+TEST_F(DirectoryOnABus, ListsABenchInRealTimeAfterItsState) {
+  msg::BenchDescription in_real_time = description(1, 10);
+  in_real_time.clock_mode = msg::ClockMode::realtime;
+  sut_.on_description(in_real_time, service_->source(), kStart);
+  EXPECT_THAT(sut_.present(kStart), IsEmpty());
+  msg::BenchState paused = state(1, 10);
+  paused.rate = 0.0;
+  sut_.on_state(paused, kStart);
+  ASSERT_THAT(sut_.present(kStart + 10s), SizeIs(1));
+  EXPECT_EQ(sut_.present(kStart + 10s)[0].info.rate, 0.0);
 }
 
 TEST(Directory, StoresTheUnitOfAnAxis) {
   msg::BenchDescription message = description(1, 10);
-  message.axes().front().unit_kind(msg::UNIT_LINEAR);
-  message.axes().front().unit_name("mm");
-  message.axes().front().unit_size(1'000.0);
-  Directory sut;
+  message.axes.front().unit_kind = msg::UnitKind::linear;
+  message.axes.front().unit_name = "mm";
+  message.axes.front().unit_size = 1'000.0;
+  Directory sut(by_age());
   sut.on_description(message, kSource, kStart);
   sut.on_state(state(1, 10), kStart);
   ASSERT_THAT(sut.present(kStart), SizeIs(1));
@@ -80,7 +106,7 @@ TEST(Directory, StoresTheUnitOfAnAxis) {
 }
 
 TEST(Directory, WaitsForEveryPartOfADescription) {
-  Directory sut;
+  Directory sut(by_age());
   sut.on_state(state(1, 10), kStart);
   sut.on_description(description(1, 10, 1, 2), kSource, kStart);
   EXPECT_THAT(sut.present(kStart), IsEmpty());
@@ -90,7 +116,7 @@ TEST(Directory, WaitsForEveryPartOfADescription) {
 }
 
 TEST(Directory, RemovesABenchThatSendsNothingForThreeHundredMilliseconds) {
-  Directory sut;
+  Directory sut(by_age());
   sut.on_description(description(1, 10), kSource, kStart);
   sut.on_state(state(1, 10), kStart);
   EXPECT_THAT(sut.present(kStart + 299ms), SizeIs(1));
@@ -99,8 +125,20 @@ TEST(Directory, RemovesABenchThatSendsNothingForThreeHundredMilliseconds) {
   EXPECT_THAT(sut.present(kStart + 500ms), SizeIs(1));
 }
 
+TEST(Directory, APauseOfThisProgramMakesNoSampleOlder) {
+  wire::PresenceByAge presence{{}};
+  Directory sut(presence);
+  sut.on_description(description(1, 10), kSource, presence.running_time(kStart));
+  sut.on_state(state(1, 10), presence.running_time(kStart));
+  const auto after = presence.running_time(kStart + 4s);
+  EXPECT_TRUE(sut.is_alive({1, 10}, 1500ms, after));
+  EXPECT_TRUE(sut.find(1, after)) << "it is there";
+  EXPECT_EQ(sut.age({1, 10}, after), wire::PresenceByAge::kPulse);
+  EXPECT_FALSE(sut.is_alive({1, 10}, 1500ms, after + 2s)) << "a silence while the program runs";
+}
+
 TEST(Directory, GivesTheAgeOfTheNewestSampleWithAndWithoutPassingTicks) {
-  Directory sut;
+  Directory sut(by_age());
   sut.on_description(description(1, 10), kSource, kStart);
   sut.on_state(state(1, 10, 7), kStart);
   EXPECT_EQ(sut.present(kStart + 40ms).at(0).info.sample_age, 40ms);
@@ -111,18 +149,18 @@ TEST(Directory, GivesTheAgeOfTheNewestSampleWithAndWithoutPassingTicks) {
 }
 
 TEST(Directory, RemovesABenchThatGoesOfflineAtOnce) {
-  Directory sut;
+  Directory sut(by_age());
   sut.on_description(description(1, 10), kSource, kStart);
   sut.on_state(state(1, 10), kStart);
   msg::BenchDescription goodbye = description(1, 10);
-  goodbye.alive(false);
+  goodbye.alive = false;
   sut.on_description(goodbye, kSource, kStart);
   EXPECT_THAT(sut.present(kStart), IsEmpty());
   EXPECT_FALSE(sut.is_alive({1, 10}, 1s, kStart));
 }
 
 TEST(Directory, ExpectsMoreOfABenchThatIsKnownInPart) {
-  Directory sut;
+  Directory sut(by_age());
   EXPECT_FALSE(sut.expects_more(kStart));
   sut.on_description(description(1, 10), kSource, kStart);
   EXPECT_TRUE(sut.expects_more(kStart)) << "described, no sample";
@@ -138,7 +176,7 @@ TEST(Directory, ExpectsMoreOfABenchThatIsKnownInPart) {
 }
 
 TEST(Directory, TreatsARestartAsAnotherRun) {
-  Directory sut;
+  Directory sut(by_age());
   sut.on_description(description(1, 10), kSource, kStart);
   sut.on_state(state(1, 10), kStart);
   sut.on_description(description(1, 11), kSource, kStart);
@@ -149,7 +187,7 @@ TEST(Directory, TreatsARestartAsAnotherRun) {
 }
 
 TEST(Directory, PrefersTheLowerIncarnationOfTwoBenchesWithOneNumber) {
-  Directory sut;
+  Directory sut(by_age());
   for (const std::uint64_t incarnation : {11U, 10U}) {
     sut.on_description(description(1, incarnation), kSource, kStart);
     sut.on_state(state(1, incarnation), kStart);
@@ -159,24 +197,46 @@ TEST(Directory, PrefersTheLowerIncarnationOfTwoBenchesWithOneNumber) {
 }
 
 TEST(Directory, CountsTheStartsOfTheNetworkProcessOfABench) {
-  Directory sut;
+  Directory sut(by_age());
   sut.on_description(description(1, 10), kSource, kStart);
   sut.note_sample({1, 10}, 1, kStart);
   EXPECT_EQ(sut.find(1, kStart)->info.wire_starts, 0U) << "no state has arrived";
   for (const std::uint64_t starts : {1U, 4U}) {
     msg::BenchState message = state(1, 10);
-    message.wire_starts(starts);
+    message.wire_starts = starts;
     sut.on_state(message, kStart);
     EXPECT_EQ(sut.find(1, kStart)->info.wire_starts, starts);
   }
 }
 
+TEST(Directory, HasTheValueOfEachFigureOfABench) {
+  Directory sut(by_age());
+  sut.on_description(description(1, 10), kSource, kStart);
+  sut.note_sample({1, 10}, 1, kStart);
+  EXPECT_EQ(sut.find(1, kStart)->info.figures, all_figures()) << "no state has arrived";
+  msg::BenchState message = state(1, 10);
+  std::vector<Figure> expected;
+  wire::for_each_figure<msg::BenchState>(
+      [&]<typename Value>(const wire::Member<msg::BenchState, Value>& member) {
+        message.*member.pointer = static_cast<Value>(expected.size() + 1);
+        expected.push_back({.name = member.name,
+                            .value = message.*member.pointer,
+                            .unit = member.unit,
+                            .help = member.help,
+                            .is_counter = member.figure == wire::FigureKind::counter,
+                            .is_headline = member.is_headline});
+      });
+  sut.on_state(message, kStart);
+  EXPECT_FALSE(expected.empty());
+  EXPECT_EQ(sut.find(1, kStart)->info.figures, expected);
+}
+
 TEST(Directory, SurvivesInvalidMessages) {
-  Directory sut;
+  Directory sut(by_age());
   msg::BenchDescription nonsense = description(1, 10, 5, 0);
-  nonsense.period_us(0);
-  nonsense.status_every_ticks(0);
-  nonsense.clock_mode(99);
+  nonsense.period_us = 0;
+  nonsense.status_every_ticks = 0;
+  nonsense.clock_mode = static_cast<msg::ClockMode>(99);
   sut.on_description(nonsense, kSource, kStart);
   sut.on_state(state(1, 10), kStart);
   EXPECT_THAT(sut.present(kStart), IsEmpty());
@@ -195,7 +255,7 @@ void announce(Directory& sut, std::uint64_t first, std::size_t count,
 }
 
 TEST(Directory, KeepsAtMostAThousandRunsAndDropsTheLongestSilentOne) {
-  Directory sut;
+  Directory sut(by_age());
   announce(sut, 1, kMostRuns, kStart);
   announce(sut, 1, 1, kStart + 1s);
   sut.on_state(state(1, 10), kStart + kForgetAfter);
@@ -208,7 +268,7 @@ TEST(Directory, KeepsAtMostAThousandRunsAndDropsTheLongestSilentOne) {
 }
 
 TEST(Directory, KeepsAPresentBenchDuringAFloodOfOtherBenches) {
-  Directory sut;
+  Directory sut(by_age());
   sut.on_description(description(1, 10), kSource, kStart);
   sut.on_state(state(1, 10), kStart);
   announce(sut, 1, 3 * kMostRuns, kStart + 100ms);
@@ -217,7 +277,7 @@ TEST(Directory, KeepsAPresentBenchDuringAFloodOfOtherBenches) {
 }
 
 TEST(Directory, KeepsAtMostFourThousandPartsOfDescriptions) {
-  Directory sut;
+  Directory sut(by_age());
   constexpr std::uint16_t kParts = 256;
   announce(sut, 1, kMostParts / kParts + 1, kStart, kParts);
   EXPECT_THAT(sut.present(kStart), SizeIs(1)) << "the first one is whole";
@@ -233,13 +293,13 @@ TEST(Directory, KeepsAtMostFourThousandPartsOfDescriptions) {
 
 // A state, then frames across a jump over 9,000 ticks, one of them late.
 TEST(Directory, CountsDriveTimeWithoutTheTicksThatTheNumberJumpedOver) {
-  Directory sut;
+  Directory sut(by_age());
   constexpr BenchKey kRun{1, 10};
   EXPECT_EQ(sut.driven_tick(kRun), std::nullopt);
   sut.on_description(description(1, 10), kSource, kStart);
   EXPECT_EQ(sut.driven_tick(kRun), std::nullopt) << "no sample has come";
   msg::BenchState first = state(1, 10, 500);
-  first.skipped_ticks(20);
+  first.skipped_ticks = 20;
   sut.on_state(first, kStart);
   EXPECT_EQ(sut.driven_tick(kRun), 500U);
   sut.note_time(kRun, {9'503, 9'020});

@@ -15,11 +15,11 @@ constexpr BenchKey kRun{1, 10};
 
 msg::Event event(std::uint64_t tick, std::uint32_t code, const BenchKey& run = kRun) {
   msg::Event event;
-  event.bench(run.number);
-  event.incarnation(run.incarnation);
-  event.tick(tick);
-  event.kind(msg::EVENT_FAULT);
-  event.code(code);
+  event.bench = run.number;
+  event.incarnation = run.incarnation;
+  event.tick = tick;
+  event.kind = msg::EventKind::fault;
+  event.code = code;
   return event;
 }
 

@@ -49,19 +49,19 @@ constexpr auto kDeadline = 20s;
 class Wire {
  public:
   explicit Wire(test::LocalInbox& inbox)
-      : participant_({.domain = test::test_domain()}, "wire"),
-        replies_(participant_),
-        command_replies_(participant_),
-        status_(participant_),
-        state_(participant_),
-        description_(participant_),
-        requests_(participant_,
+      : participant_(wire::make_participant({.domain = test::test_domain()}, "wire")),
+        replies_(*participant_),
+        command_replies_(*participant_),
+        status_(*participant_),
+        state_(*participant_),
+        description_(*participant_),
+        requests_(*participant_,
                   [&inbox, this](const msg::Request& request, const wire::Source& source) {
                     if (arrives()) inbox.receive(request, source);
                   }),
-        frames_(participant_,
+        frames_(*participant_,
                 [&inbox, this](const msg::CommandFrame& frame, const wire::Source& source) {
-                  if (frame.axes().empty() || arrives()) inbox.receive(frame, source);
+                  if (frame.axes.empty() || arrives()) inbox.receive(frame, source);
                 }) {}
 
   void announce(const msg::BenchDescription& description) { (void)description_.write(description); }
@@ -80,13 +80,13 @@ class Wire {
     }
     for (; const auto* const image = outbox.status.front(); outbox.status.pop()) {
       msg::StatusFrame frame;
-      frame.bench(kBench);
-      frame.incarnation(kIncarnation);
-      frame.tick(image->tick);
-      frame.parts(1);
+      frame.bench = kBench;
+      frame.incarnation = kIncarnation;
+      frame.tick = image->tick;
+      frame.parts = 1;
       for (std::size_t axis = 0; axis < image->status.size(); ++axis) {
         wire::to_message(image->status[axis], {kBench, static_cast<std::uint16_t>(axis + 1)},
-                         image->tick, image->owners[axis], frame.axes().emplace_back());
+                         image->tick, image->owners[axis], frame.axes.emplace_back());
       }
       (void)status_.write(frame);
     }
@@ -110,7 +110,7 @@ class Wire {
     return false;
   }
 
-  wire::Participant participant_;
+  std::unique_ptr<wire::Participant> participant_;
   wire::Publication<msg::Reply> replies_;
   wire::Publication<msg::CommandReply> command_replies_;
   wire::Publication<msg::StatusFrame> status_;
@@ -200,17 +200,17 @@ class Bench {
 
   [[nodiscard]] msg::BenchDescription description() const {
     auto message = client::description(kBench, kIncarnation);
-    message.clock_mode(configuration_.clock == service::ClockMode::lockstep
-                           ? msg::CLOCK_MODE_LOCKSTEP
-                           : msg::CLOCK_MODE_REALTIME);
-    message.axes().clear();
+    message.clock_mode = configuration_.clock == service::ClockMode::lockstep
+                             ? msg::ClockMode::lockstep
+                             : msg::ClockMode::realtime;
+    message.axes.clear();
     for (const auto& axis : configuration_.axes) {
-      auto& described = message.axes().emplace_back();
-      described.axis(axis.number);
-      described.name(axis.name);
+      auto& described = message.axes.emplace_back();
+      described.axis = axis.number;
+      described.name = axis.name;
     }
-    message.axis_count(static_cast<std::uint32_t>(message.axes().size()));
-    message.user_units_per_revolution(4096);
+    message.axis_count = static_cast<std::uint32_t>(message.axes.size());
+    message.user_units_per_revolution = 4096;
     return message;
   }
 

@@ -102,15 +102,15 @@ TEST_F(NamedSessions, ARobbedProgramReadsWhoHasTakenItsAxis) {
 
 TEST_F(NamedSessions, ASessionThatSaysNothingIsAnUnknownProgram) {
   constexpr std::uint64_t kOther = 0xAB;
-  wire::Participant other({.bus = test::local_bus()}, "other");
-  wire::Publication<msg::Request> requests(other);
+  const auto other = wire::make_participant({.bus = test::local_bus()}, "other");
+  wire::Publication<msg::Request> requests(*other);
   msg::Request request;
-  request.client(kOther);
-  request.request_id(1);
-  request.bench(1);
-  request.session(kOther);
-  request.kind(msg::REQUEST_ACQUIRE);
-  request.axes() = {1};
+  request.client = kOther;
+  request.request_id = 1;
+  request.bench = 1;
+  request.session = kOther;
+  request.kind = msg::RequestKind::acquire;
+  request.axes = {1};
   ASSERT_TRUE(requests.write(request));
   ASSERT_EQ(of_beta_.status().value().owner_session, kOther);
   const Outcome refused = of_beta_.enable();

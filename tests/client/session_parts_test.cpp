@@ -195,33 +195,33 @@ TEST(UnansweredMessages, CanBeAnsweredByAnotherThreadDuringRepetition) {
 
 constexpr std::array<std::uint16_t, 2> kAxes{1, 2};
 
-msg::CommandReply refusal(const BenchKey& key, std::uint64_t sequence, std::uint32_t reason) {
+msg::CommandReply refusal(const BenchKey& key, std::uint64_t sequence, msg::Reason reason) {
   msg::CommandReply reply;
-  reply.bench(key.number);
-  reply.incarnation(key.incarnation);
-  reply.sequence_number(sequence);
-  reply.refusals().emplace_back().reason(reason);
+  reply.bench = key.number;
+  reply.incarnation = key.incarnation;
+  reply.sequence_number = sequence;
+  reply.refusals.emplace_back().reason = reason;
   return reply;
 }
 
 TEST(Holdings, NumberTheFramesOfEachRunFromOne) {
   Holdings sut(99);
   EXPECT_EQ(sut.last_sequence(kBench), 0U);
-  EXPECT_EQ(sut.next_frame(kBench).sequence_number(), 1U);
-  EXPECT_EQ(sut.next_frame(kBench).sequence_number(), 2U);
-  EXPECT_EQ(sut.next_frame(kOtherBench).sequence_number(), 1U);
+  EXPECT_EQ(sut.next_frame(kBench).sequence_number, 1U);
+  EXPECT_EQ(sut.next_frame(kBench).sequence_number, 2U);
+  EXPECT_EQ(sut.next_frame(kOtherBench).sequence_number, 1U);
   EXPECT_EQ(sut.last_sequence(kBench), 2U);
-  EXPECT_EQ(sut.next_frame(kNextRun).sequence_number(), 1U);
+  EXPECT_EQ(sut.next_frame(kNextRun).sequence_number, 1U);
 }
 
 TEST(Holdings, PutSessionRunAndEpochIntoAFrame) {
   Holdings sut(99);
   sut.note_acquired(kBench, kAxes, 5, true);
   const msg::CommandFrame frame = sut.next_frame(kBench);
-  EXPECT_EQ(frame.session(), 99U);
-  EXPECT_EQ(frame.bench(), 1U);
-  EXPECT_EQ(frame.incarnation(), 10U);
-  EXPECT_EQ(frame.epoch(), 5U);
+  EXPECT_EQ(frame.session, 99U);
+  EXPECT_EQ(frame.bench, 1U);
+  EXPECT_EQ(frame.incarnation, 10U);
+  EXPECT_EQ(frame.epoch, 5U);
 }
 
 TEST(Holdings, LoseControlOnlyByARefusedFrameOfThePresentEpoch) {
@@ -229,11 +229,11 @@ TEST(Holdings, LoseControlOnlyByARefusedFrameOfThePresentEpoch) {
   (void)sut.next_frame(kBench);  // 1: of the epoch before
   sut.note_acquired(kBench, kAxes, 5, true);
   (void)sut.next_frame(kBench);  // 2
-  sut.note_answer(refusal(kBench, 1, msg::REASON_STALE_EPOCH));
-  sut.note_answer(refusal(kNextRun, 2, msg::REASON_STALE_EPOCH));
-  sut.note_answer(refusal(kBench, 2, msg::REASON_TOO_LATE));
+  sut.note_answer(refusal(kBench, 1, msg::Reason::stale_epoch));
+  sut.note_answer(refusal(kNextRun, 2, msg::Reason::stale_epoch));
+  sut.note_answer(refusal(kBench, 2, msg::Reason::too_late));
   EXPECT_TRUE(sut.holds(kBench, kAxes));
-  sut.note_answer(refusal(kBench, 2, msg::REASON_STALE_EPOCH));
+  sut.note_answer(refusal(kBench, 2, msg::Reason::stale_epoch));
   EXPECT_FALSE(sut.holds(kBench, kAxes));
   EXPECT_THAT(sut.to_keep_alive(), IsEmpty());
 }
@@ -243,7 +243,7 @@ TEST(Holdings, NeedKeepAlivesForHeldAxesUnderAWallClock) {
   sut.note_acquired(kBench, kAxes, 5, true);
   sut.note_acquired(kOtherBench, kAxes, 1, false);
   EXPECT_THAT(sut.to_keep_alive(), ElementsAre(kBench));
-  EXPECT_EQ(sut.next_keep_alive(kBench)->sequence_number(), 1U);
+  EXPECT_EQ(sut.next_keep_alive(kBench)->sequence_number, 1U);
   EXPECT_FALSE(sut.next_keep_alive(kNextRun)) << "another run has the number";
   EXPECT_THAT(sut.drop_all(),
               ElementsAre(Field(&GivenBack::key, kBench), Field(&GivenBack::key, kOtherBench)));

@@ -18,15 +18,15 @@ constexpr BenchKey kBench{1, 10};
 
 msg::StatusFrame frame(std::uint64_t tick, std::initializer_list<std::uint16_t> axes) {
   msg::StatusFrame message;
-  message.bench(kBench.number);
-  message.incarnation(kBench.incarnation);
-  message.tick(tick);
+  message.bench = kBench.number;
+  message.incarnation = kBench.incarnation;
+  message.tick = tick;
   for (const std::uint16_t axis : axes) {
     msg::AxisStatus status;
-    status.bench(kBench.number);
-    status.axis(axis);
-    status.tick(tick);
-    message.axes().push_back(status);
+    status.bench = kBench.number;
+    status.axis = axis;
+    status.tick = tick;
+    message.axes.push_back(status);
   }
   return message;
 }
@@ -177,7 +177,7 @@ TEST(StatusFeed, CountsSamplesOfAThinnedStream) {
 
 msg::StatusFrame frame_after_jumps(std::uint64_t tick, std::uint64_t skipped) {
   msg::StatusFrame message = frame(tick, {1});
-  message.skipped_ticks(static_cast<std::uint32_t>(skipped));
+  message.skipped_ticks = static_cast<std::uint32_t>(skipped);
   return message;
 }
 
@@ -214,10 +214,10 @@ TEST(StatusFeed, CountsAJumpOfDecades) {
 TEST(StatusFeed, IgnoresOtherBenchesOtherRunsAndOlderTicks) {
   Feed sut({1}, 1);
   msg::StatusFrame other = frame(5, {1});
-  other.bench(2);
+  other.bench = 2;
   sut.on_frame(other);
   msg::StatusFrame restarted = frame(5, {1});
-  restarted.incarnation(11);
+  restarted.incarnation = 11;
   sut.on_frame(restarted);
   EXPECT_FALSE(sut.take().has_value());
   sut.on_frame(frame(5, {1}));

@@ -29,15 +29,15 @@ constexpr std::uint32_t kBench = 1;
 
 msg::Reply reply_to(const msg::Request& request, std::uint64_t incarnation, std::int64_t value) {
   msg::Reply reply;
-  reply.client(request.client());
-  reply.request_id(request.request_id());
-  reply.bench(kBench);
-  reply.incarnation(incarnation);
-  for (const msg::ObjectAccess& object : request.objects()) {
-    msg::ObjectResult& result = reply.objects().emplace_back();
-    result.axis(object.axis());
-    result.index(object.index());
-    result.value(value);
+  reply.client = request.client;
+  reply.request_id = request.request_id;
+  reply.bench = kBench;
+  reply.incarnation = incarnation;
+  for (const msg::ObjectAccess& object : request.objects) {
+    msg::ObjectResult& result = reply.objects.emplace_back();
+    result.axis = object.axis;
+    result.index = object.index;
+    result.value = value;
   }
   return reply;
 }
@@ -57,15 +57,16 @@ sigset_t block_signal_to_describe() {
   std::mutex mutex;
   std::condition_variable arrived;
   std::deque<std::pair<msg::Request, wire::Source>> requests;
-  wire::Participant participant({.domain = domain}, name.empty() ? "wire double" : name);
-  wire::Publication<msg::Reply> replies(participant);
-  wire::Publication<msg::CommandReply> command_replies(participant);
-  wire::Publication<msg::BenchState> states(participant);
-  wire::Publication<msg::BenchDescription> descriptions(participant);
+  const auto participant =
+      wire::make_participant({.domain = domain}, name.empty() ? "wire double" : name);
+  wire::Publication<msg::Reply> replies(*participant);
+  wire::Publication<msg::CommandReply> command_replies(*participant);
+  wire::Publication<msg::BenchState> states(*participant);
+  wire::Publication<msg::BenchDescription> descriptions(*participant);
   const wire::Subscription<msg::CommandFrame> frames(
-      participant, [](const msg::CommandFrame& /*frame*/, const wire::Source& /*source*/) {});
+      *participant, [](const msg::CommandFrame& /*frame*/, const wire::Source& /*source*/) {});
   const wire::Subscription<msg::Request> reader(
-      participant, [&](const msg::Request& request, const wire::Source& source) {
+      *participant, [&](const msg::Request& request, const wire::Source& source) {
         const std::scoped_lock lock(mutex);
         requests.emplace_back(request, source);
         arrived.notify_one();
@@ -84,7 +85,7 @@ sigset_t block_signal_to_describe() {
     });
     for (; !requests.empty(); requests.pop_front()) {
       const auto& [request, source] = requests.front();
-      std::cout << "received " << request.request_id() << std::endl;  // NOLINT(*-avoid-endl)
+      std::cout << "received " << request.request_id << std::endl;  // NOLINT(*-avoid-endl)
       if (answer == 0) continue;
       (void)replies.wait_for_match(source, 1s);
       (void)replies.write(reply_to(request, incarnation, answer));

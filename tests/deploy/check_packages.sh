@@ -182,7 +182,7 @@ for file in "$unpacked"/usr/bin/* "$unpacked"/usr/lib/python3/dist-packages/vdri
   readelf --dynamic "$file" | grep -q BIND_NOW || fail "$program: not bound at the start"
   symbols=$(readelf --dyn-syms --wide "$file")
   grep -q __stack_chk_fail <<<"$symbols" || fail "$program: no stack protector"
-  # The backend of DDS alone copies into no buffer whose size the compiler knows and the copy may exceed.
+  # The part with DDS alone copies into no buffer whose size the compiler knows and the copy may exceed.
   [[ $program == libvdrive_dds.so ]] || grep -q '_chk@' <<<"$symbols" || fail "$program: no fortified functions"
   readelf --program-headers --wide "$file" | grep GNU_STACK | grep -q RWE && fail "$program: executable stack"
 done

@@ -18,7 +18,7 @@ POINTERS = ("participant", "publisher", "subscriber", "publisher_", "subscriber_
 CALL = re.compile(r"\b(" + "|".join(POINTERS) + r")\s*(?:->|\.)\s*(\w+)\(")
 CALL_OF_BASE = re.compile(r"\b(ChainingTransport)::(\w+)\(")
 # Of objects of idl/ and of containers that have the name of such a pointer.
-OWN_NAMES = {"entities", "begin", "size", "backend", "lost", "matches", "wait_for_acknowledged"}
+OWN_NAMES = {"entities", "begin", "size", "lost", "matches", "wait_for_acknowledged"}
 
 
 def rows_of(page):
@@ -47,9 +47,7 @@ def imports_of(archives):
     found = set()
     for line in output.splitlines():
         symbol = line.strip().removeprefix("U ").strip()
-        if symbol.startswith("eprosima::fastcdr::"):
-            found.add("eprosima::fastcdr")
-        elif symbol.startswith(("eprosima::", "MD5::")):
+        if symbol.startswith(("eprosima::", "MD5::")):
             found.add(short_name(symbol))
     return found
 

@@ -3,7 +3,6 @@
 // Bytes of unknown programs on every topic, and well-formed commands and requests among them. The
 // decoder refuses, or gives a message that can be written again; what receivers do with it is done:
 // the service validates, carries out and answers, a client puts status and benches together.
-#include "dds/message_type.hpp"
 #include "engine/bench_engine.hpp"
 #include "fuzz/support/bytes.hpp"
 #include "presence/directory.hpp"
@@ -15,10 +14,9 @@
 #include "vdrive/text.hpp"
 #include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/conversion.hpp"
+#include "vdrive/wire/presence_by_age.hpp"
 #include "vdrive/wire/reply.hpp"
 #include "vdrive/wire/status_frame.hpp"
-
-#include <fastdds/rtps/common/SerializedPayload.h>
 
 #include <array>
 #include <chrono>
@@ -35,7 +33,6 @@
 namespace {
 
 using namespace vdrive;
-using eprosima::fastrtps::rtps::SerializedPayload_t;
 using test::Bytes;
 using test::demand;
 
@@ -46,30 +43,16 @@ constexpr std::size_t kSessions = 3;
 constexpr int kMostActions = 48;
 constexpr std::uint64_t kMostTicks = 16;
 
-template <typename Message>
-bool decode(std::span<const std::uint8_t> data, Message& message) {
-  wire::MessageType<Message> type;
-  SerializedPayload_t payload(static_cast<std::uint32_t>(std::max<std::size_t>(data.size(), 1)));
-  std::copy(data.begin(), data.end(), payload.data);
-  payload.length = static_cast<std::uint32_t>(data.size());
-  return type.deserialize(&payload, &message);
-}
-
-template <typename Message>
-std::vector<std::uint8_t> encode(Message& message) {
-  wire::MessageType<Message> type;
-  SerializedPayload_t payload(type.getSerializedSizeProvider(&message)());
-  demand(type.serialize(&message, &payload), "a message can be written");
-  return {payload.data, payload.data + payload.length};
-}
-
 /// @return the same message after encoding and decoding.
 template <typename Message>
-Message sent(Message& message) {
-  const std::vector<std::uint8_t> bytes = encode(message);
+Message sent(const Message& message) {
+  std::vector<std::byte> bytes(wire::encoded_size(message));
+  demand(wire::encode(message, bytes) == bytes.size(), "a message can be written");
   Message received;
-  demand(decode(bytes, received), "what was written can be read");
-  demand(encode(received) == bytes, "reading what was written gives the same");
+  demand(wire::decode(bytes, received), "what was written can be read");
+  std::vector<std::byte> again(wire::encoded_size(received));
+  wire::encode(received, again);
+  demand(again == bytes, "reading what was written gives the same");
   return received;
 }
 
@@ -102,9 +85,15 @@ class Peers {
     handle_arrivals();
   }
 
+  /// Any bytes as the bench reads them.
+  void receive_by_bench(wire::TopicId topic, std::span<const std::byte> bytes) {
+    inbox_.receive_sample(topic, bytes, {});
+    handle_arrivals();
+  }
+
   void receive(const msg::CommandReply& reply) {
-    for (const auto& refusal : reply.refusals()) {
-      static_cast<void>(wire::describe_reason(refusal.reason()));
+    for (const auto& refusal : reply.refusals) {
+      static_cast<void>(wire::describe_reason(wire::number(refusal.reason)));
     }
   }
 
@@ -117,13 +106,13 @@ class Peers {
   /// Any bytes as a client reads them.
   void receive_reply(std::span<const std::byte> bytes) {
     if (!wire::decode_reply(bytes, reply_, shown_)) return;
-    directory_.note_sample({reply_.bench(), reply_.incarnation()}, reply_.tick(), now_);
-    static_cast<void>(wire::describe_reason(reply_.reason()));
+    directory_.note_sample({reply_.bench, reply_.incarnation}, reply_.tick, now_);
+    static_cast<void>(wire::describe_reason(wire::number(reply_.reason)));
     demand(shown_.size() <= msg::MAX_AXES_PER_FRAME, "a reply shows as many axes as it may");
   }
 
   void receive(const msg::StatusFrame& frame) {
-    directory_.note_sample({frame.bench(), frame.incarnation()}, frame.tick(), now_);
+    directory_.note_sample({frame.bench, frame.incarnation}, frame.tick, now_);
     std::vector<std::byte> sample(wire::encoded_size(frame));
     demand(wire::encode(frame, sample) == sample.size(), "a frame can be encoded");
     receive_status(sample);
@@ -148,7 +137,7 @@ class Peers {
 
   void receive(const msg::AxisParameters& /*parameters*/) {}
 
-  void receive(const msg::Event& event) { static_cast<void>(wire::describe_reason(event.code())); }
+  void receive(const msg::Event& event) { static_cast<void>(wire::describe_reason(event.code)); }
 
   void receive(const msg::BenchDescription& description) {
     directory_.on_description(description, {}, now_);
@@ -164,7 +153,7 @@ class Peers {
   void receive(const msg::SessionName& name) {
     static_cast<void>(names_.note(name));
     for (; names_.next() != nullptr; names_.pop()) {
-      demand(names_.next()->place() < service::SessionNames::kMost, "a session has a place");
+      demand(names_.next()->place < service::SessionNames::kMost, "a session has a place");
       msg::BenchSession passed_on = *names_.next();
       receive(sent(passed_on));
     }
@@ -172,7 +161,7 @@ class Peers {
 
   void receive(const msg::BenchSession& session) {
     for (const std::string& text :
-         {escaped(session.program().c_str()), escaped(session.host().c_str())}) {
+         {escaped(session.program.to_string()), escaped(session.host.to_string())}) {
       demand(is_utf8(text) && text.find('\n') == std::string::npos, "a name can be shown");
     }
   }
@@ -200,8 +189,8 @@ class Peers {
   void handle_arrivals() {
     while (service::Arrival* const arrival = inbox_.front()) {
       const bool is_request = arrival->kind == service::Arrival::Kind::request;
-      const std::uint64_t session = arrival->request.session();
-      const std::uint64_t number = arrival->request.request_id();
+      const std::uint64_t session = arrival->request.session;
+      const std::uint64_t number = arrival->request.request_id;
       if (service::StepRequests::is_for(*arrival)) {
         handle_step(*arrival);
       } else {
@@ -210,8 +199,8 @@ class Peers {
       inbox_.pop();
       if (is_request) {
         const auto* const answer = outbox_.replies.front();
-        demand(answer != nullptr && answer->reply.request_id() == number, "a request is answered");
-        epochs_[session] = answer->reply.epoch();
+        demand(answer != nullptr && answer->reply.request_id == number, "a request is answered");
+        epochs_[session] = answer->reply.epoch;
       }
       empty_outbox();
     }
@@ -248,13 +237,13 @@ class Peers {
     }
     for (; outbox_.status.front() != nullptr; outbox_.status.pop()) {
       msg::StatusFrame frame;
-      frame.bench(kBench);
-      frame.incarnation(kIncarnation);
+      frame.bench = kBench;
+      frame.incarnation = kIncarnation;
       const service::StatusImage& image = *outbox_.status.front();
-      frame.tick(image.tick);
+      frame.tick = image.tick;
       for (std::size_t axis = 0; axis < kAxes; ++axis) {
         wire::to_message(image.status[axis], {kBench, static_cast<std::uint16_t>(axis + 1)},
-                         image.tick, image.owners[axis], frame.axes().emplace_back());
+                         image.tick, image.owners[axis], frame.axes.emplace_back());
       }
       pass_on(frame);
     }
@@ -271,8 +260,6 @@ class Peers {
   /// What the bench sends is within the bounds, survives the wire and can be received.
   template <typename Message>
   void pass_on(Message& message) {
-    demand(wire::Topic<Message>::kRow.within_bounds(message),
-           "what the bench sends is within the bounds of the IDL");
     receive(sent(message));
   }
 
@@ -290,7 +277,8 @@ class Peers {
   test::LocalInbox inbox_;
   service::Outbox outbox_;
   service::BenchEngine engine_;
-  client::Directory directory_;
+  wire::PresenceByAge presence_{{}};
+  client::Directory directory_{presence_};
   client::StatusFeed feed_;
   msg::Reply reply_;
   std::vector<wire::ReceivedStatus> shown_;
@@ -307,13 +295,12 @@ void receive_raw(std::span<const std::uint8_t> data, Peers& peers) {
     peers.receive_status(std::as_bytes(data));
   }
   if constexpr (std::is_same_v<Message, msg::Reply>) peers.receive_reply(std::as_bytes(data));
-  Message message;
-  if (!decode(data, message)) return;
-  constexpr bool kIsForBench =
-      std::is_same_v<Message, msg::CommandFrame> || std::is_same_v<Message, msg::Request>;
-  if (kIsForBench || wire::Topic<Message>::kRow.within_bounds(message)) {
-    peers.receive(sent(message));
+  if constexpr (std::is_same_v<Message, msg::CommandFrame> ||
+                std::is_same_v<Message, msg::Request>) {
+    peers.receive_by_bench(wire::Topic<Message>::kId, std::as_bytes(data));
   }
+  Message message;
+  if (wire::decode(std::as_bytes(data), message)) peers.receive(sent(message));
 }
 
 using Receiver = void (*)(std::span<const std::uint8_t>, Peers&);
@@ -338,27 +325,28 @@ std::uint16_t axis_from(Bytes& bytes) {
 template <typename Object>
 void fill(Object& object, Bytes& bytes) {
   const ObjectAddress address = address_from(bytes);
-  object.index(address.index);
-  object.subindex(address.subindex);
-  object.value(bytes.take<std::int32_t>());
+  object.index = address.index;
+  object.subindex = address.subindex;
+  object.value = bytes.take<std::int32_t>();
 }
 
 /// A request as our client makes it.
 msg::Request request_from(Bytes& bytes) {
   msg::Request request;
-  request.client(1);
-  request.bench(kBench);
-  request.kind(static_cast<std::uint32_t>(bytes.below(msg::REQUEST_STEP + 2)));
-  request.request_id(bytes.take());
-  request.session(bytes.below(kSessions + 1));
-  request.ticks(bytes.below(kMostTicks));
-  request.last_sequence(bytes.below(4));
+  request.client = 1;
+  request.bench = kBench;
+  request.kind =
+      static_cast<msg::RequestKind>(bytes.below(wire::number(msg::RequestKind::step) + 2));
+  request.request_id = bytes.take();
+  request.session = bytes.below(kSessions + 1);
+  request.ticks = bytes.below(kMostTicks);
+  request.last_sequence = bytes.below(4);
   for (std::size_t count = bytes.below(4); count > 0; --count) {
-    request.axes().push_back(axis_from(bytes));
+    request.axes.push_back(axis_from(bytes));
   }
   for (std::size_t count = bytes.below(4); count > 0; --count) {
-    auto& object = request.objects().emplace_back();
-    object.axis(axis_from(bytes));
+    auto& object = request.objects.emplace_back();
+    object.axis = axis_from(bytes);
     fill(object, bytes);
   }
   return request;
@@ -367,28 +355,28 @@ msg::Request request_from(Bytes& bytes) {
 /// A frame as our client makes it, or one with a small error.
 msg::CommandFrame frame_from(Bytes& bytes, const Peers& peers, std::uint64_t sequence) {
   msg::CommandFrame frame;
-  frame.bench(kBench);
-  frame.incarnation(kIncarnation);
-  frame.session(bytes.below(kSessions + 1));
+  frame.bench = kBench;
+  frame.incarnation = kIncarnation;
+  frame.session = bytes.below(kSessions + 1);
   const std::uint8_t odd = bytes.take();
-  frame.epoch((odd & 0x10U) != 0 ? odd : peers.epoch(frame.session()));
-  frame.sequence_number((odd & 0x20U) != 0 ? odd : sequence);
-  frame.apply_at_tick((odd & 0x40U) != 0 ? peers.tick() + bytes.below(8) : 0);
-  frame.valid_until_tick((odd & 0x80U) != 0 ? peers.tick() + bytes.below(8) : 0);
-  frame.flags(odd & 0x0FU);
+  frame.epoch = (odd & 0x10U) != 0 ? odd : peers.epoch(frame.session);
+  frame.sequence_number = (odd & 0x20U) != 0 ? odd : sequence;
+  frame.apply_at_tick = (odd & 0x40U) != 0 ? peers.tick() + bytes.below(8) : 0;
+  frame.valid_until_tick = (odd & 0x80U) != 0 ? peers.tick() + bytes.below(8) : 0;
+  frame.flags = odd & 0x0FU;
   for (std::size_t count = bytes.below(4); count > 0; --count) {
-    auto& command = frame.axes().emplace_back();
-    command.axis(axis_from(bytes));
-    command.members(bytes.take());
-    command.ds402_controlword(bytes.take<std::uint16_t>());
-    command.op_mode_cmd(bytes.take<std::int8_t>());
-    command.position_user_target_value(bytes.take<std::int32_t>());
-    command.profile_velocity(bytes.take<std::uint32_t>());
-    command.profile_acc(bytes.take<std::uint32_t>());
-    command.profile_dec(bytes.take<std::uint32_t>());
-    command.positioning_option_code(bytes.take());
+    auto& command = frame.axes.emplace_back();
+    command.axis = axis_from(bytes);
+    command.members = bytes.take();
+    command.ds402_controlword = bytes.take<std::uint16_t>();
+    command.op_mode_cmd = bytes.take<std::int8_t>();
+    command.position_user_target_value = bytes.take<std::int32_t>();
+    command.profile_velocity = bytes.take<std::uint32_t>();
+    command.profile_acc = bytes.take<std::uint32_t>();
+    command.profile_dec = bytes.take<std::uint32_t>();
+    command.positioning_option_code = bytes.take();
     for (std::size_t objects = bytes.below(3); objects > 0; --objects) {
-      fill(command.objects().emplace_back(), bytes);
+      fill(command.objects.emplace_back(), bytes);
     }
   }
   return frame;

@@ -7,9 +7,9 @@
 #include "joint_path.hpp"
 #include "joint_tracker.hpp"
 #include "requests.hpp"
-#include "ros/endpoints.hpp"
-
-#include <fastdds/rtps/common/SerializedPayload.h>
+#include "ros_messages_description.hpp"
+#include "vdrive/wire/cdr.hpp"
+#include "vdrive/wire/ros_types.hpp"
 
 #include <algorithm>
 #include <array>
@@ -26,10 +26,10 @@
 namespace {
 
 using namespace vdrive::ros2;
-using eprosima::fastrtps::rtps::SerializedPayload_t;
 using vdrive::test::Bytes;
 using vdrive::test::demand;
 namespace ros = vdrive::ros;
+namespace wire = vdrive::wire;
 
 constexpr std::size_t kJoints = 4;
 
@@ -63,11 +63,9 @@ void check_sentence(const std::string& text) {
 
 template <typename Message>
 bool decode(std::span<const std::uint8_t> data, Message& message) {
-  ros::MessageType<Message> type;
-  SerializedPayload_t payload(static_cast<std::uint32_t>(std::max<std::size_t>(data.size(), 1)));
-  std::copy(data.begin(), data.end(), payload.data);
-  payload.length = static_cast<std::uint32_t>(data.size());
-  return type.deserialize(&payload, &message);
+  wire::CdrReader reader(std::as_bytes(data));
+  reader.get(message);
+  return reader.is_good();
 }
 
 /// @return small numbers most of the time, sometimes any double or a value on which a calculation
@@ -112,32 +110,32 @@ std::vector<std::string> take_names(Bytes& bytes) {
 
 ros::JointState take_state(Bytes& bytes) {
   ros::JointState message;
-  message.name(take_names(bytes));
-  message.position(take_array(bytes, message.name().size()));
-  message.velocity(take_array(bytes, message.name().size()));
-  message.effort(take_array(bytes, message.name().size()));
+  message.name = take_names(bytes);
+  message.position = take_array(bytes, message.name.size());
+  message.velocity = take_array(bytes, message.name.size());
+  message.effort = take_array(bytes, message.name.size());
   return message;
 }
 
 ros::JointTrajectory take_trajectory(Bytes& bytes) {
   constexpr std::size_t kMostPoints = 6;
   ros::JointTrajectory message;
-  message.joint_names(take_names(bytes));
-  const std::size_t joints = message.joint_names().size();
+  message.joint_names = take_names(bytes);
+  const std::size_t joints = message.joint_names.size();
   const std::size_t points = 1 + bytes.below(kMostPoints);
   std::int32_t seconds = 0;
   for (std::size_t i = 0; i < points; ++i) {
     ros::JointTrajectoryPoint point;
-    point.positions(take_array(bytes, joints));
-    point.velocities(take_array(bytes, joints));
-    point.accelerations(take_array(bytes, joints));
+    point.positions = take_array(bytes, joints);
+    point.velocities = take_array(bytes, joints);
+    point.accelerations = take_array(bytes, joints);
     const bool is_any = bytes.below(16) == 0;
     seconds = is_any ? bytes.take<std::int32_t>()
                      : static_cast<std::int32_t>(static_cast<std::uint32_t>(seconds) +
                                                  static_cast<std::uint32_t>(bytes.below(3)));
-    point.time_from_start().sec(seconds);
-    point.time_from_start().nanosec(bytes.take<std::uint32_t>());
-    message.points().push_back(std::move(point));
+    point.time_from_start.sec = seconds;
+    point.time_from_start.nanosec = bytes.take<std::uint32_t>();
+    message.points.push_back(std::move(point));
   }
   return message;
 }

@@ -6,6 +6,7 @@
 #include "schemas.hpp"
 #include "services.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive_messages_description.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -151,6 +152,19 @@ TEST(Schemas, HaveEachMemberOfTheirMessagesAndNoOther) {
       IsEmpty());
   EXPECT_THAT(differ(control_channel(), control_text({}, "client 1", false)), IsEmpty());
   EXPECT_THAT(differ(dictionary_channel(), dictionary_text()), IsEmpty());
+}
+
+TEST(StateOfABench, HasTheFiguresThatAreHeadlines) {
+  KnownBench bench = bench_of({"x"});
+  for (client::Figure& figure : bench.info.figures) figure.value = figure.name.size();
+  const Json state = Json::parse(state_text(bench.info, 1, {}, true));
+  wire::for_each_figure<msg::BenchState>([&](const wire::MemberTraits& figure) {
+    const std::string name(figure.name);
+    ASSERT_EQ(state.contains(name), figure.is_headline) << name;
+    if (figure.is_headline) EXPECT_EQ(state[name], name.size()) << name;
+  });
+  EXPECT_TRUE(state.contains("wire_starts"));
+  EXPECT_TRUE(state.contains("longest_silence_us"));
 }
 
 TEST(Services, HaveNamesTypesAndSchemas) {

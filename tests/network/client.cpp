@@ -268,7 +268,7 @@ class Holder {
   bool take() {
     if (!probe_.find_bench()) return false;
     const auto acquired = probe_.acquire({id_.axis});
-    if (!acquired || acquired->reason() != msg::REASON_NONE) return false;
+    if (!acquired || acquired->reason != msg::Reason::none) return false;
     // Resets a fault that the axis may have, then enables it.
     constexpr std::array<std::uint16_t, 5> kWords{0x00, 0x80, 0x06, 0x07, 0x0F};
     for (const std::uint16_t word : kWords) {
@@ -282,7 +282,7 @@ class Holder {
 
   void keep_alive() {
     auto frame = probe_.make_frame();
-    frame.flags(0);
+    frame.flags = 0;
     probe_.send(frame);
   }
 
@@ -291,25 +291,25 @@ class Holder {
     auto frame = probe_.make_frame();
     add(frame, 0x3F, target);
     const bool sent = probe_.send(frame);
-    const std::uint64_t sequence = frame.sequence_number();
+    const std::uint64_t sequence = frame.sequence_number;
     print({{"sent", sequence}, {"taken", sent}});
     waiting_.emplace_back([this, sequence] {
       const auto reply = probe_.reply_to(sequence);
       Json line{{"reply", sequence}, {"arrived", reply.has_value()}};
-      if (reply && !reply->refusals().empty()) line["reason"] = reply->refusals()[0].reason();
+      if (reply && !reply->refusals.empty()) line["reason"] = reply->refusals[0].reason;
       print(std::move(line));
     });
   }
 
  private:
   void add(msg::CommandFrame& frame, std::uint16_t word, std::optional<std::int32_t> target) const {
-    auto& command = frame.axes().emplace_back();
-    command.axis(id_.axis);
-    command.ds402_controlword(word);
-    command.members(msg::HAS_DS402_CONTROLWORD);
+    auto& command = frame.axes.emplace_back();
+    command.axis = id_.axis;
+    command.ds402_controlword = word;
+    command.members = msg::HAS_DS402_CONTROLWORD;
     if (target) {
-      command.position_user_target_value(*target);
-      command.members(msg::HAS_DS402_CONTROLWORD | msg::HAS_POSITION_USER_TARGET_VALUE);
+      command.position_user_target_value = *target;
+      command.members = msg::HAS_DS402_CONTROLWORD | msg::HAS_POSITION_USER_TARGET_VALUE;
     }
   }
 

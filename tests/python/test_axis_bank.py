@@ -375,10 +375,10 @@ thread.join()
 
 def test_no_session_no_thread_and_no_file_are_made():
     def entries():
-        return len(os.listdir("/proc/self/task")), len(os.listdir("/proc/self/fd"))
+        return {*os.listdir("/proc/self/task"), *os.listdir("/proc/self/fd")}
 
-    before = entries()
+    before = entries()  # a thread of an earlier test may still end
     bank = moving(64)
     bank.step(10)
     bank.restore(bank.snapshot())
-    assert entries() == before
+    assert entries() <= before

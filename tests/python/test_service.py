@@ -15,6 +15,9 @@ def test_the_bench_of_the_fixture_is_found_and_described(vdrive_bench, vdrive_se
     assert bench.clock_mode == "lockstep" and bench.period == 0.001
     assert [axis.id for axis in bench.axes] == ["1.1", "1.2"]
     assert bench.service_version == vdrive.__version__
+    assert bench.figures["wire_starts"] == bench.wire_starts
+    assert bench.figures["longest_silence_us"] == round(bench.longest_silence * 1e6)
+    assert all(type(value) is int for value in bench.figures.values())
     with vdrive.Session() as other:  # VDRIVE_DOMAIN is that of the bench
         assert [found.number for found in other.find_benches()] == [1]
 

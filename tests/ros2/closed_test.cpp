@@ -78,8 +78,8 @@ TEST_F(ClosedRosBench, OnlyShowsItsStateToTheIdentityOfAViewer) {
   peer.command({"x"}, {0.25});
   EXPECT_TRUE(peer.wait_for_log("joint x: is not under control of this bridge"));
   const auto state = peer.state("x");
-  EXPECT_THAT(state->position(), SizeIs(2));
-  EXPECT_THAT(state->effort(), IsEmpty()) << "the rated torque cannot be read";
+  EXPECT_THAT(state->position, SizeIs(2));
+  EXPECT_THAT(state->effort, IsEmpty()) << "the rated torque cannot be read";
   EXPECT_TRUE(peer.wait([&] {
     return peer.diagnosis("joint x") == "1 Switch on disabled";
   })) << peer.diagnosis("joint x");

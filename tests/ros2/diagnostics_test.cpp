@@ -22,8 +22,9 @@ struct Diagnosed : FakeBenches {
   std::string levels() {
     const auto array = diagnostics_of(benches.views(), "loopback only");
     std::string levels;
-    for (const auto& status : array.status()) levels += std::to_string(status.level());
-    return levels + " " + array.status()[1].message();
+    for (const auto& status : array.status)
+      levels += std::to_string(std::to_integer<int>(status.level));
+    return levels + " " + array.status[1].message;
   }
 };
 
@@ -69,12 +70,12 @@ TEST(JointState, HasTheMeasuredValuesOfTheLoadAndNoEffortWithoutARating) {
   BenchView view = fake.benches.views().at(1);
   const auto message = joint_state_of(view);
   ASSERT_TRUE(message);
-  EXPECT_EQ(message->name()[1], "y");
-  EXPECT_DOUBLE_EQ(message->position()[1], 0.5) << "500 units of 0.001 rad";
-  EXPECT_DOUBLE_EQ(message->velocity()[1], -0.25);
-  EXPECT_DOUBLE_EQ(message->effort()[1], 0.3) << "100 thousandths of 0.003 N.m";
+  EXPECT_EQ(message->name[1], "y");
+  EXPECT_DOUBLE_EQ(message->position[1], 0.5) << "500 units of 0.001 rad";
+  EXPECT_DOUBLE_EQ(message->velocity[1], -0.25);
+  EXPECT_DOUBLE_EQ(message->effort[1], 0.3) << "100 thousandths of 0.003 N.m";
   view.limits = nullptr;
-  EXPECT_TRUE(joint_state_of(view)->effort().empty());
+  EXPECT_TRUE(joint_state_of(view)->effort.empty());
   view.state = nullptr;
   EXPECT_FALSE(joint_state_of(view));
 }

@@ -41,9 +41,9 @@ std::optional<JointPlace> find_declared(const std::string& name, std::string& pr
 ros::JointState state(std::vector<std::string> names, std::vector<double> positions,
                       std::vector<double> velocities = {}) {
   ros::JointState message;
-  message.name(std::move(names));
-  message.position(std::move(positions));
-  message.velocity(std::move(velocities));
+  message.name = std::move(names);
+  message.position = std::move(positions);
+  message.velocity = std::move(velocities);
   return message;
 }
 
@@ -107,14 +107,14 @@ TEST(JointCommands, IgnoreAJointThatIsNamedTwice) {
 ros::JointTrajectory trajectory(std::vector<std::string> names, const std::vector<double>& times) {
   ros::JointTrajectory message;
   const std::size_t joints = names.size();
-  message.joint_names(std::move(names));
+  message.joint_names = std::move(names);
   for (const double time : times) {
     ros::JointTrajectoryPoint point;
-    point.positions(std::vector<double>(joints, time));
-    point.time_from_start().sec(static_cast<std::int32_t>(std::floor(time)));
-    point.time_from_start().nanosec(
-        static_cast<std::uint32_t>(std::llround((time - std::floor(time)) * 1e9)));
-    message.points().push_back(point);
+    point.positions = std::vector<double>(joints, time);
+    point.time_from_start.sec = static_cast<std::int32_t>(std::floor(time));
+    point.time_from_start.nanosec =
+        static_cast<std::uint32_t>(std::llround((time - std::floor(time)) * 1e9));
+    message.points.push_back(point);
   }
   return message;
 }
@@ -129,8 +129,8 @@ std::string problem_of(const ros::JointTrajectory& message, const FindJoint& fin
 TEST(Trajectory, HasItsJointsPointsAndTimes) {
   std::string problem;
   auto message = trajectory({"b", "a"}, {0.5, 1.25});
-  message.header().stamp().sec(3);
-  message.header().stamp().nanosec(7);
+  message.header.stamp.sec = 3;
+  message.header.stamp.nanosec = 7;
   const auto read = read_trajectory(message, find_plain, problem);
   ASSERT_TRUE(read) << problem;
   EXPECT_EQ(read->joints[0].place, 1U);
@@ -147,15 +147,15 @@ TEST(Trajectory, IsRefusedWithTheReason) {
   EXPECT_THAT(problem_of(trajectory({"a"}, {1.0, 1.0})), HasSubstr("time must rise"));
   EXPECT_THAT(problem_of(trajectory({"a"}, {2.0, 1.0})), HasSubstr("point 2 is at 1 s"));
   auto message = trajectory({"a"}, {1.0});
-  message.points()[0].positions()[0] = kNan;
+  message.points[0].positions[0] = kNan;
   EXPECT_THAT(problem_of(message), HasSubstr("positions that are not numbers"));
   message = trajectory({"a"}, {1.0});
-  message.points()[0].velocities({1.0, 2.0});
+  message.points[0].velocities = {1.0, 2.0};
   EXPECT_THAT(problem_of(message), HasSubstr("2 velocities for 1 joints"));
-  message.points()[0].velocities({1.0});
+  message.points[0].velocities = {1.0};
   EXPECT_THAT(problem_of(message), HasSubstr("must be at rest"));
   message = trajectory({"a"}, {1.0});
-  message.points()[0].effort({1.0});
+  message.points[0].effort = {1.0};
   EXPECT_THAT(problem_of(message), HasSubstr("effort"));
 }
 

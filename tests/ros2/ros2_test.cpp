@@ -142,12 +142,12 @@ ros::JointTrajectoryPoint point(double time, std::vector<double> positions,
                                 std::vector<double> velocities = {},
                                 std::vector<double> accelerations = {}) {
   ros::JointTrajectoryPoint point;
-  point.positions(std::move(positions));
-  point.velocities(std::move(velocities));
-  point.accelerations(std::move(accelerations));
-  point.time_from_start().sec(static_cast<std::int32_t>(std::floor(time)));
-  point.time_from_start().nanosec(
-      static_cast<std::uint32_t>(std::llround((time - std::floor(time)) * 1e9)));
+  point.positions = std::move(positions);
+  point.velocities = std::move(velocities);
+  point.accelerations = std::move(accelerations);
+  point.time_from_start.sec = static_cast<std::int32_t>(std::floor(time));
+  point.time_from_start.nanosec =
+      static_cast<std::uint32_t>(std::llround((time - std::floor(time)) * 1e9));
   return point;
 }
 
@@ -155,10 +155,10 @@ ros::JointTrajectory trajectory(std::vector<std::string> names,
                                 std::vector<ros::JointTrajectoryPoint> points,
                                 std::int64_t start = 0) {
   ros::JointTrajectory message;
-  message.joint_names(std::move(names));
-  message.points(std::move(points));
-  message.header().stamp().sec(static_cast<std::int32_t>(start / kSecond));
-  message.header().stamp().nanosec(static_cast<std::uint32_t>(start % kSecond));
+  message.joint_names = std::move(names);
+  message.points = std::move(points);
+  message.header.stamp.sec = static_cast<std::int32_t>(start / kSecond);
+  message.header.stamp.nanosec = static_cast<std::uint32_t>(start % kSecond);
   return message;
 }
 
@@ -213,15 +213,14 @@ TEST(Ros2, PublishesWholeArraysInTheUnitsOfTheJoints) {
            std::abs(*peer.position("arm") - kTurn / 4) < 1e-2;
   })) << *peer.position("lift");
   const auto state = peer.state("arm");
-  EXPECT_THAT(state->name(), ElementsAre("arm", "lift"));
-  EXPECT_THAT(state->position(), SizeIs(2));
-  EXPECT_THAT(state->velocity(), SizeIs(2));
-  EXPECT_THAT(state->effort(), SizeIs(2));
+  EXPECT_THAT(state->name, ElementsAre("arm", "lift"));
+  EXPECT_THAT(state->position, SizeIs(2));
+  EXPECT_THAT(state->velocity, SizeIs(2));
+  EXPECT_THAT(state->effort, SizeIs(2));
   // In realtime drive time is the time of the day.
   const auto now = std::chrono::duration_cast<std::chrono::seconds>(
       std::chrono::system_clock::now().time_since_epoch());
-  EXPECT_NEAR(static_cast<double>(state->header().stamp().sec()), static_cast<double>(now.count()),
-              20.0);
+  EXPECT_NEAR(static_cast<double>(state->header.stamp.sec), static_cast<double>(now.count()), 20.0);
   EXPECT_EQ(peer.clock(), 0) << "the clock is for drive time only";
 }
 
@@ -413,17 +412,17 @@ TEST(Ros2Commands, AreIgnoredAndLoggedWhenInvalid) {
   LockStep bench;
   RosPeer& peer = bench.peer();
   ros::JointState early;
-  early.name({"x"});
-  early.position({std::nan("")});
+  early.name = {"x"};
+  early.position = {std::nan("")};
   peer.command(early);
   peer.command({"elbow"}, {1.0});
   EXPECT_TRUE(peer.wait_for_log("joint 'elbow' is unknown"));
   peer.command({"x", "y"}, {1.0});
   EXPECT_TRUE(peer.wait_for_log("position has 1 values for 2 names"));
   ros::JointState mixed;
-  mixed.name({"x"});
-  mixed.position({1.0});
-  mixed.velocity({1.0});
+  mixed.name = {"x"};
+  mixed.position = {1.0};
+  mixed.velocity = {1.0};
   peer.command(mixed);
   EXPECT_TRUE(peer.wait_for_log("'x' has a position and a velocity: refused"));
   peer.command_velocity({"x"}, {1e6});
@@ -433,12 +432,12 @@ TEST(Ros2Commands, AreIgnoredAndLoggedWhenInvalid) {
     return peer.log().find("effort 1e+06") != std::string::npos;
   }));
   ros::JointState stamped;
-  stamped.name({"x"});
-  stamped.position({0.0});
-  stamped.header().stamp().sec(7);
+  stamped.name = {"x"};
+  stamped.position = {0.0};
+  stamped.header.stamp.sec = 7;
   peer.command(stamped);
-  stamped.header().stamp().sec(6);
-  stamped.position({3.0});
+  stamped.header.stamp.sec = 6;
+  stamped.position = {3.0};
   peer.command(stamped);
   EXPECT_TRUE(peer.wait_for_log("its stamp is 1 s earlier than that of the one before"));
   bench.stepper().step(100);
@@ -448,9 +447,9 @@ TEST(Ros2Commands, AreIgnoredAndLoggedWhenInvalid) {
 
 ros::JointState stamped_command(double position, std::int32_t seconds) {
   ros::JointState message;
-  message.name({"x"});
-  message.position({position});
-  message.header().stamp().sec(seconds);
+  message.name = {"x"};
+  message.position = {position};
+  message.header.stamp.sec = seconds;
   return message;
 }
 
@@ -618,7 +617,7 @@ TEST(Ros2Commands, ApplyAnEffortAndGoBackToPositions) {
     return bench.axis().status.torque_demand == 100;
   }));
   EXPECT_EQ(bench.axis().mode(), OperatingMode::cyclic_synchronous_torque);
-  EXPECT_NEAR(bench.peer().state("x")->effort()[0], 0.3, 0.02);
+  EXPECT_NEAR(bench.peer().state("x")->effort[0], 0.3, 0.02);
   bench.peer().command({"x"}, {0.1});
   EXPECT_TRUE(bench.stepper().step_until([&] {
     return bench.axis().status.position_demand_value == std::lround(0.1 / kUnit);
@@ -813,10 +812,10 @@ TEST(Ros2Trajectory, ThatStartsIn2038IsRefusedAndTheNextOneStarts) {
 /// A trajectory whose message has some 44 bytes a point.
 ros::JointTrajectory long_trajectory(std::size_t points) {
   ros::JointTrajectory message;
-  message.joint_names({"x"});
-  message.points().reserve(points);
+  message.joint_names = {"x"};
+  message.points.reserve(points);
   for (std::size_t i = 0; i < points; ++i) {
-    message.points().push_back(point(static_cast<double>(i + 1) * 1e-3, {0.0}));
+    message.points.push_back(point(static_cast<double>(i + 1) * 1e-3, {0.0}));
   }
   return message;
 }

@@ -29,7 +29,7 @@ std::vector<std::string> arguments_of(const std::string& words) {
 }
 
 std::int64_t nanoseconds(const ros::Time& time) {
-  return time.sec() * kSecond + time.nanosec();
+  return time.sec * kSecond + time.nanosec;
 }
 
 }  // namespace
@@ -68,16 +68,16 @@ void RunningBridge::kill() {
 }
 
 RosPeer::RosPeer(const std::string& name_space)
-    : participant_({.domain = test_domain()}, "ros node of a test"),
-      commands_(std::in_place, participant_, name_space + "/robot_joint_commands"),
-      trajectories_(participant_, name_space + "/joint_trajectory"),
-      enable_(participant_, name_space + "/enable"),
-      state_reader_(participant_, name_space + "/joint_states",
+    : participant_(wire::make_participant({.domain = test_domain()}, "ros node of a test")),
+      commands_(std::in_place, *participant_, name_space + "/robot_joint_commands"),
+      trajectories_(*participant_, name_space + "/joint_trajectory"),
+      enable_(*participant_, name_space + "/enable"),
+      state_reader_(*participant_, name_space + "/joint_states",
                     [this](const ros::JointState& message, const wire::WriterId& /*writer*/) {
                       take([&] {
                         ++count_;
                         for (ros::JointState& known : states_) {
-                          if (known.name() != message.name()) continue;
+                          if (known.name != message.name) continue;
                           known = message;
                           return;
                         }
@@ -85,22 +85,22 @@ RosPeer::RosPeer(const std::string& name_space)
                       });
                     }),
       diagnostics_reader_(
-          participant_, "/diagnostics",
+          *participant_, "/diagnostics",
           [this](const ros::DiagnosticArray& message, const wire::WriterId& /*writer*/) {
             take([&] {
               diagnostics_ = message;
             });
           }),
-      log_reader_(participant_, "/rosout",
+      log_reader_(*participant_, "/rosout",
                   [this](const ros::Log& message, const wire::WriterId& /*writer*/) {
                     take([&] {
-                      log_ += message.msg() + "\n";
+                      log_ += message.msg + "\n";
                     });
                   }),
-      clock_reader_(participant_, "/clock",
+      clock_reader_(*participant_, "/clock",
                     [this](const ros::Clock& message, const wire::WriterId& /*writer*/) {
                       take([&] {
-                        clock_ = nanoseconds(message.clock());
+                        clock_ = nanoseconds(message.clock);
                       });
                     }) {}
 
@@ -122,48 +122,47 @@ bool RosPeer::wait_for_bridge() {
 
 void RosPeer::command(const std::vector<std::string>& names, const std::vector<double>& positions) {
   ros::JointState message;
-  message.name(names);
-  message.position(positions);
+  message.name = names;
+  message.position = positions;
   command(message);
 }
 
 void RosPeer::command_velocity(const std::vector<std::string>& names,
                                const std::vector<double>& velocities) {
   ros::JointState message;
-  message.name(names);
-  message.velocity(velocities);
+  message.name = names;
+  message.velocity = velocities;
   command(message);
 }
 
 void RosPeer::command_effort(const std::vector<std::string>& names,
                              const std::vector<double>& efforts) {
   ros::JointState message;
-  message.name(names);
-  message.effort(efforts);
+  message.name = names;
+  message.effort = efforts;
   command(message);
 }
 
 void RosPeer::enable(bool value) {
   ros::Bool message;
-  message.data(value);
+  message.data = value;
   (void)enable_.write(message);
 }
 
 std::optional<ros::JointState> RosPeer::state(const std::string& joint) const {
   const std::scoped_lock lock(mutex_);
   for (const ros::JointState& known : states_) {
-    if (std::ranges::count(known.name(), joint) > 0) return known;
+    if (std::ranges::count(known.name, joint) > 0) return known;
   }
   return std::nullopt;
 }
 
 std::optional<double> RosPeer::value(const std::string& joint,
-                                     const std::vector<double>& (ros::JointState::*member)()
-                                         const) const {
+                                     std::vector<double> ros::JointState::*member) const {
   const auto newest = state(joint);
   if (!newest) return std::nullopt;
-  const auto place = std::ranges::find(newest->name(), joint) - newest->name().begin();
-  return ((*newest).*member)().at(static_cast<std::size_t>(place));
+  const auto place = std::ranges::find(newest->name, joint) - newest->name.begin();
+  return ((*newest).*member).at(static_cast<std::size_t>(place));
 }
 
 std::optional<double> RosPeer::position(const std::string& joint) const {
@@ -176,9 +175,9 @@ std::optional<double> RosPeer::velocity(const std::string& joint) const {
 
 std::string RosPeer::diagnosis(const std::string& name) const {
   const std::scoped_lock lock(mutex_);
-  for (const ros::DiagnosticStatus& status : diagnostics_.status()) {
-    if (status.name() == "vdrive_ros2: " + name) {
-      return std::to_string(status.level()) + " " + status.message();
+  for (const ros::DiagnosticStatus& status : diagnostics_.status) {
+    if (status.name == "vdrive_ros2: " + name) {
+      return std::to_string(std::to_integer<int>(status.level)) + " " + status.message;
     }
   }
   return {};
@@ -215,7 +214,7 @@ bool RosPeer::wait(const std::function<bool()>& condition) const {
 bool RosPeer::wait_for_stamp(const std::string& joint, std::int64_t time) const {
   return wait([&] {
     const auto newest = state(joint);
-    return newest && nanoseconds(newest->header().stamp()) >= time;
+    return newest && nanoseconds(newest->header.stamp) >= time;
   });
 }
 

@@ -98,8 +98,7 @@ class RosPeer {
   }
 
   [[nodiscard]] std::optional<double> value(const std::string& joint,
-                                            const std::vector<double>& (ros::JointState::*member)()
-                                                const) const;
+                                            std::vector<double> ros::JointState::*member) const;
 
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
@@ -108,7 +107,7 @@ class RosPeer {
   ros::DiagnosticArray diagnostics_;
   std::string log_;
   std::int64_t clock_ = 0;
-  wire::Participant participant_;
+  std::unique_ptr<wire::Participant> participant_;
   std::optional<ros::Publication<ros::JointState>> commands_;
   ros::Publication<ros::JointTrajectory> trajectories_;
   ros::Publication<ros::Bool> enable_;

@@ -31,12 +31,12 @@ struct Moved : FakeBenches {
   void send(std::vector<std::string> names, std::vector<double> positions, double arrival = 1.0,
             std::int64_t stamp = 0) {
     ros::JointTrajectory message;
-    message.header().stamp(ros_time(stamp));
-    message.joint_names(std::move(names));
+    message.header.stamp = ros_time(stamp);
+    message.joint_names = std::move(names);
     ros::JointTrajectoryPoint point;
-    point.time_from_start().sec(static_cast<std::int32_t>(arrival));
-    point.positions(std::move(positions));
-    message.points({point});
+    point.time_from_start.sec = static_cast<std::int32_t>(arrival);
+    point.positions = std::move(positions);
+    message.points = {point};
     trajectories.take(message, {});
     turn();
   }

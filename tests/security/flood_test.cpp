@@ -7,7 +7,7 @@
 #include "vdrive/wire/library_log.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,6 +23,7 @@
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <random>
 #include <sstream>
@@ -44,9 +45,9 @@ constexpr std::size_t kLeeway = std::size_t{16} * 1024;  // [kB]
 class Flooder {
  public:
   Flooder()
-      : participant_({.domain = test_domain()}, "flooder"),
-        requests_(participant_),
-        frames_(participant_) {}
+      : participant_(wire::make_participant({.domain = test_domain()}, "flooder")),
+        requests_(*participant_),
+        frames_(*participant_) {}
 
   [[nodiscard]] bool is_received(std::chrono::milliseconds within = 30s) {
     return requests_.wait_for_matched(1, within) && frames_.wait_for_matched(1, within);
@@ -59,29 +60,29 @@ class Flooder {
 
   [[nodiscard]] std::uint64_t random() { return random_(); }
 
-  [[nodiscard]] wire::Source source() const { return participant_.source(); }
+  [[nodiscard]] wire::Source source() const { return participant_->source(); }
 
-  [[nodiscard]] msg::Request request(std::uint32_t kind) {
+  [[nodiscard]] msg::Request request(msg::RequestKind kind) {
     msg::Request request;
-    request.kind(kind);
-    request.client(random() | 1U);
-    request.session(random() | 1U);
-    request.request_id(random());
-    request.bench(1);
+    request.kind = kind;
+    request.client = random() | 1U;
+    request.session = random() | 1U;
+    request.request_id = random();
+    request.bench = 1;
     return request;
   }
 
   [[nodiscard]] msg::CommandFrame frame() {
     msg::CommandFrame frame;
-    frame.bench(1);
-    frame.session(random() | 1U);
-    frame.sequence_number(random());
-    frame.flags(msg::FRAME_WANT_REPLY);
+    frame.bench = 1;
+    frame.session = random() | 1U;
+    frame.sequence_number = random();
+    frame.flags = msg::FRAME_WANT_REPLY;
     return frame;
   }
 
  private:
-  wire::Participant participant_;
+  std::unique_ptr<wire::Participant> participant_;
   wire::Publication<msg::Request> requests_;
   wire::Publication<msg::CommandFrame> frames_;
   std::mt19937_64 random_{1};
@@ -89,20 +90,20 @@ class Flooder {
 
 msg::ObjectAccess statusword() {
   msg::ObjectAccess access;
-  access.axis(1);
-  access.index(0x6041);
+  access.axis = 1;
+  access.index = 0x6041;
   return access;
 }
 
 void fill(msg::CommandFrame& frame, std::size_t axes, std::size_t objects) {
   msg::ObjectValue value;
-  value.index(0x6081);
-  value.value(1);
+  value.index = 0x6081;
+  value.value = 1;
   msg::AxisCommand command;
-  command.objects().assign(objects, value);
+  command.objects.assign(objects, value);
   for (std::size_t axis = 1; axis <= axes; ++axis) {
-    command.axis(static_cast<std::uint16_t>(axis));
-    frame.axes().push_back(command);
+    command.axis = static_cast<std::uint16_t>(axis);
+    frame.axes.push_back(command);
   }
 }
 
@@ -117,15 +118,15 @@ std::vector<Flood> floods() {
       {"SessionsThatAcquire", "realtime",
        [](Flooder& flooder, Probe&) {
          for (int count = 0; count < 3'000; ++count) {
-           auto request = flooder.request(msg::REQUEST_TAKE_OVER);
-           request.axes().push_back(1);
+           auto request = flooder.request(msg::RequestKind::take_over);
+           request.axes.push_back(1);
            flooder.send(request);
          }
        }},
       {"RequestsWhoseAnswersNobodyReads", "realtime",
        [](Flooder& flooder, Probe&) {
-         auto request = flooder.request(msg::REQUEST_READ);
-         request.objects().assign(msg::MAX_OBJECTS_PER_REQUEST, statusword());
+         auto request = flooder.request(msg::RequestKind::read);
+         request.objects.assign(msg::MAX_OBJECTS_PER_REQUEST, statusword());
          for (int count = 0; count < 3'000; ++count) flooder.send(request);
        }},
       {"LargestFramesOfUnknownSessions", "realtime",
@@ -133,7 +134,7 @@ std::vector<Flood> floods() {
          auto frame = flooder.frame();
          fill(frame, msg::MAX_AXES_PER_FRAME, msg::MAX_OBJECTS_PER_AXIS);
          for (int count = 0; count < 1'500; ++count) {
-           frame.session(flooder.random() | 1U);
+           frame.session = flooder.random() | 1U;
            flooder.send(frame);
          }
        }},
@@ -143,15 +144,15 @@ std::vector<Flood> floods() {
          for (int count = 0; count < 1'500; ++count) {
            auto frame = probe.make_frame();
            fill(frame, 1, msg::MAX_OBJECTS_PER_AXIS);
-           frame.apply_at_tick(9'000);
-           frame.valid_until_tick(9'000);
+           frame.apply_at_tick = 9'000;
+           frame.valid_until_tick = 9'000;
            probe.send(frame);
          }
        }},
       {"MessagesBeyondEveryBound", "realtime",
        [](Flooder& flooder, Probe&) {
-         auto request = flooder.request(msg::REQUEST_READ);
-         request.objects().assign(20'000, statusword());
+         auto request = flooder.request(msg::RequestKind::read);
+         request.objects.assign(20'000, statusword());
          auto frame = flooder.frame();
          fill(frame, 2'000, 20);
          for (int count = 0; count < 20; ++count) {
@@ -162,34 +163,34 @@ std::vector<Flood> floods() {
       {"SteppersOfALockStepBench", "lockstep",
        [](Flooder& flooder, Probe&) {
          for (int count = 0; count < 2'000; ++count) {
-           flooder.send(flooder.request(msg::REQUEST_JOIN_CLOCK));
-           flooder.send(flooder.request(msg::REQUEST_LEAVE_CLOCK));
+           flooder.send(flooder.request(msg::RequestKind::join_clock));
+           flooder.send(flooder.request(msg::RequestKind::leave_clock));
          }
        }},
       {"StepsThatWaitForEver", "lockstep",
        [](Flooder& flooder, Probe&) {
          for (int count = 0; count < 2'000; ++count) {
-           auto request = flooder.request(msg::REQUEST_STEP);
-           request.ticks(1);
-           request.session(0);
-           request.last_sequence(count % 2 == 0 ? 0 : 1'000'000);
+           auto request = flooder.request(msg::RequestKind::step);
+           request.ticks = 1;
+           request.session = 0;
+           request.last_sequence = count % 2 == 0 ? 0 : 1'000'000;
            flooder.send(request);
          }
        }},
       {"SnapshotsWithoutEnd", "lockstep",
        [](Flooder& flooder, Probe&) {
          for (int count = 0; count < 500; ++count) {
-           flooder.send(flooder.request(msg::REQUEST_TAKE_SNAPSHOT));
+           flooder.send(flooder.request(msg::RequestKind::take_snapshot));
          }
        }},
       {"NonsenseInEveryField", "lockstep",
        [](Flooder& flooder, Probe&) {
          for (std::uint32_t count = 0; count < 3'000; ++count) {
-           auto request = flooder.request(count % 64);
-           request.ticks(count % 3);
-           request.axes().assign(count % 5, static_cast<std::uint16_t>(flooder.random()));
-           request.objects().assign(count % 7, statusword());
-           request.rate(-1e300);
+           auto request = flooder.request(msg::RequestKind{count % 64});
+           request.ticks = count % 3;
+           request.axes.assign(count % 5, static_cast<std::uint16_t>(flooder.random()));
+           request.objects.assign(count % 7, statusword());
+           request.rate = -1e300;
            flooder.send(request);
          }
        }},
@@ -198,7 +199,7 @@ std::vector<Flood> floods() {
          for (int count = 0; count < 15; ++count) {
            Flooder visitor;
            ASSERT_TRUE(visitor.is_received());
-           visitor.send(visitor.request(msg::REQUEST_READ));
+           visitor.send(visitor.request(msg::RequestKind::read));
          }
        }},
   };
@@ -225,7 +226,7 @@ class AFloodedService : public testing::TestWithParam<Flood> {
       GetParam().send(flooder, probe_);
     }
     ASSERT_TRUE(probe_.wait_until([&] {
-      return probe_.seen_state() && probe_.seen_state()->inbox_depth() == 0;
+      return probe_.seen_state() && probe_.seen_state()->inbox_depth == 0;
     }));
   }
 
@@ -250,7 +251,7 @@ TEST_P(AFloodedService, KeepsItsMemoryBoundedAndServesAGoodClient) {
   EXPECT_LT(after, before + kLeeway) << "each flood adds to it";
   const auto reply = probe_.read(1, 0x6041);
   ASSERT_TRUE(reply) << "no client is served";
-  EXPECT_EQ(reply->reason(), msg::REASON_NONE);
+  EXPECT_EQ(reply->reason, msg::Reason::none);
 }
 
 INSTANTIATE_TEST_SUITE_P(Floods, AFloodedService, testing::ValuesIn(floods()),

@@ -7,7 +7,7 @@
 #include "tool/process.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/subscription.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 #include "wire/attacker.hpp"
 
 #include <gmock/gmock.h>
@@ -129,10 +129,11 @@ class AttackedBench {
                                 " --security " + authority_.member("service bench").string())),
         is_ready_(tool("list --timeout 20 --security " + controller_.string()).code == 0),
         probe_({.domain = test_domain(), .security = controller_.string()}, 1),
-        watcher_({.domain = test_domain(), .security = controller_.string()}, "watcher"),
-        states_(watcher_, [this](const msg::BenchState& state, const wire::Source& source) {
+        watcher_(wire::make_participant({.domain = test_domain(), .security = controller_.string()},
+                                        "watcher")),
+        states_(*watcher_, [this](const msg::BenchState& state, const wire::Source& source) {
           // The network process probes itself with a state of no bench, from a further participant.
-          if (state.bench() != 1) return;
+          if (state.bench != 1) return;
           const std::scoped_lock lock(mutex_);
           bench_ = source.participant;
         }) {}
@@ -168,7 +169,7 @@ class AttackedBench {
   std::mutex mutex_;
   GuidPrefix bench_{};
   Probe probe_;
-  wire::Participant watcher_;
+  std::unique_ptr<wire::Participant> watcher_;
   wire::Subscription<msg::BenchState> states_;
 };
 

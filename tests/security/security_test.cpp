@@ -11,7 +11,7 @@
 #include "vdrive/client/session.hpp"
 #include "vdrive/wire/publication.hpp"
 #include "vdrive/wire/subscription.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 #include "wire/closed_check.hpp"
 
 #include <gmock/gmock.h>
@@ -424,11 +424,11 @@ TEST(ClosedMode, AConfigurationIsCheckedWithItsCredentials) {
 /// A participant as the service has it when it tests itself.
 struct Tested {
   explicit Tested(const wire::NetworkSettings& settings)
-      : participant(settings, "tested"),
-        states(participant),
-        others(participant, [](const msg::BenchState&, const wire::Source&) {}) {}
+      : participant(wire::make_participant(settings, "tested")),
+        states(*participant),
+        others(*participant, [](const msg::BenchState&, const wire::Source&) {}) {}
 
-  wire::Participant participant;
+  std::unique_ptr<wire::Participant> participant;
   wire::Publication<msg::BenchState> states;
   wire::Subscription<msg::BenchState> others;
 };
@@ -437,7 +437,7 @@ TEST(SelfTest, RefusesABenchThatStrangersFind) {
   const wire::NetworkSettings open{.domain = test_domain()};
   Tested tested(open);
   try {
-    service::check_closed(tested.participant, open);
+    service::check_closed(*tested.participant, open);
     FAIL() << "accepted";
   } catch (const wire::NetworkError& error) {
     EXPECT_THAT(error.what(), HasSubstr("the bench is open"));
@@ -449,7 +449,7 @@ TEST(SelfTest, AcceptsABenchThatOnlyMembersFind) {
   const wire::NetworkSettings closed{.domain = test_domain(),
                                      .security = authority.member("service bench")};
   Tested tested(closed);
-  EXPECT_NO_THROW(service::check_closed(tested.participant, closed));
+  EXPECT_NO_THROW(service::check_closed(*tested.participant, closed));
 }
 
 // ---- the scripts -------------------------------------------------------------------------------

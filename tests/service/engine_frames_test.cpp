@@ -16,7 +16,7 @@ namespace {
 struct OwnedBench : EngineUnderTest {
   OwnedBench() {
     acquire(kAlice, {1, 2});
-    static_cast<void>(events(0));
+    static_cast<void>(events({}));
   }
 };
 
@@ -24,22 +24,22 @@ TEST(CommandFrame, AppliesMembersBeforeTheControlword) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);
   auto& command = add_command(frame, 1);
-  command.members(msg::HAS_OP_MODE_CMD | msg::HAS_POSITION_USER_TARGET_VALUE |
-                  msg::HAS_PROFILE_VELOCITY | msg::HAS_PROFILE_ACC | msg::HAS_PROFILE_DEC |
-                  msg::HAS_POSITIONING_OPTION_CODE);
-  command.op_mode_cmd(1);
-  command.position_user_target_value(10'000);
-  command.profile_velocity(1'000);
-  command.profile_acc(6'000);
-  command.profile_dec(6'001);
-  command.positioning_option_code(1);
+  command.members = msg::HAS_OP_MODE_CMD | msg::HAS_POSITION_USER_TARGET_VALUE |
+                    msg::HAS_PROFILE_VELOCITY | msg::HAS_PROFILE_ACC | msg::HAS_PROFILE_DEC |
+                    msg::HAS_POSITIONING_OPTION_CODE;
+  command.op_mode_cmd = 1;
+  command.position_user_target_value = 10'000;
+  command.profile_velocity = 1'000;
+  command.profile_acc = 6'000;
+  command.profile_dec = 6'001;
+  command.positioning_option_code = 1;
   set_controlword(command, 0x0F);
   bench.receive(frame);
   const auto reply = bench.command_reply();
   ASSERT_TRUE(reply);
-  EXPECT_TRUE(reply->refusals().empty());
-  EXPECT_EQ(reply->tick(), 1U);
-  EXPECT_EQ(reply->sequence_number(), frame.sequence_number());
+  EXPECT_TRUE(reply->refusals.empty());
+  EXPECT_EQ(reply->tick, 1U);
+  EXPECT_EQ(reply->sequence_number, frame.sequence_number);
   bench.steps(1);
   EXPECT_EQ(bench.value(1, 0x6061), 1);
   EXPECT_EQ(bench.value(1, 0x607A), 10'000);
@@ -54,7 +54,7 @@ TEST(CommandFrame, AppliesMembersBeforeTheControlword) {
 TEST(CommandFrame, IsAnsweredOnlyOnRequestOrRefusal) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);
-  frame.flags(0);
+  frame.flags = 0;
   set_controlword(add_command(frame, 1), 0x06);
   bench.receive(frame);
   EXPECT_FALSE(bench.command_reply());
@@ -65,7 +65,7 @@ TEST(CommandFrame, WithoutAxesIsAKeepAlive) {
   for (int round = 0; round < 10; ++round) {
     bench.steps(90);
     bench.receive(bench.make_frame(kAlice));
-    EXPECT_TRUE(bench.command_reply()->refusals().empty());
+    EXPECT_TRUE(bench.command_reply()->refusals.empty());
   }
   EXPECT_EQ(bench.counters.master_losses.get(), 0U);
 }
@@ -73,52 +73,52 @@ TEST(CommandFrame, WithoutAxesIsAKeepAlive) {
 TEST(CommandFrame, OfAnotherIncarnationIsRefused) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);
-  frame.incarnation(kIncarnation - 1);
+  frame.incarnation = kIncarnation - 1;
   bench.receive(frame);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_WRONG_INCARNATION);
-  EXPECT_EQ(bench.events(msg::EVENT_REFUSED).size(), 1U);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::wrong_incarnation);
+  EXPECT_EQ(bench.events(msg::EventKind::refused).size(), 1U);
 }
 
 TEST(CommandFrame, WithoutSessionOrEpochIsRefused) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);
-  frame.session(0);
+  frame.session = 0;
   bench.receive(frame);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_BAD_SESSION);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::bad_session);
   bench.receive(bench.make_frame(kBob));
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_NOT_OWNER);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::not_owner);
   auto guessed = bench.make_frame(kBob);
-  guessed.epoch(1);
+  guessed.epoch = 1;
   bench.receive(guessed);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_STALE_EPOCH);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::stale_epoch);
 }
 
 TEST(CommandFrame, IsRefusedWhenItsNumberIsZero) {
   OwnedBench bench;
   auto zero = bench.make_frame(kAlice);
-  zero.sequence_number(0);
+  zero.sequence_number = 0;
   bench.receive(zero);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::too_late);
 }
 
 TEST(CommandFrame, WithUnknownFlagsIsRefused) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);
-  frame.flags(0x80000000);
+  frame.flags = 0x80000000;
   bench.receive(frame);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_UNKNOWN_FLAGS);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::unknown_flags);
 }
 
 TEST(CommandFrame, BeyondTheBoundsIsRefused) {
   OwnedBench bench;
   auto axes = bench.make_frame(kAlice);
-  axes.axes().resize(msg::MAX_AXES_PER_FRAME + 1);
+  axes.axes.resize(msg::MAX_AXES_PER_FRAME + 1);
   bench.receive(axes);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_MANY_AXES);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::too_many_axes);
   auto objects = bench.make_frame(kAlice);
-  add_command(objects, 1).objects().resize(msg::MAX_OBJECTS_PER_AXIS + 1);
+  add_command(objects, 1).objects.resize(msg::MAX_OBJECTS_PER_AXIS + 1);
   bench.receive(objects);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_MANY_OBJECTS);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::too_many_objects);
 }
 
 TEST(CommandFrame, RefusesBadCommandsAndAppliesTheOthers) {
@@ -129,19 +129,19 @@ TEST(CommandFrame, RefusesBadCommandsAndAppliesTheOthers) {
   set_controlword(add_command(frame, 3), 0x06);   // not hers
   set_controlword(add_command(frame, 1), 0x0F);   // twice
   auto& unknown = add_command(frame, 2);
-  unknown.members(0x8000);
+  unknown.members = 0x8000;
   bench.receive(frame);
   const auto reply = bench.command_reply();
   ASSERT_TRUE(reply);
-  ASSERT_EQ(reply->refusals().size(), 4U);
-  EXPECT_EQ(reply->refusals()[0].axis(), 99U);
-  EXPECT_EQ(reply->refusals()[0].reason(), msg::REASON_UNKNOWN_AXIS);
-  EXPECT_EQ(reply->refusals()[1].axis(), 3U);
-  EXPECT_EQ(reply->refusals()[1].reason(), msg::REASON_NOT_OWNER);
-  EXPECT_EQ(reply->refusals()[2].axis(), 1U);
-  EXPECT_EQ(reply->refusals()[2].reason(), msg::REASON_AXIS_TWICE);
-  EXPECT_EQ(reply->refusals()[3].axis(), 2U);
-  EXPECT_EQ(reply->refusals()[3].reason(), msg::REASON_UNKNOWN_MEMBERS);
+  ASSERT_EQ(reply->refusals.size(), 4U);
+  EXPECT_EQ(reply->refusals[0].axis, 99U);
+  EXPECT_EQ(reply->refusals[0].reason, msg::Reason::unknown_axis);
+  EXPECT_EQ(reply->refusals[1].axis, 3U);
+  EXPECT_EQ(reply->refusals[1].reason, msg::Reason::not_owner);
+  EXPECT_EQ(reply->refusals[2].axis, 1U);
+  EXPECT_EQ(reply->refusals[2].reason, msg::Reason::axis_twice);
+  EXPECT_EQ(reply->refusals[3].axis, 2U);
+  EXPECT_EQ(reply->refusals[3].reason, msg::Reason::unknown_members);
   bench.steps(1);
   EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x21) << "the first of the two counts";
 }
@@ -150,38 +150,38 @@ TEST(CommandFrame, IsRefusedWithTheRefusedObject) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);
   auto& command = add_command(frame, 1);
-  auto& bad = command.objects().emplace_back();
-  bad.index(0x6080);
-  bad.value(std::numeric_limits<std::int64_t>::max());
-  auto& good = command.objects().emplace_back();
-  good.index(0x6067);
-  good.value(55);
-  auto& controlword = command.objects().emplace_back();
-  controlword.index(0x6040);
-  controlword.value(6);
+  auto& bad = command.objects.emplace_back();
+  bad.index = 0x6080;
+  bad.value = std::numeric_limits<std::int64_t>::max();
+  auto& good = command.objects.emplace_back();
+  good.index = 0x6067;
+  good.value = 55;
+  auto& controlword = command.objects.emplace_back();
+  controlword.index = 0x6040;
+  controlword.value = 6;
   bench.receive(frame);
   const auto reply = bench.command_reply();
-  ASSERT_EQ(reply->refusals().size(), 2U);
-  EXPECT_EQ(reply->refusals()[0].index(), 0x6080U);
-  EXPECT_EQ(reply->refusals()[0].reason(), 0x06090031U);
-  EXPECT_EQ(reply->refusals()[1].index(), 0x6040U) << "the controlword has its member";
-  EXPECT_EQ(reply->refusals()[1].reason(), 0x06040041U);
+  ASSERT_EQ(reply->refusals.size(), 2U);
+  EXPECT_EQ(reply->refusals[0].index, 0x6080U);
+  EXPECT_EQ(reply->refusals[0].reason, msg::Reason{0x06090031});
+  EXPECT_EQ(reply->refusals[1].index, 0x6040U) << "the controlword has its member";
+  EXPECT_EQ(reply->refusals[1].reason, msg::Reason{0x06040041});
   EXPECT_EQ(bench.value(1, 0x6067), 55);
 }
 
 TEST(CommandFrame, WithAllOrNothingChangesNothingWhenOneIsRefused) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);
-  frame.flags(msg::FRAME_ALL_OR_NOTHING);
+  frame.flags = msg::FRAME_ALL_OR_NOTHING;
   auto& first = add_command(frame, 1);
-  first.members(msg::HAS_PROFILE_VELOCITY);
-  first.profile_velocity(123);
+  first.members = msg::HAS_PROFILE_VELOCITY;
+  first.profile_velocity = 123;
   set_controlword(first, 0x0F);
   auto& second = add_command(frame, 2);
-  second.members(msg::HAS_OP_MODE_CMD);
-  second.op_mode_cmd(99);
+  second.members = msg::HAS_OP_MODE_CMD;
+  second.op_mode_cmd = 99;
   bench.receive(frame);
-  EXPECT_EQ(bench.command_reply()->refusals().size(), 1U);
+  EXPECT_EQ(bench.command_reply()->refusals.size(), 1U);
   bench.steps(1);
   EXPECT_EQ(bench.value(1, 0x6081), 68'267);
   EXPECT_EQ(bench.value(1, 0x6041), 0x250);
@@ -193,13 +193,13 @@ TEST(CommandFrame, WithAllOrNothingChangesNothingWhenOneIsRefused) {
 msg::CommandFrame whole_frame(OwnedBench& bench, ObjectAddress address, std::int64_t value,
                               bool is_refused) {
   auto frame = bench.make_frame(kAlice);
-  frame.flags(msg::FRAME_ALL_OR_NOTHING | msg::FRAME_WANT_REPLY);
-  auto& objects = add_command(frame, 1).objects();
+  frame.flags = msg::FRAME_ALL_OR_NOTHING | msg::FRAME_WANT_REPLY;
+  auto& objects = add_command(frame, 1).objects;
   auto& object = objects.emplace_back();
-  object.index(address.index);
-  object.subindex(address.subindex);
-  object.value(value);
-  if (is_refused) objects.emplace_back().index(0x6041);
+  object.index = address.index;
+  object.subindex = address.subindex;
+  object.value = value;
+  if (is_refused) objects.emplace_back().index = 0x6041;
   return frame;
 }
 
@@ -218,7 +218,7 @@ TEST(CommandFrame, WithAllOrNothingDoesWhatActsAtOnceOnlyWhenNoneIsRefused) {
     OwnedBench bench;
     for (const bool is_refused : {true, false}) {
       bench.receive(whole_frame(bench, write.address, write.value, is_refused));
-      EXPECT_EQ(bench.command_reply()->refusals().size(), is_refused ? 1U : 0U);
+      EXPECT_EQ(bench.command_reply()->refusals.size(), is_refused ? 1U : 0U);
       EXPECT_EQ(bench.value(1, write.address.index, write.address.subindex),
                 is_refused ? write.before : write.value);
       const bool has_probe = !is_refused && write.address.index == 0x60B8;
@@ -246,7 +246,7 @@ TEST(CommandFrame, WithAllOrNothingBeginsNoStreamWhenOneIsRefused) {
     bench.steps(10);
     ASSERT_EQ(bench.value(1, 0x6061), old.mode);
     bench.receive(whole_frame(bench, {old.object, subindex}, 2 * old.value, true));
-    ASSERT_EQ(bench.command_reply()->refusals().size(), 1U);
+    ASSERT_EQ(bench.command_reply()->refusals.size(), 1U);
     EXPECT_EQ(bench.value(1, old.object, subindex), old.value);
     bench.steps(50);
     EXPECT_EQ(bench.value(1, 0x6064), 0);
@@ -265,7 +265,7 @@ TEST(CommandFrame, WithAllOrNothingGivesNoTargetBehindALimitSwitchWhenOneIsRefus
   bench.steps(50);
   ASSERT_EQ(bench.value(1, 0x606B), 0);
   bench.receive(whole_frame(bench, {0x60FF, 0}, -1'000, true));
-  ASSERT_EQ(bench.command_reply()->refusals().size(), 1U);
+  ASSERT_EQ(bench.command_reply()->refusals.size(), 1U);
   bench.write(kAlice, 1, 0x5E06, 0);
   bench.steps(50);
   EXPECT_EQ(bench.value(1, 0x606B), 0) << "60FFh waits for its next write";
@@ -289,8 +289,8 @@ TEST(CommandFrame, WithAllOrNothingRefusesObjectsThatDecideOnOthers) {
     bench.receive(whole_frame(bench, address, 1, false));
     const auto reply = bench.command_reply();
     ASSERT_TRUE(reply);
-    ASSERT_EQ(reply->refusals().size(), 1U);
-    EXPECT_EQ(reply->refusals()[0].reason(), 0x06040041U);
+    ASSERT_EQ(reply->refusals.size(), 1U);
+    EXPECT_EQ(reply->refusals[0].reason, msg::Reason{0x06040041});
     EXPECT_EQ(bench.value(1, address.index, address.subindex), 0);
   }
 }
@@ -298,7 +298,7 @@ TEST(CommandFrame, WithAllOrNothingRefusesObjectsThatDecideOnOthers) {
 TEST(CommandFrame, WithAllOrNothingAppliesAllWhenNoneIsRefused) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);
-  frame.flags(msg::FRAME_ALL_OR_NOTHING);
+  frame.flags = msg::FRAME_ALL_OR_NOTHING;
   set_controlword(add_command(frame, 1), 0x0F);
   set_controlword(add_command(frame, 2), 0x0F);
   bench.receive(frame);
@@ -311,7 +311,7 @@ TEST(CommandFrame, WithAllOrNothingAppliesAllWhenNoneIsRefused) {
 TEST(CommandFrame, WaitsForItsTick) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);
-  frame.apply_at_tick(5);
+  frame.apply_at_tick = 5;
   set_controlword(add_command(frame, 1), 0x0F);
   bench.receive(frame);
   EXPECT_FALSE(bench.command_reply()) << "answered when it is applied";
@@ -319,32 +319,32 @@ TEST(CommandFrame, WaitsForItsTick) {
   EXPECT_EQ(bench.value(1, 0x6041), 0x250);
   bench.steps(1);
   EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27);
-  EXPECT_EQ(bench.command_reply()->tick(), 5U);
+  EXPECT_EQ(bench.command_reply()->tick, 5U);
 }
 
 TEST(CommandFrame, IsRefusedTooLateTooFarAheadAndPastItsValidity) {
   OwnedBench bench;
   bench.steps(50);
   auto late = bench.make_frame(kAlice);
-  late.apply_at_tick(50);
+  late.apply_at_tick = 50;
   bench.receive(late);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::too_late);
   auto far = bench.make_frame(kAlice);
-  far.apply_at_tick(50 + 10'001);
+  far.apply_at_tick = 50 + 10'001;
   bench.receive(far);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_FAR_AHEAD);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::too_far_ahead);
   auto endless = bench.make_frame(kAlice);
-  endless.apply_at_tick(std::numeric_limits<std::uint64_t>::max());
+  endless.apply_at_tick = std::numeric_limits<std::uint64_t>::max();
   bench.receive(endless);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_FAR_AHEAD);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::too_far_ahead);
   auto expired = bench.make_frame(kAlice);
-  expired.valid_until_tick(50);
+  expired.valid_until_tick = 50;
   bench.receive(expired);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::too_late);
   auto in_time = bench.make_frame(kAlice);
-  in_time.valid_until_tick(51);
+  in_time.valid_until_tick = 51;
   bench.receive(in_time);
-  EXPECT_TRUE(bench.command_reply()->refusals().empty());
+  EXPECT_TRUE(bench.command_reply()->refusals.empty());
 }
 
 // The next tick is 51: a frame for tick 45 is 6 ticks late.
@@ -352,13 +352,13 @@ TEST(CommandFrame, IsRefusedWithItsDelayWhenLate) {
   OwnedBench bench;
   bench.steps(50);
   auto late = bench.make_frame(kAlice);
-  late.apply_at_tick(45);
+  late.apply_at_tick = 45;
   bench.receive(late);
   const auto reply = bench.command_reply();
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->refusals().at(0).reason(), msg::REASON_TOO_LATE);
-  EXPECT_EQ(reply->tick() - late.apply_at_tick(), 6U);
-  const auto events = bench.events(msg::EVENT_REFUSED);
+  EXPECT_EQ(reply->refusals.at(0).reason, msg::Reason::too_late);
+  EXPECT_EQ(reply->tick - late.apply_at_tick, 6U);
+  const auto events = bench.events(msg::EventKind::refused);
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(std::get<service::RefusedMessage>(events[0].detail).late_by, 6U);
   EXPECT_NE(service::words_of(events[0]).find("late by 6 ticks"), std::string::npos);
@@ -369,13 +369,13 @@ TEST(CommandFrame, IsRefusedWithoutADelayWhenOvertaken) {
   bench.steps(50);
   const auto overtaken = bench.make_frame(kAlice);
   auto command = overtaken;
-  command.sequence_number(overtaken.sequence_number() + 1);
+  command.sequence_number = overtaken.sequence_number + 1;
   set_controlword(add_command(command, 1), 0x06);
   bench.receive(command);
   static_cast<void>(bench.command_reply());
   bench.receive(overtaken);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
-  const auto events = bench.events(msg::EVENT_REFUSED);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::too_late);
+  const auto events = bench.events(msg::EventKind::refused);
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(std::get<service::RefusedMessage>(events[0].detail).late_by, 0U);
 }
@@ -384,44 +384,44 @@ TEST(CommandFrame, IsAcceptedUpToTenSecondsAhead) {
   OwnedBench bench;
   bench.steps(50);
   auto farthest = bench.make_frame(kAlice);
-  farthest.apply_at_tick(50 + 10'000);
+  farthest.apply_at_tick = 50 + 10'000;
   bench.receive(farthest);
   EXPECT_FALSE(bench.command_reply()) << "it waits";
   auto beyond = bench.make_frame(kAlice);
-  beyond.apply_at_tick(50 + 10'001);
+  beyond.apply_at_tick = 50 + 10'001;
   bench.receive(beyond);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_FAR_AHEAD);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::too_far_ahead);
 }
 
 TEST(PendingFrame, ReceivedLaterTakesPrecedenceInTheSameTick) {
   OwnedBench bench;
   for (const std::uint32_t velocity : {111U, 222U}) {
     auto frame = bench.make_frame(kAlice);
-    frame.apply_at_tick(20);
+    frame.apply_at_tick = 20;
     auto& command = add_command(frame, 1);
-    command.members(msg::HAS_PROFILE_VELOCITY);
-    command.profile_velocity(velocity);
+    command.members = msg::HAS_PROFILE_VELOCITY;
+    command.profile_velocity = velocity;
     bench.receive(frame);
   }
   bench.steps(20);
   EXPECT_EQ(bench.value(1, 0x6081), 222);
-  EXPECT_EQ(bench.command_reply()->sequence_number(), 1U);
-  EXPECT_EQ(bench.command_reply()->sequence_number(), 2U);
+  EXPECT_EQ(bench.command_reply()->sequence_number, 1U);
+  EXPECT_EQ(bench.command_reply()->sequence_number, 2U);
 }
 
 TEST(PendingFrame, IsRefusedWhenAJumpCarriesTheTickPastItsValidity) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);
-  frame.apply_at_tick(20);
-  frame.valid_until_tick(25);
+  frame.apply_at_tick = 20;
+  frame.valid_until_tick = 25;
   set_controlword(add_command(frame, 1), 0x0F);
   bench.receive(frame);
   bench.engine.jump(30);  // the next tick is 31, six after the last valid one
   bench.steps(1);
   const auto reply = bench.command_reply();
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->refusals().at(0).reason(), msg::REASON_TOO_LATE);
-  const auto events = bench.events(msg::EVENT_REFUSED);
+  EXPECT_EQ(reply->refusals.at(0).reason, msg::Reason::too_late);
+  const auto events = bench.events(msg::EventKind::refused);
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(std::get<service::RefusedMessage>(events[0].detail).late_by, 11U)
       << "since its tick: 31 - 20";
@@ -431,13 +431,13 @@ TEST(PendingFrame, IsRefusedWhenAJumpCarriesTheTickPastItsValidity) {
 TEST(PendingFrame, IsCancelledByAFlag) {
   OwnedBench bench;
   auto waiting = bench.make_frame(kAlice);
-  waiting.apply_at_tick(20);
+  waiting.apply_at_tick = 20;
   set_controlword(add_command(waiting, 1), 0x0F);
   bench.receive(waiting);
   auto cancel = bench.make_frame(kAlice);
-  cancel.flags(msg::FRAME_CANCEL_PENDING);
+  cancel.flags = msg::FRAME_CANCEL_PENDING;
   bench.receive(cancel);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_CANCELLED);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::cancelled);
   bench.steps(30);
   EXPECT_EQ(bench.value(1, 0x6041), 0x250);
 }
@@ -445,11 +445,11 @@ TEST(PendingFrame, IsCancelledByAFlag) {
 TEST(PendingFrame, IsDroppedWithTheEpoch) {
   OwnedBench bench;
   auto waiting = bench.make_frame(kAlice);
-  waiting.apply_at_tick(20);
+  waiting.apply_at_tick = 20;
   set_controlword(add_command(waiting, 1), 0x0F);
   bench.receive(waiting);
-  bench.reply_to(bench.make_request(msg::REQUEST_TAKE_OVER, kBob, {2}));
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_CANCELLED);
+  bench.reply_to(bench.make_request(msg::RequestKind::take_over, kBob, {2}));
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::cancelled);
 }
 
 TEST(PendingFrame, IsDroppedByAHaltAndByAFault) {
@@ -459,16 +459,16 @@ TEST(PendingFrame, IsDroppedByAHaltAndByAFault) {
   bench.steps(2);
   for (const std::uint16_t axis : kFirstTwo) {
     auto waiting = bench.make_frame(kAlice);
-    waiting.apply_at_tick(60);
+    waiting.apply_at_tick = 60;
     set_controlword(add_command(waiting, axis), 0x1F);
     bench.receive(waiting);
   }
   bench.write(kAlice, 1, 0x6040, 0x10F);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_CANCELLED);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::cancelled);
   EXPECT_FALSE(bench.command_reply());
   bench.write(kBob, 2, 0x5E02, 1);  // over-current
   bench.steps(3);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_CANCELLED);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::cancelled);
 }
 
 // The frame for tick 60 is cancelled; the halting one is applied, and its own error stays in
@@ -478,38 +478,39 @@ TEST(PendingFrame, DroppedByAHaltDoesNotChangeTheAnswerToTheHalt) {
   bench.write(kAlice, 1, 0x6040, 0x0F);
   bench.steps(2);
   auto waiting = bench.make_frame(kAlice);
-  waiting.apply_at_tick(60);
+  waiting.apply_at_tick = 60;
   set_controlword(add_command(waiting, 1), 0x1F);
   bench.receive(waiting);
   auto halt = bench.make_frame(kAlice);
   set_controlword(add_command(halt, 1), 0x10F);
-  auto& wrong = add_command(halt, 2).objects().emplace_back();
-  wrong.index(0x6041);  // read only
+  auto& wrong = add_command(halt, 2).objects.emplace_back();
+  wrong.index = 0x6041;  // read only
   bench.receive(halt);
   const auto cancelled = bench.command_reply();
   ASSERT_TRUE(cancelled);
-  EXPECT_EQ(cancelled->sequence_number(), waiting.sequence_number());
-  EXPECT_EQ(cancelled->refusals().at(0).reason(), msg::REASON_CANCELLED);
+  EXPECT_EQ(cancelled->sequence_number, waiting.sequence_number);
+  EXPECT_EQ(cancelled->refusals.at(0).reason, msg::Reason::cancelled);
   const auto reply = bench.command_reply();
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->sequence_number(), halt.sequence_number());
-  ASSERT_EQ(reply->refusals().size(), 1U);
-  EXPECT_EQ(reply->refusals()[0].axis(), 2);
-  EXPECT_EQ(reply->refusals()[0].reason(), wire_code(AbortCode::write_of_read_only_object));
+  EXPECT_EQ(reply->sequence_number, halt.sequence_number);
+  ASSERT_EQ(reply->refusals.size(), 1U);
+  EXPECT_EQ(reply->refusals[0].axis, 2);
+  EXPECT_EQ(reply->refusals[0].reason,
+            msg::Reason{wire_code(AbortCode::write_of_read_only_object)});
 }
 
 TEST(PendingFrame, StaysWhenItsSessionGainsAnAxis) {
   OwnedBench bench;
   auto waiting = bench.make_frame(kAlice);
-  waiting.apply_at_tick(20);
+  waiting.apply_at_tick = 20;
   auto& command = add_command(waiting, 1);
-  command.members(msg::HAS_PROFILE_VELOCITY);
-  command.profile_velocity(111);
+  command.members = msg::HAS_PROFILE_VELOCITY;
+  command.profile_velocity = 111;
   bench.receive(waiting);
   const auto reply = bench.acquire(kAlice, {3});
-  EXPECT_GT(reply.epoch(), waiting.epoch()) << "renewed, not revoked";
+  EXPECT_GT(reply.epoch, waiting.epoch) << "renewed, not revoked";
   bench.steps(20);
-  EXPECT_TRUE(bench.command_reply()->refusals().empty());
+  EXPECT_TRUE(bench.command_reply()->refusals.empty());
   EXPECT_EQ(bench.value(1, 0x6081), 111);
 }
 
@@ -517,15 +518,15 @@ TEST(PendingFrame, IsAnsweredWhenAllAreDroppedAtOnce) {
   OwnedBench bench;
   for (std::size_t count = 0; count < service::PendingFrames::kCapacity; ++count) {
     auto waiting = bench.make_frame(kAlice);
-    waiting.apply_at_tick(100);
+    waiting.apply_at_tick = 100;
     bench.receive(waiting);
   }
-  bench.reply_to(bench.make_request(msg::REQUEST_RELEASE, kAlice));
+  bench.reply_to(bench.make_request(msg::RequestKind::release, kAlice));
   for (std::size_t count = 1; count <= service::PendingFrames::kCapacity; ++count) {
     const auto reply = bench.command_reply();
     ASSERT_TRUE(reply) << count;
-    EXPECT_EQ(reply->sequence_number(), count);
-    EXPECT_EQ(reply->refusals().at(0).reason(), msg::REASON_CANCELLED);
+    EXPECT_EQ(reply->sequence_number, count);
+    EXPECT_EQ(reply->refusals.at(0).reason, msg::Reason::cancelled);
   }
   EXPECT_EQ(bench.counters.queue_overflows.get(), 0U);
 }
@@ -534,14 +535,14 @@ TEST(PendingFrame, IsRefusedWhenTooManyArePending) {
   OwnedBench bench;
   for (std::size_t count = 0; count < service::PendingFrames::kCapacity; ++count) {
     auto waiting = bench.make_frame(kAlice);
-    waiting.apply_at_tick(100);
+    waiting.apply_at_tick = 100;
     bench.receive(waiting);
   }
   EXPECT_FALSE(bench.command_reply());
   auto one_more = bench.make_frame(kAlice);
-  one_more.apply_at_tick(100);
+  one_more.apply_at_tick = 100;
   bench.receive(one_more);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_QUEUE_FULL);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::queue_full);
 }
 
 TEST(CommandFrame, IsAnsweredWithTheAxesThatIgnoredTheirSetPoint) {
@@ -551,9 +552,9 @@ TEST(CommandFrame, IsAnsweredWithTheAxesThatIgnoredTheirSetPoint) {
   bench.receive(frame);
   const auto reply = bench.command_reply();
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->ignored_set_points(), std::vector<std::uint16_t>{1});
+  EXPECT_EQ(reply->ignored_set_points, std::vector<std::uint16_t>{1});
   bench.steps(1);
-  EXPECT_EQ(bench.events(msg::EVENT_SET_POINT_IGNORED).size(), 1U);
+  EXPECT_EQ(bench.events(msg::EventKind::set_point_ignored).size(), 1U);
   EXPECT_EQ(bench.counters.set_points_ignored.get(), 1U);
 }
 
@@ -566,7 +567,7 @@ TEST(CommandFrame, IsNumberedInTheStatusOfItsAxes) {
   bench.engine.queue_status();
   const auto* const image = bench.outbox.status.front();
   ASSERT_NE(image, nullptr);
-  EXPECT_EQ(image->owners[1].last_sequence, frame.sequence_number());
+  EXPECT_EQ(image->owners[1].last_sequence, frame.sequence_number);
   EXPECT_EQ(image->owners[1].session, kAlice);
   EXPECT_EQ(image->owners[0].last_sequence, 0U);
   EXPECT_EQ(image->owners[2].session, 0U);
@@ -577,15 +578,15 @@ TEST(CommandFrame, AllocatesNothingAfterTheFirstFrames) {
   std::vector<msg::CommandFrame> frames;
   for (int count = 0; count < 40; ++count) {
     auto frame = bench.make_frame(kAlice);
-    frame.sequence_number(static_cast<std::uint64_t>(count) + 1);
+    frame.sequence_number = static_cast<std::uint64_t>(count) + 1;
     for (const std::uint16_t axis : kFirstTwo) {
       auto& command = add_command(frame, axis);
-      command.members(msg::HAS_POSITION_USER_TARGET_VALUE);
-      command.position_user_target_value(count);
+      command.members = msg::HAS_POSITION_USER_TARGET_VALUE;
+      command.position_user_target_value = count;
       set_controlword(command, 0x0F);
     }
     set_controlword(add_command(frame, 99), 0x06);  // refused: the answer allocates nothing either
-    frame.apply_at_tick(count % 4 == 0 ? static_cast<std::uint64_t>(count) + 3 : 0);
+    frame.apply_at_tick = count % 4 == 0 ? static_cast<std::uint64_t>(count) + 3 : 0;
     frames.push_back(frame);
   }
   std::uint64_t allocations = 0;

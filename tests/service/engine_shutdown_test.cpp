@@ -125,16 +125,16 @@ TEST(EngineShutdown, AnswersReadsOnly) {
   EndingBench bench;
   bench.acquire(kAlice, {1});
   bench.engine.shut_down(Braking::ramp);
-  EXPECT_EQ(bench.write(kAlice, 1, 0x6040, kEnable).reason(), msg::REASON_SHUTTING_DOWN);
-  EXPECT_EQ(bench.write(kAlice, 2, 0x5E02, 1).reason(), msg::REASON_SHUTTING_DOWN);
-  EXPECT_EQ(bench.acquire(kBob, {2}).reason(), msg::REASON_SHUTTING_DOWN);
-  EXPECT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_POWER_CYCLE, kAlice, {1})).reason(),
-            msg::REASON_SHUTTING_DOWN);
-  EXPECT_EQ(bench.read(1, 0x6041).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.write(kAlice, 1, 0x6040, kEnable).reason, msg::Reason::shutting_down);
+  EXPECT_EQ(bench.write(kAlice, 2, 0x5E02, 1).reason, msg::Reason::shutting_down);
+  EXPECT_EQ(bench.acquire(kBob, {2}).reason, msg::Reason::shutting_down);
+  EXPECT_EQ(bench.reply_to(bench.make_request(msg::RequestKind::power_cycle, kAlice, {1})).reason,
+            msg::Reason::shutting_down);
+  EXPECT_EQ(bench.read(1, 0x6041).reason, msg::Reason::none);
   auto frame = bench.make_frame(kAlice);
   set_controlword(add_command(frame, 1), kEnable);
   bench.receive(frame);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_SHUTTING_DOWN);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::shutting_down);
   bench.steps(2);
   EXPECT_NE(bench.value(1, 0x6041) & 0x6F, kOperationEnabled);
 }
@@ -143,11 +143,11 @@ TEST(EngineShutdown, IgnoresAKeepAlive) {
   EndingBench bench;
   bench.acquire(kAlice, {1});
   auto frame = bench.make_frame(kAlice);
-  frame.flags(0);
+  frame.flags = 0;
   bench.engine.shut_down(Braking::ramp);
   bench.receive(frame);
   EXPECT_FALSE(bench.command_reply());
-  EXPECT_TRUE(bench.events(msg::EVENT_REFUSED).empty());
+  EXPECT_TRUE(bench.events(msg::EventKind::refused).empty());
 }
 
 TEST(EngineShutdown, SendsOneEventAndDropsPendingFrames) {
@@ -155,12 +155,12 @@ TEST(EngineShutdown, SendsOneEventAndDropsPendingFrames) {
   bench.acquire(kAlice, {1});
   auto frame = bench.make_frame(kAlice);
   set_controlword(add_command(frame, 1), kEnable);
-  frame.apply_at_tick(bench.engine.tick() + 5);
+  frame.apply_at_tick = bench.engine.tick() + 5;
   bench.receive(frame);
   bench.engine.shut_down(Braking::ramp);
-  EXPECT_EQ(bench.frame_refusal(), msg::REASON_CANCELLED);
+  EXPECT_EQ(bench.frame_refusal(), msg::Reason::cancelled);
   bench.engine.shut_down(Braking::quick_stop);
-  EXPECT_EQ(bench.events(msg::EVENT_SHUTDOWN).size(), 1U);
+  EXPECT_EQ(bench.events(msg::EventKind::shutdown).size(), 1U);
   bench.steps(10);
   EXPECT_TRUE(bench.is_switch_on_disabled(1));
 }

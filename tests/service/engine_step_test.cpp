@@ -17,11 +17,11 @@ using namespace std::chrono_literals;
 const Time kStart{100s};
 
 service::Arrival step_request(EngineUnderTest& bench, std::uint64_t session, std::uint64_t ticks,
-                              std::uint32_t kind = msg::REQUEST_STEP) {
+                              msg::RequestKind kind = msg::RequestKind::step) {
   service::Arrival arrival;
   arrival.kind = service::Arrival::Kind::request;
   arrival.request = bench.make_request(kind, session);
-  arrival.request.ticks(ticks);
+  arrival.request.ticks = ticks;
   return arrival;
 }
 
@@ -44,7 +44,7 @@ msg::Reply answer_to(EngineUnderTest& bench, const service::Arrival& arrival) {
 }
 
 msg::Reply join(EngineUnderTest& bench, std::uint64_t session, Time now = kStart) {
-  auto arrival = step_request(bench, session, 0, msg::REQUEST_JOIN_CLOCK);
+  auto arrival = step_request(bench, session, 0, msg::RequestKind::join_clock);
   bench.engine.steps().handle(arrival, now);
   return bench.reply().value_or(msg::Reply{});
 }
@@ -52,19 +52,32 @@ msg::Reply join(EngineUnderTest& bench, std::uint64_t session, Time now = kStart
 TEST(StepRequest, IsCheckedBeforeTheFirstTick) {
   EngineUnderTest bench;
   auto arrival = step_request(bench, kAlice, 1'000'001);
-  EXPECT_EQ(answer_to(bench, arrival).reason(), msg::REASON_TOO_MANY_TICKS);
+  EXPECT_EQ(answer_to(bench, arrival).reason, msg::Reason::too_many_ticks);
   arrival = step_request(bench, kAlice, 1);
-  arrival.request.axes({1, 42});
+  arrival.request.axes = {1, 42};
   const auto unknown = answer_to(bench, arrival);
-  EXPECT_EQ(unknown.reason(), msg::REASON_UNKNOWN_AXIS);
-  EXPECT_EQ(unknown.refused_axis(), 42U);
+  EXPECT_EQ(unknown.reason, msg::Reason::unknown_axis);
+  EXPECT_EQ(unknown.refused_axis, 42U);
   arrival = step_request(bench, 0, 1);
-  arrival.request.last_sequence(1);
-  EXPECT_EQ(answer_to(bench, arrival).reason(), msg::REASON_BAD_SESSION);
+  arrival.request.last_sequence = 1;
+  EXPECT_EQ(answer_to(bench, arrival).reason, msg::Reason::bad_session);
   EXPECT_EQ(bench.engine.tick(), 0U) << "none of them let time pass";
-  EXPECT_EQ(answer_to(bench, step_request(bench, 0, 1)).reason(), msg::REASON_NONE)
+  EXPECT_EQ(answer_to(bench, step_request(bench, 0, 1)).reason, msg::Reason::none)
       << "an observer may step";
   EXPECT_EQ(bench.engine.tick(), 1U);
+}
+
+TEST(StepRequest, IsCheckedForTicksAndAxesBeforeTheSessionThatJoins) {
+  EngineUnderTest bench;
+  auto arrival = step_request(bench, 0, 1'000'001, msg::RequestKind::join_clock);
+  arrival.request.axes = {42};
+  EXPECT_EQ(answer_to(bench, arrival).reason, msg::Reason::too_many_ticks);
+  arrival = step_request(bench, 0, 65, msg::RequestKind::join_clock);
+  arrival.request.axes = {42};
+  EXPECT_EQ(answer_to(bench, arrival).reason, msg::Reason::unknown_axis);
+  EXPECT_EQ(join(bench, 0).reason, msg::Reason::bad_session);
+  arrival = step_request(bench, 0, 0, msg::RequestKind::leave_clock);
+  EXPECT_EQ(answer_to(bench, arrival).reason, msg::Reason::not_a_stepper);
 }
 
 TEST(StepRequest, MayHaveAMillionTicks) {
@@ -78,10 +91,9 @@ TEST(StepRequest, IsRefusedInRealtime) {
   auto configuration = bench_configuration(1);
   configuration.clock = service::ClockMode::realtime;
   EngineUnderTest bench(configuration);
-  EXPECT_EQ(answer_to(bench, step_request(bench, kAlice, 1)).reason(),
-            msg::REASON_WRONG_CLOCK_MODE);
-  EXPECT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_STEP, kAlice)).reason(),
-            msg::REASON_WRONG_CLOCK_MODE);
+  EXPECT_EQ(answer_to(bench, step_request(bench, kAlice, 1)).reason, msg::Reason::wrong_clock_mode);
+  EXPECT_EQ(bench.reply_to(bench.make_request(msg::RequestKind::step, kAlice)).reason,
+            msg::Reason::wrong_clock_mode);
 }
 
 TEST(StepRequest, WaitsForTheFramesThatWereSentBeforeItAndHoldsLaterRequestsBack) {
@@ -89,7 +101,7 @@ TEST(StepRequest, WaitsForTheFramesThatWereSentBeforeItAndHoldsLaterRequestsBack
   bench.acquire(kAlice, {1});
   const auto frame = bench.make_frame(kAlice);
   auto arrival = step_request(bench, kAlice, 3);
-  arrival.request.last_sequence(frame.sequence_number());
+  arrival.request.last_sequence = frame.sequence_number;
   EXPECT_EQ(answer_at(bench, arrival, kStart), std::nullopt);
   service::StepRequests& steps = bench.engine.steps();
   EXPECT_TRUE(steps.holds_requests_back());
@@ -99,8 +111,8 @@ TEST(StepRequest, WaitsForTheFramesThatWereSentBeforeItAndHoldsLaterRequestsBack
   steps.answer_due(kStart);
   const auto reply = bench.reply();
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->reason(), msg::REASON_NONE);
-  EXPECT_EQ(reply->tick(), 3U);
+  EXPECT_EQ(reply->reason, msg::Reason::none);
+  EXPECT_EQ(reply->tick, 3U);
   EXPECT_FALSE(steps.holds_requests_back());
 }
 
@@ -108,13 +120,13 @@ TEST(StepRequest, IsRefusedWhenItsFramesDoNotComeWithinASecond) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1});
   auto arrival = step_request(bench, kAlice, 3);
-  arrival.request.last_sequence(7);
+  arrival.request.last_sequence = 7;
   EXPECT_EQ(answer_at(bench, arrival, kStart), std::nullopt);
   service::StepRequests& steps = bench.engine.steps();
   steps.answer_due(kStart + 999ms);
   EXPECT_EQ(bench.reply(), std::nullopt);
   steps.answer_due(kStart + 1s);
-  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).reason(), msg::REASON_MISSING_COMMANDS);
+  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).reason, msg::Reason::missing_commands);
   EXPECT_EQ(bench.engine.tick(), 0U);
 }
 
@@ -122,62 +134,62 @@ TEST(StepRequest, WaitsUntilAsManyHaveJoinedAsTheBenchAwaits) {
   auto configuration = bench_configuration(1);
   configuration.steppers = 2;
   EngineUnderTest bench(configuration);
-  EXPECT_EQ(answer_to(bench, step_request(bench, kAlice, 1)).reason(), msg::REASON_NOT_A_STEPPER)
+  EXPECT_EQ(answer_to(bench, step_request(bench, kAlice, 1)).reason, msg::Reason::not_a_stepper)
       << "time waits for those that join";
-  EXPECT_EQ(answer_to(bench, step_request(bench, kAlice, 0)).reason(), msg::REASON_NONE)
+  EXPECT_EQ(answer_to(bench, step_request(bench, kAlice, 0)).reason, msg::Reason::none)
       << "reads the status";
-  EXPECT_EQ(join(bench, kAlice).reason(), msg::REASON_NONE);
+  EXPECT_EQ(join(bench, kAlice).reason, msg::Reason::none);
   EXPECT_EQ(answer_at(bench, step_request(bench, kAlice, 3), kStart), std::nullopt);
   bench.engine.steps().answer_due(kStart + 1s);
   const auto late = bench.reply().value_or(msg::Reply{});
-  EXPECT_EQ(late.reason(), msg::REASON_MISSING_STEPPER);
-  EXPECT_EQ(late.missing_stepper(), 0U) << "not a session that is there";
+  EXPECT_EQ(late.reason, msg::Reason::missing_stepper);
+  EXPECT_EQ(late.missing_stepper, 0U) << "not a session that is there";
   EXPECT_EQ(bench.counters.slowest_stepper.get(), 0U);
   EXPECT_EQ(bench.engine.tick(), 0U);
-  EXPECT_EQ(join(bench, kBob).reason(), msg::REASON_NONE);
-  EXPECT_EQ(answer_at(bench, step_request(bench, kBob, 3), kStart + 2s).value().tick(), 3U)
+  EXPECT_EQ(join(bench, kBob).reason, msg::Reason::none);
+  EXPECT_EQ(answer_at(bench, step_request(bench, kBob, 3), kStart + 2s).value().tick, 3U)
       << "what was granted stays granted";
 }
 
 TEST(StepRequest, WaitsUntilAsManyHaveJoinedAsAStepperAwaits) {
   EngineUnderTest bench;
-  auto joining = step_request(bench, kAlice, 2, msg::REQUEST_JOIN_CLOCK);
+  auto joining = step_request(bench, kAlice, 2, msg::RequestKind::join_clock);
   bench.engine.steps().handle(joining, kStart);
-  EXPECT_EQ(bench.reply().value().reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.reply().value().reason, msg::Reason::none);
   EXPECT_EQ(answer_at(bench, step_request(bench, kAlice, 3), kStart), std::nullopt);
   EXPECT_EQ(bench.engine.tick(), 0U);
-  EXPECT_EQ(join(bench, kBob).reason(), msg::REASON_NONE);
-  EXPECT_EQ(answer_at(bench, step_request(bench, kBob, 3), kStart).value().tick(), 3U);
+  EXPECT_EQ(join(bench, kBob).reason, msg::Reason::none);
+  EXPECT_EQ(answer_at(bench, step_request(bench, kBob, 3), kStart).value().tick, 3U);
 }
 
 TEST(StepRequest, MayNotAwaitMoreThanAClockHas) {
   EngineUnderTest bench;
-  auto joining = step_request(bench, kAlice, msg::MAX_STEPPERS + 1, msg::REQUEST_JOIN_CLOCK);
+  auto joining = step_request(bench, kAlice, msg::MAX_STEPPERS + 1, msg::RequestKind::join_clock);
   bench.engine.steps().handle(joining, kStart);
-  EXPECT_EQ(bench.reply().value().reason(), msg::REASON_TOO_MANY_STEPPERS);
+  EXPECT_EQ(bench.reply().value().reason, msg::Reason::too_many_steppers);
   for (std::uint64_t session = 1; session <= msg::MAX_STEPPERS; ++session) {
-    EXPECT_EQ(join(bench, session).reason(), msg::REASON_NONE);
+    EXPECT_EQ(join(bench, session).reason, msg::Reason::none);
   }
-  EXPECT_EQ(join(bench, kAlice).reason(), msg::REASON_TOO_MANY_STEPPERS);
+  EXPECT_EQ(join(bench, kAlice).reason, msg::Reason::too_many_steppers);
 }
 
 TEST(StepRequest, OfAStepperRunsAsFarAsAllOfThemGrant) {
   EngineUnderTest bench;
-  EXPECT_EQ(join(bench, kAlice).reason(), msg::REASON_NONE);
-  EXPECT_EQ(join(bench, kBob).reason(), msg::REASON_NONE);
+  EXPECT_EQ(join(bench, kAlice).reason, msg::Reason::none);
+  EXPECT_EQ(join(bench, kBob).reason, msg::Reason::none);
   EXPECT_EQ(bench.counters.steppers.get(), 2U);
   EXPECT_EQ(answer_at(bench, step_request(bench, kAlice, 5), kStart), std::nullopt);
   EXPECT_EQ(bench.engine.tick(), 0U) << "Bob has granted nothing";
   const auto bob = answer_at(bench, step_request(bench, kBob, 2), kStart);
   ASSERT_TRUE(bob);
-  EXPECT_EQ(bob->tick(), 2U);
+  EXPECT_EQ(bob->tick, 2U);
   EXPECT_EQ(bench.reply(), std::nullopt) << "Alice waits for tick 5";
   const auto first = answer_at(bench, step_request(bench, kBob, 3), kStart);
   ASSERT_TRUE(first);
-  EXPECT_EQ(first->tick(), 5U);
+  EXPECT_EQ(first->tick, 5U);
   const auto second = bench.reply();
   ASSERT_TRUE(second);
-  EXPECT_EQ(second->tick(), 5U);
+  EXPECT_EQ(second->tick, 5U);
 }
 
 TEST(StepRequest, ReportsAMissingStepperAndThePresentStatus) {
@@ -185,22 +197,22 @@ TEST(StepRequest, ReportsAMissingStepperAndThePresentStatus) {
   join(bench, kAlice);
   join(bench, kBob);
   auto arrival = step_request(bench, kAlice, 5);
-  arrival.request.axes({2});
+  arrival.request.axes = {2};
   EXPECT_EQ(answer_at(bench, arrival, kStart), std::nullopt);
   bench.engine.steps().answer_due(kStart + 1s);
   const auto reply = bench.reply();
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->reason(), msg::REASON_MISSING_STEPPER);
-  EXPECT_EQ(reply->missing_stepper(), kBob);
-  EXPECT_EQ(reply->tick(), 0U);
-  EXPECT_EQ(reply->statuses().size(), 1U);
+  EXPECT_EQ(reply->reason, msg::Reason::missing_stepper);
+  EXPECT_EQ(reply->missing_stepper, kBob);
+  EXPECT_EQ(reply->tick, 0U);
+  EXPECT_EQ(reply->statuses.size(), 1U);
 }
 
 TEST(StepRequest, BesideSteppersMayOnlyObserve) {
   EngineUnderTest bench;
   join(bench, kAlice);
-  EXPECT_EQ(answer_to(bench, step_request(bench, kBob, 1)).reason(), msg::REASON_NOT_A_STEPPER);
-  EXPECT_EQ(answer_to(bench, step_request(bench, kBob, 0)).reason(), msg::REASON_NONE);
+  EXPECT_EQ(answer_to(bench, step_request(bench, kBob, 1)).reason, msg::Reason::not_a_stepper);
+  EXPECT_EQ(answer_to(bench, step_request(bench, kBob, 0)).reason, msg::Reason::none);
 }
 
 TEST(StepRequest, OfASessionThatLeavesTheClockIsRefusedWhenTheOthersHaveNotGrantedItsTicks) {
@@ -208,11 +220,11 @@ TEST(StepRequest, OfASessionThatLeavesTheClockIsRefusedWhenTheOthersHaveNotGrant
   join(bench, kAlice);
   join(bench, kBob);
   EXPECT_EQ(answer_at(bench, step_request(bench, kAlice, 5), kStart), std::nullopt);
-  auto leave = step_request(bench, kAlice, 0, msg::REQUEST_LEAVE_CLOCK);
+  auto leave = step_request(bench, kAlice, 0, msg::RequestKind::leave_clock);
   bench.engine.steps().handle(leave, kStart);
-  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).reason, msg::Reason::none);
   bench.engine.steps().answer_due(kStart);
-  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).reason(), msg::REASON_NOT_A_STEPPER);
+  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).reason, msg::Reason::not_a_stepper);
 }
 
 TEST(StepRequest, IsAnsweredWhenTheBenchEnds) {
@@ -221,7 +233,7 @@ TEST(StepRequest, IsAnsweredWhenTheBenchEnds) {
   join(bench, kBob);
   EXPECT_EQ(answer_at(bench, step_request(bench, kAlice, 5), kStart), std::nullopt);
   EXPECT_TRUE(bench.engine.steps().refuse_waiting());
-  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).reason(), msg::REASON_SHUTTING_DOWN);
+  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).reason, msg::Reason::shutting_down);
 }
 
 TEST(StepRequest, IsNotLostWhenTheQueueOfAnswersIsFull) {
@@ -230,7 +242,7 @@ TEST(StepRequest, IsNotLostWhenTheQueueOfAnswersIsFull) {
   service::StepRequests& steps = bench.engine.steps();
   steps.handle(arrival, kStart);
   while (bench.outbox.replies.size() < bench.outbox.replies.capacity()) {
-    bench.receive(bench.make_request(msg::REQUEST_READ, kAlice));
+    bench.receive(bench.make_request(msg::RequestKind::read, kAlice));
   }
   ASSERT_EQ(steps.ticks_to_run(kStart), 1U);
   bench.steps(1);
@@ -238,7 +250,7 @@ TEST(StepRequest, IsNotLostWhenTheQueueOfAnswersIsFull) {
   while (bench.reply()) {
   }
   EXPECT_TRUE(steps.answer_due(kStart));
-  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).tick(), 1U);
+  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).tick, 1U);
 }
 
 TEST(StepRequest, TakesASilentStepperOffTheClock) {
@@ -271,7 +283,7 @@ TEST(StepRequest, TakesAStepperOffTheClockWhoseParticipantIsGone) {
   });
   steps.remove_absent(kStart, is_gone);
   EXPECT_EQ(bench.counters.steppers.get(), 0U);
-  const auto events = bench.events(msg::EVENT_CLOCK_CHANGED);
+  const auto events = bench.events(msg::EventKind::clock_changed);
   ASSERT_EQ(events.size(), 2U);
   EXPECT_EQ(events[1].detail, service::EventDetail{service::Parting::gone});
 }
@@ -281,15 +293,15 @@ TEST(StepRequest, IsAnsweredWithTheStatusOfTheRequestedAxes) {
   bench.acquire(kAlice, {3});
   bench.steps(4);
   auto arrival = step_request(bench, kAlice, 0);
-  arrival.request.axes({3, 1});
+  arrival.request.axes = {3, 1};
   const msg::Reply reply = answer_to(bench, arrival);
-  EXPECT_EQ(reply.tick(), 4U);
-  ASSERT_EQ(reply.statuses().size(), 2U);
-  EXPECT_EQ(reply.statuses()[0].axis(), 3U);
-  EXPECT_EQ(reply.statuses()[0].owner_session(), kAlice);
-  EXPECT_EQ(reply.statuses()[0].tick(), 4U);
-  EXPECT_EQ(reply.statuses()[1].axis(), 1U);
-  EXPECT_EQ(reply.statuses()[1].ds402_statusword(), 0x250U);
+  EXPECT_EQ(reply.tick, 4U);
+  ASSERT_EQ(reply.statuses.size(), 2U);
+  EXPECT_EQ(reply.statuses[0].axis, 3U);
+  EXPECT_EQ(reply.statuses[0].owner_session, kAlice);
+  EXPECT_EQ(reply.statuses[0].tick, 4U);
+  EXPECT_EQ(reply.statuses[1].axis, 1U);
+  EXPECT_EQ(reply.statuses[1].ds402_statusword, 0x250U);
 }
 
 TEST(Watchdog, ReleasesTheAxesOfALostMasterAndFaultsTheEnabledOnes) {
@@ -302,14 +314,14 @@ TEST(Watchdog, ReleasesTheAxesOfALostMasterAndFaultsTheEnabledOnes) {
   EXPECT_EQ(bench.counters.master_losses.get(), 1U);
   EXPECT_EQ(bench.value(1, 0x603F), 0x8130);
   EXPECT_EQ(bench.value(2, 0x603F), 0) << "was not enabled";
-  const auto events = bench.events(msg::EVENT_MASTER_LOST);
+  const auto events = bench.events(msg::EventKind::master_lost);
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].session, kAlice);
   EXPECT_EQ(events[0].detail, (service::EventDetail{service::LostAxes{2, 101}}))
       << "the first tick beyond the 100 ms";
   EXPECT_EQ(events[0].code, 101U);
   EXPECT_EQ(bench.counters.longest_silence_us.get(), 101'000U);
-  EXPECT_EQ(bench.acquire(kBob, {1, 2}).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.acquire(kBob, {1, 2}).reason, msg::Reason::none);
 }
 
 // A reliable write may be delivered long after it was sent: 0Fh in Switch on disabled would enable.
@@ -319,28 +331,28 @@ TEST(Watchdog, ALateWriteDoesNotRegainALostAxis) {
   bench.steps(102);
   ASSERT_EQ(bench.counters.master_losses.get(), 1U);
   const auto late = bench.write(kAlice, 1, 0x6040, 0x0F);
-  EXPECT_EQ(late.objects()[0].abort_code(), msg::REASON_STALE_EPOCH);
-  EXPECT_EQ(late.epoch(), 0U);
+  EXPECT_EQ(late.objects[0].abort_code, msg::Reason::stale_epoch);
+  EXPECT_EQ(late.epoch, 0U);
   EXPECT_EQ(bench.value(1, 0x6040), 0) << "nothing was written";
-  EXPECT_EQ(bench.write(kBob, 2, 0x6040, 0x0F).objects()[0].abort_code(), 0U) << "lost nothing";
-  EXPECT_EQ(bench.acquire(kAlice, {1}).reason(), msg::REASON_NONE);
-  EXPECT_EQ(bench.write(kAlice, 1, 0x6040, 0x0F).objects()[0].abort_code(), 0U);
+  EXPECT_EQ(bench.write(kBob, 2, 0x6040, 0x0F).objects[0].abort_code, msg::Reason::none)
+      << "lost nothing";
+  EXPECT_EQ(bench.acquire(kAlice, {1}).reason, msg::Reason::none);
+  EXPECT_EQ(bench.write(kAlice, 1, 0x6040, 0x0F).objects[0].abort_code, msg::Reason::none);
 }
 
 TEST(Watchdog, ALateWriteDoesNotRegainAnAxisThatWasTakenOver) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1});
-  bench.reply_to(bench.make_request(msg::REQUEST_TAKE_OVER, kBob, {1}));
-  bench.reply_to(bench.make_request(msg::REQUEST_RELEASE, kBob));
-  EXPECT_EQ(bench.write(kAlice, 1, 0x6040, 0x0F).objects()[0].abort_code(),
-            msg::REASON_STALE_EPOCH);
+  bench.reply_to(bench.make_request(msg::RequestKind::take_over, kBob, {1}));
+  bench.reply_to(bench.make_request(msg::RequestKind::release, kBob));
+  EXPECT_EQ(bench.write(kAlice, 1, 0x6040, 0x0F).objects[0].abort_code, msg::Reason::stale_epoch);
 }
 
 TEST(Watchdog, AcceptsRequestsAndStepsAsSignsOfLife) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1});
   bench.steps(90);
-  bench.reply_to(bench.make_request(msg::REQUEST_READ, kAlice));
+  bench.reply_to(bench.make_request(msg::RequestKind::read, kAlice));
   bench.steps(90);
   for (int tick = 0; tick < 500; ++tick) {  // the owner steps: it counts in each tick
     auto step = step_request(bench, kAlice, 1);
@@ -391,21 +403,21 @@ TEST(Events, ReportStatesFaultsAndResets) {
   EngineUnderTest bench;
   bench.write(kAlice, 1, 0x6040, 0x0F);
   bench.steps(1);
-  const auto enabled = bench.events(msg::EVENT_STATE_CHANGED);
+  const auto enabled = bench.events(msg::EventKind::state_changed);
   ASSERT_EQ(enabled.size(), 1U);
   EXPECT_EQ(enabled[0].axis, 1U);
   EXPECT_EQ(enabled[0].code & 0x6FU, 0x27U);
   EXPECT_EQ(enabled[0].tick, 1U);
   bench.write(kBob, 1, 0x5E02, 1);
   bench.steps(1);
-  const auto faults = bench.events(msg::EVENT_FAULT);
+  const auto faults = bench.events(msg::EventKind::fault);
   ASSERT_EQ(faults.size(), 1U);
   EXPECT_EQ(faults[0].code, 0x2310U);
   bench.write(kBob, 1, 0x5E02, 0);
   bench.steps(50);
   bench.write(kAlice, 1, 0x6040, 0x80);
   bench.steps(1);
-  EXPECT_EQ(bench.events(msg::EVENT_FAULT_RESET).size(), 1U);
+  EXPECT_EQ(bench.events(msg::EventKind::fault_reset).size(), 1U);
 }
 
 TEST(Parameters, ArePublishedOnceForEveryAcceptedWrite) {
@@ -415,9 +427,9 @@ TEST(Parameters, ArePublishedOnceForEveryAcceptedWrite) {
   bench.write(kAlice, 2, 0x6080, 0);  // refused
   bench.steps(1);
   ASSERT_EQ(bench.outbox.parameters.size(), 1U);
-  EXPECT_EQ(bench.outbox.parameters.front()->axis(), 2U);
-  EXPECT_EQ(bench.outbox.parameters.front()->profile_velocity(), 5U);
-  EXPECT_EQ(bench.outbox.parameters.front()->profile_acc(), 6U);
+  EXPECT_EQ(bench.outbox.parameters.front()->axis, 2U);
+  EXPECT_EQ(bench.outbox.parameters.front()->profile_velocity, 5U);
+  EXPECT_EQ(bench.outbox.parameters.front()->profile_acc, 6U);
 }
 
 TEST(Parameters, WaitForRoomAndLoseNothing) {
@@ -428,7 +440,7 @@ TEST(Parameters, WaitForRoomAndLoseNothing) {
   for (int tick = 0; tick < 100; ++tick) {
     bench.steps(1);
     while (tick > 50 && bench.outbox.parameters.front() != nullptr) {
-      seen[bench.outbox.parameters.front()->axis()] = true;
+      seen[bench.outbox.parameters.front()->axis] = true;
       bench.outbox.parameters.pop();
     }
   }
@@ -442,7 +454,7 @@ TEST(Outbox, ReportsTheCountOfDroppedImages) {
   }
   EXPECT_EQ(bench.counters.queue_overflows.get(), 5U);
   bench.steps(1);
-  const auto events = bench.events(msg::EVENT_QUEUE_OVERFLOW);
+  const auto events = bench.events(msg::EventKind::queue_overflow);
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].detail, service::EventDetail{service::Count{5}});
 }
@@ -455,7 +467,7 @@ TEST(BenchEngine, KeepsTimesAndCountsAcross2To31And2To32Ticks) {
     bench.acquire(kAlice, {1});
     bench.write(kAlice, 1, 0x6040, 0x0F);
     msg::CommandFrame frame = bench.make_frame(kAlice);
-    frame.apply_at_tick(border + 5);
+    frame.apply_at_tick = border + 5;
     set_controlword(add_command(frame, 1), 0x06);
     bench.receive(frame);
 
@@ -511,7 +523,8 @@ TEST(BenchEngine, GivesTheSameReportsAndStatusForAnyNumberOfThreads) {
     for (std::uint16_t axis = 1; axis <= kMany; axis += 3) bench.write(kAlice, axis, 0x6040, 0x0F);
     bench.steps(1);
     std::vector<std::uint16_t> axes;
-    for (const auto& event : bench.events(msg::EVENT_STATE_CHANGED)) axes.push_back(event.axis);
+    for (const auto& event : bench.events(msg::EventKind::state_changed))
+      axes.push_back(event.axis);
     bench.engine.queue_status();
     const auto* const image = bench.outbox.status.front();
     ASSERT_NE(image, nullptr);

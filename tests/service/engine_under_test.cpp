@@ -47,8 +47,8 @@ namespace {
 msg::Reply message_of(const service::OutgoingReply& outgoing) {
   msg::Reply reply = outgoing.reply;
   for (const wire::ShownAxis& axis : outgoing.axes) {
-    wire::to_message(axis.status, {reply.bench(), axis.number}, axis.tick, axis.owner,
-                     reply.statuses().emplace_back());
+    wire::to_message(axis.status, {reply.bench, axis.number}, axis.tick, axis.owner,
+                     reply.statuses.emplace_back());
   }
   return reply;
 }
@@ -64,63 +64,63 @@ msg::Reply EngineUnderTest::reply_to(const msg::Request& request) {
   }
   msg::Reply reply = message_of(*outgoing);
   outbox.replies.pop();
-  EXPECT_EQ(reply.request_id(), request.request_id());
-  EXPECT_EQ(reply.client(), request.client());
+  EXPECT_EQ(reply.request_id, request.request_id);
+  EXPECT_EQ(reply.client, request.client);
   return reply;
 }
 
-msg::Request EngineUnderTest::make_request(std::uint32_t kind, std::uint64_t session,
+msg::Request EngineUnderTest::make_request(msg::RequestKind kind, std::uint64_t session,
                                            std::vector<std::uint16_t> axes) {
   msg::Request request;
-  request.client(1);
-  request.request_id(++last_request_);
-  request.bench(configuration.bench);
-  request.session(session);
-  request.kind(kind);
-  request.axes(std::move(axes));
+  request.client = 1;
+  request.request_id = ++last_request_;
+  request.bench = configuration.bench;
+  request.session = session;
+  request.kind = kind;
+  request.axes = std::move(axes);
   return request;
 }
 
 msg::Reply EngineUnderTest::acquire(std::uint64_t session, std::vector<std::uint16_t> axes) {
-  return reply_to(make_request(msg::REQUEST_ACQUIRE, session, std::move(axes)));
+  return reply_to(make_request(msg::RequestKind::acquire, session, std::move(axes)));
 }
 
 msg::Reply EngineUnderTest::write(std::uint64_t session, std::uint16_t axis, std::uint16_t index,
                                   std::int64_t value, std::uint8_t subindex) {
-  auto request = make_request(msg::REQUEST_WRITE, session);
-  auto& object = request.objects().emplace_back();
-  object.axis(axis);
-  object.index(index);
-  object.subindex(subindex);
-  object.value(value);
+  auto request = make_request(msg::RequestKind::write, session);
+  auto& object = request.objects.emplace_back();
+  object.axis = axis;
+  object.index = index;
+  object.subindex = subindex;
+  object.value = value;
   return reply_to(request);
 }
 
 msg::Reply EngineUnderTest::read(std::uint16_t axis, std::uint16_t index, std::uint8_t subindex) {
-  auto request = make_request(msg::REQUEST_READ, 0);
-  auto& object = request.objects().emplace_back();
-  object.axis(axis);
-  object.index(index);
-  object.subindex(subindex);
+  auto request = make_request(msg::RequestKind::read, 0);
+  auto& object = request.objects.emplace_back();
+  object.axis = axis;
+  object.index = index;
+  object.subindex = subindex;
   return reply_to(request);
 }
 
 std::int64_t EngineUnderTest::value(std::uint16_t axis, std::uint16_t index,
                                     std::uint8_t subindex) {
-  return read(axis, index, subindex).objects().at(0).value();
+  return read(axis, index, subindex).objects.at(0).value;
 }
 
 msg::CommandFrame EngineUnderTest::make_frame(std::uint64_t session) {
   // The reply to a read has the epoch of the session and the last frame that arrived.
-  const auto reply = reply_to(make_request(msg::REQUEST_READ, session));
+  const auto reply = reply_to(make_request(msg::RequestKind::read, session));
   msg::CommandFrame frame;
-  frame.bench(configuration.bench);
-  frame.incarnation(kIncarnation);
-  frame.session(session);
-  frame.epoch(reply.epoch());
-  frame.sequence_number(reply.last_sequence() + 1);
-  frame.flags(msg::FRAME_WANT_REPLY);
-  static_cast<void>(events(msg::EVENT_REFUSED));  // the read names no object
+  frame.bench = configuration.bench;
+  frame.incarnation = kIncarnation;
+  frame.session = session;
+  frame.epoch = reply.epoch;
+  frame.sequence_number = reply.last_sequence + 1;
+  frame.flags = msg::FRAME_WANT_REPLY;
+  static_cast<void>(events(msg::EventKind::refused));  // the read names no object
   return frame;
 }
 
@@ -141,15 +141,15 @@ std::optional<msg::CommandReply> EngineUnderTest::command_reply() {
   return result;
 }
 
-std::optional<std::uint32_t> EngineUnderTest::frame_refusal() {
+std::optional<msg::Reason> EngineUnderTest::frame_refusal() {
   const auto reply = command_reply();
-  if (!reply || reply->refusals().size() != 1 || reply->refusals()[0].axis() != 0) {
+  if (!reply || reply->refusals.size() != 1 || reply->refusals[0].axis != 0) {
     return std::nullopt;
   }
-  return reply->refusals()[0].reason();
+  return reply->refusals[0].reason;
 }
 
-std::vector<service::EventRecord> EngineUnderTest::events(std::uint32_t kind) {
+std::vector<service::EventRecord> EngineUnderTest::events(msg::EventKind kind) {
   std::vector<service::EventRecord> found;
   while (const service::EventRecord* const event = outbox.events.front()) {
     if (event->kind == kind) found.push_back(*event);
@@ -163,14 +163,14 @@ void EngineUnderTest::steps(std::uint64_t count) {
 }
 
 msg::AxisCommand& add_command(msg::CommandFrame& frame, std::uint16_t axis) {
-  auto& command = frame.axes().emplace_back();
-  command.axis(axis);
+  auto& command = frame.axes.emplace_back();
+  command.axis = axis;
   return command;
 }
 
 void set_controlword(msg::AxisCommand& command, std::uint16_t word) {
-  command.members(static_cast<std::uint16_t>(command.members() | msg::HAS_DS402_CONTROLWORD));
-  command.ds402_controlword(word);
+  command.members = static_cast<std::uint16_t>(command.members | msg::HAS_DS402_CONTROLWORD);
+  command.ds402_controlword = word;
 }
 
 }  // namespace vdrive::test

@@ -16,7 +16,7 @@ inline constexpr std::uint64_t kIncarnation = 1'000;
 inline constexpr std::uint64_t kAlice = 0xA11CE;
 inline constexpr std::uint64_t kBob = 0xB0B;
 inline constexpr std::uint16_t kFirstTwo[] = {1, 2};  ///< axes
-inline constexpr std::uint32_t kLocalControl = 0x08000021;
+inline constexpr msg::Reason kLocalControl{0x08000021};
 
 /// @return a lock-step bench number 4 with `axes` default axes and the watchdog at 100 ms.
 [[nodiscard]] service::Configuration bench_configuration(std::size_t axes);
@@ -32,7 +32,7 @@ struct EngineUnderTest {
   /// Passes the request in. @return its reply.
   msg::Reply reply_to(const msg::Request& request);
 
-  [[nodiscard]] msg::Request make_request(std::uint32_t kind, std::uint64_t session,
+  [[nodiscard]] msg::Request make_request(msg::RequestKind kind, std::uint64_t session,
                                           std::vector<std::uint16_t> axes = {});
   msg::Reply acquire(std::uint64_t session, std::vector<std::uint16_t> axes);
   msg::Reply write(std::uint64_t session, std::uint16_t axis, std::uint16_t index,
@@ -50,10 +50,10 @@ struct EngineUnderTest {
   std::optional<msg::CommandReply> command_reply();
 
   /// @return the reason of the oldest command reply when it refuses the whole frame.
-  std::optional<std::uint32_t> frame_refusal();
+  std::optional<msg::Reason> frame_refusal();
 
   /// @return the events since the last call that have this kind.
-  std::vector<service::EventRecord> events(std::uint32_t kind);
+  std::vector<service::EventRecord> events(msg::EventKind kind);
 
   void steps(std::uint64_t count);
 

@@ -14,7 +14,7 @@ TEST(EventLimiter, PassesDifferentEvents) {
   EventLimiter limiter;
   std::vector<CountedEvent> passed;
   for (std::uint16_t axis = 1; axis <= 1'000; ++axis) {
-    limiter.offer({.kind = msg::EVENT_FAULT, .axis = axis}, 0ns, passed);
+    limiter.offer({.kind = msg::EventKind::fault, .axis = axis}, 0ns, passed);
   }
   EXPECT_EQ(passed.size(), 1'000U);
 }
@@ -24,7 +24,7 @@ TEST(EventLimiter, CountsEqualEventsThatItLeavesOut) {
   EventLimiter limiter;
   std::vector<CountedEvent> passed;
   for (std::uint32_t count = 0; count < kOffered; ++count) {
-    limiter.offer({.kind = msg::EVENT_REFUSED, .code = 3}, 1ms * count / 10, passed);
+    limiter.offer({.kind = msg::EventKind::refused, .code = 3}, 1ms * count / 10, passed);
   }
   EXPECT_EQ(passed.size(), EventLimiter::kEqualPerWindow);
   limiter.flush(2s, passed);
@@ -39,10 +39,10 @@ TEST(EventLimiter, AddsTheCountToTheNextEqualEvent) {
   EventLimiter limiter;
   std::vector<CountedEvent> passed;
   for (std::uint32_t count = 0; count < EventLimiter::kEqualPerWindow + 7; ++count) {
-    limiter.offer({.kind = msg::EVENT_REFUSED}, 0ns, passed);
+    limiter.offer({.kind = msg::EventKind::refused}, 0ns, passed);
   }
   passed.clear();
-  limiter.offer({.kind = msg::EVENT_REFUSED}, 3s, passed);
+  limiter.offer({.kind = msg::EventKind::refused}, 3s, passed);
   ASSERT_EQ(passed.size(), 1U);
   EXPECT_EQ(passed[0].suppressed, 7U);
 }
@@ -51,7 +51,7 @@ TEST(EventLimiter, IsBoundedAgainstAFloodOfDifferentEvents) {
   EventLimiter limiter;
   std::vector<CountedEvent> passed;
   for (std::uint64_t session = 0; session < 100'000; ++session) {
-    limiter.offer({.kind = msg::EVENT_REFUSED, .session = session}, 0ns, passed);
+    limiter.offer({.kind = msg::EventKind::refused, .session = session}, 0ns, passed);
   }
   EXPECT_LE(passed.size(), EventLimiter::kAllPerWindow);
 }

@@ -15,18 +15,18 @@ using namespace std::chrono_literals;
 TEST(EventText, HasWordsForEveryKindOfTheContract) {
   for (const EventKindRow& row : kEventKinds) {
     const auto number = static_cast<std::uint32_t>(row.kind);
-    const std::string words = words_of({.kind = number});
+    const std::string words = words_of({.kind = msg::EventKind{number}});
     EXPECT_FALSE(words.empty()) << row.name;
     EXPECT_NE(words, "event " + std::to_string(number)) << row.name;
   }
   const auto next = static_cast<std::uint32_t>(kEventKinds.size()) + 1;
-  EXPECT_EQ(words_of({.kind = next}), "event " + std::to_string(next));
+  EXPECT_EQ(words_of({.kind = msg::EventKind{next}}), "event " + std::to_string(next));
 }
 
 TEST(EventLine, HasKeysAndValuesAndTheTextLast) {
   EXPECT_EQ(
       log_line(3,
-               {.kind = msg::EVENT_MASTER_LOST,
+               {.kind = msg::EventKind::master_lost,
                 .axis = 7,
                 .session = 0x1234,
                 .code = 112,
@@ -37,38 +37,39 @@ TEST(EventLine, HasKeysAndValuesAndTheTextLast) {
       "suppressed=0 "
       "text=\"axis 7: nothing was received from session 0x0000000000001234 for 112 ms; 1 axis "
       "lost its master\"");
-  EXPECT_EQ(log_line(3, {.kind = msg::EVENT_FAULT, .axis = 7, .code = 0x8130, .tick = 99}, 21),
+  EXPECT_EQ(log_line(3, {.kind = msg::EventKind::fault, .axis = 7, .code = 0x8130, .tick = 99}, 21),
             "event=fault bench=3 tick=99 axis=7 code=0x8130 suppressed=21 text=\"axis 7: fault "
             "0x8130\"");
 }
 
 // 500 ppm of a second are 0.5 ms: 10 s take 20,000 s.
 TEST(EventWords, DescribeAStepOfTheWallClockAndItsCorrection) {
-  EXPECT_EQ(
-      words_of(
-          {.kind = msg::EVENT_WALL_CLOCK, .code = 1, .detail = std::chrono::microseconds{10s}}),
-      "the wall clock was changed: it is 10 s ahead of drive time; drive time is adjusted "
-      "for about 20000 s");
-  EXPECT_EQ(words_of({.kind = msg::EVENT_WALL_CLOCK,
+  EXPECT_EQ(words_of({.kind = msg::EventKind::wall_clock,
+                      .code = 1,
+                      .detail = std::chrono::microseconds{10s}}),
+            "the wall clock was changed: it is 10 s ahead of drive time; drive time is adjusted "
+            "for about 20000 s");
+  EXPECT_EQ(words_of({.kind = msg::EventKind::wall_clock,
                       .code = 1,
                       .detail = std::chrono::microseconds{-1'500ms}}),
             "the wall clock was changed: it is 1.5 s behind drive time; drive time is adjusted for "
             "about 3000 s");
-  EXPECT_EQ(
-      words_of(
-          {.kind = msg::EVENT_WALL_CLOCK, .code = 2, .detail = std::chrono::microseconds{10s}}),
-      "the wall clock was changed: it is 10 s ahead of drive time; the tick number jumps");
+  EXPECT_EQ(words_of({.kind = msg::EventKind::wall_clock,
+                      .code = 2,
+                      .detail = std::chrono::microseconds{10s}}),
+            "the wall clock was changed: it is 10 s ahead of drive time; the tick number jumps");
 }
 
 TEST(EventWords, SayHowLateOneTickWasAndTheWorstOfSeveral) {
-  EXPECT_EQ(words_of({.kind = msg::EVENT_TICK_OVERRUN, .detail = Overruns{1, 1'203us, 0ms}}),
+  EXPECT_EQ(words_of({.kind = msg::EventKind::tick_overrun, .detail = Overruns{1, 1'203us, 0ms}}),
             "tick ended 1203 us too late");
-  EXPECT_EQ(words_of({.kind = msg::EVENT_TICK_OVERRUN, .detail = Overruns{412, 5'120us, 8'000ms}}),
-            "412 ticks in 8 s ended too late, by up to 5120 us");
+  EXPECT_EQ(
+      words_of({.kind = msg::EventKind::tick_overrun, .detail = Overruns{412, 5'120us, 8'000ms}}),
+      "412 ticks in 8 s ended too late, by up to 5120 us");
 }
 
 TEST(EventWords, NameTheSessionThatStoppedAnAxisAndItsOwner) {
-  EventRecord stop{.kind = msg::EVENT_STOPPED,
+  EventRecord stop{.kind = msg::EventKind::stopped,
                    .axis = 2,
                    .session = 0xB0B,
                    .code = 0x0002,
@@ -84,8 +85,10 @@ TEST(EventWords, NameTheSessionThatStoppedAnAxisAndItsOwner) {
 }
 
 TEST(EventLine, NamesEveryKindOfEvent) {
-  for (std::uint32_t kind = msg::EVENT_STATE_CHANGED; kind <= msg::EVENT_STOPPED; ++kind) {
-    EXPECT_EQ(log_line(1, {.kind = kind}, 0).find("unknown"), std::string::npos) << kind;
+  for (std::uint32_t kind = wire::number(msg::EventKind::state_changed);
+       kind <= wire::number(msg::EventKind::stopped); ++kind) {
+    EXPECT_EQ(log_line(1, {.kind = msg::EventKind{kind}}, 0).find("unknown"), std::string::npos)
+        << kind;
   }
 }
 

@@ -55,10 +55,10 @@ TEST(FreerunDriver, RunsOneTickInEachCycleFromTickZero) {
 TEST(FreerunDriver, AnswersRequestsBetweenTwoTicks) {
   FreerunBench bench;
   bench.cycles(5);
-  bench.inbox.receive(bench.make_request(msg::REQUEST_POWER_CYCLE, kAlice, {1}), {});
+  bench.inbox.receive(bench.make_request(msg::RequestKind::power_cycle, kAlice, {1}), {});
   bench.cycles(1);
   ASSERT_NE(bench.outbox.replies.front(), nullptr);
-  EXPECT_EQ(bench.outbox.replies.front()->reply.tick(), 6U);
+  EXPECT_EQ(bench.outbox.replies.front()->reply.tick, 6U);
 }
 
 // 10,000 ticks of 5 us are 50 ms: one image at the start and one each millisecond.
@@ -86,7 +86,7 @@ TEST(FreerunDriver, LeavesRequestsWithoutRoomForAnAnswerToTheNextTicks) {
   FreerunBench bench;
   const std::size_t room = bench.outbox.replies.capacity();
   for (std::size_t count = 0; count < room + 50; ++count) {
-    bench.inbox.receive(bench.make_request(msg::REQUEST_READ, kAlice), {});
+    bench.inbox.receive(bench.make_request(msg::RequestKind::read, kAlice), {});
   }
   bench.cycles(3);
   EXPECT_EQ(bench.inbox.size(), 50U);
@@ -111,11 +111,11 @@ TEST(FreerunDriver, HasNoWatchdogByDefault) {
 
 TEST(FreerunDriver, RefusesStepsAndRates) {
   FreerunBench bench;
-  for (const std::uint32_t kind : {msg::REQUEST_STEP, msg::REQUEST_SET_RATE,
-                                   msg::REQUEST_JOIN_CLOCK, msg::REQUEST_LEAVE_CLOCK}) {
-    EXPECT_EQ(bench.reply_to(bench.make_request(kind, kAlice)).reason(),
-              msg::REASON_WRONG_CLOCK_MODE)
-        << kind;
+  for (const auto kind : {msg::RequestKind::step, msg::RequestKind::set_rate,
+                          msg::RequestKind::join_clock, msg::RequestKind::leave_clock}) {
+    EXPECT_EQ(bench.reply_to(bench.make_request(kind, kAlice)).reason,
+              msg::Reason::wrong_clock_mode)
+        << wire::number(kind);
   }
 }
 

@@ -134,18 +134,18 @@ void act_randomly(EngineUnderTest& bench, Random& random) {
       bench.acquire(session, {axis});
       break;
     case 1:
-      bench.reply_to(bench.make_request(msg::REQUEST_RELEASE, session));
+      bench.reply_to(bench.make_request(msg::RequestKind::release, session));
       break;
     case 2:
-      bench.reply_to(bench.make_request(msg::REQUEST_POWER_CYCLE, session, {axis}));
+      bench.reply_to(bench.make_request(msg::RequestKind::power_cycle, session, {axis}));
       break;
     case 3: {  // where one register is refused none is written
       auto frame = bench.make_frame(session);
-      frame.flags(msg::FRAME_ALL_OR_NOTHING);
+      frame.flags = msg::FRAME_ALL_OR_NOTHING;
       auto& command = add_command(frame, axis);
-      command.members(msg::HAS_PROFILE_VELOCITY | msg::HAS_OP_MODE_CMD);
-      command.profile_velocity(static_cast<std::uint32_t>(random.below(5'000)));
-      command.op_mode_cmd(random.one_in(2) ? 1 : 99);
+      command.members = msg::HAS_PROFILE_VELOCITY | msg::HAS_OP_MODE_CMD;
+      command.profile_velocity = static_cast<std::uint32_t>(random.below(5'000));
+      command.op_mode_cmd = random.one_in(2) ? 1 : 99;
       set_controlword(command, words[random.below(words.size())]);
       bench.receive(frame);
       break;
@@ -170,14 +170,14 @@ void record_randomly(RecordedBench& recorded, std::uint64_t seed, std::uint64_t 
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     for (std::uint64_t action = random.below(4); action > 0; --action) act_randomly(bench, random);
     if (random.one_in(100)) {
-      bench.reply_to(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
-      auto restore = bench.make_request(msg::REQUEST_RESTORE_SNAPSHOT, kAlice);
-      restore.snapshot(1 + random.below(8));
+      bench.reply_to(bench.make_request(msg::RequestKind::take_snapshot, kAlice));
+      auto restore = bench.make_request(msg::RequestKind::restore_snapshot, kAlice);
+      restore.snapshot = 1 + random.below(8);
       bench.reply_to(restore);
     }
     // Sometimes both sessions are silent for longer than the time of the watchdog.
     bench.steps(random.one_in(50) ? 150 : 1);
-    static_cast<void>(bench.events(0));
+    static_cast<void>(bench.events({}));
   }
 }
 
@@ -217,14 +217,14 @@ TEST(Journal, RecordsNothingOfAFrameThatIsRefusedAsAWhole) {
     auto& bench = recorded.bench;
     bench.acquire(kAlice, {1});
     auto frame = bench.make_frame(kAlice);
-    frame.flags(msg::FRAME_ALL_OR_NOTHING);
+    frame.flags = msg::FRAME_ALL_OR_NOTHING;
     auto& command = add_command(frame, 1);
-    command.members(msg::HAS_PROFILE_VELOCITY);
-    command.profile_velocity(10);
-    auto& refused = command.objects().emplace_back();  // comes after the members
-    refused.index(0x6041);
+    command.members = msg::HAS_PROFILE_VELOCITY;
+    command.profile_velocity = 10;
+    auto& refused = command.objects.emplace_back();  // comes after the members
+    refused.index = 0x6041;
     bench.receive(frame);
-    ASSERT_EQ(bench.command_reply()->refusals().size(), 1U);
+    ASSERT_EQ(bench.command_reply()->refusals.size(), 1U);
     bench.write(kAlice, 1, 0x6060, 1);
     bench.write(kAlice, 1, 0x607A, 10'000);
     bench.write(kAlice, 1, 0x6040, 0x0F);
@@ -245,7 +245,8 @@ TEST(Journal, RecordsLostMastersAndPowerCycles) {
     bench.write(kAlice, 2, 0x6040, 0x0F);
     bench.steps(200);  // the watchdog waits for 100
     ASSERT_EQ(bench.value(2, 0x603F), 0x8130);
-    ASSERT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_POWER_CYCLE, kBob, {2})).reason(), 0U);
+    ASSERT_EQ(bench.reply_to(bench.make_request(msg::RequestKind::power_cycle, kBob, {2})).reason,
+              msg::Reason::none);
     bench.steps(10);
     ASSERT_EQ(bench.value(2, 0x603F), 0);
   }
@@ -823,7 +824,7 @@ TEST(SlowJournal, LosesWholeTicksOfTheWallClockReportsAndContinues) {
     bench.steps(kTicksBeforeGate + 2);
     gate.wait_for_writer();
     bench.steps(Journal::kSlots + 1'000);
-    const auto begun = bench.events(msg::EVENT_JOURNAL);
+    const auto begun = bench.events(msg::EventKind::journal);
     ASSERT_EQ(begun.size(), 1U);
     EXPECT_EQ(begun[0].code, JournalCode::kLosing);
     EXPECT_GE(bench.counters.journal_losses.get(), 1'000U - 2U);
@@ -834,7 +835,7 @@ TEST(SlowJournal, LosesWholeTicksOfTheWallClockReportsAndContinues) {
     std::vector<service::EventRecord> resumed;
     while (resumed.empty() && std::chrono::steady_clock::now() < deadline) {
       bench.steps(1);
-      resumed = bench.events(msg::EVENT_JOURNAL);
+      resumed = bench.events(msg::EventKind::journal);
     }
     ASSERT_EQ(resumed.size(), 1U);
     EXPECT_EQ(resumed[0].code, JournalCode::kResumed);
@@ -864,7 +865,7 @@ TEST(FullDisk, EndsTheJournalOnly) {
     std::vector<service::EventRecord> events;
     while (events.empty() && std::chrono::steady_clock::now() < deadline) {
       recorded.bench.steps(10);
-      events = recorded.bench.events(msg::EVENT_JOURNAL);
+      events = recorded.bench.events(msg::EventKind::journal);
       std::erase_if(events, [](const auto& event) {  // a slow machine may lose some before
         return event.code != JournalCode::kEnded;
       });
@@ -874,7 +875,7 @@ TEST(FullDisk, EndsTheJournalOnly) {
     const auto before = recorded.bench.engine.tick();
     recorded.bench.steps(2 * Journal::kSlots);
     EXPECT_EQ(recorded.bench.engine.tick(), before + 2 * Journal::kSlots);
-    EXPECT_TRUE(recorded.bench.events(msg::EVENT_JOURNAL).empty()) << "reported once";
+    EXPECT_TRUE(recorded.bench.events(msg::EventKind::journal).empty()) << "reported once";
   }
 }
 

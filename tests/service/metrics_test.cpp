@@ -4,6 +4,7 @@
 
 #include "program/metrics_endpoint.hpp"
 #include "support/local_http.hpp"
+#include "vdrive_messages_description.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +15,9 @@
 #include <unistd.h>
 
 #include <array>
+#include <map>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -42,13 +45,13 @@ class MetricsTest : public testing::Test {
   Counters counters_;
   MetricsEndpoint sut_{
       0, std::make_unique<Metrics>(configuration_, BenchIdentity{.bench = 4, .incarnation = 99},
-                                   counters_, [] {
-                                     return QueueDepths{.inbox = 5, .outbox = 6};
-                                   })};
+                                   counters_)};
 };
 
 TEST_F(MetricsTest, AreServedAsPrometheusText) {
   counters_.ticks_run.add(17);
+  counters_.inbox_depth.set(5);
+  counters_.outbox_depth.set(6);
   counters_.overruns.add(2);
   counters_.commands_applied.add(3);
   counters_.master_losses.add();
@@ -70,6 +73,30 @@ TEST_F(MetricsTest, AreServedAsPrometheusText) {
         "# TYPE vdrive_ticks_total counter", "name=\"cell \\\"7\\\"\""}) {
     EXPECT_THAT(answer, HasSubstr(line));
   }
+}
+
+// A figure is a row of the IDL: name, kind, unit and help follow from it.
+TEST_F(MetricsTest, HaveEachFigureOfABench) {
+  const std::map<std::string_view, std::string> renamed{
+      {"overruns", "vdrive_tick_overruns_total"},
+      {"jumps", "vdrive_tick_jumps_total"},
+      {"inbox_depth", "vdrive_queue_depth"},
+      {"outbox_depth", "vdrive_queue_depth"},
+      {"pending_frames", "vdrive_queue_depth"},
+      {"master_losses", "vdrive_watchdog_trips_total"},
+      {"longest_silence_us", "vdrive_longest_silence_seconds"}};
+  const std::string answer = http_get(sut_.port(), "/metrics");
+  wire::for_each_figure<msg::BenchState>([&](const wire::MemberTraits& figure) {
+    const bool is_counter = figure.figure == wire::FigureKind::counter;
+    const auto other = renamed.find(figure.name);
+    const std::string name = other != renamed.end() ? other->second
+                                                    : "vdrive_" + std::string(figure.name) +
+                                                          (is_counter ? "_total" : "");
+    EXPECT_THAT(answer, HasSubstr("# TYPE " + name + (is_counter ? " counter\n" : " gauge\n")));
+    EXPECT_THAT(answer, HasSubstr("\n" + name + "{bench=\"4\""));
+    if (name == "vdrive_queue_depth") return;  // one help for all queues
+    EXPECT_THAT(answer, HasSubstr("# HELP " + name + " " + std::string(figure.help) + "\n"));
+  });
 }
 
 TEST_F(MetricsTest, ShowTheStateOfTheNetworkProcess) {
@@ -178,7 +205,7 @@ TEST_F(MetricsTest, AreServedWithinASecondBesideAHundredIdleClients) {
 
 TEST_F(MetricsTest, EndAtOnceWithAConnectedClient) {
   auto endpoint = std::make_unique<MetricsEndpoint>(
-      0, std::make_unique<Metrics>(configuration_, BenchIdentity{}, counters_, nullptr));
+      0, std::make_unique<Metrics>(configuration_, BenchIdentity{}, counters_));
   const int idle = connected(endpoint->port());
   const auto begin = std::chrono::steady_clock::now();
   endpoint.reset();
@@ -190,7 +217,7 @@ TEST_F(MetricsTest, NameAPortThatIsInUse) {
   try {
     const MetricsEndpoint second(
         static_cast<std::uint16_t>(sut_.port()),
-        std::make_unique<Metrics>(configuration_, BenchIdentity{}, counters_, nullptr));
+        std::make_unique<Metrics>(configuration_, BenchIdentity{}, counters_));
     FAIL() << "two endpoints have one port";
   } catch (const ConfigurationError& error) {
     EXPECT_THAT(error.what(), HasSubstr("metrics.port = " + std::to_string(sut_.port())));

@@ -12,14 +12,14 @@ namespace {
 
 bool insert(PendingFrames& frames, std::uint64_t tick, std::uint64_t sequence) {
   msg::CommandFrame frame;
-  frame.sequence_number(sequence);
+  frame.sequence_number = sequence;
   return frames.insert(tick, frame);
 }
 
 std::vector<std::uint64_t> due_at(PendingFrames& frames, std::uint64_t tick) {
   std::vector<std::uint64_t> sequences;
   msg::CommandFrame frame;
-  while (frames.take_due(tick, frame)) sequences.push_back(frame.sequence_number());
+  while (frames.take_due(tick, frame)) sequences.push_back(frame.sequence_number);
   return sequences;
 }
 
@@ -53,10 +53,10 @@ TEST(PendingFrames, DropMatchingFramesAndReturnThem) {
   std::vector<std::uint64_t> dropped;
   frames.drop_if(
       [](const auto& head, auto /*commands*/) {
-        return head.sequence_number() % 2 == 0;
+        return head.sequence_number % 2 == 0;
       },
       [&](const auto& head) {
-        dropped.push_back(head.sequence_number());
+        dropped.push_back(head.sequence_number);
       });
   EXPECT_EQ(dropped, (std::vector<std::uint64_t>{2, 4}));
   EXPECT_EQ(due_at(frames, 10), (std::vector<std::uint64_t>{1, 3}));
@@ -66,9 +66,9 @@ TEST(PendingFrames, DropMatchingFramesAndReturnThem) {
 msg::CommandFrame frame_of(std::uint16_t count) {
   msg::CommandFrame frame;
   for (std::uint16_t axis = 1; axis <= count; ++axis) {
-    auto& command = frame.axes().emplace_back();
-    command.axis(axis);
-    command.objects().emplace_back().value(axis);
+    auto& command = frame.axes.emplace_back();
+    command.axis = axis;
+    command.objects.emplace_back().value = axis;
   }
   return frame;
 }
@@ -83,14 +83,14 @@ TEST(PendingFrames, GiveEachCommandBackWithItsObjects) {
   auto due = frame_of(3);
   for (const std::uint16_t size : {std::uint16_t{msg::MAX_AXES_PER_FRAME}, std::uint16_t{2}}) {
     ASSERT_TRUE(frames.take_due(6, due));
-    ASSERT_EQ(due.axes().size(), size);
+    ASSERT_EQ(due.axes.size(), size);
     for (std::uint16_t axis = 1; axis <= size; ++axis) {
-      const auto& command = due.axes()[axis - 1U];
-      EXPECT_EQ(command.axis(), axis);
-      ASSERT_EQ(command.objects().size(), 1U);
-      EXPECT_EQ(command.objects().front().value(), axis);
+      const auto& command = due.axes[axis - 1U];
+      EXPECT_EQ(command.axis, axis);
+      ASSERT_EQ(command.objects.size(), 1U);
+      EXPECT_EQ(command.objects.front().value, axis);
     }
-    due.axes().clear();
+    due.axes.clear();
   }
 }
 
@@ -98,10 +98,10 @@ TEST(PendingFrames, AllocateNothingForTheLargestFramesEither) {
   PendingFrames frames;
   std::vector<msg::CommandFrame> sent(4, frame_of(msg::MAX_AXES_PER_FRAME));
   msg::CommandFrame due;
-  due.axes().reserve(msg::MAX_AXES_PER_FRAME);
+  due.axes.reserve(msg::MAX_AXES_PER_FRAME);
   const test::AllocationGuard guard;
   for (auto& frame : sent) ASSERT_TRUE(frames.insert(5, frame));
-  while (frames.take_due(5, due)) ASSERT_EQ(due.axes().size(), msg::MAX_AXES_PER_FRAME);
+  while (frames.take_due(5, due)) ASSERT_EQ(due.axes.size(), msg::MAX_AXES_PER_FRAME);
   EXPECT_EQ(guard.count(), 0U);
 }
 

@@ -4,12 +4,13 @@
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
 #include "vdrive/wire/subscription.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -31,7 +32,7 @@ class Probe {
   [[nodiscard]] bool find_bench();
 
   /// @return a request of `kind` with the next number.
-  [[nodiscard]] msg::Request make_request(std::uint32_t kind);
+  [[nodiscard]] msg::Request make_request(msg::RequestKind kind);
 
   /// Sends the request. @return its reply, or nothing after `kPatience`.
   std::optional<msg::Reply> exchange(const msg::Request& request);
@@ -56,7 +57,7 @@ class Probe {
   [[nodiscard]] bool wait_until(const std::function<bool()>& condition);
 
   /// @return whom its messages come from.
-  [[nodiscard]] wire::Source source() const { return participant_.source(); }
+  [[nodiscard]] wire::Source source() const { return participant_->source(); }
 
   // What was seen; inside of a condition only.
   [[nodiscard]] const std::vector<msg::BenchDescription>& seen_descriptions() const {
@@ -100,7 +101,7 @@ class Probe {
   std::uint32_t bench_;
   std::uint64_t last_request_ = 0;
 
-  wire::Participant participant_;
+  std::unique_ptr<wire::Participant> participant_;
   wire::Publication<msg::Request> requests_;
   wire::Publication<msg::CommandFrame> frames_;
   wire::Subscription<msg::Reply> reply_reader_;

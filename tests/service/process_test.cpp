@@ -135,7 +135,7 @@ TEST(SignalledService, EndsInTheMiddleOfALongStep) {
     reply = probe.step(1'000'000);
   });
   ASSERT_TRUE(probe.wait_until([&] {
-    return probe.seen_state() && probe.seen_state()->tick() > 0;
+    return probe.seen_state() && probe.seen_state()->tick > 0;
   }));
   const auto begin = Clock::now();
   service.send(SIGTERM);
@@ -143,7 +143,7 @@ TEST(SignalledService, EndsInTheMiddleOfALongStep) {
   EXPECT_LT(Clock::now() - begin, 2s);
   client.join();
   ASSERT_TRUE(reply) << "a client that steps receives the reason";
-  EXPECT_EQ(reply->reason(), msg::REASON_SHUTTING_DOWN);
+  EXPECT_EQ(reply->reason, msg::Reason::shutting_down);
 }
 
 TEST(ServiceProcess, EndsWhenItsBenchNumberIsInUse) {
@@ -171,7 +171,7 @@ TEST(ServiceProcess, ThatStartedLaterEndsWhenTwoShareABenchNumber) {
   older.send(SIGSTOP);  // silent while the other one checks the bench number
   Process younger(with_domain({"--bench", "9"}));
   ASSERT_TRUE(probe.wait_until([&] {
-    return probe.seen_descriptions().back().incarnation() != probe.incarnation;
+    return probe.seen_descriptions().back().incarnation != probe.incarnation;
   }));
   older.send(SIGCONT);
   EXPECT_EQ(younger.wait(), 5);
@@ -206,7 +206,7 @@ TEST(ServiceProcess, PublishesTheFirstStatusOfAThousandAxesWithinASecond) {
   }));
   // The budget is proved by the benchmark; this bound only notices a blunder on a loaded machine.
   EXPECT_LT(Clock::now() - begin, 3s);
-  EXPECT_EQ(probe.status()->parts(), 4U);
+  EXPECT_EQ(probe.status()->parts, 4U);
 }
 
 TEST(ServiceProcess, PrintsItsVersion) {

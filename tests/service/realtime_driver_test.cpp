@@ -70,8 +70,8 @@ struct RealtimeBench : EngineUnderTest {
 
 /// @return a request for the rate.
 msg::Request rate_request(RealtimeBench& bench, double rate) {
-  auto request = bench.make_request(msg::REQUEST_SET_RATE, kAlice);
-  request.rate(rate);
+  auto request = bench.make_request(msg::RequestKind::set_rate, kAlice);
+  request.rate = rate;
   return request;
 }
 
@@ -95,7 +95,7 @@ TEST(RealtimeDriver, CatchesUpAfterAShortStall) {
   EXPECT_EQ(bench.timer.now, 60ms) << "as many ticks as time";
   EXPECT_EQ(bench.counters.jumps.get(), 0U);
   EXPECT_GT(bench.counters.overruns.get(), 0U);
-  EXPECT_FALSE(bench.events(msg::EVENT_TICK_OVERRUN).empty());
+  EXPECT_FALSE(bench.events(msg::EventKind::tick_overrun).empty());
 }
 
 // Each tick of a machine that needs 1.5 ms for it is late: 40,000 in a minute. The first is told at
@@ -108,7 +108,7 @@ TEST(RealtimeDriver, TellsOfAMinuteOfLateTicksInSixEvents) {
   const std::uint64_t overruns = bench.counters.overruns.get();
   EXPECT_GT(overruns, 39'000U);
   std::uint64_t told = 0;
-  const auto events = bench.events(msg::EVENT_TICK_OVERRUN);
+  const auto events = bench.events(msg::EventKind::tick_overrun);
   for (const auto& event : events) told += std::get<service::Overruns>(event.detail).count;
   EXPECT_EQ(events.size(), 6U);
   EXPECT_GT(told, overruns / 3) << "the rest follows at the end of its span";
@@ -122,7 +122,7 @@ TEST(RealtimeDriver, JumpsAfterALongStallAndHoldsTheState) {
   bench.cycles(1);
   EXPECT_EQ(bench.engine.tick(), 1'700'000'005'010U);
   EXPECT_EQ(bench.counters.jumps.get(), 1U);
-  const auto events = bench.events(msg::EVENT_TICK_JUMPED);
+  const auto events = bench.events(msg::EventKind::tick_jumped);
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].detail, service::EventDetail{service::Count{4'999}});
   EXPECT_EQ(bench.counters.master_losses.get(), 0U) << "no drive time passed";
@@ -135,7 +135,7 @@ TEST(RealtimeDriver, ReportsAStepOfTheWallClockAndCorrectsIt) {
     bench.cycles(10);
     bench.timer.wall_step = offset;
     bench.cycles(1'000);
-    const auto events = bench.events(msg::EVENT_WALL_CLOCK);
+    const auto events = bench.events(msg::EventKind::wall_clock);
     ASSERT_EQ(events.size(), 1U);
     EXPECT_EQ(events[0].code, service::WallClockCode::kSteered);
     EXPECT_NEAR(static_cast<double>(std::get<std::chrono::microseconds>(events[0].detail).count()),
@@ -159,7 +159,7 @@ TEST(RealtimeDriver, JumpsWithTheWallClockWhereItIsConfigured) {
   bench.cycles(50);
   EXPECT_EQ(bench.engine.tick(), 1'700'000'000'060U + 10'000U);
   EXPECT_EQ(bench.counters.jumps.get(), 1U);
-  const auto jumps = bench.events(msg::EVENT_TICK_JUMPED);
+  const auto jumps = bench.events(msg::EventKind::tick_jumped);
   ASSERT_EQ(jumps.size(), 1U);
   EXPECT_EQ(jumps[0].detail, service::EventDetail{service::Count{10'000}});
   EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27) << "no drive time passed";
@@ -195,7 +195,7 @@ TEST(RealtimeDriver, RepeatsNoTickWhenTheWallClockGoesBack) {
   for (std::size_t i = 1; i < bench.images.size(); ++i) {
     ASSERT_EQ(bench.images[i], bench.images[i - 1] + 1);
   }
-  const auto events = bench.events(msg::EVENT_WALL_CLOCK);
+  const auto events = bench.events(msg::EventKind::wall_clock);
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].code, service::WallClockCode::kSteered);
 }
@@ -220,16 +220,16 @@ TEST(RealtimeDriver, MeasuresTheLatenessOfTicks) {
 TEST(RealtimeDriver, HandlesMessagesThatArrivedBeforeTheTick) {
   RealtimeBench bench;
   bench.cycles(5);
-  bench.inbox.receive(bench.make_request(msg::REQUEST_POWER_CYCLE, kAlice, {1}), {});
+  bench.inbox.receive(bench.make_request(msg::RequestKind::power_cycle, kAlice, {1}), {});
   bench.cycles(1);
   ASSERT_NE(bench.outbox.replies.front(), nullptr);
-  EXPECT_EQ(bench.outbox.replies.front()->reply.tick(), bench.engine.tick());
+  EXPECT_EQ(bench.outbox.replies.front()->reply.tick, bench.engine.tick());
 }
 
 TEST(RealtimeDriver, SpreadsAFloodOverTheNextTicks) {
   RealtimeBench bench;
   for (int count = 0; count < 600; ++count) {
-    bench.inbox.receive(bench.make_request(msg::REQUEST_READ, kAlice), {});
+    bench.inbox.receive(bench.make_request(msg::RequestKind::read, kAlice), {});
   }
   bench.cycles(1);
   EXPECT_EQ(bench.inbox.size(), 600 - service::RealtimeDriver::kArrivalsPerTick);
@@ -239,7 +239,7 @@ TEST(RealtimeDriver, SpreadsAFloodOverTheNextTicks) {
 TEST(RealtimeDriver, LeavesRequestsWithoutRoomForAnAnswerInTheInbox) {
   RealtimeBench bench;
   for (int count = 0; count < 300; ++count) {
-    bench.inbox.receive(bench.make_request(msg::REQUEST_READ, kAlice), {});
+    bench.inbox.receive(bench.make_request(msg::RequestKind::read, kAlice), {});
   }
   bench.cycles(5);
   EXPECT_EQ(bench.outbox.replies.size(), service::Outbox::kReplies);
@@ -259,29 +259,29 @@ TEST(RealtimeDriver, RunsAtTheGivenRate) {
 }
 
 /// Requests the rate. @return the reason of the answer.
-std::uint32_t set_rate(RealtimeBench& bench, double rate) {
-  return bench.reply_to(rate_request(bench, rate)).reason();
+msg::Reason set_rate(RealtimeBench& bench, double rate) {
+  return bench.reply_to(rate_request(bench, rate)).reason;
 }
 
 TEST(RealtimeDriver, PausesAndContinuesWithTheNextTick) {
   RealtimeBench bench;
   bench.cycles(10);
-  EXPECT_EQ(set_rate(bench, 0.0), msg::REASON_NONE);
+  EXPECT_EQ(set_rate(bench, 0.0), msg::Reason::none);
   bench.cycles(1'000);  // of 1 ms
   EXPECT_EQ(bench.engine.tick(), 1'700'000'000'010U);
   EXPECT_EQ(bench.counters.rate.get(), 0.0);
-  EXPECT_EQ(set_rate(bench, 1.0), msg::REASON_NONE);
+  EXPECT_EQ(set_rate(bench, 1.0), msg::Reason::none);
   bench.cycles(1 + 5);  // the first takes the rate over
   EXPECT_EQ(bench.engine.tick(), 1'700'000'000'015U);
   EXPECT_EQ(bench.counters.jumps.get(), 0U);
   EXPECT_EQ(bench.counters.overruns.get(), 0U);
-  EXPECT_EQ(bench.events(msg::EVENT_CLOCK_CHANGED).size(), 2U);
+  EXPECT_EQ(bench.events(msg::EventKind::clock_changed).size(), 2U);
 }
 
 TEST(RealtimeDriver, RunsFasterFromTheTimeOfTheRequest) {
   RealtimeBench bench;
   bench.cycles(10);
-  EXPECT_EQ(set_rate(bench, 100.0), msg::REASON_NONE);
+  EXPECT_EQ(set_rate(bench, 100.0), msg::Reason::none);
   const auto before = bench.timer.now;
   bench.cycles(1 + 1'000);
   EXPECT_EQ(bench.engine.tick(), 1'700'000'001'010U);
@@ -305,16 +305,16 @@ TEST(RealtimeDriver, RefusesARateOutOfRange) {
   RealtimeBench bench;
   for (const double rate : {-1.0, 0.09, 100.1, std::numeric_limits<double>::infinity(),
                             std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_EQ(set_rate(bench, rate), msg::REASON_OUT_OF_RANGE) << rate;
+    EXPECT_EQ(set_rate(bench, rate), msg::Reason::out_of_range) << rate;
   }
-  EXPECT_EQ(set_rate(bench, 0.1), msg::REASON_NONE);
-  EXPECT_EQ(set_rate(bench, 100.0), msg::REASON_NONE);
+  EXPECT_EQ(set_rate(bench, 0.1), msg::Reason::none);
+  EXPECT_EQ(set_rate(bench, 100.0), msg::Reason::none);
 }
 
 TEST(RealtimeDriver, KeepsItsReferenceWhenTheRateDoesNotChange) {
   RealtimeBench bench;
-  EXPECT_EQ(set_rate(bench, 1.0), msg::REASON_NONE);
-  EXPECT_TRUE(bench.events(msg::EVENT_CLOCK_CHANGED).empty());
+  EXPECT_EQ(set_rate(bench, 1.0), msg::Reason::none);
+  EXPECT_TRUE(bench.events(msg::EventKind::clock_changed).empty());
   bench.cycles(10);
   EXPECT_EQ(bench.engine.tick(), 1'700'000'000'010U);
   EXPECT_EQ(bench.timer.now, 10ms);
@@ -343,7 +343,7 @@ TEST(RealtimeDriver, AgreesWithAnotherBenchWhoseClockIsSynchronised) {
 
 TEST(RealtimeDriver, AnswersRequestsWhilePaused) {
   RealtimeBench bench(realtime_configuration(0.0));
-  bench.inbox.receive(bench.make_request(msg::REQUEST_READ, kAlice), {});
+  bench.inbox.receive(bench.make_request(msg::RequestKind::read, kAlice), {});
   bench.cycles(100);
   EXPECT_EQ(bench.engine.tick(), 1'700'000'000'000U);
   EXPECT_NE(bench.outbox.replies.front(), nullptr);

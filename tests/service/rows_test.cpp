@@ -42,7 +42,7 @@ void refuse_two_names(const YamlValue& value, Room& room) {
 }
 
 constexpr auto kLampRows = std::to_array<Row<Lamp>>({
-    key<&Lamp::colour>("colour", one_of<Colour::red, Colour::blue>, "Of its light."),
+    key<&Lamp::colour>("colour", kOneOf<Colour::red, Colour::blue>, "Of its light."),
     key<&Lamp::period>("period_ms", IntegerOrNone{{5, 100, "ms"}, "off"}, "It flashes, {} ms."),
 });
 

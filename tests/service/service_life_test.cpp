@@ -145,28 +145,28 @@ msg::CommandFrame words_for(Probe& probe, std::uint16_t first, std::uint16_t las
                             std::uint16_t controlword) {
   msg::CommandFrame frame = probe.make_frame();
   for (std::uint16_t axis = first; axis <= last; ++axis) {
-    auto& command = frame.axes().emplace_back();
-    command.axis(axis);
-    command.members(msg::HAS_DS402_CONTROLWORD);
-    command.ds402_controlword(controlword);
+    auto& command = frame.axes.emplace_back();
+    command.axis = axis;
+    command.members = msg::HAS_DS402_CONTROLWORD;
+    command.ds402_controlword = controlword;
   }
   return frame;
 }
 
 void add_motion(const Motion& motion, msg::CommandFrame& frame) {
-  for (auto& command : frame.axes()) {
-    command.members(msg::HAS_DS402_CONTROLWORD | msg::HAS_OP_MODE_CMD |
-                    msg::HAS_POSITION_USER_TARGET_VALUE | msg::HAS_PROFILE_VELOCITY |
-                    msg::HAS_PROFILE_ACC | msg::HAS_PROFILE_DEC);
-    command.op_mode_cmd(1);
-    command.position_user_target_value(2'000'000'000);
-    command.profile_velocity(motion.velocity);
-    command.profile_acc(4'000'000);
-    command.profile_dec(motion.deceleration);
-    auto& quick_stop = command.objects().emplace_back();
-    quick_stop.index(0x6085);
-    quick_stop.subindex(0);
-    quick_stop.value(motion.deceleration);
+  for (auto& command : frame.axes) {
+    command.members = msg::HAS_DS402_CONTROLWORD | msg::HAS_OP_MODE_CMD |
+                      msg::HAS_POSITION_USER_TARGET_VALUE | msg::HAS_PROFILE_VELOCITY |
+                      msg::HAS_PROFILE_ACC | msg::HAS_PROFILE_DEC;
+    command.op_mode_cmd = 1;
+    command.position_user_target_value = 2'000'000'000;
+    command.profile_velocity = motion.velocity;
+    command.profile_acc = 4'000'000;
+    command.profile_dec = motion.deceleration;
+    auto& quick_stop = command.objects.emplace_back();
+    quick_stop.index = 0x6085;
+    quick_stop.subindex = 0;
+    quick_stop.value = motion.deceleration;
   }
 }
 
@@ -186,11 +186,11 @@ void start_all(Probe& probe, std::uint16_t count, const Motion& motion) {
           static_cast<std::uint16_t>(std::min<int>(count, first + msg::MAX_AXES_PER_FRAME - 1));
       auto frame = words_for(probe, first, last, word);
       if (word == 0x0F) add_motion(motion, frame);
-      frame.flags(msg::FRAME_WANT_REPLY);
+      frame.flags = msg::FRAME_WANT_REPLY;
       ASSERT_TRUE(probe.send(frame));
-      const auto reply = probe.reply_to(frame.sequence_number());
+      const auto reply = probe.reply_to(frame.sequence_number);
       ASSERT_TRUE(reply);
-      ASSERT_TRUE(reply->refusals().empty());
+      ASSERT_TRUE(reply->refusals.empty());
     }
   }
 }
@@ -201,14 +201,14 @@ class Watched {
   /// Inside of a condition of `Probe::wait_until`. @return whether this frame is new.
   bool observe(const Probe& probe) {
     const auto& frame = probe.seen_status();
-    if (!frame || (frame->tick() == tick_ && frame->part() == part_)) return false;
-    tick_ = frame->tick();
-    part_ = frame->part();
-    for (const auto& axis : frame->axes()) {
-      last_.resize(std::max<std::size_t>(last_.size(), axis.axis()));
-      last_[axis.axis() - 1U] = axis;
+    if (!frame || (frame->tick == tick_ && frame->part == part_)) return false;
+    tick_ = frame->tick;
+    part_ = frame->part;
+    for (const auto& axis : frame->axes) {
+      last_.resize(std::max<std::size_t>(last_.size(), axis.axis));
+      last_[axis.axis - 1U] = axis;
     }
-    if (part_ == 0) first_axis_.push_back(frame->axes().front());
+    if (part_ == 0) first_axis_.push_back(frame->axes.front());
     return true;
   }
 
@@ -229,7 +229,7 @@ class Watched {
 };
 
 bool is_switch_on_disabled(const msg::AxisStatus& status) {
-  return (status.ds402_statusword() & kSwitchOnDisabledMask) == kSwitchOnDisabled;
+  return (status.ds402_statusword & kSwitchOnDisabledMask) == kSwitchOnDisabled;
 }
 
 /// The last status and the end of the bench are samples of two topics: either may come first.
@@ -354,7 +354,7 @@ TEST(TerminatedService, BrakesItsAxesOnTheirRampAndDisablesThem) {
   ASSERT_NO_FATAL_FAILURE(start_all(probe, 2, {}));
   Watched watched;
   ASSERT_TRUE(probe.wait_until([&] {
-    return watched.observe(probe) && watched.first_axis().back().velocity_demand_value() == 40'000;
+    return watched.observe(probe) && watched.first_axis().back().velocity_demand_value == 40'000;
   }));
   const std::size_t begin = watched.first_axis().size();
   terminate(*service, probe, watched);
@@ -362,8 +362,8 @@ TEST(TerminatedService, BrakesItsAxesOnTheirRampAndDisablesThem) {
   // 40 000 UU/s at 80 000 UU/s2: 500 ticks, none faster than the one before it.
   std::size_t braking = 0;
   for (std::size_t sample = begin; sample < seen.size(); ++sample) {
-    const auto speed = seen[sample].velocity_demand_value();
-    EXPECT_LE(speed, seen[sample - 1].velocity_demand_value());
+    const auto speed = seen[sample].velocity_demand_value;
+    EXPECT_LE(speed, seen[sample - 1].velocity_demand_value);
     braking += speed > 0 && speed < 40'000 ? 1 : 0;
   }
   EXPECT_GT(braking, 250U) << "samples on the ramp; some of the 500 may get lost";
@@ -380,7 +380,7 @@ TEST(TerminatedService, WithAThousandMovingAxesEndsWithinTwoSeconds) {
   ASSERT_TRUE(probe.wait_until([&] {
     watched.observe(probe);
     return watched.size() == 1'000 && watched.all([](const auto& status) {
-      return (status.ds402_statusword() & kStateMask) == kOperationEnabled;
+      return (status.ds402_statusword & kStateMask) == kOperationEnabled;
     });
   }));
   terminate(*service, probe, watched);
@@ -394,11 +394,11 @@ TEST(TerminatedService, RefusesCommandsWhileItsAxesBrake) {
   ASSERT_NO_FATAL_FAILURE(start_all(probe, 1, {.deceleration = 4'000}));
   service->send(SIGTERM);
   ASSERT_TRUE(probe.event([](const auto& event) {
-    return event.kind() == msg::EVENT_SHUTDOWN;
+    return event.kind == msg::EventKind::shutdown;
   }));
   const auto reply = probe.write(1, 0x6040, 0x1F);
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->reason(), msg::REASON_SHUTTING_DOWN);
+  EXPECT_EQ(reply->reason, msg::Reason::shutting_down);
   EXPECT_EQ(service->wait().code, 0);
 }
 
@@ -411,7 +411,7 @@ TEST(TerminatedService, EndsAtOnceAfterASecondSignal) {
   Watched watched;
   service->send(SIGTERM);
   ASSERT_TRUE(probe.event([](const auto& event) {
-    return event.kind() == msg::EVENT_SHUTDOWN;
+    return event.kind == msg::EventKind::shutdown;
   }));
   service->send(SIGINT);
   ASSERT_TRUE(probe.wait_until([&] {
@@ -420,7 +420,7 @@ TEST(TerminatedService, EndsAtOnceAfterASecondSignal) {
   }));
   EXPECT_EQ(service->wait().code, 0);
   EXPECT_TRUE(std::ranges::none_of(watched.first_axis(), [](const auto& status) {
-    return (status.ds402_statusword() & kStateMask) == 0x07;
+    return (status.ds402_statusword & kStateMask) == 0x07;
   })) << "no quick stop after a second: the power is gone before";
 }
 
@@ -435,12 +435,12 @@ TEST_P(TerminatedAtRest, DisablesItsAxesWhereTimeStandsStill) {
   ASSERT_TRUE(probe.find_bench());
   const auto reply = probe.write(1, 0x6040, 0x0F);
   ASSERT_TRUE(reply);
-  ASSERT_EQ(reply->reason(), msg::REASON_NONE);
+  ASSERT_EQ(reply->reason, msg::Reason::none);
   Watched watched;
   terminate(*service, probe, watched);
   EXPECT_TRUE(probe.wait_until([&] {
     watched.observe(probe);
-    return !watched.first_axis().empty() && watched.first_axis().back().tick() == reply->tick();
+    return !watched.first_axis().empty() && watched.first_axis().back().tick == reply->tick;
   })) << "the tick in which the command would have been in force is the last one";
   EXPECT_TRUE(sees_switched_off(probe, watched));
 }

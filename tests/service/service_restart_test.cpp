@@ -69,9 +69,9 @@ class KilledService : public testing::Test {
     EXPECT_TRUE(probe_->wait_until([&] {
       const auto& frame = probe_->seen_status();
       if (frame) {
-        for (const auto& axis : frame->axes()) {
-          seen[axis.axis() - 1U] = true;
-          EXPECT_EQ(axis.ds402_statusword() & 0x4F, 0x40) << "Switch on disabled";
+        for (const auto& axis : frame->axes) {
+          seen[axis.axis - 1U] = true;
+          EXPECT_EQ(axis.ds402_statusword & 0x4F, 0x40) << "Switch on disabled";
         }
       }
       return std::ranges::all_of(seen, [](bool axis) {
@@ -86,7 +86,7 @@ class KilledService : public testing::Test {
     ASSERT_TRUE(probe_->find_bench());
     const auto reply = probe_->write(1, 0x6040, 0x0F);
     ASSERT_TRUE(reply);
-    EXPECT_EQ(reply->reason(), msg::REASON_NONE);
+    EXPECT_EQ(reply->reason, msg::Reason::none);
     service_->send(SIGKILL);
     EXPECT_EQ(service_->wait().code, -SIGKILL);
   }

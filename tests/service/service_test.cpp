@@ -37,16 +37,16 @@ TEST(LockstepService, EnablesAnAxisInOneStep) {
   ASSERT_TRUE(bench.found);
   const auto written = bench.probe.write(1, 0x6040, 0x0F);
   ASSERT_TRUE(written);
-  EXPECT_EQ(written->objects().at(0).abort_code(), 0U);
-  EXPECT_EQ(written->tick(), 1U);
+  EXPECT_EQ(written->objects.at(0).abort_code, msg::Reason::none);
+  EXPECT_EQ(written->tick, 1U);
   const auto stepped = bench.probe.step(1, {1, 2});
   ASSERT_TRUE(stepped);
-  EXPECT_EQ(stepped->reason(), msg::REASON_NONE);
-  EXPECT_EQ(stepped->tick(), 1U);
-  ASSERT_EQ(stepped->statuses().size(), 2U);
-  EXPECT_EQ(stepped->statuses()[0].ds402_statusword() & 0x6F, 0x27);
-  EXPECT_EQ(stepped->statuses()[0].owner_session(), bench.probe.session);
-  EXPECT_EQ(stepped->statuses()[1].ds402_statusword(), 0x250);
+  EXPECT_EQ(stepped->reason, msg::Reason::none);
+  EXPECT_EQ(stepped->tick, 1U);
+  ASSERT_EQ(stepped->statuses.size(), 2U);
+  EXPECT_EQ(stepped->statuses[0].ds402_statusword & 0x6F, 0x27);
+  EXPECT_EQ(stepped->statuses[0].owner_session, bench.probe.session);
+  EXPECT_EQ(stepped->statuses[1].ds402_statusword, 0x250);
 }
 
 TEST(LockstepService, ReturnsTheStatusWithoutAStep) {
@@ -54,9 +54,9 @@ TEST(LockstepService, ReturnsTheStatusWithoutAStep) {
   ASSERT_TRUE(bench.found);
   const auto reply = bench.probe.step(0, {1});
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->tick(), 0U);
-  ASSERT_EQ(reply->statuses().size(), 1U);
-  EXPECT_EQ(reply->statuses()[0].ds402_statusword(), 0x250);
+  EXPECT_EQ(reply->tick, 0U);
+  ASSERT_EQ(reply->statuses.size(), 1U);
+  EXPECT_EQ(reply->statuses[0].ds402_statusword, 0x250);
 }
 
 TEST(LockstepService, StepsOnlyWithTheFramesThatWereSentBefore) {
@@ -65,16 +65,16 @@ TEST(LockstepService, StepsOnlyWithTheFramesThatWereSentBefore) {
   ASSERT_TRUE(bench.probe.acquire({1}));
   for (int round = 0; round < 200; ++round) {
     auto frame = bench.probe.make_frame();
-    frame.flags(0);
-    auto& command = frame.axes().emplace_back();
-    command.axis(1);
-    command.members(msg::HAS_POSITION_USER_TARGET_VALUE);
-    command.position_user_target_value(round);
+    frame.flags = 0;
+    auto& command = frame.axes.emplace_back();
+    command.axis = 1;
+    command.members = msg::HAS_POSITION_USER_TARGET_VALUE;
+    command.position_user_target_value = round;
     ASSERT_TRUE(bench.probe.send(frame));
     const auto reply = bench.probe.step(1, {1});
     ASSERT_TRUE(reply);
-    ASSERT_EQ(reply->reason(), msg::REASON_NONE);
-    ASSERT_EQ(reply->statuses().at(0).last_sequence(), frame.sequence_number());
+    ASSERT_EQ(reply->reason, msg::Reason::none);
+    ASSERT_EQ(reply->statuses.at(0).last_sequence, frame.sequence_number);
   }
 }
 
@@ -86,9 +86,9 @@ TEST(LockstepService, NamesTheMissingFrames) {
   bench.probe.last_sequence = 5;  // 2 to 5 were never sent
   const auto reply = bench.probe.step(1);
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->reason(), msg::REASON_MISSING_COMMANDS);
-  EXPECT_EQ(reply->last_sequence(), 1U);
-  EXPECT_EQ(reply->tick(), 0U);
+  EXPECT_EQ(reply->reason, msg::Reason::missing_commands);
+  EXPECT_EQ(reply->last_sequence, 1U);
+  EXPECT_EQ(reply->tick, 0U);
 }
 
 TEST(LockstepService, KeepsTheOrderOfRequestsAroundALongStep) {
@@ -97,15 +97,15 @@ TEST(LockstepService, KeepsTheOrderOfRequestsAroundALongStep) {
   const auto first = bench.probe.step(50'000);
   const auto second = bench.probe.read(1, 0x6041);
   ASSERT_TRUE(first && second);
-  EXPECT_EQ(first->tick(), 50'000U);
-  EXPECT_EQ(second->tick(), 50'000U);
+  EXPECT_EQ(first->tick, 50'000U);
+  EXPECT_EQ(second->tick, 50'000U);
 }
 
 TEST(LockstepService, RefusesMoreTicksThanAllowed) {
   Running bench(configuration(service::ClockMode::lockstep, 1));
   ASSERT_TRUE(bench.found);
-  EXPECT_EQ(bench.probe.step(1'000'001)->reason(), msg::REASON_TOO_MANY_TICKS);
-  EXPECT_EQ(bench.probe.step(1, {9})->reason(), msg::REASON_UNKNOWN_AXIS);
+  EXPECT_EQ(bench.probe.step(1'000'001)->reason, msg::Reason::too_many_ticks);
+  EXPECT_EQ(bench.probe.step(1, {9})->reason, msg::Reason::unknown_axis);
 }
 
 TEST(LockstepService, PublishesTheLastTickOfEveryStep) {
@@ -115,7 +115,7 @@ TEST(LockstepService, PublishesTheLastTickOfEveryStep) {
   ASSERT_TRUE(bench.probe.step(7));
   EXPECT_TRUE(bench.probe.wait_until([&] {
     const auto& last = bench.probe.seen_status();
-    return last && last->tick() == 2'007 && last->parts() == 2 && last->part() == 1;
+    return last && last->tick == 2'007 && last->parts == 2 && last->part == 1;
   }));
 }
 
@@ -126,11 +126,11 @@ TEST(RealtimeService, PublishesEveryTick) {
     return bench.probe.seen_status().has_value();
   }));
   const auto first = bench.probe.status();
-  EXPECT_EQ(first->incarnation(), bench.service.identity().incarnation);
-  EXPECT_EQ(first->axes().size(), 2U);
-  EXPECT_EQ(first->time_ns(), static_cast<std::int64_t>(first->tick()) * 1'000'000);
+  EXPECT_EQ(first->incarnation, bench.service.identity().incarnation);
+  EXPECT_EQ(first->axes.size(), 2U);
+  EXPECT_EQ(first->time_ns, static_cast<std::int64_t>(first->tick) * 1'000'000);
   EXPECT_TRUE(bench.probe.wait_until([&] {
-    return bench.probe.seen_status()->tick() >= first->tick() + 100;
+    return bench.probe.seen_status()->tick >= first->tick + 100;
   }));
 }
 
@@ -139,10 +139,10 @@ TEST(RealtimeService, AnswersRequestsAndRefusesToStep) {
   ASSERT_TRUE(bench.found);
   const auto read = bench.probe.read(1, 0x6041);
   ASSERT_TRUE(read);
-  EXPECT_EQ(read->objects().at(0).value(), 0x250);
+  EXPECT_EQ(read->objects.at(0).value, 0x250);
   const auto step = bench.probe.step(1);
   ASSERT_TRUE(step);
-  EXPECT_EQ(step->reason(), msg::REASON_WRONG_CLOCK_MODE);
+  EXPECT_EQ(step->reason, msg::Reason::wrong_clock_mode);
 }
 
 TEST(RealtimeService, DetectsALostMaster) {
@@ -150,15 +150,15 @@ TEST(RealtimeService, DetectsALostMaster) {
   ASSERT_TRUE(bench.found);
   ASSERT_TRUE(bench.probe.write(1, 0x6040, 0x0F));
   const auto lost = bench.probe.event([](const auto& event) {
-    return event.kind() == msg::EVENT_MASTER_LOST;
+    return event.kind == msg::EventKind::master_lost;
   });
   ASSERT_TRUE(lost);
-  EXPECT_EQ(lost->session(), bench.probe.session);
+  EXPECT_EQ(lost->session, bench.probe.session);
   const auto fault = bench.probe.event([](const auto& event) {
-    return event.kind() == msg::EVENT_FAULT;
+    return event.kind == msg::EventKind::fault;
   });
   ASSERT_TRUE(fault);
-  EXPECT_EQ(fault->code(), 0x8130U);
+  EXPECT_EQ(fault->code, 0x8130U);
 }
 
 TEST(Service, DescribesTheBenchInParts) {
@@ -169,16 +169,16 @@ TEST(Service, DescribesTheBenchInParts) {
   }));
   std::size_t axes = 0;
   for (const auto& part : bench.probe.descriptions()) {
-    EXPECT_EQ(part.parts(), 3U);
-    EXPECT_EQ(part.axis_count(), 600U);
-    EXPECT_EQ(part.period_us(), 1'000U);
-    EXPECT_TRUE(part.alive());
-    EXPECT_EQ(part.clock_mode(), msg::CLOCK_MODE_REALTIME);
-    EXPECT_EQ(part.axes().front().axis(), part.part() * 256 + 1);
-    EXPECT_EQ(part.axes().front().unit_kind(), msg::UNIT_ROTARY);
-    EXPECT_EQ(part.axes().front().unit_name().to_string(), "deg");
-    EXPECT_EQ(part.axes().front().unit_size(), 4'096.0);
-    axes += part.axes().size();
+    EXPECT_EQ(part.parts, 3U);
+    EXPECT_EQ(part.axis_count, 600U);
+    EXPECT_EQ(part.period_us, 1'000U);
+    EXPECT_TRUE(part.alive);
+    EXPECT_EQ(part.clock_mode, msg::ClockMode::realtime);
+    EXPECT_EQ(part.axes.front().axis, part.part * 256 + 1);
+    EXPECT_EQ(part.axes.front().unit_kind, msg::UnitKind::rotary);
+    EXPECT_EQ(part.axes.front().unit_name.to_string(), "deg");
+    EXPECT_EQ(part.axes.front().unit_size, 4'096.0);
+    axes += part.axes.size();
   }
   EXPECT_EQ(axes, 600U);
 }
@@ -201,7 +201,7 @@ TEST(Service, PublishesItsStateTwentyTimesASecond) {
   ASSERT_TRUE(bench.probe.step(123));
   EXPECT_TRUE(bench.probe.wait_until([&] {
     const auto& state = bench.probe.seen_state();
-    return state && state->tick() == 123 && state->requests_answered() >= 1;
+    return state && state->tick == 123 && state->requests_answered >= 1;
   }));
 }
 
@@ -251,51 +251,51 @@ Integer edge(std::mt19937_64& random) {
 
 msg::CommandFrame garbage_frame(std::mt19937_64& random, const Probe& probe) {
   msg::CommandFrame frame;
-  frame.bench(1);
-  frame.incarnation(random() % 2 == 0 ? probe.incarnation : edge<std::uint64_t>(random));
-  frame.session(random() % 2 == 0 ? probe.session : edge<std::uint64_t>(random));
-  frame.epoch(random() % 2 == 0 ? probe.epoch : edge<std::uint32_t>(random));
-  frame.sequence_number(edge<std::uint64_t>(random));
-  frame.apply_at_tick(edge<std::uint64_t>(random));
-  frame.valid_until_tick(edge<std::uint64_t>(random));
-  frame.flags(edge<std::uint32_t>(random));
-  frame.axes().resize(random() % 4 == 0 ? random() % 300 : random() % 4);
-  for (auto& axis : frame.axes()) {
-    axis.axis(edge<std::uint16_t>(random));
-    axis.members(edge<std::uint16_t>(random));
-    axis.ds402_controlword(edge<std::uint16_t>(random));
-    axis.op_mode_cmd(edge<std::int8_t>(random));
-    axis.position_user_target_value(edge<std::int32_t>(random));
-    axis.profile_velocity(edge<std::uint32_t>(random));
-    axis.profile_acc(edge<std::uint32_t>(random));
-    axis.profile_dec(edge<std::uint32_t>(random));
-    axis.positioning_option_code(edge<std::uint16_t>(random));
-    axis.objects().resize(random() % 8 == 0 ? random() % 20 : random() % 3);
-    for (auto& object : axis.objects()) {
-      object.index(edge<std::uint16_t>(random));
-      object.subindex(edge<std::uint8_t>(random));
-      object.value(edge<std::int64_t>(random));
+  frame.bench = 1;
+  frame.incarnation = random() % 2 == 0 ? probe.incarnation : edge<std::uint64_t>(random);
+  frame.session = random() % 2 == 0 ? probe.session : edge<std::uint64_t>(random);
+  frame.epoch = random() % 2 == 0 ? probe.epoch : edge<std::uint32_t>(random);
+  frame.sequence_number = edge<std::uint64_t>(random);
+  frame.apply_at_tick = edge<std::uint64_t>(random);
+  frame.valid_until_tick = edge<std::uint64_t>(random);
+  frame.flags = edge<std::uint32_t>(random);
+  frame.axes.resize(random() % 4 == 0 ? random() % 300 : random() % 4);
+  for (auto& axis : frame.axes) {
+    axis.axis = edge<std::uint16_t>(random);
+    axis.members = edge<std::uint16_t>(random);
+    axis.ds402_controlword = edge<std::uint16_t>(random);
+    axis.op_mode_cmd = edge<std::int8_t>(random);
+    axis.position_user_target_value = edge<std::int32_t>(random);
+    axis.profile_velocity = edge<std::uint32_t>(random);
+    axis.profile_acc = edge<std::uint32_t>(random);
+    axis.profile_dec = edge<std::uint32_t>(random);
+    axis.positioning_option_code = edge<std::uint16_t>(random);
+    axis.objects.resize(random() % 8 == 0 ? random() % 20 : random() % 3);
+    for (auto& object : axis.objects) {
+      object.index = edge<std::uint16_t>(random);
+      object.subindex = edge<std::uint8_t>(random);
+      object.value = edge<std::int64_t>(random);
     }
   }
   return frame;
 }
 
 msg::Request garbage_request(std::mt19937_64& random, Probe& probe) {
-  msg::Request request = probe.make_request(edge<std::uint32_t>(random));
-  if (random() % 2 == 0) request.kind(static_cast<std::uint32_t>(random() % 10));
-  request.incarnation(random() % 2 == 0 ? 0 : edge<std::uint64_t>(random));
-  request.session(edge<std::uint64_t>(random));
+  msg::Request request = probe.make_request(msg::RequestKind{edge<std::uint32_t>(random)});
+  if (random() % 2 == 0) request.kind = static_cast<msg::RequestKind>(random() % 10);
+  request.incarnation = random() % 2 == 0 ? 0 : edge<std::uint64_t>(random);
+  request.session = edge<std::uint64_t>(random);
   const auto ticks = edge<std::uint64_t>(random);  // valid steps short, to go through many
-  request.ticks(ticks <= 1'000'000 ? ticks % 10 : ticks);
-  request.last_sequence(0);
-  request.axes().resize(random() % 4 == 0 ? random() % 300 : random() % 4);
-  for (auto& axis : request.axes()) axis = edge<std::uint16_t>(random);
-  request.objects().resize(random() % 4 == 0 ? random() % 80 : random() % 4);
-  for (auto& object : request.objects()) {
-    object.axis(edge<std::uint16_t>(random));
-    object.index(edge<std::uint16_t>(random));
-    object.subindex(edge<std::uint8_t>(random));
-    object.value(edge<std::int64_t>(random));
+  request.ticks = ticks <= 1'000'000 ? ticks % 10 : ticks;
+  request.last_sequence = 0;
+  request.axes.resize(random() % 4 == 0 ? random() % 300 : random() % 4);
+  for (auto& axis : request.axes) axis = edge<std::uint16_t>(random);
+  request.objects.resize(random() % 4 == 0 ? random() % 80 : random() % 4);
+  for (auto& object : request.objects) {
+    object.axis = edge<std::uint16_t>(random);
+    object.index = edge<std::uint16_t>(random);
+    object.subindex = edge<std::uint8_t>(random);
+    object.value = edge<std::int64_t>(random);
   }
   return request;
 }
@@ -314,12 +314,12 @@ TEST_P(ServiceUnderInvalidMessages, AnswersEveryRequestAndContinues) {
     ASSERT_TRUE(reply) << "request " << round << " was not answered";
   }
   EXPECT_TRUE(bench.probe.event([](const auto& event) {
-    return event.kind() == msg::EVENT_REFUSED;
+    return event.kind == msg::EventKind::refused;
   }));
   EXPECT_EQ(bench.service.counters().frames_received.get(), static_cast<std::uint64_t>(kRounds));
   const auto reply = bench.probe.read(1, 0x6081);
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->objects().at(0).abort_code(), 0U);
+  EXPECT_EQ(reply->objects.at(0).abort_code, msg::Reason::none);
 }
 
 INSTANTIATE_TEST_SUITE_P(ClockModes, ServiceUnderInvalidMessages,
@@ -334,17 +334,17 @@ TEST(Service, AnswersEveryRefusedFrame) {
   ASSERT_TRUE(bench.found);
   ASSERT_TRUE(bench.probe.acquire({1}));
   auto wrong = bench.probe.make_frame();
-  wrong.incarnation(1);
+  wrong.incarnation = 1;
   ASSERT_TRUE(bench.probe.send(wrong));
-  const auto reply = bench.probe.reply_to(wrong.sequence_number());
+  const auto reply = bench.probe.reply_to(wrong.sequence_number);
   ASSERT_TRUE(reply);
-  ASSERT_EQ(reply->refusals().size(), 1U);
-  EXPECT_EQ(reply->refusals()[0].reason(), msg::REASON_WRONG_INCARNATION);
+  ASSERT_EQ(reply->refusals.size(), 1U);
+  EXPECT_EQ(reply->refusals[0].reason, msg::Reason::wrong_incarnation);
   auto large = bench.probe.make_frame();
-  large.axes().resize(300);
+  large.axes.resize(300);
   ASSERT_TRUE(bench.probe.send(large));
-  EXPECT_EQ(bench.probe.reply_to(large.sequence_number())->refusals()[0].reason(),
-            msg::REASON_TOO_MANY_AXES);
+  EXPECT_EQ(bench.probe.reply_to(large.sequence_number)->refusals[0].reason,
+            msg::Reason::too_many_axes);
 }
 
 TEST(Service, RefusesAnotherSessionAndNamesTheOwner) {
@@ -357,14 +357,14 @@ TEST(Service, RefusesAnotherSessionAndNamesTheOwner) {
   ASSERT_TRUE(stranger.find_bench());
   const auto write = stranger.write(1, 0x6040, 0x0F);
   ASSERT_TRUE(write);
-  EXPECT_EQ(write->objects().at(0).abort_code(), 0x08000021U);
-  EXPECT_EQ(write->owner_session(), bench.probe.session);
+  EXPECT_EQ(write->objects.at(0).abort_code, msg::Reason{0x08000021});
+  EXPECT_EQ(write->owner_session, bench.probe.session);
   const auto acquire = stranger.acquire({2, 1});
   ASSERT_TRUE(acquire);
-  EXPECT_EQ(acquire->reason(), 0x08000021U);
-  EXPECT_EQ(acquire->refused_axis(), 1U);
-  EXPECT_EQ(stranger.write(1, 0x5E01, 1)->objects().at(0).abort_code(), 0U);
-  EXPECT_EQ(stranger.read(1, 0x6041)->objects().at(0).abort_code(), 0U);
+  EXPECT_EQ(acquire->reason, msg::Reason{0x08000021});
+  EXPECT_EQ(acquire->refused_axis, 1U);
+  EXPECT_EQ(stranger.write(1, 0x5E01, 1)->objects.at(0).abort_code, msg::Reason::none);
+  EXPECT_EQ(stranger.read(1, 0x6041)->objects.at(0).abort_code, msg::Reason::none);
 }
 
 }  // namespace

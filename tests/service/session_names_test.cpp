@@ -15,18 +15,18 @@ constexpr std::uint32_t kNamedBench = 3;
 msg::SessionName said_by(std::uint64_t session, const std::string& program,
                          std::uint32_t bench = kNamedBench) {
   msg::SessionName name;
-  name.bench(bench);
-  name.session(session);
-  name.program(program);
-  name.process(4711);
-  name.host("bench-host");
+  name.bench = bench;
+  name.session = session;
+  name.program = program;
+  name.process = 4711;
+  name.host = "bench-host";
   return name;
 }
 
 /// @return the sessions that have to be published, in order.
 std::vector<std::uint64_t> published_names(SessionNames& names) {
   std::vector<std::uint64_t> sessions;
-  for (; names.next() != nullptr; names.pop()) sessions.push_back(names.next()->session());
+  for (; names.next() != nullptr; names.pop()) sessions.push_back(names.next()->session);
   return sessions;
 }
 
@@ -36,14 +36,14 @@ TEST(SessionNames, PassOnWhatAProgramSaysAtAPlace) {
   ASSERT_TRUE(sut.note(said_by(7, "first")));
   ASSERT_TRUE(sut.note(said_by(8, "second")));
   ASSERT_NE(sut.next(), nullptr);
-  EXPECT_EQ(sut.next()->bench(), kNamedBench);
-  EXPECT_EQ(sut.next()->place(), 0U);
-  EXPECT_EQ(sut.next()->session(), 7U);
-  EXPECT_STREQ(sut.next()->program().c_str(), "first");
-  EXPECT_EQ(sut.next()->process(), 4711U);
-  EXPECT_STREQ(sut.next()->host().c_str(), "bench-host");
+  EXPECT_EQ(sut.next()->bench, kNamedBench);
+  EXPECT_EQ(sut.next()->place, 0U);
+  EXPECT_EQ(sut.next()->session, 7U);
+  EXPECT_EQ(sut.next()->program, "first");
+  EXPECT_EQ(sut.next()->process, 4711U);
+  EXPECT_EQ(sut.next()->host, "bench-host");
   sut.pop();
-  EXPECT_EQ(sut.next()->place(), 1U);
+  EXPECT_EQ(sut.next()->place, 1U);
 }
 
 TEST(SessionNames, PublishWhatIsUnchangedOnce) {
@@ -53,7 +53,7 @@ TEST(SessionNames, PublishWhatIsUnchangedOnce) {
   EXPECT_EQ(published_names(sut), std::vector<std::uint64_t>{7});
   EXPECT_TRUE(sut.note(said_by(7, "renamed")));
   ASSERT_NE(sut.next(), nullptr);
-  EXPECT_EQ(sut.next()->place(), 0U) << "it keeps its place";
+  EXPECT_EQ(sut.next()->place, 0U) << "it keeps its place";
 }
 
 TEST(SessionNames, LeaveOutWhatBelongsToNoSessionOrToAnotherBench) {
@@ -72,8 +72,8 @@ TEST(SessionNames, GiveThePlaceOfTheFirstToOneThatFindsNoRoom) {
   for (const std::uint64_t place : {0U, 1U}) {
     ASSERT_TRUE(sut.note(said_by(1'000 + place, "late")));
     ASSERT_NE(sut.next(), nullptr);
-    EXPECT_EQ(sut.next()->place(), place);
-    EXPECT_EQ(sut.next()->session(), 1'000 + place);
+    EXPECT_EQ(sut.next()->place, place);
+    EXPECT_EQ(sut.next()->session, 1'000 + place);
     sut.pop();
   }
 }

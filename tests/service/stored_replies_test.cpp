@@ -11,42 +11,42 @@ namespace {
 /// Every member of the IDL with a value of its own.
 msg::CommandReply command_reply(std::uint32_t first, std::size_t refusals) {
   msg::CommandReply reply;
-  reply.bench(first);
-  reply.incarnation(first + 1);
-  reply.session(first + 2);
-  reply.sequence_number(first + 3);
-  reply.tick(first + 4);
+  reply.bench = first;
+  reply.incarnation = first + 1;
+  reply.session = first + 2;
+  reply.sequence_number = first + 3;
+  reply.tick = first + 4;
   for (std::size_t i = 0; i < refusals; ++i) {
-    msg::Refusal& refusal = reply.refusals().emplace_back();
-    refusal.axis(static_cast<std::uint16_t>(first + i));
-    refusal.index(static_cast<std::uint16_t>(first + i + 1));
-    refusal.subindex(static_cast<std::uint8_t>(i));
-    refusal.reason(first + 5);
+    msg::Refusal& refusal = reply.refusals.emplace_back();
+    refusal.axis = static_cast<std::uint16_t>(first + i);
+    refusal.index = static_cast<std::uint16_t>(first + i + 1);
+    refusal.subindex = static_cast<std::uint8_t>(i);
+    refusal.reason = msg::Reason{first + 5};
   }
-  reply.ignored_set_points().push_back(static_cast<std::uint16_t>(first + 6));
+  reply.ignored_set_points.push_back(static_cast<std::uint16_t>(first + 6));
   return reply;
 }
 
 msg::Reply reply_to_request(std::uint32_t first, std::size_t objects) {
   msg::Reply reply;
-  reply.client(first);
-  reply.request_id(first + 1);
-  reply.bench(first + 2);
-  reply.incarnation(first + 3);
-  reply.reason(first + 4);
-  reply.refused_axis(static_cast<std::uint16_t>(first + 5));
-  reply.owner_session(first + 6);
-  reply.tick(first + 7);
-  reply.epoch(first + 8);
-  reply.last_sequence(first + 9);
-  reply.missing_stepper(first + 10);
-  reply.snapshot(first + 11);
+  reply.client = first;
+  reply.request_id = first + 1;
+  reply.bench = first + 2;
+  reply.incarnation = first + 3;
+  reply.reason = msg::Reason{first + 4};
+  reply.refused_axis = static_cast<std::uint16_t>(first + 5);
+  reply.owner_session = first + 6;
+  reply.tick = first + 7;
+  reply.epoch = first + 8;
+  reply.last_sequence = first + 9;
+  reply.missing_stepper = first + 10;
+  reply.snapshot = first + 11;
   for (std::size_t i = 0; i < objects; ++i) {
-    msg::ObjectResult& object = reply.objects().emplace_back();
-    object.axis(static_cast<std::uint16_t>(first + i));
-    object.index(static_cast<std::uint16_t>(first + i + 1));
-    object.abort_code(first + 12);
-    object.value(static_cast<std::int64_t>(first) + 13);
+    msg::ObjectResult& object = reply.objects.emplace_back();
+    object.axis = static_cast<std::uint16_t>(first + i);
+    object.index = static_cast<std::uint16_t>(first + i + 1);
+    object.abort_code = msg::Reason{first + 12};
+    object.value = static_cast<std::int64_t>(first) + 13;
   }
   return reply;
 }

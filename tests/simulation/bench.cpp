@@ -2,6 +2,7 @@
 #include "simulation/bench.hpp"
 
 #include "base/event_codes.hpp"
+#include "base/reason.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
@@ -237,20 +238,21 @@ void Bench::step_by_request(service::Arrival& arrival) {
   if (is_repeat) return;
   const bool has_frames = model_.has_frames_of(request);
   const std::uint64_t ticks = steps.ticks_to_run(now);
-  const std::uint64_t expected = has_frames ? request.ticks() : 0;
+  const std::uint64_t expected = has_frames ? request.ticks : 0;
   if (ticks != expected) {
     happenings_.fail(Invariant::kAnswered, 0, std::to_string(expected) + " ticks",
                      std::to_string(ticks));
   }
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     steps.begin_tick();
-    model_.note_message(request.session());
+    model_.note_message(request.session);
     engine_.step();
     engine_.queue_status();
     after_tick();
   }
   steps.answer_due(service::StepRequests::Time::max());  // nobody waits longer
-  model_.expect_step_answer(request, has_frames ? msg::REASON_NONE : msg::REASON_MISSING_COMMANDS);
+  model_.expect_step_answer(request,
+                            has_frames ? msg::Reason::none : msg::Reason::missing_commands);
 }
 
 /// Compares the published tick with the expectations of model and watches.
@@ -325,9 +327,10 @@ void Bench::take_images() {
 
 void Bench::take_events() {
   while (const service::EventRecord* const event = outbox_.events.front()) {
-    happenings_.add(event->kind << 16U | event->axis);
-    if (event->kind != msg::EVENT_STATE_CHANGED && event->kind != msg::EVENT_REFUSED) {
-      happenings_.record("event", {event->kind, event->axis, event->session, event->code});
+    happenings_.add(wire::number(event->kind) << 16U | event->axis);
+    if (event->kind != msg::EventKind::state_changed && event->kind != msg::EventKind::refused) {
+      happenings_.record("event",
+                         {wire::number(event->kind), event->axis, event->session, event->code});
     }
     model_.check(*event);
     outbox_.events.pop();
@@ -338,7 +341,7 @@ void Bench::take_events() {
 /// Parameters are those of the tick: nothing has arrived since.
 void Bench::take_parameters() {
   while (const msg::AxisParameters* const parameters = outbox_.parameters.front()) {
-    if (parameters->tick() == model_.tick()) model_.check(*parameters);
+    if (parameters->tick == model_.tick()) model_.check(*parameters);
     outbox_.parameters.pop();
   }
 }
@@ -350,12 +353,13 @@ void Bench::take_answers(const Mail& mail) {
   }
   if (time_.now < answers_held_until_) return;
   while (const service::OutgoingReply* const outgoing = outbox_.replies.front()) {
-    happenings_.record("answers request", {outgoing->reply.client(), outgoing->reply.request_id(),
-                                           outgoing->reply.reason(), outgoing->reply.epoch()});
+    happenings_.record("answers request",
+                       {outgoing->reply.client, outgoing->reply.request_id,
+                        wire::number(outgoing->reply.reason), outgoing->reply.epoch});
     if (sabotage_ == Sabotage::hides_store_failures &&
-        outgoing->reply.reason() == wire_code(AbortCode::hardware_error)) {
+        outgoing->reply.reason == service::Reason(AbortCode::hardware_error)) {
       msg::Reply lie = outgoing->reply;
-      lie.reason(msg::REASON_NONE);
+      lie.reason = msg::Reason::none;
       model_.check(lie);
     } else if (sabotage_ != Sabotage::forgets_an_answer || ++spoiled_ != 20) {
       model_.check(outgoing->reply);
@@ -367,8 +371,8 @@ void Bench::take_answers(const Mail& mail) {
     msg::CommandReply reply;
     kept->show(reply);
     happenings_.record("answers frame",
-                       {reply.session(), reply.sequence_number(), reply.tick(),
-                        reply.refusals().empty() ? 0 : reply.refusals().front().reason()});
+                       {reply.session, reply.sequence_number, reply.tick,
+                        reply.refusals.empty() ? 0 : wire::number(reply.refusals.front().reason)});
     model_.check(reply);
     if (sabotage_ == Sabotage::answers_twice && ++spoiled_ == 20) model_.check(reply);
     mail.command_reply(reply);
@@ -388,15 +392,15 @@ void Bench::enable_unrequested() {
   const auto axis = rests - image_.status.begin();
   const std::uint64_t owner = image_.owners[static_cast<std::size_t>(axis)].session;
   msg::Request request;
-  request.client(1);
-  request.request_id(++unrequested_);
-  request.bench(configuration_.bench);
-  request.session(owner == 0 ? 1 : owner);
-  request.kind(msg::REQUEST_WRITE);
-  auto& object = request.objects().emplace_back();
-  object.axis(static_cast<std::uint16_t>(axis + 1));
-  object.index(0x6040);
-  object.value(0x000F);
+  request.client = 1;
+  request.request_id = ++unrequested_;
+  request.bench = configuration_.bench;
+  request.session = owner == 0 ? 1 : owner;
+  request.kind = msg::RequestKind::write;
+  auto& object = request.objects.emplace_back();
+  object.axis = static_cast<std::uint16_t>(axis + 1);
+  object.index = 0x6040;
+  object.value = 0x000F;
   inbox_.receive(request, {});
 }
 
@@ -406,19 +410,19 @@ bool Bench::spoil(const ClientMessage& message) {
   if (sabotage_ == Sabotage::none || sent == nullptr) return false;
   msg::CommandFrame frame = *sent;
   const auto held = std::ranges::find_if(image_.owners, [&](const wire::Ownership& owner) {
-    return owner.session == frame.session();
+    return owner.session == frame.session;
   });
   switch (sabotage_) {
     case Sabotage::accepts_stale_epochs:
-      if (held == image_.owners.end() || frame.epoch() == held->epoch) return false;
-      frame.epoch(held->epoch);
+      if (held == image_.owners.end() || frame.epoch == held->epoch) return false;
+      frame.epoch = held->epoch;
       break;
     case Sabotage::accepts_old_incarnations:
-      frame.incarnation(incarnation_);
+      frame.incarnation = incarnation_;
       break;
     case Sabotage::executes_doubles:
-      current_sequence_ = std::max(current_sequence_, frame.sequence_number()) + 1;
-      frame.sequence_number(current_sequence_);
+      current_sequence_ = std::max(current_sequence_, frame.sequence_number) + 1;
+      frame.sequence_number = current_sequence_;
       break;
     default:
       return false;

@@ -12,13 +12,13 @@
 namespace vdrive::simulation {
 namespace {
 
-constexpr std::uint32_t kLocalControl = 0x08000021;
-constexpr std::uint32_t kReadOnly = 0x06010002;
-constexpr std::uint32_t kNoObject = 0x06020000;
-constexpr std::uint32_t kCannotStore = 0x08000020;
-constexpr std::uint32_t kHardwareError = 0x06060000;
-constexpr std::uint32_t kNotInFrames = 0x06040041;
-constexpr std::uint32_t kOutOfRange = 0x06090030;
+constexpr auto kLocalControl = static_cast<msg::Reason>(0x08000021);
+constexpr auto kReadOnly = static_cast<msg::Reason>(0x06010002);
+constexpr auto kNoObject = static_cast<msg::Reason>(0x06020000);
+constexpr auto kCannotStore = static_cast<msg::Reason>(0x08000020);
+constexpr auto kHardwareError = static_cast<msg::Reason>(0x06060000);
+constexpr auto kNotInFrames = static_cast<msg::Reason>(0x06040041);
+constexpr auto kOutOfRange = static_cast<msg::Reason>(0x06090030);
 constexpr std::uint16_t kStoreObject = 0x1010;
 constexpr std::uint16_t kRestoreObject = 0x1011;
 constexpr std::int64_t kSave = 0x65766173;
@@ -50,7 +50,7 @@ bool is_test_input(std::uint16_t index) {
 }
 
 /// What the actors request is one of these.
-std::uint32_t verdict(ObjectAddress address, std::int64_t value, bool is_modulo) {
+msg::Reason verdict(ObjectAddress address, std::int64_t value, bool is_modulo) {
   constexpr std::int64_t kHighestOption = 2;  // of 60F2h on an axis without a range
   switch (address.index) {
     case 0x6041:
@@ -58,11 +58,11 @@ std::uint32_t verdict(ObjectAddress address, std::int64_t value, bool is_modulo)
     case 0x2000:
       return kNoObject;
     case 0x6060:
-      return std::ranges::find(kModes, value) == kModes.end() ? kOutOfRange : 0;
+      return std::ranges::find(kModes, value) == kModes.end() ? kOutOfRange : msg::Reason::none;
     case 0x60F2:
-      return value > kHighestOption && !is_modulo ? kOutOfRange : 0;
+      return value > kHighestOption && !is_modulo ? kOutOfRange : msg::Reason::none;
     default:
-      return 0;
+      return msg::Reason::none;
   }
 }
 
@@ -79,16 +79,16 @@ std::string ControlModel::words_of(const FrameAnswer& answer) {
   std::string words = text("answer to frame ", answer.sequence, " of session ", answer.session,
                            " in tick ", answer.tick);
   for (const Refused& refused : answer.refusals) {
-    words +=
-        text(", axis ", refused.axis, " object ", refused.index, " refused with ", refused.reason);
+    words += text(", axis ", refused.axis, " object ", refused.index, " refused with ",
+                  wire::number(refused.reason));
   }
   return words;
 }
 
 std::string ControlModel::words_of(const Answer& answer) {
   return text("answer to request ", answer.request_id, " of client ", answer.client, " reason ",
-              answer.reason, " axis ", answer.refused_axis, " owner ", answer.owner, " epoch ",
-              answer.epoch, " last sequence ", answer.last_sequence);
+              wire::number(answer.reason), " axis ", answer.refused_axis, " owner ", answer.owner,
+              " epoch ", answer.epoch, " last sequence ", answer.last_sequence);
 }
 
 std::string ControlModel::words_of(const Registers& registers) {
@@ -171,7 +171,7 @@ void ControlModel::note_message(std::uint64_t session) {
   if (Session* const known = find(session)) known->last_message_tick = tick_;
 }
 
-void ControlModel::expect_event(std::uint32_t kind, std::uint64_t session) {
+void ControlModel::expect_event(msg::EventKind kind, std::uint64_t session) {
   ++events_[{kind, session}];
 }
 
@@ -201,7 +201,7 @@ template <typename Condition>
 void ControlModel::drop(Condition condition) {
   for (auto place = waiting_.begin(); place != waiting_.end();) {
     if (condition(place->frame)) {
-      refuse(place->frame, msg::REASON_CANCELLED);
+      refuse(place->frame, msg::Reason::cancelled);
       place = waiting_.erase(place);
     } else {
       ++place;
@@ -211,14 +211,14 @@ void ControlModel::drop(Condition condition) {
 
 void ControlModel::drop_of_session(std::uint64_t session) {
   drop([&](const msg::CommandFrame& frame) {
-    return frame.session() == session;
+    return frame.session == session;
   });
 }
 
 void ControlModel::drop_of_axis(std::uint16_t number) {
   drop([&](const msg::CommandFrame& frame) {
-    return std::ranges::any_of(frame.axes(), [&](const auto& command) {
-      return command.axis() == number;
+    return std::ranges::any_of(frame.axes, [&](const auto& command) {
+      return command.axis == number;
     });
   });
 }
@@ -227,8 +227,8 @@ void ControlModel::begin_tick() {
   while (!waiting_.empty() && waiting_.front().tick <= tick_ + 1) {
     const msg::CommandFrame frame = std::move(waiting_.front().frame);
     waiting_.pop_front();
-    if (frame.valid_until_tick() != 0 && frame.valid_until_tick() <= tick_) {
-      refuse(frame, msg::REASON_TOO_LATE);
+    if (frame.valid_until_tick != 0 && frame.valid_until_tick <= tick_) {
+      refuse(frame, msg::Reason::too_late);
     } else {
       apply(frame);
     }
@@ -253,7 +253,7 @@ void ControlModel::lose(Session& session) {
   session.must_acquire = true;
   drop_of_session(session.id);
   ++lost_masters_;
-  expect_event(msg::EVENT_MASTER_LOST, session.id);
+  expect_event(msg::EventKind::master_lost, session.id);
 }
 
 void ControlModel::end_tick(std::span<const AxisStatus> statuses) {
@@ -293,89 +293,87 @@ void ControlModel::keep(std::deque<Kept>& memory, const Kept& answer) {
 }
 
 void ControlModel::arrive(const msg::CommandFrame& frame) {
-  if (frame.incarnation() != incarnation_ || frame.session() == 0) {
+  if (frame.incarnation != incarnation_ || frame.session == 0) {
     refuse(frame,
-           frame.session() == 0 && frame.incarnation() == incarnation_
-               ? msg::REASON_BAD_SESSION
-               : msg::REASON_WRONG_INCARNATION,
+           frame.session == 0 && frame.incarnation == incarnation_ ? msg::Reason::bad_session
+                                                                   : msg::Reason::wrong_incarnation,
            false);
     return;
   }
-  Session& session = find_or_add(frame.session());
+  Session& session = find_or_add(frame.session);
   session.last_message_tick = tick_;
   if (is_repeat(frame)) return;
-  if (const std::uint32_t reason = judge(frame); reason != msg::REASON_NONE) {
+  if (const msg::Reason reason = judge(frame); reason != msg::Reason::none) {
     refuse(frame, reason);
     return;
   }
-  const bool cancels = (frame.flags() & msg::FRAME_CANCEL_PENDING) != 0;
-  if (cancels || !frame.axes().empty()) session.last_command = frame.sequence_number();
-  if (cancels) drop_of_session(frame.session());
-  if (frame.apply_at_tick() <= tick_ + 1) {
+  const bool cancels = (frame.flags & msg::FRAME_CANCEL_PENDING) != 0;
+  if (cancels || !frame.axes.empty()) session.last_command = frame.sequence_number;
+  if (cancels) drop_of_session(frame.session);
+  if (frame.apply_at_tick <= tick_ + 1) {
     apply(frame);
   } else if (waiting_.size() == kMostWaiting) {
-    refuse(frame, msg::REASON_QUEUE_FULL);
+    refuse(frame, msg::Reason::queue_full);
   } else {
-    const auto place =
-        std::ranges::upper_bound(waiting_, frame.apply_at_tick(), {}, &Waiting::tick);
-    waiting_.insert(place, {frame.apply_at_tick(), frame});
+    const auto place = std::ranges::upper_bound(waiting_, frame.apply_at_tick, {}, &Waiting::tick);
+    waiting_.insert(place, {frame.apply_at_tick, frame});
   }
 }
 
 bool ControlModel::is_waiting(const msg::CommandFrame& frame) const {
   return std::ranges::any_of(waiting_, [&](const Waiting& waiting) {
-    return waiting.frame.session() == frame.session() &&
-           waiting.frame.sequence_number() == frame.sequence_number();
+    return waiting.frame.session == frame.session &&
+           waiting.frame.sequence_number == frame.sequence_number;
   });
 }
 
 /// The first answer is known only after its check.
 bool ControlModel::is_repeat(const msg::CommandFrame& frame) {
-  Numbers& numbers = frames_[frame.session()];
-  const std::uint64_t number = frame.sequence_number();
+  Numbers& numbers = frames_[frame.session];
+  const std::uint64_t number = frame.sequence_number;
   if (numbers.has_forgotten(number)) {
-    if (!is_waiting(frame)) refuse(frame, msg::REASON_TOO_LATE, false);
+    if (!is_waiting(frame)) refuse(frame, msg::Reason::too_late, false);
     return true;
   }
   if (!numbers.taken.contains(number)) {
     numbers.take(number);
     return false;
   }
-  frame_answers_.push_back({.session = frame.session(),
+  frame_answers_.push_back({.session = frame.session,
                             .sequence = number,
                             .tick = tick_ + 1,
                             .is_wanted = true,
                             .is_repeat = true,
                             .is_kept = false,
-                            .refusals = {{.reason = msg::REASON_TOO_LATE}}});
+                            .refusals = {{.reason = msg::Reason::too_late}}});
   return true;
 }
 
-std::uint32_t ControlModel::judge(const msg::CommandFrame& frame) {
-  Session& session = *find(frame.session());
-  session.last_sequence = std::max(session.last_sequence, frame.sequence_number());
-  if (frame.sequence_number() <= session.last_command) return msg::REASON_TOO_LATE;
-  if (session.epoch != frame.epoch()) return msg::REASON_STALE_EPOCH;
-  if (session.epoch == 0) return msg::REASON_NOT_OWNER;
-  return (frame.flags() & ~kKnownFlags) != 0 ? msg::REASON_UNKNOWN_FLAGS : judge_time(frame);
+msg::Reason ControlModel::judge(const msg::CommandFrame& frame) {
+  Session& session = *find(frame.session);
+  session.last_sequence = std::max(session.last_sequence, frame.sequence_number);
+  if (frame.sequence_number <= session.last_command) return msg::Reason::too_late;
+  if (session.epoch != frame.epoch) return msg::Reason::stale_epoch;
+  if (session.epoch == 0) return msg::Reason::not_owner;
+  return (frame.flags & ~kKnownFlags) != 0 ? msg::Reason::unknown_flags : judge_time(frame);
 }
 
-std::uint32_t ControlModel::judge_time(const msg::CommandFrame& frame) const {
+msg::Reason ControlModel::judge_time(const msg::CommandFrame& frame) const {
   const std::uint64_t next = tick_ + 1;
-  const std::uint64_t at = frame.apply_at_tick() == 0 ? next : frame.apply_at_tick();
+  const std::uint64_t at = frame.apply_at_tick == 0 ? next : frame.apply_at_tick;
   const auto furthest =
       static_cast<std::uint64_t>(std::chrono::seconds{10} / configuration_.period);
   if (at < next ||
-      (frame.valid_until_tick() != 0 && at <= tick_ + furthest && frame.valid_until_tick() < at)) {
-    return msg::REASON_TOO_LATE;
+      (frame.valid_until_tick != 0 && at <= tick_ + furthest && frame.valid_until_tick < at)) {
+    return msg::Reason::too_late;
   }
-  return at > tick_ + furthest ? msg::REASON_TOO_FAR_AHEAD : msg::REASON_NONE;
+  return at > tick_ + furthest ? msg::Reason::too_far_ahead : msg::Reason::none;
 }
 
-void ControlModel::refuse(const msg::CommandFrame& frame, std::uint32_t reason, bool is_kept) {
+void ControlModel::refuse(const msg::CommandFrame& frame, msg::Reason reason, bool is_kept) {
   ++refused_frames_;
-  frame_answers_.push_back({.session = frame.session(),
-                            .sequence = frame.sequence_number(),
+  frame_answers_.push_back({.session = frame.session,
+                            .sequence = frame.sequence_number,
                             .tick = tick_ + 1,
                             .is_wanted = true,
                             .is_kept = is_kept,
@@ -383,83 +381,85 @@ void ControlModel::refuse(const msg::CommandFrame& frame, std::uint32_t reason, 
 }
 
 void ControlModel::apply(const msg::CommandFrame& frame) {
-  FrameAnswer answer{.session = frame.session(),
-                     .sequence = frame.sequence_number(),
+  FrameAnswer answer{.session = frame.session,
+                     .sequence = frame.sequence_number,
                      .tick = tick_ + 1,
-                     .is_wanted = (frame.flags() & msg::FRAME_WANT_REPLY) != 0,
+                     .is_wanted = (frame.flags & msg::FRAME_WANT_REPLY) != 0,
                      .refusals = {}};
   std::set<std::uint16_t> named;
   std::vector<const msg::AxisCommand*> commands;
-  for (const auto& command : frame.axes()) {
-    const std::uint32_t reason = judge_command(command, frame.session(), named);
-    if (reason == msg::REASON_NONE) {
+  for (const auto& command : frame.axes) {
+    const msg::Reason reason = judge_command(command, frame.session, named);
+    if (reason == msg::Reason::none) {
       commands.push_back(&command);
     } else {
-      answer.refusals.push_back({.axis = command.axis(), .reason = reason});
+      answer.refusals.push_back({.axis = command.axis, .reason = reason});
     }
   }
-  if ((frame.flags() & msg::FRAME_ALL_OR_NOTHING) == 0) {
+  if ((frame.flags & msg::FRAME_ALL_OR_NOTHING) == 0) {
     for (const auto* const command : commands) {
       write_members(*command, answer);
-      write_controlword(*command, frame.sequence_number());
+      write_controlword(*command, frame.sequence_number);
     }
   } else if (answer.refusals.empty()) {
     const std::vector<Axis> before = axes_;
     for (const auto* const command : commands) write_members(*command, answer);
     if (!answer.refusals.empty()) axes_ = before;
     for (const auto* const command : commands) {
-      if (answer.refusals.empty()) write_controlword(*command, frame.sequence_number());
+      if (answer.refusals.empty()) write_controlword(*command, frame.sequence_number);
     }
   }
   answer.is_wanted = answer.is_wanted || !answer.refusals.empty();
   frame_answers_.push_back(std::move(answer));
 }
 
-std::uint32_t ControlModel::judge_command(const msg::AxisCommand& command, std::uint64_t session,
-                                          std::set<std::uint16_t>& named) {
-  const Axis* const axis = axis_of(command.axis());
-  if (axis == nullptr) return msg::REASON_UNKNOWN_AXIS;
-  if (!named.insert(command.axis()).second) return msg::REASON_AXIS_TWICE;
-  if (axis->owner != session) return msg::REASON_NOT_OWNER;
-  return (command.members() & ~kKnownMembers) != 0 ? msg::REASON_UNKNOWN_MEMBERS : msg::REASON_NONE;
+msg::Reason ControlModel::judge_command(const msg::AxisCommand& command, std::uint64_t session,
+                                        std::set<std::uint16_t>& named) {
+  const Axis* const axis = axis_of(command.axis);
+  if (axis == nullptr) return msg::Reason::unknown_axis;
+  if (!named.insert(command.axis).second) return msg::Reason::axis_twice;
+  if (axis->owner != session) return msg::Reason::not_owner;
+  return (command.members & ~kKnownMembers) != 0 ? msg::Reason::unknown_members : msg::Reason::none;
 }
 
 bool ControlModel::write_members(const msg::AxisCommand& command, FrameAnswer& answer) {
-  Axis& axis = *axis_of(command.axis());
+  Axis& axis = *axis_of(command.axis);
   const auto put = [&](ObjectAddress address, std::int64_t value) {
     const bool is_out = address.index == 0x6040 || is_store_object(address.index);
-    const std::uint32_t code = is_out ? kNotInFrames : write(axis, command.axis(), address, value);
-    if (code != 0) {
-      answer.refusals.push_back({command.axis(), address.index, address.subindex, code});
+    const msg::Reason code = is_out ? kNotInFrames : write(axis, command.axis, address, value);
+    if (code != msg::Reason::none) {
+      answer.refusals.push_back({command.axis, address.index, address.subindex, code});
     }
   };
-  if ((command.members() & msg::HAS_OP_MODE_CMD) != 0) {
-    put({0x6060, 0}, command.op_mode_cmd());
+  if ((command.members & msg::HAS_OP_MODE_CMD) != 0) {
+    put({0x6060, 0}, command.op_mode_cmd);
   }
-  if ((command.members() & msg::HAS_POSITION_USER_TARGET_VALUE) != 0) {
-    put({0x607A, 0}, command.position_user_target_value());
+  if ((command.members & msg::HAS_POSITION_USER_TARGET_VALUE) != 0) {
+    put({0x607A, 0}, command.position_user_target_value);
   }
-  if ((command.members() & msg::HAS_PROFILE_VELOCITY) != 0) {
-    put({0x6081, 0}, command.profile_velocity());
+  if ((command.members & msg::HAS_PROFILE_VELOCITY) != 0) {
+    put({0x6081, 0}, command.profile_velocity);
   }
-  for (const auto& object : command.objects()) {
-    put({object.index(), object.subindex()}, object.value());
+  for (const auto& object : command.objects) {
+    put({object.index, object.subindex}, object.value);
   }
   return answer.refusals.empty();
 }
 
 void ControlModel::write_controlword(const msg::AxisCommand& command, std::uint64_t sequence) {
-  Axis& axis = *axis_of(command.axis());
+  Axis& axis = *axis_of(command.axis);
   ++commands_;
-  if ((command.members() & msg::HAS_DS402_CONTROLWORD) != 0) {
-    write(axis, command.axis(), {0x6040, 0}, command.ds402_controlword());
+  if ((command.members & msg::HAS_DS402_CONTROLWORD) != 0) {
+    write(axis, command.axis, {0x6040, 0}, command.ds402_controlword);
   }
   axis.last_sequence = sequence;
 }
 
-std::uint32_t ControlModel::write(Axis& axis, std::uint16_t number, ObjectAddress address,
-                                  std::int64_t value) {
-  if (const std::uint32_t code = verdict(address, value, axis.is_modulo); code != 0) return code;
+msg::Reason ControlModel::write(Axis& axis, std::uint16_t number, ObjectAddress address,
+                                std::int64_t value) {
+  if (const msg::Reason code = verdict(address, value, axis.is_modulo); code != msg::Reason::none) {
+    return code;
+  }
   Registers& registers = axis.registers;
   switch (address.index) {
     case 0x6040: {
@@ -490,7 +490,7 @@ std::uint32_t ControlModel::write(Axis& axis, std::uint16_t number, ObjectAddres
       if (is_test_input(address.index)) registers.test_inputs[address.index - 0x5E00U] = value;
       break;
   }
-  return 0;
+  return msg::Reason::none;
 }
 
 // ---- requests ---------------------------------------------------------------------------------
@@ -499,17 +499,17 @@ void ControlModel::arrive(const msg::Request& request) {
   Answer answer;
   ++last_storing_;
   ordered_ = 0;
-  if (request.client() == 0) {
-    finish(request, msg::REASON_BAD_SESSION, answer, false);
+  if (request.client == 0) {
+    finish(request, msg::Reason::bad_session, answer, false);
     return;
   }
-  if (request.incarnation() != 0 && request.incarnation() != incarnation_) {
-    finish(request, msg::REASON_WRONG_INCARNATION, answer, false);
+  if (request.incarnation != 0 && request.incarnation != incarnation_) {
+    finish(request, msg::Reason::wrong_incarnation, answer, false);
     return;
   }
   if (is_repeat(request)) return;
-  note_message(request.session());
-  const std::uint32_t reason = carry_out(request, answer);
+  note_message(request.session);
+  const msg::Reason reason = carry_out(request, answer);
   if (ordered_ > 0) {
     storings_[last_storing_] = {request, reason, std::move(answer), ordered_};
     return;
@@ -519,88 +519,88 @@ void ControlModel::arrive(const msg::Request& request) {
 
 bool ControlModel::is_storing(const msg::Request& request) const {
   return std::ranges::any_of(storings_, [&](const auto& storing) {
-    return storing.second.request.client() == request.client() &&
-           storing.second.request.request_id() == request.request_id();
+    return storing.second.request.client == request.client &&
+           storing.second.request.request_id == request.request_id;
   });
 }
 
 bool ControlModel::is_repeat(const msg::Request& request) {
-  Numbers& numbers = requests_[request.client()];
-  const std::uint64_t number = request.request_id();
+  Numbers& numbers = requests_[request.client];
+  const std::uint64_t number = request.request_id;
   const bool is_forgotten = numbers.has_forgotten(number);
   if (!is_forgotten && !numbers.taken.contains(number)) {
     numbers.take(number);
     return false;
   }
-  note_message(request.session());
+  note_message(request.session);
   const auto kept = std::ranges::find_if(kept_answers_, [&](const Answer& answer) {
-    return answer.client == request.client() && answer.request_id == number;
+    return answer.client == request.client && answer.request_id == number;
   });
   if (kept != kept_answers_.end() && !is_forgotten) {
     answers_.push_back(*kept);
   } else if (is_forgotten ? !is_storing(request) : numbers.answered.contains(number)) {
     Answer answer;
-    finish(request, msg::REASON_TOO_LATE, answer, false);
+    finish(request, msg::Reason::too_late, answer, false);
   }
   return true;
 }
 
 bool ControlModel::has_frames_of(const msg::Request& step) {
-  if (step.last_sequence() == 0) return true;
-  const Session* const session = find(step.session());
-  return session != nullptr && session->last_sequence >= step.last_sequence();
+  if (step.last_sequence == 0) return true;
+  const Session* const session = find(step.session);
+  return session != nullptr && session->last_sequence >= step.last_sequence;
 }
 
-void ControlModel::expect_step_answer(const msg::Request& request, std::uint32_t reason) {
+void ControlModel::expect_step_answer(const msg::Request& request, msg::Reason reason) {
   Answer answer;
   finish(request, reason, answer);
 }
 
-void ControlModel::finish(const msg::Request& request, std::uint32_t reason, Answer& answer,
+void ControlModel::finish(const msg::Request& request, msg::Reason reason, Answer& answer,
                           bool is_kept) {
-  const Session* const session = find(request.session());
-  answer.client = request.client();
-  answer.request_id = request.request_id();
+  const Session* const session = find(request.session);
+  answer.client = request.client;
+  answer.request_id = request.request_id;
   answer.reason = reason;
   answer.epoch = session == nullptr ? 0 : session->epoch;
   answer.last_sequence = session == nullptr ? 0 : session->last_sequence;
-  Numbers& numbers = requests_[request.client()];
-  if (is_kept && !numbers.has_forgotten(request.request_id())) {
-    numbers.answered.insert(request.request_id());
+  Numbers& numbers = requests_[request.client];
+  if (is_kept && !numbers.has_forgotten(request.request_id)) {
+    numbers.answered.insert(request.request_id);
     keep(kept_answers_, answer);
   }
   answers_.push_back(std::move(answer));
 }
 
-std::uint32_t ControlModel::carry_out(const msg::Request& request, Answer& answer) {
-  switch (request.kind()) {
-    case msg::REQUEST_READ:
+msg::Reason ControlModel::carry_out(const msg::Request& request, Answer& answer) {
+  switch (request.kind) {
+    case msg::RequestKind::read:
       return read_objects(request, answer);
-    case msg::REQUEST_WRITE:
+    case msg::RequestKind::write:
       return write_objects(request, answer);
-    case msg::REQUEST_ACQUIRE:
+    case msg::RequestKind::acquire:
       return take(request, false, answer);
-    case msg::REQUEST_TAKE_OVER:
+    case msg::RequestKind::take_over:
       return take(request, true, answer);
-    case msg::REQUEST_RELEASE:
+    case msg::RequestKind::release:
       return release(request, answer);
-    case msg::REQUEST_STORE:
-    case msg::REQUEST_RESTORE:
+    case msg::RequestKind::store:
+    case msg::RequestKind::restore:
       return store_axes(request, answer);
-    case msg::REQUEST_POWER_CYCLE:
+    case msg::RequestKind::power_cycle:
       return power_cycle(request, answer);
-    case msg::REQUEST_SET_RATE:
+    case msg::RequestKind::set_rate:
       return set_rate(request);
-    case msg::REQUEST_TAKE_SNAPSHOT:
-    case msg::REQUEST_RESTORE_SNAPSHOT:
-    case msg::REQUEST_DROP_SNAPSHOT:
+    case msg::RequestKind::take_snapshot:
+    case msg::RequestKind::restore_snapshot:
+    case msg::RequestKind::drop_snapshot:
       return snapshot(request, answer);
-    case msg::REQUEST_STEP:
-    case msg::REQUEST_JOIN_CLOCK:
-    case msg::REQUEST_LEAVE_CLOCK:
-      return msg::REASON_WRONG_CLOCK_MODE;
+    case msg::RequestKind::step:
+    case msg::RequestKind::join_clock:
+    case msg::RequestKind::leave_clock:
+      return msg::Reason::wrong_clock_mode;
     default:
-      return msg::REASON_UNKNOWN_KIND;
+      return msg::Reason::unknown_kind;
   }
 }
 
@@ -613,35 +613,35 @@ void ControlModel::name_axis(std::uint16_t number, Answer& answer) {
   }
 }
 
-std::uint32_t ControlModel::read_objects(const msg::Request& request, Answer& answer) {
-  std::uint32_t reason = request.objects().empty() ? msg::REASON_NOTHING_DONE : msg::REASON_NONE;
-  for (const auto& object : request.objects()) {
-    const Axis* const axis = axis_of(object.axis());
+msg::Reason ControlModel::read_objects(const msg::Request& request, Answer& answer) {
+  msg::Reason reason = request.objects.empty() ? msg::Reason::nothing_done : msg::Reason::none;
+  for (const auto& object : request.objects) {
+    const Axis* const axis = axis_of(object.axis);
     answer.values.emplace_back();
     if (axis == nullptr) {
-      reason = msg::REASON_UNKNOWN_AXIS;
+      reason = msg::Reason::unknown_axis;
       answer.codes.push_back(reason);
-      name_axis(object.axis(), answer);
+      name_axis(object.axis, answer);
       continue;
     }
-    answer.codes.push_back(object.index() == 0x2000 ? kNoObject : 0);
-    if (object.index() == 0x607A) {
+    answer.codes.push_back(object.index == 0x2000 ? kNoObject : msg::Reason::none);
+    if (object.index == 0x607A) {
       answer.values.back() = axis->registers.target;
-    } else if (object.index() == 0x6067) {
+    } else if (object.index == 0x6067) {
       answer.values.back() = axis->registers.stamp;
     }
   }
   return reason;
 }
 
-std::uint32_t ControlModel::write_objects(const msg::Request& request, Answer& answer) {
-  std::uint32_t reason = request.objects().empty() ? msg::REASON_NOTHING_DONE : msg::REASON_NONE;
-  for (const auto& object : request.objects()) {
-    const std::uint32_t code = write_object(object, request.session(), answer.codes.size());
+msg::Reason ControlModel::write_objects(const msg::Request& request, Answer& answer) {
+  msg::Reason reason = request.objects.empty() ? msg::Reason::nothing_done : msg::Reason::none;
+  for (const auto& object : request.objects) {
+    const msg::Reason code = write_object(object, request.session, answer.codes.size());
     answer.codes.push_back(code);
     answer.values.emplace_back();
-    if (code == msg::REASON_UNKNOWN_AXIS) reason = code;
-    if (code == msg::REASON_UNKNOWN_AXIS || code == kLocalControl) name_axis(object.axis(), answer);
+    if (code == msg::Reason::unknown_axis) reason = code;
+    if (code == msg::Reason::unknown_axis || code == kLocalControl) name_axis(object.axis, answer);
   }
   return reason;
 }
@@ -655,54 +655,56 @@ void ControlModel::stop(Axis& axis, std::uint16_t number, bool by_halt) {
   drop_of_axis(number);
 }
 
-std::uint32_t ControlModel::write_object(const msg::ObjectAccess& object, std::uint64_t session,
-                                         std::size_t place) {
-  Axis* const axis = axis_of(object.axis());
-  if (axis == nullptr) return msg::REASON_UNKNOWN_AXIS;
+msg::Reason ControlModel::write_object(const msg::ObjectAccess& object, std::uint64_t session,
+                                       std::size_t place) {
+  Axis* const axis = axis_of(object.axis);
+  if (axis == nullptr) return msg::Reason::unknown_axis;
   const bool is_strange = axis->owner != 0 && axis->owner != session;
-  const bool is_quick_stop = object.index() == 0x6040 && (object.value() & 0x0096) == 0x0002;
-  const bool is_halt = object.index() == 0x6040 && (object.value() & 0x019F) == kHaltOfOther;
+  const bool is_quick_stop = object.index == 0x6040 && (object.value & 0x0096) == 0x0002;
+  const bool is_halt = object.index == 0x6040 && (object.value & 0x019F) == kHaltOfOther;
   if ((is_quick_stop && (axis->owner == 0 || is_strange)) || (is_halt && is_strange)) {
-    stop(*axis, object.axis(), is_halt);
-    return 0;
+    stop(*axis, object.axis, is_halt);
+    return msg::Reason::none;
   }
-  if (is_strange && !is_test_input(object.index())) return kLocalControl;
-  if (is_store_object(object.index())) return store_by_write(*axis, object, place);
-  const ObjectAddress address{object.index(), object.subindex()};
-  if (axis->owner != 0 || !is_command_object(object.index())) {
-    return write(*axis, object.axis(), address, object.value());
+  if (is_strange && !is_test_input(object.index)) return kLocalControl;
+  if (is_store_object(object.index)) return store_by_write(*axis, object, place);
+  const ObjectAddress address{object.index, object.subindex};
+  if (axis->owner != 0 || !is_command_object(object.index)) {
+    return write(*axis, object.axis, address, object.value);
   }
   if (session == 0) return kLocalControl;
   Session& record = find_or_add(session);
-  if (record.must_acquire) return msg::REASON_STALE_EPOCH;
-  const std::uint32_t code = write(*axis, object.axis(), address, object.value());
-  if (code == 0) {
+  if (record.must_acquire) return msg::Reason::stale_epoch;
+  const msg::Reason code = write(*axis, object.axis, address, object.value);
+  if (code == msg::Reason::none) {
     axis->owner = session;
     axis->last_sequence = 0;
     renew(record, false);
     record.last_message_tick = tick_;
-    expect_event(msg::EVENT_CONTROL_CHANGED, session);
+    expect_event(msg::EventKind::control_changed, session);
   }
   return code;
 }
 
 // ---- stores -----------------------------------------------------------------------------------
 
-std::uint32_t ControlModel::store_axes(const msg::Request& request, Answer& answer) {
+msg::Reason ControlModel::store_axes(const msg::Request& request, Answer& answer) {
   if (stores_ == nullptr) return kCannotStore;
-  if (const auto reason = refuse_strangers(request, false, answer); reason != 0) return reason;
-  for (const std::uint16_t number : request.axes()) {
-    order(*axis_of(number), request.kind() == msg::REQUEST_RESTORE, StoreModel::kNoObject);
+  if (const auto reason = refuse_strangers(request, false, answer); reason != msg::Reason::none) {
+    return reason;
   }
-  return msg::REASON_NONE;
+  for (const std::uint16_t number : request.axes) {
+    order(*axis_of(number), request.kind == msg::RequestKind::restore, StoreModel::kNoObject);
+  }
+  return msg::Reason::none;
 }
 
-std::uint32_t ControlModel::store_by_write(Axis& axis, const msg::ObjectAccess& object,
-                                           std::size_t place) {
-  const bool forgets = object.index() == kRestoreObject;
-  if (object.value() != (forgets ? kLoad : kSave) || stores_ == nullptr) return kCannotStore;
+msg::Reason ControlModel::store_by_write(Axis& axis, const msg::ObjectAccess& object,
+                                         std::size_t place) {
+  const bool forgets = object.index == kRestoreObject;
+  if (object.value != (forgets ? kLoad : kSave) || stores_ == nullptr) return kCannotStore;
   order(axis, forgets, place);
-  return 0;
+  return msg::Reason::none;
 }
 
 /// Stores the present values of the registers.
@@ -739,113 +741,118 @@ void ControlModel::take_back_stores(std::size_t count) {
 
 // ---- control ----------------------------------------------------------------------------------
 
-std::uint32_t ControlModel::refuse_strangers(const msg::Request& request, bool by_force,
-                                             Answer& answer) {
-  if (request.axes().empty()) return msg::REASON_NOTHING_DONE;
-  for (const std::uint16_t number : request.axes()) {
+msg::Reason ControlModel::refuse_strangers(const msg::Request& request, bool by_force,
+                                           Answer& answer) {
+  if (request.axes.empty()) return msg::Reason::nothing_done;
+  for (const std::uint16_t number : request.axes) {
     const Axis* const axis = axis_of(number);
     const bool is_strange =
-        axis != nullptr && axis->owner != 0 && axis->owner != request.session() && !by_force;
+        axis != nullptr && axis->owner != 0 && axis->owner != request.session && !by_force;
     if (axis == nullptr || is_strange) {
       name_axis(number, answer);
-      return axis == nullptr ? std::uint32_t{msg::REASON_UNKNOWN_AXIS} : kLocalControl;
+      return axis == nullptr ? msg::Reason::unknown_axis : kLocalControl;
     }
   }
-  return msg::REASON_NONE;
+  return msg::Reason::none;
 }
 
-std::uint32_t ControlModel::take(const msg::Request& request, bool by_force, Answer& answer) {
-  if (request.session() == 0) return msg::REASON_BAD_SESSION;
-  if (const auto reason = refuse_strangers(request, by_force, answer); reason != 0) return reason;
-  find_or_add(request.session());
+msg::Reason ControlModel::take(const msg::Request& request, bool by_force, Answer& answer) {
+  if (request.session == 0) return msg::Reason::bad_session;
+  if (const auto reason = refuse_strangers(request, by_force, answer);
+      reason != msg::Reason::none) {
+    return reason;
+  }
+  find_or_add(request.session);
   bool gained = false;
-  for (const std::uint16_t number : request.axes()) {
+  for (const std::uint16_t number : request.axes) {
     Axis& axis = *axis_of(number);
-    if (axis.owner == request.session()) continue;
+    if (axis.owner == request.session) continue;
     if (Session* const loser = find(axis.owner)) {
       axis.owner = 0;
       renew(*loser, true);
       loser->must_acquire = true;
       drop_of_session(loser->id);
-      expect_event(msg::EVENT_CONTROL_CHANGED, loser->id);
+      expect_event(msg::EventKind::control_changed, loser->id);
     }
-    axis.owner = request.session();
+    axis.owner = request.session;
     axis.last_sequence = 0;
     gained = true;
   }
-  Session& session = find_or_add(request.session());
+  Session& session = find_or_add(request.session);
   session.last_message_tick = tick_;
   session.must_acquire = false;
   if (gained) {
     renew(session, false);
-    expect_event(msg::EVENT_CONTROL_CHANGED, session.id);
+    expect_event(msg::EventKind::control_changed, session.id);
   }
-  return msg::REASON_NONE;
+  return msg::Reason::none;
 }
 
-std::uint32_t ControlModel::release(const msg::Request& request, Answer& answer) {
-  if (request.session() == 0) return msg::REASON_BAD_SESSION;
-  if (!owns_any(request.session())) return msg::REASON_NOTHING_DONE;
-  for (const std::uint16_t number : request.axes()) {
+msg::Reason ControlModel::release(const msg::Request& request, Answer& answer) {
+  if (request.session == 0) return msg::Reason::bad_session;
+  if (!owns_any(request.session)) return msg::Reason::nothing_done;
+  for (const std::uint16_t number : request.axes) {
     const Axis* const axis = axis_of(number);
-    if (axis == nullptr || axis->owner != request.session()) {
+    if (axis == nullptr || axis->owner != request.session) {
       name_axis(number, answer);
-      return axis == nullptr ? msg::REASON_UNKNOWN_AXIS : msg::REASON_NOT_OWNER;
+      return axis == nullptr ? msg::Reason::unknown_axis : msg::Reason::not_owner;
     }
   }
   for (std::size_t index = 0; index < axes_.size(); ++index) {
-    const bool named = request.axes().empty() ||
-                       std::ranges::find(request.axes(), index + 1) != request.axes().end();
-    if (named && axes_[index].owner == request.session()) {
+    const bool named =
+        request.axes.empty() || std::ranges::find(request.axes, index + 1) != request.axes.end();
+    if (named && axes_[index].owner == request.session) {
       axes_[index].owner = axes_[index].epoch = 0;
       axes_[index].last_sequence = 0;
     }
   }
-  renew(*find(request.session()), true);
-  drop_of_session(request.session());
-  expect_event(msg::EVENT_CONTROL_CHANGED, request.session());
-  return msg::REASON_NONE;
+  renew(*find(request.session), true);
+  drop_of_session(request.session);
+  expect_event(msg::EventKind::control_changed, request.session);
+  return msg::Reason::none;
 }
 
-std::uint32_t ControlModel::power_cycle(const msg::Request& request, Answer& answer) {
-  if (const auto reason = refuse_strangers(request, false, answer); reason != 0) return reason;
-  for (const std::uint16_t number : request.axes()) {
+msg::Reason ControlModel::power_cycle(const msg::Request& request, Answer& answer) {
+  if (const auto reason = refuse_strangers(request, false, answer); reason != msg::Reason::none) {
+    return reason;
+  }
+  for (const std::uint16_t number : request.axes) {
     Axis& axis = *axis_of(number);
     drop_of_axis(number);
     power_up(axis);
     axis.causes.cycled = true;
   }
-  return msg::REASON_NONE;
+  return msg::Reason::none;
 }
 
-std::uint32_t ControlModel::set_rate(const msg::Request& request) {
-  if (configuration_.clock != service::ClockMode::realtime) return msg::REASON_WRONG_CLOCK_MODE;
-  const double rate = request.rate();
-  if (rate != 0.0 && !(rate >= 0.1 && rate <= 100.0)) return msg::REASON_OUT_OF_RANGE;
+msg::Reason ControlModel::set_rate(const msg::Request& request) {
+  if (configuration_.clock != service::ClockMode::realtime) return msg::Reason::wrong_clock_mode;
+  const double rate = request.rate;
+  if (rate != 0.0 && !(rate >= 0.1 && rate <= 100.0)) return msg::Reason::out_of_range;
   if (rate != rate_) {
     rate_ = rate;
     count_watchdog();
     for (Session& session : sessions_) session.last_message_tick = tick_;
   }
-  return msg::REASON_NONE;
+  return msg::Reason::none;
 }
 
-std::uint32_t ControlModel::snapshot(const msg::Request& request, Answer& answer) {
-  if (!time_stands()) return msg::REASON_TIME_PASSES;
-  if (request.kind() == msg::REQUEST_TAKE_SNAPSHOT) {
-    if (snapshots_.size() == kMostSnapshots) return msg::REASON_TOO_MANY_SNAPSHOTS;
+msg::Reason ControlModel::snapshot(const msg::Request& request, Answer& answer) {
+  if (!time_stands()) return msg::Reason::time_passes;
+  if (request.kind == msg::RequestKind::take_snapshot) {
+    if (snapshots_.size() == kMostSnapshots) return msg::Reason::too_many_snapshots;
     auto& kept = snapshots_[++last_snapshot_];
     for (const Axis& axis : axes_) kept.push_back(axis.registers);
-    return msg::REASON_NONE;
+    return msg::Reason::none;
   }
-  const auto kept = snapshots_.find(request.snapshot());
-  if (kept == snapshots_.end()) return msg::REASON_UNKNOWN_SNAPSHOT;
-  if (request.kind() == msg::REQUEST_DROP_SNAPSHOT) {
+  const auto kept = snapshots_.find(request.snapshot);
+  if (kept == snapshots_.end()) return msg::Reason::unknown_snapshot;
+  if (request.kind == msg::RequestKind::drop_snapshot) {
     snapshots_.erase(kept);
-    return msg::REASON_NONE;
+    return msg::Reason::none;
   }
   for (std::size_t index = 0; index < axes_.size(); ++index) {
-    if (axes_[index].owner != 0 && axes_[index].owner != request.session()) {
+    if (axes_[index].owner != 0 && axes_[index].owner != request.session) {
       name_axis(static_cast<std::uint16_t>(index + 1), answer);
       return kLocalControl;
     }
@@ -857,20 +864,19 @@ std::uint32_t ControlModel::snapshot(const msg::Request& request, Answer& answer
     axes_[index].registers = kept->second[index];
   }
   restored_ = true;
-  return msg::REASON_NONE;
+  return msg::Reason::none;
 }
 
 // ---- what the bench sends ---------------------------------------------------------------------
 
 void ControlModel::check(const msg::CommandReply& reply) {
-  FrameAnswer seen{.session = reply.session(),
-                   .sequence = reply.sequence_number(),
-                   .tick = reply.tick(),
-                   .is_wanted = reply.ignored_set_points().empty(),
+  FrameAnswer seen{.session = reply.session,
+                   .sequence = reply.sequence_number,
+                   .tick = reply.tick,
+                   .is_wanted = reply.ignored_set_points.empty(),
                    .refusals = {}};
-  for (const auto& refusal : reply.refusals()) {
-    seen.refusals.push_back(
-        {refusal.axis(), refusal.index(), refusal.subindex(), refusal.reason()});
+  for (const auto& refusal : reply.refusals) {
+    seen.refusals.push_back({refusal.axis, refusal.index, refusal.subindex, refusal.reason});
   }
   // Without a refusal an unrequested answer is sent only when a set-point was ignored.
   const auto is_due = [&](const FrameAnswer& due) {
@@ -908,13 +914,13 @@ const ControlModel::FrameAnswer* ControlModel::kept_of(const FrameAnswer& due) c
 }
 
 void ControlModel::check(const msg::Reply& reply) {
-  const Answer seen{.client = reply.client(),
-                    .request_id = reply.request_id(),
-                    .reason = reply.reason(),
-                    .refused_axis = reply.refused_axis(),
-                    .owner = reply.owner_session(),
-                    .epoch = reply.epoch(),
-                    .last_sequence = reply.last_sequence(),
+  const Answer seen{.client = reply.client,
+                    .request_id = reply.request_id,
+                    .reason = reply.reason,
+                    .refused_axis = reply.refused_axis,
+                    .owner = reply.owner_session,
+                    .epoch = reply.epoch,
+                    .last_sequence = reply.last_sequence,
                     .codes = {},
                     .values = {}};
   if (answers_.empty()) {
@@ -932,15 +938,16 @@ void ControlModel::check(const msg::Reply& reply) {
 
 void ControlModel::check_objects(const Answer& due, const msg::Reply& reply) {
   for (std::size_t place = 0; place < due.codes.size(); ++place) {
-    const bool is_there = place < reply.objects().size();
-    const std::uint32_t code = is_there ? reply.objects()[place].abort_code() : 0;
+    const bool is_there = place < reply.objects.size();
+    const msg::Reason code = is_there ? reply.objects[place].abort_code : msg::Reason::none;
     if (!is_there || code != due.codes[place]) {
-      happenings_.fail(Invariant::kAnswered, is_there ? reply.objects()[place].axis() : 0,
-                       text("object ", place, " code ", due.codes[place]), text("code ", code));
-    } else if (due.values[place] && reply.objects()[place].value() != *due.values[place]) {
-      happenings_.fail(Invariant::kCommanded, reply.objects()[place].axis(),
+      happenings_.fail(Invariant::kAnswered, is_there ? reply.objects[place].axis : 0,
+                       text("object ", place, " code ", wire::number(due.codes[place])),
+                       text("code ", wire::number(code)));
+    } else if (due.values[place] && reply.objects[place].value != *due.values[place]) {
+      happenings_.fail(Invariant::kCommanded, reply.objects[place].axis,
                        text("reads ", *due.values[place]),
-                       text("reads ", reply.objects()[place].value()));
+                       text("reads ", reply.objects[place].value));
     }
   }
 }
@@ -965,20 +972,20 @@ void ControlModel::check_stamp(std::uint16_t axis, std::uint32_t stamp) {
 }
 
 void ControlModel::check(const msg::AxisParameters& parameters) {
-  const std::uint16_t axis = parameters.axis();
-  check_stamp(axis, parameters.position_target_reached_window());
+  const std::uint16_t axis = parameters.axis;
+  check_stamp(axis, parameters.position_target_reached_window);
   const Registers& due = axes_[axis - 1U].registers;
-  const Registers seen{.controlword = parameters.ds402_controlword(),
-                       .mode = parameters.op_mode_cmd(),
-                       .target = parameters.position_user_target_value(),
-                       .stamp = parameters.position_target_reached_window(),
-                       .velocity = parameters.profile_velocity(),
+  const Registers seen{.controlword = parameters.ds402_controlword,
+                       .mode = parameters.op_mode_cmd,
+                       .target = parameters.position_user_target_value,
+                       .stamp = parameters.position_target_reached_window,
+                       .velocity = parameters.profile_velocity,
                        .test_inputs = due.test_inputs};
   if (seen != due) happenings_.fail(Invariant::kCommanded, axis, words_of(due), words_of(seen));
 }
 
 void ControlModel::check(const service::EventRecord& event) {
-  if (event.kind == msg::EVENT_MASTER_LOST || event.kind == msg::EVENT_CONTROL_CHANGED) {
+  if (event.kind == msg::EventKind::master_lost || event.kind == msg::EventKind::control_changed) {
     --events_[{event.kind, event.session}];
   }
 }
@@ -986,9 +993,9 @@ void ControlModel::check(const service::EventRecord& event) {
 void ControlModel::check_events() {
   for (const auto& [what, balance] : events_) {
     if (balance != 0) {
-      const bool is_loss = what.first == msg::EVENT_MASTER_LOST;
+      const bool is_loss = what.first == msg::EventKind::master_lost;
       happenings_.fail(is_loss ? Invariant::kWatchdog : Invariant::kOwner, 0,
-                       text(balance > 0 ? "an" : "no", " event of kind ", what.first,
+                       text(balance > 0 ? "an" : "no", " event of kind ", wire::number(what.first),
                             " about session ", what.second),
                        text(-balance, " too many"));
     }

@@ -96,7 +96,7 @@ class ControlModel {
   [[nodiscard]] bool has_frames_of(const msg::Request& step);
 
   /// The answer to a step that was carried out or refused.
-  void expect_step_answer(const msg::Request& request, std::uint32_t reason);
+  void expect_step_answer(const msg::Request& request, msg::Reason reason);
 
   void jump(std::uint64_t ticks);
 
@@ -172,7 +172,7 @@ class ControlModel {
     std::uint16_t axis = 0;
     std::uint16_t index = 0;
     std::uint8_t subindex = 0;
-    std::uint32_t reason = 0;
+    msg::Reason reason{};
 
     bool operator==(const Refused&) const = default;
   };
@@ -190,19 +190,19 @@ class ControlModel {
   struct Answer {
     std::uint64_t client = 0;
     std::uint64_t request_id = 0;
-    std::uint32_t reason = 0;
+    msg::Reason reason{};
     std::uint16_t refused_axis = 0;
     std::uint64_t owner = 0;
     std::uint32_t epoch = 0;
     std::uint64_t last_sequence = 0;
-    std::vector<std::uint32_t> codes;
+    std::vector<msg::Reason> codes;
     std::vector<std::optional<std::int64_t>> values;
   };
 
   /// A request that waits for its orders.
   struct Storing {
     msg::Request request;  ///< its sender and session
-    std::uint32_t reason = 0;
+    msg::Reason reason{};
     Answer answer;
     std::size_t orders = 0;
   };
@@ -234,41 +234,40 @@ class ControlModel {
   void drop(Condition condition);
   void drop_of_session(std::uint64_t session);
   void drop_of_axis(std::uint16_t number);
-  void expect_event(std::uint32_t kind, std::uint64_t session);
+  void expect_event(msg::EventKind kind, std::uint64_t session);
 
   bool is_repeat(const msg::CommandFrame& frame);
   bool is_waiting(const msg::CommandFrame& frame) const;
   bool is_storing(const msg::Request& request) const;
   const FrameAnswer* kept_of(const FrameAnswer& due) const;
-  std::uint32_t judge(const msg::CommandFrame& frame);
-  std::uint32_t judge_time(const msg::CommandFrame& frame) const;
-  void refuse(const msg::CommandFrame& frame, std::uint32_t reason, bool is_kept = true);
+  msg::Reason judge(const msg::CommandFrame& frame);
+  msg::Reason judge_time(const msg::CommandFrame& frame) const;
+  void refuse(const msg::CommandFrame& frame, msg::Reason reason, bool is_kept = true);
   void apply(const msg::CommandFrame& frame);
-  std::uint32_t judge_command(const msg::AxisCommand& command, std::uint64_t session,
-                              std::set<std::uint16_t>& named);
+  msg::Reason judge_command(const msg::AxisCommand& command, std::uint64_t session,
+                            std::set<std::uint16_t>& named);
   bool write_members(const msg::AxisCommand& command, FrameAnswer& answer);
   void write_controlword(const msg::AxisCommand& command, std::uint64_t sequence);
-  std::uint32_t write(Axis& axis, std::uint16_t number, ObjectAddress address, std::int64_t value);
+  msg::Reason write(Axis& axis, std::uint16_t number, ObjectAddress address, std::int64_t value);
 
-  std::uint32_t carry_out(const msg::Request& request, Answer& answer);
-  std::uint32_t read_objects(const msg::Request& request, Answer& answer);
-  std::uint32_t write_objects(const msg::Request& request, Answer& answer);
-  std::uint32_t write_object(const msg::ObjectAccess& object, std::uint64_t session,
-                             std::size_t place);
+  msg::Reason carry_out(const msg::Request& request, Answer& answer);
+  msg::Reason read_objects(const msg::Request& request, Answer& answer);
+  msg::Reason write_objects(const msg::Request& request, Answer& answer);
+  msg::Reason write_object(const msg::ObjectAccess& object, std::uint64_t session,
+                           std::size_t place);
   void stop(Axis& axis, std::uint16_t number, bool by_halt);
-  std::uint32_t store_axes(const msg::Request& request, Answer& answer);
-  std::uint32_t store_by_write(Axis& axis, const msg::ObjectAccess& object, std::size_t place);
+  msg::Reason store_axes(const msg::Request& request, Answer& answer);
+  msg::Reason store_by_write(Axis& axis, const msg::ObjectAccess& object, std::size_t place);
   void order(const Axis& axis, bool forget, std::size_t object);
   void power_up(Axis& axis);
-  std::uint32_t take(const msg::Request& request, bool by_force, Answer& answer);
-  std::uint32_t release(const msg::Request& request, Answer& answer);
-  std::uint32_t power_cycle(const msg::Request& request, Answer& answer);
-  std::uint32_t set_rate(const msg::Request& request);
-  std::uint32_t snapshot(const msg::Request& request, Answer& answer);
-  std::uint32_t refuse_strangers(const msg::Request& request, bool by_force, Answer& answer);
+  msg::Reason take(const msg::Request& request, bool by_force, Answer& answer);
+  msg::Reason release(const msg::Request& request, Answer& answer);
+  msg::Reason power_cycle(const msg::Request& request, Answer& answer);
+  msg::Reason set_rate(const msg::Request& request);
+  msg::Reason snapshot(const msg::Request& request, Answer& answer);
+  msg::Reason refuse_strangers(const msg::Request& request, bool by_force, Answer& answer);
   void name_axis(std::uint16_t number, Answer& answer);
-  void finish(const msg::Request& request, std::uint32_t reason, Answer& answer,
-              bool is_kept = true);
+  void finish(const msg::Request& request, msg::Reason reason, Answer& answer, bool is_kept = true);
   bool time_stands() const;
   void count_watchdog();
 
@@ -292,7 +291,7 @@ class ControlModel {
   std::uint64_t last_storing_ = 0;
   std::size_t ordered_ = 0;              ///< by the request in hand
   std::set<std::uint32_t> from_memory_;  ///< stamps with which an axis was powered up
-  std::map<std::pair<std::uint32_t, std::uint64_t>, int> events_;  ///< by kind and session
+  std::map<std::pair<msg::EventKind, std::uint64_t>, int> events_;  ///< by kind and session
   std::map<std::uint64_t, std::vector<Registers>> snapshots_;
   std::uint64_t last_snapshot_ = 0;
   bool restored_ = false;

@@ -76,98 +76,98 @@ void Disturber::act(const View& view, Bench& bench, SimulatedTime& time, Post& p
     choice -= row.weight;
   }
   if (bench.rate() == 0.0 && random_.per_mille(300)) {  // no actor waits for ever
-    msg::Request request = new_request(msg::REQUEST_SET_RATE);
-    request.rate(1.0);
+    msg::Request request = new_request(msg::RequestKind::set_rate);
+    request.rate = 1.0;
     this->post(std::move(request), present);
   }
 }
 
 void Disturber::on(const msg::Reply& reply) {
-  if (reply.client() == client_ && reply.snapshot() != 0) last_snapshot_ = reply.snapshot();
+  if (reply.client == client_ && reply.snapshot != 0) last_snapshot_ = reply.snapshot;
 }
 
 bool Disturber::wants_restart() {
   return std::exchange(wants_restart_, false);
 }
 
-msg::Request Disturber::new_request(std::uint32_t kind) {
+msg::Request Disturber::new_request(msg::RequestKind kind) {
   msg::Request request;
-  request.client(client_);
-  request.request_id(++last_request_);
-  request.bench(kBench);
-  request.kind(kind);
+  request.client = client_;
+  request.request_id = ++last_request_;
+  request.bench = kBench;
+  request.kind = kind;
   return request;
 }
 
 void Disturber::post(msg::Request request, const Present& present) {
-  happenings_.record("test bench requests", {request.request_id(), request.kind()});
+  happenings_.record("test bench requests", {request.request_id, wire::number(request.kind)});
   present.post.send(place_, std::move(request), now_);
 }
 
 void Disturber::set_input(const Present& present) {
   if (ailments_.size() >= 4) return;
-  auto request = new_request(msg::REQUEST_WRITE);
-  auto& object = request.objects().emplace_back();
-  object.axis(static_cast<std::uint16_t>(1 + random_.below(present.view.statuses.size())));
-  object.index(static_cast<std::uint16_t>(0x5E00 + random_.below(11)));
-  object.value(object.index() == 0x5E00 ? random_.between(-kStrongestLoad, kStrongestLoad) : 1);
-  ailments_.push_back({object.axis(), object.index()});
+  auto request = new_request(msg::RequestKind::write);
+  auto& object = request.objects.emplace_back();
+  object.axis = static_cast<std::uint16_t>(1 + random_.below(present.view.statuses.size()));
+  object.index = static_cast<std::uint16_t>(0x5E00 + random_.below(11));
+  object.value = object.index == 0x5E00 ? random_.between(-kStrongestLoad, kStrongestLoad) : 1;
+  ailments_.push_back({object.axis, object.index});
   post(std::move(request), present);
 }
 
 /// A disturbance is cleared again until the bench shows it: a message may be lost.
 void Disturber::heal(const Present& present) {
-  auto request = new_request(msg::REQUEST_WRITE);
+  auto request = new_request(msg::RequestKind::write);
   for (const Ailment& ailment : ailments_) {
-    auto& object = request.objects().emplace_back();
-    object.axis(ailment.axis);
-    object.index(ailment.index);
+    auto& object = request.objects.emplace_back();
+    object.axis = ailment.axis;
+    object.index = ailment.index;
   }
   std::erase_if(ailments_, [&](const Ailment& ailment) {
     return present.bench.model()
                .registers(ailment.axis - 1U)
                .test_inputs[ailment.index - 0x5E00U] == 0;
   });
-  if (!request.objects().empty()) post(std::move(request), present);
+  if (!request.objects.empty()) post(std::move(request), present);
 }
 
 void Disturber::power_cycle(const Present& present) {
-  auto request = new_request(msg::REQUEST_POWER_CYCLE);
+  auto request = new_request(msg::RequestKind::power_cycle);
   for (std::uint64_t count = random_.below(3); count > 0; --count) {
-    request.axes().push_back(
+    request.axes.push_back(
         static_cast<std::uint16_t>(random_.below(present.view.statuses.size() + 1)));
   }
   post(std::move(request), present);
 }
 
 void Disturber::take_snapshot(const Present& present) {
-  post(new_request(msg::REQUEST_TAKE_SNAPSHOT), present);
+  post(new_request(msg::RequestKind::take_snapshot), present);
 }
 
 void Disturber::restore_snapshot(const Present& present) {
-  auto request = new_request(msg::REQUEST_RESTORE_SNAPSHOT);
-  request.snapshot(last_snapshot_);
+  auto request = new_request(msg::RequestKind::restore_snapshot);
+  request.snapshot = last_snapshot_;
   post(std::move(request), present);
 }
 
 void Disturber::drop_snapshot(const Present& present) {
-  auto request = new_request(msg::REQUEST_DROP_SNAPSHOT);
-  request.snapshot(last_snapshot_);
+  auto request = new_request(msg::RequestKind::drop_snapshot);
+  request.snapshot = last_snapshot_;
   post(std::move(request), present);
 }
 
 void Disturber::change_rate(const Present& present) {
-  auto request = new_request(msg::REQUEST_SET_RATE);
-  request.rate(random_.pick<double>(kRates));
+  auto request = new_request(msg::RequestKind::set_rate);
+  request.rate = random_.pick<double>(kRates);
   post(std::move(request), present);
 }
 
 void Disturber::read(const Present& present) {
-  auto request = new_request(msg::REQUEST_READ);
+  auto request = new_request(msg::RequestKind::read);
   for (std::uint64_t count = random_.below(msg::MAX_OBJECTS_PER_REQUEST + 1); count > 0; --count) {
-    auto& object = request.objects().emplace_back();
-    object.axis(static_cast<std::uint16_t>(random_.below(present.view.statuses.size() + 2)));
-    object.index(0x607A);
+    auto& object = request.objects.emplace_back();
+    object.axis = static_cast<std::uint16_t>(random_.below(present.view.statuses.size() + 2));
+    object.index = 0x607A;
   }
   post(std::move(request), present);
 }
@@ -188,7 +188,7 @@ void Disturber::hold_answers(const Present& present) {
 void Disturber::flood(const Present& present) {
   happenings_.record("a flood", {});
   for (std::uint64_t count = 0; count < kFlood; ++count) {
-    auto request = new_request(msg::REQUEST_READ);
+    auto request = new_request(msg::RequestKind::read);
     present.post.send(place_, std::move(request), now_);
   }
 }
@@ -198,9 +198,10 @@ void Disturber::restart(const Present& /*present*/) {
 }
 
 void Disturber::store(const Present& present) {
-  auto request = new_request(random_.per_mille(750) ? msg::REQUEST_STORE : msg::REQUEST_RESTORE);
+  auto request =
+      new_request(random_.per_mille(750) ? msg::RequestKind::store : msg::RequestKind::restore);
   for (std::uint64_t count = random_.below(4); count > 0; --count) {
-    request.axes().push_back(
+    request.axes.push_back(
         static_cast<std::uint16_t>(random_.below(present.view.statuses.size() + 1)));
   }
   post(std::move(request), present);

@@ -61,7 +61,7 @@ class Disturber {
   void fail_save(const Present& present);
   void kill_in_save(const Present& present);
 
-  msg::Request new_request(std::uint32_t kind);
+  msg::Request new_request(msg::RequestKind kind);
   void post(msg::Request request, const Present& present);
 
   struct Ailment {

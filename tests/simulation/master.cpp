@@ -41,14 +41,14 @@ std::int32_t near_to(std::int32_t value, std::int64_t change) {
 }
 
 void add_object(msg::AxisCommand& command, ObjectAddress address, std::int64_t value) {
-  auto& object = command.objects().emplace_back();
-  object.index(address.index);
-  object.subindex(address.subindex);
-  object.value(value);
+  auto& object = command.objects.emplace_back();
+  object.index = address.index;
+  object.subindex = address.subindex;
+  object.value = value;
 }
 
 void add_member(msg::AxisCommand& command, std::uint16_t member) {
-  command.members(static_cast<std::uint16_t>(command.members() | member));
+  command.members |= member;
 }
 
 }  // namespace
@@ -134,33 +134,32 @@ std::uint32_t Master::new_stamp(std::uint64_t incarnation, std::uint32_t epoch) 
 }
 
 void Master::post(msg::CommandFrame frame, Post& post) {
-  happenings_.record("sends frame",
-                     {place_, frame.session(), frame.epoch(), frame.sequence_number(),
-                      frame.apply_at_tick(), frame.flags(), frame.axes().size()});
+  happenings_.record("sends frame", {place_, frame.session, frame.epoch, frame.sequence_number,
+                                     frame.apply_at_tick, frame.flags, frame.axes.size()});
   last_frame_ = now_;
   post.send(place_, std::move(frame), now_);
 }
 
 void Master::post(msg::Request request, Post& post) {
-  happenings_.record("sends request", {place_, request.session(), request.request_id(),
-                                       request.kind(), request.axes().size()});
+  happenings_.record("sends request", {place_, request.session, request.request_id,
+                                       wire::number(request.kind), request.axes.size()});
   post.send(place_, std::move(request), now_);
 }
 
-msg::Request Master::new_request(std::uint32_t kind) {
+msg::Request Master::new_request(msg::RequestKind kind) {
   msg::Request request;
-  request.client(client_);
-  request.request_id(++last_request_);
-  request.bench(kBench);
-  request.incarnation(random_.per_mille(100) ? 0 : incarnation_);
-  request.session(session_);
-  request.kind(kind);
+  request.client = client_;
+  request.request_id = ++last_request_;
+  request.bench = kBench;
+  request.incarnation = random_.per_mille(100) ? 0 : incarnation_;
+  request.session = session_;
+  request.kind = kind;
   return request;
 }
 
 void Master::take_axes(const View& view, Post& post, bool by_force) {
-  auto request = new_request(by_force ? msg::REQUEST_TAKE_OVER : msg::REQUEST_ACQUIRE);
-  request.axes() = some_axes(view);
+  auto request = new_request(by_force ? msg::RequestKind::take_over : msg::RequestKind::acquire);
+  request.axes = some_axes(view);
   if (random_.per_mille(temper_.haste)) guess_epoch(view);
   this->post(std::move(request), post);
 }
@@ -180,9 +179,9 @@ void Master::guess_epoch(const View& view) {
 }
 
 void Master::release(const View& view, Post& post) {
-  auto request = new_request(msg::REQUEST_RELEASE);
+  auto request = new_request(msg::RequestKind::release);
   if (random_.per_mille(500)) {
-    request.axes().push_back(static_cast<std::uint16_t>(1 + random_.below(view.statuses.size())));
+    request.axes.push_back(static_cast<std::uint16_t>(1 + random_.below(view.statuses.size())));
   }
   this->post(std::move(request), post);
 }
@@ -192,48 +191,48 @@ void Master::send_request(const View& view, Post& post) {
   constexpr std::array<std::uint16_t, 8> kRead{0x607A, 0x6067, 0x6041, 0x6064,
                                                0x607A, 0x6067, 0x603F, 0x2000};
   const bool writes = random_.per_mille(500);
-  auto request = new_request(writes ? msg::REQUEST_WRITE : msg::REQUEST_READ);
+  auto request = new_request(writes ? msg::RequestKind::write : msg::RequestKind::read);
   for (std::uint64_t count = random_.below(4); count > 0; --count) {
-    auto& object = request.objects().emplace_back();
-    object.axis(static_cast<std::uint16_t>(1 + random_.below(view.statuses.size())));
+    auto& object = request.objects.emplace_back();
+    object.axis = static_cast<std::uint16_t>(1 + random_.below(view.statuses.size()));
     if (!writes) {
-      object.index(random_.pick<std::uint16_t>(kRead));
+      object.index = random_.pick<std::uint16_t>(kRead);
       continue;
     }
     write_any(object, view, request);
   }
-  if (random_.per_mille(temper_.rudeness)) request.client(0);
+  if (random_.per_mille(temper_.rudeness)) request.client = 0;
   this->post(std::move(request), post);
 }
 
 void Master::write_any(msg::ObjectAccess& object, const View& view, const msg::Request& request) {
   switch (random_.below(6)) {
     case 0:
-      object.index(0x6040);
-      object.value(word_for(view.statuses[object.axis() - 1U]));
+      object.index = 0x6040;
+      object.value = word_for(view.statuses[object.axis - 1U]);
       break;
     case 1:
-      object.index(0x607A);
-      object.value(random_.between(-20, 20) * kUnitsPerTurn);
+      object.index = 0x607A;
+      object.value = random_.between(-20, 20) * kUnitsPerTurn;
       break;
     case 2:
-      object.index(0x60FF);
-      object.value(random_.between(-120'000, 120'000));
+      object.index = 0x60FF;
+      object.value = random_.between(-120'000, 120'000);
       break;
     case 3:
-      object.index(0x6060);
-      object.value(random_.per_mille(900) ? draw_mode() : kNoMode);
+      object.index = 0x6060;
+      object.value = random_.per_mille(900) ? draw_mode() : kNoMode;
       break;
     case 4: {
       const Setting& setting = random_.pick<Setting>(kSettings);
-      object.index(setting.address.index);
-      object.subindex(setting.address.subindex);
-      object.value(random_.pick<std::int64_t>(setting.values));
+      object.index = setting.address.index;
+      object.subindex = setting.address.subindex;
+      object.value = random_.pick<std::int64_t>(setting.values);
       break;
     }
     default:
-      object.index(0x6067);
-      object.value(new_stamp(request.incarnation(), 0));
+      object.index = 0x6067;
+      object.value = new_stamp(request.incarnation, 0);
       break;
   }
 }
@@ -242,50 +241,51 @@ void Master::write_any(msg::ObjectAccess& object, const View& view, const msg::R
 void Master::store(const View& view, Post& post) {
   const bool forgets = random_.per_mille(250);
   const bool writes = random_.per_mille(300);
-  auto request = new_request(writes ? msg::REQUEST_WRITE
-                                    : (forgets ? msg::REQUEST_RESTORE : msg::REQUEST_STORE));
+  auto request =
+      new_request(writes ? msg::RequestKind::write
+                         : (forgets ? msg::RequestKind::restore : msg::RequestKind::store));
   for (std::int64_t count = random_.between(1, 3); count > 0; --count) {
     const auto axis = static_cast<std::uint16_t>(1 + random_.below(view.statuses.size()));
     if (!writes) {
-      request.axes().push_back(axis);
+      request.axes.push_back(axis);
       continue;
     }
-    auto& object = request.objects().emplace_back();
-    object.axis(axis);
-    object.index(forgets ? 0x1011 : 0x1010);
-    object.subindex(1);
-    object.value(forgets != random_.per_mille(temper_.rudeness) ? kRestoreSignature
-                                                                : kStoreSignature);
+    auto& object = request.objects.emplace_back();
+    object.axis = axis;
+    object.index = forgets ? 0x1011 : 0x1010;
+    object.subindex = 1;
+    object.value =
+        forgets != random_.per_mille(temper_.rudeness) ? kRestoreSignature : kStoreSignature;
   }
   this->post(std::move(request), post);
 }
 
 msg::CommandFrame Master::new_frame(const View& view) {
   msg::CommandFrame frame;
-  frame.bench(kBench);
-  frame.incarnation(incarnation_ == 0 ? view.incarnation : incarnation_);
-  frame.session(session_);
-  frame.epoch(epoch_);
-  frame.sequence_number(++sequence_);
+  frame.bench = kBench;
+  frame.incarnation = incarnation_ == 0 ? view.incarnation : incarnation_;
+  frame.session = session_;
+  frame.epoch = epoch_;
+  frame.sequence_number = ++sequence_;
   return frame;
 }
 
 void Master::send_frame(const View& view, Post& post) {
-  if (random_.per_mille(temper_.rudeness) && old_frame_.sequence_number() != 0) {
+  if (random_.per_mille(temper_.rudeness) && old_frame_.sequence_number != 0) {
     this->post(old_frame_, post);  // once more
     return;
   }
   msg::CommandFrame frame = new_frame(view);
   time_frame(view, frame);
-  frame.flags((random_.per_mille(200) ? msg::FRAME_ALL_OR_NOTHING : 0U) |
-              (random_.per_mille(30) ? msg::FRAME_CANCEL_PENDING : 0U) |
-              (random_.per_mille(500) ? msg::FRAME_WANT_REPLY : 0U));
+  frame.flags = (random_.per_mille(200) ? msg::FRAME_ALL_OR_NOTHING : 0U) |
+                (random_.per_mille(30) ? msg::FRAME_CANCEL_PENDING : 0U) |
+                (random_.per_mille(500) ? msg::FRAME_WANT_REPLY : 0U);
   const auto share =
       static_cast<std::uint64_t>(random_.per_mille(200) ? 0 : random_.between(50, 600));
   for (std::size_t index = 0; index < view.statuses.size(); ++index) {
     if (random_.per_mille(share)) {
-      auto& command = frame.axes().emplace_back();
-      command.axis(static_cast<std::uint16_t>(index + 1));
+      auto& command = frame.axes.emplace_back();
+      command.axis = static_cast<std::uint16_t>(index + 1);
       fill(command, view.statuses[index], frame);
     }
   }
@@ -297,11 +297,11 @@ void Master::send_frame(const View& view, Post& post) {
 void Master::time_frame(const View& view, msg::CommandFrame& frame) {
   if (random_.per_mille(250)) {
     const std::int64_t ahead = random_.per_mille(20) ? 20'000 : random_.between(-3, 150);
-    frame.apply_at_tick(static_cast<std::uint64_t>(
-        std::max<std::int64_t>(1, static_cast<std::int64_t>(view.tick) + ahead)));
+    frame.apply_at_tick = static_cast<std::uint64_t>(
+        std::max<std::int64_t>(1, static_cast<std::int64_t>(view.tick) + ahead));
   }
   if (random_.per_mille(150)) {
-    frame.valid_until_tick(std::max(view.tick, frame.apply_at_tick()) + random_.below(20));
+    frame.valid_until_tick = std::max(view.tick, frame.apply_at_tick) + random_.below(20);
   }
 }
 
@@ -309,25 +309,25 @@ void Master::time_frame(const View& view, msg::CommandFrame& frame) {
 void Master::spoil(msg::CommandFrame& frame) {
   switch (random_.below(7)) {
     case 0:
-      frame.epoch(frame.epoch() + 1);
+      ++frame.epoch;
       break;
     case 1:
-      frame.epoch(frame.epoch() - 1);
+      --frame.epoch;
       break;
     case 2:
-      frame.flags(frame.flags() | 0x10U);
+      frame.flags |= 0x10U;
       break;
     case 3:
-      frame.session(0);
+      frame.session = 0;
       break;
     case 4:
-      frame.axes().emplace_back().axis(static_cast<std::uint16_t>(random_.below(100)));
+      frame.axes.emplace_back().axis = static_cast<std::uint16_t>(random_.below(100));
       break;
     case 5:
-      if (!frame.axes().empty()) frame.axes().push_back(frame.axes().front());
+      if (!frame.axes.empty()) frame.axes.push_back(frame.axes.front());
       break;
     default:
-      if (!frame.axes().empty()) frame.axes().back().members(0x80);
+      if (!frame.axes.empty()) frame.axes.back().members = 0x80;
       break;
   }
 }
@@ -377,8 +377,8 @@ void Master::add_set_point(msg::AxisCommand& command, const AxisStatus& status) 
       break;
     case OperatingMode::cyclic_synchronous_position:
       add_member(command, msg::HAS_POSITION_USER_TARGET_VALUE);
-      command.position_user_target_value(
-          near_to(status.position_demand_value, random_.between(-200, 200)));
+      command.position_user_target_value =
+          near_to(status.position_demand_value, random_.between(-200, 200));
       break;
     case OperatingMode::cyclic_synchronous_velocity:
       add_object(command, {0x60FF, 0},
@@ -386,8 +386,8 @@ void Master::add_set_point(msg::AxisCommand& command, const AxisStatus& status) 
       break;
     default:
       add_member(command, msg::HAS_POSITION_USER_TARGET_VALUE);
-      command.position_user_target_value(
-          static_cast<std::int32_t>(random_.between(-20 * kUnitsPerTurn, 20 * kUnitsPerTurn)));
+      command.position_user_target_value =
+          static_cast<std::int32_t>(random_.between(-20 * kUnitsPerTurn, 20 * kUnitsPerTurn));
       break;
   }
 }
@@ -400,18 +400,18 @@ void Master::add_setting(msg::AxisCommand& command) {
 /// A command that suits the state of the axis, with a stamp that identifies its sender.
 void Master::fill(msg::AxisCommand& command, const AxisStatus& status,
                   const msg::CommandFrame& frame) {
-  add_object(command, {0x6067, 0}, new_stamp(frame.incarnation(), frame.epoch()));
+  add_object(command, {0x6067, 0}, new_stamp(frame.incarnation, frame.epoch));
   if (random_.per_mille(850)) {
     add_member(command, msg::HAS_DS402_CONTROLWORD);
-    command.ds402_controlword(word_for(status));
+    command.ds402_controlword = word_for(status);
   }
   if (status.op_mode_actual == 0 || random_.per_mille(40)) {
     add_member(command, msg::HAS_OP_MODE_CMD);
-    command.op_mode_cmd(random_.per_mille(980) ? draw_mode() : kNoMode);
+    command.op_mode_cmd = random_.per_mille(980) ? draw_mode() : kNoMode;
   }
   if (random_.per_mille(300)) {
     add_member(command, msg::HAS_PROFILE_VELOCITY);
-    command.profile_velocity(static_cast<std::uint32_t>(random_.between(1'000, 130'000)));
+    command.profile_velocity = static_cast<std::uint32_t>(random_.between(1'000, 130'000));
   }
   add_set_point(command, status);
   if (random_.per_mille(60)) add_setting(command);
@@ -424,15 +424,15 @@ void Master::fill(msg::AxisCommand& command, const AxisStatus& status,
 // ---- what comes back --------------------------------------------------------------------------
 
 void Master::on(const msg::Reply& reply) {
-  if (reply.client() != client_ || reply.incarnation() != incarnation_) return;
-  epoch_ = std::max(epoch_, reply.epoch());  // an earlier answer may arrive later
-  if (reply.epoch() == 0) epoch_ = 0;
+  if (reply.client != client_ || reply.incarnation != incarnation_) return;
+  epoch_ = std::max(epoch_, reply.epoch);  // an earlier answer may arrive later
+  if (reply.epoch == 0) epoch_ = 0;
 }
 
 void Master::on(const msg::CommandReply& reply) {
-  if (reply.session() != session_ || reply.incarnation() != incarnation_) return;
-  const bool gone = std::ranges::any_of(reply.refusals(), [](const msg::Refusal& refusal) {
-    return refusal.axis() == 0 && refusal.reason() == msg::REASON_STALE_EPOCH;
+  if (reply.session != session_ || reply.incarnation != incarnation_) return;
+  const bool gone = std::ranges::any_of(reply.refusals, [](const msg::Refusal& refusal) {
+    return refusal.axis == 0 && refusal.reason == msg::Reason::stale_epoch;
   });
   if (gone && random_.per_mille(300)) epoch_ = 0;
 }

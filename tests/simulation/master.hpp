@@ -74,7 +74,7 @@ class Master {
   std::int8_t draw_mode();
   void write_any(msg::ObjectAccess& object, const View& view, const msg::Request& request);
   msg::CommandFrame new_frame(const View& view);
-  msg::Request new_request(std::uint32_t kind);
+  msg::Request new_request(msg::RequestKind kind);
   std::uint32_t new_stamp(std::uint64_t incarnation, std::uint32_t epoch);
   std::vector<std::uint16_t> some_axes(const View& view);
   void post(msg::CommandFrame frame, Post& post);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "simulation/random.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <algorithm>
 #include <array>

@@ -171,21 +171,21 @@ class World {
   void hand_over(const msg::Reply& reply) {
     for (Master& master : masters_) master.on(reply);
     disturber_.on(reply);
-    if (reply.client() == kStepperClient && reply.request_id() == last_step_) next_step_ = 0;
+    if (reply.client == kStepperClient && reply.request_id == last_step_) next_step_ = 0;
   }
 
   /// One program steps: sometimes for a master, whose frames it waits for. It continues when it is
   /// answered or has waited long enough.
   void request_steps(std::int64_t now) {
     msg::Request request;
-    request.client(kStepperClient);
-    request.request_id(++last_step_);
-    request.bench(kBench);
-    request.kind(msg::REQUEST_STEP);
-    request.ticks(random_.below(12));
+    request.client = kStepperClient;
+    request.request_id = ++last_step_;
+    request.bench = kBench;
+    request.kind = msg::RequestKind::step;
+    request.ticks = random_.below(12);
     if (random_.per_mille(400)) {
-      request.session(masters_[random_.below(kMasters)].session());
-      request.last_sequence(random_.per_mille(200) ? random_.below(2'000) : 0);
+      request.session = masters_[random_.below(kMasters)].session();
+      request.last_sequence = random_.per_mille(200) ? random_.below(2'000) : 0;
     }
     next_step_ = now + kStepPatience;
     post_.send(kStepper, std::move(request), now);

@@ -1,111 +1,136 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Fast DDS side: every message is filled and printed field by field. The rows are generated
-// from the IDL, so a member that is added there is compared here.
+// Our side: every message is filled and printed field by field, as its description says, so a
+// member that is added to the IDL is compared here.
 #pragma once
 
-#include "vdrive_messages.h"
+#include "vdrive/wire/cdr.hpp"
+#include "vdrive_messages_description.hpp"
 #include "vendor/canonical.h"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <string>
+#include <type_traits>
+#include <vector>
 
 namespace vdrive::test {
 
-// clang-format off
-#define STRUCTURE(type) inline void fill(msg::type& m, Filler& filler) {
-#define END(type) }
-#define UNSIGNED(name, bits) m.name() = static_cast<std::uint##bits##_t>(next_unsigned(&filler, bits));
-#define SIGNED(name, bits) m.name() = static_cast<std::int##bits##_t>(next_signed(&filler, bits));
-#define KEY_UNSIGNED(name, bits) m.name() = static_cast<std::uint##bits##_t>(next_key(&filler, bits));
-#define REAL(name) m.name() = next_real(&filler);
-#define BOOLEAN(name) m.name() = next_boolean(&filler);
-#define STRING(name, bound) \
-  { char text[kLongestString]; m.name() = next_string(&filler, bound, text); }
-#define SEQUENCE(name, type, bound) \
-  m.name().resize(next_length(&filler, bound)); for (auto& e : m.name()) fill(e, filler);
-#define SEQUENCE_OF_UNSIGNED(name, bits, bound) \
-  m.name().resize(next_length(&filler, bound)); \
-  for (auto& e : m.name()) e = static_cast<std::uint##bits##_t>(next_unsigned(&filler, bits));
-#define SEQUENCE_OF_SIGNED(name, bits, bound) \
-  m.name().resize(next_length(&filler, bound)); \
-  for (auto& e : m.name()) e = static_cast<std::int##bits##_t>(next_signed(&filler, bits));
-#include "fields.inc"
-#undef STRUCTURE
-#undef END
-#undef UNSIGNED
-#undef SIGNED
-#undef KEY_UNSIGNED
-#undef REAL
-#undef BOOLEAN
-#undef STRING
-#undef SEQUENCE
-#undef SEQUENCE_OF_UNSIGNED
-#undef SEQUENCE_OF_SIGNED
+template <typename Number>
+inline constexpr int kBits = static_cast<int>(8 * sizeof(Number));
 
-#define STRUCTURE(type) inline void write(FILE* out, const char* path, const msg::type& m) {
-#define END(type) }
-#define UNSIGNED(name, bits) write_unsigned(out, path, #name, m.name());
-#define SIGNED(name, bits) write_signed(out, path, #name, m.name());
-#define KEY_UNSIGNED(name, bits) UNSIGNED(name, bits)
-#define REAL(name) write_real(out, path, #name, m.name());
-#define BOOLEAN(name) write_unsigned(out, path, #name, m.name());
-#define STRING(name, bound) write_string(out, path, #name, m.name().c_str());
-#define ELEMENTS(name, statement) \
-  write_length(out, path, #name, m.name().size()); \
-  for (std::size_t i = 0; i < m.name().size(); ++i) { char child[kLongestPath]; statement; }
-#define SEQUENCE(name, type, bound) \
-  ELEMENTS(name, write(out, element_path(child, path, #name, i, "."), m.name()[i]))
-#define SEQUENCE_OF_UNSIGNED(name, bits, bound) \
-  ELEMENTS(name, write_unsigned(out, element_path(child, path, #name, i, ""), "", m.name()[i]))
-#define SEQUENCE_OF_SIGNED(name, bits, bound) \
-  ELEMENTS(name, write_signed(out, element_path(child, path, #name, i, ""), "", m.name()[i]))
-#include "fields.inc"
-#undef STRUCTURE
-#undef END
-#undef UNSIGNED
-#undef SIGNED
-#undef KEY_UNSIGNED
-#undef REAL
-#undef BOOLEAN
-#undef STRING
-#undef ELEMENTS
-#undef SEQUENCE
-#undef SEQUENCE_OF_UNSIGNED
-#undef SEQUENCE_OF_SIGNED
+template <wire::CdrNumber Number>
+void fill(const wire::MemberTraits& member, Number& number, Filler& filler);
+template <std::size_t kBound>
+void fill(const wire::MemberTraits& member, wire::Text<kBound>& text, Filler& filler);
+template <typename Element>
+void fill(const wire::MemberTraits& member, std::vector<Element>& elements, Filler& filler);
 
-// Each sequence, also of elements, as long as its bound and longer by one; the others are empty or
-// have one element.
-#define STRUCTURE(type) \
-  template <typename Check> void reach_bounds([[maybe_unused]] msg::type& m, \
-                                              [[maybe_unused]] const Check& check) {
-#define END(type) }
-#define UNSIGNED(name, bits)
-#define SIGNED(name, bits)
-#define KEY_UNSIGNED(name, bits)
-#define REAL(name)
-#define BOOLEAN(name)
-#define STRING(name, bound)
-#define REACH(name, bound) \
-  m.name().resize(bound); check(true, #name); m.name().resize(bound + 1); check(false, #name);
-#define SEQUENCE(name, type, bound) \
-  REACH(name, bound) m.name().resize(1); reach_bounds(m.name().front(), check); m.name().clear();
-#define SEQUENCE_OF_UNSIGNED(name, bits, bound) REACH(name, bound) m.name().clear();
-#define SEQUENCE_OF_SIGNED(name, bits, bound) REACH(name, bound) m.name().clear();
-#include "fields.inc"
-#undef STRUCTURE
-#undef END
-#undef UNSIGNED
-#undef SIGNED
-#undef KEY_UNSIGNED
-#undef REAL
-#undef BOOLEAN
-#undef STRING
-#undef REACH
-#undef SEQUENCE
-#undef SEQUENCE_OF_UNSIGNED
-#undef SEQUENCE_OF_SIGNED
+template <wire::CdrNumber Number>
+void write(FILE* out, const char* path, const char* name, Number number);
+template <std::size_t kBound>
+void write(FILE* out, const char* path, const char* name, const wire::Text<kBound>& text);
+template <typename Element>
+void write(FILE* out, const char* path, const char* name, const std::vector<Element>& elements);
 
-// clang-format on
+/// As the rows of generate_fields.py, in the order of the IDL.
+template <wire::DescribedStruct Struct>
+void fill(Struct& message, Filler& filler) {
+  wire::for_each_member<Struct>([&](const auto& member) {
+    fill(member, message.*member.pointer, filler);
+  });
+}
+
+template <wire::CdrNumber Number>
+void fill(const wire::MemberTraits& member, Number& number, Filler& filler) {
+  if constexpr (std::is_same_v<Number, double>) {
+    number = next_real(&filler);
+  } else if constexpr (std::is_same_v<Number, bool>) {
+    number = next_boolean(&filler);
+  } else if constexpr (std::is_signed_v<Number>) {
+    number = static_cast<Number>(next_signed(&filler, kBits<Number>));
+  } else {
+    number = static_cast<Number>(member.is_key ? next_key(&filler, kBits<Number>)
+                                               : next_unsigned(&filler, kBits<Number>));
+  }
+}
+
+template <std::size_t kBound>
+void fill(const wire::MemberTraits& /*member*/, wire::Text<kBound>& text, Filler& filler) {
+  std::array<char, kLongestString> room{};
+  text = next_string(&filler, kBound, room.data());
+}
+
+template <typename Element>
+void fill(const wire::MemberTraits& member, std::vector<Element>& elements, Filler& filler) {
+  elements.resize(next_length(&filler, static_cast<std::uint32_t>(member.bound)));
+  for (Element& element : elements) {
+    if constexpr (wire::DescribedStruct<Element>) {
+      fill(element, filler);
+    } else {
+      fill(wire::MemberTraits{}, element, filler);
+    }
+  }
+}
+
+template <wire::DescribedStruct Struct>
+void write(FILE* out, const char* path, const Struct& message) {
+  wire::for_each_member<Struct>([&](const auto& member) {
+    write(out, path, std::string(member.name).c_str(), message.*member.pointer);
+  });
+}
+
+template <wire::CdrNumber Number>
+void write(FILE* out, const char* path, const char* name, Number number) {
+  if constexpr (std::is_same_v<Number, double>) {
+    write_real(out, path, name, number);
+  } else if constexpr (std::is_signed_v<Number>) {
+    write_signed(out, path, name, number);
+  } else {
+    write_unsigned(out, path, name, static_cast<std::uint64_t>(number));
+  }
+}
+
+template <std::size_t kBound>
+void write(FILE* out, const char* path, const char* name, const wire::Text<kBound>& text) {
+  write_string(out, path, name, text.to_string().c_str());
+}
+
+template <typename Element>
+void write(FILE* out, const char* path, const char* name, const std::vector<Element>& elements) {
+  write_length(out, path, name, elements.size());
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    std::array<char, kLongestPath> child{};
+    if constexpr (wire::DescribedStruct<Element>) {
+      write(out, element_path(child.data(), path, name, i, "."), elements[i]);
+    } else {
+      write(out, element_path(child.data(), path, name, i, ""), "", elements[i]);
+    }
+  }
+}
+
+/// Makes each sequence, also of elements, as long as its bound and then longer by one; the others
+/// are empty or have one element. @param check called with whether all are within their bounds
+template <wire::DescribedStruct Struct, typename Check>
+void reach_bounds(Struct& message, const Check& check) {
+  const auto reach = [&check](const wire::MemberTraits& member, auto& value) {
+    if constexpr (requires { value.resize(1); }) {
+      value.resize(member.bound);
+      check(true, member.name);
+      value.resize(member.bound + 1);
+      check(false, member.name);
+      value.resize(1);
+      if constexpr (wire::DescribedStruct<std::remove_reference_t<decltype(value.front())>>) {
+        reach_bounds(value.front(), check);
+      }
+      value.clear();
+    }
+  };
+  wire::for_each_member<Struct>([&](const auto& member) {
+    reach(member, message.*member.pointer);
+  });
+}
 
 /// @return every field of `message`, one in each line.
 template <typename Message>

@@ -4,21 +4,25 @@
 #include "vdrive/wire/topics.hpp"
 
 #include "support/test_domain.hpp"
+#include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
-#include "vdrive/wire/subscription.hpp"
 #include "vendor/fast_messages.hpp"
 #include "vendor/peer.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <deque>
 #include <iterator>
+#include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -48,21 +52,19 @@ constexpr bool kIsStream =
     wire::Topic<Message>::kName == "status" || wire::Topic<Message>::kName == "axis" ||
     wire::Topic<Message>::kName == "bench_state";
 
-/// The texts of what a subscription of ours received.
+/// The texts of what a reader of ours received, where its bytes are those that we would write.
 template <typename Message>
 class Texts {
  public:
   explicit Texts(wire::Participant& participant)
-      : subscription_(
-            participant,
-            [this](const Message& message, const wire::Source& /*source*/) {
-              keep(text_of(message));
-            },
-            [this](const Message& /*message*/, const wire::Source& /*source*/) {
-              keep("beyond the bounds of the IDL");
-            }) {}
+      : reader_(participant.make_reader(wire::Topic<Message>::kId,
+                                        {.take =
+                                             [this](std::span<const std::byte> sample) {
+                                               keep(text_in(sample));
+                                             },
+                                         .deliver = [](const wire::Source& /*source*/) {}})) {}
 
-  [[nodiscard]] bool match() { return subscription_.wait_for_matched(1, kPatience); }
+  [[nodiscard]] bool match() { return reader_->matches().wait_for(1, kPatience); }
 
   /// @return the oldest text that was not taken yet, empty when none comes.
   std::string take(std::chrono::milliseconds patience) {
@@ -79,6 +81,19 @@ class Texts {
   }
 
  private:
+  /// The library fills samples up to a multiple of 4 bytes.
+  static std::string text_in(std::span<const std::byte> sample) {
+    Message message;
+    if (!wire::decode(sample, message)) return "cannot be read";
+    std::vector<std::byte> ours(wire::encoded_size(message));
+    wire::encode(message, ours);
+    const bool are_same =
+        sample.size() >= ours.size() && sample.size() < ours.size() + 4 &&
+        std::ranges::equal(std::span(ours).subspan(wire::kEncapsulation),
+                           sample.first(ours.size()).subspan(wire::kEncapsulation));
+    return (are_same ? "" : "other bytes: ") + text_of(message);
+  }
+
   void keep(std::string text) {
     const std::lock_guard lock(mutex_);
     texts_.push_back(std::move(text));
@@ -88,7 +103,7 @@ class Texts {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::string> texts_;
-  wire::Subscription<Message> subscription_;
+  std::unique_ptr<wire::SampleReader> reader_;
 };
 
 /// Sends by `send`, again and again when a sample may be lost, until something other than
@@ -131,7 +146,8 @@ class TopicName {
 template <typename Message>
 class CycloneOnTopic : public testing::Test {
  protected:
-  wire::Participant participant_{{.domain = test_domain()}, "fast"};
+  std::unique_ptr<wire::Participant> participant_ =
+      wire::make_participant({.domain = test_domain()}, "fast");
 };
 
 template <typename... Message>
@@ -145,8 +161,8 @@ constexpr std::uint64_t count_of(int filling) {
   return 100 * static_cast<std::uint64_t>(filling);
 }
 
-TYPED_TEST(CycloneOnTopic, ReadsEveryFieldThatFastDdsWrites) {
-  wire::Publication<TypeParam> publication(this->participant_);
+TYPED_TEST(CycloneOnTopic, ReadsEveryFieldThatWeWrite) {
+  wire::Publication<TypeParam> publication(*this->participant_);
   Peer reader(full_name<TypeParam>(), "reader");
   std::string read = open_the_way(publication, reader);
   ASSERT_FALSE(read.empty());
@@ -159,8 +175,8 @@ TYPED_TEST(CycloneOnTopic, ReadsEveryFieldThatFastDdsWrites) {
   }
 }
 
-TYPED_TEST(CycloneOnTopic, WritesEveryFieldThatFastDdsReads) {
-  Texts<TypeParam> received(this->participant_);
+TYPED_TEST(CycloneOnTopic, WritesEveryFieldThatWeReadAndTheBytesThatWeWrite) {
+  Texts<TypeParam> received(*this->participant_);
   Peer writer(full_name<TypeParam>(), "writer");
   ASSERT_TRUE(received.match());
   ASSERT_TRUE(writer.match());
@@ -175,13 +191,13 @@ TYPED_TEST(CycloneOnTopic, WritesEveryFieldThatFastDdsReads) {
 }
 
 TEST(CycloneTopics, DropMessagesLongerThanTheIdlAllows) {
-  wire::Participant participant({.domain = test_domain()}, "fast");
-  wire::Publication<msg::CommandFrame> publication(participant);
+  const auto participant = wire::make_participant({.domain = test_domain()}, "fast");
+  wire::Publication<msg::CommandFrame> publication(*participant);
   Peer reader("vdrive/v1/command", "reader");
   const std::string first = open_the_way(publication, reader);
   ASSERT_FALSE(first.empty());
   msg::CommandFrame too_long;
-  too_long.axes().resize(msg::MAX_AXES_PER_FRAME + 1);
+  too_long.axes.resize(msg::MAX_AXES_PER_FRAME + 1);
   ASSERT_TRUE(publication.write(too_long));
   const auto longest = filled<msg::CommandFrame>(kHighest);
   const std::string second = pass(reader, first, false, [&] {
@@ -215,7 +231,7 @@ using TransientMessages = testing::Types<msg::AxisParameters, msg::Event, msg::B
 TYPED_TEST_SUITE(CycloneOnTransientTopic, TransientMessages, TopicName);
 
 TYPED_TEST(CycloneOnTransientTopic, GetsWhatEachInstanceKeepsWhenItComesLate) {
-  wire::Publication<TypeParam> publication(this->participant_);
+  wire::Publication<TypeParam> publication(*this->participant_);
   for (const auto& [instance, count] : kWritten) {
     ASSERT_TRUE(publication.write(filled<TypeParam>(kDistinct, instance, count)));
   }
@@ -231,7 +247,7 @@ TYPED_TEST(CycloneOnTransientTopic, KeepsForALatecomerOfFastDdsWhatEachInstanceK
   for (const auto& [instance, count] : kWritten) {
     ASSERT_FALSE(writer.write(kDistinct, instance, count).empty());
   }
-  Texts<TypeParam> received(this->participant_);
+  Texts<TypeParam> received(*this->participant_);
   const auto expected = awaited<TypeParam>();
   std::vector<std::string> texts;
   while (texts.size() < expected.size()) texts.push_back(received.take(kPatience));
@@ -245,8 +261,13 @@ TYPED_TEST_SUITE(BoundsOfTopic, Messages, TopicName);
 
 TYPED_TEST(BoundsOfTopic, AreThoseOfTheIdl) {
   TypeParam message;
-  reach_bounds(message, [&message](bool is_within, const char* sequence) {
-    EXPECT_EQ(wire::Topic<TypeParam>::kRow.within_bounds(message), is_within) << sequence;
+  reach_bounds(message, [&message](bool is_within, std::string_view sequence) {
+    std::vector<std::byte> sample(wire::encoded_size(message));
+    ASSERT_EQ(wire::encode(message, sample), sample.size());
+    TypeParam received;
+    EXPECT_EQ(wire::decode_checked(sample, received),
+              is_within ? wire::Decoding::good : wire::Decoding::beyond_bounds)
+        << sequence;
   });
 }
 

@@ -34,12 +34,12 @@ TEST(StatusConversion, KeepsEveryValue) {
   to_message(status, {.bench = 7, .axis = 3}, 42, {.session = 9, .epoch = 8, .last_sequence = 6},
              message);
   expect_same(from_message(message), status);
-  EXPECT_EQ(message.bench(), 7U);
-  EXPECT_EQ(message.axis(), 3U);
-  EXPECT_EQ(message.tick(), 42U);
-  EXPECT_EQ(message.owner_session(), 9U);
-  EXPECT_EQ(message.owner_epoch(), 8U);
-  EXPECT_EQ(message.last_sequence(), 6U);
+  EXPECT_EQ(message.bench, 7U);
+  EXPECT_EQ(message.axis, 3U);
+  EXPECT_EQ(message.tick, 42U);
+  EXPECT_EQ(message.owner_session, 9U);
+  EXPECT_EQ(message.owner_epoch, 8U);
+  EXPECT_EQ(message.last_sequence, 6U);
 }
 
 TEST(StatusConversion, KeepsTheEndsOfEveryRange) {
@@ -58,15 +58,16 @@ TEST(StatusConversion, CarriesEveryMonitoredObjectOfTheManual) {
   msg::AxisStatus message;
   const AxisStatus status = status_with_distinct_values();
   to_message(status, {}, 0, {}, message);
-  EXPECT_EQ(message.ds402_statusword(), status.ds402_statusword);
-  EXPECT_EQ(message.current_error_value(), status.current_error_value);
+  EXPECT_EQ(message.ds402_statusword, status.ds402_statusword);
+  EXPECT_EQ(message.current_error_value, status.current_error_value);
   const AxisStatus received = from_message(message);
   for (ObjectRow row = 0; row < kObjectTable.size(); ++row) {
     const auto& object = describe(row);
     if (object.origin == Origin::manual && object.access == Access::read_only) {
       EXPECT_NE(value_of(received, row).value_or(0), 0)
-          << object.variable_name << " needs a row in core/src/status_member_table.hpp and one in "
-          << "idl/src/status_members.hpp";
+          << object.variable_name
+          << " needs a row of kStatusFields in core/include/vdrive/axis_status.hpp and a member in "
+          << "idl/vdrive_messages.idl";
     }
   }
   EXPECT_EQ(value_of(received, "profile_velocity"_object), std::nullopt);
@@ -87,56 +88,56 @@ TEST(ParameterConversion, ReadsEveryWritableObjectOfTheManual) {
   msg::AxisParameters message;
   to_message(bank, 0, {.bench = 2, .axis = 5}, 99, message);
 
-  EXPECT_EQ(message.bench(), 2U);
-  EXPECT_EQ(message.axis(), 5U);
-  EXPECT_EQ(message.tick(), 99U);
-  EXPECT_EQ(message.ds402_controlword(), 6U);
-  EXPECT_EQ(message.op_mode_cmd(), 1);
-  EXPECT_EQ(message.position_user_target_value(), -83);
-  EXPECT_EQ(message.user_position_lower_limit(), -70);
-  EXPECT_EQ(message.user_position_upper_limit(), 71);
-  EXPECT_EQ(message.position_target_reached_window(), 72U);
-  EXPECT_EQ(message.position_target_reached_window_time(), 73U);
-  EXPECT_EQ(message.app_speed_limit(), 74U);
-  EXPECT_EQ(message.motor_max_speed_rpm(), 75U);
-  EXPECT_EQ(message.profile_velocity(), 76U);
-  EXPECT_EQ(message.profile_acc(), 77U);
-  EXPECT_EQ(message.profile_dec(), 78U);
-  EXPECT_EQ(message.app_acc_limit(), 79U);
-  EXPECT_EQ(message.app_dec_limit(), 80U);
-  EXPECT_EQ(message.positive_torque_limit_relative(), 81U);
-  EXPECT_EQ(message.negative_torque_limit_relative(), 82U);
-  EXPECT_EQ(message.positioning_option_code(), 1U);
+  EXPECT_EQ(message.bench, 2U);
+  EXPECT_EQ(message.axis, 5U);
+  EXPECT_EQ(message.tick, 99U);
+  EXPECT_EQ(message.ds402_controlword, 6U);
+  EXPECT_EQ(message.op_mode_cmd, 1);
+  EXPECT_EQ(message.position_user_target_value, -83);
+  EXPECT_EQ(message.user_position_lower_limit, -70);
+  EXPECT_EQ(message.user_position_upper_limit, 71);
+  EXPECT_EQ(message.position_target_reached_window, 72U);
+  EXPECT_EQ(message.position_target_reached_window_time, 73U);
+  EXPECT_EQ(message.app_speed_limit, 74U);
+  EXPECT_EQ(message.motor_max_speed_rpm, 75U);
+  EXPECT_EQ(message.profile_velocity, 76U);
+  EXPECT_EQ(message.profile_acc, 77U);
+  EXPECT_EQ(message.profile_dec, 78U);
+  EXPECT_EQ(message.app_acc_limit, 79U);
+  EXPECT_EQ(message.app_dec_limit, 80U);
+  EXPECT_EQ(message.positive_torque_limit_relative, 81U);
+  EXPECT_EQ(message.negative_torque_limit_relative, 82U);
+  EXPECT_EQ(message.positioning_option_code, 1U);
 }
 
 TEST(ConvertUnit, KeepsAUnitThroughTheDescriptionOfAnAxis) {
   const Unit mm{.kind = UnitKind::linear, .name = "mm", .size = 1'000.5};
   msg::AxisDescription message;
   to_message(mm, message);
-  EXPECT_EQ(message.unit_kind(), msg::UNIT_LINEAR);
+  EXPECT_EQ(message.unit_kind, msg::UnitKind::linear);
   EXPECT_EQ(unit_of(message), mm);
   to_message(Unit(), message);
-  EXPECT_EQ(message.unit_kind(), msg::UNIT_ROTARY);
-  EXPECT_EQ(message.unit_size(), 4'096.0);
+  EXPECT_EQ(message.unit_kind, msg::UnitKind::rotary);
+  EXPECT_EQ(message.unit_size, 4'096.0);
   EXPECT_EQ(unit_of(message), Unit());
 }
 
 TEST(ConvertUnit, ReplacesAnUnusableUnitByTheDefault) {
   msg::AxisDescription message;
   EXPECT_EQ(unit_of(message), Unit()) << "kind 0";
-  message.unit_kind(msg::UNIT_LINEAR);
-  message.unit_name("mm");
+  message.unit_kind = msg::UnitKind::linear;
+  message.unit_name = "mm";
   EXPECT_EQ(unit_of(message), Unit()) << "size 0";
-  message.unit_size(std::numeric_limits<double>::quiet_NaN());
+  message.unit_size = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(unit_of(message), Unit());
-  message.unit_size(10.0);
+  message.unit_size = 10.0;
   EXPECT_EQ(unit_of(message).name, "mm");
-  message.unit_kind(3);
+  message.unit_kind = static_cast<msg::UnitKind>(3);
   EXPECT_EQ(unit_of(message), Unit());
 }
 
 TEST(DescribeReason, HasTextsForReasonsAndAbortCodes) {
-  EXPECT_EQ(describe_reason(msg::REASON_UNKNOWN_AXIS), "no such axis");
+  EXPECT_EQ(describe_reason(number(msg::Reason::unknown_axis)), "no such axis");
   const std::string abort_code = describe_reason(0x06010002);
   EXPECT_TRUE(abort_code.starts_with("0x06010002, ")) << abort_code;
   EXPECT_FALSE(describe_reason(12'345).empty());

@@ -2,11 +2,11 @@
 // Clients in other languages are written from docs/reference/wire.md: its bytes are
 // those of the real encoder, and no constant or topic of the contract is left out.
 #include "vdrive/event_kind.hpp"
+#include "vdrive/wire/codec.hpp"
+#include "vdrive/wire/request_kinds.hpp"
 #include "vdrive/wire/topics.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,9 @@
 #include <cstdint>
 #include <fstream>
 #include <iomanip>
+#include <iterator>
 #include <regex>
+#include <span>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -73,15 +75,16 @@ std::vector<Row> rows_of(const std::string& message) {
   return rows;
 }
 
+/// Without the encapsulation.
 template <typename Message>
 Bytes encode(const Message& message) {
-  std::vector<char> buffer(4096);
-  eprosima::fastcdr::FastBuffer fast_buffer(buffer.data(), buffer.size());
-  eprosima::fastcdr::Cdr cdr(fast_buffer, eprosima::fastcdr::Cdr::LITTLE_ENDIANNESS,
-                             eprosima::fastcdr::Cdr::DDS_CDR);
-  message.serialize(cdr);
-  return {buffer.begin(),
-          buffer.begin() + static_cast<std::ptrdiff_t>(cdr.getSerializedDataLength())};
+  std::vector<std::byte> sample(wire::encoded_size(message));
+  wire::encode(message, sample);
+  Bytes bytes;
+  for (const std::byte byte : std::span(sample).subspan(wire::kEncapsulation)) {
+    bytes.push_back(std::to_integer<std::uint8_t>(byte));
+  }
+  return bytes;
 }
 
 std::string hex(const Bytes& bytes) {
@@ -123,22 +126,22 @@ constexpr std::uint64_t kSession = 0x1122334455667788;
 
 TEST(NetworkInterfacePage, ShowsTheBytesOfACommandFrame) {
   msg::CommandFrame frame;
-  frame.bench(1);
-  frame.incarnation(kIncarnation);
-  frame.session(kSession);
-  frame.epoch(7);
-  frame.sequence_number(3);
-  frame.flags(msg::FRAME_WANT_REPLY);
-  auto& command = frame.axes().emplace_back();
-  command.axis(2);
-  command.members(msg::HAS_OP_MODE_CMD | msg::HAS_POSITION_USER_TARGET_VALUE |
-                  msg::HAS_DS402_CONTROLWORD);
-  command.ds402_controlword(0x3F);
-  command.op_mode_cmd(1);
-  command.position_user_target_value(-10000);
-  auto& object = command.objects().emplace_back();
-  object.index(0x6072);
-  object.value(2500);
+  frame.bench = 1;
+  frame.incarnation = kIncarnation;
+  frame.session = kSession;
+  frame.epoch = 7;
+  frame.sequence_number = 3;
+  frame.flags = msg::FRAME_WANT_REPLY;
+  auto& command = frame.axes.emplace_back();
+  command.axis = 2;
+  command.members =
+      msg::HAS_OP_MODE_CMD | msg::HAS_POSITION_USER_TARGET_VALUE | msg::HAS_DS402_CONTROLWORD;
+  command.ds402_controlword = 0x3F;
+  command.op_mode_cmd = 1;
+  command.position_user_target_value = -10000;
+  auto& object = command.objects.emplace_back();
+  object.index = 0x6072;
+  object.value = 2500;
   const auto rows = rows_of("CommandFrame");
   expect_consistent(rows);
   EXPECT_EQ(bytes_of_rows(rows), encode(frame)) << "encoded:" << hex(encode(frame));
@@ -146,34 +149,34 @@ TEST(NetworkInterfacePage, ShowsTheBytesOfACommandFrame) {
 
 TEST(NetworkInterfacePage, ShowsTheBytesOfAStatusFrame) {
   msg::StatusFrame frame;
-  frame.bench(1);
-  frame.incarnation(kIncarnation);
-  frame.tick(12'000);
-  frame.time_ns(12'000'000'000);
-  frame.parts(1);
-  auto& axis = frame.axes().emplace_back();
-  axis.bench(1);
-  axis.axis(2);
-  axis.tick(12'000);
-  axis.owner_session(kSession);
-  axis.owner_epoch(7);
-  axis.last_sequence(3);
-  axis.ds402_statusword(0x1237);
-  axis.op_mode_actual(1);
-  axis.motor_op_status(1);
-  axis.digital_inputs(4);
-  axis.position_demand_value(-917);
-  axis.load_position_actual_value(-905);
-  axis.load_position_error_value(-12);
-  axis.motor_position_actual_value(-905);
-  axis.motor_position_error_value(-12);
-  axis.velocity_demand_value(-1000);
-  axis.load_velocity_actual_value(-1000);
-  axis.motor_velocity_actual_value(-1000);
-  axis.current_actual_value(-17);
-  axis.current_error_value(3);
-  axis.torque_demand(-17);
-  axis.torque_actual_value(-17);
+  frame.bench = 1;
+  frame.incarnation = kIncarnation;
+  frame.tick = 12'000;
+  frame.time_ns = 12'000'000'000;
+  frame.parts = 1;
+  auto& axis = frame.axes.emplace_back();
+  axis.bench = 1;
+  axis.axis = 2;
+  axis.tick = 12'000;
+  axis.owner_session = kSession;
+  axis.owner_epoch = 7;
+  axis.last_sequence = 3;
+  axis.ds402_statusword = 0x1237;
+  axis.op_mode_actual = 1;
+  axis.motor_op_status = 1;
+  axis.digital_inputs = 4;
+  axis.position_demand_value = -917;
+  axis.load_position_actual_value = -905;
+  axis.load_position_error_value = -12;
+  axis.motor_position_actual_value = -905;
+  axis.motor_position_error_value = -12;
+  axis.velocity_demand_value = -1000;
+  axis.load_velocity_actual_value = -1000;
+  axis.motor_velocity_actual_value = -1000;
+  axis.current_actual_value = -17;
+  axis.current_error_value = 3;
+  axis.torque_demand = -17;
+  axis.torque_actual_value = -17;
   const auto rows = rows_of("StatusFrame");
   expect_consistent(rows);
   EXPECT_EQ(bytes_of_rows(rows), encode(frame)) << "encoded:" << hex(encode(frame));
@@ -206,16 +209,45 @@ TEST(NetworkInterfacePage, HasARowForEveryTopic) {
   EXPECT_GE(topics, 10U);
 }
 
+/// @return the name of the constant: "EVENT_" and the name of its value in capital letters.
+std::string constant_name(std::string_view prefix, std::string_view name) {
+  std::string text(prefix);
+  std::ranges::transform(name, std::back_inserter(text), [](unsigned char letter) {
+    return static_cast<char>(std::toupper(letter));
+  });
+  return text;
+}
+
+/// @return the names of the members in the order of the IDL, as a cell of the page has them.
+std::string cell_of(const wire::RequestMembers& members) {
+  std::string text;
+  wire::for_each_member<msg::Request>([&](const auto& member) {
+    if (!members.contains(wire::RequestMembers(member.pointer))) return;
+    text += (text.empty() ? "`" : ", `") + std::string(member.name) + "`";
+  });
+  return text.empty() ? "-" : text;
+}
+
+TEST(NetworkInterfacePage, SaysOfEveryKindOfRequestWhatItUsesAndWhoMayAskItWhen) {
+  constexpr std::array kCallers{"anybody", "session", "owner", "stepper"};
+  constexpr std::array kClocks{"any", "lock-step", "realtime", "standing"};
+  const std::string text = page();
+  for (const wire::RequestKindRow& row : wire::kRequestKinds) {
+    const std::string cells = "\n| " + std::to_string(wire::number(row.kind)) + " | `" +
+                              constant_name("REQUEST_", wire::value_row(row.kind)->name) + "` | " +
+                              cell_of(row.uses) + " | " +
+                              kCallers.at(static_cast<std::size_t>(row.caller)) + " | " +
+                              kClocks.at(static_cast<std::size_t>(row.clock)) + " | ";
+    EXPECT_NE(text.find(cells), std::string::npos) << "no row that begins with" << cells;
+  }
+}
+
 TEST(NetworkInterfacePage, HasTheSeverityOfEveryKindOfEvent) {
   constexpr std::array kWords{"info", "warning", "error"};  // in the order of EventSeverity
   const std::string text = page();
   for (const EventKindRow& row : kEventKinds) {
-    std::string name(row.name);
-    std::ranges::transform(name, name.begin(), [](unsigned char letter) {
-      return static_cast<char>(std::toupper(letter));
-    });
-    const std::string cells = "| " + std::to_string(static_cast<std::uint32_t>(row.kind)) +
-                              " | `EVENT_" + name + "` | " +
+    const std::string cells = "| " + std::to_string(static_cast<std::uint32_t>(row.kind)) + " | `" +
+                              constant_name("EVENT_", row.name) + "` | " +
                               kWords.at(static_cast<std::size_t>(row.severity)) + " |";
     EXPECT_NE(text.find(cells), std::string::npos) << cells;
   }

@@ -102,10 +102,10 @@ class Visitor {
 class Requester {
  public:
   explicit Requester(const NetworkSettings& settings = {.domain = test::test_domain()})
-      : participant(settings, "requester"),
-        requests(participant),
-        replies(participant, [this](auto& reply, auto&) {
-          last_ = reply.request_id();
+      : participant(make_participant(settings, "requester")),
+        requests(*participant),
+        replies(*participant, [this](const msg::Reply& reply, const Source&) {
+          last_ = reply.request_id;
         }) {}
 
   /// @return whether a new request is answered.
@@ -117,7 +117,7 @@ class Requester {
           if (Clock::now() - sent > 100ms) {
             sent = Clock::now();
             msg::Request request;
-            request.request_id(number_);
+            request.request_id = number_;
             static_cast<void>(requests.write(request));
           }
           return last_ == number_;
@@ -128,7 +128,7 @@ class Requester {
   /// @return the number of the last request that was answered, to anyone.
   [[nodiscard]] std::uint64_t last() const { return last_; }
 
-  Participant participant;
+  std::unique_ptr<Participant> participant;
   Publication<msg::Request> requests;
 
  private:
@@ -156,7 +156,7 @@ TEST(GuardedParticipant, AcceptsEverythingFromParticipantsOfVdrive) {
   ASSERT_TRUE(requester.is_answered());
   const test::Finished finished = visitor.stop();
   EXPECT_EQ(finished.output.find("refused 0 "), 0U) << finished.output;
-  EXPECT_EQ(requester.participant.guard_counts().all_refused(), 0U);
+  EXPECT_EQ(requester.participant->guard_counts().all_refused(), 0U);
 }
 
 TEST(GuardedParticipant, CommunicatesThroughSharedMemory) {
@@ -165,7 +165,7 @@ TEST(GuardedParticipant, CommunicatesThroughSharedMemory) {
   Requester requester(with_shared_memory);
   Visitor visitor("visitor", {"shared_memory"});
   EXPECT_TRUE(requester.is_answered());
-  EXPECT_EQ(requester.participant.guard_counts().all_refused(), 0U);
+  EXPECT_EQ(requester.participant->guard_counts().all_refused(), 0U);
   // A process that is killed leaves its segment in /dev/shm; one that ends removes it.
   EXPECT_EQ(visitor.stop().code, 0);
 }
@@ -177,7 +177,7 @@ TEST(AClient, IgnoresOtherClients) {
   // It answers everyone that it knows; both have received its announcement once the other answers.
   ASSERT_TRUE(of_another.is_answered());
   EXPECT_TRUE(wait_until([&] {
-    return of_a_client.participant.guard_counts().ignored > 0;
+    return of_a_client.participant->guard_counts().ignored > 0;
   }));
   EXPECT_FALSE(of_a_client.requests.wait_for_match(source_of(client.prefix()), 500ms));
 }
@@ -235,10 +235,10 @@ TEST(ParticipantUnderConstruction, ReadsDatagramsThatArrivedBefore) {
   auto arrived = std::async(std::launch::async, [&] {
     return sender.send(datagram);
   });
-  const Participant participant(settings(), "late");
+  const auto participant = make_participant(settings(), "late");
   EXPECT_TRUE(arrived.get());
   EXPECT_TRUE(wait_until([&] {
-    return participant.others("early").size() == 1;
+    return participant->presence().others("early").size() == 1;
   }));
 }
 
@@ -252,7 +252,7 @@ TEST(KilledParticipant, IsForgottenWithinThreeSeconds) {
     return requester.requests.matched() == 0;
   }));
   EXPECT_LT(Clock::now() - killed, 3500ms);
-  EXPECT_EQ(requester.participant.guard_counts().judged, 1U);
+  EXPECT_EQ(requester.participant->guard_counts().judged, 1U);
 }
 
 TEST(LeavingParticipant, IsNotReportedSilent) {
@@ -263,8 +263,8 @@ TEST(LeavingParticipant, IsNotReportedSilent) {
   EXPECT_TRUE(wait_until([&] {
     return requester.requests.matched() == 0;
   }));
-  EXPECT_EQ(requester.participant.guard_counts().judged, 0U);
-  EXPECT_EQ(requester.participant.guard_counts().kept, 1U) << "itself alone";
+  EXPECT_EQ(requester.participant->guard_counts().judged, 0U);
+  EXPECT_EQ(requester.participant->guard_counts().kept, 1U) << "itself alone";
 }
 
 TEST(PausedParticipant, IsFoundAgain) {
@@ -275,7 +275,7 @@ TEST(PausedParticipant, IsFoundAgain) {
   ASSERT_TRUE(wait_until([&] {
     return requester.requests.matched() == 0;
   }));
-  EXPECT_EQ(requester.participant.guard_counts().judged, 1U);
+  EXPECT_EQ(requester.participant->guard_counts().judged, 1U);
   visitor.send(SIGCONT);
   EXPECT_TRUE(requester.is_answered());
 }
@@ -339,7 +339,7 @@ TEST(UnguardedParticipant, DiscoversNoParticipantAfterAnEndlessGap) {
   Requester known;
   Visitor visitor("visitor", {"unguarded"});
   ASSERT_TRUE(known.is_answered());
-  Attacker().send_to_discovery(gap_without_end(known.participant.source().participant));
+  Attacker().send_to_discovery(gap_without_end(known.participant->source().participant));
   Requester late;
   EXPECT_FALSE(late.is_answered(3s));
   visitor.send(SIGKILL);  // its memory grows
@@ -349,7 +349,7 @@ TEST(GuardedParticipant, SurvivesAStatisticsSubmessageAndAnEndlessGap) {
   Requester known;
   Visitor visitor("visitor");
   ASSERT_TRUE(known.is_answered());
-  const GuidPrefix sender = known.participant.source().participant;
+  const GuidPrefix sender = known.participant->source().participant;
   Attacker().send_to_discovery(statistics_with_more_behind(sender));
   Attacker().send_to_discovery(gap_without_end(sender));
   Requester late;
@@ -426,7 +426,7 @@ TEST(GuardSink, ReceivesReasonAndSender) {
   with_sink.guard_sink = [&reported](Refusal refusal, std::string_view sender) {
     reported += refusal == Refusal::statistics && sender.starts_with("127.0.0.1:") ? 1 : 0;
   };
-  const Participant participant(with_sink, "reported");
+  const auto participant = make_participant(with_sink, "reported");
   Attacker().send_to_discovery(statistics_with_more_behind({1, 15, 1}));
   EXPECT_TRUE(wait_until([&] {
     return reported == 1;
@@ -573,7 +573,7 @@ TEST(GuardedParticipant, SurvivesMutatedDatagrams) {
   Visitor visitor("visitor");
   Requester known;
   ASSERT_TRUE(known.is_answered());
-  Mutator mutator(1, kept_datagrams(known.participant.source().participant, visitor.prefix()));
+  Mutator mutator(1, kept_datagrams(known.participant->source().participant, visitor.prefix()));
   const Attacker attacker;
   // The sockets hold some hundred datagrams: a short rest lets the visitor read them. What it has
   // read is printed at the end; a socket that is full drops the others.

@@ -34,12 +34,12 @@ class RawWriter {
     network_.send_to_discovery(DatagramWriter(prefix_).add(0x15, 5, participant.bytes()).bytes());
     Body guid;
     guid.raw({prefix_.begin(), prefix_.end()}).entity(kEntity);
-    constexpr const auto& kTopic = wire::Topic<msg::Request>::kRow.traits;
+    const wire::TopicTraits& topic = wire::traits_of(wire::Topic<msg::Request>::kId);
     Body writer = data_to(kPublicationsReader, kPublicationsWriter, 1);
     writer.raw({0, 3, 0, 0})
         .parameter(0x5A, guid.bytes())
-        .parameter(0x05, text(std::string(wire::kTopicPrefix) + std::string(kTopic.name)))
-        .parameter(0x07, text(kTopic.type_name))
+        .parameter(0x05, text(std::string(wire::kTopicPrefix) + std::string(topic.name)))
+        .parameter(0x07, text(topic.type_name))
         .parameter(0x1A, Body().u32(2).u32(0).u32(0).bytes())  // reliable
         .parameter(0x2F, locator())
         .u32(1);
@@ -52,7 +52,7 @@ class RawWriter {
   /// Sends the heartbeat of a history with one request, and the request.
   void send(std::int64_t number, std::uint64_t request_id) {
     msg::Request request;
-    request.request_id(request_id);
+    request.request_id = request_id;
     Datagram sample(wire::encoded_size(request));
     wire::encode(request, std::as_writable_bytes(std::span(sample)));
     send_to_data(DatagramWriter(prefix_)

@@ -27,25 +27,25 @@ ShownAxis make_axis(unsigned seed) {
 
 msg::Reply make_reply(std::size_t objects) {
   msg::Reply reply;
-  reply.client(0x0123456789ABCDEF);
-  reply.request_id(5);
-  reply.bench(3);
-  reply.incarnation(0xFEDCBA9876543210);
-  reply.reason(17);
-  reply.refused_axis(9);
-  reply.owner_session(0x1111111122222222);
-  reply.tick(77);
-  reply.epoch(21);
-  reply.last_sequence(1'234'567'890'123);
-  reply.missing_stepper(0x3333333344444444);
-  reply.snapshot(6);
+  reply.client = 0x0123456789ABCDEF;
+  reply.request_id = 5;
+  reply.bench = 3;
+  reply.incarnation = 0xFEDCBA9876543210;
+  reply.reason = msg::Reason::too_many_ticks;
+  reply.refused_axis = 9;
+  reply.owner_session = 0x1111111122222222;
+  reply.tick = 77;
+  reply.epoch = 21;
+  reply.last_sequence = 1'234'567'890'123;
+  reply.missing_stepper = 0x3333333344444444;
+  reply.snapshot = 6;
   for (std::size_t number = 0; number < objects; ++number) {
-    auto& object = reply.objects().emplace_back();
-    object.axis(static_cast<std::uint16_t>(number + 1));
-    object.index(0x6081);
-    object.subindex(static_cast<std::uint8_t>(number));
-    object.abort_code(0x06090030);
-    object.value(-5'000'000'000 + static_cast<std::int64_t>(number));
+    auto& object = reply.objects.emplace_back();
+    object.axis = static_cast<std::uint16_t>(number + 1);
+    object.index = 0x6081;
+    object.subindex = static_cast<std::uint8_t>(number);
+    object.abort_code = static_cast<msg::Reason>(0x06090030);
+    object.value = -5'000'000'000 + static_cast<std::int64_t>(number);
   }
   return reply;
 }
@@ -73,8 +73,8 @@ TEST(ReplyCodec, WritesTheBytesOfTheGeneratedEncoder) {
       const auto axes = make_axes(count);
       msg::Reply whole = reply;
       for (const ShownAxis& axis : axes) {
-        to_message(axis.status, {reply.bench(), axis.number}, axis.tick, axis.owner,
-                   whole.statuses().emplace_back());
+        to_message(axis.status, {reply.bench, axis.number}, axis.tick, axis.owner,
+                   whole.statuses.emplace_back());
       }
       Bytes expected(encoded_size(whole));
       ASSERT_EQ(encode(whole, expected), expected.size());

@@ -72,8 +72,8 @@ void answer(Participant& participant) {
   for (msg::Request request; is_wanted();) {
     if (arrived.take(request, 20ms)) {
       msg::Reply reply;
-      reply.request_id(request.request_id());
-      reply.client(request.client());
+      reply.request_id = request.request_id;
+      reply.client = request.client;
       static_cast<void>(replies.write(reply));
     }
   }
@@ -86,10 +86,10 @@ void send_requests(Participant& participant) {
   msg::Reply reply;
   for (std::uint64_t number = 1; is_wanted(); ++number) {
     msg::Request request;
-    request.request_id(number);
+    request.request_id = number;
     static_cast<void>(requests.write(request));
-    if (arrived.take(reply, 20ms) && reply.request_id() != 0) {
-      std::cout << "answered " << reply.request_id() << std::endl;
+    if (arrived.take(reply, 20ms) && reply.request_id != 0) {
+      std::cout << "answered " << reply.request_id << std::endl;
     }
   }
 }
@@ -116,15 +116,16 @@ int run(const std::vector<std::string>& words) {
     constexpr std::string_view kKey = "security=";
     if (word.starts_with(kKey)) security = word.substr(kKey.size());
   }
-  Participant participant({.domain = static_cast<std::uint32_t>(std::stoul(words.at(0))),
-                           .shared_memory = has("shared_memory"),
-                           .security = security,
-                           .role = has("client") ? Role::client : Role::other,
-                           .guard = !has("unguarded")},
-                          words.at(1));
-  print_prefix(participant);
-  has("request") ? send_requests(participant) : answer(participant);
-  const GuardCounts counts = participant.guard_counts();
+  const auto participant =
+      make_participant({.domain = static_cast<std::uint32_t>(std::stoul(words.at(0))),
+                        .shared_memory = has("shared_memory"),
+                        .security = security,
+                        .role = has("client") ? Role::client : Role::other,
+                        .guard = !has("unguarded")},
+                       words.at(1));
+  print_prefix(*participant);
+  has("request") ? send_requests(*participant) : answer(*participant);
+  const GuardCounts counts = participant->guard_counts();
   std::cout << "refused " << counts.all_refused() << " ignored " << counts.ignored << " judged "
             << counts.judged << " kept " << counts.kept << " handed over " << counts.handed_over
             << std::endl;

@@ -1,204 +1,256 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "messages.hpp"
 
-#include "cdr_writer.hpp"
+#include "axis_fields.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/wire/cdr.hpp"
 
-#include <algorithm>
-#include <array>
 #include <limits>
 #include <optional>
-#include <utility>
+#include <tuple>
 
 namespace vdrive::bridge {
 namespace {
 
-const std::vector<StatusMember>& published_members() {
-  static const std::vector<StatusMember> members = [] {
-    std::vector<StatusMember> published;
-    std::ranges::copy_if(status_members(), std::back_inserter(published),
-                         &StatusMember::is_published);
-    return published;
-  }();
-  return members;
-}
+struct RosTime {
+  std::int32_t sec = 0;
+  std::uint32_t nanosec = 0;
+};
 
-/// @return such as "uint16".
-std::string ros_type(DataType type) {
-  constexpr std::array kSigned{DataType::integer8, DataType::integer16, DataType::integer32};
-  const bool is_signed = std::ranges::count(kSigned, type) > 0;
-  return (is_signed ? "int" : "uint") + std::to_string(8 * size_of(type));
-}
-
-/// A line for each published member of the status.
-/// @param suffix of the types: "[]" or nothing
-std::string member_lines(std::string_view suffix) {
-  std::string text;
-  for (const StatusMember& member : published_members()) {
-    text.append(ros_type(member.data_type)).append(suffix).append(" ");
-    text.append(member.name).append("\n");
-  }
-  return text;
-}
-
-/// The lines of the published members, and those of the owner.
-/// @param suffix as above
-std::string status_lines(const std::string& suffix) {
-  return member_lines(suffix) + "uint64" + suffix + " owner_session\nuint32" + suffix +
-         " owner_epoch\nuint64" + suffix + " last_sequence\n";
-}
-
-/// The text of a type that another one uses: it stands behind a line of 80 equals signs.
-std::string used_type(const std::string& name, const std::string& text) {
-  return std::string(80, '=') + "\nMSG: " + name + "\n" + text;
-}
-
-std::string with_time(const std::string& text) {
-  return text + used_type("builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n");
-}
-
-/// The bytes of a message that begins with its time.
-struct TimedMessage {
-  std::string bytes;
-  CdrWriter writer{bytes};
-
-  explicit TimedMessage(std::uint64_t time, std::size_t size = 0) {
-    bytes.reserve(size);
-    writer.put_time(time);
-  }
+struct FoxgloveJoint {
+  std::string_view name;
+  double position = 0.0;
+  double velocity = 0.0;
+  double acceleration = 0.0;
+  double effort = 0.0;
 };
 
 }  // namespace
+}  // namespace vdrive::bridge
 
-MessageSchema bench_status_schema() {
-  return {.name = "vdrive_msgs/msg/BenchStatus",
-          .text = with_time("builtin_interfaces/Time stamp\nuint64 tick\nuint16[] axis\n" +
-                            status_lines("[]"))};
-}
+namespace vdrive::wire {
 
-MessageSchema axis_status_schema() {
-  return {.name = "vdrive_msgs/msg/AxisStatus",
-          .text = with_time("builtin_interfaces/Time stamp\nuint64 tick\nuint16 axis\n" +
-                            status_lines(""))};
-}
+template <>
+struct Description<bridge::RosTime> {
+  using Struct = bridge::RosTime;
+  static constexpr std::string_view kName = "builtin_interfaces/Time";
+  static constexpr std::tuple kMembers{Member{{"sec"}, &Struct::sec},
+                                       Member{{"nanosec"}, &Struct::nanosec}};
+};
 
-MessageSchema axis_trace_schema() {
-  return {.name = "vdrive_msgs/msg/AxisTrace",
-          .text = with_time("builtin_interfaces/Time stamp\n"
-                            "uint16 axis\n"
-                            "uint64 missed\n"
-                            "uint64[] tick\n" +
-                            member_lines("[]"))};
-}
+template <>
+struct Description<bridge::FoxgloveJoint> {
+  using Struct = bridge::FoxgloveJoint;
+  static constexpr std::string_view kName = "foxglove_msgs/JointState";
+  static constexpr std::tuple kMembers{
+      Member{{"name"}, &Struct::name}, Member{{"position"}, &Struct::position},
+      Member{{"velocity"}, &Struct::velocity}, Member{{"acceleration"}, &Struct::acceleration},
+      Member{{"effort"}, &Struct::effort}};
+};
 
-MessageSchema axis_parameters_schema() {
-  std::string text =
-      "builtin_interfaces/Time stamp\n"
-      "uint64 tick\n"
-      "uint16 axis\n";
-  for (const ObjectDescription& object : kObjectTable) {
-    text.append(ros_type(object.data_type)).append(" ");
-    text.append(object.variable_name).append("\n");
+}  // namespace vdrive::wire
+
+namespace vdrive::bridge {
+namespace {
+
+/// Makes the text of a schema of the fields of a message.
+class SchemaText {
+ public:
+  template <typename Value>
+  void operator()(std::string_view name, const Value& /*value*/) {
+    add(type_of<Value>(), name);
   }
-  return {.name = "vdrive_msgs/msg/AxisParameters",
-          .text = with_time(text.append("uint32[] refused\n"))};
+
+  /// A sequence of what `value_of` gives of each element.
+  template <typename Elements, typename ValueOf>
+  void operator()(std::string_view name, const Elements& /*elements*/,
+                  const ValueOf& /*value_of*/) {
+    add(type_of<wire::CdrElement<Elements, ValueOf>>() + "[]", name);
+  }
+
+  [[nodiscard]] std::string text() const { return fields_ + used_; }
+
+ private:
+  void add(const std::string& type, std::string_view name) {
+    fields_.append(type).append(" ").append(name).append("\n");
+  }
+
+  /// @return such as "uint16" or "uint16[]".
+  template <typename Value>
+  std::string type_of() {
+    if constexpr (wire::CdrNumber<Value>) {
+      const std::string kind = std::is_floating_point_v<Value> ? "float"
+                               : std::is_signed_v<Value>       ? "int"
+                                                               : "uint";
+      return kind + std::to_string(8 * sizeof(Value));
+    } else if constexpr (wire::CdrSequence<Value>) {
+      return type_of<wire::CdrElement<Value>>() + "[]";
+    } else if constexpr (wire::DescribedStruct<Value>) {
+      use<Value>();
+      return std::string(wire::Description<Value>::kName);
+    } else {
+      return "string";
+    }
+  }
+
+  /// The text of a type that another one uses stands behind a line of 80 equals signs.
+  template <typename Struct>
+  void use() {
+    SchemaText own;
+    wire::for_each_member<Struct>([&](const auto& member) {
+      own(member.name, Struct{}.*member.pointer);
+    });
+    used_ = std::string(80, '=') + "\nMSG: " + std::string(wire::Description<Struct>::kName) +
+            "\n" + own.text() + used_;
+  }
+
+  std::string fields_;
+  std::string used_;
+};
+
+/// @param message one of those below
+/// @param source what it is made of, beside a time; any, only types matter
+template <typename Message, typename... Source>
+MessageSchema schema_of(std::string name, const Message& message, const Source&... source) {
+  SchemaText schema;
+  message(schema, source..., std::uint64_t{0});
+  return {.name = std::move(name), .text = schema.text()};
 }
 
-MessageSchema log_schema() {
-  return {.name = "foxglove.Log",
-          .text = with_time("uint8 UNKNOWN=0\n"
-                            "uint8 DEBUG=1\n"
-                            "uint8 INFO=2\n"
-                            "uint8 WARNING=3\n"
-                            "uint8 ERROR=4\n"
-                            "uint8 FATAL=5\n"
-                            "builtin_interfaces/Time timestamp\n"
-                            "uint8 level\n"
-                            "string message\n"
-                            "string name\n"
-                            "string file\n"
-                            "uint32 line\n")};
-}
-
-MessageSchema joint_states_schema() {
-  return {.name = "foxglove.JointStates",
-          .text = with_time("builtin_interfaces/Time timestamp\n"
-                            "foxglove_msgs/JointState[] joints\n" +
-                            used_type("foxglove_msgs/JointState",
-                                      "string name\n"
-                                      "float64 position\n"
-                                      "float64 velocity\n"
-                                      "float64 acceleration\n"
-                                      "float64 effort\n"))};
-}
-
-std::string encode_bench_status(const client::Observation& observation, std::uint64_t time) {
-  constexpr std::size_t kBytesOfAxis = 96;
-  using client::AxisSnapshot;
-  TimedMessage message(time, (observation.axes.size() + 4) * kBytesOfAxis);
-  CdrWriter& writer = message.writer;
-  writer.put(observation.tick);
-  writer.put_sequence(observation.axes, [](const AxisSnapshot& axis) {
-    return axis.id.axis;
+template <typename Message, typename... Source>
+std::string encode(const Message& message, const Source&... source) {
+  std::string bytes;
+  wire::write_sample(bytes, [&](wire::CdrWriter& writer) {
+    const auto put = [&](std::string_view /*name*/, const auto&... value) {
+      writer.put(value...);
+    };
+    message(put, source...);
   });
-  for (const StatusMember& member : published_members()) {
-    writer.put_sequence(member.data_type, observation.axes, [&](const AxisSnapshot& axis) {
-      return member.value(axis.status);
-    });
-  }
-  writer.put_sequence(observation.axes, &AxisSnapshot::owner_session);
-  writer.put_sequence(observation.axes, &AxisSnapshot::owner_epoch);
-  writer.put_sequence(observation.axes, &AxisSnapshot::last_sequence);
-  return std::move(message.bytes);
+  return bytes;
 }
 
-std::string encode_axis_status(const client::AxisSnapshot& axis, std::uint64_t time) {
-  TimedMessage message(time);
-  CdrWriter& writer = message.writer;
-  writer.put(axis.tick);
-  writer.put(axis.id.axis);
-  for (const StatusMember& member : published_members()) {
-    writer.put(member.data_type, member.value(axis.status));
-  }
-  writer.put(axis.owner_session);
-  writer.put(axis.owner_epoch);
-  writer.put(axis.last_sequence);
-  return std::move(message.bytes);
+// ---- messages: each calls `field` for its fields ------------------------------------------------
+
+/// Seconds beyond 2^31 - 1 wrap, as they do in ROS.
+RosTime ros_time(std::uint64_t nanoseconds) {
+  constexpr std::uint64_t kSecond = 1'000'000'000;  // [ns]
+  return {.sec = static_cast<std::int32_t>(nanoseconds / kSecond),
+          .nanosec = static_cast<std::uint32_t>(nanoseconds % kSecond)};
 }
 
-std::string encode_axis_trace(const Trace& trace, std::uint64_t time) {
-  TimedMessage message(time);
-  CdrWriter& writer = message.writer;
-  writer.put(trace.axis);
-  writer.put(trace.missed);
-  writer.put_sequence(trace.ticks);
-  for (const StatusMember& member : published_members()) {
-    writer.put_sequence(member.data_type, trace.status, [&](const AxisStatus& status) {
-      return member.value(status);
-    });
-  }
-  return std::move(message.bytes);
-}
+constexpr auto kBenchStatus = [](auto& field, const client::Observation& observation,
+                                 std::uint64_t time) {
+  field("stamp", ros_time(time));
+  field("tick", observation.tick);
+  for_each_axis_field([&](std::string_view name, auto field_of) {
+    field(name, observation.axes, field_of);
+  });
+};
 
-std::string encode_axis_parameters(const ParameterImage& image, std::uint64_t time) {
+constexpr auto kAxisStatus = [](auto& field, const client::AxisSnapshot& axis, std::uint64_t time) {
+  field("stamp", ros_time(time));
+  field("tick", axis.tick);
+  for_each_axis_field([&](std::string_view name, auto field_of) {
+    field(name, field_of(axis));
+  });
+};
+
+constexpr auto kAxisTrace = [](auto& field, const Trace& trace, std::uint64_t time) {
+  field("stamp", ros_time(time));
+  field("axis", trace.axis);
+  field("missed", trace.missed);
+  field("tick", trace.ticks);
+  for_each_published_member([&](std::string_view name, auto member) {
+    field(name, trace.status, member);
+  });
+};
+
+constexpr auto kAxisParameters = [](auto& field, const ParameterImage& image, std::uint64_t time) {
   std::vector<std::optional<std::int64_t>> values(kObjectTable.size());
   for (const client::ObjectReading& reading : image.objects) {
     const auto row = find_object(reading.object);
     if (row && reading.code == AbortCode::none) values[*row] = reading.value;
   }
-  TimedMessage message(time);
-  message.writer.put(image.tick);
-  message.writer.put(image.axis.axis);
+  field("stamp", ros_time(time));
+  field("tick", image.tick);
+  field("axis", image.axis.axis);
   std::vector<std::uint32_t> refused;
-  refused.reserve(kObjectTable.size());
   for (std::size_t row = 0; row < kObjectTable.size(); ++row) {
     const ObjectDescription& object = kObjectTable[row];
-    message.writer.put(object.data_type, values[row].value_or(0));
+    with_type(object.data_type, [&]<typename Number>(Number /*any*/) {
+      field(object.variable_name, static_cast<Number>(values[row].value_or(0)));
+    });
     if (!values[row]) refused.push_back(object.address.index * 256U + object.address.subindex);
   }
-  message.writer.put_sequence(refused);
-  return std::move(message.bytes);
+  field("refused", refused);
+};
+
+constexpr auto kLog = [](auto& field, const client::Event& event, std::string_view name,
+                         std::uint64_t time) {
+  field("timestamp", ros_time(time));
+  field("level", log_level(event.kind));
+  field("message", event_text(event));
+  field("name", name);
+  // Log panels filter by file: here it is the kind of the event.
+  field("file", to_string(event.kind));
+  field("line", std::uint32_t{0});  // no line
+};
+
+constexpr auto kJointStates = [](auto& field, const std::vector<FoxgloveJoint>& joints,
+                                 std::uint64_t time) {
+  field("timestamp", ros_time(time));
+  field("joints", joints);
+};
+
+}  // namespace
+
+MessageSchema bench_status_schema() {
+  return schema_of("vdrive_msgs/msg/BenchStatus", kBenchStatus, client::Observation{});
+}
+
+MessageSchema axis_status_schema() {
+  return schema_of("vdrive_msgs/msg/AxisStatus", kAxisStatus, client::AxisSnapshot{});
+}
+
+MessageSchema axis_trace_schema() {
+  return schema_of("vdrive_msgs/msg/AxisTrace", kAxisTrace, Trace{});
+}
+
+MessageSchema axis_parameters_schema() {
+  return schema_of("vdrive_msgs/msg/AxisParameters", kAxisParameters, ParameterImage{});
+}
+
+MessageSchema log_schema() {
+  MessageSchema schema = schema_of("foxglove.Log", kLog, client::Event{}, "");
+  schema.text.insert(0,
+                     "uint8 UNKNOWN=0\n"
+                     "uint8 DEBUG=1\n"
+                     "uint8 INFO=2\n"
+                     "uint8 WARNING=3\n"
+                     "uint8 ERROR=4\n"
+                     "uint8 FATAL=5\n");
+  return schema;
+}
+
+MessageSchema joint_states_schema() {
+  return schema_of("foxglove.JointStates", kJointStates, std::vector<FoxgloveJoint>());
+}
+
+std::string encode_bench_status(const client::Observation& observation, std::uint64_t time) {
+  return encode(kBenchStatus, observation, time);
+}
+
+std::string encode_axis_status(const client::AxisSnapshot& axis, std::uint64_t time) {
+  return encode(kAxisStatus, axis, time);
+}
+
+std::string encode_axis_trace(const Trace& trace, std::uint64_t time) {
+  return encode(kAxisTrace, trace, time);
+}
+
+std::string encode_axis_parameters(const ParameterImage& image, std::uint64_t time) {
+  return encode(kAxisParameters, image, time);
 }
 
 std::uint8_t log_level(client::EventKind kind) {
@@ -222,32 +274,25 @@ std::string event_text(const client::Event& event) {
 }
 
 std::string encode_event(const client::Event& event, std::string_view name, std::uint64_t time) {
-  const std::string text = event_text(event);
-  TimedMessage message(time);
-  message.writer.put(log_level(event.kind));
-  message.writer.put(std::string_view(text));
-  message.writer.put(name);
-  // Log panels filter by file: here it is the kind of the event.
-  message.writer.put(to_string(event.kind));
-  message.writer.put(std::uint32_t{0});  // no line
-  return std::move(message.bytes);
+  return encode(kLog, event, name, time);
 }
 
 std::string encode_joint_states(const client::Observation& observation,
                                 std::span<const Joint> joints, std::uint64_t time) {
+  ensure(joints.size() <= observation.axes.size(), "each joint is an axis of the observation");
   // The status has none, and the differences of velocities in user units are mostly their rounding.
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  ensure(joints.size() <= observation.axes.size(), "each joint is an axis of the observation");
-  TimedMessage message(time);
-  message.writer.put_count(joints.size());
+  std::vector<FoxgloveJoint> states;
+  states.reserve(joints.size());
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const JointValues values = joint_values(observation.axes[i].status, joints[i].scale);
-    message.writer.put(joints[i].name);
-    for (const double value : {values.position, values.velocity, kUnknown, values.effort}) {
-      message.writer.put(value);
-    }
+    states.push_back({.name = joints[i].name,
+                      .position = values.position,
+                      .velocity = values.velocity,
+                      .acceleration = kUnknown,
+                      .effort = values.effort});
   }
-  return std::move(message.bytes);
+  return encode(kJointStates, states, time);
 }
 
 }  // namespace vdrive::bridge

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # The web page of the gateway, built by npm in the build tree.
 #
-# VDRIVE_GATEWAY_PAGE_DIR is the directory of its files, VDRIVE_GATEWAY_PAGE_STAMP the file to depend
-# on. Without node and npm, or where the registry cannot be reached, the directory is empty.
+# page_tables is the file of its tables. VDRIVE_GATEWAY_PAGE_DIR is the directory of the built files,
+# VDRIVE_GATEWAY_PAGE_STAMP the file to depend on. Without node and npm, or where the registry cannot
+# be reached, the directory is empty.
 
 set(vdrive_page_work ${CMAKE_CURRENT_BINARY_DIR}/page)
 set(VDRIVE_GATEWAY_PAGE_DIR ${vdrive_page_work}/dist)
@@ -26,10 +27,10 @@ list(FILTER vdrive_page_sources EXCLUDE REGEX "/page/(node_modules|dist)/")
 add_custom_command(
   OUTPUT ${VDRIVE_GATEWAY_PAGE_STAMP}
   COMMAND
-    ${CMAKE_COMMAND} -D SOURCE=${CMAKE_CURRENT_LIST_DIR} -D WORK=${vdrive_page_work} -D
-    STAMP=${VDRIVE_GATEWAY_PAGE_STAMP} -D NODE=${VDRIVE_NODE} -D NPM=${VDRIVE_NPM} -P
-    ${PROJECT_SOURCE_DIR}/cmake/build_page.cmake
-  DEPENDS ${vdrive_page_sources} ${PROJECT_SOURCE_DIR}/cmake/build_page.cmake
+    ${CMAKE_COMMAND} -D SOURCE=${CMAKE_CURRENT_LIST_DIR} -D TABLES=${page_tables} -D
+    WORK=${vdrive_page_work} -D STAMP=${VDRIVE_GATEWAY_PAGE_STAMP} -D NODE=${VDRIVE_NODE} -D
+    NPM=${VDRIVE_NPM} -P ${PROJECT_SOURCE_DIR}/cmake/build_page.cmake
+  DEPENDS ${vdrive_page_sources} ${page_tables} ${PROJECT_SOURCE_DIR}/cmake/build_page.cmake
   COMMENT "Building the web page of the gateway"
   VERBATIM)
 add_custom_target(vdrive_gateway_page DEPENDS ${VDRIVE_GATEWAY_PAGE_STAMP})

@@ -152,14 +152,16 @@ std::string description_text(const KnownBench& bench) {
 }
 
 ChannelInfo state_channel(std::string topic) {
-  return json_channel(std::move(topic), "vdrive.BenchState",
-                      object_schema("bench:integer tick:integer time_ns:string rate:number "
-                                    "clock_mode:string wire_starts:integer "
-                                    "longest_silence_us:integer alive:boolean age_ms:integer "
-                                    "owners:owner[] takings:taking[]",
-                                    {{"owner", object_schema("session:string name:string")},
-                                     {"taking", object_schema("axis:integer from:string by:string "
-                                                              "tick:integer")}}));
+  std::string members = "bench:integer tick:integer time_ns:string rate:number clock_mode:string ";
+  for (const client::Figure& figure : client::all_figures()) {
+    if (figure.is_headline) members.append(figure.name).append(":integer ");
+  }
+  members += "alive:boolean age_ms:integer owners:owner[] takings:taking[]";
+  return json_channel(
+      std::move(topic), "vdrive.BenchState",
+      object_schema(members, {{"owner", object_schema("session:string name:string")},
+                              {"taking", object_schema("axis:integer from:string by:string "
+                                                       "tick:integer")}}));
 }
 
 std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
@@ -176,17 +178,19 @@ std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
                      {"by", session_text(taking.by)},
                      {"tick", taking.tick}});
   }
-  return to_line({{"bench", bench.number},
-                  {"tick", bench.tick},
-                  {"time_ns", std::to_string(time)},  // beyond what a double holds
-                  {"rate", bench.rate},
-                  {"clock_mode", to_string(bench.clock_mode)},
-                  {"wire_starts", bench.wire_starts},
-                  {"longest_silence_us", bench.longest_silence.count()},
-                  {"alive", is_alive},
-                  {"age_ms", age.count()},
-                  {"owners", std::move(owners)},
-                  {"takings", std::move(taken)}});
+  Json state{{"bench", bench.number},
+             {"tick", bench.tick},
+             {"time_ns", std::to_string(time)},  // beyond what a double holds
+             {"rate", bench.rate},
+             {"clock_mode", to_string(bench.clock_mode)},
+             {"alive", is_alive},
+             {"age_ms", age.count()},
+             {"owners", std::move(owners)},
+             {"takings", std::move(taken)}};
+  for (const client::Figure& figure : bench.figures) {
+    if (figure.is_headline) state[std::string(figure.name)] = figure.value;
+  }
+  return to_line(state);
 }
 
 ChannelInfo control_channel() {

@@ -116,6 +116,17 @@ void add_bench_info(py::module_& module) {
           },
           "Wall time since its newest sample, in s, at the time of the search.")
       .def_readonly("rate", &BenchInfo::rate, "Drive time over wall time; 0 = paused.")
+      .def_property_readonly(
+          "figures",
+          [](const BenchInfo& bench) {
+            py::dict figures;
+            for (const client::Figure& figure : bench.figures) {
+              figures[py::str(figure.name.data(), figure.name.size())] = figure.value;
+            }
+            return figures;
+          },
+          "What it has counted and measured since its start, by the names of bench_state; 0 = not "
+          "known yet.")
       .def_readonly("wire_starts", &BenchInfo::wire_starts,
                     "Starts of its network process; 0 = not known yet.")
       .def_property_readonly(

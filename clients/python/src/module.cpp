@@ -12,7 +12,6 @@ PYBIND11_MODULE(_vdrive, module) {
   module.doc() = "The C++ part of `import vdrive`: the client library of vdrive.";
   module.attr("__version__") = VDRIVE_VERSION;
   vdrive::python::add_arguments(module);
-  vdrive::python::add_enums(module);
   vdrive::python::add_bench(module);
   vdrive::python::add_local_bench(module);
   vdrive::python::add_program(module);

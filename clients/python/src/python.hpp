@@ -24,7 +24,6 @@ void complete_classes(const py::module_& module);
 
 // Each adds the classes of its topic to the module.
 void add_arguments(py::module_& module);
-void add_enums(py::module_& module);
 void add_bench(py::module_& module);
 void add_local_bench(py::module_& module);
 void add_program(py::module_& module);

@@ -1,10 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "status_json.hpp"
 
-#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
 namespace vdrive::recording {
+
+const std::vector<StatusMember>& recorded_members() {
+  static const std::vector<StatusMember> members = [] {
+    std::vector<StatusMember> published;
+    std::ranges::copy_if(status_members(), std::back_inserter(published),
+                         &StatusMember::is_published);
+    std::ranges::stable_sort(published, {}, [](const StatusMember& member) {
+      return std::pair(member.address == ObjectAddress{}, member.address);
+    });
+    return published;
+  }();
+  return members;
+}
 
 std::string to_line(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -17,12 +33,9 @@ Json status_json(const client::AxisSnapshot& axis, const std::string& name,
             {"tick", axis.tick},
             {"state", to_string(axis.state())},
             {"flags", client::statusword_flags(axis.status.ds402_statusword, axis.mode())}};
-  for (const ObjectDescription& row : kObjectTable) {
-    const auto value = client::value_of(axis, row.address);
-    if (value) json[std::string(row.variable_name)] = *value;
+  for (const StatusMember& member : recorded_members()) {
+    json[std::string(member.name)] = member.value(axis.status);
   }
-  json["ignored_set_points"] = axis.status.ignored_set_points;
-  json["fault_count"] = axis.status.fault_count;
   json["owner"] = axis.owner_session == 0 ? Json(nullptr) : Json(session_text(axis.owner_session));
   json["owner_epoch"] = axis.owner_epoch;
   const auto in_unit = [&unit](std::int32_t user_units) {

@@ -7,11 +7,16 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace vdrive::recording {
 
 /// Keeps the order in which fields are written.
 using Json = nlohmann::ordered_json;
+
+/// @return the members of the status that recordings have, in their order: those that show an
+///         object as the dictionary has them, then the others.
+[[nodiscard]] const std::vector<StatusMember>& recorded_members();
 
 /// @return one line; bytes that are not UTF-8 are replaced.
 [[nodiscard]] std::string to_line(const Json& json);

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/axis_status.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+namespace vdrive::wire {
+class CdrReader;
+}  // namespace vdrive::wire
 
 namespace vdrive::recording {
 
@@ -27,46 +31,16 @@ class StatusLayout {
   [[nodiscard]] std::vector<client::AxisSnapshot> decode(std::string_view bytes) const;
 
  private:
-  enum class Type : std::uint8_t {
-    boolean,
-    u8,
-    i8,
-    u16,
-    i16,
-    u32,
-    i32,
-    u64,
-    i64,
-    f32,
-    f64,
-    text,
-    time
-  };
-
-  enum class Meaning : std::uint8_t {
-    none,
-    tick,
-    axis,
-    member,
-    owner_session,
-    owner_epoch,
-    last_sequence
-  };
-
   struct Field {
     std::string name;
-    Type type = Type::u8;
     bool is_array = false;
-    Meaning meaning = Meaning::none;
-    const StatusMember* member = nullptr;
+    std::int64_t (*next)(wire::CdrReader& reader) = nullptr;
+    /// Empty: the field is skipped.
+    std::function<void(client::AxisSnapshot& axis, std::int64_t value)> set{};
   };
 
-  class Cursor;
-
-  static std::optional<Type> type_named(std::string_view name);
   static std::optional<Field> field_of(std::string_view line);
-  static void set(client::AxisSnapshot& axis, const Field& field, std::uint64_t value);
-  static void decode_array(const Field& field, Cursor& cursor,
+  static void decode_array(const Field& field, wire::CdrReader& reader,
                            std::vector<client::AxisSnapshot>& axes);
 
   std::vector<Field> fields_;

@@ -5,7 +5,6 @@
 #include "sample_order.hpp"
 #include "status_json.hpp"
 #include "topic_names.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
@@ -19,10 +18,9 @@
 namespace vdrive::recording {
 namespace {
 
-/// What the fields of a row mean beside the objects of the status, in the order of a CSV.
-constexpr std::array<std::string_view, 4> kBeforeObjects{"axis", "name", "tick", "missed"};
-constexpr std::array<std::string_view, 4> kBehindObjects{"ignored_set_points", "fault_count",
-                                                         "owner", "owner_epoch"};
+/// The fields of a row beside the members of the status, in the order of a CSV.
+constexpr std::array<std::string_view, 4> kBeforeMembers{"axis", "name", "tick", "missed"};
+constexpr std::array<std::string_view, 2> kBehindMembers{"owner", "owner_epoch"};
 
 /// At the end of a row; a recording of an older version has none of them.
 constexpr std::string_view kUnit = "unit";
@@ -35,45 +33,15 @@ constexpr std::array kOfUnit{kUnit, kUnitSize, kPositionInUnit, kVelocityInUnit}
 constexpr std::array<std::string_view, 4> kDerived{"state", "flags", kPositionInUnit,
                                                    kVelocityInUnit};
 
-/// Objects of the status image, the columns of a recording.
-const std::vector<ObjectRow>& recorded_objects() {
-  static const std::vector<ObjectRow> objects = [] {
-    std::vector<ObjectRow> rows;
-    rows.reserve(kStatusMembers);
-    for (std::size_t row = 0; row < kObjectTable.size(); ++row) {
-      const auto object = static_cast<ObjectRow>(row);
-      if (value_of(AxisStatus{}, object)) rows.push_back(object);
-    }
-    return rows;
-  }();
-  return objects;
-}
-
 /// The names of all fields that a row has in every version.
 const std::vector<std::string>& columns() {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> all(kBeforeObjects.begin(), kBeforeObjects.end());
-    for (const ObjectRow object : recorded_objects()) {
-      all.emplace_back(vdrive::describe(object).variable_name);
-    }
-    all.insert(all.end(), kBehindObjects.begin(), kBehindObjects.end());
+    std::vector<std::string> all(kBeforeMembers.begin(), kBeforeMembers.end());
+    for (const StatusMember& member : recorded_members()) all.emplace_back(member.name);
+    all.insert(all.end(), kBehindMembers.begin(), kBehindMembers.end());
     return all;
   }();
   return names;
-}
-
-/// The members of the status by the name of their field: that of the object, or their own.
-const std::map<std::string, const StatusMember*>& members_by_name() {
-  static const std::map<std::string, const StatusMember*> members = [] {
-    std::map<std::string, const StatusMember*> all;
-    for (const StatusMember& member : status_members()) {
-      if (!member.is_published) continue;
-      const auto row = find_object(member.address);
-      all[std::string(row ? vdrive::describe(*row).variable_name : member.name)] = &member;
-    }
-    return all;
-  }();
-  return members;
 }
 
 }  // namespace
@@ -124,11 +92,9 @@ std::string TextRecording::csv_row(const client::AxisSnapshot& axis, std::uint64
   const RecordedAxis& recorded = axes_.at(axis.id);
   std::string row = to_string(axis.id) + "," + csv_field(recorded.name) + "," +
                     std::to_string(axis.tick) + "," + std::to_string(missed);
-  for (const ObjectRow object : recorded_objects()) {
-    row.append(",").append(std::to_string(*value_of(axis.status, object)));
+  for (const StatusMember& member : recorded_members()) {
+    row.append(",").append(std::to_string(member.value(axis.status)));
   }
-  row.append(",").append(std::to_string(axis.status.ignored_set_points));
-  row.append(",").append(std::to_string(axis.status.fault_count));
   row.append(",");
   if (axis.owner_session != 0) row.append(session_text(axis.owner_session));
   row.append(",").append(std::to_string(axis.owner_epoch));
@@ -200,9 +166,9 @@ void set_member(const StatusMember& member, AxisStatus& status, std::string_view
 /// Sets what a field means.
 /// @return false when no field has this name
 bool set_field(Row& row, const std::string& column, const std::string& text) {
-  const auto member = members_by_name().find(column);
-  if (member != members_by_name().end()) {
-    set_member(*member->second, row.axis.status, text);
+  const auto member = std::ranges::find(recorded_members(), column, &StatusMember::name);
+  if (member != recorded_members().end()) {
+    set_member(*member, row.axis.status, text);
   } else if (column == "axis") {
     const auto id = client::parse_axis_id(text);
     if (!id || id->axis == 0) refuse(column, text, "an address such as 1.2 is expected");

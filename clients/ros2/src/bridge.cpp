@@ -30,16 +30,16 @@ auto to_inbox(Inbox& inbox) {
 }  // namespace
 
 Bridge::Bridge(const Settings& settings)
-    : participant_(network_of(settings), "vdrive ros2"),
+    : participant_(wire::make_participant(network_of(settings), "vdrive ros2")),
       session_(settings.session),
-      rosout_(participant_, settings.topics.rosout),
+      rosout_(*participant_, settings.topics.rosout),
       reports_("vdrive-ros2",
                [this](bridge::Severity severity, const std::string& line) {
                  write_log(severity, line);
                }),
-      commands_(participant_, settings.topics.joint_commands, to_inbox(inbox_)),
-      trajectories_(participant_, settings.topics.joint_trajectory, to_inbox(inbox_)),
-      enable_(participant_, settings.topics.enable, to_inbox(inbox_)),
+      commands_(*participant_, settings.topics.joint_commands, to_inbox(inbox_)),
+      trajectories_(*participant_, settings.topics.joint_trajectory, to_inbox(inbox_)),
+      enable_(*participant_, settings.topics.enable, to_inbox(inbox_)),
       controller_(session_, settings, reports_, inbox_, board_,
                   {.writers =
                        [this] {
@@ -47,9 +47,9 @@ Bridge::Bridge(const Settings& settings)
                        },
                    .guard_counts =
                        [this] {
-                         return participant_.guard_counts();
+                         return participant_->guard_counts();
                        }}),
-      publisher_(participant_, settings, board_) {
+      publisher_(*participant_, settings, board_) {
   session_.on_event([this](const client::Event& event) {
     const auto text = bridge::refusal_report(event, session_.id());
     if (text) reports_.report(Severity::warning, "bench " + std::to_string(event.bench), *text);
@@ -58,10 +58,10 @@ Bridge::Bridge(const Settings& settings)
 
 void Bridge::write_log(bridge::Severity severity, const std::string& line) {
   ros::Log log;
-  log.stamp(ros_time(bridge::wall_time()));
-  log.level(static_cast<std::uint8_t>(severity));
-  log.name("vdrive_ros2");
-  log.msg(line);
+  log.stamp = ros_time(bridge::wall_time());
+  log.level = static_cast<std::uint8_t>(severity);
+  log.name = "vdrive_ros2";
+  log.msg = line;
   (void)rosout_.write(log);
 }
 

@@ -25,7 +25,7 @@ class Bridge {
  private:
   void write_log(bridge::Severity severity, const std::string& line);
 
-  wire::Participant participant_;
+  std::unique_ptr<wire::Participant> participant_;
   client::Session session_;
   ros::Publication<ros::Log> rosout_;
   bridge::Reports reports_;

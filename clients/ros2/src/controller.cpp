@@ -142,7 +142,7 @@ void Controller::handle(const ros::JointState& message, const wire::WriterId& wr
   }
   std::set<std::uint32_t> numbers;
   for (const JointCommand& command : read.commands) numbers.insert(command.joint.bench);
-  const std::int64_t stamp = nanoseconds_of(message.header().stamp());
+  const std::int64_t stamp = nanoseconds_of(message.header.stamp);
   const std::string problem = stamp_problem(command_stamps_, writer, stamp, benches_, numbers);
   if (!problem.empty()) {
     reports_.report(Severity::warning, "joint commands", problem + ": the command is ignored");
@@ -163,7 +163,7 @@ void Controller::handle(const ros::JointTrajectory& message, const wire::WriterI
 }
 
 void Controller::handle(const ros::Bool& message, const wire::WriterId& /*writer*/) {
-  const bool is_enabled = message.data();
+  const bool is_enabled = message.data;
   // A person begins anew: a stamp from a wrong clock must not lock a writer out for ever.
   command_stamps_.clear();
   trajectories_.note_enable(is_enabled);

@@ -18,13 +18,16 @@ namespace {
 using ros::DiagnosticStatus;
 
 // Of diagnostic_msgs/DiagnosticStatus.
-enum Level : std::uint8_t { ok = 0, warn = 1, error = 2, stale = 3 };
+constexpr std::byte kOk{0};
+constexpr std::byte kWarn{1};
+constexpr std::byte kError{2};
+constexpr std::byte kStale{3};
 
 void add(DiagnosticStatus& status, const char* key, std::string value) {
   ros::KeyValue pair;
-  pair.key(key);
-  pair.value(std::move(value));
-  status.values().push_back(std::move(pair));
+  pair.key = key;
+  pair.value = std::move(value);
+  status.values.push_back(std::move(pair));
 }
 
 /// @return who controls the axes of a bench, for a reader of the diagnostics.
@@ -36,14 +39,14 @@ std::string control_of(const BenchView& view) {
 
 DiagnosticStatus bench_status(const BenchView& view, const std::string& network) {
   DiagnosticStatus status;
-  status.name("vdrive_ros2: bench " + std::to_string(view.bench->info().number));
-  status.hardware_id(view.bench->info().name);
-  status.level(view.state ? ok : stale);
-  status.message(view.state ? "running" : "sends no status");
+  status.name = "vdrive_ros2: bench " + std::to_string(view.bench->info().number);
+  status.hardware_id = view.bench->info().name;
+  status.level = view.state ? kOk : kStale;
+  status.message = view.state ? "running" : "sends no status";
   // Of a bench that is left out the reason counts.
   if (!view.problem.empty()) {
-    status.level(error);
-    status.message(view.problem);
+    status.level = kError;
+    status.message = view.problem;
   }
   add(status, "clock", std::string(to_string(view.bench->info().clock_mode)));
   add(status, "enable", view.is_enabled ? "true" : "false");
@@ -54,33 +57,34 @@ DiagnosticStatus bench_status(const BenchView& view, const std::string& network)
   return status;
 }
 
-std::pair<Level, std::string> level_of(const BenchView& view, const client::AxisSnapshot& axis) {
+std::pair<std::byte, std::string> level_of(const BenchView& view,
+                                           const client::AxisSnapshot& axis) {
   const PowerState state = axis.state();
   if (is_fault(state)) {
-    return {error, client::what_it_shows(axis)};
+    return {kError, client::what_it_shows(axis)};
   }
   const bool is_foreign = axis.owner_session != 0 && axis.owner_session != view.session;
   if (view.is_enabled && is_foreign) {
-    return {warn, "controlled by " + owner_text(axis.owner_session, view.names.get())};
+    return {kWarn, "controlled by " + owner_text(axis.owner_session, view.names.get())};
   }
   const bool is_missing = view.is_enabled && state != PowerState::operation_enabled;
-  return {is_missing ? warn : ok, std::string(to_string(state))};
+  return {is_missing ? kWarn : kOk, std::string(to_string(state))};
 }
 
 DiagnosticStatus joint_status(const BenchView& view, std::size_t place) {
   const ServedJoint& joint = view.bench->joints()[place];
   DiagnosticStatus status;
-  status.name("vdrive_ros2: joint " + joint.name);
-  status.hardware_id(to_string(joint.axis));
+  status.name = "vdrive_ros2: joint " + joint.name;
+  status.hardware_id = to_string(joint.axis);
   if (!view.state) {
-    status.level(stale);
-    status.message("its bench sends no status");
+    status.level = kStale;
+    status.message = "its bench sends no status";
     return status;
   }
   const client::AxisSnapshot& axis = view.state->axes[place];
   const auto [level, message] = level_of(view, axis);
-  status.level(level);
-  status.message(message);
+  status.level = level;
+  status.message = message;
   add(status, "state", std::string(to_string(axis.state())));
   add(status, "mode", std::string(to_string(axis.mode())));
   add(status, "duty", std::string(to_string(view.duties[place])));
@@ -94,11 +98,11 @@ DiagnosticStatus joint_status(const BenchView& view, std::size_t place) {
 
 ros::DiagnosticArray diagnostics_of(const Board::Views& views, const std::string& network) {
   ros::DiagnosticArray array;
-  array.header().stamp(ros_time(bridge::wall_time()));
+  array.header.stamp = ros_time(bridge::wall_time());
   for (const auto& [number, view] : views) {
-    array.status().push_back(bench_status(view, network));
+    array.status.push_back(bench_status(view, network));
     for (std::size_t i = 0; i < view.bench->joints().size(); ++i) {
-      array.status().push_back(joint_status(view, i));
+      array.status.push_back(joint_status(view, i));
     }
   }
   return array;
@@ -111,7 +115,7 @@ std::string levels_of(const Board::Views& views) {
     if (!view.state) continue;
     for (const client::AxisSnapshot& axis : view.state->axes) {
       const auto [level, message] = level_of(view, axis);
-      levels += std::to_string(level) + message;
+      levels += std::to_string(std::to_integer<int>(level)) + message;
     }
   }
   return levels;

@@ -28,21 +28,21 @@ std::string network_text(const client::SessionOptions& options) {
 std::optional<ros::JointState> joint_state_of(const BenchView& view) {
   if (!view.state) return std::nullopt;
   ros::JointState message;
-  message.header().stamp(ros_time(stamp_of(view.bench->info(), view.state->tick)));
+  message.header.stamp = ros_time(stamp_of(view.bench->info(), view.state->tick));
   const std::size_t count = view.bench->joints().size();
-  message.name().reserve(count);
-  message.position().reserve(count);
-  message.velocity().reserve(count);
-  message.effort().reserve(view.limits ? count : 0);
+  message.name.reserve(count);
+  message.position.reserve(count);
+  message.velocity.reserve(count);
+  message.effort.reserve(view.limits ? count : 0);
   for (std::size_t i = 0; i < count; ++i) {
     const ServedJoint& joint = view.bench->joints()[i];
     bridge::JointScale scale{.si_per_user_unit = joint.si_per_user_unit};
     if (view.limits) scale.effort_per_mille = (*view.limits)[i].effort_per_mille;
     const bridge::JointValues values = bridge::joint_values(view.state->axes[i].status, scale);
-    message.name().push_back(joint.name);
-    message.position().push_back(values.position);
-    message.velocity().push_back(values.velocity);
-    if (view.limits) message.effort().push_back(values.effort);
+    message.name.push_back(joint.name);
+    message.position.push_back(values.position);
+    message.velocity.push_back(values.velocity);
+    if (view.limits) message.effort.push_back(values.effort);
   }
   return message;
 }
@@ -80,7 +80,7 @@ void JointPublisher::publish(const Board::Views& views, Clock::time_point now) {
     if (!times_.take(bench, view.state->tick, now)) continue;
     if (is_clock) {
       ros::Clock time;
-      time.clock(ros_time(stamp_of(bench, view.state->tick)));
+      time.clock = ros_time(stamp_of(bench, view.state->tick));
       (void)clock_.write(time);
     }
     if (const auto message = joint_state_of(view)) (void)states_.write(*message);

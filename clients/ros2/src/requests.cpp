@@ -31,7 +31,7 @@ std::vector<std::size_t> places_of(const std::vector<std::optional<JointPlace>>&
 class CommandReader {
  public:
   CommandReader(const ros::JointState& message, const FindJoint& find)
-      : names_(message.name()), chosen_(names_.size()) {
+      : names_(message.name), chosen_(names_.size()) {
     std::set<std::string> seen;
     joints_.reserve(names_.size());
     for (const std::string& name : names_) {
@@ -106,9 +106,9 @@ std::string check_point(const ros::JointTrajectoryPoint& point, std::size_t join
     bool may_be_empty;
   };
 
-  const std::array arrays{Array{"positions", point.positions(), false},
-                          Array{"velocities", point.velocities(), true},
-                          Array{"accelerations", point.accelerations(), true}};
+  const std::array arrays{Array{"positions", point.positions, false},
+                          Array{"velocities", point.velocities, true},
+                          Array{"accelerations", point.accelerations, true}};
   for (const Array& array : arrays) {
     const bool has_size =
         array.values.size() == joints || (array.may_be_empty && array.values.empty());
@@ -119,14 +119,14 @@ std::string check_point(const ros::JointTrajectoryPoint& point, std::size_t join
     if (!all_finite(array.values))
       return "has " + std::string(array.name) + " that are not numbers";
   }
-  if (!point.effort().empty()) return "has effort, which a trajectory of positions cannot follow";
+  if (!point.effort.empty()) return "has effort, which a trajectory of positions cannot follow";
   return {};
 }
 
 bool find_joints(const ros::JointTrajectory& message, const FindJoint& find, Trajectory& trajectory,
                  std::string& problem) {
   std::set<std::string> seen;
-  for (const std::string& name : message.joint_names()) {
+  for (const std::string& name : message.joint_names) {
     std::string reason;
     const auto joint = find(name, reason);
     const std::string text = "joint " + in_quotes(name);
@@ -148,9 +148,9 @@ bool find_joints(const ros::JointTrajectory& message, const FindJoint& find, Tra
 
 JointCommands read_commands(const ros::JointState& message, const FindJoint& find) {
   CommandReader reader(message, find);
-  reader.read(CommandInterface::position, message.position());
-  reader.read(CommandInterface::velocity, message.velocity());
-  reader.read(CommandInterface::effort, message.effort());
+  reader.read(CommandInterface::position, message.position);
+  reader.read(CommandInterface::velocity, message.velocity);
+  reader.read(CommandInterface::effort, message.effort);
   return reader.result();
 }
 
@@ -159,14 +159,14 @@ std::optional<Trajectory> read_trajectory(const ros::JointTrajectory& message,
   Trajectory trajectory;
   problem.clear();
   if (!find_joints(message, find, trajectory, problem)) return std::nullopt;
-  if (message.points().empty()) problem = "it has no points";
+  if (message.points.empty()) problem = "it has no points";
   double last = -1.0;  // the first point may be at time 0
-  trajectory.points.reserve(message.points().size());
-  for (std::size_t i = 0; i < message.points().size() && problem.empty(); ++i) {
-    const auto& point = message.points()[i];
+  trajectory.points.reserve(message.points.size());
+  for (std::size_t i = 0; i < message.points.size() && problem.empty(); ++i) {
+    const auto& point = message.points[i];
     const std::string what = "point " + std::to_string(i + 1) + " ";
     const double time =
-        point.time_from_start().sec() + point.time_from_start().nanosec() * kSecondsPerNanosecond;
+        point.time_from_start.sec + point.time_from_start.nanosec * kSecondsPerNanosecond;
     const std::string wrong = check_point(point, trajectory.joints.size());
     if (!wrong.empty()) problem = what + wrong;
     if (problem.empty() && (time <= last || time < 0.0)) {
@@ -174,9 +174,9 @@ std::optional<Trajectory> read_trajectory(const ros::JointTrajectory& message,
     }
     last = time;
     trajectory.points.push_back({.time = time,
-                                 .positions = point.positions(),
-                                 .velocities = point.velocities(),
-                                 .accelerations = point.accelerations()});
+                                 .positions = point.positions,
+                                 .velocities = point.velocities,
+                                 .accelerations = point.accelerations});
   }
   if (!problem.empty()) return std::nullopt;
   const auto moves = [](double velocity) {
@@ -187,7 +187,7 @@ std::optional<Trajectory> read_trajectory(const ros::JointTrajectory& message,
     problem = "the last point has a velocity: it must be at rest";
     return std::nullopt;
   }
-  trajectory.start = nanoseconds_of(message.header().stamp());
+  trajectory.start = nanoseconds_of(message.header.stamp);
   return trajectory;
 }
 

@@ -15,13 +15,13 @@ inline constexpr double kSecondsPerNanosecond = 1e-9;
 /// @return `nanoseconds` as ROS writes it.
 [[nodiscard]] inline ros::Time ros_time(std::int64_t nanoseconds) {
   ros::Time time;
-  time.sec(static_cast<std::int32_t>(nanoseconds / kNanosecondsPerSecond));
-  time.nanosec(static_cast<std::uint32_t>(nanoseconds % kNanosecondsPerSecond));
+  time.sec = static_cast<std::int32_t>(nanoseconds / kNanosecondsPerSecond);
+  time.nanosec = static_cast<std::uint32_t>(nanoseconds % kNanosecondsPerSecond);
   return time;
 }
 
 [[nodiscard]] inline std::int64_t nanoseconds_of(const ros::Time& time) noexcept {
-  return time.sec() * kNanosecondsPerSecond + time.nanosec();
+  return time.sec * kNanosecondsPerSecond + time.nanosec;
 }
 
 /// @return the time of a tick: drive time; for a bench in realtime whose drive time differs from

@@ -19,8 +19,8 @@ namespace {
 using vdrive::settings::ConfigurationError;
 using vdrive::settings::IntegerLimits;
 using vdrive::settings::key;
+using vdrive::settings::kOneOf;
 using vdrive::settings::NumberLimits;
-using vdrive::settings::one_of;
 using vdrive::settings::Row;
 using vdrive::settings::section;
 using vdrive::settings::TextRule;
@@ -61,7 +61,7 @@ constexpr auto kJointRows = std::to_array<Row<JointSetting>>({
     key<&JointSetting::axis>("axis", kText, {}, {.needed = "needs the key axis, such as \"1.2\""}),
     key<&JointSetting::interface>(
         "interface",
-        one_of<CommandInterface::position, CommandInterface::velocity, CommandInterface::effort>),
+        kOneOf<CommandInterface::position, CommandInterface::velocity, CommandInterface::effort>),
 });
 
 /// A joint is the name of its axis, or a map.

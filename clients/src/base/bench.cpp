@@ -2,8 +2,10 @@
 #include "vdrive/client/bench.hpp"
 
 #include "vdrive/number_text.hpp"
+#include "vdrive_messages_description.hpp"
 
 namespace vdrive::client {
+
 std::string to_string(const AxisId& id) {
   return std::to_string(id.bench) + "." + std::to_string(id.axis);
 }
@@ -15,6 +17,18 @@ std::optional<AxisId> parse_axis_id(std::string_view text) noexcept {
   const auto axis = parse_digits<std::uint16_t>(text.substr(dot + 1));
   if (!bench || !axis) return std::nullopt;
   return AxisId{*bench, *axis};
+}
+
+std::vector<Figure> all_figures() {
+  std::vector<Figure> figures;
+  wire::for_each_figure<msg::BenchState>([&](const wire::MemberTraits& member) {
+    figures.push_back({.name = member.name,
+                       .unit = member.unit,
+                       .help = member.help,
+                       .is_counter = member.figure == wire::FigureKind::counter,
+                       .is_headline = member.is_headline});
+  });
+  return figures;
 }
 
 std::uint64_t ticks_of(std::chrono::nanoseconds duration,

@@ -3,6 +3,7 @@
 
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/wire/conversion.hpp"
+#include "vdrive_messages_description.hpp"
 
 #include <cstdio>
 #include <cstdlib>
@@ -26,7 +27,10 @@ std::string end_of_refusal(const AxisOwner& owner) {
 
 std::vector<RefusalCode> refusal_codes() {
   std::vector<RefusalCode> codes;
-  for (const wire::ReasonRow& row : wire::reasons()) codes.push_back({row.reason, row.name});
+  codes.reserve(wire::Description<msg::Reason>::kValues.size() + 1 + kAbortCodes.size());
+  for (const auto& row : wire::Description<msg::Reason>::kValues) {
+    codes.push_back({row.number, row.name});
+  }
   codes.push_back({kNotPermitted, "not_permitted"});
   for (const AbortCodeRow& row : kAbortCodes) {
     if (row.code != AbortCode::none) codes.push_back({wire_code(row.code), row.name});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calls/axes_call.hpp"
 
+#include "base/ask.hpp"
 #include "base/command_words.hpp"
 #include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/number_text.hpp"
@@ -30,12 +31,9 @@ std::vector<msg::Request> read_requests(const GroupLayout::Bench& bench,
   const std::size_t axes_a_request = msg::MAX_OBJECTS_PER_REQUEST / objects.size();
   std::vector<msg::Request> requests;
   for (std::size_t i = 0; i < bench.axes.size(); ++i) {
-    if (i % axes_a_request == 0) requests.emplace_back().kind(msg::REQUEST_READ);
+    if (i % axes_a_request == 0) requests.push_back(ask::read({}));
     for (const ObjectAddress& object : objects) {
-      auto& access = requests.back().objects().emplace_back();
-      access.axis(bench.axes[i]);
-      access.index(object.index);
-      access.subindex(object.subindex);
+      requests.back().objects.push_back(ask::object(bench.axes[i], object));
     }
   }
   return requests;
@@ -50,7 +48,7 @@ std::vector<FrameContent> frames_of(std::span<const Round> rounds, const BenchPa
     for (const Round::Entry& entry : round.entries) {
       if (layout.axes[entry.place].bench != part.bench->number) continue;
       frame.commands.push_back(entry.command);
-      if (round.is_endless) frame.moved.push_back(entry.command.axis());
+      if (round.is_endless) frame.moved.push_back(entry.command.axis);
     }
     if (!frame.commands.empty()) frames.push_back(std::move(frame));
   }
@@ -184,7 +182,7 @@ Result<std::vector<std::vector<std::int64_t>>> AxesCall::read(
     if (!replies) return axes_.note_lost(part, replies.outcome());
     std::vector<msg::ObjectResult> results;
     for (const msg::Reply& reply : *replies) {
-      results.insert(results.end(), reply.objects().begin(), reply.objects().end());
+      results.insert(results.end(), reply.objects.begin(), reply.objects.end());
     }
     if (results.size() != part.bench->axes.size() * objects.size()) {
       return Outcome::failed(axes_.caller() == Caller::axis
@@ -192,11 +190,11 @@ Result<std::vector<std::vector<std::int64_t>>> AxesCall::read(
                                  : name_of(part.target) + " answered the read only in part");
     }
     for (std::size_t i = 0; i < results.size(); ++i) {
-      if (results[i].abort_code() != 0) {
-        return Outcome::refused(results[i].abort_code(),
-                                "read of " + name_of(part.target, results[i].axis()) + " refused");
+      if (results[i].abort_code != msg::Reason::none) {
+        return Outcome::refused(wire::number(results[i].abort_code),
+                                "read of " + name_of(part.target, results[i].axis) + " refused");
       }
-      values[part.bench->places[i / objects.size()]].push_back(results[i].value());
+      values[part.bench->places[i / objects.size()]].push_back(results[i].value);
     }
   }
   return values;
@@ -206,7 +204,7 @@ Result<std::vector<std::vector<std::int64_t>>> AxesCall::read(
 
 msg::AxisCommand AxesCall::command_to(std::size_t place) const {
   msg::AxisCommand command;
-  command.axis(axes_.layout().axes[place].axis);
+  command.axis = axes_.layout().axes[place].axis;
   return command;
 }
 
@@ -219,7 +217,8 @@ Answers AxesCall::exchange(std::span<const Round> rounds, Timing timing) {
     const auto newest = axes_.newest_tick();
     if (!newest) return {newest.outcome(), 0, {}};
     Answers answers = exchange_at(rounds, *newest + ticks_of(margin, period()));
-    const bool untouched = answers.outcome.code() == msg::REASON_TOO_LATE && answers.tick == 0;
+    const bool untouched =
+        answers.outcome.code() == wire::number(msg::Reason::too_late) && answers.tick == 0;
     if (!untouched || attempt == kAttempts) return answers;
     margin *= kMarginGrowth;
   }
@@ -310,8 +309,8 @@ void AxesCall::note_given(std::size_t place, const msg::AxisCommand& command,
   GivenCommand& given = given_[place];
   const bool is_first = given.sequence == 0;
   if (!is_first && !ends_motion(command)) return;
-  if ((command.members() & msg::HAS_OP_MODE_CMD) != 0) {
-    given.mode = static_cast<OperatingMode>(command.op_mode_cmd());
+  if ((command.members & msg::HAS_OP_MODE_CMD) != 0) {
+    given.mode = static_cast<OperatingMode>(command.op_mode_cmd);
   } else if (is_first) {
     given.mode = snapshots()[place].mode();
   }
@@ -343,7 +342,8 @@ Answers AxesCall::collect(std::span<const SentFrames> sent, Outcome outcome) {
     auto applied = core_->commands.collect(sent[i], wait ? Outcome() : answers.outcome);
     applied.outcome = axes_.note_lost(part, std::move(applied.outcome));
     // What was cancelled was cancelled because of another refusal, which names the cause.
-    if (!applied.outcome && (answers.outcome || answers.outcome.code() == msg::REASON_CANCELLED)) {
+    if (!applied.outcome &&
+        (answers.outcome || answers.outcome.code() == wire::number(msg::Reason::cancelled))) {
       answers.outcome = applied.outcome;
     }
     answers.tick = std::max(answers.tick, applied.tick);
@@ -419,7 +419,8 @@ Outcome AxesCall::check_owners() {
     const std::string what = axes_.caller() == Caller::axis
                                  ? "the axis: this call has ended, and does not stop it"
                                  : "an axis of the group: the call has ended, and stops the others";
-    return Outcome::refused(msg::REASON_NOT_OWNER, "another program has taken " + what)
+    return Outcome::refused(wire::number(msg::Reason::not_owner),
+                            "another program has taken " + what)
         .with_owner({.axis = axis.id, .session = axis.owner_session});
   }
   return {};
@@ -488,11 +489,9 @@ Outcome AxesCall::explain_by_service(const Outcome& failed, const AxisSnapshot& 
 Outcome AxesCall::check_service(const AxisSnapshot& axis) {
   if (is_fault(axis.state())) return {};
   const Target& target = part_of(axis.id).target;
-  msg::Request request;
-  request.kind(msg::REQUEST_NEXT_SNAPSHOT);
-  Outcome answer = core_->requests.exchange(target, std::move(request), "question").outcome();
+  Outcome answer = core_->requests.exchange(target, ask::next_snapshot(0), "question").outcome();
   if (answer.kind() == OutcomeKind::lost) return answer;
-  return answer.code() == msg::REASON_SHUTTING_DOWN
+  return answer.code() == wire::number(msg::Reason::shutting_down)
              ? Outcome::lost(name_of(target) +
                              " shuts down: its service brakes the axes, then exits")
              : Outcome();
@@ -533,7 +532,7 @@ Outcome AxesCall::send_stop(Outcome cause, Answers& stop) {
   // At once: a common tick would be later, and what is lost cannot take part in it.
   if (stop.outcome && !round.entries.empty()) stop = exchange({&round, 1}, Timing::at_once);
   // A service that shuts down brakes its axes itself.
-  if (stop.outcome || stop.outcome.code() == msg::REASON_SHUTTING_DOWN) return cause;
+  if (stop.outcome || stop.outcome.code() == wire::number(msg::Reason::shutting_down)) return cause;
   return Outcome::failed(cause.message() +
                          ", and the others did not stop: " + stop.outcome.message());
 }

@@ -158,8 +158,8 @@ class AxesCall {
   [[nodiscard]] Round round_of(std::uint16_t word, const Wanted& wanted) const {
     Round round = round_to(wanted);
     for (Round::Entry& entry : round.entries) {
-      entry.command.members(msg::HAS_DS402_CONTROLWORD);
-      entry.command.ds402_controlword(word);
+      entry.command.members = msg::HAS_DS402_CONTROLWORD;
+      entry.command.ds402_controlword = word;
     }
     return round;
   }

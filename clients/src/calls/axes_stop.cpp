@@ -86,7 +86,7 @@ void AxesStop::stop_others(BenchPart& part, const Round& round, Answers& answers
     if (id.bench == part.bench->number && !held_[entry.place]) others.push_back(id.axis);
   }
   if (others.empty()) return;
-  const std::uint16_t word = round.entries.front().command.ds402_controlword();
+  const std::uint16_t word = round.entries.front().command.ds402_controlword;
   const auto stopped = core_.control.stop(part.target, others, word);
   if (stopped) {
     answers.tick = std::max(answers.tick, *stopped);

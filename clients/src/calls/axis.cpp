@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/client/axis.hpp"
 
+#include "base/ask.hpp"
 #include "base/command_words.hpp"
 #include "calls/arrival.hpp"
 #include "calls/axes_call.hpp"
@@ -34,21 +35,12 @@ Outcome ensure_profile_position(AxesCall& call) {
   if (call.snapshot().mode() == OperatingMode::profile_position) return {};
   Round round = call.round_to(every_axis);
   msg::AxisCommand& command = round.entries.front().command;
-  command.members(msg::HAS_OP_MODE_CMD);
-  command.op_mode_cmd(static_cast<std::int8_t>(OperatingMode::profile_position));
+  command.members = msg::HAS_OP_MODE_CMD;
+  command.op_mode_cmd = static_cast<std::int8_t>(OperatingMode::profile_position);
   if (Outcome done = call.put_in_force({&round, 1}); !done) return done;
   return call.await_enabled("profile position mode", call.tick(), [](const AxisSnapshot& axis) {
     return axis.mode() == OperatingMode::profile_position;
   });
-}
-
-msg::ObjectAccess access_of(const AxisId& id, ObjectAddress object, std::int64_t value = 0) {
-  msg::ObjectAccess access;
-  access.axis(id.axis);
-  access.index(object.index);
-  access.subindex(object.subindex);
-  access.value(value);
-  return access;
 }
 
 /// @param what was refused; what the object takes instead follows
@@ -56,6 +48,21 @@ Outcome refused(ObjectAddress object, std::uint32_t code, const std::string& wha
                 const Unit& unit) {
   const std::string advice = advice_on(object, static_cast<AbortCode>(code), unit);
   return Outcome::refused(code, what + " refused" + (advice.empty() ? "" : ", " + advice));
+}
+
+/// A request about the stored parameters of an axis.
+Outcome exchange_memory(SessionCore& core, const AxisId& id, msg::Request request,
+                        const std::string& what) {
+  const auto target = core.links.connect(id.bench);
+  if (!target) return target.outcome();
+  Outcome outcome = core.requests.exchange(*target, std::move(request), what).outcome();
+  if (outcome.code() != wire_code(AbortCode::cannot_store_or_transfer)) {
+    return core.names.named(*target, std::move(outcome));
+  }
+  return Outcome::refused(
+      outcome.code(), what +
+                          " refused, the bench has no state directory: vdrived --state DIR; for a "
+                          "bench in a process BenchOptions::state_directory, in Python state=");
 }
 
 }  // namespace
@@ -200,27 +207,13 @@ Outcome Axis::power_cycle(const CallOptions& options) {
 }
 
 Outcome Axis::store() {
-  return request_memory(msg::REQUEST_STORE, "storing the parameters of axis " + to_string(id_));
+  return exchange_memory(*core_, id_, ask::store({id_.axis}),
+                         "storing the parameters of axis " + to_string(id_));
 }
 
 Outcome Axis::restore_defaults() {
-  return request_memory(msg::REQUEST_RESTORE, "restoring the defaults of axis " + to_string(id_));
-}
-
-Outcome Axis::request_memory(std::uint32_t kind, const std::string& what) {
-  const auto target = core_->links.connect(id_.bench);
-  if (!target) return target.outcome();
-  msg::Request request;
-  request.kind(kind);
-  request.axes().push_back(id_.axis);
-  Outcome outcome = core_->requests.exchange(*target, std::move(request), what).outcome();
-  if (outcome.code() != wire_code(AbortCode::cannot_store_or_transfer)) {
-    return core_->names.named(*target, std::move(outcome));
-  }
-  return Outcome::refused(
-      outcome.code(), what +
-                          " refused, the bench has no state directory: vdrived --state DIR; for a "
-                          "bench in a process BenchOptions::state_directory, in Python state=");
+  return exchange_memory(*core_, id_, ask::restore({id_.axis}),
+                         "restoring the defaults of axis " + to_string(id_));
 }
 
 Result<Readings> Axis::read(std::span<const ObjectAddress> objects) const {
@@ -229,20 +222,19 @@ Result<Readings> Axis::read(std::span<const ObjectAddress> objects) const {
   Readings readings;
   for (std::size_t first = 0; first < objects.size(); first += kMostObjectsAtOnce) {
     const auto part = objects.subspan(first, std::min(kMostObjectsAtOnce, objects.size() - first));
-    msg::Request request;
-    request.kind(msg::REQUEST_READ);
-    for (const ObjectAddress& object : part) request.objects().push_back(access_of(id_, object));
-    const auto reply =
-        core_->requests.exchange(*target, std::move(request), "read of axis " + to_string(id_));
+    ask::Objects asked;
+    for (const ObjectAddress& object : part) asked.push_back(ask::object(id_.axis, object));
+    const auto reply = core_->requests.exchange(*target, ask::read(std::move(asked)),
+                                                "read of axis " + to_string(id_));
     if (!reply) return reply.outcome();
-    if (reply->objects().size() != part.size()) {
+    if (reply->objects.size() != part.size()) {
       return Outcome::failed("the read of axis " + to_string(id_) + " was answered only in part");
     }
-    readings.tick = reply->tick();
-    for (const msg::ObjectResult& result : reply->objects()) {
-      readings.objects.push_back({.object = {result.index(), result.subindex()},
-                                  .code = static_cast<AbortCode>(result.abort_code()),
-                                  .value = result.value()});
+    readings.tick = reply->tick;
+    for (const msg::ObjectResult& result : reply->objects) {
+      readings.objects.push_back({.object = {result.index, result.subindex},
+                                  .code = static_cast<AbortCode>(result.abort_code),
+                                  .value = result.value});
     }
   }
   return readings;
@@ -271,25 +263,24 @@ Outcome Axis::check_velocity_limits(std::int64_t velocity) const {
 Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
   const auto target = core_->links.connect(id_.bench);
   if (!target) return target.outcome();
-  msg::Request request;
-  request.kind(msg::REQUEST_WRITE);
-  request.objects().push_back(access_of(id_, object, value));
   const auto row = find_object(object);
   const std::string what = "write of " +
                            (row ? object_value_text(*row, value, unit_) : std::to_string(value)) +
                            " to " + object_text(object) + " of axis " + to_string(id_);
-  const auto reply = core_->control.write(*target, std::move(request), what);
+  const auto reply =
+      core_->control.write(*target, ask::write({ask::object(id_.axis, object, value)}), what);
   if (!reply) return core_->names.named(*target, reply.outcome());
-  for (const msg::ObjectResult& result : reply->objects()) {
-    if (result.abort_code() == 0) continue;
-    const Outcome refusal = refused(object, result.abort_code(), what, unit_);
-    const bool is_controlled = result.abort_code() == wire_code(AbortCode::refused_local_control) &&
-                               reply->owner_session() != 0 && reply->owner_session() != core_->id;
+  for (const msg::ObjectResult& result : reply->objects) {
+    if (result.abort_code == msg::Reason::none) continue;
+    const Outcome refusal = refused(object, wire::number(result.abort_code), what, unit_);
+    const bool is_controlled =
+        wire::number(result.abort_code) == wire_code(AbortCode::refused_local_control) &&
+        reply->owner_session != 0 && reply->owner_session != core_->id;
     if (!is_controlled) return refusal;
     return core_->names.named(*target,
-                              refusal.with_owner({.axis = id_, .session = reply->owner_session()}));
+                              refusal.with_owner({.axis = id_, .session = reply->owner_session}));
   }
-  return reply->tick();
+  return reply->tick;
 }
 
 Result<std::uint64_t> Axis::disturb(Disturbance disturbance, std::int64_t value) {

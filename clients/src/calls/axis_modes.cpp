@@ -52,10 +52,10 @@ void add_settings(msg::AxisCommand& command, std::span<const Setting> settings) 
   for (const Setting& setting : settings) {
     if (!setting.value) continue;
     const ObjectAddress address = vdrive::describe(setting.row).address;
-    msg::ObjectValue& object = command.objects().emplace_back();
-    object.index(address.index);
-    object.subindex(address.subindex);
-    object.value(*setting.value);
+    msg::ObjectValue& object = command.objects.emplace_back();
+    object.index = address.index;
+    object.subindex = address.subindex;
+    object.value = *setting.value;
   }
 }
 
@@ -93,8 +93,8 @@ Outcome enter(AxesCall& call, OperatingMode mode, std::span<const Setting> setti
               EndlessMotion* motion = nullptr) {
   Round round = call.round_of(kEnableOperation, every_axis);
   msg::AxisCommand& command = round.entries.front().command;
-  command.members(static_cast<std::uint16_t>(command.members() | msg::HAS_OP_MODE_CMD));
-  command.op_mode_cmd(static_cast<std::int8_t>(mode));
+  command.members = static_cast<std::uint16_t>(command.members | msg::HAS_OP_MODE_CMD);
+  command.op_mode_cmd = static_cast<std::int8_t>(mode);
   add_settings(command, settings);
   Outcome done = motion != nullptr ? motion->put_in_force(call, std::move(round))
                                    : call.put_in_force({&round, 1});

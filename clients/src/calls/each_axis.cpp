@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calls/each_axis.hpp"
 
+#include "base/ask.hpp"
 #include "base/command_objects.hpp"
 #include "base/command_words.hpp"
 #include "calls/arrival.hpp"
@@ -314,18 +315,15 @@ Outcome EachAxis::power_cycle() {
     if (is_pending_[place]) axes.push_back(call_.snapshots()[place].id.axis);
   }
   const auto cycle = [&](const std::vector<std::uint16_t>& some) {
-    msg::Request request;
-    request.kind(msg::REQUEST_POWER_CYCLE);
-    request.axes() = some;
     return core_->control.exchange(
-        target, std::move(request),
+        target, ask::power_cycle(some),
         "power cycle of " +
             (some.size() == 1 ? name_of(target, some.front()) : "axes of " + name_of(target)));
   };
   const auto reply = cycle(axes);
   if (reply) {
     // The tick of this call still shows the axes before it.
-    from_ = std::max(reply->tick(), call_.tick() + 1);
+    from_ = std::max(reply->tick, call_.tick() + 1);
     call_.note_in_force(from_);
     return {};
   }
@@ -336,7 +334,7 @@ Outcome EachAxis::power_cycle() {
     if (!is_pending_[place]) continue;
     const auto own = cycle({call_.snapshots()[place].id.axis});
     if (own) {
-      from_ = std::max({from_, own->tick(), call_.tick() + 1});
+      from_ = std::max({from_, own->tick, call_.tick() + 1});
       call_.note_in_force(from_);
     } else {
       end(place, core_->names.named(target, own.outcome()));

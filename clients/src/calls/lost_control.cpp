@@ -15,8 +15,8 @@ namespace {
 constexpr int kMostSamples = 5;
 
 bool is_loss(const Outcome& outcome) {
-  const bool is_for_a_loss =
-      outcome.code() == msg::REASON_STALE_EPOCH || outcome.code() == msg::REASON_NOT_OWNER;
+  const bool is_for_a_loss = outcome.code() == wire::number(msg::Reason::stale_epoch) ||
+                             outcome.code() == wire::number(msg::Reason::not_owner);
   return outcome.kind() == OutcomeKind::refused && is_for_a_loss && outcome.owner() == nullptr;
 }
 

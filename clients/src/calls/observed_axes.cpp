@@ -76,18 +76,18 @@ Outcome ObservedAxes::compare_clocks() const {
     const Target& other = part.target;
     const std::string pair = name_of(first) + " and " + name_of(other);
     if (other.clock_mode != first.clock_mode) {
-      return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
+      return Outcome::refused(wire::number(msg::Reason::wrong_clock_mode),
                               pair + " have different clock modes and cannot form a group");
     }
     if (other.period != first.period) {
-      return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
+      return Outcome::refused(wire::number(msg::Reason::wrong_clock_mode),
                               pair + " have different periods and cannot form a group");
     }
     const bool shared = other.steps() || (other.clock_mode == ClockMode::realtime &&
                                           other.rate == 1.0 && first.rate == 1.0);
     if (parts_.size() > 1 && !shared) {
       return Outcome::refused(
-          msg::REASON_WRONG_CLOCK_MODE,
+          wire::number(msg::Reason::wrong_clock_mode),
           pair + " do not share a clock: a group needs lock-step, or real time at rate 1");
     }
   }
@@ -128,7 +128,7 @@ Outcome ObservedAxes::await_common_ticks() {
     if (most->seen.tick - least->seen.tick <= apart) return {};
     if (std::chrono::steady_clock::now() > give_up) {
       return Outcome::refused(
-          msg::REASON_WRONG_CLOCK_MODE,
+          wire::number(msg::Reason::wrong_clock_mode),
           name_of(least->target) + " and " + name_of(most->target) +
               " have different tick numbers: their clocks are not synchronised");
     }

@@ -27,7 +27,7 @@ enum Bound : std::size_t { velocity, acceleration, deceleration, highest_speed }
 constexpr std::int64_t kFromActualPosition = 2;
 
 void add_members(msg::AxisCommand& command, std::uint16_t members) {
-  command.members(static_cast<std::uint16_t>(command.members() | members));
+  command.members = static_cast<std::uint16_t>(command.members | members);
 }
 
 }  // namespace
@@ -96,18 +96,18 @@ Round ProfileMove::set_point(std::int32_t target, bool relative) const {
   Round round = call_.round_of(word, every_axis);
   msg::AxisCommand& command = round.entries.front().command;
   add_members(command, msg::HAS_POSITION_USER_TARGET_VALUE);
-  command.position_user_target_value(target);
+  command.position_user_target_value = target;
   if (options_.velocity) {
     add_members(command, msg::HAS_PROFILE_VELOCITY);
-    command.profile_velocity(*options_.velocity);
+    command.profile_velocity = *options_.velocity;
   }
   if (options_.acceleration) {
     add_members(command, msg::HAS_PROFILE_ACC);
-    command.profile_acc(*options_.acceleration);
+    command.profile_acc = *options_.acceleration;
   }
   if (options_.deceleration) {
     add_members(command, msg::HAS_PROFILE_DEC);
-    command.profile_dec(*options_.deceleration);
+    command.profile_dec = *options_.deceleration;
   }
   return round;
 }
@@ -161,7 +161,7 @@ Round ProfileMove::old_velocity() const {
   Round round = call_.round_to(every_axis);
   msg::AxisCommand& command = round.entries.front().command;
   add_members(command, msg::HAS_PROFILE_VELOCITY);
-  command.profile_velocity(static_cast<std::uint32_t>(bounds_[velocity]));
+  command.profile_velocity = static_cast<std::uint32_t>(bounds_[velocity]);
   return round;
 }
 
@@ -183,11 +183,11 @@ bool ProfileMove::add_old_ramps(Round& round) const {
   msg::AxisCommand& command = round.entries.front().command;
   if (options_.acceleration) {
     add_members(command, msg::HAS_PROFILE_ACC);
-    command.profile_acc(static_cast<std::uint32_t>(bounds_[acceleration]));
+    command.profile_acc = static_cast<std::uint32_t>(bounds_[acceleration]);
   }
   if (options_.deceleration) {
     add_members(command, msg::HAS_PROFILE_DEC);
-    command.profile_dec(static_cast<std::uint32_t>(bounds_[deceleration]));
+    command.profile_dec = static_cast<std::uint32_t>(bounds_[deceleration]);
   }
   return options_.acceleration || options_.deceleration;
 }

@@ -30,8 +30,8 @@ Round round_of_word(const AxesCall& call, std::uint16_t word, std::span<const st
   Round round;
   for (const std::size_t place : places) {
     msg::AxisCommand command = call.command_to(place);
-    command.members(msg::HAS_DS402_CONTROLWORD);
-    command.ds402_controlword(word);
+    command.members = msg::HAS_DS402_CONTROLWORD;
+    command.ds402_controlword = word;
     round.entries.push_back({place, std::move(command)});
   }
   return round;

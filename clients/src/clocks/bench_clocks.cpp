@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "clocks/bench_clocks.hpp"
 
+#include "base/ask.hpp"
 #include "streams/status_feed.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/wording.hpp"
@@ -39,23 +40,17 @@ wire::ClockOfBench clock_of(const BenchKey& key) {
 
 /// Whether a step was accepted: it ended, or waits for another stepper.
 bool is_accepted(const msg::Reply& reply) {
-  return reply.reason() == msg::REASON_NONE || reply.reason() == msg::REASON_MISSING_STEPPER;
+  return reply.reason == msg::Reason::none || reply.reason == msg::Reason::missing_stepper;
 }
 
 /// @return the next request of a step, taken off what is left of it. The axes are shown once time
-/// has
-///         passed.
+///         has passed.
 msg::Request next_request(std::uint64_t& ticks, std::span<const std::uint16_t>& axes) {
-  msg::Request request;
-  request.kind(msg::REQUEST_STEP);
-  request.ticks(std::min(ticks, kTicksPerRequest));
-  ticks -= request.ticks();
-  if (ticks == 0) {
-    const auto shown = axes.first(std::min(axes.size(), kAxesPerRequest));
-    request.axes().assign(shown.begin(), shown.end());
-    axes = axes.subspan(shown.size());
-  }
-  return request;
+  const std::uint64_t some = std::min(ticks, kTicksPerRequest);
+  ticks -= some;
+  const auto shown = axes.first(ticks == 0 ? std::min(axes.size(), kAxesPerRequest) : 0);
+  axes = axes.subspan(shown.size());
+  return ask::step(some, {shown.begin(), shown.end()});
 }
 
 /// Fills the samples from place `first` on with the axes of an answer, which are the last ones.
@@ -79,13 +74,10 @@ BenchClocks::BenchClocks(std::uint64_t session, Requests& requests, Holdings& ho
       participant_(participant) {}
 
 Result<std::uint64_t> BenchClocks::set_rate(const Target& target, double rate) {
-  msg::Request request;
-  request.kind(msg::REQUEST_SET_RATE);
-  request.rate(rate);
-  const auto reply = requests_.exchange(target, std::move(request), "rate of " + name_of(target));
+  const auto reply = requests_.exchange(target, ask::set_rate(rate), "rate of " + name_of(target));
   if (!reply) return reply.outcome();
   discovery_.set_rate(target.key, rate);
-  return reply->tick();
+  return reply->tick;
 }
 
 // ---- steppers ---------------------------------------------------------------------------------
@@ -95,18 +87,15 @@ Result<std::uint64_t> BenchClocks::join(const Target& target, std::uint32_t step
     return Outcome::failed("this session has joined the clock of " + name_of(target) + " already");
   }
   if (Outcome free = note_thread(target); !free) return free;
-  msg::Request request;
-  request.kind(msg::REQUEST_JOIN_CLOCK);
-  request.ticks(steppers);
-  const auto reply =
-      requests_.exchange(target, std::move(request), "joining the clock of " + name_of(target));
+  const auto reply = requests_.exchange(target, ask::join_clock(steppers),
+                                        "joining the clock of " + name_of(target));
   if (!reply) {
     forget_thread(target.key);
     return reply.outcome();
   }
   const std::scoped_lock lock(mutex_);
-  grants_[target.key] = {.granted = reply->tick(), .reached = reply->tick()};
-  return reply->tick();
+  grants_[target.key] = {.granted = reply->tick, .reached = reply->tick};
+  return reply->tick;
 }
 
 void BenchClocks::leave(const Target& target) {
@@ -116,9 +105,7 @@ void BenchClocks::leave(const Target& target) {
     grants_.erase(target.key);
   }
   forget_thread(target.key);
-  msg::Request request;
-  request.kind(msg::REQUEST_LEAVE_CLOCK);
-  const auto number = requests_.send(target, std::move(request));
+  const auto number = requests_.send(target, ask::leave_clock());
   if (number) (void)requests_.await(target, *number, kLeaveAnswer);  // it may be gone
 }
 
@@ -139,7 +126,7 @@ Outcome BenchClocks::note_thread(const Target& target) {
   const std::uint64_t other = participant_.join_clock(clock_of(target.key), session_);
   if (other == 0) return {};
   return Outcome::refused(
-      msg::REASON_MISSING_STEPPER,
+      wire::number(msg::Reason::missing_stepper),
       "this thread has joined the clock of " + name_of(target) + " already, with session " +
           session_text(other) +
           ": a step of one of the two would wait for the other for ever; join the clock in the "
@@ -174,24 +161,23 @@ std::optional<Grant> BenchClocks::grant_of(const BenchKey& key) const {
 }
 
 Result<PendingStep> BenchClocks::begin_step_to(const Target& target, std::uint64_t tick,
-                                               msg::Request request) {
+                                               std::vector<std::uint16_t> shown) {
   PendingStep step;
   {
     const std::scoped_lock lock(mutex_);
     const auto grant = grants_.find(target.key);
     if (grant == grants_.end()) {
-      return Outcome::refused(msg::REASON_NOT_A_STEPPER, step_of(target) + " refused");
+      return Outcome::refused(wire::number(msg::Reason::not_a_stepper),
+                              step_of(target) + " refused");
     }
     const std::uint64_t granted = grant->second.granted;
     step.ticks = tick > granted ? tick - granted : 0;
     // Before it is sent: two calls at once must not grant the same ticks.
     grant->second.granted += step.ticks;
   }
-  request.kind(msg::REQUEST_STEP);
-  request.ticks(step.ticks);
   // The step waits for the commands that were sent before it.
-  request.last_sequence(holdings_.last_sequence(target.key));
-  const auto number = requests_.send(target, std::move(request));
+  const auto number = requests_.send(
+      target, ask::step(step.ticks, std::move(shown), holdings_.last_sequence(target.key)));
   if (!number) return number.outcome();
   step.request = *number;
   return step;
@@ -203,8 +189,8 @@ void BenchClocks::note_reply(const BenchKey& key, const PendingStep& step,
   const auto grant = grants_.find(key);
   if (grant == grants_.end()) return;
   if (is_accepted(reply)) {
-    grant->second.reached = std::max(grant->second.reached, reply.tick());
-  } else if (reply.reason() == msg::REASON_NOT_A_STEPPER) {  // taken off the clock
+    grant->second.reached = std::max(grant->second.reached, reply.tick);
+  } else if (reply.reason == msg::Reason::not_a_stepper) {  // taken off the clock
     grants_.erase(grant);
     forget_thread(key);
   } else {
@@ -220,7 +206,7 @@ Result<RequestAnswer> BenchClocks::conclude_step(const Target& target, const Pen
     return missing_stepper(target, discovery_.slowest_stepper(target.key));
   }
   if (!reply) return reply;
-  if (reply->reason() == msg::REASON_WRONG_INCARNATION) {
+  if (reply->reason == msg::Reason::wrong_incarnation) {
     return Outcome::lost(restarted_text(target));
   }
   note_reply(target.key, step, *reply);
@@ -233,10 +219,10 @@ Result<std::uint64_t> BenchClocks::end_step(const Target& target, PendingStep st
   while (true) {
     const auto reply = conclude_step(target, step, deadline, Silence::ends_call);
     if (!reply) return reply.outcome();
-    if (reply->reason() == msg::REASON_NONE) return reply->tick();
-    if (Clock::now() >= deadline) return missing_stepper(target, reply->missing_stepper());
+    if (reply->reason == msg::Reason::none) return reply->tick;
+    if (Clock::now() >= deadline) return missing_stepper(target, reply->missing_stepper);
     // What was granted stays granted: asks without ticks until the others have granted theirs.
-    const auto again = begin_step_to(target, 0, {});
+    const auto again = begin_step_to(target, 0);
     if (!again) return again.outcome();
     step = *again;
   }
@@ -260,19 +246,19 @@ Outcome BenchClocks::missing_stepper(const Target& target, std::uint64_t session
 Result<RequestAnswer> BenchClocks::step_as_stepper(const Target& target, const Grant& grant,
                                                    const msg::Request& request,
                                                    milliseconds patience, Silence silence) {
-  const std::uint64_t aim = grant.reached + request.ticks();
+  const std::uint64_t aim = grant.reached + request.ticks;
   std::uint64_t reached = grant.reached;
   auto deadline = Clock::now() + patience;
   while (true) {
-    const auto step = begin_step_to(target, aim, request);
+    const auto step = begin_step_to(target, aim, request.axes);
     if (!step) return step.outcome();
     auto reply = conclude_step(target, *step, deadline, silence);
     // A call that only observes takes the state as it is.
-    if (!reply || reply->reason() == msg::REASON_NONE || request.ticks() == 0) return reply;
+    if (!reply || reply->reason == msg::Reason::none || request.ticks == 0) return reply;
     // Time that passes shows that the other steppers live: the patience begins anew.
-    if (reply->tick() > reached) deadline = Clock::now() + patience;
-    reached = reply->tick();
-    if (Clock::now() >= deadline) return missing_stepper(target, reply->missing_stepper());
+    if (reply->tick > reached) deadline = Clock::now() + patience;
+    reached = reply->tick;
+    if (Clock::now() >= deadline) return missing_stepper(target, reply->missing_stepper);
   }
 }
 
@@ -280,12 +266,12 @@ Result<RequestAnswer> BenchClocks::step_once(const Target& target, msg::Request 
                                              milliseconds patience, Silence silence) {
   // A call that only observes waits for nobody.
   Result<StepLock> steps = StepLock();
-  if (request.ticks() > 0) steps = lock_steps(target, Clock::now() + patience);
+  if (request.ticks > 0) steps = lock_steps(target, Clock::now() + patience);
   if (!steps) return steps.outcome();
   if (const auto grant = grant_of(target.key)) {
     return step_as_stepper(target, *grant, request, patience, silence);
   }
-  request.last_sequence(holdings_.last_sequence(target.key));
+  request.last_sequence = holdings_.last_sequence(target.key);
   return requests_.exchange(target, std::move(request), step_of(target), silence);
 }
 
@@ -308,7 +294,7 @@ Outcome BenchClocks::step(const Target& target, std::uint64_t ticks,
   do {
     if (left != 0 && wakeup_.is_interrupted()) return Outcome::failed("interrupted");
     msg::Request request = next_request(left, axes);
-    const std::size_t wanted = request.axes().size();
+    const std::size_t wanted = request.axes.size();
     auto reply = step_once(target, std::move(request), patience, silence);
     if (!reply) return reply.outcome();
     if (reply->axes.size() != wanted) {
@@ -319,7 +305,7 @@ Outcome BenchClocks::step(const Target& target, std::uint64_t ticks,
     if (wanted != 0) requests_.reuse(*reply);
     if (is_last) {
       std::ranges::copy(earlier, sample.axes.begin());
-      sample = {.tick = reply->tick(), .axes = std::move(sample.axes)};
+      sample = {.tick = reply->tick, .axes = std::move(sample.axes)};
     }
   } while (!is_last);
   return {};

@@ -9,7 +9,7 @@
 #include "presence/target.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
 #include "vdrive/wire/participant.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -18,6 +18,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace vdrive::client {
 
@@ -89,8 +90,9 @@ class BenchClocks {
 
   /// Of a bench whose clock this session has joined: requests to let time pass until `tick`, and
   /// does not wait.
-  /// @param request carries what else the step is to show
-  Result<PendingStep> begin_step_to(const Target& target, std::uint64_t tick, msg::Request request);
+  /// @param shown axes whose status the answer has
+  Result<PendingStep> begin_step_to(const Target& target, std::uint64_t tick,
+                                    std::vector<std::uint16_t> shown = {});
 
   /// Waits until that tick is reached, with new requests while other steppers have not granted it.
   /// @return the tick reached, timed_out at the deadline, naming the stepper that is missing.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "clocks/observer.hpp"
 
+#include "base/ask.hpp"
 #include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
@@ -39,16 +40,10 @@ std::vector<StatusMember> readable_members() {
 }
 
 msg::Request read_request(std::uint16_t axis, const std::vector<StatusMember>& members) {
-  msg::Request request;
-  request.kind(msg::REQUEST_READ);
-  request.objects().reserve(members.size());
-  for (const StatusMember& member : members) {
-    msg::ObjectAccess& access = request.objects().emplace_back();
-    access.axis(axis);
-    access.index(member.address.index);
-    access.subindex(member.address.subindex);
-  }
-  return request;
+  ask::Objects objects;
+  objects.reserve(members.size());
+  for (const StatusMember& member : members) objects.push_back(ask::object(axis, member.address));
+  return ask::read(std::move(objects));
 }
 
 }  // namespace
@@ -105,12 +100,12 @@ Result<Observation> Observer::read_status(const Target& target,
       const RequestAnswer& reply = (*replies)[i];
       AxisSnapshot& sample = observation.axes.emplace_back();
       sample.id = {target.key.number, some[i]};
-      sample.tick = reply.tick();
+      sample.tick = reply.tick;
       sample.has_owner = false;  // no object tells it
-      for (std::size_t at = 0; at < std::min(reply.objects().size(), members.size()); ++at) {
-        members[at].set(sample.status, reply.objects()[at].value());
+      for (std::size_t at = 0; at < std::min(reply.objects.size(), members.size()); ++at) {
+        members[at].set(sample.status, reply.objects[at].value);
       }
-      observation.tick = reply.tick();
+      observation.tick = reply.tick;
     }
   }
   return observation;
@@ -129,20 +124,14 @@ Result<std::uint64_t> Observer::present_tick(const Target& target, Silence silen
 /// The engine answers a read between two ticks, with the last one.
 Result<std::uint64_t> Observer::completed_tick(const Target& target, std::uint16_t axis) {
   if (!links_.may_command()) return 0;
-  msg::Request request;
-  request.kind(msg::REQUEST_READ);
-  auto& access = request.objects().emplace_back();
-  access.axis(axis);
-  access.index(kStatusword.index);
-  access.subindex(kStatusword.subindex);
-  const auto reply =
-      requests_.exchange(target, std::move(request), "status of " + name_of(target, axis));
+  const auto reply = requests_.exchange(target, ask::read({ask::object(axis, kStatusword)}),
+                                        "status of " + name_of(target, axis));
   if (!reply) return reply.outcome();
-  return reply->tick();
+  return reply->tick;
 }
 
 std::uint64_t Observer::first_tick_of_stream(const Target& target, std::uint16_t axis) {
-  if (discovery_.knows_who_is_there()) {
+  if (discovery_.may_be_ahead(target.key)) {
     if (const auto tick = completed_tick(target, axis)) return *tick;
   }
   return discovery_.tick(target.key);

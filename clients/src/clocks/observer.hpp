@@ -35,9 +35,8 @@ class Observer {
   /// @param axis any axis of the bench
   Result<std::uint64_t> completed_tick(const Target& target, std::uint16_t axis);
 
-  /// @return the tick at which what is reported from now on begins. A bench of a network is there
-  ///         once a sample has shown its tick. One on a bus is there at once, and in lock-step it
-  ///         may have run far since its last state: it is asked.
+  /// @return the tick at which what is reported from now on begins: the newest tick received. A
+  ///         bench that may be far ahead of it is asked.
   std::uint64_t first_tick_of_stream(const Target& target, std::uint16_t axis);
 
   /// Waits until the bench has reached `tick`, also by a jump of the number over it; in lock-step

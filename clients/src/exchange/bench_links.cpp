@@ -52,16 +52,15 @@ BenchLinks::BenchLinks(wire::Participant& participant, std::uint64_t session, Di
       failure_(failure),
       request_publication_(publication_if_permitted<msg::Request>(participant)),
       command_publication_(publication_if_permitted<msg::CommandFrame>(participant)),
-      reply_subscription_(
-          participant, wire::Topic<msg::Reply>::kId,
-          wire::BytesSubscription::Handler{.take =
-                                               [this](std::span<const std::byte> sample) {
-                                                 take_reply(sample);
-                                               },
-                                           .deliver =
-                                               [this](const wire::Source& source) {
-                                                 if (is_received_) on_reply(source);
-                                               }}),
+      reply_reader_(participant.make_reader(wire::Topic<msg::Reply>::kId,
+                                            {.take =
+                                                 [this](std::span<const std::byte> sample) {
+                                                   take_reply(sample);
+                                                 },
+                                             .deliver =
+                                                 [this](const wire::Source& source) {
+                                                   if (is_received_) on_reply(source);
+                                                 }})),
       command_reply_subscription_(
           participant, [this](const msg::CommandReply& message, const wire::Source& source) {
             on_command_reply(message, source);
@@ -83,20 +82,20 @@ void BenchLinks::reuse(std::vector<wire::ReceivedStatus> axes) {
 }
 
 void BenchLinks::on_reply(const wire::Source& source) {
-  if (received_.client() != session_) return;
-  discovery_.note_sample({received_.bench(), received_.incarnation()}, received_.tick(), source);
-  const std::uint64_t number = received_.request_id();
+  if (received_.client != session_) return;
+  discovery_.note_sample({received_.bench, received_.incarnation}, received_.tick, source);
+  const std::uint64_t number = received_.request_id;
   if (unanswered_.requests.answer(number, std::move(received_))) wakeup_.notify();
 }
 
 void BenchLinks::on_command_reply(const msg::CommandReply& message, const wire::Source& source) {
-  if (message.session() != session_) return;
-  const BenchKey key{message.bench(), message.incarnation()};
+  if (message.session != session_) return;
+  const BenchKey key{message.bench, message.incarnation};
   discovery_.note_sender(key, source);
   // First: the call that receives the answer has to find the loss of control that it may show.
   holdings_.note_answer(message);
   history_.note_answer(message);
-  if (unanswered_.frames.answer({key, message.sequence_number()}, message)) {
+  if (unanswered_.frames.answer({key, message.sequence_number}, message)) {
     wakeup_.notify();
   } else {
     report_refusals(message);
@@ -110,14 +109,14 @@ void BenchLinks::watch_refusals(std::function<void(const SetPointRefusal&)> obse
 
 /// @param message the answer to a frame that no call waits for
 void BenchLinks::report_refusals(const msg::CommandReply& message) {
-  if (message.refusals().empty()) return;
+  if (message.refusals.empty()) return;
   const std::scoped_lock lock(refusal_mutex_);
   if (!refusal_observer_) return;
-  for (const msg::Refusal& refusal : message.refusals()) {
-    if (refusal.index() == 0) continue;  // the whole command of an axis, or the whole frame
-    refusal_observer_({.axis = {.bench = message.bench(), .axis = refusal.axis()},
-                       .object = {.index = refusal.index(), .subindex = refusal.subindex()},
-                       .code = static_cast<AbortCode>(refusal.reason())});
+  for (const msg::Refusal& refusal : message.refusals) {
+    if (refusal.index == 0) continue;  // the whole command of an axis, or the whole frame
+    refusal_observer_({.axis = {.bench = message.bench, .axis = refusal.axis},
+                       .object = {.index = refusal.index, .subindex = refusal.subindex},
+                       .code = static_cast<AbortCode>(refusal.reason)});
   }
 }
 
@@ -150,7 +149,7 @@ wire::Source BenchLinks::reached_source_of(const BenchKey& key) const {
 bool BenchLinks::is_matched(const wire::Source& source, milliseconds patience) {
   return request_publication_->wait_for_match(source, patience) &&
          command_publication_->wait_for_match(source, patience) &&
-         reply_subscription_.wait_for_match(source, patience) &&
+         reply_reader_->matches().wait_for(source, patience) &&
          command_reply_subscription_.wait_for_match(source, patience);
 }
 

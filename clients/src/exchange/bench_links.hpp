@@ -9,12 +9,12 @@
 #include "presence/discovery.hpp"
 #include "presence/target.hpp"
 #include "vdrive/client/session.hpp"
-#include "vdrive/wire/bytes_subscription.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
+#include "vdrive/wire/sample_reader.hpp"
 #include "vdrive/wire/status_frame.hpp"
 #include "vdrive/wire/subscription.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -145,7 +145,7 @@ class BenchLinks {
   bool is_received_ = false;  ///< it can be read
   std::mutex refusal_mutex_;  ///< guards the observer, also while it is called
   std::function<void(const SetPointRefusal&)> refusal_observer_;
-  wire::BytesSubscription reply_subscription_;
+  std::unique_ptr<wire::SampleReader> reply_reader_;
   wire::Subscription<msg::CommandReply> command_reply_subscription_;
 };
 

@@ -75,28 +75,28 @@ bool is_standing_target(ObjectAddress address) {
 }  // namespace
 
 bool ends_motion(const msg::AxisCommand& command) noexcept {
-  const bool has_word = (command.members() & msg::HAS_DS402_CONTROLWORD) != 0;
-  const bool has_target = std::ranges::any_of(command.objects(), [](const msg::ObjectValue& each) {
-    return is_standing_target({each.index(), each.subindex()});
+  const bool has_word = (command.members & msg::HAS_DS402_CONTROLWORD) != 0;
+  const bool has_target = std::ranges::any_of(command.objects, [](const msg::ObjectValue& each) {
+    return is_standing_target({each.index, each.subindex});
   });
-  return has_target || (command.members() & msg::HAS_OP_MODE_CMD) != 0 ||
-         (has_word && ends_something(command.ds402_controlword()));
+  return has_target || (command.members & msg::HAS_OP_MODE_CMD) != 0 ||
+         (has_word && ends_something(command.ds402_controlword));
 }
 
 CommandHistory::Entry CommandHistory::entry_of(const msg::AxisCommand& command) {
   Entry entry;
-  const std::uint16_t word = command.ds402_controlword();
-  if ((command.members() & msg::HAS_OP_MODE_CMD) != 0) {
-    entry.mode = static_cast<OperatingMode>(command.op_mode_cmd());
+  const std::uint16_t word = command.ds402_controlword;
+  if ((command.members & msg::HAS_OP_MODE_CMD) != 0) {
+    entry.mode = static_cast<OperatingMode>(command.op_mode_cmd);
   }
-  if ((command.members() & msg::HAS_DS402_CONTROLWORD) != 0 && ends_something(word)) {
+  if ((command.members & msg::HAS_DS402_CONTROLWORD) != 0 && ends_something(word)) {
     entry.controlword = word;
   }
-  if ((command.members() & msg::HAS_POSITION_USER_TARGET_VALUE) != 0) {
-    entry.target = command.position_user_target_value();
+  if ((command.members & msg::HAS_POSITION_USER_TARGET_VALUE) != 0) {
+    entry.target = command.position_user_target_value;
   }
-  for (const msg::ObjectValue& object : command.objects()) {
-    const ObjectAddress address{object.index(), object.subindex()};
+  for (const msg::ObjectValue& object : command.objects) {
+    const ObjectAddress address{object.index, object.subindex};
     if (is_standing_target(address)) entry.written.push_back(address);
   }
   return entry;
@@ -104,11 +104,11 @@ CommandHistory::Entry CommandHistory::entry_of(const msg::AxisCommand& command) 
 
 CommandHistory::Entry CommandHistory::entry_of(const msg::ObjectAccess& access) {
   Entry entry;
-  const auto row = find_object({access.index(), access.subindex()});
+  const auto row = find_object({access.index, access.subindex});
   if (!row) return entry;
   const ObjectAddress address = describe(*row).address;
-  const auto word = static_cast<std::uint16_t>(access.value());
-  if (*row == "op_mode_cmd"_object) entry.mode = static_cast<OperatingMode>(access.value());
+  const auto word = static_cast<std::uint16_t>(access.value);
+  if (*row == "op_mode_cmd"_object) entry.mode = static_cast<OperatingMode>(access.value);
   if (*row == "ds402_controlword"_object && ends_something(word)) entry.controlword = word;
   if (is_standing_target(address)) entry.written.push_back(address);
   return entry;
@@ -130,13 +130,13 @@ void CommandHistory::add(const BenchKey& key, std::uint16_t axis, Entry entry) {
 }
 
 void CommandHistory::note_frame(const BenchKey& key, const msg::CommandFrame& frame) {
-  for (const msg::AxisCommand& command : frame.axes()) {
+  for (const msg::AxisCommand& command : frame.axes) {
     if (!ends_motion(command)) continue;  // as nearly every one of a stream
     Entry entry = entry_of(command);
-    entry.after = frame.sequence_number() - 1;
-    entry.is_whole = (frame.flags() & msg::FRAME_ALL_OR_NOTHING) != 0;
+    entry.after = frame.sequence_number - 1;
+    entry.is_whole = (frame.flags & msg::FRAME_ALL_OR_NOTHING) != 0;
     const std::scoped_lock lock(mutex_);
-    add(key, command.axis(), std::move(entry));
+    add(key, command.axis, std::move(entry));
   }
 }
 
@@ -144,11 +144,11 @@ void CommandHistory::note_frame(const BenchKey& key, const msg::CommandFrame& fr
 void CommandHistory::take_back(Entry& entry, std::uint16_t axis, const msg::CommandReply& reply) {
   constexpr ObjectAddress kMode = kObjectRows["op_mode_cmd"_object].address;
   constexpr ObjectAddress kControlword = kObjectRows["ds402_controlword"_object].address;
-  const auto& ignored = reply.ignored_set_points();
+  const auto& ignored = reply.ignored_set_points;
   if (std::ranges::find(ignored, axis) != ignored.end()) entry.controlword.reset();
-  for (const msg::Refusal& refusal : reply.refusals()) {
-    if (refusal.axis() != axis) continue;
-    const ObjectAddress refused{refusal.index(), refusal.subindex()};
+  for (const msg::Refusal& refusal : reply.refusals) {
+    if (refusal.axis != axis) continue;
+    const ObjectAddress refused{refusal.index, refusal.subindex};
     if (refused == kMode) entry.mode.reset();
     if (refused == kControlword) entry.controlword.reset();
     std::erase(entry.written, refused);
@@ -160,12 +160,12 @@ void CommandHistory::take_back(Entry& entry, std::uint16_t axis, const msg::Comm
 void CommandHistory::forget_refused(Entries& entries, std::uint16_t axis,
                                     const msg::CommandReply& reply) {
   const auto entry = std::ranges::find_if(entries, [&reply](const Entry& each) {
-    return each.tick == 0 && each.after + 1 == reply.sequence_number();
+    return each.tick == 0 && each.after + 1 == reply.sequence_number;
   });
   if (entry == entries.end()) return;
-  const bool is_refused = std::ranges::any_of(reply.refusals(), [&](const msg::Refusal& refusal) {
-    const bool is_of_axis = refusal.axis() == axis && refusal.index() == 0;
-    return refusal.axis() == 0 || entry->is_whole || is_of_axis;
+  const bool is_refused = std::ranges::any_of(reply.refusals, [&](const msg::Refusal& refusal) {
+    const bool is_of_axis = refusal.axis == axis && refusal.index == 0;
+    return refusal.axis == 0 || entry->is_whole || is_of_axis;
   });
   take_back(*entry, axis, reply);
   const bool is_empty = !entry->mode && !entry->controlword && entry->written.empty();
@@ -173,42 +173,42 @@ void CommandHistory::forget_refused(Entries& entries, std::uint16_t axis,
 }
 
 void CommandHistory::note_answer(const msg::CommandReply& reply) {
-  if (reply.refusals().empty() && reply.ignored_set_points().empty()) return;
+  if (reply.refusals.empty() && reply.ignored_set_points.empty()) return;
   const std::scoped_lock lock(mutex_);
-  const auto bench = benches_.find(reply.bench());
-  if (bench == benches_.end() || bench->second.incarnation != reply.incarnation()) return;
+  const auto bench = benches_.find(reply.bench);
+  if (bench == benches_.end() || bench->second.incarnation != reply.incarnation) return;
   for (auto& [axis, entries] : bench->second.axes) forget_refused(entries, axis, reply);
 }
 
 /// With the mutex.
 void CommandHistory::note_writes(const BenchKey& key, const msg::Request& request,
                                  const msg::Reply& reply, std::uint64_t last_sequence) {
-  const std::size_t count = std::min(request.objects().size(), reply.objects().size());
+  const std::size_t count = std::min(request.objects.size(), reply.objects.size());
   for (std::size_t i = 0; i < count; ++i) {
-    if (reply.objects()[i].abort_code() != 0) continue;
-    Entry entry = entry_of(request.objects()[i]);
+    if (reply.objects[i].abort_code != msg::Reason::none) continue;
+    Entry entry = entry_of(request.objects[i]);
     if (!entry.mode && !entry.controlword && entry.written.empty()) continue;
     entry.after = last_sequence;
-    entry.tick = reply.tick();
-    add(key, request.objects()[i].axis(), std::move(entry));
+    entry.tick = reply.tick;
+    add(key, request.objects[i].axis, std::move(entry));
   }
 }
 
 void CommandHistory::note_request(const BenchKey& key, const msg::Request& request,
                                   const msg::Reply& reply, std::uint64_t last_sequence) {
   const std::scoped_lock lock(mutex_);
-  switch (request.kind()) {
-    case msg::REQUEST_WRITE:
+  switch (request.kind) {
+    case msg::RequestKind::write:
       note_writes(key, request, reply, last_sequence);
       break;
-    case msg::REQUEST_POWER_CYCLE:
-      for (const std::uint16_t axis : request.axes()) {
-        add(key, axis, {.after = last_sequence, .tick = reply.tick(), .what = "a power cycle"});
+    case msg::RequestKind::power_cycle:
+      for (const std::uint16_t axis : request.axes) {
+        add(key, axis, {.after = last_sequence, .tick = reply.tick, .what = "a power cycle"});
       }
       break;
-    case msg::REQUEST_RESTORE_SNAPSHOT:
+    case msg::RequestKind::restore_snapshot:
       add(key, kAllAxes,
-          {.after = last_sequence, .tick = reply.tick(), .what = "a restored snapshot"});
+          {.after = last_sequence, .tick = reply.tick, .what = "a restored snapshot"});
       break;
     default:
       break;

@@ -4,7 +4,7 @@
 #include "presence/directory.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstdint>
 #include <deque>

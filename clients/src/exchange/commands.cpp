@@ -39,8 +39,8 @@ Outcome Commands::send_one(SentFrames& sent, const FrameContent& content) {
   const auto link = links_.open(target, "commands");
   if (!link) return link.outcome();
   msg::CommandFrame frame = next_frame(target, content);
-  const std::uint64_t sequence = frame.sequence_number();
-  frame.flags(content.flags | msg::FRAME_WANT_REPLY);
+  const std::uint64_t sequence = frame.sequence_number;
+  frame.flags = content.flags | msg::FRAME_WANT_REPLY;
   // Kept before it is sent: the answer may arrive first.
   const msg::CommandFrame& kept =
       unanswered_.add({target.key, sequence}, target.key, std::move(frame));
@@ -52,12 +52,12 @@ Outcome Commands::send_one(SentFrames& sent, const FrameContent& content) {
 msg::CommandFrame Commands::next_frame(const Target& target, const FrameContent& content) {
   msg::CommandFrame frame = holdings_.next_frame(target.key);
   if (!content.moved.empty()) {
-    holdings_.note_running(target.key, content.moved, frame.sequence_number());
+    holdings_.note_running(target.key, content.moved, frame.sequence_number);
   }
-  frame.flags(content.flags);
-  frame.apply_at_tick(content.apply_at_tick);
-  frame.valid_until_tick(content.apply_at_tick);
-  frame.axes() = content.commands;
+  frame.flags = content.flags;
+  frame.apply_at_tick = content.apply_at_tick;
+  frame.valid_until_tick = content.apply_at_tick;
+  frame.axes = content.commands;
   history_.note_frame(target.key, frame);
   return frame;
 }
@@ -79,7 +79,7 @@ Applied Commands::collect(const SentFrames& sent, Outcome outcome) {
   Applied applied;
   for (const std::uint64_t sequence : sent.sequences) {
     const FrameNumber number{sent.target.key, sequence};
-    const std::uint64_t apply_at = unanswered_.message(number).apply_at_tick();
+    const std::uint64_t apply_at = unanswered_.message(number).apply_at_tick;
     if (outcome) {
       outcome = waiter_.wait(sent.target, apply_at == 0 ? kAnswer : kAnswerInItsTick, [&] {
         return unanswered_.is_answered(number);
@@ -87,11 +87,11 @@ Applied Commands::collect(const SentFrames& sent, Outcome outcome) {
     }
     const std::optional<msg::CommandReply> reply = unanswered_.take(number);
     if (!outcome) continue;
-    if (!reply->refusals().empty()) {
+    if (!reply->refusals.empty()) {
       if (applied.outcome) applied.outcome = refusal_of(sent.target, *reply, apply_at);
     } else {
-      applied.tick = std::max(applied.tick, reply->tick());
-      const auto& ignored = reply->ignored_set_points();
+      applied.tick = std::max(applied.tick, reply->tick);
+      const auto& ignored = reply->ignored_set_points;
       applied.ignored_set_points.insert(applied.ignored_set_points.end(), ignored.begin(),
                                         ignored.end());
     }
@@ -109,7 +109,7 @@ bool Commands::is_answered(const SentFrames& sent) const {
 bool Commands::is_refused(const SentFrames& sent) const {
   return std::ranges::any_of(sent.sequences, [&](std::uint64_t sequence) {
     return unanswered_.is_answered({sent.target.key, sequence}, [](const auto& reply) {
-      return !reply.refusals().empty();
+      return !reply.refusals.empty();
     });
   });
 }

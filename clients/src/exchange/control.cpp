@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "exchange/control.hpp"
 
+#include "base/ask.hpp"
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_table.hpp"
@@ -63,8 +64,8 @@ Result<RequestAnswer> Control::exchange(const Target& target, msg::Request reque
 
 void Control::note_acquired(const Target& target, std::span<const std::uint16_t> axes,
                             const msg::Reply& reply) {
-  if (reply.epoch() == 0) return;
-  if (holdings_.note_acquired(target.key, axes, reply.epoch(), !target.steps())) {
+  if (reply.epoch == 0) return;
+  if (holdings_.note_acquired(target.key, axes, reply.epoch, !target.steps())) {
     history_.note_gained(target.key, axes, holdings_.last_sequence(target.key));
   }
   // In lock-step the steps themselves keep control.
@@ -90,9 +91,9 @@ Outcome Control::acquire(const Target& target, std::span<const std::uint16_t> ax
 
 Outcome Control::acquire_part(const Target& target, std::span<const std::uint16_t> axes,
                               bool by_force) {
-  msg::Request request;
-  request.kind(by_force ? msg::REQUEST_TAKE_OVER : msg::REQUEST_ACQUIRE);
-  request.axes().assign(axes.begin(), axes.end());
+  ask::Axes wanted(axes.begin(), axes.end());
+  msg::Request request =
+      by_force ? ask::take_over(std::move(wanted)) : ask::acquire(std::move(wanted));
   const std::string what =
       "control of " + (axes.size() == 1 ? name_of(target, axes.front()) : name_of(target));
   {
@@ -108,15 +109,16 @@ Outcome Control::acquire_part(const Target& target, std::span<const std::uint16_
 
 Result<RequestAnswer> Control::write(const Target& target, msg::Request request,
                                      std::string_view what) {
-  const bool commands = std::ranges::any_of(request.objects(), [](const msg::ObjectAccess& access) {
-    return has_role({access.index(), access.subindex()}, Role::command);
+  const bool commands = std::ranges::any_of(request.objects, [](const msg::ObjectAccess& access) {
+    return has_role({access.index, access.subindex}, Role::command);
   });
   // A store waits for a disk: it must not hold up the keep-alives.
   if (!commands) return requests_.exchange(target, std::move(request), what);
-  const std::uint16_t axis = request.objects().front().axis();
+  const std::uint16_t axis = request.objects.front().axis;
   auto sending = holdings_.lock_sending(target.key.number);
   auto reply = carry_out(target, std::move(request), what);
-  const bool is_taken = reply && reply->objects().front().abort_code() == 0 && reply->epoch() != 0;
+  const bool is_taken =
+      reply && reply->objects.front().abort_code == msg::Reason::none && reply->epoch != 0;
   if (is_taken) note_acquired(target, {&axis, 1}, *reply);
   sending.unlock();
   if (is_taken) names_.introduce(target.key.number);
@@ -127,14 +129,10 @@ Result<std::uint64_t> Control::stop(const Target& target, std::span<const std::u
                                     std::uint16_t word) {
   std::vector<msg::Request> requests;
   for (const std::uint16_t axis : axes) {
-    if (requests.empty() || requests.back().objects().size() == msg::MAX_OBJECTS_PER_REQUEST) {
-      requests.emplace_back().kind(msg::REQUEST_WRITE);
+    if (requests.empty() || requests.back().objects.size() == msg::MAX_OBJECTS_PER_REQUEST) {
+      requests.push_back(ask::write({}));
     }
-    auto& access = requests.back().objects().emplace_back();
-    access.axis(axis);
-    access.index(kControlword.index);
-    access.subindex(kControlword.subindex);
-    access.value(word);
+    requests.back().objects.push_back(ask::object(axis, kControlword, word));
   }
   const auto sending = holdings_.lock_sending(target.key.number);
   const auto replies =
@@ -148,11 +146,11 @@ Result<std::uint64_t> Control::stop(const Target& target, std::span<const std::u
   }
   std::uint64_t tick = 0;
   for (const msg::Reply& reply : *replies) {
-    tick = std::max(tick, reply.tick());
-    for (const msg::ObjectResult& result : reply.objects()) {
-      if (result.abort_code() != 0) {
-        return Outcome::refused(result.abort_code(),
-                                "stop of " + name_of(target, result.axis()) + " refused");
+    tick = std::max(tick, reply.tick);
+    for (const msg::ObjectResult& result : reply.objects) {
+      if (result.abort_code != msg::Reason::none) {
+        return Outcome::refused(wire::number(result.abort_code),
+                                "stop of " + name_of(target, result.axis) + " refused");
       }
     }
     // The halt of an axis that has become free takes it.
@@ -196,10 +194,7 @@ Outcome Control::release(const Target& target, std::span<const std::vector<std::
   std::vector<std::uint64_t> sent;
   Outcome result;
   for (const std::vector<std::uint16_t>& axes : parts) {
-    msg::Request request;
-    request.kind(msg::REQUEST_RELEASE);
-    request.axes() = axes;
-    const auto number = requests_.send(target, std::move(request), kReleaseAnswer);
+    const auto number = requests_.send(target, ask::release(axes), kReleaseAnswer);
     if (!number) {
       result = number.outcome();
       break;

@@ -8,7 +8,7 @@
 #include "exchange/session_names.hpp"
 #include "presence/target.hpp"
 #include "vdrive/client/session.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstdint>
 #include <span>

@@ -44,16 +44,16 @@ bool Holdings::note_acquired(const BenchKey& key, std::span<const std::uint16_t>
 }
 
 void Holdings::note_answer(const msg::CommandReply& reply) {
-  const bool is_lost = std::ranges::any_of(reply.refusals(), [](const msg::Refusal& refusal) {
-    return refusal.axis() == 0 && (refusal.reason() == msg::REASON_STALE_EPOCH ||
-                                   refusal.reason() == msg::REASON_WRONG_INCARNATION);
+  const bool is_lost = std::ranges::any_of(reply.refusals, [](const msg::Refusal& refusal) {
+    return refusal.axis == 0 && (refusal.reason == msg::Reason::stale_epoch ||
+                                 refusal.reason == msg::Reason::wrong_incarnation);
   });
   if (!is_lost) return;
-  const BenchKey key{reply.bench(), reply.incarnation()};
+  const BenchKey key{reply.bench, reply.incarnation};
   const std::scoped_lock lock(mutex_);
   const auto held = holdings_.find(key.number);
   if (held == holdings_.end() || held->second.key != key) return;
-  if (reply.sequence_number() >= held->second.epoch_since) held->second.axes.clear();
+  if (reply.sequence_number >= held->second.epoch_since) held->second.axes.clear();
 }
 
 bool Holdings::holds(const BenchKey& key, std::span<const std::uint16_t> axes) {
@@ -137,11 +137,11 @@ std::vector<BenchKey> Holdings::to_keep_alive() const {
 
 msg::CommandFrame Holdings::frame_of(Holding& held) const {
   msg::CommandFrame frame;
-  frame.bench(held.key.number);
-  frame.incarnation(held.key.incarnation);
-  frame.session(session_);
-  frame.epoch(held.epoch);
-  frame.sequence_number(++held.sequence);
+  frame.bench = held.key.number;
+  frame.incarnation = held.key.incarnation;
+  frame.session = session_;
+  frame.epoch = held.epoch;
+  frame.sequence_number = ++held.sequence;
   return frame;
 }
 

@@ -3,7 +3,7 @@
 
 #include "presence/directory.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstdint>
 #include <map>

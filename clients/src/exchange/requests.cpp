@@ -15,11 +15,11 @@ Result<std::uint64_t> Requests::send(const Target& target, msg::Request request,
   const auto link = links_.open(target, "requests", patience);
   if (!link) return link.outcome();
   const std::uint64_t number = ++last_number_;
-  request.client(session_);
-  request.request_id(number);
-  request.bench(target.key.number);
-  request.incarnation(target.key.incarnation);
-  request.session(session_);
+  request.client = session_;
+  request.request_id = number;
+  request.bench = target.key.number;
+  request.incarnation = target.key.incarnation;
+  request.session = session_;
   // Kept before it is sent: the reply may arrive first.
   const msg::Request& kept = unanswered_.add(number, target.key, std::move(request));
   if (links_.send(*link, kept)) return number;
@@ -45,7 +45,7 @@ Result<RequestAnswer> Requests::exchange(const Target& target, msg::Request requ
   patience.silence = silence;
   auto reply = await(target, *number, patience);
   if (!reply) return reply;
-  if (reply->reason() != msg::REASON_NONE) return refusal_of(target, *reply, what);
+  if (reply->reason != msg::Reason::none) return refusal_of(target, *reply, what);
   return reply;
 }
 
@@ -71,7 +71,7 @@ Result<std::vector<RequestAnswer>> Requests::exchange_all(const Target& target,
     auto reply = await(target, number, kAnswer);
     if (!reply) {
       outcome = reply.outcome();
-    } else if (reply->reason() != msg::REASON_NONE) {
+    } else if (reply->reason != msg::Reason::none) {
       outcome = refusal_of(target, *reply, what);
     } else {
       replies.push_back(std::move(*reply));

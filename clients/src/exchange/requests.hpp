@@ -5,7 +5,7 @@
 #include "exchange/unanswered.hpp"
 #include "exchange/waiter.hpp"
 #include "presence/target.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <atomic>
 #include <chrono>

@@ -64,11 +64,11 @@ void SessionNames::introduce(std::uint32_t bench) {
     return;
   }
   msg::SessionName message;
-  message.bench(bench);
-  message.session(session_);
-  message.program(own_.program);
-  message.process(own_.process);
-  message.host(own_.host);
+  message.bench = bench;
+  message.session = session_;
+  message.program = own_.program;
+  message.process = own_.process;
+  message.host = own_.host;
   (void)publication_->write(message);
 }
 
@@ -106,15 +106,15 @@ void SessionNames::listen() {
 }
 
 void SessionNames::on_name(const msg::BenchSession& message) {
-  if (message.place() >= kPlacesOfBench || !discovery_.sees(message.bench())) return;
+  if (message.place >= kPlacesOfBench || !discovery_.sees(message.bench)) return;
   {
     const std::scoped_lock lock(mutex_);
-    const Place place{message.bench(), message.place()};
+    const Place place{message.bench, message.place};
     if (names_.size() >= kMostKnown && !names_.contains(place)) return;
-    names_[place] = {.session = message.session(),
-                     .name = shown_name({.program = message.program().c_str(),
-                                         .process = message.process(),
-                                         .host = message.host().c_str()})};
+    names_[place] = {.session = message.session,
+                     .name = shown_name({.program = message.program.to_string(),
+                                         .process = message.process,
+                                         .host = message.host.to_string()})};
   }
   wakeup_.notify();
 }

@@ -3,7 +3,7 @@
 
 #include "presence/directory.hpp"
 #include "vdrive/wire/status_frame.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -36,8 +36,7 @@ class Waiter {
   /// Waits until `condition` holds; it is called after each change, without a lock.
   template <typename Condition>
   Outcome wait(const Target& target, const Patience& patience, const Condition& condition) {
-    const auto begin = Wakeup::Clock::now();
-    const auto pauses = discovery_.own_pauses();
+    const auto begin = discovery_.running_time();
     while (true) {
       // Before the condition: what changes after it ends the wait at once.
       const std::uint64_t changes = wakeup_.changes();
@@ -50,7 +49,7 @@ class Waiter {
       if (condition()) return {};
       if (auto end = end_of_wait(target, patience, begin)) return std::move(*end);
       // Each time anew: a pause of this program moves it.
-      const auto deadline = begin + patience.timeout + (discovery_.own_pauses() - pauses);
+      const auto deadline = begin + patience.timeout + discovery_.own_pauses();
       if (Wakeup::Clock::now() >= deadline) return timed_out(target);
       wakeup_.work_until(changes, target.key.number,
                          std::min(deadline, now + (is_broken ? kReconnectPeriod : kPeriod)));
@@ -62,8 +61,8 @@ class Waiter {
   static constexpr std::chrono::milliseconds kPeriod{50};
   static constexpr std::chrono::milliseconds kReconnectPeriod{5};
 
-  /// @return why a wait that began at `begin` ends without what it waits for; nothing = it
-  /// continues.
+  /// @return why a wait that began at the running time `begin` ends without what it waits for;
+  ///         nothing = it continues.
   [[nodiscard]] std::optional<Outcome> end_of_wait(const Target& target, const Patience& patience,
                                                    Wakeup::Clock::time_point begin) const;
   [[nodiscard]] static Outcome timed_out(const Target& target);

@@ -65,7 +65,7 @@ Result<GroupLayout> layout_of(std::vector<AxisId> axes) {
   for (std::size_t place = 0; place < axes.size(); ++place) {
     const AxisId& id = axes[place];
     if (!seen.insert(id).second) {
-      return Outcome::refused(msg::REASON_AXIS_TWICE,
+      return Outcome::refused(wire::number(msg::Reason::axis_twice),
                               "axis " + to_string(id) + " appears twice in the group");
     }
     auto bench = std::ranges::find(layout.benches, id.bench, &GroupLayout::Bench::number);
@@ -73,7 +73,7 @@ Result<GroupLayout> layout_of(std::vector<AxisId> axes) {
       bench = layout.benches.insert(bench, {.number = id.bench, .axes = {}, .places = {}});
     }
     if (bench->axes.size() == msg::MAX_AXES_PER_FRAME) {
-      return Outcome::refused(msg::REASON_TOO_MANY_AXES,
+      return Outcome::refused(wire::number(msg::Reason::too_many_axes),
                               "axis " + to_string(id) + " is too many: a group can have " +
                                   std::to_string(msg::MAX_AXES_PER_FRAME) + " axes of one bench");
     }
@@ -280,7 +280,7 @@ Result<AxisGroup> AxisGroup::create(Session& session, std::span<const Axis> axes
   std::vector<AxisId> ids;
   for (const Axis& axis : axes) {
     if (axis.core_ != session.core_) {
-      return Outcome::refused(msg::REASON_BAD_SESSION,
+      return Outcome::refused(wire::number(msg::Reason::bad_session),
                               "axis " + to_string(axis.id()) + " belongs to another session");
     }
     ids.push_back(axis.id());
@@ -455,7 +455,7 @@ Outcome AxisGroup::monitor(bool on) {
   AxesCall call = state_->call({});
   if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
   if (call.steps()) {
-    return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
+    return Outcome::refused(wire::number(msg::Reason::wrong_clock_mode),
                             "a monitor needs a clock that runs by itself");
   }
   state_->monitor = std::jthread(

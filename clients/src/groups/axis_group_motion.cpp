@@ -153,9 +153,9 @@ MotionJerk jerk_from(const std::vector<std::int64_t>& values) {
 }
 
 void add_target(msg::AxisCommand& command, std::int32_t target) {
-  command.members(
-      static_cast<std::uint16_t>(command.members() | msg::HAS_POSITION_USER_TARGET_VALUE));
-  command.position_user_target_value(target);
+  command.members =
+      static_cast<std::uint16_t>(command.members | msg::HAS_POSITION_USER_TARGET_VALUE);
+  command.position_user_target_value = target;
 }
 
 /// The whole handshake: bit 4 low, the set-point's edge with the common times, bit 4 low again. The
@@ -168,8 +168,8 @@ std::array<Round, 3> start_rounds(const AxesCall& call, const LineRequest& reque
   for (Round& round : rounds) round.flags = msg::FRAME_ALL_OR_NOTHING;
   for (std::size_t place = 0; place < request.targets.size(); ++place) {
     msg::AxisCommand& before = rounds[0].entries[place].command;
-    before.members(static_cast<std::uint16_t>(before.members() | msg::HAS_OP_MODE_CMD));
-    before.op_mode_cmd(static_cast<std::int8_t>(OperatingMode::profile_position));
+    before.members = static_cast<std::uint16_t>(before.members | msg::HAS_OP_MODE_CMD);
+    before.op_mode_cmd = static_cast<std::int8_t>(OperatingMode::profile_position);
     msg::AxisCommand& edge = rounds[1].entries[place].command;
     add_object(edge, kDuration, plan.times.duration.count());
     add_object(edge, kAccelerationTime, plan.times.acceleration.count());

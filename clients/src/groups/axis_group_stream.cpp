@@ -34,8 +34,8 @@ const StreamedRow& streamed_row(Streamed what) {
 
 void put_set_point(msg::AxisCommand& command, const StreamedRow& row, std::int32_t value) {
   if (row.what == Streamed::positions) {
-    command.members(msg::HAS_POSITION_USER_TARGET_VALUE);
-    command.position_user_target_value(value);
+    command.members = msg::HAS_POSITION_USER_TARGET_VALUE;
+    command.position_user_target_value = value;
   } else {
     add_object(command, vdrive::describe(row.object).address, value);
   }
@@ -59,8 +59,8 @@ Outcome release_positions(AxesCall& call, std::vector<std::size_t>& released) {
     if ((*habits)[place].front() == 0) continue;
     released.push_back(place);
     msg::AxisCommand command = call.command_to(place);
-    command.members(msg::HAS_POSITION_USER_TARGET_VALUE);
-    command.position_user_target_value(call.snapshots()[place].status.position_demand_value);
+    command.members = msg::HAS_POSITION_USER_TARGET_VALUE;
+    command.position_user_target_value = call.snapshots()[place].status.position_demand_value;
     add_word(command, kReleaseStream);
     round.entries.push_back({place, std::move(command)});
   }
@@ -79,8 +79,8 @@ Outcome release_positions(AxesCall& call, std::vector<std::size_t>& released) {
 Round mode_round(const AxesCall& call, OperatingMode mode) {
   Round round = call.round_to(every_axis);
   for (Round::Entry& entry : round.entries) {
-    entry.command.members(msg::HAS_OP_MODE_CMD);
-    entry.command.op_mode_cmd(static_cast<std::int8_t>(mode));
+    entry.command.members = msg::HAS_OP_MODE_CMD;
+    entry.command.op_mode_cmd = static_cast<std::int8_t>(mode);
   }
   round.flags = msg::FRAME_ALL_OR_NOTHING;
   return round;

@@ -2,6 +2,7 @@
 #include "presence/directory.hpp"
 
 #include "vdrive/wire/conversion.hpp"
+#include "vdrive_messages_description.hpp"
 
 #include <algorithm>
 
@@ -9,59 +10,67 @@ namespace vdrive::client {
 namespace {
 
 AxisInfo axis_info(std::uint32_t bench, const msg::AxisDescription& axis) {
-  return {.id = {bench, axis.axis()},
-          .name = axis.name().to_string(),
-          .supported_drive_modes = axis.supported_drive_modes(),
-          .user_position_lower_limit = axis.user_position_lower_limit(),
-          .user_position_upper_limit = axis.user_position_upper_limit(),
-          .app_speed_limit = axis.app_speed_limit(),
+  return {.id = {bench, axis.axis},
+          .name = axis.name.to_string(),
+          .supported_drive_modes = axis.supported_drive_modes,
+          .user_position_lower_limit = axis.user_position_lower_limit,
+          .user_position_upper_limit = axis.user_position_upper_limit,
+          .app_speed_limit = axis.app_speed_limit,
           .unit = wire::unit_of(axis)};
 }
 
 void describe(BenchInfo& info, const msg::BenchDescription& message) {
-  info.number = message.bench();
-  info.incarnation = message.incarnation();
-  info.name = message.name().to_string();
-  info.clock_mode = wire::clock_mode_of(message.clock_mode());
-  info.period = std::chrono::microseconds(std::max<std::uint32_t>(message.period_us(), 1));
-  info.status_every_ticks = std::max<std::uint32_t>(message.status_every_ticks(), 1);
-  info.user_units_per_revolution = message.user_units_per_revolution();
-  info.dictionary_version = message.dictionary_version().to_string();
-  info.service_version = message.service_version().to_string();
+  info.number = message.bench;
+  info.incarnation = message.incarnation;
+  info.name = message.name.to_string();
+  info.clock_mode = wire::from_message(message.clock_mode);
+  info.period = std::chrono::microseconds(std::max<std::uint32_t>(message.period_us, 1));
+  info.status_every_ticks = std::max<std::uint32_t>(message.status_every_ticks, 1);
+  info.user_units_per_revolution = message.user_units_per_revolution;
+  info.dictionary_version = message.dictionary_version.to_string();
+  info.service_version = message.service_version.to_string();
+}
+
+void note_figures(std::vector<Figure>& figures, const msg::BenchState& message) {
+  auto figure = figures.begin();
+  wire::for_each_figure<msg::BenchState>([&](const auto& member) {
+    (figure++)->value = message.*member.pointer;
+  });
 }
 
 }  // namespace
 
 void Directory::on_description(const msg::BenchDescription& message, const wire::Source& source,
                                Clock::time_point now) {
-  Entry* const entry = entry_of({message.bench(), message.incarnation()}, now);
+  Entry* const entry = entry_of({message.bench, message.incarnation}, now);
   if (entry == nullptr) return;
-  entry->offline = !message.alive();
+  entry->offline = !message.alive;
   if (entry->offline) return;
   describe(entry->info, message);
   entry->source = source;
-  entry->part_count = message.parts();
-  if (!entry->parts.contains(message.part()) && !has_room_for_part(now)) return;
-  std::vector<AxisInfo>& axes = entry->parts[message.part()];
+  entry->part_count = message.parts;
+  if (!entry->parts.contains(message.part) && !has_room_for_part(now)) return;
+  std::vector<AxisInfo>& axes = entry->parts[message.part];
   axes.clear();
-  for (const msg::AxisDescription& axis : message.axes()) {
-    axes.push_back(axis_info(message.bench(), axis));
+  for (const msg::AxisDescription& axis : message.axes) {
+    axes.push_back(axis_info(message.bench, axis));
   }
 }
 
 void Directory::on_state(const msg::BenchState& message, Clock::time_point now) {
-  const BenchKey key{message.bench(), message.incarnation()};
-  note_sample(key, message.tick(), now);
-  note_time(key, {message.tick(), message.skipped_ticks()});
+  const BenchKey key{message.bench, message.incarnation};
+  note_sample(key, message.tick, now);
+  note_time(key, {message.tick, message.skipped_ticks});
   const auto found = entries_.find(key);
   if (found == entries_.end()) return;
   Entry& entry = found->second;
-  entry.info.rate = message.rate();
-  entry.info.wire_starts = message.wire_starts();
-  entry.info.longest_silence = std::chrono::microseconds(message.longest_silence_us());
+  entry.info.rate = message.rate;
+  note_figures(entry.info.figures, message);
+  entry.info.wire_starts = message.wire_starts;
+  entry.info.longest_silence = std::chrono::microseconds(message.longest_silence_us);
   entry.rate_time = now;
-  entry.steppers = message.steppers();
-  entry.slowest_stepper = message.slowest_stepper();
+  entry.steppers = message.steppers;
+  entry.slowest_stepper = message.slowest_stepper;
 }
 
 void Directory::note_sender(const BenchKey& key, const wire::Source& source) {
@@ -108,12 +117,15 @@ bool Directory::forget_the_most_silent(Clock::time_point now) {
 
 std::vector<SeenRun> Directory::seen_runs(Clock::time_point now) const {
   std::vector<SeenRun> runs;
+  const bool is_excused = presence_.is_excused(now);
   for (const auto& [key, entry] : entries_) {
-    if (!entry.newest_sample || entry.part_count == 0) continue;
+    const auto silence = silence_of(entry, now);
+    if (entry.part_count == 0 || (!silence && !entry.newest_sample && !entry.offline)) continue;
+    const auto age = silence.value_or(now - entry.newest_sample.value_or(now));
     const bool stands = entry.info.clock_mode == ClockMode::lockstep ||
                         (entry.info.clock_mode == ClockMode::realtime && entry.info.rate == 0.0);
     runs.push_back({.key = key,
-                    .age = now < excused_until_ ? Clock::duration() : now - *entry.newest_sample,
+                    .age = is_excused ? Clock::duration() : age,
                     .is_offline = entry.offline,
                     .is_streaming = !stands});
   }
@@ -162,24 +174,39 @@ void Directory::note_time(const BenchKey& key, const RunTime& time) {
   entry.time = time;
 }
 
-bool Directory::Entry::is_present(Clock::time_point now) const {
-  return !offline && part_count != 0 && parts.size() == part_count && newest_sample &&
-         now - *newest_sample < kPresence;
+/// A description does not have the rate of a bench in real time, and the first sample of a paused
+/// one is a state, which does: without it a session would take that bench for one that runs.
+std::optional<Directory::Clock::duration> Directory::silence_of(const Entry& entry,
+                                                                Clock::time_point now) const {
+  if (entry.info.clock_mode == ClockMode::realtime && !entry.newest_sample) return std::nullopt;
+  return presence_.silence(entry.source, entry.newest_sample, now);
+}
+
+bool Directory::is_heard(const Entry& entry, std::chrono::milliseconds patience,
+                         Clock::time_point now) const {
+  if (entry.offline) return false;
+  const auto silence = silence_of(entry, now);
+  return silence && *silence < patience;
+}
+
+bool Directory::is_present(const Entry& entry, Clock::time_point now) const {
+  return entry.part_count != 0 && entry.parts.size() == entry.part_count &&
+         is_heard(entry, kPresence, now);
 }
 
 template <typename Visit>
 void Directory::for_each_present(Clock::time_point now, const Visit& visit) const {
   std::optional<std::uint32_t> last;
   for (const auto& run : entries_) {
-    if (run.first.number == last || !run.second.is_present(now)) continue;
+    if (run.first.number == last || !is_present(run.second, now)) continue;
     last = run.first.number;
     visit(run);
   }
 }
 
-PresentBench Directory::whole(const Entry& entry, Clock::time_point now) {
+PresentBench Directory::whole(const Entry& entry, Clock::time_point now) const {
   PresentBench bench{entry.info, entry.source};
-  bench.info.sample_age = now - *entry.newest_sample;
+  bench.info.sample_age = silence_of(entry, now).value_or(Clock::duration());
   for (const auto& [part, axes] : entry.parts) {
     bench.info.axes.insert(bench.info.axes.end(), axes.begin(), axes.end());
   }
@@ -206,7 +233,7 @@ const std::pair<const BenchKey, Directory::Entry>* Directory::find_run(
     std::uint32_t number, Clock::time_point now) const {
   for (auto run = entries_.lower_bound({.number = number});
        run != entries_.end() && run->first.number == number; ++run) {
-    if (run->second.is_present(now)) return &*run;
+    if (is_present(run->second, now)) return &*run;
   }
   return nullptr;
 }
@@ -232,29 +259,30 @@ std::size_t Directory::described() const {
 bool Directory::has_shown_itself(const wire::Source& source, Clock::time_point now) const {
   return std::ranges::any_of(entries_, [&](const auto& item) {
     const Entry& entry = item.second;
-    return entry.source == source && (entry.offline || entry.is_present(now));
+    return entry.source == source && (entry.offline || is_present(entry, now));
   });
 }
 
 bool Directory::expects_more(Clock::time_point now) const {
-  return std::ranges::any_of(entries_, [now](const auto& item) {
+  return std::ranges::any_of(entries_, [&](const auto& item) {
     const Entry& entry = item.second;
-    return !entry.offline && !entry.is_present(now) && now - entry.newest < kPresence;
+    return !entry.offline && !is_present(entry, now) && now - entry.newest < kPresence;
   });
 }
 
 bool Directory::is_alive(const BenchKey& key, std::chrono::milliseconds patience,
                          Clock::time_point now) const {
   const auto entry = entries_.find(key);
-  return entry != entries_.end() && !entry->second.offline && entry->second.newest_sample &&
-         now - *entry->second.newest_sample < patience;
+  return entry != entries_.end() && is_heard(entry->second, patience, now);
 }
 
 std::optional<std::chrono::milliseconds> Directory::age(const BenchKey& key,
                                                         Clock::time_point now) const {
   const auto entry = entries_.find(key);
-  if (entry == entries_.end() || !entry->second.newest_sample) return std::nullopt;
-  return std::chrono::duration_cast<std::chrono::milliseconds>(now - *entry->second.newest_sample);
+  if (entry == entries_.end()) return std::nullopt;
+  const auto silence = silence_of(entry->second, now);
+  if (!silence) return std::nullopt;
+  return std::chrono::duration_cast<std::chrono::milliseconds>(*silence);
 }
 
 BenchKey Directory::newest_run(std::uint32_t number) const {
@@ -292,13 +320,6 @@ std::optional<std::uint32_t> Directory::ended_bench() const {
 bool Directory::is_offline(const BenchKey& key) const {
   const auto entry = entries_.find(key);
   return entry != entries_.end() && entry->second.offline;
-}
-
-void Directory::discount(Clock::duration pause) {
-  for (auto& [key, entry] : entries_) {
-    entry.newest += pause;
-    if (entry.newest_sample) *entry.newest_sample += pause;
-  }
 }
 
 std::uint64_t Directory::tick(const BenchKey& key) const {

@@ -3,8 +3,9 @@
 
 #include "base/run_time.hpp"
 #include "vdrive/client/bench.hpp"
+#include "vdrive/wire/presence.hpp"
 #include "vdrive/wire/source.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <chrono>
 #include <compare>
@@ -45,36 +46,23 @@ struct PresentBench {
 /// A run of a service, as its samples show it.
 struct SeenRun {
   BenchKey key;
-  std::chrono::nanoseconds age{};  ///< of its newest sample
+  std::chrono::nanoseconds age{};  ///< of the newest sign that it is there
   bool is_offline = false;
   bool is_streaming = false;  ///< its ticks pass and are published
 };
 
-/// Which benches exist, judged by the age of their samples: a description comes from the history of
-/// DDS and does not show that the service still runs. Time is an argument. Not thread-safe.
+/// Which benches exist: what they publish about themselves, and whether they are there. A
+/// description comes from the history and does not show that the service still runs. Time is an
+/// argument: Presence::running_time. Not thread-safe.
 class Directory {
  public:
-  using Clock = std::chrono::steady_clock;
+  using Clock = wire::Presence::Clock;
+
+  explicit Directory(const wire::Presence& presence) : presence_(presence) {}
 
   void on_description(const msg::BenchDescription& message, const wire::Source& source,
                       Clock::time_point now);
   void on_state(const msg::BenchState& message, Clock::time_point now);
-
-  /// Where it is known who is there, each run whose sender is there has a sample as young as `now`.
-  /// One in real time first has to send a state: only that has its rate.
-  /// @param bench whose runs; nothing = those of every bench
-  /// @param is_there called with the participant that sends for a run
-  template <typename IsThere>
-  void confirm(Clock::time_point now, std::optional<std::uint32_t> bench, const IsThere& is_there) {
-    const auto begin = bench ? entries_.lower_bound({.number = *bench}) : entries_.begin();
-    for (auto run = begin; run != entries_.end(); ++run) {
-      auto& [key, entry] = *run;
-      if (bench && key.number != *bench) return;
-      const bool needs_state =
-          entry.info.clock_mode == ClockMode::realtime && !entry.rate_time.has_value();
-      if (!entry.offline && !needs_state && is_there(entry.source)) entry.newest_sample = now;
-    }
-  }
 
   /// Another live sample of this run: a status frame or an answer.
   void note_sample(const BenchKey& key, std::uint64_t tick, Clock::time_point now);
@@ -86,11 +74,12 @@ class Directory {
   /// network process restarts has a new participant and continues its run.
   void note_sender(const BenchKey& key, const wire::Source& source);
 
-  /// @return the participant that sends for this run; nothing before its first live sample.
+  /// @return the participant that sends for this run; nothing before its description or its
+  ///         first live sample.
   [[nodiscard]] std::optional<wire::Source> source_of(const BenchKey& key) const;
 
-  /// @return the benches with a complete description that are not offline and have a sample
-  ///         within kPresence, by number. Of two with one number the lower incarnation, as the
+  /// @return the benches with a complete description that are not offline and have been silent for
+  ///         less than kPresence, by number. Of two with one number the lower incarnation, as the
   ///         services agree.
   [[nodiscard]] std::vector<PresentBench> present(Clock::time_point now) const;
 
@@ -114,11 +103,11 @@ class Directory {
   ///         is still missing.
   [[nodiscard]] bool expects_more(Clock::time_point now) const;
 
-  /// @return whether a sample of this run arrived within `patience` and has not gone offline.
+  /// @return whether this run has been silent for less than `patience` and has not gone offline.
   [[nodiscard]] bool is_alive(const BenchKey& key, std::chrono::milliseconds patience,
                               Clock::time_point now) const;
 
-  /// @return the age of the newest sample of this run; nothing when there is none.
+  /// @return for how long this run has been silent; nothing when it is not there.
   [[nodiscard]] std::optional<std::chrono::milliseconds> age(const BenchKey& key,
                                                              Clock::time_point now) const;
 
@@ -134,13 +123,7 @@ class Directory {
   /// @return whether this run has announced its end.
   [[nodiscard]] bool is_offline(const BenchKey& key) const;
 
-  /// This program did not run for as long: that makes no sample older.
-  void discount(Clock::duration pause);
-
-  /// Benches have to find this program again: until then `presences` has no age.
-  void excuse_silence_until(Clock::time_point time) { excused_until_ = time; }
-
-  /// @return every run that has a description and a sample, by bench; of one bench the newest last.
+  /// @return every run that has a description and was there, by bench; of one the newest last.
   [[nodiscard]] std::vector<SeenRun> seen_runs(Clock::time_point now) const;
 
   /// This run answered that it has another rate, before its state shows it.
@@ -180,9 +163,14 @@ class Directory {
     std::uint64_t slowest_stepper = 0;
     std::optional<RunTime> time;  ///< newest
     std::uint64_t skipped = 0;    ///< ticks since the first one
-
-    [[nodiscard]] bool is_present(Clock::time_point now) const;
   };
+
+  /// @return for how long this run has been silent; nothing when it is not there.
+  [[nodiscard]] std::optional<Clock::duration> silence_of(const Entry& entry,
+                                                          Clock::time_point now) const;
+  [[nodiscard]] bool is_heard(const Entry& entry, std::chrono::milliseconds patience,
+                              Clock::time_point now) const;
+  [[nodiscard]] bool is_present(const Entry& entry, Clock::time_point now) const;
 
   /// Calls `visit(run)` with the item of `entries_` of each bench that is there, by number.
   template <typename Visit>
@@ -191,7 +179,7 @@ class Directory {
   [[nodiscard]] const std::pair<const BenchKey, Entry>* find_run(std::uint32_t number,
                                                                  Clock::time_point now) const;
   /// With the axes of all parts: copied only where they are needed, a bench may have thousands.
-  [[nodiscard]] static PresentBench whole(const Entry& entry, Clock::time_point now);
+  [[nodiscard]] PresentBench whole(const Entry& entry, Clock::time_point now) const;
 
   /// @return the entry of this run, made if there is room; nullptr if there is none.
   Entry* entry_of(const BenchKey& key, Clock::time_point now);
@@ -199,8 +187,8 @@ class Directory {
   /// @return whether one was silent for long enough.
   bool forget_the_most_silent(Clock::time_point now);
 
+  const wire::Presence& presence_;
   std::map<BenchKey, Entry> entries_;
-  Clock::time_point excused_until_{};
 };
 
 }  // namespace vdrive::client

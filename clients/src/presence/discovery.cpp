@@ -4,12 +4,11 @@
 #include "vdrive/number_text.hpp"
 #include "vdrive/quantity.hpp"
 #include "vdrive/text.hpp"
-#include "vdrive/wire/guard.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
 #include <iterator>
-#include <set>
+#include <map>
 #include <span>
 #include <string>
 #include <utility>
@@ -24,12 +23,6 @@ constexpr milliseconds kSearchPeriod{20};
 
 // A service that had no room for this participant reads its announcement again after a change.
 constexpr milliseconds kAnnounceAgain{1'000};
-
-// A program that others have removed has to be found again before it receives anything. The others
-// count from its last datagram, some 0.1 s before its pause begins; finding it takes some 0.1 s,
-// too, longer on a busy machine.
-constexpr milliseconds kForgottenAfter = wire::kPatienceWithVdrive - milliseconds{500};
-constexpr milliseconds kTimeToBeFoundAgain{500};
 
 /// @return the number of the bench whose service has a participant of this name; nothing for every
 ///         other participant.
@@ -57,6 +50,15 @@ std::string list_of(std::span<const PresentBench> benches) {
   return text;
 }
 
+/// By their numbers: what a service has not described has no name.
+std::string list_of(const std::map<std::uint32_t, wire::Source>& services) {
+  std::string text = services.size() == 1 ? "found bench" : "found benches";
+  for (const auto& [bench, source] : services) {
+    text += (bench == services.begin()->first ? " " : ", ") + std::to_string(bench);
+  }
+  return text;
+}
+
 std::vector<AxisInfo> axes_named(std::string_view name, std::span<const PresentBench> benches) {
   std::vector<AxisInfo> axes;
   for (const PresentBench& bench : benches) {
@@ -71,8 +73,10 @@ std::vector<AxisInfo> axes_named(std::string_view name, std::span<const PresentB
 
 Discovery::Discovery(wire::Participant& participant, SessionOptions options, Wakeup& wakeup)
     : participant_(participant),
+      presence_(participant.presence()),
       options_(std::move(options)),
       wakeup_(wakeup),
+      directory_(presence_),
       state_subscription_(participant,
                           [this](const msg::BenchState& message, const wire::Source& source) {
                             on_state(message, source);
@@ -81,34 +85,11 @@ Discovery::Discovery(wire::Participant& participant, SessionOptions options, Wak
           participant, [this](const msg::BenchDescription& message, const wire::Source& source) {
             on_description(message, source);
           }) {
-  if (participant_.knows_who_is_there()) return;  // no age of a sample judges a bench
+  if (!presence_.pulse()) return;
   pulse_.start([this] {
-    const std::scoped_lock lock(mutex_);
-    static_cast<void>(running_time());
-    return OwnPauses::kPeriod;
+    static_cast<void>(own_pauses());
+    return presence_.pulse();
   });
-}
-
-Discovery::Clock::time_point Discovery::running_time() const {
-  const auto now = Clock::now();
-  if (participant_.knows_who_is_there()) return now;
-  const auto pause = own_pauses_.note(now);
-  if (pause != Clock::duration::zero()) {
-    directory_.discount(pause);
-    if (pause >= kForgottenAfter) directory_.excuse_silence_until(now + kTimeToBeFoundAgain);
-  }
-  return now;
-}
-
-Discovery::Clock::time_point Discovery::time_of_judgement(
-    std::optional<std::uint32_t> bench) const {
-  const auto now = running_time();
-  if (participant_.knows_who_is_there()) {
-    directory_.confirm(now, bench, [this](const wire::Source& source) {
-      return participant_.has(source);
-    });
-  }
-  return now;
 }
 
 Outcome Discovery::check_process() const {
@@ -147,10 +128,10 @@ void Discovery::search(std::optional<std::uint32_t> number, const Condition& con
 
 /// @param number of the only bench that is looked for
 Sight Discovery::look(std::optional<std::uint32_t> number) const {
-  const std::vector<wire::OtherParticipant> others = participant_.others();
+  const std::vector<wire::OtherParticipant> others = presence_.others();
   Sight sight{.participants = others.size()};
   const std::scoped_lock lock(mutex_);
-  const auto now = time_of_judgement(number);
+  const auto now = this->now();
   sight.present = number ? (directory_.find(*number, now) ? 1 : 0) : directory_.count_present(now);
   for (const wire::OtherParticipant& other : others) {
     const auto bench = bench_of_service(other.name);
@@ -162,7 +143,7 @@ Sight Discovery::look(std::optional<std::uint32_t> number) const {
     ++sight.services;
     if (!directory_.has_shown_itself(other.source, now)) ++sight.undescribed;
   }
-  sight.is_complete = participant_.knows_who_is_there() && sight.undescribed == 0;
+  sight.is_complete = !presence_.may_miss_some() && sight.undescribed == 0;
   return sight;
 }
 
@@ -183,61 +164,55 @@ Outcome Discovery::no_bench_found() const {
   const std::string what = options_.bench
                                ? "bench " + std::to_string(*options_.bench) + " was not found"
                                : "no bench was found";
-  const std::string others = others_announced();
-  if (!others.empty()) return Outcome::not_found(what + place() + ", " + others + seen());
-  return Outcome::not_found(what + place() + interfaces() + seen() + advice());
+  const Services others = others_announced();
+  if (!others.empty()) return Outcome::not_found(what + place() + ", " + list_of(others) + seen());
+  return Outcome::not_found(what + place() + with_advice(seen()));
 }
 
-/// By the participants of their services, which come before the descriptions.
-std::set<std::uint32_t> Discovery::announced_benches() const {
-  std::set<std::uint32_t> numbers;
-  for (const wire::OtherParticipant& other : participant_.others()) {
+/// @return those that this session can meet. They come before the descriptions of their benches.
+Discovery::Services Discovery::services() const {
+  Services services;
+  for (const wire::OtherParticipant& other : presence_.others()) {
     if (other.is_closed != participant_.is_closed()) continue;
-    if (const auto bench = bench_of_service(other.name)) numbers.insert(*bench);
+    if (const auto bench = bench_of_service(other.name)) services[*bench] = other.source;
   }
-  return numbers;
+  return services;
 }
 
-/// A session that finds one bench only takes no description of another one. Where it is known who
-/// is there, a bench that has not described itself yet is there, too.
-std::string Discovery::others_announced() const {
-  if (!options_.bench && !knows_who_is_there()) return {};
-  std::set<std::uint32_t> numbers = announced_benches();
-  if (options_.bench) numbers.erase(*options_.bench);
-  std::string text;
-  for (const std::uint32_t number : numbers) {
-    text += (text.empty() ? "" : ", ") + std::to_string(number);
-  }
-  if (text.empty()) return {};
-  return (numbers.size() == 1 ? "found bench " : "found benches ") + text;
+/// @return the services that are to be named although their benches may not have described
+///         themselves: beside the only bench that this session finds all others, of which it takes
+///         no description; else those that are there for certain.
+Discovery::Services Discovery::others_announced() const {
+  Services others = services();
+  std::erase_if(others, [this](const auto& other) {
+    const auto& [bench, source] = other;
+    return options_.bench ? bench == *options_.bench : !presence_.is_certain(source);
+  });
+  return others;
 }
 
 std::string Discovery::what_is_there() const {
   const std::vector<PresentBench> benches = present();
-  const bool are_all = !knows_who_is_there() || benches.size() == announced_benches().size();
-  if (!benches.empty() && are_all) return ", " + list_of(benches) + seen();
-  const std::string others = others_announced();
-  if (!others.empty()) return ", " + others + seen();
-  return interfaces() + ", " + list_of(benches) + seen() + advice();
+  const Services others = others_announced();
+  if (!benches.empty() && others.size() <= benches.size()) return ", " + list_of(benches) + seen();
+  if (!others.empty()) return ", " + list_of(others) + seen();
+  return with_advice(", " + list_of(benches) + seen());
 }
 
 std::string Discovery::place() const {
   return " " + participant_.place();
 }
 
-/// @return through which interfaces this session looks, which matters where it sees nothing.
-std::string Discovery::interfaces() const {
-  if (knows_who_is_there()) return {};
-  return options_.interfaces.empty() ? ", loopback only"
+/// @return the text between the interfaces through which this session looks and the next step of a
+///         person; alone where nothing can be there that was not seen.
+std::string Discovery::with_advice(const std::string& text) const {
+  if (!presence_.may_miss_some()) return text;
+  const std::string interfaces = options_.interfaces.empty()
+                                     ? ", loopback only"
                                      : ", interfaces" + marked(" ", options_.interfaces);
-}
-
-/// @return the next step of a person whose session found no bench; nothing where all that there is
-///         was seen.
-std::string Discovery::advice() const {
-  if (knows_who_is_there()) return {};
-  return "; next step: vdrive --domain " + std::to_string(participant_.domain()) +
-         marked(" --interface ", options_.interfaces) + " doctor";
+  return interfaces + text + "; next step: vdrive --domain " +
+         std::to_string(participant_.domain()) + marked(" --interface ", options_.interfaces) +
+         " doctor";
 }
 
 std::string Discovery::seen() const {
@@ -262,7 +237,7 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
   std::optional<PresentBench> found;
   const auto find = [&] {
     const std::scoped_lock lock(mutex_);
-    found = directory_.find(wanted, time_of_judgement(wanted));
+    found = directory_.find(wanted, now());
     return found.has_value();
   };
   // First without a search: most calls are for a bench that is there.
@@ -281,8 +256,7 @@ Outcome Discovery::not_found(std::optional<std::uint32_t> bench, std::string tex
   if (!bench || !directory_.is_offline(directory_.newest_run(*bench))) {
     return Outcome::not_found(std::move(text));
   }
-  return lost_in_silence({.key = directory_.newest_run(*bench)}, time_of_judgement(*bench),
-                         patience());
+  return lost_in_silence({.key = directory_.newest_run(*bench)}, now(), patience());
 }
 
 /// The name of an axis does not begin with a digit: what begins so is an address.
@@ -339,7 +313,7 @@ bool Discovery::expects_more() const {
   if (options_.bench) return false;
   const std::size_t matched = description_subscription_.matched();
   const std::scoped_lock lock(mutex_);
-  return matched > directory_.described() || directory_.expects_more(time_of_judgement());
+  return matched > directory_.described() || directory_.expects_more(now());
 }
 
 // ---- what arrives ----------------------------------------------------------------------------
@@ -349,21 +323,21 @@ bool Discovery::sees(std::uint32_t bench) const {
 }
 
 void Discovery::on_description(const msg::BenchDescription& message, const wire::Source& source) {
-  if (!sees(message.bench())) return;
+  if (!sees(message.bench)) return;
   {
     const std::scoped_lock lock(mutex_);
-    directory_.on_description(message, source, running_time());
+    directory_.on_description(message, source, now());
   }
   // Without the lock: a woken condition takes it.
   wakeup_.notify();
 }
 
 void Discovery::on_state(const msg::BenchState& message, const wire::Source& source) {
-  if (!sees(message.bench())) return;
+  if (!sees(message.bench)) return;
   {
     const std::scoped_lock lock(mutex_);
-    directory_.on_state(message, running_time());
-    directory_.note_sender({message.bench(), message.incarnation()}, source);
+    directory_.on_state(message, now());
+    directory_.note_sender({message.bench, message.incarnation}, source);
   }
   wakeup_.notify();
 }
@@ -375,13 +349,13 @@ void Discovery::note_sender(const BenchKey& key, const wire::Source& source) {
 
 void Discovery::note_sample(const BenchKey& key, std::uint64_t tick, const wire::Source& source) {
   const std::scoped_lock lock(mutex_);
-  directory_.note_sample(key, tick, running_time());
+  directory_.note_sample(key, tick, now());
   directory_.note_sender(key, source);
 }
 
 void Discovery::note_frame(const BenchKey& key, const RunTime& time, const wire::Source& source) {
   const std::scoped_lock lock(mutex_);
-  directory_.note_sample(key, time.tick, running_time());
+  directory_.note_sample(key, time.tick, now());
   directory_.note_time(key, time);
   directory_.note_sender(key, source);
 }
@@ -396,7 +370,7 @@ void Discovery::set_rate(const BenchKey& key, double rate) {
 std::vector<PresentBench> Discovery::present() const {
   if (origin_.is_inherited()) return {};
   const std::scoped_lock lock(mutex_);
-  return directory_.present(time_of_judgement());
+  return directory_.present(now());
 }
 
 std::optional<wire::Source> Discovery::source_of(const BenchKey& key) const {
@@ -406,12 +380,12 @@ std::optional<wire::Source> Discovery::source_of(const BenchKey& key) const {
 
 bool Discovery::is_alive(const BenchKey& key, milliseconds patience) const {
   const std::scoped_lock lock(mutex_);
-  return directory_.is_alive(key, patience, time_of_judgement(key.number));
+  return directory_.is_alive(key, patience, now());
 }
 
 Outcome Discovery::check_presence(const Target& target) const {
   const std::scoped_lock lock(mutex_);
-  const auto now = time_of_judgement(target.key.number);
+  const auto now = this->now();
   // First: of a service that was restarted at once, samples of the old run are still young.
   if (directory_.is_restarted(target.key, now)) return Outcome::lost(restarted_text(target));
   if (directory_.is_alive(target.key, options_.silence, now)) return {};
@@ -429,7 +403,7 @@ Outcome Discovery::check_last_run(std::uint32_t bench) const {
 
 Outcome Discovery::check_samples(const Target& target, Silence silence) const {
   const std::scoped_lock lock(mutex_);
-  const auto now = time_of_judgement(target.key.number);
+  const auto now = this->now();
   // First: samples that have arrived count, whatever has begun since.
   if (directory_.is_alive(target.key, options_.silence, now)) return {};
   if (directory_.is_restarted(target.key, now)) return Outcome::lost(restarted_text(target));
@@ -454,23 +428,34 @@ Outcome Discovery::lost_in_silence(const Target& target, Clock::time_point now,
 
 std::optional<Target> Discovery::present_target(std::uint32_t bench) const {
   const std::scoped_lock lock(mutex_);
-  const auto present = directory_.find_without_axes(bench, time_of_judgement(bench));
+  const auto present = directory_.find_without_axes(bench, now());
   return present ? std::optional(target_of(*present)) : std::nullopt;
 }
 
+std::optional<Target> Discovery::continuation_of(const BenchKey& run) const {
+  const std::optional<Target> target = present_target(run.number);
+  const bool is_another = target && run.incarnation != 0 && target->key != run;
+  return is_another && !presence_.may_return() ? std::nullopt : target;
+}
+
 bool Discovery::may_be_there(std::uint32_t bench) const {
-  return !knows_who_is_there() || announced_benches().contains(bench);
+  return presence_.may_miss_some() || services().contains(bench);
 }
 
 Outcome Discovery::loss_of(const BenchKey& key) const {
   const std::scoped_lock lock(mutex_);
   const BenchKey run = key.incarnation == 0 ? directory_.newest_run(key.number) : key;
-  return lost_in_silence({.key = run}, time_of_judgement(key.number), patience());
+  return lost_in_silence({.key = run}, now(), patience());
 }
 
 Discovery::Clock::duration Discovery::own_pauses() const {
   const std::scoped_lock lock(mutex_);
-  return own_pauses_.total();
+  return presence_.own_pauses(Clock::now());
+}
+
+Discovery::Clock::time_point Discovery::running_time() const {
+  const std::scoped_lock lock(mutex_);
+  return now();
 }
 
 bool Discovery::is_paused(const BenchKey& key, Clock::time_point since) const {
@@ -498,6 +483,11 @@ std::uint64_t Discovery::tick(const BenchKey& key) const {
   return directory_.tick(key);
 }
 
+bool Discovery::may_be_ahead(const BenchKey& key) const {
+  const auto source = source_of(key);
+  return source && presence_.is_certain(*source);
+}
+
 std::optional<std::uint64_t> Discovery::driven_tick(const BenchKey& key) const {
   const std::scoped_lock lock(mutex_);
   return directory_.driven_tick(key);
@@ -505,7 +495,7 @@ std::optional<std::uint64_t> Discovery::driven_tick(const BenchKey& key) const {
 
 std::vector<ServiceChange> Discovery::changes(ServiceWatch& watch) const {
   const std::scoped_lock lock(mutex_);
-  return watch.changes(directory_, time_of_judgement());
+  return watch.changes(directory_, now());
 }
 
 }  // namespace vdrive::client

@@ -4,22 +4,23 @@
 #include "base/periodic_thread.hpp"
 #include "base/wakeup.hpp"
 #include "presence/directory.hpp"
-#include "presence/own_pauses.hpp"
 #include "presence/search.hpp"
 #include "presence/service_watch.hpp"
 #include "presence/target.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/wire/origin.hpp"
 #include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/presence.hpp"
+#include "vdrive/wire/source.hpp"
 #include "vdrive/wire/subscription.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,9 +34,8 @@ enum class Silence : std::uint8_t {
 };
 
 /// Which benches and axes are there: receives what benches publish about themselves, and answers
-/// questions by the age of their samples, in which times when this program did not run do not
-/// count. Thread-safe; its lock is never held while another one is
-/// taken.
+/// questions by that and by the presence of their participants. Thread-safe; while its lock is held
+/// only that of the presence is taken.
 class Discovery {
  public:
   using Clock = Directory::Clock;
@@ -45,11 +45,6 @@ class Discovery {
   /// Before any lock of the session is taken.
   /// @return lost in a process that was forked from the one of this session.
   [[nodiscard]] Outcome check_process() const;
-
-  /// @return whether a bench that is not seen is not there: wire::Participant::knows_who_is_there.
-  [[nodiscard]] bool knows_who_is_there() const noexcept {
-    return participant_.knows_who_is_there();
-  }
 
   // ---- waiting for a bench
 
@@ -84,10 +79,11 @@ class Discovery {
   /// @return the benches whose samples arrive, by number.
   [[nodiscard]] std::vector<PresentBench> present() const;
 
-  /// @return the participant that sends for this run; nothing before its first live sample.
+  /// @return the participant that sends for this run; nothing before its description or its
+  ///         first live sample.
   [[nodiscard]] std::optional<wire::Source> source_of(const BenchKey& key) const;
 
-  /// @return whether a sample of this run arrived within `patience` and has not gone offline.
+  /// @return whether this run has been silent for less than `patience` and has not gone offline.
   [[nodiscard]] bool is_alive(const BenchKey& key, std::chrono::milliseconds patience) const;
 
   /// @return lost when this run of the service was silent for silence(), ended, or was replaced.
@@ -103,6 +99,11 @@ class Discovery {
   /// @return the run of the bench that is there now; nothing when none is.
   [[nodiscard]] std::optional<Target> present_target(std::uint32_t bench) const;
 
+  /// @return the same as long as it continues `run`: a service that restarts does; what comes with
+  ///         the number of a bench that cannot return is another bench.
+  /// @param run incarnation 0 = none yet: any continues it
+  [[nodiscard]] std::optional<Target> continuation_of(const BenchKey& run) const;
+
   /// @return why nothing comes from a bench that has no run now.
   /// @param key a run of it; incarnation 0 = the one that was seen last
   [[nodiscard]] Outcome loss_of(const BenchKey& key) const;
@@ -114,10 +115,15 @@ class Discovery {
   ///         there is none.
   [[nodiscard]] Unit unit_of(const AxisId& axis) const;
 
-  /// @return for how long this program did not run since it has this object.
+  /// @return for how long this program did not run since it has this object, as far as that makes
+  ///         benches appear silent.
   [[nodiscard]] Clock::duration own_pauses() const;
 
+  /// @return the time without these pauses.
+  [[nodiscard]] Clock::time_point running_time() const;
+
   /// @return whether a state of this run after `since` shows that its drive time stands still.
+  /// @param since a running_time
   [[nodiscard]] bool is_paused(const BenchKey& key, Clock::time_point since = {}) const;
 
   /// @return how many have joined the clock by the newest state.
@@ -128,6 +134,10 @@ class Discovery {
 
   /// @return the newest tick received, 0 when none was.
   [[nodiscard]] std::uint64_t tick(const BenchKey& key) const;
+
+  /// @return whether the run may be far ahead of the newest tick received: it is there for certain,
+  ///         whether it sends something or not.
+  [[nodiscard]] bool may_be_ahead(const BenchKey& key) const;
 
   /// @return the newest tick that a status frame or a state has shown, without the ticks that the
   ///         number has jumped over since the first of them; nothing before that one.
@@ -144,7 +154,15 @@ class Discovery {
     return std::max(options_.patience, options_.silence);
   }
 
+  /// How long what follows a bench that has gone waits for a continuation of it.
+  [[nodiscard]] std::chrono::milliseconds time_to_return() const noexcept {
+    return presence_.may_return() ? patience() : std::chrono::milliseconds(0);
+  }
+
  private:
+  /// The participants of services, by the number of their bench.
+  using Services = std::map<std::uint32_t, wire::Source>;
+
   void on_description(const msg::BenchDescription& message, const wire::Source& source);
   void on_state(const msg::BenchState& message, const wire::Source& source);
   /// What is not found is lost when it was there: this session has met it, and it has ended.
@@ -158,13 +176,9 @@ class Discovery {
   [[nodiscard]] std::string place() const;
   /// @return what the newest search has seen, in brackets.
   [[nodiscard]] std::string seen() const;
-  [[nodiscard]] std::string interfaces() const;
-  [[nodiscard]] std::string advice() const;
-  [[nodiscard]] std::set<std::uint32_t> announced_benches() const;
-  /// @return the benches that are announced beside the only one that this session finds, such as
-  ///         "found benches 1, 2"; empty where none is, and over a network for a session that finds
-  ///         all.
-  [[nodiscard]] std::string others_announced() const;
+  [[nodiscard]] std::string with_advice(const std::string& text) const;
+  [[nodiscard]] Services services() const;
+  [[nodiscard]] Services others_announced() const;
   /// @return the end of the message of a search that found nothing: which benches there are, what
   ///         the search has seen, and where there is no bench the next step.
   [[nodiscard]] std::string what_is_there() const;
@@ -175,23 +189,21 @@ class Discovery {
   /// With the lock. @return why a bench that sends nothing is lost.
   [[nodiscard]] Outcome lost_in_silence(const Target& target, Clock::time_point now,
                                         std::chrono::milliseconds limit) const;
-  /// With the lock. @return the time, after a pause of this program was discounted.
-  Clock::time_point running_time() const;
-  /// With the lock, for the question who is there. Where the participant knows that, the runs of
-  /// this bench, or of all, are confirmed first. @return the time.
-  Clock::time_point time_of_judgement(std::optional<std::uint32_t> bench = {}) const;
+
+  /// With the lock: a pause counts in the order of what arrives. @return the running_time.
+  [[nodiscard]] Clock::time_point now() const { return presence_.running_time(Clock::now()); }
 
   const wire::Origin origin_;
   wire::Participant& participant_;
+  wire::Presence& presence_;
   const SessionOptions options_;
   Wakeup& wakeup_;
-  mutable std::mutex mutex_;  ///< guards the directory, the pauses and what was seen
-  mutable OwnPauses own_pauses_{Clock::now()};
-  mutable Directory directory_;  ///< each question discounts a pause first
+  mutable std::mutex mutex_;  ///< guards the directory and what was seen
+  Directory directory_;
   std::string seen_ = text_of({}, {});
   wire::Subscription<msg::BenchState> state_subscription_;
   wire::Subscription<msg::BenchDescription> description_subscription_;
-  PeriodicThread pulse_;  ///< notes that the program runs
+  PeriodicThread pulse_;  ///< shows that the program runs, where that matters
 };
 
 }  // namespace vdrive::client

@@ -17,7 +17,7 @@ struct Sight {
   std::size_t services = 0;
   std::size_t undescribed = 0;  ///< of these, those that have not shown their bench
   std::size_t unreachable = 0;  ///< services of the other mode: closed for an open session
-  bool is_complete = false;     ///< nobody else is there: on the local bus of this process
+  bool is_complete = false;     ///< nobody else is there, for certain
 };
 
 /// @param delay see SearchTime

@@ -11,7 +11,7 @@
 
 namespace vdrive::client {
 
-/// Finds out what became of services by the age of their samples. Time is an argument. Not
+/// Finds out what became of services by wire::Presence. Time is an argument. Not
 /// thread-safe.
 class ServiceWatch {
  public:

@@ -41,39 +41,39 @@ Outcome not_permitted(const Target& target) {
 Outcome refusal_of(const Target& target, const msg::Reply& reply, std::string_view what) {
   std::string message(what);
   message += " refused";
-  if (reply.owner_session() != 0) {
-    const AxisId axis{reply.refused_axis() == 0 ? 0 : target.key.number, reply.refused_axis()};
-    return Outcome::refused(reply.reason(), std::move(message),
-                            {.axis = axis, .session = reply.owner_session()});
+  if (reply.owner_session != 0) {
+    const AxisId axis{reply.refused_axis == 0 ? 0 : target.key.number, reply.refused_axis};
+    return Outcome::refused(wire::number(reply.reason), std::move(message),
+                            {.axis = axis, .session = reply.owner_session});
   }
-  if (reply.refused_axis() != 0) {
-    message += " because of " + name_of(target, reply.refused_axis());
+  if (reply.refused_axis != 0) {
+    message += " because of " + name_of(target, reply.refused_axis);
   }
-  return Outcome::refused(reply.reason(), std::move(message));
+  return Outcome::refused(wire::number(reply.reason), std::move(message));
 }
 
 Outcome refusal_of(const Target& target, const msg::CommandReply& reply,
                    std::uint64_t apply_at_tick) {
-  const msg::Refusal& refusal = reply.refusals().front();
-  if (refusal.axis() == 0) {
+  const msg::Refusal& refusal = reply.refusals.front();
+  if (refusal.axis == 0) {
     std::string message = name_of(target) + " refused the command frame";
-    if (refusal.reason() == msg::REASON_TOO_LATE && apply_at_tick != 0 &&
-        apply_at_tick < reply.tick()) {
-      message += ", late by " + std::to_string(reply.tick() - apply_at_tick) + " ticks";
+    if (refusal.reason == msg::Reason::too_late && apply_at_tick != 0 &&
+        apply_at_tick < reply.tick) {
+      message += ", late by " + std::to_string(reply.tick - apply_at_tick) + " ticks";
     }
-    return Outcome::refused(refusal.reason(), std::move(message));
+    return Outcome::refused(wire::number(refusal.reason), std::move(message));
   }
-  std::string message = name_of(target, refusal.axis()) + " refused ";
-  if (refusal.index() == 0) {
+  std::string message = name_of(target, refusal.axis) + " refused ";
+  if (refusal.index == 0) {
     message += "the command";
   } else {
-    const ObjectAddress object{refusal.index(), refusal.subindex()};
+    const ObjectAddress object{refusal.index, refusal.subindex};
     const auto row = find_object(object);
-    message += row ? std::string(vdrive::describe(*row).variable_name) : hex(refusal.index(), 4);
-    const std::string advice = advice_on(object, static_cast<AbortCode>(refusal.reason()));
+    message += row ? std::string(vdrive::describe(*row).variable_name) : hex(refusal.index, 4);
+    const std::string advice = advice_on(object, static_cast<AbortCode>(refusal.reason));
     if (!advice.empty()) message += ", " + advice;
   }
-  return Outcome::refused(refusal.reason(), std::move(message));
+  return Outcome::refused(wire::number(refusal.reason), std::move(message));
 }
 
 }  // namespace vdrive::client

@@ -3,7 +3,7 @@
 
 #include "presence/directory.hpp"
 #include "vdrive/client/outcome.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <chrono>
 #include <cstdint>

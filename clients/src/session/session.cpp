@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/client/session.hpp"
 
+#include "base/ask.hpp"
 #include "base/command_objects.hpp"
 #include "session/session_core.hpp"
 #include "vdrive/client/axis.hpp"
@@ -65,7 +66,8 @@ Outcome check_each_once(std::span<const AxisId> axes) {
   std::set<AxisId> seen;
   for (const AxisId& id : axes) {
     if (seen.insert(id).second) continue;
-    return Outcome::refused(msg::REASON_AXIS_TWICE, "axis " + to_string(id) + " is named twice");
+    return Outcome::refused(wire::number(msg::Reason::axis_twice),
+                            "axis " + to_string(id) + " is named twice");
   }
   return {};
 }
@@ -79,18 +81,13 @@ Outcome check_period(std::chrono::milliseconds period) {
 }
 
 /// A request about saved states of a bench.
-Result<RequestAnswer> exchange_snapshot(SessionCore& core, std::uint32_t bench, std::uint32_t kind,
-                                        std::uint64_t snapshot) {
+/// @param what names the state, such as "snapshot 1"
+Result<RequestAnswer> exchange_snapshot(SessionCore& core, std::uint32_t bench,
+                                        msg::Request request,
+                                        const std::string& what = "snapshot") {
   const auto target = core.links.connect(bench);
   if (!target) return target.outcome();
-  msg::Request request;
-  request.kind(kind);
-  request.snapshot(snapshot);
-  const bool names_one =
-      kind == msg::REQUEST_RESTORE_SNAPSHOT || kind == msg::REQUEST_DROP_SNAPSHOT;
-  auto reply = core.control.exchange(
-      *target, std::move(request),
-      "snapshot " + (names_one ? std::to_string(snapshot) + " " : "") + "of " + name_of(*target));
+  auto reply = core.control.exchange(*target, std::move(request), what + " of " + name_of(*target));
   if (!reply) return core.names.named(*target, reply.outcome());
   return reply;
 }
@@ -98,15 +95,15 @@ Result<RequestAnswer> exchange_snapshot(SessionCore& core, std::uint32_t bench, 
 msg::AxisCommand command_of(const SetPoint& point) {
   using namespace literals;
   msg::AxisCommand command;
-  command.axis(point.axis);
+  command.axis = point.axis;
   std::uint16_t members = 0;
   if (point.mode) {
     members |= msg::HAS_OP_MODE_CMD;
-    command.op_mode_cmd(static_cast<std::int8_t>(*point.mode));
+    command.op_mode_cmd = static_cast<std::int8_t>(*point.mode);
   }
   if (point.position) {
     members |= msg::HAS_POSITION_USER_TARGET_VALUE;
-    command.position_user_target_value(*point.position);
+    command.position_user_target_value = *point.position;
   }
   if (point.velocity) {
     add_object(command, kObjectRows["target_velocity"_object].address, *point.velocity);
@@ -119,9 +116,9 @@ msg::AxisCommand command_of(const SetPoint& point) {
   }
   if (point.controlword) {
     members |= msg::HAS_DS402_CONTROLWORD;
-    command.ds402_controlword(*point.controlword);
+    command.ds402_controlword = *point.controlword;
   }
-  command.members(members);
+  command.members = members;
   return command;
 }
 
@@ -298,31 +295,34 @@ Result<std::uint64_t> Session::wait_for_tick(std::uint32_t bench, std::uint64_t 
 }
 
 Result<std::uint64_t> Session::take_snapshot(std::uint32_t bench) {
-  const auto reply = exchange_snapshot(*core_, bench, msg::REQUEST_TAKE_SNAPSHOT, 0);
+  const auto reply = exchange_snapshot(*core_, bench, ask::take_snapshot());
   if (!reply) return reply.outcome();
-  return reply->snapshot();
+  return reply->snapshot;
 }
 
 Result<std::uint64_t> Session::restore_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
-  const auto reply = exchange_snapshot(*core_, bench, msg::REQUEST_RESTORE_SNAPSHOT, snapshot);
+  const auto reply = exchange_snapshot(*core_, bench, ask::restore_snapshot(snapshot),
+                                       "snapshot " + std::to_string(snapshot));
   if (!reply) return reply.outcome();
-  return reply->tick();
+  return reply->tick;
 }
 
 Result<std::vector<KeptSnapshot>> Session::snapshots(std::uint32_t bench) {
   std::vector<KeptSnapshot> kept;
   while (true) {
     const std::uint64_t snapshot = kept.empty() ? 0 : kept.back().number;
-    const auto next = exchange_snapshot(*core_, bench, msg::REQUEST_NEXT_SNAPSHOT, snapshot);
+    const auto next = exchange_snapshot(*core_, bench, ask::next_snapshot(snapshot));
     if (!next) return next.outcome();
     // A service that counts back would never end the list.
-    if (next->snapshot() <= snapshot) return kept;
-    kept.push_back({.number = next->snapshot(), .tick = next->tick()});
+    if (next->snapshot <= snapshot) return kept;
+    kept.push_back({.number = next->snapshot, .tick = next->tick});
   }
 }
 
 Outcome Session::drop_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
-  return exchange_snapshot(*core_, bench, msg::REQUEST_DROP_SNAPSHOT, snapshot).outcome();
+  return exchange_snapshot(*core_, bench, ask::drop_snapshot(snapshot),
+                           "snapshot " + std::to_string(snapshot))
+      .outcome();
 }
 
 Outcome Session::send_set_points(std::uint32_t bench, std::span<const SetPointFrame> frames) {

@@ -55,19 +55,19 @@ SessionCore::SessionCore(const SessionOptions& chosen)
     : options(checked(chosen)),
       id(random_session()),
       holdings(id),
-      participant(settings_of(options), "vdrive client"),
-      discovery(participant, options, wakeup),
-      names(participant, id, options.program, discovery, wakeup),
-      links(participant, id, discovery, {holdings, history, unanswered}, wakeup, failure),
+      participant(wire::make_participant(settings_of(options), "vdrive client")),
+      discovery(*participant, options, wakeup),
+      names(*participant, id, options.program, discovery, wakeup),
+      links(*participant, id, discovery, {holdings, history, unanswered}, wakeup, failure),
       waiter(wakeup, discovery, links),
       requests(id, links, unanswered.requests, waiter),
       commands(links, holdings, history, unanswered.frames, waiter),
       control(options.keep_alive, requests, holdings, history, links, names),
-      clocks(id, requests, holdings, discovery, wakeup, participant),
-      stream(participant, discovery, waiter, wakeup),
+      clocks(id, requests, holdings, discovery, wakeup, *participant),
+      stream(*participant, discovery, waiter, wakeup),
       observer(discovery, links, requests, clocks, stream, waiter),
       watcher(discovery, stream, failure, reports),
-      events(participant, discovery, failure, reports,
+      events(*participant, discovery, failure, reports,
              [this](const PresentBench& bench) {
                return observer.first_tick_of_stream(target_of(bench),
                                                     bench.info.axes.front().id.axis);
@@ -79,7 +79,7 @@ SessionCore::SessionCore(const SessionOptions& chosen)
                }),
       status_reports(reports) {
   wakeup.work_with([this](std::uint32_t bench) {
-    return participant.run_local_work(bench);
+    return participant->run_local_work(bench);
   });
 }
 

@@ -56,7 +56,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   Holdings holdings;
   CommandHistory history;
   UnansweredMessages unanswered;
-  wire::Participant participant;
+  std::unique_ptr<wire::Participant> participant;
   Discovery discovery;
   SessionNames names;
   BenchLinks links;

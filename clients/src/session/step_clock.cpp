@@ -64,7 +64,7 @@ Outcome StepClock::State::add(std::uint32_t bench, std::uint32_t steppers) {
   const auto target = core->links.connect(bench);
   if (!target) return target.outcome();
   if (!target->steps()) {
-    return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
+    return Outcome::refused(wire::number(msg::Reason::wrong_clock_mode),
                             name_of(*target) + " runs in " +
                                 std::string(to_string(target->clock_mode)) +
                                 ", a common clock needs lockstep");
@@ -106,7 +106,7 @@ Outcome StepClock::State::round(std::uint64_t ticks, Clock::time_point deadline)
   std::vector<PendingStep> steppings;
   for (const Member& member : members) {
     const std::uint64_t next = std::min(member.aim, reached_by(member) + ticks);
-    const auto stepping = core->clocks.begin_step_to(member.target, next, {});
+    const auto stepping = core->clocks.begin_step_to(member.target, next);
     if (!stepping) return stepping.outcome();
     steppings.push_back(*stepping);
   }

@@ -14,8 +14,8 @@ void EventFilter::begin(const BenchKey& key, std::uint64_t tick) {
 }
 
 bool EventFilter::passes(const msg::Event& event) {
-  const auto found = runs_.find({event.bench(), event.incarnation()});
-  if (found == runs_.end() || event.tick() < found->second.first_tick) return false;
+  const auto found = runs_.find({event.bench, event.incarnation});
+  if (found == runs_.end() || event.tick < found->second.first_tick) return false;
   std::deque<msg::Event>& passed = found->second.passed;
   if (std::ranges::find(passed, event) != passed.end()) return false;
   if (passed.size() == kRemembered) passed.pop_front();

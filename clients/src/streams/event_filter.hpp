@@ -2,7 +2,7 @@
 #pragma once
 
 #include "presence/directory.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -21,16 +21,16 @@ constexpr std::size_t kMostWaiting = kEventKinds.size() * EventFilter::kRemember
 constexpr std::chrono::milliseconds kMeetPeriod{5};
 
 Event event_of(const msg::Event& message) {
-  return {.bench = message.bench(),
-          .incarnation = message.incarnation(),
-          .axis = message.axis(),
-          .kind = static_cast<EventKind>(message.kind()),
-          .tick = message.tick(),
-          .session = message.session(),
-          .code = message.code(),
-          .error_register = message.error_register(),
-          .suppressed = message.suppressed(),
-          .text = message.text().to_string()};
+  return {.bench = message.bench,
+          .incarnation = message.incarnation,
+          .axis = message.axis,
+          .kind = static_cast<EventKind>(message.kind),
+          .tick = message.tick,
+          .session = message.session,
+          .code = message.code,
+          .error_register = message.error_register,
+          .suppressed = message.suppressed,
+          .text = message.text.to_string()};
 }
 
 }  // namespace
@@ -67,13 +67,13 @@ void EventWatcher::watch(std::function<void(const Event&)> observer, EventHistor
 }
 
 void EventWatcher::on_event(Watch& watch, const msg::Event& message) const {
-  if (discovery_.sees(message.bench())) watch.queue.put(message);
+  if (discovery_.sees(message.bench)) watch.queue.put(message);
 }
 
 void EventWatcher::run(Watch& watch, const std::stop_token& stop,
                        const std::function<void(const Event&)>& observe) const {
   while (const auto message = watch.queue.next(stop)) {
-    const BenchKey key{message->bench(), message->incarnation()};
+    const BenchKey key{message->bench, message->incarnation};
     if (!watch.filter.knows(key) && !meet(key, watch, stop)) continue;
     if (watch.filter.passes(*message)) observe(event_of(*message));
   }

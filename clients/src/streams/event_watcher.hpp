@@ -6,7 +6,7 @@
 #include "presence/discovery.hpp"
 #include "vdrive/client/event.hpp"
 #include "vdrive/wire/participant.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <functional>
 #include <stop_token>

@@ -18,12 +18,12 @@ constexpr std::size_t kMostSpares = 8;
 }  // namespace
 
 AxisSnapshot sample_of(const msg::AxisStatus& message) {
-  return {.id = {message.bench(), message.axis()},
-          .tick = message.tick(),
+  return {.id = {message.bench, message.axis},
+          .tick = message.tick,
           .status = wire::from_message(message),
-          .owner_session = message.owner_session(),
-          .owner_epoch = message.owner_epoch(),
-          .last_sequence = message.last_sequence()};
+          .owner_session = message.owner_session,
+          .owner_epoch = message.owner_epoch,
+          .last_sequence = message.last_sequence};
 }
 
 void fill_sample(const wire::ReceivedStatus& received, AxisSnapshot& sample) {

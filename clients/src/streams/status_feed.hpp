@@ -5,7 +5,7 @@
 #include "presence/directory.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
 #include "vdrive/wire/status_frame.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstdint>
 #include <deque>

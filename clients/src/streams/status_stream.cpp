@@ -23,16 +23,15 @@ StatusStream::StatusStream(wire::Participant& participant, Discovery& discovery,
 
 void StatusStream::subscribe() {
   std::call_once(subscribed_, [this] {
-    subscription_ = std::make_unique<wire::BytesSubscription>(
-        participant_, wire::Topic<msg::StatusFrame>::kId,
-        wire::BytesSubscription::Handler{.take =
-                                             [this](std::span<const std::byte> sample) {
-                                               take(sample);
-                                             },
-                                         .deliver =
-                                             [this](const wire::Source& source) {
-                                               deliver(source);
-                                             }});
+    reader_ = participant_.make_reader(wire::Topic<msg::StatusFrame>::kId,
+                                       {.take =
+                                            [this](std::span<const std::byte> sample) {
+                                              take(sample);
+                                            },
+                                        .deliver =
+                                            [this](const wire::Source& source) {
+                                              deliver(source);
+                                            }});
   });
 }
 
@@ -123,11 +122,11 @@ Result<Observation> StatusStream::next_samples(const Target& target,
   // Declared last: its end waits for the handler, which uses both.
   const wire::Subscription<msg::AxisStatus> samples(
       participant_, [&](const msg::AxisStatus& message, const wire::Source& source) {
-        if (message.bench() != target.key.number) return;
+        if (message.bench != target.key.number) return;
         if (source != discovery_.source_of(target.key)) return;
         {
           const std::scoped_lock lock(mutex);
-          seen.insert_or_assign(message.axis(), message);
+          seen.insert_or_assign(message.axis, message);
         }
         wakeup_.notify();
       });
@@ -142,7 +141,7 @@ Result<Observation> StatusStream::next_samples(const Target& target,
   Observation observation;
   for (const std::uint16_t axis : axes) {
     observation.axes.push_back(sample_of(seen.at(axis)));
-    observation.tick = std::max(observation.tick, seen.at(axis).tick());
+    observation.tick = std::max(observation.tick, seen.at(axis).tick);
   }
   return observation;
 }

@@ -6,10 +6,10 @@
 #include "presence/discovery.hpp"
 #include "presence/target.hpp"
 #include "streams/status_feed.hpp"
-#include "vdrive/wire/bytes_subscription.hpp"
 #include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/sample_reader.hpp"
 #include "vdrive/wire/status_frame.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -67,7 +67,7 @@ class StatusStream {
   std::once_flag subscribed_;
   std::optional<wire::StatusFrameHead> taken_;  ///< of the frame that `deliver` names the sender of
   bool is_news_ = false;  ///< that frame ends a tick or completes a sample of a feed
-  std::unique_ptr<wire::BytesSubscription> subscription_;
+  std::unique_ptr<wire::SampleReader> reader_;
 };
 
 }  // namespace vdrive::client

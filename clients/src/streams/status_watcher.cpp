@@ -40,14 +40,11 @@ struct StatusWatcher::Watch {
   std::vector<Bench> benches;
 };
 
-/// Follows the run of the service that is there now: a service that restarts is another run. What
-/// this process has made with the number of a bench that ended is another bench.
+/// Follows the run of the service that is there now: a service that restarts is another run.
 bool StatusWatcher::follow(Bench& bench, const Watch& watch, const std::stop_token& stop) const {
-  const std::optional<Target> target = discovery_.present_target(bench.key.number);
-  const bool is_another = bench.feed && target && bench.key != target->key;
-  if (target && !(is_another && discovery_.knows_who_is_there())) {
+  if (const std::optional<Target> target = discovery_.continuation_of(bench.key)) {
     bench.absent_since.reset();
-    if (!bench.feed || is_another) {
+    if (!bench.feed || bench.key != target->key) {
       if (const auto first = begin(bench, *target)) show(bench, *first, watch.report);
     }
     if (stop.stop_requested()) return true;
@@ -82,13 +79,10 @@ std::optional<Observation> StatusWatcher::begin(Bench& bench, const Target& targ
   return std::move(*shown);
 }
 
-/// At once where it is known who is there. Else a time in which this program did not run does not
-/// count.
 bool StatusWatcher::is_absent_for_good(Bench& bench) const {
-  if (discovery_.knows_who_is_there()) return true;
-  const auto now = Clock::now() - discovery_.own_pauses();
+  const auto now = discovery_.running_time();
   if (!bench.absent_since) bench.absent_since = now;
-  return now - *bench.absent_since >= discovery_.patience();
+  return now - *bench.absent_since >= discovery_.time_to_return();
 }
 
 void StatusWatcher::run(Watch& watch, const std::stop_token& stop) const {

@@ -2,10 +2,8 @@
 #include "diagnosis/doctor.hpp"
 
 #include "diagnosis/bench_checks.hpp"
-#include "diagnosis/finding.hpp"
 #include "diagnosis/host_checks.hpp"
 #include "diagnosis/ros_checks.hpp"
-#include "output/report.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
@@ -34,11 +32,7 @@ const char* name_of(Severity severity) {
 
 void show(const Finding& finding, bool is_json, Terminal& terminal) {
   if (is_json) {
-    Json json{{"severity", name_of(finding.severity)},
-              {"subject", finding.subject},
-              {"text", finding.text}};
-    if (!finding.advice.empty()) json["advice"] = finding.advice;
-    terminal.print(to_line(json));
+    terminal.print(to_line(finding_json(finding)));
     return;
   }
   const Color color = finding.severity == Severity::good   ? Color::green
@@ -51,6 +45,17 @@ void show(const Finding& finding, bool is_json, Terminal& terminal) {
 }
 
 }  // namespace
+
+Json finding_json(const Finding& finding) {
+  Json json{{"severity", name_of(finding.severity)},
+            {"subject", finding.subject},
+            {"text", finding.text}};
+  if (!finding.advice.empty()) json["advice"] = finding.advice;
+  for (const client::Figure& figure : finding.figures) {
+    json["figures"][std::string(figure.name)] = figure.value;
+  }
+  return json;
+}
 
 Outcome run_doctor(const GlobalOptions& options, Terminal& terminal,
                    const std::function<std::vector<client::BenchInfo>()>& find) {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/client/bench.hpp"
+
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace vdrive::tool {
 
@@ -15,9 +18,10 @@ enum class Severity : std::uint8_t {
 /// One thing that was checked.
 struct Finding {
   Severity severity = Severity::good;
-  std::string subject;  ///< such as "multicast"
-  std::string text;     ///< what was found
-  std::string advice;   ///< what to do; empty when good
+  std::string subject;                    ///< such as "multicast"
+  std::string text;                       ///< what was found
+  std::string advice;                     ///< what to do; empty when good
+  std::vector<client::Figure> figures{};  ///< of a bench; for programs only
 };
 
 }  // namespace vdrive::tool

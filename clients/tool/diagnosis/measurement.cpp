@@ -7,7 +7,7 @@
 #include "vdrive/client/session.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/subscription.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <sys/prctl.h>
 
@@ -64,8 +64,9 @@ void require(const Outcome& outcome) {
 class States {
  public:
   explicit States(std::uint32_t domain)
-      : participant_({.domain = domain, .role = wire::Role::client}, "vdrive bench"),
-        states_(participant_, [this](const msg::BenchState& state, const wire::Source&) {
+      : participant_(
+            wire::make_participant({.domain = domain, .role = wire::Role::client}, "vdrive bench")),
+        states_(*participant_, [this](const msg::BenchState& state, const wire::Source&) {
           const std::scoped_lock lock(mutex_);
           newest_ = state;
           arrived_.notify_all();
@@ -86,7 +87,7 @@ class States {
   std::mutex mutex_;
   std::condition_variable arrived_;
   std::optional<msg::BenchState> newest_;
-  wire::Participant participant_;
+  std::unique_ptr<wire::Participant> participant_;
   wire::Subscription<msg::BenchState> states_;
 };
 
@@ -94,7 +95,7 @@ Lateness lateness_between(const msg::BenchState& begin, const msg::BenchState& e
   Lateness lateness;
   for (std::size_t bin = 0; bin < lateness.bins.size(); ++bin) {
     const auto at = [bin](const msg::BenchState& state) {
-      const auto& bins = state.lateness_histogram();
+      const auto& bins = state.lateness_histogram;
       return bin < bins.size() ? bins[bin] : 0;
     };
     lateness.bins[bin] = at(end) - std::min(at(begin), at(end));
@@ -272,9 +273,8 @@ class Measuring {
         figures.missed += sample->missed;
       }
       const msg::BenchState last = states.newest();
-      const auto ticks =
-          static_cast<double>(std::max<std::uint64_t>(last.tick() - begin.tick(), 1));
-      figures.overrun_share = static_cast<double>(last.overruns() - begin.overruns()) / ticks;
+      const auto ticks = static_cast<double>(std::max<std::uint64_t>(last.tick - begin.tick, 1));
+      figures.overrun_share = static_cast<double>(last.overruns - begin.overruns) / ticks;
     });
     return figures;
   }

@@ -30,7 +30,7 @@ class DiagnosticsListener {
  public:
   void take(const ros::DiagnosticArray& message) {
     const std::scoped_lock lock(mutex_);
-    for (const ros::DiagnosticStatus& status : message.status()) add(status);
+    for (const ros::DiagnosticStatus& status : message.status) add(status);
   }
 
   [[nodiscard]] std::vector<RosBench> result() {
@@ -44,16 +44,16 @@ class DiagnosticsListener {
  private:
   void add(const ros::DiagnosticStatus& status) {
     constexpr std::string_view kPrefix = "vdrive_ros2: ";
-    if (!status.name().starts_with(kPrefix)) return;
-    RosBench bench{.bench = status.name().substr(kPrefix.size()),
-                   .level = status.level(),
-                   .message = status.message()};
+    if (!status.name.starts_with(kPrefix)) return;
+    RosBench bench{.bench = status.name.substr(kPrefix.size()),
+                   .level = std::to_integer<std::uint8_t>(status.level),
+                   .message = status.message};
     if (!bench.bench.starts_with("bench ")) return;
-    for (const ros::KeyValue& pair : status.values()) {
-      if (pair.key() == "session") bench.session = pair.value();
-      if (pair.key() == "control") bench.control = pair.value();
-      if (pair.key() == "enable") bench.enable = pair.value();
-      if (pair.key() == "network") bench.network = pair.value();
+    for (const ros::KeyValue& pair : status.values) {
+      if (pair.key == "session") bench.session = pair.value;
+      if (pair.key == "control") bench.control = pair.value;
+      if (pair.key == "enable") bench.enable = pair.value;
+      if (pair.key == "network") bench.network = pair.value;
     }
     const auto key = std::pair(bench.session, bench.bench);
     benches_[key] = std::move(bench);
@@ -65,13 +65,13 @@ class DiagnosticsListener {
 
 std::vector<RosBench> read_diagnostics(const GlobalOptions& options) {
   DiagnosticsListener diagnostics;
-  wire::Participant participant({.domain = options.domain,
-                                 .interfaces = options.interfaces,
-                                 .peers = options.peers,
-                                 .discovery_servers = options.discovery_servers},
-                                "vdrive doctor");
+  const auto participant = wire::make_participant({.domain = options.domain,
+                                                   .interfaces = options.interfaces,
+                                                   .peers = options.peers,
+                                                   .discovery_servers = options.discovery_servers},
+                                                  "vdrive doctor");
   const ros::Subscription<ros::DiagnosticArray> subscription(
-      participant, "/diagnostics",
+      *participant, "/diagnostics",
       [&](const ros::DiagnosticArray& message, const wire::WriterId& /*writer*/) {
         diagnostics.take(message);
       });

@@ -69,10 +69,10 @@ constexpr std::array<std::string_view, 7> kUsualCurves{"position_demand_value",
 PlotColumn column_of(const StatusMember& member) {
   const auto object = find_object(member.address);
   PlotColumn column{.member = &member,
-                    .name = std::string(object ? describe(*object).variable_name : member.name),
+                    .name = std::string(member.name),
                     .label = object ? index_text(member.address.index) : std::string()};
   // A member that the table does not name yet has its own name as its title.
-  column.panel = object ? describe(*object).variable_name : member.name;
+  column.panel = column.name;
   const auto* const curve = std::ranges::find(kCurves, column.name, &CurveRow::variable_name);
   if (curve == kCurves.end()) return column;
   column.panel = curve->panel;

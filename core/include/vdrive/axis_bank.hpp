@@ -108,7 +108,7 @@ class AxisBank {
   [[nodiscard]] static AbortCode check_stored(ObjectAddress object, std::int64_t value) noexcept;
   /// Reads what 1010h would store now: the values of kStoredRows of
   /// vdrive/dictionary/dictionary.hpp.
-  /// @param values as many
+  /// @param values one for each of kStoredRows
   void read_parameters(std::size_t axis, std::span<std::int64_t> values) const noexcept;
   /// From the next power-up on the object has this value.
   /// @return that of `check_stored`; where it is not none nothing has changed.

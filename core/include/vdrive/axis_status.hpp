@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <tuple>
 
 namespace vdrive {
 
@@ -39,7 +40,45 @@ struct AxisStatus {
   std::uint32_t fault_count = 0;         ///< faults since power-up
 };
 
-inline constexpr std::size_t kStatusMembers = 23;
+/// A member of AxisStatus under its name.
+template <typename Number>
+struct StatusField {
+  std::string_view name;
+  Number AxisStatus::*member;
+  bool is_published = true;  ///< the status on the network has it, under the same name
+};
+
+template <typename Number, typename... Published>
+StatusField(const char*, Number AxisStatus::*, Published...) -> StatusField<Number>;
+
+/// Every member of AxisStatus once, in the order of their declaration: the order of the check
+/// values of a journal.
+inline constexpr std::tuple kStatusFields{
+    StatusField{"position_demand_value", &AxisStatus::position_demand_value},
+    StatusField{"load_position_actual_value", &AxisStatus::load_position_actual_value},
+    StatusField{"load_position_error_value", &AxisStatus::load_position_error_value},
+    StatusField{"motor_position_actual_value", &AxisStatus::motor_position_actual_value},
+    StatusField{"motor_position_error_value", &AxisStatus::motor_position_error_value},
+    StatusField{"velocity_demand_value", &AxisStatus::velocity_demand_value},
+    StatusField{"load_velocity_actual_value", &AxisStatus::load_velocity_actual_value},
+    StatusField{"load_velocity_error_value", &AxisStatus::load_velocity_error_value},
+    StatusField{"motor_velocity_actual_value", &AxisStatus::motor_velocity_actual_value},
+    StatusField{"motor_velocity_error_value", &AxisStatus::motor_velocity_error_value},
+    StatusField{"current_error_value", &AxisStatus::current_error_value},
+    StatusField{"current_actual_value", &AxisStatus::current_actual_value},
+    StatusField{"torque_actual_value", &AxisStatus::torque_actual_value},
+    StatusField{"torque_demand", &AxisStatus::torque_demand},
+    StatusField{"ds402_statusword", &AxisStatus::ds402_statusword},
+    StatusField{"ds402_controlword", &AxisStatus::ds402_controlword, false},
+    StatusField{"error_code", &AxisStatus::error_code},
+    StatusField{"op_mode_actual", &AxisStatus::op_mode_actual},
+    StatusField{"motor_op_status", &AxisStatus::motor_op_status},
+    StatusField{"error_register", &AxisStatus::error_register},
+    StatusField{"digital_inputs", &AxisStatus::digital_inputs},
+    StatusField{"ignored_set_points", &AxisStatus::ignored_set_points},
+    StatusField{"fault_count", &AxisStatus::fault_count}};
+
+inline constexpr std::size_t kStatusMembers = std::tuple_size_v<decltype(kStatusFields)>;
 
 /// A row of the table of the members of AxisStatus. The digest, the replay of journals and clients
 /// read this table.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dds/bytes_type.hpp"
 
-#include "dds/message_type.hpp"
-#include "vdrive/wire/codec.hpp"
+#include "vdrive/wire/cdr.hpp"
+
+#include <fastrtps/utils/md5.h>
 
 #include <algorithm>
 #include <cstring>
@@ -16,11 +17,26 @@ BytesSample& sample_at(void* data) noexcept {
   return *static_cast<BytesSample*>(data);
 }
 
+/// Twice the largest sample, which ends at a multiple of the alignment of a submessage.
+std::size_t room_for(TopicId topic) {
+  constexpr std::size_t kSubmessageAlignment = 4;
+  const std::size_t largest = support_of(topic).largest_sample;
+  return 2 * (largest + cdr_gap(largest, kSubmessageAlignment));
+}
+
 }  // namespace
 
-BytesType::BytesType(TopicId topic) : key_(traits_of(topic).key) {
-  announce_as(traits_of(topic), support_of(topic).largest_sample(), *this);
+BytesType::BytesType(const std::string& name, std::size_t largest, Key key) : key_(key) {
+  setName(name.c_str());
+  m_typeSize = static_cast<std::uint32_t>(largest);
+  m_isGetKeyDefined = key != nullptr;
+  auto_fill_type_object(false);
+  auto_fill_type_information(false);
 }
+
+BytesType::BytesType(TopicId topic)
+    : BytesType(std::string(traits_of(topic).type_name), room_for(topic),
+                traits_of(topic).has_key ? support_of(topic).key : nullptr) {}
 
 bool BytesType::serialize(void* data, rtps::SerializedPayload_t* payload) {
   const std::span<const std::byte> bytes = sample_at(data).bytes;
@@ -37,7 +53,11 @@ bool BytesType::deserialize(rtps::SerializedPayload_t* payload, void* data) {
   const std::span bytes(reinterpret_cast<const std::byte*>(payload->data), payload->length);
   sample.head_size = std::min(bytes.size(), sample.head.size());
   std::copy_n(bytes.begin(), sample.head_size, sample.head.begin());
-  if (sample.take != nullptr) (*sample.take)(bytes);
+  try {
+    if (sample.take != nullptr) (*sample.take)(bytes);
+  } catch (...) {  // no memory: the sample is dropped
+    return false;
+  }
   return bytes.size() >= kEncapsulation;
 }
 
@@ -55,13 +75,22 @@ void BytesType::deleteData(void* data) {
   delete static_cast<BytesSample*>(data);  // NOLINT(*-owning-memory)
 }
 
+/// The key hash of DDS: the key, or its MD5 sum.
 bool BytesType::getKey(void* data, rtps::InstanceHandle_t* handle, bool force_md5) {
-  if (key_ == TopicKey::none) return false;
+  if (key_ == nullptr) return false;
   const BytesSample& sample = sample_at(data);
-  const std::span<const std::byte> bytes =
-      sample.bytes.empty() ? std::span<const std::byte>(sample.head.data(), sample.head_size)
-                           : sample.bytes;
-  set_key(*handle, key_of(bytes, key_), force_md5 ? size_of_key(key_) : 0);
+  const MessageKey key =
+      key_(sample.bytes.empty() ? std::span<const std::byte>(sample.head.data(), sample.head_size)
+                                : sample.bytes);
+  std::memcpy(handle->value, key.bytes.data(), key.bytes.size());
+  if (!force_md5) return true;
+  MD5 md5;
+  md5.init();
+  // NOLINTNEXTLINE(*-reinterpret-cast): the library has characters
+  md5.update(reinterpret_cast<const unsigned char*>(key.bytes.data()),
+             static_cast<unsigned int>(key.size));
+  md5.finalize();
+  std::memcpy(handle->value, md5.digest, key.bytes.size());
   return true;
 }
 

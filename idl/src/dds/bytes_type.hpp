@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/wire/topics.hpp"
+#include "message_support.hpp"
 
 #include <fastdds/dds/topic/TopicDataType.hpp>
 
@@ -10,10 +10,11 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 
 namespace vdrive::wire {
 
-/// What stands for a message where only its bytes matter.
+/// What the library has of a sample.
 struct BytesSample {
   std::span<const std::byte> bytes;                                       ///< to be written
   const std::function<void(std::span<const std::byte>)>* take = nullptr;  ///< of a reader
@@ -21,10 +22,19 @@ struct BytesSample {
   std::size_t head_size = 0;
 };
 
-/// The type support of a topic whose samples are encoded and decoded elsewhere: it copies them. It
-/// is announced like the generated one, so that both match.
+/// The type of a topic as the network sees it, fit for a network of strangers: no type objects on
+/// the wire, and no exception out of a payload. Samples are encoded and decoded elsewhere.
 class BytesType final : public eprosima::fastdds::dds::TopicDataType {
  public:
+  using Key = MessageKey (*)(std::span<const std::byte> sample) noexcept;
+
+  /// @param name as it is announced
+  /// @param largest sample that a reader takes [bytes]; it drops what is larger without a report
+  /// @param key of a sample; nullptr for a topic without keys
+  BytesType(const std::string& name, std::size_t largest, Key key);
+
+  /// That of a topic. A sample that exceeds a bound of the type by less than its size still
+  /// arrives, and gets an answer with the reason.
   explicit BytesType(TopicId topic);
 
   bool serialize(void* data, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override;
@@ -36,7 +46,7 @@ class BytesType final : public eprosima::fastdds::dds::TopicDataType {
               bool force_md5) override;
 
  private:
-  TopicKey key_;
+  Key key_;
 };
 
 }  // namespace vdrive::wire

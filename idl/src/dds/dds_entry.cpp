@@ -11,6 +11,6 @@ const char* const vdrive_dds_build = VDRIVE_DDS_BUILD;
 
 // NOLINTEND(readability-identifier-naming)
 
-vdrive::wire::BackendMaker vdrive_dds_entry() noexcept {
-  return &vdrive::wire::make_dds_backend;
+vdrive::wire::ParticipantMaker vdrive_dds_entry() noexcept {
+  return &vdrive::wire::make_dds_participant;
 }

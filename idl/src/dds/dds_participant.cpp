@@ -2,16 +2,16 @@
 #include "dds/dds_participant.hpp"
 
 #include "dds/entities.hpp"
-#include "dds/message_type.hpp"
 #include "dds/reader.hpp"
 #include "dds/writer.hpp"
 #include "guard/guard_transport.hpp"
-#include "network_backend.hpp"
+#include "network_participant.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
 #include "vdrive/wire/local_bus.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/ports.hpp"
+#include "vdrive/wire/presence_by_age.hpp"
 #include "vdrive/wire/security.hpp"
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -234,16 +234,16 @@ dds::DomainParticipant* make_participant(const dds::DomainParticipantQos& qos, s
 }
 
 /// A participant of a DDS domain.
-class DdsBackend final : public Backend {
+class DdsParticipant final : public Participant {
  public:
-  DdsBackend(const NetworkSettings& settings, const std::string& name);
-  ~DdsBackend() override;
-  DdsBackend(const DdsBackend&) = delete;
-  DdsBackend& operator=(const DdsBackend&) = delete;
+  DdsParticipant(const NetworkSettings& settings, const std::string& name);
+  ~DdsParticipant() override;
+  DdsParticipant(const DdsParticipant&) = delete;
+  DdsParticipant& operator=(const DdsParticipant&) = delete;
 
-  std::unique_ptr<WriterEnd> make_writer(TopicId topic, Form form,
-                                         WriterEnd::Observer observer) override;
-  std::unique_ptr<ReaderEnd> make_reader(TopicId topic, SampleSink sink) override;
+  std::unique_ptr<SampleWriter> make_writer(TopicId topic,
+                                            SampleWriter::Observer observer) override;
+  std::unique_ptr<SampleReader> make_reader(TopicId topic, SampleHandler handler) override;
 
   [[nodiscard]] std::string place() const override {
     return "on domain " + std::to_string(domain_);
@@ -255,23 +255,8 @@ class DdsBackend final : public Backend {
 
   [[nodiscard]] Source source() const noexcept override;
   void announce_again() override;
-  [[nodiscard]] std::vector<OtherParticipant> others(std::string_view beginning) const override;
 
-  [[nodiscard]] bool knows_who_is_there() const noexcept override { return false; }
-
-  [[nodiscard]] bool has(const Source& /*source*/) const noexcept override { return false; }
-
-  LocalWork run_local_work(std::uint32_t /*bench*/) override { return LocalWork::none; }
-
-  bool make_room(std::uint32_t /*bench*/) override { return true; }
-
-  std::uint64_t join_clock(const ClockOfBench& /*clock*/, std::uint64_t /*session*/) override {
-    return 0;
-  }
-
-  void leave_clock(const ClockOfBench& /*clock*/, std::uint64_t /*session*/) noexcept override {}
-
-  void leave_clocks(std::uint64_t /*session*/) noexcept override {}
+  [[nodiscard]] Presence& presence() noexcept override { return presence_; }
 
   [[nodiscard]] GuardCounts guard_counts() const override;
 
@@ -282,24 +267,27 @@ class DdsBackend final : public Backend {
   bool is_closed_;
   std::shared_ptr<Guard> guard_;  ///< none without
   DdsEntities entities_;
+  PresenceByAge presence_{[this](std::string_view beginning) {
+    return entities_.others.named(beginning);
+  }};
 };
 
 }  // namespace
 
-std::unique_ptr<Backend> make_dds_backend(const NetworkSettings& settings,
-                                          const std::string& name) {
-  return std::make_unique<DdsBackend>(settings, name);
+std::unique_ptr<Participant> make_dds_participant(const NetworkSettings& settings,
+                                                  const std::string& name) {
+  return std::make_unique<DdsParticipant>(settings, name);
 }
 
 DdsEntities& dds_entities(Participant& participant) {
-  auto* const backend = dynamic_cast<DdsBackend*>(&participant.backend());
-  if (backend == nullptr) throw NetworkError("a participant on a local bus has no DDS topics");
-  return backend->entities();
+  auto* const over_dds = dynamic_cast<DdsParticipant*>(&participant);
+  if (over_dds == nullptr) throw NetworkError("a participant on a local bus has no DDS topics");
+  return over_dds->entities();
 }
 
 namespace {
 
-DdsBackend::DdsBackend(const NetworkSettings& settings, const std::string& name)
+DdsParticipant::DdsParticipant(const NetworkSettings& settings, const std::string& name)
     : domain_(settings.domain),
       is_closed_(!settings.security.empty()),
       guard_(settings.guard ? std::make_shared<Guard>(settings) : nullptr) {
@@ -338,30 +326,21 @@ DdsBackend::DdsBackend(const NetworkSettings& settings, const std::string& name)
   }
 }
 
-DdsBackend::~DdsBackend() {
+DdsParticipant::~DdsParticipant() {
   entities_.participant->delete_contained_entities();
   dds::DomainParticipantFactory::get_instance()->delete_participant(entities_.participant);
 }
 
-std::unique_ptr<WriterEnd> DdsBackend::make_writer(TopicId topic, Form form,
-                                                   WriterEnd::Observer observer) {
-  if (form == Form::bytes) {
-    return std::make_unique<BytesWriter>(entities_, topic, std::move(observer));
-  }
-  return std::make_unique<Writer>(entities_, topic, message_type_of(topic), std::move(observer));
+std::unique_ptr<SampleWriter> DdsParticipant::make_writer(TopicId topic,
+                                                          SampleWriter::Observer observer) {
+  return std::make_unique<DdsWriter>(entities_, topic, std::move(observer));
 }
 
-std::unique_ptr<ReaderEnd> DdsBackend::make_reader(TopicId topic, SampleSink sink) {
-  if (sink.message == nullptr) {
-    return std::make_unique<BytesReader>(entities_, topic, std::move(sink));
-  }
-  return std::make_unique<Reader>(entities_, topic, message_type_of(topic), sink.message,
-                                  [deliver = std::move(sink.deliver)](const EndpointId& writer) {
-                                    deliver(writer.source);
-                                  });
+std::unique_ptr<SampleReader> DdsParticipant::make_reader(TopicId topic, SampleHandler handler) {
+  return std::make_unique<DdsReader>(entities_, topic, std::move(handler));
 }
 
-void DdsBackend::announce_again() {
+void DdsParticipant::announce_again() {
   const std::scoped_lock lock(entities_.changing);
   dds::DomainParticipantQos qos;
   entities_.participant->get_qos(qos);
@@ -372,24 +351,20 @@ void DdsBackend::announce_again() {
   entities_.participant->set_qos(qos);
 }
 
-Source DdsBackend::source() const noexcept {
+Source DdsParticipant::source() const noexcept {
   return source_of(rtps::InstanceHandle_t(entities_.participant->guid()));
 }
 
-std::vector<OtherParticipant> DdsBackend::others(std::string_view beginning) const {
-  return entities_.others.named(beginning);
-}
-
-GuardCounts DdsBackend::guard_counts() const {
+GuardCounts DdsParticipant::guard_counts() const {
   return guard_ == nullptr ? GuardCounts{} : guard_->counts();
 }
 
 }  // namespace
 }  // namespace vdrive::wire
 
-// CMakeLists.txt of idl/ makes the linker take this function, and with it the backend, into every
-// program that links vdrive::dds.
+// CMakeLists.txt of idl/ makes the linker take this function, and with it the participant, into
+// every program that links vdrive::dds.
 extern "C" [[gnu::constructor(vdrive::wire::kBeforeConstructors)]] void
-vdrive_dds_backend() noexcept {
-  vdrive::wire::provide_network_backend(&vdrive::wire::make_dds_backend);
+vdrive_dds_participant() noexcept {
+  vdrive::wire::provide_network_participant(&vdrive::wire::make_dds_participant);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "backend.hpp"
+#include "vdrive/wire/participant.hpp"
 
 #include <memory>
 #include <string>
@@ -9,8 +9,8 @@
 namespace vdrive::wire {
 
 /// @return a participant of a DDS domain.
-/// @throws what Participant throws
-[[nodiscard]] std::unique_ptr<Backend> make_dds_backend(const NetworkSettings& settings,
-                                                        const std::string& name);
+/// @throws what make_participant throws
+[[nodiscard]] std::unique_ptr<Participant> make_dds_participant(const NetworkSettings& settings,
+                                                                const std::string& name);
 
 }  // namespace vdrive::wire

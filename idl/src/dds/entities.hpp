@@ -3,7 +3,7 @@
 
 #include "dds/others.hpp"
 #include "guard/deletion_gate.hpp"
-#include "matches.hpp"
+#include "vdrive/wire/matches.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/security.hpp"
 #include "vdrive/wire/source.hpp"

@@ -10,14 +10,22 @@ namespace vdrive::wire {
 
 namespace dds = eprosima::fastdds::dds;
 
-Reader::Reader(DdsEntities& parent, TopicId topic, const dds::TypeSupport& type, void* data,
-               Deliver deliver)
-    : Reader(parent, std::string(kTopicPrefix) + std::string(traits_of(topic).name), type,
-             reader_qos(traits_of(topic)), data, std::move(deliver)) {}
+DdsReader::DdsReader(DdsEntities& parent, TopicId topic, SampleHandler handler)
+    : DdsReader(parent, std::string(kTopicPrefix) + std::string(traits_of(topic).name),
+                dds::TypeSupport(new BytesType(topic)), reader_qos(traits_of(topic)),
+                std::move(handler.take),
+                [deliver = std::move(handler.deliver)](const WriterId& writer) {
+                  deliver(writer.source);
+                }) {}
 
-Reader::Reader(DdsEntities& parent, const std::string& topic, const dds::TypeSupport& type,
-               const dds::DataReaderQos& qos, void* data, Deliver deliver)
-    : entities_(parent), data_(data), deliver_(std::move(deliver)), subscriber_(parent.subscriber) {
+DdsReader::DdsReader(DdsEntities& parent, const std::string& topic, const dds::TypeSupport& type,
+                     const dds::DataReaderQos& qos,
+                     std::function<void(std::span<const std::byte> sample)> take, Deliver deliver)
+    : entities_(parent),
+      take_(std::move(take)),
+      deliver_(std::move(deliver)),
+      subscriber_(parent.subscriber) {
+  sample_.take = &take_;
   auto* const its_topic = parent.topic(topic, type);
   {
     const std::scoped_lock lock(parent.changing);
@@ -30,7 +38,7 @@ Reader::Reader(DdsEntities& parent, const std::string& topic, const dds::TypeSup
   }
 }
 
-Reader::~Reader() {
+DdsReader::~DdsReader() {
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
@@ -40,18 +48,18 @@ Reader::~Reader() {
   subscriber_->delete_datareader(reader_);
 }
 
-void Reader::on_data_available(dds::DataReader* source) {
+void DdsReader::on_data_available(dds::DataReader* source) {
   // Each interface has its own receive thread: one of them at a time.
   const std::lock_guard lock(mutex_);
   dds::SampleInfo info;
-  while (!closed_ && source->take_next_sample(data_, &info) ==
+  while (!closed_ && source->take_next_sample(&sample_, &info) ==
                          eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
     if (info.valid_data) deliver_(endpoint_of(info.publication_handle));
   }
 }
 
-void Reader::on_subscription_matched(dds::DataReader* /*reader*/,
-                                     const dds::SubscriptionMatchedStatus& status) {
+void DdsReader::on_subscription_matched(dds::DataReader* /*reader*/,
+                                        const dds::SubscriptionMatchedStatus& status) {
   const EndpointId writer = endpoint_of(status.last_publication_handle);
   if (status.current_count_change > 0) {
     matches_.add(writer);
@@ -60,22 +68,13 @@ void Reader::on_subscription_matched(dds::DataReader* /*reader*/,
   }
 }
 
-void Reader::on_sample_lost(dds::DataReader* /*reader*/, const dds::SampleLostStatus& status) {
+void DdsReader::on_sample_lost(dds::DataReader* /*reader*/, const dds::SampleLostStatus& status) {
   lost_ += static_cast<std::size_t>(status.total_count_change);
 }
 
-void Reader::on_sample_rejected(dds::DataReader* /*reader*/,
-                                const dds::SampleRejectedStatus& status) {
+void DdsReader::on_sample_rejected(dds::DataReader* /*reader*/,
+                                   const dds::SampleRejectedStatus& status) {
   lost_ += static_cast<std::size_t>(status.total_count_change);
-}
-
-BytesReader::BytesReader(DdsEntities& parent, TopicId topic, SampleSink sink)
-    : BytesSink{.take = std::move(sink.take)},
-      Reader(parent, topic, dds::TypeSupport(new BytesType(topic)), &sample,
-             [deliver = std::move(sink.deliver)](const EndpointId& writer) {
-               deliver(writer.source);
-             }) {
-  sample.take = &take;
 }
 
 }  // namespace vdrive::wire

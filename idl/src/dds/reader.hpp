@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "backend.hpp"
 #include "dds/bytes_type.hpp"
 #include "dds/entities.hpp"
+#include "vdrive/wire/sample_reader.hpp"
+#include "vdrive/wire/writer_id.hpp"
 
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
@@ -19,24 +20,23 @@
 namespace vdrive::wire {
 
 /// The DDS reader of a topic, who matches it and what it lost. Samples are delivered one at a time.
-class Reader : public ReaderEnd, public eprosima::fastdds::dds::DataReaderListener {
+class DdsReader final : public SampleReader, public eprosima::fastdds::dds::DataReaderListener {
  public:
-  /// Runs for each sample that was taken into the `data` of the constructor.
+  /// Runs for each sample that `take` was given.
   using Deliver = std::function<void(const WriterId& writer)>;
 
-  /// @param data what the type support fills; outlives this
-  /// @throws NetworkError as `Subscription` does
-  Reader(DdsEntities& parent, TopicId topic, const eprosima::fastdds::dds::TypeSupport& type,
-         void* data, Deliver deliver);
+  /// @throws NetworkError as Participant::make_reader does
+  DdsReader(DdsEntities& parent, TopicId topic, SampleHandler handler);
 
   /// The same on a topic of another contract.
   /// @param topic in full
-  Reader(DdsEntities& parent, const std::string& topic,
-         const eprosima::fastdds::dds::TypeSupport& type,
-         const eprosima::fastdds::dds::DataReaderQos& qos, void* data, Deliver deliver);
-  ~Reader() override;  ///< nothing is delivered after this returns
-  Reader(const Reader&) = delete;
-  Reader& operator=(const Reader&) = delete;
+  DdsReader(DdsEntities& parent, const std::string& topic,
+            const eprosima::fastdds::dds::TypeSupport& type,
+            const eprosima::fastdds::dds::DataReaderQos& qos,
+            std::function<void(std::span<const std::byte> sample)> take, Deliver deliver);
+  ~DdsReader() override;  ///< nothing is delivered after this returns
+  DdsReader(const DdsReader&) = delete;
+  DdsReader& operator=(const DdsReader&) = delete;
 
   [[nodiscard]] std::size_t lost() const noexcept override { return lost_; }
 
@@ -51,25 +51,14 @@ class Reader : public ReaderEnd, public eprosima::fastdds::dds::DataReaderListen
 
  private:
   const DdsEntities& entities_;
-  void* data_;
+  std::function<void(std::span<const std::byte>)> take_;
   Deliver deliver_;
+  BytesSample sample_;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;
   eprosima::fastdds::dds::DataReader* reader_ = nullptr;
   std::atomic<std::size_t> lost_{0};
   std::mutex mutex_;
   bool closed_ = false;
-};
-
-/// What a reader of bytes fills; there before the reader is.
-struct BytesSink {
-  std::function<void(std::span<const std::byte>)> take;
-  BytesSample sample{};
-};
-
-/// A reader that passes samples on as bytes.
-class BytesReader final : private BytesSink, public Reader {
- public:
-  BytesReader(DdsEntities& parent, TopicId topic, SampleSink sink);
 };
 
 }  // namespace vdrive::wire

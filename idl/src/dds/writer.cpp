@@ -25,12 +25,13 @@ constexpr std::chrono::milliseconds kLongestWait{20};
 
 }  // namespace
 
-Writer::Writer(DdsEntities& parent, TopicId topic, const dds::TypeSupport& type, Observer observer)
-    : Writer(parent, std::string(kTopicPrefix) + std::string(traits_of(topic).name), type,
-             writer_qos(traits_of(topic)), std::move(observer)) {}
+DdsWriter::DdsWriter(DdsEntities& parent, TopicId topic, Observer observer)
+    : DdsWriter(parent, std::string(kTopicPrefix) + std::string(traits_of(topic).name),
+                dds::TypeSupport(new BytesType(topic)), writer_qos(traits_of(topic)),
+                std::move(observer)) {}
 
-Writer::Writer(DdsEntities& parent, const std::string& name, const dds::TypeSupport& type,
-               const dds::DataWriterQos& qos, Observer observer)
+DdsWriter::DdsWriter(DdsEntities& parent, const std::string& name, const dds::TypeSupport& type,
+                     const dds::DataWriterQos& qos, Observer observer)
     : entities_(parent), publisher_(parent.publisher), observer_(std::move(observer)) {
   if (parent.permissions && !parent.permissions->may_publish(name)) {
     throw NotPermitted("the permissions of this identity do not allow publishing " + name);
@@ -46,7 +47,7 @@ Writer::Writer(DdsEntities& parent, const std::string& name, const dds::TypeSupp
              qos.durability().kind == dds::VOLATILE_DURABILITY_QOS;
 }
 
-Writer::~Writer() {
+DdsWriter::~DdsWriter() {
   // The library returns samples that no reader has acknowledged to their pool while they are still
   // in the history, and its heartbeat timer, which still runs, reads their numbers there. It then
   // counts a gap of up to 2^63 samples, and the deletion never ends. An empty history has no gap.
@@ -56,15 +57,15 @@ Writer::~Writer() {
   publisher_->delete_datawriter(writer_);
 }
 
-bool Writer::write(const void* data) noexcept {
+bool DdsWriter::write(std::span<const std::byte> sample) noexcept {
   try {
     std::unique_lock lock(writing_, std::defer_lock);
     if (forgets_) {
       lock.lock();
       remove_acknowledged();
     }
-    // The library takes a mutable pointer and does not change the message.
-    return writer_->write(const_cast<void*>(data));  // NOLINT(*-const-cast)
+    BytesSample data{.bytes = sample};
+    return writer_->write(&data);
   } catch (...) {
     return false;
   }
@@ -75,7 +76,7 @@ bool Writer::write(const void* data) noexcept {
 /// (StatefulWriter::check_acked_status): they stay. Whoever joins then gets a gap of all numbers
 /// since the oldest of them, again with each heartbeat, and takes a step for each number; a guard
 /// refuses wide gaps. Nobody needs samples that all have acknowledged.
-void Writer::remove_acknowledged() {
+void DdsWriter::remove_acknowledged() {
   const auto spoken = joined_.load(std::memory_order_relaxed) + kLongestSilence;
   if (removed_ >= spoken) return;
   const auto now = Clock::now();
@@ -90,7 +91,7 @@ void Writer::remove_acknowledged() {
   removed_ = now;
 }
 
-bool Writer::wait_for_acknowledged(std::chrono::milliseconds timeout) {
+bool DdsWriter::wait_for_acknowledged(std::chrono::milliseconds timeout) {
   constexpr std::int64_t kMillisecondsPerSecond = 1'000;
   constexpr std::uint32_t kNanosecondsPerMillisecond = 1'000'000;
   const auto milliseconds = timeout.count();
@@ -101,8 +102,8 @@ bool Writer::wait_for_acknowledged(std::chrono::milliseconds timeout) {
          eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
 }
 
-void Writer::on_publication_matched(dds::DataWriter* /*writer*/,
-                                    const dds::PublicationMatchedStatus& status) {
+void DdsWriter::on_publication_matched(dds::DataWriter* /*writer*/,
+                                       const dds::PublicationMatchedStatus& status) {
   const std::lock_guard lock(observing_);
   const EndpointId reader = endpoint_of(status.last_subscription_handle);
   if (status.current_count_change > 0) {
@@ -112,14 +113,6 @@ void Writer::on_publication_matched(dds::DataWriter* /*writer*/,
     matches_.remove(reader);
   }
   if (observer_) observer_(matches_.sources());
-}
-
-BytesWriter::BytesWriter(DdsEntities& parent, TopicId topic, Observer observer)
-    : Writer(parent, topic, dds::TypeSupport(new BytesType(topic)), std::move(observer)) {}
-
-bool BytesWriter::write(const void* data) noexcept {
-  const BytesSample sample{.bytes = *static_cast<const std::span<const std::byte>*>(data)};
-  return Writer::write(&sample);
 }
 
 }  // namespace vdrive::wire

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "backend.hpp"
 #include "dds/entities.hpp"
+#include "vdrive/wire/sample_writer.hpp"
+#include "vdrive/wire/topics.hpp"
 
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
@@ -17,24 +18,22 @@
 namespace vdrive::wire {
 
 /// The DDS writer of a topic and who matches it.
-class Writer : public WriterEnd, public eprosima::fastdds::dds::DataWriterListener {
+class DdsWriter final : public SampleWriter, public eprosima::fastdds::dds::DataWriterListener {
  public:
   /// @param observer runs with who matches, whenever it has changed
-  /// @throws NotPermitted, NetworkError as `Publication` does
-  Writer(DdsEntities& parent, TopicId topic, const eprosima::fastdds::dds::TypeSupport& type,
-         Observer observer = nullptr);
+  /// @throws NotPermitted, NetworkError as Participant::make_writer does
+  DdsWriter(DdsEntities& parent, TopicId topic, Observer observer);
 
   /// The same on a topic of another contract.
   /// @param name of the topic, in full
-  Writer(DdsEntities& parent, const std::string& name,
-         const eprosima::fastdds::dds::TypeSupport& type,
-         const eprosima::fastdds::dds::DataWriterQos& qos, Observer observer = nullptr);
-  ~Writer() override;
-  Writer(const Writer&) = delete;
-  Writer& operator=(const Writer&) = delete;
+  DdsWriter(DdsEntities& parent, const std::string& name,
+            const eprosima::fastdds::dds::TypeSupport& type,
+            const eprosima::fastdds::dds::DataWriterQos& qos, Observer observer = nullptr);
+  ~DdsWriter() override;
+  DdsWriter(const DdsWriter&) = delete;
+  DdsWriter& operator=(const DdsWriter&) = delete;
 
-  /// @param data what the type support takes; it is not changed
-  bool write(const void* data) noexcept override;
+  [[nodiscard]] bool write(std::span<const std::byte> sample) noexcept override;
 
   [[nodiscard]] bool wait_for_acknowledged(std::chrono::milliseconds timeout) override;
 
@@ -63,15 +62,6 @@ class Writer : public WriterEnd, public eprosima::fastdds::dds::DataWriterListen
 
   std::mutex observing_;  ///< the newest list is reported last
   Observer observer_;
-};
-
-/// A writer of samples that were encoded elsewhere.
-class BytesWriter final : public Writer {
- public:
-  BytesWriter(DdsEntities& parent, TopicId topic, Observer observer);
-
-  /// @param data a std::span<const std::byte>
-  bool write(const void* data) noexcept override;
 };
 
 }  // namespace vdrive::wire

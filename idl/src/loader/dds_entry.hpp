@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "network_backend.hpp"
+#include "network_participant.hpp"
 
 namespace vdrive::wire {
 
-/// The one function that the shared object of the DDS backend shows, by its name and its type.
-using DdsEntry = BackendMaker() noexcept;
+/// The one function that the shared object of the DDS participants shows, by its name and its type.
+using DdsEntry = ParticipantMaker() noexcept;
 inline constexpr const char* kDdsEntry = "vdrive_dds_entry";
 
 /// The one text that it shows, a const char*: its build. Who loads it compares the text with its

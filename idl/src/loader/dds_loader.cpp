@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The DDS backend of a module that must not load the DDS library before somebody needs it: a shared
-// object beside the module.
+// The DDS participants of a module that must not load the DDS library before somebody needs it: a
+// shared object beside the module.
 #include "loader/dds_entry.hpp"
-#include "network_backend.hpp"
+#include "network_participant.hpp"
 #include "vdrive/text.hpp"
 
 #include <dlfcn.h>
@@ -32,7 +32,7 @@ std::filesystem::path own_file() {
                      "needs neither");
 }
 
-/// The objects of a backend and its exceptions cross the border between both files.
+/// The objects of a participant and its exceptions cross the border between both files.
 /// @throws NetworkError when they are of different builds
 void require_same_build(void* library, const std::filesystem::path& file) {
   const void* const found = dlsym(library, kDdsBuild);
@@ -46,7 +46,7 @@ void require_same_build(void* library, const std::filesystem::path& file) {
 
 /// Each file has its own copy of what the other has too, and none of these copies has a state
 /// that both use. Never unloaded: the library has threads.
-BackendMaker load() {
+ParticipantMaker load() {
   const std::filesystem::path file = own_file().parent_path() / kFile;
   void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (library == nullptr) refuse(dlerror());  // NOLINT(concurrency-mt-unsafe): of this thread
@@ -57,17 +57,17 @@ BackendMaker load() {
   return reinterpret_cast<DdsEntry*>(entry)();
 }
 
-std::unique_ptr<Backend> make_loaded_backend(const NetworkSettings& settings,
-                                             const std::string& name) {
-  static const BackendMaker maker = load();  // tried again after an exception
+std::unique_ptr<Participant> make_loaded_participant(const NetworkSettings& settings,
+                                                     const std::string& name) {
+  static const ParticipantMaker maker = load();  // tried again after an exception
   return maker(settings, name);
 }
 
 }  // namespace
 }  // namespace vdrive::wire
 
-// As vdrive_dds_backend of dds/dds_participant.cpp.
+// As vdrive_dds_participant of dds/dds_participant.cpp.
 extern "C" [[gnu::constructor(vdrive::wire::kBeforeConstructors)]] void
 vdrive_dds_loader() noexcept {
-  vdrive::wire::provide_network_backend(&vdrive::wire::make_loaded_backend);
+  vdrive::wire::provide_network_participant(&vdrive::wire::make_loaded_participant);
 }

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ros/endpoints.hpp"
 
+#include "dds/bytes_type.hpp"
 #include "dds/reader.hpp"
 #include "dds/writer.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wire/cdr.hpp"
 #include "vdrive/wire/ros.hpp"
 
 #include <algorithm>
 #include <cctype>
+#include <cstddef>
 #include <cstdint>
+#include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,7 +32,7 @@ constexpr std::int32_t kDepthForLate = 100;
 
 /// What writer and reader have in common.
 template <typename Qos>
-void apply(const Traits& traits, std::int32_t depth, Qos& qos) {
+void apply(std::string_view type, std::int32_t depth, Qos& qos) {
   qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = depth;
   qos.resource_limits().max_instances = 1;
@@ -35,7 +40,7 @@ void apply(const Traits& traits, std::int32_t depth, Qos& qos) {
   qos.resource_limits().max_samples = depth;
   qos.resource_limits().allocated_samples = 1;
   qos.data_sharing().off();
-  const std::string text = "typehash=" + type_hash(traits.type) + ";";
+  const std::string text = "typehash=" + type_hash(type) + ";";
   qos.user_data().setValue(std::vector<rtps::octet>(text.begin(), text.end()));
 }
 
@@ -67,9 +72,9 @@ std::string check_topic(std::string_view name) {
   }
 }
 
-dds::DataWriterQos writer_qos(const Traits& traits) {
+dds::DataWriterQos writer_qos(std::string_view type, const Traits& traits) {
   dds::DataWriterQos qos;
-  apply(traits, traits.kept_for_late ? kDepthForLate : kDepth, qos);
+  apply(type, traits.kept_for_late ? kDepthForLate : kDepth, qos);
   qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
   qos.reliability().max_blocking_time = {0, 100'000'000};
   qos.durability().kind =
@@ -81,9 +86,9 @@ dds::DataWriterQos writer_qos(const Traits& traits) {
   return qos;
 }
 
-dds::DataReaderQos reader_qos(const Traits& traits) {
+dds::DataReaderQos reader_qos(std::string_view type, const Traits& traits) {
   dds::DataReaderQos qos;
-  apply(traits, traits.kept_for_late ? kDepthForLate : kDepth, qos);
+  apply(type, traits.kept_for_late ? kDepthForLate : kDepth, qos);
   qos.reliability().kind =
       traits.takes_any_writer ? dds::BEST_EFFORT_RELIABILITY_QOS : dds::RELIABLE_RELIABILITY_QOS;
   // Of what is kept for late nodes, the lines before the two have met are wanted, too.
@@ -95,23 +100,47 @@ dds::DataReaderQos reader_qos(const Traits& traits) {
   return qos;
 }
 
+namespace {
+
+constexpr std::size_t kLargest = 4U << 20U;  // [bytes] a trajectory of thousands of points
+
+template <typename Message>
+dds::TypeSupport type_of() {
+  return dds::TypeSupport(
+      new wire::BytesType(std::string(wire::Description<Message>::kName), kLargest, nullptr));
+}
+
+}  // namespace
+
 template <typename Message>
 struct Publication<Message>::Entities {
-  wire::Writer writer;
+  wire::DdsWriter writer;
+  std::mutex encoding;
+  std::vector<std::byte> sample;  ///< the last one
 };
 
 template <typename Message>
 Publication<Message>::Publication(wire::Participant& participant, std::string_view topic)
-    : entities_(new Entities{.writer = {wire::dds_entities(participant), dds_topic(topic),
-                                        dds::TypeSupport(new MessageType<Message>()),
-                                        writer_qos(SupportOf<Message>::kTraits)}}) {}
+    : entities_(new Entities{
+          .writer = {wire::dds_entities(participant), dds_topic(topic), type_of<Message>(),
+                     writer_qos(ros_name<Message>(), kTraits<Message>)},
+          .encoding = {},
+          .sample = {}}) {}
 
 template <typename Message>
 Publication<Message>::~Publication() = default;
 
 template <typename Message>
 bool Publication<Message>::write(const Message& message) noexcept {
-  return entities_->writer.write(&message);
+  try {
+    const std::scoped_lock lock(entities_->encoding);
+    wire::write_sample(entities_->sample, [&](wire::CdrWriter& writer) {
+      writer.put(message);
+    });
+    return entities_->writer.write(entities_->sample);
+  } catch (...) {  // no memory
+    return false;
+  }
 }
 
 template <typename Message>
@@ -121,9 +150,16 @@ std::size_t Publication<Message>::matched() const noexcept {
 
 template <typename Message>
 struct Subscription<Message>::Entities {
+  void take(std::span<const std::byte> sample) {
+    wire::CdrReader cdr(sample);
+    cdr.get(message);
+    is_good = cdr.is_good();
+  }
+
   Handler handler;
   Message message{};  ///< keeps its capacity from sample to sample
-  std::optional<wire::Reader> reader{};
+  bool is_good = false;
+  std::optional<wire::DdsReader> reader{};
 };
 
 template <typename Message>
@@ -131,12 +167,15 @@ Subscription<Message>::Subscription(wire::Participant& participant, std::string_
                                     Handler handler)
     : entities_(std::make_unique<Entities>()) {
   entities_->handler = std::move(handler);
-  entities_->reader.emplace(wire::dds_entities(participant), dds_topic(topic),
-                            dds::TypeSupport(new MessageType<Message>()),
-                            reader_qos(SupportOf<Message>::kTraits), &entities_->message,
-                            [entities = entities_.get()](const wire::WriterId& writer) {
-                              entities->handler(entities->message, writer);
-                            });
+  entities_->reader.emplace(
+      wire::dds_entities(participant), dds_topic(topic), type_of<Message>(),
+      reader_qos(ros_name<Message>(), kTraits<Message>),
+      [entities = entities_.get()](std::span<const std::byte> sample) {
+        entities->take(sample);
+      },
+      [entities = entities_.get()](const wire::WriterId& writer) {
+        if (entities->is_good) entities->handler(entities->message, writer);
+      });
 }
 
 template <typename Message>

@@ -1,142 +1,97 @@
 // SPDX-License-Identifier: Apache-2.0
 // Descriptions and hashes of types as rosidl makes them (REP 2011, REP 2016).
+#include "ros/endpoints.hpp"
+#include "ros_messages_description.hpp"
 #include "vdrive/wire/ros_types.hpp"
 
 #include <openssl/evp.h>
 
-#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <set>
-#include <span>
+#include <map>
 #include <stdexcept>
+#include <string>
+#include <type_traits>
 #include <vector>
 
 namespace vdrive::ros {
 namespace {
 
-/// Numbers of type_description_interfaces/msg/FieldType.
-enum FieldType : std::uint8_t {
-  nested = 1,
-  uint8_type = 3,
-  int32_type = 6,
-  uint32_type = 7,
-  double_type = 11,
-  boolean_type = 15,
-  byte_type = 16,
-  string_type = 17,
-};
+/// The number of type_description_interfaces/msg/FieldType of a type that is no sequence.
+template <typename Value>
+constexpr int field_type() {
+  if constexpr (wire::DescribedStruct<Value>) return 1;
+  if constexpr (std::is_same_v<Value, std::uint8_t>) return 3;
+  if constexpr (std::is_same_v<Value, std::int32_t>) return 6;
+  if constexpr (std::is_same_v<Value, std::uint32_t>) return 7;
+  if constexpr (std::is_same_v<Value, double>) return 11;
+  if constexpr (std::is_same_v<Value, bool>) return 15;
+  if constexpr (std::is_same_v<Value, std::byte>) return 16;
+  if constexpr (std::is_same_v<Value, std::string>) return 17;
+}
 
 constexpr int kSequence = 144;  // of any length, added to the number of its elements
 
-struct Field {
-  std::string_view name;
-  FieldType type = nested;
-  bool is_sequence = false;
-  std::string_view nested_type{};
+template <typename Value>
+struct ElementOf {
+  using Type = Value;
 };
 
-struct Description {
-  std::string_view name;
-  std::span<const Field> fields;
+template <typename Element>
+struct ElementOf<std::vector<Element>> {
+  using Type = Element;
 };
 
-constexpr std::string_view kTime = "builtin_interfaces/msg/Time";
-constexpr std::string_view kDuration = "builtin_interfaces/msg/Duration";
-constexpr std::string_view kHeader = "std_msgs/msg/Header";
-constexpr std::string_view kPoint = "trajectory_msgs/msg/JointTrajectoryPoint";
-constexpr std::string_view kStatus = "diagnostic_msgs/msg/DiagnosticStatus";
-constexpr std::string_view kKeyValue = "diagnostic_msgs/msg/KeyValue";
+/// The descriptions of types by their names in ROS.
+using Descriptions = std::map<std::string, std::string>;
 
-constexpr std::array kTimeFields{Field{"sec", int32_type}, Field{"nanosec", uint32_type}};
-constexpr std::array kHeaderFields{Field{"stamp", nested, false, kTime},
-                                   Field{"frame_id", string_type}};
-constexpr std::array kBoolFields{Field{"data", boolean_type}};
-constexpr std::array kJointStateFields{
-    Field{"header", nested, false, kHeader}, Field{"name", string_type, true},
-    Field{"position", double_type, true}, Field{"velocity", double_type, true},
-    Field{"effort", double_type, true}};
-constexpr std::array kPointFields{
-    Field{"positions", double_type, true}, Field{"velocities", double_type, true},
-    Field{"accelerations", double_type, true}, Field{"effort", double_type, true},
-    Field{"time_from_start", nested, false, kDuration}};
-constexpr std::array kTrajectoryFields{Field{"header", nested, false, kHeader},
-                                       Field{"joint_names", string_type, true},
-                                       Field{"points", nested, true, kPoint}};
-constexpr std::array kKeyValueFields{Field{"key", string_type}, Field{"value", string_type}};
-constexpr std::array kStatusFields{Field{"level", byte_type}, Field{"name", string_type},
-                                   Field{"message", string_type}, Field{"hardware_id", string_type},
-                                   Field{"values", nested, true, kKeyValue}};
-constexpr std::array kDiagnosticsFields{Field{"header", nested, false, kHeader},
-                                        Field{"status", nested, true, kStatus}};
-constexpr std::array kClockFields{Field{"clock", nested, false, kTime}};
-constexpr std::array kLogFields{Field{"stamp", nested, false, kTime},
-                                Field{"level", uint8_type},
-                                Field{"name", string_type},
-                                Field{"msg", string_type},
-                                Field{"file", string_type},
-                                Field{"function", string_type},
-                                Field{"line", uint32_type}};
-
-constexpr std::array kTypes{
-    Description{kTime, kTimeFields},
-    Description{kDuration, kTimeFields},
-    Description{kHeader, kHeaderFields},
-    Description{"std_msgs/msg/Bool", kBoolFields},
-    Description{"sensor_msgs/msg/JointState", kJointStateFields},
-    Description{kPoint, kPointFields},
-    Description{"trajectory_msgs/msg/JointTrajectory", kTrajectoryFields},
-    Description{kKeyValue, kKeyValueFields},
-    Description{kStatus, kStatusFields},
-    Description{"diagnostic_msgs/msg/DiagnosticArray", kDiagnosticsFields},
-    Description{"rosgraph_msgs/msg/Clock", kClockFields},
-    Description{"rcl_interfaces/msg/Log", kLogFields},
-};
-
-const Description& description_of(std::string_view type) {
-  const auto* const found = std::ranges::find(kTypes, type, &Description::name);
-  if (found == kTypes.end()) throw std::invalid_argument("no type " + std::string(type));
-  return *found;
-}
-
-std::string field_json(const Field& field) {
-  const int number = field.type + (field.is_sequence ? kSequence : 0);
-  return R"({"name": ")" + std::string(field.name) + R"(", "type": {"type_id": )" +
-         std::to_string(number) +
-         R"(, "capacity": 0, "string_capacity": 0, "nested_type_name": ")" +
-         std::string(field.nested_type) + R"("}})";
-}
-
-std::string type_json(const Description& type) {
-  std::string json = R"({"type_name": ")" + std::string(type.name) + R"(", "fields": [)";
-  for (const Field& field : type.fields) {
+/// @param used gets the descriptions of the types of the members
+template <typename Message>
+std::string description_of(Descriptions& used) {
+  std::string json = R"({"type_name": ")" + ros_name<Message>() + R"(", "fields": [)";
+  wire::for_each_member<Message>([&]<typename Value>(const wire::Member<Message, Value>& member) {
+    using Element = typename ElementOf<Value>::Type;
+    const int number = field_type<Element>() + (std::is_same_v<Element, Value> ? 0 : kSequence);
+    std::string nested;
+    if constexpr (wire::DescribedStruct<Element>) {
+      nested = ros_name<Element>();
+      used[nested] = description_of<Element>(used);
+    }
     if (json.back() != '[') json += ", ";
-    json += field_json(field);
+    json += R"({"name": ")" + std::string(member.name) + R"(", "type": {"type_id": )" +
+            std::to_string(number) +
+            R"(, "capacity": 0, "string_capacity": 0, "nested_type_name": ")" + nested + R"("}})";
+  });
+  return json + "]}";
+}
+
+template <typename Message>
+std::string whole_description() {
+  Descriptions used;
+  std::string json = R"({"type_description": )" + description_of<Message>(used) +
+                     R"(, "referenced_type_descriptions": [)";
+  for (const auto& [name, description] : used) {
+    if (json.back() != '[') json += ", ";
+    json += description;
   }
   return json + "]}";
 }
 
-void add_used(const Description& type, std::set<std::string_view>& used) {
-  for (const Field& field : type.fields) {
-    if (field.type != nested) continue;
-    used.insert(field.nested_type);
-    add_used(description_of(field.nested_type), used);
-  }
+template <typename... Message>
+std::string description_named(std::string_view type) {
+  std::string found;
+  ((ros_name<Message>() == type ? void(found = whole_description<Message>()) : void()), ...);
+  if (found.empty()) throw std::invalid_argument("no type " + std::string(type));
+  return found;
 }
 
 }  // namespace
 
 std::string type_description(std::string_view type) {
-  const Description& own = description_of(type);
-  std::set<std::string_view> used;
-  add_used(own, used);
-  std::string json =
-      R"({"type_description": )" + type_json(own) + R"(, "referenced_type_descriptions": [)";
-  for (const std::string_view name : used) {
-    if (json.back() != '[') json += ", ";
-    json += type_json(description_of(name));
-  }
-  return json + "]}";
+  return description_named<Time, Duration, Header, Bool, JointState, JointTrajectoryPoint,
+                           JointTrajectory, KeyValue, DiagnosticStatus, DiagnosticArray, Clock,
+                           Log>(type);
 }
 
 std::string type_hash(std::string_view type) {

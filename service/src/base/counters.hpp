@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive_messages.hpp"
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -8,6 +10,8 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
+#include <tuple>
 #include <vector>
 
 namespace vdrive::service {
@@ -114,7 +118,7 @@ class RefusalCounters {
   std::array<Slot, 64> slots_;
 };
 
-/// What a bench counts and measures from its start on, and shows in bench_state.
+/// What a bench counts and measures from its start on, and shows: see `kCounterRows`.
 struct Counters {
   static constexpr std::size_t kLatenessBins = 32;
 
@@ -124,6 +128,8 @@ struct Counters {
   Counter jumps;
   std::array<Counter, kLatenessBins> lateness;  ///< bin i: below 2^i µs
   Counter lateness_sum_ns;
+  Gauge<> inbox_depth;
+  Gauge<> outbox_depth;
   Gauge<> pending_frames;
   Counter frames_received;
   Counter frames_refused;
@@ -164,6 +170,105 @@ struct Counters {
     const auto bin = static_cast<std::size_t>(std::bit_width(microseconds));
     lateness[bin < kLatenessBins ? bin : kLatenessBins - 1].add();
   }
+
+  [[nodiscard]] std::uint64_t ticks_skipped() const noexcept { return tick.read().skipped; }
 };
+
+/// How /metrics shows a number. Neighbours of one name are told apart by the label `queue`.
+struct MetricText {
+  std::string_view name{};  ///< that of a counter ends in _total
+  std::string_view help{};
+  std::string_view queue{};
+};
+
+/// A figure of bench_state, and where its value comes from. Its kind, unit and help are those of
+/// the IDL; so is its name in /metrics, unless `metric` has another one.
+template <typename Value, typename Source>
+struct FigureRow {
+  Value msg::BenchState::*figure;
+  Source Counters::*source;
+  MetricText metric{};
+};
+
+template <typename Value, typename Source>
+FigureRow(Value msg::BenchState::*, Source Counters::*, MetricText = {})
+    -> FigureRow<Value, Source>;
+
+/// A number that only /metrics shows.
+template <typename Source>
+struct MetricRow {
+  Source Counters::*source;
+  MetricText metric;
+};
+
+template <typename Source>
+MetricRow(Source Counters::*, MetricText) -> MetricRow<Source>;
+
+/// In the order of /metrics. It does not compile while a figure of the IDL has no row.
+inline constexpr std::tuple kCounterRows{
+    MetricRow{&Counters::tick, {"vdrive_tick", "Number of the last tick"}},
+    MetricRow{&Counters::rate,
+              {"vdrive_rate", "Requested ratio of drive time to wall time, 0 = paused"}},
+    MetricRow{&Counters::ticks_run, {"vdrive_ticks_total", "Ticks that were run"}},
+    FigureRow{&msg::BenchState::overruns, &Counters::overruns, {"vdrive_tick_overruns_total"}},
+    FigureRow{&msg::BenchState::jumps, &Counters::jumps, {"vdrive_tick_jumps_total"}},
+    MetricRow{&Counters::ticks_skipped,
+              {"vdrive_ticks_skipped_total", "Ticks that the number jumped over: not run"}},
+    MetricRow{&Counters::wall_offset,
+              {"vdrive_wall_clock_offset_seconds",
+               "Wall clock minus drive time; 0 while drive time does not follow the wall clock"}},
+    MetricRow{&Counters::wall_steps,
+              {"vdrive_wall_clock_steps_total", "Changes of the wall clock that were detected"}},
+    MetricRow{&Counters::lateness,
+              {"vdrive_tick_lateness_seconds", "Time from the due time of a tick to its begin"}},
+    FigureRow{&msg::BenchState::inbox_depth,
+              &Counters::inbox_depth,
+              {"vdrive_queue_depth", "Messages that wait in a queue", "inbox"}},
+    FigureRow{&msg::BenchState::outbox_depth,
+              &Counters::outbox_depth,
+              {"vdrive_queue_depth", "", "outbox"}},
+    FigureRow{&msg::BenchState::pending_frames,
+              &Counters::pending_frames,
+              {"vdrive_queue_depth", "", "pending_frames"}},
+    FigureRow{&msg::BenchState::queue_overflows, &Counters::queue_overflows},
+    MetricRow{
+        &Counters::status_images_lost,
+        {"vdrive_status_lost_total",
+         "Of these: status between tick and status thread, and between engine and wire", "images"}},
+    MetricRow{&Counters::status_samples_lost, {"vdrive_status_lost_total", "", "wire"}},
+    MetricRow{&Counters::wire_is_up,
+              {"vdrive_wire_up", "1 while the service is on the network, 0 while it is not"}},
+    FigureRow{&msg::BenchState::wire_starts, &Counters::wire_starts},
+    MetricRow{&Counters::wire_resident,
+              {"vdrive_wire_resident_bytes",
+               "Memory of the network process; 0 = DDS runs in threads of the service"}},
+    MetricRow{&Counters::datagrams_dropped,
+              {"vdrive_datagrams_dropped_total",
+               "Datagrams that were dropped because no conforming program sends them"}},
+    MetricRow{&Counters::malformed,
+              {"vdrive_malformed_samples_total",
+               "Commands and requests that arrived and could not be decoded"}},
+    FigureRow{&msg::BenchState::frames_received, &Counters::frames_received},
+    FigureRow{&msg::BenchState::frames_refused, &Counters::frames_refused},
+    FigureRow{&msg::BenchState::commands_applied, &Counters::commands_applied},
+    FigureRow{&msg::BenchState::commands_refused, &Counters::commands_refused},
+    FigureRow{&msg::BenchState::set_points_ignored, &Counters::set_points_ignored},
+    FigureRow{&msg::BenchState::requests_answered, &Counters::requests_answered},
+    FigureRow{
+        &msg::BenchState::master_losses, &Counters::master_losses, {"vdrive_watchdog_trips_total"}},
+    FigureRow{&msg::BenchState::longest_silence_us, &Counters::longest_silence_us},
+    MetricRow{
+        &Counters::refusals,
+        {"vdrive_refusals_total", "Refusals of frames, commands and requests by their reason"}},
+    FigureRow{&msg::BenchState::status_frames_sent, &Counters::status_frames_sent},
+    MetricRow{&Counters::axis_samples_sent,
+              {"vdrive_axis_samples_sent_total", "Samples of the topic axis"}},
+    MetricRow{&Counters::events_sent, {"vdrive_events_sent_total", "Samples of the topic event"}},
+    MetricRow{&Counters::saves,
+              {"vdrive_saves_total", "Axes whose stored parameters became durable"}},
+    MetricRow{&Counters::save_failures,
+              {"vdrive_save_failures_total", "Axes whose parameters could not be stored"}},
+    FigureRow{&msg::BenchState::journal_ticks, &Counters::journal_ticks},
+    FigureRow{&msg::BenchState::journal_losses, &Counters::journal_losses}};
 
 }  // namespace vdrive::service

@@ -35,7 +35,7 @@ class EventLimiter {
   void flush(std::chrono::nanoseconds now, std::vector<CountedEvent>& passed);
 
  private:
-  using Key = std::tuple<std::uint32_t, std::uint16_t, std::uint32_t, std::uint64_t>;
+  using Key = std::tuple<msg::EventKind, std::uint16_t, std::uint32_t, std::uint64_t>;
 
   struct Window {
     std::chrono::nanoseconds begin{0};

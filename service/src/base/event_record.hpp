@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/parameter_problem.hpp"
+#include "vdrive_messages.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -127,7 +128,7 @@ using EventDetail =
 
 /// Something to report, before it becomes text.
 struct EventRecord {
-  std::uint32_t kind = 0;  ///< msg::EVENT_...
+  msg::EventKind kind{};
   std::uint16_t axis = 0;  ///< number on the bench, 0 = the bench
   std::uint64_t session = 0;
   std::uint32_t code = 0;

@@ -82,7 +82,7 @@ bool LockstepDriver::handle_frames_only(Clock::time_point now) {
 
 void LockstepDriver::handle(Arrival& arrival, Clock::time_point now) {
   const bool is_request = arrival.kind == Arrival::Kind::request;
-  steps_.note_message(is_request ? arrival.request.session() : arrival.frame.session(), now);
+  steps_.note_message(is_request ? arrival.request.session : arrival.frame.session, now);
   if (StepRequests::is_for(arrival)) {
     steps_.handle(arrival, now);
   } else {

@@ -48,7 +48,7 @@ void RealtimeDriver::change_rate() noexcept {
     clock_.reset();
     next_repeat_ = now.monotonic;
     if (const auto overruns = overruns_.flush(now.monotonic)) {
-      engine_.report({.kind = msg::EVENT_TICK_OVERRUN, .detail = *overruns});
+      engine_.report({.kind = msg::EventKind::tick_overrun, .detail = *overruns});
     }
   } else if (clock_) {
     clock_->set_rate(rate_, now);
@@ -74,7 +74,7 @@ void RealtimeDriver::tick() noexcept {
   const auto late = end - clock_->deadline();
   if (late > std::chrono::nanoseconds::zero()) counters_.overruns.add();
   if (const auto overruns = overruns_.note(end, late)) {
-    engine_.report({.kind = msg::EVENT_TICK_OVERRUN, .detail = *overruns});
+    engine_.report({.kind = msg::EventKind::tick_overrun, .detail = *overruns});
   }
 }
 
@@ -82,7 +82,7 @@ void RealtimeDriver::follow_wall_clock() noexcept {
   if (const auto step = clock_->advance({timer_.monotonic_now(), timer_.wall_now()})) {
     const auto offset = std::chrono::duration_cast<std::chrono::microseconds>(step->offset);
     counters_.wall_steps.add();
-    engine_.report({.kind = msg::EVENT_WALL_CLOCK,
+    engine_.report({.kind = msg::EventKind::wall_clock,
                     .code = step->jumped > 0 ? WallClockCode::kJumped : WallClockCode::kSteered,
                     .detail = offset});
   }

@@ -27,8 +27,8 @@ using settings::Any;
 using settings::ConfigurationKey;
 using settings::IntegerLimits;
 using settings::key;
+using settings::kOneOf;
 using settings::NumberLimits;
-using settings::one_of;
 using settings::Row;
 using settings::Rule;
 using settings::section;
@@ -80,10 +80,10 @@ template <std::size_t... kPlaces>
 constexpr auto model_rows(std::index_sequence<kPlaces...> /*parameters*/) {
   return std::to_array<Row<AxisModel>>(
       {key<&AxisModel::coupling>(
-           "coupling", one_of<Coupling::rigid, Coupling::two_inertia>,
+           "coupling", kOneOf<Coupling::rigid, Coupling::two_inertia>,
            "rigid: one inertia; two_inertia: motor and load on an elastic shaft."),
        key<&AxisModel::feedback>(
-           "feedback", one_of<Feedback::single_encoder, Feedback::dual_encoder>,
+           "feedback", kOneOf<Feedback::single_encoder, Feedback::dual_encoder>,
            "The position loop uses the encoder of the motor (single_encoder) or of the load "
            "(dual_encoder)."),
        parameter_row<kPlaces>()...});

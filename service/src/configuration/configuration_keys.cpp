@@ -25,7 +25,7 @@ using settings::Any;
 using settings::IntegerLimits;
 using settings::IntegerOrNone;
 using settings::key;
-using settings::one_of;
+using settings::kOneOf;
 using settings::Row;
 using settings::Rule;
 using settings::section;
@@ -189,7 +189,7 @@ constexpr auto kBenchRows = std::to_array<Row<Configuration>>({
 
 constexpr auto kClockRows = std::to_array<Row<Configuration>>({
     key<&Configuration::clock>(
-        "mode", one_of<ClockMode::realtime, ClockMode::lockstep, ClockMode::freerun>,
+        "mode", kOneOf<ClockMode::realtime, ClockMode::lockstep, ClockMode::freerun>,
         "realtime: by the wall clock; lockstep: by steps of clients; freerun: as fast as "
         "possible."),
     key<&Configuration::period>(
@@ -205,7 +205,7 @@ constexpr auto kClockRows = std::to_array<Row<Configuration>>({
         "lockstep: time begins to pass once so many programs have joined the clock, {}; 0: it "
         "waits for none."),
     key<&Configuration::clock_step>(
-        "clock_step", one_of<WallStepPolicy::steer, WallStepPolicy::jump>,
+        "clock_step", kOneOf<WallStepPolicy::steer, WallStepPolicy::jump>,
         "realtime at rate 1, after a change of the wall clock: steer (slowly, by 500 ppm) or "
         "jump (at once, forward only)."),
     key<&Configuration::threads>(
@@ -231,7 +231,7 @@ constexpr auto kWatchdogRows = std::to_array<Row<Configuration>>({
 
 constexpr auto kWireRows = std::to_array<Row<Configuration>>({
     key<&Configuration::wire_form>(
-        "form", one_of<WireForm::process, WireForm::thread>,
+        "form", kOneOf<WireForm::process, WireForm::thread>,
         "Where DDS runs: in a process, which the service restarts when it fails, or in a "
         "thread of the service. Default: process in realtime, with network.security and with "
         "an interface other than loopback; thread otherwise and with shared memory."),

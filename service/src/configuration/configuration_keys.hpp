@@ -31,7 +31,7 @@ struct ParsedConfiguration {
 /// Every key of an element of `axes`.
 [[nodiscard]] std::span<const settings::Row<NamedAxis>> axis_rows() noexcept;
 
-/// @throws ConfigurationError when a name has not 1 to 64 bytes, or a control character
+/// @throws ConfigurationError when a name does not have 1 to 64 bytes, or has a control character
 void check_name(const YamlValue& value, const std::string& name);
 
 }  // namespace vdrive::service

@@ -73,12 +73,12 @@ void AxisEvents::report(std::size_t axis) {
 
 void AxisEvents::report_state(std::size_t axis, const AxisStatus& status, const Seen& seen) {
   const PowerState before = decode_power_state(seen.statusword);
-  events_.report({.kind = msg::EVENT_STATE_CHANGED,
+  events_.report({.kind = msg::EventKind::state_changed,
                   .axis = axes_.number_of(axis),
                   .code = status.ds402_statusword,
                   .error_register = status.error_register});
   if (before == PowerState::fault) {
-    events_.report({.kind = msg::EVENT_FAULT_RESET,
+    events_.report({.kind = msg::EventKind::fault_reset,
                     .axis = axes_.number_of(axis),
                     .code = seen.error_code,
                     .error_register = status.error_register});
@@ -91,7 +91,7 @@ void AxisEvents::report_state(std::size_t axis, const AxisStatus& status, const 
 /// The count falls when the axis is switched on again or a snapshot is restored.
 void AxisEvents::report_faults(std::size_t axis, const AxisStatus& status, const Seen& seen) {
   if (status.fault_count < seen.fault_count) return;
-  events_.report({.kind = msg::EVENT_FAULT,
+  events_.report({.kind = msg::EventKind::fault,
                   .axis = axes_.number_of(axis),
                   .code = status.error_code,
                   .error_register = status.error_register});
@@ -101,7 +101,7 @@ void AxisEvents::report_set_points(std::size_t axis, const AxisStatus& status, c
   if (status.ignored_set_points < seen.ignored_set_points) return;
   const std::uint32_t more = status.ignored_set_points - seen.ignored_set_points;
   counters_.set_points_ignored.add(more);
-  events_.report({.kind = msg::EVENT_SET_POINT_IGNORED,
+  events_.report({.kind = msg::EventKind::set_point_ignored,
                   .axis = axes_.number_of(axis),
                   .session = masters_.owner(axis).session,
                   .detail = Count{more}});

@@ -16,12 +16,12 @@ using namespace vdrive::literals;
 constexpr Reason kLocalControl = AbortCode::refused_local_control;
 
 msg::ObjectResult& add_result(const msg::ObjectAccess& object, Reason reason, msg::Reply& reply) {
-  auto& result = reply.objects().emplace_back();
-  result.axis(object.axis());
-  result.index(object.index());
-  result.subindex(object.subindex());
-  result.abort_code(reason.code());
-  result.value(object.value());
+  auto& result = reply.objects.emplace_back();
+  result.axis = object.axis;
+  result.index = object.index;
+  result.subindex = object.subindex;
+  result.abort_code = reason.on_wire();
+  result.value = object.value;
   return result;
 }
 
@@ -42,13 +42,13 @@ Stop stop_in(ObjectRow row, std::int64_t value) {
 
 /// @return the reason of a request whose results are complete.
 Reason reason_of(const msg::Reply& reply) {
-  const auto& results = reply.objects();
-  if (results.empty()) return msg::REASON_NOTHING_DONE;
+  const auto& results = reply.objects;
+  if (results.empty()) return msg::Reason::nothing_done;
   const bool unknown_axis = std::ranges::any_of(results, [](const auto& result) {
-    return result.abort_code() == msg::REASON_UNKNOWN_AXIS;
+    return result.abort_code == msg::Reason::unknown_axis;
   });
-  if (unknown_axis) return msg::REASON_UNKNOWN_AXIS;
-  return msg::REASON_NONE;
+  if (unknown_axis) return msg::Reason::unknown_axis;
+  return msg::Reason::none;
 }
 
 }  // namespace
@@ -65,40 +65,40 @@ AxisRequests::AxisRequests(BenchAxes& axes, AxisWriter& writer, const BenchClock
       events_(events) {}
 
 Reason AxisRequests::read(const msg::Request& request, msg::Reply& reply) const {
-  for (const auto& object : request.objects()) {
-    const auto axis = axes_.index_of(object.axis());
+  for (const auto& object : request.objects) {
+    const auto axis = axes_.index_of(object.axis);
     if (!axis) {
-      add_result(object, msg::REASON_UNKNOWN_AXIS, reply).value(0);
-      masters_.name_refused(object.axis(), reply);
+      add_result(object, msg::Reason::unknown_axis, reply).value = 0;
+      masters_.name_refused(object.axis, reply);
       continue;
     }
-    const ReadResult result = axes_.bank().read(*axis, {object.index(), object.subindex()});
-    add_result(object, result.code, reply).value(result.value);
+    const ReadResult result = axes_.bank().read(*axis, {object.index, object.subindex});
+    add_result(object, result.code, reply).value = result.value;
   }
   return reason_of(reply);
 }
 
 Reason AxisRequests::write(const msg::Request& request, msg::Reply& reply) {
-  for (const auto& object : request.objects()) {
-    const Reason reason = write_object(object, request.session(), reply.objects().size());
+  for (const auto& object : request.objects) {
+    const Reason reason = write_object(object, request.session, reply.objects.size());
     add_result(object, reason, reply);
-    if (reason == msg::REASON_UNKNOWN_AXIS || reason == kLocalControl) {
-      masters_.name_refused(object.axis(), reply);
+    if (reason == msg::Reason::unknown_axis || reason == kLocalControl) {
+      masters_.name_refused(object.axis, reply);
     }
   }
-  reply.tick(clock_.next_tick());
+  reply.tick = clock_.next_tick();
   return reason_of(reply);
 }
 
 Reason AxisRequests::write_object(const msg::ObjectAccess& object, std::uint64_t session,
                                   std::size_t place) {
-  const auto axis = axes_.index_of(object.axis());
-  if (!axis) return msg::REASON_UNKNOWN_AXIS;
-  const ObjectAddress address{object.index(), object.subindex()};
+  const auto axis = axes_.index_of(object.axis);
+  if (!axis) return msg::Reason::unknown_axis;
+  const ObjectAddress address{object.index, object.subindex};
   const auto row = find_object(address);
   const std::uint64_t owner = masters_.owner(*axis).session;
   const bool is_of_other = owner != 0 && owner != session;
-  const Stop stop = row ? stop_in(*row, object.value()) : Stop::none;
+  const Stop stop = row ? stop_in(*row, object.value) : Stop::none;
   // A quick stop needs no control and gives none; a halt of a free axis is a command of its
   // session.
   const bool stops = is_of_other ? stop != Stop::none : owner == 0 && stop == Stop::quick_stop;
@@ -106,12 +106,12 @@ Reason AxisRequests::write_object(const msg::ObjectAccess& object, std::uint64_t
   if (is_of_other && !(row && has_role(*row, Role::test_input))) return kLocalControl;
   if (!row) return check_address(address);
   if (owner == 0 && has_role(*row, Role::command)) {
-    return write_command_object(*axis, *row, object.value(), session);
+    return write_command_object(*axis, *row, object.value, session);
   }
   if (describe(*row).change == Change::memory) {
-    return stores_.store_by_write(*axis, *row, object.value(), place);
+    return stores_.store_by_write(*axis, *row, object.value, place);
   }
-  return writer_.write(*axis, *row, object.value());
+  return writer_.write(*axis, *row, object.value);
 }
 
 /// A halt sets bit 8 and leaves the other bits of the controlword as they are: the set-point and
@@ -127,7 +127,7 @@ Reason AxisRequests::stop_axis(std::size_t axis, bool by_halt, std::uint64_t ses
   schedule_.cancel_of_axis(axes_.number_of(axis));
   const std::uint64_t owner = masters_.owner(axis).session;
   if (owner != 0) {
-    events_.report({.kind = msg::EVENT_STOPPED,
+    events_.report({.kind = msg::EventKind::stopped,
                     .axis = axes_.number_of(axis),
                     .session = session,
                     .code = word,
@@ -142,22 +142,10 @@ Reason AxisRequests::write_command_object(std::size_t axis, ObjectRow row, std::
   SessionRecord* const record = session == 0 ? nullptr : masters_.admit(session);
   if (record == nullptr) return kLocalControl;
   // The request may have been sent before the session lost its axes.
-  if (record->must_acquire) return msg::REASON_STALE_EPOCH;
+  if (record->must_acquire) return msg::Reason::stale_epoch;
   const AbortCode code = writer_.write(axis, row, value);
   if (code == AbortCode::none) masters_.give(axis, *record);
   return code;
-}
-
-Reason AxisRequests::power_cycle(const msg::Request& request, msg::Reply& reply) {
-  if (const auto reason = masters_.check_axes(request, false, reply); reason != msg::REASON_NONE) {
-    return reason;
-  }
-  for (const std::uint16_t number : request.axes()) {
-    schedule_.cancel_of_axis(number);
-    axes_.power_cycle(axes_.index_of_checked(number));
-  }
-  reply.tick(clock_.next_tick());
-  return msg::REASON_NONE;
 }
 
 }  // namespace vdrive::service

@@ -9,15 +9,14 @@
 #include "engine/frame_schedule.hpp"
 #include "engine/masters.hpp"
 #include "engine/store_requests.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstddef>
 #include <cstdint>
 
 namespace vdrive::service {
 
-/// Requests about axes: reads and writes of objects, power cycles. Each function returns
-/// REASON_NONE or why the request is refused.
+/// Requests about objects of axes. Each function returns REASON_NONE or why the request is refused.
 class AxisRequests {
  public:
   AxisRequests(BenchAxes& axes, AxisWriter& writer, const BenchClock& clock, Masters& masters,
@@ -25,7 +24,6 @@ class AxisRequests {
 
   [[nodiscard]] Reason read(const msg::Request& request, msg::Reply& reply) const;
   [[nodiscard]] Reason write(const msg::Request& request, msg::Reply& reply);
-  [[nodiscard]] Reason power_cycle(const msg::Request& request, msg::Reply& reply);
 
  private:
   [[nodiscard]] Reason write_object(const msg::ObjectAccess& object, std::uint64_t session,

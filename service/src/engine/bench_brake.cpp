@@ -29,7 +29,7 @@ BenchBrake::BenchBrake(BenchAxes& axes, FrameSchedule& schedule, BenchEvents& ev
 void BenchBrake::engage(Braking braking) {
   if (!braking_) {
     schedule_.cancel_all();
-    events_.report({.kind = msg::EVENT_SHUTDOWN});
+    events_.report({.kind = msg::EventKind::shutdown});
   }
   braking_ = braking;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {

@@ -23,10 +23,9 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
       stores_(axes_, clock_, masters_, request_answers_, events_, outbox.replies, counters),
       axis_requests_(axes_, writer_, clock_, masters_, schedule_, stores_, events_),
       snapshots_(axes_, clock_, masters_, schedule_, output_, events_, counters),
-      requests_(
-          clock_, master_watch_, brake_,
-          {.axes = axis_requests_, .masters = masters_, .stores = stores_, .snapshots = snapshots_},
-          request_answers_, events_),
+      requests_({clock_, events_, axes_, schedule_, masters_, master_watch_, stores_,
+                 axis_requests_, snapshots_},
+                brake_, request_answers_),
       step_requests_(configuration, clock_, frames_, masters_, requests_, request_answers_, events_,
                      counters) {}
 
@@ -59,7 +58,7 @@ void BenchEngine::step() {
 void BenchEngine::jump(std::uint64_t ticks) {
   clock_.jump(ticks);
   master_watch_.skip(ticks);
-  events_.report({.kind = msg::EVENT_TICK_JUMPED, .detail = Count{ticks}});
+  events_.report({.kind = msg::EventKind::tick_jumped, .detail = Count{ticks}});
 }
 
 }  // namespace vdrive::service

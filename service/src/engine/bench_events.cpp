@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/bench_events.hpp"
 
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 namespace vdrive::service {
 
@@ -21,7 +21,8 @@ void BenchEvents::report(EventRecord event) {
 void BenchEvents::report_overflows() {
   const std::uint64_t overflows = counters_.queue_overflows.get();
   if (overflows == reported_overflows_ || !has_room()) return;
-  report({.kind = msg::EVENT_QUEUE_OVERFLOW, .detail = Count{overflows - reported_overflows_}});
+  report(
+      {.kind = msg::EventKind::queue_overflow, .detail = Count{overflows - reported_overflows_}});
   reported_overflows_ = overflows;
 }
 

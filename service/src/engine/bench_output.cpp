@@ -61,7 +61,7 @@ void BenchOutput::report_journal() {
   while (events_.has_room()) {
     const auto news = axes_.next_journal_news();
     if (!news) return;
-    events_.report({.kind = msg::EVENT_JOURNAL, .code = news->code, .detail = news->detail});
+    events_.report({.kind = msg::EventKind::journal, .code = news->code, .detail = news->detail});
   }
 }
 

@@ -22,44 +22,44 @@ CommandFrames::CommandFrames(const BenchClock& clock, const BenchBrake& brake, M
       application_(application),
       counters_(counters),
       furthest_ahead_(clock.ticks_in(kFurthestAhead)) {
-  due_frame_.axes().reserve(msg::MAX_AXES_PER_FRAME);
+  due_frame_.axes.reserve(msg::MAX_AXES_PER_FRAME);
 }
 
 void CommandFrames::handle(Arrival& arrival) {
   auto& frame = arrival.frame;
   counters_.frames_received.add();
-  if (const Reason reason = check_sender(frame); reason != msg::REASON_NONE) {
+  if (const Reason reason = check_sender(frame); reason != msg::Reason::none) {
     answers_.refuse(frame, reason);
     return;
   }
-  SessionRecord* const record = masters_.admit(frame.session());
+  SessionRecord* const record = masters_.admit(frame.session);
   if (record == nullptr) {
-    answers_.refuse(frame, msg::REASON_QUEUE_FULL);
+    answers_.refuse(frame, msg::Reason::queue_full);
     return;
   }
   record->last_message_tick = clock_.tick();
   if (answer_repeat(frame)) return;
-  record->last_sequence = std::max(record->last_sequence, frame.sequence_number());
-  if (const Reason reason = check(arrival, *record); reason != msg::REASON_NONE) {
+  record->last_sequence = std::max(record->last_sequence, frame.sequence_number);
+  if (const Reason reason = check(arrival, *record); reason != msg::Reason::none) {
     answers_.refuse(frame, reason);
     return;
   }
-  const bool cancels = (frame.flags() & msg::FRAME_CANCEL_PENDING) != 0;
-  if (cancels || !frame.axes().empty()) record->last_command = frame.sequence_number();
-  if (cancels) schedule_.cancel_of_session(frame.session());
-  if (frame.apply_at_tick() <= clock_.next_tick()) {
+  const bool cancels = (frame.flags & msg::FRAME_CANCEL_PENDING) != 0;
+  if (cancels || !frame.axes.empty()) record->last_command = frame.sequence_number;
+  if (cancels) schedule_.cancel_of_session(frame.session);
+  if (frame.apply_at_tick <= clock_.next_tick()) {
     application_.apply(frame);
-  } else if (!schedule_.insert(frame.apply_at_tick(), frame)) {
-    answers_.refuse(frame, msg::REASON_QUEUE_FULL);
+  } else if (!schedule_.insert(frame.apply_at_tick, frame)) {
+    answers_.refuse(frame, msg::Reason::queue_full);
   }
 }
 
 void CommandFrames::apply_due() {
   while (schedule_.take_due(clock_.next_tick(), due_frame_)) {
     // After a jump of the tick number a frame may be past its time.
-    const std::uint64_t valid_until = due_frame_.valid_until_tick();
+    const std::uint64_t valid_until = due_frame_.valid_until_tick;
     if (valid_until != 0 && valid_until < clock_.next_tick()) {
-      answers_.refuse(due_frame_, msg::REASON_TOO_LATE);
+      answers_.refuse(due_frame_, msg::Reason::too_late);
     } else {
       application_.apply(due_frame_);
     }
@@ -74,9 +74,9 @@ bool CommandFrames::has_arrived(std::uint64_t session, std::uint64_t sequence) c
 
 /// What is refused here is no frame of a session of this run: it is not remembered.
 Reason CommandFrames::check_sender(const msg::CommandFrame& frame) const noexcept {
-  if (!answers_.is_of_this_run(frame)) return msg::REASON_WRONG_INCARNATION;
-  if (frame.session() == 0) return msg::REASON_BAD_SESSION;
-  return msg::REASON_NONE;
+  if (!answers_.is_of_this_run(frame)) return msg::Reason::wrong_incarnation;
+  if (frame.session == 0) return msg::Reason::bad_session;
+  return msg::Reason::none;
 }
 
 /// A client repeats what was not answered after the way between it and this bench broke.
@@ -92,7 +92,7 @@ bool CommandFrames::answer_repeat(const msg::CommandFrame& frame) {
       answers_.repeat(frame);
       break;
     case Fate::forgotten:
-      if (!schedule_.contains(frame)) answers_.refuse(frame, msg::REASON_TOO_LATE);
+      if (!schedule_.contains(frame)) answers_.refuse(frame, msg::Reason::too_late);
       break;
   }
   return true;
@@ -101,22 +101,22 @@ bool CommandFrames::answer_repeat(const msg::CommandFrame& frame) {
 Reason CommandFrames::check(const Arrival& arrival, const SessionRecord& record) const {
   const auto& frame = arrival.frame;
   // Commands keep their order; one that was overtaken by keep-alives alone still acts.
-  if (frame.sequence_number() <= record.last_command) return msg::REASON_TOO_LATE;
-  if (record.epoch == 0 && frame.epoch() == 0) return msg::REASON_NOT_OWNER;
-  if (frame.epoch() != record.epoch) return msg::REASON_STALE_EPOCH;
-  if ((frame.flags() & ~kKnownFlags) != 0) return msg::REASON_UNKNOWN_FLAGS;
-  if (brake_.is_engaged() && !frame.axes().empty()) return msg::REASON_SHUTTING_DOWN;
-  return arrival.refusal != msg::REASON_NONE ? arrival.refusal : check_time(frame);
+  if (frame.sequence_number <= record.last_command) return msg::Reason::too_late;
+  if (record.epoch == 0 && frame.epoch == 0) return msg::Reason::not_owner;
+  if (frame.epoch != record.epoch) return msg::Reason::stale_epoch;
+  if ((frame.flags & ~kKnownFlags) != 0) return msg::Reason::unknown_flags;
+  if (brake_.is_engaged() && !frame.axes.empty()) return msg::Reason::shutting_down;
+  return arrival.refusal != msg::Reason::none ? arrival.refusal : check_time(frame);
 }
 
 Reason CommandFrames::check_time(const msg::CommandFrame& frame) const {
   const std::uint64_t apply_at =
-      frame.apply_at_tick() == 0 ? clock_.next_tick() : frame.apply_at_tick();
-  if (apply_at <= clock_.tick()) return msg::REASON_TOO_LATE;
-  if (apply_at - clock_.tick() > furthest_ahead_) return msg::REASON_TOO_FAR_AHEAD;
-  const bool expires_before = frame.valid_until_tick() != 0 && frame.valid_until_tick() < apply_at;
-  if (expires_before) return msg::REASON_TOO_LATE;
-  return msg::REASON_NONE;
+      frame.apply_at_tick == 0 ? clock_.next_tick() : frame.apply_at_tick;
+  if (apply_at <= clock_.tick()) return msg::Reason::too_late;
+  if (apply_at - clock_.tick() > furthest_ahead_) return msg::Reason::too_far_ahead;
+  const bool expires_before = frame.valid_until_tick != 0 && frame.valid_until_tick < apply_at;
+  if (expires_before) return msg::Reason::too_late;
+  return msg::Reason::none;
 }
 
 }  // namespace vdrive::service

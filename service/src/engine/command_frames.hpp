@@ -10,7 +10,7 @@
 #include "engine/frame_schedule.hpp"
 #include "engine/masters.hpp"
 #include "seam/queues.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <chrono>
 #include <cstdint>

@@ -9,7 +9,7 @@
 #include "engine/bench_clock.hpp"
 #include "engine/bench_events.hpp"
 #include "seam/stored_replies.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstdint>
 

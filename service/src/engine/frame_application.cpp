@@ -22,27 +22,27 @@ struct RegisterMember {
 constexpr std::array<RegisterMember, 6> kRegisterMembers{{
     {msg::HAS_OP_MODE_CMD, "op_mode_cmd"_object,
      [](const auto& c) -> std::int64_t {
-       return c.op_mode_cmd();
+       return c.op_mode_cmd;
      }},
     {msg::HAS_POSITION_USER_TARGET_VALUE, "position_user_target_value"_object,
      [](const auto& c) -> std::int64_t {
-       return c.position_user_target_value();
+       return c.position_user_target_value;
      }},
     {msg::HAS_PROFILE_VELOCITY, "profile_velocity"_object,
      [](const auto& c) -> std::int64_t {
-       return c.profile_velocity();
+       return c.profile_velocity;
      }},
     {msg::HAS_PROFILE_ACC, "profile_acc"_object,
      [](const auto& c) -> std::int64_t {
-       return c.profile_acc();
+       return c.profile_acc;
      }},
     {msg::HAS_PROFILE_DEC, "profile_dec"_object,
      [](const auto& c) -> std::int64_t {
-       return c.profile_dec();
+       return c.profile_dec;
      }},
     {msg::HAS_POSITIONING_OPTION_CODE, "positioning_option_code"_object,
      [](const auto& c) -> std::int64_t {
-       return c.positioning_option_code();
+       return c.positioning_option_code;
      }},
 }};
 
@@ -73,42 +73,42 @@ FrameApplication::FrameApplication(BenchAxes& axes, AxisWriter& writer, Masters&
       counters_(counters),
       targets_(msg::MAX_AXES_PER_FRAME),
       named_in_(axes.size()) {
-  reply_.refusals().reserve(msg::MAX_AXES_PER_FRAME);
-  reply_.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
+  reply_.refusals.reserve(msg::MAX_AXES_PER_FRAME);
+  reply_.ignored_set_points.reserve(msg::MAX_AXES_PER_FRAME);
 }
 
 void FrameApplication::apply(const msg::CommandFrame& frame) {
-  ensure(frame.axes().size() <= targets_.size(), "the decoder refuses frames of more axes");
+  ensure(frame.axes.size() <= targets_.size(), "the decoder refuses frames of more axes");
   begin(frame);
-  if ((frame.flags() & msg::FRAME_ALL_OR_NOTHING) == 0) {
+  if ((frame.flags & msg::FRAME_ALL_OR_NOTHING) == 0) {
     apply_each(frame);
-  } else if (reply_.refusals().empty()) {
+  } else if (reply_.refusals.empty()) {
     apply_all_or_nothing(frame);
   }
-  const bool is_refused = !reply_.refusals().empty();
+  const bool is_refused = !reply_.refusals.empty();
   if (is_refused) {
     counters_.frames_refused.add();
-    const auto& first = reply_.refusals().front();
-    events_.report({.kind = msg::EVENT_REFUSED,
-                    .axis = first.axis(),
-                    .session = frame.session(),
-                    .code = first.reason(),
-                    .detail = RefusedMessage{.number = frame.sequence_number()}});
+    const auto& first = reply_.refusals.front();
+    events_.report({.kind = msg::EventKind::refused,
+                    .axis = first.axis,
+                    .session = frame.session,
+                    .code = wire::number(first.reason),
+                    .detail = RefusedMessage{.number = frame.sequence_number}});
   }
-  const bool has_news = is_refused || !reply_.ignored_set_points().empty();
-  if (has_news || (frame.flags() & msg::FRAME_WANT_REPLY) != 0) answers_.send(frame, reply_);
+  const bool has_news = is_refused || !reply_.ignored_set_points.empty();
+  if (has_news || (frame.flags & msg::FRAME_WANT_REPLY) != 0) answers_.send(frame, reply_);
 }
 
 void FrameApplication::begin(const msg::CommandFrame& frame) {
-  reply_.refusals().clear();
-  reply_.ignored_set_points().clear();
+  reply_.refusals.clear();
+  reply_.ignored_set_points.clear();
   ++frame_count_;
-  const auto& commands = frame.axes();
+  const auto& commands = frame.axes;
   for (std::size_t position = 0; position < commands.size(); ++position) {
     Target& target = targets_[position];
-    const Reason reason = admit(commands[position], frame.session(), target);
-    target.is_refused = reason != msg::REASON_NONE;
-    if (target.is_refused) refuse(commands[position].axis(), {}, reason);
+    const Reason reason = admit(commands[position], frame.session, target);
+    target.is_refused = reason != msg::Reason::none;
+    if (target.is_refused) refuse(commands[position].axis, {}, reason);
   }
 }
 
@@ -122,17 +122,17 @@ bool FrameApplication::mark_named(std::size_t axis) {
 /// @return REASON_NONE or why the command is refused.
 Reason FrameApplication::admit(const msg::AxisCommand& command, std::uint64_t session,
                                Target& target) {
-  const auto axis = axes_.index_of(command.axis());
-  if (!axis) return msg::REASON_UNKNOWN_AXIS;
+  const auto axis = axes_.index_of(command.axis);
+  if (!axis) return msg::Reason::unknown_axis;
   target.axis = *axis;
-  if (!mark_named(*axis)) return msg::REASON_AXIS_TWICE;
-  if (masters_.owner(*axis).session != session) return msg::REASON_NOT_OWNER;
-  if ((command.members() & ~kKnownMembers) != 0) return msg::REASON_UNKNOWN_MEMBERS;
-  return msg::REASON_NONE;
+  if (!mark_named(*axis)) return msg::Reason::axis_twice;
+  if (masters_.owner(*axis).session != session) return msg::Reason::not_owner;
+  if ((command.members & ~kKnownMembers) != 0) return msg::Reason::unknown_members;
+  return msg::Reason::none;
 }
 
 void FrameApplication::apply_each(const msg::CommandFrame& frame) {
-  const auto& commands = frame.axes();
+  const auto& commands = frame.axes;
   for (std::size_t position = 0; position < commands.size(); ++position) {
     const Target& target = targets_[position];
     if (target.is_refused) {
@@ -140,7 +140,7 @@ void FrameApplication::apply_each(const msg::CommandFrame& frame) {
       continue;
     }
     const bool whole = pass_registers(commands[position], target.axis, Pass::write);
-    apply_controlword(commands[position], target.axis, frame.sequence_number());
+    apply_controlword(commands[position], target.axis, frame.sequence_number);
     (whole ? counters_.commands_applied : counters_.commands_refused).add();
   }
 }
@@ -149,7 +149,7 @@ void FrameApplication::apply_each(const msg::CommandFrame& frame) {
 /// the old value would not take that back.
 void FrameApplication::apply_all_or_nothing(const msg::CommandFrame& frame) {
   bool accepted = true;
-  const auto& commands = frame.axes();
+  const auto& commands = frame.axes;
   for (std::size_t position = 0; position < commands.size(); ++position) {
     accepted = pass_registers(commands[position], targets_[position].axis, Pass::judge) && accepted;
   }
@@ -163,7 +163,7 @@ void FrameApplication::apply_all_or_nothing(const msg::CommandFrame& frame) {
     ensure(written, "a register that was accepted is written");
   }
   for (std::size_t position = 0; position < commands.size(); ++position) {
-    apply_controlword(commands[position], targets_[position].axis, frame.sequence_number());
+    apply_controlword(commands[position], targets_[position].axis, frame.sequence_number);
   }
   counters_.commands_applied.add(commands.size());
 }
@@ -173,16 +173,16 @@ bool FrameApplication::pass_registers(const msg::AxisCommand& command, std::size
                                       Pass pass) {
   bool accepted = true;
   for (const auto& member : kRegisterMembers) {
-    if ((command.members() & member.bit) != 0) {
+    if ((command.members & member.bit) != 0) {
       accepted = pass_register(axis, member.row, member.value(command), pass) && accepted;
     }
   }
-  for (const auto& object : command.objects()) {
-    const ObjectAddress address{object.index(), object.subindex()};
+  for (const auto& object : command.objects) {
+    const ObjectAddress address{object.index, object.subindex};
     if (const auto row = find_object(address)) {
-      accepted = pass_register(axis, *row, object.value(), pass) && accepted;
+      accepted = pass_register(axis, *row, object.value, pass) && accepted;
     } else {
-      refuse(command.axis(), address, check_address(address));
+      refuse(command.axis, address, check_address(address));
       accepted = false;
     }
   }
@@ -206,14 +206,14 @@ bool FrameApplication::pass_register(std::size_t axis, ObjectRow row, std::int64
 
 void FrameApplication::apply_controlword(const msg::AxisCommand& command, std::size_t axis,
                                          std::uint64_t sequence) {
-  if ((command.members() & msg::HAS_DS402_CONTROLWORD) != 0) {
+  if ((command.members & msg::HAS_DS402_CONTROLWORD) != 0) {
     const std::uint32_t ignored = axes_.bank().ignored_set_points(axis);
     const AbortCode code =
-        writer_.write(axis, "ds402_controlword"_object, command.ds402_controlword());
+        writer_.write(axis, "ds402_controlword"_object, command.ds402_controlword);
     if (code != AbortCode::none) {
-      refuse(command.axis(), describe("ds402_controlword"_object).address, code);
+      refuse(command.axis, describe("ds402_controlword"_object).address, code);
     } else if (axes_.bank().ignored_set_points(axis) != ignored) {
-      reply_.ignored_set_points().push_back(command.axis());
+      reply_.ignored_set_points.push_back(command.axis);
     }
   }
   masters_.set_applied(axis, sequence);
@@ -221,13 +221,13 @@ void FrameApplication::apply_controlword(const msg::AxisCommand& command, std::s
 
 void FrameApplication::refuse(std::uint16_t axis, ObjectAddress address, Reason reason) {
   counters_.refusals.add(reason.code());
-  auto& refusals = reply_.refusals();
+  auto& refusals = reply_.refusals;
   if (refusals.size() == msg::MAX_AXES_PER_FRAME) return;
   auto& refusal = refusals.emplace_back();
-  refusal.axis(axis);
-  refusal.index(address.index);
-  refusal.subindex(address.subindex);
-  refusal.reason(reason.code());
+  refusal.axis = axis;
+  refusal.index = address.index;
+  refusal.subindex = address.subindex;
+  refusal.reason = reason.on_wire();
 }
 
 }  // namespace vdrive::service

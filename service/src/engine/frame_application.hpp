@@ -8,7 +8,7 @@
 #include "engine/bench_events.hpp"
 #include "engine/frame_answers.hpp"
 #include "engine/masters.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -28,26 +28,26 @@ void FrameSchedule::cancel_all() {
 
 void FrameSchedule::cancel_of_session(std::uint64_t session) {
   cancel_if([session](const auto& head, auto /*commands*/) {
-    return head.session() == session;
+    return head.session == session;
   });
 }
 
 void FrameSchedule::cancel_of_axis(std::uint16_t number) {
   cancel_if([number](const auto& /*head*/, auto commands) {
     return std::ranges::any_of(commands, [number](const auto& command) {
-      return command.axis() == number;
+      return command.axis == number;
     });
   });
 }
 
 bool FrameSchedule::contains(const msg::CommandFrame& frame) const noexcept {
-  return pending_.contains(frame.session(), frame.sequence_number());
+  return pending_.contains(frame.session, frame.sequence_number);
 }
 
 template <typename Condition>
 void FrameSchedule::cancel_if(Condition condition) {
   pending_.drop_if(condition, [this](const auto& head) {
-    answers_.refuse(head, msg::REASON_CANCELLED);
+    answers_.refuse(head, msg::Reason::cancelled);
   });
   show_size();
 }

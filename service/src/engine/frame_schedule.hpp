@@ -4,7 +4,7 @@
 #include "base/counters.hpp"
 #include "engine/frame_answers.hpp"
 #include "engine/pending_frames.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstddef>
 #include <cstdint>

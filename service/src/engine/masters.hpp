@@ -8,7 +8,7 @@
 #include "engine/bench_events.hpp"
 #include "engine/control_table.hpp"
 #include "engine/frame_schedule.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <chrono>
 #include <cstddef>
@@ -57,8 +57,9 @@ class Masters {
   /// is named stays.
   void name_refused(std::uint16_t number, msg::Reply& reply) const;
 
-  // Requests. @return REASON_NONE or why the request is refused.
-  [[nodiscard]] Reason acquire(const msg::Request& request, bool by_force, msg::Reply& reply);
+  // Requests of a session, which is not 0. @return REASON_NONE or why the request is refused.
+  /// REQUEST_ACQUIRE and REQUEST_TAKE_OVER.
+  [[nodiscard]] Reason acquire(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] Reason release(const msg::Request& request, msg::Reply& reply);
 
   /// Gives the free axis to the session, which wrote a command object of it.

@@ -35,15 +35,15 @@ bool PendingFrames::take_due(std::uint64_t tick, msg::CommandFrame& frame) noexc
 bool PendingFrames::contains(std::uint64_t session, std::uint64_t sequence) const noexcept {
   return std::ranges::any_of(order_, [&](const Place& place) {
     const auto& frame = slots_[place.slot].head;
-    return frame.session() == session && frame.sequence_number() == sequence;
+    return frame.session == session && frame.sequence_number == sequence;
   });
 }
 
 /// The lists stay where they are, each with its own room.
 void PendingFrames::exchange(Slot& slot, msg::CommandFrame& frame) {
   std::swap(slot.head, frame);
-  std::swap(slot.head.axes(), frame.axes());
-  slot.commands.exchange(frame.axes());
+  std::swap(slot.head.axes, frame.axes);
+  slot.commands.exchange(frame.axes);
 }
 
 void PendingFrames::remove(std::size_t position) noexcept {

@@ -4,7 +4,7 @@
 #include "base/lazy_slots.hpp"
 #include "base/stored_list.hpp"
 #include "seam/queues.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -18,14 +18,14 @@ RequestAnswers::RequestAnswers(const BenchIdentity& identity, const BenchClock& 
       counters_(counters) {}
 
 bool RequestAnswers::is_of_this_run(const msg::Request& request) const noexcept {
-  return request.incarnation() == 0 || request.incarnation() == identity_.incarnation;
+  return request.incarnation == 0 || request.incarnation == identity_.incarnation;
 }
 
 std::optional<std::uint16_t> RequestAnswers::unknown_axis(const msg::Request& request) const {
-  const auto unknown = std::ranges::find_if(request.axes(), [&](std::uint16_t number) {
+  const auto unknown = std::ranges::find_if(request.axes, [&](std::uint16_t number) {
     return !axes_.index_of(number);
   });
-  return unknown == request.axes().end() ? std::nullopt : std::optional(*unknown);
+  return unknown == request.axes.end() ? std::nullopt : std::optional(*unknown);
 }
 
 OutgoingReply* RequestAnswers::open() {
@@ -37,58 +37,58 @@ OutgoingReply* RequestAnswers::open() {
 void RequestAnswers::begin(const Arrival& arrival, OutgoingReply& outgoing) const {
   outgoing.destination = arrival.source;
   auto& reply = outgoing.reply;
-  reply.client(arrival.request.client());
-  reply.request_id(arrival.request.request_id());
-  reply.bench(identity_.bench);
-  reply.incarnation(identity_.incarnation);
-  reply.refused_axis(0);
-  reply.owner_session(0);
-  reply.snapshot(0);
-  reply.missing_stepper(0);
-  reply.tick(clock_.tick());
-  reply.objects().clear();
+  reply.client = arrival.request.client;
+  reply.request_id = arrival.request.request_id;
+  reply.bench = identity_.bench;
+  reply.incarnation = identity_.incarnation;
+  reply.refused_axis = 0;
+  reply.owner_session = 0;
+  reply.snapshot = 0;
+  reply.missing_stepper = 0;
+  reply.tick = clock_.tick();
+  reply.objects.clear();
   outgoing.axes.clear();
 }
 
 /// An entry of 1003h beyond the last fault is no refusal: programs that read all objects learn from
 /// it where the list ends.
 void RequestAnswers::finish(std::uint64_t session, Reason reason, msg::Reply& reply) {
-  reply.reason(reason.code());
+  reply.reason = reason.on_wire();
   const SessionRecord* const record = session == 0 ? nullptr : masters_.find(session);
-  reply.epoch(record == nullptr ? 0 : record->epoch);
-  reply.last_sequence(record == nullptr ? 0 : record->last_sequence);
+  reply.epoch = record == nullptr ? 0 : record->epoch;
+  reply.last_sequence = record == nullptr ? 0 : record->last_sequence;
   counters_.requests_answered.add();
-  std::uint16_t axis = reply.refused_axis();
-  std::uint32_t code = reason.code();  // of the request, or of its first object that is refused
-  for (const auto& object : reply.objects()) {
-    if (object.abort_code() == wire_code(AbortCode::no_data_available)) continue;
-    if (code == msg::REASON_NONE && object.abort_code() != msg::REASON_NONE) {
-      code = object.abort_code();
-      axis = object.axis();
+  std::uint16_t axis = reply.refused_axis;
+  msg::Reason code = reason.on_wire();  // of the request, or of its first object that is refused
+  for (const auto& object : reply.objects) {
+    if (object.abort_code == Reason(AbortCode::no_data_available).on_wire()) continue;
+    if (code == msg::Reason::none && object.abort_code != msg::Reason::none) {
+      code = object.abort_code;
+      axis = object.axis;
     }
   }
-  if (code != msg::REASON_NONE) {
-    counters_.refusals.add(code);
-    events_.report({.kind = msg::EVENT_REFUSED,
+  if (code != msg::Reason::none) {
+    counters_.refusals.add(wire::number(code));
+    events_.report({.kind = msg::EventKind::refused,
                     .axis = axis,
                     .session = session,
-                    .code = code,
-                    .detail = RefusedMessage{.number = reply.request_id()}});
+                    .code = wire::number(code),
+                    .detail = RefusedMessage{.number = reply.request_id}});
   }
-  if (reply.reason() != msg::REASON_WRONG_INCARNATION) keep(reply);
+  if (reply.reason != msg::Reason::wrong_incarnation) keep(reply);
 }
 
 /// Without the axes that it shows, of which there may be very many.
 void RequestAnswers::keep(const msg::Reply& reply) {
-  if (auto* const kept = memory_.keep(reply.client(), reply.request_id())) kept->keep(reply);
+  if (auto* const kept = memory_.keep(reply.client, reply.request_id)) kept->keep(reply);
 }
 
 Fate RequestAnswers::fate_of(const msg::Request& request) const noexcept {
-  return memory_.fate_of(request.client(), request.request_id());
+  return memory_.fate_of(request.client, request.request_id);
 }
 
 void RequestAnswers::take(const msg::Request& request) {
-  memory_.take(request.client(), request.request_id());
+  memory_.take(request.client, request.request_id);
 }
 
 /// With the kept answer, but the statuses of a step are those of now. An answer that is not kept
@@ -100,20 +100,20 @@ void RequestAnswers::repeat(const Arrival& arrival) {
   begin(arrival, *outgoing);
   auto& reply = outgoing->reply;
   if (fate_of(request) == Fate::answered) {
-    memory_.answer_to(request.client(), request.request_id())->show(reply);
+    memory_.answer_to(request.client, request.request_id)->show(reply);
     const bool shows =
-        reply.reason() == msg::REASON_NONE || reply.reason() == msg::REASON_MISSING_STEPPER;
-    if (request.kind() == msg::REQUEST_STEP && shows && !unknown_axis(request)) {
+        reply.reason == msg::Reason::none || reply.reason == msg::Reason::missing_stepper;
+    if (request.kind == msg::RequestKind::step && shows && !unknown_axis(request)) {
       add_statuses(request, *outgoing);
     }
   } else {
-    finish(request.session(), msg::REASON_TOO_LATE, reply);
+    finish(request.session, msg::Reason::too_late, reply);
   }
   push();
 }
 
 void RequestAnswers::add_statuses(const msg::Request& request, OutgoingReply& outgoing) const {
-  const auto& numbers = request.axes();
+  const auto& numbers = request.axes;
   outgoing.axes.resize(numbers.size());
   for (std::size_t place = 0; place < numbers.size(); ++place) {
     const std::size_t axis = axes_.index_of_checked(numbers[place]);

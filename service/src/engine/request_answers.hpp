@@ -11,7 +11,7 @@
 #include "engine/masters.hpp"
 #include "seam/queues.hpp"
 #include "seam/stored_replies.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstdint>
 #include <optional>

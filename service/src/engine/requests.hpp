@@ -2,36 +2,22 @@
 #pragma once
 
 #include "base/reason.hpp"
-#include "engine/axis_requests.hpp"
 #include "engine/bench_brake.hpp"
 #include "engine/bench_clock.hpp"
-#include "engine/bench_events.hpp"
-#include "engine/master_watch.hpp"
 #include "engine/masters.hpp"
 #include "engine/request_answers.hpp"
-#include "engine/snapshots.hpp"
+#include "engine/request_handlers.hpp"
 #include "engine/store_requests.hpp"
 #include "seam/queues.hpp"
-#include "vdrive_messages.h"
-
-#include <cstdint>
+#include "vdrive_messages.hpp"
 
 namespace vdrive::service {
 
-/// The requests that arrive: checks each, has it carried out by the class that it is for, and
+/// The requests that arrive: checks each, has it carried out by the handler of its kind, and
 /// answers it once, however often it arrives.
 class Requests {
  public:
-  /// What carries requests out.
-  struct Parts {
-    AxisRequests& axes;
-    Masters& masters;
-    StoreRequests& stores;
-    Snapshots& snapshots;
-  };
-
-  Requests(BenchClock& clock, MasterWatch& watch, const BenchBrake& brake, const Parts& parts,
-           RequestAnswers& answers, BenchEvents& events);
+  Requests(const RequestParts& parts, const BenchBrake& brake, RequestAnswers& answers);
 
   void handle(const Arrival& arrival);
 
@@ -42,16 +28,19 @@ class Requests {
   /// Checks what every request needs. @return REASON_NONE or why it is refused.
   [[nodiscard]] Reason check(const Arrival& arrival) const;
 
+  /// Checks, after that, what the row of its kind needs: that there is one, the mode of the clock,
+  /// a session. @return REASON_NONE or why it is refused.
+  [[nodiscard]] Reason check_kind(const msg::Request& request) const;
+
  private:
   [[nodiscard]] Reason carry_out(const msg::Request& request, msg::Reply& reply);
-  [[nodiscard]] Reason set_rate(const msg::Request& request);
 
-  BenchClock& clock_;
-  MasterWatch& watch_;
+  RequestParts parts_;
+  const BenchClock& clock_;
+  Masters& masters_;
+  StoreRequests& stores_;
   const BenchBrake& brake_;
-  Parts parts_;
   RequestAnswers& answers_;
-  BenchEvents& events_;
 };
 
 }  // namespace vdrive::service

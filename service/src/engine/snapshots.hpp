@@ -9,7 +9,7 @@
 #include "engine/bench_output.hpp"
 #include "engine/frame_schedule.hpp"
 #include "engine/masters.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -28,10 +28,10 @@ class Snapshots {
   Snapshots(BenchAxes& axes, const BenchClock& clock, const Masters& masters,
             FrameSchedule& schedule, BenchOutput& output, BenchEvents& events, Counters& counters);
 
-  /// Allocates, which only this request may: no tick is due while time stands.
+  /// Allocates, which only this request may: time stands, and no tick is due.
   [[nodiscard]] Reason take(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] Reason restore(const msg::Request& request, msg::Reply& reply);
-  [[nodiscard]] Reason drop(const msg::Request& request);
+  [[nodiscard]] Reason drop(const msg::Request& request, msg::Reply& reply);
 
   /// Names the first kept snapshot after that of the request, and the tick in which it was taken.
   [[nodiscard]] Reason show_next(const msg::Request& request, msg::Reply& reply) const;

@@ -22,25 +22,16 @@ StepRequests::StepRequests(const Configuration& configuration, const BenchClock&
       counters_(counters),
       steppers_(configuration.steppers) {}
 
-bool StepRequests::is_for(const Arrival& arrival) noexcept {
-  if (arrival.kind != Arrival::Kind::request) return false;
-  const std::uint32_t kind = arrival.request.kind();
-  return kind == msg::REQUEST_STEP || kind == msg::REQUEST_JOIN_CLOCK ||
-         kind == msg::REQUEST_LEAVE_CLOCK;
-}
-
 bool StepRequests::handle(Arrival& arrival, Time now) {
   if (requests_.answer_repeat(arrival)) return false;
-  const std::uint64_t session = arrival.request.session();
-  const std::uint32_t kind = arrival.request.kind();
+  const std::uint64_t session = arrival.request.session;
+  const msg::RequestKind kind = arrival.request.kind;
   Reason reason = check(arrival);
-  if (kind == msg::REQUEST_STEP) {
-    if (reason == msg::REASON_NONE) reason = keep(arrival, now);
-    if (reason == msg::REASON_NONE) return true;  // it is answered later
+  if (kind == msg::RequestKind::step) {
+    if (reason == msg::Reason::none) reason = keep(arrival, now);
+    if (reason == msg::Reason::none) return true;  // it is answered later
   } else {
-    if (reason == msg::REASON_NONE) {
-      reason = kind == msg::REQUEST_JOIN_CLOCK ? join(arrival, now) : leave(arrival, now);
-    }
+    if (reason == msg::Reason::none) reason = change_steppers(arrival, now);
     masters_.note_message(session);
   }
   answer(arrival, reason);
@@ -49,53 +40,65 @@ bool StepRequests::handle(Arrival& arrival, Time now) {
 
 Reason StepRequests::check(const Arrival& arrival) const {
   const auto& request = arrival.request;
-  if (const auto reason = requests_.check(arrival); reason != msg::REASON_NONE) return reason;
-  if (clock_.mode() != ClockMode::lockstep) return msg::REASON_WRONG_CLOCK_MODE;
-  if (request.ticks() > kMaxTicksPerStep) return msg::REASON_TOO_MANY_TICKS;
-  if (request.session() == 0 && request.last_sequence() != 0) return msg::REASON_BAD_SESSION;
-  if (answers_.unknown_axis(request)) return msg::REASON_UNKNOWN_AXIS;
-  return msg::REASON_NONE;
+  if (const auto reason = requests_.check(arrival); reason != msg::Reason::none) return reason;
+  if (const auto reason = requests_.check_kind(request); reason != msg::Reason::none) return reason;
+  if (request.ticks > kMaxTicksPerStep) return msg::Reason::too_many_ticks;
+  if (request.session == 0 && request.last_sequence != 0) return msg::Reason::bad_session;
+  if (answers_.unknown_axis(request)) return msg::Reason::unknown_axis;
+  return msg::Reason::none;
 }
 
 /// A step of no ticks only observes: beside steppers every session may request it.
 Reason StepRequests::keep(Arrival& arrival, Time now) {
   const bool is_alone = steppers_.is_open();
-  const bool is_stepper = steppers_.find(arrival.request.session()) != nullptr;
-  if (!is_alone && !is_stepper && arrival.request.ticks() > 0) return msg::REASON_NOT_A_STEPPER;
-  if (waiting_.size() == kMostWaiting) return msg::REASON_QUEUE_FULL;
+  const bool is_stepper = steppers_.find(arrival.request.session) != nullptr;
+  if (!is_alone && !is_stepper && arrival.request.ticks > 0) return msg::Reason::not_a_stepper;
+  if (waiting_.size() == kMostWaiting) return msg::Reason::queue_full;
   waiting_.push_back({.arrival = std::move(arrival),
                       .deadline = now + kLongestWaitForCommands,
                       .is_alone = is_alone});
-  return msg::REASON_NONE;
+  return msg::Reason::none;
 }
 
 Reason StepRequests::join(const Arrival& arrival, Time now) {
-  const std::uint64_t session = arrival.request.session();
-  if (session == 0) return msg::REASON_BAD_SESSION;
-  if (steppers_.find(session) != nullptr) return msg::REASON_NONE;
-  const std::uint64_t awaited = arrival.request.ticks();
+  const std::uint64_t session = arrival.request.session;
+  if (session == 0) return msg::Reason::bad_session;
+  if (steppers_.find(session) != nullptr) return msg::Reason::none;
+  const std::uint64_t awaited = arrival.request.ticks;
   if (awaited > kMaxSteppers ||
       !steppers_.join(session, arrival.source, clock_.tick(), now, awaited)) {
-    return msg::REASON_TOO_MANY_STEPPERS;
+    return msg::Reason::too_many_steppers;
   }
-  events_.report(
-      {.kind = msg::EVENT_CLOCK_CHANGED, .session = session, .code = msg::REQUEST_JOIN_CLOCK});
+  events_.report({.kind = msg::EventKind::clock_changed,
+                  .session = session,
+                  .code = wire::number(msg::RequestKind::join_clock)});
   show_steppers();
-  return msg::REASON_NONE;
+  return msg::Reason::none;
+}
+
+Reason StepRequests::change_steppers(const Arrival& arrival, Time now) {
+  switch (arrival.request.kind) {
+    case msg::RequestKind::join_clock:
+      return join(arrival, now);
+    case msg::RequestKind::leave_clock:
+      return leave(arrival, now);
+    default:
+      return msg::Reason::unknown_kind;
+  }
 }
 
 Reason StepRequests::leave(const Arrival& arrival, Time now) {
-  const std::uint64_t session = arrival.request.session();
-  if (steppers_.find(session) == nullptr) return msg::REASON_NOT_A_STEPPER;
+  const std::uint64_t session = arrival.request.session;
+  if (steppers_.find(session) == nullptr) return msg::Reason::not_a_stepper;
   part_with(session, Parting::left, now);
-  return msg::REASON_NONE;
+  return msg::Reason::none;
 }
 
 void StepRequests::part_with(std::uint64_t session, Parting parting, Time now) {
   steppers_.leave(session, now);
-  events_.report({.kind = msg::EVENT_CLOCK_CHANGED,
+  events_.report({.kind = msg::EventKind::clock_changed,
                   .session = session,
-                  .code = msg::REQUEST_LEAVE_CLOCK,
+                  .code = wire::number(msg::RequestKind::leave_clock),
                   .detail = parting});
   show_steppers();
 }
@@ -119,7 +122,7 @@ std::uint64_t StepRequests::ticks_to_run(Time now) {
 void StepRequests::grant_arrived(Time now) {
   for (WaitingStep& waiting : waiting_) {
     const msg::Request& request = waiting.arrival.request;
-    if (!waiting.is_granted && frames_.has_arrived(request.session(), request.last_sequence())) {
+    if (!waiting.is_granted && frames_.has_arrived(request.session, request.last_sequence)) {
       grant(waiting, now);
     }
   }
@@ -131,13 +134,13 @@ void StepRequests::grant(WaitingStep& waiting, Time now) {
   waiting.deadline = now + kLongestWaitForSteppers;
   waiting.aim = clock_.tick();
   if (waiting.is_alone) {
-    waiting.aim += request.ticks();
+    waiting.aim += request.ticks;
     return;
   }
-  Stepper* const stepper = steppers_.find(request.session());
-  waiting.is_of_stepper = stepper != nullptr || request.ticks() > 0;
+  Stepper* const stepper = steppers_.find(request.session);
+  waiting.is_of_stepper = stepper != nullptr || request.ticks > 0;
   if (stepper != nullptr) {
-    steppers_.grant(*stepper, request.ticks(), now);
+    steppers_.grant(*stepper, request.ticks, now);
     waiting.aim = stepper->granted;
     show_steppers();
   } else if (waiting.is_of_stepper) {  // it was one when it sent the request
@@ -146,7 +149,7 @@ void StepRequests::grant(WaitingStep& waiting, Time now) {
 }
 
 void StepRequests::begin_tick() {
-  if (holds_requests_back()) masters_.note_message(waiting_.back().arrival.request.session());
+  if (holds_requests_back()) masters_.note_message(waiting_.back().arrival.request.session);
   for (const Stepper& stepper : steppers_.all()) masters_.note_message(stepper.session);
 }
 
@@ -162,29 +165,29 @@ bool StepRequests::answer_due(Time now) {
 bool StepRequests::answer_if_due(const WaitingStep& waiting, Time now) {
   const bool is_late = now >= waiting.deadline;
   if (!waiting.is_granted) {
-    if (is_late) answer(waiting.arrival, msg::REASON_MISSING_COMMANDS);
+    if (is_late) answer(waiting.arrival, msg::Reason::missing_commands);
     return is_late;
   }
   if (clock_.tick() >= waiting.aim) {
-    answer(waiting.arrival, msg::REASON_NONE);
+    answer(waiting.arrival, msg::Reason::none);
     return true;
   }
   if (waiting.is_alone) return false;  // its ticks wait for nobody
-  if (waiting.is_of_stepper && steppers_.find(waiting.arrival.request.session()) == nullptr) {
-    answer(waiting.arrival, msg::REASON_NOT_A_STEPPER);
+  if (waiting.is_of_stepper && steppers_.find(waiting.arrival.request.session) == nullptr) {
+    answer(waiting.arrival, msg::Reason::not_a_stepper);
     return true;
   }
   if (!is_late) return false;
   const Stepper* const slowest = steppers_.slowest();
   ensure(slowest != nullptr, "a step that waits for time has a stepper");
-  answer(waiting.arrival, msg::REASON_MISSING_STEPPER,
+  answer(waiting.arrival, msg::Reason::missing_stepper,
          steppers_.is_complete() ? slowest->session : 0);
   return true;
 }
 
 bool StepRequests::refuse_waiting() {
   while (!waiting_.empty() && answers_.has_room()) {
-    answer(waiting_.front().arrival, msg::REASON_SHUTTING_DOWN);
+    answer(waiting_.front().arrival, msg::Reason::shutting_down);
     waiting_.pop_front();
   }
   return waiting_.empty();
@@ -195,14 +198,14 @@ void StepRequests::answer(const Arrival& arrival, Reason reason, std::uint64_t m
   if (outgoing == nullptr) return;
   answers_.begin(arrival, *outgoing);
   auto& reply = outgoing->reply;
-  reply.missing_stepper(missing_stepper);
+  reply.missing_stepper = missing_stepper;
   const msg::Request& request = arrival.request;
-  if (reason == msg::REASON_NONE || reason == msg::REASON_MISSING_STEPPER) {
+  if (reason == msg::Reason::none || reason == msg::Reason::missing_stepper) {
     answers_.add_statuses(request, *outgoing);
-  } else if (reason == msg::REASON_UNKNOWN_AXIS) {
+  } else if (reason == msg::Reason::unknown_axis) {
     masters_.name_refused(*answers_.unknown_axis(request), reply);
   }
-  answers_.finish(request.session(), reason, reply);
+  answers_.finish(request.session, reason, reply);
   answers_.push();
 }
 

@@ -12,6 +12,7 @@
 #include "engine/requests.hpp"
 #include "engine/stepper_table.hpp"
 #include "seam/queues.hpp"
+#include "vdrive/wire/request_kinds.hpp"
 
 #include <chrono>
 #include <cstddef>
@@ -57,8 +58,16 @@ class StepRequests {
                const CommandFrames& frames, Masters& masters, Requests& requests,
                RequestAnswers& answers, BenchEvents& events, Counters& counters);
 
-  /// @return whether the arrival is a request of these kinds.
-  [[nodiscard]] static bool is_for(const Arrival& arrival) noexcept;
+  /// @return whether requests of this kind let time pass, or say who does.
+  [[nodiscard]] static constexpr bool is_for(msg::RequestKind kind) noexcept {
+    const wire::RequestKindRow* const row = wire::request_kind_row(kind);
+    return row != nullptr && row->caller == wire::RequestCaller::stepper;
+  }
+
+  /// @return whether the arrival is such a request.
+  [[nodiscard]] static bool is_for(const Arrival& arrival) noexcept {
+    return arrival.kind == Arrival::Kind::request && is_for(arrival.request.kind);
+  }
 
   /// Answers the request, or keeps a step until `answer_due` answers it; then its content is taken.
   /// The queue of answers needs room.
@@ -106,6 +115,7 @@ class StepRequests {
 
   [[nodiscard]] Reason check(const Arrival& arrival) const;
   [[nodiscard]] Reason keep(Arrival& arrival, Time now);
+  [[nodiscard]] Reason change_steppers(const Arrival& arrival, Time now);
   [[nodiscard]] Reason join(const Arrival& arrival, Time now);
   [[nodiscard]] Reason leave(const Arrival& arrival, Time now);
   void part_with(std::uint64_t session, Parting parting, Time now);

@@ -38,21 +38,21 @@ void StoreRequests::store_with(ParameterSaver& saver) {
   waiting_.resize(kMostWaiting);
   free_places_.reserve(kMostWaiting);
   for (std::uint32_t place = kMostWaiting; place > 0; --place) {
-    waiting_[place - 1].outgoing.reply.objects().reserve(msg::MAX_OBJECTS_PER_REQUEST);
+    waiting_[place - 1].outgoing.reply.objects.reserve(msg::MAX_OBJECTS_PER_REQUEST);
     free_places_.push_back(place - 1);
   }
 }
 
 Reason StoreRequests::store_axes(const msg::Request& request, msg::Reply& reply) {
   if (saver_ == nullptr) return AbortCode::cannot_store_or_transfer;
-  if (const auto reason = masters_.check_axes(request, false, reply); reason != msg::REASON_NONE) {
+  if (const auto reason = masters_.check_axes(request, false, reply); reason != msg::Reason::none) {
     return reason;
   }
-  if (free_places_.empty() || saver_->room() < request.axes().size()) return msg::REASON_QUEUE_FULL;
-  for (const std::uint16_t number : request.axes()) {
-    order(axes_.index_of_checked(number), request.kind() == msg::REQUEST_RESTORE, kNoObject);
+  if (free_places_.empty() || saver_->room() < request.axes.size()) return msg::Reason::queue_full;
+  for (const std::uint16_t number : request.axes) {
+    order(axes_.index_of_checked(number), request.kind == msg::RequestKind::restore, kNoObject);
   }
-  return msg::REASON_NONE;
+  return msg::Reason::none;
 }
 
 Reason StoreRequests::store_by_write(std::size_t axis, ObjectRow row, std::int64_t value,
@@ -63,7 +63,7 @@ Reason StoreRequests::store_by_write(std::size_t axis, ObjectRow row, std::int64
   if (saver_ == nullptr) return AbortCode::cannot_store_or_transfer;
   if (free_places_.empty() || saver_->room() == 0) return AbortCode::out_of_memory;
   order(axis, row == "restore_all_default_parameters"_object, place);
-  return msg::REASON_NONE;
+  return msg::Reason::none;
 }
 
 /// For the request in hand, which has the next free place.
@@ -94,8 +94,8 @@ void StoreRequests::wait(std::uint64_t session, Reason reason, OutgoingReply& ou
 bool StoreRequests::is_waiting(const msg::Request& request) const {
   return std::ranges::any_of(waiting_, [&](const Waiting& waiting) {
     const auto& reply = waiting.outgoing.reply;
-    return waiting.orders > 0 && reply.client() == request.client() &&
-           reply.request_id() == request.request_id();
+    return waiting.orders > 0 && reply.client == request.client &&
+           reply.request_id == request.request_id;
   });
 }
 
@@ -137,9 +137,10 @@ void StoreRequests::take_order(const StoreOrder& order, Waiting& waiting) {
     waiting.reason = AbortCode::hardware_error;
     masters_.name_refused(order.number, waiting.outgoing.reply);
   } else {
-    waiting.outgoing.reply.objects()[order.object].abort_code(wire_code(AbortCode::hardware_error));
+    waiting.outgoing.reply.objects[order.object].abort_code =
+        Reason(AbortCode::hardware_error).on_wire();
   }
-  events_.report({.kind = msg::EVENT_PARAMETERS,
+  events_.report({.kind = msg::EventKind::parameters,
                   .axis = order.number,
                   .session = waiting.session,
                   .code = ParameterCode::kSaveFailed,
@@ -151,7 +152,7 @@ void StoreRequests::finish(Waiting& waiting) {
   ensure(slot != nullptr, "the queue was checked for room");
   OutgoingReply& outgoing = *slot;
   std::swap(waiting.outgoing, outgoing);
-  if (outgoing.reply.objects().empty()) outgoing.reply.tick(clock_.tick());
+  if (outgoing.reply.objects.empty()) outgoing.reply.tick = clock_.tick();
   answers_.finish(waiting.session, waiting.reason, outgoing.reply);
   answers_.push();
 }

@@ -10,7 +10,7 @@
 #include "engine/request_answers.hpp"
 #include "seam/queues.hpp"
 #include "store/parameter_saver.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -2,9 +2,13 @@
 #include "program/metrics.hpp"
 
 #include "vdrive/wire/conversion.hpp"
+#include "vdrive_messages_description.hpp"
 
+#include <functional>
 #include <limits>
 #include <string>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 
 namespace vdrive::service {
@@ -19,24 +23,17 @@ class Families {
  public:
   explicit Families(std::string bench) : bench_(std::move(bench)) {}
 
-  void counter(const char* name, const char* help, std::uint64_t value) {
-    add(name, help, MetricType::Counter).counter.value = static_cast<double>(value);
-  }
-
-  void gauge(const char* name, const char* help, double value) {
-    add(name, help, MetricType::Gauge).gauge.value = value;
-  }
-
-  /// The first metric of a new family.
-  ClientMetric& add(const char* name, const char* help, MetricType type) {
-    families_.push_back({.name = name, .help = help, .type = type, .metric = {}});
-    return another();
-  }
-
-  /// Another metric of the last family.
-  ClientMetric& another() {
+  /// A metric of the last family, or the first one of a new family.
+  ClientMetric& add(const MetricText& text, MetricType type) {
+    if (families_.empty() || families_.back().name != text.name) {
+      families_.push_back({.name = std::string(text.name),
+                           .help = std::string(text.help),
+                           .type = type,
+                           .metric = {}});
+    }
     ClientMetric& metric = families_.back().metric.emplace_back();
     metric.label.push_back({"bench", bench_});
+    if (!text.queue.empty()) metric.label.push_back({"queue", std::string(text.queue)});
     return metric;
   }
 
@@ -47,29 +44,31 @@ class Families {
   std::vector<MetricFamily> families_;
 };
 
-void add_ticks(Families& families, const Counters& counters) {
-  families.gauge("vdrive_tick", "Number of the last tick",
-                 static_cast<double>(counters.tick.get()));
-  families.gauge("vdrive_rate", "Requested ratio of drive time to wall time, 0 = paused",
-                 counters.rate.get());
-  families.counter("vdrive_ticks_total", "Ticks that were run", counters.ticks_run.get());
-  families.counter("vdrive_tick_overruns_total", "Ticks that took longer than their period",
-                   counters.overruns.get());
-  families.counter("vdrive_tick_jumps_total", "Jumps of the tick number", counters.jumps.get());
-  families.counter("vdrive_ticks_skipped_total", "Ticks that the number jumped over: not run",
-                   counters.tick.read().skipped);
-  families.gauge("vdrive_wall_clock_offset_seconds",
-                 "Wall clock minus drive time; 0 while drive time does not follow the wall clock",
-                 counters.wall_offset.get());
-  families.counter("vdrive_wall_clock_steps_total", "Changes of the wall clock that were detected",
-                   counters.wall_steps.get());
+void add_number(Families& families, const MetricText& text, double value) {
+  if (text.name.ends_with("_total")) {
+    families.add(text, MetricType::Counter).counter.value = value;
+  } else {
+    families.add(text, MetricType::Gauge).gauge.value = value;
+  }
 }
 
-void add_lateness(Families& families, const Counters& counters) {
-  auto& histogram = families
-                        .add("vdrive_tick_lateness_seconds",
-                             "Time from the due time of a tick to its begin", MetricType::Histogram)
-                        .histogram;
+template <typename Counted>
+double number(const Counted& counted) {
+  if constexpr (std::is_arithmetic_v<Counted>) {
+    return static_cast<double>(counted);
+  } else {
+    return static_cast<double>(counted.get());
+  }
+}
+
+template <typename Source>
+void add(Families& families, const MetricRow<Source>& row, const Counters& counters) {
+  add_number(families, row.metric, number(std::invoke(row.source, counters)));
+}
+
+void add(Families& families, const MetricRow<decltype(Counters::lateness)>& row,
+         const Counters& counters) {
+  auto& histogram = families.add(row.metric, MetricType::Histogram).histogram;
   std::uint64_t count = 0;
   double bound = 1e-6;
   for (const Counter& bin : counters.lateness) {
@@ -82,126 +81,86 @@ void add_lateness(Families& families, const Counters& counters) {
   histogram.sample_sum = static_cast<double>(counters.lateness_sum_ns.get()) * 1e-9;
 }
 
-void add_queues(Families& families, const Counters& counters, const QueueDepths& depths) {
-  const auto depth = [](ClientMetric& metric, const char* queue, std::size_t value) {
-    metric.label.push_back({"queue", queue});
-    metric.gauge.value = static_cast<double>(value);
-  };
-  depth(families.add("vdrive_queue_depth", "Messages that wait in a queue", MetricType::Gauge),
-        "inbox", depths.inbox);
-  depth(families.another(), "outbox", depths.outbox);
-  depth(families.another(), "pending_frames", counters.pending_frames.get());
-  families.counter("vdrive_queue_overflows_total", "Messages lost because a queue was full",
-                   counters.queue_overflows.get());
-  const auto lost = [](ClientMetric& metric, const char* queue, const Counter& count) {
-    metric.label.push_back({"queue", queue});
-    metric.counter.value = static_cast<double>(count.get());
-  };
-  lost(families.add("vdrive_status_lost_total",
-                    "Of these: status between tick and status thread, and between engine and wire",
-                    MetricType::Counter),
-       "images", counters.status_images_lost);
-  lost(families.another(), "wire", counters.status_samples_lost);
-}
-
-void add_commands(Families& families, const Counters& counters) {
-  families.counter("vdrive_frames_received_total", "Command frames that arrived",
-                   counters.frames_received.get());
-  families.counter("vdrive_frames_refused_total", "Command frames that were refused",
-                   counters.frames_refused.get());
-  families.counter("vdrive_commands_applied_total", "Commands to an axis that were carried out",
-                   counters.commands_applied.get());
-  families.counter("vdrive_commands_refused_total", "Commands to an axis that were refused",
-                   counters.commands_refused.get());
-  families.counter("vdrive_set_points_ignored_total", "Set-points that a drive ignored",
-                   counters.set_points_ignored.get());
-  families.counter("vdrive_requests_answered_total", "Requests that were answered",
-                   counters.requests_answered.get());
-  families.counter("vdrive_watchdog_trips_total",
-                   "Masters that were lost because nothing was received from them in time",
-                   counters.master_losses.get());
-  families.gauge("vdrive_longest_silence_seconds",
-                 "Longest time without a message from an owner of axes, in drive time",
-                 static_cast<double>(counters.longest_silence_us.get()) / 1.0e6);
-}
-
-void add_wire(Families& families, const Counters& counters) {
-  families.gauge("vdrive_wire_up", "1 while the service is on the network, 0 while it is not",
-                 static_cast<double>(counters.wire_is_up.get()));
-  families.counter("vdrive_wire_starts_total",
-                   "Starts of the network process; 1 = it was never restarted",
-                   counters.wire_starts.get());
-  families.gauge("vdrive_wire_resident_bytes",
-                 "Memory of the network process; 0 = DDS runs in threads of the service",
-                 static_cast<double>(counters.wire_resident.get()));
-  families.counter("vdrive_datagrams_dropped_total",
-                   "Datagrams that were dropped because no conforming program sends them",
-                   counters.datagrams_dropped.get());
-  families.counter("vdrive_malformed_samples_total",
-                   "Commands and requests that arrived and could not be decoded",
-                   counters.malformed.get());
-}
-
-void add_refusals(Families& families, const Counters& counters) {
-  bool is_first = true;
+void add(Families& families, const MetricRow<RefusalCounters>& row, const Counters& counters) {
   for (const auto& [reason, count] : counters.refusals.counts()) {
-    ClientMetric& metric =
-        is_first ? families.add("vdrive_refusals_total",
-                                "Refusals of frames, commands and requests by their reason",
-                                MetricType::Counter)
-                 : families.another();
-    is_first = false;
+    ClientMetric& metric = families.add(row.metric, MetricType::Counter);
     metric.label.push_back({"reason", wire::describe_reason(reason)});
     metric.counter.value = static_cast<double>(count);
   }
 }
 
-void add_published(Families& families, const Counters& counters) {
-  families.counter("vdrive_status_frames_sent_total", "Samples of the topic status",
-                   counters.status_frames_sent.get());
-  families.counter("vdrive_axis_samples_sent_total", "Samples of the topic axis",
-                   counters.axis_samples_sent.get());
-  families.counter("vdrive_events_sent_total", "Samples of the topic event",
-                   counters.events_sent.get());
-  families.counter("vdrive_saves_total", "Axes whose stored parameters became durable",
-                   counters.saves.get());
-  families.counter("vdrive_save_failures_total", "Axes whose parameters could not be stored",
-                   counters.save_failures.get());
-  families.counter("vdrive_journal_ticks_total", "Ticks written to the journal",
-                   counters.journal_ticks.get());
-  families.counter("vdrive_journal_losses_total", "Ticks that are missing in the journal",
-                   counters.journal_losses.get());
+/// Prometheus has a time in seconds, and _total behind the name of a counter.
+std::string metric_name(const wire::MemberTraits& figure) {
+  std::string name = "vdrive_" + std::string(figure.name);
+  if (figure.unit == "us" && name.ends_with("_us")) name.replace(name.size() - 3, 3, "_seconds");
+  if (figure.figure == wire::FigureKind::counter) name += "_total";
+  return name;
 }
+
+template <typename Value, typename Source>
+void add(Families& families, const FigureRow<Value, Source>& row, const Counters& counters) {
+  const wire::MemberTraits& figure = wire::traits_of(row.figure);
+  const std::string name = metric_name(figure);
+  MetricText text = row.metric;
+  if (text.name.empty()) text.name = name;
+  if (text.help.empty()) text.help = figure.help;
+  const double value = number(counters.*row.source);
+  add_number(families, text, figure.unit == "us" ? value / 1.0e6 : value);
+}
+
+/// @return how many rows show this member of BenchState.
+template <typename Value>
+constexpr int rows_of(const wire::Member<msg::BenchState, Value>& figure) {
+  return std::apply(
+      [&figure](const auto&... rows) {
+        const auto shows = [&figure](const auto& row) {
+          if constexpr (requires { row.figure == figure.pointer; }) {
+            return row.figure == figure.pointer ? 1 : 0;
+          } else {
+            return 0;
+          }
+        };
+        return (shows(rows) + ...);
+      },
+      kCounterRows);
+}
+
+constexpr bool each_figure_has_one_row() {
+  bool has_one = true;
+  wire::for_each_figure<msg::BenchState>([&has_one](const auto& figure) {
+    has_one = has_one && rows_of(figure) == 1;
+  });
+  return has_one;
+}
+
+static_assert(each_figure_has_one_row(), "each figure of BenchState has one row in kCounterRows");
 
 }  // namespace
 
 Metrics::Metrics(const Configuration& configuration, const BenchIdentity& identity,
-                 const Counters& counters, std::function<QueueDepths()> depths)
+                 const Counters& counters)
     : bench_(std::to_string(identity.bench)),
       name_(configuration.name),
       clock_(to_string(configuration.clock)),
       incarnation_(identity.incarnation),
       axes_(configuration.axes.size()),
-      counters_(counters),
-      depths_(std::move(depths)) {}
+      counters_(counters) {}
 
 std::vector<MetricFamily> Metrics::Collect() const {
   Families families(bench_);
   ClientMetric& info =
-      families.add("vdrive_info", "1; its labels describe the service", MetricType::Gauge);
+      families.add({"vdrive_info", "1; its labels describe the service"}, MetricType::Gauge);
   info.gauge.value = 1.0;
   info.label.push_back({"name", name_});
   info.label.push_back({"clock", clock_});
   info.label.push_back({"version", VDRIVE_VERSION});
   info.label.push_back({"incarnation", std::to_string(incarnation_)});
-  families.gauge("vdrive_axes", "Axes of the bench", static_cast<double>(axes_));
-  add_ticks(families, counters_);
-  add_lateness(families, counters_);
-  add_queues(families, counters_, depths_());
-  add_wire(families, counters_);
-  add_commands(families, counters_);
-  add_refusals(families, counters_);
-  add_published(families, counters_);
+  add_number(families, {"vdrive_axes", "Axes of the bench"}, static_cast<double>(axes_));
+  std::apply(
+      [&](const auto&... rows) {
+        (add(families, rows, counters_), ...);
+      },
+      kCounterRows);
   return families.take();
 }
 

@@ -8,25 +8,19 @@
 #include <prometheus/collectable.h>
 #include <prometheus/metric_family.h>
 
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
 namespace vdrive::service {
-
-/// What waits in the queues of a bench, at one instant.
-struct QueueDepths {
-  std::size_t inbox = 0;
-  std::size_t outbox = 0;
-};
 
 /// The counters of a bench as Prometheus metrics, each labelled with the bench.
 class Metrics : public prometheus::Collectable {
  public:
   /// @param counters outlive this
   Metrics(const Configuration& configuration, const BenchIdentity& identity,
-          const Counters& counters, std::function<QueueDepths()> depths);
+          const Counters& counters);
 
   /// May be called from any thread.
   [[nodiscard]] std::vector<prometheus::MetricFamily> Collect() const override;
@@ -38,7 +32,6 @@ class Metrics : public prometheus::Collectable {
   std::uint64_t incarnation_;
   std::size_t axes_;
   const Counters& counters_;
-  std::function<QueueDepths()> depths_;
 };
 
 }  // namespace vdrive::service

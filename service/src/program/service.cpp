@@ -112,9 +112,7 @@ std::unique_ptr<MetricsEndpoint> metrics_of(const BenchRun& run) {
   if (!configuration.metrics_port) return nullptr;
   auto metrics = std::make_unique<MetricsEndpoint>(
       *configuration.metrics_port,
-      std::make_unique<Metrics>(configuration, run.identity(), run.counters(), [&run] {
-        return QueueDepths{.inbox = run.inbox_depth(), .outbox = run.outbox_depth()};
-      }));
+      std::make_unique<Metrics>(configuration, run.identity(), run.counters()));
   log_info("bench={} metrics=http://127.0.0.1:{}/metrics", run.identity().bench, metrics->port());
   return metrics;
 }

@@ -66,11 +66,11 @@ std::string refusal_text(const EventRecord& event) {
 std::string clock_text(const EventRecord& event) {
   const std::string session = "session " + session_text(event.session);
   switch (event.code) {
-    case msg::REQUEST_SET_RATE: {
+    case wire::number(msg::RequestKind::set_rate): {
       const double rate = detail_of<NewRate>(event).value;
       return rate == 0.0 ? "paused by " + session : "rate " + to_text(rate) + " set by " + session;
     }
-    case msg::REQUEST_JOIN_CLOCK:
+    case wire::number(msg::RequestKind::join_clock):
       return session + " joined the clock";
     default:
       break;
@@ -203,7 +203,8 @@ constexpr auto kDebug = spdlog::level::debug;
 constexpr auto kInfo = spdlog::level::info;
 constexpr auto kWarn = spdlog::level::warn;
 
-/// In the order of their numbers.
+/// In the order of their numbers. A kind without a row is written to the log as its severity says,
+/// by its name.
 constexpr auto kEventRows = std::to_array<EventRow>({
     {EventKind::state_changed, kDebug, state_text},
     {EventKind::fault, kInfo, fault_text},
@@ -226,19 +227,19 @@ constexpr auto kEventRows = std::to_array<EventRow>({
     {EventKind::stopped, kInfo, stop_text},
 });
 
-static_assert(std::ranges::equal(kEventRows, kEventKinds, {}, &EventRow::kind, &EventKindRow::kind),
-              "a row for each kind of event");
+EventKind kind_of(const EventRecord& event) {
+  return static_cast<EventKind>(event.kind);
+}
 
-/// @return the row of the event, or nullptr for a number that is no kind.
 const EventRow* event_row_of(const EventRecord& event) {
-  const bool is_known = event.kind >= 1 && event.kind <= kEventRows.size();
-  return is_known ? &kEventRows[event.kind - 1] : nullptr;
+  const auto* const row = std::ranges::find(kEventRows, kind_of(event), &EventRow::kind);
+  return row == kEventRows.end() ? nullptr : row;
 }
 
 }  // namespace
 
 std::string log_line(std::uint32_t bench, const EventRecord& event, std::uint32_t suppressed) {
-  std::string line = "event=" + std::string(to_string(static_cast<EventKind>(event.kind))) +
+  std::string line = "event=" + std::string(to_string(kind_of(event))) +
                      " bench=" + std::to_string(bench) + " tick=" + std::to_string(event.tick);
   if (event.axis != 0) line += " axis=" + std::to_string(event.axis);
   if (event.session != 0) line += " session=" + session_text(event.session);
@@ -248,15 +249,19 @@ std::string log_line(std::uint32_t bench, const EventRecord& event, std::uint32_
 
 std::string words_of(const EventRecord& event) {
   const EventRow* const row = event_row_of(event);
-  const std::string text =
-      row == nullptr ? "event " + std::to_string(event.kind) : row->text(event);
+  const std::string text = row != nullptr ? row->text(event)
+                           : vdrive::row_of(kind_of(event)) != nullptr
+                               ? std::string(to_string(kind_of(event)))
+                               : "event " + std::to_string(wire::number(event.kind));
   return (who(event) + text).substr(0, kLongestText);
 }
 
 spdlog::level::level_enum level_of(const EventRecord& event) {
-  if (event.kind == msg::EVENT_PARAMETERS && event.code == ParameterCode::kLoaded) return kInfo;
+  if (event.kind == msg::EventKind::parameters && event.code == ParameterCode::kLoaded)
+    return kInfo;
   const EventRow* const row = event_row_of(event);
-  return row == nullptr ? kDebug : row->level;
+  if (row != nullptr) return row->level;
+  return severity_of(kind_of(event)) == EventSeverity::info ? kDebug : kWarn;
 }
 
 }  // namespace vdrive::service

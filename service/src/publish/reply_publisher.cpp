@@ -5,8 +5,8 @@ namespace vdrive::service {
 
 ReplyPublisher::ReplyPublisher(WireLink& link, const BenchIdentity& identity, Counters& counters)
     : link_(link), identity_(identity), counters_(counters) {
-  command_reply_.refusals().reserve(msg::MAX_AXES_PER_FRAME);
-  command_reply_.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
+  command_reply_.refusals.reserve(msg::MAX_AXES_PER_FRAME);
+  command_reply_.ignored_set_points.reserve(msg::MAX_AXES_PER_FRAME);
 }
 
 void ReplyPublisher::deliver(Inbox& inbox, Outbox& outbox) {
@@ -26,24 +26,24 @@ void ReplyPublisher::deliver(Inbox& inbox, Outbox& outbox) {
 }
 
 bool ReplyPublisher::refuse(const TurnedAway& arrival) {
-  counters_.refusals.add(msg::REASON_QUEUE_FULL);
+  counters_.refusals.add(wire::number(msg::Reason::queue_full));
   if (arrival.kind == Arrival::Kind::request) {
     msg::Reply reply;
-    reply.client(arrival.client);
-    reply.request_id(arrival.request_id);
-    reply.bench(identity_.bench);
-    reply.incarnation(identity_.incarnation);
-    reply.reason(msg::REASON_QUEUE_FULL);
-    reply.tick(counters_.tick.get());
+    reply.client = arrival.client;
+    reply.request_id = arrival.request_id;
+    reply.bench = identity_.bench;
+    reply.incarnation = identity_.incarnation;
+    reply.reason = msg::Reason::queue_full;
+    reply.tick = counters_.tick.get();
     return link_.post_to(arrival.source, reply);
   }
   msg::CommandReply reply;
-  reply.bench(identity_.bench);
-  reply.incarnation(identity_.incarnation);
-  reply.session(arrival.session);
-  reply.sequence_number(arrival.sequence_number);
-  reply.tick(counters_.tick.get());
-  reply.refusals().emplace_back().reason(msg::REASON_QUEUE_FULL);
+  reply.bench = identity_.bench;
+  reply.incarnation = identity_.incarnation;
+  reply.session = arrival.session;
+  reply.sequence_number = arrival.sequence_number;
+  reply.tick = counters_.tick.get();
+  reply.refusals.emplace_back().reason = msg::Reason::queue_full;
   return link_.post(Lane::replies, reply);
 }
 

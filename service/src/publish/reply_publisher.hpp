@@ -5,7 +5,7 @@
 #include "base/counters.hpp"
 #include "seam/queues.hpp"
 #include "seam/wire_link.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 namespace vdrive::service {
 

@@ -26,12 +26,29 @@ constexpr std::chrono::seconds kRateWindow{1};  // long beside the jitter of a t
 constexpr std::chrono::milliseconds kReportInterval{100};
 constexpr const char* kUnit = "UU";
 /// As deep as the history of the topic.
-constexpr auto kEventsKept = static_cast<std::size_t>(wire::Topic<msg::Event>::kRow.traits.depth);
+constexpr auto kEventsKept = static_cast<std::size_t>(wire::Topic<msg::Event>::kRow.quality.depth);
 /// The wire empties a lane within this, or hangs.
 constexpr std::chrono::milliseconds kLongestWaitForRoom{100};
 
 std::int64_t read(const AxisBank& bank, std::size_t axis, ObjectRow row) {
   return bank.read(axis, describe(row).address).value;
+}
+
+template <typename Value, typename Source>
+void fill(const FigureRow<Value, Source>& row, const Counters& counters, msg::BenchState& state) {
+  state.*row.figure = static_cast<Value>((counters.*row.source).get());
+}
+
+template <typename Source>
+void fill(const MetricRow<Source>& /*row*/, const Counters& /*counters*/,
+          msg::BenchState& /*state*/) {}
+
+void fill_figures(const Counters& counters, msg::BenchState& state) {
+  std::apply(
+      [&](const auto&... rows) {
+        (fill(rows, counters, state), ...);
+      },
+      kCounterRows);
 }
 
 }  // namespace
@@ -51,11 +68,11 @@ ReportPublisher::ReportPublisher(WireLink& link, const Configuration& configurat
                      parameters_.emplace_back());
     indices_[configuration.axes[axis].number] = static_cast<std::uint16_t>(axis);
   }
-  state_.bench(identity.bench);
-  state_.incarnation(identity.incarnation);
-  state_.clock_mode(wire::clock_mode_code(configuration.clock));
-  event_.bench(identity.bench);
-  event_.incarnation(identity.incarnation);
+  state_.bench = identity.bench;
+  state_.incarnation = identity.incarnation;
+  state_.clock_mode = wire::to_message(configuration.clock);
+  event_.bench = identity.bench;
+  event_.incarnation = identity.incarnation;
 }
 
 void ReportPublisher::describe_axes(const Configuration& configuration, const AxisBank& bank) {
@@ -64,40 +81,41 @@ void ReportPublisher::describe_axes(const Configuration& configuration, const Ax
   const std::size_t parts = (count + kPartSize - 1) / kPartSize;
   for (std::size_t part = 0; part < parts; ++part) {
     auto& description = parts_.emplace_back();
-    description.bench(identity_.bench);
-    description.part(static_cast<std::uint16_t>(part));
-    description.parts(static_cast<std::uint16_t>(parts));
-    description.incarnation(identity_.incarnation);
-    description.clock_mode(wire::clock_mode_code(configuration.clock));
-    description.period_us(static_cast<std::uint32_t>(configuration.period.count()));
-    description.status_every_ticks(configuration.status_every);
-    description.dictionary_version(std::string(kDictionaryVersion));
-    description.service_version(std::string(VDRIVE_VERSION));
-    description.name(configuration.name);
-    description.position_unit(kUnit);
-    description.velocity_unit(std::string(kUnit) + "/s");
-    description.acceleration_unit(std::string(kUnit) + "/s2");
-    description.user_units_per_revolution(kUserUnitsPerRevolution);
-    description.axis_count(static_cast<std::uint32_t>(count));
+    description.bench = identity_.bench;
+    description.part = static_cast<std::uint16_t>(part);
+    description.parts = static_cast<std::uint16_t>(parts);
+    description.incarnation = identity_.incarnation;
+    description.clock_mode = wire::to_message(configuration.clock);
+    description.period_us = static_cast<std::uint32_t>(configuration.period.count());
+    description.status_every_ticks = configuration.status_every;
+    description.dictionary_version = std::string(kDictionaryVersion);
+    description.service_version = std::string(VDRIVE_VERSION);
+    description.name = configuration.name;
+    description.position_unit = kUnit;
+    description.velocity_unit = std::string(kUnit) + "/s";
+    description.acceleration_unit = std::string(kUnit) + "/s2";
+    description.user_units_per_revolution = kUserUnitsPerRevolution;
+    description.axis_count = static_cast<std::uint32_t>(count);
     for (std::size_t axis = part * kPartSize; axis < std::min(count, (part + 1) * kPartSize);
          ++axis) {
-      auto& entry = description.axes().emplace_back();
-      entry.axis(configuration.axes[axis].number);
-      entry.name(configuration.axes[axis].name);
-      entry.supported_drive_modes(
-          static_cast<std::uint32_t>(read(bank, axis, "supported_drive_modes"_object)));
-      entry.user_position_lower_limit(
-          static_cast<std::int32_t>(read(bank, axis, "user_position_lower_limit"_object)));
-      entry.user_position_upper_limit(
-          static_cast<std::int32_t>(read(bank, axis, "user_position_upper_limit"_object)));
-      entry.app_speed_limit(static_cast<std::uint32_t>(read(bank, axis, "app_speed_limit"_object)));
+      auto& entry = description.axes.emplace_back();
+      entry.axis = configuration.axes[axis].number;
+      entry.name = configuration.axes[axis].name;
+      entry.supported_drive_modes =
+          static_cast<std::uint32_t>(read(bank, axis, "supported_drive_modes"_object));
+      entry.user_position_lower_limit =
+          static_cast<std::int32_t>(read(bank, axis, "user_position_lower_limit"_object));
+      entry.user_position_upper_limit =
+          static_cast<std::int32_t>(read(bank, axis, "user_position_upper_limit"_object));
+      entry.app_speed_limit =
+          static_cast<std::uint32_t>(read(bank, axis, "app_speed_limit"_object));
       wire::to_message(configuration.axes[axis].unit, entry);
     }
   }
 }
 
 void ReportPublisher::announce(bool alive) {
-  for (auto& part : parts_) part.alive(alive);
+  for (auto& part : parts_) part.alive = alive;
   met_ = link_.running();
   for (const auto& part : parts_) write(part);
   has_history_ = !alive;  // a bench that has ended reports nothing more
@@ -115,7 +133,7 @@ void ReportPublisher::meet_wire() {
   if (met_ == 0 || has_history_) return;
   has_history_ = true;
   for (auto& parameters : parameters_) {
-    if (parameters.tick() == 0) parameters.tick(counters_.tick.get());
+    if (parameters.tick == 0) parameters.tick = counters_.tick.get();
     write(parameters);
   }
   for (const auto& event : history_) write(event);
@@ -123,12 +141,15 @@ void ReportPublisher::meet_wire() {
 }
 
 void ReportPublisher::publish(Inbox& inbox, Outbox& outbox) {
+  // Before the queues are emptied.
+  counters_.inbox_depth.set(inbox.size());
+  counters_.outbox_depth.set(outbox.size());
   meet_wire();
   publish_events(outbox);
   publish_parameters(outbox);
   publish_sessions();
   if (const auto now = Clock::now(); link_.take_wish_for_state() || now >= next_state_) {
-    publish_state(inbox, outbox, now);
+    publish_state(now);
     next_state_ = now + kStateInterval;
   }
   link_.flush(Lane::reports);
@@ -151,15 +172,15 @@ void ReportPublisher::publish_events(Outbox& outbox) {
 void ReportPublisher::publish_event(const CountedEvent& counted) {
   const auto& [event, suppressed] = counted;
   const std::string text = words_of(event);
-  event_.tick(event.tick);
-  event_.time_ns(static_cast<std::int64_t>(event.tick) * period_.count());
-  event_.kind(event.kind);
-  event_.axis(event.axis);
-  event_.session(event.session);
-  event_.code(event.code);
-  event_.error_register(event.error_register);
-  event_.suppressed(suppressed);
-  event_.text(text);
+  event_.tick = event.tick;
+  event_.time_ns = static_cast<std::int64_t>(event.tick) * period_.count();
+  event_.kind = event.kind;
+  event_.axis = event.axis;
+  event_.session = event.session;
+  event_.code = event.code;
+  event_.error_register = event.error_register;
+  event_.suppressed = suppressed;
+  event_.text = text;
   if (history_.size() == kEventsKept) history_.pop_front();
   history_.push_back(event_);
   write(event_);
@@ -174,7 +195,7 @@ void ReportPublisher::publish_parameters(Outbox& outbox) {
   while (!parameter_samples_.is_empty()) {
     const msg::AxisParameters* const parameters = outbox.parameters.front();
     if (parameters == nullptr) return;
-    parameters_[indices_[parameters->axis()]] = *parameters;
+    parameters_[indices_[parameters->axis]] = *parameters;
     write(*parameters);
     outbox.parameters.pop();
     static_cast<void>(parameter_samples_.take());
@@ -184,8 +205,8 @@ void ReportPublisher::publish_parameters(Outbox& outbox) {
 void ReportPublisher::note_session(std::span<const std::byte> sample) {
   if (!wire::decode(sample, said_) || !sessions_.note(said_)) return;
   log_debug(R"(bench={} session={} program="{}" process={} host="{}")", identity_.bench,
-            session_text(said_.session()), escaped(said_.program().c_str()), said_.process(),
-            escaped(said_.host().c_str()));
+            session_text(said_.session), escaped(said_.program.to_string()), said_.process,
+            escaped(said_.host.to_string()));
 }
 
 void ReportPublisher::publish_sessions() {
@@ -197,37 +218,19 @@ void ReportPublisher::publish_sessions() {
   }
 }
 
-void ReportPublisher::publish_state(const Inbox& inbox, const Outbox& outbox,
-                                    Clock::time_point now) {
+void ReportPublisher::publish_state(Clock::time_point now) {
   const auto [tick, skipped] = counters_.tick.read();
-  state_.tick(tick);
-  state_.skipped_ticks(static_cast<std::uint32_t>(skipped));
-  state_.time_ns(static_cast<std::int64_t>(tick) * period_.count());
-  state_.rate(counters_.rate.get());
-  state_.measured_rate(measured_rate(tick, now));
-  state_.steppers(static_cast<std::uint32_t>(counters_.steppers.get()));
-  state_.slowest_stepper(counters_.slowest_stepper.get());
-  state_.overruns(counters_.overruns.get());
-  state_.jumps(counters_.jumps.get());
-  state_.lateness_histogram().clear();
-  for (const auto& bin : counters_.lateness) state_.lateness_histogram().push_back(bin.get());
-  state_.inbox_depth(static_cast<std::uint32_t>(inbox.size()));
-  state_.outbox_depth(static_cast<std::uint32_t>(outbox.size()));
-  state_.pending_frames(static_cast<std::uint32_t>(counters_.pending_frames.get()));
-  state_.frames_received(counters_.frames_received.get());
-  state_.frames_refused(counters_.frames_refused.get());
-  state_.commands_applied(counters_.commands_applied.get());
-  state_.commands_refused(counters_.commands_refused.get());
-  state_.set_points_ignored(counters_.set_points_ignored.get());
-  state_.requests_answered(counters_.requests_answered.get());
-  state_.status_frames_sent(counters_.status_frames_sent.get());
-  state_.queue_overflows(counters_.queue_overflows.get());
-  state_.master_losses(counters_.master_losses.get());
-  state_.snapshots(static_cast<std::uint32_t>(counters_.snapshots.get()));
-  state_.journal_ticks(counters_.journal_ticks.get());
-  state_.journal_losses(counters_.journal_losses.get());
-  state_.wire_starts(counters_.wire_starts.get());
-  state_.longest_silence_us(counters_.longest_silence_us.get());
+  state_.tick = tick;
+  state_.skipped_ticks = static_cast<std::uint32_t>(skipped);
+  state_.time_ns = static_cast<std::int64_t>(tick) * period_.count();
+  state_.rate = counters_.rate.get();
+  state_.measured_rate = measured_rate(tick, now);
+  state_.steppers = static_cast<std::uint32_t>(counters_.steppers.get());
+  state_.slowest_stepper = counters_.slowest_stepper.get();
+  state_.snapshots = static_cast<std::uint32_t>(counters_.snapshots.get());
+  state_.lateness_histogram.clear();
+  for (const auto& bin : counters_.lateness) state_.lateness_histogram.push_back(bin.get());
+  fill_figures(counters_, state_);
   write(state_);
 }
 

@@ -60,7 +60,7 @@ class ReportPublisher {
   void publish_events(Outbox& outbox);
   void publish_parameters(Outbox& outbox);
   void publish_sessions();
-  void publish_state(const Inbox& inbox, const Outbox& outbox, Clock::time_point now);
+  void publish_state(Clock::time_point now);
   [[nodiscard]] double measured_rate(std::uint64_t tick, Clock::time_point now);
   void meet_wire();
   template <typename Message>

@@ -8,16 +8,15 @@ namespace vdrive::service {
 namespace {
 
 bool is_same(const msg::BenchSession& known, const msg::SessionName& name) {
-  return known.program() == name.program() && known.process() == name.process() &&
-         known.host() == name.host();
+  return known.program == name.program && known.process == name.process && known.host == name.host;
 }
 
 }  // namespace
 
 bool SessionNames::note(const msg::SessionName& name) {
-  if (name.session() == 0 || name.bench() != bench_) return false;
+  if (name.session == 0 || name.bench != bench_) return false;
   auto known = std::ranges::find_if(sessions_, [&name](const msg::BenchSession& session) {
-    return session.session() == name.session();
+    return session.session == name.session;
   });
   if (known != sessions_.end() && is_same(*known, name)) return false;
   if (known == sessions_.end() && sessions_.size() < kMost) {
@@ -27,12 +26,12 @@ bool SessionNames::note(const msg::SessionName& name) {
     oldest_ = (oldest_ + 1) % kMost;
   }
   const auto place = static_cast<std::uint16_t>(known - sessions_.begin());
-  known->bench(bench_);
-  known->place(place);
-  known->session(name.session());
-  known->program(name.program());
-  known->process(name.process());
-  known->host(name.host());
+  known->bench = bench_;
+  known->place = place;
+  known->session = name.session;
+  known->program = name.program;
+  known->process = name.process;
+  known->host = name.host;
   if (std::ranges::find(unpublished_, place) == unpublished_.end()) unpublished_.push_back(place);
   return true;
 }

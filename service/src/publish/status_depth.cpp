@@ -6,7 +6,7 @@
 #include "vdrive/axis_status.hpp"
 #include "vdrive/wire/conversion.hpp"
 #include "vdrive/wire/status_frame.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -303,7 +303,7 @@ void BenchRun::report() {
     report_once();
     if (const auto older = duplicates_.conflict(); older && !is_conflict_reported) {
       is_conflict_reported = true;
-      reports_.publish_event({{.kind = msg::EVENT_BENCH_CONFLICT,
+      reports_.publish_event({{.kind = msg::EventKind::bench_conflict,
                                .tick = counters_.tick.get(),
                                .detail = Label{*older}}});
     }

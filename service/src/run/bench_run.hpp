@@ -129,10 +129,6 @@ class BenchRun {
 
   [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
 
-  [[nodiscard]] std::size_t inbox_depth() const noexcept { return inbox_.size(); }
-
-  [[nodiscard]] std::size_t outbox_depth() const noexcept { return outbox_.size(); }
-
  private:
   /// Stored parameters: loaded before there are axes, saved by a thread of their own.
   struct StoredParameters {

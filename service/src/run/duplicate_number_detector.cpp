@@ -10,10 +10,10 @@ namespace vdrive::service {
 
 void DuplicateNumberDetector::note(std::span<const std::byte> sample,
                                    std::span<const std::byte> place) {
-  if (wire::decode(sample, state_) && state_.bench() == identity_.bench &&
-      state_.incarnation() < identity_.incarnation) {
+  if (wire::decode(sample, state_) && state_.bench == identity_.bench &&
+      state_.incarnation < identity_.incarnation) {
     keep_place(place);
-    older_ = state_.incarnation();
+    older_ = state_.incarnation;
   }
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/bench_identity.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <atomic>
 #include <chrono>

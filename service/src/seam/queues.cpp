@@ -15,17 +15,6 @@ constexpr std::size_t kSpareCommands = 1'024;
 /// Of a sample that found no room; it holds all that `TurnedAway` has.
 constexpr std::size_t kBeginning = 64;
 
-Reason refusal_of_decoding(wire::Decoding decoding) {
-  switch (decoding) {
-    case wire::Decoding::too_many_axes:
-      return msg::REASON_TOO_MANY_AXES;
-    case wire::Decoding::too_many_objects:
-      return msg::REASON_TOO_MANY_OBJECTS;
-    default:
-      return msg::REASON_NONE;
-  }
-}
-
 }  // namespace
 
 bool InboxWriter::put(wire::TopicId topic, std::span<const std::byte> sample,
@@ -51,9 +40,9 @@ Inbox::Inbox(std::uint32_t bench, ByteRing arrivals, ByteRing turned_away, Count
       arrivals_(arrivals),
       turned_away_(turned_away),
       decoder_(kSpareCommands) {
-  arrival_.frame.axes().reserve(msg::MAX_AXES_PER_FRAME);
-  arrival_.request.axes().reserve(msg::MAX_AXES_PER_FRAME);
-  arrival_.request.objects().reserve(msg::MAX_OBJECTS_PER_REQUEST);
+  arrival_.frame.axes.reserve(msg::MAX_AXES_PER_FRAME);
+  arrival_.request.axes.reserve(msg::MAX_AXES_PER_FRAME);
+  arrival_.request.objects.reserve(msg::MAX_OBJECTS_PER_REQUEST);
 }
 
 Arrival* Inbox::front() {
@@ -87,9 +76,9 @@ bool Inbox::decode(const ByteRing::Record& record) {
     return false;
   }
   arrival_.kind = is_frame ? Arrival::Kind::command_frame : Arrival::Kind::request;
-  arrival_.refusal = refusal_of_decoding(decoding);
+  arrival_.refusal = decoder_.too_long();
   arrival_.source = record.head.party;
-  return (is_frame ? arrival_.frame.bench() : arrival_.request.bench()) == bench_;
+  return (is_frame ? arrival_.frame.bench : arrival_.request.bench) == bench_;
 }
 
 std::optional<TurnedAway> Inbox::next_turned_away() {
@@ -100,15 +89,15 @@ std::optional<TurnedAway> Inbox::next_turned_away() {
   if (record->head.topic == static_cast<std::uint16_t>(wire::Topic<msg::CommandFrame>::kId)) {
     msg::CommandFrame frame;
     static_cast<void>(head_decoder_.decode(record->bytes, frame));
-    away.session = frame.session();
-    away.sequence_number = frame.sequence_number();
+    away.session = frame.session;
+    away.sequence_number = frame.sequence_number;
   } else {
     msg::Request request;
     static_cast<void>(head_decoder_.decode(record->bytes, request));
     away.kind = Arrival::Kind::request;
-    away.client = request.client();
-    away.request_id = request.request_id();
-    away.session = request.session();
+    away.client = request.client;
+    away.request_id = request.request_id;
+    away.session = request.session;
   }
   turned_away_.pop();
   return away;
@@ -121,7 +110,7 @@ Outbox::Outbox(std::size_t axes, std::size_t images)
       parameters(kParameters),
       status(images) {
   replies.for_each_slot([](OutgoingReply& outgoing) {
-    outgoing.reply.objects().reserve(msg::MAX_OBJECTS_PER_REQUEST);
+    outgoing.reply.objects.reserve(msg::MAX_OBJECTS_PER_REQUEST);
   });
   status.for_each_slot([axes](StatusImage& image) {
     image.status.resize(axes);

@@ -13,7 +13,7 @@
 #include "vdrive/wire/reply.hpp"
 #include "vdrive/wire/source.hpp"
 #include "vdrive/wire/topics.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/stored_list.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <cstdint>
 

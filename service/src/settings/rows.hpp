@@ -12,6 +12,7 @@
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,9 +38,9 @@ struct ConfigurationKey {
 /// Every value that the type of the place can have.
 struct Any {};
 
-/// A text that is more than that.
+/// A text that has to meet further conditions.
 struct TextRule {
-  std::string_view if_empty{};                 ///< what refuses an empty text; empty = it may be
+  std::string_view if_empty{};  ///< error for an empty text; empty = an empty text is allowed
   bool (*fits)(const std::string&) = nullptr;  ///< nullptr = any other text does
   std::string_view refusal{};                  ///< of a text that does not fit
   bool is_quoted = false;                      ///< when it is printed
@@ -59,7 +60,7 @@ inline constexpr std::array kNamesOf{Choice{to_string(kValues), static_cast<int>
 
 /// One of these values, by the names that to_string() gives them.
 template <auto... kValues>
-inline constexpr Choices one_of = kNamesOf<kValues...>;
+inline constexpr Choices kOneOf = kNamesOf<kValues...>;
 
 template <typename T>
 concept Whole = std::integral<T> || requires {
@@ -255,6 +256,7 @@ struct Row {
 /// @return the keys of rows in their order.
 [[nodiscard]] std::vector<std::string_view> keys_of(const auto& rows) {
   std::vector<std::string_view> keys;
+  keys.reserve(std::size(rows));
   for (const auto& row : rows) keys.push_back(row.key);
   return keys;
 }

@@ -26,7 +26,7 @@ struct UnitEntries {
 
 constexpr auto kUnitRows = std::to_array<Row<UnitEntries>>({
     key<&UnitEntries::kind>(
-        "kind", one_of<UnitKind::rotary, UnitKind::linear>,
+        "kind", kOneOf<UnitKind::rotary, UnitKind::linear>,
         "What the user units of the axis are: rotary (parts of a revolution) or linear (parts of a "
         "length). Programs convert; the drive does not use it.",
         {.needed = "a unit needs a kind: rotary or linear"}),

@@ -6,7 +6,7 @@
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/text.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <algorithm>
 #include <array>
@@ -350,7 +350,8 @@ std::vector<EventRecord> apply(const LoadedParameters& loaded, Configuration& co
   const bool is_good = loaded.problem == ParameterProblem::none;
   const auto report = [&news](std::uint32_t code, const EventDetail& detail,
                               std::uint16_t axis = 0) {
-    news.push_back({.kind = msg::EVENT_PARAMETERS, .axis = axis, .code = code, .detail = detail});
+    news.push_back(
+        {.kind = msg::EventKind::parameters, .axis = axis, .code = code, .detail = detail});
   };
   if (!is_good) {
     const bool has_previous = loaded.source == LoadedParameters::Source::previous;

@@ -118,7 +118,7 @@ void WireSupervisor::finish(const WireEnd& end, Clock::time_point now) {
 
 void WireSupervisor::report(std::uint32_t code, const EventDetail& detail) {
   if (news_.size() < kMostNews) {
-    news_.push_back({.kind = msg::EVENT_WIRE, .code = code, .detail = detail});
+    news_.push_back({.kind = msg::EventKind::wire, .code = code, .detail = detail});
   }
 }
 

@@ -3,8 +3,9 @@
 
 #include "vdrive/wire/publication.hpp"
 #include "vdrive/wire/subscription.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
+#include <memory>
 #include <string>
 
 namespace vdrive::service {
@@ -22,9 +23,9 @@ constexpr std::chrono::milliseconds kLeeway = 100ms;
 class Visitor {
  public:
   Visitor(const wire::NetworkSettings& settings, const std::string& name)
-      : participant_(settings, name),
-        states_(participant_, [](const msg::BenchState&, const wire::Source&) {}),
-        own_states_(participant_) {}
+      : participant_(wire::make_participant(settings, name)),
+        states_(*participant_, [](const msg::BenchState&, const wire::Source&) {}),
+        own_states_(*participant_) {}
 
   /// @return whether it receives what `other` publishes.
   [[nodiscard]] bool receives_from(const wire::Source& other, std::chrono::milliseconds patience) {
@@ -37,7 +38,7 @@ class Visitor {
   }
 
  private:
-  wire::Participant participant_;
+  std::unique_ptr<wire::Participant> participant_;
   wire::Subscription<msg::BenchState> states_;
   wire::Publication<msg::BenchState> own_states_;
 };

@@ -3,7 +3,7 @@
 
 #include "vdrive/wire/publication.hpp"
 #include "vdrive/wire/subscription.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
 #include <condition_variable>
 #include <mutex>
@@ -25,8 +25,9 @@ wire::NetworkSettings of_a_probe(wire::NetworkSettings settings) {
 }  // namespace
 
 WireProbe::WireProbe(wire::NetworkSettings settings, WireProgram& program)
-    : program_(program), participant_(of_a_probe(std::move(settings)), "vdrive probe") {
-  program_.expect_probes_from(participant_.source());
+    : program_(program),
+      participant_(wire::make_participant(of_a_probe(std::move(settings)), "vdrive probe")) {
+  program_.expect_probes_from(participant_->source());
 }
 
 bool WireProbe::comes_through() {
@@ -36,16 +37,16 @@ bool WireProbe::comes_through() {
   std::condition_variable changed;
   bool has_received = false;
   const wire::Subscription<msg::BenchState> states(
-      participant_, [&](const msg::BenchState&, const wire::Source& source) {
+      *participant_, [&](const msg::BenchState&, const wire::Source& source) {
         const std::lock_guard lock(mutex);
         has_received = has_received || source == wire;
         changed.notify_one();
       });
-  wire::Publication<msg::BenchState> publication(participant_);
+  wire::Publication<msg::BenchState> publication(*participant_);
   const auto deadline = Clock::now() + kPatience;
   if (!publication.wait_for_match(wire, std::chrono::milliseconds(kPatience))) return false;
   msg::BenchState state;
-  state.bench(kNoBench);
+  state.bench = kNoBench;
   constexpr std::chrono::milliseconds kRepeat{50};  // best effort
   std::unique_lock lock(mutex);
   while (Clock::now() < deadline) {

@@ -5,6 +5,7 @@
 #include "wire/wire_program.hpp"
 
 #include <chrono>
+#include <memory>
 
 namespace vdrive::service {
 
@@ -26,7 +27,7 @@ class WireProbe {
 
  private:
   WireProgram& program_;
-  wire::Participant participant_;
+  std::unique_ptr<wire::Participant> participant_;
 };
 
 }  // namespace vdrive::service

@@ -23,11 +23,6 @@ using wire::TopicId;
 /// How the name of the participant of a service begins; its bench follows.
 constexpr std::string_view kService = "vdrived ";
 
-constexpr std::array kWritten{Topic<msg::CommandReply>::kId,     Topic<msg::Reply>::kId,
-                              Topic<msg::StatusFrame>::kId,      Topic<msg::AxisStatus>::kId,
-                              Topic<msg::AxisParameters>::kId,   Topic<msg::Event>::kId,
-                              Topic<msg::BenchDescription>::kId, Topic<msg::BenchState>::kId};
-
 /// A refused datagram is logged at most once a second, with its sender.
 wire::NetworkSettings of_a_service(const WireSettings& settings) {
   wire::NetworkSettings network = settings.network;
@@ -46,7 +41,7 @@ wire::NetworkSettings of_a_service(const WireSettings& settings) {
 
 /// @return the number of the bench that a sample is about, or nothing.
 std::optional<std::uint32_t> bench_of(std::span<const std::byte> sample, TopicId topic) noexcept {
-  const std::size_t offset = wire::kEncapsulation + wire::traits_of(topic).bench_offset;
+  const std::size_t offset = wire::traits_of(topic).bench_offset;
   if (sample.size() < offset + sizeof(std::uint32_t)) return std::nullopt;
   std::array<std::byte, sizeof(std::uint32_t)> bytes{};
   std::memcpy(bytes.data(), &sample[offset], bytes.size());
@@ -62,7 +57,8 @@ WireProgram::WireProgram(const WireRegion& region, const WireSettings& settings)
     : control_(region.control()),
       bench_(settings.bench),
       is_open_(settings.network.security.empty()),
-      participant_(of_a_service(settings), std::string(kService) + std::to_string(settings.bench)),
+      participant_(wire::make_participant(of_a_service(settings),
+                                          std::string(kService) + std::to_string(settings.bench))),
       publications_(wire::kTopics.size()),
       status_(region.ring(Lane::status)),
       replies_(region.ring(Lane::replies)),
@@ -74,11 +70,17 @@ WireProgram::WireProgram(const WireRegion& region, const WireSettings& settings)
   // for them.
   status_.clear();
   reports_.clear();
-  control_.source = participant_.source();
-  for (const TopicId topic : kWritten) publish(topic);
-  // Where it is known who is there, a second bench with this number is refused when it comes; where
-  // a thousand benches meet, each would hear each.
-  if (!participant_.knows_who_is_there()) subscribe(Topic<msg::BenchState>::kId, Lane::notices);
+  control_.source = participant_->source();
+  for (std::size_t number = 0; number < wire::kTopics.size(); ++number) {
+    const auto topic = static_cast<TopicId>(number);
+    const bool is_optional = topic == Topic<msg::BenchSession>::kId;  // of exchange_names
+    if (wire::kTopics[number].publisher == wire::Publisher::service && !is_optional) publish(topic);
+  }
+  // Only where a second bench could have this number: if a thousand benches share a bus, each would
+  // hear all the others.
+  if (participant_->presence().may_have_double()) {
+    subscribe(Topic<msg::BenchState>::kId, Lane::notices);
+  }
   subscribe(Topic<msg::CommandFrame>::kId, Lane::arrivals);
   subscribe(Topic<msg::Request>::kId, Lane::arrivals);
   exchange_names();
@@ -87,8 +89,8 @@ WireProgram::WireProgram(const WireRegion& region, const WireSettings& settings)
 void WireProgram::publish(TopicId topic) {
   const auto number = static_cast<std::size_t>(topic);
   control_.matched[number] = 0;
-  publications_[number] = std::make_unique<wire::BytesPublication>(
-      participant_, topic, [this, topic](const std::vector<wire::Source>& readers) {
+  publications_[number] =
+      participant_->make_writer(topic, [this, topic](const std::vector<wire::Source>& readers) {
         show(topic, readers);
       });
 }
@@ -117,16 +119,15 @@ void WireProgram::subscribe(TopicId topic, Lane lane) {
   auto& incoming = *subscription;
   incoming.topic = topic;
   incoming.lane = lane;
-  incoming.subscription = std::make_unique<wire::BytesSubscription>(
-      participant_, topic,
-      wire::BytesSubscription::Handler{.take =
-                                           [&incoming](std::span<const std::byte> sample) {
-                                             incoming.sample.assign(sample.begin(), sample.end());
-                                           },
-                                       .deliver =
-                                           [this, &incoming](const wire::Source& source) {
-                                             deliver(incoming, source);
-                                           }});
+  incoming.subscription =
+      participant_->make_reader(topic, {.take =
+                                            [&incoming](std::span<const std::byte> sample) {
+                                              incoming.sample.assign(sample.begin(), sample.end());
+                                            },
+                                        .deliver =
+                                            [this, &incoming](const wire::Source& source) {
+                                              deliver(incoming, source);
+                                            }});
   subscriptions_.push_back(std::move(subscription));
 }
 
@@ -152,7 +153,7 @@ void WireProgram::put_notice(const LaneSubscription& incoming, const wire::Sourc
   constexpr std::size_t kLongestPlace = 128;
   std::string place;
   if (incoming.topic == Topic<msg::BenchState>::kId) {
-    for (const wire::OtherParticipant& other : participant_.others(kService)) {
+    for (const wire::OtherParticipant& other : participant_->presence().others(kService)) {
       if (other.source == source) place = other.place.substr(0, kLongestPlace);
     }
   }
@@ -171,8 +172,9 @@ void WireProgram::put_notice(const LaneSubscription& incoming, const wire::Sourc
 void WireProgram::show(TopicId topic, const std::vector<wire::Source>& readers) {
   control_.matched[static_cast<std::size_t>(topic)].store(
       static_cast<std::uint32_t>(readers.size()), std::memory_order_relaxed);
-  // Over a network a state comes soon enough, and each one more goes to every reader.
-  if (topic == Topic<msg::BenchState>::kId && participant_.knows_who_is_there()) {
+  // A client that may not know all benches yet searches for longer than a state takes, and each
+  // additional state goes to every reader. One that knows them all waits for the state only.
+  if (topic == Topic<msg::BenchState>::kId && !participant_->presence().may_miss_some()) {
     control_.is_state_wanted = true;
   }
   if (topic == Topic<msg::Reply>::kId) {
@@ -213,13 +215,14 @@ void WireProgram::send(const ByteRing::Record& record) {
 /// @return false when its reader is not known yet.
 bool WireProgram::try_send(const RecordHead& head, std::span<const std::byte> bytes) {
   const auto topic = wire::topic_numbered(head.topic);
-  wire::BytesPublication* const publication =
+  wire::SampleWriter* const publication =
       topic ? publications_[static_cast<std::size_t>(*topic)].get() : nullptr;
   if (publication == nullptr) {  // the engine wrote what it never writes
     control_.not_sent.fetch_add(1, std::memory_order_relaxed);
     return true;
   }
-  if ((head.flags & RecordHead::kForOne) != 0 && !publication->is_matched(head.party)) return false;
+  if ((head.flags & RecordHead::kForOne) != 0 && !publication->matches().contains(head.party))
+    return false;
   auto& counter = publication->write(bytes) ? control_.sent : control_.not_sent;
   counter.fetch_add(1, std::memory_order_relaxed);
   return true;

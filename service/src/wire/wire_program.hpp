@@ -5,9 +5,9 @@
 #include "seam/lane_sender.hpp"
 #include "seam/queues.hpp"
 #include "seam/wire_region.hpp"
-#include "vdrive/wire/bytes_publication.hpp"
-#include "vdrive/wire/bytes_subscription.hpp"
 #include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/sample_reader.hpp"
+#include "vdrive/wire/sample_writer.hpp"
 
 #include <array>
 #include <atomic>
@@ -52,7 +52,7 @@ class WireProgram final : public LaneSender {
   /// time-out.
   bool wait_for_readers(std::chrono::milliseconds timeout);
 
-  [[nodiscard]] wire::Participant& participant() noexcept { return participant_; }
+  [[nodiscard]] wire::Participant& participant() noexcept { return *participant_; }
 
   /// What comes from `source` is a probe: counted, and not passed on.
   void expect_probes_from(const wire::Source& source);
@@ -61,7 +61,7 @@ class WireProgram final : public LaneSender {
 
   /// @return datagrams that the guard of the participant dropped.
   [[nodiscard]] std::uint64_t datagrams_dropped() const {
-    return participant_.guard_counts().all_refused();
+    return participant_->guard_counts().all_refused();
   }
 
  private:
@@ -79,7 +79,7 @@ class WireProgram final : public LaneSender {
     wire::TopicId topic{};
     Lane lane = Lane::arrivals;
     std::vector<std::byte> sample;  ///< between the two calls of the library; keeps its capacity
-    std::unique_ptr<wire::BytesSubscription> subscription;
+    std::unique_ptr<wire::SampleReader> subscription;
   };
 
   void show(wire::TopicId topic, const std::vector<wire::Source>& readers);
@@ -98,8 +98,8 @@ class WireProgram final : public LaneSender {
   std::uint32_t bench_;
   bool is_open_;        ///< no permissions
   std::mutex showing_;  ///< several threads of the library report matches
-  wire::Participant participant_;
-  std::vector<std::unique_ptr<wire::BytesPublication>> publications_;  ///< by TopicId, or nothing
+  std::unique_ptr<wire::Participant> participant_;
+  std::vector<std::unique_ptr<wire::SampleWriter>> publications_;  ///< by TopicId, or nothing
   ByteRing status_;
   ByteRing replies_;
   ByteRing reports_;

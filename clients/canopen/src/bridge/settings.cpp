@@ -20,7 +20,7 @@ namespace {
 using vdrive::settings::ConfigurationError;
 using vdrive::settings::IntegerLimits;
 using vdrive::settings::key;
-using vdrive::settings::one_of;
+using vdrive::settings::kOneOf;
 using vdrive::settings::Row;
 using vdrive::settings::TextRule;
 using vdrive::settings::YamlValue;
@@ -111,7 +111,7 @@ void read_buses(const YamlValue& list, Settings& settings) {
 
 constexpr auto kRows = std::to_array<Row<Settings>>({
     key<&Settings::is_private>("private"),
-    key<&Settings::clock>("clock", one_of<ClockMode::realtime, ClockMode::lockstep>),
+    key<&Settings::clock>("clock", kOneOf<ClockMode::realtime, ClockMode::lockstep>),
     key<&Settings::sync_steps>(
         "sync_steps_us", IntegerLimits{kShortestSyncStep.count(), kLongestSyncStep.count(), "us"}),
     key<&Settings::state>("state", TextRule{.if_empty = "must be the name of a directory"}),

@@ -263,7 +263,6 @@ class Axis {
   Outcome command(EachCommand command, const CallOptions& options);
   Outcome move(std::int32_t target, bool relative, const MoveOptions& options,
                StartedMove* started = nullptr);
-  Outcome request_memory(std::uint32_t kind, const std::string& what);
 
   std::shared_ptr<SessionCore> core_;
   AxisId id_;

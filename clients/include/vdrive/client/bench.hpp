@@ -55,6 +55,21 @@ struct AxisInfo {
   friend bool operator==(const AxisInfo&, const AxisInfo&) = default;
 };
 
+/// A number that a bench counts or measures from its start on; its texts are constants.
+struct Figure {
+  std::string_view name;  ///< that of the member of bench_state
+  std::uint64_t value = 0;
+  std::string_view unit;  ///< such as "us"; empty = none
+  std::string_view help;
+  bool is_counter = false;   ///< it only grows
+  bool is_headline = false;  ///< for views that have room for a few
+
+  friend bool operator==(const Figure&, const Figure&) = default;
+};
+
+/// @return every figure that benches publish, in the order of bench_state, with the value 0.
+[[nodiscard]] std::vector<Figure> all_figures();
+
 /// What a bench publishes about itself. UU are its user units.
 struct BenchInfo {
   std::uint32_t number = 0;
@@ -69,6 +84,8 @@ struct BenchInfo {
   /// time stands still sends its state 20 times a second.
   std::chrono::nanoseconds sample_age{0};
   double rate = 1.0;  ///< realtime: drive time over wall time, 0 = paused
+  /// What it has counted and measured; 0 = not received yet.
+  std::vector<Figure> figures = all_figures();
   /// Starts of its network process in this run: 1 = it never ended, 0 = not received yet.
   std::uint64_t wire_starts = 0;
   /// Longest time in which it received nothing from an owner of axes, in drive time.

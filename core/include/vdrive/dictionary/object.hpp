@@ -100,39 +100,38 @@ struct TypeRange {
   std::int64_t highest;
 };
 
-/// @return the range of `type`.
-[[nodiscard]] constexpr TypeRange range_of(DataType type) noexcept {
+/// @return `visit(number)`, with a number of the type of C++ that `type` is.
+template <typename Visit>
+constexpr auto with_type(DataType type, const Visit& visit) {
   switch (type) {
     case DataType::integer8:
-      return {std::numeric_limits<std::int8_t>::min(), std::numeric_limits<std::int8_t>::max()};
+      return visit(std::int8_t{});
     case DataType::integer16:
-      return {std::numeric_limits<std::int16_t>::min(), std::numeric_limits<std::int16_t>::max()};
+      return visit(std::int16_t{});
     case DataType::integer32:
-      return {std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()};
+      return visit(std::int32_t{});
     case DataType::unsigned8:
-      return {0, std::numeric_limits<std::uint8_t>::max()};
+      return visit(std::uint8_t{});
     case DataType::unsigned16:
-      return {0, std::numeric_limits<std::uint16_t>::max()};
+      return visit(std::uint16_t{});
     case DataType::unsigned32:
-      return {0, std::numeric_limits<std::uint32_t>::max()};
+      break;
   }
-  return {0, 0};
+  return visit(std::uint32_t{});
+}
+
+/// @return the range of `type`.
+[[nodiscard]] constexpr TypeRange range_of(DataType type) noexcept {
+  return with_type(type, []<typename Number>(Number /*any*/) -> TypeRange {
+    return {std::numeric_limits<Number>::min(), std::numeric_limits<Number>::max()};
+  });
 }
 
 /// @return the size of `type` [bytes].
 [[nodiscard]] constexpr std::uint8_t size_of(DataType type) noexcept {
-  switch (type) {
-    case DataType::integer8:
-    case DataType::unsigned8:
-      return 1;
-    case DataType::integer16:
-    case DataType::unsigned16:
-      return 2;
-    case DataType::integer32:
-    case DataType::unsigned32:
-      return 4;
-  }
-  return 0;
+  return with_type(type, []<typename Number>(Number /*any*/) -> std::uint8_t {
+    return sizeof(Number);
+  });
 }
 
 /// @return the manual's spelling of `type`, such as "UNS16" or "INTEGER32".

@@ -5,12 +5,11 @@
 #include "vdrive/axis_status.hpp"
 #include "vdrive/clock_mode.hpp"
 #include "vdrive/unit.hpp"
-#include "vdrive_messages.h"
+#include "vdrive_messages.hpp"
 
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
-#include <string_view>
 
 namespace vdrive::wire {
 
@@ -38,11 +37,10 @@ void to_message(const AxisStatus& status, const AxisAddress& address, std::uint6
 void to_message(const AxisBank& bank, std::size_t index, const AxisAddress& address,
                 std::uint64_t tick, msg::AxisParameters& message);
 
-/// @return the CLOCK_MODE_ constant for `mode`.
-[[nodiscard]] std::uint32_t clock_mode_code(ClockMode mode) noexcept;
+[[nodiscard]] msg::ClockMode to_message(ClockMode mode) noexcept;
 
-/// @return the mode that a CLOCK_MODE_ constant names; realtime for any other number.
-[[nodiscard]] ClockMode clock_mode_of(std::uint32_t code) noexcept;
+/// @return the mode; realtime for a number that the IDL does not have.
+[[nodiscard]] ClockMode from_message(msg::ClockMode mode) noexcept;
 
 /// Fills the unit of an axis into its description.
 void to_message(const Unit& unit, msg::AxisDescription& message);
@@ -51,17 +49,7 @@ void to_message(const Unit& unit, msg::AxisDescription& message);
 ///         usable.
 [[nodiscard]] Unit unit_of(const msg::AxisDescription& message);
 
-/// A REASON_ constant.
-struct ReasonRow {
-  std::uint32_t reason = 0;
-  std::string_view name;   ///< in programs: that of the constant, in small letters
-  std::string_view words;  ///< for people
-};
-
-/// @return every one, by number.
-[[nodiscard]] std::span<const ReasonRow> reasons() noexcept;
-
-/// @return the words for a reason of the wire: a REASON_ constant or a CiA 301 abort code.
+/// @return the words for the number of a msg::Reason or of a CiA 301 abort code.
 [[nodiscard]] std::string describe_reason(std::uint32_t reason);
 
 }  // namespace vdrive::wire

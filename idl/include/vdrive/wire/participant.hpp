@@ -2,7 +2,11 @@
 #pragma once
 
 #include "vdrive/wire/guard.hpp"
+#include "vdrive/wire/presence.hpp"
+#include "vdrive/wire/sample_reader.hpp"
+#include "vdrive/wire/sample_writer.hpp"
 #include "vdrive/wire/source.hpp"
+#include "vdrive/wire/topics.hpp"
 
 #include <compare>
 #include <cstddef>
@@ -10,12 +14,10 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace vdrive::wire {
 
-class Backend;   ///< known inside the wire room only
 class LocalBus;  ///< vdrive/wire/local_bus.hpp
 
 /// What a participant is for. A client ignores other clients, so that the joins and leaves of many
@@ -66,19 +68,11 @@ class NotPermitted : public NetworkError {
   using NetworkError::NetworkError;
 };
 
-/// What another participant announces of itself.
-struct OtherParticipant {
-  std::string name;
-  Source source;
-  bool is_closed = false;  ///< it has DDS Security: only participants of its closed mode meet it
-  std::string place{};  ///< NetworkSettings::place; anything of a stranger, empty where it has none
-};
-
 /// What became of work that a bench leaves to the threads of its clients.
 enum class LocalWork : std::uint8_t {
   none,       ///< there was none
   done,       ///< this thread has done some
-  elsewhere,  ///< another thread does it, or leaves it to those who come again
+  elsewhere,  ///< another thread does it, or leaves it to whoever calls again
 };
 
 /// The clock of a bench: of one run of it.
@@ -90,79 +84,81 @@ struct ClockOfBench {
 };
 
 /// A program's place among those that exchange the messages of vdrive: a DDS domain participant, or
-/// a place on the local bus of this process. Must outlive its publications and subscriptions.
+/// a place on the local bus of this process. Must outlive its writers and readers.
 /// Over DDS it shows no type objects, and announces itself every 100 ms with a lease of 600 s (2 s
 /// to a discovery server); its guard removes participants of vdrive after 2.5 s of silence, others
 /// after the lease that they announce.
 class Participant {
  public:
-  /// @throws NetworkError when the domain is out of range, the security material is not in order,
-  ///         DDS refuses the participant, this program has no DDS library, or the local bus belongs
-  ///         to the process from which this one was forked; NameTaken; what default_domain()
-  ///         throws.
-  Participant(const NetworkSettings& settings, const std::string& name);
-  ~Participant();
+  Participant() = default;
+  virtual ~Participant() = default;
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
+  /// @throws NotPermitted when the permissions of a closed participant do not name the topic;
+  ///         NetworkError when DDS refuses topic, publisher or writer.
+  [[nodiscard]] virtual std::unique_ptr<SampleWriter> make_writer(
+      TopicId topic, SampleWriter::Observer observer = nullptr) = 0;
+
+  /// @throws NetworkError when DDS refuses topic, subscriber or reader.
+  [[nodiscard]] virtual std::unique_ptr<SampleReader> make_reader(TopicId topic,
+                                                                  SampleHandler handler) = 0;
+
   /// @return where it is, in words for people: "on this bus", or "on domain 7".
-  [[nodiscard]] std::string place() const;
+  [[nodiscard]] virtual std::string place() const = 0;
 
   /// @return the DDS domain; 0 on a local bus.
-  [[nodiscard]] std::uint32_t domain() const noexcept;
+  [[nodiscard]] virtual std::uint32_t domain() const noexcept { return 0; }
 
   /// @return whether it has DDS Security: it meets participants of its closed mode only.
-  [[nodiscard]] bool is_closed() const noexcept;
+  [[nodiscard]] virtual bool is_closed() const noexcept { return false; }
 
   /// @return what its messages show as their source.
-  [[nodiscard]] Source source() const noexcept;
+  [[nodiscard]] virtual Source source() const noexcept = 0;
 
   /// Makes all participants read its announcement again. The library reads each announcement once:
   /// a participant that had no room for this one would not know it until the announcement changes.
-  void announce_again();
+  virtual void announce_again() {}
 
-  /// @return the other participants that are known now and have a name with this beginning. They
-  ///         are known before their writers and readers are.
-  [[nodiscard]] std::vector<OtherParticipant> others(std::string_view beginning = "") const;
+  /// @return who else is there; lives as long as this participant.
+  [[nodiscard]] virtual Presence& presence() noexcept = 0;
 
-  /// @return whether `others` are all that there are, each as long as it lives. Over a network a
-  ///         participant that is there may not be known yet, and one that has died still is.
-  [[nodiscard]] bool knows_who_is_there() const noexcept;
+  // What a bench of this process asks of the threads of its clients; over DDS nothing.
 
-  /// @return whether the participant `source` is there, where `knows_who_is_there`; otherwise
-  /// false.
-  [[nodiscard]] bool has(const Source& source) const noexcept;
-
-  /// Does work that a bench of this process leaves to the threads of its clients
-  /// (LocalBus::WorkPlace). Over DDS there is none. The caller holds no lock that a handler of a
-  /// subscription takes.
-  LocalWork run_local_work(std::uint32_t bench);
+  /// Does work that a bench leaves to the threads of its clients (LocalBus::WorkPlace). The caller
+  /// holds no lock that a handler of a subscription takes.
+  virtual LocalWork run_local_work(std::uint32_t /*bench*/) { return LocalWork::none; }
 
   /// Before a client sends to a bench: one of this process may have to work off first what it has
   /// received. Over DDS the writer waits instead. The caller holds no lock that a handler takes.
   /// @return whether the bench has room; if not, the call has waited for a moment.
-  bool make_room(std::uint32_t bench);
+  virtual bool make_room(std::uint32_t /*bench*/) { return true; }
 
   /// Notes that the calling thread joins the clock with this session. Of two sessions on a local
   /// bus that one thread has joined to a clock none could step: the step of one waits for the grant
   /// of the other, and the thread that waits grants nothing. Over DDS each waits for its answer
   /// alone.
   /// @return the session with which this thread has joined the clock already; 0 = none.
-  [[nodiscard]] std::uint64_t join_clock(const ClockOfBench& clock, std::uint64_t session);
+  [[nodiscard]] virtual std::uint64_t join_clock(const ClockOfBench& /*clock*/,
+                                                 std::uint64_t /*session*/) {
+    return 0;
+  }
 
   /// The session has left the clock.
-  void leave_clock(const ClockOfBench& clock, std::uint64_t session) noexcept;
+  virtual void leave_clock(const ClockOfBench& /*clock*/, std::uint64_t /*session*/) noexcept {}
 
   /// The session has left every clock.
-  void leave_clocks(std::uint64_t session) noexcept;
+  virtual void leave_clocks(std::uint64_t /*session*/) noexcept {}
 
   /// @return what the guard has done; all zero without a guard.
-  [[nodiscard]] GuardCounts guard_counts() const;
-
-  [[nodiscard]] Backend& backend() noexcept { return *backend_; }
-
- private:
-  std::unique_ptr<Backend> backend_;
+  [[nodiscard]] virtual GuardCounts guard_counts() const { return {}; }
 };
+
+/// @return a participant on the local bus of `settings`, or else of a DDS domain.
+/// @throws NetworkError when the domain is out of range, the security material is not in order,
+///         DDS refuses the participant, this program has no DDS library, or the local bus belongs
+///         to the process from which this one was forked; NameTaken; what default_domain() throws.
+[[nodiscard]] std::unique_ptr<Participant> make_participant(const NetworkSettings& settings,
+                                                            const std::string& name);
 
 }  // namespace vdrive::wire

@@ -1,61 +1,66 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/sample_writer.hpp"
 #include "vdrive/wire/source.hpp"
 #include "vdrive/wire/topics.hpp"
 
 #include <chrono>
 #include <cstddef>
 #include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
 
 namespace vdrive::wire {
 
-class WriterEnd;  ///< known inside the wire room only
-
-/// What publications of all message types have in common.
-class AnyPublication {
+/// Writes messages of one type of topics.hpp on its topic, with the topic's QoS.
+template <typename Message>
+class Publication final {
  public:
-  AnyPublication(const AnyPublication&) = delete;
-  AnyPublication& operator=(const AnyPublication&) = delete;
+  /// @throws what Participant::make_writer throws
+  explicit Publication(Participant& participant)
+      : writer_(participant.make_writer(Topic<Message>::kId)) {}
+
+  /// As SampleWriter::write. Allocates nothing once it has written a message of that size.
+  [[nodiscard]] bool write(const Message& message) noexcept {
+    try {
+      const std::scoped_lock lock(encoding_);
+      sample_.resize(encoded_size(message));
+      encode(message, sample_);
+      return writer_->write(sample_);
+    } catch (...) {  // no memory
+      return false;
+    }
+  }
 
   /// @return how many subscriptions match now.
-  [[nodiscard]] std::size_t matched() const noexcept;
+  [[nodiscard]] std::size_t matched() const noexcept { return writer_->matches().count(); }
 
   /// Waits until at least `count` subscriptions match. @return false on time-out.
-  [[nodiscard]] bool wait_for_matched(std::size_t count, std::chrono::milliseconds timeout);
+  [[nodiscard]] bool wait_for_matched(std::size_t count, std::chrono::milliseconds timeout) {
+    return writer_->matches().wait_for(count, timeout);
+  }
 
   /// Waits until a subscription of the participant that sent from `source` matches.
   /// @return false on time-out.
-  [[nodiscard]] bool wait_for_match(const Source& source, std::chrono::milliseconds timeout);
+  [[nodiscard]] bool wait_for_match(const Source& source, std::chrono::milliseconds timeout) {
+    return writer_->matches().wait_for(source, timeout);
+  }
 
-  /// Waits until every matched reliable subscription has what was written. @return false on
-  /// time-out.
-  [[nodiscard]] bool wait_for_acknowledged(std::chrono::milliseconds timeout);
-
- protected:
-  AnyPublication(Participant& participant, TopicId topic);
-  ~AnyPublication();
-
-  /// @param message of the topic's type
-  [[nodiscard]] bool write_message(const void* message) noexcept;
+  /// As SampleWriter::wait_for_acknowledged.
+  [[nodiscard]] bool wait_for_acknowledged(std::chrono::milliseconds timeout) {
+    return writer_->wait_for_acknowledged(timeout);
+  }
 
  private:
-  std::unique_ptr<WriterEnd> writer_;
-};
-
-/// Writes messages of one type of topics.hpp on its topic, with the topic's QoS.
-template <typename Message>
-class Publication final : public AnyPublication {
- public:
-  /// @throws NotPermitted when the permissions of a closed participant do not name the topic;
-  ///         NetworkError when DDS refuses topic, publisher or writer.
-  explicit Publication(Participant& participant)
-      : AnyPublication(participant, Topic<Message>::kId) {}
-
-  /// Best-effort topics never block; reliable ones up to their max_blocking_time (100 ms).
-  /// @return false when the message was not taken: history full, or too many instances.
-  [[nodiscard]] bool write(const Message& message) noexcept { return write_message(&message); }
+  std::mutex encoding_;
+  /// Bytes of the last message. Not thread_local: a thread's objects may be destroyed before a
+  /// session that the thread created and that still has to release its axes.
+  std::vector<std::byte> sample_;
+  std::unique_ptr<SampleWriter> writer_;
 };
 
 }  // namespace vdrive::wire

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "ros_messages.h"
+#include "ros_messages.hpp"
 
 #include <string>
 #include <string_view>

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "vdrive/axis_status.hpp"
+#include "vdrive/wire/cdr.hpp"
 #include "vdrive/wire/conversion.hpp"
+#include "vdrive_messages_description.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -40,7 +42,7 @@ std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick
                                 std::span<std::byte> output) noexcept;
 
 /// Bytes of a sample of AxisStatus.
-inline constexpr std::size_t kAxisStatusSize = 112;
+inline constexpr std::size_t kAxisStatusSize = largest_sample<msg::AxisStatus>();
 
 /// Writes a sample of AxisStatus. @return how many bytes were written; 0 when it does not fit.
 std::size_t encode_axis_status(const AxisStatus& status, const AxisAddress& address,

@@ -1,88 +1,88 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/sample_reader.hpp"
 #include "vdrive/wire/source.hpp"
 #include "vdrive/wire/topics.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <span>
 #include <utility>
 
 namespace vdrive::wire {
 
-/// What subscriptions of all message types have in common.
-class AnySubscription {
- public:
-  AnySubscription(const AnySubscription&) = delete;
-  AnySubscription& operator=(const AnySubscription&) = delete;
-
-  /// @return how many publications match now.
-  [[nodiscard]] std::size_t matched() const noexcept;
-
-  /// Waits until at least `count` publications match. @return false on time-out.
-  [[nodiscard]] bool wait_for_matched(std::size_t count, std::chrono::milliseconds timeout);
-
-  /// Waits until a publication of the participant that sent from `source` matches.
-  [[nodiscard]] bool wait_for_match(const Source& source, std::chrono::milliseconds timeout);
-
-  /// @return messages dropped because a sequence or string was longer than the IDL allows.
-  [[nodiscard]] std::size_t malformed() const noexcept;
-
-  /// @return samples that the library reported as lost or rejected.
-  [[nodiscard]] std::size_t lost() const noexcept;
-
- protected:
-  /// Runs for a message that was read into the memory of `Received`.
-  using Deliver = std::function<void(const Source& source)>;
-
-  struct Received {
-    std::shared_ptr<void> message;  ///< of the topic's type; keeps its capacity between samples
-    Deliver deliver;
-    Deliver deliver_malformed;  ///< or nothing
-  };
-
-  AnySubscription(Participant& participant, TopicId topic, Received received);
-  ~AnySubscription();  ///< nothing is delivered after this returns
-
- private:
-  struct Entities;
-  std::unique_ptr<Entities> entities_;
-};
-
 /// Receives messages of one type of topics.hpp from its topic.
 template <typename Message>
-class Subscription final : public AnySubscription {
+class Subscription final {
  public:
   /// Runs in the DDS receive thread, on a local bus in the thread that writes: must be short, must
   /// not wait and must not write a message.
-  /// The message is valid during the call; its sequences and strings are within the bounds of the
-  /// IDL (others are dropped and counted as malformed). No handler runs after the destructor
-  /// returned.
+  /// The message is valid during the call; its sequences are within the bounds of the IDL (others
+  /// are dropped and counted as malformed), longer texts are cut. No handler runs after the
+  /// destructor returned.
   using Handler = std::function<void(const Message& message, const Source& source)>;
 
-  /// @param malformed_handler runs for messages beyond the bounds of the IDL, in place of `handler`
-  /// @throws NetworkError when DDS refuses topic, subscriber or reader.
-  Subscription(Participant& participant, Handler handler, Handler malformed_handler = {})
-      : AnySubscription(participant, Topic<Message>::kId,
-                        receive(std::move(handler), std::move(malformed_handler))) {}
+  /// @param beyond_bounds runs for messages beyond the bounds of the IDL, in place of `handler`:
+  ///        of the message, what stands in front of the longer sequence is read
+  /// @throws what Participant::make_reader throws
+  explicit Subscription(Participant& participant, Handler handler, Handler beyond_bounds = {})
+      : handler_(std::move(handler)),
+        beyond_bounds_(std::move(beyond_bounds)),
+        reader_(participant.make_reader(Topic<Message>::kId,
+                                        {.take =
+                                             [this](std::span<const std::byte> sample) {
+                                               decoding_ = decode_checked(sample, message_);
+                                             },
+                                         .deliver =
+                                             [this](const Source& source) {
+                                               deliver(source);
+                                             }})) {}
+
+  Subscription(const Subscription&) = delete;
+  Subscription& operator=(const Subscription&) = delete;
+  ~Subscription() = default;
+
+  /// @return how many publications match now.
+  [[nodiscard]] std::size_t matched() const noexcept { return reader_->matches().count(); }
+
+  /// Waits until at least `count` publications match. @return false on time-out.
+  [[nodiscard]] bool wait_for_matched(std::size_t count, std::chrono::milliseconds timeout) {
+    return reader_->matches().wait_for(count, timeout);
+  }
+
+  /// Waits until a publication of the participant that sent from `source` matches.
+  [[nodiscard]] bool wait_for_match(const Source& source, std::chrono::milliseconds timeout) {
+    return reader_->matches().wait_for(source, timeout);
+  }
+
+  /// @return messages dropped because a sequence was longer than the IDL allows.
+  [[nodiscard]] std::size_t malformed() const noexcept { return malformed_; }
+
+  /// As SampleReader::lost.
+  [[nodiscard]] std::size_t lost() const noexcept { return reader_->lost(); }
 
  private:
-  static Received receive(Handler handler, Handler malformed_handler) {
-    const auto message = std::make_shared<Message>();
-    return {.message = message,
-            .deliver = deliver_to(std::move(handler), *message),
-            .deliver_malformed =
-                malformed_handler ? deliver_to(std::move(malformed_handler), *message) : Deliver{}};
+  void deliver(const Source& source) {
+    if (decoding_ == Decoding::good) {
+      handler_(message_, source);
+    } else if (decoding_ == Decoding::beyond_bounds) {
+      ++malformed_;
+      if (beyond_bounds_) beyond_bounds_(message_, source);
+    }
   }
 
-  static Deliver deliver_to(Handler handler, const Message& message) {
-    return [handler = std::move(handler), &message](const Source& source) {
-      handler(message, source);
-    };
-  }
+  Handler handler_;
+  Handler beyond_bounds_;
+  Message message_{};  ///< keeps its capacity from sample to sample
+  Decoding decoding_ = Decoding::malformed;
+  std::atomic<std::size_t> malformed_{0};
+  std::unique_ptr<SampleReader> reader_;  ///< last: nothing is delivered to what has gone
 };
 
 }  // namespace vdrive::wire

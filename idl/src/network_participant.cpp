@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "network_backend.hpp"
+#include "network_participant.hpp"
 
 #include "vdrive/wire/ports.hpp"
 
@@ -9,22 +9,22 @@ namespace vdrive::wire {
 namespace {
 
 /// Initialised without code: it is set before constructors run.
-std::atomic<BackendMaker>& provided() noexcept {
-  static constinit std::atomic<BackendMaker> maker{nullptr};
+std::atomic<ParticipantMaker>& provided() noexcept {
+  static constinit std::atomic<ParticipantMaker> maker{nullptr};
   return maker;
 }
 
 }  // namespace
 
-void provide_network_backend(BackendMaker maker) noexcept {
+void provide_network_participant(ParticipantMaker maker) noexcept {
   provided() = maker;
 }
 
-std::unique_ptr<Backend> make_network_backend(const NetworkSettings& settings,
-                                              const std::string& name) {
+std::unique_ptr<Participant> make_network_participant(const NetworkSettings& settings,
+                                                      const std::string& name) {
   NetworkSettings network = settings;
   if (settings.takes_default_domain) network.domain = default_domain();
-  const BackendMaker maker = provided();
+  const ParticipantMaker maker = provided();
   if (maker == nullptr) {
     throw NetworkError(
         "this program has no DDS library, so it reaches benches of its own process only: give the "

@@ -15,7 +15,8 @@ namespace vdrive::wire {
 /// A reader or a writer: both have numbers of one kind.
 using EndpointId = WriterId;
 
-/// Which endpoints of others match one of ours, to be waited for. Filled by a backend. Thread-safe.
+/// Which endpoints of others match one of ours, to be waited for. Filled by a participant.
+/// Thread-safe.
 class Matches {
  public:
   void add(const EndpointId& endpoint);

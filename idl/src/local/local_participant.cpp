@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "local/local_backend.hpp"
+#include "local/local_participant.hpp"
 
 #include "message_support.hpp"
 #include "vdrive/text.hpp"
@@ -122,12 +122,7 @@ bool LocalBus::make_room(std::uint32_t bench) {
 
 // ---- participant -------------------------------------------------------------------------------
 
-std::unique_ptr<Backend> make_local_backend(const NetworkSettings& settings,
-                                            const std::string& name) {
-  return std::make_unique<LocalBackend>(settings.bus, settings.role, name);
-}
-
-LocalBackend::LocalBackend(std::shared_ptr<LocalBus> bus, Role role, std::string name)
+LocalParticipant::LocalParticipant(std::shared_ptr<LocalBus> bus, Role role, std::string name)
     : bus_(std::move(bus)), role_(role), name_(std::move(name)), source_(new_source()) {
   auto& parts = bus_->parts();
   if (parts.origin.is_inherited()) throw NetworkError(parts.origin.problem("the local bus"));
@@ -142,13 +137,13 @@ LocalBackend::LocalBackend(std::shared_ptr<LocalBus> bus, Role role, std::string
   parts.sources.insert(std::ranges::lower_bound(parts.sources, key), key);
 }
 
-LocalBackend::~LocalBackend() {
+LocalParticipant::~LocalParticipant() {
   const std::scoped_lock lock(bus_->parts().counting);
   std::erase(bus_->parts().participants, this);
   std::erase(bus_->parts().sources, as_numbers(source_));
 }
 
-std::uint64_t LocalBackend::join_clock(const ClockOfBench& clock, std::uint64_t session) {
+std::uint64_t LocalParticipant::join_clock(const ClockOfBench& clock, std::uint64_t session) {
   const std::uint64_t thread = number_of_this_thread();
   const std::scoped_lock lock(bus_->parts().joining);
   for (const auto& [joined, its_thread] : bus_->parts().joined_threads) {
@@ -159,31 +154,31 @@ std::uint64_t LocalBackend::join_clock(const ClockOfBench& clock, std::uint64_t 
   return 0;
 }
 
-void LocalBackend::leave_clock(const ClockOfBench& clock, std::uint64_t session) noexcept {
+void LocalParticipant::leave_clock(const ClockOfBench& clock, std::uint64_t session) noexcept {
   const std::scoped_lock lock(bus_->parts().joining);
   bus_->parts().joined_threads.erase({clock, session});
 }
 
-void LocalBackend::leave_clocks(std::uint64_t session) noexcept {
+void LocalParticipant::leave_clocks(std::uint64_t session) noexcept {
   const std::scoped_lock lock(bus_->parts().joining);
   std::erase_if(bus_->parts().joined_threads, [session](const auto& joined) {
     return joined.first.second == session;
   });
 }
 
-std::unique_ptr<WriterEnd> LocalBackend::make_writer(TopicId topic, Form form,
-                                                     WriterEnd::Observer observer) {
-  return std::make_unique<LocalWriter>(bus_, source_, topic, form, std::move(observer));
+std::unique_ptr<SampleWriter> LocalParticipant::make_writer(TopicId topic,
+                                                            SampleWriter::Observer observer) {
+  return std::make_unique<LocalWriter>(bus_, source_, topic, std::move(observer));
 }
 
-std::unique_ptr<ReaderEnd> LocalBackend::make_reader(TopicId topic, SampleSink sink) {
-  return std::make_unique<LocalReader>(bus_, source_, topic, std::move(sink));
+std::unique_ptr<SampleReader> LocalParticipant::make_reader(TopicId topic, SampleHandler handler) {
+  return std::make_unique<LocalReader>(bus_, source_, topic, std::move(handler));
 }
 
-std::vector<OtherParticipant> LocalBackend::others(std::string_view beginning) const {
+std::vector<OtherParticipant> LocalParticipant::others(std::string_view beginning) const {
   const std::scoped_lock lock(bus_->parts().counting);
   std::vector<OtherParticipant> others;
-  for (const LocalBackend* const other : bus_->parts().participants) {
+  for (const LocalParticipant* const other : bus_->parts().participants) {
     if (other == this || is_ignored(role_, other->role_)) continue;
     if (!other->name_.starts_with(beginning)) continue;
     others.push_back({.name = other->name_, .source = other->source_});
@@ -191,7 +186,7 @@ std::vector<OtherParticipant> LocalBackend::others(std::string_view beginning) c
   return others;
 }
 
-bool LocalBackend::has(const Source& source) const noexcept {
+bool LocalParticipant::is_certain(const Source& source) const noexcept {
   const std::scoped_lock lock(bus_->parts().counting);
   return std::ranges::binary_search(bus_->parts().sources, as_numbers(source));
 }
@@ -199,11 +194,10 @@ bool LocalBackend::has(const Source& source) const noexcept {
 // ---- writer ------------------------------------------------------------------------------------
 
 LocalWriter::LocalWriter(std::shared_ptr<LocalBus> bus, const Source& source, TopicId topic,
-                         Backend::Form form, Observer observer)
+                         Observer observer)
     : bus_(std::move(bus)),
       id_(new_endpoint(source)),
       topic_(topic),
-      form_(form),
       observer_(std::move(observer)) {
   auto& parts = bus_->parts();
   const std::scoped_lock lock(parts.members);
@@ -238,34 +232,22 @@ void LocalWriter::report_matches() const {
   if (observer_) observer_(matches_.sources());
 }
 
-bool LocalWriter::write(const void* data) noexcept {
+bool LocalWriter::write(std::span<const std::byte> sample) noexcept {
   try {
     const std::shared_lock lock(bus_->parts().members);
     const std::scoped_lock writing(writing_);
-    if (form_ == Backend::Form::bytes) {
-      publish(*static_cast<const std::span<const std::byte>*>(data));
-      return true;
+    if (traits_of(topic_).transient_local) keep(sample);
+    for (LocalReader* const reader : bus_->parts().readers[place_of(topic_)]) {
+      reader->take(sample, id_.source);
     }
-    encoded_.resize(support_of(topic_).encoded_size(data));
-    const std::size_t size = support_of(topic_).encode(data, encoded_);
-    if (size == 0) return false;
-    publish(std::span(encoded_).first(size));
     return true;
   } catch (...) {  // no memory
     return false;
   }
 }
 
-/// With `members`, shared, and `writing_`.
-void LocalWriter::publish(std::span<const std::byte> sample) {
-  if (traits_of(topic_).transient_local) keep(sample);
-  for (LocalReader* const reader : bus_->parts().readers[place_of(topic_)]) {
-    reader->take(sample, id_.source);
-  }
-}
-
 void LocalWriter::keep(std::span<const std::byte> sample) {
-  auto& kept = history_[key_of(sample, traits_of(topic_).key)];
+  auto& kept = history_[support_of(topic_).key(sample)];
   if (kept.size() == static_cast<std::size_t>(traits_of(topic_).depth)) kept.pop_front();
   kept.emplace_back(sample.begin(), sample.end());
 }
@@ -279,8 +261,8 @@ void LocalWriter::replay(LocalReader& reader) const {
 // ---- reader ------------------------------------------------------------------------------------
 
 LocalReader::LocalReader(std::shared_ptr<LocalBus> bus, const Source& source, TopicId topic,
-                         SampleSink sink)
-    : bus_(std::move(bus)), id_(new_endpoint(source)), topic_(topic), sink_(std::move(sink)) {
+                         SampleHandler handler)
+    : bus_(std::move(bus)), id_(new_endpoint(source)), topic_(topic), handler_(std::move(handler)) {
   auto& parts = bus_->parts();
   const std::scoped_lock lock(parts.members);
   auto& readers = parts.readers[place_of(topic_)];
@@ -302,12 +284,12 @@ LocalReader::~LocalReader() {
 
 void LocalReader::take(std::span<const std::byte> sample, const Source& source) {
   const std::scoped_lock lock(taking_);
-  if (sink_.message == nullptr) {
-    sink_.take(sample);
-  } else if (!support_of(topic_).read(sample, sink_.message)) {
+  try {
+    handler_.take(sample);
+  } catch (...) {  // no memory: the sample is dropped here, and reaches the other readers
     return;
   }
-  sink_.deliver(source);
+  handler_.deliver(source);
 }
 
 }  // namespace vdrive::wire

@@ -1,28 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "backend.hpp"
 #include "local/fair_shared_mutex.hpp"
 #include "message_support.hpp"
 #include "vdrive/wire/local_bus.hpp"
 #include "vdrive/wire/origin.hpp"
+#include "vdrive/wire/participant.hpp"
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <shared_mutex>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace vdrive::wire {
 
-class LocalBackend;
+class LocalParticipant;
 class LocalReader;
 class LocalWriter;
 
@@ -46,8 +49,8 @@ struct LocalBus::Parts {
   const Origin origin;
 
   std::mutex counting;  ///< no other lock is taken with it: handlers ask who is there
-  std::vector<const LocalBackend*> participants;
-  /// Theirs: each call of a session asks for every bench that it knows.
+  std::vector<const LocalParticipant*> participants;
+  /// Theirs: each call of a session asks whether its bench is there.
   std::vector<SourceKey> sources;  ///< in ascending order
 
   FairSharedMutex members;
@@ -62,34 +65,49 @@ struct LocalBus::Parts {
   std::map<std::uint32_t, std::shared_ptr<Place>> places;  ///< by bench
 };
 
-/// A participant on a local bus.
-class LocalBackend final : public Backend {
+/// A participant on a local bus. It knows who is there: others join and leave the bus, and a
+/// service whose name is taken is refused when it joins.
+class LocalParticipant final : public Participant, public Presence {
  public:
   /// @throws NameTaken when a service on the bus has this name; NetworkError in a forked process
-  LocalBackend(std::shared_ptr<LocalBus> bus, Role role, std::string name);
-  ~LocalBackend() override;
-  LocalBackend(const LocalBackend&) = delete;
-  LocalBackend& operator=(const LocalBackend&) = delete;
+  LocalParticipant(std::shared_ptr<LocalBus> bus, Role role, std::string name);
+  ~LocalParticipant() override;
+  LocalParticipant(const LocalParticipant&) = delete;
+  LocalParticipant& operator=(const LocalParticipant&) = delete;
 
-  std::unique_ptr<WriterEnd> make_writer(TopicId topic, Form form,
-                                         WriterEnd::Observer observer) override;
-  std::unique_ptr<ReaderEnd> make_reader(TopicId topic, SampleSink sink) override;
+  std::unique_ptr<SampleWriter> make_writer(TopicId topic,
+                                            SampleWriter::Observer observer) override;
+  std::unique_ptr<SampleReader> make_reader(TopicId topic, SampleHandler handler) override;
 
   [[nodiscard]] std::string place() const override { return "on this bus"; }
 
-  [[nodiscard]] std::uint32_t domain() const noexcept override { return 0; }
-
-  [[nodiscard]] bool is_closed() const noexcept override { return false; }
-
   [[nodiscard]] Source source() const noexcept override { return source_; }
 
-  void announce_again() override {}
+  [[nodiscard]] Presence& presence() noexcept override { return *this; }
 
   [[nodiscard]] std::vector<OtherParticipant> others(std::string_view beginning) const override;
 
-  [[nodiscard]] bool knows_who_is_there() const noexcept override { return true; }
+  [[nodiscard]] bool may_miss_some() const noexcept override { return false; }
 
-  [[nodiscard]] bool has(const Source& source) const noexcept override;
+  [[nodiscard]] bool is_certain(const Source& source) const noexcept override;
+
+  [[nodiscard]] bool may_have_double() const noexcept override { return false; }
+
+  [[nodiscard]] bool may_return() const noexcept override { return false; }
+
+  [[nodiscard]] Clock::duration own_pauses(Clock::time_point /*now*/) override { return {}; }
+
+  [[nodiscard]] std::optional<std::chrono::milliseconds> pulse() const noexcept override {
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<Clock::duration> silence(
+      const Source& source, std::optional<Clock::time_point> /*newest_sample*/,
+      Clock::time_point /*now*/) const noexcept override {
+    return is_certain(source) ? std::optional(Clock::duration()) : std::nullopt;
+  }
+
+  [[nodiscard]] bool is_excused(Clock::time_point /*now*/) const override { return false; }
 
   LocalWork run_local_work(std::uint32_t bench) override { return bus_->run_work(bench); }
 
@@ -99,8 +117,6 @@ class LocalBackend final : public Backend {
   void leave_clock(const ClockOfBench& clock, std::uint64_t session) noexcept override;
   void leave_clocks(std::uint64_t session) noexcept override;
 
-  [[nodiscard]] GuardCounts guard_counts() const override { return {}; }
-
  private:
   std::shared_ptr<LocalBus> bus_;
   Role role_;
@@ -109,15 +125,15 @@ class LocalBackend final : public Backend {
 };
 
 /// A writer on a local bus. Keeps what its topic keeps for readers that come later.
-class LocalWriter final : public WriterEnd {
+class LocalWriter final : public SampleWriter {
  public:
   LocalWriter(std::shared_ptr<LocalBus> bus, const Source& source, TopicId topic,
-              Backend::Form form, Observer observer);
+              Observer observer);
   ~LocalWriter() override;
   LocalWriter(const LocalWriter&) = delete;
   LocalWriter& operator=(const LocalWriter&) = delete;
 
-  bool write(const void* data) noexcept override;
+  bool write(std::span<const std::byte> sample) noexcept override;
 
   bool wait_for_acknowledged(std::chrono::milliseconds /*timeout*/) override { return true; }
 
@@ -129,27 +145,22 @@ class LocalWriter final : public WriterEnd {
   [[nodiscard]] const EndpointId& id() const noexcept { return id_; }
 
  private:
-  void publish(std::span<const std::byte> sample);
   void keep(std::span<const std::byte> sample);
   void report_matches() const;
 
   std::shared_ptr<LocalBus> bus_;
   EndpointId id_;
   TopicId topic_;
-  Backend::Form form_;
   Observer observer_;
   std::mutex writing_;  ///< samples reach each reader in the order of the history
-  /// Of the last message: keeps its capacity. Not of a thread, whose objects may end before a
-  /// session that it made and that gives its axes back.
-  std::vector<std::byte> encoded_;
-  std::map<std::array<std::byte, kKeyHashSize>, std::deque<std::vector<std::byte>>>
-      history_;  ///< by key
+  std::map<MessageKey, std::deque<std::vector<std::byte>>> history_;
 };
 
 /// A reader on a local bus.
-class LocalReader final : public ReaderEnd {
+class LocalReader final : public SampleReader {
  public:
-  LocalReader(std::shared_ptr<LocalBus> bus, const Source& source, TopicId topic, SampleSink sink);
+  LocalReader(std::shared_ptr<LocalBus> bus, const Source& source, TopicId topic,
+              SampleHandler handler);
   ~LocalReader() override;
   LocalReader(const LocalReader&) = delete;
   LocalReader& operator=(const LocalReader&) = delete;
@@ -164,7 +175,7 @@ class LocalReader final : public ReaderEnd {
   std::shared_ptr<LocalBus> bus_;
   EndpointId id_;
   TopicId topic_;
-  SampleSink sink_;
+  SampleHandler handler_;
   std::mutex taking_;  ///< one sample at a time
 };
 

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/dictionary/object.hpp"
+#include "vdrive/wire/request_kinds.hpp"
+#include "vdrive_messages.hpp"
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+/// A call for each kind of request: what it asks, as a message. Requests fills in who asks whom.
+namespace vdrive::ask {
+
+/// A request with these members. One that the row of its kind does not name does not compile.
+template <msg::RequestKind kKind, auto... kMembers, typename... Values>
+msg::Request request(Values&&... values) {
+  static_assert(wire::request_kind_row(kKind)->uses.contains(wire::RequestMembers(kMembers...)),
+                "the row of the kind does not name the member");
+  msg::Request request;
+  request.kind = kKind;
+  ((request.*kMembers = std::forward<Values>(values)), ...);
+  return request;
+}
+
+using Axes = std::vector<std::uint16_t>;
+using Objects = std::vector<msg::ObjectAccess>;
+
+/// One of the objects of a read or a write.
+inline msg::ObjectAccess object(std::uint16_t axis, ObjectAddress address, std::int64_t value = 0) {
+  msg::ObjectAccess access;
+  access.axis = axis;
+  access.index = address.index;
+  access.subindex = address.subindex;
+  access.value = value;
+  return access;
+}
+
+inline msg::Request read(Objects objects) {
+  return request<msg::RequestKind::read, &msg::Request::objects>(std::move(objects));
+}
+
+inline msg::Request write(Objects objects) {
+  return request<msg::RequestKind::write, &msg::Request::objects>(std::move(objects));
+}
+
+inline msg::Request store(Axes axes) {
+  return request<msg::RequestKind::store, &msg::Request::axes>(std::move(axes));
+}
+
+inline msg::Request restore(Axes axes) {
+  return request<msg::RequestKind::restore, &msg::Request::axes>(std::move(axes));
+}
+
+inline msg::Request acquire(Axes axes) {
+  return request<msg::RequestKind::acquire, &msg::Request::axes>(std::move(axes));
+}
+
+inline msg::Request take_over(Axes axes) {
+  return request<msg::RequestKind::take_over, &msg::Request::axes>(std::move(axes));
+}
+
+/// @param axes none = all
+inline msg::Request release(Axes axes) {
+  return request<msg::RequestKind::release, &msg::Request::axes>(std::move(axes));
+}
+
+inline msg::Request power_cycle(Axes axes) {
+  return request<msg::RequestKind::power_cycle, &msg::Request::axes>(std::move(axes));
+}
+
+/// @param shown axes whose status the reply has
+/// @param last_sequence of the command frames that the step waits for
+inline msg::Request step(std::uint64_t ticks, Axes shown, std::uint64_t last_sequence = 0) {
+  return request<msg::RequestKind::step, &msg::Request::ticks, &msg::Request::axes,
+                 &msg::Request::last_sequence>(ticks, std::move(shown), last_sequence);
+}
+
+/// @param rate drive time over wall time; 0 = pause
+inline msg::Request set_rate(double rate) {
+  return request<msg::RequestKind::set_rate, &msg::Request::rate>(rate);
+}
+
+/// @param steppers that time waits for, with this one
+inline msg::Request join_clock(std::uint64_t steppers) {
+  return request<msg::RequestKind::join_clock, &msg::Request::ticks>(steppers);
+}
+
+inline msg::Request leave_clock() {
+  return request<msg::RequestKind::leave_clock>();
+}
+
+inline msg::Request take_snapshot() {
+  return request<msg::RequestKind::take_snapshot>();
+}
+
+inline msg::Request restore_snapshot(std::uint64_t snapshot) {
+  return request<msg::RequestKind::restore_snapshot, &msg::Request::snapshot>(snapshot);
+}
+
+inline msg::Request drop_snapshot(std::uint64_t snapshot) {
+  return request<msg::RequestKind::drop_snapshot, &msg::Request::snapshot>(snapshot);
+}
+
+/// @param snapshot the one before; 0 = none
+inline msg::Request next_snapshot(std::uint64_t snapshot) {
+  return request<msg::RequestKind::next_snapshot, &msg::Request::snapshot>(snapshot);
+}
+
+}  // namespace vdrive::ask

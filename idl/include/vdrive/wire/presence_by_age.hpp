@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/wire/presence.hpp"
+#include "vdrive/wire/source.hpp"
+
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace vdrive::wire {
+
+/// Presence where nobody knows for certain who is there: the age of samples shows it. A time
+/// between two calls of own_pauses beyond kLongestGap is a pause of this program: it was stopped,
+/// or the machine was busy.
+class PresenceByAge final : public Presence {
+ public:
+  static constexpr std::chrono::milliseconds kPulse{50};
+  /// Three pulses: a busy machine is late by less all the time.
+  static constexpr std::chrono::milliseconds kLongestGap{150};
+  /// How long the others take to find a program again that they have removed: some 0.1 s, longer on
+  /// a busy machine.
+  static constexpr std::chrono::milliseconds kTimeToBeFoundAgain{500};
+
+  using Named = std::function<std::vector<OtherParticipant>(std::string_view beginning)>;
+
+  /// @param others gives those that are known now
+  explicit PresenceByAge(Named others) : others_(std::move(others)) {}
+
+  [[nodiscard]] std::vector<OtherParticipant> others(std::string_view beginning) const override {
+    return others_(beginning);
+  }
+
+  [[nodiscard]] bool may_miss_some() const noexcept override { return true; }
+
+  [[nodiscard]] bool is_certain(const Source& /*source*/) const noexcept override { return false; }
+
+  [[nodiscard]] bool may_have_double() const noexcept override { return true; }
+
+  /// A service that restarts does.
+  [[nodiscard]] bool may_return() const noexcept override { return true; }
+
+  [[nodiscard]] Clock::duration own_pauses(Clock::time_point now) override;
+
+  [[nodiscard]] std::optional<std::chrono::milliseconds> pulse() const noexcept override {
+    return kPulse;
+  }
+
+  [[nodiscard]] std::optional<Clock::duration> silence(
+      const Source& source, std::optional<Clock::time_point> newest_sample,
+      Clock::time_point now) const noexcept override;
+
+  [[nodiscard]] bool is_excused(Clock::time_point now) const override;
+
+ private:
+  Named others_;
+  mutable std::mutex mutex_;                 ///< guards what follows
+  std::optional<Clock::time_point> newest_;  ///< call of own_pauses
+  Clock::duration pauses_{};
+  std::optional<Clock::time_point> excused_until_;
+};
+
+}  // namespace vdrive::wire
