@@ -94,7 +94,7 @@ class SchemaText {
     }
   }
 
-  /// The text of a type that another one uses stands behind a line of 80 equals signs.
+  /// The definition of a nested type follows a line of 80 equals signs.
   template <typename Struct>
   void use() {
     SchemaText own;

@@ -37,7 +37,7 @@ std::int64_t next(wire::CdrReader& reader) {
   return static_cast<std::int64_t>(reader.next<Number>());
 }
 
-// Of fields that are no whole numbers only what stands behind them is wanted.
+// Fields that are not integers are only skipped.
 
 template <typename Number>
 std::int64_t skip(wire::CdrReader& reader) {

@@ -89,7 +89,7 @@ void add(Families& families, const MetricRow<RefusalCounters>& row, const Counte
   }
 }
 
-/// Prometheus has a time in seconds, and _total behind the name of a counter.
+/// By the conventions of Prometheus a time is in seconds, and the name of a counter ends in _total.
 std::string metric_name(const wire::MemberTraits& figure) {
   std::string name = "vdrive_" + std::string(figure.name);
   if (figure.unit == "us" && name.ends_with("_us")) name.replace(name.size() - 3, 3, "_seconds");

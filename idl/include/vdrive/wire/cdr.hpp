@@ -33,7 +33,7 @@ inline constexpr std::array<std::byte, kEncapsulation> kLittleEndian{std::byte{0
 template <typename Type>
 concept CdrNumber = std::is_arithmetic_v<Type> || std::is_enum_v<Type>;
 
-/// Elements that lie behind each other and are no text.
+/// Contiguous elements other than characters.
 template <typename Type>
 concept CdrSequence =
     !std::convertible_to<const Type&, std::string_view> && requires(const Type& elements) {

@@ -55,8 +55,8 @@ class Presence {
 
   // ---- since when: in times in which this program ran
 
-  /// @return for how long this program did not run until `now`, since the first call: it receives
-  ///         nothing meanwhile, which says nothing about others. 0 where that does not matter.
+  /// @return how long this program was stopped between the first call and `now`. While stopped it
+  ///         receives nothing, which says nothing about others. 0 where that does not matter.
   [[nodiscard]] virtual Clock::duration own_pauses(Clock::time_point now) = 0;
 
   /// @return how often own_pauses has to be called, so that a long gap can only be a pause; nothing
