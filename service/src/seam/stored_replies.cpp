@@ -1,30 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "seam/stored_replies.hpp"
 
+#include "vdrive_messages_description.hpp"
+
+#include <type_traits>
+
 namespace vdrive::service {
 namespace {
 
-void copy_head(const msg::CommandReply& from, msg::CommandReply& to) {
-  to.bench = from.bench;
-  to.incarnation = from.incarnation;
-  to.session = from.session;
-  to.sequence_number = from.sequence_number;
-  to.tick = from.tick;
-}
-
-void copy_head(const msg::Reply& from, msg::Reply& to) {
-  to.client = from.client;
-  to.request_id = from.request_id;
-  to.bench = from.bench;
-  to.incarnation = from.incarnation;
-  to.reason = from.reason;
-  to.refused_axis = from.refused_axis;
-  to.owner_session = from.owner_session;
-  to.tick = from.tick;
-  to.epoch = from.epoch;
-  to.last_sequence = from.last_sequence;
-  to.missing_stepper = from.missing_stepper;
-  to.snapshot = from.snapshot;
+/// Every member but the sequences.
+template <typename Message>
+void copy_head(const Message& from, Message& to) {
+  wire::for_each_member<Message>([&]<typename Value>(const wire::Member<Message, Value>& member) {
+    if constexpr (std::is_trivially_copyable_v<Value>) to.*member.pointer = from.*member.pointer;
+  });
 }
 
 }  // namespace
