@@ -3,12 +3,14 @@
 # Compares this tree with a commit: builds both, runs them in turn, and prints a table with the
 # medians of both, their ratio, and the least and greatest ratio of a pair.
 #
-#   ./tests/benchmark/compare.sh COMMIT [--pairs N] [--only core|freerun|step|publish]
+#   ./tests/benchmark/compare.sh COMMIT [--pairs N]
+#                                [--only core|freerun|step|frame|publish|process|follow]
 #
 # N is 7. The commit is built in build/compare/HASH, which stays for the next time. Each figure
 # is taken from the old tree and at once from the new one; the ratio of such a pair holds also on a
-# machine with other work. The programs that measure over DDS are those of this tree, the
-# services those of both.
+# machine with other work. The programs that measure steps, frames and publication over DDS are
+# those of this tree, the services those of both. Process (a bench in the caller's process) and
+# follow (start, and a client that follows 1,000 axes) take both sides from the same tree.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -34,7 +36,7 @@ while (($#)); do
 done
 [[ -n $commit ]] || fail "name the commit to compare with"
 [[ $pairs =~ ^[1-9][0-9]*$ ]] || fail "--pairs $pairs is not a number from 1 on"
-[[ -z $only || $only =~ ^(core|freerun|step|publish)$ ]] || fail "--only $only is no part"
+[[ -z $only || $only =~ ^(core|freerun|step|frame|publish|process|follow)$ ]] || fail "--only $only is no part"
 hash=$(git -C "$root" rev-parse --short=12 --verify --quiet "$commit^{commit}") ||
   fail "'$commit' is not a commit of this repository"
 
@@ -43,10 +45,11 @@ if [[ ! -e $old/deploy/build.sh ]]; then
   mkdir -p "$old"
   git -C "$root" archive "$hash" | tar -x -C "$old"
 fi
-"$old/deploy/build.sh" --tests -D VDRIVE_BUILD_BENCHMARKS=ON --target vdrived \
-  --target vdrive_core_benchmark --target vdrive_service_benchmark
-"$root/deploy/build.sh" --tests -D VDRIVE_BUILD_BENCHMARKS=ON --target vdrived \
-  --target vdrive_core_benchmark --target vdrive_service_benchmark --target vdrive_wire_benchmark
+for tree in "$old" "$root"; do
+  "$tree/deploy/build.sh" --tests -D VDRIVE_BUILD_BENCHMARKS=ON --target vdrived \
+    --target vdrive_core_benchmark --target vdrive_service_benchmark \
+    --target vdrive_wire_benchmark --target vdrive_local_benchmark --target vdrive_follow_benchmark
+done
 
 figures=$root/build/compare/figures-$hash.jsonl
 : >"$figures"
@@ -70,11 +73,19 @@ wire() {
   "$root/build/release/tests/benchmark/vdrive_wire_benchmark" "$build/bin/vdrived" "$@"
 }
 step() { wire "$1" step --clock lockstep --axes 64; }
+frame() { wire "$1" command --axes 64; }
 publish() { wire "$1" publish --axes 1024; }
+process() { "$1/tests/benchmark/vdrive_local_benchmark" "$1/bin/vdrived" 3; }
+
+# The processor time is of service and client together.
+follow() {
+  local TIMEFORMAT='{"figure":"follow_user_s","axes":1000,"value":%U}'
+  { time "$1/tests/benchmark/vdrive_follow_benchmark" "$1/bin/vdrived" 5 1 --moving --axes 1000; } 2>&1
+}
 
 for ((pair = 1; pair <= pairs; ++pair)); do
   echo "compare: pair $pair of $pairs" >&2
-  for part in core freerun step publish; do
+  for part in core freerun step frame publish process follow; do
     if [[ -z $only || $only == "$part" ]]; then
       run_both "$part"
     fi
