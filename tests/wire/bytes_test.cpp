@@ -5,6 +5,7 @@
 #include "fast_vdrive_messages.h"
 #include "message_support.hpp"
 #include "ros_messages_description.hpp"
+#include "support/message_json.hpp"
 #include "vdrive/wire/cdr.hpp"
 #include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/topics.hpp"
@@ -186,11 +187,11 @@ TYPED_TEST(BytesOf, AreThoseOfFastDdsInBothByteOrders) {
     Filler(seed).fill(message);
     const Bytes ours = written(message);
     const auto theirs = read_by_fast_dds<FastMessage>(ours);
-    EXPECT_EQ(written_by_fast_dds(theirs, Cdr::LITTLE_ENDIANNESS), ours);
-    EXPECT_EQ(read<Message>(ours), message);
+    EXPECT_EQ(written_by_fast_dds(theirs, Cdr::LITTLE_ENDIANNESS), ours) << json_of(message);
+    EXPECT_TRUE(read<Message>(ours) == message) << json_of(message);
     const Bytes big_endian = written(message, CdrWriter::Order::big_endian);
     EXPECT_EQ(written_by_fast_dds(theirs, Cdr::BIG_ENDIANNESS), big_endian);
-    EXPECT_EQ(read<Message>(big_endian), message);
+    EXPECT_TRUE(read<Message>(big_endian) == message) << json_of(message);
   }
 }
 
