@@ -237,14 +237,14 @@ TEST(BitNames, AreTheSameInEveryModeForTheBitsOfTheState) {
   }
 }
 
-// CiA 402-2: number 5 is reserved.
+// CiA 402-2: negative numbers are the manufacturer's; the drive has no mode of its own.
 TEST(OperatingModes, HaveANameAndTheBitsOfAllModesWhereTheyHaveNoRow) {
-  constexpr auto kForeign = static_cast<OperatingMode>(5);
+  constexpr auto kForeign = static_cast<OperatingMode>(-1);
   EXPECT_EQ(to_string(kForeign), "unknown");
   EXPECT_EQ(statusword_bit_name(0x1000, kForeign), "bit 12");
   EXPECT_EQ(controlword_bit_name(0x0010, kForeign), "");
   EXPECT_EQ(controlword_bit_name(0x0100, kForeign), "halt");
-  EXPECT_FALSE(is_operating_mode(5));
+  EXPECT_FALSE(is_operating_mode(-1));
 }
 
 TEST(BitNames, AreEmptyForUnusedBits) {
