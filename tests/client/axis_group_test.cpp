@@ -198,6 +198,32 @@ TEST_F(LockStepGroup, EnablesAndDisablesEveryAxisFromAnyState) {
   }
 }
 
+TEST_F(LockStepGroup, SwitchesItsAxesOffAndOnAgainAndDropsTheQueue) {
+  AxisGroup group = enabled(3);
+  ASSERT_TRUE(group.queue_move(vector({1000, 1000, 1000})));
+  const Outcome cycled = group.command(EachCommand::power_cycle);
+  ASSERT_TRUE(cycled) << cycled.message();
+  const auto seen = group.status();
+  EXPECT_EQ(seen->queued, 0U);
+  for (const AxisSnapshot& axis : seen->axes) {
+    EXPECT_EQ(axis.state(), PowerState::switch_on_disabled) << to_string(axis.id);
+  }
+}
+
+TEST_F(LockStepGroup, EnablesNoAxisWhenOneHasAFaultAndDisablesTheOthers) {
+  AxisGroup group = enabled(3);
+  ASSERT_TRUE(session_.axis("1.2")->disturb(Disturbance::over_current));
+  ASSERT_TRUE(session_.step(1, 100));
+  const Outcome disabled = group.disable_all();
+  ASSERT_TRUE(disabled) << disabled.message();
+  const Outcome refused = group.enable_all();
+  EXPECT_EQ(refused.code(), kRefusedInState);
+  EXPECT_THAT(refused.message(), HasSubstr("axis 1.2 shows error 0x2310 "));
+  EXPECT_THAT(refused.message(), HasSubstr("; enabling needs a fault reset first"));
+  EXPECT_EQ(group.status()->axes[0].state(), PowerState::ready_to_switch_on);
+  EXPECT_EQ(group.halt_all().code(), kRefusedInState) << "no axis can halt";
+}
+
 TEST_F(LockStepGroup, MovesTogetherScaledToTheSlowest) {
   AxisGroup group = enabled(3);
   write("1.2", kVelocity, 10'000);

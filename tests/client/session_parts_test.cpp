@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The parts of a session that several threads use: wake-ups, unanswered messages, held axes.
 #include "base/wakeup.hpp"
+#include "exchange/bench_links.hpp"
 #include "exchange/holdings.hpp"
-#include "exchange/unanswered.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -55,7 +55,7 @@ Hub::Hub(WebServer& server, const HubSettings& settings)
       calls_(server_, clients_, control_,
              [this](const ServiceRow& row, const SessionPointer& own, const Json& request) {
                if (row.right == Right::events) return call_events(events_, request);
-               return row.call(own ? *own : session_, request);
+               return row.carry_out(own ? *own : session_, request);
              }),
       parameters_({.read =
                        [this](const BenchList& benches, const std::vector<std::string>& names) {

@@ -15,7 +15,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <type_traits>
 #include <utility>
 
 namespace vdrive::gateway {
@@ -23,6 +22,7 @@ namespace {
 
 using client::Axis;
 using client::AxisGroup;
+using client::EachCommand;
 using client::Outcome;
 using client::OutcomeKind;
 using client::Result;
@@ -132,37 +132,31 @@ std::vector<std::vector<Axis>> by_bench(std::vector<Axis> axes) {
   return groups;
 }
 
-using GroupCall = Outcome (AxisGroup::*)(const client::GroupCallOptions&);
-
-template <auto one>
-Outcome call_one(Axis& axis, Until until) {
-  if constexpr (std::is_invocable_v<decltype(one), Axis&>) {
-    return (axis.*one)();
-  } else {
-    return (axis.*one)(options(until));
+/// Gives axes of one bench what the service does.
+Outcome command_axes(Session& session, std::vector<Axis>& axes, const AxesService& service) {
+  if (!service.command) {
+    Outcome outcome;
+    for (auto axis = axes.begin(); outcome && axis != axes.end(); ++axis) {
+      outcome = ((*axis).*service.each)();
+    }
+    return outcome;
   }
+  if (axes.size() == 1) {
+    return session.command_each(axes, *service.command, options(service.until)).front();
+  }
+  auto group = AxisGroup::create(session, axes);
+  if (!group) return group.outcome();
+  return group->command(*service.command,
+                        {.timeout = kCallTime, .until = service.until, .progress = {}});
 }
 
-/// Several axes at once where the library can, so that they act on one tick.
-/// @tparam one the call of an axis
-/// @tparam until what it waits for
-/// @tparam all the call of a group; null where there is none
-template <auto one, Until until = Until::done, GroupCall all = nullptr>
-CallAnswer call_axes(Session& session, const Json& request) {
+CallAnswer call_axes(Session& session, const Json& request, const AxesService& service) {
   auto axes = find_axes(session, axes_of(request));
   if (!axes) return {.outcome = axes.outcome()};
   for (std::vector<Axis>& part : by_bench(std::move(*axes))) {
-    Outcome outcome;
-    if (all != nullptr && part.size() > 1) {
-      auto group = AxisGroup::create(session, part);
-      outcome = group ? ((*group).*all)({.timeout = kCallTime, .until = until, .progress = {}})
-                      : group.outcome();
-    } else {
-      for (auto axis = part.begin(); outcome && axis != part.end(); ++axis) {
-        outcome = call_one<one>(*axis, until);
-      }
+    if (Outcome outcome = command_axes(session, part, service); !outcome) {
+      return {.outcome = std::move(outcome)};
     }
-    if (!outcome) return {.outcome = std::move(outcome)};
   }
   return {};
 }
@@ -171,7 +165,7 @@ CallAnswer call_axes(Session& session, const Json& request) {
 CallAnswer call_quick_stop(Session& session, const Json& request) {
   constexpr Until kUntil = Until::in_force;
   if (request.contains("axes")) {
-    return call_axes<&Axis::quick_stop, kUntil, &AxisGroup::quick_stop_all>(session, request);
+    return call_axes(session, request, {.command = EachCommand::quick_stop, .until = kUntil});
   }
   std::vector<std::uint32_t> benches;
   if (request.contains("bench")) {
@@ -353,24 +347,24 @@ Json response_schema(Right right) {
   return object_schema(members + " values?:reading[]", {{"reading", reading}});
 }
 
-constexpr std::string_view kAxes = "axes:string[]";
+constexpr ServiceRow of_axes(std::string_view name, std::string_view type, Right right,
+                             const AxesService& service) {
+  return {.name = name, .type = type, .right = right, .request = "axes:string[]", .axes = service};
+}
 
 constexpr std::array kServices{
     ServiceRow{"/take_control", "vdrive.TakeControl", Right::take_control,
                "name?:string force?:boolean silence_ms?:integer", nullptr},
     ServiceRow{"/release_control", "vdrive.ReleaseControl", Right::release_control, "", nullptr},
-    ServiceRow{"/enable", "vdrive.Enable", Right::command, kAxes,
-               call_axes<&Axis::enable, Until::done, &AxisGroup::enable_all>},
-    ServiceRow{"/disable", "vdrive.Disable", Right::command, kAxes,
-               call_axes<&Axis::disable, Until::done, &AxisGroup::disable_all>},
-    ServiceRow{"/halt", "vdrive.Halt", Right::stop, kAxes,
-               call_axes<&Axis::halt, Until::in_force, &AxisGroup::halt_all>},
-    ServiceRow{"/resume", "vdrive.Resume", Right::command, kAxes,
-               call_axes<&Axis::resume, Until::in_force, &AxisGroup::resume_all>},
+    of_axes("/enable", "vdrive.Enable", Right::command, {.command = EachCommand::enable}),
+    of_axes("/disable", "vdrive.Disable", Right::command, {.command = EachCommand::disable}),
+    of_axes("/halt", "vdrive.Halt", Right::stop,
+            {.command = EachCommand::halt, .until = Until::in_force}),
+    of_axes("/resume", "vdrive.Resume", Right::command,
+            {.command = EachCommand::resume, .until = Until::in_force}),
     ServiceRow{"/quick_stop", "vdrive.QuickStop", Right::stop, "axes?:string[] bench?:integer",
                call_quick_stop},
-    ServiceRow{"/reset", "vdrive.Reset", Right::command, kAxes,
-               call_axes<&Axis::reset_fault, Until::done, &AxisGroup::reset_all>},
+    of_axes("/reset", "vdrive.Reset", Right::command, {.command = EachCommand::reset_fault}),
     ServiceRow{"/move", "vdrive.Move", Right::command,
                "axis:string position:integer relative?:boolean velocity?:integer "
                "acceleration?:integer deceleration?:integer queue?:boolean",
@@ -382,13 +376,12 @@ constexpr std::array kServices{
     ServiceRow{"/jog", "vdrive.Jog", Right::jog, "axis:string velocity:integer", nullptr},
     ServiceRow{"/disturb", "vdrive.Disturb", Right::command,
                "axis:string name:string value:integer", call_disturb},
-    ServiceRow{"/end_disturbances", "vdrive.EndDisturbances", Right::command, kAxes,
-               call_axes<&Axis::end_disturbances>},
-    ServiceRow{"/store", "vdrive.Store", Right::command, kAxes, call_axes<&Axis::store>},
-    ServiceRow{"/restore", "vdrive.Restore", Right::command, kAxes,
-               call_axes<&Axis::restore_defaults>},
-    ServiceRow{"/power_cycle", "vdrive.PowerCycle", Right::command, kAxes,
-               call_axes<&Axis::power_cycle>},
+    of_axes("/end_disturbances", "vdrive.EndDisturbances", Right::command,
+            {.each = &Axis::end_disturbances}),
+    of_axes("/store", "vdrive.Store", Right::command, {.each = &Axis::store}),
+    of_axes("/restore", "vdrive.Restore", Right::command, {.each = &Axis::restore_defaults}),
+    of_axes("/power_cycle", "vdrive.PowerCycle", Right::command,
+            {.command = EachCommand::power_cycle}),
     ServiceRow{"/pause", "vdrive.Pause", Right::command, "bench:integer", call_pause},
     ServiceRow{"/rate", "vdrive.Rate", Right::command, "bench:integer rate:number", call_rate},
     ServiceRow{"/step", "vdrive.Step", Right::command, "bench:integer ticks:integer", call_step},
@@ -399,6 +392,10 @@ constexpr std::array kServices{
 };
 
 }  // namespace
+
+CallAnswer ServiceRow::carry_out(Session& session, const Json& asked) const {
+  return axes ? call_axes(session, asked, *axes) : call(session, asked);
+}
 
 std::span<const ServiceRow> services() {
   return kServices;

@@ -31,15 +31,28 @@ struct CallAnswer {
   Json fields = Json::object();  ///< beside those of the outcome
 };
 
+/// What axes get by a service that names them and nothing else.
+struct AxesService {
+  /// What the axes of one bench take together, or none of them; none = `each`.
+  std::optional<client::EachCommand> command{};
+  client::Until until = client::Until::done;
+  client::Outcome (client::Axis::*each)() = nullptr;  ///< for one after the other
+};
+
 /// A service: a row of the table that clients, the hub and the documents read.
 struct ServiceRow {
   std::string_view name;  ///< such as "/move"
   std::string_view type;  ///< such as "vdrive.Move"
   Right right;
   std::string_view request;  ///< its members, as object_schema() reads them
-  /// Carries it out and waits until the drive has acted on it. Null where another part does.
+  /// Carries it out and waits until the drive has acted on it. Null without `axes`: another part
+  /// does.
   /// @throws ProtocolError when the request is wrong, with what and where.
-  CallAnswer (*call)(client::Session& session, const Json& request);
+  CallAnswer (*call)(client::Session& session, const Json& request) = nullptr;
+  std::optional<AxesService> axes{};  ///< in the place of `call`
+
+  /// Not where another part carries it out.
+  [[nodiscard]] CallAnswer carry_out(client::Session& session, const Json& asked) const;
 };
 
 /// Every service; its number in the protocol is its place here, from 1 on.

@@ -7,6 +7,7 @@
 #include "vdrive/client/axis_group.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
 #include "vdrive/client/bench.hpp"
+#include "vdrive/client/command_words.hpp"
 #include "vdrive/client/disturbance.hpp"
 #include "vdrive/client/event.hpp"
 #include "vdrive/client/outcome.hpp"

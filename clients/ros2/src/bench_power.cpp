@@ -3,11 +3,8 @@
 
 #include "control_keeper.hpp"
 #include "stream_begin.hpp"
-#include "vdrive/assert.hpp"
-#include "vdrive/cia402/controlword.hpp"
-#include "vdrive/cia402/enabling_words.hpp"
-#include "vdrive/cia402/power_state.hpp"
 #include "vdrive/cia402/standing_targets.hpp"
+#include "vdrive/client/command_words.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,9 +22,6 @@ constexpr std::chrono::milliseconds kRepeatWords{500};
 // Five seconds of attempts: what keeps a drive from its power then has to be said.
 constexpr int kMostAttempts = 10;
 
-// The longest way to Operation enabled: a fault reset, and the words 06h, 07h and 0Fh.
-constexpr std::size_t kMostWords = 4;
-
 // In lock-step the watchdog of a bench counts drive time, which the session's own keep-alive does
 // not know. The watchdog allows 500 ms unless
 // the bench is configured: a step of some ten ticks must not use that up.
@@ -35,26 +29,6 @@ constexpr double kKeepAlive = 0.02;  // [s] of drive time
 
 bool is_enabled(const client::AxisSnapshot& axis) {
   return axis.state() == PowerState::operation_enabled;
-}
-
-/// @param keeps_power from Quick stop active by transition 16, which not every drive has
-/// @return the words that enable an axis again; none where nothing but a reset would help.
-std::vector<std::uint16_t> words_to_enable(PowerState state, bool resets_fault, bool keeps_power) {
-  if (state == PowerState::not_ready_to_switch_on || state == PowerState::fault_reaction_active) {
-    return {};
-  }
-  if (state == PowerState::quick_stop_active && keeps_power) {
-    return {controlwords::kEnableOperation};
-  }
-  std::vector<std::uint16_t> words;
-  if (state == PowerState::fault) {
-    if (!resets_fault) return {};
-    words.push_back(Controlword::kFaultReset);
-    state = PowerState::switch_on_disabled;
-  }
-  const auto rest = enabling_words(state);
-  words.insert(words.end(), rest.begin(), rest.end());
-  return words;
 }
 
 }  // namespace
@@ -122,7 +96,7 @@ void BenchPower::forget_old_words(const client::Observation& state, Clock::time_
 BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::time_point now) {
   // One time a tick: the newest state would show the same, and the words be sent twice.
   if (now < words_due_ || state.tick == words_tick_) return {};
-  Frames frames(kMostWords);
+  Frames frames;
   for (std::size_t i = 0; i < to_enable_.size(); ++i) {
     const client::AxisSnapshot& axis = state.axes[i];
     const bool is_hopeless = axis.state() == PowerState::fault && !resets_faults_;
@@ -130,8 +104,10 @@ BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::t
     if (!to_enable_[i]) continue;
     // A drive without transition 16 stays where it is: at rest it may take the way without power.
     const bool keeps_power = attempts_ == 0 || axis.status.velocity_demand_value != 0;
-    const auto words = words_to_enable(axis.state(), resets_faults_, keeps_power);
-    ensure(words.size() <= frames.size(), "the longest way has a frame for each word");
+    const auto words =
+        client::words_to(client::EachCommand::enable, axis.state(),
+                         {.resets_fault = resets_faults_, .keeps_power = keeps_power});
+    frames.resize(std::max(frames.size(), words.size()));  // some have a longer way than others
     for (std::size_t word = 0; word < words.size(); ++word) {
       frames[word].axes.push_back({.axis = axis_number(i), .controlword = words[word]});
     }
@@ -144,10 +120,6 @@ BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::t
     for (const ObjectAddress target : kStandingTargets) last.objects.push_back({.object = target});
   }
   resets_faults_ = false;  // a fault that comes back is for a person
-  // The way of some axes is shorter than that of others.
-  std::erase_if(frames, [](const client::SetPointFrame& frame) {
-    return frame.axes.empty();
-  });
   if (frames.empty()) return {};
   if (++attempts_ > kMostAttempts) {
     to_enable_.assign(to_enable_.size(), false);
@@ -170,12 +142,13 @@ void BenchPower::put_mode(std::size_t place, client::SetPoint& last) const {
 
 BenchPower::Frames BenchPower::disable(const client::Observation& state) {
   if (state.tick == words_tick_) return {};
-  // Set-points that wait for their tick must not act behind the word.
+  // Set-points that wait for their tick must not act after the word.
   client::SetPointFrame frame{.drops_waiting = true};
   for (std::size_t i = 0; i < state.axes.size(); ++i) {
     const client::AxisSnapshot& axis = state.axes[i];
     if (axis.owner_session != session_ || !is_enabled(axis)) continue;
-    frame.axes.push_back({.axis = axis_number(i), .controlword = controlwords::kShutdown});
+    const auto words = client::words_to(client::EachCommand::disable, axis.state());
+    frame.axes.push_back({.axis = axis_number(i), .controlword = words.front()});
   }
   if (frame.axes.empty()) return {};
   words_tick_ = state.tick;

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-/// A call for each kind of request: what it asks, as a message. Requests fills in who asks whom.
+/// A call for each kind of request: what it asks, as a message. Exchange fills in who asks whom.
 namespace vdrive::ask {
 
 /// A request with these members. One that the row of its kind does not name does not compile.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/client/bench.hpp"
 
+#include "vdrive/client/disturbance.hpp"
+#include "vdrive/client/session_name.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive_messages_description.hpp"
 
@@ -8,6 +10,29 @@ namespace vdrive::client {
 
 std::string to_string(const AxisId& id) {
   return std::to_string(id.bench) + "." + std::to_string(id.axis);
+}
+
+std::string to_string(const SessionName& name) {
+  std::string where;
+  if (name.process != 0) where = "process " + std::to_string(name.process);
+  if (!name.host.empty()) where += (where.empty() ? "on " : " on ") + name.host;
+  const std::string program = name.program.empty() ? "an unknown program" : name.program;
+  return where.empty() ? program : program + " (" + where + ")";
+}
+
+std::string owner_text(std::uint64_t session, const std::optional<SessionName>& name) {
+  return to_string(name.value_or(SessionName{})) + ", session " + session_text(session);
+}
+
+std::string to_string(const AxisOwner& owner) {
+  const std::string axis = owner.axis.axis == 0 ? "it" : "axis " + to_string(owner.axis);
+  return axis + " is controlled by " + owner_text(owner.session, owner.name);
+}
+
+std::string text_of(const DisturbanceRow& row) {
+  if (row.fault == ErrorCode::none) return "no fault: " + std::string(row.effect);
+  return "fault " + hex(static_cast<std::uint64_t>(row.fault), 4).substr(2) + "h, " +
+         std::string(vdrive::describe(row.fault)) + ": " + std::string(row.effect);
 }
 
 std::optional<AxisId> parse_axis_id(std::string_view text) noexcept {

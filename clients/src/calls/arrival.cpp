@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calls/arrival.hpp"
 
-#include "base/command_words.hpp"
+#include "base/drive_words.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 
 #include <algorithm>
@@ -77,12 +77,6 @@ Outcome LimitSwitchWatch::outcome(const AxisSnapshot& axis, const Unit& unit,
       quantity_text(axis.status.load_position_actual_value, Dimension::position, unit));
 }
 
-Result<std::uint16_t> controlword_of(AxesCall& call) {
-  const auto present = call.read(kControlwordObject);
-  if (!present) return present.outcome();
-  return static_cast<std::uint16_t>(present->front().front());
-}
-
 Outcome outcome_of_halt(const AxisSnapshot& axis, std::uint16_t word) {
   if ((word & Controlword::kHalt) == 0) return {};
   return Outcome::failed("axis " + to_string(axis.id) + " was halted before it reached its target");
@@ -94,9 +88,9 @@ Outcome goes_on_to_target(const AxisSnapshot& axis) {
 }
 
 Outcome check_halt(AxesCall& call) {
-  const auto word = controlword_of(call);
-  if (!word) return word.outcome();
-  return outcome_of_halt(call.snapshot(), *word);
+  const auto present = call.read(kControlwordObject);
+  if (!present) return present.outcome();
+  return outcome_of_halt(call.snapshot(), static_cast<std::uint16_t>(present->front().front()));
 }
 
 Outcome check_limit_switch(const AxesCall& call, const AxisSnapshot& axis, std::int32_t target) {

@@ -15,9 +15,6 @@ namespace vdrive::client {
 
 inline constexpr std::string_view kTargetReached = "target reached, bit 10";
 
-/// @return 6040h of the only axis of the call, as it is in force.
-[[nodiscard]] Result<std::uint16_t> controlword_of(AxesCall& call);
-
 /// 6040h, for AxesCall::read().
 inline constexpr std::array kControlwordObject = [] {
   using namespace literals;

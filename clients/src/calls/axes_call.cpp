@@ -2,7 +2,7 @@
 #include "calls/axes_call.hpp"
 
 #include "base/ask.hpp"
-#include "base/command_words.hpp"
+#include "base/drive_words.hpp"
 #include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -161,8 +161,10 @@ Outcome AxesCall::acquire(bool by_force) {
   return {};
 }
 
-Outcome AxesCall::begin_control(std::chrono::nanoseconds timeout) {
+Outcome AxesCall::begin_control(std::chrono::nanoseconds timeout,
+                                std::span<const ObjectAddress> objects) {
   if (Outcome begun = begin(timeout); !begun) return begun;
+  if (!objects.empty()) ask(objects);
   return acquire();
 }
 
@@ -173,18 +175,30 @@ std::string AxesCall::read_name(const BenchPart& part) const {
   return is_one ? "axis " + to_string(snapshot().id) : "axes of " + name_of(part.target);
 }
 
-Result<std::vector<std::vector<std::int64_t>>> AxesCall::read(
-    std::span<const ObjectAddress> objects) {
-  std::vector<std::vector<std::int64_t>> values(snapshots().size());
+void AxesCall::ask(std::span<const ObjectAddress> objects) {
+  asked_.clear();
+  asked_objects_ = objects.size();
+  for (const BenchPart& part : axes_.parts()) {
+    asked_.push_back(core_->exchange.send_all(part.target, read_requests(*part.bench, objects)));
+  }
+}
+
+Result<AxesCall::Values> AxesCall::read(std::span<const ObjectAddress> objects) {
+  ask(objects);
+  return take_values();
+}
+
+Result<AxesCall::Values> AxesCall::take_values() {
+  Values values(snapshots().size());
+  auto asked = asked_.begin();
   for (BenchPart& part : axes_.parts()) {
-    const auto replies = core_->requests.exchange_all(
-        part.target, read_requests(*part.bench, objects), "read of " + read_name(part));
+    const auto replies = asked++->await("read of " + read_name(part));
     if (!replies) return axes_.note_lost(part, replies.outcome());
     std::vector<msg::ObjectResult> results;
     for (const msg::Reply& reply : *replies) {
       results.insert(results.end(), reply.objects.begin(), reply.objects.end());
     }
-    if (results.size() != part.bench->axes.size() * objects.size()) {
+    if (results.size() != part.bench->axes.size() * asked_objects_) {
       return Outcome::failed(axes_.caller() == Caller::axis
                                  ? "the read of " + read_name(part) + " was answered only in part"
                                  : name_of(part.target) + " answered the read only in part");
@@ -194,7 +208,7 @@ Result<std::vector<std::vector<std::int64_t>>> AxesCall::read(
         return Outcome::refused(wire::number(results[i].abort_code),
                                 "read of " + name_of(part.target, results[i].axis) + " refused");
       }
-      values[part.bench->places[i / objects.size()]].push_back(results[i].value);
+      values[part.bench->places[i / asked_objects_]].push_back(results[i].value);
     }
   }
   return values;
@@ -229,7 +243,7 @@ Answers AxesCall::exchange_at(std::span<const Round> rounds, std::uint64_t apply
   Outcome outcome = send(rounds, apply_at, sent);
   if (outcome && apply_at != 0) {
     // A refusal comes at once, the tick later: in between the other benches can be told.
-    const auto accepted = core_->commands.await_answers(sent);
+    const auto accepted = core_->exchange.await_answers(sent);
     if (!accepted || !*accepted) cancel_pending();
   }
   return collect(sent, std::move(outcome));
@@ -272,7 +286,7 @@ Outcome AxesCall::send(std::span<const Round> rounds, std::uint64_t apply_at,
     const auto frames = frames_of(some, parts[i], axes_.layout(), apply_at);
     if (frames.empty() || parts[i].is_lost()) return {};
     const std::size_t before = sent[i].sequences.size();
-    Outcome outcome = core_->commands.send(sent[i], frames);
+    Outcome outcome = core_->exchange.send(sent[i], frames);
     note_given(parts[i], some, std::span(sent[i].sequences).subspan(before));
     return outcome;
   };
@@ -327,9 +341,9 @@ void AxesCall::cancel_pending() {
   const FrameContent cancel{.commands = {}, .flags = msg::FRAME_CANCEL_PENDING};
   for (const BenchPart& part : axes_.parts()) {
     SentFrames sent{.target = part.target, .sequences = {}};
-    Outcome outcome = core_->commands.send(sent, {&cancel, 1});
+    Outcome outcome = core_->exchange.send(sent, {&cancel, 1});
     // What became of the frames is in their own answers.
-    (void)core_->commands.collect(sent, std::move(outcome));
+    (void)core_->exchange.collect(sent, std::move(outcome));
   }
 }
 
@@ -339,7 +353,7 @@ Answers AxesCall::collect(std::span<const SentFrames> sent, Outcome outcome) {
   for (std::size_t i = 0; i < sent.size(); ++i) {
     if (sent[i].sequences.empty()) continue;
     BenchPart& part = axes_.parts()[i];
-    auto applied = core_->commands.collect(sent[i], wait ? Outcome() : answers.outcome);
+    auto applied = core_->exchange.collect(sent[i], wait ? Outcome() : answers.outcome);
     applied.outcome = axes_.note_lost(part, std::move(applied.outcome));
     // What was cancelled was cancelled because of another refusal, which names the cause.
     if (!applied.outcome &&
@@ -388,20 +402,6 @@ Outcome AxesCall::timed_out(std::string_view awaited, std::span<const std::size_
 
 Outcome AxesCall::await_tick(std::string_view awaited, std::uint64_t tick) {
   return await(awaited, tick, every_axis);
-}
-
-Outcome AxesCall::await_quick_stops(std::string_view awaited) {
-  using namespace literals;
-  const bool none = std::ranges::none_of(snapshots(), [](const AxisSnapshot& axis) {
-    return axis.state() == PowerState::quick_stop_active;
-  });
-  if (none) return {};
-  const std::array option{kObjectRows["quick_stop_option_code"_object].address};
-  const auto options = read(option);
-  if (!options) return options.outcome();
-  return await(awaited, tick(), [&](std::size_t place) {
-    return quick_stop_ended(snapshots()[place], (*options)[place].front());
-  });
 }
 
 // ---- guarding --------------------------------------------------------------------------------
@@ -489,7 +489,7 @@ Outcome AxesCall::explain_by_service(const Outcome& failed, const AxisSnapshot& 
 Outcome AxesCall::check_service(const AxisSnapshot& axis) {
   if (is_fault(axis.state())) return {};
   const Target& target = part_of(axis.id).target;
-  Outcome answer = core_->requests.exchange(target, ask::next_snapshot(0), "question").outcome();
+  Outcome answer = core_->exchange.request(target, ask::next_snapshot(0), "question").outcome();
   if (answer.kind() == OutcomeKind::lost) return answer;
   return answer.code() == wire::number(msg::Reason::shutting_down)
              ? Outcome::lost(name_of(target) +

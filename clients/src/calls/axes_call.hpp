@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/drive_words.hpp"
 #include "calls/observed_axes.hpp"
 #include "vdrive/quantity.hpp"
 
@@ -17,18 +18,6 @@
 #include <vector>
 
 namespace vdrive::client {
-
-[[nodiscard]] inline bool is_enabled(const AxisSnapshot& axis) {
-  return axis.state() == PowerState::operation_enabled;
-}
-
-[[nodiscard]] inline bool has_no_fault(const AxisSnapshot& axis) {
-  return !is_fault(axis.state());
-}
-
-[[nodiscard]] inline bool every_axis(const AxisSnapshot& /*axis*/) {
-  return true;
-}
 
 /// @return the refusal of something that the state of a drive does not allow.
 [[nodiscard]] Outcome not_in_this_state(std::string message);
@@ -86,8 +75,9 @@ class AxesCall {
   /// @param by_force also of those that another session owns
   Outcome acquire(bool by_force = false);
 
-  /// Both.
-  Outcome begin_control(std::chrono::nanoseconds timeout);
+  /// Both. @param objects of each axis, asked for meanwhile: see take_values()
+  Outcome begin_control(std::chrono::nanoseconds timeout,
+                        std::span<const ObjectAddress> objects = {});
 
   /// Counts the time-out anew from the present tick.
   void set_timeout(std::chrono::nanoseconds timeout);
@@ -136,7 +126,12 @@ class AxesCall {
                   std::string_view needs);
 
   /// Objects of each axis, one row an axis.
-  Result<std::vector<std::vector<std::int64_t>>> read(std::span<const ObjectAddress> objects);
+  using Values = std::vector<std::vector<std::int64_t>>;
+
+  Result<Values> read(std::span<const ObjectAddress> objects);
+
+  /// @return the objects that begin_control() has asked for.
+  Result<Values> take_values();
 
   // ---- commands
 
@@ -228,9 +223,6 @@ class AxesCall {
   /// Observes until `tick`, whatever the axes show.
   Outcome await_tick(std::string_view awaited, std::uint64_t tick);
 
-  /// Lets the axes in Quick stop active come to rest.
-  Outcome await_quick_stops(std::string_view awaited = "the end of the quick stop");
-
   // ---- stopping
 
   /// Stops the others when an axis that was observed at `from` or later is not in Operation
@@ -304,6 +296,7 @@ class AxesCall {
     }
   }
 
+  void ask(std::span<const ObjectAddress> objects);
   [[nodiscard]] const BenchPart& part_of(const AxisId& axis) const;
   [[nodiscard]] std::vector<std::uint16_t> axes_to_acquire(const BenchPart& part) const;
   [[nodiscard]] bool is_taken(std::size_t place) const;
@@ -326,6 +319,8 @@ class AxesCall {
   std::vector<bool> was_owner_;      ///< by place: whether this session had the axis in some tick
   std::vector<GivenCommand> given_;  ///< by place
   std::vector<bool> is_superseded_;  ///< by place
+  std::vector<SentRequests> asked_;  ///< by ask(): one a bench
+  std::size_t asked_objects_ = 0;
   std::vector<SentFrames> sent_;  ///< by begin_to_put_in_force(): with the outcome of the sending
   Outcome sending_;
 };

@@ -2,11 +2,9 @@
 #include "vdrive/client/axis.hpp"
 
 #include "base/ask.hpp"
-#include "base/command_words.hpp"
+#include "base/drive_words.hpp"
 #include "calls/arrival.hpp"
-#include "calls/axes_call.hpp"
-#include "calls/each_axis.hpp"
-#include "calls/lost_control.hpp"
+#include "calls/axes_command.hpp"
 #include "calls/profile_move.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
@@ -55,7 +53,7 @@ Outcome exchange_memory(SessionCore& core, const AxisId& id, msg::Request reques
                         const std::string& what) {
   const auto target = core.links.connect(id.bench);
   if (!target) return target.outcome();
-  Outcome outcome = core.requests.exchange(*target, std::move(request), what).outcome();
+  Outcome outcome = core.exchange.request(*target, std::move(request), what).outcome();
   if (outcome.code() != wire_code(AbortCode::cannot_store_or_transfer)) {
     return core.names.named(*target, std::move(outcome));
   }
@@ -117,7 +115,7 @@ Outcome Axis::move_by(std::int32_t distance, const MoveOptions& options) {
 Outcome Axis::move(std::int32_t target, bool relative, const MoveOptions& options,
                    StartedMove* started) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
-  if (Outcome ready = call.begin_control(options.call.timeout); !ready) return ready;
+  if (Outcome ready = call.begin_control(options.call.timeout, kMoveObjects); !ready) return ready;
   if (Outcome able = call.require(is_enabled, "a move", "Operation enabled"); !able) return able;
   ProfileMove move(call, core_->wakeup, options);
   if (Outcome ready = move.prepare(); !ready) return ready;
@@ -224,8 +222,8 @@ Result<Readings> Axis::read(std::span<const ObjectAddress> objects) const {
     const auto part = objects.subspan(first, std::min(kMostObjectsAtOnce, objects.size() - first));
     ask::Objects asked;
     for (const ObjectAddress& object : part) asked.push_back(ask::object(id_.axis, object));
-    const auto reply = core_->requests.exchange(*target, ask::read(std::move(asked)),
-                                                "read of axis " + to_string(id_));
+    const auto reply = core_->exchange.request(*target, ask::read(std::move(asked)),
+                                               "read of axis " + to_string(id_));
     if (!reply) return reply.outcome();
     if (reply->objects.size() != part.size()) {
       return Outcome::failed("the read of axis " + to_string(id_) + " was answered only in part");

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Calls of an axis in the modes homing, profile velocity and profile torque.
-#include "base/command_words.hpp"
+#include "base/drive_words.hpp"
 #include "calls/arrival.hpp"
-#include "calls/axes_call.hpp"
-#include "calls/axes_stop.hpp"
-#include "calls/lost_control.hpp"
+#include "calls/axes_command.hpp"
 #include "calls/profile_move.hpp"
 #include "calls/slow_drive.hpp"
 #include "session/session_core.hpp"
@@ -43,19 +41,17 @@ struct Setting {
 };
 
 /// Connects, takes control and checks that the axis can move.
-Outcome begin_motion(AxesCall& call, std::chrono::nanoseconds timeout, std::string_view what) {
-  if (Outcome ready = call.begin_control(timeout); !ready) return ready;
+/// @param objects what the call reads first: AxesCall::take_values()
+Outcome begin_motion(AxesCall& call, std::chrono::nanoseconds timeout, std::string_view what,
+                     std::span<const ObjectAddress> objects) {
+  if (Outcome ready = call.begin_control(timeout, objects); !ready) return ready;
   return call.require(is_enabled, what, "Operation enabled");
 }
 
 void add_settings(msg::AxisCommand& command, std::span<const Setting> settings) {
   for (const Setting& setting : settings) {
     if (!setting.value) continue;
-    const ObjectAddress address = vdrive::describe(setting.row).address;
-    msg::ObjectValue& object = command.objects.emplace_back();
-    object.index = address.index;
-    object.subindex = address.subindex;
-    object.value = *setting.value;
+    add_object(command, vdrive::describe(setting.row).address, *setting.value);
   }
 }
 
@@ -134,11 +130,19 @@ bool is_homing(const AxisSnapshot& axis) {
   return axis.mode() == OperatingMode::homing && (axis.status.ds402_statusword & kEnded) == 0;
 }
 
+constexpr std::array kSpeedLimits{kObjectRows["app_speed_limit"_object].address,
+                                  kObjectRows["motor_speed_limit"_object].address};
+
+/// @return what a homing run reads first.
+std::span<const ObjectAddress> homing_objects(const HomingOptions& options) {
+  if (!options.search_speed && !options.creep_speed) return {};
+  return kSpeedLimits;
+}
+
 /// The drive cuts 6099h without a word: what a call gives is meant.
 Outcome check_homing_speeds(AxesCall& call, const HomingOptions& options) {
-  if (!options.search_speed && !options.creep_speed) return {};
-  const auto values = call.read(std::array{kObjectRows["app_speed_limit"_object].address,
-                                           kObjectRows["motor_speed_limit"_object].address});
+  if (homing_objects(options).empty()) return {};
+  const auto values = call.take_values();
   if (!values) return values.outcome();
   const SpeedLimits limits{.app_speed_limit = values->front()[0],
                            .motor_speed_limit = values->front()[1]};
@@ -193,28 +197,23 @@ std::int64_t even_ramp_of(std::int64_t jerk) {
   return static_cast<std::int64_t>(std::sqrt(static_cast<double>(jerk) / 8.0));
 }
 
-std::int64_t take_last(std::vector<std::int64_t>& values) {
-  const std::int64_t last = values.back();
-  values.pop_back();
-  return last;
-}
+/// What check_velocity() compares with.
+constexpr auto kVelocityObjects =
+    move_bounds_and<"motor_speed_limit"_object, "motion_profile_type"_object,
+                    "profile_jerk_1"_object, "profile_jerk_2"_object>();
 
 /// @param slowest receives the slowest ramp that the drive may use [UU/s²]
 /// @return refused where the drive would accept the velocity and never reach it.
 Outcome check_velocity(AxesCall& call, std::int32_t velocity, const VelocityOptions& options,
                        std::int64_t& slowest) {
-  std::vector<ObjectAddress> objects(kMoveBounds.begin(), kMoveBounds.end());
-  for (const ObjectRow row : {"motor_speed_limit"_object, "motion_profile_type"_object,
-                              "profile_jerk_1"_object, "profile_jerk_2"_object}) {
-    objects.push_back(vdrive::describe(row).address);
-  }
-  auto values = call.read(objects);
+  auto values = call.take_values();
   if (!values) return values.outcome();
   std::vector<std::int64_t>& bounds = values->front();
-  const std::int64_t second_jerk = take_last(bounds);
-  const std::int64_t jerk = std::min(take_last(bounds), second_jerk);
-  const bool has_jerk = take_last(bounds) != 0;  // 6086h
-  const std::int64_t motor_speed = take_last(bounds);
+  const std::vector<std::int64_t> others(bounds.begin() + kMoveBounds.size(), bounds.end());
+  bounds.resize(kMoveBounds.size());
+  const std::int64_t motor_speed = others[0];
+  const bool has_jerk = others[1] != 0;  // 6086h
+  const std::int64_t jerk = std::min(others[2], others[3]);
   bounds[0] = std::abs(std::int64_t{velocity});  // 6081h is of profile position mode
   bounds[1] = options.acceleration.value_or(bounds[1]);
   bounds[2] = options.deceleration.value_or(bounds[2]);
@@ -365,17 +364,18 @@ std::optional<AxisOwner> new_master(SessionCore& core, const AxisSnapshot& axis)
 /// @return `cause`, with what became of the axis.
 Outcome stop_instead(const std::shared_ptr<SessionCore>& core, const AxisId& id,
                      const Outcome& cause, std::chrono::nanoseconds timeout) {
-  AxesCall call(core, layout_of(id), Caller::axis);
-  AxesStop stop(*core, call);
-  Outcome stopped = stop.begin(timeout);
-  if (stopped) {
-    if (const auto master = new_master(*core, call.snapshot())) {
+  AxesCommand stop(core, layout_of(id), Caller::axis, EachCommand::quick_stop,
+                   {.timeout = timeout});
+  stop.begin();
+  if (stop.has_pending()) {
+    if (const auto master = new_master(*core, stop.call().snapshot())) {
       return cause.kind() == OutcomeKind::refused
                  ? cause.with_owner(*master)
                  : cause.with_prefix(to_string(*master) + " now: ");
     }
-    stopped = stop.quick_stop(Until::done);
+    stop.carry_out();
   }
+  const Outcome stopped = stop.outcome();
   if (stopped) return cause.with_prefix("a quick stop has ended the jog: ");
   return cause.with_prefix("axis " + to_string(id) +
                            " was not seen to stop, its quick stop failed (" + stopped.message() +
@@ -430,14 +430,18 @@ std::string torque_limits(std::int16_t torque) {
          ", which also limits the current";
 }
 
+/// @return what check_torque() compares with.
+std::array<ObjectAddress, 3> torque_objects(std::int16_t torque) {
+  return {kObjectRows["torque_slope"_object].address, kObjectRows["max_torque"_object].address,
+          vdrive::describe(relative_limit_of(torque)).address};
+}
+
 /// @param slope receives the slope that will be in force
 /// @return refused where the drive would accept the torque and never apply it.
 Outcome check_torque(AxesCall& call, std::int16_t torque, const TorqueOptions& options,
                      std::int64_t& slope) {
   const ObjectRow relative = relative_limit_of(torque);
-  const auto values = call.read(std::array{kObjectRows["torque_slope"_object].address,
-                                           kObjectRows["max_torque"_object].address,
-                                           vdrive::describe(relative).address});
+  const auto values = call.take_values();
   if (!values) return values.outcome();
   const std::vector<std::int64_t>& read = values->front();
   slope = options.slope.value_or(read[0]);
@@ -485,7 +489,9 @@ Outcome reach_torque(AxesCall& call, EndlessMotion& motion, std::int16_t torque,
 
 Outcome Axis::home(const HomingOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
-  if (Outcome ready = begin_motion(call, options.call.timeout, "homing"); !ready) return ready;
+  if (Outcome ready = begin_motion(call, options.call.timeout, "homing", homing_objects(options));
+      !ready)
+    return ready;
   if (is_homing(call.snapshot())) {
     return not_in_this_state("axis " + to_string(id_) + ": a homing run is in progress");
   }
@@ -523,7 +529,9 @@ Outcome Axis::home(const HomingOptions& options) {
 
 Outcome Axis::run_at(std::int32_t velocity, const VelocityOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
-  if (Outcome ready = begin_motion(call, options.call.timeout, "a velocity"); !ready) return ready;
+  if (Outcome ready = begin_motion(call, options.call.timeout, "a velocity", kVelocityObjects);
+      !ready)
+    return ready;
   EndlessMotion motion(*core_, call);
   Outcome outcome = reach_velocity(call, motion, velocity, options, core_->wakeup);
   if (outcome) motion.settle();
@@ -532,7 +540,9 @@ Outcome Axis::run_at(std::int32_t velocity, const VelocityOptions& options) {
 
 Outcome Axis::apply_torque(std::int16_t torque, const TorqueOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
-  if (Outcome ready = begin_motion(call, options.call.timeout, "a torque"); !ready) return ready;
+  if (Outcome ready = begin_motion(call, options.call.timeout, "a torque", torque_objects(torque));
+      !ready)
+    return ready;
   EndlessMotion motion(*core_, call);
   Outcome outcome = reach_torque(call, motion, torque, options, core_->wakeup);
   if (outcome) motion.settle();
@@ -542,7 +552,8 @@ Outcome Axis::apply_torque(std::int16_t torque, const TorqueOptions& options) {
 Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnapshot&)>& held,
                   const VelocityOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
-  if (Outcome ready = begin_motion(call, options.call.timeout, "a jog"); !ready) return ready;
+  if (Outcome ready = begin_motion(call, options.call.timeout, "a jog", kVelocityObjects); !ready)
+    return ready;
   std::int64_t slowest = 0;
   if (Outcome good = check_velocity(call, velocity, options, slowest); !good) return good;
   EndlessMotion motion(*core_, call);

@@ -30,11 +30,12 @@ struct GroupLayout {
 /// Axes that the message of a group names; the others are counted.
 inline constexpr std::size_t kMostNamed = 4;
 
-/// @return the layout of one axis.
-[[nodiscard]] GroupLayout layout_of(const AxisId& axis);
+/// @param axes each once
+[[nodiscard]] GroupLayout layout_of(std::span<const AxisId> axes);
 
-/// @return the layout of all axes of a bench.
-[[nodiscard]] GroupLayout layout_of(const BenchInfo& bench);
+[[nodiscard]] inline GroupLayout layout_of(const AxisId& axis) {
+  return layout_of(std::span(&axis, 1));
+}
 
 /// Whether a call is of an axis or of a group. The call of an axis fails while its bench is paused,
 /// and its messages do not list axes; the call of a group waits while a bench is paused.
@@ -144,5 +145,17 @@ class ObservedAxes {
   std::uint64_t driven_tick_ = 0;
   std::stop_token stop_;
 };
+
+/// For a call that has ended. A command frame with an epoch that is not current is refused, and its
+/// answer does not say who has taken the axes: their status does. Waits for that status, and for
+/// the name of the new owner, a second at most in all where the bench sends.
+/// @param axes that the call has commanded
+/// @return a refusal for that reason, with the session that holds one of the axes now, where one
+///         does; any other outcome as it is.
+[[nodiscard]] Outcome explain_loss(SessionCore& core, Outcome outcome,
+                                   std::span<const AxisId> axes);
+
+/// The same for a call with an outcome for each axis.
+void explain_losses(SessionCore& core, std::span<Outcome> outcomes, std::span<const AxisId> axes);
 
 }  // namespace vdrive::client

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calls/profile_move.hpp"
 
-#include "base/command_words.hpp"
+#include "base/drive_words.hpp"
 #include "calls/arrival.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
@@ -20,8 +20,16 @@ namespace {
 
 using namespace literals;
 
-/// In the order of kMoveBounds.
-enum Bound : std::size_t { velocity, acceleration, deceleration, highest_speed };
+/// In the order of kMoveObjects.
+enum MoveObject : std::size_t {
+  velocity,
+  acceleration,
+  deceleration,
+  highest_speed,
+  motor_limit = kMoveBounds.size(),
+  relative_base,
+  look_loop
+};
 
 /// 60F2h bits 0 and 1: a relative target counts from the actual position.
 constexpr std::int64_t kFromActualPosition = 2;
@@ -64,28 +72,21 @@ Outcome check_speed(const AxisId& axis, const Unit& unit, std::int64_t velocity,
 }
 
 Outcome ProfileMove::prepare() {
-  std::vector<ObjectAddress> objects(kMoveBounds.begin(), kMoveBounds.end());
-  objects.push_back(kObjectRows["motor_speed_limit"_object].address);
-  objects.push_back(kObjectRows["positioning_option_code"_object].address);
-  objects.push_back(kObjectRows["habit_controlword_loop"_object].address);
-  auto values = call_.read(objects);
+  auto values = call_.take_values();
   if (!values) return values.outcome();
-  bounds_ = std::move(values->front());
-  looks_once_in_a_loop_ = bounds_.back() != 0;
-  bounds_.pop_back();
-  positioning_option_ = bounds_.back();
-  bounds_.pop_back();
-  const std::int64_t motor_speed = bounds_.back();
-  bounds_.pop_back();
-  std::vector<std::int64_t> in_force = bounds_;
-  in_force[velocity] = options_.velocity.value_or(bounds_[velocity]);
-  in_force[acceleration] = options_.acceleration.value_or(bounds_[acceleration]);
-  in_force[deceleration] = options_.deceleration.value_or(bounds_[deceleration]);
+  before_ = std::move(values->front());
+  looks_once_in_a_loop_ = before_[look_loop] != 0;
+  std::vector<std::int64_t> in_force = before_;
+  in_force.resize(kMoveBounds.size());
+  in_force[velocity] = options_.velocity.value_or(before_[velocity]);
+  in_force[acceleration] = options_.acceleration.value_or(before_[acceleration]);
+  in_force[deceleration] = options_.deceleration.value_or(before_[deceleration]);
   const AxisId& axis = call_.snapshot().id;
   if (Outcome good = check_bounds(axis, in_force); !good || !options_.velocity) return good;
   // Of its own 6081h the drive takes as much as 607Fh allows; what a call gives is meant.
-  return check_speed(axis, call_.unit_of(axis), *options_.velocity,
-                     {.app_speed_limit = bounds_[highest_speed], .motor_speed_limit = motor_speed});
+  return check_speed(
+      axis, call_.unit_of(axis), *options_.velocity,
+      {.app_speed_limit = before_[highest_speed], .motor_speed_limit = before_[motor_limit]});
 }
 
 /// The edge of bit 4 with the set-point.
@@ -116,7 +117,7 @@ Round ProfileMove::set_point(std::int32_t target, bool relative) const {
 std::int32_t ProfileMove::target_of(std::int32_t value, bool relative) const {
   if (!relative) return value;
   const AxisStatus& status = call_.snapshot().status;
-  const std::int32_t base = positioning_option_ == kFromActualPosition
+  const std::int32_t base = before_[relative_base] == kFromActualPosition
                                 ? status.load_position_actual_value
                                 : status.position_demand_value;
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(base) +
@@ -161,7 +162,7 @@ Round ProfileMove::old_velocity() const {
   Round round = call_.round_to(every_axis);
   msg::AxisCommand& command = round.entries.front().command;
   add_members(command, msg::HAS_PROFILE_VELOCITY);
-  command.profile_velocity = static_cast<std::uint32_t>(bounds_[velocity]);
+  command.profile_velocity = static_cast<std::uint32_t>(before_[velocity]);
   return round;
 }
 
@@ -183,11 +184,11 @@ bool ProfileMove::add_old_ramps(Round& round) const {
   msg::AxisCommand& command = round.entries.front().command;
   if (options_.acceleration) {
     add_members(command, msg::HAS_PROFILE_ACC);
-    command.profile_acc = static_cast<std::uint32_t>(bounds_[acceleration]);
+    command.profile_acc = static_cast<std::uint32_t>(before_[acceleration]);
   }
   if (options_.deceleration) {
     add_members(command, msg::HAS_PROFILE_DEC);
-    command.profile_dec = static_cast<std::uint32_t>(bounds_[deceleration]);
+    command.profile_dec = static_cast<std::uint32_t>(before_[deceleration]);
   }
   return options_.acceleration || options_.deceleration;
 }

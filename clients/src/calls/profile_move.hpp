@@ -6,6 +6,7 @@
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/object_table.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -22,6 +23,22 @@ inline constexpr std::array kMoveBounds = [] {
       kObjectRows["profile_velocity"_object].address, kObjectRows["profile_acc"_object].address,
       kObjectRows["profile_dec"_object].address,      kObjectRows["app_speed_limit"_object].address,
       kObjectRows["app_acc_limit"_object].address,    kObjectRows["app_dec_limit"_object].address};
+}();
+
+/// @return kMoveBounds, then these.
+template <ObjectRow... kOthers>
+[[nodiscard]] consteval auto move_bounds_and() {
+  const std::array others{kObjectRows[kOthers].address...};
+  std::array<ObjectAddress, kMoveBounds.size() + sizeof...(kOthers)> objects{};
+  std::ranges::copy(others, std::ranges::copy(kMoveBounds, objects.begin()).out);
+  return objects;
+}
+
+/// What ProfileMove reads.
+inline constexpr auto kMoveObjects = [] {
+  using namespace literals;
+  return move_bounds_and<"motor_speed_limit"_object, "positioning_option_code"_object,
+                         "habit_controlword_loop"_object>();
 }();
 
 /// @param values of kMoveBounds, in this order
@@ -54,7 +71,8 @@ class ProfileMove {
   ProfileMove(AxesCall& call, const Wakeup& wakeup, const MoveOptions& options)
       : call_(call), wakeup_(wakeup), options_(options) {}
 
-  /// Reads what the drive has. @return refused where the axis could not move, with nothing changed.
+  /// Takes what the drive has: `call` has asked for kMoveObjects. @return refused where the axis
+  /// could not move, with nothing changed.
   Outcome prepare();
 
   /// Hands the set-point over, and waits until the drive has taken it. 6081h, which the drive takes
@@ -80,8 +98,7 @@ class ProfileMove {
   AxesCall& call_;
   const Wakeup& wakeup_;
   const MoveOptions& options_;
-  std::int64_t positioning_option_ = 0;
-  std::vector<std::int64_t> bounds_;  ///< of kMoveBounds, before the move
+  std::vector<std::int64_t> before_;  ///< values of kMoveObjects, before the move
   std::int32_t target_ = 0;           ///< absolute
   bool is_relative_ = false;
   bool wraps_ = false;                 ///< the way to it leads through the end of the register

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calls/slow_drive.hpp"
 
-#include "base/command_words.hpp"
+#include "vdrive/client/command_words.hpp"
 #include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -47,7 +46,9 @@ Outcome take_a_step(AxesCall& call, std::span<const std::size_t> places) {
   std::vector<PowerState> before;
   for (const AxisSnapshot& axis : call.snapshots()) before.push_back(axis.state());
   for (const std::size_t place : places) {
-    Round own = round_of_word(call, enabling_words(before[place]).front(), {&place, 1});
+    const auto words = words_to(EachCommand::enable, before[place]);
+    if (words.empty()) continue;
+    Round own = round_of_word(call, words.front(), {&place, 1});
     round.entries.push_back(std::move(own.entries.front()));
   }
   if (Outcome done = call.put_in_force({&round, 1}); !done) return done;
@@ -58,28 +59,12 @@ Outcome take_a_step(AxesCall& call, std::span<const std::size_t> places) {
   });
 }
 
-Outcome await_all_answers(AxesCall& call) {
-  const AnswerTime answer_time(call, kLongestLoop);
-  return call.await("Operation enabled", call.tick(), [&answer_time](const AxisSnapshot& axis) {
-    return has_answered_enabling(axis, answer_time);
-  });
-}
-
 }  // namespace
 
 bool has_answered_enabling(const AxisSnapshot& axis, const AnswerTime& answer_time) {
   const PowerState state = axis.state();
   if (state == PowerState::operation_enabled || is_fault(state)) return true;
   return state != PowerState::switched_on && answer_time.has_ended();
-}
-
-Outcome await_enabling(AxesCall& call) {
-  if (Outcome seen = await_all_answers(call); !seen) return seen;
-  std::vector<std::size_t> places(call.snapshots().size());
-  std::iota(places.begin(), places.end(), std::size_t{0});
-  const auto walked = walk_to_operation(call, places);
-  if (!walked) return walked.outcome();
-  return *walked ? await_all_answers(call) : Outcome();
 }
 
 Result<bool> walk_to_operation(AxesCall& call, std::span<const std::size_t> places) {
@@ -96,7 +81,8 @@ Result<bool> walk_to_operation(AxesCall& call, std::span<const std::size_t> plac
     return loops[place].count() == 0;
   });
   if (late.empty()) return false;
-  for (std::size_t step = 0; step < kEnablingWords.size() && !late.empty(); ++step) {
+  const std::size_t longest = words_to(EachCommand::enable, PowerState::quick_stop_active).size();
+  for (std::size_t step = 0; step < longest && !late.empty(); ++step) {
     if (Outcome stepped = take_a_step(call, late); !stepped) return stepped;
     drop_those_there();
   }

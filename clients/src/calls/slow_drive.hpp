@@ -38,9 +38,6 @@ class AnswerTime {
 ///         fault, or does nothing. In Switched on power is on its way, for as long as that takes.
 [[nodiscard]] bool has_answered_enabling(const AxisSnapshot& axis, const AnswerTime& answer_time);
 
-/// Waits for the answer of every axis to Enable operation; walk_to_operation() where that helps.
-Outcome await_enabling(AxesCall& call);
-
 /// For axes that were given the words of enabling in one tick and have not gone to Operation
 /// enabled: a drive with a loop (5E20h:06) may have seen the last one only. It gets one word after
 /// the other, each when the one before has had its effect.

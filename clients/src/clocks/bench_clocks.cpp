@@ -64,17 +64,17 @@ void fill_samples(const RequestAnswer& answer, std::size_t first,
 
 }  // namespace
 
-BenchClocks::BenchClocks(std::uint64_t session, Requests& requests, Holdings& holdings,
+BenchClocks::BenchClocks(std::uint64_t session, Exchange& exchange, Holdings& holdings,
                          Discovery& discovery, const Wakeup& wakeup, wire::Participant& participant)
     : session_(session),
-      requests_(requests),
+      exchange_(exchange),
       holdings_(holdings),
       discovery_(discovery),
       wakeup_(wakeup),
       participant_(participant) {}
 
 Result<std::uint64_t> BenchClocks::set_rate(const Target& target, double rate) {
-  const auto reply = requests_.exchange(target, ask::set_rate(rate), "rate of " + name_of(target));
+  const auto reply = exchange_.request(target, ask::set_rate(rate), "rate of " + name_of(target));
   if (!reply) return reply.outcome();
   discovery_.set_rate(target.key, rate);
   return reply->tick;
@@ -87,8 +87,8 @@ Result<std::uint64_t> BenchClocks::join(const Target& target, std::uint32_t step
     return Outcome::failed("this session has joined the clock of " + name_of(target) + " already");
   }
   if (Outcome free = note_thread(target); !free) return free;
-  const auto reply = requests_.exchange(target, ask::join_clock(steppers),
-                                        "joining the clock of " + name_of(target));
+  const auto reply = exchange_.request(target, ask::join_clock(steppers),
+                                       "joining the clock of " + name_of(target));
   if (!reply) {
     forget_thread(target.key);
     return reply.outcome();
@@ -105,8 +105,8 @@ void BenchClocks::leave(const Target& target) {
     grants_.erase(target.key);
   }
   forget_thread(target.key);
-  const auto number = requests_.send(target, ask::leave_clock());
-  if (number) (void)requests_.await(target, *number, kLeaveAnswer);  // it may be gone
+  const auto number = exchange_.send(target, ask::leave_clock());
+  if (number) (void)exchange_.await(target, *number, kLeaveAnswer);  // it may be gone
 }
 
 void BenchClocks::leave_all() {
@@ -176,7 +176,7 @@ Result<PendingStep> BenchClocks::begin_step_to(const Target& target, std::uint64
     grant->second.granted += step.ticks;
   }
   // The step waits for the commands that were sent before it.
-  const auto number = requests_.send(
+  const auto number = exchange_.send(
       target, ask::step(step.ticks, std::move(shown), holdings_.last_sequence(target.key)));
   if (!number) return number.outcome();
   step.request = *number;
@@ -201,7 +201,7 @@ void BenchClocks::note_reply(const BenchKey& key, const PendingStep& step,
 /// What a step came to: reached, or REASON_MISSING_STEPPER in the reply.
 Result<RequestAnswer> BenchClocks::conclude_step(const Target& target, const PendingStep& step,
                                                  Clock::time_point deadline, Silence silence) {
-  auto reply = requests_.await(target, step.request, {left_until(deadline), true, false, silence});
+  auto reply = exchange_.await(target, step.request, {left_until(deadline), true, false, silence});
   if (reply.outcome().kind() == OutcomeKind::timed_out) {
     return missing_stepper(target, discovery_.slowest_stepper(target.key));
   }
@@ -272,7 +272,7 @@ Result<RequestAnswer> BenchClocks::step_once(const Target& target, msg::Request 
     return step_as_stepper(target, *grant, request, patience, silence);
   }
   request.last_sequence = holdings_.last_sequence(target.key);
-  return requests_.exchange(target, std::move(request), step_of(target), silence);
+  return exchange_.request(target, std::move(request), step_of(target), silence);
 }
 
 Result<Observation> BenchClocks::step(const Target& target, std::uint64_t ticks,
@@ -302,7 +302,7 @@ Outcome BenchClocks::step(const Target& target, std::uint64_t ticks,
     }
     is_last = left == 0 && axes.empty();
     fill_samples(*reply, earlier.size(), is_last ? sample.axes : earlier);
-    if (wanted != 0) requests_.reuse(*reply);
+    if (wanted != 0) exchange_.reuse(*reply);
     if (is_last) {
       std::ranges::copy(earlier, sample.axes.begin());
       sample = {.tick = reply->tick, .axes = std::move(sample.axes)};

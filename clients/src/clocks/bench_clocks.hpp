@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "base/turn_mutex.hpp"
 #include "base/wakeup.hpp"
+#include "exchange/exchange.hpp"
 #include "exchange/holdings.hpp"
-#include "exchange/requests.hpp"
 #include "presence/discovery.hpp"
 #include "presence/target.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
@@ -12,6 +11,7 @@
 #include "vdrive_messages.hpp"
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -21,6 +21,41 @@
 #include <vector>
 
 namespace vdrive::client {
+
+/// What std::timed_mutex is. The thread sanitizer of gcc 12 does not see that std::timed_mutex is
+/// locked where the deadline is one of the steady clock, and reports its unlock.
+class TurnMutex {
+ public:
+  void lock() {
+    std::unique_lock lock(mutex_);
+    freed_.wait(lock, [this] {
+      return !is_taken_;
+    });
+    is_taken_ = true;
+  }
+
+  /// @return false at the deadline.
+  template <typename TimePoint>
+  [[nodiscard]] bool try_lock_until(const TimePoint& deadline) {
+    std::unique_lock lock(mutex_);
+    const bool is_free = freed_.wait_until(lock, deadline, [this] {
+      return !is_taken_;
+    });
+    if (is_free) is_taken_ = true;
+    return is_free;
+  }
+
+  void unlock() {
+    const std::scoped_lock lock(mutex_);
+    is_taken_ = false;
+    freed_.notify_one();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable freed_;
+  bool is_taken_ = false;
+};
 
 /// Wall time that a step waits for the other steppers of its clock to grant the next tick.
 inline constexpr std::chrono::milliseconds kStepPatience{10'000};
@@ -44,7 +79,7 @@ using StepLock = std::unique_lock<TurnMutex>;
 /// steps that several threads ask for at once follow each other.
 class BenchClocks {
  public:
-  BenchClocks(std::uint64_t session, Requests& requests, Holdings& holdings, Discovery& discovery,
+  BenchClocks(std::uint64_t session, Exchange& exchange, Holdings& holdings, Discovery& discovery,
               const Wakeup& wakeup, wire::Participant& participant);
 
   Result<std::uint64_t> set_rate(const Target& target, double rate);
@@ -113,7 +148,7 @@ class BenchClocks {
   [[nodiscard]] Outcome missing_stepper(const Target& target, std::uint64_t session) const;
 
   const std::uint64_t session_;
-  Requests& requests_;
+  Exchange& exchange_;
   Holdings& holdings_;
   Discovery& discovery_;
   const Wakeup& wakeup_;

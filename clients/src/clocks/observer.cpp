@@ -48,14 +48,9 @@ msg::Request read_request(std::uint16_t axis, const std::vector<StatusMember>& m
 
 }  // namespace
 
-Observer::Observer(const Discovery& discovery, const BenchLinks& links, Requests& requests,
-                   BenchClocks& clocks, StatusStream& stream, Waiter& waiter)
-    : discovery_(discovery),
-      links_(links),
-      requests_(requests),
-      clocks_(clocks),
-      stream_(stream),
-      waiter_(waiter) {}
+Observer::Observer(const Discovery& discovery, BenchLinks& links, Exchange& exchange,
+                   BenchClocks& clocks, StatusStream& stream)
+    : discovery_(discovery), links_(links), exchange_(exchange), clocks_(clocks), stream_(stream) {}
 
 Result<Observation> Observer::observe(const Target& target, std::span<const std::uint16_t> axes) {
   if (!links_.may_command()) return stream_.next_samples(target, axes);
@@ -94,7 +89,8 @@ Result<Observation> Observer::read_status(const Target& target,
     for (const std::uint16_t axis : some) requests.push_back(read_request(axis, members));
     const std::string whose =
         axes.size() == 1 ? name_of(target, some.front()) : "axes of " + name_of(target);
-    const auto replies = requests_.exchange_all(target, std::move(requests), "status of " + whose);
+    const auto replies =
+        exchange_.send_all(target, std::move(requests)).await("status of " + whose);
     if (!replies) return replies.outcome();
     for (std::size_t i = 0; i < some.size(); ++i) {
       const RequestAnswer& reply = (*replies)[i];
@@ -124,8 +120,8 @@ Result<std::uint64_t> Observer::present_tick(const Target& target, Silence silen
 /// The engine answers a read between two ticks, with the last one.
 Result<std::uint64_t> Observer::completed_tick(const Target& target, std::uint16_t axis) {
   if (!links_.may_command()) return 0;
-  const auto reply = requests_.exchange(target, ask::read({ask::object(axis, kStatusword)}),
-                                        "status of " + name_of(target, axis));
+  const auto reply = exchange_.request(target, ask::read({ask::object(axis, kStatusword)}),
+                                       "status of " + name_of(target, axis));
   if (!reply) return reply.outcome();
   return reply->tick;
 }
@@ -148,7 +144,7 @@ Result<std::uint64_t> Observer::wait_for_tick(const Target& target, std::uint64_
   }
   stream_.subscribe();
   std::uint64_t reached = 0;
-  const Outcome outcome = waiter_.wait(target, kAnyTick, [&] {
+  const Outcome outcome = links_.wait(target, kAnyTick, [&] {
     reached = discovery_.tick(target.key);
     return reached >= tick;
   });
@@ -163,7 +159,7 @@ Result<std::uint64_t> Observer::wait_for_ticks(const Target& target, std::uint64
   }
   stream_.subscribe();
   std::optional<std::uint64_t> last;
-  Outcome outcome = waiter_.wait(target, kAnyTick, [&] {
+  Outcome outcome = links_.wait(target, kAnyTick, [&] {
     const auto now = discovery_.driven_tick(target.key);
     if (now && !last) last = *now + ticks;
     return last && now >= last;

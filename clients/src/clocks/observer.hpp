@@ -3,7 +3,7 @@
 
 #include "clocks/bench_clocks.hpp"
 #include "exchange/bench_links.hpp"
-#include "exchange/requests.hpp"
+#include "exchange/exchange.hpp"
 #include "presence/target.hpp"
 #include "streams/status_stream.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
@@ -17,8 +17,8 @@ namespace vdrive::client {
 /// permissions of this session allow. Has no state. Thread-safe.
 class Observer {
  public:
-  Observer(const Discovery& discovery, const BenchLinks& links, Requests& requests,
-           BenchClocks& clocks, StatusStream& stream, Waiter& waiter);
+  Observer(const Discovery& discovery, BenchLinks& links, Exchange& exchange, BenchClocks& clocks,
+           StatusStream& stream);
 
   /// The present state of `axes`.
   Result<Observation> observe(const Target& target, std::span<const std::uint16_t> axes);
@@ -52,11 +52,10 @@ class Observer {
   Result<Observation> read_status(const Target& target, std::span<const std::uint16_t> axes);
 
   const Discovery& discovery_;
-  const BenchLinks& links_;
-  Requests& requests_;
+  BenchLinks& links_;
+  Exchange& exchange_;
   BenchClocks& clocks_;
   StatusStream& stream_;
-  Waiter& waiter_;
 };
 
 }  // namespace vdrive::client

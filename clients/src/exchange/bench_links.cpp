@@ -41,13 +41,13 @@ std::unique_ptr<wire::Publication<Message>> publication_if_permitted(
 }  // namespace
 
 BenchLinks::BenchLinks(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
-                       AnsweredParts answered, Wakeup& wakeup, ObserverFailure& failure)
+                       Holdings& holdings, CommandHistory& history, Wakeup& wakeup,
+                       ObserverFailure& failure)
     : session_(session),
       participant_(participant),
       discovery_(discovery),
-      holdings_(answered.holdings),
-      history_(answered.history),
-      unanswered_(answered.unanswered),
+      holdings_(holdings),
+      history_(history),
       wakeup_(wakeup),
       failure_(failure),
       request_publication_(publication_if_permitted<msg::Request>(participant)),

@@ -5,7 +5,6 @@
 #include "base/wakeup.hpp"
 #include "exchange/command_history.hpp"
 #include "exchange/holdings.hpp"
-#include "exchange/unanswered.hpp"
 #include "presence/discovery.hpp"
 #include "presence/target.hpp"
 #include "vdrive/client/session.hpp"
@@ -16,6 +15,7 @@
 #include "vdrive/wire/subscription.hpp"
 #include "vdrive_messages.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -23,8 +23,10 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace vdrive::client {
@@ -33,18 +35,127 @@ namespace vdrive::client {
 /// milliseconds, and on a machine without a free processor seconds.
 inline constexpr std::chrono::milliseconds kMatch{10'000};
 
+/// Messages that were sent and are kept, by number, until their sender takes the answer. Only the
+/// sender of a message removes it. Thread-safe; its lock is never held while another one is taken.
+template <typename Number, typename Message, typename Answer>
+class Unanswered {
+ public:
+  using Clock = Directory::Clock;
+
+  /// Keeps a message that is about to be sent. @return it; valid until it is taken.
+  const Message& add(const Number& number, const BenchKey& key, Message message) {
+    const std::scoped_lock lock(mutex_);
+    const auto added = sent_.emplace(number, Sent{.key = key,
+                                                  .message = std::move(message),
+                                                  .time = Clock::now(),
+                                                  .answer = std::nullopt});
+    return added.first->second.message;
+  }
+
+  /// @return whether the answer is awaited. A repeated answer replaces the one before.
+  bool answer(const Number& number, Answer answer) {
+    const std::scoped_lock lock(mutex_);
+    const auto sent = sent_.find(number);
+    if (sent == sent_.end()) return false;
+    sent->second.answer = std::move(answer);
+    return true;
+  }
+
+  [[nodiscard]] bool is_answered(const Number& number) const {
+    return is_answered(number, [](const Answer& /*answer*/) {
+      return true;
+    });
+  }
+
+  /// @return whether there is an answer, of which `condition` holds.
+  template <typename Condition>
+  [[nodiscard]] bool is_answered(const Number& number, const Condition& condition) const {
+    const std::scoped_lock lock(mutex_);
+    const std::optional<Answer>& answer = sent_.at(number).answer;
+    return answer && condition(*answer);
+  }
+
+  /// @return the message that has this number; valid until it is taken.
+  [[nodiscard]] const Message& message(const Number& number) const {
+    const std::scoped_lock lock(mutex_);
+    return sent_.at(number).message;
+  }
+
+  /// Removes the message. @return its answer, if there is one.
+  std::optional<Answer> take(const Number& number) {
+    const std::scoped_lock lock(mutex_);
+    const auto sent = sent_.find(number);
+    std::optional<Answer> answer = std::move(sent->second.answer);
+    sent_.erase(sent);
+    return answer;
+  }
+
+  /// @return what was last sent to this run before `time` and has no answer, in order. It counts as
+  ///         sent now.
+  std::vector<Message> to_repeat(const BenchKey& key, Clock::time_point time) {
+    const std::scoped_lock lock(mutex_);
+    std::vector<Message> messages;
+    for (auto& [number, sent] : sent_) {
+      if (!is_due(sent, key, time)) continue;
+      messages.push_back(sent.message);
+      sent.time = Clock::now();
+    }
+    return messages;
+  }
+
+  /// @return whether something was last sent to this run before `time` and has no answer.
+  [[nodiscard]] bool has_due(const BenchKey& key, Clock::time_point time) const {
+    const std::scoped_lock lock(mutex_);
+    return std::ranges::any_of(sent_, [&](const auto& item) {
+      return is_due(item.second, key, time);
+    });
+  }
+
+ private:
+  struct Sent {
+    BenchKey key;
+    Message message;
+    Clock::time_point time;
+    std::optional<Answer> answer;
+  };
+
+  static bool is_due(const Sent& sent, const BenchKey& key, Clock::time_point time) {
+    return sent.key == key && !sent.answer && sent.time < time;
+  }
+
+  mutable std::mutex mutex_;  ///< guards what was sent, but for the messages: those do not change
+  std::map<Number, Sent> sent_;
+};
+
+/// The answer to a request: the message, without statuses, and the axes that it shows.
+struct RequestAnswer : msg::Reply {
+  std::vector<wire::ReceivedStatus> axes;
+};
+
+/// By number of the request: another run of the service may answer that it is another one.
+using UnansweredRequests = Unanswered<std::uint64_t, msg::Request, RequestAnswer>;
+
+/// A sequence number counts for one run.
+using FrameNumber = std::pair<BenchKey, std::uint64_t>;
+using UnansweredFrames = Unanswered<FrameNumber, msg::CommandFrame, msg::CommandReply>;
+
 /// What was sent and not answered: requests and command frames.
 struct UnansweredMessages {
   UnansweredRequests requests;
   UnansweredFrames frames;
 };
 
-/// What answers of benches are noted in.
-struct AnsweredParts {
-  Holdings& holdings;
-  CommandHistory& history;
-  UnansweredMessages& unanswered;
+/// How long a wait may take; times when this program does not run do not count. An interrupt does
+/// not end the wait for the answer to a request: the interrupted call still has to clean up.
+struct Patience {
+  std::chrono::milliseconds timeout;
+  bool may_interrupt;
+  bool needs_drive_time = false;  ///< what is awaited never comes while the bench is paused
+  Silence silence = Silence::ends_call;
 };
+
+/// A service whose samples arrive answers within this time, or it never answers.
+inline constexpr Patience kAnswer{std::chrono::milliseconds(10'000), false};
 
 /// The right to send to one run of a service: no other thread sends to it while this object lives.
 struct OpenLink {
@@ -62,7 +173,7 @@ struct OpenLink {
 class BenchLinks {
  public:
   BenchLinks(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
-             AnsweredParts answered, Wakeup& wakeup, ObserverFailure& failure);
+             Holdings& holdings, CommandHistory& history, Wakeup& wakeup, ObserverFailure& failure);
 
   /// Whether this session's permissions let it send requests and commands to benches.
   [[nodiscard]] bool may_command() const noexcept {
@@ -90,10 +201,35 @@ class BenchLinks {
   /// @return false when the bench is connected anew and not reached yet.
   bool send_keep_alive(const BenchKey& key);
 
-  /// For a call that waits for an answer: reconnects a broken link, and sends again what is
-  /// overdue. Does not wait: when another thread sends at this moment, that thread reconnects.
-  /// @return whether it was broken.
-  bool repair(const BenchKey& key);
+  /// Waits until `condition` holds, which something changes that the bench sends; it is called
+  /// after each change, without a lock. Meanwhile repairs the link to the bench, and ends the wait
+  /// when the bench will not send any more. The caller holds no lock of a state.
+  template <typename Condition>
+  Outcome wait(const Target& target, const Patience& patience, const Condition& condition) {
+    const auto begin = discovery_.running_time();
+    while (true) {
+      // Before the condition: what changes after it ends the wait at once.
+      const std::uint64_t changes = wakeup_.changes();
+      if (condition()) return {};
+      // On the local bus most waits need no more: the answer comes with the work.
+      if (wakeup_.work(changes, target.key.number) && condition()) return {};
+      const auto now = Wakeup::Clock::now();
+      const bool is_broken = repair(target.key);
+      // Again, before any reason to give up: the answer may have arrived during the repair.
+      if (condition()) return {};
+      if (auto end = end_of_wait(target, patience, begin)) return std::move(*end);
+      // Each time anew: a pause of this program moves it.
+      const auto deadline = begin + patience.timeout + discovery_.own_pauses();
+      if (Wakeup::Clock::now() >= deadline) {
+        return Outcome::timed_out(name_of(target) + " did not answer");
+      }
+      wakeup_.work_until(changes, target.key.number,
+                         std::min(deadline, now + (is_broken ? kReconnectPeriod : kPeriod)));
+    }
+  }
+
+  /// What was sent to benches and is not answered: it is sent again.
+  [[nodiscard]] UnansweredMessages& unanswered() noexcept { return unanswered_; }
 
   /// Calls `observer`, in the thread that delivers the answer of a bench, for each value of a frame
   /// that no call waits for and that is refused. It only keeps what it gets, see RefusalWatcher.
@@ -110,6 +246,29 @@ class BenchLinks {
     std::mutex mutex;     ///< orders what is sent; taken after Holdings::lock_sending
     wire::Source source;  ///< participant that has what was sent; guarded by the mutex of the links
   };
+
+  // A wait checks the presence of the bench at least this often; a broken link more often.
+  static constexpr std::chrono::milliseconds kPeriod{50};
+  static constexpr std::chrono::milliseconds kReconnectPeriod{5};
+
+  /// @return why a wait that began at the running time `begin` ends without what it waits for;
+  ///         nothing = it continues.
+  [[nodiscard]] std::optional<Outcome> end_of_wait(const Target& target, const Patience& patience,
+                                                   Wakeup::Clock::time_point begin) const {
+    if (patience.may_interrupt && wakeup_.is_interrupted()) return Outcome::failed("interrupted");
+    if (Outcome present = discovery_.check_samples(target, patience.silence); !present) {
+      return present;
+    }
+    if (patience.needs_drive_time && discovery_.is_paused(target.key, begin)) {
+      return Outcome::failed(paused_text(target));
+    }
+    return std::nullopt;
+  }
+
+  /// For a call that waits for an answer: reconnects a broken link, and sends again what is
+  /// overdue. Does not wait: when another thread sends at this moment, that thread reconnects.
+  /// @return whether it was broken.
+  bool repair(const BenchKey& key);
 
   void take_reply(std::span<const std::byte> sample);
   void on_reply(const wire::Source& source);
@@ -133,7 +292,7 @@ class BenchLinks {
   Discovery& discovery_;
   Holdings& holdings_;
   CommandHistory& history_;
-  UnansweredMessages& unanswered_;
+  UnansweredMessages unanswered_;
   Wakeup& wakeup_;
   ObserverFailure& failure_;
   mutable std::mutex mutex_;        ///< guards the map of links, their sources and `spare_`

@@ -6,6 +6,10 @@
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_table.hpp"
 
+#include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -17,23 +21,42 @@
 namespace vdrive::client {
 namespace {
 
+using std::chrono::milliseconds;
+
+// A small part of the usual time of the watchdog: several keep-alives may be lost or late.
+constexpr milliseconds kKeepAlivePeriod{25};
+
+// While a bench connects anew: its watchdog runs.
+constexpr milliseconds kRetry{5};
+
+// Where the system forbids a real-time policy: still before programs that compute.
+constexpr int kNice = -10;
+
+/// On a busy machine this thread has to run before those that compute. Where the system permits
+/// neither it stays as it is.
+void raise_priority() {
+  const sched_param lowest{.sched_priority = 1};
+  if (sched_setscheduler(0, SCHED_RR | SCHED_RESET_ON_FORK, &lowest) == 0) return;
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+}
+
 using namespace literals;
 
 // For the end of a session: the service may be gone already.
-constexpr std::chrono::milliseconds kReleaseAnswer{500};
+constexpr milliseconds kReleaseAnswer{500};
 
 constexpr ObjectAddress kControlword = kObjectRows["ds402_controlword"_object].address;
 
 }  // namespace
 
-Control::Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings,
+Control::Control(KeepAlive keep_alive, Exchange& exchange, Holdings& holdings,
                  CommandHistory& history, BenchLinks& links, SessionNames& names)
     : keep_alive_(keep_alive),
-      requests_(requests),
+      exchange_(exchange),
       holdings_(holdings),
       history_(history),
       names_(names),
-      keep_alive_sender_(holdings, links) {}
+      links_(links) {}
 
 Control::~Control() {
   end();
@@ -41,7 +64,7 @@ Control::~Control() {
 
 void Control::end() {
   // First: a keep-alive behind the release would speak for an epoch that is not current any more.
-  keep_alive_sender_.stop();
+  keep_alive_thread_.stop();
   (void)release();  // no caller is left to receive the outcome
 }
 
@@ -49,7 +72,7 @@ void Control::end() {
 Result<RequestAnswer> Control::carry_out(const Target& target, msg::Request request,
                                          std::string_view what) {
   const msg::Request sent = request;
-  auto reply = requests_.exchange(target, std::move(request), what);
+  auto reply = exchange_.request(target, std::move(request), what);
   if (reply) {
     history_.note_request(target.key, sent, *reply, holdings_.last_sequence(target.key));
   }
@@ -69,7 +92,7 @@ void Control::note_acquired(const Target& target, std::span<const std::uint16_t>
     history_.note_gained(target.key, axes, holdings_.last_sequence(target.key));
   }
   // In lock-step the steps themselves keep control.
-  if (keep_alive_ == KeepAlive::own_thread && !target.steps()) keep_alive_sender_.start();
+  if (keep_alive_ == KeepAlive::own_thread && !target.steps()) start_keep_alive();
 }
 
 bool Control::holds(const Target& target, std::span<const std::uint16_t> axes) {
@@ -99,7 +122,7 @@ Outcome Control::acquire_part(const Target& target, std::span<const std::uint16_
   {
     // Until the new epoch is noted: a frame of another thread with the old one would be refused.
     const auto sending = holdings_.lock_sending(target.key.number);
-    const auto reply = requests_.exchange(target, std::move(request), what);
+    const auto reply = exchange_.request(target, std::move(request), what);
     if (!reply) return reply.outcome();
     note_acquired(target, axes, *reply);
   }
@@ -113,7 +136,7 @@ Result<RequestAnswer> Control::write(const Target& target, msg::Request request,
     return has_role({access.index, access.subindex}, Role::command);
   });
   // A store waits for a disk: it must not hold up the keep-alives.
-  if (!commands) return requests_.exchange(target, std::move(request), what);
+  if (!commands) return exchange_.request(target, std::move(request), what);
   const std::uint16_t axis = request.objects.front().axis;
   auto sending = holdings_.lock_sending(target.key.number);
   auto reply = carry_out(target, std::move(request), what);
@@ -135,10 +158,9 @@ Result<std::uint64_t> Control::stop(const Target& target, std::span<const std::u
     requests.back().objects.push_back(ask::object(axis, kControlword, word));
   }
   const auto sending = holdings_.lock_sending(target.key.number);
-  const auto replies =
-      requests_.exchange_all(target, requests,
-                             "stop of " + (axes.size() == 1 ? name_of(target, axes.front())
-                                                            : "axes of " + name_of(target)));
+  const auto replies = exchange_.send_all(target, requests)
+                           .await("stop of " + (axes.size() == 1 ? name_of(target, axes.front())
+                                                                 : "axes of " + name_of(target)));
   if (!replies) return replies.outcome();
   for (std::size_t i = 0; i < replies->size(); ++i) {
     history_.note_request(target.key, requests[i], (*replies)[i],
@@ -194,7 +216,7 @@ Outcome Control::release(const Target& target, std::span<const std::vector<std::
   std::vector<std::uint64_t> sent;
   Outcome result;
   for (const std::vector<std::uint16_t>& axes : parts) {
-    const auto number = requests_.send(target, ask::release(axes), kReleaseAnswer);
+    const auto number = exchange_.send(target, ask::release(axes), kReleaseAnswer);
     if (!number) {
       result = number.outcome();
       break;
@@ -203,12 +225,32 @@ Outcome Control::release(const Target& target, std::span<const std::vector<std::
   }
   for (const std::uint64_t number : sent) {
     const Patience patience{result ? kReleaseAnswer : std::chrono::milliseconds(0), false};
-    const auto answered = requests_.await(target, number, patience);
+    const auto answered = exchange_.await(target, number, patience);
     if (!answered && result) result = answered.outcome();
   }
   // Whatever the reason: whether the axes are free is not known.
   if (result || result.kind() == OutcomeKind::lost) return result;
   return Outcome::lost(result.message());
+}
+
+/// To the benches that take axes away from a silent session. The first axis that is taken starts
+/// the thread: a session that only looks has none.
+void Control::start_keep_alive() {
+  std::call_once(keeps_alive_, [this] {
+    keep_alive_thread_.start([this, is_raised = false]() mutable {
+      if (!std::exchange(is_raised, true)) raise_priority();
+      return send_keep_alive();
+    });
+  });
+}
+
+/// @return wall time until the next ones.
+milliseconds Control::send_keep_alive() {
+  bool are_all_reached = true;
+  for (const BenchKey& key : holdings_.to_keep_alive()) {
+    are_all_reached &= links_.send_keep_alive(key);
+  }
+  return are_all_reached ? kKeepAlivePeriod : kRetry;
 }
 
 }  // namespace vdrive::client

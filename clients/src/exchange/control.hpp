@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/periodic_thread.hpp"
+#include "exchange/bench_links.hpp"
 #include "exchange/command_history.hpp"
+#include "exchange/exchange.hpp"
 #include "exchange/holdings.hpp"
-#include "exchange/keep_alive.hpp"
-#include "exchange/requests.hpp"
 #include "exchange/session_names.hpp"
 #include "presence/target.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive_messages.hpp"
 
+#include <chrono>
 #include <cstdint>
+#include <mutex>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -20,7 +23,7 @@ namespace vdrive::client {
 /// Takes control of axes, keeps it and gives it back. Thread-safe.
 class Control {
  public:
-  Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings, CommandHistory& history,
+  Control(KeepAlive keep_alive, Exchange& exchange, Holdings& holdings, CommandHistory& history,
           BenchLinks& links, SessionNames& names);
 
   ~Control();
@@ -66,12 +69,17 @@ class Control {
   void note_acquired(const Target& target, std::span<const std::uint16_t> axes,
                      const msg::Reply& reply);
 
+  void start_keep_alive();
+  [[nodiscard]] std::chrono::milliseconds send_keep_alive();
+
   const KeepAlive keep_alive_;
-  Requests& requests_;
+  Exchange& exchange_;
   Holdings& holdings_;
   CommandHistory& history_;
   SessionNames& names_;
-  KeepAliveSender keep_alive_sender_;
+  BenchLinks& links_;
+  std::once_flag keeps_alive_;
+  PeriodicThread keep_alive_thread_;
 };
 
 }  // namespace vdrive::client

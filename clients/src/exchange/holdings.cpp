@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "exchange/holdings.hpp"
 
-#include "base/command_words.hpp"
+#include "base/drive_words.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -2,11 +2,8 @@
 // The axes of a group, their power states, and the watch over faults.
 #include "vdrive/client/axis_group.hpp"
 
-#include "base/command_objects.hpp"
-#include "base/command_words.hpp"
-#include "calls/axes_stop.hpp"
-#include "calls/lost_control.hpp"
-#include "calls/slow_drive.hpp"
+#include "base/drive_words.hpp"
+#include "calls/axes_command.hpp"
 #include "groups/group_state.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
@@ -15,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
 #include <span>
 #include <utility>
@@ -58,30 +56,22 @@ double fraction_of(const LineInHand& line, std::span<const AxisSnapshot> axes) {
   return std::clamp(fraction, 0.0, 1.0);
 }
 
-Result<GroupLayout> layout_of(std::vector<AxisId> axes) {
+Outcome check_axes(std::span<const AxisId> axes) {
   if (axes.empty()) return Outcome::not_found("a group needs at least one axis");
-  GroupLayout layout;
   std::set<AxisId> seen;
-  for (std::size_t place = 0; place < axes.size(); ++place) {
-    const AxisId& id = axes[place];
+  std::map<std::uint32_t, std::size_t> counts;  // of axes by bench
+  for (const AxisId& id : axes) {
     if (!seen.insert(id).second) {
       return Outcome::refused(wire::number(msg::Reason::axis_twice),
                               "axis " + to_string(id) + " appears twice in the group");
     }
-    auto bench = std::ranges::find(layout.benches, id.bench, &GroupLayout::Bench::number);
-    if (bench == layout.benches.end()) {
-      bench = layout.benches.insert(bench, {.number = id.bench, .axes = {}, .places = {}});
-    }
-    if (bench->axes.size() == msg::MAX_AXES_PER_FRAME) {
+    if (++counts[id.bench] > msg::MAX_AXES_PER_FRAME) {
       return Outcome::refused(wire::number(msg::Reason::too_many_axes),
                               "axis " + to_string(id) + " is too many: a group can have " +
                                   std::to_string(msg::MAX_AXES_PER_FRAME) + " axes of one bench");
     }
-    bench->axes.push_back(id.axis);
-    bench->places.push_back(place);
   }
-  layout.axes = std::move(axes);
-  return layout;
+  return {};
 }
 
 Eigen::VectorXd vector_of(const std::vector<AxisSnapshot>& axes, std::int32_t AxisStatus::*member) {
@@ -92,37 +82,8 @@ Eigen::VectorXd vector_of(const std::vector<AxisSnapshot>& axes, std::int32_t Ax
   return values;
 }
 
-/// Waits for drives whose reset acts later, or that have not seen it.
-Outcome await_reset_of_faulty(AxesCall& call) {
-  const AnswerTime answer_time(call, kLongestReset);
-  Outcome seen =
-      call.await("the fault reset", call.tick(), [&answer_time](const AxisSnapshot& axis) {
-        return answer_time.has_ended() || has_no_fault(axis);
-      });
-  std::vector<std::size_t> faulty;
-  for (std::size_t place = 0; place < call.snapshots().size(); ++place) {
-    if (is_fault(call.snapshots()[place].state())) faulty.push_back(place);
-  }
-  return seen && !faulty.empty() ? hold_reset(call, faulty) : seen;
-}
-
 bool is_factor(double factor) {
   return factor > 0.0 && factor <= 1.0;
-}
-
-/// The n-th round has the n-th word of each axis.
-std::vector<Round> enabling_rounds(const AxesCall& call, bool keep_target) {
-  std::vector<Round> rounds;
-  for (std::size_t place = 0; place < call.snapshots().size(); ++place) {
-    const std::span<const std::uint16_t> words = enabling_words(call.snapshots()[place].state());
-    rounds.resize(std::max(rounds.size(), words.size()));
-    for (std::size_t i = 0; i < words.size(); ++i) {
-      msg::AxisCommand command = call.command_to(place);
-      add_enabling_word(command, words[i], keep_target);
-      rounds[i].entries.push_back({place, std::move(command)});
-    }
-  }
-  return rounds;
 }
 
 }  // namespace
@@ -170,13 +131,16 @@ Outcome AxisGroup::State::explained(Outcome outcome) const {
 }
 
 AxesCall AxisGroup::State::call(const GroupCallOptions& options) {
-  if (!options.progress) return {core, layout, Caller::group};
-  return {
-      core, layout, Caller::group,
+  return {core, layout, Caller::group, progress_of(options)};
+}
+
+ObservedAxes::Progress AxisGroup::State::progress_of(const GroupCallOptions& options) {
+  if (!options.progress) return {};
+  return
       [this, progress = options.progress](std::uint64_t tick, std::span<const AxisSnapshot> axes) {
         const auto moving = line_in_hand();
         progress({tick, moving ? fraction_of(*moving, axes) : 0.0, axes});
-      }};
+      };
 }
 
 Result<std::vector<std::int32_t>> AxisGroup::State::set_points_of(const Eigen::VectorXd& values,
@@ -285,11 +249,10 @@ Result<AxisGroup> AxisGroup::create(Session& session, std::span<const Axis> axes
     }
     ids.push_back(axis.id());
   }
-  auto layout = layout_of(std::move(ids));
-  if (!layout) return layout.outcome();
+  if (Outcome sound = check_axes(ids); !sound) return sound;
   auto state = wire::made_here<State>();
   state->core = session.core_;
-  state->layout = std::move(*layout);
+  state->layout = layout_of(ids);
   AxisGroup group(std::move(state));
   if (auto shown = group.status(); !shown) return shown.outcome();
   return group;
@@ -305,85 +268,50 @@ Result<GroupStatus> AxisGroup::status() const {
   return state_->status_of(call);
 }
 
-// ---- power states ----------------------------------------------------------------------------
+// ---- commands --------------------------------------------------------------------------------
+
+Outcome AxisGroup::command(EachCommand command, const GroupCallOptions& options) {
+  AxesCommand all(
+      state_->core, state_->layout, Caller::group, command,
+      {.timeout = timeout_of(options), .until = options.until, .keep_target = options.keep_target},
+      state_->progress_of(options));
+  all.begin();
+  const bool ends_line = command == EachCommand::disable || command == EachCommand::quick_stop ||
+                         command == EachCommand::power_cycle;
+  if (ends_line && all.outcome()) state_->drop_all();
+  if (command == EachCommand::resume) return state_->resume(all, options);
+  all.carry_out();
+  return state_->explained(all.outcome());
+}
 
 Outcome AxisGroup::enable_all(const GroupCallOptions& options) {
-  AxesCall call = state_->call(options);
-  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
-  if (Outcome able = call.require(has_no_fault, "enabling", "a fault reset first"); !able)
-    return able;
-  if (options.until == Until::done) {
-    if (Outcome rested = call.await_quick_stops(); !rested) return rested;
-  }
-  const Answers answers =
-      call.exchange(enabling_rounds(call, options.keep_target), Timing::at_once);
-  if (!answers.outcome) return state_->explained(answers.outcome);
-  Outcome seen = call.await_tick("Operation enabled", answers.tick);
-  if (seen && options.until == Until::done) seen = await_enabling(call);
-  return seen ? state_->explained(call.check("Operation enabled", answers.tick)) : seen;
+  return command(EachCommand::enable, options);
 }
 
 Outcome AxisGroup::disable_all(const GroupCallOptions& options) {
-  AxesCall call = state_->call(options);
-  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
-  state_->drop_all();
-  if (Outcome rested = call.await_quick_stops(); !rested) return rested;
-  const auto stays = [](const AxisSnapshot& axis) {  // where 605Ah keeps the state
-    return axis.state() == PowerState::quick_stop_active;
-  };
-  const auto is_sound = [](const AxisSnapshot& axis) {
-    return !is_fault(axis.state());
-  };
-  const std::array rounds{call.round_of(kDisableVoltage, stays),
-                          call.round_of(kShutdown, is_sound)};
-  const Answers answers = call.exchange(rounds, Timing::at_once);
-  if (!answers.outcome) return state_->explained(answers.outcome);
-  const bool to_the_end = options.until == Until::done;
-  return call.await("Ready to switch on", answers.tick, [&](const AxisSnapshot& axis) {
-    return !to_the_end || axis.state() == PowerState::ready_to_switch_on || is_fault(axis.state());
-  });
+  return command(EachCommand::disable, options);
+}
+
+Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
+  return command(EachCommand::halt, options);
+}
+
+Outcome AxisGroup::resume_all(const GroupCallOptions& options) {
+  return command(EachCommand::resume, options);
 }
 
 Outcome AxisGroup::quick_stop_all(const GroupCallOptions& options) {
-  AxesCall call = state_->call(options);
-  AxesStop stop(*state_->core, call);
-  if (Outcome ready = stop.begin(timeout_of(options)); !ready) return ready;
-  state_->drop_all();
-  return stop.quick_stop(options.until);
+  return command(EachCommand::quick_stop, options);
+}
+
+Outcome AxisGroup::reset_all(const GroupCallOptions& options) {
+  return command(EachCommand::reset_fault, options);
 }
 
 Outcome AxisGroup::take_over() {
   AxesCall call = state_->call({});
   if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
   return call.acquire(true);
-}
-
-Outcome AxisGroup::reset_all(const GroupCallOptions& options) {
-  AxesCall call = state_->call(options);
-  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
-  Outcome reacted =
-      call.await("the end of the fault reaction", call.tick(), [](const AxisSnapshot& axis) {
-        return axis.state() != PowerState::fault_reaction_active;
-      });
-  if (!reacted) return reacted;
-  std::vector<Round> rounds;
-  for (const std::uint16_t word : reset_words()) {
-    rounds.push_back(call.round_of(word, [](const AxisSnapshot& axis) {
-      return is_fault(axis.state());
-    }));
-  }
-  if (rounds.front().entries.empty()) return {};
-  const Answers answers = call.exchange(rounds, Timing::at_once);
-  if (!answers.outcome) return state_->explained(answers.outcome);
-  Outcome seen = call.await_tick("the fault reset", answers.tick);
-  if (seen && options.until == Until::done) seen = await_reset_of_faulty(call);
-  if (!seen) return seen;
-  const auto faulty = std::ranges::find_if(call.snapshots(), [](const AxisSnapshot& axis) {
-    return is_fault(axis.state());
-  });
-  if (faulty == call.snapshots().end()) return {};
-  return not_in_this_state("axis " + to_string(faulty->id) + " " + what_it_shows(*faulty) +
-                           ", the cause persists");
 }
 
 // ---- watching --------------------------------------------------------------------------------

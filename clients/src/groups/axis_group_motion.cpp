@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Straight lines: times, start on one tick, arrival, queue, halt.
-#include "base/command_objects.hpp"
-#include "base/command_words.hpp"
+// Straight lines: times, start on one tick, arrival, queue.
+#include "base/drive_words.hpp"
 #include "calls/arrival.hpp"
-#include "calls/axes_stop.hpp"
+#include "calls/axes_command.hpp"
 #include "calls/profile_move.hpp"
 #include "groups/group_state.hpp"
 #include "vdrive/cia402/positioning_option.hpp"
@@ -40,27 +39,14 @@ constexpr ObjectAddress kJerkTime = kObjectRows["synchronous_move_jerk_time"_obj
 constexpr ObjectAddress kReferenceWay =
     kObjectRows["synchronous_move_reference_way"_object].address;
 
-/// What the times of a line depend on, in the order of LimitObject: kMoveBounds, then the others.
-constexpr std::array kOtherLimits{kObjectRows["motor_speed_limit"_object].address,
-                                  kObjectRows["app_position_limit_switch"_object].address,
-                                  kObjectRows["user_position_lower_limit"_object].address,
-                                  kObjectRows["user_position_upper_limit"_object].address,
-                                  kObjectRows["min_position_range_limit"_object].address,
-                                  kObjectRows["max_position_range_limit"_object].address,
-                                  kObjectRows["positioning_option_code"_object].address,
-                                  kObjectRows["motion_profile_type"_object].address,
-                                  kObjectRows["profile_jerk_use"_object].address,
-                                  kObjectRows["profile_jerk_1"_object].address,
-                                  kObjectRows["profile_jerk_2"_object].address,
-                                  kObjectRows["habit_plan_from_rest"_object].address,
-                                  kObjectRows["habit_controlword_loop"_object].address};
-
-constexpr auto kLimitObjects = [] {
-  std::array<ObjectAddress, kMoveBounds.size() + kOtherLimits.size()> objects{};
-  const auto rest = std::ranges::copy(kMoveBounds, objects.begin()).out;
-  std::ranges::copy(kOtherLimits, rest);
-  return objects;
-}();
+/// What the times of a line depend on, in the order of LimitObject.
+constexpr auto kLimitObjects =
+    move_bounds_and<"motor_speed_limit"_object, "app_position_limit_switch"_object,
+                    "user_position_lower_limit"_object, "user_position_upper_limit"_object,
+                    "min_position_range_limit"_object, "max_position_range_limit"_object,
+                    "positioning_option_code"_object, "motion_profile_type"_object,
+                    "profile_jerk_use"_object, "profile_jerk_1"_object, "profile_jerk_2"_object,
+                    "habit_plan_from_rest"_object, "habit_controlword_loop"_object>();
 
 enum LimitObject : std::size_t {
   profile_velocity,
@@ -461,55 +447,16 @@ Outcome AxisGroup::wait_all(const GroupCallOptions& options) {
   }
 }
 
-Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
-  AxesCall call = state_->call(options);
-  AxesStop stop(*state_->core, call);
-  if (Outcome ready = stop.begin(timeout_of(options)); !ready) return ready;
-  if (std::ranges::none_of(call.snapshots(), is_enabled)) {
-    if (Outcome seen = call.axes().look_again(); !seen) return seen;
+/// With a line in hand the axes are waited for at its end, else at the targets that they show.
+Outcome AxisGroup::State::resume(AxesCommand& resume, const GroupCallOptions& options) {
+  if (stream) resume.release_streams_of(stream->released);
+  std::set<std::uint32_t> stepped;
+  resume.await_in_force(stepped);
+  if (resume.outcome() && options.until == Until::done && line_in_hand()) {
+    return explained(await_line(resume.call(), options, true));
   }
-  const Round halt = call.round_of(kHalt, is_enabled);
-  if (halt.entries.empty())
-    return refused_in_state(call.snapshots().front(), "a halt", "Operation enabled");
-  if (Outcome taken = stop.acquire_free(); !taken) return taken;
-  Answers answers = stop.exchange(halt, Timing::common_tick);
-  if (!answers.outcome)
-    answers = stop.exchange(halt, Timing::at_once);  // rather apart than not at all
-  if (!answers.outcome) return state_->explained(answers.outcome);
-  const bool to_standstill = options.until == Until::done;
-  Outcome seen = call.await("standstill, bit 10", answers.tick, [&](const AxisSnapshot& axis) {
-    return !to_standstill || !is_enabled(axis) || stands_still(axis);
-  });
-  if (!seen) return call.stop_if_lost(std::move(seen));
-  // An axis that was to halt and failed instead stops the others as in a move.
-  const bool all = halt.entries.size() == call.snapshots().size();
-  return all ? state_->explained(call.check("standstill", answers.tick)) : seen;
-}
-
-Outcome AxisGroup::resume_all(const GroupCallOptions& options) {
-  AxesCall call = state_->call(options);
-  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
-  if (Outcome able = call.require(is_enabled, "resuming", "Operation enabled"); !able) return able;
-  Round resume = call.round_of(kEnableOperation, every_axis);
-  if (state_->stream) {
-    for (const std::size_t place : state_->stream->released) {
-      add_word(resume.entries[place].command, kReleaseStream);
-    }
-  }
-  const Answers answers = call.exchange({&resume, 1}, Timing::common_tick);
-  if (!answers.outcome) {
-    const Round halt = call.round_of(kHalt, every_axis);
-    if (answers.tick != 0)
-      (void)call.exchange({&halt, 1}, Timing::at_once);  // no axis continues alone
-    return state_->explained(answers.outcome);
-  }
-  Outcome seen = call.await_enabled("the release", answers.tick, every_axis);
-  if (seen && options.until == Until::done) {
-    seen = state_->line_in_hand()
-               ? state_->await_line(call, options, true)
-               : call.await_enabled("target reached, bit 10", answers.tick, has_no_way_left);
-  }
-  return state_->explained(std::move(seen));
+  resume.finish();
+  return explained(resume.outcome());
 }
 
 }  // namespace vdrive::client

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cyclic streaming of positions, velocities and torques.
-#include "base/command_objects.hpp"
-#include "base/command_words.hpp"
+#include "base/drive_words.hpp"
 #include "groups/group_state.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/dictionary/dictionary.hpp"

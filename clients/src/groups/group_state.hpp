@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "calls/axes_call.hpp"
+#include "calls/axes_command.hpp"
 #include "groups/line_course.hpp"
 #include "groups/line_times.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
@@ -97,6 +97,10 @@ struct AxisGroup::State {
 
   /// A call that reports its progress to `options`.
   AxesCall call(const GroupCallOptions& options);
+  ObservedAxes::Progress progress_of(const GroupCallOptions& options);
+
+  /// The steps of EachCommand::resume after its begin().
+  Outcome resume(AxesCommand& resume, const GroupCallOptions& options);
 
   /// Vectors of the caller as whole set-points, each within its object.
   Result<std::vector<std::int32_t>> set_points_of(const Eigen::VectorXd& values,

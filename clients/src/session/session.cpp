@@ -2,7 +2,7 @@
 #include "vdrive/client/session.hpp"
 
 #include "base/ask.hpp"
-#include "base/command_objects.hpp"
+#include "base/drive_words.hpp"
 #include "session/session_core.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
@@ -332,7 +332,7 @@ Outcome Session::send_set_points(std::uint32_t bench, std::span<const SetPointFr
   std::vector<FrameContent> contents;
   contents.reserve(frames.size());
   for (const SetPointFrame& frame : frames) add_contents(frame, contents);
-  return core_->commands.send_unawaited(*target, contents);
+  return core_->exchange.send_unawaited(*target, contents);
 }
 
 Outcome Session::acquire(std::span<const AxisId> axes) {

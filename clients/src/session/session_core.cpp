@@ -58,25 +58,16 @@ SessionCore::SessionCore(const SessionOptions& chosen)
       participant(wire::make_participant(settings_of(options), "vdrive client")),
       discovery(*participant, options, wakeup),
       names(*participant, id, options.program, discovery, wakeup),
-      links(*participant, id, discovery, {holdings, history, unanswered}, wakeup, failure),
-      waiter(wakeup, discovery, links),
-      requests(id, links, unanswered.requests, waiter),
-      commands(links, holdings, history, unanswered.frames, waiter),
-      control(options.keep_alive, requests, holdings, history, links, names),
-      clocks(id, requests, holdings, discovery, wakeup, *participant),
-      stream(*participant, discovery, waiter, wakeup),
-      observer(discovery, links, requests, clocks, stream, waiter),
+      links(*participant, id, discovery, holdings, history, wakeup, failure),
+      exchange(id, links, holdings, history),
+      control(options.keep_alive, exchange, holdings, history, links, names),
+      clocks(id, exchange, holdings, discovery, wakeup, *participant),
+      stream(*participant, discovery, links, wakeup),
+      observer(discovery, links, exchange, clocks, stream),
       watcher(discovery, stream, failure, reports),
-      events(*participant, discovery, failure, reports,
-             [this](const PresentBench& bench) {
-               return observer.first_tick_of_stream(target_of(bench),
-                                                    bench.info.axes.front().id.axis);
-             }),
+      events(*participant, discovery, observer, failure, reports),
       refusals(links, failure, reports),
-      statuses(discovery, stream, failure,
-               [this](const Target& target, std::span<const std::uint16_t> axes) {
-                 return observer.observe(target, axes);
-               }),
+      statuses(discovery, stream, observer, failure),
       status_reports(reports) {
   wakeup.work_with([this](std::uint32_t bench) {
     return participant->run_local_work(bench);

@@ -8,19 +8,13 @@
 #include "clocks/observer.hpp"
 #include "exchange/bench_links.hpp"
 #include "exchange/command_history.hpp"
-#include "exchange/commands.hpp"
 #include "exchange/control.hpp"
+#include "exchange/exchange.hpp"
 #include "exchange/holdings.hpp"
-#include "exchange/requests.hpp"
 #include "exchange/session_names.hpp"
-#include "exchange/unanswered.hpp"
-#include "exchange/waiter.hpp"
 #include "presence/discovery.hpp"
-#include "streams/event_watcher.hpp"
-#include "streams/refusal_watcher.hpp"
-#include "streams/service_watcher.hpp"
+#include "session/watchers.hpp"
 #include "streams/status_stream.hpp"
-#include "streams/status_watcher.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/wire/participant.hpp"
 
@@ -55,14 +49,11 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   ReportThreads reports;
   Holdings holdings;
   CommandHistory history;
-  UnansweredMessages unanswered;
   std::unique_ptr<wire::Participant> participant;
   Discovery discovery;
   SessionNames names;
   BenchLinks links;
-  Waiter waiter;
-  Requests requests;
-  Commands commands;
+  Exchange exchange;
   Control control;
   BenchClocks clocks;
   StatusStream stream;

@@ -2,11 +2,12 @@
 #pragma once
 
 #include "presence/directory.hpp"
+#include "vdrive/bounded_queue.hpp"
 #include "vdrive_messages.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <map>
 
 namespace vdrive::client {
@@ -19,17 +20,29 @@ class EventFilter {
   static constexpr std::size_t kRemembered = 1'024;
 
   /// Events of this run before `tick` are history.
-  void begin(const BenchKey& key, std::uint64_t tick);
+  void begin(const BenchKey& key, std::uint64_t tick) {
+    // An earlier run of the bench sends no more events.
+    std::erase_if(runs_, [&key](const auto& item) {
+      return item.first.number == key.number && item.first.incarnation < key.incarnation;
+    });
+    runs_.try_emplace(key, Run{.first_tick = tick});
+  }
 
   [[nodiscard]] bool knows(const BenchKey& key) const { return runs_.contains(key); }
 
   /// @return whether the event of a known run is neither history nor known.
-  [[nodiscard]] bool passes(const msg::Event& event);
+  [[nodiscard]] bool passes(const msg::Event& event) {
+    const auto found = runs_.find({event.bench, event.incarnation});
+    if (found == runs_.end() || event.tick < found->second.first_tick) return false;
+    auto& passed = found->second.passed;
+    if (std::ranges::find(passed.items(), event) != passed.items().end()) return false;
+    return passed.put(event);
+  }
 
  private:
   struct Run {
     std::uint64_t first_tick = 0;
-    std::deque<msg::Event> passed;  ///< oldest first
+    BoundedQueue<msg::Event> passed{kRemembered, WhenFull::drops_oldest};
   };
 
   std::map<BenchKey, Run> runs_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "base/run_time.hpp"
 #include "presence/directory.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
 #include "vdrive/wire/status_frame.hpp"

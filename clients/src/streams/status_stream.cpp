@@ -17,9 +17,9 @@ constexpr Patience kFirstSampleOfAll{std::chrono::milliseconds(5000), true};
 
 }  // namespace
 
-StatusStream::StatusStream(wire::Participant& participant, Discovery& discovery, Waiter& waiter,
+StatusStream::StatusStream(wire::Participant& participant, Discovery& discovery, BenchLinks& links,
                            Wakeup& wakeup)
-    : participant_(participant), discovery_(discovery), waiter_(waiter), wakeup_(wakeup) {}
+    : participant_(participant), discovery_(discovery), links_(links), wakeup_(wakeup) {}
 
 void StatusStream::subscribe() {
   std::call_once(subscribed_, [this] {
@@ -84,7 +84,7 @@ bool StatusStream::has_next(const StatusFeed& feed) const {
 
 Outcome StatusStream::next(const Target& target, StatusFeed& feed, const Patience& patience,
                            Observation& sample) {
-  return waiter_.wait(target, patience, [&] {
+  return links_.wait(target, patience, [&] {
     const std::scoped_lock lock(mutex_);
     return feed.take(sample);
   });
@@ -130,7 +130,7 @@ Result<Observation> StatusStream::next_samples(const Target& target,
         }
         wakeup_.notify();
       });
-  const Outcome outcome = waiter_.wait(target, kFirstSampleOfAll, [&] {
+  const Outcome outcome = links_.wait(target, kFirstSampleOfAll, [&] {
     const std::scoped_lock lock(mutex);
     return std::ranges::all_of(axes, [&](std::uint16_t axis) {
       return seen.contains(axis);

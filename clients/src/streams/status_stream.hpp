@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/wakeup.hpp"
-#include "exchange/waiter.hpp"
+#include "exchange/bench_links.hpp"
 #include "presence/discovery.hpp"
 #include "presence/target.hpp"
 #include "streams/status_feed.hpp"
@@ -24,7 +24,7 @@ namespace vdrive::client {
 /// then. Thread-safe.
 class StatusStream {
  public:
-  StatusStream(wire::Participant& participant, Discovery& discovery, Waiter& waiter,
+  StatusStream(wire::Participant& participant, Discovery& discovery, BenchLinks& links,
                Wakeup& wakeup);
 
   /// Receives status frames from now on; without that a session does not load the network.
@@ -60,7 +60,7 @@ class StatusStream {
 
   wire::Participant& participant_;
   Discovery& discovery_;
-  Waiter& waiter_;
+  BenchLinks& links_;
   Wakeup& wakeup_;
   mutable std::mutex mutex_;  ///< guards the feeds and what they collect
   std::vector<std::weak_ptr<StatusFeed>> feeds_;

@@ -189,6 +189,11 @@ class AxisGroup {
   /// @return refused, naming the first axis whose cause persists.
   Outcome reset_all(const GroupCallOptions& options = {});
 
+  /// A command by its name: enable_all(), disable_all(), halt_all(), resume_all(), quick_stop_all()
+  /// or reset_all(). EachCommand::power_cycle switches every axis off and on again and drops the
+  /// queue.
+  Outcome command(EachCommand command, const GroupCallOptions& options = {});
+
   /// The cyclic synchronous mode of `options.what` on every axis, from rest, without offsets
   /// (60B0h, 60B1h, 60B2h) and with 60C2h = one tick. They stay where they are until the first
   /// set-point comes.

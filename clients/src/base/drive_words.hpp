@@ -2,12 +2,12 @@
 #pragma once
 
 #include "vdrive/cia402/controlword.hpp"
-#include "vdrive/cia402/enabling_words.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/dictionary/object.hpp"
+#include "vdrive_messages.hpp"
 
 #include <cstdint>
-#include <vector>
 
 namespace vdrive::client {
 
@@ -15,7 +15,6 @@ using controlwords::kDisableVoltage;
 using controlwords::kEnableOperation;
 using controlwords::kQuickStop;
 using controlwords::kShutdown;
-using controlwords::kSwitchOn;
 inline constexpr std::uint16_t kHalt = kEnableOperation | Controlword::kHalt;
 
 /// With bits 4 to 6, which cyclic synchronous position does not have: a drive with the habit
@@ -26,6 +25,33 @@ inline constexpr std::uint16_t kReleaseStream = kEnableOperation | Controlword::
 
 /// The first value of 605Ah after which an axis stays in Quick stop active.
 inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
+
+/// Adds one of the further objects of a command (up to msg::MAX_OBJECTS_PER_AXIS), which the bench
+/// writes after the members of the command and before its controlword.
+inline void add_object(msg::AxisCommand& command, ObjectAddress address, std::int64_t value) {
+  auto& object = command.objects.emplace_back();
+  object.index = address.index;
+  object.subindex = address.subindex;
+  object.value = value;
+}
+
+/// Adds the controlword of a command, or replaces it.
+inline void add_word(msg::AxisCommand& command, std::uint16_t word) {
+  command.members = static_cast<std::uint16_t>(command.members | msg::HAS_DS402_CONTROLWORD);
+  command.ds402_controlword = word;
+}
+
+[[nodiscard]] inline bool is_enabled(const AxisSnapshot& axis) {
+  return axis.state() == PowerState::operation_enabled;
+}
+
+[[nodiscard]] inline bool has_no_fault(const AxisSnapshot& axis) {
+  return !is_fault(axis.state());
+}
+
+[[nodiscard]] inline bool every_axis(const AxisSnapshot& /*axis*/) {
+  return true;
+}
 
 [[nodiscard]] inline bool target_reached(const AxisSnapshot& axis) {
   return axis.shows(Statusword::kTargetReached);
@@ -67,11 +93,6 @@ inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
 [[nodiscard]] inline bool quick_stop_ended(const AxisSnapshot& axis, std::int64_t option) {
   return axis.state() != PowerState::quick_stop_active ||
          (option >= kFirstQuickStopThatStays && target_reached(axis));
-}
-
-/// Bit 7 goes up and down again: the next reset has its edge, and 0000h commands nothing in Fault.
-[[nodiscard]] inline std::vector<std::uint16_t> reset_words() {
-  return {kDisableVoltage, Controlword::kFaultReset, kDisableVoltage};
 }
 
 }  // namespace vdrive::client

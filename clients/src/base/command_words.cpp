@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/client/command_words.hpp"
+
+#include "base/drive_words.hpp"
+#include "vdrive/cia402/enabling_words.hpp"
+
+namespace vdrive::client {
+namespace {
+
+std::vector<std::uint16_t> words_to_enable(PowerState state, const EnablingWay& way) {
+  if (state == PowerState::not_ready_to_switch_on || state == PowerState::fault_reaction_active) {
+    return {};
+  }
+  if (state == PowerState::quick_stop_active && way.keeps_power) return {kEnableOperation};
+  std::vector<std::uint16_t> words;
+  if (state == PowerState::fault) {
+    if (!way.resets_fault) return {};
+    words.push_back(Controlword::kFaultReset);
+    state = PowerState::switch_on_disabled;
+  }
+  const auto rest = enabling_words(state);
+  words.insert(words.end(), rest.begin(), rest.end());
+  return words;
+}
+
+}  // namespace
+
+std::vector<std::uint16_t> words_to(EachCommand command, PowerState state, const EnablingWay& way) {
+  switch (command) {
+    case EachCommand::enable:
+      return words_to_enable(state, way);
+    case EachCommand::disable:
+      // Where 605Ah keeps the state after a quick stop.
+      if (state == PowerState::quick_stop_active) return {kDisableVoltage, kShutdown};
+      return {kShutdown};
+    case EachCommand::halt:
+      return {kHalt};
+    case EachCommand::resume:
+      return {kEnableOperation};
+    case EachCommand::quick_stop:
+      return {kQuickStop};
+    case EachCommand::reset_fault:
+      // Bit 7 goes up and down again: the next reset has its edge, and 0000h commands nothing in
+      // Fault.
+      return {kDisableVoltage, Controlword::kFaultReset, kDisableVoltage};
+    case EachCommand::power_cycle:
+      break;
+  }
+  return {};
+}
+
+}  // namespace vdrive::client

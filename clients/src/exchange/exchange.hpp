@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "exchange/bench_links.hpp"
+#include "exchange/command_history.hpp"
+#include "exchange/holdings.hpp"
+#include "presence/target.hpp"
+#include "vdrive/client/outcome.hpp"
+#include "vdrive_messages.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace vdrive::client {
+
+class Exchange;
+
+/// Requests that were sent to one bench together. What nobody awaits is forgotten.
+class SentRequests {
+ public:
+  SentRequests(Exchange& exchange, Target target)
+      : exchange_(&exchange), target_(std::move(target)) {}
+
+  ~SentRequests();
+  SentRequests(SentRequests&&) noexcept = default;
+  SentRequests(const SentRequests&) = delete;
+  SentRequests& operator=(const SentRequests&) = delete;
+  SentRequests& operator=(SentRequests&&) = delete;
+
+  /// @param what names the requests in messages, such as "read of axis 1.1"
+  /// @return the replies in the same order, or the first refusal.
+  Result<std::vector<RequestAnswer>> await(std::string_view what);
+
+ private:
+  friend class Exchange;
+  Exchange* exchange_;
+  Target target_;
+  std::vector<std::uint64_t> numbers_;
+  Outcome sending_;
+};
+
+/// What one command frame carries.
+struct FrameContent {
+  std::vector<msg::AxisCommand> commands;
+  std::uint64_t apply_at_tick = 0;     ///< 0 = the next; a frame that misses its tick is refused
+  std::uint32_t flags = 0;             ///< FRAME_..., beside the wish for a reply
+  std::vector<std::uint16_t> moved{};  ///< axes that run from then on: see Holdings
+};
+
+/// Frames that were sent to one bench.
+struct SentFrames {
+  Target target;
+  std::vector<std::uint64_t> sequences;
+};
+
+/// What became of command frames.
+struct Applied {
+  Outcome outcome;         ///< the first refusal, if any
+  std::uint64_t tick = 0;  ///< in which the last accepted one is in force; 0 = none was
+  std::vector<std::uint16_t> ignored_set_points;  ///< axes that did not take theirs
+};
+
+/// Sends requests and command frames to benches, and awaits their answers. Thread-safe.
+class Exchange {
+ public:
+  Exchange(std::uint64_t session, BenchLinks& links, Holdings& holdings, CommandHistory& history)
+      : session_(session), links_(links), holdings_(holdings), history_(history) {}
+
+  // ---- requests
+
+  /// Sends a request and awaits its reply. Fills in sender and receiver.
+  /// @param what names the request in messages, such as "read of axis 1.1"
+  Result<RequestAnswer> request(const Target& target, msg::Request message, std::string_view what,
+                                Silence silence = Silence::ends_call);
+
+  /// Sends several at once, up to the first that cannot be sent.
+  SentRequests send_all(const Target& target, std::vector<msg::Request> requests);
+
+  /// Sends a request. @return its number, for await().
+  /// @param patience wall time to wait for the match of a bench that is connected anew
+  Result<std::uint64_t> send(const Target& target, msg::Request request,
+                             std::chrono::milliseconds patience = kMatch);
+
+  /// Awaits the reply to a request, also a refusal.
+  Result<RequestAnswer> await(const Target& target, std::uint64_t number, const Patience& patience);
+
+  /// The axes that an answer shows were read: a next answer takes their memory.
+  void reuse(RequestAnswer& answer) { links_.reuse(std::move(answer.axes)); }
+
+  // ---- command frames
+
+  /// Sends frames in order, with no frame of another thread between them, and adds each to what was
+  /// sent, also before a failure.
+  Outcome send(SentFrames& sent, std::span<const FrameContent> frames);
+
+  /// Sends frames without waiting. Only a refused frame is answered; no call waits for this answer.
+  Outcome send_unawaited(const Target& target, std::span<const FrameContent> frames);
+
+  /// Waits for the answers to these frames. A frame that waits for its tick is answered then.
+  /// @param outcome of the sending; when it failed nothing is waited for
+  Applied collect(const SentFrames& sent, Outcome outcome);
+
+  /// Waits until all of these are answered, or one of them is refused.
+  /// @return whether none was refused.
+  Result<bool> await_answers(std::span<const SentFrames> sent);
+
+ private:
+  friend class SentRequests;
+
+  Outcome send_one(SentFrames& sent, const FrameContent& content);
+  msg::CommandFrame next_frame(const Target& target, const FrameContent& content);
+  [[nodiscard]] bool is_answered(const SentFrames& sent) const;
+  [[nodiscard]] bool is_refused(const SentFrames& sent) const;
+
+  [[nodiscard]] UnansweredRequests& unanswered_requests() const {
+    return links_.unanswered().requests;
+  }
+
+  [[nodiscard]] UnansweredFrames& unanswered_frames() const { return links_.unanswered().frames; }
+
+  const std::uint64_t session_;
+  BenchLinks& links_;
+  Holdings& holdings_;
+  CommandHistory& history_;
+  std::atomic<std::uint64_t> last_number_ = 0;
+};
+
+}  // namespace vdrive::client
