@@ -87,7 +87,7 @@ class EchoingNode final : public Port {
 struct GatewayBench {
   explicit GatewayBench(AsciiGatewayServerSettings settings = {}) {
     settings.listen.port = 0;
-    server.emplace(context, bus, settings);
+    server.emplace(context, bus, host, settings);
   }
 
   std::unique_ptr<TcpPeer> connect() {
@@ -113,6 +113,7 @@ struct GatewayBench {
 
   asio::io_context context;
   Bus bus;
+  RecordedHost host;
   RecordedPort port{bus};
   EchoingNode node{context, bus, 3};
   std::optional<AsciiGatewayServer> server;

@@ -263,24 +263,23 @@ TEST(GatewayCommand, IsRefusedWithItsSequenceWhereItHasOne) {
 // ---- the gateway
 
 /// A gateway of network 1, what it sent, and what its first session was told.
-struct RecordedGateway {
-  explicit RecordedGateway(const GatewaySettings& settings = {}) : gateway(settings, calls()) {
+struct RecordedGateway final : GatewayHost {
+  explicit RecordedGateway(const GatewaySettings& settings = {}) : gateway(settings, *this) {
     first = gateway.open();
   }
 
-  GatewayCalls calls() {
-    return {.send =
-                [this](const Frame& frame) {
-                  sent.push_back(frame);
-                },
-            .answer =
-                [this](GatewaySession session, std::string_view line) {
-                  (session == first ? answers : others).emplace_back(line);
-                },
-            .report =
-                [this](GatewaySession session, std::string_view line) {
-                  (session == first ? reports : others).emplace_back(line);
-                }};
+  void send(const Frame& frame) override { sent.push_back(frame); }
+
+  void answer(GatewaySession session, std::string_view line) override {
+    (session == first ? answers : others).emplace_back(line);
+  }
+
+  void report(GatewaySession session, std::string_view line) override {
+    (session == first ? reports : others).emplace_back(line);
+  }
+
+  std::optional<std::string> disturb(std::uint8_t /*node*/, std::string_view /*fault*/) override {
+    return std::nullopt;
   }
 
   /// @return what the first session was answered to this line at once.

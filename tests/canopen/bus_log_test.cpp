@@ -15,8 +15,6 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <utility>
-#include <vector>
 
 namespace vdrive::canopen {
 namespace {
@@ -44,18 +42,11 @@ TEST(BusLogLine, IsThatOfCanUtils) {
 
 struct LoggedBus {
   explicit LoggedBus(const std::filesystem::path& file, std::uint64_t most_bytes = 1'000) {
-    BusLogSettings settings{.file = file, .most_bytes = most_bytes};
-    settings.clock = [this] {
-      return now;
-    };
-    settings.report = [this](bridge::Severity, const std::string& text) {
-      reports.push_back(text);
-    };
-    log.emplace(context, bus, std::move(settings));
+    log.emplace(context, bus, host, BusLogSettings{.file = file, .most_bytes = most_bytes});
   }
 
   void send(std::uint32_t id) {
-    now += 1ms;
+    host.time += 1ms;
     bus.send(data_frame(id, {0x42}), nullptr);
   }
 
@@ -66,8 +57,7 @@ struct LoggedBus {
 
   asio::io_context context;
   Bus bus;
-  std::chrono::microseconds now{};
-  std::vector<std::string> reports;
+  RecordedHost host;
   std::optional<BusLog> log;
 };
 
@@ -103,11 +93,11 @@ TEST(BusLog, ReportsAFullDiskOnceAndCountsWhatIsMissing) {
   logged.send(0x701);
   logged.send(0x702);
   logged.turn();
-  EXPECT_THAT(logged.reports,
+  EXPECT_THAT(logged.host.reports,
               ElementsAre(HasSubstr("log '/dev/full' cannot be written: No space left on device")));
   logged.send(0x703);
   logged.turn();
-  EXPECT_EQ(logged.reports.size(), 1U);
+  EXPECT_EQ(logged.host.reports.size(), 1U);
   EXPECT_EQ(logged.log->flush(), 3U);
 }
 
@@ -121,7 +111,7 @@ TEST(BusLog, EndsAtItsLimit) {
     logged.turn();
   }
   EXPECT_EQ(std::filesystem::file_size(file), 96U);
-  EXPECT_THAT(logged.reports, ElementsAre(HasSubstr("has reached its limit of 100 bytes")));
+  EXPECT_THAT(logged.host.reports, ElementsAre(HasSubstr("has reached its limit of 100 bytes")));
   EXPECT_EQ(logged.log->flush(), 2U);
 }
 

@@ -3,7 +3,7 @@
 // lely-core's dcf tools, python-canopen and the package canopen of npm refuse.
 #include "node/electronic_data_sheet.hpp"
 
-#include "node/by_index.hpp"
+#include "node/node_object.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/number_text.hpp"

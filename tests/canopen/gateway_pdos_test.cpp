@@ -27,27 +27,19 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// A gateway with two sessions. What the second one is told is kept apart.
-struct PdoGateway {
-  PdoGateway()
-      : gateway({}, {.send =
-                         [this](const Frame& frame) {
-                           sent.push_back(frame);
-                         },
-                     .answer =
-                         [this](GatewaySession session, std::string_view line) {
-                           (session == first ? told : others).emplace_back(line);
-                         },
-                     .report =
-                         [this](GatewaySession session, std::string_view line) {
-                           (session == first ? told : others).emplace_back(line);
-                         },
-                     .disturb =
-                         [this](std::uint8_t node, std::string_view fault) {
-                           faults.emplace_back(std::to_string(node) + " " + std::string(fault));
-                           return refusal;
-                         }}),
-        first(gateway.open()),
-        second(gateway.open()) {}
+struct PdoGateway final : GatewayHost {
+  void send(const Frame& frame) override { sent.push_back(frame); }
+
+  void answer(GatewaySession session, std::string_view line) override {
+    (session == first ? told : others).emplace_back(line);
+  }
+
+  void report(GatewaySession session, std::string_view line) override { answer(session, line); }
+
+  std::optional<std::string> disturb(std::uint8_t node, std::string_view fault) override {
+    faults.emplace_back(std::to_string(node) + " " + std::string(fault));
+    return refusal;
+  }
 
   std::vector<std::string> take(std::string_view line) {
     gateway.take_line(first, line, {});
@@ -66,9 +58,9 @@ struct PdoGateway {
   Frames sent;
   std::vector<std::string> faults;
   std::optional<std::string> refusal;
-  AsciiGateway gateway;
-  GatewaySession first;
-  GatewaySession second;
+  AsciiGateway gateway{{}, *this};
+  GatewaySession first = gateway.open();
+  GatewaySession second = gateway.open();
 };
 
 // 6041h has two bytes and 6064h four: 0237h and 000003E8h.
@@ -207,15 +199,9 @@ TEST(GatewayDisturb, PassesOnTheNodeAndTheFault) {
 struct ServedGateway {
   asio::io_context context;
   Bus bus;
+  RecordedHost host;
   RecordedPort port{bus};
-  AsciiGatewayServer server{
-      context,
-      bus,
-      {.listen = {.port = 0},
-       .disturb = [](std::uint8_t node, std::string_view) -> std::optional<std::string> {
-         if (node == 3) return std::nullopt;
-         return "no node " + std::to_string(node);
-       }}};
+  AsciiGatewayServer server{context, bus, host, {.listen = {.port = 0}}};
   TcpPeer peer{context, server.address()};
 
   std::string ask(const std::string& line) {
@@ -230,7 +216,7 @@ TEST(GatewayServer, SendsTheSyncsOfACommandAndThenAnswers) {
   EXPECT_EQ(test.port.frames, Frames(100, data_frame(0x080, {})));
 }
 
-TEST(GatewayServer, DisturbsItsBusAsItsSettingsSay) {
+TEST(GatewayServer, LetsItsHostDisturbTheBus) {
   ServedGateway test;
   EXPECT_EQ(test.ask("[1] 3 _disturb lost"), "[1] OK\r\n");
   EXPECT_EQ(test.peer.ask("[2] 4 _disturb lost\n"), "[2] ERROR:101 #syntax error: no node 4\r\n");

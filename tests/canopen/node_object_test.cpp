@@ -2,7 +2,6 @@
 // The dictionary of a CANopen node: the rows of the core, the communication objects, the counts.
 #include "node/node_object.hpp"
 
-#include "node/by_index.hpp"
 #include "vdrive/axis_status.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "node/cob_id.hpp"
-#include "node/drive_time.hpp"
 #include "node/frame.hpp"
 #include "node/node_host.hpp"
 #include "node/pdo_parameters.hpp"

@@ -3,9 +3,13 @@
 
 #include "bus/bus.hpp"
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::canopen {
@@ -30,6 +34,26 @@ class RecordedPort final : public Port {
 
  private:
   Bus& bus_;
+};
+
+/// A host of a bus that keeps what it is told. The nodes 1 to 3 can be disturbed.
+struct RecordedHost final : BusHost {
+  void report(bridge::Severity /*severity*/, const std::string& /*port*/,
+              const std::string& text) override {
+    reports.push_back(text);
+  }
+
+  [[nodiscard]] std::chrono::microseconds frame_time() const override { return time; }
+
+  [[nodiscard]] std::optional<std::string> disturb(std::uint8_t node,
+                                                   std::string_view /*fault*/) override {
+    constexpr std::uint8_t kHighest = 3;
+    if (node <= kHighest) return std::nullopt;
+    return "no node " + std::to_string(node);
+  }
+
+  std::vector<std::string> reports;
+  std::chrono::microseconds time{};
 };
 
 /// @return a data frame in the base format.

@@ -26,8 +26,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-constexpr std::uint16_t kNumber = 0x2000;       // of 4 bytes, reads 11h, 22h, 33h, 44h
-constexpr std::uint16_t kDriveNumber = 0x2001;  // likewise, answered later
+constexpr std::uint16_t kDriveNumber = 0x2001;  // of 4 bytes, answered later
 constexpr std::uint16_t kText = 0x2002;         // `text`
 
 class BlockObjects final : public SdoObjects {

@@ -24,7 +24,9 @@ constexpr ObjectAddress kStatusword{.index = 0x6041, .subindex = 0};
 constexpr std::chrono::milliseconds kTimeOut{500};
 
 /// A client of node 5, and what it has sent.
-struct RecordedClient {
+struct RecordedClient final : FrameSender {
+  void send(const Frame& frame) override { sent.push_back(frame); }
+
   /// @return the frame that was sent last.
   [[nodiscard]] Frame last() const { return sent.empty() ? Frame{} : sent.back(); }
 
@@ -35,9 +37,7 @@ struct RecordedClient {
 
   Frames sent;
   BusTime now{std::chrono::seconds(7)};
-  SdoClient client{5, [this](const Frame& frame) {
-                     sent.push_back(frame);
-                   }};
+  SdoClient client{5, *this};
 };
 
 SdoOutcome value_of(Bytes data) {

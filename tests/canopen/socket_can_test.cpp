@@ -97,9 +97,10 @@ TEST(SocketCan, NamesAnInterfaceThatItCannotOpenAndTheRemedy) {
   // Where the kernel has no CAN this is the reason, else that there is no such interface.
   asio::io_context context;
   Bus bus;
+  RecordedHost host;
   for (const char* const name : {"no-such-can", "", "a-name-of-more-than-15"}) {
     try {
-      const SocketCan opened(context, bus, {.interface = name});
+      const SocketCan opened(context, bus, host, {.interface = name});
       FAIL() << "it is open: " << name;
     } catch (const std::runtime_error& error) {
       const std::string message = error.what();
@@ -113,17 +114,18 @@ TEST(SocketCan, NamesAnInterfaceThatItCannotOpenAndTheRemedy) {
 TEST(SocketCan, RefusesAnInterfaceThatIsNoCan) {
   asio::io_context context;
   Bus bus;
-  EXPECT_THROW(SocketCan(context, bus, {.interface = "lo"}), std::runtime_error);
+  RecordedHost host;
+  EXPECT_THROW(SocketCan(context, bus, host, {.interface = "lo"}), std::runtime_error);
 }
 
 /// A port at a pair of sockets in the place of an interface, whose errors the test chooses.
-class PluggedInterface {
+class PluggedInterface final : CanSockets {
   Bus bus_{};  // first: the others are its ports
 
  public:
   PluggedInterface() = default;
 
-  ~PluggedInterface() { unplug(); }
+  ~PluggedInterface() override { unplug(); }
 
   PluggedInterface(const PluggedInterface&) = delete;
   PluggedInterface& operator=(const PluggedInterface&) = delete;
@@ -163,13 +165,14 @@ class PluggedInterface {
   int write_attempts = 0;
   int read_error = 0;  ///< of the next read
   int open_failures = 0;
-  std::vector<std::string> lines{};
+  RecordedHost host{};
+  std::vector<std::string>& lines = host.reports;
   RecordedPort master{bus_};
 
   [[nodiscard]] const SocketCanCounters& counters() const { return port_.counters(); }
 
  private:
-  int open() {
+  int open(const std::string& /*interface*/) override {
     if (open_failures > 0) {
       --open_failures;
       throw std::runtime_error("there is no network interface of this name");
@@ -188,35 +191,27 @@ class PluggedInterface {
     return -1;
   }
 
-  SocketCanSettings settings() {
-    return {.interface = "can7",
-            .most_waiting_frames = kMostWaiting,
-            .holds_bus = true,
-            .reopen_period = std::chrono::milliseconds(1),
-            .report =
-                [this](bridge::Severity, const std::string& text) {
-                  lines.push_back(text);
-                },
-            .calls = {.open =
-                          [this](const std::string&) {
-                            return open();
-                          },
-                      .read =
-                          [this](int socket, can_frame& frame) {
-                            if (read_error != 0) return failed(std::exchange(read_error, 0));
-                            return ::read(socket, &frame, sizeof frame);
-                          },
-                      .write =
-                          [this](int socket, const can_frame& frame) {
-                            ++write_attempts;
-                            if (write_error != 0) return failed(write_error);
-                            return ::write(socket, &frame, sizeof frame);
-                          }}};
+  ssize_t read(int socket, can_frame& frame) override {
+    if (read_error != 0) return failed(std::exchange(read_error, 0));
+    return ::read(socket, &frame, sizeof frame);
+  }
+
+  ssize_t write(int socket, const can_frame& frame) override {
+    ++write_attempts;
+    if (write_error != 0) return failed(write_error);
+    return ::write(socket, &frame, sizeof frame);
   }
 
   int wire_ = -1;
   asio::io_context context_;
-  SocketCan port_{context_, bus_, settings()};
+  SocketCan port_{context_,
+                  bus_,
+                  host,
+                  {.interface = "can7",
+                   .most_waiting_frames = kMostWaiting,
+                   .holds_bus = true,
+                   .reopen_period = std::chrono::milliseconds(1)},
+                  *this};
 };
 
 TEST(SocketCan, DropsFramesWhileTheInterfaceIsDownAndSendsThoseAfterIt) {

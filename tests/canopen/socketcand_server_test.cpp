@@ -27,10 +27,8 @@ namespace {
 struct SocketcandBench {
   explicit SocketcandBench(SocketcandSettings settings = {}) {
     settings.listen.port = 0;
-    settings.clock = [] {
-      return std::chrono::microseconds(1'500'000);
-    };
-    server.emplace(context, bus, std::move(settings));
+    host.time = std::chrono::microseconds(1'500'000);
+    server.emplace(context, bus, host, settings);
   }
 
   /// @return a client that is greeted.
@@ -56,6 +54,7 @@ struct SocketcandBench {
 
   asio::io_context context;
   Bus bus;
+  RecordedHost host;
   RecordedPort port{bus};
   std::optional<SocketcandServer> server;
 };
@@ -70,7 +69,7 @@ TEST(SocketcandServer, NamesTheAddressThatIsInUse) {
   SocketcandBench bench;
   const TcpAddress taken = bench.server->address();
   try {
-    const SocketcandServer second(bench.context, bench.bus, {.listen = taken});
+    const SocketcandServer second(bench.context, bench.bus, bench.host, {.listen = taken});
     FAIL() << "two servers listen at one port";
   } catch (const std::runtime_error& error) {
     const std::string message = error.what();
@@ -80,9 +79,9 @@ TEST(SocketcandServer, NamesTheAddressThatIsInUse) {
 
 TEST(SocketcandServer, RefusesAHostThatIsNoAddress) {
   SocketcandBench bench;
-  EXPECT_THROW(
-      SocketcandServer(bench.context, bench.bus, {.listen = {.host = "no.such.host", .port = 0}}),
-      std::runtime_error);
+  EXPECT_THROW(SocketcandServer(bench.context, bench.bus, bench.host,
+                                {.listen = {.host = "no.such.host", .port = 0}}),
+               std::runtime_error);
 }
 
 TEST(SocketcandServer, AnswersEachWordOfTheHandshakeInABlockOfItsOwn) {
@@ -304,13 +303,7 @@ struct HeldBus {
     EXPECT_TRUE(bench.bus.is_held());
   }
 
-  std::vector<std::string> reports;
-  SocketcandBench bench{
-      SocketcandSettings{.most_waiting_frames = kMostWaiting,
-                         .holds_bus = true,
-                         .report = [this](bridge::Severity, const std::string& text) {
-                           reports.push_back(text);
-                         }}};
+  SocketcandBench bench{SocketcandSettings{.most_waiting_frames = kMostWaiting, .holds_bus = true}};
   std::unique_ptr<TcpPeer> other = bench.connect();
   TcpPeer sleeper{bench.context, bench.server->address()};
   std::size_t sent = 0;
@@ -320,9 +313,9 @@ TEST(SocketcandServer, ReadsFromNobodyWhileAClientThatDoesNotReadHoldsTheBus) {
   HeldBus held;
   held.other->send("< open can0 >< bcmmode >< send 80 0 >< send 81 0 >");
   ASSERT_TRUE(held.bench.wait_for("a report", [&] {
-    return !held.reports.empty();
+    return !held.bench.host.reports.empty();
   }));
-  EXPECT_THAT(held.reports.front(),
+  EXPECT_THAT(held.bench.host.reports.front(),
               testing::HasSubstr("a client is not reading: 65 frames are waiting"));
   EXPECT_TRUE(held.bench.port.frames.empty());
   held.sleeper.read();

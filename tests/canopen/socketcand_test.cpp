@@ -20,16 +20,10 @@ namespace {
 using Replies = std::vector<std::string>;
 
 /// A session, what it answered and what it sent.
-struct RecordedSession {
-  RecordedSession()
-      : session(SocketcandCalls{.reply =
-                                    [this](std::string_view text) {
-                                      replies.emplace_back(text);
-                                    },
-                                .send =
-                                    [this](const Frame& frame) {
-                                      frames.push_back(frame);
-                                    }}) {}
+struct RecordedSession final : SocketcandHost {
+  void reply(std::string_view text) override { replies.emplace_back(text); }
+
+  void send(const Frame& frame) override { frames.push_back(frame); }
 
   /// Takes `bytes` and returns the answers to them.
   Replies take(std::string_view bytes) {
@@ -40,7 +34,7 @@ struct RecordedSession {
 
   Replies replies;
   Frames frames;
-  SocketcandSession session;
+  SocketcandSession session{*this};
 };
 
 RecordedSession& in_raw_mode(RecordedSession& recorded) {

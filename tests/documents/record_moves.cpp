@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <exception>
 #include <iostream>
+#include <memory>
 #include <string_view>
 
 namespace {
@@ -29,6 +30,10 @@ void record_ticks(AxisUnderTest& axis, std::uint64_t from, std::uint64_t to,
     axis.step();
   }
 }
+
+struct StandardOutput final : vdrive::recording::Output {
+  void write(std::string_view bytes) override { std::cout << bytes; }
+};
 
 struct Move {
   std::int64_t target = 0;    // [UU]
@@ -51,11 +56,7 @@ int record(std::string_view move) {
   constexpr std::uint64_t kForward = 10'600;  // 10.17 s, and the rest in the window
   constexpr std::uint64_t kBlockedAt = 1'000;
   constexpr std::uint64_t kBlocked = 2'000;
-  vdrive::recording::TextRecording recording({.put =
-                                                  [](std::string_view line) {
-                                                    std::cout << line << '\n';
-                                                  },
-                                              .flush = [] {}},
+  vdrive::recording::TextRecording recording(std::make_unique<StandardOutput>(),
                                              vdrive::recording::Format::csv);
   recording.begin({{.number = 1, .axes = {{.id = kAxis, .name = "x", .topic = "x"}}}});
   if (move == "forward") {

@@ -31,9 +31,9 @@ void check_line(std::string_view line) {
 }
 
 /// A gateway with one session, and nodes that answer by the fuzzer's bytes.
-class FuzzedGateway {
+class FuzzedGateway final : private GatewayHost {
  public:
-  explicit FuzzedGateway(Bytes& bytes) : bytes_(bytes), gateway_({}, calls()) {
+  explicit FuzzedGateway(Bytes& bytes) : bytes_(bytes), gateway_({}, *this) {
     session_ = gateway_.open();
   }
 
@@ -53,29 +53,24 @@ class FuzzedGateway {
   }
 
  private:
-  GatewayCalls calls() {
-    return {.send =
-                [this](const Frame& frame) {
-                  demand(frame.size <= kMostData && !frame.is_extended && !frame.is_remote,
-                         "a master sends data frames in the base format");
-                  request_ = frame;
-                },
-            .answer =
-                [this](GatewaySession, std::string_view line) {
-                  check_line(line);
-                  demand(line.front() == '[', "an answer has its sequence");
-                  ++answers_;
-                },
-            .report =
-                [](GatewaySession, std::string_view line) {
-                  check_line(line);
-                },
-            .disturb =
-                [](std::uint8_t, std::string_view fault) {
-                  const auto parsed = parse_bus_fault(fault, {});
-                  const auto* const refusal = std::get_if<std::string>(&parsed);
-                  return refusal == nullptr ? std::nullopt : std::optional(*refusal);
-                }};
+  void send(const Frame& frame) override {
+    demand(frame.size <= kMostData && !frame.is_extended && !frame.is_remote,
+           "a master sends data frames in the base format");
+    request_ = frame;
+  }
+
+  void answer(GatewaySession /*session*/, std::string_view line) override {
+    check_line(line);
+    demand(line.front() == '[', "an answer has its sequence");
+    ++answers_;
+  }
+
+  void report(GatewaySession /*session*/, std::string_view line) override { check_line(line); }
+
+  std::optional<std::string> disturb(std::uint8_t /*node*/, std::string_view fault) override {
+    const auto parsed = parse_bus_fault(fault, {});
+    const auto* const refusal = std::get_if<std::string>(&parsed);
+    return refusal == nullptr ? std::nullopt : std::optional(*refusal);
   }
 
   /// Mostly for the request that was sent last, and sometimes anything.

@@ -8,6 +8,7 @@
 #include "text_recording.hpp"
 
 #include <cstdint>
+#include <memory>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -36,16 +37,22 @@ Recorded read(Format format, const std::string& bytes) {
   return recorded;
 }
 
+class StringOutput final : public Output {
+ public:
+  explicit StringOutput(std::string& bytes) : bytes_(bytes) {}
+
+  void write(std::string_view bytes) override { bytes_.append(bytes); }
+
+ private:
+  std::string& bytes_;
+};
+
 void check_written(Recorded& recorded) {
   for (RecordedBench& bench : recorded.contents.benches) {
     for (RecordedAxis& axis : bench.axes) axis.topic = "axis" + std::to_string(axis.id.axis);
   }
   std::string bytes;
-  McapRecording writer(
-      [&bytes](std::string_view part) {
-        bytes.append(part);
-      },
-      "fuzz");
+  McapRecording writer(std::make_unique<StringOutput>(bytes), "fuzz");
   writer.begin(recorded.contents.benches);
   for (const client::Observation& sample : recorded.samples) writer.status(sample);
   writer.finish({});

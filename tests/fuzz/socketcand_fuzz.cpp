@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 namespace {
@@ -19,26 +20,26 @@ using namespace vdrive::canopen;
 using vdrive::test::demand;
 
 /// What a session did with the bytes of a client.
-struct SessionLog {
+struct SessionLog final : SocketcandHost {
+  void reply(std::string_view text) override { replies.emplace_back(text); }
+
+  void send(const Frame& frame) override { frames.push_back(frame); }
+
   std::vector<std::string> replies;
   std::vector<Frame> frames;
   SocketcandMode mode{};
   bool is_over = false;
   std::uint64_t refused_words = 0;
 
-  friend bool operator==(const SessionLog&, const SessionLog&) = default;
+  friend bool operator==(const SessionLog& a, const SessionLog& b) {
+    return std::tie(a.replies, a.frames, a.mode, a.is_over, a.refused_words) ==
+           std::tie(b.replies, b.frames, b.mode, b.is_over, b.refused_words);
+  }
 };
 
 SessionLog run_session(std::string_view bytes, std::size_t part) {
   SessionLog log;
-  SocketcandSession session(SocketcandCalls{.reply =
-                                                [&log](std::string_view text) {
-                                                  log.replies.emplace_back(text);
-                                                },
-                                            .send =
-                                                [&log](const Frame& frame) {
-                                                  log.frames.push_back(frame);
-                                                }});
+  SocketcandSession session(log);
   session.take("< open can0 >< rawmode >");
   while (!bytes.empty()) {
     session.take(bytes.substr(0, part));

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <random>
 #include <sstream>
 
@@ -28,11 +29,7 @@ struct Chunked {
 Chunked chunked(const std::vector<RecordedBench>& benches,
                 const std::vector<client::Observation>& samples, std::size_t in_chunk) {
   Chunked file;
-  McapRecording writer(
-      [&](std::string_view part) {
-        file.bytes.append(part);
-      },
-      "test");
+  McapRecording writer(std::make_unique<StringOutput>(file.bytes), "test");
   writer.begin(benches);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     writer.status(samples[i]);

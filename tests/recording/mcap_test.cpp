@@ -13,6 +13,7 @@
 
 #include <cstring>
 #include <map>
+#include <memory>
 #include <sstream>
 
 namespace vdrive::test {
@@ -48,11 +49,7 @@ std::vector<std::string> bodies_of(const std::string& bytes, Opcode opcode) {
 
 TEST(Mcap, AnEmptyFileBeginsWithTheBytesOfTheStandard) {
   std::string bytes;
-  McapWriter writer(
-      [&](std::string_view part) {
-        bytes.append(part);
-      },
-      "me");
+  const McapWriter writer(std::make_unique<StringOutput>(bytes), "me");
   // The magic; opcode 1, a body of 4 + 0 + 4 + 2 bytes; an empty profile; the library.
   const std::string expected("\x89MCAP0\r\n\x01\x0A\0\0\0\0\0\0\0\0\0\0\0\x02\0\0\0me", 27);
   EXPECT_EQ(bytes, expected);

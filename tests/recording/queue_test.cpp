@@ -101,12 +101,12 @@ TEST(RecordingQueue, LeavesOutSamplesThatAWriterCannotTakeAndNamesTheirTicks) {
   const std::uint64_t missed = records.samples[1].missed;
   EXPECT_EQ(missed, records.samples[1].tick - 1002);
   EXPECT_GE(missed, 2U);
-  ASSERT_FALSE(summary.gaps.gaps().empty());
-  EXPECT_EQ(summary.gaps.gaps()[0].after, 1001U);
-  EXPECT_EQ(summary.gaps.gaps()[0].before, records.samples[1].tick);
+  ASSERT_FALSE(summary.gaps.missed().kept().empty());
+  EXPECT_EQ(summary.gaps.missed().kept()[0].after, 1001U);
+  EXPECT_EQ(summary.gaps.missed().kept()[0].before, records.samples[1].tick);
   EXPECT_EQ(summary.samples, records.samples.size());
   ASSERT_TRUE(records.summary);
-  EXPECT_EQ(records.summary->gaps.missed(), summary.gaps.missed());
+  EXPECT_EQ(records.summary->gaps.missed().total(), summary.gaps.missed().total());
 }
 
 TEST(RecordingQueue, ReportsLeftOutSamplesAtTheEnd) {
@@ -125,7 +125,7 @@ TEST(RecordingQueue, ReportsLeftOutSamplesAtTheEnd) {
   records.changed.notify_all();
   const Summary summary = queue.finish();
   EXPECT_EQ(summary.samples, 1U);
-  EXPECT_EQ(summary.gaps.text(4), "after the tick 1001 of bench 1 (2)");
+  EXPECT_EQ(summary.gaps.missed().text(4), "after the tick 1001 of bench 1 (2)");
 }
 
 TEST(RecordingQueue, ReportsAFailureAndAcceptsNoFurtherSamples) {

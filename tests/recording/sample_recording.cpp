@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <sstream>
 
 namespace vdrive::test {
@@ -69,11 +70,7 @@ std::string mcap_of(const std::vector<RecordedBench>& benches,
                     const std::vector<client::Observation>& samples,
                     const std::vector<client::Event>& events) {
   std::string bytes;
-  McapRecording writer(
-      [&](std::string_view part) {
-        bytes.append(part);
-      },
-      "test");
+  McapRecording writer(std::make_unique<StringOutput>(bytes), "test");
   writer.begin(benches);
   Summary summary;
   for (const client::Observation& sample : samples) {
@@ -88,12 +85,7 @@ std::string mcap_of(const std::vector<RecordedBench>& benches,
 std::string text_of(Format format, const std::vector<RecordedBench>& benches,
                     const std::vector<client::Observation>& samples) {
   std::string text;
-  TextRecording writer({.put =
-                            [&](std::string_view line) {
-                              text.append(line).append("\n");
-                            },
-                        .flush = [] {}},
-                       format);
+  TextRecording writer(std::make_unique<StringOutput>(text), format);
   writer.begin(benches);
   for (const client::Observation& sample : samples) writer.status(sample);
   writer.finish({});

@@ -3,11 +3,13 @@
 
 #include "convert.hpp"
 #include "mcap_recording.hpp"
+#include "output_file.hpp"
 #include "recording.hpp"
 
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::test {
@@ -19,6 +21,17 @@ std::vector<recording::RecordedBench> benches_of(std::size_t benches, std::size_
 /// highest of its type among them. The ticks count from 1,000; 2 are missed before each fifth.
 std::vector<client::Observation> samples_of(const recording::RecordedBench& bench,
                                             std::size_t count);
+
+/// Appends what is written to a string, which outlives it.
+class StringOutput final : public recording::Output {
+ public:
+  explicit StringOutput(std::string& bytes) : bytes_(bytes) {}
+
+  void write(std::string_view bytes) override { bytes_.append(bytes); }
+
+ private:
+  std::string& bytes_;
+};
 
 /// @return the bytes of an MCAP recording.
 std::string mcap_of(const std::vector<recording::RecordedBench>& benches,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recordings of text: CSV and JSON lines.
 #include "csv_field.hpp"
-#include "gap_log.hpp"
 #include "recording/sample_recording.hpp"
 #include "text_recording.hpp"
 
@@ -234,39 +233,39 @@ TEST(GapLog, NamesGapsByTheTicksAroundThem) {
   log.note_sample(seen(2, 20));
   log.note_sample(seen(1, 15));
   log.note_lost_end(1, 7);
-  EXPECT_EQ(log.missed(), 10U);
-  EXPECT_EQ(log.text(4),
+  EXPECT_EQ(log.missed().total(), 10U);
+  EXPECT_EQ(log.missed().text(4),
             "between the ticks 10 and 14 of bench 1 (3), after the tick 15 of bench 1 (7)");
-  EXPECT_EQ(log.text(1), "between the ticks 10 and 14 of bench 1 (3), and 1 further gap");
+  EXPECT_EQ(log.missed().text(1), "between the ticks 10 and 14 of bench 1 (3), and 1 further gap");
 }
 
-// The tick number jumped from 10 over 9,000 ticks, and two samples were lost beside that.
+// The tick number jumped from 10 over 9,000 ticks, and two samples were lost besides.
 TEST(GapLog, CountsTheTicksOfAJumpApartFromLostSamples) {
   GapLog log;
   log.note_sample(seen(1, 10));
   log.note_sample(seen(1, 9'013, 2, 9'000));
   log.note_sample(seen(1, 9'014));
-  EXPECT_EQ(log.missed(), 2U);
-  EXPECT_EQ(log.skipped(), 9'000U);
-  ASSERT_EQ(log.jumps().size(), 1U);
-  EXPECT_EQ(log.jumps().front().after, 10U);
-  EXPECT_EQ(log.jumps().front().before, 9'013U);
-  EXPECT_EQ(log.jumps_text(4), "between the ticks 10 and 9013 of bench 1 (9000)");
-  for (std::uint64_t jump = 1; jump <= GapLog::kKept; ++jump) {
+  EXPECT_EQ(log.missed().total(), 2U);
+  EXPECT_EQ(log.jumps().total(), 9'000U);
+  ASSERT_EQ(log.jumps().kept().size(), 1U);
+  EXPECT_EQ(log.jumps().kept().front().after, 10U);
+  EXPECT_EQ(log.jumps().kept().front().before, 9'013U);
+  EXPECT_EQ(log.jumps().text(4), "between the ticks 10 and 9013 of bench 1 (9000)");
+  for (std::uint64_t jump = 1; jump <= GapList::kKept; ++jump) {
     log.note_sample(seen(1, 9'014 + 10 * jump, 0, 9));
   }
-  EXPECT_EQ(log.jumps().size(), GapLog::kKept);
-  EXPECT_EQ(log.jumps_left_out(), 1U);
-  EXPECT_EQ(log.skipped(), 18'000U);
+  EXPECT_EQ(log.jumps().kept().size(), GapList::kKept);
+  EXPECT_EQ(log.jumps().left_out(), 1U);
+  EXPECT_EQ(log.jumps().total(), 18'000U);
 }
 
 TEST(GapLog, KeepsABoundedNumberOfGapsAndCountsTheOthers) {
   GapLog log;
   std::uint64_t tick = 0;
-  for (std::size_t i = 0; i < GapLog::kKept + 5; ++i) log.note_sample(seen(1, tick += 2, 1));
-  EXPECT_EQ(log.gaps().size(), GapLog::kKept);
-  EXPECT_EQ(log.left_out(), 5U);
-  EXPECT_EQ(log.missed(), GapLog::kKept + 5);
+  for (std::size_t i = 0; i < GapList::kKept + 5; ++i) log.note_sample(seen(1, tick += 2, 1));
+  EXPECT_EQ(log.missed().kept().size(), GapList::kKept);
+  EXPECT_EQ(log.missed().left_out(), 5U);
+  EXPECT_EQ(log.missed().total(), GapList::kKept + 5);
 }
 
 }  // namespace

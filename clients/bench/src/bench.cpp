@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/bench/bench.hpp"
 
+#include "base/counters.hpp"
 #include "configuration/configuration.hpp"
 #include "configuration/configuration_file.hpp"
 #include "configuration/presets.hpp"
 #include "journal/journal_file.hpp"
-#include "local_wire.hpp"
 #include "run/bench_run.hpp"
+#include "run/bench_wire.hpp"
+#include "seam/wire_link.hpp"
+#include "seam/wire_region.hpp"
 #include "settings/configuration_error.hpp"
 #include "store/parameter_store.hpp"
 #include "vdrive/axis_bank.hpp"
@@ -15,7 +18,9 @@
 #include "vdrive/wire/local_bus.hpp"
 #include "vdrive/wire/origin.hpp"
 #include "vdrive/wire/participant.hpp"
+#include "wire/wire_program.hpp"
 
+#include <chrono>
 #include <cstddef>
 #include <exception>
 #include <span>
@@ -147,6 +152,44 @@ std::unique_ptr<service::ParameterStore> store_of(const BenchOptions& options,
 service::JournalSink journal_of(const BenchOptions& options) {
   return options.journal.empty() ? nullptr : service::open_journal(options.journal.string());
 }
+
+/// The wire that is none: what leaves the engine goes to the local bus in the thread that writes
+/// it, and what arrives comes in the thread of the session that sends it.
+class LocalWire final : public service::BenchWire {
+ public:
+  /// @param configuration its network names the bus
+  /// @throws wire::NetworkError when another bench on the bus has the number
+  LocalWire(const Configuration& configuration, service::Counters& counters)
+      : region_(service::wire_settings(configuration), service::WireRegion::Sharing::none),
+        link_(region_),
+        program_(region_, service::wire_settings(configuration)),
+        counters_(counters) {
+    link_.send_through(program_);
+    counters.wire_starts.add();
+  }
+
+  [[nodiscard]] const service::WireRegion& region() const noexcept override { return region_; }
+
+  [[nodiscard]] service::WireLink& link() noexcept override { return link_; }
+
+  void start() override {
+    link_.begin();
+    counters_.wire_is_up.set(1);
+  }
+
+  /// The bus knows whether a number is taken.
+  [[nodiscard]] std::chrono::milliseconds time_to_meet_others() const noexcept override {
+    return std::chrono::milliseconds{0};
+  }
+
+  void stop(std::chrono::milliseconds /*patience*/) override { link_.end(); }
+
+ private:
+  service::WireRegion region_;
+  service::WireLink link_;
+  service::WireProgram program_;
+  service::Counters& counters_;
+};
 
 }  // namespace
 

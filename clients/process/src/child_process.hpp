@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/wire/origin.hpp"
+
 #include <sys/types.h>
 
 #include <chrono>
@@ -9,6 +11,10 @@
 #include <vector>
 
 namespace vdrive::process {
+
+// What a forked process may not touch, for clients that name no wire.
+using wire::made_here;
+using wire::Origin;
 
 /// A descriptor, closed with this object.
 class Descriptor {

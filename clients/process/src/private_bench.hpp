@@ -47,7 +47,7 @@ class PrivateBench {
   ChildProcess service_;
 };
 
-/// @return the path of the program `name` beside this one, else of the one in PATH; nothing where
+/// @return the path of the program `name` next to this one, else of the one in PATH; nothing where
 ///         there is none.
 [[nodiscard]] std::optional<std::string> find_program(const std::string& name);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "origin.hpp"
+#include "child_process.hpp"
 #include "python.hpp"
 
 #include <type_traits>

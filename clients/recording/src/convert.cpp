@@ -18,27 +18,6 @@
 namespace vdrive::recording {
 namespace {
 
-/// Lines of a file, some at a time.
-class BufferedLines {
- public:
-  explicit BufferedLines(const std::string& path) : file_(path) {}
-
-  void put(std::string_view line) {
-    constexpr std::size_t kMost = std::size_t{64} * 1024;
-    buffer_.append(line).push_back('\n');
-    if (buffer_.size() >= kMost) flush();
-  }
-
-  void flush() {
-    file_.write(buffer_);
-    buffer_.clear();
-  }
-
- private:
-  OutputFile file_;
-  std::string buffer_;
-};
-
 Format format_or_refuse(const std::string& file) {
   const auto format = format_of(file);
   if (!format) throw RecordingError(in_quotes(file) + " does not end in .csv, .jsonl or .mcap");
@@ -49,24 +28,9 @@ Format format_or_refuse(const std::string& file) {
 
 std::unique_ptr<Writer> open_recording(const std::string& file, const std::string& version) {
   const Format format = format_or_refuse(file);
-  if (format == Format::mcap) {
-    auto output = std::make_shared<OutputFile>(file);
-    return std::make_unique<McapRecording>(
-        [output](std::string_view bytes) {
-          output->write(bytes);
-        },
-        version);
-  }
-  auto lines = std::make_shared<BufferedLines>(file);
-  return std::make_unique<TextRecording>(LineSink{.put =
-                                                      [lines](std::string_view line) {
-                                                        lines->put(line);
-                                                      },
-                                                  .flush =
-                                                      [lines] {
-                                                        lines->flush();
-                                                      }},
-                                         format);
+  auto output = std::make_unique<OutputFile>(file);
+  if (format == Format::mcap) return std::make_unique<McapRecording>(std::move(output), version);
+  return std::make_unique<TextRecording>(std::move(output), format);
 }
 
 Contents read_recording(const std::string& file, const SampleHandler& handler) {

@@ -7,7 +7,7 @@
 namespace vdrive::recording {
 namespace {
 
-/// Takes a quoted field and the comma behind it off `line`.
+/// Takes a quoted field and the comma after it off `line`.
 std::string take_quoted(std::string_view& line) {
   std::string field;
   std::size_t place = 1;

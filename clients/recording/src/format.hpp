@@ -13,6 +13,11 @@ enum class Format : std::uint8_t { csv, json_lines, mcap };
 
 /// @return the format that the ending of a file's name stands for: .csv, .jsonl or .json, .mcap;
 ///         nothing for another one.
-[[nodiscard]] std::optional<Format> format_of(std::string_view file) noexcept;
+[[nodiscard]] constexpr std::optional<Format> format_of(std::string_view file) noexcept {
+  if (file.ends_with(".csv")) return Format::csv;
+  if (file.ends_with(".jsonl") || file.ends_with(".json")) return Format::json_lines;
+  if (file.ends_with(".mcap")) return Format::mcap;
+  return std::nullopt;
+}
 
 }  // namespace vdrive::recording

@@ -57,10 +57,10 @@ class RecordBuilder {
     return *this;
   }
 
-  /// A text or bytes behind their length (u32).
+  /// A text or bytes after their length (u32).
   RecordBuilder& put(std::string_view text);
 
-  /// A map behind its length in bytes (u32).
+  /// A map after its length in bytes (u32).
   RecordBuilder& put(const TextMap& map);
 
   /// Bytes as they are.
@@ -100,7 +100,7 @@ class BodyReader {
   std::string where_;
 };
 
-/// @return CRC-32 of `bytes` behind what `crc` covers, as MCAP has it.
+/// @return CRC-32 of `bytes` after what `crc` covers, as MCAP has it.
 [[nodiscard]] std::uint32_t crc_of(std::string_view bytes, std::uint32_t crc = 0) noexcept;
 
 }  // namespace vdrive::recording

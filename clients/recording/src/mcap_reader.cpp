@@ -127,7 +127,7 @@ std::optional<McapRecord> McapReader::next_of_file() {
   return record;
 }
 
-/// The checksum of the data is in the record behind it, that of the summary in its last one.
+/// The checksum of the data is in the record after it, that of the summary in its last one.
 void McapReader::check_sums(const McapRecord& record, std::string_view head) {
   if (record.offset == kMcapMagic.size()) crc_ = crc_of(kMcapMagic);
   if (record.opcode == Opcode::data_end) {

@@ -36,8 +36,8 @@ std::string gap_key(std::uint32_t bench, std::uint64_t tick) {
 
 // ---- writing -----------------------------------------------------------------------------------
 
-McapRecording::McapRecording(McapWriter::Sink sink, const std::string& version)
-    : file_(std::move(sink), "vdrive " + version) {}
+McapRecording::McapRecording(std::unique_ptr<Output> output, const std::string& version)
+    : file_(std::move(output), "vdrive " + version) {}
 
 void McapRecording::begin(const std::vector<RecordedBench>& benches) {
   axis_status_ = file_.add_schema(bridge::axis_status_schema());
@@ -140,22 +140,22 @@ void McapRecording::flush(Clock::time_point now) {
 void McapRecording::finish(const Summary& summary) {
   end_chunk();
   TextMap facts{{"samples", std::to_string(summary.samples)},
-                {"lost", std::to_string(summary.gaps.missed())},
+                {"lost", std::to_string(summary.gaps.missed().total())},
                 {"events", std::to_string(summary.events)},
                 {"events_lost", std::to_string(summary.events_lost)},
-                {"gaps_left_out", std::to_string(summary.gaps.left_out())},
-                {"skipped_ticks", std::to_string(summary.gaps.skipped())}};
+                {"gaps_left_out", std::to_string(summary.gaps.missed().left_out())},
+                {"skipped_ticks", std::to_string(summary.gaps.jumps().total())}};
   std::size_t number = 0;
-  for (const Gap& gap : summary.gaps.gaps()) {
+  for (const Gap& gap : summary.gaps.missed().kept()) {
     facts["gap." + std::to_string(++number)] =
         "bench " + std::to_string(gap.bench) + " after " + std::to_string(gap.after) + " before " +
-        std::to_string(gap.before) + " missed " + std::to_string(gap.missed);
+        std::to_string(gap.before) + " missed " + std::to_string(gap.count);
   }
   number = 0;
-  for (const Jump& jump : summary.gaps.jumps()) {
+  for (const Gap& jump : summary.gaps.jumps().kept()) {
     facts["jump." + std::to_string(++number)] =
         "bench " + std::to_string(jump.bench) + " after " + std::to_string(jump.after) +
-        " before " + std::to_string(jump.before) + " skipped " + std::to_string(jump.skipped);
+        " before " + std::to_string(jump.before) + " skipped " + std::to_string(jump.count);
   }
   file_.add_metadata(kSummaryRecord, facts);
   file_.finish();

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <istream>
 #include <map>
+#include <memory>
 #include <string>
 
 namespace vdrive::recording {
@@ -19,7 +20,7 @@ class McapRecording : public Writer {
   static constexpr std::size_t kMostTopics = 16;
 
   /// @param version of the program, for people
-  McapRecording(McapWriter::Sink sink, const std::string& version);
+  McapRecording(std::unique_ptr<Output> output, const std::string& version);
 
   void begin(const std::vector<RecordedBench>& benches) override;
   void status(const client::Observation& sample) override;

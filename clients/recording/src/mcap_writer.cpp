@@ -37,8 +37,8 @@ void McapWriter::TimeRange::add(std::uint64_t time, bool is_first) noexcept {
   last = is_first ? time : std::max(last, time);
 }
 
-McapWriter::McapWriter(Sink sink, std::string_view library)
-    : sink_(std::move(sink)), compressor_(std::make_unique<Compressor>()) {
+McapWriter::McapWriter(std::unique_ptr<Output> output, std::string_view library)
+    : output_(std::move(output)), compressor_(std::make_unique<Compressor>()) {
   std::string begin(kMcapMagic);
   RecordBuilder(begin, Opcode::header).put(std::string_view()).put(library);
   write(begin);
@@ -47,7 +47,7 @@ McapWriter::McapWriter(Sink sink, std::string_view library)
 McapWriter::~McapWriter() = default;
 
 void McapWriter::write(std::string_view bytes) {
-  sink_(bytes);
+  output_->write(bytes);
   offset_ += bytes.size();
   crc_ = crc_of(bytes, crc_);
 }

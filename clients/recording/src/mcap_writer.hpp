@@ -3,10 +3,10 @@
 
 #include "mcap_format.hpp"
 #include "messages.hpp"
+#include "output_file.hpp"
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -17,16 +17,13 @@
 namespace vdrive::recording {
 
 /// Writes a file of MCAP: messages of CDR in chunks of zstd, each with its indexes, and a summary.
-/// What was written is readable without what follows. Each call throws what the sink
-/// throws; the writer must not be used after that.
+/// What was written is readable without what follows. Each call throws what the
+/// output throws; the writer must not be used after that.
 class McapWriter {
  public:
-  /// Takes the bytes of the file, in order.
-  using Sink = std::function<void(std::string_view)>;
-
   /// Writes the beginning of the file.
   /// @param library who writes, for people
-  McapWriter(Sink sink, std::string_view library);
+  McapWriter(std::unique_ptr<Output> output, std::string_view library);
   ~McapWriter();
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;
@@ -92,7 +89,7 @@ class McapWriter {
   void append_chunk_indexes(std::string& out) const;
   void append_metadata_indexes(std::string& out) const;
 
-  Sink sink_;
+  std::unique_ptr<Output> output_;
   std::unique_ptr<Compressor> compressor_;
   std::uint64_t offset_ = 0;  ///< bytes written
   std::uint32_t crc_ = 0;     ///< of them

@@ -6,19 +6,31 @@
 
 namespace vdrive::recording {
 
-/// A file that is written from its beginning. A write ends in the system: a
-/// program that is killed loses nothing that was written.
-class OutputFile {
+/// Where the bytes of a recording go.
+class Output {
+ public:
+  Output() = default;
+  virtual ~Output() = default;
+  Output(const Output&) = delete;
+  Output& operator=(const Output&) = delete;
+
+  /// @throws RecordingError when they cannot be written
+  virtual void write(std::string_view bytes) = 0;
+};
+
+/// A file that is written from its beginning. A write ends in the system: a program that is killed
+/// loses nothing that was written.
+class OutputFile final : public Output {
  public:
   /// Creates the file, or empties an existing one.
   /// @throws RecordingError with the system's reason when it cannot be written
   explicit OutputFile(std::string path);
-  ~OutputFile();
+  ~OutputFile() override;
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
   /// @throws RecordingError with the system's reason, such as a full disk
-  void write(std::string_view bytes);
+  void write(std::string_view bytes) override;
 
   /// @throws RecordingError when the system reports a failed write only now
   void close();

@@ -3,10 +3,24 @@
 
 #include "topic_names.hpp"
 #include "vdrive/number_text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 namespace vdrive::recording {
+namespace {
+
+/// Such as "between the ticks 12 and 15 of bench 1 (2)".
+std::string place_of(const Gap& gap) {
+  const std::string after = std::to_string(gap.after);
+  const std::string where =
+      gap.before == 0 ? "after the tick " + after
+                      : "between the ticks " + after + " and " + std::to_string(gap.before);
+  return where + " of bench " + std::to_string(gap.bench) + " (" + std::to_string(gap.count) + ")";
+}
+
+}  // namespace
 
 RecordedBench describe(const client::BenchInfo& bench, const std::vector<client::AxisId>& axes) {
   constexpr std::size_t kHexDigits = 16;
@@ -56,6 +70,42 @@ std::map<client::AxisId, std::string> names_of(const std::vector<RecordedBench>&
     for (const RecordedAxis& axis : bench.axes) names[axis.id] = axis.name;
   }
   return names;
+}
+
+void GapList::add(const Gap& gap) {
+  total_ += gap.count;
+  if (kept_.size() < kKept) {
+    kept_.push_back(gap);
+  } else {
+    ++left_out_;
+  }
+}
+
+std::string GapList::text(std::size_t most) const {
+  std::string text;
+  const std::size_t named = std::min(most, kept_.size());
+  for (std::size_t i = 0; i < named; ++i) {
+    if (i != 0) text += ", ";
+    text += place_of(kept_[i]);
+  }
+  const std::uint64_t others = kept_.size() - named + left_out_;
+  const std::string noun = "further " + std::string(noun_);
+  if (others != 0) text += ", and " + counted(others, noun, noun + "s");
+  return text;
+}
+
+void GapLog::note_sample(const client::Observation& sample) {
+  std::uint64_t& last = last_ticks_[sample.axes.front().id.bench];
+  Gap gap{.bench = sample.axes.front().id.bench, .after = last, .before = sample.tick};
+  last = sample.tick;
+  gap.count = sample.missed;
+  if (gap.count != 0) missed_.add(gap);
+  gap.count = sample.skipped;
+  if (gap.count != 0) jumps_.add(gap);
+}
+
+void GapLog::note_lost_end(std::uint32_t bench, std::uint64_t missed) {
+  if (missed != 0) missed_.add({.bench = bench, .after = last_ticks_[bench], .count = missed});
 }
 
 }  // namespace vdrive::recording

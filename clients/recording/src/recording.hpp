@@ -2,13 +2,13 @@
 #pragma once
 
 #include "format.hpp"
-#include "gap_log.hpp"
 #include "messages.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
 #include "vdrive/client/bench.hpp"
 #include "vdrive/client/event.hpp"
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -58,6 +58,66 @@ void name_topics(RecordedBench& bench);
 /// @return the names of all axes.
 [[nodiscard]] std::map<client::AxisId, std::string> names_of(
     const std::vector<RecordedBench>& benches);
+
+/// Samples of a bench that a recording lacks; or a jump of its tick number: the ticks between were
+/// not run, so that nothing is lost.
+struct Gap {
+  std::uint32_t bench = 0;
+  std::uint64_t after = 0;   ///< tick of the sample before, 0 = the recording lacks its beginning
+  std::uint64_t before = 0;  ///< tick of the sample after, 0 = the recording lacks its end
+  std::uint64_t count = 0;   ///< samples that are missing, or ticks of the jump
+};
+
+/// The first gaps, the others as a count.
+class GapList {
+ public:
+  /// How many gaps are kept.
+  static constexpr std::size_t kKept = 1000;
+
+  /// @param noun such as "gap"
+  explicit GapList(std::string_view noun) : noun_(noun) {}
+
+  void add(const Gap& gap);
+
+  [[nodiscard]] const std::vector<Gap>& kept() const noexcept { return kept_; }
+
+  /// @return samples or ticks of all gaps.
+  [[nodiscard]] std::uint64_t total() const noexcept { return total_; }
+
+  /// @return gaps beyond those that are kept.
+  [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }
+
+  /// @return such as "between the ticks 12 and 15 of bench 1 (2), and 3 further gaps"; empty when
+  ///         there is none.
+  /// @param most gaps that are named
+  [[nodiscard]] std::string text(std::size_t most) const;
+
+ private:
+  std::string_view noun_;
+  std::vector<Gap> kept_;
+  std::uint64_t total_ = 0;
+  std::uint64_t left_out_ = 0;
+};
+
+/// What a recording lacks, and what it cannot have, by tick numbers.
+class GapLog {
+ public:
+  /// The next sample of a bench was recorded, with `missed` and `skipped` since the one before that
+  /// was recorded.
+  void note_sample(const client::Observation& sample);
+
+  /// Samples after the last one were received and not recorded.
+  void note_lost_end(std::uint32_t bench, std::uint64_t missed);
+
+  [[nodiscard]] const GapList& missed() const noexcept { return missed_; }
+
+  [[nodiscard]] const GapList& jumps() const noexcept { return jumps_; }
+
+ private:
+  std::map<std::uint32_t, std::uint64_t> last_ticks_;
+  GapList missed_{"gap"};
+  GapList jumps_{"jump"};
+};
 
 /// How a recording ended.
 struct Summary {

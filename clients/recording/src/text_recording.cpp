@@ -18,9 +18,9 @@
 namespace vdrive::recording {
 namespace {
 
-/// The fields of a row beside the members of the status, in the order of a CSV.
+/// The fields of a row besides the members of the status, in the order of a CSV.
 constexpr std::array<std::string_view, 4> kBeforeMembers{"axis", "name", "tick", "missed"};
-constexpr std::array<std::string_view, 2> kBehindMembers{"owner", "owner_epoch"};
+constexpr std::array<std::string_view, 2> kAfterMembers{"owner", "owner_epoch"};
 
 /// At the end of a row; a recording of an older version has none of them.
 constexpr std::string_view kUnit = "unit";
@@ -38,7 +38,7 @@ const std::vector<std::string>& columns() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all(kBeforeMembers.begin(), kBeforeMembers.end());
     for (const StatusMember& member : recorded_members()) all.emplace_back(member.name);
-    all.insert(all.end(), kBehindMembers.begin(), kBehindMembers.end());
+    all.insert(all.end(), kAfterMembers.begin(), kAfterMembers.end());
     return all;
   }();
   return names;
@@ -58,21 +58,31 @@ std::string csv_header() {
 
 // ---- writing -----------------------------------------------------------------------------------
 
-TextRecording::TextRecording(LineSink sink, Format format)
-    : sink_(std::move(sink)), format_(format) {}
+TextRecording::TextRecording(std::unique_ptr<Output> output, Format format)
+    : output_(std::move(output)), format_(format) {}
+
+void TextRecording::put(std::string_view line) {
+  constexpr std::size_t kMost = std::size_t{64} * 1024;
+  lines_.append(line).push_back('\n');
+  if (lines_.size() >= kMost) write();
+}
+
+void TextRecording::write() {
+  if (!lines_.empty()) output_->write(lines_);
+  lines_.clear();
+}
 
 void TextRecording::begin(const std::vector<RecordedBench>& benches) {
   for (const RecordedBench& bench : benches) {
     for (const RecordedAxis& axis : bench.axes) axes_[axis.id] = axis;
   }
-  if (format_ == Format::csv) sink_.put(csv_header());
-  sink_.flush();
+  if (format_ == Format::csv) put(csv_header());
+  write();
 }
 
 void TextRecording::status(const client::Observation& sample) {
   for (const client::AxisSnapshot& axis : sample.axes) {
-    sink_.put(format_ == Format::csv ? csv_row(axis, sample.missed)
-                                     : json_row(axis, sample.missed));
+    put(format_ == Format::csv ? csv_row(axis, sample.missed) : json_row(axis, sample.missed));
   }
 }
 
@@ -81,11 +91,11 @@ void TextRecording::event(const client::Event& /*event*/) {}
 void TextRecording::parameters(const bridge::ParameterImage& /*image*/) {}
 
 void TextRecording::flush(Clock::time_point /*now*/) {
-  sink_.flush();
+  write();
 }
 
 void TextRecording::finish(const Summary& /*summary*/) {
-  sink_.flush();
+  write();
 }
 
 std::string TextRecording::csv_row(const client::AxisSnapshot& axis, std::uint64_t missed) const {

@@ -1,27 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "output_file.hpp"
 #include "recording.hpp"
 
-#include <functional>
 #include <istream>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 
 namespace vdrive::recording {
 
-/// Where the lines of a text go.
-struct LineSink {
-  std::function<void(std::string_view line)> put;  ///< one line, without its line break
-  std::function<void()> flush;
-};
-
 /// Records the status as text: CSV, or JSON lines. It has no events and no parameters.
 class TextRecording : public Writer {
  public:
   /// @param format csv or json_lines
-  TextRecording(LineSink sink, Format format);
+  /// @param output gets whole lines, some at a time
+  TextRecording(std::unique_ptr<Output> output, Format format);
 
   void begin(const std::vector<RecordedBench>& benches) override;
   void status(const client::Observation& sample) override;
@@ -34,8 +30,12 @@ class TextRecording : public Writer {
   [[nodiscard]] std::string csv_row(const client::AxisSnapshot& axis, std::uint64_t missed) const;
   [[nodiscard]] std::string json_row(const client::AxisSnapshot& axis, std::uint64_t missed) const;
 
-  LineSink sink_;
+  void put(std::string_view line);
+  void write();
+
+  std::unique_ptr<Output> output_;
   Format format_;
+  std::string lines_;  ///< that are not written yet
   std::map<client::AxisId, RecordedAxis> axes_;
 };
 

@@ -17,40 +17,32 @@ using client::Outcome;
 // A stream that is lost all the time would make the last line as long as the recording.
 constexpr std::size_t kMostGaps = 100;
 
-Json gaps_json(const recording::GapLog& log) {
+/// @param count what is counted: "missed" samples, "skipped" ticks
+Json gaps_json(const recording::GapList& list, const char* count) {
   Json gaps = Json::array();
-  for (const recording::Gap& gap : log.gaps()) {
+  for (const recording::Gap& gap : list.kept()) {
     if (gaps.size() == kMostGaps) break;
-    gaps.push_back({{"bench", gap.bench},
-                    {"after", gap.after},
-                    {"before", gap.before},
-                    {"missed", gap.missed}});
+    gaps.push_back(
+        {{"bench", gap.bench}, {"after", gap.after}, {"before", gap.before}, {count, gap.count}});
   }
   return gaps;
 }
 
-/// The ticks that the number jumped over, which are no loss.
-void add_jumps(const recording::GapLog& log, Json& json) {
-  Json jumps = Json::array();
-  for (const recording::Jump& jump : log.jumps()) {
-    if (jumps.size() == kMostGaps) break;
-    jumps.push_back({{"bench", jump.bench},
-                     {"after", jump.after},
-                     {"before", jump.before},
-                     {"skipped", jump.skipped}});
-  }
-  json["skipped"] = log.skipped();
-  json["jumps_left_out"] = log.jumps().size() - jumps.size() + log.jumps_left_out();
-  json["jumps"] = std::move(jumps);
-}
-
 Json recording_json(const RecordingChoice& choice, std::size_t axes,
                     const recording::Summary& summary) {
-  const Json gaps = gaps_json(summary.gaps);
-  const std::uint64_t left_out = summary.gaps.gaps().size() - gaps.size() + summary.gaps.left_out();
-  Json json{{"file", choice.file},           {"axes", axes}, {"samples", summary.samples},
-            {"lost", summary.gaps.missed()}, {"gaps", gaps}, {"gaps_left_out", left_out}};
-  add_jumps(summary.gaps, json);
+  const recording::GapList& missed = summary.gaps.missed();
+  const recording::GapList& skipped = summary.gaps.jumps();
+  const Json gaps = gaps_json(missed, "missed");
+  const Json jumps = gaps_json(skipped, "skipped");
+  Json json{{"file", choice.file},
+            {"axes", axes},
+            {"samples", summary.samples},
+            {"lost", missed.total()},
+            {"gaps", gaps},
+            {"gaps_left_out", missed.kept().size() - gaps.size() + missed.left_out()},
+            {"skipped", skipped.total()},
+            {"jumps_left_out", skipped.kept().size() - jumps.size() + skipped.left_out()},
+            {"jumps", jumps}};
   if (choice.format == recording::Format::mcap) {
     json["events"] = summary.events;
     json["events_lost"] = summary.events_lost;
@@ -61,13 +53,13 @@ Json recording_json(const RecordingChoice& choice, std::size_t axes,
 std::string recording_text(const RecordingChoice& choice, std::size_t axes,
                            const recording::Summary& summary) {
   constexpr std::size_t kMostGapsOfText = 4;
-  const std::uint64_t lost = summary.gaps.missed();
+  const std::uint64_t lost = summary.gaps.missed().total();
   std::string text = "vdrive: recorded " + counted(summary.samples, "sample", "samples") + " of " +
                      counted(axes, "axis", "axes") + ", " + std::to_string(lost) + " lost";
-  if (lost != 0) text += " " + summary.gaps.text(kMostGapsOfText);
-  if (summary.gaps.skipped() != 0) {
-    text += ", " + counted(summary.gaps.skipped(), "tick", "ticks") +
-            " skipped by a jump of the tick number " + summary.gaps.jumps_text(kMostGapsOfText);
+  if (lost != 0) text += " " + summary.gaps.missed().text(kMostGapsOfText);
+  if (summary.gaps.jumps().total() != 0) {
+    text += ", " + counted(summary.gaps.jumps().total(), "tick", "ticks") +
+            " skipped by a jump of the tick number " + summary.gaps.jumps().text(kMostGapsOfText);
   }
   if (choice.format == recording::Format::mcap) {
     text += ", " + counted(summary.events, "event", "events");

@@ -10,7 +10,9 @@
 
 #include <chrono>
 #include <map>
+#include <memory>
 #include <set>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -52,6 +54,19 @@ client::Result<bridge::ParameterImage> image_of(const client::Axis& axis) {
       .axis = axis.id(), .tick = readings->tick, .objects = std::move(readings->objects)};
 }
 
+/// Lines of a recording for standard output.
+class TerminalOutput final : public recording::Output {
+ public:
+  explicit TerminalOutput(Terminal& terminal) : terminal_(terminal) {}
+
+  void write(std::string_view lines) override {
+    terminal_.print(lines.substr(0, lines.size() - 1));
+  }
+
+ private:
+  Terminal& terminal_;
+};
+
 }  // namespace
 
 /// One bench on its way through the recording.
@@ -82,13 +97,8 @@ std::string Recorder::progress() const {
 
 std::unique_ptr<recording::Writer> Recorder::open() {
   if (choice_.file != "-") return recording::open_recording(choice_.file, VDRIVE_VERSION);
-  return std::make_unique<recording::TextRecording>(
-      recording::LineSink{.put =
-                              [this](std::string_view line) {
-                                terminal_.print(line);
-                              },
-                          .flush = [] {}},
-      choice_.format);
+  return std::make_unique<recording::TextRecording>(std::make_unique<TerminalOutput>(terminal_),
+                                                    choice_.format);
 }
 
 Outcome Recorder::record(const std::vector<ObservedBench>& benches) {

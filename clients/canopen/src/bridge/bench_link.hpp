@@ -4,7 +4,7 @@
 #include "bench_follower.hpp"
 #include "bridge/drive_jobs.hpp"
 #include "bridge/node_control.hpp"
-#include "node/drive_time.hpp"
+#include "node/frame.hpp"
 #include "node/node_host.hpp"
 #include "reports.hpp"
 #include "vdrive/client/axis.hpp"

@@ -2,7 +2,7 @@
 #include "bridge/bench_nodes.hpp"
 
 #include "bridge/duplicate_node.hpp"
-#include "node/connection_set.hpp"
+#include "node/cob_id.hpp"
 #include "vdrive/assert.hpp"
 
 #include <algorithm>

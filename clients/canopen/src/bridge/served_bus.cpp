@@ -60,65 +60,45 @@ ServedBus::ServedBus(const BridgeParts& shared, const Settings& settings, const 
       store_(settings.state, setting.name, shared.reports),
       presence_({.continues = continues, .wanted = numbers_of(setting.benches)}) {
   for (const BusFault& fault : setting.faults) (void)bus_.faults().add(fault, {});
-  open_log();
   open_ports();
 }
 
 ServedBus::~ServedBus() = default;
 
-/// First of all ports: it has each frame before its answers.
-void ServedBus::open_log() {
-  if (setting_.log.empty()) return;
-  BusLogSettings settings{.file = setting_.log, .interface = setting_.name};
-  settings.clock = [this] {
-    if (sync_steps_) return drive_time();
-    return std::chrono::floor<std::chrono::microseconds>(
-        std::chrono::nanoseconds(bridge::wall_time()));
-  };
-  settings.report = [&reports = shared_.reports, label = label_](bridge::Severity severity,
-                                                                 const std::string& text) {
-    reports.report(severity, label, text);
-  };
-  log_ = std::make_unique<BusLog>(shared_.loop, bus_, std::move(settings));
-}
-
 void ServedBus::open_ports() {
+  // First of all ports: the log has each frame before its answers.
+  if (!setting_.log.empty()) {
+    log_ =
+        std::make_unique<BusLog>(shared_.loop, bus_, *this,
+                                 BusLogSettings{.file = setting_.log, .interface = setting_.name});
+  }
   // Time that waits for SYNC can wait for whoever reads the answers, too.
   const bool holds_bus = sync_steps_.has_value();
-  const auto report_as = [this](const std::string& subject) {
-    return [&reports = shared_.reports, subject = label_ + ": " + subject](
-               bridge::Severity severity, const std::string& text) {
-      reports.report(severity, subject, text);
-    };
-  };
   for (const TcpAddress& address : setting_.socketcand) {
-    SocketcandSettings server{.listen = address,
-                              .holds_bus = holds_bus,
-                              .report = report_as("socketcand " + address_text(address))};
-    if (sync_steps_) {
-      server.clock = [this] {
-        return drive_time();
-      };
-    }
-    socketcand_.push_back(
-        std::make_unique<SocketcandServer>(shared_.loop, bus_, std::move(server)));
+    socketcand_.push_back(std::make_unique<SocketcandServer>(
+        shared_.loop, bus_, *this, SocketcandSettings{.listen = address, .holds_bus = holds_bus}));
   }
   for (const TcpAddress& address : setting_.gateways) {
     gateways_.push_back(std::make_unique<AsciiGatewayServer>(
-        shared_.loop, bus_,
-        AsciiGatewayServerSettings{.listen = address,
-                                   .gateway = gateway_settings(number_),
-                                   .disturb = [this](std::uint8_t node, std::string_view text) {
-                                     return disturb(node, text);
-                                   }}));
+        shared_.loop, bus_, *this,
+        AsciiGatewayServerSettings{.listen = address, .gateway = gateway_settings(number_)}));
   }
   for (const std::string& interface : setting_.interfaces) {
     interfaces_.push_back(std::make_unique<SocketCan>(
-        shared_.loop, bus_,
-        SocketCanSettings{.interface = interface,
-                          .holds_bus = holds_bus,
-                          .report = report_as("interface " + interface)}));
+        shared_.loop, bus_, *this,
+        SocketCanSettings{.interface = interface, .holds_bus = holds_bus}));
   }
+}
+
+void ServedBus::report(bridge::Severity severity, const std::string& port,
+                       const std::string& text) {
+  shared_.reports.report(severity, port.empty() ? label_ : label_ + ": " + port, text);
+}
+
+std::chrono::microseconds ServedBus::frame_time() const {
+  if (sync_steps_) return drive_time();
+  return std::chrono::floor<std::chrono::microseconds>(
+      std::chrono::nanoseconds(bridge::wall_time()));
 }
 
 /// @return why the fault cannot begin

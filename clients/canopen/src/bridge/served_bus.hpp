@@ -34,7 +34,7 @@ struct BridgeParts {
 };
 
 /// A bus with its connections and the benches whose axes are its nodes. For the thread of the loop.
-class ServedBus final {
+class ServedBus final : public BusHost {
  public:
   using Clock = std::chrono::steady_clock;
 
@@ -44,7 +44,7 @@ class ServedBus final {
   /// @throws std::runtime_error when one cannot be opened, with its address and the reason
   ServedBus(const BridgeParts& shared, const Settings& settings, const BusSetting& setting,
             std::uint16_t number);
-  ~ServedBus();
+  ~ServedBus() override;
   ServedBus(const ServedBus&) = delete;
   ServedBus& operator=(const ServedBus&) = delete;
 
@@ -91,8 +91,10 @@ class ServedBus final {
     }
   };
 
-  void open_log();
-  [[nodiscard]] std::optional<std::string> disturb(std::uint8_t node, std::string_view text);
+  void report(bridge::Severity severity, const std::string& port, const std::string& text) override;
+  [[nodiscard]] std::chrono::microseconds frame_time() const override;
+  [[nodiscard]] std::optional<std::string> disturb(std::uint8_t node,
+                                                   std::string_view text) override;
   void open_ports();
   [[nodiscard]] std::int32_t offset_of(std::uint32_t bench) const;
   [[nodiscard]] std::optional<std::string> add(const client::BenchInfo& info);

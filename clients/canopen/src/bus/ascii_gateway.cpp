@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/ascii_gateway.hpp"
 
-#include "node/connection_set.hpp"
+#include "node/cob_id.hpp"
 #include "node/node.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/number_text.hpp"
@@ -92,8 +92,8 @@ bool is_for_pdo(GatewayVerb verb) {
 
 }  // namespace
 
-AsciiGateway::AsciiGateway(const GatewaySettings& settings, GatewayCalls calls)
-    : settings_(settings), calls_(std::move(calls)) {}
+AsciiGateway::AsciiGateway(const GatewaySettings& settings, GatewayHost& host)
+    : settings_(settings), host_(host) {}
 
 GatewaySession AsciiGateway::open() {
   sessions_.try_emplace(++last_session_);
@@ -149,7 +149,7 @@ bool AsciiGateway::has_syncs() const {
 void AsciiGateway::send_sync(BusTime now) {
   for (auto& [id, session] : sessions_) {
     if (session.syncs == 0) continue;
-    calls_.send({.id = kSyncId});
+    host_.send({.id = kSyncId});
     if (--session.syncs > 0) continue;
     answer(id, session.transfer->sequence, "OK");
     session.transfer.reset();
@@ -254,7 +254,7 @@ void AsciiGateway::carry_out_pdo(GatewaySession id, Session& session,
   } else if (command.verb == GatewayVerb::write_pdo) {
     Frame frame;
     refusal = session.pdos.write(command, frame);
-    if (std::holds_alternative<std::monostate>(refusal)) calls_.send(frame);
+    if (std::holds_alternative<std::monostate>(refusal)) host_.send(frame);
   } else {
     refusal = session.pdos.set(command);
   }
@@ -269,8 +269,7 @@ void AsciiGateway::carry_out_pdo(GatewaySession id, Session& session,
 
 void AsciiGateway::disturb(GatewaySession id, std::uint8_t node,
                            const GatewayCommand& command) const {
-  if (!calls_.disturb) return answer_error(id, command.sequence, GatewayError::not_supported);
-  const auto refusal = calls_.disturb(node, command.fault);
+  const auto refusal = host_.disturb(node, command.fault);
   if (!refusal) return answer(id, command.sequence, "OK");
   answer(id, command.sequence, error_text(GatewayError::syntax) + ": " + *refusal);
 }
@@ -278,7 +277,7 @@ void AsciiGateway::disturb(GatewaySession id, std::uint8_t node,
 void AsciiGateway::report_pdos(const Frame& frame) {
   for (auto& [id, session] : sessions_) {
     for (const std::string& values : session.pdos.receive(frame)) {
-      calls_.report(id, std::to_string(settings_.network) + " pdo " + values);
+      host_.report(id, std::to_string(settings_.network) + " pdo " + values);
     }
   }
 }
@@ -287,13 +286,13 @@ void AsciiGateway::send_nmt(std::uint8_t specifier, std::uint8_t node) const {
   Frame frame{.id = 0, .size = 2};
   frame.data[0] = specifier;
   frame.data[1] = node;
-  calls_.send(frame);
+  host_.send(frame);
 }
 
 void AsciiGateway::begin_transfer(GatewaySession id, std::uint8_t node,
                                   const GatewayCommand& command, BusTime now) {
   sessions_.at(id).transfer = command;
-  const auto entry = channels_.try_emplace(node, Channel{.client = SdoClient(node, calls_.send)});
+  const auto entry = channels_.try_emplace(node, Channel{.client = SdoClient(node, host_)});
   Channel& channel = entry.first->second;
   channel.queue.push_back(id);
   serve(channel, now);
@@ -345,12 +344,12 @@ void AsciiGateway::report_to_all(const Frame& frame, std::string_view what,
   const std::string line = std::to_string(settings_.network) + " " +
                            std::to_string(node_of(frame)) + " " + std::string(what);
   for (const auto& [id, session] : sessions_) {
-    if (session.has_boot_up || !is_optional) calls_.report(id, line);
+    if (session.has_boot_up || !is_optional) host_.report(id, line);
   }
 }
 
 void AsciiGateway::answer(GatewaySession id, std::uint32_t sequence, std::string_view text) const {
-  calls_.answer(id, "[" + std::to_string(sequence) + "] " + std::string(text));
+  host_.answer(id, "[" + std::to_string(sequence) + "] " + std::string(text));
 }
 
 void AsciiGateway::answer_error(GatewaySession id, std::uint32_t sequence,

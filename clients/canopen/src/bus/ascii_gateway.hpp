@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -32,17 +31,18 @@ using GatewaySession = std::uint32_t;
 
 /// What a gateway does to the world around it. A function is called within a call of the gateway,
 /// and calls none of it.
-struct GatewayCalls {
-  std::function<void(const Frame& frame)> send;  ///< puts a frame on the bus
+class GatewayHost : public FrameSender {
+ public:
   /// The answer to a command, without the end of the line.
-  std::function<void(GatewaySession session, std::string_view line)> answer;
+  virtual void answer(GatewaySession session, std::string_view line) = 0;
+
   /// What happened on the bus, unasked: "NET NODE BOOT_UP", and "NET NODE EMCY CODE REGISTER" with
   /// the five bytes of the manufacturer; code and register hexadecimal, bytes decimal.
-  std::function<void(GatewaySession session, std::string_view line)> report;
-  /// Begins a fault of the bus, or ends those that there are ("none"). It may be empty.
-  /// @param node 0 = every node
-  /// @return why it cannot
-  std::function<std::optional<std::string>(std::uint8_t node, std::string_view fault)> disturb{};
+  virtual void report(GatewaySession session, std::string_view line) = 0;
+
+  /// As BusHost::disturb().
+  [[nodiscard]] virtual std::optional<std::string> disturb(std::uint8_t node,
+                                                           std::string_view fault) = 0;
 };
 
 /// The gateway of CiA 309-3 (ASCII mapping): sessions give lines of GatewayCommand, and get one
@@ -59,7 +59,8 @@ class AsciiGateway final {
  public:
   static constexpr std::chrono::milliseconds kSdoTimeOut{500};  ///< until a session sets another
 
-  AsciiGateway(const GatewaySettings& settings, GatewayCalls calls);
+  /// @param host outlives the gateway
+  AsciiGateway(const GatewaySettings& settings, GatewayHost& host);
 
   /// @return a session that was never open before.
   GatewaySession open();
@@ -126,7 +127,7 @@ class AsciiGateway final {
   [[nodiscard]] std::string version_text() const;
 
   GatewaySettings settings_;
-  GatewayCalls calls_;
+  GatewayHost& host_;
   std::map<GatewaySession, Session> sessions_;
   std::map<std::uint8_t, Channel> channels_;  ///< by node id; made when it is first used
   GatewaySession last_session_ = 0;

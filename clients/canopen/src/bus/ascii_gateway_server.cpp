@@ -4,10 +4,10 @@
 #include "bus/asio.hpp"
 #include "bus/line_reader.hpp"
 #include "bus/tcp_acceptor.hpp"
+#include "vdrive/bounded_queue.hpp"
 
 #include <array>
 #include <chrono>
-#include <deque>
 #include <map>
 #include <optional>
 #include <string>
@@ -53,17 +53,18 @@ using GatewayClientPointer = std::shared_ptr<GatewayClient>;
 /// The gateway is called by operations of the context only, never by the bus: a port sends nothing
 /// while it gets a frame.
 struct AsciiGatewayServer::State final : Port,
+                                         TcpServer,
+                                         GatewayHost,
                                          std::enable_shared_from_this<AsciiGatewayServer::State> {
-  State(asio::io_context& its_context, Bus& its_bus, const AsciiGatewayServerSettings& settings)
+  State(asio::io_context& its_context, Bus& its_bus, BusHost& its_host,
+        const AsciiGatewayServerSettings& settings)
       : context(its_context),
         bus(its_bus),
+        host(its_host),
         most_clients(settings.most_clients),
-        disturb(settings.disturb),
-        gateway(settings.gateway, calls()),
+        gateway(settings.gateway, *this),
         timer(its_context),
-        acceptor(its_context, settings.listen, [this](tcp::socket&& socket) {
-          serve(std::move(socket));
-        }) {}
+        acceptor(its_context, settings.listen, *this) {}
 
   ~State() override = default;
   State(const State&) = delete;
@@ -79,11 +80,10 @@ struct AsciiGatewayServer::State final : Port,
 
   void deliver(const Frame& frame) override {
     if (!gateway.awaits(frame)) return;
-    if (inbox.size() >= kMostAwaitedFrames) {
+    if (!inbox.put(frame)) {
       ++counters.dropped_frames;
       return;
     }
-    inbox.push_back(frame);
     if (std::exchange(is_inbox_posted, true)) return;
     asio::post(context, [self = shared_from_this()] {
       self->is_inbox_posted = false;
@@ -91,22 +91,36 @@ struct AsciiGatewayServer::State final : Port,
     });
   }
 
-  [[nodiscard]] GatewayCalls calls() {
-    return {.send =
-                [this](const Frame& frame) {
-                  bus.send(frame, this);
-                },
-            .answer =
-                [this](GatewaySession session, std::string_view line) {
-                  ++counters.commands;
-                  append_line(session, line);
-                },
-            .report =
-                [this](GatewaySession session, std::string_view line) {
-                  report(session, line);
-                },
-            .disturb = disturb};
+  // ---- GatewayHost
+
+  void send(const Frame& frame) override { bus.send(frame, this); }
+
+  void answer(GatewaySession session, std::string_view line) override {
+    ++counters.commands;
+    append_line(session, line);
   }
+
+  void report(GatewaySession session, std::string_view line) override {
+    const auto found = clients.find(session);
+    if (found != clients.end() && found->second->waiting.size() >= kMostGatewayReports) {
+      ++counters.dropped_reports;
+    } else {
+      append_line(session, line);
+    }
+  }
+
+  std::optional<std::string> disturb(std::uint8_t node, std::string_view fault) override {
+    return host.disturb(node, fault);
+  }
+
+  void append_line(GatewaySession session, std::string_view line) {
+    const auto found = clients.find(session);
+    if (found == clients.end()) return;
+    found->second->waiting += line;
+    found->second->waiting += "\r\n";
+  }
+
+  // ---- clients
 
   /// In a turn of its own: each SYNC may bring about many frames.
   void post_sync() {
@@ -129,47 +143,22 @@ struct AsciiGatewayServer::State final : Port,
   }
 
   void take_inbox() {
-    for (const Frame& frame : std::exchange(inbox, {})) gateway.receive(frame, gateway_time());
+    for (const Frame& frame : inbox.take_all()) gateway.receive(frame, gateway_time());
     settle();
   }
 
-  void serve(tcp::socket&& socket) {
-    if (clients.size() >= most_clients) return refuse(socket);
-    AsioError ignored;
-    socket.set_option(tcp::no_delay(true), ignored);
-    // Else a machine that was switched off would hold its place.
-    socket.set_option(asio::socket_base::keep_alive(true), ignored);
+  void serve(tcp::socket&& socket) override {
+    if (clients.size() >= most_clients) {
+      ++counters.refused_clients;
+      // No answer of CiA 309-3 to a command: a line for the person who reads it.
+      return turn_away(socket, "ERROR: too many clients\r\n");
+    }
     ++counters.connections;
     ++counters.clients;
     const GatewaySession session = gateway.open();
     const auto client = std::make_shared<GatewayClient>(std::move(socket), session);
     clients.emplace(session, client);
     read(client);
-  }
-
-  void refuse(tcp::socket& socket) {
-    ++counters.refused_clients;
-    AsioError ignored;
-    socket.non_blocking(true, ignored);
-    // No answer of CiA 309-3 to a command: a line for the person who reads it.
-    socket.write_some(asio::buffer(std::string_view("ERROR: too many clients\r\n")), ignored);
-    socket.close(ignored);
-  }
-
-  void append_line(GatewaySession session, std::string_view line) {
-    const auto found = clients.find(session);
-    if (found == clients.end()) return;
-    found->second->waiting += line;
-    found->second->waiting += "\r\n";
-  }
-
-  void report(GatewaySession session, std::string_view line) {
-    const auto found = clients.find(session);
-    if (found != clients.end() && found->second->waiting.size() >= kMostGatewayReports) {
-      ++counters.dropped_reports;
-    } else {
-      append_line(session, line);
-    }
   }
 
   [[nodiscard]] bool is_behind(const GatewayClient& client) const {
@@ -274,12 +263,12 @@ struct AsciiGatewayServer::State final : Port,
 
   asio::io_context& context;
   Bus& bus;
+  BusHost& host;
   std::size_t most_clients;
-  const decltype(AsciiGatewayServerSettings::disturb) disturb;
   AsciiGatewayCounters counters;
   AsciiGateway gateway;
   std::map<GatewaySession, GatewayClientPointer> clients;
-  std::deque<Frame> inbox;
+  BoundedQueue<Frame> inbox{kMostAwaitedFrames, WhenFull::refuses_newest};
   bool is_inbox_posted = false;
   bool is_sync_posted = false;
   bool is_over = false;
@@ -288,9 +277,9 @@ struct AsciiGatewayServer::State final : Port,
   TcpAcceptor acceptor;
 };
 
-AsciiGatewayServer::AsciiGatewayServer(boost::asio::io_context& context, Bus& bus,
+AsciiGatewayServer::AsciiGatewayServer(boost::asio::io_context& context, Bus& bus, BusHost& host,
                                        const AsciiGatewayServerSettings& settings)
-    : state_(std::make_shared<State>(context, bus, settings)) {
+    : state_(std::make_shared<State>(context, bus, host, settings)) {
   bus.attach(*state_);
 }
 

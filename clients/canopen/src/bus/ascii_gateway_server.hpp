@@ -7,11 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
 
 namespace boost::asio {
 class io_context;
@@ -26,8 +22,6 @@ struct AsciiGatewayServerSettings {
   TcpAddress listen{.host = "127.0.0.1", .port = kAsciiGatewayPort};
   GatewaySettings gateway{};
   std::size_t most_clients = 16;
-  /// As GatewayCalls::disturb.
-  std::function<std::optional<std::string>(std::uint8_t node, std::string_view fault)> disturb{};
 };
 
 /// What a server counts since it was made, where nothing else is stated.
@@ -50,9 +44,9 @@ class AsciiGatewayServer final {
   static constexpr std::size_t kLongestLine = 4096;
 
   /// Listens on return, and serves while `context` runs.
-  /// @param context, bus outlive the server
+  /// @param context, bus, host outlive the server
   /// @throws std::runtime_error when it cannot listen there, with the address and the reason
-  AsciiGatewayServer(boost::asio::io_context& context, Bus& bus,
+  AsciiGatewayServer(boost::asio::io_context& context, Bus& bus, BusHost& host,
                      const AsciiGatewayServerSettings& settings);
 
   /// Closes all connections.

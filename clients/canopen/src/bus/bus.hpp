@@ -3,9 +3,14 @@
 
 #include "bus/bus_faults.hpp"
 #include "node/frame.hpp"
+#include "severity.hpp"
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::canopen {
@@ -16,12 +21,34 @@ class Port {
  public:
   virtual ~Port() = default;
 
-  /// A frame that another port has sent. What it sends within this call comes behind the frame.
+  /// A frame that another port has sent. What it sends within this call comes after the frame.
   virtual void deliver(const Frame& frame) = 0;
 
   /// The bus is not held any more (Bus::hold()): reads on. It puts nothing on the bus within this
   /// call.
   virtual void resume() {}
+};
+
+/// What the ports to the outside need of the program that has the bus. Called by the thread of the
+/// bus.
+class BusHost {
+ public:
+  virtual ~BusHost() = default;
+
+  /// Takes what has happened to a port.
+  /// @param port such as "interface can0"; empty = the bus itself
+  /// @param text a sentence without a full stop
+  virtual void report(bridge::Severity severity, const std::string& port,
+                      const std::string& text) = 0;
+
+  /// @return the time of a frame that is on the bus now, since any beginning.
+  [[nodiscard]] virtual std::chrono::microseconds frame_time() const = 0;
+
+  /// Begins a fault of the bus (parse_bus_fault()), or ends those that there are ("none").
+  /// @param node 0 = every node
+  /// @return why it cannot
+  [[nodiscard]] virtual std::optional<std::string> disturb(std::uint8_t node,
+                                                           std::string_view fault) = 0;
 };
 
 /// A CAN bus: each frame that a port sends is delivered to every other port, in one order for all.

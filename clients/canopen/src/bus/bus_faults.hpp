@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "node/drive_time.hpp"
+#include "node/frame.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -57,8 +57,9 @@ void append_log_line(std::string& out, const std::string& interface, const Frame
 }
 
 struct BusLog::State final : Port, std::enable_shared_from_this<BusLog::State> {
-  State(asio::io_context& its_context, Bus& its_bus, BusLogSettings&& its_settings)
-      : context(its_context), bus(its_bus), settings(std::move(its_settings)) {
+  State(asio::io_context& its_context, Bus& its_bus, BusHost& its_host,
+        BusLogSettings&& its_settings)
+      : context(its_context), bus(its_bus), host(its_host), settings(std::move(its_settings)) {
     errno = 0;
     stream.open(settings.file, std::ios::binary | std::ios::trunc);
     if (!stream) {
@@ -72,7 +73,7 @@ struct BusLog::State final : Port, std::enable_shared_from_this<BusLog::State> {
       ++missed;
       return;
     }
-    append_log_line(lines, settings.interface, frame, settings.clock());
+    append_log_line(lines, settings.interface, frame, host.frame_time());
     ++waiting;
     if (lines.size() >= kMostLogBuffer) write();
     if (std::exchange(is_posted, true)) return;
@@ -99,14 +100,14 @@ struct BusLog::State final : Port, std::enable_shared_from_this<BusLog::State> {
   void fail(const std::string& reason) {
     has_failed = true;
     missed += waiting;
-    if (!settings.report) return;
-    settings.report(bridge::Severity::error,
-                    "log " + in_quotes(settings.file.string()) + " " + reason +
-                        ": no further frame is logged; give another file, and start again");
+    host.report(bridge::Severity::error, "",
+                "log " + in_quotes(settings.file.string()) + " " + reason +
+                    ": no further frame is logged; give another file, and start again");
   }
 
   asio::io_context& context;
-  Bus& bus;  ///< not used after the log
+  Bus& bus;       ///< not used after the log
+  BusHost& host;  ///< likewise
   const BusLogSettings settings;
   std::ofstream stream;
   std::string lines;
@@ -117,8 +118,8 @@ struct BusLog::State final : Port, std::enable_shared_from_this<BusLog::State> {
   bool has_failed = false;
 };
 
-BusLog::BusLog(asio::io_context& context, Bus& bus, BusLogSettings settings)
-    : state_(std::make_shared<State>(context, bus, std::move(settings))) {
+BusLog::BusLog(asio::io_context& context, Bus& bus, BusHost& host, BusLogSettings settings)
+    : state_(std::make_shared<State>(context, bus, host, std::move(settings))) {
   bus.attach(*state_);
 }
 

@@ -2,12 +2,10 @@
 #pragma once
 
 #include "bus/bus.hpp"
-#include "severity.hpp"
 
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <string>
 
@@ -20,8 +18,6 @@ namespace vdrive::canopen {
 struct BusLogSettings {
   std::filesystem::path file{};
   std::string interface = "can0";                      ///< in each line
-  std::function<std::chrono::microseconds()> clock{};  ///< time of a frame, since any beginning
-  std::function<void(bridge::Severity severity, const std::string& text)> report{};
   std::uint64_t most_bytes = std::uint64_t{4} << 30U;  ///< some 100 million frames
 };
 
@@ -36,9 +32,9 @@ void append_log_line(std::string& out, const std::string& interface, const Frame
 class BusLog final {
  public:
   /// Joins the bus.
-  /// @param context, bus outlive the log
+  /// @param context, bus, host outlive the log
   /// @throws std::runtime_error when the file cannot be opened, with its name and the reason
-  BusLog(boost::asio::io_context& context, Bus& bus, BusLogSettings settings);
+  BusLog(boost::asio::io_context& context, Bus& bus, BusHost& host, BusLogSettings settings);
   ~BusLog();
   BusLog(const BusLog&) = delete;
   BusLog& operator=(const BusLog&) = delete;

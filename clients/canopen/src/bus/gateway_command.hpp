@@ -78,7 +78,7 @@ inline constexpr std::uint64_t kMostSyncs = 100'000;
 ///     "[" sequence "]" [net] _sync [COUNT]
 ///     "[" sequence "]" [[net] node] _disturb none | FAULT      see parse_bus_fault()
 ///
-/// Words in any letter case; numbers decimal, or hexadecimal behind 0x; `#` begins a comment.
+/// Words in any letter case; numbers decimal, or hexadecimal after 0x; `#` begins a comment.
 struct GatewayCommand {
   std::uint32_t sequence = 0;
   std::optional<std::uint64_t> net{};   ///< that the command names

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/gateway_pdos.hpp"
 
-#include "node/little_endian.hpp"
+#include "node/frame.hpp"
 #include "node/pdo_mapping.hpp"
 #include "vdrive/number_text.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/gateway_value.hpp"
 
-#include "node/little_endian.hpp"
+#include "node/frame.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 

@@ -15,7 +15,7 @@ namespace vdrive::canopen {
 
 enum class GatewayKind : std::uint8_t {
   boolean,  ///< 0 or 1
-  integer,  ///< decimal, or hexadecimal behind 0x
+  integer,  ///< decimal, or hexadecimal after 0x
   natural,  ///< the same, without a sign
   real,     ///< such as -1.5e3
   visible,  ///< text; in double quotes, each double quote of it twice
@@ -44,7 +44,7 @@ inline constexpr std::array kGatewayTypes{
 /// @param name in lower case
 [[nodiscard]] std::optional<GatewayType> find_gateway_type(std::string_view name);
 
-/// @return the number that `text` spells, decimal or hexadecimal behind 0x, without a sign.
+/// @return the number that `text` spells, decimal or hexadecimal after 0x, without a sign.
 [[nodiscard]] std::optional<std::uint64_t> parse_natural(std::string_view text);
 
 /// @param text without the quotes around it

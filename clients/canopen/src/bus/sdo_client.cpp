@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/sdo_client.hpp"
 
-#include "node/connection_set.hpp"
-#include "node/little_endian.hpp"
+#include "node/cob_id.hpp"
+#include "node/frame.hpp"
 #include "vdrive/assert.hpp"
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 namespace vdrive::canopen {
 namespace {
@@ -29,8 +30,8 @@ constexpr std::uint32_t kIsExpedited = 0x02;
 constexpr std::uint32_t kHasSize = 0x01;
 constexpr std::uint32_t kIsLast = 0x01;
 
-constexpr std::size_t kExpeditedData = 4;  // [bytes], behind command and multiplexer
-constexpr std::size_t kSegmentData = 7;    // [bytes], behind the command
+constexpr std::size_t kExpeditedData = 4;  // [bytes], after command and multiplexer
+constexpr std::size_t kSegmentData = 7;    // [bytes], after the command
 
 void put_number(Frame& frame, std::size_t place, std::uint32_t number) {
   put_little_endian(number, std::span(frame.data).subspan(place, sizeof number));
@@ -221,7 +222,7 @@ bool SdoClient::is_toggle_right(std::uint32_t command) {
 
 void SdoClient::send_request(const Frame& frame, BusTime now) {
   due_ = now + time_out_;
-  send_(frame);
+  sender_.send(frame);
 }
 
 void SdoClient::finish(AbortCode abort) {
@@ -240,7 +241,7 @@ void SdoClient::break_off(AbortCode reason) {
 void SdoClient::send_abort(AbortCode reason) const {
   Frame frame = initiate(kAbortTransfer);
   put_number(frame, kExpeditedData, wire_code(reason));
-  send_(frame);
+  sender_.send(frame);
 }
 
 }  // namespace vdrive::canopen

@@ -8,9 +8,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
-#include <utility>
 #include <vector>
 
 namespace vdrive::canopen {
@@ -27,6 +25,14 @@ struct SdoOutcome {
   friend bool operator==(const SdoOutcome&, const SdoOutcome&) = default;
 };
 
+/// What puts frames on a bus.
+class FrameSender {
+ public:
+  virtual ~FrameSender() = default;
+
+  virtual void send(const Frame& frame) = 0;
+};
+
 /// SDO client (CiA 301, 7.2.4) for the default SDO channel of one node: requests on 600h + node id,
 /// answers on 580h + node id; expedited and segmented transfers, one at a time. A function of
 /// frames and time.
@@ -36,9 +42,8 @@ class SdoClient final {
   static constexpr std::size_t kLongestValue = 65'536;
 
   /// @param node_id 1 to 127
-  /// @param send puts a frame on the bus; called within a call of the client, calls none of it
-  SdoClient(std::uint8_t node_id, std::function<void(const Frame&)> send)
-      : node_id_(node_id), send_(std::move(send)) {}
+  /// @param sender outlives the client; called within a call of it, calls none of it
+  SdoClient(std::uint8_t node_id, FrameSender& sender) : node_id_(node_id), sender_(sender) {}
 
   /// Begins to read an object ("SDO upload").
   /// @param time_out for each answer of the node
@@ -88,7 +93,7 @@ class SdoClient final {
   void send_abort(AbortCode reason) const;
 
   std::uint8_t node_id_;
-  std::function<void(const Frame&)> send_;
+  FrameSender& sender_;
   Step step_ = Step::idle;
   ObjectAddress object_{};
   std::vector<std::uint8_t> data_;       ///< to write, or read so far

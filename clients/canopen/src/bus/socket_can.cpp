@@ -2,7 +2,7 @@
 #include "bus/socket_can.hpp"
 
 #include "bus/asio.hpp"
-#include "bus/bus_hold.hpp"
+#include "bus/waiting_frames.hpp"
 #include "vdrive/text.hpp"
 
 #include <linux/can.h>
@@ -15,7 +15,6 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <iterator>
 #include <stdexcept>
 #include <string>
@@ -86,23 +85,18 @@ int open_raw_socket(const std::string& interface) {
   return raw.release();
 }
 
-SocketCanCalls system_can_calls() {
-  return {.open = open_raw_socket,
-          .read =
-              [](int socket, can_frame& frame) {
-                return ::read(socket, &frame, sizeof frame);
-              },
-          .write =
-              [](int socket, const can_frame& frame) {
-                return ::write(socket, &frame, sizeof frame);
-              }};
-}
+class KernelCanSockets final : public CanSockets {
+ public:
+  int open(const std::string& interface) override { return open_raw_socket(interface); }
 
-SocketCanSettings completed(SocketCanSettings settings) {
-  if (!settings.calls.open) settings.calls = system_can_calls();
-  if (!settings.report) settings.report = [](bridge::Severity, const std::string&) {};
-  return settings;
-}
+  ssize_t read(int socket, can_frame& frame) override {
+    return ::read(socket, &frame, sizeof frame);
+  }
+
+  ssize_t write(int socket, const can_frame& frame) override {
+    return ::write(socket, &frame, sizeof frame);
+  }
+};
 
 /// The interface was removed: ENODEV once to a reader, ENXIO to each writer.
 bool means_gone(int error) {
@@ -110,6 +104,11 @@ bool means_gone(int error) {
 }
 
 }  // namespace
+
+CanSockets& kernel_can_sockets() noexcept {
+  static KernelCanSockets sockets;
+  return sockets;
+}
 
 can_frame to_can_frame(const Frame& frame) noexcept {
   can_frame converted{};
@@ -134,14 +133,18 @@ std::optional<Frame> from_can_frame(const can_frame& frame) noexcept {
 }
 
 struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::State> {
-  State(asio::io_context& context, Bus& its_bus, SocketCanSettings&& its_settings)
+  State(asio::io_context& context, Bus& its_bus, BusHost& its_host,
+        SocketCanSettings&& its_settings, CanSockets& its_sockets)
       : bus(its_bus),
-        settings(completed(std::move(its_settings))),
-        socket(context, settings.calls.open(settings.interface)),
+        host(its_host),
+        sockets(its_sockets),
+        settings(std::move(its_settings)),
+        socket(context, sockets.open(settings.interface)),
         read_pause(context),
         write_pause(context),
         reopen_pause(context),
-        hold(context.get_executor(), bus, *this) {}
+        waiting(context.get_executor(), bus, *this, settings.most_waiting_frames,
+                settings.holds_bus) {}
 
   ~State() override = default;
   State(const State&) = delete;
@@ -154,7 +157,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
 
   void stop() {
     if (std::exchange(is_over, true)) return;
-    hold.end();
+    waiting.clear();
     bus.detach(*this);
     cancel(reopen_pause);
     close();
@@ -180,8 +183,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
       ++counters.dropped_frames;
       return;
     }
-    waiting.push_back(frame);
-    if (waiting.size() > settings.most_waiting_frames) make_room();
+    if (!waiting.put({.frame = frame}, *this)) ++counters.dropped_frames;
     if (!is_awaiting_write) write_waiting();
   }
 
@@ -190,22 +192,6 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
     asio::post(socket.get_executor(), [self = shared_from_this(), its_opening = opening] {
       if (self->is_current(its_opening)) self->read();
     });
-  }
-
-  void make_room() {
-    if (settings.holds_bus) {
-      return hold.begin([self = shared_from_this()] {
-        if (!self->is_over) self->report_hold();
-      });
-    }
-    waiting.pop_front();
-    ++counters.dropped_frames;
-  }
-
-  /// A frame has left, to the wire or not.
-  void pop_waiting() {
-    waiting.pop_front();
-    if (waiting.size() <= settings.most_waiting_frames / 2) hold.end();
   }
 
   void await_readable() {
@@ -223,7 +209,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
         return;
       }
       can_frame received{};
-      const ssize_t size = settings.calls.read(socket.native_handle(), received);
+      const ssize_t size = sockets.read(socket.native_handle(), received);
       if (size < 0) return on_read_error(errno);
       note_up();
       if (size != static_cast<ssize_t>(sizeof received)) continue;
@@ -255,11 +241,11 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
 
   void write_waiting() {
     while (!waiting.empty()) {
-      const can_frame frame = to_can_frame(waiting.front());
-      const ssize_t size = settings.calls.write(socket.native_handle(), frame);
+      const can_frame frame = to_can_frame(waiting.front().frame);
+      const ssize_t size = sockets.write(socket.native_handle(), frame);
       if (size < 0) return on_write_error(errno);
       ++counters.sent_frames;
-      pop_waiting();
+      waiting.pop();
       note_up();
     }
   }
@@ -272,7 +258,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
     if (error == ENETDOWN) return note_down();  // the next frame tries again
     report(bridge::Severity::warning, "refuses a frame: " + can_error_words(error));
     ++counters.dropped_frames;
-    pop_waiting();
+    waiting.pop();
     write_after(kCanErrorPause);
   }
 
@@ -290,16 +276,17 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   // ---- the interface as a whole
 
   void report(bridge::Severity severity, const std::string& text) const {
-    settings.report(severity, text);
+    host.report(severity, "interface " + settings.interface, text);
   }
 
   void drop_waiting() {
     counters.dropped_frames += waiting.size();
     waiting.clear();
-    hold.end();
   }
 
+  /// See WaitingFrames::put().
   void report_hold() const {
+    if (is_over) return;
     report(bridge::Severity::warning,
            "is not sending: " + std::to_string(waiting.size()) +
                " frames are waiting for it, and the bus and the time of its drives stand still "
@@ -337,7 +324,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
 
   void reopen() {
     try {
-      socket.assign(settings.calls.open(settings.interface));
+      socket.assign(sockets.open(settings.interface));
     } catch (const std::runtime_error&) {  // reported when it went
       return reopen_later();
     }
@@ -346,13 +333,14 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   }
 
   Bus& bus;
-  SocketCanSettings settings;
+  BusHost& host;
+  CanSockets& sockets;
+  const SocketCanSettings settings;
   asio::posix::stream_descriptor socket;
   asio::steady_timer read_pause;
   asio::steady_timer write_pause;
   asio::steady_timer reopen_pause;
-  BusHold hold;  ///< see SocketCanSettings::holds_bus
-  std::deque<Frame> waiting;
+  WaitingFrames waiting;
   SocketCanCounters counters;
   std::uint64_t opening = 0;  ///< of the socket, counted
   bool is_awaiting_write = false;
@@ -361,8 +349,9 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   bool is_over = false;
 };
 
-SocketCan::SocketCan(boost::asio::io_context& context, Bus& bus, SocketCanSettings settings)
-    : state_(std::make_shared<State>(context, bus, std::move(settings))) {
+SocketCan::SocketCan(boost::asio::io_context& context, Bus& bus, BusHost& host,
+                     SocketCanSettings settings, CanSockets& sockets)
+    : state_(std::make_shared<State>(context, bus, host, std::move(settings), sockets)) {
   state_->start();
 }
 

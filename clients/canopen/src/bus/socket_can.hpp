@@ -2,14 +2,12 @@
 #pragma once
 
 #include "bus/bus.hpp"
-#include "severity.hpp"
 
 #include <sys/types.h>
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,15 +27,22 @@ namespace vdrive::canopen {
 ///         for a frame of more than 8 bytes.
 [[nodiscard]] std::optional<Frame> from_can_frame(const can_frame& frame) noexcept;
 
-/// What a port calls of the system: those of the kernel by default; a test replaces them.
-struct SocketCanCalls {
+/// What a port calls of the system; a test replaces it.
+class CanSockets {
+ public:
+  virtual ~CanSockets() = default;
+
   /// @return a socket that does not block.
   /// @throws std::runtime_error as SocketCan::SocketCan() does
-  std::function<int(const std::string& interface)> open{};
+  virtual int open(const std::string& interface) = 0;
+
   /// As read(2) and write(2) of one frame, errno included.
-  std::function<ssize_t(int socket, can_frame& frame)> read{};
-  std::function<ssize_t(int socket, const can_frame& frame)> write{};
+  virtual ssize_t read(int socket, can_frame& frame) = 0;
+  virtual ssize_t write(int socket, const can_frame& frame) = 0;
 };
+
+/// @return those of the kernel.
+[[nodiscard]] CanSockets& kernel_can_sockets() noexcept;
 
 struct SocketCanSettings {
   std::string interface;                   ///< such as "can0"
@@ -45,9 +50,6 @@ struct SocketCanSettings {
   /// While that many wait the bus is held until half of them are sent, and none is lost.
   bool holds_bus = false;
   std::chrono::milliseconds reopen_period{1000};  ///< while there is no interface of this name
-  /// Takes what happens to the interface, a sentence without a full stop.
-  std::function<void(bridge::Severity severity, const std::string& text)> report{};
-  SocketCanCalls calls{};
 };
 
 /// What an interface counts since it was opened.
@@ -65,10 +67,11 @@ struct SocketCanCounters {
 /// was unplugged is opened again by its name. For the thread of its context.
 class SocketCan final {
  public:
-  /// @param context, bus outlive the object
+  /// @param context, bus, host, sockets outlive the object
   /// @throws std::runtime_error when the interface cannot be opened, with its name, the reason and
   ///         the next step; a kernel without CAN is one
-  SocketCan(boost::asio::io_context& context, Bus& bus, SocketCanSettings settings);
+  SocketCan(boost::asio::io_context& context, Bus& bus, BusHost& host, SocketCanSettings settings,
+            CanSockets& sockets = kernel_can_sockets());
   ~SocketCan();
   SocketCan(const SocketCan&) = delete;
   SocketCan& operator=(const SocketCan&) = delete;

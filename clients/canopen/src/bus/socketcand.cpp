@@ -72,7 +72,7 @@ struct SocketcandSession::Words {
     }
   }
 
-  /// @pre below kMostSocketcandWords; empty behind the last one
+  /// @pre below kMostSocketcandWords; empty after the last one
   [[nodiscard]] std::string_view at(std::size_t place) const { return words.at(place); }
 
   std::array<std::string_view, kMostSocketcandWords> words{};
@@ -128,9 +128,9 @@ void SocketcandSession::take_byte(char byte) {
 void SocketcandSession::end_word() {
   if (is_too_long_) return refuse("word is too long");
   const Words words(word_);
-  if (words.count == 1 && words.at(0) == "echo") return calls_.reply("< echo >");
+  if (words.count == 1 && words.at(0) == "echo") return host_.reply("< echo >");
   if (mode_ == SocketcandMode::no_bus) return open(words);
-  if (words.count == 1 && change_mode(words.at(0))) return calls_.reply("< ok >");
+  if (words.count == 1 && change_mode(words.at(0))) return host_.reply("< ok >");
   take_command(words);
 }
 
@@ -156,7 +156,7 @@ void SocketcandSession::open(const Words& words) {
     return refuse("could not open bus");
   }
   mode_ = SocketcandMode::bcm;
-  calls_.reply("< ok >");
+  host_.reply("< ok >");
 }
 
 /// @return whether `command` is a mode of this server.
@@ -190,7 +190,7 @@ void SocketcandSession::send(const Words& words) {
     if (!byte) return refuse("byte is not hexadecimal");
     frame.data.at(i) = *byte;
   }
-  calls_.send(frame);
+  host_.send(frame);
 }
 
 void SocketcandSession::set_statistics(const Words& words) {
@@ -205,7 +205,7 @@ void SocketcandSession::set_statistics(const Words& words) {
 
 void SocketcandSession::refuse(std::string_view text) {
   ++refused_words_;
-  calls_.reply("< error " + std::string(text) + " >");
+  host_.reply("< error " + std::string(text) + " >");
 }
 
 }  // namespace vdrive::canopen

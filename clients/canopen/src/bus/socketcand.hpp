@@ -6,10 +6,8 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <string_view>
-#include <utility>
 
 namespace vdrive::canopen {
 
@@ -35,9 +33,9 @@ struct SocketcandTraffic {
 /// seconds.microseconds DLC >" for a remote frame. ID has exactly three digits in the base format
 /// and eight in the extended one: clients tell the formats by that. Without data two spaces stand
 /// before the bracket: clients look for an empty field there.
-/// A line feed stands before the first bracket: Debian's python-can 4.1 loses the character behind
+/// A line feed stands before the first bracket: Debian's python-can 4.1 loses the character after
 /// each block of whole words, which is the bracket of the next word where nothing stands between
-/// them; behind the last bracket any character would be a warning of python-can for each block.
+/// them; after the last bracket any character would be a warning of python-can for each block.
 /// @param time when the frame was on the bus, since any beginning; below 0 = 0
 void append_socketcand_frame(std::string& out, const Frame& frame, std::chrono::microseconds time);
 
@@ -54,9 +52,15 @@ enum class SocketcandMode : std::uint8_t {
 
 /// What a session does to the world around it. A function is called within take(), and calls no
 /// function of the session.
-struct SocketcandCalls {
-  std::function<void(std::string_view text)> reply;  ///< an answer, in a segment of its own
-  std::function<void(const Frame& frame)> send;      ///< puts a frame on the bus
+class SocketcandHost {
+ public:
+  virtual ~SocketcandHost() = default;
+
+  /// An answer, in a segment of its own.
+  virtual void reply(std::string_view text) = 0;
+
+  /// Puts a frame on the bus.
+  virtual void send(const Frame& frame) = 0;
 };
 
 /// One client of a socketcand server, as a function of the bytes that it sends:
@@ -73,7 +77,8 @@ struct SocketcandCalls {
 /// continues; only a bus that cannot be opened ends it. Bytes between words have no meaning.
 class SocketcandSession final {
  public:
-  explicit SocketcandSession(SocketcandCalls calls) : calls_(std::move(calls)) {}
+  /// @param host outlives the session
+  explicit SocketcandSession(SocketcandHost& host) : host_(host) {}
 
   /// Takes bytes in parts of any length.
   void take(std::string_view bytes);
@@ -103,7 +108,7 @@ class SocketcandSession final {
   void set_statistics(const Words& words);
   void refuse(std::string_view text);
 
-  SocketcandCalls calls_;
+  SocketcandHost& host_;
   SocketcandMode mode_ = SocketcandMode::no_bus;
   std::string word_;  ///< that has begun
   bool is_inside_ = false;

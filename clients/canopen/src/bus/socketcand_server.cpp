@@ -2,9 +2,9 @@
 #include "bus/socketcand_server.hpp"
 
 #include "bus/asio.hpp"
-#include "bus/bus_hold.hpp"
 #include "bus/socketcand.hpp"
 #include "bus/tcp_acceptor.hpp"
+#include "bus/waiting_frames.hpp"
 
 #include <array>
 #include <deque>
@@ -29,25 +29,16 @@ constexpr std::size_t kMostSocketcandReplies = 256;
 // something; a client that only listens gets its first frames late.
 constexpr std::chrono::milliseconds kQuietAfterRawmode{100};
 
-std::chrono::microseconds socketcand_wall_clock() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-      std::chrono::system_clock::now().time_since_epoch());
-}
-
-/// What the connections of a server have in common. Its bus is not used after its server.
+/// What the connections of a server have in common. Its bus and host are not used after its server.
 struct SocketcandShared {
   Bus& bus;
+  BusHost& host;
   SocketcandSettings settings;
   SocketcandCounters counters{};
 };
 
-/// A frame that waits for its client.
-struct WaitingFrame {
-  Frame frame;
-  std::chrono::microseconds time{};
-};
-
 class SocketcandConnection final : public Port,
+                                   private SocketcandHost,
                                    public std::enable_shared_from_this<SocketcandConnection> {
  public:
   SocketcandConnection(tcp::socket&& socket, std::shared_ptr<SocketcandShared> shared)
@@ -55,8 +46,9 @@ class SocketcandConnection final : public Port,
         socket_(std::move(socket)),
         quiet_timer_(socket_.get_executor()),
         statistics_timer_(socket_.get_executor()),
-        hold_(socket_.get_executor(), shared_->bus, *this),
-        session_(calls()) {}
+        frames_(socket_.get_executor(), shared_->bus, *this, shared_->settings.most_waiting_frames,
+                shared_->settings.holds_bus),
+        session_(*this) {}
 
   ~SocketcandConnection() override = default;
   SocketcandConnection(const SocketcandConnection&) = delete;
@@ -64,7 +56,7 @@ class SocketcandConnection final : public Port,
 
   void start() {
     shared_->bus.attach(*this);
-    push_reply(kSocketcandGreeting);
+    reply(kSocketcandGreeting);
     write_next();
     read();
   }
@@ -73,8 +65,9 @@ class SocketcandConnection final : public Port,
     ++traffic_.received_frames;
     traffic_.received_bytes += frame.bytes().size();
     if (is_closing_ || session_.mode() != SocketcandMode::raw) return;
-    frames_.push_back({frame, shared_->settings.clock()});
-    if (frames_.size() > shared_->settings.most_waiting_frames) make_room();
+    if (!frames_.put({frame, shared_->host.frame_time()}, *this)) {
+      ++shared_->counters.dropped_frames;
+    }
     write_later();
   }
 
@@ -84,10 +77,20 @@ class SocketcandConnection final : public Port,
     });
   }
 
+  /// See WaitingFrames::put().
+  void report_hold() const {
+    if (is_over_) return;
+    shared_->host.report(
+        bridge::Severity::warning, "socketcand " + address_text(shared_->settings.listen),
+        "a client is not reading: " + std::to_string(frames_.size()) +
+            " frames are waiting for it, and the bus and the time of its drives stand still until "
+            "it reads or disconnects; a client that only sends should use '< bcmmode >'");
+  }
+
   /// Leaves the bus, and closes the connection.
   void end() {
     if (std::exchange(is_over_, true)) return;
-    hold_.end();
+    frames_.clear();
     shared_->bus.detach(*this);
     --shared_->counters.clients;
     cancel(quiet_timer_);
@@ -99,15 +102,13 @@ class SocketcandConnection final : public Port,
   [[nodiscard]] bool is_over() const noexcept { return is_over_; }
 
  private:
-  [[nodiscard]] SocketcandCalls calls() {
-    return {.reply =
-                [this](std::string_view text) {
-                  push_reply(text);
-                },
-            .send =
-                [this](const Frame& frame) {
-                  send(frame);
-                }};
+  void reply(std::string_view text) override { replies_.emplace_back(text); }
+
+  void send(const Frame& frame) override {
+    ++traffic_.sent_frames;
+    traffic_.sent_bytes += frame.bytes().size();
+    ++shared_->counters.received_frames;
+    shared_->bus.send(frame, this);
   }
 
   void read() {
@@ -156,35 +157,8 @@ class SocketcandConnection final : public Port,
     }
   }
 
-  /// More frames wait than should.
-  void make_room() {
-    if (shared_->settings.holds_bus) {
-      return hold_.begin([self = shared_from_this()] {
-        if (!self->is_over_) self->report_hold();
-      });
-    }
-    frames_.pop_front();
-    ++shared_->counters.dropped_frames;
-  }
-
-  void report_hold() const {
-    if (!shared_->settings.report) return;
-    shared_->settings.report(
-        bridge::Severity::warning,
-        "a client is not reading: " + std::to_string(frames_.size()) +
-            " frames are waiting for it, and the bus and the time of its drives stand still until "
-            "it reads or disconnects; a client that only sends should use '< bcmmode >'");
-  }
-
-  void send(const Frame& frame) {
-    ++traffic_.sent_frames;
-    traffic_.sent_bytes += frame.bytes().size();
-    ++shared_->counters.received_frames;
-    shared_->bus.send(frame, this);
-  }
-
   void follow_mode() {
-    if (session_.mode() != SocketcandMode::raw) return drop_frames();
+    if (session_.mode() != SocketcandMode::raw) return frames_.clear();
     is_quiet_ = true;
     quiet_timer_.expires_after(kQuietAfterRawmode);
     quiet_timer_.async_wait([self = shared_from_this()](const AsioError& error) {
@@ -209,22 +183,15 @@ class SocketcandConnection final : public Port,
     statistics_timer_.async_wait([self = shared_from_this()](const AsioError& error) {
       if (error || self->is_over_) return;
       // Whoever does not read gets the next ones, with newer numbers.
-      if (self->replies_.empty()) self->push_reply(socketcand_statistics(self->traffic_));
+      if (self->replies_.empty()) self->reply(socketcand_statistics(self->traffic_));
       self->write_next();
       self->await_statistics();
     });
   }
 
-  void push_reply(std::string_view text) { replies_.emplace_back(text); }
-
   void close_after_replies() {
     is_closing_ = true;
     write_next();
-  }
-
-  void drop_frames() {
-    frames_.clear();
-    hold_.end();
   }
 
   void write_next() {
@@ -250,7 +217,7 @@ class SocketcandConnection final : public Port,
                       });
   }
 
-  /// Behind this turn of the loop: what it brings is one write.
+  /// After this turn of the loop: what it brings is one write.
   void write_later() {
     if (is_writing_ || std::exchange(is_write_posted_, true)) return;
     asio::post(socket_.get_executor(), [self = shared_from_this()] {
@@ -262,10 +229,9 @@ class SocketcandConnection final : public Port,
   void append_frames() {
     while (!frames_.empty() && output_.size() < kSocketcandOutput) {
       append_socketcand_frame(output_, frames_.front().frame, frames_.front().time);
-      frames_.pop_front();
+      frames_.pop();
       ++frames_in_output_;
     }
-    if (frames_.size() <= shared_->settings.most_waiting_frames / 2) hold_.end();
   }
 
   void on_written(const AsioError& error) {
@@ -279,14 +245,13 @@ class SocketcandConnection final : public Port,
   tcp::socket socket_;
   asio::steady_timer quiet_timer_;
   asio::steady_timer statistics_timer_;
-  BusHold hold_;  ///< see SocketcandSettings::holds_bus
+  WaitingFrames frames_;
   SocketcandSession session_;
   SocketcandTraffic traffic_;
   std::chrono::milliseconds statistics_period_{};
   std::array<char, kSocketcandInput> input_{};
   std::string_view unread_;  ///< of input_, while the bus is held
   std::deque<std::string> replies_;
-  std::deque<WaitingFrame> frames_;
   std::string output_;  ///< on its way
   std::uint64_t frames_in_output_ = 0;
   bool is_reading_ = false;
@@ -300,39 +265,26 @@ class SocketcandConnection final : public Port,
 
 }  // namespace
 
-struct SocketcandServer::State {
-  State(asio::io_context& context, Bus& bus, SocketcandSettings&& settings)
+struct SocketcandServer::State final : TcpServer {
+  State(asio::io_context& context, Bus& bus, BusHost& host, const SocketcandSettings& settings)
       : shared(std::make_shared<SocketcandShared>(
-            SocketcandShared{.bus = bus, .settings = std::move(settings)})),
-        acceptor(context, shared->settings.listen, [this](tcp::socket&& socket) {
-          serve(std::move(socket));
-        }) {
-    if (!shared->settings.clock) shared->settings.clock = socketcand_wall_clock;
-  }
+            SocketcandShared{.bus = bus, .host = host, .settings = settings})),
+        acceptor(context, settings.listen, *this) {}
 
-  void serve(tcp::socket&& socket) {
+  void serve(tcp::socket&& socket) override {
     std::erase_if(connections, [](const auto& connection) {
       return connection->is_over();
     });
-    if (connections.size() >= shared->settings.most_clients) return refuse(socket);
+    if (connections.size() >= shared->settings.most_clients) {
+      ++shared->counters.refused_clients;
+      return turn_away(socket, "< error too many clients >");
+    }
     AsioError ignored;
-    // A frame is sent when it comes: it does not wait for the acknowledgement of the one before.
-    socket.set_option(tcp::no_delay(true), ignored);
     socket.set_option(asio::socket_base::send_buffer_size(kSocketcandBuffer), ignored);
-    // Else a machine that was switched off would hold its place.
-    socket.set_option(asio::socket_base::keep_alive(true), ignored);
     ++shared->counters.connections;
     ++shared->counters.clients;
     connections.push_back(std::make_shared<SocketcandConnection>(std::move(socket), shared));
     connections.back()->start();
-  }
-
-  void refuse(tcp::socket& socket) {
-    ++shared->counters.refused_clients;
-    AsioError ignored;
-    socket.non_blocking(true, ignored);
-    socket.write_some(asio::buffer(std::string_view("< error too many clients >")), ignored);
-    socket.close(ignored);
   }
 
   std::shared_ptr<SocketcandShared> shared;
@@ -340,8 +292,9 @@ struct SocketcandServer::State {
   TcpAcceptor acceptor;
 };
 
-SocketcandServer::SocketcandServer(asio::io_context& context, Bus& bus, SocketcandSettings settings)
-    : state_(std::make_unique<State>(context, bus, std::move(settings))) {}
+SocketcandServer::SocketcandServer(asio::io_context& context, Bus& bus, BusHost& host,
+                                   const SocketcandSettings& settings)
+    : state_(std::make_unique<State>(context, bus, host, settings)) {}
 
 SocketcandServer::~SocketcandServer() {
   state_->acceptor.close();

@@ -3,14 +3,10 @@
 
 #include "bus/bus.hpp"
 #include "bus/tcp_address.hpp"
-#include "severity.hpp"
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
-#include <string>
 
 namespace boost::asio {
 class io_context;
@@ -29,10 +25,6 @@ struct SocketcandSettings {
   std::size_t most_waiting_frames = 16'384;
   /// A client for which that many wait holds the bus until half of them are sent, and loses none.
   bool holds_bus = false;
-  /// When a frame is on the bus, for its time stamp; none = the wall clock, since 1970.
-  std::function<std::chrono::microseconds()> clock{};
-  /// Takes what happens to the server, a sentence without a full stop.
-  std::function<void(bridge::Severity severity, const std::string& text)> report{};
 };
 
 /// What a server counts since it was made, where nothing else is stated.
@@ -53,9 +45,10 @@ struct SocketcandCounters {
 class SocketcandServer final {
  public:
   /// Listens on return, and serves while `context` runs.
-  /// @param context, bus outlive the server
+  /// @param context, bus, host outlive the server
   /// @throws std::runtime_error when it cannot listen there, with the address and the reason
-  SocketcandServer(boost::asio::io_context& context, Bus& bus, SocketcandSettings settings);
+  SocketcandServer(boost::asio::io_context& context, Bus& bus, BusHost& host,
+                   const SocketcandSettings& settings);
 
   /// Closes all connections.
   ~SocketcandServer();

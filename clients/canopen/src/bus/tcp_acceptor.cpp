@@ -14,9 +14,16 @@ constexpr std::chrono::milliseconds kAcceptPause{100};
 
 }  // namespace
 
+void turn_away(tcp::socket& socket, std::string_view words) {
+  AsioError ignored;
+  socket.non_blocking(true, ignored);
+  socket.write_some(asio::buffer(words), ignored);
+  socket.close(ignored);
+}
+
 struct TcpAcceptor::State final : std::enable_shared_from_this<TcpAcceptor::State> {
-  State(asio::io_context& context, TcpAddress wanted, Accepted&& call)
-      : acceptor(context), pause(context), address(std::move(wanted)), accepted(std::move(call)) {
+  State(asio::io_context& context, TcpAddress wanted, TcpServer& its_server)
+      : acceptor(context), pause(context), address(std::move(wanted)), server(its_server) {
     bridge::listen_on(acceptor, address.host, address.port, address_text(address));
     address.port = acceptor.local_endpoint().port();
   }
@@ -25,7 +32,12 @@ struct TcpAcceptor::State final : std::enable_shared_from_this<TcpAcceptor::Stat
     acceptor.async_accept([self = shared_from_this()](const AsioError& error, tcp::socket socket) {
       if (!self->acceptor.is_open()) return;
       if (error) return self->accept_later();
-      self->accepted(std::move(socket));
+      AsioError ignored;
+      // What is written does not wait for the acknowledgement of what was written before.
+      socket.set_option(tcp::no_delay(true), ignored);
+      // Else a machine that was switched off would hold its place.
+      socket.set_option(asio::socket_base::keep_alive(true), ignored);
+      self->server.serve(std::move(socket));
       // The server may have been closed by that call.
       if (self->acceptor.is_open()) self->accept();
     });
@@ -42,11 +54,11 @@ struct TcpAcceptor::State final : std::enable_shared_from_this<TcpAcceptor::Stat
   tcp::acceptor acceptor;
   asio::steady_timer pause;
   TcpAddress address;
-  Accepted accepted;
+  TcpServer& server;
 };
 
-TcpAcceptor::TcpAcceptor(asio::io_context& context, const TcpAddress& address, Accepted accepted)
-    : state_(std::make_shared<State>(context, address, std::move(accepted))) {
+TcpAcceptor::TcpAcceptor(asio::io_context& context, const TcpAddress& address, TcpServer& server)
+    : state_(std::make_shared<State>(context, address, server)) {
   state_->accept();
 }
 

@@ -4,19 +4,30 @@
 #include "bus/asio.hpp"
 #include "bus/tcp_address.hpp"
 
-#include <functional>
 #include <memory>
+#include <string_view>
 
 namespace vdrive::canopen {
+
+/// What serves the connections that an acceptor accepts.
+class TcpServer {
+ public:
+  virtual ~TcpServer() = default;
+
+  /// @param socket sends at once what it is given, and notices that the machine of its peer is gone
+  virtual void serve(tcp::socket&& socket) = 0;
+};
+
+/// Says to a peer, if it listens, why it is not served, and closes its connection.
+void turn_away(tcp::socket& socket, std::string_view words);
 
 /// Listens for TCP connections, and passes each to its server. For the thread of its context.
 class TcpAcceptor final {
  public:
-  using Accepted = std::function<void(tcp::socket&& socket)>;
-
   /// Listens on return; connections are passed on while `context` runs.
+  /// @param server is not called after close()
   /// @throws std::runtime_error when it cannot listen there, with the address and the reason
-  TcpAcceptor(asio::io_context& context, const TcpAddress& address, Accepted accepted);
+  TcpAcceptor(asio::io_context& context, const TcpAddress& address, TcpServer& server);
 
   /// As close().
   ~TcpAcceptor();

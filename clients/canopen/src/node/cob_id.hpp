@@ -9,6 +9,15 @@
 
 namespace vdrive::canopen {
 
+/// The predefined connection set (CiA 301, 7.3.5): CAN-IDs that no object changes, and the defaults
+/// of emergencies. All but that of NMT have the node id added.
+inline constexpr std::uint32_t kNmtId = 0x000;
+inline constexpr std::uint32_t kSyncId = 0x080;  ///< without a node id
+inline constexpr std::uint32_t kEmergencyId = 0x080;
+inline constexpr std::uint32_t kSdoResponseId = 0x580;
+inline constexpr std::uint32_t kSdoRequestId = 0x600;
+inline constexpr std::uint32_t kHeartbeatId = 0x700;  ///< boot-up, too
+
 // A COB-ID as an object holds it: the CAN-ID in bits 0 to 10, flags above (CiA 301, 7.5.2.5,
 // 7.5.2.17, 7.5.2.35 and 7.5.2.37).
 inline constexpr std::uint32_t kCobIdNotValid = 0x80000000;  ///< PDO, EMCY: it does not exist

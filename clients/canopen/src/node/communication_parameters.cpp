@@ -2,7 +2,6 @@
 #include "node/communication_parameters.hpp"
 
 #include "node/cob_id.hpp"
-#include "node/initial_value.hpp"
 #include "node/node_object.hpp"
 
 #include <array>
@@ -15,7 +14,7 @@ namespace {
 constexpr std::uint16_t kFirstPdoIndex = 0x1400;
 constexpr std::uint16_t kLastPdoIndex = 0x1BFF;
 
-/// From 1400h to 1600h and from 1800h to 1A00h: the mapping of a PDO beside its parameters.
+/// From 1400h to 1600h and from 1800h to 1A00h: from the parameters of a PDO to its mapping.
 constexpr std::uint16_t kToMapping = 0x0200;
 
 /// 1019h is refused while 1006h is not 0.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/electronic_data_sheet.hpp"
 
-#include "node/by_index.hpp"
+#include "node/node_object.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_table.hpp"

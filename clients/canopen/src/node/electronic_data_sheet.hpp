@@ -12,8 +12,8 @@
 
 namespace vdrive::canopen {
 
-/// What an electronic data sheet has beside the objects of a node. All texts are ASCII in one line,
-/// without ';' and '#'.
+/// What an electronic data sheet has besides the objects of a node. All texts are ASCII in one
+/// line, without ';' and '#'.
 struct DataSheetSettings {
   std::string_view file_name = "vdrive.eds";
   std::string_view program_version = "0";

@@ -2,7 +2,7 @@
 #include "node/emergency.hpp"
 
 #include "node/cob_id.hpp"
-#include "node/initial_value.hpp"
+#include "node/node_object.hpp"
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
@@ -87,7 +87,7 @@ void Emergency::update(const AxisStatus& drive, DriveTime now) {
   }
   if (drive.fault_count < drive_.fault_count) clear_history();  // it was switched off
   const bool has_fault = drive.error_code != 0;
-  // Beside the code: a fault of the same kind may have come behind a reset within one tick.
+  // Besides the code: a fault of the same kind may have come after a reset within one tick.
   const bool is_new = has_fault && (drive.error_code != drive_.error_code ||
                                     drive.fault_count != drive_.fault_count);
   const bool is_over = !has_fault && drive_.error_code != 0;
@@ -124,8 +124,7 @@ std::uint8_t Emergency::error_register() const noexcept {
 
 void Emergency::advance(DriveTime now) {
   while (!waiting_.empty() && is_allowed_ && now >= next_allowed()) {
-    host_.send({.id = can_id_of(cob_id_), .size = kMostData, .data = waiting_.front()});
-    waiting_.pop_front();
+    host_.send({.id = can_id_of(cob_id_), .size = kMostData, .data = *waiting_.take()});
     last_sent_ = now;
   }
 }
@@ -143,11 +142,7 @@ void Emergency::post(const Cause& cause, DriveTime now) {
   if (history_.size() > kMostHistory) history_.pop_back();
   if ((cob_id_ & kCobIdNotValid) != 0) return;
   advance(now);  // what was due before
-  waiting_.push_back(message_of(cause));
-  if (waiting_.size() > kMostWaiting) {
-    waiting_.pop_front();
-    ++held_back_;
-  }
+  waiting_.put(message_of(cause));
   advance(now);
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "node/drive_time.hpp"
 #include "node/frame.hpp"
 #include "node/node_host.hpp"
 #include "vdrive/axis_status.hpp"
+#include "vdrive/bounded_queue.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 
 #include <array>
@@ -68,7 +68,7 @@ class Emergency {
   /// sent again. Nothing is sent until set_allowed(true). A restart is still awaited.
   void reset();
 
-  /// NMT reset node, behind reset(): the drive is switched off and on. A bench in realtime does
+  /// NMT reset node, after reset(): the drive is switched off and on. A bench in realtime does
   /// that some ticks later, and what it shows before is over. So no fault is sent until the drive
   /// shows its restart: it has no fault, none since power-up, and no power; or fewer faults than
   /// before.
@@ -93,7 +93,8 @@ class Emergency {
   void begin_heartbeat_error(std::uint8_t producer, DriveTime now);
   void end_heartbeat_error(DriveTime now);
 
-  /// @return the bits that errors of the communication set in 1001h now, beside those of the drive.
+  /// @return the bits that errors of the communication set in 1001h now, besides those of the
+  /// drive.
   [[nodiscard]] std::uint8_t error_register() const noexcept;
 
   /// 1003h: error codes, the newest first.
@@ -105,7 +106,8 @@ class Emergency {
   void advance(DriveTime now);
   [[nodiscard]] std::optional<DriveTime> next_due() const;
 
-  [[nodiscard]] std::uint64_t held_back() const noexcept { return held_back_; }  ///< left out
+  /// @return messages that were left out, ever.
+  [[nodiscard]] std::uint64_t held_back() const noexcept { return waiting_.dropped(); }
 
  private:
   using Message = std::array<std::uint8_t, kMostData>;
@@ -137,9 +139,8 @@ class Emergency {
   bool has_heartbeat_error_ = false;
   bool has_error_ = false;
   std::deque<std::uint16_t> history_;
-  std::deque<Message> waiting_;
+  BoundedQueue<Message> waiting_{kMostWaiting, WhenFull::drops_oldest};
   std::optional<DriveTime> last_sent_;
-  std::uint64_t held_back_ = 0;
 };
 
 }  // namespace vdrive::canopen

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/heartbeat.hpp"
 
-#include "node/connection_set.hpp"
-#include "node/initial_value.hpp"
+#include "node/cob_id.hpp"
+#include "node/node_object.hpp"
 #include "node/node_settings.hpp"
 #include "vdrive/assert.hpp"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "node/drive_time.hpp"
-#include "node/nmt_state.hpp"
+#include "node/frame.hpp"
 #include "node/node_host.hpp"
+#include "node/node_settings.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 
 #include <array>

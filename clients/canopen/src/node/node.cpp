@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/node.hpp"
 
+#include "node/cob_id.hpp"
 #include "node/communication_parameters.hpp"
-#include "node/connection_set.hpp"
 #include "node/emergency.hpp"
 #include "node/heartbeat.hpp"
 #include "node/node_dictionary.hpp"
@@ -252,7 +252,7 @@ void Node::Parts::complete(std::uint32_t ticket, const DriveAnswer& answer, Driv
   answered();
 }
 
-/// What a written parameter has at once, behind the response to the client.
+/// What a written parameter has at once, after the response to the client.
 void Node::Parts::answered() {
   producer_.advance(state_, now_);  // 1017h: the first heartbeat
   end_heartbeat_error();            // 1016h: the silent producer is not watched any more

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "node/drive_time.hpp"
 #include "node/frame.hpp"
-#include "node/nmt_state.hpp"
 #include "node/node_host.hpp"
 #include "node/node_settings.hpp"
 
@@ -34,7 +32,7 @@ struct NodeCounters {
 /// nothing, waits for nothing, and reads no clock. For one thread.
 ///
 /// Order of a tick at SYNC n: receive(SYNC) sends the TPDOs of what was sampled last (the drive at
-/// n), and passes the RPDOs that came before it to NodeHost::command(), so that they act behind n.
+/// n), and passes the RPDOs that came before it to NodeHost::command(), so that they act after n.
 class Node {
  public:
   /// Its communication parameters at power-up; see stored().

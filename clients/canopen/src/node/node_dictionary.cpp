@@ -2,8 +2,8 @@
 #include "node/node_dictionary.hpp"
 
 #include "node/emergency.hpp"
+#include "node/frame.hpp"
 #include "node/heartbeat.hpp"
-#include "node/little_endian.hpp"
 #include "node/node_object.hpp"
 #include "node/pdos.hpp"
 #include "vdrive/assert.hpp"

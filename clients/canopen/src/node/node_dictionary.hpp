@@ -2,7 +2,7 @@
 #pragma once
 
 #include "node/communication_parameters.hpp"
-#include "node/drive_time.hpp"
+#include "node/frame.hpp"
 #include "node/node_host.hpp"
 #include "node/node_settings.hpp"
 #include "node/sdo_server.hpp"

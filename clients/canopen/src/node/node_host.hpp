@@ -63,7 +63,7 @@ class NodeHost {
   virtual void power_cycle() = 0;
 
   /// Keeps the communication parameters that the node has at its next power-up: 1010h:01 and
-  /// 1011h:01, when the drive has saved or restored its own. The master has its answer behind it.
+  /// 1011h:01, when the drive has saved or restored its own. The master gets its answer after it.
   /// @return false when they could not be written: the master gets the abort 06060000h
   [[nodiscard]] virtual bool store(const std::map<ObjectAddress, std::uint32_t>& parameters) = 0;
 };

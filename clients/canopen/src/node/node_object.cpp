@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/node_object.hpp"
 
-#include "node/by_index.hpp"
-#include "node/communication_objects.hpp"
+#include "node/cob_id.hpp"
 #include "vdrive/axis_status.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_table.hpp"
@@ -14,6 +13,278 @@
 
 namespace vdrive::canopen {
 namespace {
+
+/// What the objects of one index have in common (CiA 301, 7.4.3).
+struct NodeIndex {
+  std::uint16_t index = 0;
+  std::string_view name{};
+  ObjectCode code = ObjectCode::variable;
+};
+
+/// @return the type of the same name.
+constexpr NodeDataType node_type_of(DataType type) {
+  switch (type) {
+    case DataType::integer8:
+      return NodeDataType::integer8;
+    case DataType::integer16:
+      return NodeDataType::integer16;
+    case DataType::integer32:
+      return NodeDataType::integer32;
+    case DataType::unsigned8:
+      return NodeDataType::unsigned8;
+    case DataType::unsigned16:
+      return NodeDataType::unsigned16;
+    case DataType::unsigned32:
+      return NodeDataType::unsigned32;
+  }
+  return NodeDataType::unsigned32;
+}
+
+/// @return a number of the node itself that no PDO carries; its limits are those of its type.
+constexpr NodeObject number_object(const NodeIndex& index, std::uint8_t subindex,
+                                   std::string_view name, DataType type, NodeAccess access,
+                                   std::int64_t default_value = 0) {
+  const TypeRange range = range_of(type);
+  NodeObject object;
+  object.address = {.index = index.index, .subindex = subindex};
+  object.name = name;
+  object.index_name = index.name;
+  object.code = index.code;
+  object.data_type = node_type_of(type);
+  object.access = access;
+  object.lower_limit = range.lowest;
+  object.upper_limit = range.highest;
+  object.default_value = default_value;
+  return object;
+}
+
+/// @return :00 of an array or a record whose objects are always there.
+constexpr NodeObject highest_subindex_object(const NodeIndex& index, std::uint8_t highest) {
+  return number_object(index, 0, "Highest sub-index supported", DataType::unsigned8,
+                       NodeAccess::constant, highest);
+}
+
+// ---- communication objects ---------------------------------------------------------------------
+// Those that a node has besides the ones of the core's table (CiA 301, 7.5.2), by index and
+// sub-index. 100Ch and 100Dh (node guarding) are absent.
+
+constexpr NodeObject variable_object(std::uint16_t index, std::string_view name, DataType type,
+                                     std::int64_t default_value) {
+  const NodeIndex variable{index, name, ObjectCode::variable};
+  return number_object(variable, 0, name, type, NodeAccess::read_write, default_value);
+}
+
+constexpr NodeObject constant_text(std::uint16_t index, std::string_view name,
+                                   std::string_view text) {
+  NodeObject object;
+  object.address = {.index = index, .subindex = 0};
+  object.name = name;
+  object.index_name = name;
+  object.data_type = NodeDataType::visible_string;
+  object.access = NodeAccess::constant;
+  object.default_text = text;
+  return object;
+}
+
+constexpr NodeObject limited_to(std::int64_t upper_limit, NodeObject object) {
+  object.upper_limit = upper_limit;
+  return object;
+}
+
+constexpr NodeObject with_node_id(NodeObject object) {
+  object.has_node_id = true;
+  return object;
+}
+
+constexpr NodeIndex kConsumerHeartbeat{0x1016, "Consumer heartbeat time", ObjectCode::array};
+constexpr NodeIndex kVerifyConfiguration{0x1020, "Verify configuration", ObjectCode::array};
+constexpr NodeIndex kErrorBehavior{0x1029, "Error behavior", ObjectCode::array};
+constexpr NodeIndex kSdoServer{0x1200, "SDO server parameter", ObjectCode::record};
+
+constexpr NodeObject consumer_heartbeat(std::uint8_t subindex, std::string_view name) {
+  return number_object(kConsumerHeartbeat, subindex, name, DataType::unsigned32,
+                       NodeAccess::read_write);
+}
+
+constexpr NodeObject sdo_server_cob_id(std::uint8_t subindex, std::string_view name,
+                                       std::int64_t cob_id) {
+  return with_node_id(number_object(kSdoServer, subindex, name, DataType::unsigned32,
+                                    NodeAccess::constant, cob_id));
+}
+
+/// 1000h to 1FFFh without the PDOs. 100Ah is the version of the program, so it has no default.
+constexpr std::array kGeneralObjects{
+    variable_object(0x1005, "COB-ID SYNC message", DataType::unsigned32, 0x80),
+    variable_object(0x1006, "Communication cycle period", DataType::unsigned32, 0),
+    variable_object(0x1007, "Synchronous window length", DataType::unsigned32, 0),
+    constant_text(0x1008, "Manufacturer device name", "vdrive"),
+    constant_text(0x1009, "Manufacturer hardware version", "1"),
+    constant_text(0x100A, "Manufacturer software version", ""),
+    with_node_id(variable_object(0x1014, "COB-ID EMCY", DataType::unsigned32, kEmergencyId)),
+    variable_object(0x1015, "Inhibit time EMCY", DataType::unsigned16, 0),
+    highest_subindex_object(kConsumerHeartbeat, 4),
+    consumer_heartbeat(1, "Consumer heartbeat time 1"),
+    consumer_heartbeat(2, "Consumer heartbeat time 2"),
+    consumer_heartbeat(3, "Consumer heartbeat time 3"),
+    consumer_heartbeat(4, "Consumer heartbeat time 4"),
+    variable_object(0x1017, "Producer heartbeat time", DataType::unsigned16, 0),
+    limited_to(
+        240, variable_object(0x1019, "Synchronous counter overflow value", DataType::unsigned8, 0)),
+    highest_subindex_object(kVerifyConfiguration, 2),
+    number_object(kVerifyConfiguration, 1, "Configuration date", DataType::unsigned32,
+                  NodeAccess::read_write),
+    number_object(kVerifyConfiguration, 2, "Configuration time", DataType::unsigned32,
+                  NodeAccess::read_write),
+    highest_subindex_object(kErrorBehavior, 1),
+    limited_to(2, number_object(kErrorBehavior, 1, "Communication error", DataType::unsigned8,
+                                NodeAccess::read_write)),
+    highest_subindex_object(kSdoServer, 2),
+    sdo_server_cob_id(1, "COB-ID client to server (rx)", kSdoRequestId),
+    sdo_server_cob_id(2, "COB-ID server to client (tx)", kSdoResponseId),
+};
+
+/// A PDO as it is after power-up.
+struct PdoRow {
+  NodeIndex parameters;
+  NodeIndex mapping;
+  std::int64_t cob_id = 0;  ///< predefined connection set (CiA 301, 7.3.5), without the node id
+  std::array<ObjectAddress, 2> mapped{};  ///< index 0 = none
+  std::int64_t inhibit_time = 0;          ///< of a transmit PDO [100 us]
+};
+
+constexpr std::size_t kPdosOfAKind = 4;
+using PdoRows = std::array<PdoRow, kPdosOfAKind>;
+
+// The mapping of CiA 402-3, and the velocity in the fourth.
+constexpr PdoRows kReceiveRows{{
+    {{0x1400, "RPDO 1 communication parameter", ObjectCode::record},
+     {0x1600, "RPDO 1 mapping parameter", ObjectCode::record},
+     0x200,
+     {{{0x6040, 0x00}, {}}},
+     0},
+    {{0x1401, "RPDO 2 communication parameter", ObjectCode::record},
+     {0x1601, "RPDO 2 mapping parameter", ObjectCode::record},
+     0x300,
+     {{{0x6040, 0x00}, {0x6060, 0x00}}},
+     0},
+    {{0x1402, "RPDO 3 communication parameter", ObjectCode::record},
+     {0x1602, "RPDO 3 mapping parameter", ObjectCode::record},
+     0x400,
+     {{{0x6040, 0x00}, {0x607A, 0x00}}},
+     0},
+    {{0x1403, "RPDO 4 communication parameter", ObjectCode::record},
+     {0x1603, "RPDO 4 mapping parameter", ObjectCode::record},
+     0x500,
+     {{{0x6040, 0x00}, {0x60FF, 0x00}}},
+     0},
+}};
+
+// Position and velocity change in every tick: without an inhibit time they would fill the bus.
+constexpr PdoRows kTransmitRows{{
+    {{0x1800, "TPDO 1 communication parameter", ObjectCode::record},
+     {0x1A00, "TPDO 1 mapping parameter", ObjectCode::record},
+     0x180,
+     {{{0x6041, 0x00}, {}}},
+     0},
+    {{0x1801, "TPDO 2 communication parameter", ObjectCode::record},
+     {0x1A01, "TPDO 2 mapping parameter", ObjectCode::record},
+     0x280,
+     {{{0x6041, 0x00}, {0x6061, 0x00}}},
+     0},
+    {{0x1802, "TPDO 3 communication parameter", ObjectCode::record},
+     {0x1A02, "TPDO 3 mapping parameter", ObjectCode::record},
+     0x380,
+     {{{0x6041, 0x00}, {0x6064, 0x00}}},
+     100},
+    {{0x1803, "TPDO 4 communication parameter", ObjectCode::record},
+     {0x1A03, "TPDO 4 mapping parameter", ObjectCode::record},
+     0x480,
+     {{{0x6041, 0x00}, {0x606C, 0x00}}},
+     100},
+}};
+
+/// Event-driven, as the device profile says (CiA 301, 7.5.2.35 and 7.5.2.37).
+constexpr std::int64_t kEventDriven = 255;
+
+constexpr NodeObject pdo_parameter(const PdoRow& pdo, std::uint8_t subindex, std::string_view name,
+                                   DataType type, std::int64_t default_value = 0) {
+  return number_object(pdo.parameters, subindex, name, type, NodeAccess::read_write, default_value);
+}
+
+constexpr std::array<NodeObject, 4> receive_parameters(const PdoRow& pdo) {
+  return {{
+      highest_subindex_object(pdo.parameters, 5),
+      with_node_id(pdo_parameter(pdo, 1, "COB-ID used by RPDO", DataType::unsigned32, pdo.cob_id)),
+      pdo_parameter(pdo, 2, "Transmission type", DataType::unsigned8, kEventDriven),
+      pdo_parameter(pdo, 5, "Event timer", DataType::unsigned16),
+  }};
+}
+
+constexpr std::array<NodeObject, 6> transmit_parameters(const PdoRow& pdo) {
+  return {{
+      highest_subindex_object(pdo.parameters, 6),
+      with_node_id(pdo_parameter(pdo, 1, "COB-ID used by TPDO", DataType::unsigned32, pdo.cob_id)),
+      pdo_parameter(pdo, 2, "Transmission type", DataType::unsigned8, kEventDriven),
+      pdo_parameter(pdo, 3, "Inhibit time", DataType::unsigned16, pdo.inhibit_time),
+      pdo_parameter(pdo, 5, "Event timer", DataType::unsigned16),
+      limited_to(240, pdo_parameter(pdo, 6, "SYNC start value", DataType::unsigned8)),
+  }};
+}
+
+constexpr std::array<std::string_view, 8> kMappedNames{
+    "Application object 1", "Application object 2", "Application object 3", "Application object 4",
+    "Application object 5", "Application object 6", "Application object 7", "Application object 8"};
+
+/// @return index, sub-index and length [bits] of an object of the drive, as a mapping parameter has
+///         them (CiA 301, 7.5.2.36).
+constexpr std::int64_t mapping_entry(ObjectAddress address) {
+  const ObjectDescription& object = kObjectRows[*find_row(address)];
+  return std::int64_t{address.index} * 0x10000 + std::int64_t{address.subindex} * 0x100 +
+         std::int64_t{size_of(object.data_type)} * 8;
+}
+
+constexpr std::array<NodeObject, kMappedNames.size() + 1> mapping_parameters(const PdoRow& pdo) {
+  std::array<NodeObject, kMappedNames.size() + 1> objects{};
+  const auto add = [&](std::uint8_t subindex, std::string_view name, DataType type,
+                       std::int64_t default_value) {
+    objects[subindex] =
+        number_object(pdo.mapping, subindex, name, type, NodeAccess::read_write, default_value);
+  };
+  add(0, "Number of mapped application objects in PDO", DataType::unsigned8, 0);
+  objects[0].upper_limit = static_cast<std::int64_t>(kMappedNames.size());
+  for (std::size_t i = 0; i < kMappedNames.size(); ++i) {
+    const ObjectAddress mapped = i < pdo.mapped.size() ? pdo.mapped[i] : ObjectAddress{};
+    const bool is_used = mapped.index != 0;
+    objects[0].default_value += is_used ? 1 : 0;
+    add(static_cast<std::uint8_t>(i + 1), kMappedNames[i], DataType::unsigned32,
+        is_used ? mapping_entry(mapped) : 0);
+  }
+  return objects;
+}
+
+template <std::size_t... kSizes>
+constexpr auto joined(const std::array<NodeObject, kSizes>&... parts) {
+  std::array<NodeObject, (kSizes + ...)> all{};
+  auto next = all.begin();
+  ((next = std::copy(parts.begin(), parts.end(), next)), ...);
+  return all;
+}
+
+template <std::size_t kSize>
+constexpr auto of_each(const PdoRows& pdos,
+                       std::array<NodeObject, kSize> (*objects_of)(const PdoRow& pdo)) {
+  return joined(objects_of(pdos[0]), objects_of(pdos[1]), objects_of(pdos[2]), objects_of(pdos[3]));
+}
+
+constexpr auto kCommunicationObjects =
+    joined(kGeneralObjects, of_each(kReceiveRows, receive_parameters),
+           of_each(kReceiveRows, mapping_parameters), of_each(kTransmitRows, transmit_parameters),
+           of_each(kTransmitRows, mapping_parameters));
+
+static_assert(std::ranges::is_sorted(kCommunicationObjects, {}, &NodeObject::address),
+              "communication objects stand by index and sub-index");
+
+// ---- objects of the drive ----------------------------------------------------------------------
 
 /// Rows of the core's table.
 using DriveRows = std::span<const ObjectDescription>;
@@ -119,8 +390,7 @@ void append_index(DriveRows rows, std::vector<NodeObject>& objects) {
 }
 
 std::vector<NodeObject> make_node_objects() {
-  const std::span<const NodeObject> own = communication_objects();
-  std::vector<NodeObject> objects(own.begin(), own.end());
+  std::vector<NodeObject> objects(kCommunicationObjects.begin(), kCommunicationObjects.end());
   for (const DriveRows rows : by_index(DriveRows(kObjectTable))) append_index(rows, objects);
   std::ranges::sort(objects, {}, &NodeObject::address);
   return objects;
@@ -150,6 +420,11 @@ AbortCode check_node_address(ObjectAddress address) {
 
 std::int64_t default_of(const NodeObject& object, std::uint8_t node_id) noexcept {
   return object.default_value + (object.has_node_id ? node_id : 0);
+}
+
+std::uint32_t initial_value(ObjectAddress object, std::uint8_t node_id) {
+  const NodeObject* const found = find_node_object(object);
+  return found == nullptr ? 0U : static_cast<std::uint32_t>(default_of(*found, node_id));
 }
 
 }  // namespace vdrive::canopen

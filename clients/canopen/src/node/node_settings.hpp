@@ -12,6 +12,14 @@ namespace vdrive::canopen {
 inline constexpr std::uint8_t kLowestNodeId = 1;
 inline constexpr std::uint8_t kHighestNodeId = 127;
 
+/// NMT states (CiA 301, 7.3.2.2), by the number that a heartbeat carries.
+enum class NmtState : std::uint8_t {
+  boot_up = 0x00,
+  stopped = 0x04,
+  operational = 0x05,
+  pre_operational = 0x7F,
+};
+
 /// What a node is made of.
 struct NodeSettings {
   std::uint8_t node_id = 1;                 ///< 1 to 127

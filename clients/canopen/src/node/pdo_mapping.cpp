@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/pdo_mapping.hpp"
 
-#include "node/initial_value.hpp"
+#include "node/node_object.hpp"
 #include "vdrive/assert.hpp"
 
 #include <algorithm>

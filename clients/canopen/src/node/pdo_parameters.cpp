@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/pdo_parameters.hpp"
 
-#include "node/initial_value.hpp"
+#include "node/node_object.hpp"
 
 #include <chrono>
 #include <ratio>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint16_t kFirstReceiveParameter = 0x1400;
 constexpr std::uint16_t kFirstTransmitParameter = 0x1800;
-constexpr std::uint16_t kMappingBehind = 0x0200;  // 1600h behind 1400h, 1A00h behind 1800h
+constexpr std::uint16_t kMappingOffset = 0x0200;  // 1400h to 1600h, 1800h to 1A00h
 
 constexpr std::uint8_t kCobIdSub = 1;
 constexpr std::uint8_t kTypeSub = 2;
@@ -43,7 +43,7 @@ PdoParameters::PdoParameters(PdoDirection direction, PdoPlace place)
     : direction_(direction),
       index_(parameter_index(direction, place.number)),
       node_id_(place.node_id),
-      mapping_(static_cast<std::uint16_t>(index_ + kMappingBehind), direction) {
+      mapping_(static_cast<std::uint16_t>(index_ + kMappingOffset), direction) {
   reset();
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "node/cob_id.hpp"
-#include "node/drive_time.hpp"
+#include "node/frame.hpp"
 #include "node/node_object.hpp"
 #include "node/pdo_mapping.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
@@ -13,7 +13,7 @@
 namespace vdrive::canopen {
 
 // Transmission types (CiA 301, 7.5.2.35 and 7.5.2.37). What lies between is reserved.
-inline constexpr std::uint8_t kAcyclicSynchronous = 0;   ///< at the SYNC behind a change
+inline constexpr std::uint8_t kAcyclicSynchronous = 0;   ///< at the SYNC after a change
 inline constexpr std::uint8_t kLastSynchronous = 240;    ///< 1 to 240: at every n-th SYNC
 inline constexpr std::uint8_t kRemoteSynchronous = 252;  ///< TPDO: on request, sampled at SYNC
 inline constexpr std::uint8_t kRemoteEventDriven = 253;  ///< TPDO: on request, sampled then

@@ -9,7 +9,7 @@
 namespace vdrive::canopen {
 namespace {
 
-// The objects of a PDO are at its number behind these indices.
+// The objects of PDO 1 have these indices, those of the next ones follow.
 constexpr unsigned kReceiveParameters = 0x1400;
 constexpr unsigned kReceiveMappings = 0x1600;
 constexpr unsigned kTransmitParameters = 0x1800;

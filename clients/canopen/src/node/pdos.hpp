@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "node/drive_time.hpp"
 #include "node/frame.hpp"
 #include "node/node_host.hpp"
 #include "node/receive_pdo.hpp"
-#include "node/set_points.hpp"
 #include "node/sync_consumer.hpp"
 #include "node/transmit_pdo.hpp"
 #include "vdrive/axis_status.hpp"

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "node/drive_time.hpp"
 #include "node/frame.hpp"
+#include "node/node_host.hpp"
 #include "node/pdo_parameters.hpp"
-#include "node/set_points.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/object.hpp"
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace vdrive::canopen {
 
@@ -17,6 +18,22 @@ namespace vdrive::canopen {
 inline constexpr std::uint16_t kPdoTooShort = 0x8210;
 inline constexpr std::uint16_t kPdoTooLong = 0x8220;
 inline constexpr std::uint16_t kPdoTimeOut = 0x8250;
+
+/// Set-points of RPDOs that act together in one tick, as NodeHost::command() takes them: each
+/// object once with the value that came last, in order of arrival, the controlword (6040h) after
+/// all others.
+class SetPoints {
+ public:
+  void put(const DriveValue& value);
+
+  void clear() noexcept { values_.clear(); }
+
+  /// The span ends with the next put() or clear().
+  [[nodiscard]] std::span<const DriveValue> values() const noexcept { return values_; }
+
+ private:
+  std::vector<DriveValue> values_;
+};
 
 /// What an RPDO made of a frame.
 struct PdoReception {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/sdo_block.hpp"
 
-#include "node/connection_set.hpp"
+#include "node/cob_id.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/sdo_server.hpp"
 
-#include "node/connection_set.hpp"
-#include "node/little_endian.hpp"
+#include "node/cob_id.hpp"
+#include "node/frame.hpp"
 
 #include <algorithm>
 #include <array>
@@ -98,9 +98,7 @@ void SdoServer::receive(const Frame& request, DriveTime now) {
     stop();  // a client has one channel: what waits is what it has given up
   } else if (!access_) {
     serve(request, now);
-  } else if (waiting_.size() < kMostWaiting) {
-    waiting_.push_back(request);
-  } else {
+  } else if (!waiting_.put(request)) {
     send_abort(object_of(request), AbortCode::out_of_memory);
   }
 }
@@ -139,11 +137,7 @@ void SdoServer::finish(const SdoAnswer& answer, DriveTime now) {
   const Access access = *access_;
   access_.reset();
   if (access.is_wanted) conclude(access, answer, now);
-  while (!access_ && !waiting_.empty()) {
-    const Frame request = waiting_.front();
-    waiting_.pop_front();
-    serve(request, now);
-  }
+  while (!access_ && !waiting_.empty()) serve(*waiting_.take(), now);
 }
 
 void SdoServer::stop() {

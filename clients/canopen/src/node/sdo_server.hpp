@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "node/drive_time.hpp"
 #include "node/frame.hpp"
 #include "node/node_host.hpp"
 #include "node/sdo_block.hpp"
+#include "vdrive/bounded_queue.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/object.hpp"
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -158,8 +157,8 @@ class SdoServer {
   DriveTime deadline_{};                ///< for the next segment
   std::variant<std::monostate, SdoBlockUpload, SdoBlockDownload> block_;  ///< of Transfer::block
 
-  std::optional<Access> access_;  ///< under way
-  std::deque<Frame> waiting_;     ///< for its end
+  std::optional<Access> access_;                                         ///< under way
+  BoundedQueue<Frame> waiting_{kMostWaiting, WhenFull::refuses_newest};  ///< for its end
 };
 
 }  // namespace vdrive::canopen

@@ -2,7 +2,7 @@
 #include "node/sync_consumer.hpp"
 
 #include "node/cob_id.hpp"
-#include "node/initial_value.hpp"
+#include "node/node_object.hpp"
 
 namespace vdrive::canopen {
 namespace {

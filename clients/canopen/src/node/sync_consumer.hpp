@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "node/drive_time.hpp"
 #include "node/frame.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/object.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node/transmit_pdo.hpp"
 
-#include "node/little_endian.hpp"
+#include "node/frame.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "node/drive_time.hpp"
 #include "node/frame.hpp"
 #include "node/node_host.hpp"
 #include "node/pdo_parameters.hpp"
