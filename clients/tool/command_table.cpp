@@ -5,7 +5,8 @@
 
 namespace vdrive::tool {
 
-// Each is defined in the file of its command: commands/move.cpp has kMove.
+// Each is defined in the file of its command: commands/move.cpp has kMove, commands/power.cpp those
+// that take axes only.
 extern const CommandRow kList;
 extern const CommandRow kStatus;
 extern const CommandRow kDescribe;

@@ -5,7 +5,6 @@
 #include "command_table.hpp"
 #include "execution/command_context.hpp"
 #include "execution/connection.hpp"
-#include "execution/output.hpp"
 #include "language/bench_names.hpp"
 #include "language/command_line.hpp"
 #include "language/global_options.hpp"
@@ -118,8 +117,7 @@ ExitCode run_reported(std::vector<std::string> arguments,
   try {
     return run_command(std::move(arguments), bus, terminal);
   } catch (const UsageError& error) {
-    report_usage({terminal, is_json, false}, error.what());
-    return ExitCode::usage;
+    return report_usage(error.what(), is_json, terminal);
   } catch (const std::exception& error) {
     terminal.complain(std::string("vdrive: ") + error.what());
     return ExitCode::failed;

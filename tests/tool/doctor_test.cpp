@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the doctor reports about a machine, from constructed readings.
-#include "diagnosis/doctor.hpp"
-
-#include "diagnosis/bench_checks.hpp"
-#include "diagnosis/host_checks.hpp"
-#include "diagnosis/ros_checks.hpp"
+#include "diagnosis/checks.hpp"
 #include "vdrive_messages_description.hpp"
 
 #include <gmock/gmock.h>
@@ -201,14 +197,15 @@ TEST(Doctor, ShowsEachFigureOfABenchToPrograms) {
   client::BenchInfo bench = bench_with_wire_starts(1);
   for (client::Figure& figure : bench.figures) figure.value = figure.name.size();
   const auto found = check_benches({&bench, 1}, {});
-  const Json json = finding_json(found.at(0));
+  const Json json = record_json(finding_record(found.at(0)));
   std::size_t count = 0;
   wire::for_each_figure<msg::BenchState>([&](const wire::MemberTraits& figure) {
     EXPECT_EQ(json.at("figures").at(std::string(figure.name)), figure.name.size()) << figure.name;
     ++count;
   });
   EXPECT_EQ(json.at("figures").size(), count);
-  EXPECT_FALSE(finding_json(found.at(1)).contains("figures")) << "once for each bench";
+  EXPECT_FALSE(record_json(finding_record(found.at(1))).contains("figures"))
+      << "once for each bench";
 }
 
 TEST(Doctor, ExplainsHowToStartAMissingBench) {

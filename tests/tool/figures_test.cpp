@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The figures that `vdrive bench` calculates from its readings.
-#include "diagnosis/figures.hpp"
+#include "diagnosis/measurement.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -139,12 +139,12 @@ TEST(ListJson, HasBenchAxisStateAndOwner) {
   bench.number = 1;
   client::AxisInfo info;
   info.id = {1, 2};
-  const Json unnamed = list_json(bench, info, moving_axis(), std::nullopt);
+  const Json unnamed = record_json(list_record(bench, info, moving_axis(), std::nullopt));
   EXPECT_THAT(keys(unnamed),
               ElementsAre("axis", "bench", "bench_name", "clock", "period_us", "name", "state",
                           "statusword", "owner", "owner_name", "tick"));
   EXPECT_TRUE(unnamed["owner_name"].is_null());
-  EXPECT_EQ(list_json(bench, info, moving_axis(), kVdrive)["owner_name"],
+  EXPECT_EQ(record_json(list_record(bench, info, moving_axis(), kVdrive))["owner_name"],
             (Json{{"program", "vdrive"}, {"process", 4711}, {"host", "bench-host"}}));
 }
 
@@ -152,14 +152,16 @@ TEST(OwnerText, NamesTheProgramOfTheSession) {
   constexpr const char* kOwner = "vdrive (process 4711 on bench-host), session 0x0123456789abcdef";
   EXPECT_THAT(status_text(moving_axis(), {.name = "y", .unit = {}, .owner = kVdrive}),
               Contains("  owner       " + std::string(kOwner)));
-  EXPECT_THAT(list_text({}, moving_axis(), kVdrive), HasSubstr(kOwner));
-  EXPECT_THAT(list_text({}, moving_axis(), std::nullopt), HasSubstr("0x0123456789abcdef"));
+  EXPECT_THAT(record_text(list_record({}, {}, moving_axis(), kVdrive)), HasSubstr(kOwner));
+  EXPECT_THAT(record_text(list_record({}, {}, moving_axis(), std::nullopt)),
+              HasSubstr("0x0123456789abcdef"));
 }
 
 TEST(OutcomeJson, OfARefusalHasTheSessionThatStandsInTheWay) {
-  Json json;
-  add_outcome(json, client::Outcome::refused(0x08000021, "control of axis 1.1 refused",
-                                             {.axis = {1, 1}, .session = 0x0B, .name = kVdrive}));
+  Record record;
+  add_outcome(record, client::Outcome::refused(0x08000021, "control of axis 1.1 refused",
+                                               {.axis = {1, 1}, .session = 0x0B, .name = kVdrive}));
+  const Json json = record_json(record);
   EXPECT_THAT(keys(json), ElementsAre("outcome", "code", "message", "owner", "owner_name"));
   EXPECT_EQ(json["message"],
             "control of axis 1.1 refused: axis 1.1 is controlled by vdrive (process 4711 on "
@@ -169,28 +171,36 @@ TEST(OutcomeJson, OfARefusalHasTheSessionThatStandsInTheWay) {
 }
 
 TEST(ObjectJson, HasAxisAddressAndName) {
-  Json json = object_json({1, 1}, parse_object("ds402_statusword"));
-  json["value"] = 592;
+  Record record = object_fields({1, 1}, parse_object("ds402_statusword"));
+  record.push_back({"value", 592});
   EXPECT_EQ(
-      to_line(json),
+      to_line(record_json(record)),
       R"({"axis":"1.1","index":"0x6041","subindex":0,"name":"ds402_statusword","value":592})");
 }
 
 TEST(ObjectJson, OfAnUnknownObjectHasNoName) {
-  EXPECT_TRUE(object_json({1, 1}, parse_object("0x9999"))["name"].is_null());
-  EXPECT_EQ(object_json({1, 1}, parse_object("no_such"))["name"], "no_such");
-  EXPECT_TRUE(object_json({1, 1}, parse_object("no_such"))["index"].is_null());
+  EXPECT_TRUE(record_json(object_fields({1, 1}, parse_object("0x9999")))["name"].is_null());
+  const Json unknown = record_json(object_fields({1, 1}, parse_object("no_such")));
+  EXPECT_EQ(unknown["name"], "no_such");
+  EXPECT_TRUE(unknown["index"].is_null());
 }
 
 TEST(OutcomeJson, HasCodeAndMessageOfAFailureOnly) {
-  Json good;
+  Record good;
   add_outcome(good, client::Outcome());
-  EXPECT_EQ(to_line(good), R"({"outcome":"ok"})");
-  Json bad;
-  add_outcome(bad, client::Outcome::refused(0x06010002, "write"));
+  EXPECT_EQ(to_line(record_json(good)), R"({"outcome":"ok"})");
+  Record refused;
+  add_outcome(refused, client::Outcome::refused(0x06010002, "write"));
+  const Json bad = record_json(refused);
   EXPECT_EQ(bad["outcome"], "refused");
   EXPECT_EQ(bad["code"], "0x06010002");
   EXPECT_THAT(bad["message"].get<std::string>(), StartsWith("write: 0x06010002"));
+}
+
+TEST(Record, HasTheTextsOfItsFieldsInOneLineAndALastValueOfEachName) {
+  const Record record{{"bench", 1, "bench 1"}, {"ticks", 3}, {"tick", 4, "tick 4"}, {"ticks", 5}};
+  EXPECT_EQ(record_text(record), "bench 1 tick 4");
+  EXPECT_EQ(to_line(record_json(record)), R"({"bench":1,"ticks":5,"tick":4})");
 }
 
 TEST(Line, OfTextThatIsNotUtf8StaysOneLine) {

@@ -5,7 +5,6 @@
 #include "base/usage_error.hpp"
 #include "command_table.hpp"
 #include "commands/expect.hpp"
-#include "language/scenario_limits.hpp"
 #include "output/junit.hpp"
 
 #include <gmock/gmock.h>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of `watch`: its columns by width, and that no row is wider than the terminal.
-#include "output/watch_table.hpp"
-
 #include "output/watch_view.hpp"
 #include "terminal/columns.hpp"
 #include "terminal/keys.hpp"

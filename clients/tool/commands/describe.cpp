@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "execution/axis_failures.hpp"
+#include "execution/axis_report.hpp"
 #include "execution/axis_states.hpp"
 #include "execution/command_context.hpp"
 #include "language/arguments.hpp"
@@ -85,10 +85,9 @@ void show_description(const AxisDescription& described, const Output& output) {
 
 /// A failure is an object of its own with --json.
 void show_failure(const DescribedAxis& axis, const CommandContext& context) {
-  if (!context.output.is_json) return;
-  Json json{{"axis", to_string(axis.axis.id())}};
-  add_outcome(json, context.axes.named(axis.readings.outcome()));
-  context.output.terminal.print(to_line(json));
+  Record record{{"axis", to_string(axis.axis.id())}};
+  add_outcome(record, context.axes.named(axis.readings.outcome()));
+  print(record, context.output);
 }
 
 /// Everything that is known of axes.

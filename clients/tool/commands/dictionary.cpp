@@ -23,7 +23,6 @@
 #include <algorithm>
 #include <array>
 #include <sstream>
-#include <tuple>
 
 namespace vdrive::tool {
 namespace {
@@ -82,9 +81,7 @@ std::string csv_line(const Json& row, bool is_header) {
   return line;
 }
 
-using TableRow = std::array<std::string, 9>;
-
-TableRow table_row(const ObjectDescription& row, Language language) {
+std::vector<std::string> table_row(const ObjectDescription& row, Language language) {
   return {address_text(row.address),
           std::string(row.variable_name),
           std::string(name_in(row, language)),
@@ -231,25 +228,13 @@ std::vector<std::string> data_sheet_lines(const DictionaryCommand& command) {
   return lines;
 }
 
-std::vector<std::string> table_lines(const DictionaryCommand& command) {
-  std::vector<TableRow> rows{
+std::vector<std::string> object_table(const DictionaryCommand& command) {
+  std::vector<std::vector<std::string>> rows{
       {"object", "variable_name", "name", "type", "access", "stored", "default", "range", "units"}};
   for (const ObjectDescription& row : kObjectTable) {
     if (is_listed(row, command)) rows.push_back(table_row(row, command.language));
   }
-  std::array<std::size_t, std::tuple_size_v<TableRow>> widths{};
-  for (const TableRow& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      widths[i] = std::max(widths[i], display_width(row[i]));
-    }
-  }
-  std::vector<std::string> lines;
-  for (const TableRow& row : rows) {
-    std::string line;
-    for (std::size_t i = 0; i < row.size(); ++i) line += padded(row[i], widths[i] + 2);
-    line.erase(line.find_last_not_of(' ') + 1);
-    lines.push_back(std::move(line));
-  }
+  std::vector<std::string> lines = table_lines(rows);
   add_meanings(command, lines);
   return lines;
 }
@@ -324,7 +309,7 @@ void print_dictionary(DictionaryCommand command, bool is_json, Terminal& termina
 }  // namespace
 
 std::vector<std::string> dictionary_lines(const DictionaryCommand& command) {
-  if (command.format == TableFormat::table) return table_lines(command);
+  if (command.format == TableFormat::table) return object_table(command);
   if (command.format == TableFormat::eds) return data_sheet_lines(command);
   if (command.format == TableFormat::node_json) return node_lines();
   std::vector<std::string> lines;

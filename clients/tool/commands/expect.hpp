@@ -4,6 +4,7 @@
 #include "language/command.hpp"
 #include "values/expectation.hpp"
 
+#include <optional>
 #include <string>
 
 namespace vdrive::tool {
@@ -16,6 +17,22 @@ struct ExpectCommand {
   void check_objects() const;
   void check_units(const CommandContext& context, const client::Axis& observed) const;
   client::Outcome run(CommandContext& context) const;
+};
+
+/// Waits for a drive time, or until an axis shows something: exactly one of the three.
+struct WaitCommand {
+  std::optional<Duration> duration{};
+  std::string axis{};
+  std::string condition{};  ///< one of condition_names()
+  std::optional<Expectation> expectation{};
+
+  void declare(Arguments& arguments);
+  void check_objects() const;
+  void check_units(const CommandContext& context, const client::Axis& observed) const;
+  client::Outcome run(CommandContext& context) const;
+
+  /// --timeout limits the wait for an axis.
+  [[nodiscard]] bool limits_itself() const { return !duration; }
 };
 
 }  // namespace vdrive::tool

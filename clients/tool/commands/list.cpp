@@ -35,14 +35,10 @@ Outcome list_bench(const client::BenchInfo& bench, const CommandContext& context
   const auto seen = context.session.observe(ids);
   if (!seen) return seen.outcome();
   Terminal& terminal = context.output.terminal;
-  const bool is_json = context.output.is_json;
-  if (!is_json) terminal.print(heading_of(bench, seen->tick, terminal));
+  if (!context.output.is_json) terminal.print(heading_of(bench, seen->tick, terminal));
   for (std::size_t i = 0; i < bench.axes.size(); ++i) {
-    const client::AxisInfo& info = bench.axes[i];
     const client::AxisSnapshot& axis = seen->axes[i];
-    const auto owner = owner_of(context.session, axis);
-    terminal.print(is_json ? to_line(list_json(bench, info, axis, owner))
-                           : list_text(info, axis, owner));
+    print(list_record(bench, bench.axes[i], axis, owner_of(context.session, axis)), context.output);
   }
   return {};
 }

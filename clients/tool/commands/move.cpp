@@ -5,6 +5,7 @@
 #include "execution/command_context.hpp"
 #include "execution/motion_end.hpp"
 #include "language/arguments.hpp"
+#include "output/live_view.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -64,7 +65,7 @@ Outcome MoveCommand::run(CommandContext& context) const {
   if (!found) return found.outcome();
   const auto target = static_cast<std::int32_t>(context.axes.user_units(*found, position));
   const client::MoveOptions options = move_options(*this, *found, context);
-  if (context.on_aim && !relative) context.on_aim(found->id(), target);
+  if (context.live_view != nullptr && !relative) context.live_view->aim(found->id(), target);
   context.progress.motion(*found, context.axes.label_of(found->id()),
                           relative ? std::nullopt : std::optional(target));
   const Outcome moved =

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "commands/plot.hpp"
-
 #include "base/usage_error.hpp"
 #include "convert.hpp"
 #include "execution/command_context.hpp"
@@ -8,9 +6,13 @@
 #include "execution/recorder.hpp"
 #include "execution/recording_format.hpp"
 #include "language/arguments.hpp"
+#include "language/command.hpp"
+#include "output/plot_columns.hpp"
+#include "output/plot_picture.hpp"
 #include "output/plot_traces.hpp"
 #include "output/report.hpp"
 #include "output_file.hpp"
+#include "values/value.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/quantity.hpp"
 #include "vdrive/text.hpp"
@@ -18,18 +20,41 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <iterator>
 #include <map>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 namespace vdrive::tool {
 namespace {
 
 using client::Outcome;
 using recording::RecordingError;
+
+/// Draws one axis of a recording.
+struct PlotCommand {
+  std::string source{};                   ///< the file of a recording, or an axis to record
+  std::string picture{};                  ///< the file of the picture, - = standard output
+  std::string shown_axis{};               ///< of the recording; empty = its only one
+  std::vector<PlotColumn> columns{};      ///< what is drawn, one or more
+  std::optional<Duration> from{};         ///< drive time since the first sample of the axis
+  std::optional<Duration> to{};           ///< likewise
+  std::optional<Duration> period{};       ///< of a tick, where the recording has no such time
+  std::optional<Duration> duration{};     ///< drive time to record; none = `source` is a file
+  std::uint32_t width = kUsualPlotWidth;  ///< [px]
+  std::uint32_t height = 0;               ///< [px]; 0 = by the number of panels
+  std::string title{};                    ///< empty = the axis
+
+  void declare(Arguments& arguments);
+  client::Outcome run(CommandContext& context) const;
+  ExitCode start(const Program& program) const;
+};
 
 /// A directory for a recording that is only made to be drawn; it is removed at the end.
 class ScratchDirectory {
@@ -389,8 +414,6 @@ std::uint32_t parse_side(const std::string& text, const std::string& option, std
                    " to " + std::to_string(kLargestPlotSide) + " pixels");
 }
 
-}  // namespace
-
 void PlotCommand::declare(Arguments& arguments) {
   columns = usual_plot_columns();
   arguments
@@ -450,6 +473,8 @@ ExitCode PlotCommand::start(const Program& program) const {
   return finish(draw_recording(*this, source, sink, output), Interrupt(), program.options.json,
                 program.terminal);
 }
+
+}  // namespace
 
 extern const CommandRow kPlot =
     row_of<PlotCommand>({.name = "plot",

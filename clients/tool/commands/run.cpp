@@ -100,12 +100,9 @@ ExitCode RunCommand::start_privately(const std::vector<Scenario>& loaded, JunitR
           check_scenarios(loaded, run, junit, bench.session(), program.terminal);
       if (!found) return found;
     }
-    return run_scenarios_apart(
-        loaded, run, junit,
-        [&](const Scenario& scenario) {
-          return command_of_one(scenario, program.options);
-        },
-        interrupt, program.terminal);
+    std::vector<std::vector<std::string>> processes;
+    for (const Scenario& each : loaded) processes.push_back(command_of_one(each, program.options));
+    return run_scenarios_apart(loaded, run, junit, processes, interrupt, program.terminal);
   });
 }
 
@@ -116,9 +113,7 @@ ExitCode RunCommand::start_one_of_several(const Program& program) const {
     benches.check(program.options);
     const std::vector<Scenario> loaded{scenarios.load_from_input(program.commands)};
     RunOptions run = options_of_private_run(program);
-    run.on_result = [&results](const Json& result) {
-      results.put(result);
-    };
+    run.results = &results;
     return run_interruptible(program, [&](Interrupt& interrupt) {
       JunitReport none("");
       PrivateSession bench(benches, program.options, interrupt);

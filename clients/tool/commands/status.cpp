@@ -31,7 +31,7 @@ void show_status(const client::Axis& axis, const client::AxisSnapshot& status, b
   if (output.is_json || is_only_one) face.owner = owner_of(context.session, status);
   if (output.is_json) {
     Json json = status_json(status, face);
-    add_owner_name(json, face.owner);
+    json["owner_name"] = name_json(face.owner);
     output.terminal.print(to_line(json));
   } else if (is_only_one) {
     for (const std::string& line : status_text(status, face)) output.terminal.print(line);

@@ -1,17 +1,209 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "base/exit_code.hpp"
 #include "base/usage_error.hpp"
+#include "child_process.hpp"
 #include "language/arguments.hpp"
 #include "language/command.hpp"
+#include "language/scenario.hpp"
+#include "output/junit.hpp"
+#include "output/report.hpp"
 #include "private_domain.hpp"
-#include "scenarios/scenario_tests.hpp"
+#include "scenarios/private_benches.hpp"
+#include "scenarios/scenario_files.hpp"
+#include "scenarios/scenario_process.hpp"
+#include "scenarios/scenario_verdict.hpp"
 #include "terminal/interrupt.hpp"
+#include "terminal/terminal.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstddef>
+#include <exception>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 namespace vdrive::tool {
 namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Of an interrupted scenario: its final lines, in lock-step.
+constexpr std::chrono::seconds kFinalLines{20};
+
+/// Runs each scenario on a bench of its own, several side by side, and writes one report. Each is
+/// in a process of its own, `vdrive run --private`: a crash is a failure of one file.
+struct TestCommand {
+  ScenarioFiles scenarios{};
+  PrivateBenches benches{};
+  std::size_t jobs = std::max(std::thread::hardware_concurrency(), 1U);  ///< files at the same time
+
+  void declare(Arguments& arguments);
+
+  /// @return the exit code of the first file that failed, in the order of the command line.
+  /// @throws UsageError before anything starts: a mistake in a file, in the configuration or in an
+  ///         option, a report that cannot be written.
+  ExitCode start(const Program& program) const;
+};
+
+/// One run of all files.
+class ScenarioTests {
+ public:
+  ScenarioTests(const TestCommand& tests, const GlobalOptions& options,
+                std::vector<Scenario> scenarios, Terminal& terminal)
+      : tests_(tests), options_(options), scenarios_(std::move(scenarios)), terminal_(terminal) {
+    verdicts_.reserve(scenarios_.size());
+    for (const Scenario& scenario : scenarios_) verdicts_.push_back(not_started(scenario));
+  }
+
+  void run() {
+    const std::size_t jobs = std::min<std::size_t>(tests_.jobs, scenarios_.size());
+    std::vector<std::jthread> workers;
+    workers.reserve(jobs);
+    for (std::size_t i = 0; i < jobs; ++i) {
+      workers.emplace_back([this] {
+        work();
+      });
+    }
+  }
+
+  /// Ends what runs; nothing further starts. Any thread.
+  void interrupt() {
+    const std::scoped_lock lock(mutex_);
+    is_interrupted_ = true;
+    for (const auto& [place, run] : jobs_) run->send(SIGINT);
+  }
+
+  [[nodiscard]] std::vector<JunitSuite> suites() const {
+    std::vector<JunitSuite> suites;
+    suites.reserve(verdicts_.size());
+    for (const ScenarioVerdict& verdict : verdicts_) suites.push_back(verdict.suite);
+    return suites;
+  }
+
+  /// @return the exit code of the first file that failed.
+  [[nodiscard]] ExitCode conclude() {
+    const auto failed = std::ranges::find_if(verdicts_, [](const ScenarioVerdict& verdict) {
+      return verdict.code != 0;
+    });
+    const auto passed =
+        static_cast<std::size_t>(std::ranges::count(verdicts_, 0, &ScenarioVerdict::code));
+    const std::string text =
+        std::to_string(passed) + " of " + counted(verdicts_.size(), "file", "files") + " passed";
+    print({{"files", verdicts_.size()}, {"passed", passed, text}},
+          {terminal_, options_.json, false});
+    return failed == verdicts_.end() ? ExitCode::ok : static_cast<ExitCode>(failed->code);
+  }
+
+ private:
+  void work() {
+    while (const auto place = take_next()) {
+      const auto start = Clock::now();
+      const Scenario& scenario = scenarios_[*place];
+      ScenarioVerdict& verdict = verdicts_[*place];
+      try {
+        verdict =
+            scenario.mistake.empty()
+                ? test(*place)
+                : failed_to_start(scenario, static_cast<int>(ExitCode::usage), scenario.mistake);
+      } catch (const std::exception& error) {
+        verdict = failed_to_start(scenario, static_cast<int>(ExitCode::failed), error.what());
+      }
+      report(scenario, verdict, Clock::now() - start);
+    }
+  }
+
+  std::optional<std::size_t> take_next() {
+    const std::scoped_lock lock(mutex_);
+    if (is_interrupted_ || next_ == scenarios_.size()) return std::nullopt;
+    return next_++;
+  }
+
+  /// Registers what a worker runs, while it runs.
+  class Job {
+   public:
+    Job(ScenarioTests& owner, std::size_t place, process::ChildProcess& run)
+        : owner_(owner), place_(place) {
+      const std::scoped_lock lock(owner_.mutex_);
+      if (owner_.is_interrupted_) run.send(SIGINT);
+      owner_.jobs_[place_] = &run;
+    }
+
+    ~Job() {
+      const std::scoped_lock lock(owner_.mutex_);
+      owner_.jobs_.erase(place_);
+    }
+
+    Job(const Job&) = delete;
+    Job& operator=(const Job&) = delete;
+
+   private:
+    ScenarioTests& owner_;
+    const std::size_t place_;
+  };
+
+  ScenarioVerdict test(std::size_t place) {
+    const Scenario& scenario = scenarios_[place];
+    process::ChildProcess run(command_of_process({"run", "--private", "--json"}, scenario,
+                                                 tests_.scenarios, tests_.benches, options_));
+    const Job job(*this, place, run);
+    const int code = wait_for(run);
+    // The signal may come before the program can turn it into an exit code.
+    const bool has_ended_by_it = code == static_cast<int>(ExitCode::interrupted) || code == -SIGINT;
+    if (is_interrupted_ && has_ended_by_it && run.output().empty()) return not_started(scenario);
+    return verdict_of(scenario, {.code = code, .output = run.output(), .errors = run.errors()});
+  }
+
+  /// An interrupted scenario ends by itself; one that does not is killed.
+  int wait_for(process::ChildProcess& run) {
+    constexpr std::chrono::milliseconds kCheckPeriod{200};  // of the interrupt, which wakes no wait
+    std::optional<Clock::time_point> deadline;
+    while (true) {
+      if (const auto code = run.wait(kCheckPeriod)) return *code;
+      if (is_interrupted_ && !deadline) deadline = Clock::now() + kFinalLines;
+      if (deadline && Clock::now() > *deadline) run.send(SIGKILL);
+    }
+  }
+
+  void report(const Scenario& scenario, const ScenarioVerdict& verdict, Clock::duration duration) {
+    const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(duration);
+    const bool passed = verdict.code == 0;
+    Record record = end_record(scenario, passed, verdict.done, terminal_);
+    record.back().text += ",";
+    record.push_back({"seconds", static_cast<double>(milliseconds.count()) / 1000.0,
+                      std::to_string(milliseconds.count()) + " ms"});
+    if (!passed) record.push_back({"messages", verdict.messages});
+    print(record, {terminal_, options_.json, false});
+    if (passed || options_.json) return;
+    for (const std::string& message : verdict.messages) terminal_.complain(message);
+  }
+
+  const TestCommand& tests_;
+  const GlobalOptions& options_;
+  const std::vector<Scenario> scenarios_;
+  Terminal& terminal_;
+  std::vector<ScenarioVerdict> verdicts_;  ///< by file, each written by one worker
+  std::atomic<bool> is_interrupted_ = false;
+  std::mutex mutex_;  ///< guards what follows
+  std::size_t next_ = 0;
+  std::map<std::size_t, process::ChildProcess*> jobs_;  ///< that run
+};
+
+std::vector<Scenario> load_files(const ScenarioFiles& scenarios, CommandTable commands) {
+  if (std::ranges::find(scenarios.files, "-") != scenarios.files.end()) {
+    throw UsageError("test reads files only: write 'vdrive run -' for standard input");
+  }
+  return scenarios.load(commands, Mistake::is_kept);
+}
 
 std::size_t parse_jobs(const std::string& text) {
   constexpr std::uint64_t kMostJobs = process::PrivateDomain::kMostOfOneUser;
@@ -20,23 +212,38 @@ std::size_t parse_jobs(const std::string& text) {
   return jobs;
 }
 
-/// Runs scenarios on benches of their own.
-struct TestCommand {
-  ScenarioTestOptions tests{};
+void TestCommand::declare(Arguments& arguments) {
+  scenarios.declare(arguments, "Scenario");
+  benches.declare(arguments);
+  arguments.option("--jobs", "N", jobs,
+                   "How many files run at the same time; default: one per processor", parse_jobs);
+}
 
-  void declare(Arguments& arguments) {
-    tests.jobs = std::max(std::thread::hardware_concurrency(), 1U);
-    tests.scenarios.declare(arguments, "Scenario");
-    tests.benches.declare(arguments);
-    arguments.option("--jobs", "N", tests.jobs,
-                     "How many files run at the same time; default: one per processor", parse_jobs);
+ExitCode TestCommand::start(const Program& program) const {
+  Interrupt interrupt;
+  JunitReport junit(scenarios.junit);
+  std::optional<ScenarioTests> running;
+  try {
+    // A configuration that cannot be used is one mistake, not one a file.
+    benches.check(program.options);
+    running.emplace(*this, program.options, load_files(scenarios, program.commands),
+                    program.terminal);
+  } catch (const std::exception& error) {
+    static_cast<void>(junit.write({{"start", {{.name = "start", .error = error.what()}}}}));
+    throw;
   }
-
-  ExitCode start(const Program& program) const {
-    Interrupt interrupt;
-    return run_scenario_tests(tests, program, interrupt);
+  interrupt.arm([&running] {
+    running->interrupt();
+  });
+  running->run();
+  interrupt.disarm();
+  const ExitCode code = running->conclude();
+  if (const auto unwritten = junit.write(running->suites())) {
+    program.terminal.complain("vdrive: " + *unwritten);
+    if (code == ExitCode::ok) return ExitCode::failed;
   }
-};
+  return interrupt.happened() ? ExitCode::interrupted : code;
+}
 
 }  // namespace
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "diagnosis/bench_checks.hpp"
-
+#include "diagnosis/checks.hpp"
 #include "vdrive/text.hpp"
 
 #include <chrono>
@@ -59,6 +58,18 @@ Finding check_silence(const client::BenchInfo& bench) {
   return finding;
 }
 
+const char* name_of(Severity severity) {
+  switch (severity) {
+    case Severity::good:
+      return "good";
+    case Severity::hint:
+      return "hint";
+    case Severity::problem:
+      return "problem";
+  }
+  return "unknown";
+}
+
 }  // namespace
 
 std::vector<Finding> check_benches(std::span<const client::BenchInfo> benches,
@@ -81,6 +92,20 @@ std::vector<Finding> check_benches(std::span<const client::BenchInfo> benches,
     }
   }
   return findings;
+}
+
+Record finding_record(const Finding& finding) {
+  const char* const severity = name_of(finding.severity);
+  Record record{{"severity", severity, severity},
+                {"subject", finding.subject, finding.subject + ":"},
+                {"text", finding.text, finding.text}};
+  if (!finding.advice.empty()) record.push_back({"advice", finding.advice});
+  Json figures;
+  for (const client::Figure& figure : finding.figures) {
+    figures[std::string(figure.name)] = figure.value;
+  }
+  if (!figures.empty()) record.push_back({"figures", std::move(figures)});
+  return record;
 }
 
 }  // namespace vdrive::tool

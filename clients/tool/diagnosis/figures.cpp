@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "diagnosis/figures.hpp"
-
+#include "diagnosis/measurement.hpp"
 #include "terminal/columns.hpp"
 
 #include <algorithm>

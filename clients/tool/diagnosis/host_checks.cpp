@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "diagnosis/host_checks.hpp"
-
+#include "diagnosis/checks.hpp"
 #include "gateway_port.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/ports.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "diagnosis/measurement.hpp"
 
-#include "diagnosis/figures.hpp"
 #include "private_bench.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
@@ -16,7 +15,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <ctime>
-#include <functional>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -130,13 +128,12 @@ std::vector<client::AxisId> axes_of(std::size_t count) {
   return axes;
 }
 
-using Report = std::function<void(std::string_view part, std::chrono::milliseconds duration)>;
-
 /// What an interrupt does, for as long as this lives.
 class OnInterrupt {
  public:
-  OnInterrupt(Interrupt& interrupt, std::function<void()> action) : interrupt_(interrupt) {
-    interrupt_.arm(std::move(action));
+  template <typename Action>
+  OnInterrupt(Interrupt& interrupt, const Action& action) : interrupt_(interrupt) {
+    interrupt_.arm(action);
   }
 
   ~OnInterrupt() { interrupt_.disarm(); }
@@ -154,7 +151,8 @@ class Measuring {
   Measuring(std::string service, const Plan& plan, Interrupt& interrupt)
       : service_(std::move(service)), plan_(plan), interrupt_(interrupt) {}
 
-  /// @param report called before each part
+  /// @param report called before each part with its name and duration
+  template <typename Report>
   Measurement run(const Report& report) {
     Measurement measurement;
     report("lateness of ticks", plan_.lateness);

@@ -2,12 +2,77 @@
 #pragma once
 
 #include "base/exit_code.hpp"
+#include "output/report.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/terminal.hpp"
 
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace vdrive::tool {
+
+/// How late things were, in the bins of BenchState.lateness_histogram: bin i counts what was less
+/// than 2^i us late.
+struct Lateness {
+  std::array<std::uint64_t, 32> bins{};
+
+  void add(std::chrono::nanoseconds late) noexcept;
+
+  [[nodiscard]] std::uint64_t count() const noexcept;
+
+  /// @param share from 0 to 1
+  /// @return what this share was not later than, linear inside a bin [us]; 0 of nothing.
+  [[nodiscard]] double quantile(double share) const noexcept;
+
+  /// @return the end of the last bin that is not empty [us].
+  [[nodiscard]] double most() const noexcept;
+};
+
+/// One-tick steps of a lock-step bench, each waits for its reply.
+struct RoundTrips {
+  double median = 0.0;  ///< [us]
+  double p99 = 0.0;     ///< [us]
+  double per_second = 0.0;
+};
+
+/// A client that follows all axes of a realtime bench at 1 kHz.
+struct StatusStreamFigures {
+  std::size_t axes = 0;
+  std::uint64_t samples = 0;
+  std::uint64_t missed = 0;
+  double overrun_share = 0.0;  ///< of the ticks
+
+  /// @return whether every tick arrived, and at most 0.1 % of the ticks were late.
+  [[nodiscard]] bool is_whole() const noexcept;
+};
+
+/// What `vdrive bench` measures, in this order.
+struct Measurement {
+  Lateness bare;  ///< a thread that sleeps to each millisecond
+  Lateness ticks;
+  RoundTrips steps;
+  double tick_of_an_axis = 0.0;  ///< and of sending its status, all axes moving, one core [ns]
+  std::vector<StatusStreamFigures> streams;
+
+  /// @return axes that one core steps at 1 kHz and sends the status of.
+  [[nodiscard]] std::size_t axes_of_a_core() const noexcept;
+
+  /// @return the most axes whose every tick arrived; 0 = none.
+  [[nodiscard]] std::size_t axes_with_status() const noexcept;
+};
+
+/// As one JSON object, see docs/reference/json.md.
+[[nodiscard]] Json measurement_json(const Measurement& measurement);
+
+/// As a table.
+[[nodiscard]] std::vector<std::string> measurement_lines(const Measurement& measurement);
+
+/// @return the number with three digits that mean something.
+[[nodiscard]] std::string rounded(double value);
 
 struct MeasurementOptions {
   std::string service;    ///< the program vdrived

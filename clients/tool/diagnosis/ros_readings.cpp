@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "diagnosis/ros_readings.hpp"
-
+#include "diagnosis/checks.hpp"
 #include "vdrive/wire/ros.hpp"
 
 #include <chrono>

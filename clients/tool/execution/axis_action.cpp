@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "execution/axis_action.hpp"
 
-#include "execution/axis_failures.hpp"
 #include "execution/axis_report.hpp"
 #include "execution/axis_states.hpp"
 #include "vdrive/wording.hpp"
@@ -65,10 +64,6 @@ std::vector<client::Axis> present(const std::vector<client::Axis>& axes,
 }
 
 }  // namespace
-
-bool has_come_to_rest(const client::AxisSnapshot& axis) {
-  return axis.status.velocity_demand_value == 0;
-}
 
 void AxisActionCommand::declare(Arguments& arguments) {
   arguments.axes_or_all(axes);

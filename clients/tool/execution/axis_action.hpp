@@ -35,11 +35,8 @@ struct AxisAction {
   CommandProgress::AxisTest is_done = nullptr;
 
   /// What is reported in the place of the state; none = the state.
-  Deed (*deed)(const client::Axis& axis) = nullptr;
+  Record (*deed)(const client::Axis& axis) = nullptr;
 };
-
-/// The tests of several actions.
-[[nodiscard]] bool has_come_to_rest(const client::AxisSnapshot& axis);
 
 /// The arguments of such a command. Several axes get it together, and one that fails does not keep
 /// it from the others.

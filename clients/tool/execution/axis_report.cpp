@@ -3,6 +3,8 @@
 
 #include "vdrive/dictionary/object_table.hpp"
 
+#include <cstdint>
+#include <string>
 #include <utility>
 
 namespace vdrive::tool {
@@ -17,21 +19,25 @@ std::string next_step(const std::string& label, PowerState state) {
   return first.empty() ? first : "; " + first + " it first: vdrive " + first + " " + label;
 }
 
-Json json_of_report(const CommandContext& context, const client::Axis& axis,
-                    const AxisReport& report, const client::AxisSnapshot* status) {
-  Json json{{"axis", to_string(axis.id())}, {"command", report.command}};
-  add_outcome(json, context.axes.named(report.outcome));
+Record record_of(const CommandContext& context, const client::Axis& axis, const AxisReport& report,
+                 const client::AxisSnapshot* status) {
+  const std::string label = context.axes.label_of(axis.id());
+  Record record{{"axis", to_string(axis.id()), report.deed ? label + ":" : std::string()},
+                {"command", report.command}};
+  add_outcome(record, context.axes.named(report.outcome));
   if (report.deed) {
-    if (report.outcome) json.update(report.deed->facts);
+    if (report.outcome) record.insert(record.end(), report.deed->begin(), report.deed->end());
   } else if (status != nullptr) {
-    json["tick"] = status->tick;
-    json["state"] = to_string(status->state());
-    json["statusword"] = status->status.ds402_statusword;
-    json["position"] = status->status.load_position_actual_value;
-    add_in_unit(json, "load_position_actual_value"_object, axis.unit(), "position",
-                status->status.load_position_actual_value);
+    const std::int32_t position = status->status.load_position_actual_value;
+    record.push_back({"tick", status->tick});
+    record.push_back({"state", to_string(status->state())});
+    record.push_back({"statusword", status->status.ds402_statusword,
+                      report.has_arrived ? arrival_line(*status, label, axis.unit())
+                                         : status_line(*status, label, axis.unit())});
+    record.push_back({"position", position});
+    add_in_unit(record, "load_position_actual_value"_object, axis.unit(), "position", position);
   }
-  return json;
+  return record;
 }
 
 }  // namespace
@@ -70,15 +76,17 @@ Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisRepor
     report.outcome = report.outcome.with_message(report.outcome.message() +
                                                  "; to stop it: vdrive halt " + label);
   }
-  if (context.output.is_json) {
-    context.output.terminal.print(to_line(json_of_report(context, axis, report, status)));
-  } else if (report.outcome && report.deed) {
-    context.output.terminal.print(label + ": " + report.deed->text);
-  } else if (report.outcome && status != nullptr) {
-    context.output.terminal.print(report.has_arrived ? arrival_line(*status, label, axis.unit())
-                                                     : status_line(*status, label, axis.unit()));
-  }
+  print_answer(record_of(context, axis, report, status), report.outcome, context.output);
   return std::move(report.outcome);
+}
+
+void AxisFailures::take(client::Outcome reported, const CommandContext& context) {
+  if (reported || !messages_.insert(reported.message()).second) return;
+  if (first_) {
+    first_ = std::move(reported);
+  } else {
+    context.output.terminal.complain("vdrive: " + context.axes.named(reported).message());
+  }
 }
 
 }  // namespace vdrive::tool

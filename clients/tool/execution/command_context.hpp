@@ -2,18 +2,45 @@
 #pragma once
 
 #include "execution/axis_finder.hpp"
-#include "execution/bench_changes.hpp"
 #include "execution/command_progress.hpp"
 #include "execution/expectation_judge.hpp"
-#include "execution/output.hpp"
 #include "language/command.hpp"
+#include "output/record.hpp"
+#include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 
 #include <cstdint>
-#include <functional>
+#include <map>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace vdrive::tool {
+
+/// What commands have changed of benches for everybody, and how it was before.
+class BenchChanges {
+ public:
+  explicit BenchChanges(client::Session& session) : session_(session) {}
+
+  /// An object of an axis was written: a test-bench input that is not 0 is a change.
+  void note_write(const client::Axis& axis, ObjectAddress object, std::int64_t value);
+
+  /// @param before the rate of the bench before the first command that set it
+  void note_rate(std::uint32_t bench, double before) { rates_before_.emplace(bench, before); }
+
+  /// Clears the test-bench inputs, and gives each bench the rate that it had.
+  /// @param axes what the user calls them
+  /// @return what was put back, such as "test_blocked_load of 1.1 is 0".
+  std::vector<std::string> put_back(const AxisFinder& axes);
+
+ private:
+  client::Session& session_;
+  std::map<std::pair<client::AxisId, ObjectAddress>, client::Axis> disturbed_;  ///< inputs not 0
+  std::map<std::uint32_t, double> rates_before_;
+};
+
+class LiveView;
 
 /// What the commands of one session share.
 struct CommandContext {
@@ -41,8 +68,7 @@ struct CommandContext {
   std::optional<Duration> timeout;  ///< of the command: drive time of motion; none = the default
   bool outlives_failures = false;   ///< further commands come after one that failed: a shell
   bool is_private = false;          ///< the bench ends with this program, and no other reaches it
-  /// Called before a position is commanded: who, and where to [UU]. For a progress display.
-  std::function<void(const client::AxisId&, std::int64_t)> on_aim;
+  LiveView* live_view = nullptr;    ///< is told where a position is commanded; none = no view
 };
 
 /// Carries a command out, and prints what it answers. Success and failure are the outcome; the

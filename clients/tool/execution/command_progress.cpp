@@ -7,10 +7,12 @@
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
+#include <condition_variable>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <utility>
 
 namespace vdrive::tool {
@@ -30,7 +32,8 @@ class NewestStates {
   }
 
   /// @return what `look` makes of the states; empty before the first one has come.
-  std::string text(const std::function<std::string(const States&)>& look) {
+  template <typename Look>
+  std::string text(const Look& look) {
     follow();
     const std::scoped_lock lock(mutex_);
     return states_.empty() ? std::string() : look(states_);
@@ -72,6 +75,28 @@ std::string position_in(const client::Unit& unit, std::int32_t position) {
 
 std::string velocity_in(const client::Unit& unit, std::int32_t velocity) {
   return position_in(unit, velocity) + std::string(unit_ending(Dimension::velocity));
+}
+
+// What is shorter needs no line.
+constexpr std::chrono::seconds kBeforeTheFirst{1};
+constexpr std::chrono::milliseconds kBetween{250};
+
+/// Rewrites the line until the stop.
+void show(const std::stop_token& stop, const std::function<std::string()>& text,
+          Terminal& terminal) {
+  std::mutex mutex;
+  std::condition_variable_any stopped;
+  std::unique_lock lock(mutex);
+  const auto is_over_after = [&](std::chrono::milliseconds time) {
+    // Nothing but the stop wakes it.
+    stopped.wait_for(lock, stop, time, [] {
+      return false;
+    });
+    return stop.stop_requested();
+  };
+  for (bool is_over = is_over_after(kBeforeTheFirst); !is_over; is_over = is_over_after(kBetween)) {
+    terminal.show_progress(text());
+  }
 }
 
 }  // namespace
@@ -142,9 +167,20 @@ void CommandProgress::time(std::string what) {
   });
 }
 
-void CommandProgress::tell(Progress::Text text) {
+void CommandProgress::tell(std::function<std::string()> text) {
   const bool is_shown = output_.terminal.shows_progress() && !output_.is_json && !output_.is_quiet;
-  if (is_shown) line_.tell(std::move(text));
+  if (!is_shown) return;
+  end();
+  thread_ = std::jthread([this, text = std::move(text)](const std::stop_token& stop) {
+    show(stop, text, output_.terminal);
+  });
+}
+
+void CommandProgress::end() {
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  thread_.join();
+  output_.terminal.end_progress();
 }
 
 }  // namespace vdrive::tool

@@ -1,28 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "execution/output.hpp"
-#include "terminal/progress.hpp"
+#include "output/record.hpp"
+#include "terminal/terminal.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 namespace vdrive::tool {
 
 /// What commands report to while they wait, and the only place that decides whether a person sees
-/// it: on a terminal (standard error), not with --json, and not in a scenario.
+/// it: on a terminal (standard error), not with --json, and not in a scenario. It is one line about
+/// what lasts longer than a second, rewritten in place by a thread of its own, and taken away at
+/// the end.
 class CommandProgress {
  public:
   /// @param session @param output both have to stay as long as this
   CommandProgress(client::Session& session, const Output& output)
-      : session_(session), output_(output), line_(output.terminal) {}
+      : session_(session), output_(output) {}
+
+  ~CommandProgress() { end(); }
+
+  CommandProgress(const CommandProgress&) = delete;
+  CommandProgress& operator=(const CommandProgress&) = delete;
 
   /// An axis moves. @param label what the user calls it
   /// @param target [UU] none where it is not known
@@ -41,15 +50,16 @@ class CommandProgress {
   /// Something of which only its time is known. @param what such as "status of 3 axes"
   void time(std::string what);
 
-  /// Whatever `text` says; it is called in another thread.
-  void tell(Progress::Text text);
+  /// Whatever `text` says; it is called in the thread of the progress. Empty = no line.
+  void tell(std::function<std::string()> text);
 
-  void end() { line_.end(); }
+  /// The line is gone, and `text` is not called any more. Without a line: nothing.
+  void end();
 
  private:
   client::Session& session_;
   const Output& output_;
-  Progress line_;
+  std::jthread thread_;
 };
 
 /// Ends the progress, however a block ends.

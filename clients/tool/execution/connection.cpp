@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "execution/connection.hpp"
 
-#include "output/report.hpp"
+#include "output/record.hpp"
 #include "terminal/keys.hpp"
 
 #include <chrono>
@@ -34,35 +34,23 @@ ExitCode finish(const client::Outcome& outcome, const Interrupt& interrupt, bool
   if (outcome) return ExitCode::ok;
   terminal.complain("vdrive: " + outcome.message());
   if (is_json && outcome.kind() == client::OutcomeKind::not_found) {
-    Json json;
-    add_outcome(json, outcome);
-    terminal.print(to_line(json));
+    Record record;
+    add_outcome(record, outcome);
+    print(record, {terminal, is_json, false});
   }
   return exit_code_of(outcome.kind());
 }
 
-ExitCode run_interruptible(const Program& program,
-                           const std::function<client::Outcome(Interrupt&)>& work) {
-  Terminal& terminal = program.terminal;
-  Interrupt interrupt;
+ExitCode report_usage(const std::string& message, bool is_json, Terminal& terminal) {
+  print({{"outcome", "usage"}, {"message", message}}, {terminal, is_json, false});
+  terminal.complain("vdrive: " + message);
+  return ExitCode::usage;
+}
+
+void leave_screen_before_exit(Interrupt& interrupt, Terminal& terminal) {
   interrupt.before_exit([&terminal] {
     terminal.leave_screen_at_once();
     KeyInput::restore_at_once();
-  });
-  const client::Outcome outcome = work(interrupt);
-  return finish(outcome, interrupt, program.options.json, terminal);
-}
-
-ExitCode run_connected(const Program& program, const GlobalOptions& options,
-                       const std::function<client::Outcome(client::Session&)>& work) {
-  return run_interruptible(program, [&](Interrupt& interrupt) {
-    client::Session session(session_options(options));
-    interrupt.arm([&session] {
-      session.interrupt();
-    });
-    client::Outcome outcome = work(session);
-    interrupt.disarm();
-    return outcome;
   });
 }
 

@@ -2,14 +2,28 @@
 #include "execution/expectation_judge.hpp"
 
 #include "execution/axis_states.hpp"
+#include "output/event_view.hpp"
 #include "output/report.hpp"
 #include "values/condition.hpp"
+#include "values/expectation.hpp"
 #include "vdrive/assert.hpp"
+#include "vdrive/cia402/statusword.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/client/session.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/number_text.hpp"
 
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace vdrive::tool {
@@ -17,6 +31,190 @@ namespace {
 
 using client::Outcome;
 using client::OutcomeKind;
+
+// Longer than a reset takes, and than any motor needs to be seen moving.
+constexpr std::chrono::milliseconds kStandstill{100};
+
+// A drive without power coasts: from here on its speed is what the encoder makes of standing still.
+constexpr std::int32_t kRest = 20;  // [UU/s]
+
+bool is_at_rest(const client::AxisSnapshot& axis) {
+  return std::abs(axis.status.load_velocity_actual_value) <= kRest;
+}
+
+// Only a bench that is lost ends the wait: next() begins again.
+constexpr std::chrono::milliseconds kPatienceOfObserver{500};
+
+}  // namespace
+
+/// Notices that an axis is in Fault (CiA 402, power state machine) and stands still: a wait for
+/// anything but the fault and its reset cannot end well.
+class FaultWatch {
+ public:
+  /// @param period of the bench [us]
+  explicit FaultWatch(std::chrono::microseconds period)
+      : patience_(client::ticks_of(kStandstill, period)) {}
+
+  /// @param axis as it was observed next
+  void note(const client::AxisSnapshot& axis) {
+    if (!is_fault(axis.state())) {
+      was_sound_ = true;
+      fault_tick_ = 0;
+    } else if (fault_tick_ == 0) {
+      fault_tick_ = axis.tick;
+    }
+    const bool stays = axis.state() == PowerState::fault && is_at_rest(axis);
+    if (!stays) since_.reset();
+    if (stays && !since_) since_ = axis.driven_tick();
+    is_over_ = since_ && axis.driven_tick() - *since_ >= patience_;
+  }
+
+  /// @return whether the axis has been in Fault and at rest for 100 ms of drive time.
+  [[nodiscard]] bool is_over() const noexcept { return is_over_; }
+
+  /// @return the tick in which the axis was first observed with its fault, 0 without one.
+  [[nodiscard]] std::uint64_t first_tick() const noexcept { return fault_tick_; }
+
+  /// @return whether the axis was observed before its fault: then first_tick() is that of the
+  ///         fault.
+  [[nodiscard]] bool saw_begin() const noexcept { return was_sound_; }
+
+ private:
+  std::uint64_t patience_;              ///< [ticks]
+  bool was_sound_ = false;              ///< it was observed before the fault
+  bool is_over_ = false;                ///< nothing more comes without a reset
+  std::uint64_t fault_tick_ = 0;        ///< in which it was first seen with a fault
+  std::optional<std::uint64_t> since_;  ///< driven tick: from then on in Fault and at rest
+};
+
+/// Observes one object of an axis in tick after tick, from the tick on in which the last write is
+/// in force.
+class ValueObserver {
+ public:
+  ValueObserver(client::Session& session, client::Axis& axis, ObjectAddress object)
+      : session_(session), axis_(axis), object_(object) {}
+
+  /// The first observation. @param in_force the earliest tick that counts
+  Outcome start(const client::BenchInfo& bench, std::uint64_t in_force) {
+    is_lockstep_ = bench.clock_mode == client::ClockMode::lockstep;
+    auto follower = session_.follow({axis_.id()}, client::Pace::drive);
+    if (!follower) return follower.outcome();
+    follower_ = std::move(*follower);
+    const client::AxisId id = axis_.id();
+    if (Outcome seen = see(session_.observe({&id, 1})); !seen) return seen;
+    while (tick_ < in_force) {
+      if (Outcome seen = next(); !seen) return seen;
+    }
+    missed_ = 0;
+    return {};
+  }
+
+  /// Observes the next tick.
+  Outcome next() {
+    ensure(follower_.has_value(), "the observer was started");
+    while (true) {
+      auto sample = follower_->next(kPatienceOfObserver);
+      // A busy machine: the end of the wait is up to the caller.
+      if (sample.outcome().kind() == client::OutcomeKind::timed_out) continue;
+      return see(std::move(sample));
+    }
+  }
+
+  /// @return whether every tick of realtime can be observed: the status stream has the object.
+  [[nodiscard]] bool sees_every_tick() const { return is_lockstep_ || is_streamed_; }
+
+  [[nodiscard]] std::uint64_t tick() const { return tick_; }
+
+  /// The same without the ticks that the number jumped over: for durations.
+  [[nodiscard]] std::uint64_t driven_tick() const { return shown_.driven_tick(); }
+
+  /// The axis as it was last observed.
+  [[nodiscard]] const client::AxisSnapshot& shown() const { return shown_; }
+
+  [[nodiscard]] std::int64_t value() const { return value_; }
+
+  /// Samples of the stream lost since the first observation.
+  [[nodiscard]] std::uint64_t missed() const { return missed_; }
+
+ private:
+  Outcome see(client::Result<client::Observation> sample) {
+    if (!sample) return sample.outcome();
+    ensure(!sample->axes.empty(), "an observation has the axis that is observed");
+    tick_ = sample->tick;
+    missed_ += sample->missed;
+    shown_ = sample->axes.front();
+    const auto streamed = client::value_of(shown_, object_);
+    is_streamed_ = streamed.has_value();
+    if (streamed) {
+      value_ = *streamed;
+      return {};
+    }
+    const auto read = axis_.read(object_);
+    if (!read) return read.outcome();
+    value_ = *read;
+    return {};
+  }
+
+  client::Session& session_;
+  client::Axis& axis_;
+  ObjectAddress object_;
+  std::optional<client::Follower> follower_;
+  bool is_lockstep_ = false;
+  bool is_streamed_ = false;
+  std::uint64_t tick_ = 0;
+  std::uint64_t missed_ = 0;
+  std::int64_t value_ = 0;
+  client::AxisSnapshot shown_;
+};
+
+namespace {
+
+/// Of a fault that is older than the watch the tick comes from the events that the bench keeps:
+/// kept_events() takes half a second, and replaces the observer of Session::on_event.
+/// @param axis with a fault, as `watch` has observed it last
+/// @return such as "axis 1.1 is in Fault 0x8611 following error, since tick 1204".
+std::string fault_text(client::Session& session, const client::AxisSnapshot& axis,
+                       const FaultWatch& watch) {
+  const auto tick = watch.saw_begin()
+                        ? std::optional(watch.first_tick())
+                        : tick_of_fault(kept_events(session), axis.id, axis.status.error_code);
+  return "axis " + to_string(axis.id) + " is in " + state_text(axis) + ", since tick " +
+         (tick ? std::to_string(*tick) : std::to_string(watch.first_tick()) + " or before");
+}
+
+/// @return whether a drive in Fault can show the condition (condition_names()) only after a reset
+///         and more. Not so: what a reset leads to, and what follows the supply and the limits.
+bool is_out_of_reach_in_fault(std::string_view condition) noexcept {
+  constexpr std::array<std::string_view, 5> kComeInFault{
+      "switch_on_disabled", "voltage_enabled", "internal_limit_active", "warning", "remote"};
+  return std::ranges::find(kComeInFault, condition) == kComeInFault.end();
+}
+
+/// @return the same of a value: a position, a speed, a torque or a current, the mode that is in
+///         force (6061h), and a statusword that has no fault, is in Operation enabled, has reached
+///         a target, or has what the mode says in bit 12. Not so: what another program may write
+///         meanwhile, such as 6081h, and what a reset, the supply or an input brings.
+bool is_out_of_reach_in_fault(const Expectation& expectation) {
+  using namespace literals;
+  const auto row = expectation.object.row();
+  if (!row) return false;
+  constexpr std::array kOfMotion{"torque_demand"_object, "torque_actual_value"_object,
+                                 "current_actual_value"_object, "op_mode_actual"_object};
+  const bool is_of_motion =
+      dimension_of(*row) || std::ranges::find(kOfMotion, *row) != kOfMotion.end();
+  if (is_of_motion) return describe(*row).access == Access::read_only;  // what the axis shows
+  if (*row != "ds402_statusword"_object || expectation.comparison != Comparison::equal)
+    return false;
+  constexpr std::uint64_t kSwitchOnDisabled = 1U << 6U;
+  const std::uint64_t mask = expectation.mask.value_or(~std::uint64_t{0});
+  const auto value = static_cast<std::uint64_t>(expectation.value);
+  // Bit 12 is the mode's, and the mode sets it in Operation enabled only.
+  constexpr std::uint64_t kNeverInFault =
+      Statusword::kOperationEnabled | Statusword::kTargetReached | Statusword::kSetPointAcknowledge;
+  const bool needs_no_fault = (mask & Statusword::kFault) != 0 && (value & Statusword::kFault) == 0;
+  const bool needs_power = (value & mask & kNeverInFault) != 0;
+  return (needs_no_fault || needs_power) && (value & mask & kSwitchOnDisabled) == 0;
+}
 
 Outcome not_every_tick(const ValueObserver& observer) {
   return Outcome::failed(std::to_string(observer.missed()) +
@@ -158,9 +356,10 @@ Outcome ExpectationJudge::throughout(ValueObserver& observer, const client::Benc
 
 Outcome ExpectationJudge::differs(const Expectation& expectation, std::int64_t actual,
                                   std::uint64_t tick, OperatingMode mode) {
-  found_ = Json{{"expected", expectation.value}, {"actual", actual}, {"tick", tick}};
-  add_in_unit(*found_, expectation.object.row(), expectation.unit, "expected", expectation.value);
-  add_in_unit(*found_, expectation.object.row(), expectation.unit, "actual", actual);
+  Record record{{"expected", expectation.value}, {"actual", actual}, {"tick", tick}};
+  add_in_unit(record, expectation.object.row(), expectation.unit, "expected", expectation.value);
+  add_in_unit(record, expectation.object.row(), expectation.unit, "actual", actual);
+  found_ = record_json(record);
   std::string message = expectation.object.text + ": expected " + expected_text(expectation) +
                         ", actual " + value_text(expectation.object, actual, expectation.unit) +
                         " at tick " + std::to_string(tick);

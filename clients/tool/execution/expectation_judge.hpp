@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "execution/fault_watch.hpp"
-#include "execution/value_observer.hpp"
 #include "output/report.hpp"
 #include "values/expectation.hpp"
 #include "vdrive/client/axis.hpp"
@@ -15,6 +13,9 @@
 #include <string>
 
 namespace vdrive::tool {
+
+class FaultWatch;
+class ValueObserver;
 
 /// Compares what axes show with what is expected, from the tick on in which the writes of earlier
 /// commands are in force.
@@ -31,11 +32,11 @@ class ExpectationJudge {
   /// @param expectation in user units
   /// @return failed, with found(), where the axis shows another value: at once, at the end of
   ///         `within`, or in any tick of `throughout`; found() has `error_code` where a fault ended
-  ///         `within`, see FaultWatch.
+  ///         `within`: an axis that has been in Fault and at rest for 100 ms of drive time.
   client::Outcome judge(client::Axis& axis, const Expectation& expectation);
 
   /// Waits until the axis shows a condition of condition_names(). @param limit drive time
-  /// @return failed for an axis that stays in Fault, see FaultWatch
+  /// @return failed for an axis that stays in Fault, as judge() does
   client::Outcome await(const client::Axis& axis, const std::string& condition, Duration limit);
 
   /// What the last judge() found that differs; none for other failures.

@@ -4,7 +4,6 @@
 #include "base/blanks.hpp"
 #include "base/usage_error.hpp"
 #include "language/command_line.hpp"
-#include "language/scenario_limits.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 

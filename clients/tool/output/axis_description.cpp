@@ -13,9 +13,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
 #include <iterator>
-#include <tuple>
 #include <utility>
 
 namespace vdrive::tool {
@@ -111,23 +109,28 @@ std::string units_or_nothing(const ObjectDescription& object) {
   return object.units == "-" ? std::string() : english_units(object);
 }
 
-Json differing_json(const client::ObjectReading& reading, const client::Unit& unit) {
-  const auto row = find_object(reading.object);
-  const ObjectDescription& object = describe(*row);
-  Json json{{"index", hex(object.address.index, 4)},
-            {"subindex", object.address.subindex},
-            {"name", object.variable_name}};
+/// Its texts are the columns of object_lines().
+Record differing_record(const client::ObjectReading& reading, const client::Unit& unit) {
+  const ObjectRow row = *find_object(reading.object);
+  const ObjectDescription& object = describe(row);
+  const std::string name(object.variable_name);
+  Record record{{"index", hex(object.address.index, 4), address_text(object.address)},
+                {"subindex", object.address.subindex},
+                {"name", name, name}};
   if (reading.code == AbortCode::none) {
-    json["value"] = reading.value;
-    add_in_unit(json, row, unit, "value", reading.value);
+    record.push_back({"value", reading.value, object_value_text(row, reading.value, unit)});
+    add_in_unit(record, row, unit, "value", reading.value);
   } else {
-    json["code"] = hex(wire_code(reading.code), 8);
-    json["message"] = vdrive::describe(reading.code);
+    const std::string message(vdrive::describe(reading.code));
+    record.push_back({"code", hex(wire_code(reading.code), 8)});
+    record.push_back({"message", message, "refused: " + message});
   }
-  json["default"] = object.default_value;
-  add_in_unit(json, row, unit, "default", object.default_value);
-  json["units"] = units_or_nothing(object);
-  return json;
+  record.push_back(
+      {"default", object.default_value, object_value_text(row, object.default_value, unit)});
+  add_in_unit(record, row, unit, "default", object.default_value);
+  const std::string units = units_or_nothing(object);
+  record.push_back({"units", units, units});
+  return record;
 }
 
 std::string fault_line(const AxisDescription& described) {
@@ -173,38 +176,15 @@ std::vector<std::string> model_lines(const AxisDescription& described) {
           number("gear_ratio_denominator"_object) + " motor revolutions"};
 }
 
-using ObjectLine = std::array<std::string, 5>;
-
-ObjectLine object_line(const client::ObjectReading& reading, const client::Unit& unit) {
-  const ObjectRow row = *find_object(reading.object);
-  const ObjectDescription& object = describe(row);
-  const bool is_read = reading.code == AbortCode::none;
-  return {address_text(object.address), std::string(object.variable_name),
-          is_read ? object_value_text(row, reading.value, unit)
-                  : "refused: " + std::string(vdrive::describe(reading.code)),
-          object_value_text(row, object.default_value, unit), units_or_nothing(object)};
-}
-
 /// The objects that differ, in columns.
 std::vector<std::string> object_lines(const std::vector<client::ObjectReading>& objects,
                                       const client::Unit& unit) {
-  std::vector<ObjectLine> rows{{"object", "variable_name", "value", "default", "units"}};
-  for (const client::ObjectReading& object : objects) rows.push_back(object_line(object, unit));
-  std::array<std::size_t, std::tuple_size_v<ObjectLine>> widths{};
-  for (const ObjectLine& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      widths[i] = std::max(widths[i], display_width(row[i]));
-    }
+  std::vector<std::vector<std::string>> rows{
+      {"object", "variable_name", "value", "default", "units"}};
+  for (const client::ObjectReading& object : objects) {
+    rows.push_back(record_columns(differing_record(object, unit)));
   }
-  std::vector<std::string> lines;
-  lines.reserve(rows.size());
-  for (const ObjectLine& row : rows) {
-    std::string line = "    ";
-    for (std::size_t i = 0; i < row.size(); ++i) line += padded(row[i], widths[i] + 2);
-    line.erase(line.find_last_not_of(' ') + 1);
-    lines.push_back(std::move(line));
-  }
-  return lines;
+  return table_lines(rows, "    ");
 }
 
 }  // namespace
@@ -244,7 +224,7 @@ Json description_json(const AxisDescription& described) {
   json["objects_tick"] = described.readings.tick;
   Json objects = Json::array();
   for (const client::ObjectReading& object : differing(described.readings)) {
-    objects.push_back(differing_json(object, described.axis.unit));
+    objects.push_back(record_json(differing_record(object, described.axis.unit)));
   }
   json["objects"] = std::move(objects);
   return json;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output/event_view.hpp"
 
-#include "output/report.hpp"
+#include "output/record.hpp"
+#include "vdrive/bounded_queue.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
@@ -10,8 +11,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
-#include <deque>
-#include <functional>
 #include <mutex>
 #include <set>
 #include <string_view>
@@ -31,12 +30,15 @@ constexpr std::chrono::seconds kLongest{5};
 constexpr std::chrono::seconds kLongestOfFollower{1};  // a follower is here for what comes next
 constexpr std::chrono::milliseconds kPeriod{50};       // an interrupt rings no bell of the queue
 
+// A terminal that is stopped takes no lines: what waits for it must not fill the memory.
+constexpr std::size_t kMostEvents = 1'000'000;
+
 /// Hands events over from the thread of the session.
 class EventQueue {
  public:
   void push(const Event& event) {
     const std::scoped_lock lock(mutex_);
-    events_.push_back(event);
+    events_.put(event);
     arrived_.notify_one();
   }
 
@@ -46,15 +48,13 @@ class EventQueue {
       return !events_.empty();
     });
     if (!has_one) return std::nullopt;
-    Event event = std::move(events_.front());
-    events_.pop_front();
-    return event;
+    return events_.take();
   }
 
  private:
   std::mutex mutex_;
   std::condition_variable arrived_;
-  std::deque<Event> events_;
+  BoundedQueue<Event> events_{kMostEvents, WhenFull::drops_oldest};
 };
 
 /// Who the sessions of events are.
@@ -106,7 +106,7 @@ Json event_json(const Event& event, const SessionNameOf& name_of) {
           {"kind", to_string(event.kind)},
           {"code", event.code},
           {"error_register", event.error_register},
-          {"session", event.session == 0 ? Json(nullptr) : Json(session_text(event.session))},
+          {"session", session_json(event.session)},
           {"session_name", name_json(name_of(event.bench, event.session))},
           {"suppressed", event.suppressed},
           {"text", event.text}};
@@ -141,8 +141,8 @@ void print(const Event& event, bool is_json, const SessionNameOf& name_of, Termi
 
 /// Hands over what the benches keep, by tick, and with `follow` what comes after it, while
 /// `goes_on` holds.
-void take_events(client::Session& session, bool follow, const std::function<bool()>& goes_on,
-                 const std::function<void(const Event&)>& take) {
+template <typename GoesOn, typename Take>
+void take_events(client::Session& session, bool follow, const GoesOn& goes_on, const Take& take) {
   EventQueue queue;
   session.on_event(
       [&queue](const Event& event) {

@@ -23,10 +23,6 @@ std::string formatted(const char* format, Arguments... arguments) {
   return text.data();
 }
 
-Json session_json(std::uint64_t session) {
-  return session == 0 ? Json(nullptr) : Json(session_text(session));
-}
-
 std::string holder_text(std::uint64_t session, const std::optional<client::SessionName>& name) {
   if (session == 0) return "free";
   return name ? client::owner_text(session, name) : session_text(session);
@@ -40,26 +36,6 @@ std::string error_text(std::uint16_t code) {
 
 std::string per_mille_text(int value) {
   return formatted("%.1f %%", value / 10.0);
-}
-
-Json name_json(const std::optional<client::SessionName>& name) {
-  if (!name) return nullptr;
-  return {{"program", name->program}, {"process", name->process}, {"host", name->host}};
-}
-
-void add_outcome(Json& json, const client::Outcome& outcome) {
-  json["outcome"] = to_string(outcome.kind());
-  if (outcome) return;
-  if (outcome.code() != 0) json["code"] = hex(outcome.code(), 8);
-  json["message"] = outcome.message();
-  if (const client::AxisOwner* const owner = outcome.owner()) {
-    json["owner"] = session_json(owner->session);
-    json["owner_name"] = name_json(owner->name);
-  }
-}
-
-void add_owner_name(Json& json, const std::optional<client::SessionName>& name) {
-  json["owner_name"] = name_json(name);
 }
 
 Json status_json(const client::AxisSnapshot& axis, const AxisFace& face) {
@@ -152,40 +128,33 @@ std::optional<Color> color_of(const client::AxisSnapshot& axis) {
   return std::nullopt;
 }
 
-Json list_json(const client::BenchInfo& bench, const client::AxisInfo& info,
-               const client::AxisSnapshot& axis, const std::optional<client::SessionName>& owner) {
-  return {{"axis", to_string(info.id)},
+Record list_record(const client::BenchInfo& bench, const client::AxisInfo& info,
+                   const client::AxisSnapshot& axis,
+                   const std::optional<client::SessionName>& owner) {
+  const std::string id = to_string(info.id);
+  const std::string state(to_string(axis.state()));
+  const std::uint16_t statusword = axis.status.ds402_statusword;
+  return {{"axis", id, formatted("  %-7s", id.c_str())},
           {"bench", bench.number},
           {"bench_name", bench.name},
           {"clock", to_string(bench.clock_mode)},
           {"period_us", bench.period.count()},
-          {"name", info.name},
-          {"state", to_string(axis.state())},
-          {"statusword", axis.status.ds402_statusword},
-          {"owner", session_json(axis.owner_session)},
+          {"name", info.name, formatted("%-20s", escaped(info.name).c_str())},
+          {"state", state, formatted("%-24s", state.c_str())},
+          {"statusword", statusword, formatted("0x%03X ", unsigned{statusword})},
+          {"owner", session_json(axis.owner_session), holder_text(axis.owner_session, owner)},
           {"owner_name", name_json(owner)},
           {"tick", axis.tick}};
 }
 
-std::string list_text(const client::AxisInfo& info, const client::AxisSnapshot& axis,
-                      const std::optional<client::SessionName>& owner) {
-  return formatted("  %-7s %-20s %-24s 0x%03X  ", to_string(info.id).c_str(),
-                   escaped(info.name).c_str(), std::string(to_string(axis.state())).c_str(),
-                   unsigned{axis.status.ds402_statusword}) +
-         holder_text(axis.owner_session, owner);
-}
-
-Json object_json(const client::AxisId& axis, const ObjectName& object) {
-  Json json{
-      {"axis", to_string(axis)}, {"index", nullptr}, {"subindex", nullptr}, {"name", nullptr}};
-  if (object.address) {
-    json["index"] = hex(object.address->index, 4);
-    json["subindex"] = object.address->subindex;
-  } else {
-    json["name"] = object.text;
-  }
-  if (const auto row = object.row()) json["name"] = describe(*row).variable_name;
-  return json;
+Record object_fields(const client::AxisId& axis, const ObjectName& object) {
+  const auto& address = object.address;
+  const auto row = object.row();
+  const Json unknown = address ? Json(nullptr) : Json(object.text);
+  return {{"axis", to_string(axis)},
+          {"index", address ? Json(hex(address->index, 4)) : Json(nullptr)},
+          {"subindex", address ? Json(address->subindex) : Json(nullptr)},
+          {"name", row ? Json(describe(*row).variable_name) : unknown}};
 }
 
 std::string reading_text(const std::string& label, const ObjectName& object, std::int64_t value,
@@ -202,12 +171,13 @@ std::string reading_text(const std::string& label, const ObjectName& object, std
   return text;
 }
 
-void add_in_unit(Json& json, std::optional<ObjectRow> row, const client::Unit& unit,
+void add_in_unit(Record& record, std::optional<ObjectRow> row, const client::Unit& unit,
                  std::string_view key, std::int64_t value) {
   const auto dimension = row ? dimension_of(*row) : std::nullopt;
   if (!dimension) return;
-  json["unit"] = unit_name(*dimension, unit);
-  json[std::string(key) + "_in_unit"] = client::from_user_units(static_cast<double>(value), unit);
+  record.push_back({"unit", unit_name(*dimension, unit)});
+  record.push_back(
+      {std::string(key) + "_in_unit", client::from_user_units(static_cast<double>(value), unit)});
 }
 
 client::Outcome unknown_object(const client::AxisId& axis, const ObjectName& object) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "status_json.hpp"
+#include "output/record.hpp"
 #include "terminal/terminal.hpp"
 #include "values/value.hpp"
 #include "vdrive/client/axis.hpp"
@@ -14,18 +14,6 @@
 #include <vector>
 
 namespace vdrive::tool {
-
-using recording::Json;
-using recording::to_line;
-
-/// Adds `outcome`, and for a failure `code` and `message`, and the session that stands in the way.
-void add_outcome(Json& json, const client::Outcome& outcome);
-
-/// @return who a session is: program, process and host, or null.
-[[nodiscard]] Json name_json(const std::optional<client::SessionName>& name);
-
-/// Adds who holds an axis: program, process and host, or null.
-void add_owner_name(Json& json, const std::optional<client::SessionName>& name);
 
 /// What an axis is called, and what its user units are.
 struct AxisFace {
@@ -65,20 +53,20 @@ struct AxisFace {
 [[nodiscard]] std::string per_mille_text(int value);
 
 /// One axis as `list` shows it. @param owner who holds it, where it is known
-[[nodiscard]] Json list_json(const client::BenchInfo& bench, const client::AxisInfo& info,
-                             const client::AxisSnapshot& axis,
-                             const std::optional<client::SessionName>& owner);
-[[nodiscard]] std::string list_text(const client::AxisInfo& info, const client::AxisSnapshot& axis,
-                                    const std::optional<client::SessionName>& owner);
+[[nodiscard]] Record list_record(const client::BenchInfo& bench, const client::AxisInfo& info,
+                                 const client::AxisSnapshot& axis,
+                                 const std::optional<client::SessionName>& owner);
 
-/// One object as `read` and `write` show it.
-[[nodiscard]] Json object_json(const client::AxisId& axis, const ObjectName& object);
+/// The fields that name an object, as `read` and `write` show it.
+[[nodiscard]] Record object_fields(const client::AxisId& axis, const ObjectName& object);
+
+/// @return the object and its value as text, such as "1.1 position = 90.00 deg".
 [[nodiscard]] std::string reading_text(const std::string& label, const ObjectName& object,
                                        std::int64_t value, const client::Unit& unit);
 
-/// Adds to an object of JSON a value of a position, speed, ramp or jerk in the unit of the axis:
-/// `unit`, such as "mm/s3", and the value as `key` with "_in_unit". Nothing for other objects.
-void add_in_unit(Json& json, std::optional<ObjectRow> row, const client::Unit& unit,
+/// Adds a value of a position, speed, ramp or jerk in the unit of the axis: `unit`, such as
+/// "mm/s3", and the value as `key` with "_in_unit". Nothing for other objects.
+void add_in_unit(Record& record, std::optional<ObjectRow> row, const client::Unit& unit,
                  std::string_view key, std::int64_t value);
 
 /// @return the refusal of an object that no address is known of.

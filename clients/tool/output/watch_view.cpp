@@ -1,10 +1,275 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output/watch_view.hpp"
 
+#include "terminal/columns.hpp"
+#include "vdrive/assert.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
+
 #include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <span>
 #include <utility>
 
 namespace vdrive::tool {
+namespace {
+
+struct WatchedAxis {
+  const client::AxisSnapshot& axis;
+  const AxisFace& face;
+};
+
+struct WatchColumn {
+  std::string_view title;
+  std::size_t from_width;   ///< narrowest terminal that has it [columns]
+  std::size_t least_width;  ///< [columns]
+  bool is_number;
+  std::string (*cell)(const WatchedAxis&);
+  bool needs_benches = false;  ///< there only where axes of several benches are shown
+};
+
+constexpr std::size_t kLongestName = 24;
+constexpr std::size_t kHeaderRows = 2;
+
+/// @return a position in the unit of the axis.
+std::string in_unit(const WatchedAxis& watched, std::int32_t user_units) {
+  return escaped(position_text(user_units, watched.face.unit));
+}
+
+constexpr std::array kColumns{
+    WatchColumn{"axis", 0, 4, false,
+                [](const WatchedAxis& watched) {
+                  return to_string(watched.axis.id);
+                }},
+    WatchColumn{"name", 100, 4, false,
+                [](const WatchedAxis& watched) {
+                  return clipped(escaped(watched.face.name), kLongestName);
+                }},
+    WatchColumn{"bench", 100, 5, false,
+                [](const WatchedAxis& watched) {
+                  return clipped(escaped(watched.face.bench), kLongestName);
+                },
+                true},
+    // The widths of numbers are those of usual values: a column that changed its width would jump.
+    WatchColumn{"position", 0, 11, true,
+                [](const WatchedAxis& watched) {
+                  return in_unit(watched, watched.axis.status.load_position_actual_value);
+                }},
+    WatchColumn{"in UU", 80, 9, true,
+                [](const WatchedAxis& watched) {
+                  return std::to_string(watched.axis.status.load_position_actual_value);
+                }},
+    WatchColumn{"demand", 160, 12, true,
+                [](const WatchedAxis& watched) {
+                  return in_unit(watched, watched.axis.status.position_demand_value);
+                }},
+    WatchColumn{"error", 160, 10, true,
+                [](const WatchedAxis& watched) {
+                  return in_unit(watched, watched.axis.status.load_position_error_value);
+                }},
+    WatchColumn{"velocity", 0, 12, true,
+                [](const WatchedAxis& watched) {
+                  return in_unit(watched, watched.axis.status.load_velocity_actual_value) + "/s";
+                }},
+    WatchColumn{"torque", 120, 8, true,
+                [](const WatchedAxis& watched) {
+                  return per_mille_text(watched.axis.status.torque_actual_value);
+                }},
+    WatchColumn{"mode", 160, 17, false,
+                [](const WatchedAxis& watched) {
+                  return std::string(to_string(watched.axis.mode()));
+                }},
+    WatchColumn{"word", 90, 6, false,
+                [](const WatchedAxis& watched) {
+                  return hex(watched.axis.status.ds402_statusword, 3);
+                }},
+    WatchColumn{"state", 0, 0, false,
+                [](const WatchedAxis& watched) {
+                  return state_text(watched.axis);
+                }},
+};
+
+bool are_of_several_benches(std::span<const WatchedAxis> axes) {
+  return std::ranges::any_of(axes, [&axes](const WatchedAxis& watched) {
+    return watched.axis.id.bench != axes.front().axis.id.bench;
+  });
+}
+
+/// The columns of a terminal, each as wide as its widest cell.
+class WatchTable {
+ public:
+  WatchTable(std::span<const WatchedAxis> axes, std::size_t terminal_width)
+      : width_(terminal_width - 1) {
+    const bool has_benches = are_of_several_benches(axes);
+    for (const WatchColumn& column : kColumns) {
+      if (terminal_width < column.from_width || (column.needs_benches && !has_benches)) continue;
+      std::size_t widest = std::max(column.least_width, column.title.size());
+      for (const WatchedAxis& watched : axes) {
+        widest = std::max(widest, display_width(column.cell(watched)));
+      }
+      columns_.emplace_back(&column, widest);
+    }
+  }
+
+  [[nodiscard]] std::string header() const {
+    return line_of([](const WatchColumn& column) {
+      return std::string(column.title);
+    });
+  }
+
+  [[nodiscard]] std::string row(const WatchedAxis& watched) const {
+    return line_of([&](const WatchColumn& column) {
+      return column.cell(watched);
+    });
+  }
+
+ private:
+  template <typename Cell>
+  [[nodiscard]] std::string line_of(const Cell& cell) const {
+    std::string line;
+    for (const auto& [column, width] : columns_) {
+      if (!line.empty()) line += column->is_number ? " " : "  ";
+      const std::string text = cell(*column);
+      line += column->is_number ? aligned_right(text, width) : padded(text, width);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    return clipped(line, width_);
+  }
+
+  std::size_t width_;
+  std::vector<std::pair<const WatchColumn*, std::size_t>> columns_;
+};
+
+bool is_faulted(const WatchedAxis& watched) {
+  return is_fault(watched.axis.state());
+}
+
+/// The last row of a terminal that has no room for these axes.
+LiveLine left_out(std::size_t count, std::size_t faults, std::size_t width) {
+  const std::string text = "... " + counted(count, "more axis", "more axes");
+  if (faults == 0) return {clipped(text, width), std::nullopt};
+  return {clipped(text + ", " + std::to_string(faults) + " with a fault", width), Color::red};
+}
+
+/// @return the name of the order, as the title has it.
+std::string_view name_of_column(WatchSort sort) {
+  constexpr std::array<std::string_view, 6> kNames{"axis",     "name",   "position",
+                                                   "velocity", "torque", "state"};
+  const auto place = static_cast<std::size_t>(sort);
+  ensure(place < kNames.size(), "each order has a name");
+  return kNames[place];
+}
+
+/// @return whether `a` stands before `b`.
+bool is_before(const WatchedAxis& a, const WatchedAxis& b, WatchSort sort) {
+  const AxisStatus& left = a.axis.status;
+  const AxisStatus& right = b.axis.status;
+  switch (sort) {
+    case WatchSort::axis:
+      return a.axis.id < b.axis.id;
+    case WatchSort::name:
+      return a.face.name < b.face.name;
+    case WatchSort::position:
+      return left.load_position_actual_value < right.load_position_actual_value;
+    case WatchSort::velocity:
+      return std::abs(std::int64_t{left.load_velocity_actual_value}) >
+             std::abs(std::int64_t{right.load_velocity_actual_value});
+    case WatchSort::torque:
+      return std::abs(left.torque_actual_value) > std::abs(right.torque_actual_value);
+    case WatchSort::state:
+      if (is_faulted(a) != is_faulted(b)) return is_faulted(a);
+      return a.axis.state() < b.axis.state();
+  }
+  return false;
+}
+
+/// @return the axes of the choice in its order; equal ones in the order of the sample.
+std::vector<const WatchedAxis*> chosen(std::span<const WatchedAxis> axes,
+                                       const WatchChoice& choice) {
+  std::vector<const WatchedAxis*> rows;
+  rows.reserve(axes.size());
+  for (const WatchedAxis& watched : axes) {
+    if (!choice.only_faults || is_faulted(watched)) rows.push_back(&watched);
+  }
+  std::ranges::stable_sort(rows, [&choice](const WatchedAxis* a, const WatchedAxis* b) {
+    return choice.is_reversed ? is_before(*b, *a, choice.sort) : is_before(*a, *b, choice.sort);
+  });
+  return rows;
+}
+
+/// @return the tick; of several benches the number of each and its tick.
+std::string tick_text(const client::Observation& sample, std::span<const WatchedAxis> axes) {
+  if (!are_of_several_benches(axes)) return "tick " + std::to_string(sample.tick);
+  std::map<std::uint32_t, std::uint64_t> ticks;
+  for (const WatchedAxis& watched : axes) ticks[watched.axis.id.bench] = watched.axis.tick;
+  std::string text;
+  for (const auto& [bench, tick] : ticks) {
+    text += (text.empty() ? "bench " : ", bench ") + std::to_string(bench) + " tick " +
+            std::to_string(tick);
+  }
+  return text;
+}
+
+std::string title_of(std::string title, const WatchChoice& choice) {
+  if (choice.sort != WatchSort::axis || choice.is_reversed) {
+    title.append(", by ").append(name_of_column(choice.sort));
+    if (choice.is_reversed) title += " reversed";
+  }
+  return choice.only_faults ? title + ", faults only" : title;
+}
+
+/// @return the rows of a terminal that are left for axes.
+std::size_t room_of(const TerminalSize& size) {
+  return std::max(size.rows, kHeaderRows + 1) - kHeaderRows;
+}
+
+}  // namespace
+
+const AxisFace& face_of(const client::AxisId& axis,
+                        const std::map<client::AxisId, AxisFace>& faces) {
+  const auto face = faces.find(axis);
+  ensure(face != faces.end(), "each axis that is watched has a face");
+  return face->second;
+}
+
+std::size_t page_of(const TerminalSize& size) {
+  return room_of(size) - 1;
+}
+
+std::vector<LiveLine> watch_table(const client::Observation& sample,
+                                  const std::map<client::AxisId, AxisFace>& faces,
+                                  const TerminalSize& size, const WatchChoice& choice) {
+  std::vector<WatchedAxis> axes;
+  axes.reserve(sample.axes.size());
+  for (const client::AxisSnapshot& axis : sample.axes)
+    axes.push_back({axis, face_of(axis.id, faces)});
+  const std::size_t width = size.columns - 1;
+  const WatchTable table(axes, size.columns);
+  std::vector<LiveLine> lines{
+      {clipped(title_of(tick_text(sample, axes), choice), width), std::nullopt},
+      {table.header(), Color::bold}};
+  const std::vector<const WatchedAxis*> rows = chosen(axes, choice);
+  if (rows.empty()) lines.push_back({clipped("no axis has a fault", width), std::nullopt});
+  const bool fits = rows.size() <= room_of(size);
+  const std::size_t page = fits ? rows.size() : page_of(size);
+  const std::size_t last =
+      rows.empty() ? 0 : (rows.size() - 1) / std::max<std::size_t>(page, 1) * page;
+  const std::size_t first = fits ? 0 : std::min(choice.first, last);
+  const std::size_t end = std::min(first + page, rows.size());
+  std::size_t faults = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (i >= first && i < end) {
+      lines.push_back({table.row(*rows[i]), color_of(rows[i]->axis)});
+    } else if (is_faulted(*rows[i])) {
+      ++faults;
+    }
+  }
+  if (!fits) lines.push_back(left_out(rows.size() - (end - first), faults, width));
+  return lines;
+}
+
 namespace {
 
 // A person reads no faster; lines stay in the terminal's memory, a table replaces itself.

@@ -30,28 +30,16 @@ using Clock = std::chrono::steady_clock;
 /// Reports the end of a scenario. @param done lines that were carried out
 void report_end(const Scenario& scenario, bool passed, std::size_t done, bool is_json,
                 Terminal& terminal) {
-  if (is_json) {
-    terminal.print(to_line({{"file", scenario.file},
-                            {"passed", passed},
-                            {"lines", scenario.lines.size()},
-                            {"done", done}}));
-    return;
-  }
-  terminal.print(
-      colored(terminal, passed ? Color::green : Color::red, passed ? "passed" : "failed") + "  " +
-      escaped(scenario.file, kShownOfMessage) + ", " + lines_text(done, scenario.lines.size()));
+  print(end_record(scenario, passed, done, terminal), {terminal, is_json, false});
 }
 
 /// Reports the end of all of several. @return the failure, if not all of them passed.
 Outcome report_all(std::size_t passed, std::size_t all, bool is_json, Terminal& terminal) {
   const std::string text =
       std::to_string(passed) + " of " + counted(all, "file", "files") + " passed";
-  if (is_json) {
-    terminal.print(to_line({{"files", all}, {"passed", passed}}));
-  } else if (passed == all) {
-    terminal.print(text);
-  }
-  return passed == all ? Outcome() : Outcome::failed(text);
+  Outcome outcome = passed == all ? Outcome() : Outcome::failed(text);
+  print_answer({{"files", all}, {"passed", passed, text}}, outcome, {terminal, is_json, false});
+  return outcome;
 }
 
 /// Finds the axes and benches of scenarios. What is not there is searched for once: a search that
@@ -149,6 +137,7 @@ class ScenarioRun {
     } else if (!final_outcome) {
       terminal_.complain("vdrive: " + final_outcome.message());
     }
+    context_.live_view = nullptr;
     live_view_.reset();
     if (!outcome) put_back();
     report_end(scenario_, static_cast<bool>(outcome), done_, options_.is_json, terminal_);
@@ -221,9 +210,7 @@ class ScenarioRun {
     std::vector<client::AxisId> shown = axes_;
     std::erase_if(shown, is_elsewhere);
     live_view_ = std::make_unique<LiveView>(session_, terminal_, std::move(shown));
-    context_.on_aim = [this](const client::AxisId& axis, std::int64_t target) {
-      if (live_view_) live_view_->aim(axis, target);
-    };
+    context_.live_view = live_view_.get();
   }
 
   Outcome run_line(const ScenarioLine& line) {
@@ -267,19 +254,20 @@ class ScenarioRun {
   /// @param failure of an outcome that is none: nothing
   void report_line(const ScenarioLine& line, const Outcome& outcome, Clock::duration duration,
                    const FailureReport& failure = {}) {
-    if (!options_.is_json && !options_.on_result) return;
-    Json json{{"file", scenario_.file}, {"line", line.number}, {"command", line.text}};
-    add_outcome(json, outcome);
-    if (context_.judge.found()) json.update(*context_.judge.found());
+    if (!options_.is_json && options_.results == nullptr) return;
+    Record record{{"file", scenario_.file}, {"line", line.number}, {"command", line.text}};
+    add_outcome(record, outcome);
+    if (context_.judge.found()) add_members(record, *context_.judge.found());
     if (!outcome) {
-      json["type"] = failure_type(outcome, context_.judge.found());
-      if (failure.tick) json["tick"] = *failure.tick;
-      json["details"] = failure.axes;
-      json["advice"] = failure.advice;
+      record.push_back({"type", failure_type(outcome, context_.judge.found())});
+      if (failure.tick) record.push_back({"tick", *failure.tick});
+      record.push_back({"details", failure.axes});
+      record.push_back({"advice", failure.advice});
     }
-    json["seconds"] = std::chrono::duration<double>(duration).count();
-    if (options_.is_json) terminal_.print(to_line(json));
-    if (options_.on_result) options_.on_result(json);
+    record.push_back({"seconds", std::chrono::duration<double>(duration).count()});
+    const Json result = record_json(record);
+    if (options_.is_json) terminal_.print(to_line(result));
+    if (options_.results != nullptr) options_.results->put(result);
   }
 
   const Scenario& scenario_;
@@ -381,18 +369,18 @@ class ScenarioRuns {
 class ScenariosApart {
  public:
   ScenariosApart(const std::vector<Scenario>& scenarios, const RunOptions& options,
-                 const ProcessOfScenario& process, Interrupt& interrupt, Terminal& terminal)
+                 const std::vector<std::vector<std::string>>& processes, Interrupt& interrupt,
+                 Terminal& terminal)
       : scenarios_(scenarios),
         options_(options),
-        process_(process),
+        processes_(processes),
         interrupt_(interrupt),
         terminal_(terminal) {}
 
   Outcome run() {
     std::size_t passed = 0;
-    for (const Scenario& scenario : scenarios_) {
-      if (interrupt_.happened()) break;
-      ScenarioVerdict verdict = run_one(scenario);
+    for (std::size_t i = 0; i < scenarios_.size() && !interrupt_.happened(); ++i) {
+      ScenarioVerdict verdict = run_one(scenarios_[i], processes_[i]);
       if (verdict.code == 0) ++passed;
       suites_.push_back(std::move(verdict.suite));
       // What a reader does not want any more is no failure.
@@ -406,9 +394,9 @@ class ScenariosApart {
   [[nodiscard]] const std::vector<JunitSuite>& suites() const { return suites_; }
 
  private:
-  ScenarioVerdict run_one(const Scenario& scenario) {
+  ScenarioVerdict run_one(const Scenario& scenario, const std::vector<std::string>& process) {
     try {
-      return run_process(scenario);
+      return run_process(scenario, process);
     } catch (const std::exception& error) {
       return report_unreported(
           scenario, failed_to_start(scenario, static_cast<int>(ExitCode::failed), error.what()));
@@ -416,9 +404,8 @@ class ScenariosApart {
   }
 
   /// The process reports its end itself.
-  ScenarioVerdict run_process(const Scenario& scenario) {
-    process::ChildProcess run(process_(scenario), {},
-                              {.input = scenario.source, .are_shared = true});
+  ScenarioVerdict run_process(const Scenario& scenario, const std::vector<std::string>& process) {
+    process::ChildProcess run(process, {}, {.input = scenario.source, .are_shared = true});
     interrupt_.arm([&run] {
       run.send(SIGINT);
     });
@@ -453,7 +440,7 @@ class ScenariosApart {
 
   const std::vector<Scenario>& scenarios_;
   const RunOptions& options_;
-  const ProcessOfScenario& process_;
+  const std::vector<std::vector<std::string>>& processes_;  ///< of each scenario
   Interrupt& interrupt_;
   Terminal& terminal_;
   FileEnd::Stream output_ = FileEnd::Stream::open;
@@ -485,9 +472,10 @@ Outcome check_scenarios(const std::vector<Scenario>& scenarios, const RunOptions
 }
 
 Outcome run_scenarios_apart(const std::vector<Scenario>& scenarios, const RunOptions& options,
-                            JunitReport& junit, const ProcessOfScenario& process,
+                            JunitReport& junit,
+                            const std::vector<std::vector<std::string>>& processes,
                             Interrupt& interrupt, Terminal& terminal) {
-  ScenariosApart runs(scenarios, options, process, interrupt, terminal);
+  ScenariosApart runs(scenarios, options, processes, interrupt, terminal);
   Outcome outcome = runs.run();
   return with_report(std::move(outcome), runs, junit);
 }

@@ -8,11 +8,13 @@
 #include "terminal/terminal.hpp"
 #include "vdrive/client/session.hpp"
 
-#include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace vdrive::tool {
+
+class FileResults;
 
 /// How a scenario is run and shown.
 struct RunOptions {
@@ -20,8 +22,7 @@ struct RunOptions {
   bool is_live = false;     ///< show the axes while time passes, also when not on a terminal
   bool is_private = false;  ///< the bench ends with this program, and no other reaches it
   std::optional<Duration> timeout;
-  std::function<void(const Json&)> on_result{};  ///< called with the result of each line, as --json
-                                                 ///< has it; empty = nobody asks
+  FileResults* results = nullptr;  ///< gets the result of each line; none = nobody asks
 };
 
 /// Runs scenarios one after the other, each until its first failure and then its final lines, and
@@ -37,14 +38,12 @@ client::Outcome run_scenarios(const std::vector<Scenario>& scenarios, const RunO
 client::Outcome check_scenarios(const std::vector<Scenario>& scenarios, const RunOptions& options,
                                 JunitReport& junit, client::Session& session, Terminal& terminal);
 
-/// @return the command line of the process of a scenario.
-using ProcessOfScenario = std::function<std::vector<std::string>(const Scenario&)>;
-
 /// The same as run_scenarios(), each scenario in a process of its own: a crash is a failure of one
 /// file. An interrupt is passed on to the process that runs.
+/// @param processes the command line of each
 client::Outcome run_scenarios_apart(const std::vector<Scenario>& scenarios,
                                     const RunOptions& options, JunitReport& junit,
-                                    const ProcessOfScenario& process, Interrupt& interrupt,
-                                    Terminal& terminal);
+                                    const std::vector<std::vector<std::string>>& processes,
+                                    Interrupt& interrupt, Terminal& terminal);
 
 }  // namespace vdrive::tool

@@ -2,13 +2,13 @@
 #include "scenarios/scenario_verdict.hpp"
 
 #include "output/report.hpp"
+#include "vdrive/bounded_queue.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <deque>
 #include <map>
 #include <sstream>
 #include <utility>
@@ -50,30 +50,20 @@ std::string last_of(const std::vector<std::string>& messages) {
 }
 
 /// What a line printed: its end, where it is a stream.
-class LineOutput {
- public:
-  void take(const std::string& line) {
-    constexpr std::size_t kMostLines = 100;
-    if (lines_.size() == kMostLines) {
-      lines_.pop_front();
-      ++left_out_;
-    }
-    lines_.push_back(line);
-  }
+using LineOutput = BoundedQueue<std::string>;
 
-  /// Leaves nothing.
-  std::string finish() {
-    std::string text;
-    if (left_out_ != 0) text = "(" + counted(left_out_, "line", "lines") + " left out)\n";
-    for (const std::string& line : lines_) text.append(line).append("\n");
-    *this = {};
-    return text;
-  }
+LineOutput no_output() {
+  constexpr std::size_t kMostLines = 100;
+  return {kMostLines, WhenFull::drops_oldest};
+}
 
- private:
-  std::deque<std::string> lines_;
-  std::size_t left_out_ = 0;
-};
+std::string text_of(const LineOutput& output) {
+  std::string text;
+  if (output.dropped() != 0)
+    text = "(" + counted(output.dropped(), "line", "lines") + " left out)\n";
+  for (const std::string& line : output.items()) text.append(line).append("\n");
+  return text;
+}
 
 /// What `vdrive run --json` has written about each line.
 using LineResults = std::map<std::size_t, JunitCase>;
@@ -99,7 +89,7 @@ JunitCase case_of(const Scenario& scenario, const ScenarioLine& line, const Json
 
 LineResults results_of(const Scenario& scenario, const std::string& output) {
   LineResults results;
-  LineOutput printed;
+  LineOutput printed = no_output();
   for (const std::string& text : lines_of(output)) {
     const Json json = Json::parse(text, nullptr, false);
     const bool is_result = json.is_object() && json.contains("line") && json.contains("outcome");
@@ -107,11 +97,11 @@ LineResults results_of(const Scenario& scenario, const std::string& output) {
       return is_result && each.number == json["line"];
     });
     if (line == scenario.lines.end()) {  // what a command of the scenario reads is no verdict
-      printed.take(text);
+      printed.put(text);
       continue;
     }
     JunitCase test = case_of(scenario, *line, json);
-    test.output = printed.finish();
+    test.output = text_of(std::exchange(printed, no_output()));
     results.emplace(line->number, std::move(test));
   }
   return results;
@@ -126,6 +116,16 @@ std::string failure_text(const Scenario& scenario, const ScenarioLine& line,
   for (const std::string& detail : failure.details) text.append("\n  ").append(detail);
   if (!failure.advice.empty()) text.append("\n  next: ").append(failure.advice);
   return text;
+}
+
+Record end_record(const Scenario& scenario, bool passed, std::size_t done,
+                  const Terminal& terminal) {
+  const std::string word =
+      colored(terminal, passed ? Color::green : Color::red, passed ? "passed" : "failed");
+  return {{"file", scenario.file, word + "  " + escaped(scenario.file, kShownOfMessage) + ","},
+          {"passed", passed},
+          {"lines", scenario.lines.size()},
+          {"done", done, lines_text(done, scenario.lines.size())}};
 }
 
 std::string name_of_line(const ScenarioLine& line) {

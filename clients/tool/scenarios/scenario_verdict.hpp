@@ -4,6 +4,7 @@
 #include "base/exit_code.hpp"
 #include "language/scenario.hpp"
 #include "output/junit.hpp"
+#include "output/record.hpp"
 
 #include <cstddef>
 #include <string>
@@ -27,6 +28,11 @@ struct LineFailure {
 
 /// @return such as "32 lines", or "11 of 32 lines done" where not all of them were carried out.
 [[nodiscard]] std::string lines_text(std::size_t done, std::size_t all);
+
+/// @param done lines that were carried out
+/// @return how a scenario has ended.
+[[nodiscard]] Record end_record(const Scenario& scenario, bool passed, std::size_t done,
+                                const Terminal& terminal);
 
 /// What became of a scenario that a process of its own carries out.
 struct ScenarioVerdict {

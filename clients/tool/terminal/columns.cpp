@@ -52,4 +52,23 @@ std::string clipped(std::string_view text, std::size_t width) {
   return std::string(beginning(text, width - kCut.size())).append(kCut);
 }
 
+std::vector<std::string> table_lines(const std::vector<std::vector<std::string>>& rows,
+                                     std::string_view indent) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      widths[i] = std::max(widths[i], display_width(row[i]));
+    }
+  }
+  std::vector<std::string> lines;
+  lines.reserve(rows.size());
+  for (const auto& row : rows) {
+    std::string& line = lines.emplace_back(indent);
+    for (std::size_t i = 0; i < row.size(); ++i) line += padded(row[i], widths[i] + 2);
+    line.erase(line.find_last_not_of(' ') + 1);
+  }
+  return lines;
+}
+
 }  // namespace vdrive::tool

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdrive::tool {
 
@@ -20,5 +21,10 @@ namespace vdrive::tool {
 
 /// @return `text`, or its beginning and ".." where it is wider than `width`.
 [[nodiscard]] std::string clipped(std::string_view text, std::size_t width);
+
+/// @param rows a row may have fewer columns than the others
+/// @return each row as a line, its columns two blanks or more apart, without blanks at its end.
+[[nodiscard]] std::vector<std::string> table_lines(
+    const std::vector<std::vector<std::string>>& rows, std::string_view indent = "");
 
 }  // namespace vdrive::tool

@@ -19,7 +19,7 @@ namespace {
 constexpr std::string_view kEnterScreen = "\x1b[?1049h\x1b[?25l";  // and hide the cursor
 constexpr std::string_view kLeaveScreen = "\x1b[?25h\x1b[?1049l";
 // Line by line, and what is left below: to clear the screen first would flicker.
-constexpr std::string_view kHome = "\x1b[H";
+constexpr std::string_view kCursorHome = "\x1b[H";
 constexpr std::string_view kEraseRight = "\x1b[K";
 constexpr std::string_view kEraseBelow = "\x1b[J";
 constexpr std::string_view kEraseRow = "\r\x1b[K";
@@ -132,7 +132,7 @@ void Terminal::show_screen(std::vector<LiveLine> lines) {
   const TerminalSize size = terminal_size();
   screen_ = std::move(lines);
   std::string frame(is_on_screen_.exchange(true) ? std::string_view() : kEnterScreen);
-  frame += kHome;
+  frame += kCursorHome;
   std::string_view line_end;
   for (const LiveLine& line : fitting(screen_, size.rows)) {
     frame.append(line_end).append(row_of(line, usable_width(size))).append(kEraseRight);

@@ -2,7 +2,6 @@
 #include "values/expectation.hpp"
 
 #include "base/usage_error.hpp"
-#include "values/object_check.hpp"
 #include "vdrive/cia402/bit_names.hpp"
 #include "vdrive/cia402/power_state_machine.hpp"
 #include "vdrive/cia402/statusword.hpp"

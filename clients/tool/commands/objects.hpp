@@ -8,8 +8,18 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace vdrive::tool {
+
+struct ReadCommand {
+  std::string axis{};
+  std::vector<ObjectName> objects{};
+
+  void declare(Arguments& arguments);
+  void check_objects() const;
+  client::Outcome run(CommandContext& context) const;
+};
 
 struct WriteCommand {
   std::string axis{};
@@ -21,6 +31,22 @@ struct WriteCommand {
   void declare(Arguments& arguments);
   void check_objects() const;
   void check_units(const CommandContext& context, const client::Axis& written) const;
+  client::Outcome run(CommandContext& context) const;
+};
+
+/// One test-bench input.
+struct Disturbance {
+  ObjectName object;
+  std::int64_t value = 0;
+};
+
+struct DisturbCommand {
+  std::string axis{};
+  std::vector<Disturbance> inputs{};   ///< several for `none`
+  std::optional<Duration> duration{};  ///< none = until another command clears it
+
+  void declare(Arguments& arguments);
+  void check_objects() const;
   client::Outcome run(CommandContext& context) const;
 };
 

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "language/command.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace vdrive::tool {
+
+struct StepCommand {
+  std::uint64_t ticks = 0;
+  std::optional<std::uint32_t> bench{};  ///< none = the only one there is
+  std::uint32_t steppers = 0;            ///< that time waits for; 0 = this program alone steps
+
+  void declare(Arguments& arguments);
+  client::Outcome run(CommandContext& context) const;
+
+ private:
+  client::Result<std::uint64_t> step(client::Session& session, std::uint32_t number) const;
+};
+
+struct RateCommand {
+  std::optional<double> rate{};          ///< drive time by wall time; none = show those of all
+  std::optional<std::uint32_t> bench{};  ///< none = the only one there is
+
+  void declare(Arguments& arguments);
+  client::Outcome run(CommandContext& context) const;
+};
+
+struct SnapshotCommand {
+  enum class Action : std::uint8_t { take, restore, drop, list };
+
+  Action action = Action::take;
+  std::uint64_t snapshot = 0;            ///< restore, drop: its number
+  std::optional<std::uint32_t> bench{};  ///< none = the only one there is; list: all
+
+  void declare(Arguments& arguments);
+  client::Outcome run(CommandContext& context) const;
+};
+
+/// @return "take", "restore", "drop" or "list".
+[[nodiscard]] std::string_view to_string(SnapshotCommand::Action action) noexcept;
+
+}  // namespace vdrive::tool
