@@ -837,267 +837,92 @@ TEST(StatusReports, ShowAStateThatIsRestoredInTheSameTick) {
 
 // ---- ends --------------------------------------------------------------------------------------
 
-/// What a session says after its bench has ended, by call.
-using Calls = std::vector<std::pair<std::string, std::function<Outcome()>>>;
+/// What each call says after its bench has ended, by the name of the call.
+using Answers = std::vector<std::pair<std::string, Outcome>>;
 
-Calls calls_of_session(Session& session) {
-  return {{"find_bench",
-           [&] {
-             return session.find_bench().outcome();
-           }},
-          {"find_bench(1)",
-           [&] {
-             return session.find_bench(1).outcome();
-           }},
-          {"axis",
-           [&] {
-             return session.axis("1.1").outcome();
-           }},
-          {"axis by name",
-           [&] {
-             return session.axis("lift").outcome();
-           }},
-          {"axes",
-           [&] {
-             return session.axes().outcome();
-           }},
-          {"acquire",
-           [&] {
-             const std::array<client::AxisId, 1> axes{{{1, 1}}};
-             return session.acquire(axes);
-           }},
-          {"step",
-           [&] {
-             return session.step(1, 1).outcome();
-           }},
-          {"set_rate",
-           [&] {
-             return session.set_rate(1, 1.0).outcome();
-           }},
-          {"wait",
-           [&] {
-             return session.wait(1, seconds(1)).outcome();
-           }},
-          {"wait_for_tick",
-           [&] {
-             return session.wait_for_tick(1, 1'000'000).outcome();
-           }},
-          {"take_snapshot",
-           [&] {
-             return session.take_snapshot(1).outcome();
-           }},
-          {"restore_snapshot",
-           [&] {
-             return session.restore_snapshot(1, 1).outcome();
-           }},
-          {"snapshots",
-           [&] {
-             return session.snapshots(1).outcome();
-           }},
-          {"drop_snapshot",
-           [&] {
-             return session.drop_snapshot(1, 1);
-           }},
-          {"send_set_points",
-           [&] {
-             const std::array<client::SetPointFrame, 1> frames{};
-             return session.send_set_points(1, frames);
-           }},
-          {"observe",
-           [&] {
-             const std::array<client::AxisId, 1> axes{{{1, 1}}};
-             return session.observe(axes).outcome();
-           }},
-          {"follow",
-           [&] {
-             return session.follow({{1, 1}}, client::Pace::drive).outcome();
-           }},
-          {"on_status",
-           [&] {
-             const std::array<client::AxisId, 1> axes{{{1, 1}}};
-             return session.on_status(axes, milliseconds(1), [](const Observation&) {});
-           }},
-          {"quick_stop",
-           [&] {
-             return session.quick_stop(1);
-           }},
-          {"join",
-           [&] {
-             return StepClock::join(session, kFirst).outcome();
-           }},
-          {"group", [&] {
-             const std::array<std::string, 2> axes{"1.1", "1.2"};
-             return client::AxisGroup::create(session, axes).outcome();
-           }}};
+Answers answers_of_session(Session& session) {
+  const std::array<client::AxisId, 1> axes{{{1, 1}}};
+  const std::array<std::string, 2> names{"1.1", "1.2"};
+  const std::array<client::SetPointFrame, 1> frames{};
+  return {
+      {"find_bench", session.find_bench().outcome()},
+      {"find_bench(1)", session.find_bench(1).outcome()},
+      {"axis", session.axis("1.1").outcome()},
+      {"axis by name", session.axis("lift").outcome()},
+      {"axes", session.axes().outcome()},
+      {"acquire", session.acquire(axes)},
+      {"step", session.step(1, 1).outcome()},
+      {"set_rate", session.set_rate(1, 1.0).outcome()},
+      {"wait", session.wait(1, seconds(1)).outcome()},
+      {"wait_for_tick", session.wait_for_tick(1, 1'000'000).outcome()},
+      {"take_snapshot", session.take_snapshot(1).outcome()},
+      {"restore_snapshot", session.restore_snapshot(1, 1).outcome()},
+      {"snapshots", session.snapshots(1).outcome()},
+      {"drop_snapshot", session.drop_snapshot(1, 1)},
+      {"send_set_points", session.send_set_points(1, frames)},
+      {"observe", session.observe(axes).outcome()},
+      {"follow", session.follow({{1, 1}}, client::Pace::drive).outcome()},
+      {"on_status", session.on_status(axes, milliseconds(1), [](const Observation&) {})},
+      {"quick_stop", session.quick_stop(1)},
+      {"join", StepClock::join(session, kFirst).outcome()},
+      {"group", client::AxisGroup::create(session, names).outcome()},
+  };
 }
 
-Calls calls_of_axis(Axis& axis) {
-  return {{"enable",
-           [&] {
-             return axis.enable();
-           }},
-          {"disable",
-           [&] {
-             return axis.disable();
-           }},
-          {"move_to",
-           [&] {
-             return axis.move_to(5);
-           }},
-          {"start_move",
-           [&] {
-             return axis.start_move(5).outcome();
-           }},
-          {"halt",
-           [&] {
-             return axis.halt();
-           }},
-          {"resume",
-           [&] {
-             return axis.resume();
-           }},
-          {"axis.quick_stop",
-           [&] {
-             return axis.quick_stop();
-           }},
-          {"reset_fault",
-           [&] {
-             return axis.reset_fault();
-           }},
-          {"status",
-           [&] {
-             return axis.status().outcome();
-           }},
-          {"read",
-           [&] {
-             return axis.read({0x6041, 0}).outcome();
-           }},
-          {"write",
-           [&] {
-             return axis.write({0x6067, 0}, 9).outcome();
-           }},
-          {"move_by",
-           [&] {
-             return axis.move_by(5);
-           }},
-          {"home",
-           [&] {
-             return axis.home();
-           }},
-          {"run_at",
-           [&] {
-             return axis.run_at(100);
-           }},
-          {"apply_torque",
-           [&] {
-             return axis.apply_torque(10);
-           }},
-          {"jog",
-           [&] {
-             return axis.jog(100, [](const client::AxisSnapshot&) {
-               return true;
-             });
-           }},
-          {"store",
-           [&] {
-             return axis.store();
-           }},
-          {"power_cycle",
-           [&] {
-             return axis.power_cycle();
-           }},
-          {"disturb",
-           [&] {
-             return axis.disturb(client::Disturbance::load_torque, 5).outcome();
-           }},
-          {"end_disturbances",
-           [&] {
-             return axis.end_disturbances();
-           }},
-          {"restore_defaults",
-           [&] {
-             return axis.restore_defaults();
-           }},
-          {"wait_until",
-           [&] {
-             return axis
-                 .wait_until(
-                     [](const client::AxisSnapshot&) {
-                       return false;
-                     },
-                     seconds(5))
-                 .outcome();
-           }},
-          {"axis.acquire",
-           [&] {
-             return axis.acquire();
-           }},
-          {"take_over", [&] {
-             return axis.take_over();
-           }}};
+Answers answers_of_axis(Axis& axis) {
+  const auto always = [](const client::AxisSnapshot&) {
+    return true;
+  };
+  const auto never = [](const client::AxisSnapshot&) {
+    return false;
+  };
+  return {
+      {"enable", axis.enable()},
+      {"disable", axis.disable()},
+      {"move_to", axis.move_to(5)},
+      {"start_move", axis.start_move(5).outcome()},
+      {"halt", axis.halt()},
+      {"resume", axis.resume()},
+      {"axis.quick_stop", axis.quick_stop()},
+      {"reset_fault", axis.reset_fault()},
+      {"status", axis.status().outcome()},
+      {"read", axis.read({0x6041, 0}).outcome()},
+      {"write", axis.write({0x6067, 0}, 9).outcome()},
+      {"move_by", axis.move_by(5)},
+      {"home", axis.home()},
+      {"run_at", axis.run_at(100)},
+      {"apply_torque", axis.apply_torque(10)},
+      {"jog", axis.jog(100, always)},
+      {"store", axis.store()},
+      {"power_cycle", axis.power_cycle()},
+      {"disturb", axis.disturb(client::Disturbance::load_torque, 5).outcome()},
+      {"end_disturbances", axis.end_disturbances()},
+      {"restore_defaults", axis.restore_defaults()},
+      {"wait_until", axis.wait_until(never, seconds(5)).outcome()},
+      {"axis.acquire", axis.acquire()},
+      {"take_over", axis.take_over()},
+  };
 }
 
-Calls calls_of_group(client::AxisGroup& group) {
+Answers answers_of_group(client::AxisGroup& group) {
   const Eigen::VectorXd targets = Eigen::VectorXd::Constant(2, 7.0);
-  return {{"group.status",
-           [&] {
-             return group.status().outcome();
-           }},
-          {"enable_all",
-           [&] {
-             return group.enable_all();
-           }},
-          {"disable_all",
-           [&] {
-             return group.disable_all();
-           }},
-          {"move_together",
-           [&, targets] {
-             return group.move_together(targets);
-           }},
-          {"group.move_by",
-           [&, targets] {
-             return group.move_by(targets);
-           }},
-          {"group.take_over",
-           [&] {
-             return group.take_over();
-           }},
-          {"queue_move",
-           [&, targets] {
-             return group.queue_move(targets);
-           }},
-          {"wait_all",
-           [&] {
-             return group.wait_all();
-           }},
-          {"halt_all",
-           [&] {
-             return group.halt_all();
-           }},
-          {"resume_all",
-           [&] {
-             return group.resume_all();
-           }},
-          {"quick_stop_all",
-           [&] {
-             return group.quick_stop_all();
-           }},
-          {"reset_all",
-           [&] {
-             return group.reset_all();
-           }},
-          {"poll",
-           [&] {
-             return group.poll().outcome();
-           }},
-          {"monitor",
-           [&] {
-             return group.monitor(true);
-           }},
-          {"start_streaming", [&] {
-             return group.start_streaming({});
-           }}};
+  return {
+      {"group.status", group.status().outcome()},
+      {"enable_all", group.enable_all()},
+      {"disable_all", group.disable_all()},
+      {"move_together", group.move_together(targets)},
+      {"group.move_by", group.move_by(targets)},
+      {"group.take_over", group.take_over()},
+      {"queue_move", group.queue_move(targets)},
+      {"wait_all", group.wait_all()},
+      {"halt_all", group.halt_all()},
+      {"resume_all", group.resume_all()},
+      {"quick_stop_all", group.quick_stop_all()},
+      {"reset_all", group.reset_all()},
+      {"poll", group.poll().outcome()},
+      {"monitor", group.monitor(true)},
+      {"start_streaming", group.start_streaming({})},
+  };
 }
 
 /// Everything that a program has of a bench.
@@ -1113,13 +938,12 @@ struct Handles {
     return client::AxisGroup::create(session, axes).value();
   }
 
-  [[nodiscard]] Calls calls() {
-    Calls all = calls_of_session(session);
-    for (auto& call : calls_of_axis(axis)) all.push_back(std::move(call));
-    for (auto& call : calls_of_group(group)) all.push_back(std::move(call));
-    all.emplace_back("next", [this] {
-      return follower.next(milliseconds(5)).outcome();
-    });
+  /// Makes every call, one after the other.
+  [[nodiscard]] Answers answers() {
+    Answers all = answers_of_session(session);
+    for (auto& answer : answers_of_axis(axis)) all.push_back(std::move(answer));
+    for (auto& answer : answers_of_group(group)) all.push_back(std::move(answer));
+    all.emplace_back("next", follower.next(milliseconds(5)).outcome());
     return all;
   }
 
@@ -1135,8 +959,7 @@ TEST(Session, ThatOutlivesItsBenchIsLostInEveryCall) {
   auto clock = StepClock::join(handles.session, kFirst);
   ASSERT_TRUE(clock);
   bench.reset();
-  for (const auto& [name, call] : handles.calls()) {
-    const Outcome outcome = call();
+  for (const auto& [name, outcome] : handles.answers()) {
     EXPECT_EQ(outcome.kind(), OutcomeKind::lost) << name << ": " << outcome.message();
   }
   EXPECT_EQ(clock->step(1).outcome().kind(), OutcomeKind::lost);
@@ -1403,6 +1226,8 @@ TEST(Bench, NamesTheFileOfAKeyAboutANetwork) {
   EXPECT_THAT(
       message_of({.configuration_file = file}),
       testing::StartsWith(file.string() + ": network.domain is for a bench on the network"));
+  EXPECT_THAT(message_of({.configuration = "clock: {period: 9 s}\n"}),
+              HasSubstr("configuration:1"));
 }
 
 TEST(Bench, WithoutAStateDirectorySaysWhichOptionIsMissing) {
@@ -1476,8 +1301,7 @@ TEST_P(ForkInAnyClock, GivesTheChildAClearErrorFromEachCallAndTheParentGoesOn) {
   ASSERT_TRUE(handles->axis.enable());
   const int code = exit_code_of([&] {
     int wrong = 0;
-    for (const auto& [name, call] : handles->calls()) {
-      const Outcome outcome = call();
+    for (const auto& [name, outcome] : handles->answers()) {
       if (outcome.kind() == OutcomeKind::lost &&
           outcome.message().find("from which this one was forked") != std::string::npos) {
         continue;

@@ -131,40 +131,6 @@ TEST(Bench, RefusesAStructOfAxesThatIsWrongByName) {
   EXPECT_THAT(refusal_of({.period = std::chrono::microseconds(0)}), HasSubstr("period = 0"));
 }
 
-TEST(Bench, LosesTheConnectionOfAnAxisByADisturbance) {
-  const Bench bench({.axes = 2});
-  Session session = bench.session();
-  auto axis = session.axis("1.1");
-  auto other = session.axis("1.2");
-  ASSERT_TRUE(axis && other);
-  ASSERT_TRUE(axis->enable() && other->enable());
-  ASSERT_TRUE(axis->disturb(client::Disturbance::connection_loss));
-  ASSERT_TRUE(session.step(1, 500));
-  const auto lost = axis->status();
-  ASSERT_TRUE(lost);
-  EXPECT_EQ(lost->state(), PowerState::fault);
-  EXPECT_EQ(lost->status.error_code, 0x8130);
-  EXPECT_EQ(other->status()->state(), PowerState::operation_enabled);
-  // While it lasts the axis can be used: its master is there.
-  ASSERT_TRUE(axis->reset_fault());
-  ASSERT_TRUE(axis->enable());
-  const auto moved = axis->move_to(1'000);
-  EXPECT_TRUE(moved) << moved.message();
-  ASSERT_TRUE(axis->end_disturbances());
-  EXPECT_EQ(axis->status()->state(), PowerState::operation_enabled);
-}
-
-TEST(Bench, StepsAsManyTicksAsAreAskedFor) {
-  const Bench bench;
-  Session session = bench.session();
-  ASSERT_TRUE(session.find_bench());
-  const auto first = session.step(1, 1);
-  ASSERT_TRUE(first) << first.outcome().message();
-  const auto second = session.step(1, 5'000);
-  ASSERT_TRUE(second);
-  EXPECT_EQ(*second - *first, 5'000U);
-}
-
 TEST(Bench, WithANumberThatIsOnTheBusIsRefusedByName) {
   const Bench bench({.number = 7});
   try {
@@ -203,39 +169,6 @@ TEST(Bench, MeetsOthersOnItsBusAndNoneOfAnother) {
   Session session = one.session();
   EXPECT_EQ(session.find_benches().size(), 2U);
   EXPECT_EQ(session.find_bench(3).outcome().kind(), OutcomeKind::not_found);
-}
-
-TEST(Bench, ThatEndsLeavesItsSessionsLost) {
-  auto bench = std::make_unique<Bench>();
-  Session session = bench->session();
-  auto axis = session.axis("1.1");
-  ASSERT_TRUE(axis);
-  bench.reset();
-  EXPECT_EQ(axis->enable().kind(), OutcomeKind::lost);
-  EXPECT_EQ(axis->status().outcome().kind(), OutcomeKind::lost);
-  const auto stepped = session.step(1, 1).outcome();
-  EXPECT_EQ(stepped.kind(), OutcomeKind::lost);
-  EXPECT_THAT(stepped.message(), HasSubstr("bench 1 went offline: its service has ended"));
-}
-
-TEST(Bench, EndsInTheMiddleOfAMoveOfARealtimeBench) {
-  auto bench = std::make_unique<Bench>(BenchOptions{.clock = ClockMode::realtime});
-  Session session = bench->session();
-  auto axis = session.axis("1.1");
-  ASSERT_TRUE(axis);
-  ASSERT_TRUE(axis->enable());
-  auto moved = std::async(std::launch::async, [&] {
-    return axis->move_to(100'000'000).kind();
-  });
-  while (true) {
-    const auto status = axis->status();
-    ASSERT_TRUE(status);
-    if (status->status.load_position_actual_value > 100) break;
-  }
-  bench.reset();
-  ASSERT_EQ(moved.wait_for(seconds(5)), std::future_status::ready);
-  // What it sees first: that the axis has lost its power, or that the bench has ended.
-  EXPECT_THAT(moved.get(), testing::AnyOf(OutcomeKind::failed, OutcomeKind::lost));
 }
 
 /// @return how often each thread of this process but the calling one has waited, most first.
@@ -345,20 +278,6 @@ TEST(Bench, TakesAnAxisFromASessionThatIsSilentWhileAnotherOneSteps) {
   const auto lost = axis->status();
   EXPECT_EQ(lost->status.error_code, 0x8130U);
   EXPECT_THAT(client::what_it_shows(*lost), HasSubstr("join the clock that others step"));
-}
-
-TEST(Bench, RefusesKeysOfTheNetworkAndBadValuesWithTheirPlace) {
-  const auto message_of = [](const std::string& configuration) -> std::string {
-    try {
-      const Bench bench({.configuration = configuration});
-    } catch (const BenchError& error) {
-      return error.what();
-    }
-    return "accepted";
-  };
-  EXPECT_THAT(message_of("metrics: {port: 9100}\n"), HasSubstr("metrics.port"));
-  EXPECT_THAT(message_of("network: {peers: [10.0.0.9]}\n"), HasSubstr("network.peers"));
-  EXPECT_THAT(message_of("clock: {period: 9 s}\n"), HasSubstr("configuration:1"));
 }
 
 // This program links vdrive::bench alone.

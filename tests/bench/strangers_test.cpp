@@ -106,16 +106,6 @@ TEST(Strangers, TheWeightOfTheSlowBrakeIsOnItsBrakeUntilThatIsOpen) {
   EXPECT_NEAR(slow.position(), 0, 3);
 }
 
-TEST(Strangers, AGroupWaitsForTheSlowBrakeAndItsMode) {
-  Stranger slow("slow-brake.yaml");
-  auto group = slow.group();
-  const std::uint64_t before = slow.axis.status().value().tick;
-  const client::Outcome enabled = group.enable_all();
-  ASSERT_TRUE(enabled) << enabled.message();
-  EXPECT_GE(slow.axis.status().value().tick, before + 300);
-  for (const std::int32_t target : {2'000, -2'000}) slow.expect_moves_together(group, target);
-}
-
 TEST(Strangers, TheStepperSeesEachEdge) {
   Stranger stepper("stepper.yaml");
   const client::Outcome enabled = stepper.axis.enable();
@@ -123,16 +113,6 @@ TEST(Strangers, TheStepperSeesEachEdge) {
   stepper.expect_moves();
   const client::Outcome homed = stepper.axis.home({.method = 37, .call = {}});
   EXPECT_TRUE(homed) << homed.message();
-}
-
-// Habit f: the axis would start later than the others.
-TEST(Strangers, AGroupOfSteppersHasNoLines) {
-  Stranger stepper("stepper.yaml");
-  auto group = stepper.group();
-  ASSERT_TRUE(group.enable_all());
-  const client::Outcome refused = group.move_together(Eigen::VectorXd::Constant(1, 1'000.0));
-  EXPECT_EQ(refused.kind(), client::OutcomeKind::refused) << refused.message();
-  EXPECT_EQ(stepper.axis.status().value().status.position_demand_value, 0);
 }
 
 TEST(Strangers, TheStepperFollowsAStreamFromItsFirstPositionOn) {

@@ -28,17 +28,6 @@ bool wait_for_status(BusOfBench& bus, std::uint8_t node, std::uint16_t mask, std
   });
 }
 
-TEST(Bridge, BootsANodeForEachAxis) {
-  BusOfBench bus(2);
-  ASSERT_TRUE(bus.master().wait_for(0x702));
-  const auto boot = bus.master().newest(0x701);
-  ASSERT_TRUE(boot);
-  EXPECT_EQ(boot->size, 1);
-  EXPECT_EQ(boot->data[0], 0x00);
-  EXPECT_TRUE(bus.bridge().bus(0).are_all_there());
-  EXPECT_THAT(bus.bridge().first_lines().front(), HasSubstr("bus 1: 2 nodes (1 to 2), session 0x"));
-}
-
 TEST(Bridge, AnswersSdo) {
   BusOfBench bus(1);
   ASSERT_TRUE(bus.master().wait_for(0x701));
@@ -70,54 +59,6 @@ TEST(Bridge, SendsHeartbeats) {
   }));
   EXPECT_EQ(bus.master().newest(0x701)->data[0],
             static_cast<std::uint8_t>(NmtState::pre_operational));
-}
-
-TEST(Bridge, LosesItsNodesWithTheirBenchAndBootsThemWithTheNextOne) {
-  BusOfBench bus(2);
-  ASSERT_TRUE(bus.master().wait_for(0x702));
-  bus.end_bench();
-  ASSERT_TRUE(bus.master().wait_until([&bus] {
-    return !bus.nodes().is_running();
-  }));
-  (void)bus.master().take_all();
-  bus.master().send(0x601, {0x40, 0x41, 0x60, 0, 0, 0, 0, 0});
-  EXPECT_TRUE(bus.master().received().empty());
-  bus.begin_bench();
-  ASSERT_TRUE(bus.master().wait_for(0x702));
-  EXPECT_EQ(bus.read(1, {0x1000, 0}), 0x00020192);
-}
-
-TEST(Bridge, ShowsAnAxisOfAnotherSessionAsNotRemoteUntilItIsFree) {
-  BusOfBench bus(1);
-  ASSERT_TRUE(bus.master().wait_for(0x701));
-  bus.master().send_nmt(kNmtStart, 0);
-  EXPECT_TRUE(wait_for_status(bus, 1, kShowsRemote, kShowsRemote));
-  client::Session other = bus.other_session();
-  ASSERT_TRUE(other.axis("1.1").value().take_over());
-  EXPECT_TRUE(wait_for_status(bus, 1, kShowsRemote, 0));
-  EXPECT_EQ(bus.master().download(1, {0x6040, 0}, 0x06, 2), AbortCode::refused_local_control);
-  ASSERT_TRUE(other.release());
-  EXPECT_TRUE(wait_for_status(bus, 1, kShowsRemote, kShowsRemote));
-}
-
-TEST(Bridge, SendsAnEmergencyForAFault) {
-  BusOfBench bus(1);
-  ASSERT_TRUE(bus.master().wait_for(0x701));
-  client::Session other = bus.other_session();
-  ASSERT_TRUE(other.axis("1.1").value().disturb(client::Disturbance::over_temperature));
-  ASSERT_TRUE(bus.master().wait_for(0x081));
-  EXPECT_EQ(number_in(*bus.master().newest(0x081), 0, 2), 0x4310);
-}
-
-TEST(Bridge, PowerCyclesAtResetNode) {
-  BusOfBench bus(1);
-  ASSERT_TRUE(bus.master().wait_for(0x701));
-  ASSERT_EQ(bus.master().download(1, {0x6081, 0}, 12'345, 4), AbortCode::none);
-  (void)bus.master().take_all();
-  bus.master().send_nmt(0x81, 1);
-  ASSERT_TRUE(bus.master().wait_for(0x701));
-  // Behind the power cycle: the accesses of an axis are carried out in their order.
-  EXPECT_NE(bus.read(1, {0x6081, 0}), 12'345);
 }
 
 /// Two benches on one bus.

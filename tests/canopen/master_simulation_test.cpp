@@ -6,13 +6,13 @@
 // A seed takes some milliseconds: 100 by default, 1,000 with VDRIVE_FULL, 10,000 by night. A seed
 // that fails is printed; VDRIVE_MASTER_SEED=<seed> in the environment plays it alone.
 #include "canopen/fake_host.hpp"
-#include "core/support/random_cases.hpp"
 #include "node/node.hpp"
 #include "node/node_object.hpp"
 #include "support/axis_invariants.hpp"
+#include "support/drawn_commands.hpp"
 #include "support/effort.hpp"
+#include "support/random_cases.hpp"
 #include "vdrive/axis_bank.hpp"
-#include "vdrive/cia402/homing_method.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
@@ -216,10 +216,10 @@ class SimulatedDrive final : public NodeHost {
   HeldBack reset_;     ///< what a controlword commands, or a power cycle
 };
 
-/// Frames of masters, by chance.
+/// Frames of masters, by chance: of one that sees the drive, and of those that know nothing.
 class RandomMaster {
  public:
-  explicit RandomMaster(Random& random) : random_(random) {}
+  RandomMaster(const SimulatedDrive& drive, Random& random) : drive_(drive), random_(random) {}
 
   Frame next() {
     switch (random_.below(12)) {
@@ -286,73 +286,35 @@ class RandomMaster {
   /// 0 or a mode of 6502h.
   std::int8_t any_mode() { return static_cast<std::int8_t>(pick(kOperatingModes).mode); }
 
-  /// A target or an offset of any mode.
-  Frame set_point() {
-    const auto position = static_cast<std::uint32_t>(random_.below(200'000));
-    const auto small = static_cast<std::uint32_t>(random_.below(500));
-    switch (random_.below(8)) {
-      case 0:
-      case 1:
-        return request(0x23, {0x607A, 0}, position);
-      case 2:
-        return request(0x2B, {0x6042, 0}, small);
-      case 3:
-        return request(0x2B, {0x6071, 0}, small);
-      case 4:
-        return request(0x23, {0x60C1, 1}, position);
-      case 5:
-        return request(0x23, {0x60FF, 0}, position);
-      case 6:
-        return request(0x23, {pick(std::array<std::uint16_t, 2>{0x60B0, 0x60B1}), 0}, small);
-      default:
-        return request(0x2B, {0x60B2, 0}, small);
-    }
-  }
-
-  /// What the modes, the touch probes and the profiles read.
-  Frame setting() {
-    switch (random_.below(6)) {
-      case 0: {
-        const auto method = static_cast<std::uint8_t>(pick(kHomingMethods).number);
-        return request(0x2F, {0x6098, 0}, method);
-      }
-      case 1:
-        return request(0x2B, {0x60B8, 0},
-                       pick(std::array<std::uint32_t, 4>{0x0000, 0x0033, 0x0037, 0x3733}));
-      case 2:
-        return request(0x2F, {0x60C2, 1}, static_cast<std::uint32_t>(random_.below(20)));
-      case 3:
-        return request(0x23, {0x60C4, 2}, 1U + static_cast<std::uint32_t>(random_.below(16)));
-      case 4:
-        return request(0x2F, {0x60C4, 6}, random_.one_in(4) ? 0U : 1U);
-      default:
-        return request(0x2B, {0x6086, 0}, random_.one_in(2) ? 0U : 3U);
-    }
+  /// Expedited, with the size of its object.
+  static Frame write_of(const test::DrawnWrite& write) {
+    const unsigned size = size_of(find_node_object(write.object)->data_type);
+    return request(static_cast<std::uint8_t>(0x23U | (4U - size) << 2U), write.object,
+                   static_cast<std::uint32_t>(write.value));
   }
 
   /// What moves the axis, or changes how the node communicates.
   Frame useful_write() {
-    constexpr std::array<std::uint32_t, 11> kWords{0x06, 0x07, 0x0F, 0x0F,  0x1F, 0x3F,
-                                                   0x7F, 0x80, 0x02, 0x10F, 0x00};
     switch (random_.below(10)) {
       case 0:
       case 1:
       case 2:
-        return request(0x2B, kControlword, pick(kWords));
+        return write_of({kControlword, test::draw_controlword(drive_.status(), random_)});
       case 3:
-        return request(0x2F, {0x6060, 0}, static_cast<std::uint32_t>(any_mode()));
+        return write_of({{0x6060, 0}, any_mode()});
       case 4:
       case 5:
-        return set_point();
+        return write_of(test::draw_set_point(drive_.status(), random_));
       case 6:
-        return setting();
+        return write_of(random_.one_in(6) ? test::DrawnWrite{{0x6086, 0}, random_.one_in(2) ? 0 : 3}
+                                          : test::draw_setting(random_));
       case 7:
-        return request(0x23, {0x1016, 1}, 0x9'0000 + static_cast<std::uint32_t>(random_.below(40)));
+        return write_of({{0x1016, 1}, 0x9'0000 + random_.between(0, 39)});
       case 8:
-        return request(0x2F, {0x1029, 1}, static_cast<std::uint32_t>(random_.below(3)));
+        return write_of({{0x1029, 1}, random_.between(0, 2)});
       default:
-        return random_.one_in(2) ? request(0x23, {0x1010, 1}, 0x6576'6173)
-                                 : request(0x23, {0x1011, 1}, 0x6461'6F6C);
+        return random_.one_in(2) ? write_of({{0x1010, 1}, 0x6576'6173})
+                                 : write_of({{0x1011, 1}, 0x6461'6F6C});
     }
   }
 
@@ -400,6 +362,7 @@ class RandomMaster {
     return frame;
   }
 
+  const SimulatedDrive& drive_;
   Random& random_;
 };
 
@@ -543,7 +506,7 @@ class MasterSimulation {
   Verdict verdict_;
   SimulatedDrive drive_{verdict_};
   Node node_{{.node_id = kSimulatedNode}, drive_};
-  RandomMaster master_{random_};
+  RandomMaster master_{drive_, random_};
   DriveTime now_{};
   std::int64_t outstanding_ = 0;  ///< SDO requests without an answer
   std::uint64_t time_outs_ = 0;

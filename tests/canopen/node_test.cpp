@@ -5,8 +5,8 @@
 #include "node/node.hpp"
 
 #include "canopen/fake_host.hpp"
-#include "core/support/random_cases.hpp"
 #include "node/node_object.hpp"
+#include "support/random_cases.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,8 +2,8 @@
 // Any sequence of writes to the objects of the PDOs, against the rules of CiA 301 written down a
 // second time: what is in force is always permitted, and reads as it was accepted.
 #include "canopen/pdo_support.hpp"
-#include "core/support/random_cases.hpp"
 #include "node/pdos.hpp"
+#include "support/random_cases.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include "node/sdo_block.hpp"
 
 #include "canopen/served_sdo.hpp"
-#include "core/support/random_cases.hpp"
 #include "node/sdo_server.hpp"
+#include "support/random_cases.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 #include "bus/sdo_client.hpp"
 
 #include "canopen/recorded_port.hpp"
-#include "core/support/random_cases.hpp"
+#include "support/random_cases.hpp"
 
 #include <gtest/gtest.h>
 

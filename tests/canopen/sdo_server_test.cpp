@@ -3,7 +3,7 @@
 #include "node/sdo_server.hpp"
 
 #include "canopen/served_sdo.hpp"
-#include "core/support/random_cases.hpp"
+#include "support/random_cases.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 
 #include "bus/asio.hpp"
 #include "canopen/recorded_port.hpp"
-#include "core/support/random_cases.hpp"
+#include "support/random_cases.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

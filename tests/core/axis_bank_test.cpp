@@ -5,7 +5,7 @@
 
 #include "core/support/allocation_guard.hpp"
 #include "core/support/axis_under_test.hpp"
-#include "core/support/random_cases.hpp"
+#include "support/random_cases.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -667,12 +667,7 @@ TEST(AxisBank, TheTargetReachedTimeRunsWhileNothingOfAnAxisChanges) {
   axis.write("position_user_target_value", 10'000);
   axis.command(0x001F);
   axis.command(0x000F);
-  ASSERT_NE(axis.step_until(
-                [&axis] {
-                  return axis.reached();
-                },
-                5'000),
-            0U);
+  ASSERT_NE(axis.step_until_reached(5'000), 0U);
   axis.step(25'000);
   axis.write("position_target_reached_window_time", 20'000);
   axis.step();
@@ -713,11 +708,7 @@ TEST(AxisBank, TwoSetPointsInOneTickBecomeTheActiveAndTheBufferedOne) {
   axis.controlword(0x001F);
   EXPECT_EQ(axis.step(), 0x1237);
   EXPECT_EQ(axis.status().ignored_set_points, 1U);
-  axis.step_until(
-      [&axis] {
-        return axis.reached();
-      },
-      5'000);
+  axis.step_until_reached(5'000);
   EXPECT_EQ(axis.demand(), 7'000);
 }
 
@@ -798,12 +789,7 @@ void expect_usable(AxisUnderTest& axis) {
   const std::int32_t start = axis.demand();
   axis.write("position_user_target_value", 1'000);
   axis.command(0x007F);
-  ASSERT_NE(axis.step_until(
-                [&axis] {
-                  return axis.reached();
-                },
-                5'000),
-            0U);
+  ASSERT_NE(axis.step_until_reached(5'000), 0U);
   axis.step(1'000);
   ASSERT_NEAR(axis.demand() - start, 1'000, 50) << "60F2h = 2: from the actual position";
   ASSERT_NEAR(axis.actual(), axis.demand(), 2);
@@ -947,12 +933,7 @@ TEST_P(Period, RunsTheManualsExampleToTheExactUnitInTheSameDriveTime) {
   axis.write("position_user_target_value", 10'000);
   EXPECT_EQ(axis.command(0x003F), 0x1237);
   const std::uint64_t begin = axis.ticks() - 1;
-  ASSERT_NE(axis.step_until(
-                [&axis] {
-                  return axis.reached();
-                },
-                200'000),
-            0U);
+  ASSERT_NE(axis.step_until_reached(200'000), 0U);
 
   // 61/6 s, rounded up to whole ticks.
   const double ticks = std::ceil(61.0 / 6.0 / axis.seconds_per_tick());
@@ -971,11 +952,7 @@ TEST(AxisBank, TimesInMillisecondsHoldAtEveryPeriod) {
     AxisUnderTest axis({}, microseconds{period});
     axis.enable();
     axis.command(0x003F);  // zero length: bit 10 after 6068h = 20 ms
-    const std::uint64_t ticks = axis.step_until(
-        [&axis] {
-          return axis.reached();
-        },
-        1'000);
+    const std::uint64_t ticks = axis.step_until_reached(1'000);
     const double time = static_cast<double>(ticks) * axis.seconds_per_tick();
     EXPECT_GE(time, 0.020 - 1e-9) << period;
     EXPECT_LE(time, 0.020 + 1.01 * axis.seconds_per_tick()) << period;

@@ -95,12 +95,7 @@ TEST(LimitedJerkOfAPlant, EndsInAFollowingErrorAtAnEndStop) {
   axis.enable();
   go_to(axis, 1'000'000);
   // 6065h = 20480 UU behind the stop: some 2.2 s at 10000 UU/s.
-  ASSERT_NE(axis.step_until(
-                [&axis] {
-                  return axis.state() == PowerState::fault;
-                },
-                5'000),
-            0U);
+  ASSERT_NE(axis.step_until_state(PowerState::fault, 5'000), 0U);
   EXPECT_EQ(axis.status().error_code, 0x8611);
   EXPECT_NEAR(axis.actual(), 1'000, 1);
 }

@@ -249,18 +249,6 @@ TEST(CyclicPosition, QuickStopBrakesFromTheSpeedOfTheStream) {
   EXPECT_EQ(axis.demand(), last + 4'550);
 }
 
-TEST(CyclicPosition, AFaultBrakesWithItsReaction) {
-  AxisUnderTest axis;
-  axis.write("quick_stop_deceleration", 100'000);
-  enable_cyclic_position(axis);
-  stream_at(axis, 30, 100);
-  axis.write("test_over_temperature", 1);
-  axis.step(100);
-  EXPECT_NEAR(axis.demand_velocity(), 20'000, 1);
-  axis.step(500);
-  EXPECT_EQ(axis.statusword(), 0x0218);
-}
-
 TEST(CyclicPosition, ABlockedAxisHasAFollowingError) {
   AxisUnderTest axis;
   enable_cyclic_position(axis);
@@ -311,14 +299,6 @@ TEST(CyclicPosition, AModeChangeWhileStreamingBrakesWith6084h) {
     EXPECT_EQ(axis.read("op_mode_actual"), mode);
     EXPECT_NEAR(axis.actual(), last + 4'500, mode == 4 ? 20 : 2);
   }
-}
-
-TEST(CyclicPosition, IgnoresAndCountsAnEdgeOfBit4) {
-  AxisUnderTest axis;
-  enable_cyclic_position(axis);
-  axis.command(0x001F);
-  EXPECT_EQ(axis.status().ignored_set_points, 1U);
-  EXPECT_FALSE(follows(axis)) << "bit 12 is no acknowledge here";
 }
 
 TEST(CyclicPosition, AStreamedSineIsFollowedWithinTheLagOfTheLoops) {
@@ -374,6 +354,21 @@ TEST(SupportedDriveModes, AreThoseOfTheManualThatOfInvertersAndThoseOfStreams) {
         << mode;
     axis.step();
     EXPECT_EQ(axis.read("op_mode_actual"), works ? mode : before) << mode;
+  }
+}
+
+TEST(ModesWithoutSetPoints, IgnoreAndCountAnEdgeOfBit4) {
+  for (const std::int64_t mode : {3, 8, 9, 10}) {
+    SCOPED_TRACE(mode);
+    AxisUnderTest axis;
+    axis.write("position_user_target_value", 1'000);
+    axis.write("op_mode_cmd", mode);
+    axis.command(0x000F);
+    axis.command(0x001F);
+    axis.step(100);
+    EXPECT_EQ(axis.actual(), 0);
+    EXPECT_EQ(axis.acknowledged(), mode == 3) << "no acknowledge; of mode 3 it is a speed of 0";
+    EXPECT_EQ(axis.status().ignored_set_points, 1U);
   }
 }
 

@@ -169,16 +169,6 @@ TEST(CyclicTorque, HaltTakesTheTorqueBackWith6087hAndEndsTheStream) {
   EXPECT_EQ(axis.status().torque_demand, 0);
 }
 
-TEST(CyclicTorque, HaltWithASteeperOptionBrakesUnderPositionControl) {
-  AxisUnderTest axis;
-  axis.write("halt_option_code", 2);
-  ASSERT_NO_FATAL_FAILURE(run_with_streamed(axis, 1'000));
-  axis.command(0x010F);
-  const std::int32_t first = axis.demand_velocity();
-  axis.step(100);
-  EXPECT_NEAR(axis.demand_velocity(), first - 100 * 100, 1) << "6085h, all the way";
-}
-
 TEST(CyclicTorque, HaltOfAnAxisThatHasNoTorqueYetHoldsIt) {
   AxisUnderTest axis;
   enable_cyclic_torque(axis);
@@ -261,13 +251,6 @@ TEST(CyclicTorque, ABlockedAxisHasNoFollowingError) {
   stream_torque(axis, 500);
   axis.step(1'000);
   EXPECT_EQ(axis.statusword(), 0x1237) << "bit 13 is reserved";
-}
-
-TEST(CyclicTorque, IgnoresAndCountsAnEdgeOfBit4) {
-  AxisUnderTest axis;
-  enable_cyclic_torque(axis);
-  axis.command(0x001F);
-  EXPECT_EQ(axis.status().ignored_set_points, 1U);
 }
 
 TEST(CyclicTorque, RunsAtEveryPeriod) {

@@ -220,27 +220,6 @@ TEST(CyclicVelocity, ALimitSwitchStopsWith6085hAndOnlyTheOtherDirectionIsLeft) {
   EXPECT_EQ(axis.demand_velocity(), 100);
 }
 
-TEST(CyclicVelocity, AModeChangeBrakesWith6084hAndClosesThePositionLoop) {
-  for (const std::int64_t mode : {0, 1, 2, 3, 4, 6, 7, 8, 10}) {
-    SCOPED_TRACE(mode);
-    AxisUnderTest axis;
-    axis.write("profile_dec", 100'000);
-    enable_cyclic_velocity(axis);
-    stream_velocity(axis, 30'000);
-    axis.step(200);
-    axis.write("op_mode_cmd", mode);
-    for (int tick = 1; tick <= 299; ++tick) {
-      axis.step();
-      ASSERT_NEAR(axis.demand_velocity(), 30'000 - 100 * tick, 1);
-      ASSERT_EQ(axis.read("op_mode_actual"), 9);
-    }
-    axis.write("target_velocity", 0);
-    axis.step(300);
-    EXPECT_EQ(axis.read("op_mode_actual"), mode);
-    EXPECT_EQ(axis.state(), operation_enabled);
-  }
-}
-
 TEST(CyclicVelocity, ABlockedAxisHasNoFollowingError) {
   AxisUnderTest axis;
   axis.write("following_error_window", 10);
@@ -250,14 +229,6 @@ TEST(CyclicVelocity, ABlockedAxisHasNoFollowingError) {
   stream_velocity(axis, 10'000);
   axis.step(1'000);
   EXPECT_EQ(axis.statusword(), 0x1237);
-}
-
-TEST(CyclicVelocity, IgnoresAndCountsAnEdgeOfBit4) {
-  AxisUnderTest axis;
-  enable_cyclic_velocity(axis);
-  axis.command(0x001F);
-  EXPECT_EQ(axis.status().ignored_set_points, 1U);
-  EXPECT_FALSE(axis.follows_command()) << "bit 12 is no acknowledge here";
 }
 
 TEST(CyclicVelocity, TheOffset60B1hIsAddedAndActsByItself) {

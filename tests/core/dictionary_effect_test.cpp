@@ -135,11 +135,7 @@ double torque(AxisUnderTest& axis) {
 double ticks_to_reached(AxisUnderTest& axis) {
   axis.command(0x000F);
   axis.command(0x003F);
-  return static_cast<double>(1 + axis.step_until(
-                                     [&axis] {
-                                       return axis.reached();
-                                     },
-                                     500));
+  return static_cast<double>(1 + axis.step_until_reached(500));
 }
 
 // ---- at once

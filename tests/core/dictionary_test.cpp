@@ -428,22 +428,6 @@ TEST(DictionarySweep, TheSheetsOwnExamplesHold) {
   EXPECT_EQ(axis.try_read("error_history_8").code, AbortCode{0x08000024});
 }
 
-TEST(DictionarySweep, AnUnsupportedModeIsRefusedAndThePresentModeStays) {
-  AxisUnderTest axis;
-  axis.write("op_mode_cmd", 1);
-  for (std::int64_t mode = -128; mode <= 127; ++mode) {
-    if (kWorkingModes.contains(mode)) continue;
-    EXPECT_EQ(axis.try_write("op_mode_cmd", mode), AbortCode{0x06090030}) << mode;
-    EXPECT_EQ(axis.read("op_mode_cmd"), 1);
-  }
-  // Bit n - 1 of 6502h is mode n: pp 0, vl 1, pv 2, tq 3, hm 5, ip 6, csp 7, csv 8, cst 9.
-  std::int64_t bits = 0;
-  for (const std::int64_t mode : kWorkingModes) {
-    bits |= mode == 0 ? 0 : std::int64_t{1} << (mode - 1);
-  }
-  EXPECT_EQ(axis.read("supported_drive_modes"), bits) << "6502h shows the modes that really work";
-}
-
 TEST(PowerUp, EveryObjectHasItsDefault) {
   AxisUnderTest axis;
   for (const ObjectDescription& object : kObjectTable) {

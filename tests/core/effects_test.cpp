@@ -606,14 +606,7 @@ class HeatedAxis {
 
   [[nodiscard]] bool warns() const { return (axis.statusword() & Statusword::kWarning) != 0; }
 
-  void step_to_fault() {
-    ASSERT_NE(axis.step_until(
-                  [this] {
-                    return axis.state() == PowerState::fault;
-                  },
-                  5'000),
-              0U);
-  }
+  void step_to_fault() { ASSERT_NE(axis.step_until_state(PowerState::fault, 5'000), 0U); }
 
   AxisUnderTest axis;
 };

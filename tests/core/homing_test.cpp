@@ -674,27 +674,6 @@ TEST_P(HomingInterrupted, ByAModeChangeBrakesBeforeTheModeChanges) {
 
 INSTANTIATE_TEST_SUITE_P(Stages, HomingInterrupted, testing::Values(0, 1, 2, 3), stage_name);
 
-TEST(HomingHalt, BrakesWithTheRampOf605Dh) {
-  const std::array<std::int32_t, 5> ramps{0, 60'000, 100'000, 200'000, 200'000};
-  for (std::int64_t option = 1; option <= 4; ++option) {
-    SCOPED_TRACE(option);
-    Bench bench;
-    bench.axis.write("homing_acceleration", 60'000);
-    bench.axis.write("profile_dec", 7);
-    bench.axis.write("quick_stop_deceleration", 100'000);
-    bench.axis.write("app_dec_limit", 200'000);
-    bench.axis.write("halt_option_code", option);
-    ASSERT_NO_FATAL_FAILURE(bench.enter(17));
-    bench.start();
-    bench.ticks(700);
-    ASSERT_EQ(bench.axis.demand_velocity(), -34'133);
-    bench.axis.controlword(0x011F);
-    bench.ticks(100);
-    EXPECT_NEAR(bench.axis.demand_velocity(),
-                -34'133 + ramps.at(static_cast<std::size_t>(option)) / 10, 1);
-  }
-}
-
 TEST(HomingHalt, AfterTheEndKeepsTheResult) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(bench.home(37, 123));

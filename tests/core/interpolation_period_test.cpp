@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // 60C2h: the way to a set-point of cyclic synchronous position mode over several ticks.
 #include "core/support/axis_under_test.hpp"
-#include "core/support/random_cases.hpp"
+#include "support/random_cases.hpp"
 #include "vdrive/axis_bank.hpp"
 
 #include <gtest/gtest.h>

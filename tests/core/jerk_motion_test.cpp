@@ -2,7 +2,7 @@
 // 6086h, 60A3h and 60A4h: which motions of an axis have limited jerk, and how it changes from one
 // plan to the next.
 #include "core/support/axis_under_test.hpp"
-#include "core/support/random_cases.hpp"
+#include "support/random_cases.hpp"
 #include "vdrive/axis_bank.hpp"
 
 #include <gtest/gtest.h>
@@ -108,12 +108,7 @@ TEST(LimitedJerk, RoundsBothRampsOfAMove) {
   axis.step();
   EXPECT_EQ(axis.demand(), 10'000);
   EXPECT_EQ(axis.demand_velocity(), 0);
-  EXPECT_NE(axis.step_until(
-                [&axis] {
-                  return axis.reached();
-                },
-                200),
-            0U);
+  EXPECT_NE(axis.step_until_reached(200), 0U);
 }
 
 TEST(LimitedJerk, HasASecondJerkForTheSpeedThatShrinks) {
@@ -364,12 +359,7 @@ TEST(LimitedJerk, RoundsTheRampOfDisableOperation) {
   run_with_jerk(axis);
   axis.controlword(0x0007);
   EXPECT_EQ(lost_in_a_tick(axis), 2);
-  EXPECT_NE(axis.step_until(
-                [&axis] {
-                  return axis.state() == switched_on;
-                },
-                2'000),
-            0U);
+  EXPECT_NE(axis.step_until_state(switched_on, 2'000), 0U);
 }
 
 TEST(LimitedJerk, RoundsTheRampOfAModeChange) {

@@ -19,7 +19,7 @@
 // is added for these. The sum, MotionProgramme::reach_of_any, is no estimate: no motion of this
 // pattern and these instants gets farther. What it has more than the target falls with h².
 #include "core/support/linear_programme.hpp"
-#include "core/support/random_cases.hpp"
+#include "support/random_cases.hpp"
 #include "vdrive/motion/jerk_profile.hpp"
 
 #include <gtest/gtest.h>

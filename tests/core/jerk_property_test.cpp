@@ -3,7 +3,7 @@
 // oracle in long double, and motions made of other sequences of jerks.
 #include "core/support/allocation_guard.hpp"
 #include "core/support/jerk_oracle.hpp"
-#include "core/support/random_cases.hpp"
+#include "support/random_cases.hpp"
 #include "vdrive/motion/jerk_profile.hpp"
 
 #include <gtest/gtest.h>

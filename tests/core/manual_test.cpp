@@ -31,13 +31,7 @@ void set_profile(AxisUnderTest& axis, std::int64_t velocity, std::int64_t accele
 
 /// Until bit 10; fails the test when it does not come.
 void run_to_target(AxisUnderTest& axis, std::uint64_t deadline = 30'000) {
-  EXPECT_NE(axis.step_until(
-                [&axis] {
-                  return axis.reached();
-                },
-                deadline),
-            0U)
-      << "bit 10 did not come";
+  EXPECT_NE(axis.step_until_reached(deadline), 0U) << "bit 10 did not come";
 }
 
 /// Brings a fresh axis into `state`; the stops of Quick stop active and Fault reaction active take
@@ -88,23 +82,6 @@ TEST(Manual, EveryWritableObjectAcceptsAWriteInEveryState) {
           << object.variable_name << " in " << to_string(state);
       EXPECT_EQ(axis.axis().read(object.address).value, object.default_value);
     }
-  }
-}
-
-TEST(Manual, ModesOutsideTheStandardAreRefusedAndThePresentModeStays) {
-  // Force, reciprocating, analogue speed, analogue torque, pulse train, reference signal, PWM
-  // speed, multi-segment; identification of current loop, direction, pole pairs, index, Hall,
-  // electrical angle, mechanics, torque ripple. 0xFF is -1 in an INTEGER8.
-  AxisUnderTest axis;
-  axis.write("op_mode_cmd", 1);
-  axis.step();
-  for (const int mode :
-       {0x0B, 0x3C, 0x16, 0x17, 0x1F, 0x3D, 0x2A, 0x3E, 0xFF - 0x100, 0xFE - 0x100, 0xFC - 0x100,
-        0xFB - 0x100, 0xFD - 0x100, 0xFA - 0x100, 0xF7 - 0x100, 0xF8 - 0x100}) {
-    EXPECT_EQ(axis.try_write("op_mode_cmd", mode), AbortCode{0x06090030}) << mode;
-    EXPECT_EQ(axis.read("op_mode_cmd"), 1) << mode;
-    axis.step();
-    EXPECT_EQ(axis.read("op_mode_actual"), 1) << mode;
   }
 }
 

@@ -118,8 +118,8 @@ class MovingAxis {
   std::int32_t ramp() {
     run(2);
     const std::int32_t before = axis_.demand_velocity();
-    run(10);
-    return (std::abs(before) - std::abs(axis_.demand_velocity())) / 10;
+    run(100);
+    return (std::abs(before) - std::abs(axis_.demand_velocity())) / 100;
   }
 
   /// Checks the stop that has been commanded.
@@ -173,6 +173,9 @@ TEST_P(StopOfMode, AQuickStopHasTheRampOf605Ah) {
     moving.axis().write("quick_stop_option_code", option);
     moving.axis().controlword(0x0002);
     moving.expect_stop(ramp_of_option(row, option > 4 ? option - 4 : option));
+    EXPECT_EQ(moving.axis().state(), quick_stop_active);
+    moving.run(2'000);
+    EXPECT_EQ(moving.axis().statusword(), option > 4 ? 0x0617 : 0x0250);
   }
 }
 
@@ -185,6 +188,11 @@ TEST_P(StopOfMode, AFaultHasTheRampOf605Eh) {
     moving.axis().write("test_over_temperature", 1);
     moving.expect_stop(ramp_of_option(row, option));
     EXPECT_EQ(moving.axis().statusword() & kModeBitsOf6041h, 0);
+    moving.run(2'000);
+    EXPECT_EQ(moving.axis().statusword(), 0x0218);
+    EXPECT_EQ(moving.axis().status().motor_op_status, 0);
+    moving.axis().write("test_over_temperature", 0);
+    EXPECT_EQ(moving.axis().command(0x0080), 0x0250);
   }
 }
 
@@ -205,6 +213,9 @@ TEST_P(StopOfMode, DisableOperationHasTheNormalRamp) {
   MovingAxis moving(row);
   moving.axis().controlword(0x0007);
   moving.expect_stop(row.normal);
+  EXPECT_EQ(moving.axis().state(), operation_enabled);
+  moving.run(2'000);
+  EXPECT_EQ(moving.axis().statusword(), 0x0233);
 }
 
 TEST_P(StopOfMode, ShutdownHasTheRampOf605BhOrNone) {
@@ -213,6 +224,9 @@ TEST_P(StopOfMode, ShutdownHasTheRampOf605BhOrNone) {
   moving.axis().write("shutdown_option_code", 1);
   moving.axis().controlword(0x0006);
   moving.expect_stop(row.normal);
+  EXPECT_EQ(moving.axis().state(), operation_enabled);
+  moving.run(2'000);
+  EXPECT_EQ(moving.axis().statusword(), 0x0231);
   MovingAxis coasting(row);
   coasting.axis().write("shutdown_option_code", 0);
   coasting.axis().controlword(0x0006);
@@ -260,9 +274,17 @@ TEST_P(StopOfMode, ALimitSwitchHasTheRampOfItsModeAndNoBitOfAMotion) {
 
 TEST_P(StopOfMode, AChangeOfTheModeHasTheRampOfTheOldOneUnderPositionControl) {
   const StopRow& row = GetParam();
-  MovingAxis moving(row);
-  moving.axis().write("op_mode_cmd", 0);
-  moving.expect_stop(ramp_of_change(row));
+  for (const std::int64_t mode : {0, 1, 2, 3, 4, 6, 7, 8, 9, 10}) {
+    if (mode == row.mode) continue;
+    SCOPED_TRACE(mode);
+    MovingAxis moving(row);
+    moving.axis().write("op_mode_cmd", mode);
+    moving.expect_stop(ramp_of_change(row));
+    EXPECT_EQ(moving.axis().read("op_mode_actual"), row.mode);
+    moving.run(1'000);
+    EXPECT_EQ(moving.axis().read("op_mode_actual"), mode);
+    EXPECT_EQ(moving.axis().state(), operation_enabled);
+  }
 }
 
 TEST_P(StopOfMode, Bits10And12And13AreThoseOfItsMotion) {

@@ -359,12 +359,7 @@ TEST(RotaryDirection, LeavesTheBaseOfARelativeTargetToBits0And1) {
     ASSERT_NE(bases[1], bases[2]);
     axis.write("position_user_target_value", 500);
     axis.command(0x007F);
-    ASSERT_NE(axis.step_until(
-                  [&axis] {
-                    return axis.reached();
-                  },
-                  20'000),
-              0U);
+    ASSERT_NE(axis.step_until_reached(20'000), 0U);
     EXPECT_EQ(axis.demand(), bases.at(static_cast<std::size_t>(option)) + 500);
   }
 }
@@ -399,12 +394,7 @@ TEST(RotaryDirection, IsWithoutEffectOnceTheRangeIsGone) {
   axis.enable();
   axis.write("position_user_target_value", 1'000);
   axis.command(0x001F);
-  ASSERT_NE(axis.step_until(
-                [&axis] {
-                  return axis.reached();
-                },
-                5'000),
-            0U);
+  ASSERT_NE(axis.step_until_reached(5'000), 0U);
   EXPECT_EQ(axis.demand(), 1'000) << "backward";
   EXPECT_EQ(axis.read("positioning_option_code"), kPositive);
 }

@@ -198,19 +198,6 @@ TEST(Plant, TorqueLimitsActAtOnce) {
   EXPECT_EQ(axis.status().torque_actual_value, 100);
 }
 
-TEST(Plant, TheRatedTorqueScalesTheRelativeLimitAsInTheManualsExample) {
-  // 6076h = 3000 mN.m and 10 %: 300 mN.m.
-  AxisUnderTest axis(frictionless());
-  axis.write("motor_rated_torque", 3'000);
-  axis.write("positive_torque_limit_relative", 100);
-  saturate(axis, 1);
-  axis.step(50);
-  const std::int32_t first = axis.velocity();
-  axis.step(100);
-  // 0.3 N.m on 6e-4 kg.m2: 500 rad/s² over 0.1 s.
-  EXPECT_NEAR(axis.velocity() - first, 50.0 * kUnitsPerRadian, 2.0);
-}
-
 TEST(Plant, CurrentAndTorqueBalanceTheLoadAtRest) {
   AxisUnderTest axis(frictionless());
   axis.enable();

@@ -5,7 +5,7 @@
 #include "vdrive/cia402/power_state_machine.hpp"
 
 #include "core/support/axis_under_test.hpp"
-#include "core/support/random_cases.hpp"
+#include "support/random_cases.hpp"
 #include "vdrive/axis_bank.hpp"
 
 #include <gtest/gtest.h>
@@ -314,137 +314,8 @@ TEST(PowerStateMachine, InitialisingLeavesOnlyNotReadyToSwitchOn) {
   }
 }
 
-// ---- the matrix, cell by cell, on a whole axis
-// ----------------------------------------------------
-
-struct MatrixRow {
-  const char* name;
-  PowerState from;
-  std::uint16_t word;
-  PowerState to;
-};
-
-/// Drives an axis into `state` and holds it there: the fault reaction and the quick stop brake.
-void drive_to(AxisUnderTest& axis, PowerState state) {
-  axis.write("op_mode_cmd", 1);
-  axis.write("profile_velocity", 100000);
-  axis.write("quick_stop_deceleration", 100000);  // a second to brake
-  switch (state) {
-    case not_ready_to_switch_on:
-      axis.axis().power_cycle();
-      return;
-    case switch_on_disabled:
-      axis.command(0x0000);
-      return;
-    case ready_to_switch_on:
-      axis.command(0x0006);
-      return;
-    case switched_on:
-      axis.command(0x0006);
-      axis.command(0x0007);
-      return;
-    default:
-      break;
-  }
-  axis.command(0x000F);
-  if (state == operation_enabled) return;
-  axis.write("position_user_target_value", 1000000);
-  axis.command(0x001F);
-  axis.step(300);
-  if (state == quick_stop_active) {
-    axis.command(0x0002);
-    return;
-  }
-  axis.write("test_over_current", 1);
-  axis.step();
-  axis.write("test_over_current", 0);
-  if (state == fault) {
-    axis.step_until(
-        [&axis] {
-          return axis.state() == fault;
-        },
-        5000);
-  }
-}
-
-class ReactionMatrix : public testing::TestWithParam<MatrixRow> {};
-
-TEST_P(ReactionMatrix, HoldsForAnAxis) {
-  const MatrixRow& row = GetParam();
-  AxisUnderTest axis;
-  drive_to(axis, row.from);
-  ASSERT_EQ(axis.axis().power_state(), row.from);
-
-  axis.controlword(row.word);
-
-  EXPECT_EQ(axis.axis().power_state(), row.to);
-}
-
-std::string name_of_row(const testing::TestParamInfo<MatrixRow>& info) {
-  return info.param.name;
-}
-
-// 605Ah, 605Bh, 605Ch at their defaults 2, 0, 1: Disable operation brakes first, at rest it is done
-// in the next tick (below).
-INSTANTIATE_TEST_SUITE_P(
-    PowerStateMachine, ReactionMatrix,
-    testing::Values(
-        MatrixRow{"switch_on_disabled_ignores_disable_voltage", switch_on_disabled, 0x00,
-                  switch_on_disabled},
-        MatrixRow{"switch_on_disabled_ignores_quick_stop", switch_on_disabled, 0x0B,
-                  switch_on_disabled},
-        MatrixRow{"T2_switch_on_disabled_shutdown", switch_on_disabled, 0x06, ready_to_switch_on},
-        MatrixRow{"switch_on_disabled_ignores_switch_on", switch_on_disabled, 0x07,
-                  switch_on_disabled},
-        MatrixRow{"T2_T3_T4_switch_on_disabled_enable_operation", switch_on_disabled, 0x0F,
-                  operation_enabled},
-        MatrixRow{"switch_on_disabled_ignores_fault_reset", switch_on_disabled, 0x80,
-                  switch_on_disabled},
-        MatrixRow{"T7_ready_to_switch_on_disable_voltage", ready_to_switch_on, 0x05,
-                  switch_on_disabled},
-        MatrixRow{"T7_ready_to_switch_on_quick_stop", ready_to_switch_on, 0x02, switch_on_disabled},
-        MatrixRow{"ready_to_switch_on_keeps_on_shutdown", ready_to_switch_on, 0x06,
-                  ready_to_switch_on},
-        MatrixRow{"T3_ready_to_switch_on_switch_on", ready_to_switch_on, 0x07, switched_on},
-        MatrixRow{"T3_T4_ready_to_switch_on_enable_operation", ready_to_switch_on, 0x0F,
-                  operation_enabled},
-        MatrixRow{"T10_switched_on_disable_voltage", switched_on, 0x00, switch_on_disabled},
-        MatrixRow{"T10_switched_on_quick_stop", switched_on, 0x0B, switch_on_disabled},
-        MatrixRow{"T6_switched_on_shutdown", switched_on, 0x06, ready_to_switch_on},
-        MatrixRow{"switched_on_keeps_on_switch_on", switched_on, 0x07, switched_on},
-        MatrixRow{"T4_switched_on_enable_operation", switched_on, 0x0F, operation_enabled},
-        MatrixRow{"T9_operation_enabled_disable_voltage", operation_enabled, 0x05,
-                  switch_on_disabled},
-        MatrixRow{"T11_operation_enabled_quick_stop", operation_enabled, 0x02, quick_stop_active},
-        MatrixRow{"T8_operation_enabled_shutdown", operation_enabled, 0x06, ready_to_switch_on},
-        MatrixRow{"operation_enabled_keeps_on_enable_operation", operation_enabled, 0x0F,
-                  operation_enabled},
-        MatrixRow{"operation_enabled_ignores_fault_reset", operation_enabled, 0x80,
-                  operation_enabled},
-        MatrixRow{"T12_quick_stop_active_disable_voltage", quick_stop_active, 0x00,
-                  switch_on_disabled},
-        MatrixRow{"quick_stop_active_keeps_on_quick_stop", quick_stop_active, 0x02,
-                  quick_stop_active},
-        MatrixRow{"quick_stop_active_ignores_shutdown", quick_stop_active, 0x06, quick_stop_active},
-        MatrixRow{"quick_stop_active_ignores_switch_on", quick_stop_active, 0x07,
-                  quick_stop_active},
-        MatrixRow{"quick_stop_active_ignores_enable_operation_with_605Ah_2", quick_stop_active,
-                  0x0F, quick_stop_active},
-        MatrixRow{"fault_reaction_active_ignores_disable_voltage", fault_reaction_active, 0x00,
-                  fault_reaction_active},
-        MatrixRow{"fault_reaction_active_ignores_shutdown", fault_reaction_active, 0x06,
-                  fault_reaction_active},
-        MatrixRow{"fault_reaction_active_ignores_enable_operation", fault_reaction_active, 0x0F,
-                  fault_reaction_active},
-        MatrixRow{"fault_reaction_active_ignores_fault_reset", fault_reaction_active, 0x80,
-                  fault_reaction_active},
-        MatrixRow{"fault_ignores_disable_voltage", fault, 0x00, fault},
-        MatrixRow{"fault_ignores_quick_stop", fault, 0x02, fault},
-        MatrixRow{"fault_ignores_shutdown", fault, 0x06, fault},
-        MatrixRow{"fault_ignores_switch_on", fault, 0x07, fault},
-        MatrixRow{"fault_ignores_enable_operation", fault, 0x0F, fault},
-        MatrixRow{"T15_fault_reset", fault, 0x86, switch_on_disabled}),
-    name_of_row);
+// ---- on a whole axis
+// ----------------------------------------------------------------------------------
 
 TEST(ReactionMatrix, T5DisableOperationAtRestEndsWithinTwoTicks) {
   AxisUnderTest axis;
@@ -452,16 +323,6 @@ TEST(ReactionMatrix, T5DisableOperationAtRestEndsWithinTwoTicks) {
   axis.controlword(0x0007);
   EXPECT_NE(axis.step_until_status(0x006F, 0x0023, 2), 0U);
   EXPECT_EQ(axis.statusword(), 0x0233) << "the manual's 563";
-}
-
-TEST(ReactionMatrix, T16EnableOperationReEnablesWhere605AhKeepsQuickStopActive) {
-  for (std::int64_t option = 0; option <= 8; ++option) {
-    AxisUnderTest axis;
-    axis.write("quick_stop_option_code", option);
-    drive_to(axis, quick_stop_active);
-    axis.controlword(0x000F);
-    EXPECT_EQ(axis.axis().power_state() == operation_enabled, option >= 5) << "605Ah = " << option;
-  }
 }
 
 // ---- every word x previous bit 7 x {nothing, fault, master silent, DC link lost}

@@ -4,13 +4,13 @@
 #include "vdrive/motion/profile.hpp"
 
 #include "core/support/axis_under_test.hpp"
-#include "core/support/random_cases.hpp"
 #include "drive/block.hpp"
 #include "drive/frame.hpp"
 #include "drive/objects.hpp"
 #include "drive/power.hpp"
 #include "drive/tick.hpp"
 #include "plant/servo_block.hpp"
+#include "support/random_cases.hpp"
 
 #include <gtest/gtest.h>
 

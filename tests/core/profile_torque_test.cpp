@@ -338,28 +338,6 @@ TEST_P(TorqueStop, HaltBrakesWithTheRampOf605Dh) {
   }
 }
 
-TEST_P(TorqueStop, QuickStopBrakesWithTheRampOf605Ah) {
-  AxisUnderTest axis;
-  axis.write("quick_stop_option_code", GetParam() + 4);
-  ASSERT_NO_FATAL_FAILURE(run_with(axis, -500));
-  const std::int32_t speed = axis.velocity();
-  axis.controlword(0x0002);
-  ASSERT_NO_FATAL_FAILURE(expect_braking(axis, speed));
-  axis.step(500);
-  EXPECT_EQ(axis.statusword(), 0x0617);
-}
-
-TEST_P(TorqueStop, TheFaultReactionBrakesWithTheRampOf605Eh) {
-  AxisUnderTest axis;
-  axis.write("fault_reaction_option_code", GetParam());
-  ASSERT_NO_FATAL_FAILURE(run_with(axis, 500));
-  const std::int32_t speed = axis.velocity();
-  axis.write("test_over_temperature", 1);
-  ASSERT_NO_FATAL_FAILURE(expect_braking(axis, speed));
-  axis.step(500);
-  EXPECT_EQ(axis.statusword(), 0x0218);
-}
-
 INSTANTIATE_TEST_SUITE_P(Options, TorqueStop, testing::Values(2, 3, 4),
                          testing::PrintToStringParamName());
 

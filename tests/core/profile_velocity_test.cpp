@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Profile velocity mode (6060h = 3): ramps, caps, status bits, stops.
 #include "core/support/axis_under_test.hpp"
-#include "core/support/random_cases.hpp"
+#include "support/random_cases.hpp"
 
 #include <gtest/gtest.h>
 
@@ -338,58 +338,8 @@ TEST_P(VelocityStop, HaltBrakesWithTheRampOf605DhAndTheTargetReturns) {
   }
 }
 
-TEST_P(VelocityStop, QuickStopBrakesWithTheRampOf605Ah) {
-  AxisUnderTest axis;
-  axis.write("quick_stop_option_code", GetParam() + 4);
-  ASSERT_NO_FATAL_FAILURE(run_at(axis, 40'000));
-  axis.controlword(0x0002);
-  ASSERT_NO_FATAL_FAILURE(expect_ramp(axis, 40'000, ramp_of_quick_stop(GetParam()), 190));
-  EXPECT_EQ(axis.statusword() & 0x006F, 0x0007);
-  axis.step(900);
-  EXPECT_EQ(axis.statusword(), 0x0617);
-  EXPECT_EQ(axis.demand_velocity(), 0);
-}
-
-TEST_P(VelocityStop, TheFaultReactionBrakesWithTheRampOf605Eh) {
-  AxisUnderTest axis;
-  axis.write("fault_reaction_option_code", GetParam());
-  ASSERT_NO_FATAL_FAILURE(run_at(axis, -40'000));
-  axis.write("test_over_temperature", 1);
-  ASSERT_NO_FATAL_FAILURE(expect_ramp(axis, -40'000, ramp_of_quick_stop(GetParam()), 190));
-  axis.step(900);
-  EXPECT_EQ(axis.statusword(), 0x0218);
-  EXPECT_EQ(axis.status().motor_op_status, 0);
-  axis.write("test_over_temperature", 0);
-  axis.command(0x0080);
-  EXPECT_EQ(axis.statusword(), 0x0250);
-}
-
 INSTANTIATE_TEST_SUITE_P(Options, VelocityStop, testing::Values(1, 2, 3, 4),
                          testing::PrintToStringParamName());
-
-TEST(ProfileVelocity, DisableOperationAndShutdownBrakeWith6084hByTheirOption) {
-  for (const bool shutdown : {false, true}) {
-    AxisUnderTest axis;
-    axis.write("shutdown_option_code", 1);
-    ASSERT_NO_FATAL_FAILURE(run_at(axis, 20'000));
-    axis.controlword(shutdown ? 0x0006 : 0x0007);
-    ASSERT_NO_FATAL_FAILURE(expect_ramp(axis, 20'000, 50'000, 399));
-    EXPECT_EQ(axis.state(), operation_enabled);
-    axis.step(100);
-    EXPECT_EQ(axis.statusword(), shutdown ? 0x0231 : 0x0233);
-  }
-}
-
-TEST(ProfileVelocity, WithoutARampTheAxisCoasts) {
-  AxisUnderTest axis;
-  axis.write("disable_operation_option_code", 0);
-  ASSERT_NO_FATAL_FAILURE(run_at(axis, 40'000));
-  axis.command(0x0007);
-  EXPECT_EQ(axis.statusword(), 0x0233);
-  axis.step(10);
-  EXPECT_GT(axis.velocity(), 38'000) << "friction alone";
-  EXPECT_EQ(axis.status().torque_demand, 0);
-}
 
 // ---- limit switches
 // -------------------------------------------------------------------------------
@@ -459,20 +409,6 @@ TEST(ProfileVelocity, ATargetVelocityHasNoEffectInAnotherMode) {
 // ---- mode change
 // ----------------------------------------------------------------------------------
 
-TEST(ProfileVelocity, AModeChangeWhileRunningBrakesFirst) {
-  for (const std::int64_t mode : {0, 1, 4, 6, 8}) {
-    SCOPED_TRACE(mode);
-    AxisUnderTest axis;
-    ASSERT_NO_FATAL_FAILURE(run_at(axis, 20'000));
-    axis.write("op_mode_cmd", mode);
-    ASSERT_NO_FATAL_FAILURE(expect_ramp(axis, 20'000, 50'000, 399));
-    EXPECT_EQ(axis.read("op_mode_actual"), 3);
-    axis.step(100);
-    EXPECT_EQ(axis.read("op_mode_actual"), mode);
-    EXPECT_EQ(axis.state(), operation_enabled);
-  }
-}
-
 TEST(ProfileVelocity, ALimitSwitchOverridesAModeChange) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(run_at(axis, 20'000));
@@ -503,17 +439,6 @@ TEST(ProfileVelocity, AChangeToProfilePositionAndBackMakesNoJump) {
   axis.write("op_mode_cmd", 3);
   ASSERT_NO_FATAL_FAILURE(step(100));
   EXPECT_EQ(axis.statusword(), 0x1637);
-}
-
-TEST(ProfileVelocity, IgnoresAndCountsAnEdgeOfBit4) {
-  AxisUnderTest axis;
-  enable_profile_velocity(axis);
-  axis.write("position_user_target_value", 1'000);
-  axis.command(0x001F);
-  axis.step(100);
-  EXPECT_EQ(axis.actual(), 0);
-  EXPECT_EQ(axis.statusword(), 0x1637);
-  EXPECT_EQ(axis.status().ignored_set_points, 1U);
 }
 
 // ---- properties

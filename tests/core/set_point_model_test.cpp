@@ -6,8 +6,8 @@
 // A failing sequence shrinks and prints as a file that `vdrive run` takes in lock-step.
 #include "core/support/set_point_model.hpp"
 
-#include "core/support/random_cases.hpp"
 #include "core/support/set_point_sequences.hpp"
+#include "support/random_cases.hpp"
 
 #include <gtest/gtest.h>
 

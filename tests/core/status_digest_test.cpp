@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/status_digest.hpp"
 
-#include "core/support/random_cases.hpp"
+#include "support/random_cases.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <gtest/gtest.h>

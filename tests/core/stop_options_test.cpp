@@ -96,23 +96,6 @@ TEST_P(QuickStop, BrakesWithTheRampOfItsOptionAndThenLeavesTheStateOrStays) {
 INSTANTIATE_TEST_SUITE_P(StopOptions, QuickStop, testing::Values(1, 2, 3, 4, 5, 6, 7, 8),
                          testing::PrintToStringParamName());
 
-TEST(StopOptions, QuickStop0LetsTheAxisCoastAndShowsItsStateForAWholeTick) {
-  AxisUnderTest axis;
-  axis.write("quick_stop_option_code", 0);
-  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
-  const std::int32_t before = axis.velocity();
-
-  axis.command(0x0002);
-
-  EXPECT_EQ(axis.state(), quick_stop_active);
-  EXPECT_EQ(axis.status().motor_op_status, 0);
-  axis.step();
-  EXPECT_EQ(axis.statusword(), 0x0250);
-  // Coulomb friction alone: 0.05 N.m on 6e-4 kg.m2 = 83.3 rad/s² = 54325 units/s².
-  axis.step(10);
-  EXPECT_GT(axis.velocity(), before - 2'000);
-}
-
 TEST(StopOptions, AQuickStopAtRestShowsItsStateForAtLeastOneTick) {
   for (std::int64_t option = 0; option <= 4; ++option) {
     AxisUnderTest axis;
@@ -171,12 +154,7 @@ TEST(StopOptions, ReEnablingDuringTheQuickStopBringsTheAxisToRest) {
   axis.command(0x0002);
   axis.step(100);
   EXPECT_EQ(axis.command(0x000F), 0x0237);
-  EXPECT_NE(axis.step_until(
-                [&axis] {
-                  return axis.reached();
-                },
-                2'000),
-            0U);
+  EXPECT_NE(axis.step_until_reached(2'000), 0U);
   EXPECT_EQ(axis.demand_velocity(), 0);
   const std::int32_t rest = axis.demand();
   axis.step(500);
@@ -254,38 +232,6 @@ TEST(StopOptions, AnUnchangedEnableOperationDoesNotReEnableAfterTheQuickStop) {
 
 // ---- 605Bh and 605Ch
 // --------------------------------------------------------------------------------
-
-TEST(StopOptions, Shutdown0ChangesTheStateAtOnceAndTheAxisCoasts) {
-  AxisUnderTest axis;
-  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
-  EXPECT_EQ(axis.command(0x0006), 0x0231);
-  EXPECT_GT(axis.velocity(), kSpeed - 1'000);
-  EXPECT_EQ(axis.status().current_actual_value, 0);
-}
-
-TEST(StopOptions, Shutdown1BrakesInOperationEnabledFirst) {
-  AxisUnderTest axis;
-  axis.write("shutdown_option_code", 1);
-  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
-  axis.command(0x0006);
-  expect_braking(axis, operation_enabled, kRampOf6084h);
-  EXPECT_EQ(axis.statusword(), 0x0231);
-}
-
-TEST(StopOptions, DisableOperation0ChangesTheStateAtOnce) {
-  AxisUnderTest axis;
-  axis.write("disable_operation_option_code", 0);
-  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
-  EXPECT_EQ(axis.command(0x0007), 0x0233);
-}
-
-TEST(StopOptions, DisableOperation1BrakesInOperationEnabledFirst) {
-  AxisUnderTest axis;
-  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
-  axis.command(0x0007);
-  expect_braking(axis, operation_enabled, kRampOf6084h);
-  EXPECT_EQ(axis.statusword(), 0x0233);
-}
 
 TEST(StopOptions, EnableOperationDoesNotCancelARampInProgress) {
   AxisUnderTest axis;
@@ -368,11 +314,7 @@ class FaultReaction : public testing::TestWithParam<std::tuple<FaultCause, std::
     } else {
       axis.write(cause.input, 1);
     }
-    return axis.step_until(
-               [this] {
-                 return axis.state() == fault_reaction_active;
-               },
-               200) != 0;
+    return axis.step_until_state(fault_reaction_active, 200) != 0;
   }
 
   AxisUnderTest axis;
@@ -546,12 +488,7 @@ TEST(StopOptions, AStopWaitsAtMostASecondForStandstill) {
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.write("test_load_torque", 500);
   axis.command(0x0002);
-  EXPECT_NE(axis.step_until(
-                [&axis] {
-                  return axis.state() == switch_on_disabled;
-                },
-                1'450),
-            0U);
+  EXPECT_NE(axis.step_until_state(switch_on_disabled, 1'450), 0U);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 // Velocity mode of inverters (6060h = 2): units, ramps, bits 4 to 6, limits, stops, status bits.
 // A revolution has 4096 UU: 1 rpm is 4096/60 UU/s, 300 rpm are 20480 UU/s.
 #include "core/support/axis_under_test.hpp"
-#include "core/support/random_cases.hpp"
+#include "support/random_cases.hpp"
 #include "vdrive/cia402/bit_names.hpp"
 
 #include <gtest/gtest.h>
@@ -483,60 +483,8 @@ TEST_P(VelocityModeStop, HaltBrakesWithTheRampOf605DhAndTheTargetReturns) {
   }
 }
 
-TEST_P(VelocityModeStop, QuickStopBrakesWithTheRampOf605Ah) {
-  AxisUnderTest axis;
-  axis.write("quick_stop_option_code", GetParam() + 4);
-  ASSERT_NO_FATAL_FAILURE(turn_at_300(axis));
-  axis.controlword(0x0002);
-  axis.step(10);
-  EXPECT_NEAR(axis.demand_velocity(), kSpeedOf300 - loss_by_option(GetParam()), 1);
-  EXPECT_EQ(axis.statusword() & 0x006F, 0x0007);
-  axis.step(600);
-  EXPECT_EQ(axis.statusword(), 0x0617);
-}
-
-TEST_P(VelocityModeStop, TheFaultReactionBrakesWithTheRampOf605Eh) {
-  AxisUnderTest axis;
-  axis.write("fault_reaction_option_code", GetParam());
-  ASSERT_NO_FATAL_FAILURE(turn_at_300(axis, -1));
-  axis.write("test_over_temperature", 1);
-  axis.step(10);
-  EXPECT_NEAR(axis.demand_velocity(), -kSpeedOf300 + loss_by_option(GetParam()), 1);
-  axis.step(600);
-  EXPECT_EQ(axis.statusword(), 0x0218);
-}
-
 INSTANTIATE_TEST_SUITE_P(Options, VelocityModeStop, testing::Values(1, 2, 3, 4),
                          testing::PrintToStringParamName());
-
-TEST(VelocityMode, DisableOperationAndShutdownBrakeWith6049hByTheirOption) {
-  for (const bool shutdown : {false, true}) {
-    AxisUnderTest axis;
-    axis.write("shutdown_option_code", 1);
-    ASSERT_NO_FATAL_FAILURE(turn_at_300(axis));
-    axis.controlword(shutdown ? 0x0006 : 0x0007);
-    axis.step(10);
-    EXPECT_NEAR(axis.demand_velocity(), kSpeedOf300 - 2'048, 1);
-    EXPECT_EQ(axis.state(), PowerState::operation_enabled);
-    axis.step(600);
-    EXPECT_EQ(axis.statusword(), shutdown ? 0x0231 : 0x0233);
-  }
-}
-
-TEST(VelocityMode, AModeChangeWhileTurningBrakesWith6049hFirst) {
-  for (const std::int64_t mode : {0, 1, 3, 4, 6, 7, 8, 9, 10}) {
-    SCOPED_TRACE(mode);
-    AxisUnderTest axis;
-    ASSERT_NO_FATAL_FAILURE(turn_at_300(axis));
-    axis.write("op_mode_cmd", mode);
-    axis.step(10);
-    EXPECT_NEAR(axis.demand_velocity(), kSpeedOf300 - 2'048, 1);
-    EXPECT_EQ(axis.read("op_mode_actual"), 2);
-    axis.step(500);
-    EXPECT_EQ(axis.read("op_mode_actual"), mode);
-    EXPECT_EQ(axis.state(), PowerState::operation_enabled);
-  }
-}
 
 TEST(VelocityMode, AModeChangeBrakesWith604AhAtALimitSwitch) {
   AxisUnderTest axis;

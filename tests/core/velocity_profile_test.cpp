@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // plan_velocity: from any state to any velocity, as fast as the accelerations allow.
-#include "core/support/random_cases.hpp"
+#include "support/random_cases.hpp"
 #include "vdrive/motion/profile.hpp"
 
 #include <gtest/gtest.h>

@@ -160,43 +160,6 @@ def test_the_other_modes_reach_their_targets(axis):
     assert axis.status().torque_demand == 20
 
 
-def test_the_velocity_mode_of_inverters_is_commanded_and_seen_by_its_objects(vdrive_shared_session, axis):
-    axis.enable()
-    axis.write("op_mode_cmd", vdrive.OperatingMode.VELOCITY)
-    axis.write("vl_target_velocity", 60)
-    axis.write("ds402_controlword", 0x7F)  # bits 4 to 6: the ramp runs
-    vdrive_shared_session.step(500)  # 60 rpm take 10 ms with the 6000 rpm/s of 6048h
-    assert axis.status().mode == "velocity"
-    assert axis.read("vl_velocity_demand") == axis.read(0x6043) == 60
-    assert abs(axis.read("vl_velocity_actual_value") - 60) <= 1
-    # A revolution a second. The status has the speed in UU only.
-    assert axis.status().velocity_demand_value == 4096
-    assert axis.status().value(0x6044) is None
-
-
-def test_a_touch_probe_latches_where_a_move_passes_the_home_switch(axis):
-    axis.enable()
-    axis.write("test_switch_home", 5000)
-    axis.write("test_switch_home_length", 500)
-    axis.write("touch_probe_function", 0x11)  # probe 1, the first rising edge
-    axis.move_to(10000, velocity=20000)
-    status, position, time = axis.read_many(["touch_probe_status", 0x60BA, 0x60D1])
-    assert status == 3  # on, a rising edge is stored
-    # 20000 UU/s are 2.5 UU in a sub-step of 125 us.
-    assert 5000 <= position <= 5003 and time > 0
-
-
-def test_a_habit_of_another_drive_is_an_object_that_its_calls_wait_for(axis):
-    axis.write("habit_power_on_time", 300)
-    assert axis.read((0x5E20, 7)) == axis.read("0x5E20:7") == 300
-    before = axis.status().tick
-    axis.enable()  # the drive shows Switched on for 300 ms
-    assert axis.status().tick >= before + 300
-    with pytest.raises(vdrive.Error) as refusal:
-        axis.write("habit_mode_change_refusal", 4)
-    assert refusal.value.code == 0x06090031  # too high
-
-
 def test_a_unit_converts_between_user_units_and_degrees(axis):
     # 4096 user units a revolution.
     assert axis.unit.name == "deg"

@@ -90,12 +90,6 @@ def test_stored_parameters_and_a_journal_are_files(tmp_path):
         assert session.axis("1.1").read("profile_velocity") == 12345
 
 
-def test_a_second_bench_with_the_state_directory_of_another_is_refused(tmp_path):
-    with vdrive.Bench(axes=1, state=tmp_path) as _, \
-            pytest.raises(vdrive.ConfigurationError, match="in use"):
-        vdrive.Bench(axes=1, state=tmp_path)
-
-
 def test_threads_command_their_axes_side_by_side():
     with vdrive.Bench(axes=4) as bench, bench.session() as session:
         positions = {}
@@ -112,31 +106,6 @@ def test_threads_command_their_axes_side_by_side():
         for thread in threads:
             thread.join(60)
         assert positions == {number: 1000 * number for number in range(1, 5)}
-
-
-def test_a_forked_child_gets_a_clear_error_and_the_parent_goes_on():
-    with vdrive.Bench(axes=1) as bench, bench.session() as session:
-        reader, writer = os.pipe()
-        child = os.fork()
-        if child == 0:
-            try:
-                bench.session()
-            except vdrive.Forked as error:
-                os.write(writer, str(error).encode())
-            os._exit(0)
-        assert os.waitpid(child, 0)[1] == 0
-        assert b"bench" in os.read(reader, 1000)
-        assert session.step(5) == 5
-
-
-def test_snapshots_bring_a_bench_back():
-    with vdrive.Bench(axes=1) as bench, bench.session() as session:
-        axis = session.axis("1.1")
-        axis.enable()
-        snapshot = session.take_snapshot()
-        axis.move_to(5000)
-        session.restore_snapshot(snapshot)
-        assert axis.status().position == 0
 
 
 def test_a_journal_that_cannot_be_written_is_named(tmp_path):

@@ -5,7 +5,6 @@
 #include "support/temporary_directory.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
-#include "vdrive/cia402/statusword.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/number_text.hpp"
@@ -20,6 +19,7 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdrive::test {
@@ -256,17 +256,6 @@ TEST(Ros2, ShowsTheJointsToANodeThatStartsBetweenTwoSteps) {
   }));
 }
 
-TEST(Ros2, PublishesTheClockInLockStep) {
-  LockStep bench("");
-  bench.stepper().step(250);
-  EXPECT_TRUE(bench.peer().wait([&] {
-    return bench.peer().clock() == static_cast<std::int64_t>(bench.stepper().tick()) * kTick;
-  }));
-  EXPECT_TRUE(bench.peer().wait([&] {
-    return bench.peer().diagnosis("joint x") == "0 Switch on disabled";
-  })) << bench.peer().diagnosis("joint x");
-}
-
 std::size_t count_of(const std::string& text, const std::string& part) {
   std::size_t count = 0;
   for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
@@ -334,25 +323,6 @@ TEST(Ros2Control, IsTakenForAllAxesOrForNone) {
     return is_enabled(session, "1.1") && is_enabled(session, "1.2");
   }));
   EXPECT_THAT(peer.log(), HasSubstr("takes control: its axes are free of ros2_test (process "));
-}
-
-// In realtime the session keeps its axes alive: only a release frees them.
-TEST(Ros2Control, IsReleasedWhenTheAxesAreDisabled) {
-  const RunningService service("");
-  Session session(options());
-  RosPeer peer;
-  RunningBridge bridge("--enable");
-  ASSERT_TRUE(peer.wait_for_bridge());
-  ASSERT_TRUE(peer.wait([&] {
-    return is_enabled(session, "1.1");
-  }));
-  peer.enable(false);
-  EXPECT_TRUE(peer.wait([&] {
-    return session.axis("1.1")->status()->owner_session == 0;
-  }));
-  const auto axis = session.axis("1.1")->status();
-  EXPECT_FALSE(axis->shows(Statusword::kFault)) << client::what_it_shows(*axis);
-  EXPECT_EQ(axis->state(), PowerState::ready_to_switch_on);
 }
 
 // While time stands, an axis has not stopped yet when the bridge ends: it stays with the session of
@@ -492,12 +462,19 @@ TEST(Ros2Commands, HaveTheirOrderForEachWriterAndAnewAfterEnable) {
   EXPECT_TRUE(reaches(30)) << "it starts anew";
 }
 
-TEST(Ros2Commands, KeepTheSoftwareLimits) {
+/// Objects that limit the positions of an axis, the nearest position beyond them and one within.
+struct PositionLimits {
+  std::vector<std::pair<ObjectAddress, std::int64_t>> objects;
+  std::int32_t beyond;
+  std::int32_t within;
+};
+
+class LimitedCommands : public testing::TestWithParam<PositionLimits> {};
+
+TEST_P(LimitedCommands, ReachNoPositionBeyondTheLimitsOfTheDrive) {
   LockStep bench("");
   auto axis = bench.session().axis("1.1").value();
-  ASSERT_TRUE(axis.write({0x607D, 1}, -1'000));
-  ASSERT_TRUE(axis.write({0x607D, 2}, 1'000));
-  ASSERT_TRUE(axis.write({0x3535, 0}, 1));
+  for (const auto& [object, value] : GetParam().objects) ASSERT_TRUE(axis.write(object, value));
   bench.peer().enable(true);
   ASSERT_TRUE(bench.stepper().step_until([&] {
     return is_enabled(bench.session(), "1.1");
@@ -505,36 +482,22 @@ TEST(Ros2Commands, KeepTheSoftwareLimits) {
   bench.stepper().step(10);
   // The limits are read again every two seconds of wall time.
   ASSERT_TRUE(bench.peer().wait([&] {
-    bench.peer().command({"x"}, {1'001 * kUnit});
+    bench.peer().command({"x"}, {GetParam().beyond * kUnit});
     return bench.peer().log().find("is beyond the limits") != std::string::npos;
   }));
-  bench.peer().command({"x"}, {999 * kUnit});
+  bench.peer().command({"x"}, {GetParam().within * kUnit});
   EXPECT_TRUE(bench.stepper().step_until([&] {
-    return bench.axis().status.position_demand_value == 999;
+    return bench.axis().status.position_demand_value == GetParam().within;
   }));
 }
 
-// 6062h shows no place beyond the range: the bridge would go there again and again.
-TEST(Ros2Commands, KeepWithinThePositionRangeOfAModuloAxis) {
-  LockStep bench("");
-  auto axis = bench.session().axis("1.1").value();
-  ASSERT_TRUE(axis.write({0x607B, 1}, -2'048));
-  ASSERT_TRUE(axis.write({0x607B, 2}, 2'048));
-  bench.peer().enable(true);
-  ASSERT_TRUE(bench.stepper().step_until([&] {
-    return is_enabled(bench.session(), "1.1");
-  }));
-  bench.stepper().step(10);
-  // The limits are read again every two seconds of wall time.
-  ASSERT_TRUE(bench.peer().wait([&] {
-    bench.peer().command({"x"}, {2'048 * kUnit});
-    return bench.peer().log().find("is beyond the limits") != std::string::npos;
-  }));
-  bench.peer().command({"x"}, {2'047 * kUnit});
-  EXPECT_TRUE(bench.stepper().step_until([&] {
-    return bench.axis().status.position_demand_value == 2'047;
-  }));
-}
+// 6062h of a modulo axis shows no place beyond its range: the bridge would go there again and
+// again.
+INSTANTIATE_TEST_SUITE_P(
+    Objects, LimitedCommands,
+    testing::Values(
+        PositionLimits{{{{0x607D, 1}, -1'000}, {{0x607D, 2}, 1'000}, {{0x3535, 0}, 1}}, 1'001, 999},
+        PositionLimits{{{{0x607B, 1}, -2'048}, {{0x607B, 2}, 2'048}}, 2'048, 2'047}));
 
 // Habit e of docs/guides/be-another-drive.md.
 TEST(Ros2Commands, MoveADriveThatTakesNoOtherModeWithItsPower) {
@@ -610,35 +573,6 @@ TEST(Ros2Commands, RunAtAVelocityAndBrakeWhenTheWriterEnds) {
   EXPECT_TRUE(is_enabled(bench.session(), "1.1"));
 }
 
-TEST(Ros2Commands, ApplyAnEffortAndGoBackToPositions) {
-  LockStep bench;
-  bench.peer().command_effort({"x"}, {0.3});  // 100 ‰ of the rated 3 N.m
-  ASSERT_TRUE(bench.stepper().step_until([&] {
-    return bench.axis().status.torque_demand == 100;
-  }));
-  EXPECT_EQ(bench.axis().mode(), OperatingMode::cyclic_synchronous_torque);
-  EXPECT_NEAR(bench.peer().state("x")->effort[0], 0.3, 0.02);
-  bench.peer().command({"x"}, {0.1});
-  EXPECT_TRUE(bench.stepper().step_until([&] {
-    return bench.axis().status.position_demand_value == std::lround(0.1 / kUnit);
-  }));
-  EXPECT_EQ(bench.axis().mode(), OperatingMode::cyclic_synchronous_position);
-}
-
-TEST(Ros2Commands, OfVelocityKeepTheRampInEachTick) {
-  LockStep bench("--enable --rate 1000");
-  bench.peer().command_velocity({"x"}, {20.0});
-  // Of the default axis: 409,600 UU/s², so 409.6 UU/s a tick, rounded twice; 20 rad/s are 13,038.
-  std::int32_t velocity = 0;
-  for (int tick = 0; tick < 400; ++tick) {
-    bench.stepper().step(1);
-    const std::int32_t now = bench.axis().status.velocity_demand_value;
-    EXPECT_LE(std::abs(now - velocity), 411) << tick;
-    velocity = now;
-  }
-  EXPECT_EQ(velocity, std::lround(20.0 / kUnit));
-}
-
 TEST(Ros2Commands, ChangeTheModeOfAJointThatMoves) {
   LockStep bench;
   bench.peer().command({"x"}, {20.0});
@@ -676,19 +610,6 @@ TEST(Ros2Commands, OfVelocityDoNotWaitForThe60C2hOfAnotherMaster) {
     return bench.axis().status.velocity_demand_value == std::lround(2.0 / kUnit);
   }));
   EXPECT_EQ(axis.read(ObjectAddress{0x60C2, 1}).value(), 0);
-}
-
-TEST(Ros2Commands, BrakeAfterTheTimeOutOfTheConfiguration) {
-  const BenchFile file("command_timeout: 0.2\n");
-  LockStep bench("--enable " + file.option());
-  bench.peer().command_velocity({"x"}, {2.0});
-  ASSERT_TRUE(bench.stepper().step_until([&] {
-    return bench.axis().status.velocity_demand_value > 0;
-  }));
-  ASSERT_TRUE(bench.stepper().step_until([&] {
-    return bench.axis().status.velocity_demand_value == 0;
-  }));
-  EXPECT_THAT(bench.peer().log(), HasSubstr("joint x: no command for 0.2 s: it brakes"));
 }
 
 // ---- trajectories ----------------------------------------------------------------------------
@@ -755,47 +676,6 @@ TEST(Ros2Trajectory, OfFiftyPointsIsFollowedAlongItsAnalyticCurve) {
   EXPECT_NEAR(*bench.peer().position("y"), -5.0, 2 * kUnit) << "held at the end";
 }
 
-TEST(Ros2Trajectory, IsReplacedWithoutAJumpAndHoldsItsEnd) {
-  LockStep bench("--enable --rate 1000");
-  bench.peer().start(trajectory({"x"}, {point(1.0, {4.0}, {0.0})}));
-  ASSERT_TRUE(bench.stepper().step_until([&] {
-    return bench.axis().status.position_demand_value > 1'000;
-  }));
-  bench.peer().start(trajectory({"x"}, {point(1.0, {-1.0}, {0.0})}));
-  ASSERT_TRUE(bench.peer().wait([&] {
-    const std::string log = bench.peer().log();
-    const auto first = log.find(": starts");
-    return first != std::string::npos && log.find(": starts", first + 1) != std::string::npos;
-  }));
-  std::int32_t position = bench.axis().status.position_demand_value;
-  std::int32_t step = 0;
-  for (int tick = 0; tick < 1'500; ++tick) {
-    bench.stepper().step(1);
-    const std::int32_t now = bench.axis().status.position_demand_value;
-    // 5 rad in a second by a cubic: less than 60 rad/s², 0.04 UU a tick and tick.
-    if (tick > 0) {
-      EXPECT_LE(std::abs(now - position - step), 2) << tick;
-    }
-    step = now - position;
-    position = now;
-  }
-  EXPECT_EQ(position, std::lround(-1.0 / kUnit));
-}
-
-TEST(Ros2Trajectory, IsRefusedBeforeItStartsWhenItBreaksALimit) {
-  LockStep bench;
-  RosPeer& peer = bench.peer();
-  // 300 rad in a second by a cubic: 450 rad/s at the peak; the drive has 136,533 UU/s = 209 rad/s.
-  peer.start(trajectory({"x"}, {point(1.0, {300.0}, {0.0})}));
-  EXPECT_TRUE(peer.wait_for_log("refused: joint x: velocity 450 rad/s at 0.5 s"));
-  peer.start(trajectory({"x", "z"}, {point(1.0, {1.0, 1.0})}));
-  EXPECT_TRUE(peer.wait_for_log("refused: joint 'z' is unknown"));
-  peer.start(trajectory({"x"}, {point(0.0, {1.0}), point(1.0, {2.0})}));
-  EXPECT_TRUE(peer.wait_for_log("more than the start_tolerance"));
-  bench.stepper().step(100);
-  EXPECT_EQ(bench.axis().status.position_demand_value, 0);
-}
-
 TEST(Ros2Trajectory, ThatStartsIn2038IsRefusedAndTheNextOneStarts) {
   LockStep bench;
   constexpr std::int64_t kLate = 2'145'916'800 * kSecond;
@@ -832,33 +712,6 @@ TEST(Ros2Trajectory, ThatIsTooLargeToBeReadIsALineInTheLog) {
   EXPECT_TRUE(bench.stepper().step_until([&] {
     return bench.axis().status.position_demand_value == 10;
   })) << "the bridge goes on";
-}
-
-TEST(Ros2Trajectory, StopsWhenAnAxisFails) {
-  LockStep bench;
-  RosPeer& peer = bench.peer();
-  peer.start(trajectory({"x", "y"}, {point(2.0, {6.0, 6.0}, {0.0, 0.0})}));
-  ASSERT_TRUE(bench.stepper().step_until([&] {
-    return bench.axis().status.position_demand_value > 500;
-  }));
-  ASSERT_TRUE(bench.session().axis("1.1")->disturb(client::Disturbance::encoder_failure));
-  bench.stepper().step(50);
-  EXPECT_TRUE(peer.wait_for_log("stopped, joint x shows"));
-  EXPECT_TRUE(peer.wait([&] {
-    return peer.diagnosis("joint x").starts_with("2 ");
-  }));
-  bench.stepper().step(100);
-  const std::int32_t rest = bench.axis("1.2").status.position_demand_value;
-  EXPECT_LT(rest, std::lround(6.0 / kUnit));
-  bench.stepper().step(500);
-  EXPECT_EQ(bench.axis("1.2").status.position_demand_value, rest) << "y stays where it was";
-  EXPECT_TRUE(is_enabled(bench.session(), "1.2"));
-  // True on enable resets the fault.
-  ASSERT_TRUE(bench.session().axis("1.1")->end_disturbances());
-  peer.enable(true);
-  EXPECT_TRUE(bench.stepper().step_until([&] {
-    return is_enabled(bench.session(), "1.1");
-  }));
 }
 
 // ---- several benches, restarts ---------------------------------------------------------------
@@ -944,18 +797,6 @@ TEST(Ros2, StopsTheJointsOfATrajectoryOnAnotherBenchWhenAnAxisFails) {
   peer.command({"bench2_x"}, {0.5});
   for (int i = 0; i < 200 && benches.demand("2.1") != std::lround(0.5 / kUnit); ++i) benches.step();
   EXPECT_EQ(benches.demand("2.1"), std::lround(0.5 / kUnit)) << "it takes commands again";
-}
-
-TEST(Ros2, LeavesOutABenchWhoseJointNamesClash) {
-  const RunningService first("--clock lockstep --bench 1");
-  RosPeer peer;
-  RunningBridge bridge;
-  ASSERT_TRUE(peer.wait_for_bridge());
-  const RunningService second("--clock lockstep --bench 2");
-  EXPECT_TRUE(peer.wait_for_log("bench 2 is left out: its joint \"x\" is also on bench 1"));
-  EXPECT_TRUE(peer.wait([&] {
-    return peer.diagnosis("bench 2").starts_with("2 bench 2 is left out");
-  })) << peer.diagnosis("bench 2");
 }
 
 TEST(Ros2, ContinuesAfterARestartOfTheService) {

@@ -118,16 +118,23 @@ TEST(StepRequest, WaitsForTheFramesThatWereSentBeforeItAndHoldsLaterRequestsBack
 
 TEST(StepRequest, IsRefusedWhenItsFramesDoNotComeWithinASecond) {
   EngineUnderTest bench;
+  join(bench, kAlice);
   bench.acquire(kAlice, {1});
+  const auto frame = bench.make_frame(kAlice);
+  bench.receive(frame);
   auto arrival = step_request(bench, kAlice, 3);
-  arrival.request.last_sequence = 7;
+  arrival.request.last_sequence = frame.sequence_number + 4;
   EXPECT_EQ(answer_at(bench, arrival, kStart), std::nullopt);
   service::StepRequests& steps = bench.engine.steps();
   steps.answer_due(kStart + 999ms);
   EXPECT_EQ(bench.reply(), std::nullopt);
   steps.answer_due(kStart + 1s);
-  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).reason, msg::Reason::missing_commands);
+  const auto refused = bench.reply().value_or(msg::Reply{});
+  EXPECT_EQ(refused.reason, msg::Reason::missing_commands);
+  EXPECT_EQ(refused.last_sequence, frame.sequence_number);
   EXPECT_EQ(bench.engine.tick(), 0U);
+  EXPECT_EQ(answer_at(bench, step_request(bench, kAlice, 1), kStart + 1s).value().tick, 1U)
+      << "the refused step has granted nothing";
 }
 
 TEST(StepRequest, WaitsUntilAsManyHaveJoinedAsTheBenchAwaits) {
@@ -199,11 +206,13 @@ TEST(StepRequest, ReportsAMissingStepperAndThePresentStatus) {
   auto arrival = step_request(bench, kAlice, 5);
   arrival.request.axes = {2};
   EXPECT_EQ(answer_at(bench, arrival, kStart), std::nullopt);
+  EXPECT_FALSE(bench.engine.steps().holds_requests_back()) << "others are answered meanwhile";
   bench.engine.steps().answer_due(kStart + 1s);
   const auto reply = bench.reply();
   ASSERT_TRUE(reply);
   EXPECT_EQ(reply->reason, msg::Reason::missing_stepper);
   EXPECT_EQ(reply->missing_stepper, kBob);
+  EXPECT_EQ(bench.counters.slowest_stepper.get(), kBob);
   EXPECT_EQ(reply->tick, 0U);
   EXPECT_EQ(reply->statuses.size(), 1U);
 }
@@ -363,7 +372,12 @@ TEST(Watchdog, AcceptsRequestsAndStepsAsSignsOfLife) {
     bench.engine.steps().answer_due(kStart);
     bench.reply();
   }
-  EXPECT_EQ(bench.counters.master_losses.get(), 0U);
+  bench.acquire(kBob, {2});
+  join(bench, kAlice);
+  join(bench, kBob);
+  EXPECT_EQ(answer_at(bench, step_request(bench, kAlice, 500), kStart), std::nullopt);
+  EXPECT_TRUE(answer_at(bench, step_request(bench, kBob, 500), kStart));
+  EXPECT_EQ(bench.counters.master_losses.get(), 0U) << "steppers count in each granted tick";
 }
 
 // At rate 10 the time-out of 100 ms of wall time is 1000 ticks of 1 ms.

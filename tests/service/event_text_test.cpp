@@ -84,6 +84,14 @@ TEST(EventWords, NameTheSessionThatStoppedAnAxisAndItsOwner) {
             "control");
 }
 
+TEST(EventWords, NameTheStepperThatLeavesTheClock) {
+  EXPECT_EQ(words_of({.kind = msg::EventKind::clock_changed,
+                      .session = 0xA11CE,
+                      .code = wire::number(msg::RequestKind::leave_clock),
+                      .detail = Parting::left}),
+            "session 0x00000000000a11ce left the clock");
+}
+
 TEST(EventLine, NamesEveryKindOfEvent) {
   for (std::uint32_t kind = wire::number(msg::EventKind::state_changed);
        kind <= wire::number(msg::EventKind::stopped); ++kind) {

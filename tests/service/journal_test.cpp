@@ -4,9 +4,9 @@
 
 #include "base/event_codes.hpp"
 #include "core/support/allocation_guard.hpp"
-#include "core/support/random_cases.hpp"
 #include "journal/replay.hpp"
 #include "service/engine_under_test.hpp"
+#include "support/random_cases.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

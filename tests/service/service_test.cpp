@@ -49,16 +49,6 @@ TEST(LockstepService, EnablesAnAxisInOneStep) {
   EXPECT_EQ(stepped->statuses[1].ds402_statusword, 0x250);
 }
 
-TEST(LockstepService, ReturnsTheStatusWithoutAStep) {
-  Running bench(configuration(service::ClockMode::lockstep, 1));
-  ASSERT_TRUE(bench.found);
-  const auto reply = bench.probe.step(0, {1});
-  ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->tick, 0U);
-  ASSERT_EQ(reply->statuses.size(), 1U);
-  EXPECT_EQ(reply->statuses[0].ds402_statusword, 0x250);
-}
-
 TEST(LockstepService, StepsOnlyWithTheFramesThatWereSentBefore) {
   Running bench(configuration(service::ClockMode::lockstep, 1));
   ASSERT_TRUE(bench.found);
@@ -78,19 +68,6 @@ TEST(LockstepService, StepsOnlyWithTheFramesThatWereSentBefore) {
   }
 }
 
-TEST(LockstepService, NamesTheMissingFrames) {
-  Running bench(configuration(service::ClockMode::lockstep, 1));
-  ASSERT_TRUE(bench.found);
-  ASSERT_TRUE(bench.probe.acquire({1}));
-  ASSERT_TRUE(bench.probe.send(bench.probe.make_frame()));
-  bench.probe.last_sequence = 5;  // 2 to 5 were never sent
-  const auto reply = bench.probe.step(1);
-  ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->reason, msg::Reason::missing_commands);
-  EXPECT_EQ(reply->last_sequence, 1U);
-  EXPECT_EQ(reply->tick, 0U);
-}
-
 TEST(LockstepService, KeepsTheOrderOfRequestsAroundALongStep) {
   Running bench(configuration(service::ClockMode::lockstep, 4));
   ASSERT_TRUE(bench.found);
@@ -99,13 +76,6 @@ TEST(LockstepService, KeepsTheOrderOfRequestsAroundALongStep) {
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->tick, 50'000U);
   EXPECT_EQ(second->tick, 50'000U);
-}
-
-TEST(LockstepService, RefusesMoreTicksThanAllowed) {
-  Running bench(configuration(service::ClockMode::lockstep, 1));
-  ASSERT_TRUE(bench.found);
-  EXPECT_EQ(bench.probe.step(1'000'001)->reason, msg::Reason::too_many_ticks);
-  EXPECT_EQ(bench.probe.step(1, {9})->reason, msg::Reason::unknown_axis);
 }
 
 TEST(LockstepService, PublishesTheLastTickOfEveryStep) {
@@ -132,33 +102,6 @@ TEST(RealtimeService, PublishesEveryTick) {
   EXPECT_TRUE(bench.probe.wait_until([&] {
     return bench.probe.seen_status()->tick >= first->tick + 100;
   }));
-}
-
-TEST(RealtimeService, AnswersRequestsAndRefusesToStep) {
-  Running bench(configuration(service::ClockMode::realtime, 1));
-  ASSERT_TRUE(bench.found);
-  const auto read = bench.probe.read(1, 0x6041);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->objects.at(0).value, 0x250);
-  const auto step = bench.probe.step(1);
-  ASSERT_TRUE(step);
-  EXPECT_EQ(step->reason, msg::Reason::wrong_clock_mode);
-}
-
-TEST(RealtimeService, DetectsALostMaster) {
-  Running bench(configuration(service::ClockMode::realtime, 1));
-  ASSERT_TRUE(bench.found);
-  ASSERT_TRUE(bench.probe.write(1, 0x6040, 0x0F));
-  const auto lost = bench.probe.event([](const auto& event) {
-    return event.kind == msg::EventKind::master_lost;
-  });
-  ASSERT_TRUE(lost);
-  EXPECT_EQ(lost->session, bench.probe.session);
-  const auto fault = bench.probe.event([](const auto& event) {
-    return event.kind == msg::EventKind::fault;
-  });
-  ASSERT_TRUE(fault);
-  EXPECT_EQ(fault->code, 0x8130U);
 }
 
 TEST(Service, DescribesTheBenchInParts) {
@@ -345,26 +288,6 @@ TEST(Service, AnswersEveryRefusedFrame) {
   ASSERT_TRUE(bench.probe.send(large));
   EXPECT_EQ(bench.probe.reply_to(large.sequence_number)->refusals[0].reason,
             msg::Reason::too_many_axes);
-}
-
-TEST(Service, RefusesAnotherSessionAndNamesTheOwner) {
-  Running bench(configuration(service::ClockMode::lockstep, 2));
-  ASSERT_TRUE(bench.found);
-  ASSERT_TRUE(bench.probe.acquire({1}));
-  Probe stranger(test_domain());
-  stranger.client = 99;
-  stranger.session = 98;
-  ASSERT_TRUE(stranger.find_bench());
-  const auto write = stranger.write(1, 0x6040, 0x0F);
-  ASSERT_TRUE(write);
-  EXPECT_EQ(write->objects.at(0).abort_code, msg::Reason{0x08000021});
-  EXPECT_EQ(write->owner_session, bench.probe.session);
-  const auto acquire = stranger.acquire({2, 1});
-  ASSERT_TRUE(acquire);
-  EXPECT_EQ(acquire->reason, msg::Reason{0x08000021});
-  EXPECT_EQ(acquire->refused_axis, 1U);
-  EXPECT_EQ(stranger.write(1, 0x5E01, 1)->objects.at(0).abort_code, msg::Reason::none);
-  EXPECT_EQ(stranger.read(1, 0x6041)->objects.at(0).abort_code, msg::Reason::none);
 }
 
 }  // namespace

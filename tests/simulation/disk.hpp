@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "simulation/random.hpp"
 #include "store/file_operations.hpp"
+#include "support/random_cases.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +12,8 @@
 #include <vector>
 
 namespace vdrive::simulation {
+
+using test::Random;
 
 /// A disk with the state directory of the service, which outlasts its runs. What was not synced is
 /// lost in part when the power fails: of a file all but its first bytes, of the names the latest

@@ -59,7 +59,7 @@ Disturber::Disturber(std::size_t place, const Disturbances& which, std::uint64_t
       random_(seed),
       disk_(disk),
       happenings_(happenings),
-      client_(random_.next() | 1U) {}
+      client_(random_.bits() | 1U) {}
 
 void Disturber::act(const View& view, Bench& bench, SimulatedTime& time, Post& post) {
   now_ = next_;

@@ -5,12 +5,14 @@
 #include "simulation/disk.hpp"
 #include "simulation/master.hpp"
 #include "simulation/network.hpp"
-#include "simulation/random.hpp"
+#include "support/random_cases.hpp"
 
 #include <cstdint>
 #include <vector>
 
 namespace vdrive::simulation {
+
+using test::Random;
 
 /// The disturbances of the bench beside its masters.
 struct Disturbances {

@@ -2,13 +2,15 @@
 #pragma once
 
 #include "simulation/axis_watch.hpp"
-#include "simulation/random.hpp"
+#include "support/random_cases.hpp"
 #include "vdrive/axis_configuration.hpp"
 
 #include <cstddef>
 #include <vector>
 
 namespace vdrive::simulation {
+
+using test::Random;
 
 /// An axis of a seed: what its watch knows, and what its configuration has.
 struct DrawnAxis {

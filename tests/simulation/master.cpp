@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/master.hpp"
 
-#include "vdrive/cia402/homing_method.hpp"
-#include "vdrive/cia402/operating_mode.hpp"
-#include "vdrive/cia402/power_state.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
+#include "support/drawn_commands.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,38 +10,13 @@ namespace vdrive::simulation {
 namespace {
 
 constexpr std::int64_t kKeepAlive = 25 * kMillisecond;
-constexpr std::int64_t kUnitsPerTurn = 4'096;
-constexpr std::array<std::uint16_t, 22> kWordsInOperation{
-    0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x001F, 0x001F, 0x001F, 0x001F,
-    0x001F, 0x003F, 0x003F, 0x005F, 0x007F, 0x007F, 0x010F, 0x0002, 0x0006, 0x0007, 0x0000};
 constexpr std::int8_t kNoMode = 5;  // of 6060h
 
-/// What masters set beside their set-points: offsets, touch probes, 60C2h, the buffer of records,
-/// ways round the range of a modulo axis.
-struct Setting {
-  ObjectAddress address;
-  std::array<std::int64_t, 6> values;
-};
-
-constexpr std::array kSettings{Setting{{0x60B0, 0}, {0, 0, 100, -100, 50, -50}},
-                               Setting{{0x60B1, 0}, {0, 0, 2'000, -2'000, 5'000, -5'000}},
-                               Setting{{0x60B2, 0}, {0, 0, 50, -50, 200, -200}},
-                               Setting{{0x60B8, 0}, {0, 0x0011, 0x0033, 0x0037, 0x3300, 0x373B}},
-                               Setting{{0x60C2, 1}, {0, 1, 2, 4, 10, 20}},
-                               Setting{{0x60C4, 2}, {1, 1, 1, 2, 4, 16}},
-                               Setting{{0x60C4, 6}, {0, 1, 1, 1, 1, 1}},
-                               Setting{{0x60D0, 1}, {1, 2, 3, 5, 1, 5}},
-                               Setting{{0x60F2, 0}, {0, 1, 2, 2 + 64, 2 + 128, 2 + 192}}};
-
-std::int32_t near_to(std::int32_t value, std::int64_t change) {
-  return static_cast<std::int32_t>(std::clamp<std::int64_t>(value + change, INT32_MIN, INT32_MAX));
-}
-
-void add_object(msg::AxisCommand& command, ObjectAddress address, std::int64_t value) {
+void add_object(msg::AxisCommand& command, const test::DrawnWrite& write) {
   auto& object = command.objects.emplace_back();
-  object.index = address.index;
-  object.subindex = address.subindex;
-  object.value = value;
+  object.index = write.object.index;
+  object.subindex = write.object.subindex;
+  object.value = write.value;
 }
 
 void add_member(msg::AxisCommand& command, std::uint16_t member) {
@@ -61,7 +33,7 @@ Master::Master(std::size_t place, const Temper& temper, std::uint64_t seed, Stam
 
 /// The program starts, or starts again: without knowledge of earlier runs.
 void Master::begin_session() {
-  session_ = random_.next() | 1U;
+  session_ = random_.bits() | 1U;
   client_ = session_;
   last_request_ = 0;
   epoch_ = 0;
@@ -209,11 +181,11 @@ void Master::write_any(msg::ObjectAccess& object, const View& view, const msg::R
   switch (random_.below(6)) {
     case 0:
       object.index = 0x6040;
-      object.value = word_for(view.statuses[object.axis - 1U]);
+      object.value = test::draw_controlword(view.statuses[object.axis - 1U], random_);
       break;
     case 1:
       object.index = 0x607A;
-      object.value = random_.between(-20, 20) * kUnitsPerTurn;
+      object.value = random_.between(-20, 20) * test::kUnitsPerTurn;
       break;
     case 2:
       object.index = 0x60FF;
@@ -221,13 +193,13 @@ void Master::write_any(msg::ObjectAccess& object, const View& view, const msg::R
       break;
     case 3:
       object.index = 0x6060;
-      object.value = random_.per_mille(900) ? draw_mode() : kNoMode;
+      object.value = random_.per_mille(900) ? test::draw_mode(random_) : kNoMode;
       break;
     case 4: {
-      const Setting& setting = random_.pick<Setting>(kSettings);
-      object.index = setting.address.index;
-      object.subindex = setting.address.subindex;
-      object.value = random_.pick<std::int64_t>(setting.values);
+      const test::DrawnWrite setting = test::draw_setting(random_);
+      object.index = setting.object.index;
+      object.subindex = setting.object.subindex;
+      object.value = setting.value;
       break;
     }
     default:
@@ -332,92 +304,33 @@ void Master::spoil(msg::CommandFrame& frame) {
   }
 }
 
-std::uint16_t Master::word_for(const AxisStatus& status) {
-  switch (decode_power_state(status.ds402_statusword)) {
-    case PowerState::fault:
-      return random_.per_mille(700) ? 0x0080 : 0x000F;
-    case PowerState::switch_on_disabled:
-      return random_.per_mille(700) ? 0x000F : 0x0006;
-    case PowerState::ready_to_switch_on:
-      return random_.per_mille(700) ? 0x000F : 0x0007;
-    case PowerState::operation_enabled:
-      return random_.pick<std::uint16_t>(kWordsInOperation);
-    default:
-      return 0x000F;
-  }
-}
-
-/// Profile position most often, else any mode or none.
-std::int8_t Master::draw_mode() {
-  const OperatingMode mode = random_.per_mille(300)
-                                 ? OperatingMode::profile_position
-                                 : random_.pick<OperatingModeRow>(kOperatingModes).mode;
-  return static_cast<std::int8_t>(mode);
-}
-
-/// What the mode in force takes: targets anywhere, streamed ones near to the demand.
-void Master::add_set_point(msg::AxisCommand& command, const AxisStatus& status) {
-  switch (static_cast<OperatingMode>(status.op_mode_actual)) {
-    case OperatingMode::velocity:
-      add_object(command, {0x6042, 0}, random_.between(-2'200, 2'200));
-      break;
-    case OperatingMode::profile_velocity:
-      add_object(command, {0x60FF, 0}, random_.between(-120'000, 120'000));
-      break;
-    case OperatingMode::profile_torque:
-    case OperatingMode::cyclic_synchronous_torque:
-      add_object(command, {0x6071, 0}, random_.between(-800, 800));
-      break;
-    case OperatingMode::homing:
-      add_object(command, {0x6098, 0}, random_.pick<HomingMethodRow>(kHomingMethods).number);
-      break;
-    case OperatingMode::interpolated_position:
-      add_object(command, {0x60C1, 1},
-                 near_to(status.position_demand_value, random_.between(-200, 200)));
-      break;
-    case OperatingMode::cyclic_synchronous_position:
-      add_member(command, msg::HAS_POSITION_USER_TARGET_VALUE);
-      command.position_user_target_value =
-          near_to(status.position_demand_value, random_.between(-200, 200));
-      break;
-    case OperatingMode::cyclic_synchronous_velocity:
-      add_object(command, {0x60FF, 0},
-                 near_to(status.velocity_demand_value, random_.between(-10'000, 10'000)));
-      break;
-    default:
-      add_member(command, msg::HAS_POSITION_USER_TARGET_VALUE);
-      command.position_user_target_value =
-          static_cast<std::int32_t>(random_.between(-20 * kUnitsPerTurn, 20 * kUnitsPerTurn));
-      break;
-  }
-}
-
-void Master::add_setting(msg::AxisCommand& command) {
-  const Setting& setting = random_.pick<Setting>(kSettings);
-  add_object(command, setting.address, random_.pick<std::int64_t>(setting.values));
-}
-
 /// A command that suits the state of the axis, with a stamp that identifies its sender.
 void Master::fill(msg::AxisCommand& command, const AxisStatus& status,
                   const msg::CommandFrame& frame) {
-  add_object(command, {0x6067, 0}, new_stamp(frame.incarnation, frame.epoch));
+  add_object(command, {{0x6067, 0}, new_stamp(frame.incarnation, frame.epoch)});
   if (random_.per_mille(850)) {
     add_member(command, msg::HAS_DS402_CONTROLWORD);
-    command.ds402_controlword = word_for(status);
+    command.ds402_controlword = test::draw_controlword(status, random_);
   }
   if (status.op_mode_actual == 0 || random_.per_mille(40)) {
     add_member(command, msg::HAS_OP_MODE_CMD);
-    command.op_mode_cmd = random_.per_mille(980) ? draw_mode() : kNoMode;
+    command.op_mode_cmd = random_.per_mille(980) ? test::draw_mode(random_) : kNoMode;
   }
   if (random_.per_mille(300)) {
     add_member(command, msg::HAS_PROFILE_VELOCITY);
     command.profile_velocity = static_cast<std::uint32_t>(random_.between(1'000, 130'000));
   }
-  add_set_point(command, status);
-  if (random_.per_mille(60)) add_setting(command);
+  const test::DrawnWrite set_point = test::draw_set_point(status, random_);
+  if (set_point.object == ObjectAddress{0x607A, 0}) {
+    add_member(command, msg::HAS_POSITION_USER_TARGET_VALUE);
+    command.position_user_target_value = static_cast<std::int32_t>(set_point.value);
+  } else {
+    add_object(command, set_point);
+  }
+  if (random_.per_mille(60)) add_object(command, test::draw_setting(random_));
   if (random_.per_mille(temper_.rudeness)) {
     const std::uint16_t index = random_.per_mille(500) ? 0x6041 : 0x6040;
-    add_object(command, {index, 0}, 0);
+    add_object(command, {{index, 0}, 0});
   }
 }
 

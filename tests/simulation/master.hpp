@@ -4,7 +4,7 @@
 #include "simulation/control_model.hpp"
 #include "simulation/happenings.hpp"
 #include "simulation/network.hpp"
-#include "simulation/random.hpp"
+#include "support/random_cases.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +13,8 @@
 #include <vector>
 
 namespace vdrive::simulation {
+
+using test::Random;
 
 /// The view of a client: the last status images of the bench.
 struct View {
@@ -68,10 +70,6 @@ class Master {
   void time_frame(const View& view, msg::CommandFrame& frame);
   void spoil(msg::CommandFrame& frame);
   void fill(msg::AxisCommand& command, const AxisStatus& status, const msg::CommandFrame& frame);
-  std::uint16_t word_for(const AxisStatus& status);
-  void add_set_point(msg::AxisCommand& command, const AxisStatus& status);
-  void add_setting(msg::AxisCommand& command);
-  std::int8_t draw_mode();
   void write_any(msg::ObjectAccess& object, const View& view, const msg::Request& request);
   msg::CommandFrame new_frame(const View& view);
   msg::Request new_request(msg::RequestKind kind);

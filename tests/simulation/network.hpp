@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "simulation/random.hpp"
+#include "support/random_cases.hpp"
 #include "vdrive_messages.hpp"
 
 #include <algorithm>
@@ -13,6 +13,8 @@
 #include <vector>
 
 namespace vdrive::simulation {
+
+using test::Random;
 
 /// What a client sends.
 using ClientMessage = std::variant<msg::CommandFrame, msg::Request>;

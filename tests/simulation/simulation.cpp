@@ -82,18 +82,18 @@ class World {
         axes_(draw_axes(options.axes, options.play == Play::everything, random_)),
         limits_(limits_of(axes_)),
         configuration_(configuration_of(options, axes_, random_)),
-        post_(draw_habits(random_), random_.next()),
-        back_(draw_habits(random_), random_.next()),
-        frames_back_(draw_habits(random_), random_.next()),
-        storage_(random_.next()),
+        post_(draw_habits(random_), random_.bits()),
+        back_(draw_habits(random_), random_.bits()),
+        frames_back_(draw_habits(random_), random_.bits()),
+        storage_(random_.bits()),
         disturber_(kDisturber,
                    {.restarts = options.play == Play::everything,
                     .test_bench = options.play == Play::everything,
                     .host = options.play == Play::everything,
                     .disk = options.play == Play::everything},
-                   random_.next(), storage_.disk, happenings_) {
+                   random_.bits(), storage_.disk, happenings_) {
     for (std::size_t place = 0; place < kMasters; ++place) {
-      masters_.emplace_back(place, draw_temper(options.play, random_), random_.next(), stamps_,
+      masters_.emplace_back(place, draw_temper(options.play, random_), random_.bits(), stamps_,
                             happenings_);
     }
     time_.on_wake([this](std::int64_t now) {

@@ -429,9 +429,5 @@ TEST_F(Events, HaveNoRefusalOfTheDoctor) {
   EXPECT_THAT(events, Each(Not(HasSubstr("refused"))));
 }
 
-TEST(EventsWithoutABench, AreNotFound) {
-  EXPECT_EQ(tool("events --timeout 0.2").code, 3);
-}
-
 }  // namespace
 }  // namespace vdrive::test

@@ -200,21 +200,6 @@ TEST_F(ToolInLockStep, ADirectoryWithoutAScenarioIsRefused) {
   EXPECT_THAT(finished.errors, HasSubstr("' has no scenario, *.scn"));
 }
 
-TEST_F(ToolInLockStep, AMoveThatTakesTooLongExitsFour) {
-  ASSERT_EQ(call("enable 1.1").code, 0);
-  const Finished finished = call("move 1.1 100000 --velocity 10 --timeout 1");
-  EXPECT_EQ(finished.code, 4);
-  EXPECT_THAT(finished.errors, HasSubstr("target reached"));
-}
-
-TEST_F(ToolInLockStep, AMoveEndedByAFaultExitsOne) {
-  ASSERT_EQ(call("enable 1.1").code, 0);
-  ASSERT_EQ(call("disturb 1.1 blocked_load").code, 0);
-  const Finished finished = call("move 1.1 1000000");
-  EXPECT_EQ(finished.code, 1);
-  EXPECT_THAT(finished.errors, HasSubstr("0x8611"));
-}
-
 TEST_F(ToolInLockStep, AClampedMoveExitsOneAndLimitsWithoutEffectAreReported) {
   ASSERT_EQ(call("enable 1.1").code, 0);
   EXPECT_THAT(call("write 1.1 0x607D:2 1000").errors,
@@ -419,24 +404,6 @@ TEST_F(ToolInLockStep, AScenarioFromStandardInputRunsAsOneSession) {
   EXPECT_THAT(finished.output, HasSubstr("passed"));
 }
 
-TEST_F(ToolInLockStep, AScenarioEndsAtItsFirstFailureWithPlaceAndValues) {
-  const TemporaryDirectory directory;
-  const auto junit = directory.path() / "out.xml";
-  const Finished finished = call({"run", "-", "--junit", junit.string()},
-                                 "# title\n"
-                                 "expect 1.1 0x6041 0x250\n"
-                                 "expect 1.1 0x6041 0x231 --within 5ms\n"
-                                 "enable 1.1\n");
-  EXPECT_EQ(finished.code, 1);
-  EXPECT_THAT(finished.errors, AllOf(HasSubstr("<stdin>:3:"), HasSubstr("expected 0x231"),
-                                     HasSubstr("actual 0x250"), HasSubstr("at tick 5")));
-  std::ifstream file(junit);
-  std::stringstream xml;
-  xml << file.rdbuf();
-  EXPECT_THAT(xml.str(), HasSubstr("tests=\"3\" failures=\"1\" skipped=\"1\""));
-  EXPECT_EQ(json_of(call("status 1.1 --json")).at(0)["ds402_statusword"], 0x250) << "not enabled";
-}
-
 // What ends a scenario before its first line, with the exit code: usage 2, not found 3.
 TEST_F(ToolInLockStep, AReportNamesTheReasonWhyAScenarioDidNotBegin) {
   const TemporaryDirectory directory;
@@ -468,20 +435,6 @@ TEST_F(ToolInLockStep, AnUnexpectedRefusalEndsTheScenario) {
   EXPECT_THAT(other.errors, AllOf(HasSubstr("0x06010002"), HasSubstr("0x06090030")));
   EXPECT_EQ(call("run -", "refused 0x06010002 write 1.1 0x60F2 1\n").code, 1) << "accepted";
   EXPECT_EQ(call("run -", "write 1.1 0x60F2 3\n").code, 1);
-}
-
-TEST_F(ToolInLockStep, AScenarioIsParsedBeforeItsFirstCommand) {
-  const Finished finished = call("run -", "enable 1.1\ndance\n");
-  EXPECT_EQ(finished.code, 2);
-  EXPECT_THAT(finished.errors, HasSubstr("<stdin>:2:"));
-  EXPECT_EQ(call("run -", "enable 1.1\nenable 1.9\n").code, 3) << "an axis that is not there";
-  const Finished no_bench = call("run - --timeout 0.2", "enable 1.1\nstep 1 --bench 9\n");
-  EXPECT_EQ(no_bench.code, 3);
-  EXPECT_THAT(no_bench.errors, HasSubstr("<stdin>:2: no bench 9"));
-  const Finished no_object = call("run -", "enable 1.1\nexpect 1.1 profile_velocty 1\n");
-  EXPECT_EQ(no_object.code, 2);
-  EXPECT_THAT(no_object.errors, HasSubstr("<stdin>:2: 'profile_velocty' is not an object"));
-  EXPECT_EQ(json_of(call("status 1.1 --json")).at(0)["ds402_statusword"], 0x250);
 }
 
 TEST_F(ToolInLockStep, AScenarioPrintsItsLinesInJson) {

@@ -102,6 +102,20 @@ class AxisUnderTest {
         deadline);
   }
 
+  /// Steps until bit 10 is 1; see above.
+  std::uint64_t step_until_reached(std::uint64_t deadline) {
+    return step_until_status(Statusword::kTargetReached, Statusword::kTargetReached, deadline);
+  }
+
+  /// Steps until the statusword shows `state`; see above.
+  std::uint64_t step_until_state(PowerState state, std::uint64_t deadline) {
+    return step_until(
+        [this, state] {
+          return this->state() == state;
+        },
+        deadline);
+  }
+
   /// Profile position mode in Operation enabled, at rest.
   void enable() {
     write("op_mode_cmd", 1);

@@ -4,6 +4,7 @@
 #include "support/effort.hpp"
 
 #include <cstdint>
+#include <span>
 
 namespace vdrive::test {
 
@@ -42,6 +43,20 @@ class Random {
 
   /// Uniform in [0, bound).
   std::uint64_t below(std::uint64_t bound) { return bits() % bound; }
+
+  /// Uniform from `lowest` to `highest`.
+  std::int64_t between(std::int64_t lowest, std::int64_t highest) {
+    return lowest +
+           static_cast<std::int64_t>(below(static_cast<std::uint64_t>(highest - lowest) + 1));
+  }
+
+  template <typename Value>
+  const Value& pick(std::span<const Value> values) {
+    return values[below(values.size())];
+  }
+
+  /// True `count` times in a thousand.
+  bool per_mille(std::uint64_t count) { return below(1'000) < count; }
 
   /// True once in `n` times.
   bool one_in(std::uint64_t n) { return below(n) == 0; }
