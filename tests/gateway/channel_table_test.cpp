@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "channel_table.hpp"
 
-#include "batch_queue.hpp"
 #include "client_table.hpp"
 #include "gateway/recorded_server.hpp"
 #include "graph_feed.hpp"
@@ -57,7 +56,7 @@ class Topics : public testing::Test {
   }
 
   RecordedServer server_;
-  ChannelTable table_{server_.calls()};
+  ChannelTable table_{server_};
   ChannelPointer status_ = topic(10, "/bench4/status");
   ChannelPointer state_ = topic(11, "/bench4/state");
 };
@@ -158,6 +157,29 @@ TEST_F(Topics, SendsTheTimeOnceInAPeriodAndNoneBeforeTheFirstTick) {
   EXPECT_THAT(server_.take(kPage), SizeIs(1));
 }
 
+// ---- batches
+
+TEST_F(Topics, PublishesBatchesInTheThreadOfTheServer) {
+  EXPECT_EQ(subscribe(kPage, 7, 10), "");
+  table_.put(batch(0));
+  table_.put(batch(0));
+  EXPECT_THAT(server_.take(kPage), IsEmpty());
+  ASSERT_TRUE(server_.run(2));
+  EXPECT_THAT(server_.take(kPage), SizeIs(2));
+}
+
+TEST_F(Topics, LeavesNewBatchesOutAndCountsThemWhileTheServerIsLate) {
+  EXPECT_EQ(subscribe(kPage, 7, 10), "");
+  for (std::size_t i = 0; i < ChannelTable::kMostBatches + 2; ++i) table_.put(batch(0));
+  EXPECT_EQ(table_.lost_batches(), 2U);
+  ASSERT_TRUE(server_.run(ChannelTable::kMostBatches));
+  EXPECT_THAT(server_.take(kPage), SizeIs(ChannelTable::kMostBatches));
+  EXPECT_EQ(server_.waiting(), 0U);
+  table_.put(batch(0));
+  ASSERT_TRUE(server_.run());
+  EXPECT_THAT(server_.take(kPage), SizeIs(1)) << "there is room again";
+}
+
 // ---- the graph of connections
 
 class GraphOfConnections : public Topics {
@@ -169,7 +191,7 @@ class GraphOfConnections : public Topics {
   }
 
   ClientTable clients_;
-  GraphFeed graph_{server_.calls(), table_, clients_};
+  GraphFeed graph_{server_, table_, clients_};
 };
 
 TEST_F(GraphOfConnections, NamesThePublisherAndTheReceiversOfEachTopic) {
@@ -206,39 +228,6 @@ TEST_F(GraphOfConnections, SendsAChangeOnceAndOnlyToThoseThatWantIt) {
   EXPECT_EQ(subscribe(kTool, 1, 11), "");
   graph_.send_changes();
   EXPECT_THAT(server_.take(kPage), IsEmpty());
-}
-
-// ---- batches
-
-TEST(BatchQueue, TakesBatchesInTheThreadOfTheServer) {
-  RecordedServer server;
-  std::vector<std::uint64_t> taken;
-  BatchQueue queue(server.calls().post, [&](const Batch& batch) {
-    taken.push_back(batch.time);
-  });
-  queue.put({.bench = 1, .time = 1});
-  queue.put({.bench = 1, .time = 2});
-  EXPECT_THAT(taken, IsEmpty());
-  ASSERT_TRUE(server.run(2));
-  EXPECT_THAT(taken, ElementsAre(1, 2));
-}
-
-TEST(BatchQueue, LeavesNewBatchesOutAndCountsThemWhileTheServerIsLate) {
-  RecordedServer server;
-  std::uint64_t newest = 0;
-  BatchQueue queue(server.calls().post, [&](const Batch& batch) {
-    newest = batch.time;
-  });
-  for (std::uint64_t time = 1; time <= BatchQueue::kMost + 2; ++time) {
-    queue.put({.bench = 1, .time = time});
-  }
-  EXPECT_EQ(queue.lost(), 2U);
-  ASSERT_TRUE(server.run(BatchQueue::kMost));
-  EXPECT_EQ(newest, BatchQueue::kMost);
-  EXPECT_EQ(server.waiting(), 0U);
-  queue.put({.bench = 1, .time = 1'000});
-  ASSERT_TRUE(server.run());
-  EXPECT_EQ(newest, 1'000U) << "there is room again";
 }
 
 }  // namespace

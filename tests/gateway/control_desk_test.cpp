@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <functional>
 #include <future>
 #include <memory>
 #include <stdexcept>
@@ -34,7 +33,7 @@ constexpr ConnectionId kFirst = 1;
 constexpr ConnectionId kSecond = 2;
 
 /// Two open connections and a desk whose sessions are numbers: 100, 101, ...
-class ControlOfAGateway : public testing::Test {
+class ControlOfAGateway : public testing::Test, public BenchAccess {
  protected:
   ControlOfAGateway() {
     clients_.open(kFirst);
@@ -49,13 +48,28 @@ class ControlOfAGateway : public testing::Test {
     clients_.join_ended();
   }
 
-  HeldSession open() {
+  HeldSession open() override {
     if (!error_.empty()) throw std::runtime_error(error_);
     return {.id = next_session_++, .session = {}, .jogs = {}};
   }
 
-  void end(const HeldSession& held, bool is_graceful) {
+  void end(HeldSession held, bool is_graceful) override {
     ended_.push_back(std::to_string(held.id) + (is_graceful ? " released" : " abandoned"));
+  }
+
+  CallAnswer call(const ServiceRow& /*row*/, const SessionPointer& /*own*/,
+                  const Json& /*request*/) override {
+    return {};
+  }
+
+  ParameterAnswer read(const BenchList& /*benches*/,
+                       const std::vector<std::string>& /*names*/) override {
+    return {};
+  }
+
+  ParameterAnswer write(const SessionPointer& /*own*/, const BenchList& /*benches*/,
+                        const std::vector<ParameterChange>& /*changes*/) override {
+    return {};
   }
 
   /// @return the message of the answer to /take_control; empty = the connection has control.
@@ -78,11 +92,7 @@ class ControlOfAGateway : public testing::Test {
   std::string error_;
   std::atomic<std::uint64_t> next_session_ = 100;  ///< each connection opens its own in its thread
   std::vector<std::string> ended_;
-  ControlDesk desk_{true,
-                    {.open = std::bind_front(&ControlOfAGateway::open, this),
-                     .end = std::bind_front(&ControlOfAGateway::end, this)},
-                    server_.calls(),
-                    clients_};
+  ControlDesk desk_{true, *this, server_, clients_};
 };
 
 TEST_F(ControlOfAGateway, LetsOneConnectionCommand) {
@@ -102,7 +112,7 @@ TEST_F(ControlOfAGateway, LetsEverybodyReadAndStop) {
 }
 
 TEST_F(ControlOfAGateway, RefusesAllButReadingWhereTheGatewayIsViewOnly) {
-  ControlDesk viewing(false, {}, server_.calls(), clients_);
+  ControlDesk viewing(false, *this, server_, clients_);
   EXPECT_TRUE(viewing.check(kFirst, Right::none));
   for (const Right right : {Right::stop, Right::command, Right::jog, Right::take_control}) {
     EXPECT_THAT(viewing.check(kFirst, right).message(), HasSubstr("view only"));
@@ -248,13 +258,14 @@ class CallsOfServices : public ControlOfAGateway {
   }
 
   /// Its answer names the service; /move waits for the end of the test.
-  CallAnswer carry_out(const ServiceRow& row, const SessionPointer& /*own*/, const Json& request) {
+  CallAnswer call(const ServiceRow& row, const SessionPointer& /*own*/,
+                  const Json& request) override {
     if (request.contains("wrong")) throw ProtocolError("'wrong' is wrong");
     if (row.name == "/move") released_.wait();
     return {.outcome = {}, .fields = {{"service", row.name}}};
   }
 
-  void call(ConnectionId id, std::string_view service, const std::string& payload,
+  void send(ConnectionId id, std::string_view service, const std::string& payload,
             const std::string& encoding = "json") {
     calls_.handle(id, {.service = number_of_service(service),
                        .call = 5,
@@ -264,12 +275,11 @@ class CallsOfServices : public ControlOfAGateway {
 
   std::promise<void> release_;
   std::shared_future<void> released_{release_.get_future()};
-  ServiceCalls calls_{server_.calls(), clients_, desk_,
-                      std::bind_front(&CallsOfServices::carry_out, this)};
+  ServiceCalls calls_{*this, server_, clients_, desk_};
 };
 
 TEST_F(CallsOfServices, AnswerWithWhatTheServiceDid) {
-  call(kFirst, "/read", "{}");
+  send(kFirst, "/read", "{}");
   ASSERT_TRUE(server_.run());
   const auto sent = server_.take_json(kFirst);
   ASSERT_THAT(sent, SizeIs(1));
@@ -278,7 +288,7 @@ TEST_F(CallsOfServices, AnswerWithWhatTheServiceDid) {
 }
 
 TEST_F(CallsOfServices, AnswerARefusalAtOnce) {
-  call(kFirst, "/move", "{}");
+  send(kFirst, "/move", "{}");
   const auto sent = server_.take_json(kFirst);
   ASSERT_THAT(sent, SizeIs(1));
   EXPECT_THAT(std::string(sent[0]["message"]), HasSubstr("take control first"));
@@ -286,8 +296,8 @@ TEST_F(CallsOfServices, AnswerARefusalAtOnce) {
 
 TEST_F(CallsOfServices, FailWithTheReasonWhereTheCallItselfIsWrong) {
   calls_.handle(kFirst, {.service = 99, .call = 5, .encoding = "json", .payload = "{}"});
-  call(kFirst, "/read", "{}", "xml");
-  call(kFirst, "/read", "[]");
+  send(kFirst, "/read", "{}", "xml");
+  send(kFirst, "/read", "[]");
   const auto sent = server_.take_json(kFirst);
   ASSERT_THAT(sent, SizeIs(3));
   EXPECT_EQ(sent[0]["op"], "serviceCallFailure");
@@ -297,7 +307,7 @@ TEST_F(CallsOfServices, FailWithTheReasonWhereTheCallItselfIsWrong) {
 }
 
 TEST_F(CallsOfServices, AnswerAWrongRequestWithItsReason) {
-  call(kFirst, "/read", R"({"wrong": 1})");
+  send(kFirst, "/read", R"({"wrong": 1})");
   ASSERT_TRUE(server_.run());
   const auto sent = server_.take_json(kFirst);
   EXPECT_EQ(sent.at(0)["outcome"], "failed");
@@ -307,8 +317,8 @@ TEST_F(CallsOfServices, AnswerAWrongRequestWithItsReason) {
 TEST_F(CallsOfServices, StopBesideACallThatWaits) {
   EXPECT_EQ(take(kFirst), "");
   (void)server_.take(kFirst);
-  call(kFirst, "/move", "{}");
-  call(kFirst, "/quick_stop", "{}");
+  send(kFirst, "/move", "{}");
+  send(kFirst, "/quick_stop", "{}");
   ASSERT_TRUE(server_.run());
   EXPECT_EQ(server_.take_json(kFirst).at(0)["service"], "/quick_stop");
 }
@@ -317,20 +327,20 @@ TEST_F(CallsOfServices, AreDroppedWithAnAnswerWhenTooManyWait) {
   EXPECT_EQ(take(kFirst), "");
   (void)server_.take(kFirst);
   // One is under way, and so many may wait.
-  for (std::size_t i = 0; i < bridge::Worker::kMostJobs + 2; ++i) call(kFirst, "/move", "{}");
+  for (std::size_t i = 0; i < bridge::Worker::kMostJobs + 2; ++i) send(kFirst, "/move", "{}");
   const auto sent = server_.take_json(kFirst);
   ASSERT_FALSE(sent.empty());
   EXPECT_EQ(sent.back()["message"], "too many calls wait: this one is dropped");
 }
 
 TEST_F(CallsOfServices, TakeAndReleaseControl) {
-  call(kFirst, "/take_control", "{}");
+  send(kFirst, "/take_control", "{}");
   ASSERT_TRUE(server_.run());
   EXPECT_TRUE(desk_.is_held());
   EXPECT_EQ(server_.take_json(kFirst).back()["ok"], true);
-  call(kSecond, "/release_control", "{}");
+  send(kSecond, "/release_control", "{}");
   EXPECT_TRUE(desk_.is_held()) << "it is another connection's";
-  call(kFirst, "/release_control", "{}");
+  send(kFirst, "/release_control", "{}");
   EXPECT_FALSE(desk_.is_held());
 }
 
@@ -338,14 +348,15 @@ TEST_F(CallsOfServices, TakeAndReleaseControl) {
 
 class ParametersOfClients : public ControlOfAGateway {
  protected:
-  ParameterAnswer read(const BenchList& /*benches*/, const std::vector<std::string>& names) {
+  ParameterAnswer read(const BenchList& /*benches*/,
+                       const std::vector<std::string>& names) override {
     ParameterAnswer answer;
     for (const std::string& name : names) answer.parameters.push_back({name, value_});
     return answer;
   }
 
   ParameterAnswer write(const SessionPointer& /*own*/, const BenchList& benches,
-                        const std::vector<ParameterChange>& changes) {
+                        const std::vector<ParameterChange>& changes) override {
     value_ = changes.front().value;
     ParameterAnswer answer = read(benches, {changes.front().name});
     answer.complaints.emplace_back("out of range");
@@ -354,11 +365,7 @@ class ParametersOfClients : public ControlOfAGateway {
 
   std::int64_t value_ = 5;
   BenchList benches_ = std::make_shared<std::vector<KnownBench>>();
-  ParameterDesk parameters_{{.read = std::bind_front(&ParametersOfClients::read, this),
-                             .write = std::bind_front(&ParametersOfClients::write, this)},
-                            server_.calls(),
-                            clients_,
-                            desk_};
+  ParameterDesk parameters_{*this, server_, clients_, desk_};
 };
 
 TEST_F(ParametersOfClients, ReadsForOneConnectionAndRepeatsItsNumber) {

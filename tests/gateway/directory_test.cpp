@@ -2,8 +2,7 @@
 #include "directory.hpp"
 
 #include "descriptions.hpp"
-#include "parameters.hpp"
-#include "schemas.hpp"
+#include "parameter_desk.hpp"
 #include "services.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive_messages_description.hpp"

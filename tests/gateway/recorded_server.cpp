@@ -6,25 +6,22 @@
 
 namespace vdrive::gateway {
 
-ServerCalls RecordedServer::calls() {
-  return {.send_data =
-              [this](ConnectionId id, Frame frame) {
-                sent_[id].push_back(std::move(frame));
-              },
-          .send_answer =
-              [this](ConnectionId id, Frame frame, bool /*is_shared*/) {
-                sent_[id].push_back(std::move(frame));
-              },
-          .set_patience =
-              [this](ConnectionId id, Patience patience) {
-                patience_[id] = patience;
-              },
-          .post =
-              [this](std::function<void()> action) {
-                const std::scoped_lock lock(mutex_);
-                actions_.push_back(std::move(action));
-                posted_.notify_all();
-              }};
+void RecordedServer::send_data(ConnectionId id, Frame frame) {
+  sent_[id].push_back(std::move(frame));
+}
+
+void RecordedServer::send_answer(ConnectionId id, Frame frame, bool /*is_shared*/) {
+  sent_[id].push_back(std::move(frame));
+}
+
+void RecordedServer::set_patience(ConnectionId id, Patience patience) {
+  patience_[id] = patience;
+}
+
+void RecordedServer::post(std::function<void()> action) {
+  const std::scoped_lock lock(mutex_);
+  actions_.push_back(std::move(action));
+  posted_.notify_all();
 }
 
 std::vector<std::string> RecordedServer::take(ConnectionId id) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server_calls.hpp"
+#include "hub_server.hpp"
 
 #include <condition_variable>
 #include <cstddef>
@@ -16,9 +16,12 @@ namespace vdrive::gateway {
 
 /// The server of a hub's parts without a network: keeps what it is to send, by connection, and runs
 /// what is posted when the test says so.
-class RecordedServer {
+class RecordedServer final : public HubServer {
  public:
-  [[nodiscard]] ServerCalls calls();
+  void send_data(ConnectionId id, Frame frame) override;
+  void send_answer(ConnectionId id, Frame frame, bool is_shared) override;
+  void set_patience(ConnectionId id, Patience patience) override;
+  void post(std::function<void()> action) override;
 
   /// @return the messages to a connection since the last call: text as it is, of binary ones the
   ///         head and the body.

@@ -6,6 +6,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
 namespace vdrive::ros2 {
 namespace {
 
@@ -13,6 +18,7 @@ using testing::AllOf;
 using testing::Contains;
 using testing::Each;
 using testing::ElementsAre;
+using testing::Field;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -32,6 +38,13 @@ struct Commanded : FakeBenches {
     motion().command(
         {.joint = {.bench = 1, .place = place}, .interface = interface, .value = value});
     turn();
+  }
+
+  /// Goes to 1 rad within 1 s.
+  void follow(std::size_t place, std::uint64_t number) {
+    const std::vector<PathPoint> points{{.time = 1.0, .position = 1.0}};
+    motion().follow(place, std::make_shared<const JointPath>(JointMotion{}, points),
+                    motion().begin_tick(), number);
   }
 
   std::int32_t demand(std::size_t place) {
@@ -58,7 +71,7 @@ TEST(BenchMotion, SendsEachTickOnceAndAheadOfTheBench) {
   }
   fake.run(1);
   EXPECT_THAT(with_axes(fake.drive().take_sent()),
-              ElementsAre(testing::Field(&client::SetPointFrame::tick, FakeBench::kBegin + 41)));
+              ElementsAre(Field(&client::SetPointFrame::tick, FakeBench::kBegin + 41)));
 }
 
 TEST(BenchMotion, MovesTwoJointsInTheSameFrames) {
@@ -68,7 +81,7 @@ TEST(BenchMotion, MovesTwoJointsInTheSameFrames) {
   fake.command(1, CommandInterface::position, -0.5);
   fake.run(100);
   EXPECT_THAT(with_axes(fake.drive().take_sent()),
-              Each(testing::Field(&client::SetPointFrame::axes, SizeIs(2))));
+              Each(Field(&client::SetPointFrame::axes, SizeIs(2))));
   fake.run(400);
   EXPECT_EQ(fake.demand(0), 500) << "0.5 rad of 0.001 rad";
   EXPECT_EQ(fake.demand(1), -500);
@@ -158,12 +171,12 @@ TEST(BenchMotion, BrakesAJointThatGetsNoCommandInTime) {
   Settings settings;
   settings.command_timeout = 0.05;
   Commanded fake(settings);
-  fake.command(0, CommandInterface::velocity, 1.0);
+  fake.command(1, CommandInterface::velocity, 1.0);
   fake.run(50);
   EXPECT_THAT(fake.written.lines, IsEmpty());
-  EXPECT_EQ(fake.drive().axis(0).status.velocity_demand_value, 1'000);
+  EXPECT_EQ(fake.drive().axis(1).status.velocity_demand_value, 1'000);
   fake.run(1);
-  EXPECT_THAT(fake.written.lines, ElementsAre("joint x: no command for 0.05 s: it brakes"));
+  EXPECT_THAT(fake.written.lines, ElementsAre("joint y: no command for 0.05 s: it brakes"));
   EXPECT_EQ(with_axes(fake.drive().take_sent()).back().axes[0].velocity, 0);
 }
 
@@ -258,13 +271,87 @@ TEST(BenchMotion, EndsItsPlansWhenTheBenchCountsFromALowerNumber) {
 
 TEST(BenchMotion, EndsItsPlansWhenTheBenchSendsNoStatus) {
   Commanded fake;
-  fake.command(0, CommandInterface::position, 1.0);
-  fake.benches.all().at(1).bench->set_state(nullptr);
-  (void)fake.motion().update(fake.time);
+  fake.follow(0, 3);
+  fake.command(1, CommandInterface::velocity, 1.0);
+  fake.motion().bench().set_state(nullptr);
+  EXPECT_THAT(fake.motion().update(fake.time),
+              ElementsAre(AllOf(Field(&BrokenTrajectory::number, std::uint64_t{3}),
+                                Field(&BrokenTrajectory::reason, "bench 1 sends no status"))));
   EXPECT_EQ(fake.motion().state(), nullptr);
   EXPECT_THAT(fake.motion().duties(), Each(Duty::none));
   fake.command(0, CommandInterface::position, 1.0);
   EXPECT_THAT(fake.written.lines, Contains(HasSubstr("is on a bench that sends no status")));
+}
+
+TEST(BenchMotion, LeavesPlansAloneWhileAllIsWell) {
+  Commanded fake;
+  fake.follow(0, 3);
+  fake.run(1);
+  EXPECT_THAT(fake.motion().update(fake.time), IsEmpty());
+  EXPECT_EQ(fake.motion().trajectory_of(0), 3U);
+  EXPECT_THAT(fake.written.lines, IsEmpty());
+}
+
+TEST(BenchMotion, EndsATrajectoryThatTheBenchHasOvertakenAndKeepsALargerDistance) {
+  Commanded fake;
+  fake.follow(0, 3);
+  fake.follow(1, 3);
+  fake.turn();  // sends up to tick 1,100
+  fake.drive().count_from(1'101);
+  fake.drive().link(fake.motion().bench());
+  const auto broken = fake.motion().update(fake.time);
+  ASSERT_THAT(broken, SizeIs(2)) << "one a joint";
+  EXPECT_EQ(broken[0].reason, "bench 1 was 1 ticks ahead of its set-points");
+  EXPECT_THAT(fake.motion().duties(), Each(Duty::hold));
+  EXPECT_EQ(fake.motion().begin_tick(), 1'120U) << "20 ticks ahead";
+}
+
+// ---- why a command is refused
+
+std::string problem_with(CommandInterface interface, double value,
+                         const JointLimits& limits = FakeBench::limits()) {
+  return problem_of({.joint = {}, .interface = interface, .value = value},
+                    FakeBench({"x"}).joints()[0], limits);
+}
+
+TEST(MotionCheck, NamesWhatKeepsTheBridgeFromAnAxis) {
+  FakeBench bench({"x"});
+  Bench::Names names;
+  const auto obstacle = [&](bool has_limits = true) {
+    return obstacle_of(bench.axis(0), FakeBench::kSession, has_limits, &names);
+  };
+  EXPECT_EQ(obstacle(), "is not under control of this bridge yet");
+  bench.axis(0).owner_session = 0x0B;
+  EXPECT_EQ(obstacle(), "is controlled by an unknown program, session 0x000000000000000b");
+  names[0x0B] = {.program = "vdrive", .process = 4711, .host = "bench-host"};
+  EXPECT_EQ(obstacle(),
+            "is controlled by vdrive (process 4711 on bench-host), session 0x000000000000000b");
+  bench.axis(0).owner_session = FakeBench::kSession;
+  EXPECT_EQ(obstacle(false), "has limits that are not known yet");
+  EXPECT_THAT(obstacle(), HasSubstr("Switch on disabled"));
+  bench.enable();
+  EXPECT_THAT(obstacle(), IsEmpty());
+}
+
+TEST(MotionCheck, PermitsAValueAtItsLimitAndNoneBeyond) {
+  EXPECT_THAT(problem_with(CommandInterface::position, 10.0), IsEmpty());
+  EXPECT_EQ(problem_with(CommandInterface::position, 10.5),
+            "position 10.5 rad is beyond the limits -10 to 10");
+  EXPECT_EQ(problem_with(CommandInterface::position, -10.5),
+            "position -10.5 rad is beyond the limits -10 to 10");
+  EXPECT_THAT(problem_with(CommandInterface::velocity, -5.0), IsEmpty());
+  EXPECT_EQ(problem_with(CommandInterface::velocity, -5.5), "velocity -5.5 is above the limit 5");
+  EXPECT_THAT(problem_with(CommandInterface::effort, 3.0), IsEmpty());
+  EXPECT_EQ(problem_with(CommandInterface::effort, 3.5), "effort 3.5 is above the limit 3");
+}
+
+TEST(MotionCheck, RefusesAPositionThatNoSpeedOrRampReaches) {
+  JointLimits still = FakeBench::limits();
+  still.ramp = 0.0;
+  EXPECT_THAT(problem_with(CommandInterface::position, 1.0, still), HasSubstr("allows no motion"));
+  still = FakeBench::limits();
+  still.velocity = 0.0;
+  EXPECT_THAT(problem_with(CommandInterface::position, 1.0, still), HasSubstr("allows no motion"));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <random>
 
 namespace vdrive::ros2 {
@@ -82,6 +83,68 @@ TEST(JointTracker, BrakesToRestOnItsRamp) {
   while (!tracker.is_at_rest() && ++ticks < 1'000) (void)tracker.step(kTick, limits());
   EXPECT_NEAR(tracker.now().position, 1.125, 1e-9);  // 1 + 5² / (2 * 100)
   EXPECT_NEAR(ticks, 50, 3);
+}
+
+// ---- velocities and efforts
+
+TEST(ValueLine, StaysAtItsStartUntilAValueArrives) {
+  ValueLine line(0.7);
+  EXPECT_TRUE(line.is_at_goal());
+  EXPECT_EQ(line.step(kTick, 1.0), 0.7);
+}
+
+// 1 in 10 ms is 0.1 a tick.
+TEST(ValueLine, ReachesAValueInAStraightLineAndExactly) {
+  ValueLine line(0.0);
+  line.go_to(1.0, 0.01);
+  double last = 0.0;
+  int ticks = 0;
+  while (!line.is_at_goal() && ++ticks < 100) {
+    const double now = line.step(kTick, 1'000.0);
+    if (ticks <= 10) {
+      EXPECT_NEAR(now - last, 0.1, 1e-12);
+    }
+    last = now;
+  }
+  EXPECT_EQ(last, 1.0);
+  EXPECT_NEAR(ticks, 10, 1);
+}
+
+// A line that would have 0.1 a tick has 0.02.
+TEST(ValueLine, IsAsSlowAsItsSlope) {
+  ValueLine line(0.0);
+  line.go_to(-1.0, 0.01);
+  int ticks = 0;
+  while (!line.is_at_goal() && ++ticks < 100) (void)line.step(kTick, 20.0);
+  EXPECT_NEAR(ticks, 50, 1);
+}
+
+TEST(ValueLine, TurnsAtOnceToAnotherValue) {
+  ValueLine line(0.0);
+  line.go_to(10.0, 0.0);
+  for (int tick = 0; tick < 10; ++tick) (void)line.step(kTick, 100.0);
+  line.go_to(-10.0, 0.0);
+  EXPECT_NEAR(line.step(kTick, 100.0), 0.9, 1e-12) << "1.0 less a step of 0.1";
+}
+
+TEST(ValueLine, KeepsItsSlopeForAnyValues) {
+  std::mt19937 random(4711);  // NOLINT(cert-*): the same every time
+  std::uniform_real_distribution<double> goals(-3.0, 3.0);
+  std::uniform_real_distribution<double> times(0.0, 0.05);
+  ValueLine line(0.0);
+  double before = 0.0;
+  for (int command = 0; command < 2'000; ++command) {
+    const double goal = goals(random);
+    const double time = times(random);
+    line.go_to(goal, time);
+    for (int tick = 0; tick < 17; ++tick) {
+      const double now = line.step(kTick, 100.0);
+      ASSERT_LE(std::abs(now - before), 0.1 + 1e-12)
+          << std::setprecision(17) << "at " << before << ": line.go_to(" << goal << ", " << time
+          << "), tick " << tick;
+      before = now;
+    }
+  }
 }
 
 }  // namespace

@@ -25,12 +25,12 @@ inline constexpr std::size_t kRefusals = 5;
 
 /// Who may connect.
 struct AdmissionRules {
-  std::vector<std::string> hosts{};    ///< names of this machine beside localhost and addresses
+  std::vector<std::string> hosts{};    ///< names of this machine besides localhost and addresses
   std::vector<std::string> origins{};  ///< foreign pages that may connect, such as "https://x.org"
   std::string token{};                 ///< empty = none needed
 };
 
-/// What the HTTP request of a client has that opens a WebSocket. Empty = not given.
+/// The HTTP request by which a client opens a WebSocket. Empty = not given.
 struct UpgradeRequest {
   std::string_view target;         ///< such as "/?token=..."
   std::string_view host;           ///< header Host
@@ -47,8 +47,8 @@ struct Admission {
   std::string reason{};             ///< refused: a sentence
 };
 
-/// A page elsewhere can lead a browser here under a name of its own (DNS rebinding); an address, or
-/// a name that this machine is known to have, cannot be such a name.
+/// A foreign page can lead a browser here under a name of its own (DNS rebinding). An address, and
+/// a name that this machine is known to have, are safe.
 /// @param host header of an HTTP request
 [[nodiscard]] bool is_own_host(std::string_view host, const AdmissionRules& rules);
 

@@ -87,11 +87,11 @@ BenchChannels bench_channels(const KnownBench& bench) {
 }
 
 BenchFeed::BenchFeed(client::Session& session, bridge::Presence& presence, KnownBench bench,
-                     FeedSettings settings, Publish publish)
+                     FeedSettings settings, BenchNews& news)
     : session_(session),
       presence_(presence),
       settings_(settings),
-      publish_(std::move(publish)),
+      news_(news),
       channels_(bench_channels(bench)),
       bench_(std::move(bench)),
       ids_(ids_of(bench_)),
@@ -122,9 +122,9 @@ void BenchFeed::on_event(const client::Event& event) {
 }
 
 void BenchFeed::send(const ChannelPointer& channel, std::uint64_t time, std::string message) const {
-  publish_({.bench = bench_.info.number,
-            .time = time,
-            .messages = {{channel, share(std::move(message))}}});
+  news_.publish({.bench = bench_.info.number,
+                 .time = time,
+                 .messages = {{channel, share(std::move(message))}}});
 }
 
 void BenchFeed::run(const std::stop_token& stop) {
@@ -254,7 +254,7 @@ void BenchFeed::publish_axes() {
   }
   is_new_ = false;
   is_urgent_ = false;
-  publish_(std::move(batch));
+  news_.publish(std::move(batch));
 }
 
 void BenchFeed::add_axes(Batch& batch) {
@@ -326,7 +326,7 @@ void BenchFeed::publish_state(Clock::time_point now) {
   if (!record) return;
   const std::uint64_t time = time_of(record->info.tick);
   if (!channels_.state->is_wanted()) {
-    return publish_({.bench = bench_.info.number, .time = time});
+    return news_.publish({.bench = bench_.info.number, .time = time});
   }
   const auto age = std::chrono::duration_cast<milliseconds>(now - record->newest_sample);
   send(channels_.state, time,

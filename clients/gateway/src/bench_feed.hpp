@@ -49,9 +49,9 @@ struct FeedSettings {
 class BenchFeed {
  public:
   /// @param session outlives the feed, as `presence` does, which knows the bench
-  /// @param publish any thread; takes a batch and does not wait
+  /// @param news gets what it publishes, and outlives the feed
   BenchFeed(client::Session& session, bridge::Presence& presence, KnownBench bench,
-            FeedSettings settings, Publish publish);
+            FeedSettings settings, BenchNews& news);
   ~BenchFeed() = default;
   BenchFeed(const BenchFeed&) = delete;
   BenchFeed& operator=(const BenchFeed&) = delete;
@@ -89,7 +89,7 @@ class BenchFeed {
   client::Session& session_;
   bridge::Presence& presence_;
   const FeedSettings settings_;
-  const Publish publish_;
+  BenchNews& news_;
   const BenchChannels channels_;
 
   const KnownBench bench_;  ///< as it was found first

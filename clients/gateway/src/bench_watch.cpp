@@ -16,8 +16,8 @@ constexpr milliseconds kPeriod{500};
 }  // namespace
 
 BenchWatch::BenchWatch(client::Session& session, EventLog& events, FeedSettings settings,
-                       BenchNews news)
-    : session_(session), events_(events), settings_(settings), news_(std::move(news)) {
+                       BenchNews& news)
+    : session_(session), events_(events), settings_(settings), news_(news) {
   session_.watch_services([this](const client::ServiceChange& change) {
     on_change(change);
   });
@@ -100,7 +100,7 @@ void BenchWatch::add(std::uint32_t bench) {
   auto record = presence_.find(bench);
   ensure(record.has_value(), "a bench that came is known until this thread takes news again");
   auto feed = std::make_shared<BenchFeed>(session_, presence_, known_bench(std::move(record->info)),
-                                          settings_, news_.publish);
+                                          settings_, news_);
   {
     const std::scoped_lock lock(mutex_);
     feeds_[bench] = feed;

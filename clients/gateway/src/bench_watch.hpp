@@ -5,7 +5,6 @@
 #include "event_log.hpp"
 
 #include <condition_variable>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -13,13 +12,6 @@
 #include <vector>
 
 namespace vdrive::gateway {
-
-/// What happens to benches. Called in threads of the gateway; may not wait.
-struct BenchNews {
-  std::function<void(std::uint32_t bench, const std::vector<ChannelPointer>& channels)> came;
-  std::function<void(std::uint32_t bench, const std::vector<ChannelPointer>& channels)> went;
-  Publish publish;
-};
 
 /// What is known of a bench that has topics.
 struct BenchPresence {
@@ -32,8 +24,8 @@ struct BenchPresence {
 /// its topics for a minute; one that announces its end loses them at once.
 class BenchWatch {
  public:
-  /// @param session outlives the watch, as `events` does, which gets every event
-  BenchWatch(client::Session& session, EventLog& events, FeedSettings settings, BenchNews news);
+  /// @param session outlives the watch, as `news` does, and `events`, which gets every event
+  BenchWatch(client::Session& session, EventLog& events, FeedSettings settings, BenchNews& news);
   ~BenchWatch();
   BenchWatch(const BenchWatch&) = delete;
   BenchWatch& operator=(const BenchWatch&) = delete;
@@ -55,7 +47,7 @@ class BenchWatch {
   client::Session& session_;
   EventLog& events_;
   const FeedSettings settings_;
-  const BenchNews news_;
+  BenchNews& news_;
   mutable bridge::Presence presence_{{.continues = have_same_topics}};
   mutable std::mutex mutex_;  ///< guards what follows
   std::map<std::uint32_t, std::shared_ptr<BenchFeed>> feeds_;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "hub_server.hpp"
 #include "protocol.hpp"
-#include "server_calls.hpp"
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -24,7 +23,7 @@ struct Channel {
 
   const ChannelInfo info;
   std::atomic<std::uint32_t> subscriptions = 0;
-  std::atomic<bool> has_new_receiver = false;  ///< and waits for its first message
+  std::atomic<bool> has_new_receiver = false;  ///< which waits for its first message
   std::vector<Receiver> receivers{};           ///< of the hub's thread
 
   /// @return whether a client receives it.
@@ -46,7 +45,16 @@ struct Batch {
   std::vector<ChannelMessage> messages{};
 };
 
-using Publish = std::function<void(Batch batch)>;
+/// Who hears of benches that come and go, and of what they publish. Called in threads of the
+/// gateway; may not wait.
+class BenchNews {
+ public:
+  virtual ~BenchNews() = default;
+
+  virtual void came(std::uint32_t bench, const std::vector<ChannelPointer>& channels) = 0;
+  virtual void went(std::uint32_t bench, const std::vector<ChannelPointer>& channels) = 0;
+  virtual void publish(Batch batch) = 0;
+};
 
 /// @return the next number for a channel; never the same twice in one run. Thread-safe.
 [[nodiscard]] std::uint32_t next_channel_id();

@@ -107,6 +107,18 @@ void ChannelTable::end(ConnectionId id, std::uint32_t subscription, Channel& cha
   has_changed_ = true;
 }
 
+void ChannelTable::put(Batch batch) {
+  if (batches_on_their_way_ >= kMostBatches) {
+    ++lost_batches_;
+    return;
+  }
+  ++batches_on_their_way_;
+  server_.post([this, batch = std::move(batch)] {
+    --batches_on_their_way_;
+    publish(batch, Clock::now());
+  });
+}
+
 void ChannelTable::publish(const Batch& batch, Clock::time_point now) {
   for (const ChannelMessage& message : batch.messages) {
     for (const Receiver& receiver : message.channel->receivers) {
@@ -128,14 +140,13 @@ void ChannelTable::send_time(const Batch& batch, Clock::time_point now) {
   }
 }
 
-void ChannelTable::add_to(Graph& graph,
-                          const std::function<std::string(ConnectionId)>& name) const {
+void ChannelTable::add_to(Graph& graph, const ClientTable& clients) const {
   for (const auto& [number, channel] : channels_) {
     const std::string& topic = channel->info.topic;
     graph.published.push_back({topic, {name_of_bench(topic)}});
     GraphEntry subscribed{topic, {}};
     for (const Receiver& receiver : channel->receivers) {
-      subscribed.ids.push_back(name(receiver.connection));
+      subscribed.ids.push_back(clients.name(receiver.connection));
     }
     // Also without subscribers: those that a client knows of are gone then.
     graph.subscribed.push_back(std::move(subscribed));

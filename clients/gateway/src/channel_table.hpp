@@ -2,11 +2,13 @@
 #pragma once
 
 #include "channel.hpp"
-#include "server_calls.hpp"
+#include "client_table.hpp"
+#include "hub_server.hpp"
 
+#include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <string>
 #include <utility>
@@ -14,7 +16,8 @@
 
 namespace vdrive::gateway {
 
-/// The topics of the gateway and of its benches, and who receives them. Of the server's thread.
+/// The topics of the gateway and of its benches, and who receives them. Of the server's thread
+/// where nothing else is stated.
 class ChannelTable {
  public:
   /// Subscriptions that a connection may have: each costs memory that a client decides on.
@@ -25,21 +28,26 @@ class ChannelTable {
   /// Tools show the time by it; 20 times a second are smooth.
   static constexpr std::chrono::milliseconds kTimePeriod{50};
 
-  /// The number of the gateway's own topics in place of that of a bench, which none has.
+  /// Stands for the gateway's own topics where others have the number of their bench. No bench has
+  /// it.
   static constexpr std::uint32_t kOwn = 0;
 
   /// What went wrong with a subscription; empty = nothing.
   using Problem = std::string;
 
-  explicit ChannelTable(ServerCalls server) : server_(std::move(server)) {}
+  /// Batches that may be on their way from the feeds to the server's thread.
+  static constexpr std::size_t kMostBatches = 256;
 
-  /// A connection is open, and receives which topics there are.
+  /// @param server outlives this
+  explicit ChannelTable(HubServer& server) : server_(server) {}
+
+  /// Sends a new connection the topics that there are.
   void open(ConnectionId id);
 
   /// A connection is closed.
   void close(ConnectionId id);
 
-  /// Adds the topics of a bench, or those of the gateway. All connections hear of them.
+  /// Adds the topics of a bench, or those of the gateway, and tells all connections.
   void add(std::uint32_t bench, const std::vector<ChannelPointer>& channels);
 
   void remove(std::uint32_t bench, const std::vector<ChannelPointer>& channels);
@@ -55,18 +63,25 @@ class ChannelTable {
 
   [[nodiscard]] Problem unsubscribe(ConnectionId id, std::uint32_t subscription);
 
-  /// Sends a batch to those who receive its topics, and all the time of the bench with the lowest
-  /// number, which is the clock of tools, at most once in kTimePeriod.
+  /// Has the server's thread publish() a batch. When the server is late, new batches are left out
+  /// and counted: what it cannot send now it does not need later. Any thread; does not wait.
+  void put(Batch batch);
+
+  /// @return how many batches were left out. Any thread.
+  [[nodiscard]] std::uint64_t lost_batches() const noexcept { return lost_batches_; }
+
+  /// Sends a batch to those who receive its topics. Sends everybody the time of the bench with the
+  /// lowest number, which is the clock of tools, at most once in kTimePeriod.
   void publish(const Batch& batch, Clock::time_point now);
 
   /// @return whether topics or subscriptions have changed since the last call.
   [[nodiscard]] bool take_change() noexcept { return std::exchange(has_changed_, false); }
 
   /// Adds topics and subscriptions to the graph of connections.
-  /// @param name gives the name of a connection
-  void add_to(Graph& graph, const std::function<std::string(ConnectionId)>& name) const;
+  /// @param clients has the names of the connections
+  void add_to(Graph& graph, const ClientTable& clients) const;
 
-  /// The clients have received which topics are gone.
+  /// The clients have been told which topics are gone.
   void forget_removed() { removed_topics_.clear(); }
 
   [[nodiscard]] std::size_t size() const noexcept { return channels_.size(); }
@@ -84,13 +99,15 @@ class ChannelTable {
   void end(ConnectionId id, std::uint32_t subscription, Channel& channel);
   void send_to_all(const SharedBytes& text);
 
-  const ServerCalls server_;
+  HubServer& server_;
   std::map<std::uint32_t, ChannelPointer> channels_;
   std::map<std::uint32_t, SharedBytes> advertisements_;  ///< by bench
   std::map<ConnectionId, Subscriptions> connections_;
   std::vector<std::string> removed_topics_;
   bool has_changed_ = false;
   Clock::time_point time_sent_{};
+  std::atomic<std::size_t> batches_on_their_way_ = 0;
+  std::atomic<std::uint64_t> lost_batches_ = 0;
 };
 
 }  // namespace vdrive::gateway

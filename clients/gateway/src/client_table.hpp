@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server_calls.hpp"
+#include "hub_server.hpp"
 #include "worker.hpp"
 
 #include <atomic>
@@ -15,7 +15,7 @@
 namespace vdrive::gateway {
 
 /// The connections that are open: their names, and a thread for each in which its calls wait. Of
-/// the server's thread. Where nothing else is stated the connection is open.
+/// the server's thread. Unless stated otherwise the connection is open.
 class ClientTable {
  public:
   void open(ConnectionId id);

@@ -31,10 +31,11 @@ Patience patience_of_holder(std::chrono::milliseconds silence) {
 
 }  // namespace
 
-ControlDesk::ControlDesk(bool is_enabled, Calls calls, ServerCalls server, ClientTable& clients)
+ControlDesk::ControlDesk(bool is_enabled, BenchAccess& access, HubServer& server,
+                         ClientTable& clients)
     : is_enabled_(is_enabled),
-      calls_(std::move(calls)),
-      server_(std::move(server)),
+      access_(access),
+      server_(server),
       clients_(clients),
       channel_(std::make_shared<Channel>(control_channel())) {}
 
@@ -89,8 +90,8 @@ void ControlDesk::take(ConnectionId id, const Json& request, const Answer& answe
   }
   const bool is_posted = clients_.post(id, [this, id, taking = std::move(taking), answer] {
     try {
-      server_.post([this, id, taking, answer, session = calls_.open()] {
-        if (!clients_.contains(id)) return;  // it closed meanwhile; the session holds nothing yet
+      server_.post([this, id, taking, answer, session = access_.open()] {
+        if (!clients_.contains(id)) return;  // it has closed; the session holds nothing yet
         // Another connection may have taken control while the session was made.
         if (is_other_holder(id) && !taking.by_force) return answer({.outcome = held_outcome()});
         on_session(id, taking, session);
@@ -145,9 +146,9 @@ void ControlDesk::close(ConnectionId id, bool is_graceful) {
 
 void ControlDesk::end(bool is_graceful) {
   if (!holder_) return;
-  // No reference stays here: the session ends where calls_.end has it end.
+  // No reference stays here: the session ends where access_.end() has it end.
   Holder ended = *std::exchange(holder_, std::nullopt);
-  calls_.end(std::move(ended.session), is_graceful);
+  access_.end(std::move(ended.session), is_graceful);
 }
 
 void ControlDesk::send_to_all() const {

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bench_access.hpp"
 #include "channel.hpp"
 #include "client_table.hpp"
-#include "held_session.hpp"
-#include "server_calls.hpp"
-#include "services.hpp"
+#include "hub_server.hpp"
 #include "web_server.hpp"
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -21,22 +19,16 @@ namespace vdrive::gateway {
 /// thread; a session is opened in the thread of its connection.
 class ControlDesk {
  public:
-  /// How long the program of the holder may be silent before it is a lost master: what it may
-  /// choose. At first it is the longest, which is that of every connection.
+  /// How long the holder's program may be silent before it counts as a lost master: the holder
+  /// chooses between these. Without a choice it is the longest, as for every connection.
   static constexpr std::chrono::milliseconds kShortestSilence{1'000};
   static constexpr std::chrono::milliseconds kLongestSilence = WebServer::kPatience.program;
-
-  /// What it does with the session of a holder.
-  struct Calls {
-    std::function<HeldSession()> open;                            ///< waits; throws std::exception
-    std::function<void(HeldSession held, bool is_graceful)> end;  ///< see end_held_session()
-  };
 
   using Answer = Jogs::Answer;
 
   /// @param is_enabled the gateway lets clients command
-  /// @param clients outlives this
-  ControlDesk(bool is_enabled, Calls calls, ServerCalls server, ClientTable& clients);
+  /// @param access outlives this, as `server` and `clients` do
+  ControlDesk(bool is_enabled, BenchAccess& access, HubServer& server, ClientTable& clients);
 
   /// The holder gives its axes back.
   ~ControlDesk();
@@ -54,11 +46,11 @@ class ControlDesk {
   /// @return the session of this connection; none when it does not hold control.
   [[nodiscard]] SessionPointer session_of(ConnectionId id) const;
 
-  /// The connection, which is open and holds control, jogs an axis: see Jogs::request().
+  /// Jogs an axis for the holder of control: see Jogs::request().
   void jog(const JogRequest& request, Jogs::Clock::time_point now, const Answer& answer);
 
-  /// The connection, which is open, wants control, another name or another limit of its silence.
-  /// Control that another one holds is taken over when the request has force.
+  /// An open connection asks for control, another name or another limit of its silence. A request
+  /// with force takes control over from another connection.
   /// @param answer is called in the server's thread
   /// @throws ProtocolError when the request is wrong
   void take(ConnectionId id, const Json& request, const Answer& answer);
@@ -72,7 +64,7 @@ class ControlDesk {
   /// Sends the message of the topic to one receiver.
   void send_to(ConnectionId id, std::uint32_t subscription) const;
 
-  /// Drops what ended jogs of the holder have left.
+  /// Drops the threads of the holder's jogs that have ended.
   void forget_ended_jogs();
 
  private:
@@ -103,8 +95,8 @@ class ControlDesk {
   [[nodiscard]] client::Outcome held_outcome() const;
 
   const bool is_enabled_;
-  const Calls calls_;
-  ServerCalls server_;
+  BenchAccess& access_;
+  HubServer& server_;
   ClientTable& clients_;
   ChannelPointer channel_;
   std::optional<Holder> holder_;

@@ -2,7 +2,6 @@
 #include "descriptions.hpp"
 
 #include "channel.hpp"
-#include "schemas.hpp"
 #include "vdrive/cia402/bit_names.hpp"
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/cia402/homing_method.hpp"

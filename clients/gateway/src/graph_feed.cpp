@@ -21,9 +21,7 @@ void GraphFeed::send_changes() {
 
 void GraphFeed::send(ConnectionId id) const {
   Graph graph;
-  channels_.add_to(graph, [this](ConnectionId client) {
-    return clients_.name(client);
-  });
+  channels_.add_to(graph, clients_);
   for (const ServiceRow& row : services()) {
     graph.services.push_back({std::string(row.name), {"gateway"}});
   }

@@ -3,10 +3,9 @@
 
 #include "channel_table.hpp"
 #include "client_table.hpp"
-#include "server_calls.hpp"
+#include "hub_server.hpp"
 
 #include <set>
-#include <utility>
 
 namespace vdrive::gateway {
 
@@ -14,9 +13,9 @@ namespace vdrive::gateway {
 /// there are, and who receives them. Of the server's thread.
 class GraphFeed {
  public:
-  /// @param channels outlives this, as `clients` does
-  GraphFeed(ServerCalls server, ChannelTable& channels, const ClientTable& clients)
-      : server_(std::move(server)), channels_(channels), clients_(clients) {}
+  /// @param server outlives this, as `channels` and `clients` do
+  GraphFeed(HubServer& server, ChannelTable& channels, const ClientTable& clients)
+      : server_(server), channels_(channels), clients_(clients) {}
 
   /// Subscribes it, which sends it at once, or ends the subscription.
   void subscribe(ConnectionId id, bool is_on);
@@ -30,7 +29,7 @@ class GraphFeed {
  private:
   void send(ConnectionId id) const;
 
-  ServerCalls server_;
+  HubServer& server_;
   ChannelTable& channels_;
   const ClientTable& clients_;
   std::set<ConnectionId> subscribers_;

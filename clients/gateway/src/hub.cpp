@@ -6,6 +6,8 @@
 #include "vdrive/number_text.hpp"
 #include "wall_time.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <random>
@@ -16,14 +18,6 @@
 namespace vdrive::gateway {
 namespace {
 
-using std::chrono::milliseconds;
-
-constexpr milliseconds kTidyPeriod{500};
-// Each poll is a request to the bench, for all parameters of all clients: at most twice a second.
-constexpr milliseconds kParameterPoll{500};
-// A page that opens subscribes a thousand topics: they are one change.
-constexpr milliseconds kGraphPeriod{500};
-
 /// Another one in each run: a client that connects again forgets what it knew of the run before.
 std::string random_text() {
   std::random_device device;
@@ -33,47 +27,24 @@ std::string random_text() {
 }  // namespace
 
 Hub::Hub(WebServer& server, const HubSettings& settings)
-    : web_(server),
-      server_(server.calls()),
+    : server_(server),
       server_info_(server_info_text({.is_control = settings.is_control,
                                      .is_token = settings.is_token,
                                      .version = VDRIVE_VERSION,
                                      .session = random_text()})),
       services_(share(advertise_services_text(service_infos()))),
       dictionary_(share(dictionary_text())),
-      session_(settings.session),
-      channels_(server_),
-      graph_(server_, channels_, clients_),
-      control_(settings.is_control,
-               {.open = std::bind_front(open_held_session, settings.session),
-                .end =
-                    [this](HeldSession held, bool is_graceful) {
-                      end_held_session(std::move(held), is_graceful, session_ends_);
-                    }},
-               server_, clients_),
+      options_(settings.session),
+      session_(options_),
+      channels_(server),
+      graph_(server, channels_, clients_),
+      control_(settings.is_control, *this, server, clients_),
       dictionary_channel_(std::make_shared<Channel>(dictionary_channel())),
-      calls_(server_, clients_, control_,
-             [this](const ServiceRow& row, const SessionPointer& own, const Json& request) {
-               if (row.right == Right::events) return call_events(events_, request);
-               return row.carry_out(own ? *own : session_, request);
-             }),
-      parameters_({.read =
-                       [this](const BenchList& benches, const std::vector<std::string>& names) {
-                         return read_parameters(session_, *benches, names);
-                       },
-                   .write =
-                       [](const SessionPointer& own, const BenchList& benches,
-                          const std::vector<ParameterChange>& changes) {
-                         return write_parameters(*own, *benches, changes);
-                       }},
-                  server_, clients_, control_),
-      batches_(server_.post, [this](const Batch& batch) {
-        channels_.publish(batch, ChannelTable::Clock::now());
-      }) {
+      calls_(*this, server, clients_, control_),
+      parameters_(*this, server, clients_, control_) {
   channels_.add(ChannelTable::kOwn, {control_.channel(), dictionary_channel_});
-  begin_timers(server);
   watch_.emplace(session_, events_,
-                 FeedSettings{.rate = settings.rate, .clients = &clients_.count()}, bench_news());
+                 FeedSettings{.rate = settings.rate, .clients = &clients_.count()}, *this);
 }
 
 /// After the server has ended: every connection is closed, nothing is posted any more.
@@ -85,47 +56,28 @@ Hub::~Hub() {
   clients_.join_ended();
 }
 
-void Hub::begin_timers(WebServer& server) {
-  server.every(kTidyPeriod, [this] {
-    control_.forget_ended_jogs();
-    clients_.forget_ended();
-  });
-  server.every(kParameterPoll, [this] {
-    parameters_.poll(watch_->benches());
-  });
-  server.every(kGraphPeriod, [this] {
-    graph_.send_changes();
-  });
+// ---- what benches report, in other threads: the tables are of the server's
+
+void Hub::came(std::uint32_t bench, const std::vector<ChannelPointer>& channels) {
+  server_.post(std::bind_front(&ChannelTable::add, &channels_, bench, channels));
 }
 
-/// Comes from threads of the watch and its feeds: the tables are of the server's thread.
-BenchNews Hub::bench_news() {
-  return {.came =
-              [this](std::uint32_t bench, const std::vector<ChannelPointer>& channels) {
-                server_.post(std::bind_front(&ChannelTable::add, &channels_, bench, channels));
-              },
-          .went =
-              [this](std::uint32_t bench, const std::vector<ChannelPointer>& channels) {
-                server_.post(std::bind_front(&ChannelTable::remove, &channels_, bench, channels));
-              },
-          .publish = std::bind_front(&BatchQueue::put, &batches_)};
+void Hub::went(std::uint32_t bench, const std::vector<ChannelPointer>& channels) {
+  server_.post(std::bind_front(&ChannelTable::remove, &channels_, bench, channels));
 }
 
-WebEvents Hub::events() {
-  return {.opened = std::bind_front(&Hub::on_open, this),
-          .received = std::bind_front(&Hub::on_bytes, this),
-          .closed = std::bind_front(&Hub::on_close, this),
-          .metrics = std::bind_front(&Hub::metrics, this)};
+void Hub::publish(Batch batch) {
+  channels_.put(std::move(batch));
 }
 
 // ---- what the server reports
 
 std::string Hub::metrics() const {
-  return metrics_text({.web = web_.counters(),
+  return metrics_text({.web = server_.counters(),
                        .channels = channels_.size(),
                        .subscribed = channels_.subscribed(),
                        .subscriptions = channels_.subscriptions(),
-                       .lost_batches = batches_.lost(),
+                       .lost_batches = channels_.lost_batches(),
                        .is_controlled = control_.is_held(),
                        .benches = watch_->presences()});
 }
@@ -138,7 +90,7 @@ void Hub::on_open(ConnectionId id) {
   channels_.open(id);
 }
 
-void Hub::on_bytes(ConnectionId id, bool is_text, std::string_view bytes) {
+void Hub::on_message(ConnectionId id, bool is_text, std::string_view bytes) {
   if (!clients_.contains(id)) return;
   try {
     const ClientMessage message = is_text ? parse_text(bytes) : parse_binary(bytes);
@@ -159,6 +111,13 @@ void Hub::on_close(ConnectionId id, bool is_graceful) {
   parameters_.forget(id);
   // Last: the others hear of it, and only they.
   control_.close(id, is_graceful);
+}
+
+void Hub::on_turn() {
+  control_.forget_ended_jogs();
+  clients_.forget_ended();
+  parameters_.poll(watch_->benches());
+  graph_.send_changes();
 }
 
 void Hub::handle(ConnectionId id, const Subscribe& message) {
@@ -209,6 +168,46 @@ void Hub::handle(ConnectionId id, const SubscribeGraph& message) {
 
 void Hub::handle(ConnectionId id, const CallService& message) {
   calls_.handle(id, message);
+}
+
+// ---- what its parts ask of benches
+
+HeldSession Hub::open() {
+  // A client commands a bench that its page shows: this gateway has found it. The holder's session
+  // is a new participant, which a busy machine may keep from finding it for longer than a search.
+  constexpr std::chrono::seconds kFindTimeout{5};
+  client::SessionOptions own = options_;
+  own.find_timeout = std::max<std::chrono::milliseconds>(own.find_timeout, kFindTimeout);
+  auto session = std::make_shared<client::Session>(own);
+  return {.id = session->id(), .session = session, .jogs = std::make_shared<Jogs>(session)};
+}
+
+void Hub::end(HeldSession held, bool is_graceful) {
+  // At once: a worker of the connection may be in a call of this session.
+  if (!is_graceful) held.session->abandon();
+  // A full queue drops it, which ends jogs and session too: here, and then this thread waits.
+  (void)session_ends_.post([held = std::move(held), is_graceful]() mutable {
+    held.jogs.reset();  // what it jogs stands, before its axes are given back
+    if (is_graceful) {
+      held.session->interrupt();
+      (void)held.session->release();
+    }
+    held.session.reset();
+  });
+}
+
+CallAnswer Hub::call(const ServiceRow& row, const SessionPointer& own, const Json& request) {
+  if (row.right == Right::events) return call_events(events_, request);
+  return row.carry_out(own ? *own : session_, request);
+}
+
+ParameterAnswer Hub::read(const BenchList& benches, const std::vector<std::string>& names) {
+  return read_parameters(session_, *benches, names);
+}
+
+ParameterAnswer Hub::write(const SessionPointer& own, const BenchList& benches,
+                           const std::vector<ParameterChange>& changes) {
+  return write_parameters(*own, *benches, changes);
 }
 
 }  // namespace vdrive::gateway

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "batch_queue.hpp"
+#include "bench_access.hpp"
 #include "bench_watch.hpp"
 #include "channel_table.hpp"
 #include "client_table.hpp"
@@ -12,9 +12,11 @@
 #include "service_calls.hpp"
 #include "web_server.hpp"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdrive::gateway {
 
@@ -27,22 +29,34 @@ struct HubSettings {
 
 /// Puts the parts of the gateway together: gives each message of a client to the part that it is
 /// for, and each part its session, its server and its time. Of the thread of the web server.
-class Hub {
+class Hub final : public WebEvents, public BenchNews, private BenchAccess {
  public:
   /// @param server outlives the hub
   /// @throws std::runtime_error as client::Session does
   Hub(WebServer& server, const HubSettings& settings);
-  ~Hub();
+  ~Hub() override;
   Hub(const Hub&) = delete;
   Hub& operator=(const Hub&) = delete;
 
-  /// What the server has to report to this hub.
-  [[nodiscard]] WebEvents events();
+  void on_open(ConnectionId id) override;
+  void on_message(ConnectionId id, bool is_text, std::string_view bytes) override;
+  void on_close(ConnectionId id, bool is_graceful) override;
+  void on_turn() override;
+  [[nodiscard]] std::string metrics() const override;
 
  private:
-  void on_open(ConnectionId id);
-  void on_bytes(ConnectionId id, bool is_text, std::string_view bytes);
-  void on_close(ConnectionId id, bool is_graceful);
+  [[nodiscard]] HeldSession open() override;
+  void end(HeldSession held, bool is_graceful) override;
+  [[nodiscard]] CallAnswer call(const ServiceRow& row, const SessionPointer& own,
+                                const Json& request) override;
+  [[nodiscard]] ParameterAnswer read(const BenchList& benches,
+                                     const std::vector<std::string>& names) override;
+  [[nodiscard]] ParameterAnswer write(const SessionPointer& own, const BenchList& benches,
+                                      const std::vector<ParameterChange>& changes) override;
+
+  void came(std::uint32_t bench, const std::vector<ChannelPointer>& channels) override;
+  void went(std::uint32_t bench, const std::vector<ChannelPointer>& channels) override;
+  void publish(Batch batch) override;
 
   void handle(ConnectionId id, const Subscribe& message);
   void handle(ConnectionId id, const Unsubscribe& message);
@@ -52,16 +66,13 @@ class Hub {
   void handle(ConnectionId id, const SubscribeGraph& message);
   void handle(ConnectionId id, const CallService& message);
 
-  void begin_timers(WebServer& server);
   void send_first(ConnectionId id, std::uint32_t subscription, const Channel& channel);
-  [[nodiscard]] BenchNews bench_news();
-  [[nodiscard]] std::string metrics() const;
 
-  const WebServer& web_;
-  const ServerCalls server_;
+  WebServer& server_;
   const std::string server_info_;
   const SharedBytes services_;
   const SharedBytes dictionary_;
+  const client::SessionOptions options_;  ///< of all sessions
   client::Session session_;
   EventLog events_;
   bridge::Worker session_ends_;  ///< outlives the sessions of holders
@@ -72,7 +83,6 @@ class Hub {
   ChannelPointer dictionary_channel_;
   ServiceCalls calls_;
   ParameterDesk parameters_;
-  BatchQueue batches_;
   std::optional<BenchWatch> watch_;  ///< last: its threads use what is above
 };
 

@@ -11,9 +11,9 @@ namespace {
 
 using client::Outcome;
 
-/// Jogs an axis while `is_held`, and answers as soon as it runs or is refused.
-void jog(client::Session& session, const JogRequest& request, const std::function<bool()>& is_held,
-         const Jogs::Answer& answer) {
+/// Jogs an axis until `held_until`, and answers as soon as it runs or is refused.
+void jog(client::Session& session, const JogRequest& request,
+         const std::atomic<Jogs::Clock::time_point>& held_until, const Jogs::Answer& answer) {
   auto axis = session.axis(request.axis);
   if (!axis) {
     answer({.outcome = axis.outcome()});
@@ -24,7 +24,7 @@ void jog(client::Session& session, const JogRequest& request, const std::functio
       request.velocity,
       [&](const client::AxisSnapshot&) {
         if (!std::exchange(has_begun, true)) answer({});
-        return is_held();
+        return Jogs::Clock::now() < held_until.load();
       },
       jog_options());
   // The status and the events show what ends it later, such as a fault.
@@ -47,7 +47,8 @@ bool Jogs::is_running(const Jog& jog, Clock::time_point now) {
   return jog.held_until && jog.calls != 0 && now < jog.held_until->load();
 }
 
-void Jogs::post(Jog& jog, const Answer& answer, std::function<void()> call) {
+template <typename Call>
+void Jogs::post(Jog& jog, const Answer& answer, Call call) {
   ++jog.calls;  // before it is posted: the worker may be done before post() returns
   const bool is_posted = jog.worker.post([&jog, call = std::move(call)] {
     call();
@@ -94,10 +95,7 @@ void Jogs::request(const JogRequest& request, Clock::time_point now, const Answe
   jog.velocity = request.velocity;
   jog.held_until = std::make_shared<Hold>(now + kHeldTime);
   post(jog, answer, [session = session_, request, held_until = jog.held_until, answer] {
-    const auto is_held = [&held_until] {
-      return Clock::now() < held_until->load();
-    };
-    gateway::jog(*session, request, is_held, answer);
+    gateway::jog(*session, request, *held_until, answer);
   });
 }
 

@@ -18,15 +18,15 @@ namespace vdrive::gateway {
 using SessionPointer = std::shared_ptr<client::Session>;
 
 /// The axes that a client jogs: each runs while the client repeats its request within kHeldTime,
-/// then brakes and stands. A press begins one jog: what has ended it, be it a silence, a stop or a
-/// fault, the axis does not run again before the client has let it go (velocity 0). Of one thread;
-/// each axis waits in a thread of its own.
+/// then brakes and stands. One press is one jog: whatever has ended it, be it silence, a stop or a
+/// fault, the axis does not run again until the client has let it go (velocity 0). For one thread;
+/// the calls of each axis wait in a thread of its own.
 class Jogs {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// How long a call counts: the page repeats it each 100 ms, and some of them may be late. When
-  /// the client is lost the axis runs on for so long.
+  /// How long a request keeps an axis running. The page repeats it every 100 ms, and some may be
+  /// late. An axis whose client is lost runs on for this long.
   static constexpr std::chrono::milliseconds kHeldTime{400};
 
   /// Axes at a time: each has a thread. Beyond them an axis gets the place of one that has ended
@@ -67,7 +67,8 @@ class Jogs {
 
   [[nodiscard]] static bool is_running(const Jog& jog, Clock::time_point now);
   static void let_go(Jog& jog);
-  static void post(Jog& jog, const Answer& answer, std::function<void()> call);
+  template <typename Call>
+  static void post(Jog& jog, const Answer& answer, Call call);
 
   SessionPointer session_;
   std::map<std::string, Jog> jogs_;  ///< by the name that the client gives the axis

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bench_watch.hpp"
-#include "web_counters.hpp"
+#include "web_server.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace vdrive::gateway {
 
-/// What the gateway is and does at one moment.
+/// The state of the gateway at one moment.
 struct GatewayCounts {
   WebCounters web{};
   std::size_t channels = 0;        ///< topics

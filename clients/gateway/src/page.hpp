@@ -17,7 +17,7 @@ using Page = std::span<const PageFile>;
 /// @return the web page of this build: empty when the build had no node or no package registry.
 [[nodiscard]] Page embedded_page();
 
-/// What HTTP answers with.
+/// The answer to an HTTP request.
 struct PageAnswer {
   unsigned status = 200;
   std::string_view content_type;
@@ -29,7 +29,7 @@ struct PageAnswer {
 /// @return the file for it; without a page one that explains how to get it.
 [[nodiscard]] PageAnswer find_page_file(Page page, std::string_view target);
 
-/// What the page may do, in the words of the header Content-Security-Policy.
+/// What the page may do: the value of the header Content-Security-Policy.
 inline constexpr std::string_view kContentSecurityPolicy =
     "default-src 'self'; connect-src 'self'; img-src 'self' blob: data:; object-src 'none'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";

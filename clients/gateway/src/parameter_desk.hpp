@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bench_access.hpp"
 #include "client_table.hpp"
 #include "control_desk.hpp"
-#include "parameters.hpp"
-#include "server_calls.hpp"
+#include "hub_server.hpp"
 #include "worker.hpp"
 
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -16,6 +16,23 @@
 #include <vector>
 
 namespace vdrive::gateway {
+
+/// Without names a client gets all parameters of benches that have so many axes together, or fewer.
+inline constexpr std::size_t kMostAxesOfAll = 16;
+
+/// @return the name of every object of every axis; none when these are more than kMostAxesOfAll.
+[[nodiscard]] std::vector<std::string> all_parameters(const std::vector<KnownBench>& benches);
+
+/// Reads parameters from their drives, those of an axis in one tick. Waits.
+[[nodiscard]] ParameterAnswer read_parameters(client::Session& session,
+                                              const std::vector<KnownBench>& benches,
+                                              const std::vector<std::string>& names);
+
+/// Writes parameters one after the other. Waits.
+/// @return the values that the drives have then, and a complaint for each one that was refused.
+[[nodiscard]] ParameterAnswer write_parameters(client::Session& session,
+                                               const std::vector<KnownBench>& benches,
+                                               const std::vector<ParameterChange>& changes);
 
 /// The parameters that clients read, write and subscribe. What is asked for is read and written in
 /// the thread of its connection; what is subscribed is read from time to time, and each client is
@@ -25,18 +42,10 @@ class ParameterDesk {
   /// Parameters that a connection may subscribe.
   static constexpr std::size_t kMost = 512;
 
-  /// How parameters are read and written. Both wait; any thread.
-  struct Calls {
-    std::function<ParameterAnswer(const BenchList& benches, const std::vector<std::string>& names)>
-        read;
-    /// @param own the session of the connection
-    std::function<ParameterAnswer(const SessionPointer& own, const BenchList& benches,
-                                  const std::vector<ParameterChange>& changes)>
-        write;
-  };
-
-  /// @param clients outlives this, as `control` does
-  ParameterDesk(Calls calls, ServerCalls server, ClientTable& clients, const ControlDesk& control);
+  /// @param access outlives this, as the others do
+  ParameterDesk(BenchAccess& access, HubServer& server, ClientTable& clients,
+                const ControlDesk& control)
+      : access_(access), server_(server), clients_(clients), control_(control) {}
 
   /// Without names: all, unless there are too many.
   void get(ConnectionId id, const GetParameters& message, const BenchList& benches);
@@ -59,14 +68,14 @@ class ParameterDesk {
     std::set<std::string> unsent;                               ///< never sent
   };
 
-  void post(ConnectionId id, const std::optional<std::string>& request,
-            std::function<ParameterAnswer()> call);
+  template <typename Call>
+  void post(ConnectionId id, const std::optional<std::string>& request, Call call);
   void send(ConnectionId id, const ParameterAnswer& answer,
             const std::optional<std::string>& request) const;
   void on_polled(const ParameterAnswer& answer);
 
-  const Calls calls_;
-  const ServerCalls server_;
+  BenchAccess& access_;
+  HubServer& server_;
   ClientTable& clients_;
   const ControlDesk& control_;
   std::map<ConnectionId, Subscribed> subscribers_;

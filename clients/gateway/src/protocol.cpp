@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <sstream>
 #include <utility>
 
 namespace vdrive::gateway {
@@ -157,11 +158,36 @@ Json message_schema(const std::string& name, const Json& schema) {
           {"schema", to_line(schema)}};
 }
 
+Json type_schema(const std::string& type, const Json& types) {
+  if (type.ends_with("[]")) {
+    return {{"type", "array"}, {"items", type_schema(type.substr(0, type.size() - 2), types)}};
+  }
+  return types.value(type, Json{{"type", type}});
+}
+
 }  // namespace
 
 std::string to_line(const Json& json) {
   // Names come from benches and clients: bytes that are not UTF-8 must not throw here.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json object_schema(std::string_view members, const Json& types) {
+  Json properties = Json::object();
+  Json required = Json::array();
+  std::istringstream stream{std::string(members)};
+  for (std::string member; stream >> member;) {
+    const auto colon = member.find(':');
+    std::string name = member.substr(0, colon);
+    if (name.ends_with('?')) {
+      name.pop_back();
+    } else {
+      required.push_back(name);
+    }
+    properties[name] = type_schema(member.substr(colon + 1), types);
+  }
+  return {
+      {"type", "object"}, {"properties", std::move(properties)}, {"required", std::move(required)}};
 }
 
 const Json& member(const Json& object, const char* key) {

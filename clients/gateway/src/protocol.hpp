@@ -25,6 +25,12 @@ using Json = nlohmann::json;
 /// @return JSON on one line; bytes that are not UTF-8 are replaced.
 [[nodiscard]] std::string to_line(const Json& json);
 
+/// The JSON schema of an object.
+/// @param members such as "name:string axes?:axis[]": each with a type of JSON schema or one of
+///        `types`; [] is a list, ? after the name: it may be left out
+/// @param types schemas by their names
+[[nodiscard]] Json object_schema(std::string_view members, const Json& types = Json::object());
+
 /// Names of the protocol, old and new: they differ in nothing else.
 inline constexpr std::array<std::string_view, 2> kSubprotocols{"foxglove.sdk.v1",
                                                                "foxglove.websocket.v1"};
@@ -37,7 +43,7 @@ class ProtocolError final : public std::runtime_error {
 
 /// Members of JSON that a client sent. All of them throw ProtocolError with the name of the member.
 
-/// Up to here every whole number is a double: 2^53.
+/// Every whole number up to this one has an exact double: 2^53.
 inline constexpr double kLargestExact = 9007199254740992.0;
 
 /// @return the member `key`; it must be there.

@@ -36,8 +36,8 @@ struct Frame {
   return {.is_text = true, .body = std::move(text)};
 }
 
-/// How much one connection may keep waiting: some seconds of what a page receives, and no more
-/// memory than a few tens of slow clients may take together.
+/// How much may wait for one connection: some seconds of what a page receives, and little enough
+/// for a few tens of slow clients.
 struct QueueLimits {
   std::size_t data_bytes = 2U << 20U;
   std::size_t data_frames = 4096;
@@ -56,7 +56,7 @@ class SendQueue {
   std::size_t push_data(Frame frame);
 
   /// Appends an answer.
-  /// @param is_shared the bytes are kept by others in any case and cost this connection nothing
+  /// @param is_shared others keep the bytes anyway: they do not count for this connection
   /// @return false when the answers are beyond their limits: the client does not read them.
   [[nodiscard]] bool push_answer(Frame frame, bool is_shared = false);
 

@@ -4,6 +4,7 @@
 #include "vdrive/text.hpp"
 
 #include <string>
+#include <utility>
 
 namespace vdrive::gateway {
 namespace {
@@ -81,11 +82,11 @@ void ServiceCalls::jog(const Json& request, const Answer& answer) {
 
 void ServiceCalls::carry_out(ConnectionId id, const ServiceRow& row, Json request,
                              const Answer& answer) {
-  // The session of now: when control changes meanwhile, this call ends with it.
+  // The present session: when control changes before the answer, this call ends with it.
   auto job = [this, &row, request = std::move(request), own = control_.session_of(id), answer] {
     CallAnswer answered;
     try {
-      answered = carry_out_(row, own, request);
+      answered = access_.call(row, own, request);
     } catch (const ProtocolError& error) {
       answered.outcome = Outcome::failed(error.what());
     }

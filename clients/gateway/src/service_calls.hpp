@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bench_access.hpp"
 #include "client_table.hpp"
 #include "control_desk.hpp"
-#include "server_calls.hpp"
-#include "services.hpp"
+#include "hub_server.hpp"
 #include "worker.hpp"
-
-#include <functional>
-#include <utility>
 
 namespace vdrive::gateway {
 
@@ -16,18 +13,9 @@ namespace vdrive::gateway {
 /// the server's thread.
 class ServiceCalls {
  public:
-  /// Carries a service out, and waits. Any thread.
-  /// @param own the session of the connection; null when it does not hold control
-  /// @throws ProtocolError when the request is wrong
-  using CarryOut = std::function<CallAnswer(const ServiceRow& row, const SessionPointer& own,
-                                            const Json& request)>;
-
-  /// @param clients outlives this, as `control` does
-  ServiceCalls(ServerCalls server, ClientTable& clients, ControlDesk& control, CarryOut carry_out)
-      : server_(std::move(server)),
-        clients_(clients),
-        control_(control),
-        carry_out_(std::move(carry_out)) {}
+  /// @param access outlives this, as the others do
+  ServiceCalls(BenchAccess& access, HubServer& server, ClientTable& clients, ControlDesk& control)
+      : access_(access), server_(server), clients_(clients), control_(control) {}
 
   /// @param id of an open connection
   void handle(ConnectionId id, const CallService& call);
@@ -39,10 +27,10 @@ class ServiceCalls {
   void jog(const Json& request, const Answer& answer);
   void carry_out(ConnectionId id, const ServiceRow& row, Json request, const Answer& answer);
 
-  const ServerCalls server_;
+  BenchAccess& access_;
+  HubServer& server_;
   ClientTable& clients_;
   ControlDesk& control_;
-  const CarryOut carry_out_;
   bridge::Worker stops_;  ///< halts and quick stops of everybody; last: its jobs use what is above
 };
 

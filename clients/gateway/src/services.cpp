@@ -2,7 +2,6 @@
 #include "services.hpp"
 
 #include "directory.hpp"
-#include "schemas.hpp"
 #include "vdrive/client/axis_group.hpp"
 #include "vdrive/client/disturbance.hpp"
 #include "vdrive/dictionary/dictionary.hpp"

@@ -25,7 +25,6 @@
 #include <map>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 namespace vdrive::gateway {
 namespace {
@@ -47,6 +46,9 @@ constexpr std::chrono::milliseconds kAcceptPause{100};
 constexpr std::chrono::milliseconds kWatchPeriod{250};
 // A client that only receives answers pings alone: several of them within its patience.
 constexpr std::chrono::milliseconds kPingPeriod{500};
+// Each poll of parameters is a request to the bench, for all parameters of all clients: at most
+// twice a second. A page that opens subscribes a thousand topics: they are one change of the graph.
+constexpr std::chrono::milliseconds kTurn{500};
 // A report for each dropped message would add to what the client cannot read.
 constexpr std::chrono::milliseconds kDropReport{1000};
 // For the closing handshake: a client that is gone does not hold up the end of the gateway.
@@ -55,7 +57,7 @@ constexpr std::size_t kLongestHead = 8192;          // [bytes] of an HTTP reques
 constexpr std::size_t kLongestMessage = 1U << 18U;  // [bytes] of a WebSocket message
 // What waits in the kernel cannot be dropped any more: it is what a slow client sees late.
 constexpr int kSendBuffer = 1 << 18;                  // [bytes] in the kernel, which doubles it
-constexpr std::ptrdiff_t kMostPlainConnections = 32;  // HTTP beside the WebSockets, a use
+constexpr std::ptrdiff_t kMostPlainConnections = 32;  // HTTP besides the WebSockets, a use
 
 // What a client may send: the page subscribes to a thousand axes at once.
 constexpr TokenBucket::Rate kMessages{.per_second = 200.0, .burst = 4000.0};
@@ -99,7 +101,7 @@ enum class Use : std::uint8_t {
 struct Shared {
   WebSettings settings;
   Page page;
-  WebEvents events;
+  WebEvents* events = nullptr;  ///< while the server runs
   WebCounters counters;
 };
 
@@ -152,9 +154,9 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
   void watch(Clock::time_point now, Clock::duration own_delay) {
     if (phase_ == Phase::closing && now >= close_deadline_) end(false);
     if (phase_ != Phase::open) return;
-    // First: what clients sent meanwhile has not been read yet.
+    // First: what clients sent during the delay has not been read yet.
     received_ = std::min(now, received_ + own_delay);
-    // A close frame would wait behind what is not read.
+    // A close frame would wait for what is not read.
     if (is_overfull_ || is_silent(now, own_delay)) {
       count(shared_.counters.cut_off, is_overfull_ ? CutOff::unread : CutOff::silent);
       return end(false);
@@ -170,7 +172,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
     if (phase_ == Phase::http) end(false);
   }
 
-  /// @param is_graceful see WebEvents::closed
+  /// @param is_graceful see WebEvents::on_close()
   void end(bool is_graceful) {
     if (phase_ == Phase::over) return;
     const bool was_open = phase_ == Phase::open || phase_ == Phase::closing;
@@ -180,7 +182,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
     stream().close();
     if (!was_open) return;
     --shared_.counters.clients;
-    if (shared_.events.closed) shared_.events.closed(id_, is_graceful || has_announced_end_);
+    shared_.events->on_close(id_, is_graceful || has_announced_end_);
   }
 
  private:
@@ -242,7 +244,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
     if (target.substr(0, target.find('?')) != "/metrics") {
       return answer(request, text_answer(404, "The metrics are at /metrics.\n"));
     }
-    const std::string metrics = shared_.events.metrics ? shared_.events.metrics() : std::string();
+    const std::string metrics = shared_.events->metrics();
     answer(request, {.status = 200,
                      .content_type = "text/plain; version=0.0.4; charset=utf-8",
                      .cache_control = "no-store",
@@ -328,7 +330,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
     ++shared_.counters.clients;
     ++shared_.counters.connections;
     received_ = Clock::now();
-    if (shared_.events.opened) shared_.events.opened(id_);
+    shared_.events->on_open(id_);
     read_message();
   }
 
@@ -347,16 +349,16 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
     if (!messages_.take() || !bytes_.take(static_cast<double>(bytes.size()))) {
       if (phase_ == Phase::open) count(shared_.counters.cut_off, CutOff::flood);
       close(websocket::close_code::policy_error, "too many messages");
-    } else if (phase_ == Phase::open && shared_.events.received) {
-      shared_.events.received(id_, socket_.got_text(),
-                              {static_cast<const char*>(bytes.data()), bytes.size()});
+    } else if (phase_ == Phase::open) {
+      shared_.events->on_message(id_, socket_.got_text(),
+                                 {static_cast<const char*>(bytes.data()), bytes.size()});
     }
     buffer_.consume(buffer_.size());
     read_message();
   }
 
   void write_next() {
-    // Beast writes one message at a time; what comes meanwhile waits where it can be dropped.
+    // Beast writes one message at a time; what comes until then waits where it can be dropped.
     if (is_writing_ || phase_ != Phase::open) return;
     auto frame = queue_.pop();
     if (!frame) return;
@@ -445,32 +447,12 @@ void open(tcp::acceptor& acceptor, const ListenAddress& listen) {
 }  // namespace
 
 struct WebServer::State {
-  struct Timer {
-    asio::steady_timer timer;
-    std::chrono::milliseconds period;
-    std::function<void()> action;
-  };
-
   State(WebSettings&& settings, Page page)
-      : shared{.settings = std::move(settings), .page = page, .events = {}, .counters = {}} {}
+      : shared{.settings = std::move(settings), .page = page, .counters = {}} {}
 
   [[nodiscard]] WebConnection* find(ConnectionId id) {
     const auto found = connections.find(id);
     return found == connections.end() ? nullptr : found->second.get();
-  }
-
-  void send_data(ConnectionId id, Frame frame) {
-    if (WebConnection* const connection = find(id)) connection->push_data(std::move(frame));
-  }
-
-  void send_answer(ConnectionId id, Frame frame, bool is_shared) {
-    if (WebConnection* const connection = find(id)) {
-      connection->push_answer(std::move(frame), is_shared);
-    }
-  }
-
-  void set_patience(ConnectionId id, Patience patience) {
-    if (WebConnection* const connection = find(id)) connection->set_patience(patience);
   }
 
   void accept(Listener& listener) {
@@ -527,7 +509,7 @@ struct WebServer::State {
       const auto now = Clock::now();
       const auto delay = now - watch_timer.expiry();
       const auto own_delay = delay > kWatchPeriod ? delay : Clock::duration::zero();
-      // An event of one connection may reach others: none is added or removed meanwhile.
+      // An event of one connection may reach others: none is added or removed in this loop.
       for (const auto& [id, connection] : connections) connection->watch(now, own_delay);
       if (is_stopping && (connections.empty() || Clock::now() >= stop_deadline)) {
         context.stop();
@@ -537,12 +519,12 @@ struct WebServer::State {
     });
   }
 
-  void arm(Timer& timer) {
-    timer.timer.expires_after(timer.period);
-    timer.timer.async_wait([this, &timer](beast::error_code error) {
+  void turn() {
+    turn_timer.expires_after(kTurn);
+    turn_timer.async_wait([this](beast::error_code error) {
       if (error) return;
-      timer.action();
-      arm(timer);
+      shared.events->on_turn();
+      turn();
     });
   }
 
@@ -565,7 +547,7 @@ struct WebServer::State {
                    .pause = asio::steady_timer(context)};
   asio::signal_set signals{context, SIGINT, SIGTERM};
   asio::steady_timer watch_timer{context};
-  std::vector<Timer> timers;
+  asio::steady_timer turn_timer{context};
   std::map<ConnectionId, std::shared_ptr<WebConnection>> connections;
   ConnectionId last_id = 0;
   bool is_stopping = false;
@@ -595,16 +577,16 @@ const WebCounters& WebServer::counters() const noexcept {
   return state_->shared.counters;
 }
 
-void WebServer::run(WebEvents events) {
+void WebServer::run(WebEvents& events) {
   State& state = *state_;
-  state.shared.events = std::move(events);
+  state.shared.events = &events;
   state.signals.async_wait([&state](beast::error_code error, int) {
     if (!error) state.begin_to_stop();
   });
   state.accept(state.clients);
   if (state.metrics.acceptor.is_open()) state.accept(state.metrics);
   state.watch();
-  for (State::Timer& timer : state.timers) state.arm(timer);
+  state.turn();
   state.context.run();
   // Also when its time was too short to announce it to all: a server that ends gives control
   // back.
@@ -613,7 +595,7 @@ void WebServer::run(WebEvents events) {
     connection->end(true);
   }
   state.connections.clear();
-  state.shared.events = {};
+  state.shared.events = nullptr;
 }
 
 void WebServer::stop() {
@@ -622,18 +604,22 @@ void WebServer::stop() {
   });
 }
 
-void WebServer::every(std::chrono::milliseconds period, std::function<void()> action) {
-  state_->timers.push_back({asio::steady_timer(state_->context), period, std::move(action)});
+void WebServer::send_data(ConnectionId id, Frame frame) {
+  if (WebConnection* const connection = state_->find(id)) connection->push_data(std::move(frame));
 }
 
-ServerCalls WebServer::calls() {
-  State* const state = state_.get();
-  return {.send_data = std::bind_front(&State::send_data, state),
-          .send_answer = std::bind_front(&State::send_answer, state),
-          .set_patience = std::bind_front(&State::set_patience, state),
-          .post = [state](std::function<void()> action) {
-            asio::post(state->context, std::move(action));
-          }};
+void WebServer::send_answer(ConnectionId id, Frame frame, bool is_shared) {
+  if (WebConnection* const connection = state_->find(id)) {
+    connection->push_answer(std::move(frame), is_shared);
+  }
+}
+
+void WebServer::set_patience(ConnectionId id, Patience patience) {
+  if (WebConnection* const connection = state_->find(id)) connection->set_patience(patience);
+}
+
+void WebServer::post(std::function<void()> action) {
+  asio::post(state_->context, std::move(action));
 }
 
 }  // namespace vdrive::gateway

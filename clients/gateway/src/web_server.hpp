@@ -2,14 +2,13 @@
 #pragma once
 
 #include "admission.hpp"
+#include "hub_server.hpp"
 #include "page.hpp"
-#include "server_calls.hpp"
-#include "web_counters.hpp"
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,18 +29,53 @@ struct WebSettings {
   std::size_t most_clients = 32;  ///< WebSocket connections at a time
 };
 
+/// Why a WebSocket was closed by the gateway before its client ended it.
+enum class CutOff : std::uint8_t {
+  silent,  ///< it sent nothing for too long
+  unread,  ///< too many answers waited for it
+  flood,   ///< it sent too much
+};
+
+inline constexpr std::size_t kCutOffs = 3;
+
+/// @return such as "silent".
+[[nodiscard]] constexpr std::string_view to_string(CutOff cut_off) noexcept {
+  constexpr std::array<std::string_view, kCutOffs> kNames{"silent", "unread", "flood"};
+  return kNames[static_cast<std::size_t>(cut_off)];
+}
+
+/// What a server counts, from its start on where nothing else is stated.
+struct WebCounters {
+  std::size_t clients = 0;                         ///< WebSockets that are open now
+  std::uint64_t connections = 0;                   ///< WebSockets that were opened
+  std::uint64_t messages_sent = 0;                 ///< WebSocket messages given to the kernel
+  std::uint64_t bytes_sent = 0;                    ///< their payload
+  std::uint64_t dropped = 0;                       ///< messages left out for slow clients
+  std::array<std::uint64_t, kRefusals> refused{};  ///< by Refusal
+  std::array<std::uint64_t, kCutOffs> cut_off{};   ///< by CutOff
+};
+
 /// What a server reports, in its thread.
-struct WebEvents {
-  std::function<void(ConnectionId id)> opened;
-  std::function<void(ConnectionId id, bool is_text, std::string_view bytes)> received;
+class WebEvents {
+ public:
+  virtual ~WebEvents() = default;
+
+  virtual void on_open(ConnectionId id) = 0;
+  virtual void on_message(ConnectionId id, bool is_text, std::string_view bytes) = 0;
+
   /// @param is_graceful the client closed the WebSocket by the closing handshake, and was not lost
-  std::function<void(ConnectionId id, bool is_graceful)> closed;
-  std::function<std::string()> metrics{};  ///< makes the text of /metrics
+  virtual void on_close(ConnectionId id, bool is_graceful) = 0;
+
+  /// Each half second.
+  virtual void on_turn() = 0;
+
+  /// @return the text of /metrics.
+  [[nodiscard]] virtual std::string metrics() const = 0;
 };
 
 /// The web server of the gateway: a page over HTTP, and WebSocket connections that are bounded in
 /// what they send, in what waits for them and in how long they may be silent. One thread.
-class WebServer {
+class WebServer final : public HubServer {
  public:
   /// Of a client without control. Each is pinged twice a second.
   static constexpr Patience kPatience{.program = std::chrono::milliseconds(10'000),
@@ -51,7 +85,7 @@ class WebServer {
   /// @param page outlives the server
   /// @throws std::runtime_error when it cannot listen there.
   WebServer(WebSettings settings, Page page);
-  ~WebServer();
+  ~WebServer() override;
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
 
@@ -60,18 +94,17 @@ class WebServer {
   /// @return where the metrics are served; nothing when they are not.
   [[nodiscard]] std::optional<std::uint16_t> metrics_port() const;
 
-  /// Serves until stop(), SIGINT or SIGTERM. On return every connection is closed, and `closed` was
-  /// called for it.
-  void run(WebEvents events);
+  /// Serves until stop(), SIGINT or SIGTERM. On return every connection is closed, and on_close()
+  /// was called for it.
+  void run(WebEvents& events);
 
   /// Ends run(). Any thread.
   void stop();
 
-  /// Calls `action` each `period` in the thread of run(). Before run().
-  void every(std::chrono::milliseconds period, std::function<void()> action);
-
-  /// What the server does for its hub.
-  [[nodiscard]] ServerCalls calls();
+  void send_data(ConnectionId id, Frame frame) override;
+  void send_answer(ConnectionId id, Frame frame, bool is_shared) override;
+  void set_patience(ConnectionId id, Patience patience) override;
+  void post(std::function<void()> action) override;
 
   [[nodiscard]] const WebCounters& counters() const noexcept;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_link.hpp"
 
-#include "limits_reader.hpp"
+#include "joint_limits.hpp"
 
 #include <memory>
 #include <optional>

@@ -1,26 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_motion.hpp"
 
-#include "motion_check.hpp"
+#include "vdrive/cia402/power_state.hpp"
+#include "vdrive/number_text.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
-#include <iterator>
 #include <utility>
 
 namespace vdrive::ros2 {
+
 using bridge::Severity;
+
+std::string obstacle_of(const client::AxisSnapshot& axis, std::uint64_t session, bool has_limits,
+                        const Bench::Names* names) {
+  if (axis.owner_session == 0) return "is not under control of this bridge yet";
+  if (axis.owner_session != session) {
+    return "is controlled by " + owner_text(axis.owner_session, names);
+  }
+  if (!has_limits) return "has limits that are not known yet";
+  if (axis.state() != PowerState::operation_enabled) return client::what_it_shows(axis);
+  return {};
+}
+
+std::string problem_of(const JointCommand& command, const ServedJoint& joint,
+                       const JointLimits& limits) {
+  const std::string what = std::string(to_string(command.interface)) + " " + text_of(command.value);
+  if (command.interface == CommandInterface::position) {
+    if (command.value < limits.lower || command.value > limits.upper) {
+      return what + " " + joint.unit_name() + " is beyond the limits " + text_of(limits.lower) +
+             " to " + text_of(limits.upper);
+    }
+    return limits.ramp > 0.0 && limits.velocity > 0.0
+               ? ""
+               : "has a limit of speed or a ramp of 0, which allows no motion";
+  }
+  const double limit =
+      command.interface == CommandInterface::velocity ? limits.velocity : limits.effort;
+  if (std::abs(command.value) <= limit) return {};
+  return what + " is above the limit " + text_of(limit);
+}
 
 BenchMotion::BenchMotion(std::uint64_t session, Bench& bench, bridge::Reports& reports,
                          double command_timeout, Send send)
     : session_(session),
       bench_(bench),
       reports_(reports),
+      command_timeout_(command_timeout),
       send_(std::move(send)),
       power_(session, bench, reports),
       plans_(bench.joints().size()),
       stream_(bench.info(), bench.period(), plans_),
-      watch_(plans_, stream_, reports, command_timeout),
       now_{.bench = bench} {}
 
 bool BenchMotion::is_disabled() const {
@@ -56,8 +87,7 @@ void BenchMotion::command(const JointCommand& command) {
     problem = problem_of(command, bench_.joints()[place], (*now_.seen.limits)[place]);
   }
   if (!problem.empty()) {
-    reports_.report(Severity::warning, bench_.joints()[place].label(),
-                    problem + ": the command is ignored");
+    warn(place, problem + ": the command is ignored");
     return;
   }
   const JointNow joint = now_.joint(place);
@@ -75,7 +105,7 @@ void BenchMotion::stop_free_joints(const std::string& reason) {
     const bool ran = stream_.is_running();
     if (!plans_[i].brake_free()) continue;
     if (!ran && stream_.is_running()) stream_.begin(now_.tick());
-    reports_.report(Severity::warning, bench_.joints()[i].label(), reason + ": it brakes");
+    warn(i, reason + ": it brakes");
   }
 }
 
@@ -114,33 +144,92 @@ std::vector<Duty> BenchMotion::duties() const {
 
 BrokenTrajectories BenchMotion::update(Clock::time_point now) {
   BrokenTrajectories broken;
-  const auto end_all = [&](const std::string& reason) {
-    std::ranges::move(watch_.drop(reason), std::back_inserter(broken));
+  const auto add = [&](const BrokenTrajectories& more) {
+    broken.insert(broken.end(), more.begin(), more.end());
   };
   const Bench::State before = std::exchange(now_.seen, bench_.seen()).state;
   if (!now_.seen.state) {
-    if (before) end_all(bench_.label() + " sends no status");
+    if (before) add(end_all(bench_.label() + " sends no status"));
     return broken;
   }
   // Another run of the service, or a snapshot: no tick of a plan is that of the bench any more.
   if (before && now_.tick() < before->tick) {
-    end_all(bench_.label() + " counts ticks from a lower number");
+    add(end_all(bench_.label() + " counts ticks from a lower number"));
   }
   stream_.set_rate(now_.seen.rate);
   power_.report_faults(*now_.seen.state);
   // Power first: no set-point goes to a joint that is not enabled any more.
   if (const std::string problem = first_obstacle(); !problem.empty()) {
     const std::vector<std::size_t> running = free_joints();
-    end_all(problem);
+    add(end_all(problem));
     brake_joints(running, problem);
   }
   send(power_.words(*now_.seen.state, now));
-  std::ranges::move(watch_.check(now_), std::back_inserter(broken));
+  check_commands();
+  add(catch_up());
+  check_ends();
   // A joint that is in its mode here gets its first set-point in this turn.
   send(stream_.modes(now_));
   send(stream_.points(now_));
   if (power_.is_keep_alive_due(*now_.seen.state)) send({client::SetPointFrame{}});
   return broken;
+}
+
+/// The bench has dropped the set-points that wait, or holds where they end.
+/// @return the trajectories that end with it.
+BrokenTrajectories BenchMotion::end_all(const std::string& reason) {
+  BrokenTrajectories broken;
+  for (JointPlan& plan : plans_) {
+    if (plan.trajectory() != 0) broken.push_back({.number = plan.trajectory(), .reason = reason});
+    plan = {};
+  }
+  stream_.clear();
+  return broken;
+}
+
+void BenchMotion::check_commands() {
+  if (command_timeout_ <= 0.0) return;
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    if (plans_[i].duty() == Duty::none) continue;
+    const bool ran = stream_.is_running();
+    if (!plans_[i].brake_without_command(now_.joint(i), command_timeout_)) continue;
+    if (!ran && stream_.is_running()) stream_.begin(now_.tick());
+    warn(i, "no command for " + text_of(command_timeout_) + " s: it brakes");
+  }
+}
+
+/// A bench that has passed the last set-point that it received stays at it: what follows starts
+/// there.
+BrokenTrajectories BenchMotion::catch_up() {
+  BrokenTrajectories broken;
+  if (!stream_.is_running() || now_.tick() <= stream_.sent_until()) return broken;
+  const std::string reason = bench_.label() + " was " +
+                             std::to_string(now_.tick() - stream_.sent_until()) +
+                             " ticks ahead of its set-points";
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    if (!plans_[i].streams()) continue;
+    const std::uint64_t number = plans_[i].start_again(now_.joint(i));
+    if (number != 0) broken.push_back({.number = number, .reason = reason});
+  }
+  stream_.catch_up(now_.tick());
+  return broken;
+}
+
+/// A bench that is late to receive the last set-points of a motion refuses them, and the drive
+/// stays before its goal: it gets them again.
+void BenchMotion::check_ends() {
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    if (plans_[i].duty() == Duty::none) continue;
+    const JointNow joint = now_.joint(i);
+    const JointPlan::End end = plans_[i].check_end(joint);
+    if (end == JointPlan::End::given_up) {
+      warn(i, "the drive does not take its last set-point");
+    } else if (end == JointPlan::End::refused) {
+      stream_.lengthen();
+      if (!stream_.is_running()) stream_.begin(now_.tick());
+      plans_[i].repeat_end(joint);
+    }
+  }
 }
 
 /// @return why a joint with a plan cannot be moved; empty when all can.
@@ -166,7 +255,7 @@ std::vector<std::size_t> BenchMotion::free_joints() const {
 void BenchMotion::brake_joints(const std::vector<std::size_t>& joints, const std::string& reason) {
   for (const std::size_t place : joints) {
     plans_[place].run(now_.joint(place), Duty::velocity, 0.0);
-    reports_.report(Severity::warning, bench_.joints()[place].label(), reason + ": it brakes");
+    warn(place, reason + ": it brakes");
   }
 }
 
@@ -174,6 +263,10 @@ void BenchMotion::send(const SetPointStream::Frames& frames) {
   if (frames.empty()) return;
   const client::Outcome sent = send_(frames);
   if (!sent) reports_.report(Severity::error, bench_.label(), sent.message());
+}
+
+void BenchMotion::warn(std::size_t place, const std::string& text) {
+  reports_.report(Severity::warning, bench_.joints()[place].label(), text);
 }
 
 }  // namespace vdrive::ros2

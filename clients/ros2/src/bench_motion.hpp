@@ -4,9 +4,10 @@
 #include "bench.hpp"
 #include "bench_power.hpp"
 #include "joint_plan.hpp"
-#include "plan_watch.hpp"
+#include "reports.hpp"
 #include "requests.hpp"
 #include "set_point_stream.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
 
 #include <chrono>
 #include <cstddef>
@@ -18,9 +19,18 @@
 
 namespace vdrive::ros2 {
 
-/// Moves the joints of one bench: takes commands and trajectories for them, and in each turn has
-/// the state of the bench, its power, the plans of its joints and their set-points in this order.
-/// For one thread.
+/// A trajectory that ended early.
+struct BrokenTrajectory {
+  std::uint64_t number = 0;
+  std::string reason;
+};
+
+using BrokenTrajectories = std::vector<BrokenTrajectory>;
+
+/// Moves the joints of one bench: takes commands and trajectories for them, and in each turn sees
+/// to the state of the bench, its power, the plans of its joints and their set-points, in this
+/// order. It ends or changes plans where the bench was lost, no command came in time, or set-points
+/// came too late. For one thread.
 class BenchMotion {
  public:
   using Clock = std::chrono::steady_clock;
@@ -30,6 +40,7 @@ class BenchMotion {
 
   /// @param session that commands the axes
   /// @param bench outlives this, as `reports` does
+  /// @param command_timeout [s] after which a joint without a command brakes; 0 = never
   BenchMotion(std::uint64_t session, Bench& bench, bridge::Reports& reports, double command_timeout,
               Send send);
   ~BenchMotion() = default;
@@ -83,8 +94,7 @@ class BenchMotion {
 
   // ---- each turn
 
-  /// Takes the state of the bench and sends what is due. @return the trajectories that ended before
-  /// time.
+  /// Takes the state of the bench and sends what is due. @return the trajectories that ended early.
   BrokenTrajectories update(Clock::time_point now);
 
   /// @return the state that the last update() took; none while the bench sends no status.
@@ -96,6 +106,11 @@ class BenchMotion {
  private:
   [[nodiscard]] std::string obstacle(std::size_t place) const;
   [[nodiscard]] std::string first_obstacle() const;
+  BrokenTrajectories end_all(const std::string& reason);
+  void check_commands();
+  [[nodiscard]] BrokenTrajectories catch_up();
+  void check_ends();
+  void warn(std::size_t place, const std::string& text);
   [[nodiscard]] std::vector<std::size_t> free_joints() const;
   void brake_joints(const std::vector<std::size_t>& joints, const std::string& reason);
   void send(const SetPointStream::Frames& frames);
@@ -103,12 +118,24 @@ class BenchMotion {
   const std::uint64_t session_;
   Bench& bench_;
   bridge::Reports& reports_;
+  const double command_timeout_;
   const Send send_;
   BenchPower power_;
   JointPlans plans_;
   SetPointStream stream_;
-  PlanWatch watch_;
   BenchNow now_;
 };
+
+/// @return what keeps `session` from commanding the axis, as words that follow the name of the
+/// joint;
+///         empty when nothing does.
+/// @param has_limits whether those of its joint were read
+/// @param names of other sessions, or nullptr
+[[nodiscard]] std::string obstacle_of(const client::AxisSnapshot& axis, std::uint64_t session,
+                                      bool has_limits, const Bench::Names* names);
+
+/// @return which limit the value of a command breaks, in the same form.
+[[nodiscard]] std::string problem_of(const JointCommand& command, const ServedJoint& joint,
+                                     const JointLimits& limits);
 
 }  // namespace vdrive::ros2

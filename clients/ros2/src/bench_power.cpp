@@ -2,7 +2,7 @@
 #include "bench_power.hpp"
 
 #include "control_keeper.hpp"
-#include "stream_begin.hpp"
+#include "joints.hpp"
 #include "vdrive/cia402/standing_targets.hpp"
 #include "vdrive/client/command_words.hpp"
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "controller.hpp"
 
-#include "ros_time.hpp"
-
 #include <algorithm>
 #include <memory>
 #include <set>

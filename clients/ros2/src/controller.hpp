@@ -4,9 +4,9 @@
 #include "board.hpp"
 #include "drops.hpp"
 #include "inbox.hpp"
+#include "ros_time.hpp"
 #include "served_benches.hpp"
 #include "settings.hpp"
-#include "stamp_order.hpp"
 #include "trajectories.hpp"
 #include "vdrive/wire/ros.hpp"
 

@@ -13,8 +13,8 @@ namespace vdrive::ros2 {
 [[nodiscard]] ros::DiagnosticArray diagnostics_of(const Board::Views& views,
                                                   const std::string& network);
 
-/// @return the levels and messages of these diagnostics: another text means that a reader waits
-///         for them.
+/// @return the levels and messages of these diagnostics: when they change, readers get them at
+///         once.
 [[nodiscard]] std::string levels_of(const Board::Views& views);
 
 }  // namespace vdrive::ros2

@@ -13,7 +13,7 @@ using bridge::Severity;
 // A flood of datagrams is one line a second.
 constexpr std::chrono::seconds kPeriod{1};
 
-/// @return the number between the first pair of quotes behind `begin`, which is moved behind it.
+/// @return the number between the first pair of quotes after `begin`, which is moved past it.
 std::optional<std::string_view> next_quoted(std::string_view words, std::size_t& begin) {
   const std::size_t first = words.find('\'', begin);
   if (first == std::string_view::npos) return std::nullopt;

@@ -2,9 +2,18 @@
 #pragma once
 
 #include <limits>
+#include <optional>
+#include <span>
 #include <string>
+#include <vector>
+
+namespace vdrive::client {
+class Axis;
+}
 
 namespace vdrive::ros2 {
+
+struct ServedJoint;
 
 /// What a joint may do, in rad or m and s. A value that is not limited is infinite.
 struct JointLimits {
@@ -30,5 +39,11 @@ struct JointMotion {
 
 /// @return a number for people, such as "1.5" and "-0.0625".
 [[nodiscard]] std::string text_of(double value);
+
+/// Reads the limits of joints from their drives, and waits for them.
+/// @param axes those of the joints, in their order
+/// @return one a joint; none when one cannot be read
+[[nodiscard]] std::optional<std::vector<JointLimits>> read_limits(
+    std::span<const client::Axis> axes, std::span<const ServedJoint> joints);
 
 }  // namespace vdrive::ros2

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "joint_plan.hpp"
 
-#include "stream_begin.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/cia402/statusword.hpp"
 

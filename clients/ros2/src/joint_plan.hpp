@@ -4,7 +4,6 @@
 #include "bench.hpp"
 #include "joint_path.hpp"
 #include "joint_tracker.hpp"
-#include "value_line.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/client/session.hpp"
 
@@ -38,8 +37,8 @@ class JointPlan {
   enum class End : std::uint8_t {
     open,      ///< there is none, its tick has not come, or the drive holds its effect back
     reached,   ///< it is where that set-point leads
-    refused,   ///< it is not, and gets it again
-    given_up,  ///< it has got it too often
+    refused,   ///< it is not: the set-point is sent again
+    given_up,  ///< the set-point was sent too often
   };
 
   [[nodiscard]] Duty duty() const noexcept { return duty_; }
@@ -76,7 +75,7 @@ class JointPlan {
   /// @return whether its positions begin with this command
   [[nodiscard]] bool go_to(const JointNow& now, double position);
 
-  /// Runs with a velocity or an effort; a drive in another mode changes it at rest first.
+  /// Runs with a velocity or an effort; a drive in another mode comes to rest and changes it first.
   /// @return whether its set-points begin with this command
   bool run(const JointNow& now, Duty duty, double value);
 

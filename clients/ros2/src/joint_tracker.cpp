@@ -31,7 +31,7 @@ JointMotion JointTracker::step(double period, const JointLimits& limits) noexcep
       std::min(limits.velocity, speed_that_stops(std::abs(way), limits.ramp, period));
   const double wanted = std::clamp((reference_ - now_.position) / period,
                                    way < 0.0 ? -fastest : 0.0, way > 0.0 ? fastest : 0.0);
-  // The ramp counts last: a speed above the limit, which was lowered meanwhile, is left slowly.
+  // The ramp counts last: a speed above a limit that has just been lowered is reduced slowly.
   const double most = limits.ramp * period;
   const double speed = std::clamp(wanted, now_.velocity - most, now_.velocity + most);
   const double before = now_.velocity;
@@ -40,6 +40,19 @@ JointMotion JointTracker::step(double period, const JointLimits& limits) noexcep
   const double rest = std::abs(goal_ - now_.position);
   const double small = 1e-9 * std::max(1.0, std::abs(goal_));
   if (left_ == 0.0 && rest < small && std::abs(speed) <= most) now_ = {goal_, 0.0, 0.0};
+  return now_;
+}
+
+double ValueLine::step(double period, double slope) noexcept {
+  const double way = goal_ - now_;
+  const double most = slope * period;
+  if (left_ <= period && std::abs(way) <= most) {
+    now_ = goal_;  // exactly, whatever the sum of the steps is
+  } else {
+    const double part = left_ > period ? way * period / left_ : way;
+    now_ += std::clamp(part, -most, most);
+  }
+  left_ = std::max(0.0, left_ - period);
   return now_;
 }
 

@@ -46,6 +46,17 @@ std::vector<ServedJoint> joints_of(const client::BenchInfo& bench, const Setting
   return joints;
 }
 
+OperatingMode mode_of(CommandInterface interface) noexcept {
+  if (interface == CommandInterface::velocity) return OperatingMode::cyclic_synchronous_velocity;
+  if (interface == CommandInterface::effort) return OperatingMode::cyclic_synchronous_torque;
+  return OperatingMode::cyclic_synchronous_position;
+}
+
+/// A set-point for each tick follows.
+client::SetPoint begin_stream(std::uint16_t axis, OperatingMode mode) {
+  return {.axis = axis, .mode = mode, .objects = client::objects_before_stream()};
+}
+
 std::optional<std::string> JointDirectory::add(std::uint32_t bench,
                                                const std::vector<ServedJoint>& joints) {
   auto places = places_;  // a copy: of a bench that clashes no joint is added
@@ -86,7 +97,7 @@ std::string JointDirectory::unknown(std::string_view name) const {
 
 std::string JointDirectory::describe_unknown(std::string_view name) const {
   if (places_.empty()) return "is unknown, no bench is served yet";
-  // A name with an error behind its first characters stands beside the right one.
+  // A name with an error after its first characters sorts next to the right one.
   auto near = places_.lower_bound(name);
   for (std::size_t i = 0; i < kMostCompared / 2 && near != places_.begin(); ++i) --near;
   std::vector<std::string> candidates;

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "settings.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/client/bench.hpp"
+#include "vdrive/client/session.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -37,6 +39,13 @@ struct ServedJoint {
 [[nodiscard]] std::vector<ServedJoint> joints_of(const client::BenchInfo& bench,
                                                  const Settings& settings);
 
+/// @return the mode in which a drive follows set-points of this interface.
+[[nodiscard]] OperatingMode mode_of(CommandInterface interface) noexcept;
+
+/// @return what an axis gets before a stream, or with its first set-point: its mode (6060h), and 0
+///         in 60C2h:01, 60B0h, 60B1h and 60B2h.
+[[nodiscard]] client::SetPoint begin_stream(std::uint16_t axis, OperatingMode mode);
+
 /// Where a joint is: the bench and the place among its axes.
 struct JointPlace {
   std::uint32_t bench = 0;
@@ -61,8 +70,7 @@ class JointDirectory {
 
   /// @param name of no joint
   /// @return what follows the name in a message: that it is unknown, the nearest name, and the
-  /// first
-  ///         of the known ones.
+  ///         first known ones.
   [[nodiscard]] std::string unknown(std::string_view name) const;
 
  private:
@@ -71,8 +79,8 @@ class JointDirectory {
   [[nodiscard]] std::string describe_unknown(std::string_view name) const;
 
   std::map<std::string, JointPlace, std::less<>> places_;
-  /// A robot may command a joint that no bench has a thousand times a second: the nearest name is
-  /// looked for once.
+  /// A robot may command an unknown joint a thousand times a second: the nearest name is searched
+  /// for once.
   mutable Texts unknown_;
 };
 

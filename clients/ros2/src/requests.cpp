@@ -182,7 +182,7 @@ std::optional<Trajectory> read_trajectory(const ros::JointTrajectory& message,
   const auto moves = [](double velocity) {
     return velocity != 0.0;
   };
-  // Nothing comes behind it: the joint would stop within a tick.
+  // Nothing follows it: the joint would stop within a tick.
   if (std::ranges::any_of(trajectory.points.back().velocities, moves)) {
     problem = "the last point has a velocity: it must be at rest";
     return std::nullopt;

@@ -1,13 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "trajectories.hpp"
 
+#include "joint_path.hpp"
+
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 namespace vdrive::ros2 {
+
+/// How a trajectory would start now.
+struct TrajectoryStart {
+  /// Where it starts on one bench.
+  struct Begin {
+    std::uint64_t tick = 0;  ///< the paths begin after it
+    double passed = 0.0;     ///< [s] of the trajectory that are over by then
+  };
+
+  std::vector<std::shared_ptr<const JointPath>> paths;  ///< one a joint; none for one at its target
+  std::map<std::uint32_t, Begin> begins;                ///< by bench
+  std::string problem;                                  ///< why it cannot; empty = it can
+  bool waits = false;                                   ///< its time has not come
+};
+
 namespace {
 
 using bridge::Severity;
@@ -20,6 +42,86 @@ std::string joined(const std::vector<std::string>& names) {
   }
   return names.size() > kMost ? text + " and " + std::to_string(names.size() - kMost) + " more"
                               : text;
+}
+
+/// @param start its time [ns], 0 = at once
+/// @param waits is set when that is later than what can be sent now
+TrajectoryStart::Begin find_begin(std::int64_t start, BenchMotion& motion, bool& waits) {
+  TrajectoryStart::Begin begin{.tick = motion.begin_tick()};
+  if (start == 0) return begin;
+  const client::BenchInfo& info = motion.bench().info();
+  const double period = motion.bench().period();
+  const std::int64_t early = start - stamp_of(info, begin.tick);
+  const double ticks = static_cast<double>(early) * kSecondsPerNanosecond / period;
+  const auto whole = static_cast<std::uint64_t>(std::max(0.0, std::round(ticks)));
+  begin.tick = motion.begin_tick(begin.tick + whole);
+  const std::int64_t stamp = stamp_of(info, begin.tick);
+  const double late = static_cast<double>(stamp - start) * kSecondsPerNanosecond;
+  // A difference below half a tick is rounding.
+  if (late < -0.5 * period) waits = true;
+  begin.passed = std::max(0.0, late);
+  return begin;
+}
+
+/// Plans the path of one joint.
+/// @param passed [s] of the trajectory that are over
+void add_path(const Trajectory& trajectory, std::size_t joint, BenchMotion& motion, double passed,
+              double tolerance, TrajectoryStart& start) {
+  const std::size_t place = trajectory.joints[joint].place;
+  const ServedJoint& served = motion.bench().joints()[place];
+  const JointMotion now = motion.motion(place);
+  const double shortest = 0.5 * motion.bench().period();
+  std::vector<PathPoint> points;
+  points.reserve(trajectory.points.size());
+  for (const TrajectoryPoint& point : trajectory.points) {
+    PathPoint path_point{.time = point.time - passed, .position = point.positions[joint]};
+    if (!point.velocities.empty()) path_point.velocity = point.velocities[joint];
+    if (!point.accelerations.empty()) path_point.acceleration = point.accelerations[joint];
+    const bool is_start = path_point.time < shortest;
+    const double gap = std::abs(path_point.position - now.position);
+    if (is_start && point.time < shortest && !start.waits && gap > tolerance) {
+      start.problem = served.label() + " is at " + text_of(now.position) +
+                      ", its point at the start is " + text_of(path_point.position) + " " +
+                      served.unit_name() + ": more than the start_tolerance of " +
+                      text_of(tolerance) + " away";
+      return;
+    }
+    if (!is_start) points.push_back(path_point);
+  }
+  if (points.empty()) return;
+  auto path = std::make_shared<const JointPath>(now, points);
+  const auto limits = motion.bench().seen().limits;
+  const auto broken = limits ? path->check((*limits)[place], served.unit_name())
+                             : std::optional<std::string>("its limits are not known");
+  if (broken) {
+    start.problem = served.label() + ": " + *broken;
+    return;
+  }
+  start.paths[joint] = std::move(path);
+}
+
+/// Plans the paths of a trajectory from where its joints are, and checks them against the limits.
+/// One that waits is planned from its first point on.
+/// @param trajectory that has no obstacle_to()
+/// @param tolerance [rad or m] between a joint and a point at the start
+TrajectoryStart plan_start(const Trajectory& trajectory, const ServedBenches& benches,
+                           double tolerance) {
+  TrajectoryStart start;
+  // All begins before the first path: on one bench that waits, the others wait too.
+  for (const JointPlace& joint : trajectory.joints) {
+    if (start.begins.contains(joint.bench)) continue;
+    start.begins[joint.bench] =
+        find_begin(trajectory.start, benches.motion_of(joint.bench), start.waits);
+  }
+  start.paths.resize(trajectory.joints.size());
+  for (std::size_t i = 0; i < trajectory.joints.size() && start.problem.empty(); ++i) {
+    const std::uint32_t bench = trajectory.joints[i].bench;
+    const double passed = start.waits ? 0.0 : start.begins.at(bench).passed;
+    add_path(trajectory, i, benches.motion_of(bench), passed, tolerance, start);
+  }
+  const bool is_empty = std::ranges::count(start.paths, nullptr) == std::ssize(start.paths);
+  if (start.problem.empty() && is_empty) start.problem = "all its points are in the past";
+  return start;
 }
 
 }  // namespace
@@ -89,7 +191,7 @@ void Trajectories::take(const ros::JointTrajectory& message, const wire::WriterI
   stamps_.note(writer, trajectory->start);
   // A new trajectory takes the place of one that has not started.
   waiting_ = Waiting{.trajectory = std::move(*trajectory), .limits = {}};
-  // It is checked against the limits of now: another program may have changed them just before.
+  // It is checked against the present limits: another program may have changed them just before.
   for (const JointPlace& joint : waiting_->trajectory.joints) {
     if (waiting_->limits.contains(joint.bench)) continue;
     waiting_->limits[joint.bench] = benches_.motion_of(joint.bench).bench().request_limits();

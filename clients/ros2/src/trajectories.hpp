@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "requests.hpp"
+#include "ros_time.hpp"
 #include "served_benches.hpp"
-#include "stamp_order.hpp"
-#include "trajectory_start.hpp"
 #include "vdrive/wire/ros.hpp"
 
 #include <cstdint>
@@ -13,6 +13,8 @@
 #include <string>
 
 namespace vdrive::ros2 {
+
+struct TrajectoryStart;
 
 /// Takes, starts and ends trajectories. One waits for its time or for the limits of its joints;
 /// any number are under way. For one thread.
@@ -28,8 +30,8 @@ class Trajectories {
   /// Takes a message, or reports why it is refused. It replaces one that has not started.
   void take(const ros::JointTrajectory& message, const wire::WriterId& writer);
 
-  /// The axes were enabled or disabled: stamps begin anew, and nothing that waits starts without
-  /// power.
+  /// The axes were enabled or disabled: each writer begins with a new stamp, and nothing that waits
+  /// starts without power.
   void note_enable(bool is_enabled);
 
   /// Starts what is due.
@@ -38,7 +40,7 @@ class Trajectories {
   /// Brakes the joints of trajectories that ended early, and reports why.
   void break_off(const BrokenTrajectories& broken);
 
-  /// Breaks off what a bench does whose run has ended.
+  /// Breaks off the trajectory of a bench whose run has ended.
   void end_with(BenchMotion& motion);
 
   /// Reports those whose set-points were all sent.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "limits_reader.hpp"
+#include "joint_limits.hpp"
 
 #include "joint_values.hpp"
+#include "joints.hpp"
 #include "vdrive/assert.hpp"
+#include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_table.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "state_times.hpp"
+#include "joint_publisher.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stamps of messages: their order by writer, and how far ahead they may be.
-#include "stamp_order.hpp"
+#include "ros_time.hpp"
 
 #include "drops.hpp"
 
@@ -38,7 +38,7 @@ TEST(StampOrder, RefusesAStampBeyondTheLimitWithBothNumbers) {
   EXPECT_THAT(StampOrder(0.0).problem(writer(1), 71 * kSecond, 0), IsEmpty()) << "no limit";
 }
 
-TEST(StampOrder, StartsAnewAfterItWasCleared) {
+TEST(StampOrder, BeginsWithAnyStampAfterItWasCleared) {
   StampOrder order(60.0);
   order.note(writer(1), 7 * kSecond);
   order.clear();

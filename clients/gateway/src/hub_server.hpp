@@ -22,27 +22,30 @@ struct Patience {
   std::chrono::milliseconds machine{};  ///< does not even acknowledge the bytes that it was sent
 };
 
-/// What the hub has its server do. In the server's thread, except `post`; a connection that is
-/// closed already is ignored.
-struct ServerCalls {
+/// What the hub and its parts have their server do. In the server's thread, except `post`; a
+/// connection that is closed already is ignored.
+class HubServer {
+ public:
+  virtual ~HubServer() = default;
+
   /// Data: the oldest is dropped when the client is slow, and a status message has their number.
-  std::function<void(ConnectionId id, Frame frame)> send_data;
+  virtual void send_data(ConnectionId id, Frame frame) = 0;
 
   /// An answer: never dropped; a client that lets too many wait is closed.
   /// @param is_shared others keep the bytes too
-  std::function<void(ConnectionId id, Frame frame, bool is_shared)> send_answer;
+  virtual void send_answer(ConnectionId id, Frame frame, bool is_shared) = 0;
 
   /// How long this client may be silent from now on.
-  std::function<void(ConnectionId id, Patience patience)> set_patience;
+  virtual void set_patience(ConnectionId id, Patience patience) = 0;
 
   /// Calls `action` in the server's thread, later. Any thread.
-  std::function<void(std::function<void()> action)> post;
+  virtual void post(std::function<void()> action) = 0;
 
-  void send_text(ConnectionId id, std::string text) const {
+  void send_text(ConnectionId id, std::string text) {
     send_answer(id, text_frame(share(std::move(text))), false);
   }
 
-  void send_status(ConnectionId id, Level level, std::string_view text) const {
+  void send_status(ConnectionId id, Level level, std::string_view text) {
     send_text(id, status_text(level, text));
   }
 };
