@@ -74,7 +74,8 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${tree} COMPONENT docum
 install(FILES ${PROJECT_SOURCE_DIR}/idl/vdrive_messages.idl ${PROJECT_SOURCE_DIR}/idl/ros_messages.idl
         DESTINATION ${tree}/idl COMPONENT documents)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/clients/examples DESTINATION ${tree}/clients
-        COMPONENT documents PATTERN CMakeLists.txt EXCLUDE PATTERN installed EXCLUDE)
+        COMPONENT documents PATTERN CMakeLists.txt EXCLUDE PATTERN installed EXCLUDE
+        PATTERN 08_text_bridge EXCLUDE) # it needs the kit
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/clients/python/examples DESTINATION ${tree}/clients/python
         COMPONENT documents)
 install(FILES ${PROJECT_SOURCE_DIR}/clients/examples/installed/CMakeLists.txt

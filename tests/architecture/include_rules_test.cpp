@@ -242,7 +242,7 @@ INSTANTIATE_TEST_SUITE_P(
              "#include \"settings/yaml_reader.hpp\""},
         Case{"bench_in_bridge_to_canopen", "clients/canopen/src/bridge/private_benches.hpp",
              "#include \"vdrive/bench/bench.hpp\""},
-        Case{"kit_in_bridge_to_canopen", "clients/canopen/src/bridge/bench_link.hpp",
+        Case{"kit_in_bridge_to_canopen", "clients/canopen/src/bridge/bench_drives.hpp",
              "#include \"bench_follower.hpp\""},
         Case{"node_in_bus", "clients/canopen/src/bus/bus.hpp", "#include \"node/frame.hpp\""},
         Case{"kit_without_bench_in_bus", "clients/canopen/src/bus/tcp_acceptor.cpp",

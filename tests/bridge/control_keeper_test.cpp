@@ -23,37 +23,31 @@ constexpr std::uint64_t kOther = 0x0B;
 constexpr ControlKeeper::Clock::time_point kKeeperBegin{1h};
 
 /// A bench with two axes, and the keeper of their control.
-struct Kept {
+struct Kept final : ControlledBench {
   std::vector<AxisSnapshot> axes{2};
   bool is_refused = false;
   int requests = 0;
   std::vector<std::string> reports{};
-  ControlKeeper keeper{kOwn, calls()};
+  ControlKeeper keeper{kOwn, *this, {.loss = "want it again", .faults = "reset them"}};
 
-  ControlKeeper::Calls calls() {
-    return {.acquire =
-                [this] {
-                  ++requests;
-                  if (is_refused) return Outcome::refused(1, "the bench refuses");
-                  own(kOwn);
-                  return Outcome{};
-                },
-            .observe = [this]() -> std::optional<Observation> {
-              Observation now;
-              now.axes = axes;
-              return now;
-            },
-            .report =
-                [this](Severity, const std::string& text) {
-                  reports.push_back(text);
-                },
-            .name_of =
-                [](std::uint64_t session) {
-                  return "program " + std::to_string(session);
-                },
-            .remedy = "want it again",
-            .fault_remedy = "reset them"};
+  Outcome acquire() override {
+    ++requests;
+    if (is_refused) return Outcome::refused(1, "the bench refuses");
+    own(kOwn);
+    return Outcome{};
   }
+
+  std::optional<Observation> observe() override {
+    Observation now;
+    now.axes = axes;
+    return now;
+  }
+
+  std::string name_of(std::uint64_t session) override {
+    return "program " + std::to_string(session);
+  }
+
+  void report(Severity /*severity*/, const std::string& text) override { reports.push_back(text); }
 
   void own(std::uint64_t session) {
     for (AxisSnapshot& axis : axes) axis.owner_session = session;

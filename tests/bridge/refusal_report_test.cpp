@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "refusal_report.hpp"
-
+#include "reports.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 
 #include <gtest/gtest.h>

@@ -32,7 +32,7 @@ using testing::Not;
 using testing::SizeIs;
 
 /// Node 1 and a master on a bus. What the node asks of its drive is kept.
-struct NodeOnABus {
+struct NodeOnABus final : NodeDrives {
   static constexpr std::uint64_t kSession = 7;
 
   /// @param state of NodeStore
@@ -87,6 +87,21 @@ struct NodeOnABus {
     nodes.take_values(0, question.ticket, values);
   }
 
+  void access(std::size_t /*place*/, const DriveAccess& asked) override {
+    accesses.push_back(asked);
+  }
+
+  void tell_connection(std::size_t /*place*/, bool is_lost) override { told.push_back(is_lost); }
+
+  void cycle_power(std::size_t /*place*/) override {}
+
+  void note_set_points() override {}
+
+  void read(std::size_t /*place*/, std::uint32_t ticket,
+            const std::vector<ObjectAddress>& objects) override {
+    questions.push_back({.ticket = ticket, .objects = objects});
+  }
+
   std::vector<Question> questions{};
   std::vector<DriveAccess> accesses{};
   std::deque<bool> told{};  ///< of the connection to a master
@@ -95,26 +110,7 @@ struct NodeOnABus {
   Bus bus{};
   RecordedPort master{bus};
   std::array<NodePlace, 1> places{NodePlace{.axis = 1, .node_id = 1}};
-  BenchNodes nodes{
-      bus,
-      store,
-      places,
-      {.session = kSession, .read_period = 10ms},
-      {.access =
-           [this](std::size_t, const DriveAccess& access) {
-             accesses.push_back(access);
-           },
-       .tell_connection =
-           [this](std::size_t, bool is_lost) {
-             told.push_back(is_lost);
-           },
-       .cycle_power = [](std::size_t) {},
-       .set_points = [] {},
-       .sync = {},
-       .read =
-           [this](std::size_t, std::uint32_t ticket, const std::vector<ObjectAddress>& objects) {
-             questions.push_back({.ticket = ticket, .objects = objects});
-           }}};
+  BenchNodes nodes{bus, store, *this, places, {.session = kSession, .read_period = 10ms}};
   std::array<client::AxisSnapshot, 1> drives{};
 };
 
@@ -264,7 +260,7 @@ TEST(BenchNodes, ShareTheTimeOfFaultsWithThoseThatCameFirst) {
   test.start(kSince1970);
   test.show(kSince1970 + 10s);
   const std::array<NodePlace, 1> places{NodePlace{.axis = 1, .node_id = 2}};
-  BenchNodes later(test.bus, test.store, places, {.session = NodeOnABus::kSession}, {});
+  BenchNodes later(test.bus, test.store, test, places, {.session = NodeOnABus::kSession});
   later.start(test.drives, kSince1970 + 10s);
   EXPECT_EQ(later.fault_time(), 10s);
   later.update(test.drives, kSince1970 + 12s);

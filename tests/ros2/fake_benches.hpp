@@ -8,42 +8,39 @@
 #include <cstdint>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <vector>
 
 namespace vdrive::ros2 {
 
 /// Benches without a network, and what the bridge makes of them.
-struct FakeBenches {
+struct FakeBenches : BenchAccess {
   explicit FakeBenches(Settings with = {}) : settings(std::move(with)) {}
 
   Settings settings;
   std::map<std::uint32_t, FakeBench> drives{};  ///< those that are there
   WrittenReports written{};
   std::vector<const BenchMotion*> restarted{};
-  ServedBenches benches{FakeBench::kSession, settings, written.reports, calls()};
+  ServedBenches benches{FakeBench::kSession, settings, written.reports, *this};
   Trajectories trajectories{benches, settings, written.reports};
   ServedBenches::Clock::time_point time{std::chrono::hours(1)};
 
-  ServedBenches::Calls calls() {
-    return {.present =
-                [this] {
-                  std::vector<client::BenchInfo> present;
-                  for (const auto& [number, bench] : drives) present.push_back(bench.info());
-                  return present;
-                },
-            .connect =
-                [](Bench&) {
-                  return std::unique_ptr<BenchLink>();
-                },
-            .send =
-                [this](std::uint32_t bench, const SetPointStream::Frames& frames) {
-                  return drives.at(bench).take(frames);
-                },
-            .restarted =
-                [this](BenchMotion& motion) {
-                  restarted.push_back(&motion);
-                  trajectories.end_with(motion);
-                }};
+  std::vector<client::BenchInfo> present_benches() override {
+    std::vector<client::BenchInfo> present;
+    for (const auto& [number, bench] : drives) present.push_back(bench.info());
+    return present;
+  }
+
+  std::unique_ptr<FollowedBench> connect(Bench& /*bench*/) override { return nullptr; }
+
+  client::Outcome send_set_points(std::uint32_t bench,
+                                  const SetPointStream::Frames& frames) override {
+    return drives.at(bench).take(frames);
+  }
+
+  void end_run(BenchMotion& motion) override {
+    restarted.push_back(&motion);
+    trajectories.end_with(motion);
   }
 
   void add(std::uint32_t number, std::vector<std::string> names) {

@@ -42,6 +42,13 @@ std::optional<client::Observation> BenchFollower::newest(milliseconds patience) 
   return newest;
 }
 
+std::vector<client::AxisId> ids_of(const client::BenchInfo& info) {
+  std::vector<client::AxisId> ids;
+  ids.reserve(info.axes.size());
+  for (const client::AxisInfo& axis : info.axes) ids.push_back(axis.id);
+  return ids;
+}
+
 BenchFollower::Open follow_axes(client::Session& session, std::vector<client::AxisId> axes) {
   return [&session, axes = std::move(axes)]() -> client::Result<BenchFollower::Next> {
     auto follower = session.follow(axes, client::Pace::observe);

@@ -40,7 +40,7 @@ class BenchFollower {
   ///         is_open() is false.
   std::optional<client::Observation> next(std::chrono::milliseconds patience);
 
-  /// Waits for a sample, and leaves out those behind which a newer one has arrived.
+  /// Waits for a sample, and leaves out those after which a newer one has arrived.
   /// @return as next()
   std::optional<client::Observation> newest(std::chrono::milliseconds patience);
 
@@ -49,6 +49,9 @@ class BenchFollower {
   Next next_;
   Clock::time_point due_{};
 };
+
+/// @return the axes of a bench, in their order.
+[[nodiscard]] std::vector<client::AxisId> ids_of(const client::BenchInfo& info);
 
 /// @param session outlives what is returned
 /// @return what follows these axes, and never advances their clock.

@@ -51,12 +51,12 @@ std::optional<client::Observation> ControlKeeper::keep(std::span<const AxisSnaps
     wait_for(*owner, axes);
     return std::nullopt;
   }
-  if (const client::Outcome taken = calls_.acquire(); !taken) {
+  if (const client::Outcome taken = bench_.acquire(); !taken) {
     note_refusal(taken, now);
     return std::nullopt;
   }
   retry_ = kRetry;
-  auto held = calls_.observe();
+  auto held = bench_.observe();
   if (held) {
     note_owner(held->axes);
     report_taken(held->axes);
@@ -82,9 +82,9 @@ void ControlKeeper::note_owner(std::span<const AxisSnapshot> axes) {
   if (!has_just_lost(axes)) return;
   // Without the lock: the name may have to be waited for.
   const auto owner = other_owner(axes, session_);
-  calls_.report(Severity::error, "control of its axes is lost" +
-                                     (owner ? " to " + calls_.name_of(*owner) : "") + ": " +
-                                     calls_.remedy);
+  bench_.report(Severity::error, "control of its axes is lost" +
+                                     (owner ? " to " + bench_.name_of(*owner) : "") + ": " +
+                                     remedies_.loss);
 }
 
 bool ControlKeeper::has_just_lost(std::span<const AxisSnapshot> axes) {
@@ -102,8 +102,8 @@ void ControlKeeper::wait_for(std::uint64_t owner, std::span<const AxisSnapshot> 
   const auto count = std::ranges::count_if(axes, [this](const AxisSnapshot& axis) {
     return is_foreign(axis, session_);
   });
-  calls_.report(Severity::warning,
-                calls_.name_of(owner) + " controls " + std::to_string(count) + " of its " +
+  bench_.report(Severity::warning,
+                bench_.name_of(owner) + " controls " + std::to_string(count) + " of its " +
                     std::to_string(axes.size()) +
                     " axes: this bridge takes control when all of them are free");
 }
@@ -114,23 +114,23 @@ void ControlKeeper::note_refusal(const client::Outcome& refusal, Clock::time_poi
   retry_ = std::min(2 * retry_, kLongestRetry);
   if (refusal.message() == reported_.refusal) return;
   reported_.refusal = refusal.message();
-  calls_.report(Severity::warning, "cannot take control: " + refusal.message());
+  bench_.report(Severity::warning, "cannot take control: " + refusal.message());
 }
 
 /// Reports control that follows a reported wait or refusal.
 void ControlKeeper::report_taken(std::span<const AxisSnapshot> axes) {
   if (reported_.owner == 0 && reported_.refusal.empty()) return;
   std::string text = "takes control: its axes are free";
-  if (reported_.owner != 0) text += " of " + calls_.name_of(reported_.owner);
+  if (reported_.owner != 0) text += " of " + bench_.name_of(reported_.owner);
   const auto faults = std::ranges::count_if(axes, [](const AxisSnapshot& axis) {
     return axis.state() == PowerState::fault || axis.state() == PowerState::fault_reaction_active;
   });
   if (faults > 0) {
     text += "; " + std::to_string(faults) + " of " + std::to_string(axes.size()) +
-            " are in a fault: " + calls_.fault_remedy;
+            " are in a fault: " + remedies_.faults;
   }
   reported_ = {};
-  calls_.report(Severity::info, text);
+  bench_.report(Severity::info, text);
 }
 
 }  // namespace vdrive::bridge

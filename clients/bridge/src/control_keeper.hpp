@@ -7,11 +7,11 @@
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 namespace vdrive::bridge {
 
@@ -22,31 +22,44 @@ namespace vdrive::bridge {
 /// @return whether this session controls all of the axes.
 [[nodiscard]] bool owns_all(std::span<const client::AxisSnapshot> axes, std::uint64_t own);
 
+/// What a ControlKeeper does to its bench. Each call may wait, but report().
+class ControlledBench {
+ public:
+  virtual ~ControlledBench() = default;
+
+  /// Takes control of all axes, or of none.
+  virtual client::Outcome acquire() = 0;
+
+  /// @return the state of all axes now.
+  virtual std::optional<client::Observation> observe() = 0;
+
+  /// @return how messages call another session.
+  virtual std::string name_of(std::uint64_t session) = 0;
+
+  virtual void report(Severity severity, const std::string& text) = 0;
+};
+
+/// What reports advise, in the words of the world of a bridge.
+struct ControlRemedies {
+  std::string loss;    ///< how lost control is taken again
+  std::string faults;  ///< how a person resets them
+};
+
 /// Takes control of all axes of a bench as soon as no other session controls one of them. Control
-/// that another session takes is not taken back before it is wanted anew. Reports each owner that
-/// it waits for once. Time is an argument; want() is for any thread, keep() for the one that may
-/// wait for the bench.
+/// that another session takes is not taken back before it is wanted once more. Reports each owner
+/// that it waits for once. Time is an argument; want() is for any thread, keep() for the one that
+/// may wait for the bench.
 class ControlKeeper {
  public:
   using Clock = std::chrono::steady_clock;
-  using Report = std::function<void(Severity severity, const std::string& text)>;
-
-  /// What it does to a bench.
-  struct Calls {
-    std::function<client::Outcome()> acquire;                     ///< all axes, or none
-    std::function<std::optional<client::Observation>()> observe;  ///< their state now
-    Report report;
-    /// How messages call another session; may wait for its name.
-    std::function<std::string(std::uint64_t session)> name_of;
-    std::string remedy;        ///< how a person has lost control taken again
-    std::string fault_remedy;  ///< how a person resets faults
-  };
 
   static constexpr std::chrono::milliseconds kRetry{200};
   static constexpr std::chrono::milliseconds kLongestRetry{2000};
 
   /// @param session that takes control
-  ControlKeeper(std::uint64_t session, Calls calls) : session_(session), calls_(std::move(calls)) {}
+  /// @param bench outlives this
+  ControlKeeper(std::uint64_t session, ControlledBench& bench, ControlRemedies remedies)
+      : session_(session), bench_(bench), remedies_(std::move(remedies)) {}
 
   /// Whether control is wanted from now on. Wanted once more after a loss, it is taken again.
   void want(bool wanted);
@@ -75,10 +88,11 @@ class ControlKeeper {
   void report_taken(std::span<const client::AxisSnapshot> axes);
 
   const std::uint64_t session_;
-  const Calls calls_;
+  ControlledBench& bench_;
+  const ControlRemedies remedies_;
   mutable std::mutex mutex_;  ///< guards what want() changes
   bool is_wanted_ = false;
-  bool is_new_ = false;  ///< wanted anew: what was reported is reported again
+  bool is_new_ = false;  ///< wanted once more: what was reported is reported again
   bool had_it_ = false;  ///< all axes, since it is wanted
   bool has_lost_ = false;
   // Of the thread of keep().

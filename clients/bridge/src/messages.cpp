@@ -110,7 +110,7 @@ class SchemaText {
 };
 
 /// @param message one of those below
-/// @param source what it is made of, beside a time; any, only types matter
+/// @param source what it is made of, apart from a time; any, only types matter
 template <typename Message, typename... Source>
 MessageSchema schema_of(std::string name, const Message& message, const Source&... source) {
   SchemaText schema;

@@ -17,7 +17,7 @@
 /// CDR. The members of the status come from the table of the core. A time is drive time [ns].
 namespace vdrive::bridge {
 
-/// Name and text of a message type. The text has the types that it uses behind it, each after a
+/// Name and text of a message type. The text has the types that it uses after it, each after a
 /// line of 80 equals signs, as rosbag2 writes them.
 struct MessageSchema {
   std::string name;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "severity.hpp"
+#include "vdrive/client/event.hpp"
 #include "vdrive/token_bucket.hpp"
 
 #include <chrono>
@@ -39,8 +40,8 @@ class ReportLimit {
   std::map<std::string, Subject> subjects_;
 };
 
-/// Reports of a bridge to its operator: a line on standard error, and what the bridge does with it
-/// beside. Thread-safe; not for DDS threads.
+/// Reports of a bridge to its operator: a line on standard error, and what else the bridge does
+/// with it. Thread-safe; not for DDS threads.
 class Reports {
  public:
   /// Takes a line that is reported, such as into a log of the other world.
@@ -59,5 +60,12 @@ class Reports {
   std::mutex mutex_;
   ReportLimit limit_;
 };
+
+/// @param own the session of the bridge
+/// @return what to report about an event that refuses a command of the bridge: the same text for
+///         equal refusals, which are counted; nothing for any other event, and for the refusal of
+///         control, which a ControlKeeper reports.
+[[nodiscard]] std::optional<std::string> refusal_report(const client::Event& event,
+                                                        std::uint64_t own);
 
 }  // namespace vdrive::bridge

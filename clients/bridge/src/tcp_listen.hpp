@@ -28,8 +28,8 @@ inline void listen_on(boost::asio::ip::tcp::acceptor& acceptor, const std::strin
   const boost::asio::ip::tcp::endpoint endpoint(address, port);
   try {
     acceptor.open(endpoint.protocol());
-    // Else a program that starts anew cannot listen while the kernel keeps connections of the one
-    // before.
+    // Else a program that is started again cannot listen while the kernel keeps connections of the
+    // one before.
     acceptor.set_option(boost::asio::socket_base::reuse_address(true));
     acceptor.bind(endpoint);
     acceptor.listen();

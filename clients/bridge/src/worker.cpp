@@ -12,8 +12,7 @@ Worker::~Worker() {
 
 bool Worker::post(std::function<void()> job) {
   const std::scoped_lock lock(mutex_);
-  if (is_closed_ || jobs_.size() >= kMostJobs) return false;
-  jobs_.push_back(std::move(job));
+  if (is_closed_ || !jobs_.put(std::move(job))) return false;
   if (!thread_.joinable()) {
     has_ended_ = false;
     thread_ = std::thread(&Worker::run, this);
@@ -35,12 +34,11 @@ void Worker::run() {
     changed_.wait(lock, [this] {
       return is_closed_ || !jobs_.empty();
     });
-    if (jobs_.empty()) break;
-    auto job = std::move(jobs_.front());
-    jobs_.pop_front();
+    auto job = jobs_.take();
+    if (!job) break;
     lock.unlock();
-    job();
-    job = {};  // what it holds ends here, without the lock
+    (*job)();
+    job.reset();  // what it holds ends here, without the lock
     lock.lock();
   }
   has_ended_ = true;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/bounded_queue.hpp"
+
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
-#include <deque>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -18,7 +19,8 @@ class Worker {
   /// Jobs that may wait: a client that sends more than its bench answers hears of it.
   static constexpr std::size_t kMostJobs = 64;
 
-  Worker() = default;
+  /// @param most_jobs that wait
+  explicit Worker(std::size_t most_jobs = kMostJobs) : jobs_(most_jobs, WhenFull::refuses_newest) {}
 
   /// Waits for the job under way; the others are dropped.
   ~Worker();
@@ -39,7 +41,7 @@ class Worker {
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::function<void()>> jobs_;
+  BoundedQueue<std::function<void()>> jobs_;
   bool is_closed_ = false;
   std::atomic<bool> has_ended_ = true;
   std::thread thread_;

@@ -2,12 +2,14 @@
 #include "bench_feed.hpp"
 
 #include "descriptions.hpp"
-#include "joint_rating.hpp"
+#include "joint_values.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/client/axis.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -37,13 +39,6 @@ ChannelInfo ros_channel(std::string topic, bridge::MessageSchema schema) {
           .schema_encoding = "ros2msg"};
 }
 
-std::vector<client::AxisId> ids_of(const KnownBench& bench) {
-  std::vector<client::AxisId> ids;
-  ids.reserve(bench.info.axes.size());
-  for (const client::AxisInfo& axis : bench.info.axes) ids.push_back(axis.id);
-  return ids;
-}
-
 ChannelPointer make(ChannelInfo info) {
   return std::make_shared<Channel>(std::move(info));
 }
@@ -53,6 +48,22 @@ std::uint32_t news_of(const AxisStatus& status) {
   constexpr std::uint32_t kErrorPlace = 8;
   const auto state = static_cast<std::uint32_t>(decode_power_state(status.ds402_statusword));
   return state | static_cast<std::uint32_t>(status.error_code) << kErrorPlace;
+}
+
+/// Reads the torque rating of an axis, and waits for it.
+/// @return its effort_per_mille(); none when it cannot be read
+std::optional<double> read_effort_per_mille(const client::Axis& axis, const Unit& unit) {
+  using namespace literals;
+  constexpr std::array kObjects{kObjectRows["motor_rated_torque"_object].address,
+                                kObjectRows["gear_ratio_numerator"_object].address,
+                                kObjectRows["gear_ratio_denominator"_object].address};
+  const auto readings = axis.read(kObjects);
+  if (!readings) return std::nullopt;
+  const auto& values = readings->objects;
+  ensure(values.size() == kObjects.size(), "each object that is read has a reading");
+  return bridge::effort_per_mille(unit, {.motor_rated_torque = values[0].value,
+                                         .gear_ratio_numerator = values[1].value,
+                                         .gear_ratio_denominator = values[2].value});
 }
 
 }  // namespace
@@ -86,15 +97,15 @@ BenchChannels bench_channels(const KnownBench& bench) {
   return channels;
 }
 
-BenchFeed::BenchFeed(client::Session& session, bridge::Presence& presence, KnownBench bench,
+BenchFeed::BenchFeed(client::Session& session, bridge::Roster& roster, KnownBench bench,
                      FeedSettings settings, BenchNews& news)
     : session_(session),
-      presence_(presence),
+      roster_(roster),
       settings_(settings),
       news_(news),
       channels_(bench_channels(bench)),
       bench_(std::move(bench)),
-      ids_(ids_of(bench_)),
+      ids_(bridge::ids_of(bench_.info)),
       follower_(bridge::follow_axes(session, ids_)),
       published_states_(bench_.info.axes.size()),
       traces_(bench_.info.axes.size()) {
@@ -167,7 +178,7 @@ bool BenchFeed::is_stream_wanted() const {
 }
 
 bool BenchFeed::begin() {
-  const auto record = presence_.find(bench_.info.number);
+  const auto record = roster_.find(bench_.info.number);
   if (!record || !record->is_alive || !follower_.open(Clock::now())) return false;
   newest_.reset();
   next_rating_ = 0;
@@ -291,7 +302,7 @@ void BenchFeed::refresh_joints(Clock::time_point now) {
 void BenchFeed::read_rating(std::size_t place) {
   const auto axis = session_.axis(to_string(ids_[place]));
   if (!axis) return;
-  const auto effort = bridge::read_effort_per_mille(*axis, bench_.info.axes[place].unit);
+  const auto effort = read_effort_per_mille(*axis, bench_.info.axes[place].unit);
   if (effort) joints_[place].scale.effort_per_mille = *effort;
 }
 
@@ -310,7 +321,7 @@ void BenchFeed::publish_description() {
   const bool is_first = channels_.description->has_new_receiver.exchange(false);
   const bool is_renewed = is_renewed_.exchange(false);
   if (!channels_.description->is_wanted() || !(is_first || is_renewed)) return;
-  auto record = presence_.find(bench_.info.number);
+  auto record = roster_.find(bench_.info.number);
   if (!record) return;
   const KnownBench known{std::move(record->info), bench_.topic, bench_.axis_names};
   send(channels_.description, time_of(known.info.tick), description_text(known));
@@ -321,8 +332,8 @@ void BenchFeed::publish_state(Clock::time_point now) {
   const bool is_first = channels_.state->has_new_receiver.exchange(false);
   if (!is_first && now < next_state_) return;
   next_state_ = now + kStatePeriod;
-  presence_.refresh(session_.present_benches(), now);
-  const auto record = presence_.find(bench_.info.number);
+  roster_.refresh(session_.present_benches(), now);
+  const auto record = roster_.find(bench_.info.number);
   if (!record) return;
   const std::uint64_t time = time_of(record->info.tick);
   if (!channels_.state->is_wanted()) {

@@ -2,12 +2,12 @@
 #pragma once
 
 #include "bench_follower.hpp"
-#include "bench_presence.hpp"
 #include "channel.hpp"
 #include "descriptions.hpp"
 #include "directory.hpp"
 #include "messages.hpp"
 #include "owner_log.hpp"
+#include "roster.hpp"
 #include "vdrive/client/event.hpp"
 #include "vdrive/client/session.hpp"
 
@@ -44,13 +44,22 @@ struct FeedSettings {
   const std::atomic<std::size_t>* clients = nullptr;  ///< that are connected
 };
 
+/// Who hears what happens to benches. Called in threads of the gateway; may not wait.
+class BenchNews {
+ public:
+  virtual ~BenchNews() = default;
+
+  virtual void came(std::uint32_t bench, const std::vector<ChannelPointer>& channels) = 0;
+  virtual void went(std::uint32_t bench, const std::vector<ChannelPointer>& channels) = 0;
+  virtual void publish(Batch batch) = 0;
+};
+
 /// Publishes one bench. A thread of its own follows the bench while some client receives one of its
 /// axes, never advances its clock, and encodes what is received once for all receivers.
 class BenchFeed {
  public:
-  /// @param session outlives the feed, as `presence` does, which knows the bench
-  /// @param news gets what it publishes, and outlives the feed
-  BenchFeed(client::Session& session, bridge::Presence& presence, KnownBench bench,
+  /// @param session outlives the feed, as `roster` does, which knows the bench, and `news`
+  BenchFeed(client::Session& session, bridge::Roster& roster, KnownBench bench,
             FeedSettings settings, BenchNews& news);
   ~BenchFeed() = default;
   BenchFeed(const BenchFeed&) = delete;
@@ -87,7 +96,7 @@ class BenchFeed {
   [[nodiscard]] std::uint64_t time_of(std::uint64_t tick) const;
 
   client::Session& session_;
-  bridge::Presence& presence_;
+  bridge::Roster& roster_;
   const FeedSettings settings_;
   BenchNews& news_;
   const BenchChannels channels_;

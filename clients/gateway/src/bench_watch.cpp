@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_watch.hpp"
 
-#include "vdrive/assert.hpp"
-
 #include <utility>
 
 namespace vdrive::gateway {
@@ -50,10 +48,10 @@ BenchList BenchWatch::benches() const {
 }
 
 std::vector<BenchPresence> BenchWatch::presences() const {
-  const auto now = bridge::Presence::Clock::now();
-  presence_.refresh(session_.present_benches(), now);
+  const auto now = bridge::Roster::Clock::now();
+  roster_.refresh(session_.present_benches(), now);
   std::vector<BenchPresence> presences;
-  for (const bridge::BenchRecord& record : presence_.all()) {
+  for (const bridge::BenchRecord& record : roster_.all()) {
     presences.push_back({.number = record.info.number,
                          .is_alive = record.is_alive,
                          .sample_age = now - record.newest_sample});
@@ -62,7 +60,7 @@ std::vector<BenchPresence> BenchWatch::presences() const {
 }
 
 void BenchWatch::on_change(const client::ServiceChange& change) {
-  presence_.note(change, bridge::Presence::Clock::now());
+  roster_.note(change, bridge::Roster::Clock::now());
   const std::scoped_lock lock(mutex_);
   has_changed_ = true;
   changed_.notify_all();
@@ -71,7 +69,7 @@ void BenchWatch::on_change(const client::ServiceChange& change) {
 void BenchWatch::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     auto found = session_.find_benches();
-    reconcile(presence_.take(std::move(found), bridge::Presence::Clock::now()));
+    if (roster_.take(std::move(found), bridge::Roster::Clock::now())) refresh();
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, stop, kPeriod, [this] {
       return has_changed_;
@@ -80,42 +78,31 @@ void BenchWatch::run(const std::stop_token& stop) {
   }
 }
 
-void BenchWatch::reconcile(const std::vector<bridge::PresenceChange>& changes) {
-  using Kind = bridge::PresenceChange::Kind;
-  for (const bridge::PresenceChange& change : changes) {
-    if (change.kind == Kind::came) {
-      add(change.bench);
-    } else if (change.kind == Kind::renewed) {
-      const std::scoped_lock lock(mutex_);
-      ensure(feeds_.contains(change.bench), "a bench that continues has a feed");
-      feeds_.at(change.bench)->note_renewed();
-    } else {
-      remove(change.bench);
-    }
-  }
-  if (!changes.empty()) refresh();
+bool BenchWatch::continues(const client::BenchInfo& known, const client::BenchInfo& found) const {
+  return have_same_topics(known, found);
 }
 
-void BenchWatch::add(std::uint32_t bench) {
-  auto record = presence_.find(bench);
-  ensure(record.has_value(), "a bench that came is known until this thread takes news again");
-  auto feed = std::make_shared<BenchFeed>(session_, presence_, known_bench(std::move(record->info)),
-                                          settings_, news_);
+std::optional<std::string> BenchWatch::add(const client::BenchInfo& info) {
+  auto feed = std::make_shared<BenchFeed>(session_, roster_, known_bench(info), settings_, news_);
   {
     const std::scoped_lock lock(mutex_);
-    feeds_[bench] = feed;
+    feeds_[info.number] = feed;
   }
-  news_.came(bench, feed->channels().all());
+  news_.came(info.number, feed->channels().all());
+  return std::nullopt;
 }
 
-void BenchWatch::remove(std::uint32_t bench) {
+void BenchWatch::renew(const client::BenchInfo& info) {
+  const std::scoped_lock lock(mutex_);
+  feeds_.at(info.number)->note_renewed();
+}
+
+void BenchWatch::remove(std::uint32_t bench, bool /*is_replaced*/) {
   std::shared_ptr<BenchFeed> feed;
   {
     const std::scoped_lock lock(mutex_);
-    const auto known = feeds_.find(bench);
-    if (known == feeds_.end()) return;
-    feed = std::move(known->second);
-    feeds_.erase(known);
+    feed = std::move(feeds_.at(bench));
+    feeds_.erase(bench);
   }
   // Without the lock: the end of a feed waits for its thread, and events come meanwhile.
   news_.went(bench, feed->channels().all());
@@ -123,7 +110,7 @@ void BenchWatch::remove(std::uint32_t bench) {
 
 void BenchWatch::refresh() {
   auto benches = std::make_shared<std::vector<KnownBench>>();
-  for (bridge::BenchRecord& record : presence_.all()) {
+  for (bridge::BenchRecord& record : roster_.all()) {
     benches->push_back(known_bench(std::move(record.info)));
   }
   const std::scoped_lock lock(mutex_);

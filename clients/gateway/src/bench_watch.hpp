@@ -4,10 +4,14 @@
 #include "bench_feed.hpp"
 #include "event_log.hpp"
 
+#include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -22,11 +26,11 @@ struct BenchPresence {
 
 /// Finds benches as they come and go, and keeps a feed for each. A bench that falls silent keeps
 /// its topics for a minute; one that announces its end loses them at once.
-class BenchWatch {
+class BenchWatch final : private bridge::BenchHost {
  public:
   /// @param session outlives the watch, as `news` does, and `events`, which gets every event
   BenchWatch(client::Session& session, EventLog& events, FeedSettings settings, BenchNews& news);
-  ~BenchWatch();
+  ~BenchWatch() override;
   BenchWatch(const BenchWatch&) = delete;
   BenchWatch& operator=(const BenchWatch&) = delete;
 
@@ -38,9 +42,11 @@ class BenchWatch {
 
  private:
   void run(const std::stop_token& stop);
-  void reconcile(const std::vector<bridge::PresenceChange>& changes);
-  void add(std::uint32_t bench);
-  void remove(std::uint32_t bench);
+  [[nodiscard]] bool continues(const client::BenchInfo& known,
+                               const client::BenchInfo& found) const override;
+  std::optional<std::string> add(const client::BenchInfo& info) override;
+  void renew(const client::BenchInfo& info) override;
+  void remove(std::uint32_t bench, bool is_replaced) override;
   void on_change(const client::ServiceChange& change);
   void refresh();
 
@@ -48,7 +54,7 @@ class BenchWatch {
   EventLog& events_;
   const FeedSettings settings_;
   BenchNews& news_;
-  mutable bridge::Presence presence_{{.continues = have_same_topics}};
+  mutable bridge::Roster roster_{*this};
   mutable std::mutex mutex_;  ///< guards what follows
   std::map<std::uint32_t, std::shared_ptr<BenchFeed>> feeds_;
   BenchList benches_ = std::make_shared<std::vector<KnownBench>>();

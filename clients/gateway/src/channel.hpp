@@ -45,17 +45,6 @@ struct Batch {
   std::vector<ChannelMessage> messages{};
 };
 
-/// Who hears of benches that come and go, and of what they publish. Called in threads of the
-/// gateway; may not wait.
-class BenchNews {
- public:
-  virtual ~BenchNews() = default;
-
-  virtual void came(std::uint32_t bench, const std::vector<ChannelPointer>& channels) = 0;
-  virtual void went(std::uint32_t bench, const std::vector<ChannelPointer>& channels) = 0;
-  virtual void publish(Batch batch) = 0;
-};
-
 /// @return the next number for a channel; never the same twice in one run. Thread-safe.
 [[nodiscard]] std::uint32_t next_channel_id();
 

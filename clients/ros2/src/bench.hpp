@@ -25,8 +25,8 @@ enum class ControlWish : std::uint8_t {
   give_back,  ///< what is held
 };
 
-/// A bench as two threads share it: the one that commands it, and its BenchLink, which waits for
-/// it. Thread-safe; no call waits.
+/// A bench as two threads share it: the one that commands it, and that of its FollowedBench, which
+/// waits for it. Thread-safe; no call waits.
 class Bench {
  public:
   using State = std::shared_ptr<const client::Observation>;  ///< axes in the order of the joints

@@ -12,11 +12,12 @@
 #include <mutex>
 #include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdrive::ros2 {
 
-/// What is published of a bench: its newest state, after the set-points for the ticks behind it
+/// What is published of a bench: its newest state, after the set-points for the ticks after it
 /// were sent.
 struct BenchView {
   std::shared_ptr<const Bench> bench{};  ///< its joints; none where the bridge does not serve it
@@ -35,12 +36,27 @@ class Board {
   using Views = std::map<std::uint32_t, BenchView>;
 
   /// @param is_urgent whether the publisher is woken; else it looks at its own times
-  void put(Views views, bool is_urgent);
+  void put(Views views, bool is_urgent) {
+    const std::scoped_lock lock(mutex_);
+    views_ = std::move(views);
+    if (!is_urgent) return;
+    is_new_ = true;
+    changed_.notify_all();
+  }
 
-  [[nodiscard]] Views views() const;
+  [[nodiscard]] Views views() const {
+    const std::scoped_lock lock(mutex_);
+    return views_;
+  }
 
   /// Waits for new views, at most until `time`.
-  void wait_until(std::chrono::steady_clock::time_point time, const std::stop_token& stop);
+  void wait_until(std::chrono::steady_clock::time_point time, const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_until(lock, stop, time, [this] {
+      return is_new_;
+    });
+    is_new_ = false;
+  }
 
  private:
   mutable std::mutex mutex_;

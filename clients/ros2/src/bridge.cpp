@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge.hpp"
 
-#include "refusal_report.hpp"
 #include "ros_time.hpp"
 #include "vdrive/client/event.hpp"
 #include "wall_time.hpp"
@@ -40,15 +39,7 @@ Bridge::Bridge(const Settings& settings)
       commands_(*participant_, settings.topics.joint_commands, to_inbox(inbox_)),
       trajectories_(*participant_, settings.topics.joint_trajectory, to_inbox(inbox_)),
       enable_(*participant_, settings.topics.enable, to_inbox(inbox_)),
-      controller_(session_, settings, reports_, inbox_, board_,
-                  {.writers =
-                       [this] {
-                         return commands_.matched();
-                       },
-                   .guard_counts =
-                       [this] {
-                         return participant_->guard_counts();
-                       }}),
+      controller_(session_, settings, reports_, inbox_, board_, commands_, *participant_),
       publisher_(*participant_, settings, board_) {
   session_.on_event([this](const client::Event& event) {
     const auto text = bridge::refusal_report(event, session_.id());

@@ -34,7 +34,7 @@ class Bridge {
   ros::Subscription<ros::JointState> commands_;
   ros::Subscription<ros::JointTrajectory> trajectories_;
   ros::Subscription<ros::Bool> enable_;
-  // Behind what it asks and takes from; it ends first, and disables the axes meanwhile.
+  // After what it asks and takes from; it ends first, and disables the axes meanwhile.
   Controller controller_;
   JointPublisher publisher_;
 };

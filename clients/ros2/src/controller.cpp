@@ -24,12 +24,16 @@ constexpr std::chrono::seconds kEnd{2};
 }  // namespace
 
 Controller::Controller(client::Session& session, const Settings& settings, bridge::Reports& reports,
-                       Inbox& inbox, Board& board, Questions questions)
-    : reports_(reports),
+                       Inbox& inbox, Board& board,
+                       const ros::Subscription<ros::JointState>& commands,
+                       const wire::Participant& participant)
+    : session_(session),
+      reports_(reports),
       inbox_(inbox),
       board_(board),
-      questions_(std::move(questions)),
-      benches_(session.id(), settings, reports, calls_to(session)),
+      commands_(commands),
+      participant_(participant),
+      benches_(session.id(), settings, reports, *this),
       trajectories_(benches_, settings, reports),
       command_stamps_(settings.stamp_ahead),
       drops_(reports),
@@ -42,27 +46,25 @@ Controller::~Controller() {
   thread_.join();
 }
 
-ServedBenches::Calls Controller::calls_to(client::Session& session) {
-  return {.present =
-              [&session] {
-                return session.present_benches();
-              },
-          .connect =
-              [this, &session](Bench& bench) {
-                // In lock-step a step waits for the set-points; elsewhere the next turn is near.
-                const bool is_urgent = bench.info().clock_mode == client::ClockMode::lockstep;
-                return std::make_unique<BenchLink>(session, bench, reports_, [this, is_urgent] {
-                  if (is_urgent) inbox_.wake();
-                });
-              },
-          .send =
-              [&session](std::uint32_t bench, const SetPointStream::Frames& frames) {
-                return session.send_set_points(bench, frames);
-              },
-          .restarted =
-              [this](BenchMotion& motion) {
-                trajectories_.end_with(motion);
-              }};
+std::vector<client::BenchInfo> Controller::present_benches() {
+  return session_.present_benches();
+}
+
+std::unique_ptr<FollowedBench> Controller::connect(Bench& bench) {
+  // In lock-step a step waits for the set-points; elsewhere the next turn is near.
+  const bool is_urgent = bench.info().clock_mode == client::ClockMode::lockstep;
+  return std::make_unique<FollowedBench>(session_, bench, reports_, [this, is_urgent] {
+    if (is_urgent) inbox_.wake();
+  });
+}
+
+client::Outcome Controller::send_set_points(std::uint32_t bench,
+                                            const SetPointStream::Frames& frames) {
+  return session_.send_set_points(bench, frames);
+}
+
+void Controller::end_run(BenchMotion& motion) {
+  trajectories_.end_with(motion);
 }
 
 void Controller::run(const std::stop_token& stop) {
@@ -86,7 +88,7 @@ void Controller::turn() {
   trajectories_.start_due();
   update(now);  // sends the first set-points of what has started
   trajectories_.forget_ended();
-  // Last: who sees the state of a tick finds that the set-points behind it were sent.
+  // Last: who sees the state of a tick finds that the set-points after it were sent.
   board_.put(benches_.views(), benches_.any_in_lockstep());
 }
 
@@ -162,7 +164,7 @@ void Controller::handle(const ros::JointTrajectory& message, const wire::WriterI
 
 void Controller::handle(const ros::Bool& message, const wire::WriterId& /*writer*/) {
   const bool is_enabled = message.data;
-  // A person begins anew: a stamp from a wrong clock must not lock a writer out for ever.
+  // A person begins again: a stamp from a wrong clock must not lock a writer out for ever.
   command_stamps_.clear();
   trajectories_.note_enable(is_enabled);
   reports_.report(Severity::info, "enable", is_enabled ? "true" : "false");
@@ -170,8 +172,8 @@ void Controller::handle(const ros::Bool& message, const wire::WriterId& /*writer
 }
 
 void Controller::ask(Clock::time_point now) {
-  note_writers(questions_.writers());
-  drops_.report(questions_.guard_counts(), now);
+  note_writers(commands_.matched());
+  drops_.report(participant_.guard_counts(), now);
 }
 
 /// A velocity or an effort stays in force: nobody is left who would end it.

@@ -8,41 +8,44 @@
 #include "served_benches.hpp"
 #include "settings.hpp"
 #include "trajectories.hpp"
+#include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/ros.hpp"
 
 #include <chrono>
 #include <cstddef>
-#include <functional>
+#include <cstdint>
+#include <memory>
 #include <thread>
+#include <vector>
 
 namespace vdrive::ros2 {
 
 /// Commands the benches: takes the messages of ROS, in a thread of its own that never waits for a
 /// bench.
-class Controller {
+class Controller final : private BenchAccess {
  public:
-  /// What it asks the participant of ROS.
-  struct Questions {
-    /// The number of nodes that write joint commands now. When the last one ends, joints that
-    /// velocity or effort move brake.
-    std::function<std::size_t()> writers{};
-    std::function<wire::GuardCounts()> guard_counts{};  ///< what the guard refused until now
-  };
-
   /// @param session outlives the controller, as the others do
   /// @param inbox gives it the messages
+  /// @param commands when the last node that writes them ends, joints that velocity or effort move
+  ///        brake
+  /// @param participant of ROS, whose guard counts what it refuses
   Controller(client::Session& session, const Settings& settings, bridge::Reports& reports,
-             Inbox& inbox, Board& board, Questions questions);
+             Inbox& inbox, Board& board, const ros::Subscription<ros::JointState>& commands,
+             const wire::Participant& participant);
 
   /// Disables the axes that it has enabled, as far as that is possible within two seconds.
-  ~Controller();
+  ~Controller() override;
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  [[nodiscard]] ServedBenches::Calls calls_to(client::Session& session);
+  std::vector<client::BenchInfo> present_benches() override;
+  std::unique_ptr<FollowedBench> connect(Bench& bench) override;
+  client::Outcome send_set_points(std::uint32_t bench,
+                                  const SetPointStream::Frames& frames) override;
+  void end_run(BenchMotion& motion) override;
   void run(const std::stop_token& stop);
   void turn();
   void end();
@@ -54,10 +57,12 @@ class Controller {
   void note_writers(std::size_t writers);
   void update(Clock::time_point now);
 
+  client::Session& session_;
   bridge::Reports& reports_;
   Inbox& inbox_;
   Board& board_;
-  const Questions questions_;
+  const ros::Subscription<ros::JointState>& commands_;
+  const wire::Participant& participant_;
   ServedBenches benches_;
   Trajectories trajectories_;
   StampOrder command_stamps_;

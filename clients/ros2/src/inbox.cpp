@@ -1,25 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "inbox.hpp"
 
-#include <cstddef>
 #include <utility>
 
 namespace vdrive::ros2 {
-namespace {
-
-// More than half a second of commands at 100 Hz. A trajectory may have 4 MB: what waits is
-// bounded.
-constexpr std::size_t kMostMessages = 64;
-
-}  // namespace
 
 void Inbox::put(Received received) {
   const std::scoped_lock lock(mutex_);
-  if (content_.messages.size() >= kMostMessages) {
-    content_.messages.pop_front();
-    ++content_.dropped;
-  }
-  content_.messages.push_back(std::move(received));
+  messages_.put(std::move(received));
   is_woken_ = true;
   woken_.notify_one();
 }
@@ -32,7 +20,8 @@ void Inbox::wake() {
 
 Inbox::Content Inbox::take() {
   const std::scoped_lock lock(mutex_);
-  return std::exchange(content_, {});
+  const std::uint64_t dropped = messages_.dropped();
+  return {.messages = messages_.take_all(), .dropped = dropped - std::exchange(reported_, dropped)};
 }
 
 void Inbox::wait(std::chrono::milliseconds duration, const std::stop_token& stop) {

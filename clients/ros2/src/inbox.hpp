@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/bounded_queue.hpp"
 #include "vdrive/wire/ros.hpp"
 
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <mutex>
@@ -24,6 +26,10 @@ struct Received {
 /// Brings messages from the threads of DDS to the one that commands, and wakes it. Thread-safe.
 class Inbox {
  public:
+  /// Messages that wait at most: more than half a second of commands at 100 Hz. A trajectory may
+  /// have 4 MB.
+  static constexpr std::size_t kMostMessages = 64;
+
   /// What has arrived.
   struct Content {
     std::deque<Received> messages;
@@ -45,7 +51,8 @@ class Inbox {
   std::mutex mutex_;
   std::condition_variable_any woken_;
   bool is_woken_ = false;
-  Content content_;
+  BoundedQueue<Received> messages_{kMostMessages, WhenFull::drops_oldest};
+  std::uint64_t reported_ = 0;  ///< of those that were dropped
 };
 
 }  // namespace vdrive::ros2

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "bench_link.hpp"
 #include "bench_motion.hpp"
-#include "bench_presence.hpp"
 #include "board.hpp"
+#include "followed_bench.hpp"
+#include "roster.hpp"
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -20,27 +19,39 @@ namespace vdrive::ros2 {
 /// A bench that the bridge serves.
 struct ServedBench {
   std::shared_ptr<Bench> bench;
-  std::unique_ptr<BenchLink> link;
+  std::unique_ptr<FollowedBench> link;
   std::unique_ptr<BenchMotion> motion;
 };
 
+/// What ServedBenches asks of the bridge.
+class BenchAccess {
+ public:
+  virtual ~BenchAccess() = default;
+
+  /// @return the benches that are there.
+  virtual std::vector<client::BenchInfo> present_benches() = 0;
+
+  /// Has the bench followed from now on.
+  virtual std::unique_ptr<FollowedBench> connect(Bench& bench) = 0;
+
+  /// Sends set-points to a bench.
+  virtual client::Outcome send_set_points(std::uint32_t bench,
+                                          const SetPointStream::Frames& frames) = 0;
+
+  /// The motions of a bench end with its run.
+  virtual void end_run(BenchMotion& motion) = 0;
+};
+
 /// The benches that the bridge serves, and their joints by name. For one thread.
-class ServedBenches {
+class ServedBenches final : private bridge::BenchHost {
  public:
   using Clock = std::chrono::steady_clock;
   using Map = std::map<std::uint32_t, ServedBench>;
 
-  struct Calls {
-    std::function<std::vector<client::BenchInfo>()> present;  ///< the benches that are there
-    std::function<std::unique_ptr<BenchLink>(Bench&)> connect;
-    std::function<client::Outcome(std::uint32_t bench, const SetPointStream::Frames&)> send;
-    std::function<void(BenchMotion&)> restarted;  ///< these motions end with the run
-  };
-
   /// @param session number of the one that commands the benches
-  /// @param reports outlives this
+  /// @param reports, access outlive this
   ServedBenches(std::uint64_t session, const Settings& settings, bridge::Reports& reports,
-                Calls calls);
+                BenchAccess& access);
 
   /// Takes benches that have come, and gives up those that have gone.
   void find(Clock::time_point now);
@@ -79,25 +90,21 @@ class ServedBenches {
   [[nodiscard]] Board::Views views() const;
 
  private:
-  /// A bench that the bridge does not serve, because its joints clash.
-  struct LeftOut {
-    std::shared_ptr<const Bench> bench;
-    std::string reason;
-  };
-
-  void add(const client::BenchInfo& info);
-  void leave_out(const client::BenchInfo& info, const std::string& reason);
-  void remove(std::uint32_t number, bool is_replaced);
+  [[nodiscard]] bool continues(const client::BenchInfo& known,
+                               const client::BenchInfo& found) const override;
+  std::optional<std::string> add(const client::BenchInfo& info) override;
+  void leave_out(const client::BenchInfo& info, const std::string& reason) override;
+  void remove(std::uint32_t number, bool is_replaced) override;
 
   const std::uint64_t session_;
   const Settings settings_;
   bridge::Reports& reports_;
-  const Calls calls_;
+  BenchAccess& access_;
   bool is_enabled_;
-  bridge::Presence presence_;
+  bridge::Roster roster_;
   Clock::time_point find_due_{};
   Map benches_;
-  std::map<std::uint32_t, LeftOut> left_out_;
+  Board::Views left_out_;  ///< of benches whose joints clash, as they were when they came
   JointDirectory directory_;
 };
 

@@ -11,7 +11,7 @@
 
 namespace vdrive::canopen {
 
-/// The options of vdrive-canopen beside those of the network, as they were written.
+/// The options of vdrive-canopen except those of the network, as they were written.
 struct Arguments {
   std::vector<std::uint32_t> benches{};
   std::vector<std::int32_t> node_offsets{};  ///< one for all benches, or one each

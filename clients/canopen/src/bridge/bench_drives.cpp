@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge/bench_drives.hpp"
 
+#include "bench_link.hpp"
+#include "bridge/drive_access.hpp"
+
 #include <algorithm>
 #include <chrono>
+#include <functional>
+#include <mutex>
 #include <utility>
 
 namespace vdrive::canopen {
 namespace {
 
-// Each read of a node is a request to the bench, beside the SDOs of masters: all nodes of a bench
-// together send 1,000 in a second of drive time at most.
+// Each read of a node is a request to the bench, in addition to the SDOs of masters: all nodes of a
+// bench together send 1,000 in a second of drive time at most.
 constexpr DriveTime kShortestReadPeriod = std::chrono::milliseconds(10);
 constexpr DriveTime kReadPeriodPerNode = std::chrono::milliseconds(1);
 
@@ -17,107 +22,178 @@ DriveTime read_period_of(std::size_t nodes) {
   return std::max(kShortestReadPeriod, kReadPeriodPerNode * static_cast<std::int64_t>(nodes));
 }
 
+// Jobs of the link that change a drive.
+constexpr bridge::AxisJobs::Kind kConnection = 1;
+constexpr bridge::AxisJobs::Kind kPowerCycle = 2;
+
 }  // namespace
+
+bridge::BenchControl::Options control_options(std::string label) {
+  return {.label = std::move(label),
+          .remedies = {.loss = "its nodes take it again when all of its axes are free",
+                       .faults = "bit 7 of 6040h resets them"},
+          .is_automatic = true};
+}
+
+/// Hands what becomes of the bench over from the thread that follows it.
+class BenchDrives::Link final : public bridge::BenchAdapter {
+ public:
+  /// What became of the bench since the last question.
+  struct News {
+    bool was_lost = false;  ///< first: what is newest is that of a new beginning
+    State newest{};         ///< none = nothing came
+    DriveTime time{};       ///< of it
+  };
+
+  /// @param notify called when there are news and the last ones were taken
+  Link(const BusParts& parts, const client::BenchInfo& info, const std::string& label,
+       std::function<void()> notify)
+      : notify_(std::move(notify)),
+        link_(*this, parts.session, parts.reports, info, control_options(label)) {}
+
+  [[nodiscard]] bridge::BenchLink& bench() noexcept { return link_; }
+
+  [[nodiscard]] News take_news() {
+    const std::scoped_lock lock(mutex_);
+    are_news_ = false;
+    return std::exchange(news_, {});
+  }
+
+ private:
+  void on_open(const client::BenchInfo& info, const std::vector<client::Axis>& /*axes*/) override {
+    period_ = info.period;
+  }
+
+  void on_state(const State& state) override {
+    const auto ticks = static_cast<std::int64_t>(state->axes.front().driven_tick());
+    tell([&](News& news) {
+      news.newest = state;
+      news.time = period_ * ticks;
+    });
+  }
+
+  void on_lost() override {
+    tell([](News& news) {
+      news = {.was_lost = true};
+    });
+  }
+
+  template <typename Change>
+  void tell(const Change& change) {
+    {
+      const std::scoped_lock lock(mutex_);
+      change(news_);
+      if (std::exchange(are_news_, true)) return;
+    }
+    notify_();
+  }
+
+  const std::function<void()> notify_;
+  std::mutex mutex_;  ///< guards what follows
+  News news_;
+  bool are_news_ = false;             ///< notify_ was called for them
+  std::chrono::microseconds period_;  ///< of the thread that follows
+  bridge::BenchLink link_;            ///< last: its threads use all others
+};
+
+template <typename Action>
+auto BenchDrives::in_loop(Action action) {
+  return [&loop = parts_.loop, self = std::weak_ptr(self_), action](const auto&... values) {
+    asio::post(loop, [self, action, values...] {
+      if (const auto drives = self.lock()) action(**drives, values...);
+    });
+  };
+}
 
 BenchDrives::BenchDrives(const BusParts& parts, const client::BenchInfo& info,
                          std::span<const NodePlace> places, std::string label)
     : parts_(parts),
       label_(std::move(label)),
       count_(places.size()),
-      nodes_(parts.bus, parts.store, places,
+      nodes_(parts.bus, parts.store, *this, places,
              {.session = parts.session.id(),
               .software_version = VDRIVE_VERSION,
-              .read_period = read_period_of(places.size())},
-             calls_of_nodes()),
-      self_(std::make_shared<BenchDrives*>(this)) {
-  const auto notify = [&loop = parts_.loop, self = std::weak_ptr(self_)] {
-    asio::post(loop, [self] {
-      if (const auto drives = self.lock()) (*drives)->take_news();
-    });
-  };
-  link_ = std::make_unique<BenchLink>(parts_.session, info, label_, parts_.reports, notify);
-}
+              .read_period = read_period_of(places.size())}),
+      self_(std::make_shared<BenchDrives*>(this)),
+      link_(std::make_shared<Link>(parts_, info, label_, in_loop([](BenchDrives& drives) {
+                                     drives.take_news();
+                                   }))) {}
 
 BenchDrives::~BenchDrives() = default;
 
-std::unique_ptr<BenchLink> BenchDrives::close() {
+std::shared_ptr<void> BenchDrives::close() {
   nodes_.stop();
   self_.reset();
   return std::move(link_);
 }
 
 void BenchDrives::take_news() {
-  const BenchLink::News news = link_->take_news();
+  const Link::News news = link_->take_news();
   if (news.was_lost) {
     nodes_.stop();
-    report(bridge::Severity::warning, "is silent or has ended: its nodes have left the bus");
+    parts_.reports.report(bridge::Severity::warning, label_,
+                          "is silent or has ended: its nodes have left the bus");
   }
   if (!news.newest) return;
-  const auto& [observation, time] = *news.newest;
   if (nodes_.is_running()) {
-    nodes_.update(observation.axes, time);
+    nodes_.update(news.newest->axes, news.time);
     return;
   }
-  nodes_.start(observation.axes, time);
-  // What a bridge that ended has left behind would hide the next loss.
-  for (std::size_t place = 0; place < count_; ++place) link_->tell_connection(place, false);
+  nodes_.start(news.newest->axes, news.time);
+  // What a bridge that ended has left in the drives would hide the next loss.
+  for (std::size_t place = 0; place < count_; ++place) tell_connection(place, false);
 }
 
-BenchNodes::Calls BenchDrives::calls_of_nodes() {
-  return {.access =
-              [this](std::size_t place, const DriveAccess& access) {
-                const auto answer = [&loop = parts_.loop, self = std::weak_ptr(self_), place,
-                                     ticket = access.ticket](const DriveAnswer& answered) {
-                  asio::post(loop, [self, place, ticket, answered] {
-                    if (const auto drives = self.lock()) {
-                      (*drives)->nodes_.complete(place, ticket, answered);
-                    }
-                  });
-                };
-                link_->access(place, access, answer);
-              },
-          .tell_connection =
-              [this](std::size_t place, bool is_lost) {
-                link_->tell_connection(place, is_lost);
-              },
-          .cycle_power =
-              [this](std::size_t place) {
-                link_->cycle_power(place);
-              },
-          // Behind what the loop has read in this turn: all of it is one frame.
-          .set_points =
-              [this] {
-                asio::post(parts_.loop, [self = std::weak_ptr(self_)] {
-                  const auto drives = self.lock();
-                  if (!drives || !(*drives)->nodes_.has_set_points()) return;
-                  (*drives)->link_->send((*drives)->nodes_.take_set_points());
-                });
-              },
-          .sync = {},
-          .read =
-              [this](std::size_t place, std::uint32_t ticket,
-                     const std::vector<ObjectAddress>& objects) {
-                read(place, ticket, objects);
-              }};
+// ---- what the nodes ask ----------------------------------------------------------------------
+
+void BenchDrives::access(std::size_t place, const DriveAccess& access) {
+  const auto answer =
+      in_loop([place, ticket = access.ticket](BenchDrives& drives, const DriveAnswer& answered) {
+        drives.nodes_.complete(place, ticket, answered);
+      });
+  const auto job = [access, answer](client::Axis& axis) {
+    answer(carry_out(axis, access));
+  };
+  if (link_->bench().post(place, bridge::AxisJobs::kAccess, job)) return;
+  answer(DriveAnswer{.abort = AbortCode::cannot_store_or_transfer});
 }
 
 void BenchDrives::read(std::size_t place, std::uint32_t ticket,
                        const std::vector<ObjectAddress>& objects) {
-  const auto answer = [&loop = parts_.loop, self = std::weak_ptr(self_), place,
-                       ticket](const std::vector<DriveValue>& values) {
-    asio::post(loop, [self, place, ticket, values] {
-      if (const auto drives = self.lock()) (*drives)->nodes_.take_values(place, ticket, values);
-    });
+  const auto answer =
+      in_loop([place, ticket](BenchDrives& drives, const std::vector<DriveValue>& values) {
+        drives.nodes_.take_values(place, ticket, values);
+      });
+  const auto job = [objects, answer](client::Axis& axis) {
+    answer(read_values(axis, objects));
   };
-  link_->read(place, objects, answer);
+  if (link_->bench().post(place, bridge::AxisJobs::kAccess, job)) return;
+  answer(std::vector<DriveValue>{});
+}
+
+void BenchDrives::tell_connection(std::size_t place, bool is_lost) {
+  bridge::BenchLink& link = link_->bench();
+  (void)link.post(place, kConnection, [&link, is_lost](client::Axis& axis) {
+    link.report(canopen::tell_connection(axis, is_lost), "axis " + to_string(axis.id()));
+  });
+}
+
+void BenchDrives::cycle_power(std::size_t place) {
+  bridge::BenchLink& link = link_->bench();
+  (void)link.post(place, kPowerCycle, [&link](client::Axis& axis) {
+    link.report(canopen::cycle_power(axis), "axis " + to_string(axis.id()));
+  });
+}
+
+/// After what the loop has read in this turn: all of it is one frame.
+void BenchDrives::note_set_points() {
+  in_loop([](BenchDrives& drives) {
+    if (drives.nodes_.has_set_points()) drives.link_->bench().send(drives.nodes_.take_set_points());
+  })();
 }
 
 std::uint64_t BenchDrives::dropped_set_points() const {
-  return link_->dropped_frames() + nodes_.replaced_set_points();
-}
-
-void BenchDrives::report(bridge::Severity severity, const std::string& text) const {
-  parts_.reports.report(severity, label_, text);
+  return link_->bench().dropped_frames() + nodes_.replaced_set_points();
 }
 
 }  // namespace vdrive::canopen

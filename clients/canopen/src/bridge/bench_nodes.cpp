@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge/bench_nodes.hpp"
 
-#include "bridge/duplicate_node.hpp"
 #include "node/cob_id.hpp"
+#include "node/node_object.hpp"
 #include "vdrive/assert.hpp"
 
 #include <algorithm>
@@ -30,7 +30,7 @@ void add_producer(std::optional<std::int64_t> entry, std::vector<std::uint16_t>&
   add_identifier(std::int64_t{kHeartbeatId} + ((*entry >> 16) & 0x7F), identifiers);
 }
 
-/// What a node listens to, beside its SDO requests and what is for all nodes.
+/// What a node listens to, in addition to its SDO requests and what is for all nodes.
 void collect_identifiers(const Node& node, std::vector<std::uint16_t>& identifiers) {
   identifiers.clear();
   add_identifier(node.value(kCobIdOfSync), identifiers);
@@ -41,6 +41,54 @@ void collect_identifiers(const Node& node, std::vector<std::uint16_t>& identifie
     add_producer(node.value({kHeartbeatConsumer, subindex}), identifiers);
   }
 }
+
+/// A second device with the id of a node, by mistake: it boots, answers each SDO request, too, and
+/// obeys NMT and SYNC. Its drive stands still: each object has its default, and what is written has
+/// no effect.
+class DuplicateNode final : private NodeHost {
+ public:
+  using Send = std::function<void(const Frame& frame)>;
+
+  /// Boots.
+  /// @param settings its texts are copied
+  DuplicateNode(const NodeSettings& settings, Send send, DriveTime now)
+      : send_(std::move(send)), node_(settings, *this) {
+    constexpr std::uint16_t kSwitchOnDisabled = 0x0240;  // 6041h, and remote
+    DriveView at_rest;
+    at_rest.status.ds402_statusword = kSwitchOnDisabled;
+    node_.start(at_rest, now);
+  }
+
+  void receive(const Frame& frame, DriveTime now) {
+    node_.receive(frame, now);
+    while (access_) {
+      const DriveAccess access = *std::exchange(access_, std::nullopt);
+      node_.complete(access.ticket, {.value = initial_value(access.object)}, now);
+    }
+  }
+
+  void advance(DriveTime now) {
+    const auto due = node_.next_due();
+    if (due && *due <= now) node_.advance(now);
+  }
+
+ private:
+  void send(const Frame& frame) override { send_(frame); }
+
+  void begin_access(const DriveAccess& access) override { access_ = access; }
+
+  void command(std::span<const DriveValue> /*values*/) override {}
+
+  void set_connection_lost(bool /*is_lost*/) override {}
+
+  void power_cycle() override {}
+
+  bool store(const Node::Parameters& /*parameters*/) override { return true; }
+
+  const Send send_;
+  std::optional<DriveAccess> access_;  ///< not answered yet
+  Node node_;
+};
 
 }  // namespace
 
@@ -141,7 +189,7 @@ class BenchNodes::Slot final : public NodeHost {
     ask();
   }
 
-  /// Asks when it is due, of a drive that is shown anew.
+  /// Asks when it is due, with a new state of the drive.
   void ask_for_values() {
     ask_for_new_values();
     if (is_asked_ || read_objects_.empty() || !node_) return;
@@ -168,8 +216,8 @@ class BenchNodes::Slot final : public NodeHost {
     ++last_ticket_;
     DriveAccess asked = access;
     asked.ticket = last_ticket_;
-    nodes_.drive_calls_.emplace_back([&calls = nodes_.calls_, place = place_, asked] {
-      calls.access(place, asked);
+    nodes_.drive_calls_.emplace_back([&drives = nodes_.drives_, place = place_, asked] {
+      drives.access(place, asked);
     });
   }
 
@@ -182,14 +230,14 @@ class BenchNodes::Slot final : public NodeHost {
     // control is back, and the master is not.
     is_loss_untold_ = is_lost && !is_owned_;
     if (is_loss_untold_) return;
-    nodes_.drive_calls_.emplace_back([&calls = nodes_.calls_, place = place_, is_lost] {
-      calls.tell_connection(place, is_lost);
+    nodes_.drive_calls_.emplace_back([&drives = nodes_.drives_, place = place_, is_lost] {
+      drives.tell_connection(place, is_lost);
     });
   }
 
   void power_cycle() override {
-    nodes_.drive_calls_.emplace_back([&calls = nodes_.calls_, place = place_] {
-      calls.cycle_power(place);
+    nodes_.drive_calls_.emplace_back([&drives = nodes_.drives_, place = place_] {
+      drives.cycle_power(place);
     });
   }
 
@@ -199,11 +247,11 @@ class BenchNodes::Slot final : public NodeHost {
 
  private:
   void ask() {
-    if (read_objects_.empty() || !nodes_.calls_.read) return;
+    if (read_objects_.empty()) return;
     is_asked_ = true;
     asked_at_ = nodes_.now_;
     ++read_ticket_;
-    nodes_.calls_.read(place_, read_ticket_, read_objects_);
+    nodes_.drives_.read(place_, read_ticket_, read_objects_);
   }
 
   [[nodiscard]] NodeSettings settings() const {
@@ -227,7 +275,7 @@ class BenchNodes::Slot final : public NodeHost {
   std::vector<std::uint16_t> identifiers_;
   std::optional<std::uint64_t> known_changes_;  ///< Node::parameter_changes() of identifiers_
   std::optional<DriveAccess> accessed_;         ///< under way, as the node knows it
-  std::uint32_t last_ticket_ = 0;               ///< of it, as Calls know it
+  std::uint32_t last_ticket_ = 0;               ///< of it, as NodeDrives know it
   std::vector<ObjectAddress> read_objects_;     ///< for its TPDOs
   std::optional<std::uint64_t> asked_changes_;  ///< Node::parameter_changes() of read_objects_
   std::uint32_t read_ticket_ = 0;               ///< of the last question for them
@@ -236,9 +284,9 @@ class BenchNodes::Slot final : public NodeHost {
   std::optional<Node> node_;
 };
 
-BenchNodes::BenchNodes(Bus& bus, NodeStore& store, std::span<const NodePlace> places,
-                       const Options& options, Calls calls)
-    : bus_(bus), store_(store), options_(options), calls_(std::move(calls)) {
+BenchNodes::BenchNodes(Bus& bus, NodeStore& store, NodeDrives& drives,
+                       std::span<const NodePlace> places, const Options& options)
+    : bus_(bus), store_(store), drives_(drives), options_(options) {
   slots_.reserve(places.size());
   for (const NodePlace& place : places) {
     slots_.push_back(std::make_unique<Slot>(*this, slots_.size(), place));
@@ -291,7 +339,7 @@ void BenchNodes::update(std::span<const client::AxisSnapshot> drives, DriveTime 
 void BenchNodes::complete(std::size_t place, std::uint32_t ticket, const DriveAnswer& answer) {
   if (!is_running_) return;
   slots_.at(place)->complete(ticket, answer);
-  note_changes(place);  // of the request that waited behind this one
+  note_changes(place);  // of the request that waited for this one
   settle();
 }
 
@@ -316,10 +364,10 @@ std::vector<client::SetPointFrame> BenchNodes::take_set_points() {
 void BenchNodes::deliver(const Frame& frame) {
   if (!is_running_) return;
   // Time passes for its sender, also where a fault of the bus keeps it from the nodes.
-  const bool lets_time_pass = calls_.sync && is_sync(frame);
+  const bool lets_time_pass = options_.sync_period && is_sync(frame);
   receive({.frame = frame, .number = bus_.frames()});
   settle();
-  if (lets_time_pass) calls_.sync();
+  if (lets_time_pass) drives_.pass_sync();
 }
 
 /// SYNC as the first node has it: one bench has one clock.
@@ -400,7 +448,7 @@ void BenchNodes::note_changes(std::size_t place) {
   are_mappings_new_ = true;
 }
 
-/// A TPDO that is mapped anew has its values as soon as it can, and not with the next tick: on a
+/// A TPDO with a new mapping has its values as soon as it can, and not with the next tick: on a
 /// bench that SYNC steps there is none before the SYNC that sends it.
 void BenchNodes::ask_for_new_values() {
   if (!is_running_ || !std::exchange(are_mappings_new_, false)) return;
@@ -417,7 +465,7 @@ void BenchNodes::refresh_listeners() {
   }
 }
 
-/// Behind a call of a node: does what the node has asked for, and what comes of that.
+/// After a call of a node: does what the node has asked for, and what comes of that.
 void BenchNodes::settle() {
   if (is_settling_) return;  // the call that is under way does it
   is_settling_ = true;
@@ -436,7 +484,7 @@ void BenchNodes::settle() {
   is_settling_ = false;
   ask_for_new_values();
   if (set_points_.is_empty() || std::exchange(are_noted_, true)) return;
-  calls_.set_points();
+  drives_.note_set_points();
 }
 
 void BenchNodes::send(const Outgoing& outgoing) {

@@ -28,37 +28,45 @@ struct NodePlace {
 /// Adds what more nodes have counted.
 void add_counters(NodeCounters& sum, const NodeCounters& more);
 
+/// What the nodes of a bench ask of its drives; `place` is that of NodePlace. No call of a node is
+/// under way then, so that BenchNodes::complete() may be called at once.
+class NodeDrives {
+ public:
+  virtual ~NodeDrives() = default;
+
+  virtual void access(std::size_t place, const DriveAccess& access) = 0;
+  virtual void tell_connection(std::size_t place, bool is_lost) = 0;
+  virtual void cycle_power(std::size_t place) = 0;
+
+  /// The first set-point waits for BenchNodes::take_set_points().
+  virtual void note_set_points() = 0;
+
+  /// Reads objects that TPDOs carry and the status does not have; BenchNodes::take_values() is the
+  /// answer, also with none of them. A node asks again when it has its answer, not before.
+  virtual void read(std::size_t place, std::uint32_t ticket,
+                    const std::vector<ObjectAddress>& objects) = 0;
+
+  /// All nodes have received SYNC, whose period they were given.
+  virtual void pass_sync() {}
+};
+
 /// The nodes of the axes of one bench, as a port of their bus: gives them frames, states and drive
-/// time, and takes what they ask for. It knows no bench: what a node asks of its drive are `Calls`.
-/// For the thread of the bus.
+/// time, and takes what they ask for. It knows no bench, only NodeDrives. For the thread of the
+/// bus.
 class BenchNodes final : public Port {
  public:
-  /// What nodes ask of their drives; `place` is that of NodePlace. No call of a node is under way
-  /// then, so that complete() may be called at once.
-  struct Calls {
-    std::function<void(std::size_t place, const DriveAccess& access)> access;
-    std::function<void(std::size_t place, bool is_lost)> tell_connection;
-    std::function<void(std::size_t place)> cycle_power;
-    std::function<void()> set_points;  ///< the first one waits for take_set_points()
-    std::function<void()> sync;        ///< all nodes have received SYNC; may be empty
-    /// Reads objects that TPDOs carry and the status does not have; take_values() is the answer,
-    /// also with none of them. A node asks again when it has its answer, not before.
-    std::function<void(std::size_t place, std::uint32_t ticket,
-                       const std::vector<ObjectAddress>& objects)>
-        read{};
-  };
-
   struct Options {
-    std::uint64_t session = 0;                   ///< that controls the axes
-    std::optional<std::uint32_t> sync_period{};  ///< see NodeSettings
-    const char* software_version = "";           ///< 100Ah
-    /// Drive time between two Calls::read of a node at least; a new mapping waits for none.
+    std::uint64_t session = 0;  ///< that controls the axes
+    std::optional<std::uint32_t>
+        sync_period{};                  ///< see NodeSettings; none = SYNC lets no time pass
+    const char* software_version = "";  ///< 100Ah
+    /// Drive time between two NodeDrives::read of a node at least; a new mapping waits for none.
     DriveTime read_period{};
   };
 
-  /// @param bus, store outlive this
-  BenchNodes(Bus& bus, NodeStore& store, std::span<const NodePlace> places, const Options& options,
-             Calls calls);
+  /// @param bus, store, drives outlive this
+  BenchNodes(Bus& bus, NodeStore& store, NodeDrives& drives, std::span<const NodePlace> places,
+             const Options& options);
   ~BenchNodes() override;
   BenchNodes(const BenchNodes&) = delete;
   BenchNodes& operator=(const BenchNodes&) = delete;
@@ -82,11 +90,11 @@ class BenchNodes final : public Port {
   /// The drives after a tick.
   void update(std::span<const client::AxisSnapshot> drives, DriveTime now);
 
-  /// The answer to Calls::access. One to an access of before the last start() is ignored.
+  /// The answer to NodeDrives::access. One to an access of before the last start() is ignored.
   void complete(std::size_t place, std::uint32_t ticket, const DriveAnswer& answer);
 
-  /// The answer to Calls::read: the values that could be read. They go out with the next SYNC, or
-  /// the next update(). One to a question of before the last start() is ignored.
+  /// The answer to NodeDrives::read: the values that could be read. They go out with the next SYNC,
+  /// or the next update(). One to a question of before the last start() is ignored.
   void take_values(std::size_t place, std::uint32_t ticket, std::span<const DriveValue> values);
 
   /// The drive of the axis has refused values of RPDOs.
@@ -151,18 +159,18 @@ class BenchNodes final : public Port {
 
   Bus& bus_;
   NodeStore& store_;
+  NodeDrives& drives_;
   const Options options_;
-  const Calls calls_;
   std::vector<std::unique_ptr<Slot>> slots_;
   DriveTime now_{};
   DriveTime begin_{};  ///< of fault_time()
   bool is_running_ = false;
   bool is_settling_ = false;
-  bool are_noted_ = false;  ///< Calls::set_points was called for what waits
+  bool are_noted_ = false;  ///< NodeDrives::note_set_points() was called for what waits
   Listeners listeners_;
   bool are_listeners_old_ = true;
   bool are_mappings_new_ = true;  ///< a node may have other objects to read
-  // Filled within calls of nodes, carried out behind them.
+  // Filled within calls of nodes, carried out after them.
   std::vector<Outgoing> outgoing_;
   std::vector<Outgoing> sending_;  ///< its memory, used in turn
   std::vector<std::function<void()>> drive_calls_;

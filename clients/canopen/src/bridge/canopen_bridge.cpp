@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge/canopen_bridge.hpp"
 
-#include "bridge/private_benches.hpp"
-#include "refusal_report.hpp"
 #include "settings/configuration_error.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <utility>
 
 namespace vdrive::canopen {
@@ -20,6 +19,31 @@ constexpr std::chrono::milliseconds kFindBenchesPeriod{200};
 // Reasons of the wire are below.
 constexpr std::uint32_t kLowestAbortCode = 0x0500'0000;
 
+bench::BenchOptions options_of(const Settings& settings, const BenchSetting& bench) {
+  return {.configuration_file = bench.configuration,
+          .axes = bench.axes,
+          .preset = bench.preset,
+          .clock = settings.clock,
+          .number = bench.number,
+          .state_directory = settings.state};
+}
+
+/// @return the benches of a private bridge, all on one local bus; empty where it is not private.
+std::vector<bench::Bench> make_private_benches(const Settings& settings) {
+  std::vector<bench::Bench> benches;
+  if (!settings.is_private) return benches;
+  std::shared_ptr<wire::LocalBus> meeting;
+  for (const BusSetting& bus : settings.buses) {
+    for (const BenchSetting& bench : bus.benches) {
+      bench::BenchOptions options = options_of(settings, bench);
+      options.bus = meeting;
+      benches.emplace_back(options);
+      meeting = benches.front().bus();
+    }
+  }
+  return benches;
+}
+
 client::SessionOptions session_options(const Settings& settings,
                                        const std::vector<bench::Bench>& benches) {
   client::SessionOptions options = settings.session;
@@ -28,6 +52,20 @@ client::SessionOptions session_options(const Settings& settings,
 }
 
 }  // namespace
+
+void check_private_benches(const Settings& settings) {
+  if (!settings.is_private) return;
+  for (const BusSetting& bus : settings.buses) {
+    for (const BenchSetting& bench : bus.benches) {
+      try {
+        bench::check(options_of(settings, bench));
+      } catch (const bench::BenchError& error) {
+        throw vdrive::settings::ConfigurationError("bench " + std::to_string(bench.number) + ": " +
+                                                   error.what());
+      }
+    }
+  }
+}
 
 CanopenBridge::CanopenBridge(const Settings& settings)
     : is_private_(settings.is_private),

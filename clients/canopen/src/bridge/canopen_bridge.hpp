@@ -17,6 +17,10 @@
 
 namespace vdrive::canopen {
 
+/// Reads the configurations of the private benches, and makes none.
+/// @throws settings::ConfigurationError where a bench cannot be made of its options
+void check_private_benches(const Settings& settings);
+
 /// The whole bridge: one session for all benches, one thread for all buses, that of loop().
 class CanopenBridge final {
  public:
@@ -38,7 +42,7 @@ class CanopenBridge final {
   /// @throws settings::ConfigurationError when the axes of a private bench cannot be nodes
   void start();
 
-  /// Ends loop(), and all calls that wait for a bench, in it and beside it. Any thread.
+  /// Ends loop(), and all calls that wait for a bench, in it and elsewhere. Any thread.
   void stop();
 
   /// @return the number of its session, which an axis shows as its owner.

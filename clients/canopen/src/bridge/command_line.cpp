@@ -3,7 +3,6 @@
 
 #include "bridge/arguments.hpp"
 #include "bridge/canopen_bridge.hpp"
-#include "bridge/private_benches.hpp"
 #include "bridge/settings.hpp"
 #include "bridge_program.hpp"
 #include "network_options.hpp"

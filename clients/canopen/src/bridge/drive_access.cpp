@@ -9,6 +9,10 @@ namespace vdrive::canopen {
 
 using namespace vdrive::literals;
 
+namespace {
+
+/// @return the abort code that a master gets for what became of a call; 08000020h where the bench
+///         could not be asked.
 AbortCode abort_code_of(const client::Outcome& outcome) noexcept {
   if (outcome) return AbortCode::none;
   const auto* const row =
@@ -18,6 +22,8 @@ AbortCode abort_code_of(const client::Outcome& outcome) noexcept {
   // Other codes are reasons of the wire, which no standard knows.
   return is_abort ? row->code : AbortCode::cannot_store_or_transfer;
 }
+
+}  // namespace
 
 DriveAnswer carry_out(client::Axis& axis, const DriveAccess& access) {
   if (access.value) {

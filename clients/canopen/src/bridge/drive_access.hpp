@@ -30,8 +30,4 @@ client::Outcome tell_connection(client::Axis& axis, bool is_lost);
 /// Switches the drive off and on again.
 client::Outcome cycle_power(client::Axis& axis);
 
-/// @return the abort code that a master gets for what became of a call; 08000020h where the bench
-///         could not be asked.
-[[nodiscard]] AbortCode abort_code_of(const client::Outcome& outcome) noexcept;
-
 }  // namespace vdrive::canopen

@@ -24,7 +24,7 @@ class Listeners {
     std::size_t place = 0;  ///< where it is one
   };
 
-  /// What a node listens to beside its SDO requests and what is for all nodes.
+  /// What a node listens to in addition to its SDO requests and what is for all nodes.
   struct Listener {
     std::uint8_t id = 0;
     std::span<const std::uint16_t> identifiers;  ///< 11 bits: RPDOs, SYNC, heartbeats of producers

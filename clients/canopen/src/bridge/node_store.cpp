@@ -6,9 +6,12 @@
 #include "vdrive/text.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/types.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstddef>
 #include <fstream>
@@ -54,6 +57,88 @@ constexpr std::string_view kEndMark = "end ";
 /// Without it a file that was cut at the end of a line would be one of fewer parameters.
 std::string end_line(std::size_t count) {
   return std::string(kEndMark) + std::to_string(count);
+}
+
+constexpr mode_t kStoreFileMode = 0600;
+
+void require_done(bool is_done) {
+  if (!is_done) throw std::system_error(errno, std::generic_category());
+}
+
+}  // namespace
+
+/// An open file or directory, closed with this object. Each function throws std::system_error when
+/// the system refuses.
+class StoreFile final {
+ public:
+  /// @param flags those of open(2); a file that it makes is for this user alone
+  StoreFile(const std::filesystem::path& path, int flags)
+      // NOLINTNEXTLINE(*-vararg): what the system offers
+      : number_(::open(path.c_str(), flags | O_CLOEXEC, kStoreFileMode)) {
+    require_done(number_ >= 0);
+  }
+
+  /// The lock of a file belongs to all processes that have it open: one that was forked from this
+  /// one would keep it.
+  ~StoreFile() {
+    static_cast<void>(::flock(number_, LOCK_UN));  // a file without a lock stays as it is
+    ::close(number_);
+  }
+
+  StoreFile(const StoreFile&) = delete;
+  StoreFile& operator=(const StoreFile&) = delete;
+
+  void write(std::string_view text) const {
+    while (!text.empty()) {
+      const ssize_t written = ::write(number_, text.data(), text.size());
+      if (written < 0 && errno == EINTR) continue;
+      require_done(written > 0);
+      text.remove_prefix(static_cast<std::size_t>(written));
+    }
+  }
+
+  void sync() const { require_done(::fsync(number_) == 0); }
+
+  /// @return false when somebody else holds the lock (flock), which ends with this object.
+  [[nodiscard]] bool try_lock() const {
+    int result = 0;
+    do {
+      result = ::flock(number_, LOCK_EX | LOCK_NB);
+    } while (result != 0 && errno == EINTR);
+    require_done(result == 0 || errno == EWOULDBLOCK);
+    return result == 0;
+  }
+
+  /// Empties the file.
+  void clear() const { require_done(::ftruncate(number_, 0) == 0); }
+
+  /// @return the first line of at most 200 bytes.
+  [[nodiscard]] std::string first_line() const {
+    std::array<char, 200> text{};
+    const ssize_t count = ::pread(number_, text.data(), text.size(), 0);
+    require_done(count >= 0);
+    const std::string_view read(text.data(), static_cast<std::size_t>(count));
+    return std::string(read.substr(0, read.find('\n')));
+  }
+
+ private:
+  const int number_;
+};
+
+namespace {
+
+/// Replaces a file: after a failure at any place it is the old one or the new one.
+/// @throws std::system_error
+void replace_file(const std::filesystem::path& path, std::string_view text) {
+  const std::filesystem::path next = path.string() + ".new";
+  {
+    const StoreFile file(next, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW);
+    file.write(text);
+    file.sync();
+  }
+  std::filesystem::rename(next, path);
+  const StoreFile directory(path.parent_path(), O_RDONLY | O_DIRECTORY);
+  directory.sync();
 }
 
 }  // namespace
@@ -103,7 +188,7 @@ NodeStore::NodeStore(std::filesystem::path directory, std::string bus, bridge::R
 void NodeStore::lock() {
   std::filesystem::create_directories(directory_);
   const std::filesystem::path path = directory_ / (bus_ + ".nodes.lock");
-  auto file = std::make_unique<StoreFile>(path, O_RDWR | O_CREAT | O_NOFOLLOW);
+  auto file = std::make_shared<StoreFile>(path, O_RDWR | O_CREAT | O_NOFOLLOW);
   if (!file->try_lock()) {
     const std::string owner = file->first_line();
     throw std::runtime_error("state directory " + in_quotes(directory_.string()) + ": " +

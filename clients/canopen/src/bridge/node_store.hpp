@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "bridge/store_file.hpp"
 #include "node/node.hpp"
 #include "reports.hpp"
 
@@ -14,6 +13,8 @@
 #include <string_view>
 
 namespace vdrive::canopen {
+
+class StoreFile;
 
 /// @return the text of a file of communication parameters: a line for each, such as
 ///         "1800:05 000003E8" (index, sub-index, value; hex), then "end 2" with their number.
@@ -63,7 +64,7 @@ class NodeStore {
   const std::string bus_;
   bridge::Reports& reports_;
   std::map<std::uint8_t, Saved> saved_;
-  std::unique_ptr<StoreFile> lock_;
+  std::shared_ptr<StoreFile> lock_;
 };
 
 }  // namespace vdrive::canopen

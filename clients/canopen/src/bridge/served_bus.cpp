@@ -2,6 +2,7 @@
 #include "bridge/served_bus.hpp"
 
 #include "topic_names.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_table.hpp"
@@ -17,12 +18,6 @@ namespace vdrive::canopen {
 namespace {
 
 using namespace literals;
-
-/// @return whether the nodes of the one are those of the other.
-bool continues(const client::BenchInfo& known, const client::BenchInfo& found) {
-  return known.clock_mode == found.clock_mode && known.period == found.period &&
-         bridge::are_same_axes(known.axes, found.axes);
-}
 
 std::vector<std::uint32_t> numbers_of(const std::vector<BenchSetting>& benches) {
   std::vector<std::uint32_t> numbers;
@@ -58,7 +53,7 @@ ServedBus::ServedBus(const BridgeParts& shared, const Settings& settings, const 
       label_("bus " + std::to_string(number)),
       number_(number),
       store_(settings.state, setting.name, shared.reports),
-      presence_({.continues = continues, .wanted = numbers_of(setting.benches)}) {
+      roster_(*this, numbers_of(setting.benches)) {
   for (const BusFault& fault : setting.faults) (void)bus_.faults().add(fault, {});
   open_ports();
 }
@@ -128,22 +123,16 @@ void ServedBus::report(bridge::Severity severity, std::uint32_t bench,
 // ---- benches ---------------------------------------------------------------------------------
 
 void ServedBus::find(const std::vector<client::BenchInfo>& present, Clock::time_point now) {
-  std::erase_if(left_out_, [&present](const auto& entry) {
-    return find_info(present, entry.first) == nullptr;
-  });
-  using Kind = bridge::PresenceChange::Kind;
-  for (const bridge::PresenceChange& change : presence_.take(present, now)) {
-    if (change.kind == Kind::went || change.kind == Kind::replaced) remove(change.bench);
-  }
-  // Also a bench that was left out: another one may have set its node ids free.
-  for (const bridge::BenchRecord& record : presence_.all()) {
-    const client::BenchInfo* const info = find_info(present, record.info.number);
-    if (info == nullptr || benches_.contains(info->number)) continue;
-    if (const auto reason = add(*info)) leave_out(*info, *reason);
-  }
+  (void)roster_.take(present, now);
   for (auto& [number, bench] : benches_) {
     if (bench.stepped) bench.stepped->poll(find_info(present, number));
   }
+}
+
+/// The nodes of the one are those of the other.
+bool ServedBus::continues(const client::BenchInfo& known, const client::BenchInfo& found) const {
+  return known.clock_mode == found.clock_mode && known.period == found.period &&
+         bridge::are_same_axes(known.axes, found.axes);
 }
 
 std::int32_t ServedBus::offset_of(std::uint32_t bench) const {
@@ -151,14 +140,12 @@ std::int32_t ServedBus::offset_of(std::uint32_t bench) const {
   return named == setting_.benches.end() ? setting_.node_offset : named->node_offset;
 }
 
-/// @return why the bench is left out; nothing when it is served from now on.
 std::optional<std::string> ServedBus::add(const client::BenchInfo& info) {
   if (sync_steps_) {
     if (auto refusal = SteppedBench::refusal_of(info, *sync_steps_)) return refusal;
   }
   const std::int32_t offset = offset_of(info.number);
   if (auto refusal = ids_.add(info.axes, offset)) return refusal;
-  left_out_.erase(info.number);
   std::vector<NodePlace> places;
   for (const client::AxisInfo& axis : info.axes) {
     places.push_back({.axis = axis.id.axis, .node_id = node_id_of(axis.id, offset)});
@@ -181,20 +168,18 @@ std::optional<std::string> ServedBus::add(const client::BenchInfo& info) {
 }
 
 void ServedBus::leave_out(const client::BenchInfo& info, const std::string& reason) {
-  if (std::exchange(left_out_[info.number], reason) == reason) return;
   report(bridge::Severity::error, info.number, "is left out, " + reason);
 }
 
-void ServedBus::remove(std::uint32_t bench) {
+void ServedBus::remove(std::uint32_t bench, bool /*is_replaced*/) {
   ids_.remove(bench);
   const auto served = benches_.find(bench);
-  if (served == benches_.end()) return;
+  ensure(served != benches_.end(), "a bench that was added is served");
   add_counters(ended_, served->second.nodes().counters());
   if (served->second.drives) {
     dropped_set_points_ += served->second.drives->dropped_set_points();
     // Its calls may wait for the bench that has gone: not in the thread of the bus.
-    std::shared_ptr<BenchLink> link = served->second.drives->close();
-    (void)shared_.closer.post([ending = std::move(link)] {});
+    (void)shared_.closer.post([ending = served->second.drives->close()] {});
   }
   benches_.erase(served);
   report(bridge::Severity::info, bench, "has gone; the bus has " + ids_.text());
@@ -256,7 +241,7 @@ bool ServedBus::are_all_there() const {
 
 std::vector<std::string> ServedBus::left_out() const {
   std::vector<std::string> lines;
-  for (const auto& [bench, reason] : left_out_) {
+  for (const auto& [bench, reason] : roster_.left_out()) {
     lines.push_back(label_ + ": bench " + std::to_string(bench) + ": " + reason);
   }
   return lines;

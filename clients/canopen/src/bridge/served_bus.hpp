@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "bench_presence.hpp"
 #include "bridge/bench_drives.hpp"
 #include "bridge/node_ids.hpp"
 #include "bridge/node_store.hpp"
@@ -12,6 +11,7 @@
 #include "bus/bus_log.hpp"
 #include "bus/socket_can.hpp"
 #include "bus/socketcand_server.hpp"
+#include "roster.hpp"
 #include "worker.hpp"
 
 #include <chrono>
@@ -34,9 +34,9 @@ struct BridgeParts {
 };
 
 /// A bus with its connections and the benches whose axes are its nodes. For the thread of the loop.
-class ServedBus final : public BusHost {
+class ServedBus final : public BusHost, private bridge::BenchHost {
  public:
-  using Clock = std::chrono::steady_clock;
+  using Clock = bridge::Roster::Clock;
 
   /// Opens the connections.
   /// @param shared all outlive this
@@ -97,9 +97,11 @@ class ServedBus final : public BusHost {
                                                    std::string_view text) override;
   void open_ports();
   [[nodiscard]] std::int32_t offset_of(std::uint32_t bench) const;
-  [[nodiscard]] std::optional<std::string> add(const client::BenchInfo& info);
-  void remove(std::uint32_t bench);
-  void leave_out(const client::BenchInfo& info, const std::string& reason);
+  [[nodiscard]] bool continues(const client::BenchInfo& known,
+                               const client::BenchInfo& found) const override;
+  std::optional<std::string> add(const client::BenchInfo& info) override;
+  void leave_out(const client::BenchInfo& info, const std::string& reason) override;
+  void remove(std::uint32_t bench, bool is_replaced) override;
   [[nodiscard]] std::chrono::microseconds drive_time() const;
   [[nodiscard]] DriveTime fault_time() const;
   void report(bridge::Severity severity, std::uint32_t bench, const std::string& text) const;
@@ -112,11 +114,10 @@ class ServedBus final : public BusHost {
   Bus bus_;
   NodeStore store_;
   NodeIds ids_;
-  bridge::Presence presence_;
+  bridge::Roster roster_;
   std::map<std::uint32_t, ServedBench> benches_;
-  std::map<std::uint32_t, std::string> left_out_;  ///< the reason, by bench
-  NodeCounters ended_;                             ///< of benches that have gone
-  std::uint64_t dropped_set_points_ = 0;           ///< likewise
+  NodeCounters ended_;                    ///< of benches that have gone
+  std::uint64_t dropped_set_points_ = 0;  ///< likewise
   std::unique_ptr<BusLog> log_;
   std::vector<std::unique_ptr<SocketcandServer>> socketcand_;
   std::vector<std::unique_ptr<AsciiGatewayServer>> gateways_;

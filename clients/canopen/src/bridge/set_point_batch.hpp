@@ -14,7 +14,7 @@ namespace vdrive::canopen {
 
 /// Collects the set-points of the nodes of a bench until they are handed over. What fits into one
 /// frame is one frame. A set-point of an axis that would overtake an earlier one of that axis, such
-/// as a target behind a controlword, is in a later frame: the frames act in order in one tick.
+/// as a target after a controlword, is in a later frame: the frames act in order in one tick.
 class SetPointBatch {
  public:
   /// Frames of a batch at most. What comes then replaces the newest values of its axis: a flood

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge/stepped_bench.hpp"
 
+#include "bench_follower.hpp"
 #include "bridge/drive_access.hpp"
 
 #include <array>
@@ -20,16 +21,15 @@ SteppedBench::SteppedBench(const BusParts& parts, const client::BenchInfo& info,
                            std::chrono::microseconds period)
     : parts_(parts),
       bench_(info.number),
-      ids_(ids_of(info)),
+      ids_(bridge::ids_of(info)),
       label_(std::move(label)),
       ticks_(static_cast<std::uint64_t>(period / info.period)),
       tick_period_(info.period),
-      control_(parts.session, ids_, label_, parts.reports),
-      nodes_(parts.bus, parts.store, places,
+      control_(parts.session, parts.reports, ids_, control_options(label_)),
+      nodes_(parts.bus, parts.store, *this, places,
              {.session = parts.session.id(),
               .sync_period = static_cast<std::uint32_t>(period.count()),
-              .software_version = VDRIVE_VERSION},
-             calls_of_nodes()) {}
+              .software_version = VDRIVE_VERSION}) {}
 
 SteppedBench::~SteppedBench() = default;
 
@@ -74,9 +74,9 @@ client::Outcome SteppedBench::open() {
   auto now = parts_.session.observe(ids_);
   if (!now) return now.outcome();
   if (auto held = control_.keep(now->axes)) now = std::move(*held);
-  // What a bridge that ended has left behind would hide the next loss.
+  // What a bridge that ended has left in the drives would hide the next loss.
   for (client::Axis& axis : axes_) {
-    if (client::Outcome told = tell_connection(axis, false); !told) return told;
+    if (client::Outcome told = canopen::tell_connection(axis, false); !told) return told;
   }
   reached_ = now->tick;
   aim_ = reached_;
@@ -118,7 +118,7 @@ DriveTime SteppedBench::time_of(const client::Observation& observation) const {
   return tick_period_ * static_cast<std::int64_t>(observation.tick);
 }
 
-void SteppedBench::pass_period() {
+void SteppedBench::pass_sync() {
   hand_over();
   if (!nodes_.is_running()) return;
   // Else the SYNC before this one has not ended: this one continues it.
@@ -151,34 +151,26 @@ void SteppedBench::hand_over() {
   if (!sent) note_failure(sent, "set-points");
 }
 
-BenchNodes::Calls SteppedBench::calls_of_nodes() {
-  return {.access =
-              [this](std::size_t place, const DriveAccess& access) {
-                // What came first by a PDO acts first.
-                if (access.value) hand_over();
-                nodes_.complete(place, access.ticket, carry_out(axes_.at(place), access));
-              },
-          .tell_connection =
-              [this](std::size_t place, bool is_lost) {
-                const auto told = canopen::tell_connection(axes_.at(place), is_lost);
-                if (!told) note_failure(told, "connection loss");
-              },
-          .cycle_power =
-              [this](std::size_t place) {
-                const auto cycled = canopen::cycle_power(axes_.at(place));
-                if (!cycled) note_failure(cycled, "power cycle");
-              },
-          .set_points = [] {},  // they are handed over at SYNC
-          .sync =
-              [this] {
-                pass_period();
-              },
-          // Time stands: the values are those of the tick that the nodes are shown.
-          .read =
-              [this](std::size_t place, std::uint32_t ticket,
-                     const std::vector<ObjectAddress>& objects) {
-                nodes_.take_values(place, ticket, read_values(axes_.at(place), objects));
-              }};
+void SteppedBench::access(std::size_t place, const DriveAccess& access) {
+  // What came first by a PDO acts first.
+  if (access.value) hand_over();
+  nodes_.complete(place, access.ticket, carry_out(axes_.at(place), access));
+}
+
+void SteppedBench::tell_connection(std::size_t place, bool is_lost) {
+  const client::Outcome told = canopen::tell_connection(axes_.at(place), is_lost);
+  if (!told) note_failure(told, "connection loss");
+}
+
+void SteppedBench::cycle_power(std::size_t place) {
+  const client::Outcome cycled = canopen::cycle_power(axes_.at(place));
+  if (!cycled) note_failure(cycled, "power cycle");
+}
+
+/// Time stands: the values are those of the tick that the nodes are shown.
+void SteppedBench::read(std::size_t place, std::uint32_t ticket,
+                        const std::vector<ObjectAddress>& objects) {
+  nodes_.take_values(place, ticket, read_values(axes_.at(place), objects));
 }
 
 }  // namespace vdrive::canopen

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bench_control.hpp"
 #include "bridge/bench_drives.hpp"
 #include "bridge/bench_nodes.hpp"
-#include "bridge/node_control.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/step_clock.hpp"
 
@@ -21,7 +21,7 @@ namespace vdrive::canopen {
 /// time passes, and the nodes get the new states. Between two SYNCs time stands, and what the nodes
 /// ask of their drives is carried out at once. For the thread of the bus, which waits for the
 /// bench: it has no other thread.
-class SteppedBench final {
+class SteppedBench final : private NodeDrives {
  public:
   /// Wall time that a SYNC waits for other steppers of the clock. After it time has not passed, and
   /// the next SYNC continues.
@@ -33,7 +33,7 @@ class SteppedBench final {
   SteppedBench(const BusParts& parts, const client::BenchInfo& info,
                std::span<const NodePlace> places, std::string label,
                std::chrono::microseconds period);
-  ~SteppedBench();
+  ~SteppedBench() override;
   SteppedBench(const SteppedBench&) = delete;
   SteppedBench& operator=(const SteppedBench&) = delete;
 
@@ -54,11 +54,18 @@ class SteppedBench final {
   }
 
  private:
-  [[nodiscard]] BenchNodes::Calls calls_of_nodes();
+  void access(std::size_t place, const DriveAccess& access) override;
+  void tell_connection(std::size_t place, bool is_lost) override;
+  void cycle_power(std::size_t place) override;
+
+  void note_set_points() override {}  // they are handed over at SYNC
+
+  void read(std::size_t place, std::uint32_t ticket,
+            const std::vector<ObjectAddress>& objects) override;
+  void pass_sync() override;
   [[nodiscard]] client::Outcome open();
   [[nodiscard]] client::Outcome join();
   void close(const std::string& reason);
-  void pass_period();
   [[nodiscard]] client::Outcome step();
   void hand_over();
   void note_failure(const client::Outcome& outcome, const char* what);
@@ -70,7 +77,7 @@ class SteppedBench final {
   const std::string label_;
   const std::uint64_t ticks_;  ///< of a SYNC
   const std::chrono::microseconds tick_period_;
-  NodeControl control_;
+  bridge::BenchControl control_;
   std::uint64_t incarnation_ = 0;  ///< of the run whose nodes are there
   std::vector<client::Axis> axes_;
   std::optional<client::StepClock> clock_;

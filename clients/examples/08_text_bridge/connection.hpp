@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/bounded_queue.hpp"
+
+#include <boost/asio.hpp>
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+/// The world of the text bridge: lines over TCP. It knows no bench.
+namespace text_bridge {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using AsioError = boost::system::error_code;
+
+/// A client: its lines are obeyed one after the other. For the thread of the loop.
+class Connection final : public std::enable_shared_from_this<Connection> {
+ public:
+  static constexpr std::size_t kLongestLine = 1'000;
+  static constexpr std::size_t kMostWaitingLines = 256;
+
+  using Obey = std::function<void(const std::string& line, std::shared_ptr<Connection>)>;
+
+  Connection(tcp::socket&& socket, Obey obey)
+      : socket_(std::move(socket)), obey_(std::move(obey)) {}
+
+  [[nodiscard]] bool is_open() const { return socket_.is_open(); }
+
+  /// Has the next line obeyed, whose answer calls this again.
+  void read() {
+    const auto take_line = [self = shared_from_this()](const AsioError& error, std::size_t size) {
+      if (error) return self->close();
+      const std::string line = self->input_.substr(0, size);
+      self->input_.erase(0, size);
+      self->obey_(line, self);
+    };
+    asio::async_read_until(socket_, asio::dynamic_buffer(input_, kLongestLine), '\n', take_line);
+  }
+
+  void send(const std::string& line) {
+    // Whoever does not read is not waited for.
+    if (!output_.put(line + "\n")) return close();
+    if (output_.size() == 1) write();
+  }
+
+ private:
+  void write() {
+    const auto& line = output_.items().front();
+    asio::async_write(socket_, asio::buffer(line),
+                      [self = shared_from_this()](const AsioError& error, std::size_t /*size*/) {
+                        if (error) return self->close();
+                        (void)self->output_.take();
+                        if (!self->output_.empty()) self->write();
+                      });
+  }
+
+  void close() {
+    AsioError ignored;
+    socket_.close(ignored);
+  }
+
+  tcp::socket socket_;
+  const Obey obey_;
+  std::string input_;
+  vdrive::BoundedQueue<std::string> output_{kMostWaitingLines, vdrive::WhenFull::refuses_newest};
+};
+
+/// The answer to a line, sent when nobody is left who could change it: a job that is dropped with
+/// its bench is answered, too. Any thread.
+class Answer final {
+ public:
+  Answer(asio::io_context& loop, std::shared_ptr<Connection> connection)
+      : loop_(loop), connection_(std::move(connection)) {}
+
+  ~Answer() {
+    asio::post(loop_, [connection = std::move(connection_), text = std::move(text_)] {
+      connection->send(text);
+      connection->read();
+    });
+  }
+
+  Answer(const Answer&) = delete;
+  Answer& operator=(const Answer&) = delete;
+
+  void set(std::string text) {
+    const std::scoped_lock lock(mutex_);
+    text_ = std::move(text);
+  }
+
+  void fail(const std::string& problem) { set("error: " + problem); }
+
+ private:
+  asio::io_context& loop_;
+  std::shared_ptr<Connection> connection_;
+  std::mutex mutex_;
+  std::string text_ = "error: the bench has gone";
+};
+
+}  // namespace text_bridge
