@@ -8,8 +8,11 @@
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/client/disturbance.hpp"
 #include "vdrive/client/outcome.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 
+#include <bit>
 #include <cctype>
 #include <cstddef>
 #include <cstdint>
@@ -103,13 +106,35 @@ Lines reasons_of_refusals() {
   return lines;
 }
 
+std::string text_of(const StatusMember& member) {
+  if (member.address.index == 0) return "Counted by the drive since power-up.";
+  const auto row = find_object(member.address);
+  const std::string units = row ? english_units(describe(*row)) : "";
+  return object_text(member.address) + (units.empty() ? "." : ", in " + units + ".");
+}
+
+/// @return the letter of the type for the module struct of Python.
+char format_of(DataType type) {
+  const std::string_view letters = range_of(type).lowest < 0 ? "bhiq" : "BHIQ";
+  return letters.at(static_cast<std::size_t>(std::countr_zero(size_of(type))));
+}
+
+/// The table is in the order of the members, which have no gaps.
 Lines properties_of_status() {
   Lines lines;
+  std::size_t offset = 0;
   for (const StatusMember& row : status_members()) {
-    if (!row.is_published) continue;
-    lines.emplace_back("@property");
-    lines.push_back("def " + std::string(row.name) + "(self) -> int: ...");
+    if (row.is_published) {
+      lines.insert(lines.end(),
+                   {"@property", "def " + std::string(row.name) + "(self) -> int:",
+                    R"(    """)" + text_of(row) + R"(""")",
+                    std::string(R"(    return unpack_from("<)") + format_of(row.data_type) +
+                        R"(", self._state[7], )" + std::to_string(offset) + ")[0]",
+                    ""});
+    }
+    offset += size_of(row.data_type);
   }
+  lines.pop_back();
   return lines;
 }
 
@@ -148,7 +173,7 @@ void print_filled(const std::string& path) {
       continue;
     }
     for (const std::string& row : rows_of(line.substr(mark + kMark.size()))) {
-      std::cout << line.substr(0, mark) << row << '\n';
+      std::cout << (row.empty() ? "" : line.substr(0, mark)) << row << '\n';
     }
   }
 }

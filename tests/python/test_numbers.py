@@ -121,11 +121,11 @@ def group_of(session):
     ("axes = 5: must be an address", lambda s, a: s.record(["1.1", 5], ticks=1)),
     ("object = None: must be an index, .index, subindex., or a name$", lambda s, a: a.read(None)),
     ("session = 5: must be a vdrive.Session$", lambda s, a: vdrive.AxisGroup(5, "1.1")),
-    ("move_to[(][)] needs the argument 'position'$", lambda s, a: a.move_to()),
-    ("move_to[(][)] has no argument 'veloctiy' .did you mean 'velocity'", lambda s, a: a.move_to(1, veloctiy=5)),
-    ("move_to[(][)] takes 1 argument without a name, not 2$", lambda s, a: a.move_to(1, 2)),
-    ("move_to[(][)] got 'position' twice$", lambda s, a: a.move_to(1, position=2)),
-    ("Session[(][)] has no argument 'domian' .did you mean 'domain'", lambda s, a: vdrive.Session(domian=3)),
+    ("Axis.move_to[(][)] missing 1 required positional argument: 'position'$", lambda s, a: a.move_to()),
+    ("Axis.move_to[(][)] got an unexpected keyword argument 'veloctiy'", lambda s, a: a.move_to(1, veloctiy=5)),
+    ("Axis.move_to[(][)] takes 2 positional arguments but 3 were given$", lambda s, a: a.move_to(1, 2)),
+    ("Axis.move_to[(][)] got multiple values for argument 'position'$", lambda s, a: a.move_to(1, position=2)),
+    ("Session.__init__[(][)] got an unexpected keyword argument 'domian'", lambda s, a: vdrive.Session(domian=3)),
 ])
 def test_a_wrong_argument_is_named_in_one_line(vdrive_session, axis, message, call):
     with pytest.raises(TypeError, match=f"^{message}") as wrong:

@@ -5,37 +5,24 @@
 #include "python.hpp"
 #include "vdrive/client/axis.hpp"
 
-#include <utility>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace vdrive::python {
 
-/// An axis, and what keeps its session.
-struct PyAxis {
-  PyAxis(client::Axis handle, SharedPySession keeper)
-      : axis(std::move(handle)), py_session(std::move(keeper)) {}
+using PyAxis = PartOfSession<client::Axis>;
 
-  ~PyAxis() {
-    if (py_session && py_session->is_inherited()) leave(std::move(axis));
-  }
+/// Axes of one session; nothing: every one of the only bench.
+using GivenAxes = std::optional<std::vector<const PyAxis*>>;
 
-  PyAxis(const PyAxis&) = default;
-  PyAxis(PyAxis&&) noexcept = default;
-  PyAxis& operator=(const PyAxis&) = default;
-  PyAxis& operator=(PyAxis&&) noexcept = default;
-
-  client::Axis axis;
-  SharedPySession py_session;
-};
-
-/// @param axes nothing, a text or an axis, or a sequence of these
-/// @return the axes; every one of the only bench where nothing was given.
-/// @throws py::error_already_set where one is not found
+/// @throws py::error_already_set where there is no only bench
 [[nodiscard]] std::vector<client::Axis> axes_of(const SharedPySession& py_session,
-                                                const py::object& axes);
+                                                const GivenAxes& axes);
 
-/// @return their addresses.
-[[nodiscard]] std::vector<client::AxisId> ids_of(const std::vector<client::Axis>& axes);
+/// @return their addresses. @throws as axes_of
+[[nodiscard]] std::vector<client::AxisId> ids_of(const SharedPySession& py_session,
+                                                 const GivenAxes& axes);
 
 /// @param name such as "enable". @throws py::value_error
 [[nodiscard]] client::EachCommand each_command_of(const std::string& name);

@@ -19,7 +19,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -29,17 +28,17 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace vdrive::python {
 namespace {
 
-constexpr std::int64_t kMostBankAxes = 1'000'000;
-
 /// Ticks of axes between two looks at the signals that have come: some 10 ms.
 constexpr std::int64_t kAxisTicksAtOnce = 262'144;
 
+/// Numbers of axes, or values: the package makes it.
 using Integers = py::array_t<std::int64_t, py::array::c_style>;
 
 /// What a snapshot begins with. The state of the bank follows.
@@ -143,7 +142,7 @@ class PyAxisBank {
   [[nodiscard]] py::array status(const py::object& self) const;
 
   /// @return the tick.
-  std::uint64_t step(const Number& count);
+  std::uint64_t step(std::int64_t ticks);
 
   [[nodiscard]] py::bytes snapshot();
 
@@ -170,8 +169,7 @@ py::array PyAxisBank::status(const py::object& self) const {
   return view;
 }
 
-std::uint64_t PyAxisBank::step(const Number& count) {
-  std::int64_t ticks = whole_of(count, {"ticks"}, 0, kMostCounted);
+std::uint64_t PyAxisBank::step(std::int64_t ticks) {
   const Use use(*this);
   const auto most = std::max<std::int64_t>(1, kAxisTicksAtOnce / static_cast<std::int64_t>(size()));
   while (ticks > 0) {
@@ -233,75 +231,18 @@ void PyAxisBank::restore(const py::bytes& snapshot) {
 
 // ---- axes, objects, values ---------------------------------------------------------------------
 
-/// @return whether it is one number; arrays of one number are not.
-bool is_number(const py::object& value) {
-  return PyIndex_Check(value.ptr()) != 0 && !py::isinstance<py::array>(value);
-}
-
-/// @return the numbers of a row of another type; nothing where one is not whole or too large.
-template <typename Value>
-std::optional<Integers> converted(const py::array& row) {
-  constexpr double kEnd = 0x1p63;
-  const auto values = py::array_t<Value, py::array::c_style>::ensure(row);
-  Integers integers(values.size());
-  for (py::ssize_t place = 0; place < values.size(); ++place) {
-    const Value value = values.data()[place];
-    const auto number = static_cast<double>(value);
-    if (!(number >= -kEnd && number < kEnd) || std::floor(number) != number) return std::nullopt;
-    integers.mutable_data()[place] = static_cast<std::int64_t>(value);
-  }
-  return row.ndim() == 0 ? Integers(integers.reshape(std::vector<py::ssize_t>{})) : integers;
-}
-
-/// @return nothing where the row is none of whole numbers.
-std::optional<Integers> whole_ones(const py::array& row) {
-  switch (row.ndim() <= 1 ? row.dtype().kind() : '\0') {
-    case 'i':
-      return Integers::ensure(row);
-    case 'u':
-      return converted<std::uint64_t>(row);
-    case 'f':
-      return converted<double>(row);
-    default:
-      return std::nullopt;
-  }
-}
-
-/// @throws py::type_error where they are not whole numbers
-Integers integers_of(const py::object& values, const char* what) {
-  // As what it is first: numpy would cut the fraction off.
-  const py::array row = py::array::ensure(values);
-  if (row && row.ndim() == 1 && row.size() == 0) return Integers(0);
-  const std::optional<Integers> integers = row ? whole_ones(row) : std::nullopt;
-  if (!integers) {
-    PyErr_Clear();
-    throw py::type_error(std::string(what) + " = " + shown(values) +
-                         ": must be a whole number or one row of whole numbers");
-  }
-  return *integers;
-}
-
+/// @throws py::index_error
 std::size_t checked_axis(const AxisBank& bank, std::int64_t axis) {
   if (axis >= 0 && std::cmp_less(axis, bank.size())) return static_cast<std::size_t>(axis);
   throw py::index_error("axis = " + std::to_string(axis) + ": must be from 0 to " +
                         std::to_string(bank.size() - 1));
 }
 
-std::size_t checked_axis(const AxisBank& bank, const Number& axis) {
-  return checked_axis(bank, whole<std::int64_t>(axis, {"axis"}));
-}
-
-/// @param axes numbers, or None: all
-std::vector<std::size_t> axes_in(const AxisBank& bank, const py::object& axes) {
-  std::vector<std::size_t> found;
-  if (axes.is_none()) {
-    for (std::size_t axis = 0; axis < bank.size(); ++axis) found.push_back(axis);
-    return found;
-  }
-  const Integers numbers = integers_of(axes, "axis");
-  found.reserve(static_cast<std::size_t>(numbers.size()));
-  for (py::ssize_t place = 0; place < numbers.size(); ++place) {
-    found.push_back(checked_axis(bank, numbers.data()[place]));
+/// @param axes numbers, or nothing: all. @throws py::index_error
+std::vector<std::size_t> axes_in(const AxisBank& bank, const std::optional<Integers>& axes) {
+  std::vector<std::size_t> found(axes ? static_cast<std::size_t>(axes->size()) : bank.size());
+  for (std::size_t place = 0; place < found.size(); ++place) {
+    found[place] = axes ? checked_axis(bank, axes->data()[place]) : place;
   }
   return found;
 }
@@ -335,8 +276,15 @@ std::int64_t read_one(const AxisBank& bank, std::size_t axis, ObjectAddress obje
       "read of " + object_text(object) + " of axis " + std::to_string(axis) + " refused"));
 }
 
-void write_each(AxisBank& bank, const std::vector<std::size_t>& axes, ObjectAddress object,
-                const Integers& values) {
+void write_object(PyAxisBank& self, std::int64_t axis, std::uint32_t object, std::int64_t value) {
+  const PyAxisBank::Use use(self);
+  write_one(use.bank(), checked_axis(use.bank(), axis), object_of(object), value);
+}
+
+void write_objects(PyAxisBank& self, const std::optional<Integers>& axis, std::uint32_t object,
+                   const Integers& values) {
+  const PyAxisBank::Use use(self);
+  const std::vector<std::size_t> axes = axes_in(use.bank(), axis);
   const auto count = static_cast<std::size_t>(values.size());
   const bool is_one = values.ndim() == 0;
   if (!is_one && count != axes.size()) {
@@ -344,62 +292,40 @@ void write_each(AxisBank& bank, const std::vector<std::size_t>& axes, ObjectAddr
                           " axes");
   }
   for (std::size_t place = 0; place < axes.size(); ++place) {
-    write_one(bank, axes[place], object, values.data()[is_one ? 0 : place]);
+    write_one(use.bank(), axes[place], object_of(object), values.data()[is_one ? 0 : place]);
   }
 }
 
-void write_object(PyAxisBank& self, const py::object& axis, const py::object& object,
-                  const py::object& value) {
-  const ObjectAddress address = object_of(object);
+std::int64_t read_object(PyAxisBank& self, std::int64_t axis, std::uint32_t object) {
   const PyAxisBank::Use use(self);
-  AxisBank& bank = use.bank();
-  if (is_number(axis)) {
-    write_one(bank, checked_axis(bank, Number{axis}), address,
-              whole<std::int64_t>(Number{value}, {"value"}));
-  } else {
-    write_each(bank, axes_in(bank, axis), address, integers_of(value, "value"));
-  }
+  return read_one(use.bank(), checked_axis(use.bank(), axis), object_of(object));
 }
 
-void set_load_noise(PyAxisBank& self, const py::object& axis, const Real& rms, const Number& seed) {
-  const double noise = real_within(rms, {"rms", "N.m"}, 0.0, kLargestLoadNoise);
-  const std::uint64_t number = count_of(seed, "seed");
+Integers read_objects(PyAxisBank& self, const std::optional<Integers>& axis, std::uint32_t object) {
   const PyAxisBank::Use use(self);
-  AxisBank& bank = use.bank();
-  if (is_number(axis)) {
-    bank.set_load_noise(checked_axis(bank, Number{axis}), noise, number);
-  } else {
-    for (const std::size_t each : axes_in(bank, axis)) bank.set_load_noise(each, noise, number);
-  }
-}
-
-py::object read_object(PyAxisBank& self, const py::object& axis, const py::object& object) {
-  const ObjectAddress address = object_of(object);
-  const PyAxisBank::Use use(self);
-  const AxisBank& bank = use.bank();
-  if (is_number(axis)) {
-    return py::int_(read_one(bank, checked_axis(bank, Number{axis}), address));
-  }
-  const std::vector<std::size_t> axes = axes_in(bank, axis);
-  py::array_t<std::int64_t> values(static_cast<py::ssize_t>(axes.size()));
+  const std::vector<std::size_t> axes = axes_in(use.bank(), axis);
+  Integers values(static_cast<py::ssize_t>(axes.size()));
   for (std::size_t place = 0; place < axes.size(); ++place) {
-    values.mutable_data()[place] = read_one(bank, axes[place], address);
+    values.mutable_data()[place] = read_one(use.bank(), axes[place], object_of(object));
   }
   return values;
 }
 
-// ---- construction ------------------------------------------------------------------------------
-
-/// @return the text; of another value what a program writes for it.
-std::string text_or_shown(const py::handle& value) {
-  return py::isinstance<py::str>(value) ? value.cast<std::string>() : shown(value);
+void set_load_noise(PyAxisBank& self, const std::optional<Integers>& axis, double rms,
+                    std::uint64_t seed) {
+  const PyAxisBank::Use use(self);
+  for (const std::size_t each : axes_in(use.bank(), axis)) {
+    use.bank().set_load_noise(each, rms, seed);
+  }
 }
+
+// ---- construction ------------------------------------------------------------------------------
 
 /// The two words that a key of the model takes, as in a configuration of the service.
 template <typename Choice>
 Choice choice_of(const std::string& key, const py::handle& value,
                  const std::array<Choice, 2>& choices) {
-  const std::string text = text_or_shown(value);
+  const auto text = py::str(value).cast<std::string>();
   for (const Choice choice : choices) {
     if (text == to_string(choice)) return choice;
   }
@@ -411,13 +337,12 @@ Choice choice_of(const std::string& key, const py::handle& value,
 void set_number(AxisModel& model, const std::string& key, const py::handle& value) {
   const auto* const row = std::ranges::find(kModelParameters, key, &ModelParameter::name);
   if (row != kModelParameters.end()) {
-    try {
-      model.*row->member = real_of({py::reinterpret_borrow<py::object>(value)}, {});
-      return;
-    } catch (const py::type_error&) {
+    if (PyFloat_Check(value.ptr()) == 0) {
       raise_configuration_error("model: " + key + " is a number" +
                                 (row->unit.empty() ? "" : ", in " + std::string(row->unit)));
     }
+    model.*row->member = value.cast<double>();
+    return;
   }
   std::vector<std::string> names{"coupling", "feedback"};
   for (const ModelParameter& parameter : kModelParameters) names.emplace_back(parameter.name);
@@ -427,10 +352,11 @@ void set_number(AxisModel& model, const std::string& key, const py::handle& valu
                             ", known are " + known);
 }
 
+/// @param keys with numbers as float
 AxisModel model_of(const py::dict& keys) {
   AxisModel model;
   for (const auto& [name, value] : keys) {
-    const std::string key = text_or_shown(name);
+    const auto key = py::str(name).cast<std::string>();
     if (key == "coupling") {
       model.coupling = choice_of<Coupling>(key, value, {Coupling::rigid, Coupling::two_inertia});
     } else if (key == "feedback") {
@@ -443,121 +369,61 @@ AxisModel model_of(const py::dict& keys) {
   return model;
 }
 
-/// @param model a dict for all axes, or a dict for each
-void set_models(std::vector<AxisConfiguration>& axes, const py::object& model) {
-  if (model.is_none()) return;
-  if (py::isinstance<py::dict>(model)) {
-    const AxisModel common = model_of(py::dict(model));
-    for (AxisConfiguration& axis : axes) axis.model = common;
-    return;
-  }
-  if (!py::isinstance<py::sequence>(model) || py::len(model) != axes.size()) {
-    raise_configuration_error("model is a dict for all axes or a sequence of " +
-                              std::to_string(axes.size()) + " dicts");
-  }
-  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-    axes[axis].model = model_of(py::dict(model[py::int_(axis)]));
-  }
-}
-
-std::chrono::microseconds period_of(const Real& seconds) {
-  return std::chrono::round<std::chrono::microseconds>(nanoseconds_of(seconds, "period"));
-}
-
-/// @throws py::error_already_set with a ConfigurationError outside of the range
-std::size_t count_of_axes(const Number& axes) {
-  try {
-    return static_cast<std::size_t>(whole_of(axes, {"axes"}, 1, kMostBankAxes));
-  } catch (const py::value_error& error) {
-    raise_configuration_error(error.what());
-  }
-}
-
-std::unique_ptr<PyAxisBank> make_bank(const Number& axes, const Real& period,
-                                      const py::object& model, const py::dict& parameters) {
-  const std::size_t count = count_of_axes(axes);
+/// @param models one for all axes, one for each, or none
+std::unique_ptr<PyAxisBank> make_bank(
+    std::size_t count, std::int64_t period, const std::vector<py::dict>& models,
+    const std::vector<std::pair<std::uint32_t, std::int64_t>>& parameters) {
   AxisConfiguration common;
   for (const auto& [object, value] : parameters) {
-    const Number number{py::reinterpret_borrow<py::object>(value)};
-    common.parameters.push_back({object_of(py::reinterpret_borrow<py::object>(object)),
-                                 whole<std::int64_t>(number, {"value"})});
+    common.parameters.push_back({object_of(object), value});
   }
-  std::vector<AxisConfiguration> configurations(count, common);
-  set_models(configurations, model);
+  std::vector<AxisConfiguration> axes(count, common);
+  for (std::size_t place = 0; place < models.size(); ++place) {
+    const AxisModel model = model_of(models[place]);
+    if (models.size() == count) {
+      axes[place].model = model;
+    } else {
+      for (AxisConfiguration& axis : axes) axis.model = model;
+    }
+  }
   try {
-    return std::make_unique<PyAxisBank>(configurations, period_of(period));
+    return std::make_unique<PyAxisBank>(
+        axes, std::chrono::round<std::chrono::microseconds>(std::chrono::nanoseconds(period)));
   } catch (const std::invalid_argument& error) {
     raise_configuration_error(error.what());
   }
 }
 
-using BankClass = py::class_<PyAxisBank>;
-
-void add_bank_state(BankClass& bank) {
-  bank.def("__len__", &PyAxisBank::size)
-      .def_property_readonly("period", &PyAxisBank::period, "Length of a tick, in s.")
-      .def_property_readonly("tick", &PyAxisBank::tick, "Ticks since the bank was made.")
-      .def_property_readonly(
-          "status",
-          [](const py::object& self) {
-            return self.cast<const PyAxisBank&>().status(self);
-          },
-          "The status image of each axis after the last tick: a numpy array of records, a field "
-          "for "
-          "each member, that reads where the bank has them. A step, a power cycle and restore() "
-          "change it; copy() keeps it. It keeps the bank, and cannot be written. Do not read it "
-          "while another thread steps.")
-      .def(
-          "status_hash",
-          [](PyAxisBank& self) {
-            return PyAxisBank::Use(self).bank().status_hash();
-          },
-          "A number that stands for every status image, to compare runs.");
-}
-
-void add_access(BankClass& bank) {
-  bank.def(
-          "write", &write_object, py::arg("axis"), py::arg("object"), py::arg("value"),
-          "Writes an object of an axis, numbered from 0, or of several: a row of numbers, or None: "
-          "all. Then `value` is one or a row of as many. In force at once. Refused ends at the "
-          "first axis that refuses; those before it are written.")
-      .def("read", &read_object, py::arg("axis"), py::arg("object"),
-           "Reads an object of an axis, or of several into an array. Arguments as in write().")
-      .def("step", &PyAxisBank::step, py::arg("ticks") = 1,
-           "Steps every axis. Returns the tick. Ctrl-C ends it between two ticks.")
-      .def("set_load_noise", &set_load_noise, py::arg("axis"), py::arg("rms"), py::arg("seed") = 0,
-           "From the next tick on the load torque of an axis, or of several, has white noise of "
-           "`rms` "
-           "N.m at the load, 0 = none: another torque each tick, the same for the same seed, and "
-           "for "
-           "each axis its own. Part of a snapshot.")
-      .def(
-          "power_cycle",
-          [](PyAxisBank& self, const Number& axis) {
-            const PyAxisBank::Use use(self);
-            use.bank().power_cycle(checked_axis(use.bank(), axis));
-          },
-          py::arg("axis"),
-          "Switches an axis off and on again: the position stays, faults are gone.")
-      .def("snapshot", &PyAxisBank::snapshot, "The whole state as bytes, for restore().")
-      .def("restore", &PyAxisBank::restore, py::arg("snapshot"),
-           "Goes back to a snapshot of this bank, or of one that was made with the same arguments "
-           "by the same version of vdrive. A ValueError says why one is refused.");
-}
-
 }  // namespace
 
 void add_axis_bank(py::module_& module) {
-  BankClass bank(module, "AxisBank",
-                 "Servo drives without a service, clock and network: the caller writes objects and "
-                 "steps. One thread at a time.");
-  bank.def(py::init(&make_bank), py::arg("axes"), py::kw_only(), py::arg("period") = 0.001,
-           py::arg("model") = py::none(), py::arg("parameters") = py::dict(),
-           "Powers `axes` axes up. `period` of a tick in s, 125 us to 10 ms. `model`: the keys of "
-           "`model` in a configuration, a dict for all axes or a sequence with one for each. "
-           "`parameters`: values of objects from power-up on.");
-  add_bank_state(bank);
-  add_access(bank);
+  module.attr("LARGEST_LOAD_NOISE") = kLargestLoadNoise;
+  py::class_<PyAxisBank>(module, "AxisBank")
+      .def(py::init(&make_bank))
+      .def("size", &PyAxisBank::size)
+      .def("period", &PyAxisBank::period)
+      .def("tick", &PyAxisBank::tick)
+      .def("status",
+           [](const py::object& self) {
+             return self.cast<const PyAxisBank&>().status(self);
+           })
+      .def("status_hash",
+           [](PyAxisBank& self) {
+             return PyAxisBank::Use(self).bank().status_hash();
+           })
+      .def("write", &write_object)
+      .def("write_each", &write_objects)
+      .def("read", &read_object)
+      .def("read_each", &read_objects)
+      .def("step", &PyAxisBank::step)
+      .def("set_load_noise", &set_load_noise)
+      .def("power_cycle",
+           [](PyAxisBank& self, std::int64_t axis) {
+             const PyAxisBank::Use use(self);
+             use.bank().power_cycle(checked_axis(use.bank(), axis));
+           })
+      .def("snapshot", &PyAxisBank::snapshot)
+      .def("restore", &PyAxisBank::restore);
 }
 
 }  // namespace vdrive::python

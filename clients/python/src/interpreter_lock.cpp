@@ -25,7 +25,7 @@ struct Calls {
   std::atomic<int> asking_for_lock = 0;
 };
 
-// Threads rest in their calls until the process ends, behind the destructors of statics.
+// Threads rest in their calls until the process ends, after the destructors of statics.
 static_assert(std::is_trivially_destructible_v<Calls>);
 
 Calls& calls() {

@@ -9,7 +9,7 @@
 #include "private_bench.hpp"
 #include "python.hpp"
 
-#include <chrono>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,19 +34,17 @@ class OwnProgram {
   [[nodiscard]] py::bytes errors() const { return {get().errors()}; }
 
   /// @return its exit code, or -signal; nothing while it still runs after `patience`.
-  [[nodiscard]] std::optional<int> wait(const Real& patience) const {
+  [[nodiscard]] std::optional<int> wait(std::int64_t patience) const {
     process::ChildProcess& program = get();
-    const std::chrono::milliseconds most = milliseconds_of(patience, "patience");
     const Unlocked unlocked;
-    return program.wait(most);
+    return program.wait(milliseconds_of(patience));
   }
 
   /// SIGTERM, and SIGKILL when it has not ended after `patience`. Any number of times.
-  void stop(const Real& patience) const {
+  void stop(std::int64_t patience) const {
     process::ChildProcess& program = get();
-    const std::chrono::milliseconds most = milliseconds_of(patience, "patience");
     const Unlocked unlocked;
-    program.stop(most);
+    program.stop(milliseconds_of(patience));
   }
 
  private:
@@ -62,22 +60,14 @@ class OwnProgram {
 }  // namespace
 
 void add_program(py::module_& module) {
-  py::class_<OwnProgram, std::shared_ptr<OwnProgram>>(
-      module, "PrivateProgram", "A program of this process; use it through vdrive.canopen.Bus.")
-      .def(
-          py::init(&made_here<OwnProgram, const std::vector<std::string>&,
-                              const std::vector<std::string>&>),
-          py::arg("command"), py::arg("environment"),
-          "Starts the program whose path comes first, with the arguments that follow. In its "
-          "environment a variable NAME=VALUE replaces that of this process, and a NAME alone goes.")
-      .def("output", &OwnProgram::output, "What it has written on standard output.")
-      .def("errors", &OwnProgram::errors, "What it has written on standard error.")
-      .def("wait", &OwnProgram::wait, py::arg("patience") = 0.0,
-           "Waits so long, in s, for its end: its exit code, or -signal; None while it runs.")
-      .def("stop", &OwnProgram::stop, py::arg("patience"),
-           "Ends it by SIGTERM, after so long, in s, by SIGKILL; waits for its end.");
-  module.def("find_program", &process::find_program, py::arg("name"),
-             "The path of a program beside the interpreter or in PATH, else None.");
+  py::class_<OwnProgram, std::shared_ptr<OwnProgram>>(module, "PrivateProgram")
+      .def(py::init(
+          &made_here<OwnProgram, const std::vector<std::string>&, const std::vector<std::string>&>))
+      .def("output", &OwnProgram::output)
+      .def("errors", &OwnProgram::errors)
+      .def("wait", &OwnProgram::wait)
+      .def("stop", &OwnProgram::stop);
+  module.def("find_program", &process::find_program);
 }
 
 }  // namespace vdrive::python

@@ -10,7 +10,6 @@
 
 #include <condition_variable>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -167,6 +166,43 @@ auto waiting_unless(const Ask& ends_by_itself, const SharedPySession& py_session
   const Unlocked unlocked;
   const PySession::Use use(std::move(begun));  // ends first, as in waiting()
   return call(use.session());
+}
+
+/// A part of a session, such as an axis, and what keeps the session. A forked process leaves it as
+/// it is.
+template <typename Part>
+struct PartOfSession {
+  PartOfSession(Part made, SharedPySession keeper)
+      : part(std::move(made)), py_session(std::move(keeper)) {}
+
+  ~PartOfSession() {
+    if (py_session && py_session->is_inherited()) leave(std::move(part));
+  }
+
+  PartOfSession(const PartOfSession&) = default;
+  PartOfSession(PartOfSession&&) noexcept = default;
+  PartOfSession& operator=(const PartOfSession&) = default;
+  PartOfSession& operator=(PartOfSession&&) noexcept = default;
+
+  Part part;
+  SharedPySession py_session;
+};
+
+/// Runs `call(part)`, which ends with an outcome, as waiting() does.
+/// @throws py::error_already_set as waiting(), and unless the outcome is ok
+template <typename Part, typename Call>
+void run(PartOfSession<Part>& self, const Call& call) {
+  check(waiting(self.py_session, [&](client::Session& /*session*/) {
+    return call(self.part);
+  }));
+}
+
+/// The same for a call that gives a value. @return the value.
+template <typename Part, typename Call>
+auto get(PartOfSession<Part>& self, const Call& call) {
+  return value_or_raise(waiting(self.py_session, [&](client::Session& /*session*/) {
+    return call(self.part);
+  }));
 }
 
 /// @return whether Python takes the value as true.

@@ -4,7 +4,10 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-/// What every file of the module has in common.
+/// What every file of the module has in common. The module is private: the classes of the package
+/// (vdrive/*.py) have the signatures and texts, check what a program gives, and call it with plain
+/// values by position. Times are whole nanoseconds, objects of the dictionary are numbers: see
+/// arguments.hpp.
 namespace vdrive::python {
 
 namespace py = pybind11;
@@ -19,13 +22,9 @@ inline void load_numpy() {
   py::module_::import("numpy.core.multiarray");
 }
 
-/// Gives the classes and calls of the module what those of Python have. To be called last.
-void complete_classes(const py::module_& module);
-
 // Each adds the classes of its topic to the module.
-void add_arguments(py::module_& module);
 void add_bench(py::module_& module);
-void add_local_bench(py::module_& module);
+void add_values(py::module_& module);
 void add_program(py::module_& module);
 void add_status(py::module_& module);
 void add_axis(py::module_& module);

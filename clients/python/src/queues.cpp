@@ -2,22 +2,23 @@
 // Status streams and events.
 #include "queues.hpp"
 
-#include "axis.hpp"
 #include "interpreter_lock.hpp"
 #include "status.hpp"
+#include "values.hpp"
 
 #include <pybind11/numpy.h>
-#include <pybind11/operators.h>
 
 #include <condition_variable>
+#include <cstdint>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
+#include <type_traits>
 
 namespace vdrive::python {
 namespace {
 
-using client::Event;
 using client::Observation;
 using client::Outcome;
 using client::OutcomeKind;
@@ -40,11 +41,13 @@ void rest(const std::stop_token& stop) {
   });
 }
 
+using Timeout = std::optional<std::int64_t>;  // [ns] nothing: for ever
+
 /// What Python calls on a queue of either kind.
 template <typename Source, typename Item>
-std::deque<Item> take(Source& source, std::size_t most, const OptionalReal& timeout) {
+std::deque<Item> take(Source& source, std::size_t most, Timeout timeout) {
   const std::chrono::nanoseconds patience =
-      timeout ? nanoseconds_of(*timeout, "timeout") : kWithoutTimeout;
+      timeout ? std::chrono::nanoseconds(*timeout) : kWithoutTimeout;
   Queue<Item>& queue = source.queue();
   bool is_interrupted = false;
   std::deque<Item> items = interruptible(
@@ -81,14 +84,18 @@ void check_open(Source& source) {
 
 /// @return the next item; nothing when none has come within `timeout`, or it is closed.
 template <typename Source, typename Item>
-std::optional<Item> take_one(Source& source, const OptionalReal& timeout) {
+std::optional<py::object> take_one(Source& source, Timeout timeout) {
   std::deque<Item> items = take<Source, Item>(source, 1, timeout);
   if (items.empty()) return std::nullopt;
-  return std::move(items.front());
+  if constexpr (std::is_same_v<Item, Observation>) {
+    return py::cast(std::move(items.front()));
+  } else {
+    return tuple_of(items.front());
+  }
 }
 
 template <typename Source, typename Item>
-std::optional<Item> next_within(Source& source, const OptionalReal& timeout) {
+std::optional<py::object> next_within(Source& source, Timeout timeout) {
   auto item = take_one<Source, Item>(source, timeout);
   if (!item) check_open(source);
   return item;
@@ -96,9 +103,9 @@ std::optional<Item> next_within(Source& source, const OptionalReal& timeout) {
 
 /// @throws py::stop_iteration at the end
 template <typename Source, typename Item>
-Item next_of(Source& source) {
+py::object next_of(Source& source) {
   while (true) {
-    if (auto item = take_one<Source, Item>(source, std::nullopt)) return std::move(*item);
+    if (auto item = take_one<Source, Item>(source, std::nullopt)) return *item;
     if (is_closed(source)) throw py::stop_iteration();
   }
 }
@@ -109,133 +116,33 @@ void close_source(Source& source) {
   source.close();
 }
 
-template <typename Source, typename Item>
-void add_queue(py::class_<Source, std::shared_ptr<Source>>& queue) {
-  queue.def(
-      "next", &next_within<Source, Item>, py::arg("timeout") = py::none(),
-      "Waits for the next one, at most for `timeout` s; None when none has come. Raises Failed "
-      "after close().");
-  queue.def_property_readonly(
-      "is_closed", &is_closed<Source>,
-      "Whether it was closed and everything that had arrived has been taken.");
-  queue.def("close", &close_source<Source>, "Ends it.");
-  queue.def(
-      "fileno",
-      [](Source& source) {
-        return source.queue().file();
-      },
-      "A file that is readable while a value waits, for select, asyncio and similar.");
-  queue.def_property_readonly(
-      "dropped",
-      [](Source& source) {
+template <typename Item, typename Source>
+py::class_<Source, std::shared_ptr<Source>> add_queue(py::module_& module, const char* name) {
+  return py::class_<Source, std::shared_ptr<Source>>(module, name)
+      .def("next", &next_within<Source, Item>)
+      .def("__next__", &next_of<Source, Item>)
+      .def("is_closed", &is_closed<Source>)
+      .def("close", &close_source<Source>)
+      .def("fileno",
+           [](Source& source) {
+             return source.queue().file();
+           })
+      .def("dropped", [](Source& source) {
         return source.queue().dropped();
-      },
-      "The number of dropped values, the oldest first, because the program did not take them.");
-  queue.def("__iter__", [](py::object self) {
-    return self;
-  });
-  queue.def("__next__", &next_of<Source, Item>);
-  queue.def("__enter__", [](py::object self) {
-    return self;
-  });
-  queue.def("__exit__", [](Source& source, const py::args& /*exception*/) {
-    close_source(source);
-  });
+      });
 }
 
-py::object take_frames(StatusQueue& source, const OptionalReal& timeout, const Number& most) {
-  const std::deque<Observation> samples =
-      take<StatusQueue, Observation>(source, count_of(most, "most"), timeout);
+py::array take_frames(StatusQueue& source, Timeout timeout, std::uint64_t most) {
+  const std::deque<Observation> samples = take<StatusQueue, Observation>(source, most, timeout);
   if (samples.empty()) check_open(source);
   return frames_of(samples, source.axes().size());
 }
 
-void add_status_queue(py::module_& module) {
-  py::class_<StatusQueue, std::shared_ptr<StatusQueue>> queue(
-      module, "StatusStream",
-      "Status of axes as it comes, received by a thread of its own. An iterator of observations.");
-  add_queue<StatusQueue, Observation>(queue);
-  queue.def(
-      "take", &take_frames, py::arg("timeout") = py::none(), py::arg("most") = kMostCounted,
-      "Waits for samples, at most for `timeout` s, and takes at most `most` of those that are "
-      "there: a numpy array of records, a row per sample, a column per axis.");
-  queue.def_property_readonly(
-      "axes",
-      [](const StatusQueue& source) {
-        std::vector<std::string> names;
-        names.reserve(source.axes().size());
-        for (const client::AxisId& axis : source.axes()) names.push_back(to_string(axis));
-        return names;
-      },
-      "Addresses of the axes, in the order of the columns.");
-}
-
-void add_event(py::module_& module) {
-  py::class_<Event>(module, "Event", "An event of a bench.")
-      .def_readonly("bench", &Event::bench, "Number of the bench.")
-      .def_readonly("incarnation", &Event::incarnation,
-                    "Another one is another run of its service.")
-      .def_readonly("axis", &Event::axis, "Number of the axis; 0 = the bench, or several axes.")
-      .def_property_readonly(
-          "kind",
-          [](const Event& event) {
-            return std::string(to_string(event.kind));
-          },
-          R"(The kind of event, such as "fault".)")
-      .def_readonly("tick", &Event::tick, "The tick.")
-      .def_readonly("session", &Event::session, "The session of the command, 0 = none.")
-      .def_readonly("code", &Event::code, "Of a fault 603Fh; see docs/reference/wire.md.")
-      .def_readonly("error_register", &Event::error_register, "1001h of a fault.")
-      .def_readonly("suppressed", &Event::suppressed, "Equal events left out before this one.")
-      .def_readonly("text", &Event::text, "Text for people.")
-      .def(py::self == py::self, py::arg("other"))
-      .def("__hash__",
-           [](const Event& event) {
-             return py::hash(py::make_tuple(event.bench, event.axis, event.tick, event.text));
-           })
-      .def("__repr__", [](const Event& event) {
-        return "<vdrive.Event " + std::string(to_string(event.kind)) + " tick " +
-               std::to_string(event.tick) + ": " + event.text + ">";
-      });
-}
-
-void add_event_queue(py::module_& module) {
-  add_event(module);
-  py::class_<EventQueue, std::shared_ptr<EventQueue>> queue(
-      module, "EventStream", "Events of benches as they come. An iterator of events.");
-  add_queue<EventQueue, Event>(queue);
-}
-
-void add_service_queue(py::module_& module) {
-  using client::ServiceChange;
-  py::class_<ServiceChange>(module, "ServiceChange", "What has happened to a service.")
-      .def_readonly("bench", &ServiceChange::bench, "Number of its bench.")
-      .def_property_readonly(
-          "news",
-          [](const ServiceChange& change) {
-            return std::string(client::to_string(change.news));
-          },
-          R"("found", "fell_silent", "sends_again", "restarted" or "went_offline".)")
-      .def_property_readonly(
-          "silence",
-          [](const ServiceChange& change) {
-            return seconds_of(change.silence);
-          },
-          "Age of its newest sample, in s of wall time.")
-      .def_readonly("text", &ServiceChange::text, "Text for people.")
-      .def("__repr__", [](const ServiceChange& change) {
-        return "<vdrive.ServiceChange " + std::string(client::to_string(change.news)) + ": " +
-               change.text + ">";
-      });
-  py::class_<ServiceQueue, std::shared_ptr<ServiceQueue>> queue(
-      module, "ServiceStream", "What happens to services, as it comes. An iterator of changes.");
-  add_queue<ServiceQueue, ServiceChange>(queue);
-}
-
-void add_report_queue(py::module_& module) {
-  py::class_<ReportQueue, std::shared_ptr<ReportQueue>> queue(
-      module, "StatusReports", "The newest state of axes at a rate; use it through on_status().");
-  add_queue<ReportQueue, Observation>(queue);
+std::vector<std::string> axes_of_stream(const StatusQueue& source) {
+  std::vector<std::string> names;
+  names.reserve(source.axes().size());
+  for (const client::AxisId& axis : source.axes()) names.push_back(to_string(axis));
+  return names;
 }
 
 }  // namespace
@@ -331,10 +238,12 @@ client::Lateness StepFollower::lateness() {
 }
 
 void add_queues(py::module_& module) {
-  add_status_queue(module);
-  add_event_queue(module);
-  add_report_queue(module);
-  add_service_queue(module);
+  add_queue<Observation, StatusQueue>(module, "StatusStream")
+      .def("take", &take_frames)
+      .def("axes", &axes_of_stream);
+  add_queue<client::Event, EventQueue>(module, "EventStream");
+  add_queue<client::ServiceChange, ServiceQueue>(module, "ServiceStream");
+  add_queue<Observation, ReportQueue>(module, "StatusReports");
 }
 
 }  // namespace vdrive::python

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "arguments.hpp"
 #include "py_session.hpp"
-#include "python.hpp"
+#include "vdrive/bounded_queue.hpp"
 #include "vdrive/client/event.hpp"
 #include "vdrive/client/session.hpp"
 
@@ -32,7 +31,7 @@ template <typename Item>
 class Queue {
  public:
   explicit Queue(std::size_t capacity)
-      : capacity_(capacity), file_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
+      : file_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)), items_(capacity, WhenFull::drops_oldest) {}
 
   ~Queue() { ::close(file_); }
 
@@ -41,11 +40,7 @@ class Queue {
 
   void push(Item item) {
     const std::scoped_lock lock(mutex_);
-    if (items_.size() == capacity_) {
-      items_.pop_front();
-      ++dropped_;
-    }
-    items_.push_back(std::move(item));
+    items_.put(std::move(item));
     notify();
   }
 
@@ -79,12 +74,9 @@ class Queue {
     });
     std::deque<Item> taken;
     if (items_.size() <= most) {
-      taken.swap(items_);
+      taken = items_.take_all();
     } else {
-      for (std::size_t i = 0; i < most; ++i) {
-        taken.push_back(std::move(items_.front()));
-        items_.pop_front();
-      }
+      while (taken.size() < most) taken.push_back(std::move(*items_.take()));
     }
     // The file stays readable at the end: a thread that waits for it is to receive the end.
     if (items_.empty() && !has_ended_) forget();
@@ -100,7 +92,7 @@ class Queue {
 
   [[nodiscard]] std::uint64_t dropped() const {
     const std::scoped_lock lock(mutex_);
-    return dropped_;
+    return items_.dropped();
   }
 
   /// Readable while there are items and after the end.
@@ -120,12 +112,10 @@ class Queue {
     static_cast<void>(got);
   }
 
-  const std::size_t capacity_;
   const int file_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Item> items_;
-  std::uint64_t dropped_ = 0;
+  BoundedQueue<Item> items_;
   bool has_ended_ = false;
   bool is_woken_ = false;
   client::Outcome outcome_;

@@ -2,7 +2,6 @@
 // Recordings of the tool as arrays of numpy.
 #include "recording.hpp"
 
-#include "arguments.hpp"
 #include "convert.hpp"
 #include "interpreter_lock.hpp"
 #include "python.hpp"
@@ -103,7 +102,7 @@ struct Saved {
 
 /// @throws py::value_error for axes that are none, or of several benches
 Saved saved_of(const std::vector<std::string>& axes, const std::vector<std::string>& names,
-               const OptionalReal& period) {
+               std::optional<std::int64_t> period) {
   Saved saved;
   if (axes.size() != names.size()) {
     throw py::value_error("the recording has " + std::to_string(axes.size()) + " axes and " +
@@ -120,7 +119,7 @@ Saved saved_of(const std::vector<std::string>& axes, const std::vector<std::stri
     saved.bench.axes.push_back({.id = *id, .name = names[place]});
     saved.bench.number = id->bench;
   }
-  const auto tick = period ? nanoseconds_of(*period, "period") : std::chrono::nanoseconds(0);
+  const std::chrono::nanoseconds tick(period.value_or(0));
   saved.has_period = tick > std::chrono::nanoseconds(0);
   if (saved.has_period) saved.bench.period = tick;
   recording::name_topics(saved.bench);
@@ -171,7 +170,7 @@ std::string problem_of(const Call& call) {
 }
 
 void write_recording(const std::string& path, const std::vector<std::string>& axes,
-                     const std::vector<std::string>& names, const OptionalReal& period,
+                     const std::vector<std::string>& names, std::optional<std::int64_t> period,
                      const py::array& frames) {
   const auto format = recording::format_of(path);
   if (!format) throw py::value_error("a recording ends in .csv, .jsonl or .mcap");
@@ -198,15 +197,8 @@ void write_recording(const std::string& path, const std::vector<std::string>& ax
 }  // namespace
 
 void add_recording(py::module_& module) {
-  module.def(
-      "write_recording", &write_recording, py::arg("path"), py::arg("axes"), py::arg("names"),
-      py::arg("period"), py::arg("frames"),
-      "Writes a recording of one bench; the ending of the path is its format. ValueError for "
-      "what it cannot write, with nothing written; OSError when the file cannot be written.");
-  module.def("read_recording", &read_recording, py::arg("path"),
-             "Reads a recording; its ending is its format. Returns where the file ends before its "
-             "end, empty for a whole one, and for each bench its number, period [s] where the "
-             "format has it, axes, names of the axes and array of records.");
+  module.def("write_recording", &write_recording);
+  module.def("read_recording", &read_recording);
 }
 
 }  // namespace vdrive::python

@@ -3,21 +3,23 @@
 
 #include "arguments.hpp"
 #include "axis.hpp"
+#include "bench.hpp"
 #include "interpreter_lock.hpp"
-#include "local_bench.hpp"
-#include "own_bench.hpp"
 #include "queues.hpp"
 #include "status.hpp"
-#include "vdrive/number_text.hpp"
-#include "vdrive/text.hpp"
+#include "values.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
-#include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,50 +31,29 @@ using client::Outcome;
 using client::Session;
 using SessionClass = py::class_<PySession, SharedPySession>;
 
-client::KeepAlive keep_alive_of(const std::string& name) {
-  if (name == "own_thread") return client::KeepAlive::own_thread;
-  if (name == "user_frames") return client::KeepAlive::user_frames;
-  throw py::value_error(R"(keep_alive is "own_thread" or "user_frames", not )" + in_quotes(name));
-}
+using Bench = std::optional<std::uint32_t>;  // nothing: the only one
+using Texts = std::vector<std::string>;
 
-std::optional<std::uint32_t> number_of_bench(const OptionalNumber& bench) {
-  return whole<std::uint32_t>(bench, {"bench"});
-}
-
-std::size_t capacity_of(const Number& capacity) {
-  return static_cast<std::size_t>(whole_of(capacity, {"capacity"}, 1, kMostCounted));
-}
-
-/// @return the name of the file that Python runs; empty where it runs none, such as `python -c`:
-///         then the interpreter's own name says who it is.
-std::string name_of_script() {
-  // A program that embeds Python may have no arguments, and an argument may be no UTF-8.
-  const py::list arguments = py::getattr(py::module_::import("sys"), "argv", py::list());
-  if (arguments.empty()) return {};
-  const auto first = py::module_::import("os").attr("fsencode")(arguments[0]).cast<std::string>();
-  return first.starts_with('-') ? std::string() : std::filesystem::path(first).filename().string();
-}
-
-SharedPySession open_session(const OptionalNumber& domain, std::vector<std::string> interfaces,
-                             std::vector<std::string> peers,
-                             std::vector<std::string> discovery_servers, std::string security,
-                             const OptionalNumber& bench, const std::string& keep_alive,
-                             const Real& find_timeout, const Real& silence, const Real& patience,
+SharedPySession open_session(std::optional<std::uint32_t> domain, Texts interfaces, Texts peers,
+                             Texts discovery_servers, std::string security, Bench bench,
+                             bool sends_user_frames, std::int64_t find_timeout,
+                             std::int64_t silence, std::int64_t patience,
                              const std::shared_ptr<LocalBench>& local,
                              const std::shared_ptr<OwnBench>& service, std::string program) {
-  const client::SessionOptions options{
-      .domain = whole<std::uint32_t>(domain, {"domain"}),
-      .interfaces = std::move(interfaces),
-      .peers = std::move(peers),
-      .discovery_servers = std::move(discovery_servers),
-      .security = std::move(security),
-      .bench = number_of_bench(bench),
-      .keep_alive = keep_alive_of(keep_alive),
-      .find_timeout = milliseconds_of(find_timeout, "find_timeout"),
-      .silence = milliseconds_of(silence, "silence"),
-      .patience = milliseconds_of(patience, "patience"),
-      .bus = local ? local->bus() : nullptr,
-      .program = program.empty() ? name_of_script() : std::move(program)};
+  const client::SessionOptions options{.domain = domain,
+                                       .interfaces = std::move(interfaces),
+                                       .peers = std::move(peers),
+                                       .discovery_servers = std::move(discovery_servers),
+                                       .security = std::move(security),
+                                       .bench = bench,
+                                       .keep_alive = sends_user_frames
+                                                         ? client::KeepAlive::user_frames
+                                                         : client::KeepAlive::own_thread,
+                                       .find_timeout = milliseconds_of(find_timeout),
+                                       .silence = milliseconds_of(silence),
+                                       .patience = milliseconds_of(patience),
+                                       .bus = local ? local->bus() : nullptr,
+                                       .program = std::move(program)};
   try {
     if (!local) require_dds();
     const Unlocked unlocked;
@@ -82,15 +63,10 @@ SharedPySession open_session(const OptionalNumber& domain, std::vector<std::stri
   }
 }
 
-void close_session(PySession& self) {
-  const Unlocked unlocked;
-  self.close();
-}
-
 /// @return the bench of that number, or the only one: to find that it is the only one takes 150
 ///         ms, so it is done once.
-std::uint32_t bench_number(const SharedPySession& self, const OptionalNumber& bench) {
-  if (const auto number = number_of_bench(bench)) return *number;
+std::uint32_t bench_number(const SharedPySession& self, Bench bench) {
+  if (bench) return *bench;
   if (!self->only_bench) {
     self->only_bench = value_or_raise(waiting(self, [](Session& session) {
                          return session.find_bench();
@@ -99,12 +75,12 @@ std::uint32_t bench_number(const SharedPySession& self, const OptionalNumber& be
   return *self->only_bench;
 }
 
-/// A call that gives a tick or a number of a bench.
-template <typename Call>
-auto of_bench(const SharedPySession& self, const OptionalNumber& bench, const Call& call) {
+/// A call that gives something of a bench, such as the tick reached.
+template <auto call, typename... Values>
+auto of_bench(const SharedPySession& self, Bench bench, Values... values) {
   const std::uint32_t number = bench_number(self, bench);
   return value_or_raise(waiting(self, [&](Session& session) {
-    return call(session, number);
+    return (session.*call)(number, values...);
   }));
 }
 
@@ -206,39 +182,33 @@ struct PyFollower {
   }
 };
 
-PyFollower follow(const SharedPySession& self, const py::object& axes, const std::string& pace,
-                  const Real& patience, const OptionalNumber& count) {
+PyFollower follow(const SharedPySession& self, const GivenAxes& axes, bool observes,
+                  std::int64_t patience, std::optional<std::uint64_t> count) {
   load_numpy();
-  const client::Pace chosen = pace_of(pace);
-  const std::chrono::milliseconds longest = milliseconds_of(patience, "patience");
-  const auto most = count ? std::optional(count_of(*count, "count")) : std::nullopt;
-  std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
+  std::vector<client::AxisId> ids = ids_of(self, axes);
   auto follower = made_here<StepFollower>(value_or_raise(waiting(self, [&](Session& session) {
-    return session.follow(ids, chosen);
+    return session.follow(ids, pace_of(observes));
   })));
   self->adopt(follower);
-  return {std::move(follower), self, longest, most, std::move(ids)};
+  return {std::move(follower), self, milliseconds_of(patience), count, std::move(ids)};
 }
 
-std::shared_ptr<StatusQueue> stream(const SharedPySession& self, const py::object& axes,
-                                    const Number& capacity) {
+std::shared_ptr<StatusQueue> stream(const SharedPySession& self, const GivenAxes& axes,
+                                    std::size_t capacity) {
   load_numpy();
-  const std::size_t samples = capacity_of(capacity);
-  const std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
+  const std::vector<client::AxisId> ids = ids_of(self, axes);
   auto follower = value_or_raise(waiting(self, [&](Session& session) {
     return session.follow(ids, client::Pace::observe);
   }));
-  auto queue = made_here<StatusQueue>(self->session(), std::move(follower), ids, samples);
+  auto queue = made_here<StatusQueue>(self->session(), std::move(follower), ids, capacity);
   self->adopt(queue);
   return queue;
 }
 
-std::shared_ptr<ReportQueue> status_reports(const SharedPySession& self, const py::object& axes,
-                                            const Real& period) {
+std::shared_ptr<ReportQueue> status_reports(const SharedPySession& self, const GivenAxes& axes,
+                                            std::int64_t period) {
   load_numpy();
-  const std::chrono::milliseconds every = milliseconds_of(period, "period");
-  if (every.count() == 0) throw py::value_error("period = 0: must be above 0 seconds");
-  auto queue = made_here<ReportQueue>(self, ids_of(axes_of(self, axes)), every);
+  auto queue = made_here<ReportQueue>(self, ids_of(self, axes), milliseconds_of(period));
   self->adopt(queue);
   return queue;
 }
@@ -262,7 +232,7 @@ std::shared_ptr<ReportedQueue<Item>> reported(const SharedPySession& self,
 }
 
 std::shared_ptr<EventQueue> events(const SharedPySession& self, bool history,
-                                   const Number& capacity) {
+                                   std::size_t capacity) {
   const auto observe = [history](Session& session, std::shared_ptr<Queue<client::Event>> queue) {
     if (!queue) return session.on_event({});
     session.on_event(
@@ -271,10 +241,10 @@ std::shared_ptr<EventQueue> events(const SharedPySession& self, bool history,
         },
         history ? client::EventHistory::kept : client::EventHistory::left_out);
   };
-  return reported<client::Event>(self, self->event_stream, capacity_of(capacity), observe);
+  return reported<client::Event>(self, self->event_stream, capacity, observe);
 }
 
-std::shared_ptr<ServiceQueue> service_changes(const SharedPySession& self, const Number& capacity) {
+std::shared_ptr<ServiceQueue> service_changes(const SharedPySession& self, std::size_t capacity) {
   using client::ServiceChange;
   const auto observe = [](Session& session, std::shared_ptr<Queue<ServiceChange>> queue) {
     if (!queue) return session.watch_services({});
@@ -282,16 +252,15 @@ std::shared_ptr<ServiceQueue> service_changes(const SharedPySession& self, const
       queue->push(change);
     });
   };
-  return reported<ServiceChange>(self, self->service_stream, capacity_of(capacity), observe);
+  return reported<ServiceChange>(self, self->service_stream, capacity, observe);
 }
 
-py::list command_each(const SharedPySession& self, const py::object& axes,
-                      const std::string& command, const Real& timeout, const std::string& until) {
+py::list command_each(const SharedPySession& self, const GivenAxes& axes,
+                      const std::string& command, std::int64_t timeout, bool in_force) {
   const client::EachCommand chosen = each_command_of(command);
-  const client::CallOptions options = call_options(timeout, until);
   const std::vector<client::Axis> commanded = axes_of(self, axes);
   const std::vector<Outcome> outcomes = waiting(self, [&](Session& session) {
-    return session.command_each(commanded, chosen, options);
+    return session.command_each(commanded, chosen, call_options(timeout, in_force));
   });
   py::list results;
   for (const Outcome& outcome : outcomes) {
@@ -300,396 +269,223 @@ py::list command_each(const SharedPySession& self, const py::object& axes,
   return results;
 }
 
-std::vector<PyAxis> handles_of(const SharedPySession& self, const std::vector<client::Axis>& axes) {
-  std::vector<PyAxis> handles;
-  handles.reserve(axes.size());
-  for (const client::Axis& axis : axes) handles.emplace_back(axis, self);
-  return handles;
+/// @throws py::value_error when the member of a frame does not hold the value
+template <typename Member>
+Member member_of(ObjectRow row, std::int64_t value) {
+  if (std::in_range<Member>(value)) return static_cast<Member>(value);
+  using Limits = std::numeric_limits<Member>;
+  throw py::value_error(object_text(vdrive::describe(row).address) + " = " + std::to_string(value) +
+                        ": must be from " + std::to_string(Limits::min()) + " to " +
+                        std::to_string(Limits::max()));
+}
+
+/// Mode, target position and controlword have members of their own in a frame.
+void add_value(client::SetPoint& point, ObjectAddress object, std::int64_t value) {
+  using namespace literals;
+  if (object == kObjectRows["op_mode_cmd"_object].address) {
+    point.mode = static_cast<OperatingMode>(member_of<std::int8_t>("op_mode_cmd"_object, value));
+  } else if (object == kObjectRows["position_user_target_value"_object].address) {
+    point.position = member_of<std::int32_t>("position_user_target_value"_object, value);
+  } else if (object == kObjectRows["ds402_controlword"_object].address) {
+    point.controlword = member_of<std::uint16_t>("ds402_controlword"_object, value);
+  } else {
+    point.objects.push_back({.object = object, .value = value});
+  }
+}
+
+/// The number of an axis, and the values of its objects.
+using SetPointOfAxis =
+    std::pair<std::uint16_t, std::vector<std::pair<std::uint32_t, std::int64_t>>>;
+
+void send_set_points(const SharedPySession& self, const std::vector<SetPointOfAxis>& set_points,
+                     std::uint64_t tick, bool drops_waiting, Bench bench) {
+  client::SetPointFrame frame;
+  frame.tick = tick;
+  frame.drops_waiting = drops_waiting;
+  for (const auto& [axis, values] : set_points) {
+    client::SetPoint& point = frame.axes.emplace_back();
+    point.axis = axis;
+    for (const auto& [object, value] : values) add_value(point, object_of(object), value);
+  }
+  const std::uint32_t number = bench_number(self, bench);
+  check(waiting(self, [&](Session& sending) {
+    return sending.send_set_points(number, {&frame, 1});
+  }));
 }
 
 void add_finding(SessionClass& session) {
-  session.def(
-      "find_benches",
-      [](const SharedPySession& self) {
-        return waiting(self, [](Session& found) {
-          return found.find_benches();
-        });
+  session
+      .def("find_benches",
+           [](const SharedPySession& self) {
+             return waiting(self, [](Session& found) {
+               return found.find_benches();
+             });
+           })
+      .def("present_benches",
+           [](const SharedPySession& self) {
+             return self->session()->present_benches();
+           })
+      .def("find_bench",
+           [](const SharedPySession& self, Bench number) {
+             return value_or_raise(waiting(self, [&](Session& found) {
+               return found.find_bench(number);
+             }));
+           })
+      .def("axis",
+           [](const SharedPySession& self, const std::string& text) {
+             return PyAxis{value_or_raise(waiting(self,
+                                                  [&](Session& found) {
+                                                    return found.axis(text);
+                                                  })),
+                           self};
+           })
+      .def("axes", [](const SharedPySession& self, Bench bench) {
+        std::vector<PyAxis> handles;
+        for (client::Axis& axis : value_or_raise(waiting(self, [&](Session& there) {
+               return there.axes(bench);
+             }))) {
+          handles.emplace_back(std::move(axis), self);
+        }
+        return handles;
+      });
+}
+
+std::uint64_t step(const SharedPySession& self, Bench bench, std::uint64_t ticks) {
+  const std::uint32_t number = bench_number(self, bench);
+  return value_or_raise(waiting_unless(
+      [&](const Session& session) {
+        return session.steps_at_once(number, ticks);
       },
-      "Waits until a bench is found; the benches by number, none after `find_timeout`.");
-  session.def(
-      "present_benches",
-      [](const SharedPySession& self) {
-        return self->session()->present_benches();
-      },
-      "The benches that are present now. Does not wait.");
-  session.def(
-      "find_bench",
-      [](const SharedPySession& self, const OptionalNumber& number) {
-        const auto wanted = whole<std::uint32_t>(number, {"number"});
-        return value_or_raise(waiting(self, [&](Session& found) {
-          return found.find_bench(wanted);
-        }));
-      },
-      py::arg("number") = py::none(),
-      "The bench of that number; without a number the only present one.");
-  session.def(
-      "axis",
-      [](const SharedPySession& self, const std::string& text) {
-        return PyAxis{value_or_raise(waiting(self,
-                                             [&](Session& found) {
-                                               return found.axis(text);
-                                             })),
-                      self};
-      },
-      py::arg("text"), R"(The axis of an address such as "1.2" or "1.lift", or of a name.)");
-  session.def(
-      "axes",
-      [](const SharedPySession& self, const OptionalNumber& bench) {
-        const auto number = number_of_bench(bench);
-        return handles_of(self, value_or_raise(waiting(self, [&](Session& there) {
-                            return there.axes(number);
-                          })));
-      },
-      py::arg("bench") = py::none(), "Every axis of a bench, by number.");
-  session.def(
-      "_axes_of",
-      [](const SharedPySession& self, const py::object& axes) {
-        return handles_of(self, axes_of(self, axes));
-      },
-      py::arg("axes"), "The axes that an argument means; None: all of the only bench.");
+      self,
+      [&](Session& session) {
+        return session.step(number, ticks);
+      }));
+}
+
+py::dict snapshots(const SharedPySession& self, Bench bench) {
+  py::dict ticks;
+  for (const client::KeptSnapshot& snapshot : of_bench<&Session::snapshots>(self, bench)) {
+    ticks[py::int_(snapshot.number)] = snapshot.tick;
+  }
+  return ticks;
 }
 
 void add_clock(SessionClass& session) {
-  session.def(
-      "step",
-      [](const SharedPySession& self, const Number& ticks, const OptionalNumber& bench) {
-        const std::uint64_t count = count_of(ticks, "ticks");
+  session.def("step", &step)
+      .def("wait",
+           [](const SharedPySession& self, Bench bench, std::int64_t duration) {
+             return of_bench<&Session::wait>(self, bench, std::chrono::nanoseconds(duration));
+           })
+      .def("wait_for_tick", &of_bench<&Session::wait_for_tick, std::uint64_t>)
+      .def("set_rate", &of_bench<&Session::set_rate, double>)
+      .def("take_snapshot", &of_bench<&Session::take_snapshot>)
+      .def("restore_snapshot", &of_bench<&Session::restore_snapshot, std::uint64_t>)
+      .def("snapshots", &snapshots)
+      .def("drop_snapshot", [](const SharedPySession& self, Bench bench, std::uint64_t snapshot) {
         const std::uint32_t number = bench_number(self, bench);
-        return value_or_raise(waiting_unless(
-            [&](const Session& stepped) {
-              return stepped.steps_at_once(number, count);
-            },
-            self,
-            [&](Session& stepped) {
-              return stepped.step(number, count);
-            }));
-      },
-      py::arg("ticks") = 1, py::kw_only(), py::arg("bench") = py::none(),
-      "Steps a lock-step bench. Returns the tick reached.");
-  session.def(
-      "wait",
-      [](const SharedPySession& self, const Real& duration, const OptionalNumber& bench) {
-        const std::chrono::nanoseconds time = nanoseconds_of(duration, "duration");
-        return of_bench(self, bench, [time](Session& waiter, std::uint32_t number) {
-          return waiter.wait(number, time);
-        });
-      },
-      py::arg("duration"), py::kw_only(), py::arg("bench") = py::none(),
-      "Waits for drive time, in s; in lock-step by steps. Returns the tick reached.");
-  session.def(
-      "wait_for_tick",
-      [](const SharedPySession& self, const Number& tick, const OptionalNumber& bench) {
-        const std::uint64_t awaited = count_of(tick, "tick");
-        return of_bench(self, bench, [awaited](Session& waiter, std::uint32_t number) {
-          return waiter.wait_for_tick(number, awaited);
-        });
-      },
-      py::arg("tick"), py::kw_only(), py::arg("bench") = py::none(),
-      "Waits until the bench has reached a tick; in lock-step steps to it.");
-  session.def(
-      "set_rate",
-      [](const SharedPySession& self, const Real& rate, const OptionalNumber& bench) {
-        const double ratio = real_of(rate, {"rate"});
-        return of_bench(self, bench, [ratio](Session& set, std::uint32_t number) {
-          return set.set_rate(number, ratio);
-        });
-      },
-      py::arg("rate"), py::kw_only(), py::arg("bench") = py::none(),
-      "Drive time over wall time of a realtime bench, for all programs: 0 = pause, 0.1 to 100.");
+        check(waiting(self, [&](Session& session) {
+          return session.drop_snapshot(number, snapshot);
+        }));
+      });
 }
 
-void add_snapshots(SessionClass& session) {
-  session.def(
-      "take_snapshot",
-      [](const SharedPySession& self, const OptionalNumber& bench) {
-        return of_bench(self, bench, [](Session& taken, std::uint32_t number) {
-          return taken.take_snapshot(number);
-        });
-      },
-      py::kw_only(), py::arg("bench") = py::none(),
-      "Saves the state of all axes of a bench whose time stands still. Returns its number.");
-  session.def(
-      "restore_snapshot",
-      [](const SharedPySession& self, const Number& snapshot, const OptionalNumber& bench) {
-        const std::uint64_t kept = count_of(snapshot, "snapshot");
-        return of_bench(self, bench, [kept](Session& restored, std::uint32_t number) {
-          return restored.restore_snapshot(number, kept);
-        });
-      },
-      py::arg("snapshot"), py::kw_only(), py::arg("bench") = py::none(),
-      "Restores all axes to that state. Returns the tick, which continues.");
-  session.def(
-      "snapshots",
-      [](const SharedPySession& self, const OptionalNumber& bench) {
-        const auto kept = of_bench(self, bench, [](Session& listed, std::uint32_t number) {
-          return listed.snapshots(number);
-        });
-        py::dict ticks;
-        for (const client::KeptSnapshot& snapshot : kept) {
-          ticks[py::int_(snapshot.number)] = snapshot.tick;
-        }
-        return ticks;
-      },
-      py::kw_only(), py::arg("bench") = py::none(),
-      "The snapshots that a bench keeps: {number: tick}.");
-  session.def(
-      "drop_snapshot",
-      [](const SharedPySession& self, const Number& snapshot, const OptionalNumber& bench) {
-        const std::uint64_t kept = count_of(snapshot, "snapshot");
-        const std::uint32_t number = bench_number(self, bench);
-        check(waiting(self, [&](Session& forgetting) {
-          return forgetting.drop_snapshot(number, kept);
-        }));
-      },
-      py::arg("snapshot"), py::kw_only(), py::arg("bench") = py::none(), "Forgets a snapshot.");
-}
-
-void add_session_observing(SessionClass& session) {
-  session.def(
-      "observe",
-      [](const SharedPySession& self, const py::object& axes) {
-        const std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
-        return value_or_raise(waiting(self, [&](Session& observed) {
-          return observed.observe(ids);
-        }));
-      },
-      py::arg("axes") = py::none(),
-      "The present state of some axes of one bench; without any, all of the only bench.");
-  session.def(
-      "follow", &follow, py::arg("axes") = py::none(), py::kw_only(), py::arg("pace") = "drive",
-      py::arg("patience") = 10.0, py::arg("count") = py::none(),
-      R"(Iterates over the ticks of axes of one bench. With pace "drive" each sample of a )"
-      R"(lock-step bench is a step of one tick; "observe" takes what is published. It raises )"
-      "TimedOut when no sample comes for `patience` s of wall time.");
-  session.def(
-      "stream", &stream, py::arg("axes") = py::none(), py::kw_only(), py::arg("capacity") = 10000,
-      py::keep_alive<0, 1>(),
-      "Receives every published sample of axes of one bench in a thread of its own; keeps the "
-      "newest `capacity`.");
-  session.def("_status_reports", &status_reports, py::arg("axes"), py::arg("period"),
-              py::keep_alive<0, 1>(), "What on_status() takes for each bench.");
-  session.def(
-      "events", &events, py::kw_only(), py::arg("history") = false, py::arg("capacity") = 10000,
-      py::keep_alive<0, 1>(),
-      "The events of the benches that this session finds; with `history` from the oldest on "
-      "that each bench still has. A second stream takes the place of the first.");
-  session.def(
-      "service_changes", &service_changes, py::kw_only(), py::arg("capacity") = 10000,
-      py::keep_alive<0, 1>(),
-      "What happens to the services that this session sees: found, silent, restarted, offline. "
-      "First comes what is there. A second stream takes the place of the first.");
+void add_observing(SessionClass& session) {
+  session
+      .def("observe",
+           [](const SharedPySession& self, const GivenAxes& axes) {
+             const std::vector<client::AxisId> ids = ids_of(self, axes);
+             return value_or_raise(waiting(self, [&](Session& observed) {
+               return observed.observe(ids);
+             }));
+           })
+      .def("follow", &follow)
+      .def("stream", &stream)
+      .def("status_reports", &status_reports)
+      .def("events", &events)
+      .def("service_changes", &service_changes);
 }
 
 void add_control(SessionClass& session) {
-  session.def(
-      "command_each", &command_each, py::arg("axes"), py::arg("command"), py::kw_only(),
-      py::arg("timeout") = 60.0, py::arg("until") = "done",
-      "Sends axes the same command: enable, disable, halt, resume, quick_stop, reset_fault or "
-      "power_cycle. Returns for each axis None or the exception with the reason.");
-  session.def(
-      "quick_stop",
-      [](const SharedPySession& self, const OptionalNumber& bench, const Real& timeout,
-         const std::string& until) {
-        const client::CallOptions options = call_options(timeout, until);
-        const std::uint32_t number = bench_number(self, bench);
-        check(waiting(self, [&](Session& stopping) {
-          return stopping.quick_stop(number, options);
-        }));
-      },
-      py::arg("bench") = py::none(), py::kw_only(), py::arg("timeout") = 60.0,
-      py::arg("until") = "done",
-      "Quick stop of every axis of a bench that has no fault, also of other sessions.");
-  session.def(
-      "release",
-      [](const SharedPySession& self, const OptionalNumber& bench) {
-        const auto number = number_of_bench(bench);
-        check(waiting(self, [number](Session& releasing) {
-          return number ? releasing.release(*number) : releasing.release();
-        }));
-      },
-      py::arg("bench") = py::none(),
-      "Releases all axes, or those of one bench. Their state does not change.");
-  session.def(
-      "acquire",
-      [](const SharedPySession& self, const py::object& axes) {
-        const std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
-        check(waiting(self, [&](Session& taking) {
-          return taking.acquire(ids);
-        }));
-      },
-      py::arg("axes") = py::none(),
-      "Takes control of axes of one bench: of all of them, or of none when one is refused.");
-  session.def(
-      "send_set_points",
-      [](const SharedPySession& self, const py::dict& set_points, const Number& tick,
-         bool drops_waiting, const OptionalNumber& bench) {
-        client::SetPointFrame frame = frame_of(set_points);
-        frame.tick = count_of(tick, "tick");
-        frame.drops_waiting = drops_waiting;
-        const std::uint32_t number = bench_number(self, bench);
-        check(waiting(self, [&](Session& sending) {
-          return sending.send_set_points(number, {&frame, 1});
-        }));
-      },
-      py::arg("set_points"), py::kw_only(), py::arg("tick") = 0, py::arg("drops_waiting") = false,
-      py::arg("bench") = py::none(),
-      "Sends values of objects to axes that the session holds, by their numbers on the bench, and "
-      "waits for no answer: the status and the events show what became of them. They are in force "
-      "in `tick` (0 = the next), up to 10 s ahead; the controlword (6040h) acts last. Beside mode, "
-      "target position and controlword an axis takes 8 objects. With `drops_waiting` the frames of "
-      "the session that wait for their tick are dropped first.");
+  session.def("command_each", &command_each)
+      .def("quick_stop",
+           [](const SharedPySession& self, Bench bench, std::int64_t timeout, bool in_force) {
+             const std::uint32_t number = bench_number(self, bench);
+             check(waiting(self, [&](Session& stopping) {
+               return stopping.quick_stop(number, call_options(timeout, in_force));
+             }));
+           })
+      .def("release",
+           [](const SharedPySession& self, Bench bench) {
+             check(waiting(self, [bench](Session& releasing) {
+               return bench ? releasing.release(*bench) : releasing.release();
+             }));
+           })
+      .def("acquire",
+           [](const SharedPySession& self, const GivenAxes& axes) {
+             const std::vector<client::AxisId> ids = ids_of(self, axes);
+             check(waiting(self, [&](Session& taking) {
+               return taking.acquire(ids);
+             }));
+           })
+      .def("send_set_points", &send_set_points);
 }
 
 void add_ends(SessionClass& session) {
-  session.def(
-      "interrupt",
-      [](const PySession& self) {
-        self.session()->interrupt();
-      },
-      "Ends all waiting calls, now and later, with Failed, until end_interrupt(). From any "
-      "thread.");
-  session.def(
-      "end_interrupt",
-      [](const PySession& self) {
-        self.session()->end_interrupt();
-      },
-      "Calls from now on wait again.");
-  session.def(
-      "abandon",
-      [](const PySession& self) {
-        const std::shared_ptr<Session> abandoned = self.session();
+  session
+      .def("interrupt",
+           [](const PySession& self) {
+             self.session()->interrupt();
+           })
+      .def("end_interrupt",
+           [](const PySession& self) {
+             self.session()->end_interrupt();
+           })
+      .def("abandon",
+           [](const PySession& self) {
+             const std::shared_ptr<Session> abandoned = self.session();
+             const Unlocked unlocked;
+             abandoned->abandon();
+           })
+      .def("close", [](PySession& self) {
         const Unlocked unlocked;
-        abandoned->abandon();
-      },
-      "Ends the session as a kill of its program would: it sends nothing any more and releases no "
-      "axis, every call fails, and the axes on a bench in realtime react as 6007h says. From any "
-      "thread; close() frees what is left.");
-  session.def("close", &close_session, "Releases all axes and ends the session.");
-}
-
-void add_lateness(py::module_& module) {
-  using client::Lateness;
-  py::class_<Lateness>(module, "Lateness",
-                       "How far the samples of a Follower were behind the time of their bench, the "
-                       "newest tick that the session had received from it, when the program got "
-                       "them. Of a program that takes samples slower than they come.")
-      .def_readonly("samples", &Lateness::samples, "Samples that the follower gave.")
-      .def_readonly("late", &Lateness::late,
-                    "Of these, those after which a later one was due already.")
-      .def_property_readonly(
-          "last",
-          [](const Lateness& lateness) {
-            return seconds_of(lateness.last);
-          },
-          "Of the newest sample, in s of drive time.")
-      .def_property_readonly(
-          "longest",
-          [](const Lateness& lateness) {
-            return seconds_of(lateness.longest);
-          },
-          "The longest, in s of drive time.")
-      .def("__repr__", [](const Lateness& lateness) {
-        return "<vdrive.Lateness: " + std::to_string(lateness.late) + " of " +
-               std::to_string(lateness.samples) + " samples, at most " +
-               to_text(seconds_of(lateness.longest)) + " s>";
+        self.close();
       });
 }
 
 void add_follower(py::module_& module) {
-  add_lateness(module);
-  py::class_<PyFollower>(module, "Follower",
-                         "Axes tick by tick: an iterator of observations, see Session.follow().")
-      .def("__iter__",
-           [](py::object self) {
-             return self;
-           })
+  py::class_<PyFollower>(module, "Follower")
       .def("__next__", &PyFollower::next)
-      .def(
-          "take",
-          [](PyFollower& self, const Number& count) {
-            return self.take(count_of(count, "count"));
-          },
-          py::arg("count"),
-          "Waits for that many observations, or for those that are left of the count of follow(): "
-          "a numpy array of records, a row per sample, a column per axis. What it had received "
-          "when "
-          "it raised is what the next call returns, at once.")
-      .def_property_readonly(
-          "lateness",
-          [](const PyFollower& self) {
-            const Unlocked unlocked;  // a call of another thread may wait for a sample
-            return self.follower->lateness();
-          },
-          "How far its samples were behind the bench: a Lateness.")
-      .def(
-          "close",
-          [](PyFollower& self) {
-            const Unlocked unlocked;
-            self.follower->close();
-          },
-          "Ends it.");
+      .def("take", &PyFollower::take)
+      .def("lateness",
+           [](const PyFollower& self) {
+             const client::Lateness lateness = [&] {
+               const Unlocked unlocked;  // a call of another thread may wait for a sample
+               return self.follower->lateness();
+             }();
+             return tuple_of(lateness);
+           })
+      .def("close", [](PyFollower& self) {
+        const Unlocked unlocked;
+        self.follower->close();
+      });
 }
 
 }  // namespace
 
 void add_session(py::module_& module) {
   add_follower(module);
-  SessionClass session(
-      module, "Session",
-      "A program's presence on a DDS domain: finds benches, reads, writes, commands their axes. It "
-      "keeps the axes that it commands, and releases them when it is closed. `with` closes it. "
-      "Calls may come from several threads; those that step one bench from one at a time.");
-  session.def(
-      py::init(&open_session), py::kw_only(), py::arg("domain") = py::none(),
-      py::arg("interfaces") = std::vector<std::string>{},
-      py::arg("peers") = std::vector<std::string>{},
-      py::arg("discovery_servers") = std::vector<std::string>{}, py::arg("security") = "",
-      py::arg("bench") = py::none(), py::arg("keep_alive") = "own_thread",
-      py::arg("find_timeout") = 2.0, py::arg("silence") = 1.5, py::arg("patience") = 10.0,
-      py::arg("local") = py::none(), py::arg("service") = py::none(), py::arg("program") = "",
-      "domain: 0 to 232, by default that of VDRIVE_DOMAIN, else 0. interfaces: own addresses, "
-      "by default loopback only. security: directory of the closed mode's credentials. bench: find "
-      "this one only. find_timeout, silence, patience: wall time in s. A call raises Lost when a "
-      "service was silent for `silence`; what follows a bench (wait, follow, stream, on_status) "
-      "when it was silent for `patience`. local: a bench of this process, of vdrive.Bench; then no "
-      "option of the network counts. service: that of a vdrive.Bench over DDS. Both live at least "
-      "until the session is closed. program: what others read of who controls an axis, by default "
-      "the name of the file that Python runs.");
-  session
-      .def_property_readonly(
-          "id",
-          [](const PySession& self) {
-            return self.session()->id();
-          },
-          "Number of the session: the owner that an axis shows while this session holds it.")
-      .def_property_readonly("is_closed", &PySession::is_closed, "Whether close() was called.")
-      .def("__enter__",
-           [](py::object self) {
-             return self;
+  SessionClass session(module, "Session");
+  session.def(py::init(&open_session))
+      .def("id",
+           [](const PySession& self) {
+             return self.session()->id();
            })
-      .def("__exit__",
-           [](PySession& self, const py::args& /*exception*/) {
-             close_session(self);
-           })
-      .def("__repr__", [](const PySession& self) {
-        return std::string(self.is_closed() ? "<vdrive.Session, closed>" : "<vdrive.Session>");
-      });
+      .def("is_closed", &PySession::is_closed);
   add_finding(session);
   add_control(session);
   add_ends(session);
   add_clock(session);
-  add_snapshots(session);
-  add_session_observing(session);
+  add_observing(session);
 }
 
 }  // namespace vdrive::python

@@ -116,7 +116,7 @@ Watcher& watcher() {
   return *only;
 }
 
-/// signal.set_wakeup_fd: the interpreter keeps the function behind it to itself.
+/// signal.set_wakeup_fd: the C API does not offer it.
 /// @return the file before, -1 = none.
 int set_wakeup_file(int file) {
   // Never destroyed: the interpreter may be gone by then.

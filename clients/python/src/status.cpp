@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The state of axes: objects for people, arrays of numpy for calculations.
+// The state of axes as arrays of numpy, and what its words and objects mean.
 #include "status.hpp"
 
 #include "arguments.hpp"
+#include "values.hpp"
 #include "vdrive/axis_status.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/dictionary/object_text.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <pybind11/numpy.h>
 
@@ -22,7 +26,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -32,36 +35,20 @@ namespace {
 using client::AxisSnapshot;
 using client::Observation;
 
-/// Short names for what programs ask most.
+/// Short names for what programs ask most: those of vdrive.Status.
 struct Alias {
   const char* name;
   std::string_view member;
-  const char* text;
 };
 
 constexpr std::array kAliases{
-    Alias{"position", "load_position_actual_value", "Actual position (6064h), in UU."},
-    Alias{"demand", "position_demand_value", "Demand position (6062h), in UU."},
-    Alias{"following_error", "load_position_error_value", "Following error (60F4h), in UU."},
-    Alias{"velocity", "load_velocity_actual_value", "Actual velocity (606Ch), in UU/s."},
-    Alias{"torque", "torque_actual_value",
-          "Actual torque (6077h), in parts of 1,000 of the rated."},
-    Alias{"statusword", "ds402_statusword", "Statusword (6041h)."},
+    Alias{"position", "load_position_actual_value"},
+    Alias{"demand", "position_demand_value"},
+    Alias{"following_error", "load_position_error_value"},
+    Alias{"velocity", "load_velocity_actual_value"},
+    Alias{"torque", "torque_actual_value"},
+    Alias{"statusword", "ds402_statusword"},
 };
-
-const StatusMember& member_named(std::string_view name) {
-  for (const StatusMember& member : status_members()) {
-    if (member.name == name) return member;
-  }
-  throw std::logic_error("the status has no member " + std::string(name));
-}
-
-std::string text_of(const StatusMember& member) {
-  if (member.address.index == 0) return "Counted by the drive since power-up.";
-  const auto row = find_object(member.address);
-  const std::string units = row ? english_units(describe(*row)) : "";
-  return object_text(member.address) + (units.empty() ? "." : ", in " + units + ".");
-}
 
 /// A field of a record.
 struct Field {
@@ -95,26 +82,17 @@ py::dtype type_of(const std::vector<Field>& fields) {
   return py::dtype::from_args(description);
 }
 
-std::vector<const StatusMember*> published_members() {
-  std::vector<const StatusMember*> members;
-  members.reserve(kStatusMembers);
-  for (const StatusMember& member : status_members()) {
-    if (member.is_published) members.push_back(&member);
-  }
-  return members;
-}
-
 /// Copies `size` bytes, the least significant of each number first, as on every machine that runs
-/// this. @return the place behind them.
+/// this. @return the place after them.
 std::byte* put(std::byte* place, const void* bytes, std::size_t size) {
   std::memcpy(place, bytes, size);
-  return place + size;  // NOLINT(*-pointer-arithmetic): the records lie behind each other
+  return place + size;  // NOLINT(*-pointer-arithmetic): one record follows the other
 }
 
-/// Copies what put() has written. @return the place behind it.
+/// Copies what put() has written. @return the place after it.
 const std::byte* take_bytes(const std::byte* place, void* bytes, std::size_t size) {
   std::memcpy(bytes, place, size);
-  return place + size;  // NOLINT(*-pointer-arithmetic): the records lie behind each other
+  return place + size;  // NOLINT(*-pointer-arithmetic): one record follows the other
 }
 
 /// The records of an array: tick and missed samples, the members of the status, the owner.
@@ -138,32 +116,32 @@ class RecordLayout {
   [[nodiscard]] py::dtype type() const { return type_of(fields_); }
 
   /// Pieces of known sizes, which the compiler copies by single instructions.
-  /// @return the place behind the record.
+  /// @return the place after the record.
   static std::byte* write(const AxisSnapshot& axis, std::uint64_t missed, std::byte* place) {
     const auto image = std::as_bytes(std::span(&axis.status, 1));
     place = put(place, &axis.tick, sizeof axis.tick);
     place = put(place, &missed, sizeof missed);
     place = put(place, image.data(), kBefore);
-    place = put(place, image.last<kBehind>().data(), kBehind);
+    place = put(place, image.last<kAfter>().data(), kAfter);
     place = put(place, &axis.owner_session, sizeof axis.owner_session);
     return put(place, &axis.owner_epoch, sizeof axis.owner_epoch);
   }
 
-  /// What write() has written. @return the place behind the record.
+  /// What write() has written. @return the place after the record.
   static const std::byte* read(const std::byte* place, AxisSnapshot& axis, std::uint64_t& missed) {
     const auto image = std::as_writable_bytes(std::span(&axis.status, 1));
     place = take_bytes(place, &axis.tick, sizeof axis.tick);
     place = take_bytes(place, &missed, sizeof missed);
     place = take_bytes(place, image.data(), kBefore);
-    place = take_bytes(place, image.last<kBehind>().data(), kBehind);
+    place = take_bytes(place, image.last<kAfter>().data(), kAfter);
     place = take_bytes(place, &axis.owner_session, sizeof axis.owner_session);
     return take_bytes(place, &axis.owner_epoch, sizeof axis.owner_epoch);
   }
 
  private:
-  // The members in front of the only one that is not published, and those behind it.
+  // The members before the only one that is not published, and those after it.
   static constexpr std::size_t kBefore = offsetof(AxisStatus, ds402_controlword);
-  static constexpr std::size_t kBehind = sizeof(AxisStatus) - offsetof(AxisStatus, error_code);
+  static constexpr std::size_t kAfter = sizeof(AxisStatus) - offsetof(AxisStatus, error_code);
 
   void add(Field field) { fields_.push_back(std::move(field)); }
 
@@ -172,7 +150,7 @@ class RecordLayout {
     std::size_t offset = 0;
     for (const StatusMember& member : status_members()) {
       const std::size_t size = size_of(member.data_type);
-      const bool is_written = offset + size <= kBefore || offset >= sizeof(AxisStatus) - kBehind;
+      const bool is_written = offset + size <= kBefore || offset >= sizeof(AxisStatus) - kAfter;
       if (member.is_published != is_written) {
         throw std::logic_error("a record is written without " + std::string(member.name) +
                                ", or with it although it is not published");
@@ -203,87 +181,6 @@ bool has_layout(const py::dtype& type) {
   });
 }
 
-std::string repr_of(const AxisSnapshot& status) {
-  return "<vdrive.Status " + to_string(status.id) + " tick " + std::to_string(status.tick) + " " +
-         client::describe_statusword(status.status.ds402_statusword, status.mode()) + ">";
-}
-
-/// The members of the status, each under its own name: the table of the core lists them.
-void add_members(py::class_<AxisSnapshot>& status) {
-  for (const StatusMember* const member : published_members()) {
-    const std::string name(member->name);
-    status.def_property_readonly(
-        name.c_str(),
-        [member](const AxisSnapshot& axis) {
-          return member->value(axis.status);
-        },
-        text_of(*member).c_str());
-  }
-  for (const Alias& alias : kAliases) {
-    const StatusMember* const member = &member_named(alias.member);
-    status.def_property_readonly(
-        alias.name,
-        [member](const AxisSnapshot& axis) {
-          return member->value(axis.status);
-        },
-        alias.text);
-  }
-}
-
-void add_states(py::class_<AxisSnapshot>& status) {
-  status
-      .def_property_readonly(
-          "state",
-          [](const AxisSnapshot& axis) {
-            return std::string(to_string(axis.state()));
-          },
-          R"(State of the power drive system, such as "Operation enabled".)")
-      .def_property_readonly(
-          "power_state",
-          [](const AxisSnapshot& axis) {
-            return py::module_::import("vdrive._enums")
-                .attr("PowerState")(static_cast<std::uint8_t>(axis.state()));
-          },
-          "The same as a PowerState.")
-      .def_property_readonly(
-          "mode",
-          [](const AxisSnapshot& axis) {
-            return std::string(to_string(axis.mode()));
-          },
-          R"(Operating mode in force (6061h), such as "profile position".)")
-      .def_property_readonly(
-          "flags",
-          [](const AxisSnapshot& axis) {
-            return client::statusword_flags(axis.status.ds402_statusword, axis.mode());
-          },
-          R"(Names of the bits of the statusword that are 1, such as "target reached".)")
-      .def_property_readonly(
-          "is_enabled",
-          [](const AxisSnapshot& axis) {
-            return axis.state() == PowerState::operation_enabled;
-          },
-          "Whether the state is Operation enabled.")
-      .def_property_readonly(
-          "has_fault",
-          [](const AxisSnapshot& axis) {
-            return is_fault(axis.state());
-          },
-          "Whether the state is Fault or Fault reaction active.")
-      .def(
-          "shows",
-          [](const AxisSnapshot& axis, const Number& bits) {
-            return axis.shows(whole<std::uint16_t>(bits, {"bits"}));
-          },
-          py::arg("bits"), "Whether all of `bits` are 1 in the statusword.")
-      .def(
-          "value",
-          [](const AxisSnapshot& axis, const py::object& object) {
-            return value_of(axis, object_of(object));
-          },
-          py::arg("object"),
-          "Value of an object that is part of the status, else None. `object` as in Axis.read().");
-}
-
 std::vector<std::uint64_t> owners_of(const Observation& sample) {
   std::vector<std::uint64_t> owners;
   owners.reserve(sample.axes.size());
@@ -291,65 +188,75 @@ std::vector<std::uint64_t> owners_of(const Observation& sample) {
   return owners;
 }
 
-bool is_equal(const AxisSnapshot& axis, const AxisSnapshot& other) {
-  const auto parts = [](const AxisSnapshot& of) {
-    return std::tie(of.id.bench, of.id.axis, of.tick, of.owner_session, of.owner_epoch,
-                    of.last_sequence, of.skipped);
-  };
-  return parts(axis) == parts(other) &&
-         std::memcmp(&axis.status, &other.status, sizeof(AxisStatus)) == 0;
+/// @throws py::index_error
+py::tuple axis_of(const Observation& sample, std::int64_t place) {
+  if (place < 0 || std::cmp_greater_equal(place, sample.axes.size())) {
+    throw py::index_error("no such axis in the sample");
+  }
+  return tuple_of(sample.axes[static_cast<std::size_t>(place)]);
 }
 
 void add_observation(py::module_& module) {
-  py::class_<Observation>(module, "Observation", "All watched axes after the same tick.")
-      .def_readonly("tick", &Observation::tick, "The tick.")
-      .def_readonly("missed", &Observation::missed,
-                    "Samples of the stream lost since the one before.")
-      .def_readonly(
-          "skipped", &Observation::skipped,
-          "Ticks since the one before that the tick number jumped over: not run, not lost.")
-      .def_readonly("axes", &Observation::axes, "Status of each axis, in the order of the request.")
-      .def_property_readonly("owners", &owners_of, "Session that holds each axis, 0 = none.")
-      .def(
-          "array",
-          [](const Observation& sample) {
-            Frames frames(sample.axes.size());
-            frames.add(sample);
-            return py::object(frames.take(1)[py::int_(0)]);
-          },
-          "The axes as a numpy array of records, a field for each member of the status.")
-      .def("__len__",
+  py::class_<Observation>(module, "Observation")
+      .def_readonly("tick", &Observation::tick)
+      .def_readonly("missed", &Observation::missed)
+      .def_readonly("skipped", &Observation::skipped)
+      .def("axes",
+           [](const Observation& sample) {
+             return tuples_of(sample.axes);
+           })
+      .def("owners", &owners_of)
+      .def("array",
+           [](const Observation& sample) {
+             Frames frames(sample.axes.size());
+             frames.add(sample);
+             return py::object(frames.take(1)[py::int_(0)]);
+           })
+      .def("size",
            [](const Observation& sample) {
              return sample.axes.size();
            })
-      .def(
-          "__getitem__",
-          [](const Observation& sample, const Number& place) {
-            const auto axis = whole<std::int64_t>(place, {"place"});
-            if (axis < 0 || std::cmp_greater_equal(axis, sample.axes.size())) {
-              throw py::index_error("no such axis in the sample");
-            }
-            return sample.axes[static_cast<std::size_t>(axis)];
-          },
-          py::arg("place"))
-      .def(
-          "__eq__",
-          [](const Observation& sample, const py::object& object) {
-            if (!py::isinstance<Observation>(object)) return false;
-            const auto& other = object.cast<const Observation&>();
-            return sample.tick == other.tick && sample.missed == other.missed &&
-                   sample.skipped == other.skipped &&
-                   std::ranges::equal(sample.axes, other.axes, is_equal);
-          },
-          py::arg("other"), "Whether it shows the same axes with the same values in the same tick.")
-      .def("__hash__",
-           [](const Observation& sample) {
-             return py::hash(py::make_tuple(sample.tick, sample.axes.size()));
-           })
-      .def("__repr__", [](const Observation& sample) {
-        return "<vdrive.Observation tick " + std::to_string(sample.tick) + ", " +
-               std::to_string(sample.axes.size()) + " axes>";
-      });
+      .def("axis", &axis_of);
+}
+
+/// What the words of a status mean.
+void add_meanings(py::module_& module) {
+  module.def("power_state", [](std::uint16_t statusword) {
+    return static_cast<std::uint8_t>(decode_power_state(statusword));
+  });
+  module.def("state_text", [](std::uint16_t statusword) {
+    return to_string(decode_power_state(statusword));
+  });
+  module.def("is_enabled", [](std::uint16_t statusword) {
+    return decode_power_state(statusword) == PowerState::operation_enabled;
+  });
+  module.def("has_fault", [](std::uint16_t statusword) {
+    return is_fault(decode_power_state(statusword));
+  });
+  module.def("mode_text", [](std::int8_t mode) {
+    return to_string(static_cast<OperatingMode>(mode));
+  });
+  module.def("statusword_flags", [](std::uint16_t statusword, std::int8_t mode) {
+    return client::statusword_flags(statusword, static_cast<OperatingMode>(mode));
+  });
+  module.def("statusword_text", [](std::uint16_t statusword, std::int8_t mode) {
+    return client::describe_statusword(statusword, static_cast<OperatingMode>(mode));
+  });
+  module.def("status_value", [](std::string_view image, std::uint32_t object) {
+    AxisSnapshot axis;
+    std::memcpy(&axis.status, image.data(), std::min(image.size(), sizeof axis.status));
+    return value_of(axis, object_of(object));
+  });
+}
+
+/// @throws py::key_error where the dictionary has no object of that name or address
+std::uint32_t object_named(const std::string& name) {
+  if (const auto named = parse_object(name)) {
+    return std::uint32_t{named->index} << kSubindexBits | named->subindex;
+  }
+  const std::string meant = address_suggestion(name);
+  throw py::key_error("the dictionary has no object " + in_quotes(name) +
+                      (meant.empty() ? suggestion(name, names_of_objects()) : meant));
 }
 
 }  // namespace
@@ -415,8 +322,8 @@ FrameView::FrameView(const py::array& frames, std::size_t axes)
   const bool is_dense = (frames.flags() & py::array::c_style) != 0;
   if (!is_dense || !has_layout(frames.dtype())) {
     throw py::value_error(
-        "the frames of a recording have the dtype of vdrive.record_type() and lie behind each "
-        "other");
+        "the frames of a recording have the dtype of vdrive.record_type() and no gaps between "
+        "them");
   }
 }
 
@@ -444,74 +351,15 @@ py::dtype status_image_type() {
   return type_of(fields);  // the table is in the order of the members, which have no gaps
 }
 
-namespace {
-
-/// Everything of a snapshot but the status, as a tuple for pickle; the status is its bytes.
-py::tuple state_of(const AxisSnapshot& axis) {
-  const auto image = std::as_bytes(std::span(&axis.status, 1));
-  const py::bytes status(reinterpret_cast<const char*>(image.data()),  // NOLINT(*-reinterpret-cast)
-                         image.size());
-  return py::make_tuple(axis.id.bench, axis.id.axis, axis.tick, axis.owner_session,
-                        axis.owner_epoch, axis.last_sequence, axis.skipped, status);
-}
-
-/// @throws py::value_error where another version of vdrive wrote it
-AxisSnapshot snapshot_of(const py::tuple& state) {
-  constexpr std::size_t kParts = 8;
-  if (state.size() != kParts) throw py::value_error("the status is of another version of vdrive");
-  AxisSnapshot axis;
-  axis.id = {state[0].cast<std::uint32_t>(), state[1].cast<std::uint16_t>()};
-  axis.tick = state[2].cast<std::uint64_t>();
-  axis.owner_session = state[3].cast<std::uint64_t>();
-  axis.owner_epoch = state[4].cast<std::uint32_t>();
-  axis.last_sequence = state[5].cast<std::uint64_t>();
-  axis.skipped = state[6].cast<std::uint64_t>();
-  const auto status = state[7].cast<std::string_view>();
-  const auto image = std::as_writable_bytes(std::span(&axis.status, 1));
-  if (status.size() != image.size()) {
-    throw py::value_error("the status is of another version of vdrive");
-  }
-  std::memcpy(image.data(), status.data(), image.size());
-  return axis;
-}
-
-}  // namespace
-
 void add_status(py::module_& module) {
-  py::class_<AxisSnapshot> status(module, "Status", "One axis after a tick. UU: user units.");
-  status
-      .def_property_readonly(
-          "id",
-          [](const AxisSnapshot& axis) {
-            return to_string(axis.id);
-          },
-          R"(Address of the axis, such as "1.2".)")
-      .def(
-          "__eq__",
-          [](const AxisSnapshot& axis, const py::object& other) {
-            return py::isinstance<AxisSnapshot>(other) &&
-                   is_equal(axis, other.cast<const AxisSnapshot&>());
-          },
-          "Whether it is the same axis with the same values in the same tick.")
-      .def("__hash__",
-           [](const AxisSnapshot& axis) {
-             return py::hash(py::make_tuple(axis.id.bench, axis.id.axis, axis.tick));
-           })
-      .def(py::pickle(&state_of, &snapshot_of))
-      .def_readonly("tick", &AxisSnapshot::tick, "The tick.")
-      .def_readonly("owner", &AxisSnapshot::owner_session, "Session that holds the axis, 0 = none.")
-      .def_readonly("owner_epoch", &AxisSnapshot::owner_epoch, "Epoch of that session.")
-      .def("__repr__", &repr_of);
-  add_states(status);
-  add_members(status);
   add_observation(module);
-  module.def(
-      "record_type",
-      [] {
-        load_numpy();
-        return layout().type();
-      },
-      "The numpy dtype of the records of recordings and observations.");
+  add_meanings(module);
+  module.attr("STATUS_SIZE") = sizeof(AxisStatus);
+  module.def("object_named", &object_named);
+  module.def("record_type", [] {
+    load_numpy();
+    return layout().type();
+  });
 }
 
 }  // namespace vdrive::python

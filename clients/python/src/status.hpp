@@ -46,7 +46,7 @@ class Frames {
 /// construction; the array outlives it.
 class FrameView {
  public:
-  /// @param frames its rows lie behind each other
+  /// @param frames its rows have no gaps between them
   /// @throws py::value_error unless it has a row per sample and a column per axis of such records
   FrameView(const py::array& frames, std::size_t axes);
 

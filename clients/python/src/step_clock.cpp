@@ -4,10 +4,13 @@
 #include "arguments.hpp"
 #include "py_session.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace vdrive::python {
@@ -34,10 +37,9 @@ class OwnClock final : public Dependent {
 
   /// @param step called again with what is left of `patience` while it times out
   template <typename Step>
-  std::vector<std::uint64_t> step(const Real& patience, const Step& step) {
-    const std::chrono::milliseconds limit = milliseconds_of(patience, "patience");
+  std::vector<std::uint64_t> step(std::int64_t patience, const Step& step) {
     return value_or_raise(waiting(py_session_, [&](Session& session) {
-      return steps(session, limit, step);
+      return steps(session, milliseconds_of(patience), step);
     }));
   }
 
@@ -73,69 +75,36 @@ class OwnClock final : public Dependent {
   std::optional<StepClock> clock_;
 };
 
-std::shared_ptr<OwnClock> join(const SharedPySession& py_session, const py::iterable& benches,
-                               const Number& steppers) {
-  const auto awaited = whole<std::uint32_t>(steppers, {"steppers"});
-  std::vector<std::uint32_t> numbers;
-  for_each_in(benches, "benches", [&numbers](const py::object& number, const char* name) {
-    numbers.push_back(whole<std::uint32_t>(Number{number}, {name}));
-  });
+std::shared_ptr<OwnClock> join(const SharedPySession& py_session,
+                               const std::vector<std::uint32_t>& benches, std::uint32_t steppers) {
   auto clock =
       made_here<OwnClock>(py_session, value_or_raise(waiting(py_session, [&](Session& session) {
-                            return StepClock::join(session, numbers, awaited);
+                            return StepClock::join(session, benches, steppers);
                           })));
   py_session->adopt(clock);
   return clock;
 }
 
-constexpr double kPatience = std::chrono::duration<double>(StepClock::kPatience).count();
-
 }  // namespace
 
 void add_step_clock(py::module_& module) {
-  py::class_<OwnClock, std::shared_ptr<OwnClock>>(
-      module, "StepClock",
-      "One clock for several lock-step benches, shared with other programs that step them. `with` "
-      "leaves it.")
-      .def(py::init(&join), py::arg("session").none(false), py::arg("benches"), py::kw_only(),
-           py::arg("steppers") = 0,
-           "Joins the clock of each bench, by its number. Time stands until `steppers` programs, "
-           "with this one, have joined it; 0 = as the bench is configured.")
-      .def(
-          "step",
-          [](OwnClock& self, const Number& ticks, const Real& patience) {
-            const std::uint64_t count = count_of(ticks, "ticks");
-            return self.step(patience, [count](StepClock& clock, std::chrono::milliseconds left) {
-              return clock.step(count, left);
-            });
-          },
-          py::arg("ticks") = 1, py::kw_only(), py::arg("patience") = kPatience,
-          "Steps all benches and waits for them, `patience` s of wall time. Returns the tick of "
-          "each.")
-      .def(
-          "step_for",
-          [](OwnClock& self, const Real& duration, const Real& patience) {
-            const std::chrono::nanoseconds time = nanoseconds_of(duration, "duration");
-            return self.step(patience, [time](StepClock& clock, std::chrono::milliseconds left) {
-              return clock.step_for(time, left);
-            });
-          },
-          py::arg("duration"), py::kw_only(), py::arg("patience") = kPatience,
-          "The same by drive time in s, a multiple of the period of every bench.")
-      .def_property_readonly("now", &OwnClock::now,
-                             "Drive time that this clock has advanced on all benches, in s.")
-      .def(
-          "close",
-          [](OwnClock& self) {
-            const Unlocked unlocked;
-            self.close();
-          },
-          "Leaves the clock of each bench.")
-      .def("__enter__",
-           [](py::object self) {
-             return self;
+  py::class_<OwnClock, std::shared_ptr<OwnClock>>(module, "StepClock")
+      .def(py::init(&join))
+      .def("step",
+           [](OwnClock& self, std::uint64_t ticks, std::int64_t patience) {
+             return self.step(patience, [ticks](StepClock& clock, std::chrono::milliseconds left) {
+               return clock.step(ticks, left);
+             });
            })
-      .def("__exit__", [](OwnClock& self, const py::args& /*exception*/) {
+      .def("step_for",
+           [](OwnClock& self, std::int64_t duration, std::int64_t patience) {
+             const std::chrono::nanoseconds time(duration);
+             return self.step(patience, [time](StepClock& clock, std::chrono::milliseconds left) {
+               return clock.step_for(time, left);
+             });
+           })
+      .def("now", &OwnClock::now)
+      .def("close", [](OwnClock& self) {
         const Unlocked unlocked;
         self.close();
       });

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# mypy: disable-error-code="no-any-return"
 """Virtual CiA 402 servo drives on DDS, from Python.
 
     import vdrive
@@ -12,6 +13,8 @@
 Positions are user units (UU) of the axis, times are seconds. Calls that wait release the
 interpreter lock and end on Ctrl-C. What fails raises an Error, with `code` and text.
 """
+from __future__ import annotations
+
 from ._errors import (
     ConfigurationError,
     Error,
@@ -31,40 +34,30 @@ except ImportError:
 
     _build.check()  # raises what tells more: built for another Python
     raise
-from . import _asynchronous, _observers, _recording
-from ._asynchronous import AsyncStream
+from ._axis import DISTURBANCES, Axis, Motion
+from ._axis_bank import AxisBank
 from ._bench import Bench, find_service
+from ._group import AxisGroup, GroupStatus
 from ._observers import Observer
 from ._recording import Recording, load
-from ._vdrive import (
-    DISTURBANCES,
-    PRESETS,
-    Axis,
-    AxisBank,
-    AxisGroup,
-    AxisInfo,
-    BenchInfo,
-    Event,
+from ._session import Session, StepClock
+from ._status import Status
+from ._streams import (
+    AsyncStream,
     EventStream,
     Follower,
-    GroupStatus,
-    Lateness,
-    Motion,
     Observation,
-    ServiceChange,
     ServiceStream,
-    Session,
-    Status,
     StatusStream,
-    StepClock,
-    Unit,
-    __version__,
-    default_domain,
-    record_type,
 )
+from ._values import AxisInfo, BenchInfo, Event, Lateness, ServiceChange, Unit
 
 TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
 if TYPE_CHECKING:
+    from typing import Any
+
+    from numpy import dtype
+
     from . import canopen as canopen
     from ._enums import ErrorCode, OperatingMode, PowerState, Reason, Statusword
 else:
@@ -85,17 +78,19 @@ else:
     def __dir__():
         return sorted({*globals(), *_ENUMS, "canopen"})
 
-for _function in (_asynchronous.follow_async, _asynchronous.events_async, _observers.on_event,
-                  _observers.on_status, _observers.watch_services, _recording.record):
-    setattr(Session, _function.__name__, _function)
-del _function
-for _waiting, _name, _wait in ((Motion, "wait_async", _asynchronous.wait_motion_async),
-                               (Motion, "__await__", _asynchronous.await_motion),
-                               (AxisGroup, "wait_all_async", _asynchronous.wait_all_async),
-                               (Axis, "wait_until_async", _asynchronous.wait_until_async),
-                               (Session, "wait_async", _asynchronous.wait_async)):
-    setattr(_waiting, _name, _wait)
-del _waiting, _name, _wait
+PRESETS: tuple[str, ...] = _vdrive.PRESETS
+__version__: str = _vdrive.__version__
+
+
+def default_domain() -> int:
+    """Return the DDS domain that VDRIVE_DOMAIN names, 0 when it is not set."""
+    return _vdrive.default_domain()
+
+
+def record_type() -> dtype[Any]:
+    """Return the numpy dtype of the records of recordings and observations."""
+    return _vdrive.record_type()
+
 
 # What a traceback names is what a program writes.
 for _class in [value for value in globals().values() if isinstance(value, type)]:

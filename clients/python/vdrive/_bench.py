@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# mypy: disable-error-code="no-any-return"
 """A private bench: in this process, or a service over DDS, by default on a domain of its own."""
 from __future__ import annotations
 
@@ -6,11 +7,15 @@ import os
 import weakref
 
 from . import _vdrive
+from ._arguments import instance, is_utf8, optional
 from ._errors import ConfigurationError, NotFound
+from ._session import Session
 
 TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
 if TYPE_CHECKING:
-    from typing import Any, Iterable, Literal, Sequence
+    from typing import Any, Iterable, Literal, NoReturn, Sequence
+
+    from ._arguments import KeepAliveSpec, NumberSpec
 
     Path = str | bytes | os.PathLike[str] | os.PathLike[bytes]
 
@@ -27,12 +32,10 @@ def _only_over_dds(what: str) -> ConfigurationError:
     return ConfigurationError(f'{what} is of a bench over DDS: vdrive.Bench(..., over="dds")')
 
 
-def _whole(name: str, value: _vdrive.NumberSpec | None, lowest: int, highest: int) -> int | None:
+def _whole(name: str, value: NumberSpec | None, lowest: int, highest: int) -> int | None:
     """Return the value as an int of this range, None as it is."""
-    if value is None:
-        return None
     try:
-        return _vdrive.whole_number(name, value, lowest, highest)
+        return optional(name, value, lowest, highest)
     except ValueError as error:
         raise ConfigurationError(str(error)) from None
 
@@ -63,17 +66,9 @@ def _path(name: str, value: Path | None) -> str:
         raise TypeError(f"{name} = {value!r}: must be a path") from None
     if not path:
         raise ConfigurationError(f"{name} = '': must be a path")
-    if "\0" in path or not _is_utf8(path):
+    if "\0" in path or not is_utf8(path):
         raise ConfigurationError(f"{name} = {path!r}: must be a path in UTF-8, without NUL")
     return path
-
-
-def _is_utf8(text: str) -> bool:
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
 
 
 def _configuration(value: Path | None) -> str:
@@ -105,13 +100,13 @@ class Bench:
     process too, meets only a bench over DDS.
     """
 
-    def __init__(self, axes: _vdrive.NumberSpec | None = None, *, preset: str | None = None,
+    def __init__(self, axes: NumberSpec | None = None, *, preset: str | None = None,
                  config: Path | None = None,
                  clock: Literal["lockstep", "realtime", "freerun"] = "lockstep",
-                 over: Literal["local", "dds"] = "local", number: _vdrive.NumberSpec | None = None,
+                 over: Literal["local", "dds"] = "local", number: NumberSpec | None = None,
                  state: Path | None = None, journal: Path | None = None,
                  beside: Bench | None = None, arguments: Iterable[object] = (),
-                 service: Path | None = None, domain: _vdrive.NumberSpec | None = None) -> None:
+                 service: Path | None = None, domain: NumberSpec | None = None) -> None:
         """Make the bench.
 
         axes: number of default axes, 1 to 16384; without it and without `config` the demo bench with
@@ -127,10 +122,10 @@ class Bench:
         A value that is out of range, unknown or contradicts another one raises ConfigurationError,
         one of a wrong type TypeError; both name the argument.
         """
-        self._sessions: weakref.WeakSet[_vdrive.Session] = weakref.WeakSet()
+        self._sessions: weakref.WeakSet[Session] = weakref.WeakSet()
         self._beside: weakref.WeakSet[Bench] = weakref.WeakSet()  # what was made beside this one
-        self._local: _vdrive.LocalBench | None = None
-        self._private: _vdrive.PrivateBench | None = None
+        self._local: Any = None
+        self._private: Any = None
         self._is_local = _one_of("over", over, ("local", "dds")) == "local"
         axes = _whole("axes", axes, 1, _vdrive.MOST_AXES)
         number = _whole("number", number, 1, _vdrive.HIGHEST_BENCH)
@@ -145,8 +140,9 @@ class Bench:
                                 ("domain=", domain is not None)):
                 if given:
                     raise _only_over_dds(name)
-            self._local = _vdrive.LocalBench(axes=axes, number=number, **of_both,
-                                             beside=None if beside is None else beside._local)
+            self._local = _vdrive.LocalBench(
+                axes, of_both["preset"], of_both["config"], of_both["clock"], number,
+                of_both["state"], of_both["journal"], None if beside is None else beside._local)
         else:
             self._private = self._service(axes, number, of_both, beside, arguments, service, domain)
         if beside is not None:
@@ -155,9 +151,7 @@ class Bench:
     def _check_beside(self, beside: Bench | None) -> None:
         if beside is None:
             return
-        if not isinstance(beside, Bench):
-            raise TypeError(f"beside = {beside!r}: must be a vdrive.Bench")
-        if beside._is_local != self._is_local:
+        if instance("beside", beside, Bench)._is_local != self._is_local:
             raise ConfigurationError(f"beside= is a bench {beside._place()}, and this one is "
                                      f"{self._place()}: they cannot meet")
 
@@ -167,10 +161,13 @@ class Bench:
     def __repr__(self) -> str:
         return f"<vdrive.Bench {self._place()}>"
 
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(f"cannot pickle {self!r}")
+
     @staticmethod
     def _service(axes: int | None, number: int | None, of_both: dict[str, Any],
                  beside: Bench | None, arguments: Iterable[object], service: Path | None,
-                 domain: int | None) -> _vdrive.PrivateBench:
+                 domain: int | None) -> Any:
         if beside is not None and domain is not None:
             raise ConfigurationError("beside= and domain= both say which benches to meet: leave one "
                                      "of them out")
@@ -186,20 +183,20 @@ class Bench:
         """The DDS domain of a bench over DDS."""
         if self._private is None:
             raise _only_over_dds("domain")
-        return self._private.domain
+        return self._private.domain()
 
     def session(self, *, interfaces: Sequence[str] = (), peers: Sequence[str] = (),
                 discovery_servers: Sequence[str] = (), security: str = "",
                 bench: int | None = None,
-                keep_alive: Literal["own_thread", "user_frames"] = "own_thread",
+                keep_alive: KeepAliveSpec = "own_thread",
                 find_timeout: float = 2.0, silence: float = 1.5, patience: float = 10.0,
-                program: str = "") -> _vdrive.Session:
+                program: str = "") -> Session:
         """Return a new Session with the bench, which close() closes, too.
 
         The parameters are those of Session, with its defaults. Those of a network do not count for
         a bench in this process.
         """
-        session = _vdrive.Session(
+        session = Session(
             local=self._local, service=self._private, domain=None if self._local is not None else self.domain,
             interfaces=interfaces, peers=peers, discovery_servers=discovery_servers,
             security=security, bench=bench, keep_alive=keep_alive, find_timeout=find_timeout,
@@ -207,7 +204,7 @@ class Bench:
         self._sessions.add(session)
         return session
 
-    def _close_sessions(self, but: _vdrive.Session | None = None) -> None:
+    def _close_sessions(self, but: Session | None = None) -> None:
         for session in list(self._sessions):
             if session is not but:
                 session.close()

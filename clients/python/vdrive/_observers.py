@@ -53,7 +53,7 @@ def _wait_for(thread: threading.Thread, patience: float | None = None) -> None:
                 _waits_for[caller] = before
 
 
-def _check_function(function: object) -> None:
+def check_function(function: object) -> None:
     if not callable(function):
         raise TypeError(f"function = {function!r}: must be callable")
 
@@ -68,7 +68,7 @@ class Observer:
 
     def __init__(self, function: Callable[[Any], object], streams: Sequence[Stream],
                  on_end: Callable[[Exception], object] | None = None) -> None:
-        _check_function(function)
+        check_function(function)
         if on_end is not None and not callable(on_end):
             raise TypeError(f"on_end = {on_end!r}: must be callable")
         self._process = os.getpid()
@@ -177,44 +177,3 @@ def _forget_threads_of_parent() -> None:
 os.register_at_fork(after_in_child=_forget_threads_of_parent)
 # Functions run in the reverse order of their registration: this one before the end of the sessions.
 atexit.register(_close_all)
-
-
-def on_event(self: _vdrive.Session, observer: Callable[[_vdrive.Event], object], *,
-             history: bool = False) -> Observer:
-    """Call `observer(event)` for each event, from now on; return the Observer.
-
-    With `history` from the oldest event on that each bench still has; without it, of benches that
-    the session has found. It takes the place of events() and of the observer before: a session has
-    one stream of events.
-    """
-    _check_function(observer)  # before the observer of now loses its place
-    return Observer(observer, [self.events(history=history)])
-
-
-def watch_services(self: _vdrive.Session,
-                   observer: Callable[[_vdrive.ServiceChange], object]) -> Observer:
-    """Call `observer(change)` when a service is found, falls silent, restarts or goes offline.
-
-    First for each service that is there. Returns the Observer. It takes the place of
-    service_changes() and of the observer before.
-    """
-    _check_function(observer)
-    return Observer(observer, [self.service_changes()])
-
-
-def on_status(self: _vdrive.Session, observer: Callable[[_vdrive.Observation], object],
-              axes: _vdrive.AxesSpec = None, *, period: float = 0.1,
-              on_end: Callable[[Exception], object] | None = None) -> Observer:
-    """Call `observer(observation)` with the newest state of axes; return the Observer.
-
-    For each bench at most once in `period` s of wall time, when a later tick has come. In lock-step
-    the present state comes first; while drive time stands still nothing comes after it. A service
-    that restarts is followed. The calls for a bench end when it has sent nothing for the `patience`
-    of the session: then `on_end(error)` is called, with the Lost that says why.
-    """
-    _check_function(observer)
-    benches: dict[int, list[_vdrive.Axis]] = {}
-    for handle in self._axes_of(axes):
-        benches.setdefault(handle.bench, []).append(handle)
-    return Observer(observer, [self._status_reports(each, period) for each in benches.values()],
-                    on_end)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 
 from . import _vdrive
+from ._arguments import optional, optional_nanoseconds, real
 
 TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
 if TYPE_CHECKING:
@@ -100,7 +101,8 @@ class Recording:
         temporary = os.path.join(os.path.dirname(target),
                                  f".vdrive.{os.urandom(8).hex()}{os.path.splitext(name)[1]}")
         try:
-            _vdrive.write_recording(temporary, self.axes, self.names, self.period,
+            _vdrive.write_recording(temporary, self.axes, self.names,
+                                    optional_nanoseconds("period", self.period),
                                     numpy.ascontiguousarray(self.frames))
             with open(temporary, "rb") as written:
                 os.fsync(written.fileno())
@@ -127,8 +129,8 @@ def load(path: str | os.PathLike[str], *, bench: int | None = None,
     opened; ValueError when it is not a recording, or is damaged, or has other benches only. Of an MCAP file that was cut off it reads the whole part; `cut` of the
     recording is the place where it ends.
     """
-    bench = None if bench is None else _vdrive.whole_number("bench", bench)
-    period = None if period is None else _vdrive.real_number("period", period)
+    bench = optional("bench", bench)
+    period = None if period is None else real("period", period)
     if period is not None and not 0.0 < period < float("inf"):
         raise ValueError(f"period = {period!r}: must be a time in s above 0")
     os.close(os.open(path, os.O_RDONLY | os.O_NONBLOCK))  # raises OSError where it cannot be opened
@@ -145,17 +147,3 @@ def load(path: str | os.PathLike[str], *, bench: int | None = None,
         return Recording([], [], numpy.zeros((0, 0), _vdrive.record_type()), cut, period)
     _, recorded_period, axes, names, frames = chosen[0]
     return Recording(axes, names, frames, cut, recorded_period or period)
-
-
-def record(self: _vdrive.Session, axes: _vdrive.AxesSpec = None, *, ticks: _vdrive.NumberSpec,
-           pace: _vdrive.PaceSpec = "drive") -> Recording:
-    """Record that many samples of axes of one bench; return a Recording.
-
-    With pace "drive" each sample of a lock-step bench is a step of one tick.
-    """
-    count = _vdrive.whole_number("ticks", ticks)
-    handles = self._axes_of(axes)
-    frames = self.follow(handles, pace=pace).take(count)
-    period = self.find_bench(handles[0].bench).period
-    return Recording([axis.id for axis in handles], [axis.name for axis in handles], frames,
-                     period=period)

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# mypy: disable-error-code="no-any-return"
 """A CAN bus whose nodes are the axes of a private bench, for the test of a CANopen master.
 
     import vdrive.canopen
@@ -22,6 +23,7 @@ import time
 import weakref
 
 from . import _vdrive
+from ._arguments import real
 from ._bench import _configuration, _one_of, _path, _preset, _whole, _words
 from ._errors import ConfigurationError, Failed, Forked, NotFound
 
@@ -29,6 +31,7 @@ TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
 if TYPE_CHECKING:
     from typing import Any, Iterable, Literal
 
+    from ._arguments import NumberSpec
     from ._bench import Path
 
 _PROGRAM = "vdrive-canopen"
@@ -37,8 +40,8 @@ _HIGHEST_NODE = 127
 _USUAL_AXES = 3
 _LONGEST_PERIOD = 10.0  # [s]
 _START = 60.0  # [s] A busy machine starts many of them side by side.
-_END = 5.0  # [s]
-_POLL = 0.002  # [s]
+_END = 5_000_000_000  # [ns]
+_POLL = 2_000_000  # [ns]
 _USAGE = 2  # exit code of a program that cannot use its arguments
 _OF_A_NETWORK = ("VDRIVE_DOMAIN", "VDRIVE_SECURITY")  # variables that a private bench has no use for
 
@@ -81,7 +84,7 @@ def _place_of(name: str, line: str) -> tuple[str, int]:
 
 
 def _counters_of(output: str) -> dict[str, int]:
-    """Return what stands behind the first line: {"frames": 12} of "vdrive-canopen: bus 1: 12 frames"."""
+    """Return what follows the first line: {"frames": 12} of "vdrive-canopen: bus 1: 12 frames"."""
     _, _, last = output.partition("\n")
     counted = re.findall(r"[,;:] (\d+) ([^\d,;:\n]+)", last)
     return {name.strip(): int(count) for count, name in counted}
@@ -91,7 +94,7 @@ def _duration(seconds: float | None) -> str | None:
     """Return the period of SYNC as the program takes it; it knows the limits."""
     if seconds is None:
         return None
-    period = _vdrive.real_number("sync_steps", seconds)
+    period = real("sync_steps", seconds)
     if not 0.0 < period <= _LONGEST_PERIOD or abs(round(period * 1e6) - period * 1e6) > 1e-3:
         raise ConfigurationError(f"sync_steps = {period:g}: must be a whole number of microseconds, "
                                  f"in s, from 0.000125 to {_LONGEST_PERIOD:g}")
@@ -108,10 +111,10 @@ class Bus:
     channel: str = "can0"
     """The name of the bus for a client of socketcand."""
 
-    def __init__(self, axes: _vdrive.NumberSpec | None = None, *, preset: str | None = None,
+    def __init__(self, axes: NumberSpec | None = None, *, preset: str | None = None,
                  clock: Literal["realtime", "lockstep"] | None = None,
                  sync_steps: float | None = None, config: Path | None = None,
-                 node_offset: _vdrive.NumberSpec = 0, program: Path | None = None,
+                 node_offset: NumberSpec = 0, program: Path | None = None,
                  arguments: Iterable[object] = ()) -> None:
         """Start the program, and wait until its nodes have booted.
 
@@ -225,7 +228,7 @@ class Bus:
         """The exit code of the program, or -signal; None while it runs."""
         self._require_own()
         with self._lock:
-            return self._program.wait()
+            return self._program.wait(0)
 
     @property
     def errors(self) -> str:
@@ -275,14 +278,14 @@ class Bus:
             if self._is_closed:
                 return
             self._is_closed = True
-            before = self._program.wait()
+            before = self._program.wait(0)
             try:
                 with contextlib.ExitStack() as ending:  # each of them, whatever another one raises
                     for master in list(self._masters):
                         ending.callback(master.shutdown)
             finally:
                 self._program.stop(_END)
-                code = self._program.wait()
+                code = self._program.wait(0)
                 self._counters = _counters_of(self._program.output().decode(errors="replace"))
         if before is not None:
             raise Failed(f"{_PROGRAM} has ended by itself: {self._reason(before)}")

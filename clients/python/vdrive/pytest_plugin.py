@@ -280,12 +280,13 @@ def vdrive_benches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPat
     marker and of the call. Benches of another call do not meet them. All end with the test.
     """
     import vdrive
-    from vdrive import _vdrive
+    from vdrive._arguments import whole
+    from vdrive._vdrive import HIGHEST_BENCH
 
     with contextlib.ExitStack() as made:
         def make(count: int, **options: Any) -> list[vdrive.Bench]:
             try:
-                count = _vdrive.whole_number("count", count, 1, _vdrive.HIGHEST_BENCH)
+                count = whole("count", count, 1, HIGHEST_BENCH)
             except ValueError as error:
                 raise vdrive.ConfigurationError(str(error)) from None
             options = {**_options_of(request), **options}
@@ -347,7 +348,7 @@ class _SharedBench:
     def _begin(self) -> None:
         import vdrive
 
-        # It stays open: over DDS each session searches the bench anew.
+        # It stays open: over DDS each session searches for the bench again.
         self._keeper = self.bench.session()
         found = self._keeper.find_bench()
         if found.clock_mode == "freerun":
@@ -450,7 +451,7 @@ def vdrive_shared_bench(request: pytest.FixtureRequest, monkeypatch: pytest.Monk
     """A bench that all tests with these options share, each from its state of before the first one.
 
     Its axes have no owner. What passes on is the tick number, the history of events, and the numbers
-    of sessions. A bench that a test has ended is made anew.
+    of sessions. A bench that a test has ended is made again.
     """
     options = _options_of(request)
     shared = _vdrive_shared_benches.get(options, vdrive_shared_start)

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "errors.hpp"
 #include "fork.hpp"
-#include "interpreter_lock.hpp"
 #include "kept_in_thread.hpp"
 #include "private_bench.hpp"
+#include "python.hpp"
+#include "vdrive/bench/bench.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -13,7 +13,26 @@
 #include <string>
 #include <vector>
 
+/// The benches of a program: vdrive.Bench has one of them.
 namespace vdrive::python {
+
+/// A bench that ends with this object. A forked process leaves it as it is: it is its parent's.
+class LocalBench {
+ public:
+  /// @throws bench::BenchError
+  explicit LocalBench(const bench::BenchOptions& options) : bench_(options) {}
+
+  /// @return where sessions meet it.
+  /// @throws py::error_already_set when it has ended, and in a forked process
+  [[nodiscard]] std::shared_ptr<wire::LocalBus> bus() const;
+
+  /// Any number of times. Does nothing in a forked process.
+  void close();
+
+ private:
+  const Origin origin_;
+  std::optional<bench::Bench> bench_;
+};
 
 /// A service that ends with this object.
 class OwnBench {
@@ -26,23 +45,14 @@ class OwnBench {
     wait_until_ready();
   }
 
-  [[nodiscard]] std::uint32_t domain() const { return get().domain(); }
+  /// @throws py::error_already_set when it has ended, and in a forked process
+  [[nodiscard]] std::uint32_t domain() const;
 
   /// Waits until the service has ended. Any number of times. Does nothing in a forked process: the
   /// bench is its parent's.
-  void close() {
-    if (origin_.is_inherited()) return;
-    const Unlocked unlocked;
-    bench_.end();
-  }
+  void close();
 
  private:
-  [[nodiscard]] process::PrivateBench& get() const {
-    origin_.require_own("the bench");
-    if (bench_.get() == nullptr) raise(client::Outcome::failed("the bench has ended"));
-    return *bench_.get();
-  }
-
   void wait_until_ready();
 
   const Origin origin_;

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+# mypy: disable-error-code="no-any-return"
+"""The drive alone: a bank of axes that the program steps itself."""
+from __future__ import annotations
+
+from . import _vdrive
+from ._arguments import (
+    Handle,
+    dictionary,
+    is_number,
+    nanoseconds,
+    object_number,
+    real,
+    shown,
+    value_of_object,
+    whole,
+)
+from ._errors import ConfigurationError
+
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+if TYPE_CHECKING:
+    from typing import Any, Mapping, Sequence, overload
+
+    import numpy
+    from numpy.typing import ArrayLike, NDArray
+
+    from ._arguments import NumberSpec, ObjectSpec
+
+    ModelSpec = Mapping[str, str | float]
+else:
+    def overload(function):
+        """Of the annotations."""
+        return function
+
+_MOST_AXES = 1_000_000
+
+
+def _is_one(axis: Any) -> bool:
+    """Whether it is one number; arrays of one number are not."""
+    return isinstance(axis, int) or hasattr(axis, "__index__") and not hasattr(axis, "__len__")
+
+
+def _axis(axis: Any) -> int:
+    return whole("axis", axis, -2**63)  # the bank knows how many it has
+
+
+def _axes(axes: Any) -> NDArray[numpy.int64] | None:
+    return None if axes is None else _integers("axis", axes)
+
+
+def _integers(name: str, values: Any) -> NDArray[numpy.int64]:
+    """Return a whole number or one row of them as an array."""
+    import numpy
+
+    if type(values) is int and -2**63 <= values < 2**63:
+        return numpy.array(values, numpy.int64)
+    try:
+        row = numpy.asarray(values)
+    except ValueError:  # rows of different lengths
+        row = numpy.empty((0, 0))
+    if row.ndim == 1 and row.size == 0:
+        return numpy.empty(0, numpy.int64)
+    if row.ndim <= 1 and row.dtype.kind in "iuf":
+        # As what it is first: numpy would cut a fraction off.
+        if row.dtype.kind == "i" or (
+                (numpy.floor(row) == row) & (row >= -2.0**63) & (row < 2.0**63)).all():
+            return numpy.ascontiguousarray(row, numpy.int64).reshape(row.shape)
+    raise TypeError(f"{name} = {shown(values)}: must be a whole number or one row of whole numbers")
+
+
+def _model(keys: Any) -> dict[str, Any]:
+    """Return a model with its numbers as floats; the C++ module knows the keys."""
+    return {key if isinstance(key, str) else shown(key): each if isinstance(each, str)
+            else real("", each) if is_number(each) and key not in ("coupling", "feedback")
+            else shown(each) for key, each in dict(keys).items()}
+
+
+def _models(model: Any, axes: int) -> list[dict[str, Any]]:
+    """Return one model for all axes, one for each, or none."""
+    if model is None:
+        return []
+    if isinstance(model, dict):
+        return [_model(model)]
+    if not hasattr(model, "__getitem__") or not hasattr(model, "__len__") or len(model) != axes:
+        raise ConfigurationError(f"model is a dict for all axes or a sequence of {axes} dicts")
+    return [_model(each) for each in model]
+
+
+class AxisBank(Handle):
+    """Servo drives without a service, clock and network: the caller writes objects and steps.
+
+    One thread at a time.
+    """
+
+    __slots__ = ()
+
+    def __init__(self, axes: NumberSpec, *, period: float = 0.001,
+                 model: ModelSpec | Sequence[ModelSpec] | None = None,
+                 parameters: Mapping[ObjectSpec, int] = {}) -> None:
+        """Power `axes` axes up.
+
+        `period` of a tick in s, 125 us to 10 ms. `model`: the keys of `model` in a configuration, a
+        dict for all axes or a sequence with one for each. `parameters`: values of objects from
+        power-up on.
+        """
+        try:
+            count = whole("axes", axes, 1, _MOST_AXES)
+        except ValueError as error:
+            raise ConfigurationError(str(error)) from None
+        values = [(object_number(object), value_of_object(value))
+                  for object, value in dictionary("parameters", parameters).items()]
+        super().__init__(_vdrive.AxisBank(count, nanoseconds("period", period),
+                                          _models(model, count), values))
+
+    def __len__(self) -> int:
+        return self._handle.size()
+
+    @property
+    def period(self) -> float:
+        """Length of a tick, in s."""
+        return self._handle.period()
+
+    @property
+    def tick(self) -> int:
+        """Ticks since the bank was made."""
+        return self._handle.tick()
+
+    @property
+    def status(self) -> NDArray[Any]:
+        """The status image of each axis after the last tick.
+
+        A numpy array of records, a field for each member, that reads where the bank has them. A step, a
+        power cycle and restore() change it; copy() keeps it. It keeps the bank, and cannot be written.
+        Do not read it while another thread steps.
+        """
+        return self._handle.status()
+
+    def status_hash(self) -> int:
+        """Return a number that stands for every status image, to compare runs."""
+        return self._handle.status_hash()
+
+    def write(self, axis: int | ArrayLike | None, object: ObjectSpec,
+              value: int | ArrayLike) -> None:
+        """Write an object of an axis, numbered from 0, or of several: a row of numbers, or None: all.
+
+        Then `value` is one or a row of as many. In force at once. Refused ends at the first axis that
+        refuses; those before it are written.
+        """
+        number = object_number(object)
+        if _is_one(axis):
+            self._handle.write(_axis(axis), number, value_of_object(value))  # type: ignore[arg-type]
+        else:
+            self._handle.write_each(_axes(axis), number, _integers("value", value))
+
+    @overload
+    def read(self, axis: int, object: ObjectSpec) -> int: ...
+    @overload
+    def read(self, axis: Sequence[int] | NDArray[Any] | None,
+             object: ObjectSpec) -> NDArray[numpy.int64]: ...
+    def read(self, axis: Any, object: ObjectSpec) -> Any:
+        """Read an object of an axis, or of several into an array. Arguments as in write()."""
+        number = object_number(object)
+        if _is_one(axis):
+            return self._handle.read(_axis(axis), number)
+        return self._handle.read_each(_axes(axis), number)
+
+    def step(self, ticks: NumberSpec = 1) -> int:
+        """Step every axis. Return the tick. Ctrl-C ends it between two ticks."""
+        return self._handle.step(whole("ticks", ticks))
+
+    def set_load_noise(self, axis: int | ArrayLike | None, rms: float, seed: int = 0) -> None:
+        """Add white noise to the load torque of an axis, or of several, from the next tick on.
+
+        `rms` in N.m at the load, 0 = none: another torque each tick, the same for the same seed, and
+        for each axis its own. Part of a snapshot.
+        """
+        noise = real("rms", rms, "N.m")
+        if not 0.0 <= noise <= _vdrive.LARGEST_LOAD_NOISE:
+            raise ValueError(f"rms = {shown(rms)}: must be from 0 to "
+                             f"{_vdrive.LARGEST_LOAD_NOISE:g} N.m")
+        axes = _axis(axis) if _is_one(axis) else axis
+        self._handle.set_load_noise(_axes(axes), noise, whole("seed", seed))
+
+    def power_cycle(self, axis: NumberSpec) -> None:
+        """Switch an axis off and on again: the position stays, faults are gone."""
+        self._handle.power_cycle(_axis(axis))
+
+    def snapshot(self) -> bytes:
+        """Return the whole state as bytes, for restore()."""
+        return self._handle.snapshot()
+
+    def restore(self, snapshot: bytes) -> None:
+        """Go back to a snapshot of this bank, or of one made with the same arguments.
+
+        By the same version of vdrive. A ValueError says why one is refused.
+        """
+        if not isinstance(snapshot, bytes):
+            raise TypeError(f"snapshot = {shown(snapshot)}: must be bytes")
+        self._handle.restore(snapshot)

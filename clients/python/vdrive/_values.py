@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a program reads of benches, in objects that do not change."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ._arguments import MOST, real, whole
+
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+if TYPE_CHECKING:
+    from typing import Any, Literal, Mapping, NoReturn, Sequence, SupportsFloat
+
+
+@dataclass(frozen=True, repr=False)
+class Unit:
+    """The physical unit of the user units (UU) of an axis."""
+
+    kind: Literal["rotary", "linear"]
+    """"rotary" or "linear"."""
+    name: str
+    """The unit in which positions are shown, such as "deg" or "mm"."""
+    size: float
+    """UU of a revolution; linear: of one `name`."""
+    _sizes: Mapping[str, float] = field(compare=False)  # [UU] of the units that a call takes
+
+    def to_user_units(self, value: SupportsFloat) -> int:
+        """Return a position in `name` in UU, rounded to the nearest.
+
+        So for a speed or an acceleration in it per s or s^2.
+        """
+        return whole("value", value, -2**63, MOST, "UU", (self.name, self._sizes[self.name]))
+
+    def from_user_units(self, user_units: float) -> float:
+        """Return a position in UU, or a speed or acceleration in UU per s or s^2, in `name`."""
+        return real("user_units", user_units) / self._sizes[self.name]
+
+    def __repr__(self) -> str:
+        return f"<vdrive.Unit {self.name}>"
+
+
+@dataclass(frozen=True, repr=False)
+class AxisInfo:
+    """The description of an axis that its bench publishes."""
+
+    id: str
+    """Address, such as "1.2"."""
+    name: str
+    """Its name."""
+    supported_drive_modes: int
+    """6502h."""
+    user_position_lower_limit: int
+    """607Dh:1 at power-up, in UU."""
+    user_position_upper_limit: int
+    """607Dh:2 at power-up, in UU."""
+    app_speed_limit: int
+    """607Fh at power-up, in UU/s."""
+    unit: Unit
+    """The unit of its user units."""
+
+    def __repr__(self) -> str:
+        return f"<vdrive.AxisInfo {self.id} {self.name}>"
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class BenchInfo:
+    """The description of a bench that it publishes."""
+
+    number: int
+    """Its number on the domain."""
+    incarnation: int
+    """Of the service: another number after a restart."""
+    name: str
+    """Its name."""
+    clock_mode: Literal["realtime", "lockstep", "freerun"]
+    """"realtime", "lockstep" or "freerun"."""
+    period: float
+    """Drive time of a tick, in s."""
+    status_every_ticks: int
+    """Ticks from one sample of the status stream to the next."""
+    tick: int
+    """Newest tick received."""
+    sample_age: float
+    """Wall time since its newest sample, in s, at the time of the search."""
+    rate: float
+    """Drive time over wall time; 0 = paused."""
+    figures: dict[str, int]
+    """What it has counted and measured since its start, by the names of bench_state; 0 = not known yet."""
+    wire_starts: int
+    """Starts of its network process; 0 = not known yet."""
+    longest_silence: float
+    """Drive time without a message from an owner after which it loses its axes, in s."""
+    user_units_per_revolution: float
+    """UU of a revolution."""
+    dictionary_version: str
+    """Version of its object dictionary."""
+    service_version: str
+    """Version of vdrived."""
+    _handle: Any  # makes the descriptions of thousands of axes when a program asks for them
+
+    @property
+    def axes(self) -> list[AxisInfo]:
+        """Its axes, by number."""
+        return [AxisInfo(*[*axis[:-1], unit_of(axis[-1])]) for axis in self._handle.axes()]
+
+    def __repr__(self) -> str:
+        return f"<vdrive.BenchInfo {self.number}, {self._handle.size()} axes, {self.clock_mode}>"
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(f"cannot pickle {self!r}")
+
+
+@dataclass(frozen=True, repr=False)
+class Event:
+    """An event of a bench."""
+
+    bench: int
+    """Number of the bench."""
+    incarnation: int
+    """Another one is another run of its service."""
+    axis: int
+    """Number of the axis; 0 = the bench, or several axes."""
+    kind: str
+    """The kind of event, such as "fault"."""
+    tick: int
+    """The tick."""
+    session: int
+    """The session of the command, 0 = none."""
+    code: int
+    """Of a fault 603Fh; see docs/reference/wire.md."""
+    error_register: int
+    """1001h of a fault."""
+    suppressed: int
+    """Equal events left out before this one."""
+    text: str
+    """Text for people."""
+
+    def __repr__(self) -> str:
+        return f"<vdrive.Event {self.kind} tick {self.tick}: {self.text}>"
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class ServiceChange:
+    """What has happened to a service."""
+
+    bench: int
+    """Number of its bench."""
+    news: Literal["found", "fell_silent", "sends_again", "restarted", "went_offline"]
+    """"found", "fell_silent", "sends_again", "restarted" or "went_offline"."""
+    silence: float
+    """Age of its newest sample, in s of wall time."""
+    text: str
+    """Text for people."""
+
+    def __repr__(self) -> str:
+        return f"<vdrive.ServiceChange {self.news}: {self.text}>"
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Lateness:
+    """How far the samples of a Follower were behind the time of their bench.
+
+    That is the newest tick that the session had received from it, when the program got them. Of a
+    program that takes samples slower than they come.
+    """
+
+    samples: int
+    """Samples that the follower gave."""
+    late: int
+    """Of these, those after which a later one was due already."""
+    last: float
+    """Of the newest sample, in s of drive time."""
+    longest: float
+    """The longest, in s of drive time."""
+
+    def __repr__(self) -> str:
+        return (f"<vdrive.Lateness: {self.late} of {self.samples} samples, at most "
+                f"{self.longest:g} s>")
+
+
+def unit_of(plain: Sequence[Any]) -> Unit:
+    return Unit(*plain)
+
+
+def bench_of(handle: Any) -> BenchInfo:
+    return BenchInfo(*[*handle.plain(), handle])
