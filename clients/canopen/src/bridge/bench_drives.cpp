@@ -91,9 +91,9 @@ class BenchDrives::Link final : public bridge::BenchAdapter {
   const std::function<void()> notify_;
   std::mutex mutex_;  ///< guards what follows
   News news_;
-  bool are_news_ = false;             ///< notify_ was called for them
-  std::chrono::microseconds period_;  ///< of the thread that follows
-  bridge::BenchLink link_;            ///< last: its threads use all others
+  bool are_news_ = false;               ///< notify_ was called for them
+  std::chrono::microseconds period_{};  ///< of the thread that follows
+  bridge::BenchLink link_;              ///< last: its threads use all others
 };
 
 template <typename Action>
