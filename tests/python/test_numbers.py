@@ -203,6 +203,10 @@ def test_a_status_is_compared_by_its_values_and_can_be_stored(axis):
     assert stored == first and stored.owner == first.owner and stored.state == first.state
     axis.move_to(10)
     assert axis.status() != first and first != 1
+    state = first.__getstate__()
+    for other in (state[:-1], (*state[:-1], state[-1] + b"x")):
+        with pytest.raises(ValueError, match="of another version of vdrive"):
+            stored.__setstate__(other)
 
 
 def test_a_wrong_field_of_a_recording_names_the_nearest(vdrive_session):

@@ -76,7 +76,9 @@ class Queue {
     if (items_.size() <= most) {
       taken = items_.take_all();
     } else {
-      while (taken.size() < most) taken.push_back(std::move(*items_.take()));
+      while (taken.size() < most) {
+        if (auto item = items_.take()) taken.push_back(std::move(*item));
+      }
     }
     // The file stays readable at the end: a thread that waits for it is to receive the end.
     if (items_.empty() && !has_ended_) forget();
