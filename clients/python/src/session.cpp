@@ -383,8 +383,8 @@ void add_clock(SessionClass& session) {
       .def("snapshots", &snapshots)
       .def("drop_snapshot", [](const SharedPySession& self, Bench bench, std::uint64_t snapshot) {
         const std::uint32_t number = bench_number(self, bench);
-        check(waiting(self, [&](Session& session) {
-          return session.drop_snapshot(number, snapshot);
+        check(waiting(self, [&](Session& kept) {
+          return kept.drop_snapshot(number, snapshot);
         }));
       });
 }
