@@ -203,7 +203,7 @@ TYPED_TEST(BytesOf, EndEarlyInNoSampleThatIsRead) {
   const std::size_t step = 1 + bytes.size() / 500;
   for (std::size_t size = 0; size < bytes.size(); size += step) {
     Message cut;
-    CdrReader reader(std::span(bytes).first(size));
+    CdrReader reader(std::span<const std::byte>(bytes).first(size));
     reader.get(cut);
     EXPECT_FALSE(reader.is_good()) << size;
   }
