@@ -8,9 +8,9 @@
 #include "canopen/fake_host.hpp"
 #include "node/node.hpp"
 #include "node/node_object.hpp"
-#include "support/axis_invariants.hpp"
-#include "support/drawn_commands.hpp"
 #include "support/effort.hpp"
+#include "support/programs/generator.hpp"
+#include "support/programs/model.hpp"
 #include "support/random_cases.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
@@ -60,25 +60,15 @@ class Verdict {
     if (!holds && broken_.empty()) broken_ = invariant;
   }
 
+  /// @param violated an invariant, or nullptr
+  void note(const char* violated) {
+    if (violated != nullptr) demand(false, violated);
+  }
+
   [[nodiscard]] const std::string& broken() const { return broken_; }
 
  private:
   std::string broken_;
-};
-
-/// The last tick in which a command may still act. 5E20h lets a drive carry it out later.
-class HeldBack {
- public:
-  /// A command came before `tick`; the drive carries it out at most `delay` ticks after it.
-  void hold(std::uint64_t tick, std::uint64_t delay) { last_ = std::max(last_, tick + delay); }
-
-  /// The drive has dropped the command.
-  void forget() { last_ = 0; }
-
-  [[nodiscard]] bool may_act(std::uint64_t tick) const { return tick <= last_; }
-
- private:
-  std::uint64_t last_ = 0;
 };
 
 /// The bench behind a node: one axis of the core.
@@ -110,9 +100,9 @@ class SimulatedDrive final : public NodeHost {
 
   void power_cycle() override {
     bank_.power_cycle(0);
-    enabling_.forget();
-    reset_.forget();
-    reset_.hold(tick_, 0);  // a power cycle ends a fault
+    power_.forget_enabling();
+    power_.forget_reset();
+    is_cycled_ = true;
   }
 
   bool store(const std::map<ObjectAddress, std::uint32_t>& /*parameters*/) override { return true; }
@@ -136,17 +126,8 @@ class SimulatedDrive final : public NodeHost {
   DriveView step() {
     bank_.step();
     const AxisStatus& status = bank_.status(0);
-    const PowerState state = bank_.power_state(0);
-    const char* const violated =
-        test::violated_invariant(status, state, bank_.read(0, kStatuswordBits).value);
-    verdict_.demand(violated == nullptr, violated == nullptr ? "" : violated);
-    const bool enables = state == PowerState::operation_enabled && state != last_;
-    const bool leaves_fault = last_ == PowerState::fault && state != last_;
-    verdict_.demand(
-        (!enables || enabling_.may_act(tick_)) && (!leaves_fault || reset_.may_act(tick_)),
-        "nothing resumes by itself");
-    last_ = state;
-    ++tick_;
+    verdict_.note(power_.check(status, state(), std::exchange(is_cycled_, false),
+                               bank_.read(0, kStatuswordBits).value));
     return {.status = status, .is_owned = is_owned};
   }
 
@@ -160,15 +141,16 @@ class SimulatedDrive final : public NodeHost {
 
  private:
   AbortCode write(ObjectAddress object, std::int64_t value) {
-    const AbortCode code = bank_.write(0, object, value);
+    const auto [code, violated] = test::write_to(bank_, 0, {object, value});
+    verdict_.note(violated);
     if (code != AbortCode::none) return code;
     if (object == kControlword) {
-      enabling_.hold(tick_, enabling_delay());
-      reset_.hold(tick_, reset_delay());
+      power_.expect_enabling(enabling_delay());
+      power_.expect_reset(reset_delay());
     } else if (object.index == kControlwordLoop.index) {
       // A word that waits for a look is carried out with the delays that are in force then.
-      if (enabling_.may_act(tick_)) enabling_.hold(tick_, enabling_delay());
-      if (reset_.may_act(tick_)) reset_.hold(tick_, reset_delay());
+      if (power_.may_enable()) power_.expect_enabling(enabling_delay());
+      if (power_.may_reset()) power_.expect_reset(reset_delay());
     }
     return code;
   }
@@ -189,31 +171,25 @@ class SimulatedDrive final : public NodeHost {
     return static_cast<std::uint64_t>(bank_.read(0, object).value);
   }
 
-  /// As 6007h says: 0 nothing, 1 fault, 2 without power, 3 quick stop.
   void lose_connection() {
     const PowerState before = bank_.power_state(0);
     const std::int64_t reaction = bank_.read(0, kAbortConnection).value;
     bank_.report_connection_loss(0);
     const PowerState after = bank_.power_state(0);
-    if (reaction != 0) enabling_.forget();  // a lost master enables nothing later
-    const bool was_active =
-        before == PowerState::operation_enabled || before == PowerState::quick_stop_active;
-    if (!was_active) return;
-    const bool reacts = (reaction == 0 && after == before) || (reaction == 1 && is_fault(after)) ||
-                        (reaction > 1 && after != PowerState::operation_enabled);
-    verdict_.demand(reacts, "the drive reacts to a lost master per 6007h");
+    if (reaction != 0) power_.forget_enabling();  // a lost master enables nothing later
+    verdict_.demand(
+        test::reacts_to_loss(reaction, before, after) && (reaction != 0 || after == before),
+        test::Invariant::kReaction);
   }
 
   Verdict& verdict_;
   AxisConfiguration configuration_;
   AxisBank bank_{std::span(&configuration_, 1), kTick};
-  std::uint64_t tick_ = 1;  ///< the next one
-  PowerState last_ = bank_.power_state(0);
+  test::PowerModel power_;
   std::vector<Frame> frames_;
   std::optional<DriveAccess> access_;
   bool is_lost_ = false;
-  HeldBack enabling_;  ///< what a controlword commands
-  HeldBack reset_;     ///< what a controlword commands, or a power cycle
+  bool is_cycled_ = false;  ///< since the last tick
 };
 
 /// Frames of masters, by chance: of one that sees the drive, and of those that know nothing.
@@ -283,11 +259,8 @@ class RandomMaster {
     return request(static_cast<std::uint8_t>(0x23U | (4U - size) << 2U), object.address, value);
   }
 
-  /// 0 or a mode of 6502h.
-  std::int8_t any_mode() { return static_cast<std::int8_t>(pick(kOperatingModes).mode); }
-
   /// Expedited, with the size of its object.
-  static Frame write_of(const test::DrawnWrite& write) {
+  static Frame write_of(const test::Write& write) {
     const unsigned size = size_of(find_node_object(write.object)->data_type);
     return request(static_cast<std::uint8_t>(0x23U | (4U - size) << 2U), write.object,
                    static_cast<std::uint32_t>(write.value));
@@ -301,12 +274,12 @@ class RandomMaster {
       case 2:
         return write_of({kControlword, test::draw_controlword(drive_.status(), random_)});
       case 3:
-        return write_of({{0x6060, 0}, any_mode()});
+        return write_of({{0x6060, 0}, test::draw_mode(random_)});
       case 4:
       case 5:
         return write_of(test::draw_set_point(drive_.status(), random_));
       case 6:
-        return write_of(random_.one_in(6) ? test::DrawnWrite{{0x6086, 0}, random_.one_in(2) ? 0 : 3}
+        return write_of(random_.one_in(6) ? test::Write{{0x6086, 0}, random_.one_in(2) ? 0 : 3}
                                           : test::draw_setting(random_));
       case 7:
         return write_of({{0x1016, 1}, 0x9'0000 + random_.between(0, 39)});
@@ -338,7 +311,7 @@ class RandomMaster {
     for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(random_.below(4));
     frame.data[0] = pick(kWords);
     frame.data[1] = random_.one_in(8) ? 1 : 0;
-    if (number == kModePdo) frame.data[2] = static_cast<std::uint8_t>(any_mode());
+    if (number == kModePdo) frame.data[2] = static_cast<std::uint8_t>(test::draw_mode(random_));
     if (random_.one_in(20)) frame.size = static_cast<std::uint8_t>(random_.below(9));
     return frame;
   }

@@ -4,7 +4,7 @@
 // axes valid, gives the same result when it is repeated, and leaves no state that a power cycle
 // does not clear.
 #include "fuzz/support/bytes.hpp"
-#include "support/axis_invariants.hpp"
+#include "support/programs/model.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 

@@ -16,7 +16,8 @@ namespace {
 constexpr std::uint64_t kSabotageFrom = 200;  // [ticks], when axes are enabled and move
 constexpr std::uint64_t kRepeatEach = 1'009;  // [ticks]
 constexpr int kRepeatedTicks = 20;
-constexpr unsigned kCountedBack = 5'000;  // more edges than 16 ticks may have
+constexpr std::size_t kEncoderFailure = 4;  // of the inputs from 5E00h on
+constexpr unsigned kCountedBack = 5'000;    // more edges than 16 ticks may have
 
 /// The configuration as a broken service uses it.
 service::Configuration as_taken(service::Configuration configuration, Sabotage sabotage) {
@@ -34,9 +35,9 @@ service::Configuration as_taken(service::Configuration configuration, Sabotage s
 
 }  // namespace
 
-Bench::Bench(const service::Configuration& configuration, const std::vector<AxisLimits>& limits,
-             std::uint64_t incarnation, SimulatedTime& time, Storage* storage, Sabotage sabotage,
-             Happenings& happenings)
+Bench::Bench(const service::Configuration& configuration,
+             const std::vector<test::AxisLimits>& limits, std::uint64_t incarnation,
+             SimulatedTime& time, Storage* storage, Sabotage sabotage, Happenings& happenings)
     : configuration_(configuration),
       incarnation_(incarnation),
       time_(time),
@@ -60,7 +61,7 @@ Bench::Bench(const service::Configuration& configuration, const std::vector<Axis
     model_.store_with(storage_->model, loaded_);
   }
   for (std::size_t axis = 0; axis < limits.size(); ++axis) {
-    watches_.emplace_back(static_cast<std::uint16_t>(axis + 1), limits[axis], configuration.period);
+    watches_.emplace_back(limits[axis], configuration.period);
     watches_.back().begin(engine_.bank().status(axis), engine_.bank().power_state(axis));
     probes_.emplace_back(static_cast<std::uint16_t>(axis + 1), limits[axis]);
   }
@@ -264,8 +265,14 @@ void Bench::after_tick() {
   const AxisBank& bank = engine_.bank();
   for (std::size_t axis = 0; axis < watches_.size(); ++axis) {
     const AxisStatus& status = image_.status[axis];
-    watches_[axis].check(status, bank.power_state(axis), model_.causes(axis),
-                         model_.registers(axis), model_.was_restored(), happenings_);
+    test::AxisCauses causes = model_.causes(axis);
+    causes.restored = model_.was_restored();
+    causes.has_test_input = model_.registers(axis).has_test_input();
+    causes.encoder_fails = model_.registers(axis).test_inputs[kEncoderFailure] != 0;
+    watches_[axis].check(status, bank.power_state(axis), causes);
+    if (const auto& violation = watches_[axis].violation()) {
+      happenings_.fail(violation->invariant, axis + 1, violation->expected, violation->seen);
+    }
     happenings_.add(static_cast<std::uint32_t>(status.position_demand_value) ^
                     std::uint64_t{status.ds402_statusword} << 48U);
     happenings_.add(static_cast<std::uint32_t>(status.load_position_actual_value) ^

@@ -5,7 +5,6 @@
 #include "clock/freerun_driver.hpp"
 #include "clock/realtime_driver.hpp"
 #include "engine/bench_engine.hpp"
-#include "simulation/axis_watch.hpp"
 #include "simulation/control_model.hpp"
 #include "simulation/disk.hpp"
 #include "simulation/happenings.hpp"
@@ -14,6 +13,7 @@
 #include "simulation/store_model.hpp"
 #include "store/parameter_saver.hpp"
 #include "support/local_inbox.hpp"
+#include "support/programs/model.hpp"
 
 #include <cstdint>
 #include <deque>
@@ -101,7 +101,7 @@ struct Mail {
 /// clock, its model, and the watches of its axes.
 class Bench {
  public:
-  Bench(const service::Configuration& configuration, const std::vector<AxisLimits>& limits,
+  Bench(const service::Configuration& configuration, const std::vector<test::AxisLimits>& limits,
         std::uint64_t incarnation, SimulatedTime& time, Storage* storage, Sabotage sabotage,
         Happenings& happenings);
 
@@ -164,7 +164,7 @@ class Bench {
   std::optional<service::RealtimeDriver> realtime_;
   std::optional<service::FreerunDriver> freerun_;
   ControlModel model_;
-  std::vector<AxisWatch> watches_;
+  std::vector<test::AxisWatch> watches_;
   std::vector<ProbeWatch> probes_;
   std::deque<ClientMessage> in_inbox_;  ///< as they were sent
   service::StatusImage image_;          ///< of the last tick

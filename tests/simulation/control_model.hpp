@@ -6,6 +6,7 @@
 #include "simulation/happenings.hpp"
 #include "simulation/network.hpp"
 #include "simulation/store_model.hpp"
+#include "support/programs/model.hpp"
 
 #include <array>
 #include <cstddef>
@@ -41,14 +42,6 @@ struct Registers {
     for (const std::int64_t value : test_inputs) any |= value;
     return any != 0;
   }
-};
-
-/// The changes of an axis since the previous tick.
-struct AxisCauses {
-  bool commanded = false;     ///< a controlword was written
-  bool switched_off = false;  ///< a controlword was Disable voltage or Shutdown
-  bool cycled = false;
-  bool lost = false;  ///< its master fell silent
 };
 
 /// Who commands which axis, and what becomes of each message: an independent account of what
@@ -120,7 +113,9 @@ class ControlModel {
 
   [[nodiscard]] const Registers& registers(std::size_t axis) const { return axes_[axis].registers; }
 
-  [[nodiscard]] const AxisCauses& causes(std::size_t axis) const { return axes_[axis].causes; }
+  [[nodiscard]] const test::AxisCauses& causes(std::size_t axis) const {
+    return axes_[axis].causes;
+  }
 
   [[nodiscard]] bool was_restored() const { return restored_; }
 
@@ -140,7 +135,7 @@ class ControlModel {
     bool is_modulo = false;  ///< 607Bh, as configured: nobody writes it
     Registers registers;
     std::optional<StoredValues> memory;  ///< in force from the next power-up on
-    AxisCauses causes;
+    test::AxisCauses causes;
   };
 
   struct Session {

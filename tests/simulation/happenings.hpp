@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "support/programs/model.hpp"
+
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
@@ -11,26 +13,16 @@
 
 namespace vdrive::simulation {
 
-/// The invariants as texts. A violation names one of these, or one of test::StatusInvariant.
-struct Invariant {
-  static constexpr std::string_view kNoMotion = "no motion without power";
-  static constexpr std::string_view kNoJump = "no position jump without cause";
-  static constexpr std::string_view kSpeed = "607Fh and 6080h are respected";
-  static constexpr std::string_view kRange = "607Dh is respected";
-  static constexpr std::string_view kTorque = "6072h, 60E0h and 60E1h are respected";
-  static constexpr std::string_view kJerk = "60A4h is respected";
-  static constexpr std::string_view kModulo = "607Bh is respected";
-  static constexpr std::string_view kHoming = "bits 12 and 13 exclude each other in homing";
+/// The invariants as texts: those of an axis, and those of a service with its masters.
+struct Invariant : test::Invariant {
   static constexpr std::string_view kProbe = "touch probes show what they can have seen";
   static constexpr std::string_view kRepeat = "a restored snapshot runs the same ticks again";
-  static constexpr std::string_view kResume = "nothing resumes by itself";
   static constexpr std::string_view kOwner = "one owner an axis, of the current epoch";
   static constexpr std::string_view kRevoked = "no command of a revoked epoch is executed";
   static constexpr std::string_view kCommanded = "what is in force was commanded";
   static constexpr std::string_view kAnswered = "every numbered command is answered for once";
   static constexpr std::string_view kWatchdog = "a silent master is lost in time, others never";
   static constexpr std::string_view kStored = "what was stored is there in full, and nothing else";
-  static constexpr std::string_view kReaction = "the axes of a lost master react per 6007h";
 };
 
 struct Violation {

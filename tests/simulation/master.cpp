@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/master.hpp"
 
-#include "support/drawn_commands.hpp"
+#include "support/programs/generator.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kKeepAlive = 25 * kMillisecond;
 constexpr std::int8_t kNoMode = 5;  // of 6060h
 
-void add_object(msg::AxisCommand& command, const test::DrawnWrite& write) {
+void add_object(msg::AxisCommand& command, const test::Write& write) {
   auto& object = command.objects.emplace_back();
   object.index = write.object.index;
   object.subindex = write.object.subindex;
@@ -196,7 +196,7 @@ void Master::write_any(msg::ObjectAccess& object, const View& view, const msg::R
       object.value = random_.per_mille(900) ? test::draw_mode(random_) : kNoMode;
       break;
     case 4: {
-      const test::DrawnWrite setting = test::draw_setting(random_);
+      const test::Write setting = test::draw_setting(random_);
       object.index = setting.object.index;
       object.subindex = setting.object.subindex;
       object.value = setting.value;
@@ -320,7 +320,7 @@ void Master::fill(msg::AxisCommand& command, const AxisStatus& status,
     add_member(command, msg::HAS_PROFILE_VELOCITY);
     command.profile_velocity = static_cast<std::uint32_t>(random_.between(1'000, 130'000));
   }
-  const test::DrawnWrite set_point = test::draw_set_point(status, random_);
+  const test::Write set_point = test::draw_set_point(status, random_);
   if (set_point.object == ObjectAddress{0x607A, 0}) {
     add_member(command, msg::HAS_POSITION_USER_TARGET_VALUE);
     command.position_user_target_value = static_cast<std::int32_t>(set_point.value);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "simulation/axis_watch.hpp"
 #include "simulation/happenings.hpp"
+#include "support/programs/model.hpp"
 #include "vdrive/axis_bank.hpp"
 
 #include <array>
@@ -24,7 +24,8 @@ class ProbeWatch {
     std::array<std::uint16_t, kEdges> counters{};  ///< 60D5h to 60D8h
   };
 
-  ProbeWatch(std::uint16_t number, const AxisLimits& limits) : number_(number), limits_(limits) {}
+  ProbeWatch(std::uint16_t number, const test::AxisLimits& limits)
+      : number_(number), limits_(limits) {}
 
   [[nodiscard]] static Look look_at(const AxisBank& bank, std::size_t axis);
 
@@ -40,7 +41,7 @@ class ProbeWatch {
   void check_counters(const Look& now, std::uint64_t ticks, Happenings& happenings) const;
 
   std::uint16_t number_;
-  AxisLimits limits_;
+  test::AxisLimits limits_;
   Look last_;
   bool has_last_ = false;
 };

@@ -2,8 +2,8 @@
 #include "simulation/simulation.hpp"
 
 #include "simulation/disturber.hpp"
-#include "simulation/drawn_axis.hpp"
 #include "simulation/master.hpp"
+#include "support/programs/generator.hpp"
 
 #include <algorithm>
 #include <array>
@@ -18,15 +18,15 @@ constexpr std::size_t kDisturber = 2;  // place on the network
 constexpr std::size_t kStepper = 3;
 constexpr std::int64_t kStepPatience = 60 * kMillisecond;
 
-std::vector<AxisLimits> limits_of(const std::vector<DrawnAxis>& axes) {
-  std::vector<AxisLimits> limits;
+std::vector<test::AxisLimits> limits_of(const std::vector<test::DrawnAxis>& axes) {
+  std::vector<test::AxisLimits> limits;
   limits.reserve(axes.size());
-  for (const DrawnAxis& axis : axes) limits.push_back(axis.limits);
+  for (const test::DrawnAxis& axis : axes) limits.push_back(axis.limits);
   return limits;
 }
 
-service::Configuration configuration_of(const Options& options, const std::vector<DrawnAxis>& axes,
-                                        Random& random) {
+service::Configuration configuration_of(const Options& options,
+                                        const std::vector<test::DrawnAxis>& axes, Random& random) {
   constexpr std::array kClocks{service::ClockMode::realtime, service::ClockMode::realtime,
                                service::ClockMode::lockstep, service::ClockMode::freerun};
   constexpr std::array<std::chrono::microseconds, 8> kPeriods{
@@ -79,7 +79,7 @@ class World {
       : options_(options),
         random_(options.seed),
         happenings_(options.trace),
-        axes_(draw_axes(options.axes, options.play == Play::everything, random_)),
+        axes_(test::draw_axes(options.axes, options.play == Play::everything, random_)),
         limits_(limits_of(axes_)),
         configuration_(configuration_of(options, axes_, random_)),
         post_(draw_habits(random_), random_.bits()),
@@ -196,8 +196,8 @@ class World {
   const Options options_;
   Random random_;
   Happenings happenings_;
-  std::vector<DrawnAxis> axes_;
-  std::vector<AxisLimits> limits_;
+  std::vector<test::DrawnAxis> axes_;
+  std::vector<test::AxisLimits> limits_;
   service::Configuration configuration_;
   SimulatedTime time_;
   Post post_;

@@ -4,7 +4,6 @@
 #include "simulation/simulation.hpp"
 
 #include "simulation/probe_watch.hpp"
-#include "support/axis_invariants.hpp"
 #include "support/effort.hpp"
 
 #include <gmock/gmock.h>
@@ -13,6 +12,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <ostream>
 #include <sstream>
 #include <string>
@@ -146,19 +146,15 @@ TEST_P(BrokenService, IsDetectedInTheSameTickOfEachRun) {
 INSTANTIATE_TEST_SUITE_P(
     Each, BrokenService,
     testing::Values(
-        SabotageRow{
-            "MotionWithoutPower", Sabotage::motion_without_power, {test::StatusInvariant::kDemand}},
+        SabotageRow{"MotionWithoutPower", Sabotage::motion_without_power, {Invariant::kDemand}},
         SabotageRow{"PushWithoutPower", Sabotage::push_without_power, {Invariant::kNoMotion}},
         SabotageRow{"PositionJump", Sabotage::position_jump, {Invariant::kNoJump}},
         SabotageRow{"SpeedBeyondLimit", Sabotage::speed_beyond_limit, {Invariant::kSpeed}},
         SabotageRow{"TorqueBeyondLimit", Sabotage::torque_beyond_limit, {Invariant::kTorque}},
-        SabotageRow{"ErrorCodeWithoutFault",
-                    Sabotage::error_code_without_fault,
-                    {test::StatusInvariant::kErrorCode}},
-        SabotageRow{"WrongState", Sabotage::wrong_state, {test::StatusInvariant::kState}},
-        SabotageRow{"BitsOfAnotherMode",
-                    Sabotage::bits_of_another_mode,
-                    {test::StatusInvariant::kModeBits}},
+        SabotageRow{
+            "ErrorCodeWithoutFault", Sabotage::error_code_without_fault, {Invariant::kErrorCode}},
+        SabotageRow{"WrongState", Sabotage::wrong_state, {Invariant::kState}},
+        SabotageRow{"BitsOfAnotherMode", Sabotage::bits_of_another_mode, {Invariant::kModeBits}},
         SabotageRow{"CountsBack", Sabotage::counts_back, {Invariant::kProbe}},
         SabotageRow{"RestoresOtherwise", Sabotage::restores_otherwise, {Invariant::kRepeat}},
         SabotageRow{"ResumesByItself",
@@ -168,13 +164,14 @@ INSTANTIATE_TEST_SUITE_P(
         SabotageRow{"AcceptsStaleEpochs",
                     Sabotage::accepts_stale_epochs,
                     {Invariant::kRevoked, Invariant::kOwner, Invariant::kAnswered,
-                     Invariant::kResume, Invariant::kCommanded}},
-        SabotageRow{"AcceptsOldIncarnations",
-                    Sabotage::accepts_old_incarnations,
-                    {Invariant::kRevoked, Invariant::kOwner, Invariant::kAnswered}},
+                     Invariant::kResume, Invariant::kTransition, Invariant::kCommanded}},
+        SabotageRow{
+            "AcceptsOldIncarnations",
+            Sabotage::accepts_old_incarnations,
+            {Invariant::kRevoked, Invariant::kOwner, Invariant::kAnswered, Invariant::kTransition}},
         SabotageRow{"ExecutesDoubles",
                     Sabotage::executes_doubles,
-                    {Invariant::kOwner, Invariant::kAnswered}},
+                    {Invariant::kOwner, Invariant::kAnswered, Invariant::kTransition}},
         SabotageRow{"ForgetsAnAnswer", Sabotage::forgets_an_answer, {Invariant::kAnswered}},
         SabotageRow{"AnswersTwice", Sabotage::answers_twice, {Invariant::kAnswered}},
         SabotageRow{"WatchdogSleeps",
@@ -193,37 +190,35 @@ INSTANTIATE_TEST_SUITE_P(
 
 // The demand starts at rest at 0 and goes 50 UU each tick of 1 ms: beyond 1000 with the 21st.
 TEST(AxisWatch, DetectsADemandOutsideTheRange) {
-  AxisLimits limits;
+  test::AxisLimits limits;
   limits.has_range = true;
   limits.lower = -1'000;
   limits.upper = 1'000;
-  AxisWatch watch(1, limits, std::chrono::milliseconds{1});
-  Happenings happenings(nullptr);
+  test::AxisWatch watch(limits, std::chrono::milliseconds{1});
   AxisStatus status;
   status.ds402_statusword = 0x0237;  // Operation enabled
   status.motor_op_status = 1;
   status.op_mode_actual = 1;
   watch.begin(status, PowerState::operation_enabled);
   std::int32_t position = 0;
-  for (; !happenings.violation() && position < 5'000; position += 50) {
+  for (; !watch.violation() && position < 5'000; position += 50) {
     status.position_demand_value = position;
     status.load_position_actual_value = position;
     status.velocity_demand_value = position == 0 ? 0 : 50'000;
     status.load_velocity_actual_value = status.velocity_demand_value;
-    watch.check(status, PowerState::operation_enabled, {}, {}, false, happenings);
+    watch.check(status, PowerState::operation_enabled, {});
   }
-  ASSERT_TRUE(happenings.violation());
-  EXPECT_EQ(happenings.violation()->invariant, Invariant::kRange);
+  ASSERT_TRUE(watch.violation());
+  EXPECT_EQ(watch.violation()->invariant, Invariant::kRange);
   EXPECT_EQ(position, 1'100) << "one step after 1050";
 }
 
 /// A drive whose axis was driven to 1,000,000 UU/s takes control and brakes 1000 UU/s each tick of
 /// 1 ms: after 800 ticks it is at 200,000 UU/s, still beyond 136,533 UU/s and a quarter.
-Happenings brake_with(std::int16_t torque) {
-  AxisLimits limits;
+std::optional<test::Violation> brake_with(std::int16_t torque) {
+  test::AxisLimits limits;
   limits.positive_torque = limits.negative_torque = 1'000;
-  AxisWatch watch(1, limits, std::chrono::milliseconds{1});
-  Happenings happenings(nullptr);
+  test::AxisWatch watch(limits, std::chrono::milliseconds{1});
   AxisStatus status;
   status.ds402_statusword = 0x0237;  // Operation enabled
   status.motor_op_status = 1;
@@ -235,21 +230,21 @@ Happenings brake_with(std::int16_t torque) {
     status.load_position_actual_value += status.load_velocity_actual_value / 1'000;
     status.torque_demand = torque;
     status.torque_actual_value = torque;
-    watch.check(status, PowerState::operation_enabled, {}, {}, false, happenings);
+    watch.check(status, PowerState::operation_enabled, {});
   }
-  return happenings;
+  return watch.violation();
 }
 
 TEST(AxisWatch, AllowsAnAxisThatIsTooFastWhileItBrakesWithFullTorque) {
-  const Happenings happenings = brake_with(-1'000);
-  EXPECT_FALSE(happenings.violation()) << happenings.violation()->invariant;
+  const auto violation = brake_with(-1'000);
+  EXPECT_FALSE(violation) << violation->invariant;
 }
 
 TEST(AxisWatch, DetectsAnAxisThatStaysTooFastWithUnusedTorque) {
   for (const int torque : {-900, 0, 1'000}) {
-    const Happenings happenings = brake_with(static_cast<std::int16_t>(torque));
-    ASSERT_TRUE(happenings.violation()) << torque;
-    EXPECT_EQ(happenings.violation()->invariant, Invariant::kSpeed) << torque;
+    const auto violation = brake_with(static_cast<std::int16_t>(torque));
+    ASSERT_TRUE(violation) << torque;
+    EXPECT_EQ(violation->invariant, Invariant::kSpeed) << torque;
   }
 }
 
@@ -257,13 +252,13 @@ TEST(AxisWatch, DetectsAnAxisThatStaysTooFastWithUnusedTorque) {
 /// `changes` [UU/s], under a jerk of 4,000,000 UU/s³: 4 UU/s more or less from tick to tick, and 3
 /// of rounding.
 /// @param causes of the last change
-Happenings speed_up_by(const std::vector<std::int32_t>& changes, std::uint8_t inputs = 0,
-                       const AxisCauses& causes = {}) {
-  AxisLimits limits;
+std::optional<test::Violation> speed_up_by(const std::vector<std::int32_t>& changes,
+                                           std::uint8_t inputs = 0,
+                                           const test::AxisCauses& causes = {}) {
+  test::AxisLimits limits;
   limits.jerk = 4.0e6;
   limits.positive_torque = limits.negative_torque = 1'000;
-  AxisWatch watch(1, limits, std::chrono::milliseconds{1});
-  Happenings happenings(nullptr);
+  test::AxisWatch watch(limits, std::chrono::milliseconds{1});
   AxisStatus status;
   status.ds402_statusword = 0x0237;  // Operation enabled
   status.motor_op_status = 1;
@@ -279,60 +274,58 @@ Happenings speed_up_by(const std::vector<std::int32_t>& changes, std::uint8_t in
     status.position_demand_value += status.velocity_demand_value / 1'000;
     status.load_position_actual_value = status.position_demand_value;
     const bool is_last = tick + 1 == all.size();
-    watch.check(status, PowerState::operation_enabled, is_last ? causes : AxisCauses{}, {}, false,
-                happenings);
+    watch.check(status, PowerState::operation_enabled, is_last ? causes : test::AxisCauses{});
   }
-  return happenings;
+  return watch.violation();
 }
 
 TEST(AxisWatch, AllowsADemandOfLimitedJerk) {
-  const Happenings happenings = speed_up_by({2, 6, 10, 14, 18, 16, 12, 8, 4, 0, -4, -8, -4, 0});
-  EXPECT_FALSE(happenings.violation()) << happenings.violation()->invariant;
+  const auto violation = speed_up_by({2, 6, 10, 14, 18, 16, 12, 8, 4, 0, -4, -8, -4, 0});
+  EXPECT_FALSE(violation) << violation->invariant;
 }
 
 TEST(AxisWatch, DetectsAJerkBeyondTheLimit) {
   const std::vector<std::vector<std::int32_t>> jerky{{8}, {4, 8, 16}, {4, 8, 4, -4}, {-410}};
   for (const std::vector<std::int32_t>& changes : jerky) {
-    const Happenings happenings = speed_up_by(changes);
-    ASSERT_TRUE(happenings.violation()) << changes.back();
-    EXPECT_EQ(happenings.violation()->invariant, Invariant::kJerk) << changes.back();
+    const auto violation = speed_up_by(changes);
+    ASSERT_TRUE(violation) << changes.back();
+    EXPECT_EQ(violation->invariant, Invariant::kJerk) << changes.back();
   }
 }
 
 // The demand is at 4 + 8 + 12 + 12 = 36 UU/s when it jumps to rest: transition 4 begins there.
 TEST(AxisWatch, AllowsAnAxisThatIsEnabledAnewBetweenTwoTicksToBeginAtRest) {
   const std::vector<std::int32_t> changes{4, 8, 12, 12, -36};
-  for (const AxisCauses& causes : {AxisCauses{.commanded = true, .switched_off = true},
-                                   AxisCauses{.commanded = true, .cycled = true}}) {
-    const Happenings happenings = speed_up_by(changes, 0, causes);
-    EXPECT_FALSE(happenings.violation()) << happenings.violation()->invariant;
+  for (const test::AxisCauses& causes : {test::AxisCauses{.commanded = true, .switched_off = true},
+                                         test::AxisCauses{.commanded = true, .cycled = true}}) {
+    const auto violation = speed_up_by(changes, 0, causes);
+    EXPECT_FALSE(violation) << violation->invariant;
   }
 }
 
 // 6007h is 1 in this axis: a lost master does not switch it off.
 TEST(AxisWatch, DetectsADemandThatJumpsToRestWithoutASwitchedOffPowerStage) {
   const std::vector<std::int32_t> changes{4, 8, 12, 12, -36};
-  for (const AxisCauses& causes :
-       {AxisCauses{.commanded = true}, AxisCauses{.commanded = true, .lost = true}}) {
-    const Happenings happenings = speed_up_by(changes, 0, causes);
-    ASSERT_TRUE(happenings.violation());
-    EXPECT_EQ(happenings.violation()->invariant, Invariant::kJerk);
+  for (const test::AxisCauses& causes :
+       {test::AxisCauses{.commanded = true}, test::AxisCauses{.commanded = true, .lost = true}}) {
+    const auto violation = speed_up_by(changes, 0, causes);
+    ASSERT_TRUE(violation);
+    EXPECT_EQ(violation->invariant, Invariant::kJerk);
   }
 }
 
 TEST(AxisWatch, AllowsAnyJerkAtALimitSwitch) {
-  const Happenings happenings = speed_up_by({400, 400, -800}, 0x02);
-  EXPECT_FALSE(happenings.violation()) << happenings.violation()->invariant;
+  const auto violation = speed_up_by({400, 400, -800}, 0x02);
+  EXPECT_FALSE(violation) << violation->invariant;
 }
 
 /// A modulo axis of 0 to 1000 in Operation enabled whose positions go through `places` at 100 UU a
 /// tick of 1 ms.
-Happenings turn_through(const std::vector<std::int32_t>& places) {
-  AxisLimits limits;
+std::optional<test::Violation> turn_through(const std::vector<std::int32_t>& places) {
+  test::AxisLimits limits;
   limits.range_span = 1'000;
   limits.positive_torque = limits.negative_torque = 1'000;
-  AxisWatch watch(1, limits, std::chrono::milliseconds{1});
-  Happenings happenings(nullptr);
+  test::AxisWatch watch(limits, std::chrono::milliseconds{1});
   AxisStatus status;
   status.ds402_statusword = 0x0237;
   status.motor_op_status = 1;
@@ -342,30 +335,30 @@ Happenings turn_through(const std::vector<std::int32_t>& places) {
   watch.begin(status, PowerState::operation_enabled);
   for (const std::int32_t place : places) {
     status.position_demand_value = status.load_position_actual_value = place;
-    watch.check(status, PowerState::operation_enabled, {}, {}, false, happenings);
+    watch.check(status, PowerState::operation_enabled, {});
   }
-  return happenings;
+  return watch.violation();
 }
 
 TEST(AxisWatch, AllowsAModuloAxisToPassTheEndOfItsRange) {
-  const Happenings happenings = turn_through({800, 900, 0, 100, 0, 900});
-  EXPECT_FALSE(happenings.violation()) << happenings.violation()->invariant;
+  const auto violation = turn_through({800, 900, 0, 100, 0, 900});
+  EXPECT_FALSE(violation) << violation->invariant;
 }
 
 TEST(AxisWatch, DetectsAModuloAxisOutsideOfItsRange) {
   for (const std::int32_t outside : {1'000, -1}) {
     const std::int32_t before = outside < 0 ? 99 : 900;
-    const Happenings happenings = turn_through({before, outside});
-    ASSERT_TRUE(happenings.violation()) << outside;
-    EXPECT_EQ(happenings.violation()->invariant, Invariant::kModulo) << outside;
+    const auto violation = turn_through({before, outside});
+    ASSERT_TRUE(violation) << outside;
+    EXPECT_EQ(violation->invariant, Invariant::kModulo) << outside;
   }
 }
 
 TEST(AxisWatch, DetectsAModuloAxisThatJumps) {
   // 500 of 1000 either way; 100 UU, 14 by the strongest acceleration and 6 of blur are allowed.
-  const Happenings happenings = turn_through({900, 400});
-  ASSERT_TRUE(happenings.violation());
-  EXPECT_EQ(happenings.violation()->invariant, Invariant::kNoJump);
+  const auto violation = turn_through({900, 400});
+  ASSERT_TRUE(violation);
+  EXPECT_EQ(violation->invariant, Invariant::kNoJump);
 }
 
 // 16 ticks have at most 272 edges.
@@ -391,7 +384,7 @@ TEST(ProbeWatch, AllowsCountersThatOverflowOrBeginAnew) {
 }
 
 TEST(ProbeWatch, DetectsWhatNoProbeCanHaveSeen) {
-  AxisLimits limits;
+  test::AxisLimits limits;
   limits.range_span = 4'096;
   ProbeWatch::Look counted;
   counted.counters.back() = 10'000;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "simulation/axis_watch.hpp"
+#include "support/programs/model.hpp"
 
-#include "support/axis_invariants.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
-namespace vdrive::simulation {
+namespace vdrive::test {
 namespace {
 
 /// The strongest acceleration that motor and test load torque together give the default axis:
@@ -20,7 +20,6 @@ constexpr double kStrongest = 1.4e7;  // [UU/s2]
 constexpr double kBlur = 6.0;  // [UU]
 
 constexpr double kSettled_s = 0.5;
-constexpr std::size_t kEncoderFailure = 4;
 
 std::int64_t distance(std::int32_t from, std::int32_t to) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(to) -
@@ -70,45 +69,165 @@ std::string motion_of(const AxisStatus& status) {
          number(status.load_position_error_value) + ")";
 }
 
+/// @return which of bits 10 and 12 of 6041h an axis may show in `state` and with the mode of 6061h.
+std::uint16_t possible_mode_bits(PowerState state, std::int8_t mode) {
+  constexpr std::uint16_t kBit12 = Statusword::kSetPointAcknowledge;
+  if (state == PowerState::quick_stop_active) return Statusword::kTargetReached;
+  const OperatingModeRow* const row = find_operating_mode(static_cast<OperatingMode>(mode));
+  if (state != PowerState::operation_enabled || row == nullptr) return 0;
+  const bool has_bit_12 =
+      std::ranges::find(row->status_bits, kBit12, &BitName::bit) != row->status_bits.end();
+  // 5E20h:0A shows bit 10 in a mode without a target.
+  const bool has_bit_10 =
+      row->has_target || row->mode == OperatingMode::cyclic_synchronous_position;
+  return static_cast<std::uint16_t>((has_bit_12 ? kBit12 : 0U) |
+                                    (has_bit_10 ? Statusword::kTargetReached : 0U));
+}
+
+/// Transitions that need no controlword, as far as one tick may take them: 1 ends the start-up, 13
+/// and 14 are those of a fault, 7 and 10 of a lost DC link, 12 of a quick stop, 5 and 8 end the
+/// ramps of 605Ch and 605Bh, 9 and 11 are the reactions of 6007h.
+bool falls(PowerState from, PowerState to) {
+  using enum PowerState;
+  switch (from) {
+    case not_ready_to_switch_on:
+    case ready_to_switch_on:
+    case switched_on:
+    case quick_stop_active:
+      return to == switch_on_disabled || is_fault(to);
+    case switch_on_disabled:
+      return is_fault(to);
+    case operation_enabled:
+      return to != not_ready_to_switch_on;
+    default:
+      return from == fault_reaction_active && to == fault;
+  }
+}
+
 }  // namespace
 
+const char* violated_invariant(const AxisStatus& status, PowerState expected,
+                               std::int64_t maker_bits) {
+  constexpr std::uint16_t kReservedBits = 0xC100;
+  constexpr std::uint16_t kModeBits = Statusword::kTargetReached | Statusword::kSetPointAcknowledge;
+  constexpr std::uint16_t kHomingBits = Statusword::kHomingAttained | Statusword::kHomingError;
+  const PowerState state = decode_power_state(status.ds402_statusword);
+  const bool may_be_powered = state == PowerState::operation_enabled ||
+                              state == PowerState::quick_stop_active ||
+                              state == PowerState::fault_reaction_active;
+  const bool has_power = status.motor_op_status == 1;
+  const auto shows = [&status](std::uint16_t bits) {
+    return status.ds402_statusword & bits;
+  };
+  if (state != expected) return Invariant::kState;
+  if ((shows(kReservedBits) & ~maker_bits) != 0) return Invariant::kReserved;
+  if ((shows(kModeBits) & ~possible_mode_bits(state, status.op_mode_actual)) != 0) {
+    return Invariant::kModeBits;
+  }
+  if (!is_operating_mode(status.op_mode_actual)) return Invariant::kMode;
+  if (is_mode(status, OperatingMode::homing) && state == PowerState::operation_enabled &&
+      shows(kHomingBits) == kHomingBits) {
+    return Invariant::kHoming;
+  }
+  if (status.motor_op_status != 0 && !may_be_powered) return Invariant::kPower;
+  if (!has_power && status.torque_actual_value != 0) return Invariant::kTorqueOff;
+  if (!has_power && status.velocity_demand_value != 0) return Invariant::kDemand;
+  return (status.error_code != 0) != is_fault(state) ? Invariant::kErrorCode : nullptr;
+}
+
+std::pair<AbortCode, const char*> write_to(AxisBank& bank, std::size_t axis, const Write& write) {
+  const PowerState state = bank.power_state(axis);
+  const std::int64_t value = bank.read(axis, write.object).value;
+  const AbortCode code = bank.write(axis, write.object, write.value);
+  const bool is_kept =
+      bank.power_state(axis) == state && bank.read(axis, write.object).value == value;
+  return {code, code == AbortCode::none || is_kept ? nullptr : Invariant::kRefused};
+}
+
+bool reacts_to_loss(std::int64_t option, PowerState before, PowerState after) {
+  const bool is_active =
+      before == PowerState::operation_enabled || before == PowerState::quick_stop_active;
+  if (!is_active || option == 0) return true;
+  return option == 1 ? is_fault(after) : after != PowerState::operation_enabled;
+}
+
+// ---- states ------------------------------------------------------------------------------------
+
+void PowerModel::expect_enabling(std::uint64_t delay) {
+  enabling_until_ = std::max(enabling_until_, next_tick_ + delay);
+}
+
+void PowerModel::expect_reset(std::uint64_t delay) {
+  reset_until_ = std::max(reset_until_, next_tick_ + delay);
+}
+
+const char* PowerModel::check(const AxisStatus& now, PowerState state, bool cycled,
+                              std::int64_t maker_bits) {
+  const PowerState before = std::exchange(last_, state);
+  const bool changes = state != before;
+  const bool enables = changes && state == PowerState::operation_enabled;
+  const bool leaves_fault = changes && before == PowerState::fault;
+  const bool resumes = (enables && !may_enable()) || (leaves_fault && !may_reset() && !cycled);
+  const bool is_led = may_enable() || may_reset() || cycled;
+  ++next_tick_;
+  if (const char* const violated = violated_invariant(now, state, maker_bits)) return violated;
+  if (resumes) return Invariant::kResume;
+  return changes && !is_led && !falls(before, state) ? Invariant::kTransition : nullptr;
+}
+
+// ---- limits and motion -------------------------------------------------------------------------
+
+AxisWatch::AxisWatch(const AxisLimits& limits, std::chrono::microseconds period)
+    : limits_(limits),
+      period_s_(std::chrono::duration<double>(period).count()),
+      delay_(static_cast<std::uint64_t>(limits.delay / period_s_)) {}
+
+void AxisWatch::expect_command(std::uint64_t delay) {
+  power_.expect_enabling(delay);
+  power_.expect_reset(delay);
+}
+
 void AxisWatch::begin(const AxisStatus& now, PowerState state) {
+  power_.begin(state);
+  if (delay_ > 0) expect_command(delay_ - 1);  // a restored axis may hold back a word
   last_ = now;
   last_state_ = state;
   is_contained_ = false;
   calm_s_ = 0.0;
   rest_speed_ = -1;
-  since_word_s_ = 0.0;  // a restored axis may hold back a word
   last_change_ = 0;
   standing_ticks_ = 0;
   is_rounded_ = false;
 }
 
-void AxisWatch::check(const AxisStatus& now, PowerState state, const AxisCauses& causes,
-                      const Registers& registers, bool restored, Happenings& happenings) {
-  if (const char* const violated = test::violated_invariant(now, state, limits_.maker_bits)) {
-    happenings.fail(violated, number_, std::string(to_string(state)),
-                    "6041h " + number(now.ds402_statusword) + " 603Fh " + number(now.error_code) +
-                        " 3005h " + number(now.motor_op_status) + " 606Bh " +
-                        number(now.velocity_demand_value) + " 6077h " +
-                        number(now.torque_actual_value));
+void AxisWatch::fail(const char* invariant, std::string expected, std::string seen) {
+  if (violation_) return;
+  violation_ = {.invariant = invariant, .expected = std::move(expected), .seen = std::move(seen)};
+}
+
+void AxisWatch::check(const AxisStatus& now, PowerState state, const AxisCauses& causes) {
+  if (causes.commanded) expect_command(delay_);
+  if (causes.restored) power_.begin(state);
+  const bool commanded = power_.may_enable();
+  if (const char* const violated = power_.check(now, state, causes.cycled, limits_.maker_bits)) {
+    fail(violated, std::string(to_string(last_state_)) + ", then " + std::string(to_string(state)),
+         "603Fh " + number(now.error_code) + " 3005h " + number(now.motor_op_status) + " 6077h " +
+             number(now.torque_actual_value) + motion_of(now));
   }
-  if (restored) {
+  if (causes.restored) {
     begin(now, state);
     had_test_input_ = true;
     return;
   }
-  has_test_input_ = registers.has_test_input();
-  since_word_s_ = causes.commanded ? 0.0 : since_word_s_ + period_s_;
-  const bool commanded = since_word_s_ <= limits_.delay;
-  check_jump(now, registers, commanded, happenings);
-  check_rest(now, happenings);
-  check_speed(now, happenings);
-  check_jerk(now, causes, happenings);
-  check_range(now, commanded, happenings);
-  check_modulo(now, happenings);
-  check_torque(now, happenings);
-  check_state(now, state, causes, commanded, happenings);
+  has_test_input_ = causes.has_test_input;
+  check_jump(now, causes.encoder_fails, commanded);
+  check_rest(now);
+  check_speed(now);
+  check_jerk(now, causes);
+  check_range(now, commanded);
+  check_modulo(now);
+  check_torque(now);
+  check_reaction(now, state, causes);
   had_test_input_ = has_test_input_;
   last_ = now;
   last_state_ = state;
@@ -123,10 +242,9 @@ std::int64_t AxisWatch::way(std::int32_t from, std::int32_t to) const {
 }
 
 /// The position moves with the speed. Homing sets it anew, a failed encoder gives no position.
-void AxisWatch::check_jump(const AxisStatus& now, const Registers& registers, bool commanded,
-                           Happenings& happenings) const {
+void AxisWatch::check_jump(const AxisStatus& now, bool encoder_fails, bool commanded) {
   if (is_mode(now, OperatingMode::homing) || is_mode(last_, OperatingMode::homing) ||
-      registers.test_inputs[kEncoderFailure] != 0 || had_test_input_) {
+      encoder_fails || had_test_input_) {
     return;
   }
   const auto furthest = static_cast<std::int64_t>(
@@ -134,8 +252,8 @@ void AxisWatch::check_jump(const AxisStatus& now, const Registers& registers, bo
       kStrongest * period_s_ * period_s_ + kBlur);
   const std::int64_t moved = way(last_.load_position_actual_value, now.load_position_actual_value);
   if (std::abs(moved) > furthest) {
-    happenings.fail(Invariant::kNoJump, number_, "at most " + number(furthest) + " UU in the tick",
-                    number(moved) + motion_of(last_) + motion_of(now));
+    fail(Invariant::kNoJump, "at most " + number(furthest) + " UU in the tick",
+         number(moved) + motion_of(last_) + motion_of(now));
   }
   // The demand leaves its place at the speed limit at most, or brakes from above it. Where the
   // drive takes control anew, by command or of another loop, it begins at the actual position;
@@ -154,22 +272,20 @@ void AxisWatch::check_jump(const AxisStatus& now, const Registers& registers, bo
       error;
   const bool is_led = now.motor_op_status == 1 && last_.motor_op_status == 1;
   if (is_led && std::abs(demanded) > furthest_demand) {
-    happenings.fail(Invariant::kNoJump, number_,
-                    "6062h at most " + number(furthest_demand) + " UU in the tick",
-                    number(demanded) + motion_of(last_) + motion_of(now));
+    fail(Invariant::kNoJump, "6062h at most " + number(furthest_demand) + " UU in the tick",
+         number(demanded) + motion_of(last_) + motion_of(now));
   }
 }
 
 /// Without power nothing but friction acts on a rigid axis: it never gets faster. A weight, cogging
 /// and noise are something.
-void AxisWatch::check_rest(const AxisStatus& now, Happenings& happenings) {
+void AxisWatch::check_rest(const AxisStatus& now) {
   if (now.motor_op_status != 0 || has_test_input_ || had_test_input_ || limits_.is_pushed) {
     rest_speed_ = -1;
     return;
   }
   if (rest_speed_ >= 0 && speed_of(now) > rest_speed_ + 1) {
-    happenings.fail(Invariant::kNoMotion, number_, "at most " + number(rest_speed_) + " UU/s",
-                    number(speed_of(now)));
+    fail(Invariant::kNoMotion, "at most " + number(rest_speed_) + " UU/s", number(speed_of(now)));
   }
   rest_speed_ = speed_of(now);
 }
@@ -184,19 +300,19 @@ bool AxisWatch::brakes_at_its_limit(const AxisStatus& now) const {
 /// The demand never exceeds the limit, unless the axis was faster when the drive took control; then
 /// it only falls. The actual speed may be above it for as long as a loop needs to settle; an axis
 /// that a load drove far beyond it, for as long as the drive brakes with all its torque.
-void AxisWatch::check_speed(const AxisStatus& now, Happenings& happenings) {
+void AxisWatch::check_speed(const AxisStatus& now) {
   const std::int64_t demand = std::abs(std::int64_t{now.velocity_demand_value});
   const std::int64_t demand_before = std::abs(std::int64_t{last_.velocity_demand_value});
   const std::int64_t highest = std::max({limits_.speed, demand_before, speed_of(last_)});
   if (demand > highest + 1) {
-    happenings.fail(Invariant::kSpeed, number_, "606Bh at most " + number(highest), number(demand));
+    fail(Invariant::kSpeed, "606Bh at most " + number(highest), number(demand));
   }
   const bool is_led = now.motor_op_status == 1 && !leads_torque(now) && !has_test_input_;
   calm_s_ = is_led && !brakes_at_its_limit(now) ? calm_s_ + period_s_ : 0.0;
   const std::int64_t tolerated = limits_.speed + limits_.speed / 4 + 4'000;
   if (calm_s_ > kSettled_s && speed_of(now) > tolerated) {
-    happenings.fail(Invariant::kSpeed, number_, "606Ch at most " + number(tolerated),
-                    number(speed_of(now)) + motion_of(last_));
+    fail(Invariant::kSpeed, "606Ch at most " + number(tolerated),
+         number(speed_of(now)) + motion_of(last_));
   }
 }
 
@@ -218,8 +334,7 @@ bool AxisWatch::may_be_rounded(const AxisStatus& now, const AxisCauses& causes) 
 /// From a demand that has stood on, as long as profiles alone lead it, the velocity changes from
 /// tick to tick by at most jerk x period² more or less than in the tick before: its second
 /// difference. It has two units of rounding, of three whole values.
-void AxisWatch::check_jerk(const AxisStatus& now, const AxisCauses& causes,
-                           Happenings& happenings) {
+void AxisWatch::check_jerk(const AxisStatus& now, const AxisCauses& causes) {
   constexpr int kStandingTicks = 3;
   constexpr double kRounding = 3.0;
   const std::int64_t change = std::int64_t{now.velocity_demand_value} - last_.velocity_demand_value;
@@ -229,10 +344,10 @@ void AxisWatch::check_jerk(const AxisStatus& now, const AxisCauses& causes,
   } else if (is_rounded_) {
     const auto most = static_cast<std::int64_t>(limits_.jerk * period_s_ * period_s_ + kRounding);
     if (std::abs(change - last_change_) > most) {
-      happenings.fail(Invariant::kJerk, number_,
-                      "606Bh changes by " + number(last_change_) + " with at most " + number(most) +
-                          " UU/s more or less",
-                      number(change) + motion_of(last_) + motion_of(now));
+      fail(Invariant::kJerk,
+           "606Bh changes by " + number(last_change_) + " with at most " + number(most) +
+               " UU/s more or less",
+           number(change) + motion_of(last_) + motion_of(now));
     }
   } else {
     const bool stands = now.velocity_demand_value == 0 && change == 0;
@@ -245,7 +360,7 @@ void AxisWatch::check_jerk(const AxisStatus& now, const AxisCauses& causes,
 /// A demand that began at rest within the range and was led by profiles only stays there. A
 /// streamed one stays while it follows: it needs no ramp to stop at the end, but a stop from its
 /// speed does.
-void AxisWatch::check_range(const AxisStatus& now, bool commanded, Happenings& happenings) {
+void AxisWatch::check_range(const AxisStatus& now, bool commanded) {
   if (!limits_.has_range) return;
   const bool streams = is_mode(now, OperatingMode::cyclic_synchronous_position) ||
                        is_mode(now, OperatingMode::interpolated_position);
@@ -260,64 +375,46 @@ void AxisWatch::check_range(const AxisStatus& now, bool commanded, Happenings& h
   if (!is_led || begins) {
     is_contained_ = false;
   } else if (is_contained_ && !is_inside) {
-    happenings.fail(Invariant::kRange, number_,
-                    "6062h within " + number(limits_.lower) + " to " + number(limits_.upper),
-                    number(now.position_demand_value) + motion_of(last_) + motion_of(now));
+    fail(Invariant::kRange,
+         "6062h within " + number(limits_.lower) + " to " + number(limits_.upper),
+         number(now.position_demand_value) + motion_of(last_) + motion_of(now));
   } else {
     is_contained_ = is_contained_ || (is_inside && now.velocity_demand_value == 0);
   }
 }
 
 /// Positions of a modulo axis are below the upper limit, which is the lower one.
-void AxisWatch::check_modulo(const AxisStatus& now, Happenings& happenings) const {
+void AxisWatch::check_modulo(const AxisStatus& now) {
   if (limits_.range_span == 0) return;
   for (const std::int64_t position : {now.position_demand_value, now.load_position_actual_value}) {
     const std::int64_t place = position - limits_.range_lower;
     if (place < 0 || place >= limits_.range_span) {
-      happenings.fail(Invariant::kModulo, number_,
-                      number(limits_.range_lower) + " to below " +
-                          number(limits_.range_lower + limits_.range_span),
-                      number(position) + motion_of(now));
+      fail(Invariant::kModulo,
+           number(limits_.range_lower) + " to below " +
+               number(limits_.range_lower + limits_.range_span),
+           number(position) + motion_of(now));
     }
   }
 }
 
-void AxisWatch::check_torque(const AxisStatus& now, Happenings& happenings) const {
+void AxisWatch::check_torque(const AxisStatus& now) {
   for (const std::int64_t torque : {now.torque_demand, now.torque_actual_value}) {
     if (torque > limits_.positive_torque + 1 || torque < -limits_.negative_torque - 1) {
-      happenings.fail(Invariant::kTorque, number_,
-                      number(-limits_.negative_torque) + " to " + number(limits_.positive_torque),
-                      number(torque));
+      fail(Invariant::kTorque,
+           number(-limits_.negative_torque) + " to " + number(limits_.positive_torque),
+           number(torque));
     }
   }
 }
 
-void AxisWatch::check_state(const AxisStatus& now, PowerState state, const AxisCauses& causes,
-                            bool commanded, Happenings& happenings) const {
-  constexpr std::uint16_t kBothBits = Statusword::kHomingAttained | Statusword::kHomingError;
-  if (is_mode(now, OperatingMode::homing) && state == PowerState::operation_enabled &&
-      (now.ds402_statusword & kBothBits) == kBothBits) {
-    happenings.fail(Invariant::kHoming, number_, "one of them", motion_of(now));
-  }
-  const bool was_faulty = last_state_ == PowerState::fault;
-  const bool enables = state == PowerState::operation_enabled && state != last_state_;
-  if ((enables || (was_faulty && state != last_state_)) && !commanded && !causes.cycled) {
-    happenings.fail(Invariant::kResume, number_, std::string(to_string(last_state_)),
-                    std::string(to_string(state)) + " without a controlword");
-  }
-  const bool was_active =
-      last_state_ == PowerState::operation_enabled || last_state_ == PowerState::quick_stop_active;
-  if (!causes.lost || !was_active || causes.commanded || causes.cycled) return;
-  const bool is_faulty = state == PowerState::fault || state == PowerState::fault_reaction_active;
-  const bool reacts = limits_.abort_connection == 0 ||
-                      (limits_.abort_connection == 1 && is_faulty && now.error_code != 0) ||
-                      (limits_.abort_connection > 1 && state != PowerState::operation_enabled);
-  if (!reacts) {
-    happenings.fail(Invariant::kReaction, number_,
-                    "6007h = " + number(limits_.abort_connection) + " from " +
-                        std::string(to_string(last_state_)),
-                    std::string(to_string(state)) + " 603Fh " + number(now.error_code));
+void AxisWatch::check_reaction(const AxisStatus& now, PowerState state, const AxisCauses& causes) {
+  if (!causes.lost || causes.commanded || causes.cycled) return;
+  if (!reacts_to_loss(limits_.abort_connection, last_state_, state)) {
+    fail(Invariant::kReaction,
+         "6007h = " + number(limits_.abort_connection) + " from " +
+             std::string(to_string(last_state_)),
+         std::string(to_string(state)) + " 603Fh " + number(now.error_code));
   }
 }
 
-}  // namespace vdrive::simulation
+}  // namespace vdrive::test
