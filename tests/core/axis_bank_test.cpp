@@ -5,7 +5,10 @@
 
 #include "core/support/allocation_guard.hpp"
 #include "core/support/axis_under_test.hpp"
+#include "support/programs/generator.hpp"
+#include "support/programs/model.hpp"
 #include "support/random_cases.hpp"
+#include "vdrive/cia402/controlword.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,6 +23,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -56,33 +60,22 @@ std::vector<AxisConfiguration> mixed_axes(std::size_t count) {
   return axes;
 }
 
-/// The same pseudo-random writes for every bank: enables, moves, halts, faults, resets, parameters.
+/// A command that suits the axis, or an input of the test bench that goes on or, mostly, off.
+test::Write draw(const AxisBank& bank, std::size_t axis, Random& random) {
+  if (!random.one_in(8)) return test::draw_write(bank.status(axis), random);
+  test::Write disturbance = test::draw_disturbance(random);
+  if (!random.one_in(4)) disturbance.value = 0;
+  return disturbance;
+}
+
+/// The same writes for every bank that shows the same.
 void write_randomly(AxisBank& bank, Random& random) {
-  const std::array<std::uint16_t, 9> words{0x0F, 0x1F, 0x3F, 0x7F, 0x010F, 0x06, 0x02, 0x80, 0x00};
   for (std::size_t axis = 0; axis < bank.size(); ++axis) {
     if (!random.one_in(20)) continue;
-    switch (random.below(7)) {
-      case 0:
-        bank.write(axis, object("op_mode_cmd"), random.one_in(8) ? 0 : 1);
-        break;
-      case 1:
-        bank.write(axis, object("position_user_target_value"),
-                   static_cast<std::int64_t>(random.below(400'000)) - 200'000);
-        break;
-      case 2:
-        bank.write(axis, object("profile_dec"), static_cast<std::int64_t>(random.below(1'000'000)));
-        break;
-      case 3:
-        bank.write(axis, object("test_load_torque"),
-                   static_cast<std::int64_t>(random.below(2'000)) - 1'000);
-        break;
-      case 4:
-        bank.write(axis, object("test_over_current"), random.one_in(10) ? 1 : 0);
-        break;
-      default:
-        bank.write(axis, object("ds402_controlword"), words[random.below(words.size())]);
-        break;
-    }
+    const test::Write write = random.one_in(10)
+                                  ? test::Write{object("profile_dec"), random.between(0, 999'999)}
+                                  : draw(bank, axis, random);
+    bank.write(axis, write.object, write.value);
   }
 }
 
@@ -721,6 +714,104 @@ TEST(AxisBank, IgnoredSetPointsAreCountedBeforeTheNextTick) {
   EXPECT_EQ(bank.status(0).ignored_set_points, 1U);
 }
 
+// ---- random programmes
+// -------------------------------------------------------------------------------
+
+/// Axes of every kind that a program draws, their commands, and a watch for each.
+class WatchedBank {
+ public:
+  explicit WatchedBank(std::uint64_t seed) : random_(seed) {
+    std::vector<AxisConfiguration> axes;
+    for (const test::DrawnAxis& drawn : test::draw_axes(kAxes, true, random_)) {
+      axes.push_back({.model = drawn.model, .parameters = drawn.parameters});
+      watches_.emplace_back(drawn.limits, kPeriod);
+    }
+    bank_.emplace(axes, kPeriod);
+    for (std::size_t axis = 0; axis < kAxes; ++axis) {
+      watches_[axis].begin(bank_->status(axis), bank_->power_state(axis));
+    }
+  }
+
+  /// @return what is violated, after the programme of the axis; empty = nothing.
+  std::string run(int ticks) {
+    for (int tick = 0; tick < ticks && violation_.empty(); ++tick) {
+      for (std::size_t axis = 0; axis < kAxes; ++axis) {
+        if (random_.one_in(20)) act(axis, tick);
+      }
+      bank_->step();
+      for (std::size_t axis = 0; axis < kAxes; ++axis) check(axis, tick);
+    }
+    return violation_;
+  }
+
+ private:
+  static constexpr std::size_t kAxes = 6;
+  static constexpr microseconds kPeriod{1000};
+
+  void act(std::size_t axis, int tick) {
+    test::AxisCauses& causes = causes_.at(axis);
+    std::string& programme = programmes_.at(axis);
+    programme += "tick " + std::to_string(tick) + ": ";
+    if (random_.one_in(200)) {
+      bank_->power_cycle(axis);
+      causes.cycled = true;
+      programme += "power_cycle()\n";
+    } else if (random_.one_in(200)) {
+      bank_->report_connection_loss(axis);
+      causes.lost = true;
+      programme += "report_connection_loss()\n";
+    } else {
+      write(axis, draw(*bank_, axis, random_), tick);
+    }
+  }
+
+  void write(std::size_t axis, const test::Write& write, int tick) {
+    programmes_.at(axis) += to_string(write) + "\n";
+    const auto before = static_cast<std::uint16_t>(bank_->read(axis, kControlword).value);
+    const auto [code, violated] = test::write_to(*bank_, axis, write);
+    if (violated != nullptr) fail(axis, tick, violated);
+    if (code != AbortCode::none || write.object != kControlword) return;
+    const PowerCommand command = decode_command(static_cast<std::uint16_t>(write.value), before);
+    causes_.at(axis).commanded = true;
+    causes_.at(axis).switched_off |=
+        command == PowerCommand::disable_voltage || command == PowerCommand::shutdown;
+  }
+
+  void check(std::size_t axis, int tick) {
+    test::AxisCauses causes = std::exchange(causes_.at(axis), {});
+    for (std::uint16_t input = 0x5E00; input <= 0x5E0A; ++input) {
+      causes.has_test_input |= bank_->read(axis, {input, 0}).value != 0;
+    }
+    causes.encoder_fails = bank_->read(axis, {0x5E04, 0}).value != 0;
+    watches_[axis].check(bank_->status(axis), bank_->power_state(axis), causes);
+    if (const auto& violation = watches_[axis].violation()) {
+      fail(axis, tick,
+           violation->invariant + ", expected " + violation->expected + ": " + violation->seen);
+    }
+  }
+
+  void fail(std::size_t axis, int tick, const std::string& what) {
+    violation_ = programmes_.at(axis) + "tick " + std::to_string(tick) + ", axis " +
+                 std::to_string(axis) + ": violated: " + what;
+  }
+
+  static constexpr ObjectAddress kControlword{0x6040, 0};
+
+  Random random_;
+  std::optional<AxisBank> bank_;
+  std::vector<test::AxisWatch> watches_;
+  std::array<test::AxisCauses, kAxes> causes_;
+  std::array<std::string, kAxes> programmes_;
+  std::string violation_;
+};
+
+TEST(AxisBank, KeepsTheInvariantsOfEachAxisInRandomProgrammes) {
+  const std::uint64_t seeds = test::case_count(50, 2'000);
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    ASSERT_EQ(WatchedBank(seed).run(2'000), "") << "seed " << seed;
+  }
+}
+
 // ---- any value of any object
 // ------------------------------------------------------------------------
 
@@ -763,6 +854,9 @@ void abuse(AxisUnderTest& axis, Random& random, std::uint64_t ticks, bool physic
       axis.controlword(words[random.below(words.size())]);
     }
     axis.step();
+    const char* const violated = test::violated_invariant(axis.status(), axis.state(),
+                                                          axis.axis().read({0x5E20, 0x0C}).value);
+    ASSERT_EQ(violated, nullptr) << violated;
   }
 }
 
@@ -804,7 +898,8 @@ TEST(AxisBank, SurvivesAnyValueThatTheDictionaryAllows) {
     configuration.model.feedback = seed % 4 < 2 ? Feedback::dual_encoder : Feedback::single_encoder;
     AxisUnderTest axis(configuration);
     Random random(seed);
-    abuse(axis, random, 2'000, configuration.model.coupling == Coupling::two_inertia);
+    ASSERT_NO_FATAL_FAILURE(
+        abuse(axis, random, 2'000, configuration.model.coupling == Coupling::two_inertia));
     ASSERT_NO_FATAL_FAILURE(expect_usable(axis));
     abuse(axis, random, 500, false);  // for the sanitizers
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/disturber.hpp"
 
+#include "support/programs/generator.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -9,9 +11,8 @@ namespace vdrive::simulation {
 namespace {
 
 constexpr std::int64_t kLongestPause = 120 * kMillisecond;
-constexpr std::int64_t kStrongestLoad = 2'500;  // [mN.m]
-constexpr std::uint64_t kFlood = 1'300;         // more than the inbox holds
-constexpr std::uint64_t kMostOperations = 24;   // of a save, with both halves of its writes
+constexpr std::uint64_t kFlood = 1'300;        // more than the inbox holds
+constexpr std::uint64_t kMostOperations = 24;  // of a save, with both halves of its writes
 constexpr std::array<double, 6> kRates{1.0, 0.5, 2.0, 10.0, 0.0, 200.0};
 
 }  // namespace
@@ -109,8 +110,9 @@ void Disturber::set_input(const Present& present) {
   auto request = new_request(msg::RequestKind::write);
   auto& object = request.objects.emplace_back();
   object.axis = static_cast<std::uint16_t>(1 + random_.below(present.view.statuses.size()));
-  object.index = static_cast<std::uint16_t>(0x5E00 + random_.below(11));
-  object.value = object.index == 0x5E00 ? random_.between(-kStrongestLoad, kStrongestLoad) : 1;
+  const test::Write disturbance = test::draw_disturbance(random_);
+  object.index = disturbance.object.index;
+  object.value = disturbance.value;
   ailments_.push_back({object.axis, object.index});
   post(std::move(request), present);
 }

@@ -2,6 +2,7 @@
 #include "simulation/master.hpp"
 
 #include "support/programs/generator.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
 #include <array>

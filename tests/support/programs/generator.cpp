@@ -206,6 +206,27 @@ Write draw_setting(Random& random) {
   return {setting.object, random.pick<std::int64_t>(setting.values)};
 }
 
+Write draw_write(const AxisStatus& status, Random& random) {
+  switch (random.below(10)) {
+    case 0:
+      return {{0x6060, 0}, draw_mode(random)};
+    case 1:
+    case 2:
+    case 3:
+      return draw_set_point(status, random);
+    case 4:
+      return draw_setting(random);
+    default:
+      return {{0x6040, 0}, draw_controlword(status, random)};
+  }
+}
+
+Write draw_disturbance(Random& random) {
+  constexpr std::int64_t kStrongestLoad = 2'500;  // [mN.m]
+  const auto index = static_cast<std::uint16_t>(0x5E00 + random.below(11));
+  return {{index, 0}, index == 0x5E00 ? random.between(-kStrongestLoad, kStrongestLoad) : 1};
+}
+
 std::vector<DrawnAxis> draw_axes(std::size_t count, bool kinds, Random& random) {
   std::array<bool, kKinds.size()> has_kind{};
   for (bool& has : has_kind) has = kinds && random.per_mille(500);

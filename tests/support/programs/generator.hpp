@@ -31,6 +31,12 @@ inline constexpr std::int64_t kUnitsPerTurn = 4'096;
 ///         records, ways round the range of a modulo axis.
 [[nodiscard]] Write draw_setting(Random& random);
 
+/// @return any of these: mostly a controlword.
+[[nodiscard]] Write draw_write(const AxisStatus& status, Random& random);
+
+/// @return an input of the test bench 5E00h to 5E0Ah that is on, with up to 2.5 N.m of load.
+[[nodiscard]] Write draw_disturbance(Random& random);
+
 /// An axis of a program: what its watch knows, and what its configuration has.
 struct DrawnAxis {
   AxisLimits limits;
