@@ -3,8 +3,14 @@
 // the program itself tells that it has to, a success is at its target, and a failure names what the
 // program did. A case that fails is printed as a program in Python that a person can paste; its
 // seed is that of the test's name and number.
+#include "bench/carry_out.hpp"
 #include "support/effort.hpp"
+#include "support/programs/generator.hpp"
+#include "support/programs/model.hpp"
+#include "support/random_cases.hpp"
+#include "vdrive/axis_status.hpp"
 #include "vdrive/bench/bench.hpp"
+#include "vdrive/cia402/power_state.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/client/axis_group.hpp"
 #include "vdrive/client/session.hpp"
@@ -17,7 +23,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <random>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -29,18 +34,15 @@ namespace {
 using namespace std::chrono_literals;
 using client::Axis;
 using client::AxisGroup;
-using client::CallOptions;
 using client::Motion;
 using client::Outcome;
 using client::OutcomeKind;
 using client::Session;
-using client::Until;
 
 constexpr std::size_t kMostAxes = 6;
 constexpr int kSteps = 12;
 constexpr std::int32_t kReach = 3'000;  // farthest target from 0
 constexpr double kRate = 10.0;          // of drive time in real time
-constexpr CallOptions kInForce{.until = Until::in_force};
 
 /// What the program knows of an axis.
 struct Known {
@@ -71,16 +73,14 @@ class MotionProgram {
   /// @return what went wrong, empty = nothing did.
   std::string run() {
     using Step = void (MotionProgram::*)();
-    static constexpr std::array<Step, 16> kKinds{
-        &MotionProgram::line,         &MotionProgram::line,       &MotionProgram::queue,
-        &MotionProgram::queue,        &MotionProgram::move,       &MotionProgram::move,
-        &MotionProgram::start_move,   &MotionProgram::start_move, &MotionProgram::start_move,
-        &MotionProgram::await_motion, &MotionProgram::run_at,     &MotionProgram::home,
-        &MotionProgram::halt,         &MotionProgram::resume,     &MotionProgram::quick_stop,
-        &MotionProgram::disable};
+    static constexpr std::array<Step, 8> kKinds{
+        &MotionProgram::line,       &MotionProgram::line,        &MotionProgram::queue,
+        &MotionProgram::queue,      &MotionProgram::start_move,  &MotionProgram::start_move,
+        &MotionProgram::start_move, &MotionProgram::await_motion};
     for (int step = 0; step < kSteps && error_.empty(); ++step) {
       if (step == 0 || below(3) == 0) enable();
-      (this->*kKinds.at(below(kKinds.size())))();
+      const Step kind = below(2) == 0 ? &MotionProgram::command : kKinds.at(below(kKinds.size()));
+      (this->*kind)();
     }
     while (error_.empty() && !started_.empty()) await_motion();
     return error_;
@@ -89,9 +89,13 @@ class MotionProgram {
   [[nodiscard]] std::string text() const { return text_.str(); }
 
  private:
-  std::uint32_t below(std::size_t count) { return static_cast<std::uint32_t>(random_() % count); }
+  std::uint32_t below(std::size_t count) {
+    return static_cast<std::uint32_t>(random_.below(count));
+  }
 
-  std::int32_t any_target() { return static_cast<std::int32_t>(below(2 * kReach)) - kReach; }
+  std::int32_t any_target() {
+    return test::draw_intent(std::array{test::Intent::Kind::move_to}, kReach, random_).value;
+  }
 
   std::size_t any_axis() { return below(axes_.size()); }
 
@@ -120,11 +124,18 @@ class MotionProgram {
   }
 
   void expect_at(std::size_t axis, std::int32_t target) {
-    const std::int32_t demand = axes_[axis].status().value().status.position_demand_value;
-    if (demand != target && error_.empty()) {
-      error_ = "success of axis " + to_string(axes_[axis].id()) + " at " + std::to_string(demand) +
-               " instead of " + std::to_string(target);
-    }
+    expect_demand(axis, &AxisStatus::position_demand_value, target);
+  }
+
+  void expect_demand(std::size_t axis, std::int32_t AxisStatus::*demand, std::int32_t target) {
+    const AxisStatus status = axes_[axis].status().value().status;
+    const char* const violated =
+        test::violated_invariant(status, decode_power_state(status.ds402_statusword));
+    if (!error_.empty() || (status.*demand == target && violated == nullptr)) return;
+    error_ = violated != nullptr
+                 ? violated
+                 : "success of axis " + to_string(axes_[axis].id()) + " at " +
+                       std::to_string(status.*demand) + " instead of " + std::to_string(target);
   }
 
   /// What the program does to an axis ends its moves.
@@ -221,17 +232,6 @@ class MotionProgram {
     if (expect(outcome, obstacle_of_line())) end_line(outcome, last);
   }
 
-  void move() {
-    const std::size_t axis = any_axis();
-    const std::int32_t target = any_target();
-    line_of(axis) << "move_to(" << target << ')';
-    const Outcome outcome = axes_[axis].move_to(target);
-    if (!expect(outcome, obstacle(axis))) return;
-    end_moves(axis, "superseded by");
-    known_[axis] = {.is_enabled = true};
-    expect_at(axis, target);
-  }
-
   void start_move() {
     const std::size_t axis = any_axis();
     const std::int32_t target = any_target();
@@ -258,60 +258,51 @@ class MotionProgram {
     }
   }
 
-  void run_at() {
+  void command() {
+    using enum test::Intent::Kind;
+    static constexpr std::array kIntents{move_to, move_to, run_at,     home,
+                                         halt,    resume,  quick_stop, disable};
     const std::size_t axis = any_axis();
-    const std::int32_t velocity = below(3) == 0 ? 0 : any_target();
-    line_of(axis) << "run_at(" << velocity << ')';
-    const Outcome outcome = axes_[axis].run_at(velocity);
-    if (!expect(outcome, obstacle(axis))) return;
-    end_moves(axis, "profile velocity mode (6060h = 3)");
-    known_[axis] = {.is_enabled = true, .runs = velocity != 0};
-    const auto seen = axes_[axis].status().value();
-    if (seen.status.velocity_demand_value != velocity && error_.empty()) {
-      error_ = "success at " + std::to_string(seen.status.velocity_demand_value) + " UU/s";
+    const test::Intent intent = test::draw_intent(kIntents, kReach, random_);
+    line_of(axis) << to_string(intent);
+    const bool stops = intent.kind == quick_stop || intent.kind == disable;
+    if (expect(carry_out(axes_[axis], intent, {}), stops ? "" : obstacle(axis))) {
+      note_success(axis, intent);
     }
   }
 
-  void home() {
-    const std::size_t axis = any_axis();
-    line_of(axis) << "home(method=37)";
-    const Outcome outcome = axes_[axis].home({.method = 37, .offset = 0});
-    if (!expect(outcome, obstacle(axis))) return;
-    end_moves(axis, "homing mode (6060h = 6)");
-    known_[axis] = {.is_enabled = true};
-    expect_at(axis, 0);
-  }
-
-  void halt() {
-    const std::size_t axis = any_axis();
-    line_of(axis) << "halt()";
-    if (expect(axes_[axis].halt(), obstacle(axis))) known_[axis].is_halted = true;
-  }
-
-  void resume() {
-    const std::size_t axis = any_axis();
-    line_of(axis) << "resume(until=\"in_force\")";
-    if (expect(axes_[axis].resume(kInForce), obstacle(axis))) known_[axis].is_halted = false;
-  }
-
-  void quick_stop() {
-    const std::size_t axis = any_axis();
-    line_of(axis) << "quick_stop()";
-    if (!expect(axes_[axis].quick_stop(), "")) return;
-    end_moves(axis, "quick stop (6040h = 0x0002)");
-    known_[axis] = {};
-  }
-
-  void disable() {
-    const std::size_t axis = any_axis();
-    line_of(axis) << "disable()";
-    if (!expect(axes_[axis].disable(), "")) return;
-    end_moves(axis, "shutdown (6040h = 0x0006)");
-    known_[axis] = {};
+  void note_success(std::size_t axis, const test::Intent& intent) {
+    using enum test::Intent::Kind;
+    Known& known = known_[axis];
+    switch (intent.kind) {
+      case halt:
+      case resume:
+        known.is_halted = intent.kind == halt;
+        break;
+      case move_to:
+        end_moves(axis, "superseded by");
+        known = {.is_enabled = true};
+        expect_at(axis, intent.value);
+        break;
+      case run_at:
+        end_moves(axis, "profile velocity mode (6060h = 3)");
+        known = {.is_enabled = true, .runs = intent.value != 0};
+        expect_demand(axis, &AxisStatus::velocity_demand_value, intent.value);
+        break;
+      case home:
+        end_moves(axis, "homing mode (6060h = 6)");
+        known = {.is_enabled = true};
+        expect_at(axis, 0);
+        break;
+      default:
+        end_moves(axis, intent.kind == quick_stop ? "quick stop (6040h = 0x0002)"
+                                                  : "shutdown (6040h = 0x0006)");
+        known = {};
+    }
   }
 
   std::vector<Axis> axes_;
-  std::minstd_rand random_;
+  test::Random random_;
   std::vector<Known> known_;
   AxisGroup group_;
   std::vector<Started> started_;

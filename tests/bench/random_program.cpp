@@ -2,8 +2,12 @@
 #include "bench/random_program.hpp"
 
 #include "base/event_limiter.hpp"
+#include "bench/carry_out.hpp"
 #include "support/process_tree.hpp"
+#include "support/programs/generator.hpp"
+#include "support/programs/model.hpp"
 #include "vdrive/axis_status.hpp"
+#include "vdrive/cia402/power_state.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -29,7 +33,7 @@ using client::Until;
 constexpr std::uint32_t kBench = 1;
 constexpr CallOptions kAtOnce{.timeout = 2s, .until = Until::in_force};
 // A call to the end steps tick by tick: it does not have to succeed.
-constexpr CallOptions kToTheEnd{.timeout = 20ms, .until = Until::done};
+constexpr CallOptions kToTheEnd{.timeout = 50ms, .until = Until::done};
 
 // A bench takes 1,024 frames that nobody has waited for.
 constexpr std::uint32_t kFramesOfALongBurst = 150;
@@ -40,6 +44,7 @@ client::GroupCallOptions group_options(bool to_the_end) {
   return {.timeout = 2s, .until = Until::in_force, .progress = {}};
 }
 
+constexpr std::int32_t kReach = 20'000;  // farthest target from 0 [UU]
 constexpr std::uint16_t kEnabled = 0x000F;
 
 constexpr ObjectAddress kProfileVelocity{0x6081, 0};
@@ -49,6 +54,14 @@ constexpr ObjectAddress kStoreParameters{0x1010, 1};
 std::string text_of(const client::SetPointRefusal& refusal) {
   return "axis " + to_string(refusal.axis) + ", " + object_text(refusal.object) + ", code " +
          hex(static_cast<std::uint32_t>(refusal.code), 8);
+}
+
+/// The image between a power cycle and the next tick is that of no tick.
+void expect_valid(const AxisStatus& status) {
+  const PowerState state = decode_power_state(status.ds402_statusword);
+  if (state == PowerState::not_ready_to_switch_on) return;
+  const char* const violated = test::violated_invariant(status, state);
+  if (violated != nullptr) throw std::runtime_error(std::string("violated: ") + violated);
 }
 
 using Refusals = std::vector<client::SetPointRefusal>;
@@ -152,24 +165,13 @@ RandomProgram::RandomProgram(Session& first, Session& second, const test::Sessio
 
 std::string RandomProgram::run() {
   static constexpr auto kCommands = std::to_array<Command>({
-      {"enable", &RandomProgram::enable},
-      {"enable", &RandomProgram::enable},
       {"move", &RandomProgram::move},
       {"move", &RandomProgram::move},
-      {"move to the end", &RandomProgram::move_to_the_end},
-      {"halt", &RandomProgram::halt},
-      {"resume", &RandomProgram::resume},
-      {"quick stop", &RandomProgram::quick_stop},
-      {"reset", &RandomProgram::reset_fault},
       {"write", &RandomProgram::write},
       {"read", &RandomProgram::read},
       {"disturb", &RandomProgram::disturb},
-      {"disable", &RandomProgram::disable},
       {"store", &RandomProgram::store},
       {"power cycle", &RandomProgram::power_cycle},
-      {"home", &RandomProgram::home},
-      {"run", &RandomProgram::run_at},
-      {"torque", &RandomProgram::apply_torque},
       {"jog", &RandomProgram::jog},
       {"step", &RandomProgram::step},
       {"step", &RandomProgram::step},
@@ -190,9 +192,10 @@ std::string RandomProgram::run() {
   if (below(4) != 0) enable_group();  // else most commands would be refused
   observe();
   for (int count = 0; count < kCommandsOfAProgram; ++count) {
-    const Command& command = kCommands[below(kCommands.size())];
-    log_.begin(command.name);
-    (this->*command.carry_out)();
+    const Command what = below(3) == 0 ? Command{"command", &RandomProgram::command}
+                                       : kCommands.at(below(kCommands.size()));
+    log_.begin(what.name);
+    (this->*what.carry_out)();
     observe();
   }
   clock_.reset();
@@ -202,15 +205,27 @@ std::string RandomProgram::run() {
 void RandomProgram::observe() {
   const auto seen = first_.observe(ids_);
   log_.note(seen);
-  if (seen) seen_ = *seen;
+  if (!seen) return;
+  seen_ = *seen;
+  for (const client::AxisSnapshot& axis : seen_.axes) expect_valid(axis.status);
 }
 
-void RandomProgram::enable() {
-  log_.note(any_axis().enable(kAtOnce));
+/// A call of one axis. Those that end by themselves are waited for.
+void RandomProgram::command() {
+  using enum test::Intent::Kind;
+  static constexpr std::array kKinds{enable,      enable,  move_by, halt,   resume,      quick_stop,
+                                     reset_fault, disable, home,    run_at, apply_torque};
+  const std::size_t place = below(axes_.size());
+  const test::Intent intent =
+      test::draw_intent(seen_.axes.at(place).status, kKinds, kReach, random_);
+  const bool is_awaited =
+      intent.kind == move_by || intent.kind == home || (intent.kind == run_at && below(2) == 0);
+  log_.begin(to_string(intent));
+  log_.note(carry_out(axes_[place], intent, is_awaited ? kToTheEnd : kAtOnce));
 }
 
-void RandomProgram::disable() {
-  log_.note(any_axis().disable(kAtOnce));
+std::int32_t RandomProgram::any_target() {
+  return test::draw_intent(std::array{test::Intent::Kind::move_to}, kReach, random_).value;
 }
 
 void RandomProgram::move() {
@@ -218,28 +233,13 @@ void RandomProgram::move() {
       any_target(), {.velocity = 1'000 + below(50'000), .queue = below(2) == 0, .call = kAtOnce}));
 }
 
-void RandomProgram::move_to_the_end() {
-  log_.note(any_axis().move_by(static_cast<std::int32_t>(below(200)) - 100, {.call = kToTheEnd}));
-}
-
-void RandomProgram::halt() {
-  log_.note(any_axis().halt(kAtOnce));
-}
-
-void RandomProgram::resume() {
-  log_.note(any_axis().resume(kAtOnce));
-}
-
-void RandomProgram::quick_stop() {
-  log_.note(any_axis().quick_stop(kAtOnce));
-}
-
-void RandomProgram::reset_fault() {
-  log_.note(any_axis().reset_fault(kAtOnce));
-}
-
 void RandomProgram::write() {
-  log_.note(any_axis().write(kProfileVelocity, below(200'000)));
+  const std::size_t place = below(axes_.size());
+  const test::Write write = below(2) == 0 ? test::Write{kProfileVelocity, below(200'000)}
+                                          : test::draw_write(seen_.axes.at(place).status, random_);
+  log_.begin(to_string(write));
+  log_.note(axes_[place].write(write.object, write.value));
+  log_.note(first_.step(kBench, 1));
 }
 
 void RandomProgram::read() {
@@ -270,21 +270,6 @@ void RandomProgram::store() {
 
 void RandomProgram::power_cycle() {
   log_.note(any_axis().power_cycle(kAtOnce));
-}
-
-void RandomProgram::home() {
-  log_.note(any_axis().home(
-      {.method = std::int8_t{37}, .call = {.timeout = 50ms, .until = Until::done}}));
-}
-
-void RandomProgram::run_at() {
-  const auto velocity = static_cast<std::int32_t>(below(4'000)) - 2'000;
-  log_.note(any_axis().run_at(velocity, {.call = below(2) == 0 ? kAtOnce : kToTheEnd}));
-}
-
-void RandomProgram::apply_torque() {
-  const auto torque = static_cast<std::int16_t>(static_cast<std::int32_t>(below(100)) - 50);
-  log_.note(any_axis().apply_torque(torque, {.call = kAtOnce}));
 }
 
 void RandomProgram::jog() {
@@ -437,6 +422,8 @@ void RandomProgram::take_control() {
 }
 
 void RandomProgram::use_second_session() {
+  using enum test::Intent::Kind;
+  static constexpr std::array kOfSecond{enable, move_to, halt, quick_stop, run_at};
   Axis& axis = axes_of_second_[below(axes_of_second_.size())];
   // While the first session alone steps the clock, a frame of the second one would have no tick in
   // which it is sure to be in force.
@@ -454,20 +441,8 @@ void RandomProgram::use_second_session() {
     case 4:
       log_.note(second_.step(kBench, 1));
       break;
-    case 5:
-      log_.note(axis.enable(kAtOnce));
-      break;
-    case 6:
-      log_.note(axis.move_to(any_target(), {.velocity = 1'000 + below(50'000), .call = kAtOnce}));
-      break;
-    case 7:
-      log_.note(axis.halt(kAtOnce));
-      break;
-    case 8:
-      log_.note(axis.quick_stop(kAtOnce));
-      break;
     default:
-      log_.note(axis.run_at(static_cast<std::int32_t>(below(1'000)), {.call = kAtOnce}));
+      log_.note(carry_out(axis, test::draw_intent(kOfSecond, kReach, random_), kAtOnce));
       break;
   }
   log_.note(first_.step(kBench, 1));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "support/event_log.hpp"
+#include "support/random_cases.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/client.hpp"
 
@@ -11,9 +12,9 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
-#include <random>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::bench {
@@ -37,7 +38,7 @@ class ProgramLog {
   }
 
   /// What comes next is a result of this command.
-  void begin(const char* command) { text_ << command << ": "; }
+  void begin(std::string_view command) { text_ << command << ": "; }
 
   [[nodiscard]] std::string text() const { return text_.str(); }
 
@@ -64,33 +65,24 @@ class RandomProgram {
  private:
   struct Command;
 
-  std::uint32_t below(std::size_t count) { return static_cast<std::uint32_t>(random_() % count); }
-
-  [[nodiscard]] std::int32_t any_target() {
-    return static_cast<std::int32_t>(below(40'000)) - 20'000;
+  std::uint32_t below(std::size_t count) {
+    return static_cast<std::uint32_t>(random_.below(count));
   }
+
+  [[nodiscard]] std::int32_t any_target();
 
   [[nodiscard]] client::Axis& any_axis() { return axes_[below(axes_.size())]; }
 
   void observe();
 
   // What a program may do.
-  void enable();
-  void disable();
+  void command();
   void move();
-  void move_to_the_end();
-  void halt();
-  void resume();
-  void quick_stop();
-  void reset_fault();
   void write();
   void read();
   void disturb();
   void store();
   void power_cycle();
-  void home();
-  void run_at();
-  void apply_torque();
   void jog();
   void step();
   void send_burst();
@@ -110,7 +102,7 @@ class RandomProgram {
 
   client::Session& first_;
   client::Session& second_;
-  std::minstd_rand random_;
+  test::Random random_;
   std::vector<client::AxisId> ids_;
   std::vector<client::Axis> axes_;
   std::vector<client::Axis> axes_of_second_;

@@ -4,6 +4,8 @@
 #include "vdrive/dictionary/object.hpp"
 #include "vdrive/number_text.hpp"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -20,6 +22,37 @@ struct Write {
 [[nodiscard]] inline std::string to_string(const Write& write) {
   return "write((" + hex(write.object.index, 4) + ", " + std::to_string(write.object.subindex) +
          "), " + std::to_string(write.value) + ")";
+}
+
+/// What a master wants of an axis: a call of the client library.
+struct Intent {
+  enum class Kind : std::uint8_t {
+    enable,
+    disable,
+    halt,
+    resume,
+    quick_stop,
+    reset_fault,
+    home,          ///< by the method `value`
+    move_to,       ///< [UU]
+    move_by,       ///< [UU]
+    run_at,        ///< [UU/s]
+    apply_torque,  ///< [‰ of rated torque]
+  };
+  Kind kind;
+  std::int32_t value = 0;
+};
+
+/// @return the call that does it, in Python: "move_to(120)".
+[[nodiscard]] inline std::string to_string(const Intent& intent) {
+  using enum Intent::Kind;
+  constexpr std::array kNames{"enable",     "disable",     "halt",        "resume",
+                              "quick_stop", "reset_fault", "home",        "move_to",
+                              "move_by",    "run_at",      "apply_torque"};
+  std::string text = kNames.at(static_cast<std::size_t>(intent.kind));
+  if (intent.kind == resume) return text + "(until=\"in_force\")";  // a motion may have no end
+  if (intent.kind < home) return text + "()";
+  return text + (intent.kind == home ? "(method=" : "(") + std::to_string(intent.value) + ")";
 }
 
 }  // namespace vdrive::test

@@ -227,6 +227,37 @@ Write draw_disturbance(Random& random) {
   return {{index, 0}, index == 0x5E00 ? random.between(-kStrongestLoad, kStrongestLoad) : 1};
 }
 
+Intent draw_intent(std::span<const Intent::Kind> kinds, std::int32_t reach, Random& random) {
+  constexpr std::int32_t kHere = 37;  // homing method
+  const auto around = [&random](std::int32_t most) {
+    return static_cast<std::int32_t>(random.between(-most, most));
+  };
+  const Intent::Kind kind = random.pick(kinds);
+  switch (kind) {
+    case Intent::Kind::home:
+      return {kind, kHere};
+    case Intent::Kind::move_to:
+      return {kind, around(reach)};
+    case Intent::Kind::move_by:
+      return {kind, around(100)};
+    case Intent::Kind::run_at:
+      return {kind, random.one_in(3) ? 0 : around(3'000)};
+    case Intent::Kind::apply_torque:
+      return {kind, around(50)};
+    default:
+      return {kind};
+  }
+}
+
+Intent draw_intent(const AxisStatus& status, std::span<const Intent::Kind> kinds,
+                   std::int32_t reach, Random& random) {
+  const PowerState state = decode_power_state(status.ds402_statusword);
+  if (state != PowerState::operation_enabled && random.one_in(2)) {
+    return {is_fault(state) ? Intent::Kind::reset_fault : Intent::Kind::enable};
+  }
+  return draw_intent(kinds, reach, random);
+}
+
 std::vector<DrawnAxis> draw_axes(std::size_t count, bool kinds, Random& random) {
   std::array<bool, kKinds.size()> has_kind{};
   for (bool& has : has_kind) has = kinds && random.per_mille(500);

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace vdrive::test {
@@ -36,6 +37,14 @@ inline constexpr std::int64_t kUnitsPerTurn = 4'096;
 
 /// @return an input of the test bench 5E00h to 5E0Ah that is on, with up to 2.5 N.m of load.
 [[nodiscard]] Write draw_disturbance(Random& random);
+
+/// @return one of `kinds`; targets are up to `reach` from 0 [UU].
+[[nodiscard]] Intent draw_intent(std::span<const Intent::Kind> kinds, std::int32_t reach,
+                                 Random& random);
+
+/// The same, but every other time what leads to Operation enabled, where the axis is not there.
+[[nodiscard]] Intent draw_intent(const AxisStatus& status, std::span<const Intent::Kind> kinds,
+                                 std::int32_t reach, Random& random);
 
 /// An axis of a program: what its watch knows, and what its configuration has.
 struct DrawnAxis {
