@@ -93,9 +93,7 @@ class MotionProgram {
     return static_cast<std::uint32_t>(random_.below(count));
   }
 
-  std::int32_t any_target() {
-    return test::draw_intent(std::array{test::Intent::Kind::move_to}, kReach, random_).value;
-  }
+  std::int32_t any_target() { return static_cast<std::int32_t>(random_.between(-kReach, kReach)); }
 
   std::size_t any_axis() { return below(axes_.size()); }
 

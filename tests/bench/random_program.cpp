@@ -44,7 +44,6 @@ client::GroupCallOptions group_options(bool to_the_end) {
   return {.timeout = 2s, .until = Until::in_force, .progress = {}};
 }
 
-constexpr std::int32_t kReach = 20'000;  // farthest target from 0 [UU]
 constexpr std::uint16_t kEnabled = 0x000F;
 
 constexpr ObjectAddress kProfileVelocity{0x6081, 0};
@@ -222,10 +221,6 @@ void RandomProgram::command() {
       intent.kind == move_by || intent.kind == home || (intent.kind == run_at && below(2) == 0);
   log_.begin(to_string(intent));
   log_.note(carry_out(axes_[place], intent, is_awaited ? kToTheEnd : kAtOnce));
-}
-
-std::int32_t RandomProgram::any_target() {
-  return test::draw_intent(std::array{test::Intent::Kind::move_to}, kReach, random_).value;
 }
 
 void RandomProgram::move() {

@@ -64,12 +64,15 @@ class RandomProgram {
 
  private:
   struct Command;
+  static constexpr std::int32_t kReach = 20'000;  ///< farthest target from 0 [UU]
 
   std::uint32_t below(std::size_t count) {
     return static_cast<std::uint32_t>(random_.below(count));
   }
 
-  [[nodiscard]] std::int32_t any_target();
+  [[nodiscard]] std::int32_t any_target() {
+    return static_cast<std::int32_t>(random_.between(-kReach, kReach));
+  }
 
   [[nodiscard]] client::Axis& any_axis() { return axes_[below(axes_.size())]; }
 

@@ -270,24 +270,15 @@ class RandomMaster {
   Frame useful_write() {
     switch (random_.below(10)) {
       case 0:
-      case 1:
-      case 2:
-        return write_of({kControlword, test::draw_controlword(drive_.status(), random_)});
-      case 3:
-        return write_of({{0x6060, 0}, test::draw_mode(random_)});
-      case 4:
-      case 5:
-        return write_of(test::draw_set_point(drive_.status(), random_));
-      case 6:
-        return write_of(random_.one_in(6) ? test::Write{{0x6086, 0}, random_.one_in(2) ? 0 : 3}
-                                          : test::draw_setting(random_));
-      case 7:
         return write_of({{0x1016, 1}, 0x9'0000 + random_.between(0, 39)});
-      case 8:
+      case 1:
         return write_of({{0x1029, 1}, random_.between(0, 2)});
-      default:
+      case 2:
         return random_.one_in(2) ? write_of({{0x1010, 1}, 0x6576'6173})
                                  : write_of({{0x1011, 1}, 0x6461'6F6C});
+      default:
+        return write_of(random_.one_in(50) ? test::Write{{0x6086, 0}, random_.one_in(2) ? 0 : 3}
+                                           : test::draw_write(drive_.status(), random_));
     }
   }
 

@@ -35,9 +35,9 @@ service::Configuration as_taken(service::Configuration configuration, Sabotage s
 
 }  // namespace
 
-Bench::Bench(const service::Configuration& configuration,
-             const std::vector<test::AxisLimits>& limits, std::uint64_t incarnation,
-             SimulatedTime& time, Storage* storage, Sabotage sabotage, Happenings& happenings)
+Bench::Bench(const service::Configuration& configuration, const std::vector<test::DrawnAxis>& axes,
+             std::uint64_t incarnation, SimulatedTime& time, Storage* storage, Sabotage sabotage,
+             Happenings& happenings)
     : configuration_(configuration),
       incarnation_(incarnation),
       time_(time),
@@ -60,10 +60,10 @@ Bench::Bench(const service::Configuration& configuration,
     engine_.store_with(*saver_);
     model_.store_with(storage_->model, loaded_);
   }
-  for (std::size_t axis = 0; axis < limits.size(); ++axis) {
-    watches_.emplace_back(limits[axis], configuration.period);
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+    watches_.emplace_back(axes[axis].limits, configuration.period);
     watches_.back().begin(engine_.bank().status(axis), engine_.bank().power_state(axis));
-    probes_.emplace_back(static_cast<std::uint16_t>(axis + 1), limits[axis]);
+    probes_.emplace_back(static_cast<std::uint16_t>(axis + 1), axes[axis].limits);
   }
   engine_.queue_status();
   take_images();

@@ -13,6 +13,7 @@
 #include "simulation/store_model.hpp"
 #include "store/parameter_saver.hpp"
 #include "support/local_inbox.hpp"
+#include "support/programs/generator.hpp"
 #include "support/programs/model.hpp"
 
 #include <cstdint>
@@ -101,7 +102,7 @@ struct Mail {
 /// clock, its model, and the watches of its axes.
 class Bench {
  public:
-  Bench(const service::Configuration& configuration, const std::vector<test::AxisLimits>& limits,
+  Bench(const service::Configuration& configuration, const std::vector<test::DrawnAxis>& axes,
         std::uint64_t incarnation, SimulatedTime& time, Storage* storage, Sabotage sabotage,
         Happenings& happenings);
 

@@ -13,11 +13,14 @@ namespace {
 constexpr std::int64_t kKeepAlive = 25 * kMillisecond;
 constexpr std::int8_t kNoMode = 5;  // of 6060h
 
-void add_object(msg::AxisCommand& command, const test::Write& write) {
-  auto& object = command.objects.emplace_back();
+void assign(auto& object, const test::Write& write) {
   object.index = write.object.index;
   object.subindex = write.object.subindex;
   object.value = write.value;
+}
+
+void add_object(msg::AxisCommand& command, const test::Write& write) {
+  assign(command.objects.emplace_back(), write);
 }
 
 void add_member(msg::AxisCommand& command, std::uint16_t member) {
@@ -168,45 +171,30 @@ void Master::send_request(const View& view, Post& post) {
   for (std::uint64_t count = random_.below(4); count > 0; --count) {
     auto& object = request.objects.emplace_back();
     object.axis = static_cast<std::uint16_t>(1 + random_.below(view.statuses.size()));
-    if (!writes) {
+    if (writes) {
+      assign(object, any_write(view.statuses[object.axis - 1U], request));
+    } else {
       object.index = random_.pick<std::uint16_t>(kRead);
-      continue;
     }
-    write_any(object, view, request);
   }
   if (random_.per_mille(temper_.rudeness)) request.client = 0;
   this->post(std::move(request), post);
 }
 
-void Master::write_any(msg::ObjectAccess& object, const View& view, const msg::Request& request) {
+test::Write Master::any_write(const AxisStatus& status, const msg::Request& request) {
   switch (random_.below(6)) {
     case 0:
-      object.index = 0x6040;
-      object.value = test::draw_controlword(view.statuses[object.axis - 1U], random_);
-      break;
+      return {{0x6040, 0}, test::draw_controlword(status, random_)};
     case 1:
-      object.index = 0x607A;
-      object.value = random_.between(-20, 20) * test::kUnitsPerTurn;
-      break;
+      return {{0x607A, 0}, random_.between(-20, 20) * test::kUnitsPerTurn};
     case 2:
-      object.index = 0x60FF;
-      object.value = random_.between(-120'000, 120'000);
-      break;
+      return {{0x60FF, 0}, random_.between(-120'000, 120'000)};
     case 3:
-      object.index = 0x6060;
-      object.value = random_.per_mille(900) ? test::draw_mode(random_) : kNoMode;
-      break;
-    case 4: {
-      const test::Write setting = test::draw_setting(random_);
-      object.index = setting.object.index;
-      object.subindex = setting.object.subindex;
-      object.value = setting.value;
-      break;
-    }
+      return {{0x6060, 0}, random_.per_mille(900) ? test::draw_mode(random_) : kNoMode};
+    case 4:
+      return test::draw_setting(random_);
     default:
-      object.index = 0x6067;
-      object.value = new_stamp(request.incarnation, 0);
-      break;
+      return {{0x6067, 0}, new_stamp(request.incarnation, 0)};
   }
 }
 
@@ -225,10 +213,9 @@ void Master::store(const View& view, Post& post) {
     }
     auto& object = request.objects.emplace_back();
     object.axis = axis;
-    object.index = forgets ? 0x1011 : 0x1010;
-    object.subindex = 1;
-    object.value =
-        forgets != random_.per_mille(temper_.rudeness) ? kRestoreSignature : kStoreSignature;
+    const bool is_restored = forgets != random_.per_mille(temper_.rudeness);
+    const std::uint16_t index = forgets ? 0x1011 : 0x1010;
+    assign(object, {{index, 1}, is_restored ? kRestoreSignature : kStoreSignature});
   }
   this->post(std::move(request), post);
 }

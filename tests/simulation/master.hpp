@@ -4,6 +4,7 @@
 #include "simulation/control_model.hpp"
 #include "simulation/happenings.hpp"
 #include "simulation/network.hpp"
+#include "support/programs/command.hpp"
 #include "support/random_cases.hpp"
 
 #include <cstddef>
@@ -70,7 +71,7 @@ class Master {
   void time_frame(const View& view, msg::CommandFrame& frame);
   void spoil(msg::CommandFrame& frame);
   void fill(msg::AxisCommand& command, const AxisStatus& status, const msg::CommandFrame& frame);
-  void write_any(msg::ObjectAccess& object, const View& view, const msg::Request& request);
+  test::Write any_write(const AxisStatus& status, const msg::Request& request);
   msg::CommandFrame new_frame(const View& view);
   msg::Request new_request(msg::RequestKind kind);
   std::uint32_t new_stamp(std::uint64_t incarnation, std::uint32_t epoch);

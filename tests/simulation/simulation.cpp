@@ -18,13 +18,6 @@ constexpr std::size_t kDisturber = 2;  // place on the network
 constexpr std::size_t kStepper = 3;
 constexpr std::int64_t kStepPatience = 60 * kMillisecond;
 
-std::vector<test::AxisLimits> limits_of(const std::vector<test::DrawnAxis>& axes) {
-  std::vector<test::AxisLimits> limits;
-  limits.reserve(axes.size());
-  for (const test::DrawnAxis& axis : axes) limits.push_back(axis.limits);
-  return limits;
-}
-
 service::Configuration configuration_of(const Options& options,
                                         const std::vector<test::DrawnAxis>& axes, Random& random) {
   constexpr std::array kClocks{service::ClockMode::realtime, service::ClockMode::realtime,
@@ -80,7 +73,6 @@ class World {
         random_(options.seed),
         happenings_(options.trace),
         axes_(test::draw_axes(options.axes, options.play == Play::everything, random_)),
-        limits_(limits_of(axes_)),
         configuration_(configuration_of(options, axes_, random_)),
         post_(draw_habits(random_), random_.bits()),
         back_(draw_habits(random_), random_.bits()),
@@ -132,7 +124,7 @@ class World {
       bench_.reset();
       storage_.disk.end_process(random_.per_mille(500));
     }
-    bench_.emplace(configuration_, limits_,
+    bench_.emplace(configuration_, axes_,
                    static_cast<std::uint64_t>(SimulatedTime::kWall + time_.now) + 1, time_,
                    options_.play == Play::everything ? &storage_ : nullptr, options_.sabotage,
                    happenings_);
@@ -197,7 +189,6 @@ class World {
   Random random_;
   Happenings happenings_;
   std::vector<test::DrawnAxis> axes_;
-  std::vector<test::AxisLimits> limits_;
   service::Configuration configuration_;
   SimulatedTime time_;
   Post post_;

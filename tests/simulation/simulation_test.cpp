@@ -188,17 +188,20 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(row.param.name);
     });
 
-// The demand starts at rest at 0 and goes 50 UU each tick of 1 ms: beyond 1000 with the 21st.
-TEST(AxisWatch, DetectsADemandOutsideTheRange) {
-  test::AxisLimits limits;
-  limits.has_range = true;
-  limits.lower = -1'000;
-  limits.upper = 1'000;
-  test::AxisWatch watch(limits, std::chrono::milliseconds{1});
+constexpr std::chrono::milliseconds kTick{1};
+
+AxisStatus enabled() {
   AxisStatus status;
   status.ds402_statusword = 0x0237;  // Operation enabled
   status.motor_op_status = 1;
   status.op_mode_actual = 1;
+  return status;
+}
+
+// The demand starts at rest at 0 and goes 50 UU each tick of 1 ms: beyond 1000 with the 21st.
+TEST(AxisWatch, DetectsADemandOutsideTheRange) {
+  test::AxisWatch watch({.has_range = true, .lower = -1'000, .upper = 1'000}, kTick);
+  AxisStatus status = enabled();
   watch.begin(status, PowerState::operation_enabled);
   std::int32_t position = 0;
   for (; !watch.violation() && position < 5'000; position += 50) {
@@ -216,13 +219,8 @@ TEST(AxisWatch, DetectsADemandOutsideTheRange) {
 /// A drive whose axis was driven to 1,000,000 UU/s takes control and brakes 1000 UU/s each tick of
 /// 1 ms: after 800 ticks it is at 200,000 UU/s, still beyond 136,533 UU/s and a quarter.
 std::optional<test::Violation> brake_with(std::int16_t torque) {
-  test::AxisLimits limits;
-  limits.positive_torque = limits.negative_torque = 1'000;
-  test::AxisWatch watch(limits, std::chrono::milliseconds{1});
-  AxisStatus status;
-  status.ds402_statusword = 0x0237;  // Operation enabled
-  status.motor_op_status = 1;
-  status.op_mode_actual = 1;
+  test::AxisWatch watch({.positive_torque = 1'000, .negative_torque = 1'000}, kTick);
+  AxisStatus status = enabled();
   status.load_velocity_actual_value = 1'000'000;
   watch.begin(status, PowerState::operation_enabled);
   for (int tick = 0; tick < 800; ++tick) {
@@ -255,14 +253,8 @@ TEST(AxisWatch, DetectsAnAxisThatStaysTooFastWithUnusedTorque) {
 std::optional<test::Violation> speed_up_by(const std::vector<std::int32_t>& changes,
                                            std::uint8_t inputs = 0,
                                            const test::AxisCauses& causes = {}) {
-  test::AxisLimits limits;
-  limits.jerk = 4.0e6;
-  limits.positive_torque = limits.negative_torque = 1'000;
-  test::AxisWatch watch(limits, std::chrono::milliseconds{1});
-  AxisStatus status;
-  status.ds402_statusword = 0x0237;  // Operation enabled
-  status.motor_op_status = 1;
-  status.op_mode_actual = 1;
+  test::AxisWatch watch({.positive_torque = 1'000, .negative_torque = 1'000, .jerk = 4.0e6}, kTick);
+  AxisStatus status = enabled();
   watch.begin(status, PowerState::operation_enabled);
   std::vector<std::int32_t> all(5, 0);
   all.insert(all.end(), changes.begin(), changes.end());
@@ -322,14 +314,9 @@ TEST(AxisWatch, AllowsAnyJerkAtALimitSwitch) {
 /// A modulo axis of 0 to 1000 in Operation enabled whose positions go through `places` at 100 UU a
 /// tick of 1 ms.
 std::optional<test::Violation> turn_through(const std::vector<std::int32_t>& places) {
-  test::AxisLimits limits;
-  limits.range_span = 1'000;
-  limits.positive_torque = limits.negative_torque = 1'000;
-  test::AxisWatch watch(limits, std::chrono::milliseconds{1});
-  AxisStatus status;
-  status.ds402_statusword = 0x0237;
-  status.motor_op_status = 1;
-  status.op_mode_actual = 1;
+  test::AxisWatch watch({.positive_torque = 1'000, .negative_torque = 1'000, .range_span = 1'000},
+                        kTick);
+  AxisStatus status = enabled();
   status.velocity_demand_value = status.load_velocity_actual_value = 100'000;
   status.position_demand_value = status.load_position_actual_value = places.front();
   watch.begin(status, PowerState::operation_enabled);
