@@ -60,12 +60,14 @@ std::vector<AxisConfiguration> mixed_axes(std::size_t count) {
   return axes;
 }
 
-/// A command that suits the axis, or an input of the test bench that goes on or, mostly, off.
+/// A command that suits the axis; now and then an input of the test bench that goes on or off.
 test::Write draw(const AxisBank& bank, std::size_t axis, Random& random) {
   if (!random.one_in(8)) return test::draw_write(bank.status(axis), random);
-  test::Write disturbance = test::draw_disturbance(random);
-  if (!random.one_in(4)) disturbance.value = 0;
-  return disturbance;
+  for (std::uint16_t input = 0x5E00; input <= 0x5E0A; ++input) {
+    if (bank.read(axis, {input, 0}).value != 0) return {{input, 0}, 0};
+  }
+  return random.one_in(4) ? test::draw_disturbance(random)
+                          : test::draw_write(bank.status(axis), random);
 }
 
 /// The same writes for every bank that shows the same.
@@ -573,12 +575,10 @@ TEST(AxisBank, WritingTheSameValueAgainChangesNoBit) {
   write_both("op_mode_cmd", 1);
   for (int tick = 0; tick < 1'500; ++tick) {
     if (tick % 97 == 0) {
-      const std::array<std::uint16_t, 10> words{0x0F, 0x1F, 0x0F, 0x7F, 0x010F,
-                                                0x3F, 0x02, 0x07, 0x06, 0x0F};
       write_both("position_user_target_value",
                  static_cast<std::int64_t>(random.below(200'000)) - 100'000);
       write_both("profile_acc", 10'000 + static_cast<std::int64_t>(random.below(1'000'000)));
-      write_both("ds402_controlword", words[random.below(words.size())]);
+      write_both("ds402_controlword", test::draw_controlword(quiet.status(0), random));
     }
     for (std::size_t axis = 0; axis < axes.size(); ++axis) {
       for (const ObjectDescription& row : kObjectTable) {
@@ -597,8 +597,6 @@ TEST(AxisBank, WritingTheSameValueAgainChangesNoBit) {
 /// Writes to all axes of two banks that end a rest, or that a rest must keep: moves, windows
 /// and their times, disturbances, loss of power. Mostly nothing.
 void disturb_rest(AxisBank& a, AxisBank& b, Random& random) {
-  const std::array<std::uint16_t, 10> words{0x0F, 0x3F, 0x7F, 0x1F, 0x010F,
-                                            0x06, 0x00, 0x02, 0x80, 0x0F};
   const std::array<std::pair<std::string_view, std::int64_t>, 9> writes{{
       {"position_target_reached_window_time", 900},
       {"position_target_reached_window", 2'000},
@@ -612,16 +610,13 @@ void disturb_rest(AxisBank& a, AxisBank& b, Random& random) {
   }};
   for (std::size_t axis = 0; axis < a.size(); ++axis) {
     if (!random.one_in(150)) continue;
-    if (random.one_in(2)) {
-      const std::uint16_t word = words[random.below(words.size())];
-      a.write(axis, object("ds402_controlword"), word);
-      b.write(axis, object("ds402_controlword"), word);
-      continue;
-    }
     const auto& [name, bound] = writes[random.below(writes.size())];
-    const auto value = static_cast<std::int64_t>(random.below(static_cast<std::uint64_t>(bound)));
-    a.write(axis, object(name), value);
-    b.write(axis, object(name), value);
+    const test::Write write = random.one_in(2)
+                                  ? test::Write{object("ds402_controlword"),
+                                                test::draw_controlword(a.status(axis), random)}
+                                  : test::Write{object(name), random.between(0, bound - 1)};
+    a.write(axis, write.object, write.value);
+    b.write(axis, write.object, write.value);
   }
 }
 
@@ -717,7 +712,7 @@ TEST(AxisBank, IgnoredSetPointsAreCountedBeforeTheNextTick) {
 // ---- random programmes
 // -------------------------------------------------------------------------------
 
-/// Axes of every kind that a program draws, their commands, and a watch for each.
+/// Axes of every kind that the generator draws, their programmes, and a watch for each.
 class WatchedBank {
  public:
   explicit WatchedBank(std::uint64_t seed) : random_(seed) {
@@ -727,19 +722,19 @@ class WatchedBank {
       watches_.emplace_back(drawn.limits, kPeriod);
     }
     bank_.emplace(axes, kPeriod);
-    for (std::size_t axis = 0; axis < kAxes; ++axis) {
-      watches_[axis].begin(bank_->status(axis), bank_->power_state(axis));
+    for (axis_ = 0; axis_ < kAxes; ++axis_) {
+      watches_[axis_].begin(bank_->status(axis_), bank_->power_state(axis_));
     }
   }
 
-  /// @return what is violated, after the programme of the axis; empty = nothing.
+  /// @return the programme of an axis and what it violates; empty = nothing.
   std::string run(int ticks) {
     for (int tick = 0; tick < ticks && violation_.empty(); ++tick) {
-      for (std::size_t axis = 0; axis < kAxes; ++axis) {
-        if (random_.one_in(20)) act(axis, tick);
+      for (axis_ = 0; axis_ < kAxes; ++axis_) {
+        if (random_.one_in(20)) note("tick " + std::to_string(tick) + ": " + act());
       }
       bank_->step();
-      for (std::size_t axis = 0; axis < kAxes; ++axis) check(axis, tick);
+      for (axis_ = 0; axis_ < kAxes; ++axis_) check();
     }
     return violation_;
   }
@@ -747,61 +742,55 @@ class WatchedBank {
  private:
   static constexpr std::size_t kAxes = 6;
   static constexpr microseconds kPeriod{1000};
-
-  void act(std::size_t axis, int tick) {
-    test::AxisCauses& causes = causes_.at(axis);
-    std::string& programme = programmes_.at(axis);
-    programme += "tick " + std::to_string(tick) + ": ";
-    if (random_.one_in(200)) {
-      bank_->power_cycle(axis);
-      causes.cycled = true;
-      programme += "power_cycle()\n";
-    } else if (random_.one_in(200)) {
-      bank_->report_connection_loss(axis);
-      causes.lost = true;
-      programme += "report_connection_loss()\n";
-    } else {
-      write(axis, draw(*bank_, axis, random_), tick);
-    }
-  }
-
-  void write(std::size_t axis, const test::Write& write, int tick) {
-    programmes_.at(axis) += to_string(write) + "\n";
-    const auto before = static_cast<std::uint16_t>(bank_->read(axis, kControlword).value);
-    const auto [code, violated] = test::write_to(*bank_, axis, write);
-    if (violated != nullptr) fail(axis, tick, violated);
-    if (code != AbortCode::none || write.object != kControlword) return;
-    const PowerCommand command = decode_command(static_cast<std::uint16_t>(write.value), before);
-    causes_.at(axis).commanded = true;
-    causes_.at(axis).switched_off |=
-        command == PowerCommand::disable_voltage || command == PowerCommand::shutdown;
-  }
-
-  void check(std::size_t axis, int tick) {
-    test::AxisCauses causes = std::exchange(causes_.at(axis), {});
-    for (std::uint16_t input = 0x5E00; input <= 0x5E0A; ++input) {
-      causes.has_test_input |= bank_->read(axis, {input, 0}).value != 0;
-    }
-    causes.encoder_fails = bank_->read(axis, {0x5E04, 0}).value != 0;
-    watches_[axis].check(bank_->status(axis), bank_->power_state(axis), causes);
-    if (const auto& violation = watches_[axis].violation()) {
-      fail(axis, tick,
-           violation->invariant + ", expected " + violation->expected + ": " + violation->seen);
-    }
-  }
-
-  void fail(std::size_t axis, int tick, const std::string& what) {
-    violation_ = programmes_.at(axis) + "tick " + std::to_string(tick) + ", axis " +
-                 std::to_string(axis) + ": violated: " + what;
-  }
-
   static constexpr ObjectAddress kControlword{0x6040, 0};
+
+  void note(const std::string& line) { programmes_.at(axis_) += line + '\n'; }
+
+  /// @return what it did.
+  std::string act() {
+    test::AxisCauses& causes = causes_.at(axis_);
+    if (random_.one_in(200)) {
+      bank_->power_cycle(axis_);
+      causes.cycled = true;
+      return "power_cycle()";
+    }
+    if (random_.one_in(200)) {
+      bank_->report_connection_loss(axis_);
+      causes.lost = true;
+      return "report_connection_loss()";
+    }
+    const test::Write write = draw(*bank_, axis_, random_);
+    const auto before = static_cast<std::uint16_t>(bank_->read(axis_, kControlword).value);
+    const auto [code, violated] = test::write_to(*bank_, axis_, write);
+    if (violated != nullptr) violation_ = programmes_.at(axis_) + to_string(write) + violated;
+    if (code == AbortCode::none && write.object == kControlword) {
+      const PowerCommand command = decode_command(static_cast<std::uint16_t>(write.value), before);
+      causes.commanded = true;
+      causes.switched_off |=
+          command == PowerCommand::disable_voltage || command == PowerCommand::shutdown;
+    }
+    return to_string(write);
+  }
+
+  void check() {
+    test::AxisCauses causes = std::exchange(causes_.at(axis_), {});
+    for (std::uint16_t input = 0x5E00; input <= 0x5E0A; ++input) {
+      causes.has_test_input |= bank_->read(axis_, {input, 0}).value != 0;
+    }
+    causes.encoder_fails = bank_->read(axis_, {0x5E04, 0}).value != 0;
+    watches_[axis_].check(bank_->status(axis_), bank_->power_state(axis_), causes);
+    if (const auto& violation = watches_[axis_].violation()) {
+      violation_ = programmes_.at(axis_) + violation->invariant + ", expected " +
+                   violation->expected + ": " + violation->seen;
+    }
+  }
 
   Random random_;
   std::optional<AxisBank> bank_;
   std::vector<test::AxisWatch> watches_;
   std::array<test::AxisCauses, kAxes> causes_;
   std::array<std::string, kAxes> programmes_;
+  std::size_t axis_ = 0;  ///< in hand
   std::string violation_;
 };
 

@@ -110,7 +110,6 @@ const char* violated_invariant(const AxisStatus& status, PowerState expected,
                                std::int64_t maker_bits) {
   constexpr std::uint16_t kReservedBits = 0xC100;
   constexpr std::uint16_t kModeBits = Statusword::kTargetReached | Statusword::kSetPointAcknowledge;
-  constexpr std::uint16_t kHomingBits = Statusword::kHomingAttained | Statusword::kHomingError;
   const PowerState state = decode_power_state(status.ds402_statusword);
   const bool may_be_powered = state == PowerState::operation_enabled ||
                               state == PowerState::quick_stop_active ||
@@ -125,10 +124,6 @@ const char* violated_invariant(const AxisStatus& status, PowerState expected,
     return Invariant::kModeBits;
   }
   if (!is_operating_mode(status.op_mode_actual)) return Invariant::kMode;
-  if (is_mode(status, OperatingMode::homing) && state == PowerState::operation_enabled &&
-      shows(kHomingBits) == kHomingBits) {
-    return Invariant::kHoming;
-  }
   if (status.motor_op_status != 0 && !may_be_powered) return Invariant::kPower;
   if (!has_power && status.torque_actual_value != 0) return Invariant::kTorqueOff;
   if (!has_power && status.velocity_demand_value != 0) return Invariant::kDemand;
@@ -227,6 +222,7 @@ void AxisWatch::check(const AxisStatus& now, PowerState state, const AxisCauses&
   check_range(now, commanded);
   check_modulo(now);
   check_torque(now);
+  check_homing(now, state);
   check_reaction(now, state, causes);
   had_test_input_ = has_test_input_;
   last_ = now;
@@ -404,6 +400,14 @@ void AxisWatch::check_torque(const AxisStatus& now) {
            number(-limits_.negative_torque) + " to " + number(limits_.positive_torque),
            number(torque));
     }
+  }
+}
+
+void AxisWatch::check_homing(const AxisStatus& now, PowerState state) {
+  constexpr std::uint16_t kBothBits = Statusword::kHomingAttained | Statusword::kHomingError;
+  if (is_mode(now, OperatingMode::homing) && state == PowerState::operation_enabled &&
+      (now.ds402_statusword & kBothBits) == kBothBits) {
+    fail(Invariant::kHoming, "one of them", motion_of(now));
   }
 }
 

@@ -29,11 +29,11 @@ struct Invariant {
   static constexpr const char* kErrorCode = "603Fh is set in a fault only";
   static constexpr const char* kMode = "6061h is 0 or a mode of 6502h";
   static constexpr const char* kModeBits = "bits 10 and 12 of 6041h are those of state and mode";
-  static constexpr const char* kHoming = "bits 12 and 13 exclude each other in homing";
   // From tick to tick.
   static constexpr const char* kResume = "nothing resumes by itself";
   static constexpr const char* kTransition = "without a command the state only falls";
   static constexpr const char* kReaction = "the axes of a lost master react per 6007h";
+  static constexpr const char* kHoming = "bits 12 and 13 exclude each other in homing";
   static constexpr const char* kNoMotion = "no motion without power";
   static constexpr const char* kNoJump = "no position jump without cause";
   static constexpr const char* kSpeed = "607Fh and 6080h are respected";
@@ -155,6 +155,7 @@ class AxisWatch {
   void check_range(const AxisStatus& now, bool commanded);
   void check_modulo(const AxisStatus& now);
   void check_torque(const AxisStatus& now);
+  void check_homing(const AxisStatus& now, PowerState state);
   void check_reaction(const AxisStatus& now, PowerState state, const AxisCauses& causes);
 
   AxisLimits limits_;
