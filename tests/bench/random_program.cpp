@@ -228,10 +228,14 @@ void RandomProgram::move() {
       any_target(), {.velocity = 1'000 + below(50'000), .queue = below(2) == 0, .call = kAtOnce}));
 }
 
+// No controlword: the client library knows of bits 4 to 8 what it has sent itself.
 void RandomProgram::write() {
   const std::size_t place = below(axes_.size());
-  const test::Write write = below(2) == 0 ? test::Write{kProfileVelocity, below(200'000)}
-                                          : test::draw_write(seen_.axes.at(place).status, random_);
+  const AxisStatus& status = seen_.axes.at(place).status;
+  test::Write write{kProfileVelocity, below(200'000)};
+  if (below(2) == 0) write = test::draw_setting(random_);
+  if (below(4) == 0) write = test::draw_set_point(status, random_);
+  if (below(8) == 0) write = {{0x6060, 0}, test::draw_mode(random_)};
   log_.begin(to_string(write));
   log_.note(axes_[place].write(write.object, write.value));
   log_.note(first_.step(kBench, 1));

@@ -224,15 +224,7 @@ class RandomMaster {
   }
 
  private:
-  template <typename Value, std::size_t kCount>
-  Value pick(const std::array<Value, kCount>& values) {
-    return values[random_.below(kCount)];
-  }
-
-  const NodeObject& any_object() {
-    const std::span<const NodeObject> objects = node_objects();
-    return objects[random_.below(objects.size())];
-  }
+  const NodeObject& any_object() { return random_.pick(node_objects()); }
 
   static Frame request(std::uint8_t command, ObjectAddress object, std::uint32_t value = 0) {
     Frame frame{.id = kRequestId, .size = kMostData};
@@ -286,7 +278,7 @@ class RandomMaster {
   Frame segment() {
     constexpr std::array<std::uint8_t, 10> kCommands{0x20, 0x21, 0x00, 0x10, 0x07,
                                                      0x1B, 0x60, 0x70, 0x80, 0xA4};
-    const std::uint8_t command = pick(kCommands);
+    const std::uint8_t command = random_.pick<std::uint8_t>(kCommands);
     const ObjectAddress object = any_object().address;
     return request(command, object, static_cast<std::uint32_t>(random_.below(6)));
   }
@@ -300,7 +292,7 @@ class RandomMaster {
     Frame frame{.id = 0x200U + 0x100U * static_cast<std::uint32_t>(number) + kSimulatedNode,
                 .size = kSizes.at(number)};
     for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(random_.below(4));
-    frame.data[0] = pick(kWords);
+    frame.data[0] = random_.pick<std::uint8_t>(kWords);
     frame.data[1] = random_.one_in(8) ? 1 : 0;
     if (number == kModePdo) frame.data[2] = static_cast<std::uint8_t>(test::draw_mode(random_));
     if (random_.one_in(20)) frame.size = static_cast<std::uint8_t>(random_.below(9));
@@ -310,7 +302,9 @@ class RandomMaster {
   Frame nmt() {
     constexpr std::array<std::uint8_t, 8> kCommands{0x01, 0x01, 0x01, 0x02, 0x80, 0x81, 0x82, 0x55};
     constexpr std::array<std::uint8_t, 4> kNodes{kSimulatedNode, kSimulatedNode, 0, 7};
-    return {.id = 0, .size = 2, .data = {pick(kCommands), pick(kNodes)}};
+    return {.id = 0,
+            .size = 2,
+            .data = {random_.pick<std::uint8_t>(kCommands), random_.pick<std::uint8_t>(kNodes)}};
   }
 
   Frame noise() {

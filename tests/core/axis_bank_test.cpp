@@ -766,7 +766,7 @@ class WatchedBank {
     if (code == AbortCode::none && write.object == kControlword) {
       const PowerCommand command = decode_command(static_cast<std::uint16_t>(write.value), before);
       causes.commanded = true;
-      causes.switched_off |=
+      causes.switched_off =
           command == PowerCommand::disable_voltage || command == PowerCommand::shutdown;
     }
     return to_string(write);
@@ -775,7 +775,7 @@ class WatchedBank {
   void check() {
     test::AxisCauses causes = std::exchange(causes_.at(axis_), {});
     for (std::uint16_t input = 0x5E00; input <= 0x5E0A; ++input) {
-      causes.has_test_input |= bank_->read(axis_, {input, 0}).value != 0;
+      if (bank_->read(axis_, {input, 0}).value != 0) causes.has_test_input = true;
     }
     causes.encoder_fails = bank_->read(axis_, {0x5E04, 0}).value != 0;
     watches_[axis_].check(bank_->status(axis_), bank_->power_state(axis_), causes);
