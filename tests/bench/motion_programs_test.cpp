@@ -44,7 +44,7 @@ constexpr int kSteps = 12;
 constexpr std::int32_t kReach = 3'000;  // farthest target from 0
 constexpr double kRate = 10.0;          // of drive time in real time
 
-/// What the program knows of an axis.
+/// What the program knows of an axis, beyond its status: only this tells why a call has to end.
 struct Known {
   bool is_enabled = false;
   bool runs = false;       ///< with a velocity or a torque, without an end

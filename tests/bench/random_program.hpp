@@ -52,7 +52,8 @@ class ProgramLog {
 /// @return the first line in which two logs differ, behind what came before it; empty = none.
 [[nodiscard]] std::string difference_of(const std::string& one, const std::string& other);
 
-/// A random program of two sessions in one thread: the same for the same seed.
+/// A random program of two sessions in one thread: the same for the same seed. Its calls of one
+/// axis are those of the generator; groups, streams, jogging, clocks and snapshots are its own.
 class RandomProgram {
  public:
   /// @param second takes axes from the first one, which lets time pass

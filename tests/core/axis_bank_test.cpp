@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bank: the same bits for every way of stepping, snapshots, no allocation in a tick, power
-// cycle, periods, refused configurations.
+// The bank: the same bits for every way of stepping, snapshots, no allocation in a tick, random
+// programmes, power cycle, periods, refused configurations.
 #include "vdrive/axis_bank.hpp"
 
 #include "core/support/allocation_guard.hpp"
@@ -718,7 +718,9 @@ class WatchedBank {
   explicit WatchedBank(std::uint64_t seed) : random_(seed) {
     std::vector<AxisConfiguration> axes;
     for (const test::DrawnAxis& drawn : test::draw_axes(kAxes, true, random_)) {
-      axes.push_back({.model = drawn.model, .parameters = drawn.parameters});
+      AxisConfiguration& axis = axes.emplace_back();
+      axis.model = drawn.model;
+      axis.parameters = drawn.parameters;
       watches_.emplace_back(drawn.limits, kPeriod);
     }
     bank_.emplace(axes, kPeriod);
