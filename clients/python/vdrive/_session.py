@@ -8,6 +8,7 @@ import sys
 
 from . import _vdrive
 from ._arguments import (
+    MOST,
     Handle,
     bench_number,
     call_options,
@@ -228,7 +229,9 @@ class Session(Handle):
 
     def step(self, ticks: NumberSpec = 1, *, bench: int | None = None) -> int:
         """Step a lock-step bench. Return the tick reached."""
-        return self._handle.step(bench_number(bench), whole("ticks", ticks))
+        if type(ticks) is not int or not 0 <= ticks <= MOST:  # a call less where it is one
+            ticks = whole("ticks", ticks)
+        return self._handle.step(bench if bench is None else bench_number(bench), ticks)
 
     def wait(self, duration: float, *, bench: int | None = None) -> int:
         """Wait for drive time, in s; in lock-step by steps. Return the tick reached."""
