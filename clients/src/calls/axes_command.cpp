@@ -526,10 +526,13 @@ void AxesCommand::await_each(std::string_view awaited, std::uint64_t from, const
     at_end_[place] = call_.snapshots()[place];
     return true;
   });
-  if (is_group()) {
-    if (!seen) end_all(stop_ ? call_.stop_if_lost(std::move(seen)) : seen);
-    return;
-  }
+  if (!is_group()) return end_late(awaited, seen, has_come);
+  if (!seen) end_all(stop_ ? call_.stop_if_lost(std::move(seen)) : seen);
+}
+
+/// Ends the axes that have not come to what was awaited, each for itself.
+void AxesCommand::end_late(std::string_view awaited, const Outcome& seen,
+                           const std::vector<bool>& has_come) {
   for (const std::size_t place : pending_places()) {
     if (has_come[place]) continue;
     const bool is_late = seen.kind() == OutcomeKind::timed_out && outcomes_.size() > 1;

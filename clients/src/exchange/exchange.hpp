@@ -23,8 +23,7 @@ class Exchange;
 /// Requests that were sent to one bench together. What nobody awaits is forgotten.
 class SentRequests {
  public:
-  SentRequests(Exchange& exchange, Target target)
-      : exchange_(&exchange), target_(std::move(target)) {}
+  SentRequests(Exchange& exchange, const Target& target) : exchange_(&exchange), target_(target) {}
 
   ~SentRequests();
   SentRequests(SentRequests&&) noexcept = default;

@@ -101,6 +101,7 @@ ExitCode RunCommand::start_privately(const std::vector<Scenario>& loaded, JunitR
       if (!found) return found;
     }
     std::vector<std::vector<std::string>> processes;
+    processes.reserve(loaded.size());
     for (const Scenario& each : loaded) processes.push_back(command_of_one(each, program.options));
     return run_scenarios_apart(loaded, run, junit, processes, interrupt, program.terminal);
   });
