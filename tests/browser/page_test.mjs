@@ -989,6 +989,7 @@ test("control is taken from its holder after a question that names it and what m
   await waitForText(other.locator(".question"), /^$/);
   assert.ok(await take.evaluate((button) => button === document.activeElement));
   assert.match((await page.locator(".holder").textContent()) ?? "", /You have control/);
+  await waitForNextPress(other);
   await take.dblclick();
   await other.locator('[data-test="take-confirm"]').waitFor();
   assert.match((await page.locator(".holder").textContent()) ?? "", /You have control/);
