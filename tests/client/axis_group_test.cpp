@@ -224,6 +224,25 @@ TEST_F(LockStepGroup, EnablesNoAxisWhenOneHasAFaultAndDisablesTheOthers) {
   EXPECT_EQ(group.halt_all().code(), kRefusedInState) << "no axis can halt";
 }
 
+TEST_F(LockStepGroup, AResetSeesAFaultThatComesWhileItWaitsForAnotherAxis) {
+  AxisGroup group = enabled(2);
+  ASSERT_TRUE(session_.axis("1.1")->run_at(20'000, {.call = {.until = Until::in_force}}));
+  ASSERT_TRUE(session_.step(1, 100));
+  ASSERT_TRUE(session_.axis("1.1")->disturb(Disturbance::over_current));
+  ASSERT_TRUE(session_.step(1, 2));
+  ASSERT_EQ(group.status()->axes[0].state(), PowerState::fault_reaction_active);
+  Session other(options_on_wire());
+  bool has_come = false;
+  const Outcome reset = group.reset_all({.progress = [&](const auto& /*progress*/) {
+    if (std::exchange(has_come, true)) return;
+    EXPECT_TRUE(other.axis("1.2")->disturb(Disturbance::over_current));
+  }});
+  EXPECT_TRUE(has_come);
+  const auto seen = group.status();
+  const bool has_fault = std::ranges::any_of(seen->axes, is_fault, &AxisSnapshot::state);
+  EXPECT_NE(static_cast<bool>(reset), has_fault) << reset.message();
+}
+
 TEST_F(LockStepGroup, MovesTogetherScaledToTheSlowest) {
   AxisGroup group = enabled(3);
   write("1.2", kVelocity, 10'000);

@@ -46,6 +46,7 @@ TEST(WordsTo, DisableAnAxisThatStaysInQuickStopActiveByWayOfDisableVoltage) {
 
 TEST(WordsTo, ResetAFaultByAnEdgeThatLeavesRoomForTheNext) {
   EXPECT_THAT(words_to(EachCommand::reset_fault, PowerState::fault), ElementsAre(0x00, 0x80, 0x00));
+  EXPECT_TRUE(words_to(EachCommand::reset_fault, PowerState::operation_enabled).empty());
 }
 
 TEST(WordsTo, HaltResumeAndStopByOneWord) {

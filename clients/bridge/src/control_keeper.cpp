@@ -90,6 +90,8 @@ void ControlKeeper::note_owner(std::span<const AxisSnapshot> axes) {
 bool ControlKeeper::has_just_lost(std::span<const AxisSnapshot> axes) {
   const std::scoped_lock lock(mutex_);
   if (!is_wanted_ || has_lost_) return false;
+  // The state of a paused bench names no owner.
+  if (!std::ranges::all_of(axes, &AxisSnapshot::has_owner)) return false;
   const bool has_it = owns_all(axes, session_);
   has_lost_ = had_it_ && !has_it;
   had_it_ = had_it_ || has_it;

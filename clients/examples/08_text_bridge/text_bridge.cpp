@@ -164,9 +164,11 @@ class TextBridge final : private bridge::BenchHost {
   }
 
   std::optional<std::string> add(const client::BenchInfo& info) override {
-    const auto tell = [this](const std::string& line) {
-      asio::post(loop_, [this, line] {
-        tell_all(line);
+    // The link of a bench that is replaced may still have something to tell while it ends.
+    const auto is_served = is_served_[info.number] = std::make_shared<bool>(true);
+    const auto tell = [this, is_served](const std::string& line) {
+      asio::post(loop_, [this, is_served, line] {
+        if (*is_served) tell_all(line);
       });
     };
     benches_.emplace(info.number, std::make_shared<TextBench>(session_, reports_, info, tell));
@@ -174,6 +176,7 @@ class TextBridge final : private bridge::BenchHost {
   }
 
   void remove(std::uint32_t bench, bool /*is_replaced*/) override {
+    *is_served_.extract(bench).mapped() = false;
     // Its calls may wait for the bench: not in the thread of the loop.
     (void)closer_.post([ending = benches_.extract(bench).mapped()] {});
     tell_all("bench " + std::to_string(bench) + " has gone");
@@ -289,15 +292,16 @@ class TextBridge final : private bridge::BenchHost {
     answer->fail("the bench is silent, or too many commands wait");
   }
 
-  /// Halts the axes that are enabled.
+  /// Halts the axes that are enabled, after what each was asked for before.
   void stop(const AnswerPointer& answer) {
     answer->set("ok");
     for (const auto& [number, bench] : benches_) {
       const bridge::BenchAdapter::State state = bench->state();
       if (!state) continue;
       for (std::size_t place = 0; place < state->axes.size(); ++place) {
-        if (state->axes[place].state() != PowerState::operation_enabled) continue;
         (void)bench->link().post(place, kStop, [answer](client::Axis& axis) {
+          const auto seen = axis.status();
+          if (!seen || seen->state() != PowerState::operation_enabled) return;
           if (const client::Outcome halted = axis.halt(); !halted) answer->fail(halted.message());
         });
       }
@@ -310,6 +314,7 @@ class TextBridge final : private bridge::BenchHost {
   bridge::Worker closer_;
   bridge::Roster roster_{*this};
   std::map<std::uint32_t, std::shared_ptr<TextBench>> benches_;
+  std::map<std::uint32_t, std::shared_ptr<bool>> is_served_;  ///< by bench
   std::vector<std::shared_ptr<Connection>> connections_;
   tcp::acceptor acceptor_;
   bool is_accepting_ = false;

@@ -140,8 +140,12 @@ Outcome command_axes(Session& session, std::vector<Axis>& axes, const AxesServic
     }
     return outcome;
   }
-  if (axes.size() == 1) {
-    return session.command_each(axes, *service.command, options(service.until)).front();
+  // On a paused bench a group would wait for drive time to show the axes after a power cycle.
+  if (axes.size() == 1 || service.command == EachCommand::power_cycle) {
+    for (Outcome& outcome : session.command_each(axes, *service.command, options(service.until))) {
+      if (!outcome) return std::move(outcome);
+    }
+    return {};
   }
   auto group = AxisGroup::create(session, axes);
   if (!group) return group.outcome();

@@ -34,6 +34,12 @@ class Handle:
     def __repr__(self) -> str:
         return f"<vdrive.{type(self).__name__}>"
 
+    if not TYPE_CHECKING:  # which would take every name for an attribute
+        def __getattr__(self, name):
+            if name == "_handle":
+                raise TypeError(f"{type(self).__name__}.__init__() was not called")
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
     def __reduce__(self) -> NoReturn:
         raise TypeError(f"cannot pickle {self!r}")
 
@@ -132,16 +138,24 @@ def is_utf8(text: str) -> bool:
 
 
 def text(name: str, value: Any) -> str:
-    if isinstance(value, bytes) or isinstance(value, str) and is_utf8(value):
-        return value  # type: ignore[return-value]  # the C++ module takes bytes, too
+    """Return a text, which may come as bytes of UTF-8."""
+    try:
+        if isinstance(value, bytes):
+            return value.decode()
+    except UnicodeDecodeError:
+        pass
+    if isinstance(value, str) and is_utf8(value):
+        return value
     raise TypeError(f"{name} = {shown(value)}: must be a text")
 
 
 def texts(name: str, value: Any) -> list[str]:
-    if isinstance(value, (str, bytes)) or not hasattr(value, "__getitem__") or not all(
-            isinstance(each, (str, bytes)) for each in value):
+    if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__getitem__"):
         raise TypeError(f"{name} = {shown(value)}: must be a list of texts")
-    return list(value)
+    try:
+        return [text(name, each) for each in value]
+    except TypeError:
+        raise TypeError(f"{name} = {shown(value)}: must be a list of texts") from None
 
 
 def word(name: str, value: Any, first: str, *others: str) -> str:
@@ -188,9 +202,18 @@ def instance(name: str, value: Any, kind: type) -> Any:
     raise TypeError(f"{name} = {shown(value)}: must be a vdrive.{kind.__name__}")
 
 
+def is_iterable(values: object) -> bool:
+    """Whether one can go through it; hasattr() does not know of __getitem__, nor of shapes."""
+    try:
+        iter(values)  # type: ignore[call-overload]
+    except TypeError:
+        return False
+    return True
+
+
 def row(name: str, values: Any, check: Callable[[str, Any], Any]) -> list[Any]:
     """Return what `check` makes of each value; an error names its place, such as "targets[1]"."""
-    if not hasattr(values, "__iter__"):
+    if not is_iterable(values):
         raise TypeError(f"{name} = {shown(values)}: must be a sequence")
     return [check(f"{name}[{place}]", value) for place, value in enumerate(values)]
 

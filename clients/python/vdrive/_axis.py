@@ -252,7 +252,8 @@ class Axis(Handle):
         if unit is None:
             return None
         sizes = self.unit._sizes
-        if text("unit", unit) not in sizes:
+        unit = text("unit", unit)
+        if unit not in sizes:
             raise ValueError(f"axis {self.id} has no unit {unit!r}: {', '.join(sizes)}")
         return unit, sizes[unit]
 

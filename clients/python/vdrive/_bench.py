@@ -7,7 +7,7 @@ import os
 import weakref
 
 from . import _vdrive
-from ._arguments import instance, is_utf8, optional
+from ._arguments import instance, is_utf8, optional, texts
 from ._errors import ConfigurationError, NotFound
 from ._session import Session
 
@@ -88,7 +88,7 @@ def _words(arguments: Iterable[object]) -> list[str]:
     if isinstance(arguments, (str, bytes)) or not hasattr(arguments, "__iter__"):
         raise TypeError(f'arguments = {arguments!r}: must be a list of words, such as '
                         '["--period", "500"]')
-    return [str(argument) for argument in arguments]
+    return texts("arguments", [str(argument) for argument in arguments])
 
 
 class Bench:

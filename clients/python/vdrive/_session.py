@@ -14,6 +14,7 @@ from ._arguments import (
     call_options,
     dictionary,
     instance,
+    is_iterable,
     nanoseconds,
     object_number,
     observes,
@@ -148,7 +149,7 @@ class Session(Handle):
             return None
         if isinstance(axes, (str, Axis)):
             return [self._given_one(axes)]
-        if not hasattr(axes, "__iter__"):
+        if not is_iterable(axes):
             _refuse_axes(axes)
         return [self._given_one(axis) for axis in axes]
 

@@ -40,6 +40,7 @@ std::vector<std::uint16_t> words_to(EachCommand command, PowerState state, const
     case EachCommand::quick_stop:
       return {kQuickStop};
     case EachCommand::reset_fault:
+      if (!is_fault(state)) return {};  // 0000h would take the power of an axis that has it
       // Bit 7 goes up and down again: the next reset has its edge, and 0000h commands nothing in
       // Fault.
       return {kDisableVoltage, Controlword::kFaultReset, kDisableVoltage};

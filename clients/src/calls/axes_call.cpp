@@ -3,6 +3,7 @@
 
 #include "base/ask.hpp"
 #include "base/drive_words.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -189,6 +190,7 @@ Result<AxesCall::Values> AxesCall::read(std::span<const ObjectAddress> objects) 
 }
 
 Result<AxesCall::Values> AxesCall::take_values() {
+  ensure(asked_.size() == axes_.parts().size(), "values are taken once, after they were asked for");
   Values values(snapshots().size());
   auto asked = asked_.begin();
   for (BenchPart& part : axes_.parts()) {

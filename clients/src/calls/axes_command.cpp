@@ -58,6 +58,7 @@ struct AxesCommand::Row {
   std::string_view awaited;
   PowerState end_state = PowerState::operation_enabled;  ///< of await_end_state()
   bool stays_enabled = false;    ///< in Operation enabled afterwards; else without a fault
+  bool ends_faults = false;      ///< afterwards no axis of a group has one
   void (AxesCommand::*reach)();  ///< waits until it is done
 };
 
@@ -115,12 +116,14 @@ constinit const std::array<AxesCommand::Row, 7> AxesCommand::kRows{
         .is_at_end = without_fault,
         .await_before = &AxesCommand::await_end_of_reaction,
         .awaited = "the end of the fault",
+        .ends_faults = true,
         .reach = &AxesCommand::await_reset},
     Row{.command = EachCommand::power_cycle,
         .can_take = in_every_state,
         .is_at_end = in_no_state,
         .awaited = "Switch on disabled",
         .end_state = PowerState::switch_on_disabled,
+        .ends_faults = true,
         .reach = &AxesCommand::await_end_state},
 };
 
@@ -154,10 +157,16 @@ void AxesCommand::begin() {
   judge();
 }
 
-void AxesCommand::await_before() {
+bool AxesCommand::await_before() {
   const bool is_at_once = row_.command == EachCommand::enable && options_.until == Until::in_force;
-  if (!has_pending() || is_at_once || row_.await_before == nullptr) return;
+  if (!has_pending() || is_at_once || row_.await_before == nullptr) return false;
+  const std::uint64_t begin = call_.tick();
   (this->*row_.await_before)();
+  if (!has_pending() || call_.tick() == begin) return call_.tick() != begin;
+  // What has changed meanwhile counts: in a group also an axis that needed nothing before.
+  if (is_group()) is_pending_.assign(is_pending_.size(), true);
+  if (is_group() || row_.command == EachCommand::reset_fault) judge();
+  return true;
 }
 
 void AxesCommand::refresh() {
@@ -244,6 +253,7 @@ void AxesCommand::conclude() {
     if (row_.stays_enabled && !is_left_out_ && has_pending()) {
       end_all(call_.check(row_.awaited, from_));
     }
+    if (row_.ends_faults) end_if_faulty();
     return;
   }
   std::optional<Outcome> service;  // asked once
@@ -258,12 +268,24 @@ void AxesCommand::conclude() {
   }
 }
 
+/// Ends a group of which an axis has a fault, whether the command was for that axis or not.
+void AxesCommand::end_if_faulty() {
+  if (call_.tick() < from_ || !outcome()) return;
+  const auto faulty = std::ranges::find_if_not(call_.snapshots(), has_no_fault);
+  if (faulty == call_.snapshots().end()) return;
+  const Outcome failed = failed_instead_of(row_.awaited, *faulty);
+  outcomes_.front() = row_.command == EachCommand::reset_fault
+                          ? not_in_this_state(failed.message() + ", the cause persists")
+                          : failed;
+}
+
 // ---- start -----------------------------------------------------------------------------------
 
 Outcome AxesCommand::begin_call() {
   if (Outcome begun = call_.begin(options_.timeout); !begun) return begun;
   if (stop_) return begin_stop();
-  return row_.command == EachCommand::power_cycle ? Outcome() : acquire();
+  const bool needs_control = row_.command != EachCommand::power_cycle || is_group();
+  return needs_control ? acquire() : Outcome();
 }
 
 Outcome AxesCommand::begin_stop() {
@@ -334,6 +356,10 @@ bool AxesCommand::goes_ahead() const {
   return !is_group() && !stop_ && row_.command != EachCommand::power_cycle;
 }
 
+bool AxesCommand::stops_if_lost() const {
+  return is_group() && row_.command == EachCommand::halt;
+}
+
 /// The n-th round has the n-th word of each axis.
 std::vector<Round> AxesCommand::rounds() const {
   std::vector<Round> rounds;
@@ -368,7 +394,7 @@ Outcome AxesCommand::put_in_force() {
     return call_.await_enabled("the release", from_, every_axis);
   }
   Outcome seen = call_.await_tick("the command to be in force", from_);
-  return is_group() && stop_ ? call_.stop_if_lost(std::move(seen)) : seen;
+  return stops_if_lost() ? call_.stop_if_lost(std::move(seen)) : seen;
 }
 
 Answers AxesCommand::exchange() {
@@ -492,7 +518,7 @@ void AxesCommand::judge_in_force() {
       judge_enabling(place);
     }
   }
-  if (is_group() && options_.until == Until::in_force) conclude();
+  if (is_group() && (options_.until == Until::in_force || !has_pending())) conclude();
 }
 
 /// In Switched on power is on its way.
@@ -527,7 +553,7 @@ void AxesCommand::await_each(std::string_view awaited, std::uint64_t from, const
     return true;
   });
   if (!is_group()) return end_late(awaited, seen, has_come);
-  if (!seen) end_all(stop_ ? call_.stop_if_lost(std::move(seen)) : seen);
+  if (!seen) end_all(stops_if_lost() ? call_.stop_if_lost(std::move(seen)) : seen);
 }
 
 /// Ends the axes that have not come to what was awaited, each for itself.
@@ -679,7 +705,11 @@ std::vector<AxisId> ids_of(const Axes& axes, const auto& id_of) {
 void start_together(std::span<const std::unique_ptr<AxesCommand>> calls) {
   for (const auto& call : calls) call->open();
   for (const auto& call : calls) call->begin();
-  for (const auto& call : calls) call->await_before();
+  bool has_waited = false;
+  for (const auto& call : calls) {
+    if (has_waited) call->refresh();
+    has_waited = call->await_before() || has_waited;
+  }
   if (calls.size() > 1) {
     for (const auto& call : calls) call->refresh();
   }

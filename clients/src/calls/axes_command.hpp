@@ -42,7 +42,8 @@ class AxesCommand {
   void begin();
 
   /// Waits for what has to end before the command.
-  void await_before();
+  /// @return whether a tick has passed.
+  bool await_before();
 
   /// Others have waited since begin(): observes the axes as they are now, and judges them again.
   void refresh();
@@ -96,6 +97,10 @@ class AxesCommand {
   void await_end_of_reaction();
 
   [[nodiscard]] bool goes_ahead() const;
+
+  /// A halt that loses a bench would leave the others on their way.
+  [[nodiscard]] bool stops_if_lost() const;
+
   [[nodiscard]] std::vector<Round> rounds() const;
   Outcome put_in_force();
   Answers exchange();
@@ -120,6 +125,7 @@ class AxesCommand {
   void await_each(std::string_view awaited, std::uint64_t from, const Done& done);
   void end_late(std::string_view awaited, const Outcome& seen, const std::vector<bool>& has_come);
   void conclude();
+  void end_if_faulty();
 
   [[nodiscard]] std::vector<std::size_t> pending_places() const;
   void end(std::size_t place, Outcome outcome);

@@ -367,14 +367,13 @@ Outcome stop_instead(const std::shared_ptr<SessionCore>& core, const AxisId& id,
   AxesCommand stop(core, layout_of(id), Caller::axis, EachCommand::quick_stop,
                    {.timeout = timeout});
   stop.begin();
-  if (stop.has_pending()) {
-    if (const auto master = new_master(*core, stop.call().snapshot())) {
-      return cause.kind() == OutcomeKind::refused
-                 ? cause.with_owner(*master)
-                 : cause.with_prefix(to_string(*master) + " now: ");
-    }
-    stop.carry_out();
+  const bool is_seen = !stop.call().snapshots().empty();
+  if (const auto master = is_seen ? new_master(*core, stop.call().snapshot()) : std::nullopt) {
+    return cause.kind() == OutcomeKind::refused ? cause.with_owner(*master)
+                                                : cause.with_prefix(to_string(*master) + " now: ");
   }
+  if (is_seen && !has_no_fault(stop.call().snapshot())) return cause;  // its reaction stops it
+  stop.carry_out();
   const Outcome stopped = stop.outcome();
   if (stopped) return cause.with_prefix("a quick stop has ended the jog: ");
   return cause.with_prefix("axis " + to_string(id) +

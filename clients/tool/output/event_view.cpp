@@ -42,6 +42,12 @@ class EventQueue {
     arrived_.notify_one();
   }
 
+  /// @return how many were dropped, ever.
+  [[nodiscard]] std::uint64_t dropped() const {
+    const std::scoped_lock lock(mutex_);
+    return events_.dropped();
+  }
+
   std::optional<Event> next(std::chrono::milliseconds patience) {
     std::unique_lock lock(mutex_);
     const bool has_one = arrived_.wait_for(lock, patience, [this] {
@@ -52,7 +58,7 @@ class EventQueue {
   }
 
  private:
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable arrived_;
   BoundedQueue<Event> events_{kMostEvents, WhenFull::drops_oldest};
 };
@@ -142,7 +148,8 @@ void print(const Event& event, bool is_json, const SessionNameOf& name_of, Termi
 /// Hands over what the benches keep, by tick, and with `follow` what comes after it, while
 /// `goes_on` holds.
 template <typename GoesOn, typename Take>
-void take_events(client::Session& session, bool follow, const GoesOn& goes_on, const Take& take) {
+std::uint64_t take_events(client::Session& session, bool follow, const GoesOn& goes_on,
+                          const Take& take) {
   EventQueue queue;
   session.on_event(
       [&queue](const Event& event) {
@@ -167,6 +174,7 @@ void take_events(client::Session& session, bool follow, const GoesOn& goes_on, c
     if (const auto event = queue.next(kPeriod)) take(*event);
   }
   session.on_event(nullptr);
+  return queue.dropped();
 }
 
 }  // namespace
@@ -195,9 +203,13 @@ client::Outcome show_events(client::Session& session, const EventChoice& choice,
   const SessionNameOf name_of = [&names](std::uint32_t bench, std::uint64_t number) {
     return names.find(bench, number);
   };
-  take_events(session, choice.follow, goes_on, [&](const Event& event) {
+  const auto dropped = take_events(session, choice.follow, goes_on, [&](const Event& event) {
     if (is_chosen(choice, event)) print(event, choice.is_json, name_of, terminal);
   });
+  if (dropped > 0) {
+    terminal.complain("vdrive: " + counted(dropped, "event was", "events were") +
+                      " left out: they came faster than they were printed");
+  }
   return {};
 }
 
@@ -206,7 +218,7 @@ std::vector<Event> kept_events(client::Session& session) {
   const auto goes_on = [&session] {
     return !session.is_interrupted();
   };
-  take_events(session, false, goes_on, [&events](const Event& event) {
+  (void)take_events(session, false, goes_on, [&events](const Event& event) {
     events.push_back(event);
   });
   return events;
