@@ -246,16 +246,17 @@ Outcome AxesCommand::outcome() const {
   return failed == outcomes_.end() ? Outcome() : *failed;
 }
 
-/// Ends the axes that did not come to what was awaited. In a group an axis that is not in Operation
-/// enabled where it has to be stops the others.
-void AxesCommand::conclude() {
-  if (is_group()) {
-    if (row_.stays_enabled && !is_left_out_ && has_pending()) {
-      end_all(call_.check(row_.awaited, from_));
-    }
-    if (row_.ends_faults) end_if_faulty();
-    return;
+/// In a group an axis that is not in Operation enabled where it has to be stops the others.
+void AxesCommand::conclude_group() {
+  if (row_.stays_enabled && !is_left_out_ && has_pending()) {
+    end_all(call_.check(row_.awaited, from_));
   }
+  if (row_.ends_faults) end_if_faulty();
+}
+
+/// Ends the axes that did not come to what was awaited.
+void AxesCommand::conclude() {
+  if (is_group()) return conclude_group();
   std::optional<Outcome> service;  // asked once
   for (const std::size_t place : pending_places()) {
     const AxisSnapshot& axis = at_end_[place];

@@ -125,6 +125,7 @@ class AxesCommand {
   void await_each(std::string_view awaited, std::uint64_t from, const Done& done);
   void end_late(std::string_view awaited, const Outcome& seen, const std::vector<bool>& has_come);
   void conclude();
+  void conclude_group();
   void end_if_faulty();
 
   [[nodiscard]] std::vector<std::size_t> pending_places() const;
