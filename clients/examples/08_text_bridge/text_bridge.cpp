@@ -31,12 +31,15 @@
 #include <exception>
 #include <functional>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -322,15 +325,22 @@ class TextBridge final : private bridge::BenchHost {
   asio::signal_set signals_;
 };
 
+template <typename Number>
+Number number_of(const std::string& what, std::string_view text) {
+  if (const auto number = parse_digits<Number>(text)) return *number;
+  throw std::runtime_error(what + " " + in_quotes(text) + " is not a number from 0 to " +
+                           std::to_string(std::numeric_limits<Number>::max()));
+}
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
   try {
     std::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): it cannot fail for this signal
     client::SessionOptions options;
-    if (argument_count > 1) options.domain = std::stoul(arguments[1]);
-    const auto port = argument_count > 2 ? std::stoul(arguments[2]) : kPort;
-    TextBridge bridge(options, static_cast<std::uint16_t>(port));
+    if (argument_count > 1) options.domain = number_of<std::uint32_t>("domain", arguments[1]);
+    const auto port = argument_count > 2 ? number_of<std::uint16_t>("port", arguments[2]) : kPort;
+    TextBridge bridge(options, port);
     std::cout << "text_bridge: 127.0.0.1:" << bridge.port() << std::endl;
     bridge.run();
     return 0;
