@@ -26,7 +26,7 @@ typedef enum Filling {
   kHighest,   // the largest value of each type, as many elements and characters as the IDL allows
   kDistinct,  // a value of its own in each field, three elements, text beyond ASCII
   kFull,      // a value of its own in each field, everything as long as allowed, odd doubles
-  kFillings
+  kRandom     // any value and any length that the IDL allows, by the count with which it begins
 } Filling;
 
 // Values in the order of the fields. Both sides take the same ones.
@@ -36,9 +36,17 @@ typedef struct Filler {
   uint64_t count;     // fields filled; where it starts makes the values of two samples differ
 } Filler;
 
+// The finalizer of splitmix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators).
+static inline uint64_t mixed(uint64_t word) {
+  word = (word ^ (word >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+  word = (word ^ (word >> 27)) * UINT64_C(0x94D049BB133111EB);
+  return word ^ (word >> 31);
+}
+
 // An odd multiplier maps different counts to different words.
 static inline uint64_t next_word(Filler* filler) {
-  return ++filler->count * UINT64_C(0x9E3779B97F4A7C15);
+  const uint64_t word = ++filler->count * UINT64_C(0x9E3779B97F4A7C15);
+  return filler->filling == kRandom ? mixed(word) : word;
 }
 
 static inline uint64_t next_unsigned(Filler* filler, int bits) {
@@ -76,7 +84,7 @@ static inline uint64_t next_key(Filler* filler, int bits) {
 
 static inline double next_real(Filler* filler) {
   static const double odd[] = {-0.0, HUGE_VAL, __builtin_nan(""), DBL_TRUE_MIN};
-  (void)next_word(filler);
+  const uint64_t word = next_word(filler);
   switch (filler->filling) {
     case kEmpty:
       return 0.0;
@@ -86,13 +94,18 @@ static inline double next_real(Filler* filler) {
       return DBL_MAX;
     case kDistinct:
       return (double)filler->count / 3.0;
+    case kRandom:
+      return (double)(int64_t)word / 3.0;
     default:
       return odd[filler->count % 4];
   }
 }
 
 static inline bool next_boolean(Filler* filler) {
-  (void)next_word(filler);
+  const uint64_t word = next_word(filler);
+  if (filler->filling == kRandom) {
+    return word % 2 == 1;
+  }
   return filler->filling != kEmpty && filler->filling != kLowest;
 }
 
@@ -104,6 +117,8 @@ static inline uint32_t next_length(const Filler* filler, uint32_t bound) {
       return 1;
     case kDistinct:
       return bound < 3 ? bound : 3;
+    case kRandom:
+      return (uint32_t)(mixed(filler->count) % (bound + 1));
     default:
       return bound;
   }
@@ -113,7 +128,7 @@ static inline uint32_t next_length(const Filler* filler, uint32_t bound) {
 // never cut in two.
 static inline const char* next_string(Filler* filler, size_t bound, char* text) {
   static const char piece[] = "\xC3\xA9";  // e with acute accent, two bytes
-  (void)next_word(filler);
+  const uint64_t word = next_word(filler);
   text[0] = '\0';
   switch (filler->filling) {
     case kEmpty:
@@ -128,6 +143,14 @@ static inline const char* next_string(Filler* filler, size_t bound, char* text) 
     case kDistinct:  // a quarter of the bound, so that it is shorter than allowed
       snprintf(text, bound / 4 + 2, "\xE2\x82\xAC%" PRIu64, filler->count);  // euro sign
       break;
+    case kRandom: {
+      const size_t length = word % (bound + 1);
+      for (size_t i = 0; i < length; ++i) {
+        text[i] = (char)('!' + mixed(word + i) % 90);
+      }
+      text[length] = '\0';
+      break;
+    }
     default:
       if (bound % 2 == 1) {
         strcpy(text, "x");
