@@ -92,7 +92,7 @@ class Follower(Handle):
 
     @property
     def lateness(self) -> Lateness:
-        """How far its samples were behind the bench: a Lateness."""
+        """How late its samples were: a Lateness."""
         return Lateness(*self._handle.lateness())
 
     def take(self, count: NumberSpec) -> NDArray[Any]:

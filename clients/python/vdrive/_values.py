@@ -157,7 +157,7 @@ class ServiceChange:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Lateness:
-    """How far the samples of a Follower were behind the time of their bench.
+    """How late the samples of a Follower were, by the time of their bench.
 
     That is the newest tick that the session had received from it, when the program got them. Of a
     program that takes samples slower than they come.

@@ -34,7 +34,7 @@ class Bridge {
   ros::Subscription<ros::JointState> commands_;
   ros::Subscription<ros::JointTrajectory> trajectories_;
   ros::Subscription<ros::Bool> enable_;
-  // After what it asks and takes from; it ends first, and disables the axes meanwhile.
+  // Declared after everything that it uses: it ends first, and disables the axes as it ends.
   Controller controller_;
   JointPublisher publisher_;
 };

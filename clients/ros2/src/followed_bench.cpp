@@ -68,7 +68,7 @@ void FollowedBench::learn_names(const client::Observation& observation) {
   }
 }
 
-/// @param request that the values answer; one that comes meanwhile has them read once more
+/// @param request the one that these values answer; a later one has them read again
 void FollowedBench::read_limits(std::uint64_t request) {
   limits_due_ = Clock::now() + kReadAgainAfter;
   auto limits = ros2::read_limits(axes_, bench_.joints());

@@ -75,7 +75,7 @@ class AxesCall {
   /// @param by_force also of those that another session owns
   Outcome acquire(bool by_force = false);
 
-  /// Both. @param objects of each axis, asked for meanwhile: see take_values()
+  /// Both. @param objects of each axis, asked for on the way: see take_values()
   Outcome begin_control(std::chrono::nanoseconds timeout,
                         std::span<const ObjectAddress> objects = {});
 

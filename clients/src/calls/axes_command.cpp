@@ -702,7 +702,7 @@ std::vector<AxisId> ids_of(const Axes& axes, const auto& id_of) {
   return ids;
 }
 
-/// Gives the command to all of them: each waits while the others do, and not behind them.
+/// Gives the command to all of them: they wait together, not one after the other.
 void start_together(std::span<const std::unique_ptr<AxesCommand>> calls) {
   for (const auto& call : calls) call->open();
   for (const auto& call : calls) call->begin();

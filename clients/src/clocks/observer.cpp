@@ -18,7 +18,7 @@ namespace {
 using namespace literals;
 
 // A running bench sends a sample of its status stream each tick; this allows for the match, and for
-// a service that connects anew.
+// a service that connects again.
 constexpr Patience kFirstSample{std::chrono::milliseconds(5000), true, true};
 
 // The caller has chosen the tick, which may be far ahead: an interrupt or a lost bench ends the

@@ -185,7 +185,7 @@ class BenchLinks {
 
   /// Waits until no other thread sends to this run, then until its link is connected.
   /// @param what is to be sent, for the message: "requests" or "commands"
-  /// @param patience wall time to wait for the match of a bench that is connected anew
+  /// @param patience wall time to wait for the match of a bench that is connected again
   Result<OpenLink> open(const Target& target, std::string_view what,
                         std::chrono::milliseconds patience = kMatch);
 
@@ -198,7 +198,7 @@ class BenchLinks {
   bool send(const OpenLink& link, const msg::CommandFrame& frame);
 
   /// Sends a frame that needs no answer, without waiting for anything.
-  /// @return false when the bench is connected anew and not reached yet.
+  /// @return false when the bench is connected again and not reached yet.
   bool send_keep_alive(const BenchKey& key);
 
   /// Waits until `condition` holds, which something changes that the bench sends; it is called
@@ -218,7 +218,7 @@ class BenchLinks {
       // Again, before any reason to give up: the answer may have arrived during the repair.
       if (condition()) return {};
       if (auto end = end_of_wait(target, patience, begin)) return std::move(*end);
-      // Each time anew: a pause of this program moves it.
+      // Each time again: a pause of this program moves it.
       const auto deadline = begin + patience.timeout + discovery_.own_pauses();
       if (Wakeup::Clock::now() >= deadline) {
         return Outcome::timed_out(name_of(target) + " did not answer");

@@ -26,7 +26,7 @@ using std::chrono::milliseconds;
 // A small part of the usual time of the watchdog: several keep-alives may be lost or late.
 constexpr milliseconds kKeepAlivePeriod{25};
 
-// While a bench connects anew: its watchdog runs.
+// While a bench connects again its watchdog runs.
 constexpr milliseconds kRetry{5};
 
 // Where the system forbids a real-time policy: still before programs that compute.

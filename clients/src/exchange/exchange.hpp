@@ -47,7 +47,7 @@ class SentRequests {
 struct FrameContent {
   std::vector<msg::AxisCommand> commands;
   std::uint64_t apply_at_tick = 0;     ///< 0 = the next; a frame that misses its tick is refused
-  std::uint32_t flags = 0;             ///< FRAME_..., beside the wish for a reply
+  std::uint32_t flags = 0;             ///< FRAME_..., in addition to the wish for a reply
   std::vector<std::uint16_t> moved{};  ///< axes that run from then on: see Holdings
 };
 
@@ -81,7 +81,7 @@ class Exchange {
   SentRequests send_all(const Target& target, std::vector<msg::Request> requests);
 
   /// Sends a request. @return its number, for await().
-  /// @param patience wall time to wait for the match of a bench that is connected anew
+  /// @param patience wall time to wait for the match of a bench that is connected again
   Result<std::uint64_t> send(const Target& target, msg::Request request,
                              std::chrono::milliseconds patience = kMatch);
 

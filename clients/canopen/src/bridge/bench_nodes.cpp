@@ -465,7 +465,7 @@ void BenchNodes::refresh_listeners() {
   }
 }
 
-/// After a call of a node: does what the node has asked for, and what comes of that.
+/// Carries out what a node has asked for during its call, and what follows from that.
 void BenchNodes::settle() {
   if (is_settling_) return;  // the call that is under way does it
   is_settling_ = true;

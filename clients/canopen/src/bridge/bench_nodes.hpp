@@ -90,11 +90,11 @@ class BenchNodes final : public Port {
   /// The drives after a tick.
   void update(std::span<const client::AxisSnapshot> drives, DriveTime now);
 
-  /// The answer to NodeDrives::access. One to an access of before the last start() is ignored.
+  /// The answer to NodeDrives::access. An answer from before the last start() is ignored.
   void complete(std::size_t place, std::uint32_t ticket, const DriveAnswer& answer);
 
   /// The answer to NodeDrives::read: the values that could be read. They go out with the next SYNC,
-  /// or the next update(). One to a question of before the last start() is ignored.
+  /// or the next update(). Values asked for before the last start() are ignored.
   void take_values(std::size_t place, std::uint32_t ticket, std::span<const DriveValue> values);
 
   /// The drive of the axis has refused values of RPDOs.
