@@ -274,10 +274,13 @@ void AxesCommand::end_if_faulty() {
   if (call_.tick() < from_ || !outcome()) return;
   const auto faulty = std::ranges::find_if_not(call_.snapshots(), has_no_fault);
   if (faulty == call_.snapshots().end()) return;
-  const Outcome failed = failed_instead_of(row_.awaited, *faulty);
-  outcomes_.front() = row_.command == EachCommand::reset_fault
-                          ? not_in_this_state(failed.message() + ", the cause persists")
-                          : failed;
+  outcomes_.front() = still_faulty(*faulty);
+}
+
+Outcome AxesCommand::still_faulty(const AxisSnapshot& axis) const {
+  Outcome failed = failed_instead_of(row_.awaited, axis);
+  if (row_.command != EachCommand::reset_fault) return failed;
+  return not_in_this_state(failed.message() + ", the cause persists");
 }
 
 // ---- start -----------------------------------------------------------------------------------
@@ -535,8 +538,7 @@ void AxesCommand::judge_reset(std::size_t place, bool is_over) {
   const AxisSnapshot& axis = call_.snapshots()[place];
   if (has_no_fault(axis)) return end(place, {});
   if (!is_over) return;
-  const Outcome still = failed_instead_of(row_.awaited, axis);
-  end(place, not_in_this_state(still.message() + ", the cause persists"));
+  end(place, still_faulty(axis));
 }
 
 // ---- finish ----------------------------------------------------------------------------------

@@ -127,6 +127,7 @@ class AxesCommand {
   void conclude();
   void conclude_group();
   void end_if_faulty();
+  [[nodiscard]] Outcome still_faulty(const AxisSnapshot& axis) const;
 
   [[nodiscard]] std::vector<std::size_t> pending_places() const;
   void end(std::size_t place, Outcome outcome);

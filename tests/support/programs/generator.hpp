@@ -28,7 +28,8 @@ inline constexpr std::int64_t kUnitsPerTurn = 4'096;
 /// @return what the mode in force takes: targets anywhere, streamed ones near to the demand.
 [[nodiscard]] Write draw_set_point(const AxisStatus& status, Random& random);
 
-/// @return what masters set in addition to their set-points: offsets, touch probes, 60C2h, the buffer of
+/// @return what masters set in addition to their set-points: offsets, touch probes, 60C2h, the
+/// buffer of
 ///         records, ways round the range of a modulo axis.
 [[nodiscard]] Write draw_setting(Random& random);
 
