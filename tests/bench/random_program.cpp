@@ -549,7 +549,8 @@ std::string ProgrammedBench::difference_from(const ProgrammedBench& other) const
 
 /// More than a bench tells of in a second. No program lets the second session take snapshots.
 void ProgrammedBench::cause_equal_events() {
-  for (std::uint32_t i = 0; i < 2 * service::EventLimiter::kEqualPerWindow; ++i) {
+  constexpr auto kMost = static_cast<std::uint32_t>(service::EventLimiter::kEqual.burst);
+  for (std::uint32_t i = 0; i < 2 * kMost; ++i) {
     second_.drop_snapshot(kBench, second_.take_snapshot(kBench).value()).or_throw();
     ++caused_;
   }

@@ -55,5 +55,16 @@ TEST(TokenBucket, GivesNothingForATimeThatGoesBack) {
   EXPECT_EQ(empty(bucket), 1) << "neither more nor less than before";
 }
 
+TEST(CountingLimit, TellsHowManyItHasLeftOut) {
+  CountingLimit sut({.per_second = 1.0, .burst = 1.0});
+  EXPECT_EQ(sut.pass(kBegin), 0U);
+  EXPECT_EQ(sut.pass(kBegin + 250ms), std::nullopt);
+  EXPECT_EQ(sut.pass(kBegin + 750ms), std::nullopt);
+  sut.leave_out();
+  EXPECT_EQ(sut.left_out(), 3U);
+  EXPECT_EQ(sut.pass(kBegin + 1s), 3U);
+  EXPECT_EQ(sut.pass(kBegin + 5s), 0U);
+}
+
 }  // namespace
 }  // namespace vdrive

@@ -2,7 +2,6 @@
 // Events as text and as a line of the log.
 #include "publish/event_text.hpp"
 
-#include "base/repeat_limiter.hpp"
 #include "vdrive/event_kind.hpp"
 
 #include <gtest/gtest.h>
@@ -98,16 +97,6 @@ TEST(EventLine, NamesEveryKindOfEvent) {
     EXPECT_EQ(log_line(1, {.kind = msg::EventKind{kind}}, 0).find("unknown"), std::string::npos)
         << kind;
   }
-}
-
-TEST(RepeatLimiter, PassesOneASecondAndCountsTheOthers) {
-  RepeatLimiter sut;
-  const std::chrono::steady_clock::time_point start{1h};
-  EXPECT_EQ(sut.pass(start), 0U);
-  EXPECT_EQ(sut.pass(start + 1ms), std::nullopt);
-  EXPECT_EQ(sut.pass(start + 999ms), std::nullopt);
-  EXPECT_EQ(sut.pass(start + 1s), 2U);
-  EXPECT_EQ(sut.pass(start + 5s), 0U);
 }
 
 }  // namespace

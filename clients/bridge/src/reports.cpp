@@ -23,26 +23,26 @@ const char* word_of(Severity severity) {
 
 }  // namespace
 
-bool ReportLimit::is_due(Subject& subject, const std::string& text, Clock::time_point now) {
+std::optional<std::uint64_t> ReportLimit::pass(Subject& subject, const std::string& text,
+                                               Clock::time_point now) {
   if (subject.texts.size() > kMostTexts) subject.texts.clear();
   const auto [reported, is_new] = subject.texts.try_emplace(text, now);
-  subject.limit.refill(now.time_since_epoch());
-  if ((!is_new && now - reported->second < kAgain) || !subject.limit.take()) return false;
-  reported->second = now;
-  return true;
+  if (!is_new && now - reported->second < kAgain) {
+    subject.limit.leave_out();
+    return std::nullopt;
+  }
+  const auto left_out = subject.limit.pass(now.time_since_epoch());
+  if (left_out) reported->second = now;
+  return left_out;
 }
 
 std::optional<std::string> ReportLimit::line_of(const std::string& subject, const std::string& text,
                                                 Clock::time_point now) {
   if (subjects_.size() > kMostSubjects) subjects_.clear();
-  Subject& known = subjects_[subject];
-  if (!is_due(known, text, now)) {
-    ++known.left_out;
-    return std::nullopt;
-  }
+  const auto left_out = pass(subjects_[subject], text, now);
+  if (!left_out) return std::nullopt;
   std::string line = escaped(subject + ": " + text, kLongestText);
-  const std::uint64_t left_out = std::exchange(known.left_out, 0);
-  if (left_out > 0) line += " (" + std::to_string(left_out) + " more before)";
+  if (*left_out > 0) line += " (" + std::to_string(*left_out) + " more before)";
   return line;
 }
 

@@ -27,15 +27,15 @@ class ReportLimit {
                                      Clock::time_point now);
 
  private:
-  /// What was reported about a subject, and how many texts were left out since.
+  /// What was reported about a subject.
   struct Subject {
-    TokenBucket limit{{.per_second = 5.0, .burst = 10.0}};
+    CountingLimit limit{{.per_second = 5.0, .burst = 10.0}};
     std::map<std::string, Clock::time_point> texts{};  ///< when they were reported
-    std::uint64_t left_out = 0;
   };
 
-  [[nodiscard]] static bool is_due(Subject& subject, const std::string& text,
-                                   Clock::time_point now);
+  /// @return how many texts were left out since the last that passed; nothing = leave this one out.
+  static std::optional<std::uint64_t> pass(Subject& subject, const std::string& text,
+                                           Clock::time_point now);
 
   std::map<std::string, Subject> subjects_;
 };

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <optional>
+#include <utility>
 
 namespace vdrive {
 
@@ -40,6 +43,34 @@ class TokenBucket {
   Rate rate_;
   double tokens_;
   std::chrono::nanoseconds refilled_{};
+};
+
+/// Limits what is reported, such as lines of a log, and counts what it leaves out.
+class CountingLimit {
+ public:
+  /// Begins with a whole burst.
+  explicit CountingLimit(TokenBucket::Rate rate) noexcept : bucket_(rate) {}
+
+  /// @param now as of TokenBucket::refill()
+  /// @return how many were left out since the last one that passed; nothing = leave this one out.
+  std::optional<std::uint64_t> pass(std::chrono::nanoseconds now) noexcept {
+    bucket_.refill(now);
+    if (!bucket_.take()) {
+      leave_out();
+      return std::nullopt;
+    }
+    return std::exchange(left_out_, 0);
+  }
+
+  /// Leaves one out for a reason of the caller's.
+  void leave_out() noexcept { ++left_out_; }
+
+  /// @return how many were left out since the last one that passed.
+  [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }
+
+ private:
+  TokenBucket bucket_;
+  std::uint64_t left_out_ = 0;
 };
 
 }  // namespace vdrive

@@ -7,35 +7,30 @@ namespace vdrive::service {
 
 void EventLimiter::offer(const EventRecord& event, std::chrono::nanoseconds now,
                          std::vector<CountedEvent>& passed) {
-  if (now - begin_ >= kWindow) {
-    begin_ = now;
-    passed_ = 0;
-  }
   if (windows_.size() >= kMostKinds) {
-    for (const auto& [key, window] : windows_) suppressed_ += window.suppressed;
+    for (const auto& [key, window] : windows_) forgotten_ += window.limit.left_out();
     windows_.clear();
   }
-  Window& window = windows_[{event.kind, event.axis, event.code, event.session}];
-  if (window.passed == 0 || now - window.begin >= kWindow) {
-    window.begin = now;
-    window.passed = 0;
-  }
-  if (window.passed >= kEqualPerWindow || passed_ >= kAllPerWindow) {
-    ++window.suppressed;
-    window.last = event;
+  const Key key{event.kind, event.axis, event.code, event.session};
+  Window& window = windows_.try_emplace(key, Window{.begin = now}).first->second;
+  all_.refill(now);
+  if (all_.is_empty()) {
+    window.limit.leave_out();
+  } else if (const auto left_out = window.limit.pass(now)) {
+    static_cast<void>(all_.take());
+    passed.push_back({event, *left_out + std::exchange(forgotten_, 0)});
     return;
   }
-  ++window.passed;
-  ++passed_;
-  passed.push_back({event, std::exchange(window.suppressed, 0) + std::exchange(suppressed_, 0)});
+  window.last = event;
 }
 
 void EventLimiter::flush(std::chrono::nanoseconds now, std::vector<CountedEvent>& passed) {
   std::erase_if(windows_, [&](const auto& entry) {
     const Window& window = entry.second;
     if (now - window.begin < kWindow) return false;
-    if (window.suppressed > 0) {  // the last of them is reported, with the count of the others
-      passed.push_back({window.last, window.suppressed - 1});
+    // The last of them is reported, with the count of the others.
+    if (const std::uint64_t left_out = window.limit.left_out(); left_out > 0) {
+      passed.push_back({window.last, left_out - 1});
     }
     return true;
   });

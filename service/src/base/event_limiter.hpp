@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/event_record.hpp"
+#include "vdrive/token_bucket.hpp"
 
 #include <chrono>
 #include <cstddef>
@@ -15,16 +16,17 @@ namespace vdrive::service {
 /// An event that is let through, and how many equal ones were left out before it.
 struct CountedEvent {
   EventRecord event;
-  std::uint32_t suppressed = 0;
+  std::uint64_t suppressed = 0;
 };
 
 /// Passes a bounded number of equal events and counts the rest. Two events are equal when
 /// kind, axis, code and session are.
 class EventLimiter {
  public:
+  /// An event that is followed by none of its kind for so long leaves no trace; see flush().
   static constexpr std::chrono::seconds kWindow{1};
-  static constexpr std::uint32_t kEqualPerWindow = 20;
-  static constexpr std::uint32_t kAllPerWindow = 8'000;
+  static constexpr TokenBucket::Rate kEqual{.per_second = 20.0, .burst = 20.0};
+  static constexpr TokenBucket::Rate kAll{.per_second = 8'000.0, .burst = 8'000.0};
   static constexpr std::size_t kMostKinds = 4'096;
 
   /// Appends to `passed` what may be sent now: this event, or nothing.
@@ -39,15 +41,13 @@ class EventLimiter {
 
   struct Window {
     std::chrono::nanoseconds begin{0};
-    std::uint32_t passed = 0;
-    std::uint32_t suppressed = 0;
+    CountingLimit limit{kEqual};
     EventRecord last;
   };
 
   std::map<Key, Window> windows_;
-  std::chrono::nanoseconds begin_{0};  ///< of the window of all events
-  std::uint32_t passed_ = 0;
-  std::uint32_t suppressed_ = 0;  ///< of kinds that are no longer remembered
+  TokenBucket all_{kAll};
+  std::uint64_t forgotten_ = 0;  ///< left out, of kinds that are no longer remembered
 };
 
 }  // namespace vdrive::service

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/token_bucket.hpp"
+
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -8,6 +10,9 @@
 #include <utility>
 
 namespace vdrive::service {
+
+/// Of a line of the log that whoever sends to the service can repeat.
+inline constexpr TokenBucket::Rate kRepeatedLines{.per_second = 1.0, .burst = 1.0};
 
 /// Whether the process is a program of vdrive, whose log goes to the default logger of spdlog. In
 /// the process of a user a bench writes no log: that logger is the user's.

@@ -238,7 +238,7 @@ const EventRow* event_row_of(const EventRecord& event) {
 
 }  // namespace
 
-std::string log_line(std::uint32_t bench, const EventRecord& event, std::uint32_t suppressed) {
+std::string log_line(std::uint32_t bench, const EventRecord& event, std::uint64_t suppressed) {
   std::string line = "event=" + std::string(to_string(kind_of(event))) +
                      " bench=" + std::to_string(bench) + " tick=" + std::to_string(event.tick);
   if (event.axis != 0) line += " axis=" + std::to_string(event.axis);

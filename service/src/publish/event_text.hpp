@@ -19,6 +19,6 @@ namespace vdrive::service {
 /// @return what happened as a line of a log: key=value pairs, the words last.
 /// @param suppressed equal events left out before it
 [[nodiscard]] std::string log_line(std::uint32_t bench, const EventRecord& event,
-                                   std::uint32_t suppressed);
+                                   std::uint64_t suppressed);
 
 }  // namespace vdrive::service

@@ -13,6 +13,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <limits>
 #include <thread>
 #include <utility>
 
@@ -179,7 +180,8 @@ void ReportPublisher::publish_event(const CountedEvent& counted) {
   event_.session = event.session;
   event_.code = event.code;
   event_.error_register = event.error_register;
-  event_.suppressed = suppressed;
+  event_.suppressed = static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(suppressed, std::numeric_limits<std::uint32_t>::max()));
   event_.text = text;
   if (history_.size() == kEventsKept) history_.pop_front();
   history_.push_back(event_);

@@ -28,10 +28,10 @@ wire::NetworkSettings of_a_service(const WireSettings& settings) {
   wire::NetworkSettings network = settings.network;
   network.role = wire::Role::service;
   network.guard_sink = [bench = settings.bench, mutex = std::make_shared<std::mutex>(),
-                        limiter = std::make_shared<RepeatLimiter>()](wire::Refusal refusal,
-                                                                     std::string_view sender) {
+                        limit = std::make_shared<CountingLimit>(kRepeatedLines)](
+                           wire::Refusal refusal, std::string_view sender) {
     const std::lock_guard lock(*mutex);
-    if (const auto suppressed = limiter->pass(std::chrono::steady_clock::now())) {
+    if (const auto suppressed = limit->pass(std::chrono::steady_clock::now().time_since_epoch())) {
       log_warning("datagram=refused bench={} sender={} suppressed={} text=\"{}\"", bench, sender,
                   *suppressed, wire::describe(refusal));
     }
@@ -255,7 +255,7 @@ void WireProgram::retry() {
 
 void WireProgram::drop(const RecordHead& head) {
   control_.undelivered.fetch_add(1, std::memory_order_relaxed);
-  if (const auto suppressed = drop_log_.pass(Clock::now())) {
+  if (const auto suppressed = drop_log_.pass(Clock::now().time_since_epoch())) {
     std::string party;
     for (const std::uint8_t byte : head.party.participant) party += fmt::format("{:02x}", byte);
     log_warning("reply=dropped bench={} participant={} suppressed={} text=\"it has no reader\"",

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "base/repeat_limiter.hpp"
+#include "base/log.hpp"
 #include "seam/lane_sender.hpp"
 #include "seam/queues.hpp"
 #include "seam/wire_region.hpp"
+#include "vdrive/token_bucket.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/sample_reader.hpp"
 #include "vdrive/wire/sample_writer.hpp"
@@ -105,7 +106,7 @@ class WireProgram final : public LaneSender {
   ByteRing reports_;
   std::deque<Held> held_;
   std::map<std::array<std::uint8_t, 12>, std::size_t> held_for_;
-  RepeatLimiter drop_log_;
+  CountingLimit drop_log_{kRepeatedLines};
   std::mutex arriving_;  ///< the library has a receive thread for each interface
   InboxWriter arrivals_;
   ByteRing notices_;
