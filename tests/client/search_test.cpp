@@ -53,6 +53,19 @@ TEST(SettlingSearch, EndsOnceNoFurtherBenchComes) {
   EXPECT_TRUE(sut.has_ended(one, kSearchBegin + 160ms));
 }
 
+TEST(SettlingSearch, LooksAgainWhenItMayEnd) {
+  Settling sut(kSearchBegin);
+  const auto never = SearchClock::time_point::max();
+  EXPECT_EQ(sut.next_end(kSearchBegin), never);
+  const Sight service{.participants = 1, .services = 1, .undescribed = 1};
+  const Sight bench{.present = 1, .participants = 1, .services = 1};
+  EXPECT_FALSE(sut.has_ended(service, kSearchBegin + 4ms));
+  EXPECT_FALSE(sut.has_ended(bench, kSearchBegin + 10ms));
+  EXPECT_EQ(sut.next_end(kSearchBegin + 10ms), kSearchBegin + 154ms);   // 150 ms after the service
+  EXPECT_EQ(sut.next_end(kSearchBegin + 154ms), kSearchBegin + 160ms);  // and after the bench
+  EXPECT_EQ(sut.next_end(kSearchBegin + 160ms), never);
+}
+
 TEST(SettlingSearch, WaitsForAServiceThatHasNotShownItsBench) {
   Settling sut(kSearchBegin);
   const Sight first{.present = 1, .participants = 2, .services = 2, .undescribed = 1};

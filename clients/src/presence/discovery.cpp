@@ -99,7 +99,8 @@ Outcome Discovery::check_process() const {
 // ---- waiting for a bench ---------------------------------------------------------------------
 
 template <typename Condition>
-void Discovery::search(std::optional<std::uint32_t> number, const Condition& condition) {
+void Discovery::search(std::optional<std::uint32_t> number, const Condition& condition,
+                       const Settling* settling) {
   const auto begin = Clock::now();
   SearchTime time(begin, options_.find_timeout);
   auto announce_at = begin + kAnnounceAgain;
@@ -120,7 +121,8 @@ void Discovery::search(std::optional<std::uint32_t> number, const Condition& con
       participant_.announce_again();
       continue;
     }
-    const auto planned = std::min(end, now + kSearchPeriod);
+    auto planned = std::min(end, now + kSearchPeriod);
+    if (settling != nullptr) planned = std::min(planned, settling->next_end(now));
     wakeup_.wait_until(changes, planned);
     time.note_wait(planned, Clock::now());
   }
@@ -151,11 +153,12 @@ std::vector<PresentBench> Discovery::find_benches() {
   if (origin_.is_inherited()) return {};
   Settling settling(Clock::now());
   std::optional<std::vector<PresentBench>> found;
-  search(options_.bench, [&](const Sight& sight) {
+  const auto has_found = [&](const Sight& sight) {
     if (!settling.has_ended(sight, Clock::now())) return false;
     found = present();
     return true;
-  });
+  };
+  search(options_.bench, has_found, &settling);
   return found ? std::move(*found) : present();
 }
 
@@ -288,11 +291,12 @@ Result<AxisInfo> Discovery::find_name(std::string_view name) {
   Settling settling(Clock::now());
   std::vector<PresentBench> benches;
   std::vector<AxisInfo> matches;
-  search(options_.bench, [&](const Sight& sight) {
+  const auto has_found = [&](const Sight& sight) {
     benches = present();
     matches = axes_named(name, benches);
     return settling.has_ended(sight, Clock::now()) || (!matches.empty() && !expects_more());
-  });
+  };
+  search(options_.bench, has_found, &settling);
   if (matches.size() == 1) return std::move(matches.front());
   if (matches.empty()) {
     std::vector<std::string> names;

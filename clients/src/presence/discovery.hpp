@@ -185,7 +185,9 @@ class Discovery {
   /// Until `condition` holds, called with what is seen, or for the time of a search.
   /// @param number of the only bench that is looked for
   template <typename Condition>
-  void search(std::optional<std::uint32_t> number, const Condition& condition);
+  /// @param settling of a search that ends with it
+  void search(std::optional<std::uint32_t> number, const Condition& condition,
+              const Settling* settling = nullptr);
   /// With the lock. @return why a bench that sends nothing is lost.
   [[nodiscard]] Outcome lost_in_silence(const Target& target, Clock::time_point now,
                                         std::chrono::milliseconds limit) const;

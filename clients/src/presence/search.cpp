@@ -71,6 +71,14 @@ bool Settling::has_ended(const Sight& sight, SearchClock::time_point now) {
          (benches_.has_ended(now) || services_.has_ended(now));
 }
 
+SearchClock::time_point Settling::next_end(SearchClock::time_point now) const {
+  auto next = SearchClock::time_point::max();
+  for (const auto end : {services_.end(), benches_.end()}) {
+    if (end > now) next = std::min(next, end);
+  }
+  return next;
+}
+
 void Settling::Count::note(std::size_t count, SearchClock::time_point now) {
   if (count == count_) return;
   if (count_ == 0) {

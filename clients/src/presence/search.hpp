@@ -54,6 +54,10 @@ class Settling {
 
   bool has_ended(const Sight& sight, SearchClock::time_point now);
 
+  /// @return when the search is to look again though nothing has changed: the next end of a while
+  ///         without a further service or bench; the last time that there is for none.
+  [[nodiscard]] SearchClock::time_point next_end(SearchClock::time_point now) const;
+
  private:
   /// A number that changes while more are found.
   class Count {
@@ -63,6 +67,8 @@ class Settling {
     void note(std::size_t count, SearchClock::time_point now);
 
     [[nodiscard]] bool has_ended(SearchClock::time_point now) const;
+
+    [[nodiscard]] SearchClock::time_point end() const { return end_; }
 
    private:
     SearchClock::time_point begin_;
