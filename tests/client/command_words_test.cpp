@@ -2,6 +2,8 @@
 // The controlwords of commands.
 #include "vdrive/client/command_words.hpp"
 
+#include "vdrive/cia402/standing_targets.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -54,6 +56,23 @@ TEST(WordsTo, HaltResumeAndStopByOneWord) {
   EXPECT_THAT(words_to(EachCommand::halt, kState), ElementsAre(0x010F));
   EXPECT_THAT(words_to(EachCommand::resume, kState), ElementsAre(0x0F));
   EXPECT_THAT(words_to(EachCommand::quick_stop, kState), ElementsAre(0x02));
+}
+
+TEST(SetPointsTo, BringAnAxisToRestWithTheLastWordOfEnabling) {
+  AxisSnapshot axis{.id = {.bench = 1, .axis = 7}};
+  axis.status.ds402_statusword = 0x0250;  // Switch on disabled: x1xx 0000b
+  const auto points = set_points_to(EachCommand::enable, axis);
+  ASSERT_EQ(points.size(), 3U);
+  EXPECT_EQ(points[2].axis, 7);
+  EXPECT_EQ(points[2].controlword, 0x0F);
+  EXPECT_THAT(points[1].objects, IsEmpty());
+  const std::vector<ObjectAddress> at_rest(kStandingTargets.begin(), kStandingTargets.end());
+  std::vector<ObjectAddress> written;
+  for (const ObjectValue& value : points[2].objects) {
+    EXPECT_EQ(value.value, 0);
+    written.push_back(value.object);
+  }
+  EXPECT_EQ(written, at_rest);
 }
 
 }  // namespace

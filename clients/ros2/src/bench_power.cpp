@@ -3,7 +3,6 @@
 
 #include "control_keeper.hpp"
 #include "joints.hpp"
-#include "vdrive/cia402/standing_targets.hpp"
 #include "vdrive/client/command_words.hpp"
 
 #include <algorithm>
@@ -104,20 +103,16 @@ BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::t
     if (!to_enable_[i]) continue;
     // A drive without transition 16 stays where it is: at rest it may take the way without power.
     const bool keeps_power = attempts_ == 0 || axis.status.velocity_demand_value != 0;
-    const auto words =
-        client::words_to(client::EachCommand::enable, axis.state(),
-                         {.resets_fault = resets_faults_, .keeps_power = keeps_power});
-    frames.resize(std::max(frames.size(), words.size()));  // some have a longer way than others
-    for (std::size_t word = 0; word < words.size(); ++word) {
-      frames[word].axes.push_back({.axis = axis_number(i), .controlword = words[word]});
-    }
-    if (words.empty()) continue;
-    client::SetPoint& last = frames[words.size() - 1].axes.back();
+    auto points =
+        client::set_points_to(client::EachCommand::enable, axis,
+                              {.resets_fault = resets_faults_, .keeps_power = keeps_power});
     // An axis that keeps its power may still brake: another mode would brake it in another way.
     const bool keeps_mode = axis.state() == PowerState::quick_stop_active && keeps_power;
-    if (!keeps_mode) put_mode(i, last);
-    // In the mode that it keeps, or where it takes no other one, it would run off at what is left.
-    for (const ObjectAddress target : kStandingTargets) last.objects.push_back({.object = target});
+    if (!points.empty() && !keeps_mode) put_mode(i, points.back());
+    frames.resize(std::max(frames.size(), points.size()));  // some have a longer way than others
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      frames[n].axes.push_back(std::move(points[n]));
+    }
   }
   resets_faults_ = false;  // a fault that comes back is for a person
   if (frames.empty()) return {};
@@ -135,9 +130,9 @@ BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::t
 /// word, in Switched on: some do not take it in a fault either.
 void BenchPower::put_mode(std::size_t place, client::SetPoint& last) const {
   const auto interface = bench_.joints()[place].interface.value_or(CommandInterface::position);
-  client::SetPoint point = begin_stream(last.axis, mode_of(interface));
-  point.controlword = last.controlword;
-  last = std::move(point);
+  const client::SetPoint point = begin_stream(last.axis, mode_of(interface));
+  last.mode = point.mode;
+  last.objects.insert(last.objects.begin(), point.objects.begin(), point.objects.end());
 }
 
 BenchPower::Frames BenchPower::disable(const client::Observation& state) {
@@ -147,8 +142,7 @@ BenchPower::Frames BenchPower::disable(const client::Observation& state) {
   for (std::size_t i = 0; i < state.axes.size(); ++i) {
     const client::AxisSnapshot& axis = state.axes[i];
     if (axis.owner_session != session_ || !is_enabled(axis)) continue;
-    const auto words = client::words_to(client::EachCommand::disable, axis.state());
-    frame.axes.push_back({.axis = axis_number(i), .controlword = words.front()});
+    frame.axes.push_back(client::set_points_to(client::EachCommand::disable, axis).front());
   }
   if (frame.axes.empty()) return {};
   words_tick_ = state.tick;

@@ -49,10 +49,6 @@ class BenchPower {
   [[nodiscard]] Frames disable(const client::Observation& state);
   void forget_old_words(const client::Observation& state, Clock::time_point now);
 
-  [[nodiscard]] std::uint16_t axis_number(std::size_t place) const {
-    return bench_.joints()[place].axis.axis;
-  }
-
   const std::uint64_t session_;
   Bench& bench_;
   bridge::Reports& reports_;

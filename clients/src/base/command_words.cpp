@@ -3,6 +3,7 @@
 
 #include "base/drive_words.hpp"
 #include "vdrive/cia402/enabling_words.hpp"
+#include "vdrive/cia402/standing_targets.hpp"
 
 namespace vdrive::client {
 namespace {
@@ -48,6 +49,20 @@ std::vector<std::uint16_t> words_to(EachCommand command, PowerState state, const
       break;
   }
   return {};
+}
+
+std::vector<SetPoint> set_points_to(EachCommand command, const AxisSnapshot& axis,
+                                    const EnablingWay& way) {
+  std::vector<SetPoint> points;
+  for (const std::uint16_t word : words_to(command, axis.state(), way)) {
+    points.push_back({.axis = axis.id.axis, .controlword = word});
+  }
+  if (command == EachCommand::enable && !points.empty()) {
+    for (const ObjectAddress target : kStandingTargets) {
+      points.back().objects.push_back({.object = target});
+    }
+  }
+  return points;
 }
 
 }  // namespace vdrive::client
