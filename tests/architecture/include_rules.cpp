@@ -327,6 +327,7 @@ struct TextRule {
   std::string_view folder;
   Pattern pattern;
   std::string_view reason;
+  std::string_view except{};  ///< a folder in it
 };
 
 /// Standard headers, matched whole.
@@ -364,6 +365,8 @@ const std::vector<TextRule>& forbidden_code() {
       {"service/", dds, "only idl/ names the DDS library"},
       {"", Pattern(R"(^namespace \w+::\w+::\w)"), "namespaces have two levels at most"},
       {"clients/", dds, "only idl/ names the DDS library"},
+      {"idl/", Pattern(R"(\bfastrtps\b)"), "only idl/src/dds/library/ knows which version it is",
+       "idl/src/dds/library/"},
   };
   return rules;
 }
@@ -532,7 +535,8 @@ std::optional<std::string_view> refuse_tool_room(std::string_view path, const In
 
 std::optional<std::string_view> refuse_code(std::string_view path, const std::string& code) {
   for (const TextRule& rule : forbidden_code()) {
-    if (path.starts_with(rule.folder) && rule.pattern.is_in(code)) return rule.reason;
+    const bool is_exempt = !rule.except.empty() && path.starts_with(rule.except);
+    if (path.starts_with(rule.folder) && !is_exempt && rule.pattern.is_in(code)) return rule.reason;
   }
   return std::nullopt;
 }

@@ -103,7 +103,7 @@ int go_round(int count) {
   const auto begin = Clock::now();
   for (int number = 1; number <= count; ++number) {
     const auto sent = Clock::now();
-    const bool is_sent = writer.write(&request);
+    const bool is_sent = vdrive::wire::write_to(writer, &request);
     if (!is_sent || !mailbox.wait_for(static_cast<std::uint64_t>(number), 10s)) {
       std::cerr << (is_sent ? "no reply to request " : "the library does not take request ")
                 << number << '\n';

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "dds/library/library.hpp"
 #include "support/signals.hpp"
 
 #include <fastdds/dds/core/condition/StatusCondition.hpp>
@@ -13,10 +14,6 @@
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
-#include <fastdds/dds/topic/TopicDataType.hpp>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/attributes/LibrarySettingsAttributes.h>
-#include <fastrtps/xmlparser/XMLProfileManager.h>
 
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -33,6 +30,7 @@
 #include <iostream>
 #include <memory>
 #include <new>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -43,8 +41,8 @@
 /// of the wire.
 namespace vdrive::bare {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
+namespace dds = wire::dds;
+namespace rtps = wire::rtps;
 
 /// A status frame on the wire [bytes].
 inline constexpr std::size_t kAxesPerFrame = 256;
@@ -54,41 +52,36 @@ inline constexpr std::size_t kAxis = 112;
 using Bytes = std::vector<std::uint8_t>;
 
 /// Bytes, copied onto the wire and from it.
-class BytesType final : public dds::TopicDataType {
+class BytesType final : public wire::LibraryType {
  public:
-  BytesType() {
-    m_typeSize = static_cast<std::uint32_t>(2 * (kFrameHead + kAxesPerFrame * kAxis));
-    setName("Bytes");
-    auto_fill_type_object(false);
-    auto_fill_type_information(false);
+  BytesType() : LibraryType("Bytes", 2 * (kFrameHead + kAxesPerFrame * kAxis), false) {}
+
+ private:
+  [[nodiscard]] std::span<const std::byte> bytes_of(const void* data) const noexcept override {
+    return std::as_bytes(std::span(*static_cast<const Bytes*>(data)));
   }
 
-  bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
-    const Bytes& bytes = *static_cast<Bytes*>(data);
-    std::memcpy(payload->data, bytes.data(), bytes.size());
-    payload->length = static_cast<std::uint32_t>(bytes.size());
-    payload->encapsulation = CDR_LE;
+  bool encode(const void* data, rtps::SerializedPayload_t& payload) override {
+    const Bytes& bytes = *static_cast<const Bytes*>(data);
+    std::memcpy(payload.data, bytes.data(), bytes.size());
+    payload.length = static_cast<std::uint32_t>(bytes.size());
+    payload.encapsulation = CDR_LE;
     return true;
   }
 
-  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
-    static_cast<Bytes*>(data)->assign(payload->data, payload->data + payload->length);
+  bool decode(const rtps::SerializedPayload_t& payload, void* data) override {
+    static_cast<Bytes*>(data)->assign(payload.data, payload.data + payload.length);
     return true;
   }
 
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-    return [size = static_cast<Bytes*>(data)->size()] {
-      return static_cast<std::uint32_t>(size);
-    };
-  }
-
-  void* createData() override { return new Bytes(); }
-
-  void deleteData(void* data) override { delete static_cast<Bytes*>(data); }
-
-  bool getKey(void* /*data*/, rtps::InstanceHandle_t* /*handle*/, bool /*force_md5*/) override {
+  bool put_key(std::span<const std::byte> /*sample*/, rtps::InstanceHandle_t& /*handle*/,
+               bool /*force_md5*/) override {
     return false;
   }
+
+  void* make() override { return new Bytes(); }
+
+  void drop(void* data) override { delete static_cast<Bytes*>(data); }
 };
 
 /// A participant with UDP on loopback.
@@ -96,9 +89,7 @@ class Node {
  public:
   explicit Node(std::uint32_t domain) : type_(new BytesType()) {
     constexpr std::uint32_t kSocketBuffer = 4U * 1024U * 1024U;
-    auto settings = eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings();
-    settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
-    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+    wire::deliver_through_the_transport();
     auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
     udp->interfaceWhiteList = {"127.0.0.1"};
     udp->sendBufferSize = kSocketBuffer;
@@ -187,8 +178,7 @@ class Listener final : public dds::DataReaderListener {
 
   void on_data_available(dds::DataReader* reader) override {
     dds::SampleInfo info;
-    while (reader->take_next_sample(&bytes_, &info) ==
-           eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+    while (wire::is_ok(reader->take_next_sample(&bytes_, &info))) {
       if (info.valid_data) take_(bytes_);
     }
   }

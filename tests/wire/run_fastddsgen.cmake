@@ -11,7 +11,7 @@ string(REGEX REPLACE "(module |::)${MODULE}([ :{])" "\\1fast_msg\\2" text "${tex
 file(MAKE_DIRECTORY ${OUTPUT} ${TEMPORARY})
 file(WRITE ${TEMPORARY}/fast_${name} "${text}")
 execute_process(
-  COMMAND ${GENERATOR} -cs -replace -t ${TEMPORARY} -d ${OUTPUT} ${TEMPORARY}/fast_${name}
+  COMMAND ${GENERATOR} -cs -replace ${OPTIONS} -t ${TEMPORARY} -d ${OUTPUT} ${TEMPORARY}/fast_${name}
   RESULT_VARIABLE result
   OUTPUT_VARIABLE output
   ERROR_VARIABLE output)

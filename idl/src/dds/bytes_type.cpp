@@ -3,19 +3,11 @@
 
 #include "vdrive/wire/cdr.hpp"
 
-#include <fastrtps/utils/md5.h>
-
 #include <algorithm>
 #include <cstring>
 
 namespace vdrive::wire {
 namespace {
-
-namespace rtps = eprosima::fastrtps::rtps;
-
-BytesSample& sample_at(void* data) noexcept {
-  return *static_cast<BytesSample*>(data);
-}
 
 /// Twice the largest sample, which ends at a multiple of the alignment of a submessage.
 std::size_t room_for(TopicId topic) {
@@ -26,31 +18,33 @@ std::size_t room_for(TopicId topic) {
 
 }  // namespace
 
-BytesType::BytesType(const std::string& name, std::size_t largest, Key key) : key_(key) {
-  setName(name.c_str());
-  m_typeSize = static_cast<std::uint32_t>(largest);
-  m_isGetKeyDefined = key != nullptr;
-  auto_fill_type_object(false);
-  auto_fill_type_information(false);
-}
+BytesType::BytesType(const std::string& name, std::size_t largest, Key key)
+    : LibraryType(name, largest, key != nullptr), key_(key) {}
 
 BytesType::BytesType(TopicId topic)
     : BytesType(std::string(traits_of(topic).type_name), room_for(topic),
                 traits_of(topic).has_key ? support_of(topic).key : nullptr) {}
 
-bool BytesType::serialize(void* data, rtps::SerializedPayload_t* payload) {
-  const std::span<const std::byte> bytes = sample_at(data).bytes;
-  if (bytes.size() < kEncapsulation || bytes.size() > payload->max_size) return false;
-  std::memcpy(payload->data, bytes.data(), bytes.size());
-  payload->length = static_cast<std::uint32_t>(bytes.size());
-  payload->encapsulation = bytes[1] == std::byte{0} ? CDR_BE : CDR_LE;
+/// Of a received sample what the key is made from.
+std::span<const std::byte> BytesType::bytes_of(const void* data) const noexcept {
+  const BytesSample& sample = *static_cast<const BytesSample*>(data);
+  return sample.bytes.empty() ? std::span<const std::byte>(sample.head.data(), sample.head_size)
+                              : sample.bytes;
+}
+
+bool BytesType::encode(const void* data, rtps::SerializedPayload_t& payload) {
+  const std::span<const std::byte> bytes = bytes_of(data);
+  if (bytes.size() < kEncapsulation || bytes.size() > payload.max_size) return false;
+  std::memcpy(payload.data, bytes.data(), bytes.size());
+  payload.length = static_cast<std::uint32_t>(bytes.size());
+  payload.encapsulation = bytes[1] == std::byte{0} ? CDR_BE : CDR_LE;
   return true;
 }
 
-bool BytesType::deserialize(rtps::SerializedPayload_t* payload, void* data) {
-  BytesSample& sample = sample_at(data);
+bool BytesType::decode(const rtps::SerializedPayload_t& payload, void* data) {
+  BytesSample& sample = *static_cast<BytesSample*>(data);
   // NOLINTNEXTLINE(*-reinterpret-cast): the library has octets
-  const std::span bytes(reinterpret_cast<const std::byte*>(payload->data), payload->length);
+  const std::span bytes(reinterpret_cast<const std::byte*>(payload.data), payload.length);
   sample.head_size = std::min(bytes.size(), sample.head.size());
   std::copy_n(bytes.begin(), sample.head_size, sample.head.begin());
   try {
@@ -61,36 +55,30 @@ bool BytesType::deserialize(rtps::SerializedPayload_t* payload, void* data) {
   return bytes.size() >= kEncapsulation;
 }
 
-std::function<std::uint32_t()> BytesType::getSerializedSizeProvider(void* data) {
-  return [size = sample_at(data).bytes.size()] {
-    return static_cast<std::uint32_t>(size);
-  };
+void* BytesType::make() {
+  return new BytesSample();  // NOLINT(*-owning-memory): the library gives it back to drop()
 }
 
-void* BytesType::createData() {
-  return new BytesSample();  // NOLINT(*-owning-memory): the library gives it back to deleteData
-}
-
-void BytesType::deleteData(void* data) {
+void BytesType::drop(void* data) {
   delete static_cast<BytesSample*>(data);  // NOLINT(*-owning-memory)
 }
 
 /// The key hash of DDS: the key, or its MD5 sum.
-bool BytesType::getKey(void* data, rtps::InstanceHandle_t* handle, bool force_md5) {
+bool BytesType::put_key(std::span<const std::byte> sample, rtps::InstanceHandle_t& handle,
+                        bool force_md5) {
   if (key_ == nullptr) return false;
-  const BytesSample& sample = sample_at(data);
-  const MessageKey key =
-      key_(sample.bytes.empty() ? std::span<const std::byte>(sample.head.data(), sample.head_size)
-                                : sample.bytes);
-  std::memcpy(handle->value, key.bytes.data(), key.bytes.size());
+  const MessageKey key = key_(sample);
+  for (std::size_t i = 0; i < key.bytes.size(); ++i) {
+    handle.value[i] = std::to_integer<rtps::octet>(key.bytes[i]);
+  }
   if (!force_md5) return true;
-  MD5 md5;
+  LibraryMd5 md5;
   md5.init();
   // NOLINTNEXTLINE(*-reinterpret-cast): the library has characters
   md5.update(reinterpret_cast<const unsigned char*>(key.bytes.data()),
              static_cast<unsigned int>(key.size));
   md5.finalize();
-  std::memcpy(handle->value, md5.digest, key.bytes.size());
+  for (std::size_t i = 0; i < key.bytes.size(); ++i) handle.value[i] = md5.digest[i];
   return true;
 }
 

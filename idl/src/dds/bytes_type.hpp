@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "dds/library/library.hpp"
 #include "message_support.hpp"
-
-#include <fastdds/dds/topic/TopicDataType.hpp>
 
 #include <array>
 #include <cstddef>
@@ -24,7 +23,7 @@ struct BytesSample {
 
 /// The type of a topic as the network sees it, fit for a network of strangers: no type objects on
 /// the wire, and no exception out of a payload. Samples are encoded and decoded elsewhere.
-class BytesType final : public eprosima::fastdds::dds::TopicDataType {
+class BytesType final : public LibraryType {
  public:
   using Key = MessageKey (*)(std::span<const std::byte> sample) noexcept;
 
@@ -37,15 +36,15 @@ class BytesType final : public eprosima::fastdds::dds::TopicDataType {
   /// arrives, and gets an answer with the reason.
   explicit BytesType(TopicId topic);
 
-  bool serialize(void* data, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override;
-  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override;
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override;
-  void* createData() override;
-  void deleteData(void* data) override;
-  bool getKey(void* data, eprosima::fastrtps::rtps::InstanceHandle_t* handle,
-              bool force_md5) override;
-
  private:
+  [[nodiscard]] std::span<const std::byte> bytes_of(const void* data) const noexcept override;
+  bool encode(const void* data, rtps::SerializedPayload_t& payload) override;
+  bool decode(const rtps::SerializedPayload_t& payload, void* data) override;
+  bool put_key(std::span<const std::byte> sample, rtps::InstanceHandle_t& handle,
+               bool force_md5) override;
+  void* make() override;
+  void drop(void* data) override;
+
   Key key_;
 };
 

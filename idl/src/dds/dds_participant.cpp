@@ -18,13 +18,6 @@
 #include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
 #include <fastdds/dds/publisher/qos/PublisherQos.hpp>
 #include <fastdds/dds/subscriber/qos/SubscriberQos.hpp>
-#include <fastdds/rtps/attributes/ServerAttributes.h>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
-#include <fastrtps/attributes/LibrarySettingsAttributes.h>
-#include <fastrtps/utils/IPFinder.h>
-#include <fastrtps/utils/IPLocator.h>
-#include <fastrtps/xmlparser/XMLProfileManager.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -36,9 +29,7 @@
 namespace vdrive::wire {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
-using eprosima::fastrtps::rtps::IPLocator;
+using rtps::IPLocator;
 
 // To send, and to receive where no status arrives.
 constexpr std::uint32_t kSocketBuffer = 4U * 1024U * 1024U;
@@ -131,7 +122,6 @@ void add_discovery_servers(const NetworkSettings& settings, dds::DomainParticipa
     throw NetworkError("peers and discovery servers cannot be used together: name only one kind");
   }
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
   discovery.discoveryServer_client_syncperiod = {0, 100'000'000};
   for (const auto& text : settings.discovery_servers) {
     const auto locator = server_locator(text);
@@ -139,11 +129,7 @@ void add_discovery_servers(const NetworkSettings& settings, dds::DomainParticipa
       throw NetworkError("discovery server " + in_quotes(text) +
                          " is not an IPv4 address and a port, such as 10.0.0.9:11811");
     }
-    eprosima::fastdds::rtps::RemoteServerAttributes server;
-    server.metatrafficUnicastLocatorList.push_back(*locator);
-    eprosima::fastdds::rtps::get_server_client_default_guidPrefix(
-        static_cast<int>(discovery.m_DiscoveryServers.size()), server.guidPrefix);
-    discovery.m_DiscoveryServers.push_back(server);
+    add_discovery_server(*locator, qos);
   }
 }
 
@@ -207,21 +193,11 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
   discovery.initial_announcements.count = 10;
   discovery.initial_announcements.period = {0, 50'000'000};
   limit_discovery(qos);
+  announce_no_types(qos);
   add_peers(settings, qos);
   add_discovery_servers(settings, qos);
   if (!settings.security.empty()) add_security(settings.security, qos);
   return qos;
-}
-
-/// A service and its clients may live in one process: delivery in the writer's thread would let a
-/// handler run inside another part's write.
-void deliver_through_the_transport() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    auto settings = eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings();
-    settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
-    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
-  });
 }
 
 /// The library reads its profiles while it makes the first participant, without a lock.
@@ -302,7 +278,9 @@ DdsParticipant::DdsParticipant(const NetworkSettings& settings, const std::strin
     }
     entities_.permissions = check_security(settings.security, settings.domain);
   }
-  if (guard_ != nullptr) entities_.others.tell(guard_->numbers());
+  if (guard_ != nullptr) entities_.others.tell(*guard_);
+  // A service and its clients may live in one process: delivery in the writer's thread would let a
+  // handler run inside another part's write.
   deliver_through_the_transport();
   entities_.participant =
       make_participant(participant_qos(settings, name, guard_), settings.domain, entities_.others);

@@ -3,15 +3,12 @@
 
 namespace vdrive::wire {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
-
 dds::Topic* DdsEntities::topic(const std::string& name, const dds::TypeSupport& type) {
   const std::lock_guard lock(mutex_);
   if (auto* const known = participant->lookup_topicdescription(name); known != nullptr) {
     return dynamic_cast<dds::Topic*>(known);
   }
-  if (participant->register_type(type) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+  if (!is_ok(participant->register_type(type))) {
     throw NetworkError("DDS refuses the type of topic " + name);
   }
   auto* const topic = participant->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);

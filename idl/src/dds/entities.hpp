@@ -23,9 +23,9 @@ namespace vdrive::wire {
 
 /// DDS objects of a participant. One publisher, one subscriber, each topic once.
 struct DdsEntities {
-  eprosima::fastdds::dds::DomainParticipant* participant = nullptr;
-  eprosima::fastdds::dds::Publisher* publisher = nullptr;
-  eprosima::fastdds::dds::Subscriber* subscriber = nullptr;
+  dds::DomainParticipant* participant = nullptr;
+  dds::Publisher* publisher = nullptr;
+  dds::Subscriber* subscriber = nullptr;
   std::optional<Permissions> permissions;  ///< of a closed participant
   Others others;                           ///< listens to the participant
 
@@ -42,19 +42,19 @@ struct DdsEntities {
 
   /// @return the topic `name`, in full, with the type `type`, made at its first use.
   /// @throws NetworkError
-  eprosima::fastdds::dds::Topic* topic(const std::string& name,
-                                       const eprosima::fastdds::dds::TypeSupport& type);
+  dds::Topic* topic(const std::string& name,
+                                       const dds::TypeSupport& type);
 
  private:
   std::mutex mutex_;
 };
 
 /// @return the participant that `handle` belongs to.
-[[nodiscard]] Source source_of(const eprosima::fastrtps::rtps::InstanceHandle_t& handle) noexcept;
+[[nodiscard]] Source source_of(const rtps::InstanceHandle_t& handle) noexcept;
 
 /// @return the writer or reader that `handle` means.
 [[nodiscard]] EndpointId endpoint_of(
-    const eprosima::fastrtps::rtps::InstanceHandle_t& handle) noexcept;
+    const rtps::InstanceHandle_t& handle) noexcept;
 
 /// @return the DDS objects of a participant.
 /// @throws NetworkError when it is on a local bus

@@ -5,8 +5,6 @@
 
 namespace vdrive::wire {
 
-namespace rtps = eprosima::fastrtps::rtps;
-
 std::vector<OtherParticipant> Others::named(std::string_view beginning) const {
   std::vector<OtherParticipant> named;
   const std::scoped_lock lock(mutex_);
@@ -16,27 +14,23 @@ std::vector<OtherParticipant> Others::named(std::string_view beginning) const {
   return named;
 }
 
-void Others::on_participant_discovery(
-    eprosima::fastdds::dds::DomainParticipant* /*participant*/,
-    // NOLINTNEXTLINE(*-rvalue-reference-param-not-moved): the library's signature
-    rtps::ParticipantDiscoveryInfo&& info) {
-  using Info = rtps::ParticipantDiscoveryInfo;
-  const rtps::ParticipantProxyData& data = info.info;
-  const std::vector<rtps::octet>& place = data.m_userData.getValue();
-  const Source source = source_of(rtps::InstanceHandle_t(data.m_guid));
+void Others::find(const rtps::GUID_t& guid, const std::string& name,
+                  const std::vector<rtps::octet>& user_data) {
+  const Source source = source_of(rtps::InstanceHandle_t(guid));
+  // The library makes readers for it after this.
+  const bool is_closed = guard_ != nullptr && guard_->found(source.participant);
   const std::scoped_lock lock(mutex_);
-  if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
-    known_.erase(data.m_guid.guidPrefix);
-    // The library has no readers for it any more.
-    if (numbers_ != nullptr) numbers_->removed(source.participant);
-  } else {
-    // The library makes readers for it after this.
-    if (numbers_ != nullptr) numbers_->found(source.participant);
-    known_[data.m_guid.guidPrefix] = {.name = data.m_participantName.to_string(),
-                                      .source = source,
-                                      .is_closed = data.security_attributes_ != 0,
-                                      .place = {place.begin(), place.end()}};
-  }
+  known_[guid.guidPrefix] = {.name = name,
+                             .source = source,
+                             .is_closed = is_closed,
+                             .place = {user_data.begin(), user_data.end()}};
+}
+
+void Others::lose(const rtps::GUID_t& guid) {
+  const std::scoped_lock lock(mutex_);
+  known_.erase(guid.guidPrefix);
+  // The library has no readers for it any more.
+  if (guard_ != nullptr) guard_->lost(source_of(rtps::InstanceHandle_t(guid)).participant);
 }
 
 }  // namespace vdrive::wire

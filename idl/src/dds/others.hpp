@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "guard/writer_numbers.hpp"
+#include "dds/library/library.hpp"
+#include "guard/guard.hpp"
 #include "vdrive/wire/participant.hpp"
-
-#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 
 #include <map>
 #include <mutex>
@@ -17,23 +16,25 @@ namespace vdrive::wire {
 /// The other participants that the library knows, by its own reports. The library's function for
 /// this, DomainParticipant::get_participant_names, reads its list without the lock under which its
 /// receiving threads change it. Thread-safe.
-class Others final : public eprosima::fastdds::dds::DomainParticipantListener {
+class Others final : public ParticipantListener {
  public:
-  /// @param numbers learns who is known; outlives this. Call before there is a participant.
-  void tell(WriterNumbers& numbers) noexcept { numbers_ = &numbers; }
+  /// @param guard learns who is known, and knows what the library does not tell; outlives this.
+  ///        Call before there is a participant.
+  void tell(Guard& guard) noexcept { guard_ = &guard; }
 
   /// @return those whose name has this beginning.
   [[nodiscard]] std::vector<OtherParticipant> named(std::string_view beginning) const;
 
-  /// Runs in a thread of the library that holds none of its locks for participants. What it is
-  /// about is valid: a participant is added and removed by one thread at a time (Guard).
-  void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant* participant,
-                                eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
-
  private:
+  // They run in a thread of the library that holds none of its locks for participants. What they
+  // are about is valid: a participant is added and removed by one thread at a time (Guard).
+  void find(const rtps::GUID_t& guid, const std::string& name,
+            const std::vector<rtps::octet>& user_data) override;
+  void lose(const rtps::GUID_t& guid) override;
+
   mutable std::mutex mutex_;
-  std::map<eprosima::fastrtps::rtps::GuidPrefix_t, OtherParticipant> known_;
-  WriterNumbers* numbers_ = nullptr;  ///< of the guard; none without
+  std::map<rtps::GuidPrefix_t, OtherParticipant> known_;
+  Guard* guard_ = nullptr;  ///< none without
 };
 
 }  // namespace vdrive::wire

@@ -6,9 +6,6 @@
 namespace vdrive::wire {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
-
 // Samples that the library allocates at the start; it allocates more when they are needed.
 constexpr std::int32_t kFirstAllocation = 8;
 
@@ -47,10 +44,9 @@ dds::DataWriterQos writer_qos(const TopicTraits& topic) {
   // Room for what a sample needs, kept for the next one: no allocation once warm, and none of the
   // 75 kB that the largest sample would take.
   qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
-  auto& times = qos.reliable_writer_qos().times;
-  times.initialHeartbeatDelay = {0, 5'000'000};
-  times.heartbeatPeriod = {0, 10'000'000};
-  times.nackResponseDelay = {0, 1'000'000};
+  set_times(qos, {.first_heartbeat = {0, 5'000'000},
+                  .heartbeat_period = {0, 10'000'000},
+                  .nack_response = {0, 1'000'000}});
   return qos;
 }
 
@@ -60,9 +56,7 @@ dds::DataReaderQos reader_qos(const TopicTraits& topic) {
   // Allocate twice the largest sample of the type; drop larger claims: the other modes allocate
   // what a sender claims. Pages that are never written cost no memory.
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
-  auto& times = qos.reliable_reader_qos().times;
-  times.initialAcknackDelay = {0, 5'000'000};
-  times.heartbeatResponseDelay = {0, 1'000'000};
+  set_times(qos, {.first_acknack = {0, 5'000'000}, .heartbeat_response = {0, 1'000'000}});
   return qos;
 }
 

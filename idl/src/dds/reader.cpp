@@ -8,8 +8,6 @@
 
 namespace vdrive::wire {
 
-namespace dds = eprosima::fastdds::dds;
-
 DdsReader::DdsReader(DdsEntities& parent, TopicId topic, SampleHandler handler)
     : DdsReader(parent, std::string(kTopicPrefix) + std::string(traits_of(topic).name),
                 dds::TypeSupport(new BytesType(topic)), reader_qos(traits_of(topic)),
@@ -52,8 +50,7 @@ void DdsReader::on_data_available(dds::DataReader* source) {
   // Each interface has its own receive thread: one of them at a time.
   const std::lock_guard lock(mutex_);
   dds::SampleInfo info;
-  while (!closed_ && source->take_next_sample(&sample_, &info) ==
-                         eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+  while (!closed_ && is_ok(source->take_next_sample(&sample_, &info))) {
     if (info.valid_data) deliver_(endpoint_of(info.publication_handle));
   }
 }

@@ -20,7 +20,7 @@
 namespace vdrive::wire {
 
 /// The DDS reader of a topic, who matches it and what it lost. Samples are delivered one at a time.
-class DdsReader final : public SampleReader, public eprosima::fastdds::dds::DataReaderListener {
+class DdsReader final : public SampleReader, public dds::DataReaderListener {
  public:
   /// Runs for each sample that `take` was given.
   using Deliver = std::function<void(const WriterId& writer)>;
@@ -31,8 +31,8 @@ class DdsReader final : public SampleReader, public eprosima::fastdds::dds::Data
   /// The same on a topic of another contract.
   /// @param topic in full
   DdsReader(DdsEntities& parent, const std::string& topic,
-            const eprosima::fastdds::dds::TypeSupport& type,
-            const eprosima::fastdds::dds::DataReaderQos& qos,
+            const dds::TypeSupport& type,
+            const dds::DataReaderQos& qos,
             std::function<void(std::span<const std::byte> sample)> take, Deliver deliver);
   ~DdsReader() override;  ///< nothing is delivered after this returns
   DdsReader(const DdsReader&) = delete;
@@ -40,22 +40,22 @@ class DdsReader final : public SampleReader, public eprosima::fastdds::dds::Data
 
   [[nodiscard]] std::size_t lost() const noexcept override { return lost_; }
 
-  void on_data_available(eprosima::fastdds::dds::DataReader* source) override;
+  void on_data_available(dds::DataReader* source) override;
   void on_subscription_matched(
-      eprosima::fastdds::dds::DataReader* reader,
-      const eprosima::fastdds::dds::SubscriptionMatchedStatus& status) override;
-  void on_sample_lost(eprosima::fastdds::dds::DataReader* reader,
-                      const eprosima::fastdds::dds::SampleLostStatus& status) override;
-  void on_sample_rejected(eprosima::fastdds::dds::DataReader* reader,
-                          const eprosima::fastdds::dds::SampleRejectedStatus& status) override;
+      dds::DataReader* reader,
+      const dds::SubscriptionMatchedStatus& status) override;
+  void on_sample_lost(dds::DataReader* reader,
+                      const dds::SampleLostStatus& status) override;
+  void on_sample_rejected(dds::DataReader* reader,
+                          const dds::SampleRejectedStatus& status) override;
 
  private:
   const DdsEntities& entities_;
   std::function<void(std::span<const std::byte>)> take_;
   Deliver deliver_;
   BytesSample sample_;
-  eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;
-  eprosima::fastdds::dds::DataReader* reader_ = nullptr;
+  dds::Subscriber* subscriber_ = nullptr;
+  dds::DataReader* reader_ = nullptr;
   std::atomic<std::size_t> lost_{0};
   std::mutex mutex_;
   bool closed_ = false;

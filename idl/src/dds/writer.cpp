@@ -11,8 +11,6 @@
 
 namespace vdrive::wire {
 
-namespace dds = eprosima::fastdds::dds;
-
 namespace {
 
 // To ask whether all is acknowledged takes 60 us when it is not: only a writer asks that has
@@ -65,7 +63,7 @@ bool DdsWriter::write(std::span<const std::byte> sample) noexcept {
       remove_acknowledged();
     }
     BytesSample data{.bytes = sample};
-    return writer_->write(&data);
+    return write_to(*writer_, &data);
   } catch (...) {
     return false;
   }
@@ -95,11 +93,10 @@ bool DdsWriter::wait_for_acknowledged(std::chrono::milliseconds timeout) {
   constexpr std::int64_t kMillisecondsPerSecond = 1'000;
   constexpr std::uint32_t kNanosecondsPerMillisecond = 1'000'000;
   const auto milliseconds = timeout.count();
-  return writer_->wait_for_acknowledgments(
-             {static_cast<std::int32_t>(milliseconds / kMillisecondsPerSecond),
-              static_cast<std::uint32_t>(milliseconds % kMillisecondsPerSecond) *
-                  kNanosecondsPerMillisecond}) ==
-         eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
+  return is_ok(writer_->wait_for_acknowledgments(
+      {static_cast<std::int32_t>(milliseconds / kMillisecondsPerSecond),
+       static_cast<std::uint32_t>(milliseconds % kMillisecondsPerSecond) *
+           kNanosecondsPerMillisecond}));
 }
 
 void DdsWriter::on_publication_matched(dds::DataWriter* /*writer*/,

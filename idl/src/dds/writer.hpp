@@ -18,7 +18,7 @@
 namespace vdrive::wire {
 
 /// The DDS writer of a topic and who matches it.
-class DdsWriter final : public SampleWriter, public eprosima::fastdds::dds::DataWriterListener {
+class DdsWriter final : public SampleWriter, public dds::DataWriterListener {
  public:
   /// @param observer runs with who matches, whenever it has changed
   /// @throws NotPermitted, NetworkError as Participant::make_writer does
@@ -27,8 +27,8 @@ class DdsWriter final : public SampleWriter, public eprosima::fastdds::dds::Data
   /// The same on a topic of another contract.
   /// @param name of the topic, in full
   DdsWriter(DdsEntities& parent, const std::string& name,
-            const eprosima::fastdds::dds::TypeSupport& type,
-            const eprosima::fastdds::dds::DataWriterQos& qos, Observer observer = nullptr);
+            const dds::TypeSupport& type,
+            const dds::DataWriterQos& qos, Observer observer = nullptr);
   ~DdsWriter() override;
   DdsWriter(const DdsWriter&) = delete;
   DdsWriter& operator=(const DdsWriter&) = delete;
@@ -38,8 +38,8 @@ class DdsWriter final : public SampleWriter, public eprosima::fastdds::dds::Data
   [[nodiscard]] bool wait_for_acknowledged(std::chrono::milliseconds timeout) override;
 
   void on_publication_matched(
-      eprosima::fastdds::dds::DataWriter* writer,
-      const eprosima::fastdds::dds::PublicationMatchedStatus& status) override;
+      dds::DataWriter* writer,
+      const dds::PublicationMatchedStatus& status) override;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -50,8 +50,8 @@ class DdsWriter final : public SampleWriter, public eprosima::fastdds::dds::Data
   void remove_acknowledged();
 
   const DdsEntities& entities_;
-  eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
-  eprosima::fastdds::dds::DataWriter* writer_ = nullptr;
+  dds::Publisher* publisher_ = nullptr;
+  dds::DataWriter* writer_ = nullptr;
   bool forgets_ = false;       ///< reliable, and no later reader gets what was sent
   std::mutex writing_;         ///< of one that forgets: no write between the check and the removal
   std::uint32_t writes_ = 0;   ///< since the last removal, while one is due

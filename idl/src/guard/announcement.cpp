@@ -95,6 +95,8 @@ std::optional<Announcement> read_announcement(const Submessage& submessage,
       has_lease = true;
     } else if (entry.id == kEntityName) {
       announcement.announcer = announcer_of(entry.value, little);
+    } else if (entry.id == kParticipantSecurity) {
+      announcement.is_closed = true;
     }
   }
   return has_guid && has_lease ? std::optional(announcement) : std::nullopt;

@@ -31,6 +31,7 @@ struct Announcement {
   /// Cyclone DDS has it.
   bool library_knows_key = false;
   Announcer announcer = Announcer::foreign;
+  bool is_closed = false;  ///< it has DDS Security
 };
 
 /// Reads the announcement in a DATA submessage of a datagram that passed the check.

@@ -3,8 +3,6 @@
 
 #include "vdrive/assert.hpp"
 
-#include <fastrtps/utils/IPLocator.h>
-
 #include <algorithm>
 #include <vector>
 
@@ -15,8 +13,8 @@ namespace {
 constexpr std::chrono::milliseconds kBetweenJudgements{100};
 
 std::string text_of_locator(const Guard::Locator& locator) {
-  return eprosima::fastrtps::rtps::IPLocator::ip_to_string(locator) + ":" +
-         std::to_string(eprosima::fastrtps::rtps::IPLocator::getPhysicalPort(locator));
+  return rtps::IPLocator::ip_to_string(locator) + ":" +
+         std::to_string(rtps::IPLocator::getPhysicalPort(locator));
 }
 
 std::chrono::steady_clock::duration patience_with(const Announcement& announcement) {
@@ -130,6 +128,12 @@ void Guard::hand_over(Receiver& channel, ByteView datagram, const Locator& local
                          remote);
 }
 
+bool Guard::found(const GuidPrefix& participant) {
+  numbers_.found(participant);
+  const std::scoped_lock lock(keeper_mutex_);
+  return closed_.contains(participant);
+}
+
 GuardCounts Guard::counts() const {
   GuardCounts counts;
   std::ranges::copy(refused_, counts.refused.begin());
@@ -238,6 +242,7 @@ Refusal Guard::take_announcement(const Announcement& announcement, const GuidPre
     if (announcement.library_knows_key) {
       keeper_.left(announcement.participant);
       returned_.left(announcement.participant);
+      closed_.erase(announcement.participant);
     } else {
       keeper_.expire(announcement.participant);
     }
@@ -248,6 +253,7 @@ Refusal Guard::take_announcement(const Announcement& announcement, const GuidPre
   if (!keeper_.announced(sender, patience_with(announcement), &channel, now)) {
     return Refusal::participants;
   }
+  if (announcement.is_closed) closed_.insert(sender);
   returned_.announced(sender, now);
   has_returned_ = !returned_.empty();
   return Refusal::none;
@@ -265,7 +271,10 @@ void Guard::judge() {
       const auto now = Clock::now();
       silent = keeper_.take_silent(now);
       returned_.forget_old(now);
-      for (const Keeper::Silent& each : silent) returned_.removed(each.participant);
+      for (const Keeper::Silent& each : silent) {
+        returned_.removed(each.participant);
+        closed_.erase(each.participant);
+      }
       has_returned_ = !returned_.empty();
     }
     std::for_each(silent.begin(), silent.end(), [this](const Keeper::Silent& participant) {

@@ -3,6 +3,7 @@
 
 #include "announcement.hpp"
 #include "datagram_check.hpp"
+#include "dds/library/library.hpp"
 #include "deletion_gate.hpp"
 #include "lease_keeper.hpp"
 #include "returned_participants.hpp"
@@ -10,14 +11,13 @@
 #include "vdrive/wire/participant.hpp"
 #include "writer_numbers.hpp"
 
-#include <fastdds/rtps/transport/TransportReceiverInterface.h>
-
 #include <array>
 #include <atomic>
 #include <condition_variable>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -29,7 +29,7 @@ namespace vdrive::wire {
 class Guard {
  public:
   using Receiver = eprosima::fastdds::rtps::TransportReceiverInterface;
-  using Locator = eprosima::fastrtps::rtps::Locator_t;
+  using Locator = rtps::Locator_t;
 
   explicit Guard(const NetworkSettings& settings);
   ~Guard();
@@ -59,8 +59,12 @@ class Guard {
   /// What is received waits while a reader or a writer is deleted.
   [[nodiscard]] DeletionGate& deletions() noexcept { return deletions_; }
 
-  /// Who tells which participants the library knows.
-  [[nodiscard]] WriterNumbers& numbers() noexcept { return numbers_; }
+  /// The library has found a participant, and has no readers for its writers yet.
+  /// @return whether it has announced DDS Security.
+  bool found(const GuidPrefix& participant);
+
+  /// The library has removed a participant and its readers for it.
+  void lost(const GuidPrefix& participant) { numbers_.removed(participant); }
 
   [[nodiscard]] GuardCounts counts() const;
 
@@ -99,6 +103,7 @@ class Guard {
   mutable std::mutex keeper_mutex_;
   Keeper keeper_;
   ReturnedParticipants returned_;
+  std::set<GuidPrefix> closed_;  ///< those of the keeper that have announced DDS Security
   std::atomic<bool> has_returned_{false};  ///< `returned_` is not empty: seen without the lock
 
   std::atomic<bool> has_begun_{false};  ///< or the library gave up before

@@ -3,8 +3,6 @@
 
 #include "guard.hpp"
 
-#include <fastdds/rtps/transport/ChainingTransport.h>
-
 #include <memory>
 #include <utility>
 
@@ -22,7 +20,7 @@ struct GuardedTransport final : eprosima::fastdds::rtps::ChainingTransportDescri
 };
 
 /// A transport of the library with a guard between it and whoever receives.
-class GuardTransport final : public eprosima::fastdds::rtps::ChainingTransport {
+class GuardTransport final : public SeeingTransport {
  public:
   using Locator = Guard::Locator;
 
@@ -36,10 +34,6 @@ class GuardTransport final : public eprosima::fastdds::rtps::ChainingTransport {
                         eprosima::fastdds::rtps::TransportReceiverInterface* receiver,
                         std::uint32_t most) override;
   bool CloseInputChannel(const Locator& local) override;
-  bool send(eprosima::fastrtps::rtps::SenderResource* low, const std::uint8_t* bytes,
-            std::uint32_t size, eprosima::fastrtps::rtps::LocatorsIterator* first,
-            eprosima::fastrtps::rtps::LocatorsIterator* last,
-            const std::chrono::steady_clock::time_point& timeout) override;
   void receive(eprosima::fastdds::rtps::TransportReceiverInterface* receiver,
                const std::uint8_t* bytes, std::uint32_t size, const Locator& local,
                const Locator& remote) override;
@@ -47,6 +41,10 @@ class GuardTransport final : public eprosima::fastdds::rtps::ChainingTransport {
   void shutdown() override { low_level_transport_->shutdown(); }
 
  private:
+  ByteView sends(ByteView datagram, std::vector<std::uint8_t>& changed) override {
+    return guard_->sends(datagram, changed);
+  }
+
   std::shared_ptr<Guard> guard_;
 };
 

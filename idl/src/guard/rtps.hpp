@@ -81,6 +81,7 @@ inline constexpr ParameterId kStatusInfo = 0x0071;
 inline constexpr ParameterId kTypeObject = 0x0072;
 inline constexpr ParameterId kTypeInformation = 0x0075;
 inline constexpr ParameterId kIdentityToken = 0x1001;
+inline constexpr ParameterId kParticipantSecurity = 0x1005;
 inline constexpr ParameterId kPermissionsToken = 0x1002;
 
 /// Reads numbers one after the other; what lies behind the end is 0 and makes `ok` false.

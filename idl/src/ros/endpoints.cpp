@@ -22,8 +22,8 @@
 namespace vdrive::ros {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
+namespace dds = wire::dds;
+namespace rtps = wire::rtps;
 
 // As nodes of ROS 2 usually have it.
 constexpr std::int32_t kDepth = 10;
