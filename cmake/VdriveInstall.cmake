@@ -42,7 +42,7 @@ configure_package_config_file(
 write_basic_package_version_file(
   ${PROJECT_BINARY_DIR}/vdriveConfigVersion.cmake
   VERSION ${PROJECT_VERSION}
-  COMPATIBILITY SameMinorVersion)
+  COMPATIBILITY SameMajorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/vdriveConfig.cmake ${PROJECT_BINARY_DIR}/vdriveConfigVersion.cmake
         DESTINATION ${package_dir} COMPONENT development)
 

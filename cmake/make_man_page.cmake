@@ -38,6 +38,8 @@ if(size GREATER 0)
   set(sections --include=${PAGE}.sections)
 endif()
 file(WRITE ${PAGE}.help "${help}")
+# A page is about a version, not about a build of it.
+string(REGEX REPLACE " \\(.*\\)" "" version "${version}")
 file(WRITE ${PAGE}.version "${version}")
 cmake_path(GET PROGRAM FILENAME name)
 file(WRITE ${PAGE}.program/${name} "#!/bin/sh\nexec cat \"${PAGE}.\${1#--}\"\n")

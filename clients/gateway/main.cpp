@@ -7,6 +7,7 @@
 #include "standard_streams.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wire/program_version.hpp"
 #include "web_server.hpp"
 
 #include <CLI/CLI.hpp>
@@ -42,7 +43,7 @@ struct Arguments {
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
-  app.set_version_flag("--version", std::string("vdrive-gateway ") + VDRIVE_VERSION);
+  app.set_version_flag("--version", wire::program_version("vdrive-gateway"));
   bridge::add_domain_option(app, arguments.hub.session.domain);
   bridge::add_network_options(app, arguments.hub.session);
   app.add_option("--listen", arguments.listen,

@@ -8,6 +8,7 @@
 #include "vdrive/number_text.hpp"
 #include "vdrive/wire/bench_number.hpp"
 #include "vdrive/wire/library_log.hpp"
+#include "vdrive/wire/program_version.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -32,7 +33,7 @@ struct Arguments {
 
 void declare(CLI::App& app, Arguments& arguments) {
   client::SessionOptions& session = arguments.settings.session;
-  app.set_version_flag("--version", std::string("vdrive-ros2 ") + VDRIVE_VERSION);
+  app.set_version_flag("--version", wire::program_version("vdrive-ros2"));
   bridge::add_domain_option(app, session.domain, "; ROS_DOMAIN_ID of the nodes");
   app.add_option("--bench", arguments.benches,
                  "Serve this bench, 1 to " + std::to_string(wire::kHighestBench) +

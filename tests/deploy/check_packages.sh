@@ -140,7 +140,7 @@ if grep -rn 'docs/' "$unpacked/etc" "$unpacked/usr/lib/systemd"; then
 fi
 for news in "$unpacked"/usr/share/doc/*/NEWS.gz; do
   zgrep -qi unreleased "$news" && fail "$news: a package is released"
-  zgrep -q "^## $("$unpacked/usr/bin/vdrived" --version | sed 's/vdrived //')$" "$news" ||
+  zgrep -q "^## $("$unpacked/usr/bin/vdrived" --version | sed 's/vdrived \([^ ]*\).*/\1/')$" "$news" ||
     fail "$news does not name the version of the package"
 done
 

@@ -20,8 +20,8 @@ namespace {
 
 using Members = std::map<std::string, std::string>;  // name -> type
 
-std::string idl_text() {
-  std::ifstream file(VDRIVE_SOURCE_DIR "/idl/vdrive_messages.idl");
+std::string idl_text(const std::string& path = "/idl/vdrive_messages.idl") {
+  std::ifstream file(VDRIVE_SOURCE_DIR + path);
   std::ostringstream text;
   text << file.rdbuf();
   return std::regex_replace(text.str(), std::regex("//[^\n]*"), "");
@@ -124,6 +124,44 @@ TEST(Idl, UsesOnlyConstructsThatTwoVendorsReadTheSame) {
       std::distance(std::sregex_iterator(idl.begin(), idl.end(), only), std::sregex_iterator()));
   EXPECT_EQ(structures, finals);
   EXPECT_GT(structures, 10U);
+}
+
+/// @return the first group of each match, with the second one.
+std::map<std::string, std::string> found(const std::string& text, const char* pattern) {
+  std::map<std::string, std::string> all;
+  const std::regex search(pattern);
+  for (std::sregex_iterator match(text.begin(), text.end(), search), end; match != end; ++match) {
+    all[(*match)[1]] = std::regex_replace((*match)[2].str(), std::regex("\\s+"), " ");
+  }
+  return all;
+}
+
+/// Without the annotations that change no byte.
+std::map<std::string, std::string> structs_of(const std::string& idl) {
+  return found(std::regex_replace(idl, std::regex("@(?!key|final)\\w+(\\([^)]*\\))?"), ""),
+               "struct (\\w+) \\{([^}]*)\\}");
+}
+
+// Plain CDR cannot add or omit a member (docs/reference/compatibility.md).
+TEST(IdlOf1_0, HasEveryStructUnchanged) {
+  const auto now = structs_of(idl_text());
+  const auto kept = structs_of(idl_text("/tests/data/kept/1.0/vdrive_messages.idl"));
+  EXPECT_GT(kept.size(), 15U);
+  for (const auto& [name, members] : kept) {
+    ASSERT_TRUE(now.contains(name)) << name;
+    EXPECT_EQ(now.at(name), members) << name;
+  }
+}
+
+TEST(IdlOf1_0, HasEveryConstantWithItsTypeAndNumber) {
+  constexpr const char* kConstant = "const (\\w+ \\w+) = (\\w+);";
+  const auto now = found(idl_text(), kConstant);
+  const auto kept = found(idl_text("/tests/data/kept/1.0/vdrive_messages.idl"), kConstant);
+  EXPECT_GT(kept.size(), 80U);
+  for (const auto& [name, number] : kept) {
+    ASSERT_TRUE(now.contains(name)) << name;
+    EXPECT_EQ(now.at(name), number) << name;
+  }
 }
 
 }  // namespace

@@ -49,6 +49,26 @@ TEST(TopicRows, HaveNamesOfTheirOwn) {
   EXPECT_EQ(names.size(), kTopics.size());
 }
 
+// A topic of version 1 keeps its name and type; further ones may come, each one optional.
+TEST(TopicRows, HaveThoseOf1_0WithTheirTypes) {
+  const std::map<std::string, std::string> kept{{"axis", "AxisStatus"},
+                                                {"bench", "BenchDescription"},
+                                                {"bench_session", "BenchSession"},
+                                                {"bench_state", "BenchState"},
+                                                {"command", "CommandFrame"},
+                                                {"command_reply", "CommandReply"},
+                                                {"event", "Event"},
+                                                {"parameters", "AxisParameters"},
+                                                {"reply", "Reply"},
+                                                {"request", "Request"},
+                                                {"session", "SessionName"},
+                                                {"status", "StatusFrame"}};
+  EXPECT_EQ(kTopicPrefix, "vdrive/v1/");
+  std::map<std::string, std::string> now;
+  for (const TopicTraits& topic : kTopics) now.emplace(topic.name, topic.type_name);
+  for (const auto& [name, type] : kept) EXPECT_EQ(now[name], "vdrive::msg::" + type) << name;
+}
+
 std::string name_of_type(const std::type_info& type) {
   int status = 0;
   const std::unique_ptr<char, decltype(&std::free)> name(

@@ -10,6 +10,7 @@
 #include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
 #include "vdrive/wire/ports.hpp"
+#include "vdrive/wire/program_version.hpp"
 #include "vdrive/wording.hpp"
 
 #include <CLI/CLI.hpp>
@@ -323,7 +324,7 @@ class CommandLine {
                         "Closed mode: directory with certificate, key and permissions")
             ->envname("VDRIVE_SECURITY")
             ->type_name("DIR"));
-    app_.set_version_flag("--version", "vdrive " VDRIVE_VERSION);
+    app_.set_version_flag("--version", wire::program_version("vdrive"));
   }
 
   /// May appear several times, with one value each: the next argument may be the command.

@@ -20,6 +20,7 @@
 #include "vdrive/wire/bench_number.hpp"
 #include "vdrive/wire/library_log.hpp"
 #include "vdrive/wire/ports.hpp"
+#include "vdrive/wire/program_version.hpp"
 #include "vdrive/wire/security.hpp"
 #include "vdrive/wording.hpp"
 #include "wire/confinement.hpp"
@@ -206,7 +207,7 @@ void declare_program(CLI::App& app, Arguments& arguments) {
 }
 
 void declare(CLI::App& app, Arguments& arguments) {
-  app.set_version_flag("--version", std::string("vdrived ") + VDRIVE_VERSION);
+  app.set_version_flag("--version", wire::program_version("vdrived"));
   declare_configuration(app, arguments);
   declare_bench(app, arguments);
   declare_program(app, arguments);

@@ -10,6 +10,7 @@
 #include "settings/yaml_reader.hpp"
 #include "vdrive/wire/bench_number.hpp"
 #include "vdrive/wire/library_log.hpp"
+#include "vdrive/wire/program_version.hpp"
 
 #include <CLI/CLI.hpp>
 #include <boost/asio/signal_set.hpp>
@@ -87,7 +88,7 @@ void declare_ports(CLI::App& app, Arguments& arguments) {
 }
 
 void declare(CLI::App& app, CommandLine& line) {
-  app.set_version_flag("--version", std::string("vdrive-canopen ") + VDRIVE_VERSION);
+  app.set_version_flag("--version", wire::program_version("vdrive-canopen"));
   declare_benches(app, line.arguments);
   declare_ports(app, line.arguments);
   add_text(
