@@ -16,7 +16,8 @@ using testing::HasSubstr;
 
 /// A machine without findings.
 HostReadings healthy() {
-  return {.interfaces = {{"lo", "127.0.0.1", true}, {"eth0", "10.0.0.1", true}},
+  return {.library = "Fast DDS 3.6.2",
+          .interfaces = {{"lo", "127.0.0.1", true}, {"eth0", "10.0.0.1", true}},
           .multicast = {{"127.0.0.1", true}},
           .segments = {{"fastrtps_port7411", true}},
           .is_clock_synchronised = true,
@@ -91,6 +92,41 @@ TEST(Doctor, NamesADomainWithinTheEphemeralPorts) {
   EXPECT_THAT(found[0].advice, HasSubstr("use a domain below 101"));
   options.domain = 100;  // up to 32649
   EXPECT_TRUE(complaints(healthy(), options).empty());
+}
+
+/// What the doctor reports about the library.
+Finding library_finding(const std::string& library, std::vector<std::string> interfaces) {
+  HostReadings readings = healthy();
+  readings.library = library;
+  GlobalOptions options;
+  options.interfaces = std::move(interfaces);
+  const auto found = check_host(readings, options);
+  const auto finding = std::ranges::find(found, "library", &Finding::subject);
+  return finding == found.end() ? Finding{} : *finding;
+}
+
+TEST(Doctor, NamesTheLibraryOfDds) {
+  const Finding found = library_finding("Fast DDS 3.6.2", {"10.0.0.1"});
+  EXPECT_EQ(found.severity, Severity::good);
+  EXPECT_EQ(found.text, "Fast DDS 3.6.2");
+}
+
+TEST(Doctor, WarnsOfALibraryWithRemoteFaultsOnAnOpenInterface) {
+  for (const char* const library : {"Fast DDS 2.9.1", "Fast DDS 3.1.2"}) {
+    const Finding found = library_finding(library, {"127.0.0.1", "10.0.0.1"});
+    EXPECT_EQ(found.severity, Severity::hint) << library;
+    EXPECT_THAT(found.text, HasSubstr(library));
+    EXPECT_THAT(found.advice, HasSubstr("10.0.0.1"));
+    EXPECT_THAT(found.advice, HasSubstr("docs/SECURITY.md"));
+  }
+}
+
+TEST(Doctor, DoesNotWarnOfRemoteFaultsOnLoopback) {
+  for (const auto& interfaces : {std::vector<std::string>{}, {"127.0.0.1"}}) {
+    const Finding found = library_finding("Fast DDS 2.9.1", interfaces);
+    EXPECT_EQ(found.severity, Severity::good);
+    EXPECT_THAT(found.text, HasSubstr("only this machine can send"));
+  }
 }
 
 TEST(Doctor, NamesAMissingOrInactiveInterface) {
@@ -216,6 +252,7 @@ TEST(Doctor, ExplainsHowToStartAMissingBench) {
 
 TEST(HostReadings, OfThisMachineHavePlausibleValues) {
   const HostReadings readings = read_host({});
+  EXPECT_THAT(readings.library, testing::ContainsRegex("[0-9]+\\.[0-9]+\\.[0-9]+"));
   EXPECT_GT(readings.cores, 0U);
   EXPECT_GT(readings.open_files, 0U);
   EXPECT_TRUE(std::ranges::any_of(readings.interfaces, [](const NetworkInterface& one) {

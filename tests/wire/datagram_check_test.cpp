@@ -78,6 +78,21 @@ Datagram discovery(const Datagram& list) {
   return single(0x15, body.raw({0, 3, 0, 0}).raw(list), kWithData);
 }
 
+/// The announcement of an endpoint with one parameter.
+Datagram endpoint(std::uint16_t id, const Body& value) {
+  return discovery(Body().parameter(id, value.bytes()).u32(1).bytes());
+}
+
+/// @param length of the expression, as it is written
+Datagram filtered_endpoint(std::uint32_t length, std::uint32_t parameters = 1) {
+  Body body;
+  for (const char name : {'t', 'u', 'c'}) {
+    body.u32(2).raw({static_cast<std::uint8_t>(name), 0, 0, 0});
+  }
+  body.u32(length).raw({'x', ' ', '=', ' ', '%', '0', 0, 0}).u32(parameters);
+  return endpoint(0x35, body.u32(2).raw({'1', 0}));
+}
+
 Datagram gap(std::int64_t start, std::int64_t base) {
   return single(0x08, test::gap(kUserReader, kUserWriter, start, base));
 }
@@ -284,6 +299,14 @@ std::vector<Case> cases() {
        [] {
          return fragment({.sample = 1U << 30U});
        }},
+      {"LastFragmentOfOneByte", Refusal::none,
+       [] {
+         return fragment({.first = 3, .sample = 2049, .content = 1});
+       }},
+      {"LastFragmentWhoseNumberLiesBehindTheSample", Refusal::fragment,
+       [] {
+         return fragment({.size = 799, .sample = 800});
+       }},
       {"AnnouncementInPieces", Refusal::announcement,
        [] {
          return fragment({}, test::kParticipantsReader);
@@ -299,6 +322,50 @@ std::vector<Case> cases() {
       {"EndpointWithATextTooLong", Refusal::parameters,
        [] {
          return discovery(Body().parameter(5, {99, 0, 0, 0, 'a', 0}).u32(1).bytes());
+       }},
+      {"EndpointInPartitions", Refusal::none,
+       [] {
+         return endpoint(0x29, Body().u32(2).u32(2).raw({'a', 0, 0, 0}).u32(3).raw({'b', 'c', 0}));
+       }},
+      {"EndpointInAPartitionWhoseLengthWraps", Refusal::parameters,
+       [] {
+         return endpoint(0x29, Body().u32(0xFFFFFFFF).u32(0xFFFFFFFC));
+       }},
+      {"EndpointInMorePartitionsThanItHas", Refusal::parameters,
+       [] {
+         return endpoint(0x29, Body().u32(2).u32(2).raw({'a', 0, 0, 0}));
+       }},
+      {"EndpointWithRepresentations", Refusal::none,
+       [] {
+         return endpoint(0x73, Body().u32(3).u16(0).u16(1).u16(2));
+       }},
+      {"EndpointWith4GigaRepresentations", Refusal::parameters,
+       [] {
+         return endpoint(0x73, Body().u32(0xFFFFFFFF).u32(0));
+       }},
+      {"EndpointThatSharesDataOfADomain", Refusal::none,
+       [] {
+         return endpoint(0x8006, Body().u32(1).u32(1).u32(2));
+       }},
+      {"EndpointThatAcknowledgesNothingToAnotherVendor", Refusal::none,
+       [] {
+         return endpoint(0x8006, Body().u32(1));
+       }},
+      {"EndpointThatSharesDataOf4GigaDomains", Refusal::parameters,
+       [] {
+         return endpoint(0x8006, Body().u32(0xFFFFFFFF).u32(1).u32(2));
+       }},
+      {"EndpointWithAFilter", Refusal::none,
+       [] {
+         return filtered_endpoint(7);
+       }},
+      {"EndpointWithAFilterWhoseLengthWraps", Refusal::parameters,
+       [] {
+         return filtered_endpoint(0xFFFFFFFF);
+       }},
+      {"EndpointWithAFilterOfMoreParametersThanItHas", Refusal::parameters,
+       [] {
+         return filtered_endpoint(7, 2);
        }},
       {"EndpointThatIsNoList", Refusal::parameters,
        [] {

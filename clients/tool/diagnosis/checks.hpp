@@ -57,6 +57,7 @@ enum class GatewayReading : std::uint8_t { none, gateway, another };
 /// What the machine shows of itself, as far as it concerns DDS and ticks. Nothing = it cannot be
 /// read.
 struct HostReadings {
+  std::string library;  ///< of DDS, with its version
   std::vector<NetworkInterface> interfaces;
   std::vector<MulticastReading> multicast;
   std::vector<SharedSegment> segments;

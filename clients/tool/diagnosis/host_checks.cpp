@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "diagnosis/checks.hpp"
 #include "gateway_port.hpp"
+#include "vdrive/wire/address.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/ports.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iomanip>
 #include <iterator>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 namespace vdrive::tool {
@@ -89,6 +92,28 @@ std::vector<Finding> check_multicast(const HostReadings& readings, const GlobalO
     findings.push_back(std::move(finding));
   }
   return findings;
+}
+
+/// Versions of the library with published faults that a datagram triggers. docs/SECURITY.md has the
+/// faults, and what stops them.
+constexpr std::array<std::string_view, 2> kFaultyVersions{"2.9.1", "3.1.2"};
+
+Finding check_library(const HostReadings& readings, const GlobalOptions& options) {
+  Finding finding{.subject = "library", .text = readings.library, .advice = ""};
+  const bool is_faulty = std::ranges::any_of(kFaultyVersions, [&readings](std::string_view one) {
+    return readings.library.ends_with(one);
+  });
+  if (!is_faulty) return finding;
+  finding.text += ", which has published faults that a datagram triggers";
+  const auto open = std::ranges::find_if_not(options.interfaces, wire::is_loopback);
+  if (open == options.interfaces.end()) {
+    finding.text += "; only this machine can send one";
+  } else {
+    finding.severity = Severity::hint;
+    finding.advice = "let only hosts that you trust reach " + *open +
+                     ": docs/SECURITY.md lists the faults and what vdrive stops of them";
+  }
+  return finding;
 }
 
 Finding check_clock(const HostReadings& readings) {
@@ -226,6 +251,7 @@ std::vector<Finding> check_host(const HostReadings& readings, const GlobalOption
   std::vector<Finding> findings{check_domain(readings, options)};
   append(findings, check_interfaces(readings, options));
   append(findings, check_multicast(readings, options));
+  findings.push_back(check_library(readings, options));
   findings.push_back(check_clock(readings));
   append(findings, check_limits(readings));
   findings.push_back(check_priority(readings));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "diagnosis/checks.hpp"
 #include "gateway_port.hpp"
+#include "vdrive/wire/library_version.hpp"
 #include "vdrive/wire/ports.hpp"
 
 #include <arpa/inet.h>
@@ -209,6 +210,7 @@ bool may_run_realtime() {
 
 HostReadings read_host(const std::vector<std::string>& addresses) {
   HostReadings readings;
+  readings.library = wire::library_version();
   readings.interfaces = read_interfaces();
   for (const std::string& address :
        addresses.empty() ? std::vector<std::string>{"127.0.0.1"} : addresses) {

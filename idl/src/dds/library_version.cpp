@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/wire/library_version.hpp"
 
-#include <fastrtps/config.h>
+#include "dds/library/library.hpp"
 
 namespace vdrive::wire {
 
 std::string library_version() {
-  return "Fast DDS " FASTRTPS_VERSION_STR;
+  return std::string("Fast DDS ") + kLibraryVersion;
 }
 
 }  // namespace vdrive::wire

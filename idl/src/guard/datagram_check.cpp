@@ -9,11 +9,55 @@
 namespace vdrive::wire {
 namespace {
 
-/// A text of CDR: its length with the zero at its end, and as many bytes.
+/// A text of CDR: its length with the zero at its end, and as many bytes, filled up to four.
+bool skip_text(ByteReader& reader) {
+  const std::uint32_t length = reader.u32();
+  if (!reader.ok() || length > reader.left()) return false;
+  reader.skip(length);
+  // The last one need not be filled up.
+  reader.skip(std::min<std::size_t>(reader.left(), (4 - length % 4) % 4));
+  return true;
+}
+
+bool skip_texts(ByteReader& reader, std::uint32_t count) {
+  for (; count != 0; --count) {
+    if (!skip_text(reader)) return false;
+  }
+  return reader.ok();
+}
+
 bool is_text(ByteView value, bool little) {
   ByteReader reader(value, little);
-  const std::uint32_t length = reader.u32();
-  return reader.ok() && length <= reader.left();
+  return skip_text(reader);
+}
+
+/// The library adds each length to its position in 32 bits, as often as the count says.
+bool is_partition(ByteView value, bool little) {
+  ByteReader reader(value, little);
+  return skip_texts(reader, reader.u32());
+}
+
+/// The library appends as many numbers as the count says, of which those behind the end are 0.
+bool is_data_representation(ByteView value, bool little) {
+  ByteReader reader(value, little);
+  const std::uint32_t count = reader.u32();
+  return reader.ok() && count <= reader.left() / 2;
+}
+
+/// As is_data_representation(), with a number that is none of Fast DDS for other vendors: all that
+/// it must not be is a count that no parameter has room for.
+bool may_be_data_sharing(ByteView value, bool little) {
+  constexpr std::uint32_t kMostDomains = 0xFFFF / 8;
+  ByteReader reader(value, little);
+  return reader.u32() <= kMostDomains;
+}
+
+/// Names of two topics and of a class, the expression and its parameters. The library allocates the
+/// length of the expression before it compares it.
+bool is_content_filter(ByteView value, bool little) {
+  constexpr std::size_t kSmallest = 36;  // [bytes] the library does not read a smaller one
+  ByteReader reader(value, little);
+  return value.size() < kSmallest || (skip_texts(reader, 4) && skip_texts(reader, reader.u32()));
 }
 
 /// Where the library reads a parameter without a check of its length, it has at least that length.
@@ -23,6 +67,14 @@ bool is_parameter(const ListEntry& entry, bool little) {
     case kTopicName:
     case kTypeName:
       return is_text(entry.value, little);
+    case kPartition:
+      return is_partition(entry.value, little);
+    case kDataRepresentation:
+      return is_data_representation(entry.value, little);
+    case kDataSharing:
+      return may_be_data_sharing(entry.value, little);
+    case kContentFilter:
+      return is_content_filter(entry.value, little);
     case kParticipantGuid:
       return entry.value.size() >= 16;
     case kLease:
@@ -231,6 +283,9 @@ Refusal check_data_frag(const Submessage& submessage) {
     return Refusal::fragment;
   }
   const std::uint64_t fragments = (sample + size - 1) / size;
+  // The library writes such a number at the next multiple of four, even past a short last
+  // fragment. The memory for a sample ends at a multiple of four: inside the sample it is safe.
+  if ((((fragments - 1) * size + 3) & ~std::uint64_t{3}) >= sample) return Refusal::fragment;
   const std::uint64_t behind = first - 1 + count;
   if (behind > fragments ||
       data.content.size() < std::min(behind * size, sample) - (first - 1) * size) {

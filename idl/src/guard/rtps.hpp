@@ -73,16 +73,20 @@ inline constexpr ParameterId kSentinel = 0x0001;
 inline constexpr ParameterId kLease = 0x0002;
 inline constexpr ParameterId kTopicName = 0x0005;
 inline constexpr ParameterId kTypeName = 0x0007;
+inline constexpr ParameterId kPartition = 0x0029;
+inline constexpr ParameterId kContentFilter = 0x0035;
 inline constexpr ParameterId kParticipantGuid = 0x0050;
 inline constexpr ParameterId kEntityName = 0x0062;
 inline constexpr ParameterId kTypeId = 0x0069;
 inline constexpr ParameterId kKeyHash = 0x0070;
 inline constexpr ParameterId kStatusInfo = 0x0071;
 inline constexpr ParameterId kTypeObject = 0x0072;
+inline constexpr ParameterId kDataRepresentation = 0x0073;
 inline constexpr ParameterId kTypeInformation = 0x0075;
 inline constexpr ParameterId kIdentityToken = 0x1001;
 inline constexpr ParameterId kParticipantSecurity = 0x1005;
 inline constexpr ParameterId kPermissionsToken = 0x1002;
+inline constexpr ParameterId kDataSharing = 0x8006;  ///< Fast DDS; other vendors mean other things
 
 /// Reads numbers one after the other; what lies behind the end is 0 and makes `ok` false.
 class ByteReader {

@@ -42,7 +42,7 @@ class EventLimiter {
   struct Window {
     std::chrono::nanoseconds begin{0};
     CountingLimit limit{kEqual};
-    EventRecord last;
+    EventRecord last{};
   };
 
   std::map<Key, Window> windows_;

@@ -52,8 +52,8 @@ bool SeeingTransport::send(rtps::SenderResource* low,
                            const std::vector<rtps::NetworkBuffer>& pieces, std::uint32_t size,
                            rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
                            const std::chrono::steady_clock::time_point& timeout) {
-  std::vector<std::uint8_t> datagram;
-  datagram.reserve(size);
+  thread_local std::vector<std::uint8_t> datagram;  // keeps its capacity
+  datagram.clear();
   for (const rtps::NetworkBuffer& piece : pieces) {
     const auto* const bytes = static_cast<const std::uint8_t*>(piece.buffer);
     datagram.insert(datagram.end(), bytes, bytes + piece.size);
