@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs the Debian packages that building and running vdrive needs.
+# Installs the packages of Debian 12 or 13 that building and running vdrive needs.
 #
 #   deploy/setup.sh [--tests] [--page] [--python] [--browser] [--judges]
 #
@@ -14,6 +14,29 @@
 # nothing is missing. Writes to standard error only. Exit code 0: all packages are installed.
 set -euo pipefail
 
+fail() {
+  echo "setup: $*" >&2
+  exit 1
+}
+
+# A variable of os-release(5); nothing where it is not set.
+system() {
+  # shellcheck disable=SC1091
+  (. /etc/os-release && printf '%s' "${!1:-}") 2>/dev/null || true
+}
+
+# Both releases have all packages below under the same names, but for the DDS library.
+case $(system ID)-$(system VERSION_ID) in
+  debian-12) dds_package=libfastrtps-dev ;; # 2.9
+  debian-13) dds_package=libfastdds-dev ;;  # 3.1
+  *)
+    name=$(system PRETTY_NAME)
+    fail "this is ${name:-a system without a name}; installs packages on Debian 12 and 13 only. Elsewhere install" \
+      "Fast DDS 2.9 or 3.1, g++ 12 or later, CMake 3.25 or later and the libraries of docs/architecture.md," \
+      "then run deploy/build.sh"
+    ;;
+esac
+
 packages=(
   build-essential
   ccache
@@ -23,7 +46,7 @@ packages=(
   libcli11-dev
   libedit-dev # lines of the shell of the tool
   libeigen3-dev
-  libfastrtps-dev
+  "$dds_package"
   libseccomp-dev # what each half of the service may ask of the kernel
   libspdlog-dev
   libssl-dev # checks of the security material; Fast DDS brings it too, like libtinyxml2-dev
@@ -45,6 +68,7 @@ test_packages=(
   clang-tidy
   cyclonedds-dev # a second vendor's DDS
   cyclonedds-tools
+  debootstrap # a clean root of the other Debian
   faketime # a clock that is ahead, for certificates that expire
   fastddsgen # what Fast DDS makes of our IDL; brings a Java runtime, through antlr4
   fastdds-tools # the discovery server of the network tests
@@ -90,11 +114,6 @@ browser_packages=(
   pngquant # pictures of the documents
 )
 
-fail() {
-  echo "setup: $*" >&2
-  exit 1
-}
-
 while (($#)); do
   case $1 in
     --tests) packages+=("${test_packages[@]}" "${python_packages[@]}") ;;
@@ -114,10 +133,6 @@ done
 is_installed() {
   [[ $(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null) == installed ]]
 }
-
-if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
-  fail "needs Debian 12 or a system with its packages: no dpkg and apt-get here"
-fi
 
 missing=()
 for package in "${packages[@]}"; do
@@ -148,4 +163,4 @@ echo "setup: installing ${missing[*]}" >&2
 # exist.
 apt update || fail "apt-get update failed; missing: ${missing[*]}"
 apt install --yes --no-install-recommends "${missing[@]}" ||
-  fail "apt-get install failed (vdrive is built for Debian 12); missing: ${missing[*]}"
+  fail "apt-get install failed on $(system PRETTY_NAME); missing: ${missing[*]}"

@@ -19,7 +19,8 @@
 #               (VDRIVE_FULL=1)
 #   --presets-until MINUTES
 #               begins the build of no preset later than that after the start, and skips its test:
-#               where a run is ended from outside, a slow machine shows less rather than nothing
+#               where a run is ended from outside, a slow machine shows less rather than nothing. The
+#               other Debian (tests/platform) is skipped when half of that time has passed before the tests
 #   --nightly   --full with their long counts (VDRIVE_NIGHTLY=1), and the fuzzers search for new inputs
 #   --retry-deadlines
 #               runs a test once more, alone, when it promises something about wall time (label
@@ -114,6 +115,11 @@ for checked in "${presets[@]}"; do
   # Here the progress is seen; a failure is reported by the test of that preset.
   "$root/tests/checks/build_preset.sh" "$checked" >&2 || true
 done
+
+if $full && [[ -n $last_begin ]] && ((2 * SECONDS > last_begin)); then
+  VDRIVE_SKIPPED_PRESETS+=" bookworm trixie"
+  echo "$(date +%T) no time is left for the other Debian: its test is skipped" >&2
+fi
 
 begin "tests"
 cd "$root"

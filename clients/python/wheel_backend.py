@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Builds the wheel (PEP 517): CMake makes the module, the standard library packs it.
 
+The wheel has the libraries that the module needs and that not every Linux has; the module finds them beside itself
+(INSTALL_RPATH). The DDS library is not among them: only a session over DDS loads that of the system. The tag is plain
+linux, for the Debian of the build and later ones: the wheel does not claim to suit every distribution.
+
 Needs deploy/setup.sh --python. VDRIVE_BUILD_DIR names a configured build directory to use instead of
 that of the preset release.
 """
@@ -17,6 +21,8 @@ import zipfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
+# What the interpreter needs itself, or apt.
+EVERYWHERE = ("ld-linux", "libc.so", "libgcc_s.so", "libm.so", "libstdc++.so", "libz.so")
 
 
 def _built_package():
@@ -45,8 +51,23 @@ def _stripped(module, work):
     return copy.read_bytes()
 
 
+def _libraries(module):
+    """Return the paths of the libraries that the wheel has to bring."""
+    text = subprocess.run(["ldd", module], check=True, capture_output=True, text=True).stdout
+    found = [line.split()[::2][:2] for line in text.splitlines() if "=>" in line]
+    return [pathlib.Path(path) for name, path in sorted(found) if not name.startswith(EVERYWHERE)]
+
+
+def _license(library):
+    """Return the name and the text of the licence of a library of the system."""
+    owner = subprocess.run(["dpkg-query", "--search", library.resolve()], check=True, capture_output=True,
+                           text=True).stdout
+    package = owner.split(":")[0]
+    return package, pathlib.Path("/usr/share/doc", package, "copyright").read_bytes()
+
+
 def _contents(package, work):
-    """Return {path in the wheel: bytes}."""
+    """Return {path in the wheel: bytes} and {package of a library in it: its licence}."""
     suffix = sysconfig.get_config_var("EXT_SUFFIX")
     module = package / "vdrive" / f"_vdrive{suffix}"
     if not module.exists():
@@ -54,9 +75,9 @@ def _contents(package, work):
     files = {f"vdrive/{file.name}": file.read_bytes()
              for file in sorted((package / "vdrive").iterdir())
              if file.suffix in (".py", ".pyi", ".typed") or file.name == "py.typed"}
-    for library in (module, package / "vdrive" / "libvdrive_dds.so"):
+    for library in (module, package / "vdrive" / "libvdrive_dds.so", *_libraries(module)):
         files[f"vdrive/{library.name}"] = _stripped(library, work)
-    return files
+    return files, dict(_license(library) for library in _libraries(module))
 
 
 def _record(files, path):
@@ -72,10 +93,12 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     package = _built_package()
     information = next(package.glob("vdrive-*.dist-info"))
     with tempfile.TemporaryDirectory() as work:
-        files = _contents(package, work)
+        files, licenses = _contents(package, work)
     for name in ("METADATA", "entry_points.txt"):
         files[f"{information.name}/{name}"] = (information / name).read_bytes()
     files[f"{information.name}/LICENSE"] = (ROOT / "LICENSE").read_bytes()
+    for owner, text in licenses.items():
+        files[f"{information.name}/licenses/{owner}"] = text
     files[f"{information.name}/WHEEL"] = (
         "Wheel-Version: 1.0\nGenerator: vdrive\nRoot-Is-Purelib: false\n"
         f"Tag: {_tag()}\n").encode()
@@ -86,7 +109,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
         for path, content in files.items():
             entry = zipfile.ZipInfo(path)  # of 1980: the same files give the same wheel
             entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if path.endswith(".so") else 0o644) << 16
+            entry.external_attr = (0o755 if ".so" in path else 0o644) << 16
             wheel.writestr(entry, content)
     return name
 

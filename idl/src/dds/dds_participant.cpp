@@ -222,7 +222,9 @@ class DdsParticipant final : public Participant {
   std::unique_ptr<SampleReader> make_reader(TopicId topic, SampleHandler handler) override;
 
   [[nodiscard]] std::string place() const override {
-    return "on domain " + std::to_string(domain_);
+    // Members of a closed network do not meet those of another version: docs/SECURITY.md.
+    return "on domain " + std::to_string(domain_) +
+           (is_closed_ ? std::string(", closed, by Fast DDS ") + kLibraryVersion : "");
   }
 
   [[nodiscard]] std::uint32_t domain() const noexcept override { return domain_; }

@@ -1,0 +1,156 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Makes a clean root of a Debian release and does there what a newcomer does.
+#
+#   tests/platform/run.sh bookworm|trixie [--full | --check] [--mirror URL] [--cache DIR]
+#                         [--programs PRESET] [--keep]
+#
+# Without a mode: the two commands of the README, ./deploy/demo.sh and ./tests/run.sh.
+#
+#   --full        .ci/run instead of ./tests/run.sh
+#   --check       what continuous integration does for the other Debian, in the preset quick: builds by its gcc and
+#                 clang with warnings as errors, runs the unit tests, the manual's two examples, and the tests
+#                 across (tests/across) with the programs of this system
+#   --programs PRESET   which of them with --check: those in build/PRESET, default release
+#   --mirror URL  where packages come from, default http://deb.debian.org/debian
+#   --cache DIR   keeps downloaded packages and compiled objects there; the root stays clean
+#   --keep        leaves the root where it is, and prints where
+#
+# Needs root, debootstrap, and 5 GB in TMPDIR, more with --full. Mounts are in a namespace of this run, which
+# ends with it, and so does every process that it started. Standard output has a row for each step: release,
+# step, result, time; standard error has what the steps write. Exit code 0: every step passed; 77: nothing was
+# tried, because root or debootstrap is missing, or because tests/run.sh found no time for it; 2: wrong arguments.
+set -euo pipefail
+
+tree=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+usage="usage: tests/platform/run.sh bookworm|trixie [--full | --check] [--mirror URL] [--cache DIR] [--programs PRESET] [--keep]"
+
+refuse() {
+  echo "platform: $*" >&2
+  exit 2
+}
+
+skip() {
+  echo "platform: $*" >&2
+  exit 77
+}
+
+# step NAME COMMAND...: runs it, and prints its row. The first failed one ends the run.
+step() {
+  local name=$1 begin=$SECONDS result=passed
+  shift
+  echo "$(date +%T) $release: $name" >&2
+  "$@" >&2 || result="FAILED with exit code $?"
+  printf '| %s | %s | %s | %d:%02d |\n' "$release" "$name" "$result" $(((SECONDS - begin) / 60)) $(((SECONDS - begin) % 60))
+  [[ $result == passed ]]
+}
+
+# In the root, as its administrator: the environment of a login, and no more.
+inside() {
+  chroot "$root" /usr/bin/env -i HOME=/root TERM="${TERM:-dumb}" PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
+    ${JOBS:+JOBS="$JOBS"} ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
+    bash -c "cd /vdrive && $1"
+}
+
+make_root() {
+  debootstrap --variant=minbase ${cache:+--cache-dir="$cache/debootstrap"} "$release" "$root" "$mirror" &&
+    printf '127.0.0.1 localhost\n::1 localhost\n' >"$root/etc/hosts" && # as Debian's installer does
+    mkdir "$root/vdrive" &&
+    tar -C "$tree" --exclude=./build --exclude=./.git --exclude=node_modules -c . | tar -C "$root/vdrive" -x
+}
+
+mount_in_root() {
+  mount -t proc proc "$root/proc"
+  mount --rbind /sys "$root/sys"
+  mount --rbind /dev "$root/dev"
+  mount -t tmpfs tmpfs "$root/dev/shm"
+  mount -t tmpfs tmpfs "$root/run"
+  [[ -n $cache ]] || return 0
+  mkdir -p "$root/root/.cache/ccache"
+  mount --bind "$cache/ccache" "$root/root/.cache/ccache"
+  mount --bind "$cache/apt" "$root/var/cache/apt/archives"
+}
+
+# Programs by gcc, tests by clang: what either warns of is an error. What calculates has the priority of an idle
+# machine, because tests with deadlines run beside it.
+build_for_check() {
+  inside "chrt --idle 0 ./deploy/build.sh --preset quick --tests -D CMAKE_C_COMPILER=gcc -D CMAKE_CXX_COMPILER=g++ \
+    -D VDRIVE_TESTS_BY_CLANG=ON -D VDRIVE_WARNINGS_AS_ERRORS=ON --target vdrived --target vdrive \
+    --target unit_tests --target across_tests"
+}
+
+# All that this run does, in its namespace.
+steps() {
+  step "root by debootstrap" make_root
+  mount_in_root
+  case $mode in
+    check)
+      step "packages of the tests" inside "./deploy/setup.sh --tests"
+      step "build, quick" build_for_check
+      step "unit tests" inside "chrt --idle 0 ctest --preset quick --label-regex '^unit$'"
+      step "the manual's examples, and the tests across" "$tree/tests/across/across.py" --a "$tree/build/$programs" \
+        --b /vdrive/build/quick --root-b "$root"
+      ;;
+    *)
+      step "./deploy/demo.sh" inside ./deploy/demo.sh
+      if [[ $mode == full ]]; then
+        step ".ci/run" inside .ci/run
+      else
+        step "./tests/run.sh" inside ./tests/run.sh
+      fi
+      ;;
+  esac
+}
+
+release='' mode=readme mirror=http://deb.debian.org/debian cache='' programs=release keep=false
+while (($#)); do
+  case $1 in
+    bookworm | trixie) [[ -z $release ]] || refuse "one release at a time: '$release' or '$1'" && release=$1 ;;
+    --full | --check) [[ $mode == readme ]] || refuse "--full and --check: one of them" && mode=${1#--} ;;
+    --mirror | --cache | --programs)
+      (($# > 1)) || refuse "$1 needs a value"
+      declare "${1#--}=$2"
+      shift
+      ;;
+    --keep) keep=true ;;
+    *) refuse "'$1' is no release and no option; $usage" ;;
+  esac
+  shift
+done
+[[ -n $release ]] || refuse "which release? $usage"
+[[ $mirror =~ ^(https?|file):/ ]] || refuse "--mirror '$mirror': must be a URL, http, https or file"
+[[ " ${VDRIVE_SKIPPED_PRESETS:-} " != *" $release "* ]] || skip "$release is skipped by tests/run.sh"
+((EUID == 0)) || skip "a root of $release needs the rights of root: debootstrap, chroot and mount"
+command -v debootstrap >/dev/null || skip "no debootstrap here: deploy/setup.sh --tests installs it"
+if [[ $mode == check && ! -x $tree/build/$programs/bin/vdrived ]]; then
+  refuse "no program build/$programs/bin/vdrived: the tests across need it; deploy/build.sh --preset $programs"
+fi
+if [[ -n $cache ]]; then
+  mkdir -p "$cache"/{debootstrap,ccache,apt/partial} || refuse "--cache '$cache': cannot be made"
+  cache=$(cd "$cache" && pwd)
+fi
+
+root=$(mktemp -d "${TMPDIR:-/tmp}/vdrive-$release.XXXXXX")
+chmod 755 "$root"
+child=''
+# The namespace ends with its first process, and the mounts with it: then the root is only files.
+clean_up() {
+  if [[ -n $child ]]; then
+    kill -KILL "$child" 2>/dev/null || true
+    wait "$child" 2>/dev/null || true
+  fi
+  if $keep; then
+    echo "platform: the root is $root" >&2
+  else
+    rm -rf --one-file-system "$root"
+  fi
+}
+trap clean_up EXIT
+trap 'exit 130' INT TERM HUP
+
+export -f step inside make_root mount_in_root build_for_check steps
+export tree release mode mirror cache programs root
+# In the background, because bash heeds a signal in `wait`, and not while a command runs.
+unshare --mount --pid --fork --kill-child bash -euo pipefail -c steps &
+child=$!
+wait "$child"
