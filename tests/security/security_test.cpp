@@ -108,6 +108,25 @@ TEST_F(ClosedBench, NamesTheProgramThatHoldsAnAxis) {
   EXPECT_THAT(seen.output, HasSubstr("owner       owner (process "));
 }
 
+// Fast DDS 3.1 does not take its departure from the guard, and finds out itself.
+TEST_F(ClosedBench, ForgetsAMemberThatWasKilled) {
+  const auto controller = wire::make_participant(
+      {.domain = test_domain(), .security = controller_.string()}, "controller");
+  const wire::Publication<msg::Request> requests(*controller);
+  Process member(VDRIVE_VISITOR, {std::to_string(test_domain()), "vdrive client",
+                                  "security=" + service_material_.string()});
+  ASSERT_TRUE(holds_soon([&] {
+    return requests.matched() == 1;
+  }));
+  member.send(SIGKILL);
+  static_cast<void>(member.wait());
+  const auto killed = std::chrono::steady_clock::now();
+  EXPECT_TRUE(holds_soon([&] {
+    return requests.matched() == 0;
+  }));
+  EXPECT_LT(std::chrono::steady_clock::now() - killed, 6s);
+}
+
 // A network whose permissions were made before there were names.
 TEST_F(ClosedBench, WorksWithoutNamesWherePermissionsDoNotHaveTheirTopics) {
   for (const fs::path& member : {service_material_, controller_}) {

@@ -48,11 +48,10 @@ template <typename FastMessage>
 inline constexpr SizesOfFastDds kSizesOfFastDds{};
 
 // The generator has constants with the type in their names.
-#define VDRIVE_SIZES(type)                                          \
-  template <>                                                       \
-  inline constexpr SizesOfFastDds kSizesOfFastDds<fast_msg::type> { \
-    vdrive_fast_msg_##type##_max_cdr_typesize,                      \
-    vdrive_fast_msg_##type##_max_key_cdr_typesize                   \
+#define VDRIVE_SIZES(type)                                                                   \
+  template <>                                                                                \
+  inline constexpr SizesOfFastDds kSizesOfFastDds<fast_msg::type> {                          \
+    vdrive_fast_msg_##type##_max_cdr_typesize, vdrive_fast_msg_##type##_max_key_cdr_typesize \
   }
 VDRIVE_SIZES(CommandFrame);
 VDRIVE_SIZES(CommandReply);

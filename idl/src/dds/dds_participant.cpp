@@ -37,9 +37,11 @@ constexpr std::size_t kMostServers = 256;  // the id has one byte
 constexpr std::size_t kMostParticipants = 256;
 constexpr std::size_t kEndpointsOfParticipant = 16;        // on average, readers and writers each
 constexpr std::uint32_t kLargestAnnouncement = 16 * 1024;  // [bytes]; those of vdrive have 1 kB
-// A timer of the library that judges a lease must not fire while a participant leaves. Programs
-// with a guard judge earlier; a server has no guard.
+// Fast DDS 2.9 and 3.1: a timer of the library that judges a lease must not fire while a
+// participant leaves. Programs with a guard judge earlier; a server has no guard. In the closed
+// mode of 3.1 only the library can judge (kMembersMayLeaveInClear).
 constexpr std::int32_t kAnnouncedLease = 600;  // [s]
+constexpr std::int32_t kLeaseOfMember = 2;     // [s]
 constexpr std::int32_t kLeaseWithServer = 2;   // [s]
 constexpr const char* kLoopback = "127.0.0.1";
 
@@ -164,6 +166,13 @@ void limit_discovery(dds::DomainParticipantQos& qos) {
   builtin.readerPayloadSize = kLargestAnnouncement;
 }
 
+/// @return the lease that a participant announces [s].
+std::int32_t announced_lease(const NetworkSettings& settings) {
+  if (!settings.discovery_servers.empty()) return kLeaseWithServer;
+  const bool is_judged_by_guard = settings.security.empty() || kMembersMayLeaveInClear;
+  return is_judged_by_guard ? kAnnouncedLease : kLeaseOfMember;
+}
+
 /// The guard, if there is one, stands before each transport.
 template <typename Descriptor>
 void add_transport(const Descriptor& transport, const std::shared_ptr<Guard>& guard,
@@ -187,8 +196,7 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
     add_transport(eprosima::fastdds::rtps::SharedMemTransportDescriptor(), guard, qos);
   }
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  discovery.leaseDuration = {
-      settings.discovery_servers.empty() ? kAnnouncedLease : kLeaseWithServer, 0};
+  discovery.leaseDuration = {announced_lease(settings), 0};
   discovery.leaseDuration_announcementperiod = {0, 100'000'000};
   discovery.initial_announcements.count = 10;
   discovery.initial_announcements.period = {0, 50'000'000};
@@ -200,7 +208,8 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
   return qos;
 }
 
-/// The library reads its profiles while it makes the first participant, without a lock.
+/// Fast DDS 2.9 reads its profiles while it makes the first participant, without a lock; 3.1 has
+/// one.
 dds::DomainParticipant* make_participant(const dds::DomainParticipantQos& qos, std::uint32_t domain,
                                          Others& others) {
   static std::mutex making;

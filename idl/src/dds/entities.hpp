@@ -29,8 +29,9 @@ struct DdsEntities {
   std::optional<Permissions> permissions;  ///< of a closed participant
   Others others;                           ///< listens to the participant
 
-  /// The library replaces lists of addresses of the participant without a lock when its
-  /// announcement changes, and reads them when it makes an endpoint: one of these at a time.
+  /// Fast DDS 2.9 and 3.1: the library replaces lists of addresses of the participant when its
+  /// announcement changes (2.9 without a lock), and reads them without a lock when it makes an
+  /// endpoint: one of these at a time.
   std::mutex changing;
 
   DeletionGate* deletions = nullptr;  ///< of the guard; none without
@@ -42,8 +43,7 @@ struct DdsEntities {
 
   /// @return the topic `name`, in full, with the type `type`, made at its first use.
   /// @throws NetworkError
-  dds::Topic* topic(const std::string& name,
-                                       const dds::TypeSupport& type);
+  dds::Topic* topic(const std::string& name, const dds::TypeSupport& type);
 
  private:
   std::mutex mutex_;
@@ -53,8 +53,7 @@ struct DdsEntities {
 [[nodiscard]] Source source_of(const rtps::InstanceHandle_t& handle) noexcept;
 
 /// @return the writer or reader that `handle` means.
-[[nodiscard]] EndpointId endpoint_of(
-    const rtps::InstanceHandle_t& handle) noexcept;
+[[nodiscard]] EndpointId endpoint_of(const rtps::InstanceHandle_t& handle) noexcept;
 
 /// @return the DDS objects of a participant.
 /// @throws NetworkError when it is on a local bus

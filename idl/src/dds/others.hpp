@@ -13,9 +13,9 @@
 
 namespace vdrive::wire {
 
-/// The other participants that the library knows, by its own reports. The library's function for
-/// this, DomainParticipant::get_participant_names, reads its list without the lock under which its
-/// receiving threads change it. Thread-safe.
+/// The other participants that the library knows, by its own reports. Fast DDS 2.9 and
+/// 3.1: the library's function for this, DomainParticipant::get_participant_names, reads its list
+/// without the lock under which its receiving threads change it. Thread-safe.
 class Others final : public ParticipantListener {
  public:
   /// @param guard learns who is known, and knows what the library does not tell; outlives this.

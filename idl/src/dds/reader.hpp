@@ -30,8 +30,7 @@ class DdsReader final : public SampleReader, public dds::DataReaderListener {
 
   /// The same on a topic of another contract.
   /// @param topic in full
-  DdsReader(DdsEntities& parent, const std::string& topic,
-            const dds::TypeSupport& type,
+  DdsReader(DdsEntities& parent, const std::string& topic, const dds::TypeSupport& type,
             const dds::DataReaderQos& qos,
             std::function<void(std::span<const std::byte> sample)> take, Deliver deliver);
   ~DdsReader() override;  ///< nothing is delivered after this returns
@@ -41,11 +40,9 @@ class DdsReader final : public SampleReader, public dds::DataReaderListener {
   [[nodiscard]] std::size_t lost() const noexcept override { return lost_; }
 
   void on_data_available(dds::DataReader* source) override;
-  void on_subscription_matched(
-      dds::DataReader* reader,
-      const dds::SubscriptionMatchedStatus& status) override;
-  void on_sample_lost(dds::DataReader* reader,
-                      const dds::SampleLostStatus& status) override;
+  void on_subscription_matched(dds::DataReader* reader,
+                               const dds::SubscriptionMatchedStatus& status) override;
+  void on_sample_lost(dds::DataReader* reader, const dds::SampleLostStatus& status) override;
   void on_sample_rejected(dds::DataReader* reader,
                           const dds::SampleRejectedStatus& status) override;
 

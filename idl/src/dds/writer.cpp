@@ -46,9 +46,10 @@ DdsWriter::DdsWriter(DdsEntities& parent, const std::string& name, const dds::Ty
 }
 
 DdsWriter::~DdsWriter() {
-  // The library returns samples that no reader has acknowledged to their pool while they are still
-  // in the history, and its heartbeat timer, which still runs, reads their numbers there. It then
-  // counts a gap of up to 2^63 samples, and the deletion never ends. An empty history has no gap.
+  // Fast DDS 2.9 returns samples that no reader has acknowledged to their pool while they are still
+  // in the history, and its heartbeat timer, which still runs, reads their numbers there
+  // (RTPSWriter::deinit). It then counts a gap of up to 2^63 samples, and the deletion never ends.
+  // An empty history has no gap. Fast DDS 3.1 holds the lock of the writer meanwhile.
   std::size_t removed = 0;
   const auto deletion = entities_.erase();
   writer_->clear_history(&removed);
@@ -69,8 +70,8 @@ bool DdsWriter::write(std::span<const std::byte> sample) noexcept {
   }
 }
 
-/// The library removes a sample when all readers have acknowledged it. While a reader has joined
-/// and has not spoken yet it notes samples as removed that it keeps
+/// Fast DDS 2.9 and 3.1: the library removes a sample when all readers have acknowledged it. While
+/// a reader has joined and has not spoken yet it notes samples as removed that it keeps
 /// (StatefulWriter::check_acked_status): they stay. Whoever joins then gets a gap of all numbers
 /// since the oldest of them, again with each heartbeat, and takes a step for each number; a guard
 /// refuses wide gaps. Nobody needs samples that all have acknowledged.

@@ -26,8 +26,7 @@ class DdsWriter final : public SampleWriter, public dds::DataWriterListener {
 
   /// The same on a topic of another contract.
   /// @param name of the topic, in full
-  DdsWriter(DdsEntities& parent, const std::string& name,
-            const dds::TypeSupport& type,
+  DdsWriter(DdsEntities& parent, const std::string& name, const dds::TypeSupport& type,
             const dds::DataWriterQos& qos, Observer observer = nullptr);
   ~DdsWriter() override;
   DdsWriter(const DdsWriter&) = delete;
@@ -37,9 +36,8 @@ class DdsWriter final : public SampleWriter, public dds::DataWriterListener {
 
   [[nodiscard]] bool wait_for_acknowledged(std::chrono::milliseconds timeout) override;
 
-  void on_publication_matched(
-      dds::DataWriter* writer,
-      const dds::PublicationMatchedStatus& status) override;
+  void on_publication_matched(dds::DataWriter* writer,
+                              const dds::PublicationMatchedStatus& status) override;
 
  private:
   using Clock = std::chrono::steady_clock;

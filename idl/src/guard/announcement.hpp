@@ -44,8 +44,9 @@ struct Announcement {
 /// @param list the list and nothing behind it, see list_in; changed in place
 void raise_leases(std::span<std::uint8_t> list, bool little) noexcept;
 
-/// Makes the library skip the types' descriptions in a list of parameters: it builds types from
-/// them without a check, and a library that knows none of these types follows a null pointer.
+/// Makes the library skip the types' descriptions in a list of parameters. Fast DDS 2.9 builds
+/// types from them without a check, and follows a null pointer where it knows none of these
+/// types. 3.1 would ask the announcer for them before it matches the endpoint.
 /// @param list as of raise_leases
 void hide_types(std::span<std::uint8_t> list, bool little) noexcept;
 

@@ -6,10 +6,11 @@
 
 namespace vdrive::wire {
 
-/// Keeps what the library receives apart from the deletion of a reader or a writer. A deletion sets
-/// the listener to null, while the library, when it has found an endpoint of another participant,
-/// reads the listener three times in a row (EDP::pairing_...). A deletion does not wait for ever on
-/// a busy network: who comes after it waits.
+/// Keeps what the library receives apart from the deletion of a reader or a writer. Fast DDS 2.9
+/// and 3.1: a deletion sets the listener to null without a lock, while the library, when it has
+/// found an endpoint of another participant, reads the listener three times in a row
+/// (EDP::pairing_...). A deletion does not wait for ever on a busy network: who comes after it
+/// waits.
 class DeletionGate {
  public:
   /// The library may work on what was received while this lives. A thread has one at a time, and

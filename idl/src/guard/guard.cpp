@@ -31,6 +31,7 @@ Guard::Guard(const NetworkSettings& settings)
       mode_(settings.security.empty() ? Mode::open : Mode::closed),
       // A server announces its clients, and the library keeps its leases.
       keeps_leases_(settings.discovery_servers.empty()),
+      raises_leases_(mode_ == Mode::open || kMembersMayLeaveInClear),
       sink_(settings.guard_sink) {
   if (keeps_leases_) {
     judge_ = std::thread([this] {
@@ -231,7 +232,8 @@ bool Guard::passes(const Submessage& submessage, std::vector<std::uint8_t>& data
     refuse(refusal, remote);
     return false;
   }
-  if (has_list) raise_leases(list_in(datagram, submessage, data), data.list_is_little());
+  if (has_list && raises_leases_)
+    raise_leases(list_in(datagram, submessage, data), data.list_is_little());
   return true;
 }
 

@@ -39,9 +39,9 @@ class Guard {
   /// A channel opens; the library takes what arrives by it until it closes.
   void open(const Locator& local, Receiver* channel);
 
-  /// The library takes datagrams from now on. What has arrived before waits for this: the library
-  /// announces a participant some 0.1 ms before it reads what arrives, and an answer that it does
-  /// not read is repeated after 0.1 to 1 s.
+  /// The library takes datagrams from now on. What has arrived before waits for this. Fast DDS 2.9
+  /// and 3.1 (RTPSParticipantImpl::enable): the library announces a participant some 0.1 ms before
+  /// it reads what arrives, and an answer that it does not read is repeated after 0.1 to 1 s.
   void begin();
 
   /// The channel of `local` closes: returns when nothing is handed over to it any more.
@@ -91,6 +91,7 @@ class Guard {
   const Role role_;
   const Mode mode_;
   const bool keeps_leases_;
+  const bool raises_leases_;  ///< the library's timers never fire
   const GuardSink sink_;
 
   std::array<std::atomic<std::uint64_t>, kRefusals> refused_{};
@@ -103,14 +104,16 @@ class Guard {
   mutable std::mutex keeper_mutex_;
   Keeper keeper_;
   ReturnedParticipants returned_;
-  std::set<GuidPrefix> closed_;  ///< those of the keeper that have announced DDS Security
+  std::set<GuidPrefix> closed_;            ///< those of the keeper that have announced DDS Security
   std::atomic<bool> has_returned_{false};  ///< `returned_` is not empty: seen without the lock
 
   std::atomic<bool> has_begun_{false};  ///< or the library gave up before
   /// A participant announces itself by several channels. The library ignores the second
   /// announcement at once, while the first is still being worked on in another thread, and so it
   /// would ignore what that participant sends next. It also works on a participant that it adds
-  /// after it has released its lock: a removal waits for that.
+  /// after it has released its lock: a removal waits for that. Fast DDS 2.9 and 3.1, where 3.1
+  /// works on a copy, and could bring back the endpoints of a participant that was removed
+  /// meanwhile.
   std::mutex announcing_;
 
   DeletionGate deletions_;   ///< before all locks of this class but `keeper_mutex_`

@@ -48,7 +48,7 @@ class GuardTransport final : public SeeingTransport {
   std::shared_ptr<Guard> guard_;
 };
 
-/// `Descriptor` with a guard before the transport that it makes. The library asks whether a
+/// `Descriptor` with a guard before the transport that it makes. Fast DDS 2.9 and 3.1 ask whether a
 /// description is one of shared memory, which a GuardedTransport is not.
 template <typename Descriptor>
 class Guarded final : public Descriptor {

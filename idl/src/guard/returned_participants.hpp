@@ -17,8 +17,9 @@ namespace vdrive::wire {
 /// by an ACKNACK with number 0, after 70 ms; the writer then sends everything again. But after a
 /// heartbeat that comes earlier it requests single samples, and the writer ignores a request for
 /// what was acknowledged once (`ReaderProxy::acked_changes_set` and `requested_changes_set` of Fast
-/// DDS 2.9.1). Then the two do not find each other's endpoints any more. Therefore a heartbeat of
-/// a writer of such a participant waits until the ACKNACK with number 0 for it has left.
+/// DDS 2.9.1; 3.1 begins by the same ACKNACK, `WriterProxy::perform_initial_ack_nack`). Then the
+/// two do not find each other's endpoints any more. Therefore a heartbeat of a writer of such a
+/// participant waits until the ACKNACK with number 0 for it has left.
 ///
 /// Time is an argument. Not thread-safe.
 class ReturnedParticipants {

@@ -18,8 +18,8 @@ namespace vdrive::wire {
 ///
 /// A reliable reader of the library walks over all numbers between the last one that it has
 /// delivered and the oldest one that its writer still has, one by one and under its lock
-/// (StatefulReader::NotifyChanges of Fast DDS 2.9.1), in Debian's build with a system call for
-/// each. A new reader begins at 0. Therefore
+/// (StatefulReader::NotifyChanges of Fast DDS 2.9 and 3.1), in Debian's build of 2.9 with a system
+/// call for each. A new reader begins at 0. Therefore
 /// - a number that is far from all that its writer has sent is refused;
 /// - the library reads smaller numbers of a writer that has sent many before it was first heard:
 ///   they begin at 1 with the oldest sample that the writer still had. What the library

@@ -86,8 +86,8 @@ struct ClockOfBench {
 /// A program's place among those that exchange the messages of vdrive: a DDS domain participant, or
 /// a place on the local bus of this process. Must outlive its writers and readers.
 /// Over DDS it shows no type objects, and announces itself every 100 ms with a lease of 600 s (2 s
-/// to a discovery server); its guard removes participants of vdrive after 2.5 s of silence, others
-/// after the lease that they announce.
+/// in the closed mode and to a discovery server); its guard removes participants of vdrive
+/// after 2.5 s of silence, others after the lease that they announce.
 class Participant {
  public:
   Participant() = default;

@@ -30,6 +30,9 @@ using LibraryMd5 = MD5;
 
 inline constexpr const char* kLibraryVersion = FASTRTPS_VERSION_STR;
 
+/// Whether a closed participant takes the departure of a member from an announcement in clear.
+inline constexpr bool kMembersMayLeaveInClear = true;
+
 inline bool is_ok(const eprosima::fastrtps::types::ReturnCode_t& code) {
   return code == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
 }

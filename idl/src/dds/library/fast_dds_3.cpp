@@ -6,6 +6,7 @@
 #include <fastdds/rtps/transport/SenderResource.hpp>
 
 #include <mutex>
+#include <string>
 
 namespace vdrive::wire {
 
@@ -47,7 +48,9 @@ bool write_to(dds::DataWriter& writer, void* sample) {
   return is_ok(writer.write(sample));
 }
 
-/// The library hands over the headers of a datagram and its samples in pieces.
+/// The library hands over a datagram in pieces: headers, samples, and last a piece that its
+/// transport writes statistics into, which it knows by the size (is_statistics_buffer). They stay
+/// pieces.
 bool SeeingTransport::send(rtps::SenderResource* low,
                            const std::vector<rtps::NetworkBuffer>& pieces, std::uint32_t size,
                            rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
@@ -60,7 +63,15 @@ bool SeeingTransport::send(rtps::SenderResource* low,
   }
   std::vector<std::uint8_t> changed;
   const auto leaving = sends(datagram, changed);
-  return low->send({rtps::NetworkBuffer(leaving.data(), size)}, size, first, last, timeout);
+  if (leaving.data() == datagram.data()) return low->send(pieces, size, first, last, timeout);
+  std::vector<rtps::NetworkBuffer> changed_pieces;
+  changed_pieces.reserve(pieces.size());
+  const std::uint8_t* next = leaving.data();
+  for (const rtps::NetworkBuffer& piece : pieces) {
+    changed_pieces.emplace_back(next, piece.size);
+    next += piece.size;
+  }
+  return low->send(changed_pieces, size, first, last, timeout);
 }
 
 }  // namespace vdrive::wire

@@ -30,6 +30,12 @@ using LibraryMd5 = eprosima::fastdds::MD5;
 
 inline constexpr const char* kLibraryVersion = FASTDDS_VERSION_STR;
 
+/// Whether a closed participant takes the departure of a member from an announcement in clear. It
+/// does not: PDPListener::on_new_cache_change_added asks for a matched writer, and a member is
+/// matched by its encrypted announcements only (PDPSimple::notifyAboveRemoteEndpoints). What has
+/// ended without a word, the library finds out itself, by the lease.
+inline constexpr bool kMembersMayLeaveInClear = false;
+
 inline bool is_ok(dds::ReturnCode_t code) {
   return code == dds::RETCODE_OK;
 }
@@ -90,10 +96,10 @@ class ParticipantListener : public dds::DomainParticipantListener {
                                 const dds::ParticipantBuiltinTopicData& info,
                                 bool& /*should_be_ignored*/) override {
     using Status = rtps::ParticipantDiscoveryStatus;
-    if (status == Status::REMOVED_PARTICIPANT || status == Status::DROPPED_PARTICIPANT) {
-      lose(info.guid);
-    } else if (status != Status::IGNORED_PARTICIPANT) {
+    if (status == Status::DISCOVERED_PARTICIPANT || status == Status::CHANGED_QOS_PARTICIPANT) {
       find(info.guid, info.participant_name.to_string(), info.user_data.getValue());
+    } else {
+      lose(info.guid);
     }
   }
 

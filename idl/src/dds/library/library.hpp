@@ -41,6 +41,7 @@ void add_discovery_server(const rtps::Locator_t& server, dds::DomainParticipantQ
 void announce_no_types(dds::DomainParticipantQos& qos);
 
 /// Lets samples within a process take the way through the transport. Before the first participant.
+/// The default of 2.9 and 3.1 runs a listener in the thread of the writer.
 void deliver_through_the_transport();
 
 /// @return whether the library has taken the sample.
