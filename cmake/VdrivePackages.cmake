@@ -10,6 +10,8 @@
 #   python3-vdrive  the Python module, where it was built
 #   vdrive-doc      the documents, the IDL, the examples
 
+cmake_host_system_information(RESULT system QUERY DISTRIB_INFO)
+
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "vdrive maintainers <maintainers@vdrive.invalid>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "virtual CiA 402 servo drives on DDS")
@@ -24,6 +26,11 @@ set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/finish_packages.cmake)
 
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+# Packages of both Debians stand in one repository, and those of the newer one are newer.
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+if(system_ID STREQUAL "debian")
+  string(APPEND CPACK_DEBIAN_PACKAGE_RELEASE ~deb${system_VERSION_ID})
+endif()
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
@@ -42,6 +49,9 @@ set(CPACK_DEBIAN_TOOL_PACKAGE_NAME vdrive)
 set(CPACK_DEBIAN_TOOL_PACKAGE_SECTION misc)
 set(CPACK_DEBIAN_TOOL_DESCRIPTION "The tool: it finds the drives of vdrived, commands them, reads and writes
 their objects, records what they do and runs scenarios.")
+# On a machine that commands the benches of others the tool is enough.
+set(CPACK_DEBIAN_TOOL_PACKAGE_RECOMMENDS vdrived)
+set(CPACK_DEBIAN_TOOL_PACKAGE_SUGGESTS vdrive-doc)
 
 set(CPACK_DEBIAN_GATEWAY_PACKAGE_NAME vdrive-gateway)
 set(CPACK_DEBIAN_GATEWAY_PACKAGE_SECTION misc)
@@ -75,7 +85,11 @@ program, without DDS) and vdrive::core (the drive alone).")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libeigen3-dev (>= 3.4), libspdlog-dev, libyaml-cpp-dev")
 # Of the component client: a program without DDS does not need them.
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libfastrtps-dev (>= 2.9), libssl-dev, libtinyxml2-dev")
+set(dds "libfastrtps-dev (>= 2.9)")
+if(system_ID STREQUAL "debian" AND system_VERSION_ID VERSION_GREATER_EQUAL 13)
+  set(dds "libfastdds-dev (>= 3.1)")
+endif()
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "${dds}, libssl-dev, libtinyxml2-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS vdrive-doc)
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-vdrive)

@@ -16,7 +16,7 @@ foreach(directory ${configurations})
 endforeach()
 
 # The installation has the licence whole; Debian has that text once, and its own form of a
-# changelog, which has to name a day (SOURCE_DATE_EPOCH, if set).
+# changelog, which has to name a day: that of SOURCE_DATE_EPOCH (deploy/package.sh).
 string(TIMESTAMP day "%a, %d %b %Y %H:%M:%S +0000" UTC)
 file(GLOB licences ${CPACK_TEMPORARY_DIRECTORY}/*/usr/share/doc/*/copyright)
 foreach(licence ${licences})
@@ -26,7 +26,7 @@ foreach(licence ${licences})
   file(READ ${CMAKE_CURRENT_LIST_DIR}/../CHANGELOG.md news)
   string(REPLACE "\n## Unreleased\n" "\n## ${CPACK_PACKAGE_VERSION}\n" news "${news}")
   file(WRITE ${documents}/NEWS "${news}")
-  file(WRITE ${documents}/changelog "vdrive (${CPACK_PACKAGE_VERSION}) stable; urgency=medium\n\n"
+  file(WRITE ${documents}/changelog "vdrive (${CPACK_PACKAGE_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) stable; urgency=medium\n\n"
        "  * What changed is in NEWS.\n\n -- ${CPACK_PACKAGE_CONTACT}  ${day}\n")
   run(gzip -9n ${documents}/NEWS ${documents}/changelog)
 endforeach()

@@ -49,3 +49,8 @@ execute_process(
   COMMAND ${HELP2MAN} --no-info --section=${SECTION} --name=${SUMMARY} --manual=vdrive
           ${sections} --output=${PAGE} ${PAGE}.program/${name}
           COMMAND_ERROR_IS_FATAL ANY)
+
+# Without the month in which it was made: the same help gives the same page.
+file(READ ${PAGE} text)
+string(REGEX REPLACE "(\n\\.TH [^ ]+ \"[0-9]\" )\"[^\"]*\"" "\\1\"\"" text "${text}")
+file(WRITE ${PAGE} "${text}")

@@ -3,23 +3,30 @@
 # The demonstration: installs what is missing, builds, starts the service with its demo bench and
 # runs the manual's two worked examples against it over DDS, live in this terminal.
 #
-#   deploy/demo.sh [--serve]
+#   deploy/demo.sh [--packages DIR|URL] [--serve]
 #
+#   --packages DIR|URL
+#             build nothing: install vdrived and vdrive by apt, from a folder of packages
+#             (deploy/package.sh) or from a signed repository (deploy/repository.sh), which stays a
+#             source of apt: /etc/apt/sources.list.d/vdrive.list
 #   --serve   keep the service in the foreground instead of running the examples, and beside it the
 #             gateway with its page, which may command the axes: http://127.0.0.1:8765/, or
 #             VDRIVE_LISTEN=ADDRESS:PORT
 #
-# Meanwhile `build/release/bin/vdrive watch 1.1` shows the axis in a second terminal. The service
+# Meanwhile `vdrive watch 1.1` (of build/release/bin, or installed) shows the axis in a second terminal. The service
 # runs as bench 1 on DDS domain 0, or on VDRIVE_DOMAIN; when bench 1 exists already it takes the
 # next free number and reports it. No process is left running. Exit code 0: both examples passed.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 bin=$root/build/release/bin
+scenarios=$root/clients/scenarios
 domain=${VDRIVE_DOMAIN:-0}
 listen=${VDRIVE_LISTEN:-127.0.0.1:8765}
 highest_bench=9
 serve=false
+source=
+readonly usage="usage: deploy/demo.sh [--packages DIR|URL] [--serve]"
 
 fail() {
   echo "demo: $*" >&2
@@ -29,19 +36,91 @@ fail() {
 while (($#)); do
   case $1 in
     --serve) serve=true ;;
-    *) fail "unknown option '$1'; usage: deploy/demo.sh [--serve]" ;;
+    --packages)
+      (($# >= 2)) || fail "--packages needs a folder of packages or the URL of a repository; $usage"
+      source=$2 && shift
+      ;;
+    *) fail "unknown option '$1'; $usage" ;;
   esac
   shift
 done
 
-setup_options=()
-targets=(--target vdrived --target vdrive)
-if $serve; then
-  setup_options+=(--page)
-  targets+=(--target vdrive-gateway)
+as_root=()
+if ((EUID != 0)); then
+  as_root=(sudo)
 fi
-"$root/deploy/setup.sh" "${setup_options[@]}"
-"$root/deploy/build.sh" "${targets[@]}"
+
+# Shows the output of apt only when it fails.
+apt() {
+  local output
+  if ! output=$("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet \
+    --option DPkg::Lock::Timeout=300 --option Acquire::Retries=3 "$@" 2>&1); then
+    printf '%s\n' "$output" >&2
+    return 1
+  fi
+}
+
+# Makes a signed repository a source of apt. Its key comes from the same place: whoever does not trust
+# that fetches the key in another way first.
+add_repository() {
+  local url=${1%/} keyring=/etc/apt/keyrings/vdrive.asc fetched reason
+  fetched=$(mktemp -d)
+  if ! /usr/lib/apt/apt-helper download-file "$url/vdrive.asc" "$fetched/vdrive.asc" >"$fetched/log" 2>&1; then
+    reason=$(sed -n 's/^E: Failed to fetch [^ ]* *//p' "$fetched/log")
+    rm -r "$fetched"
+    fail "no key at $url/vdrive.asc ($reason): a repository without a key is not used; deploy/repository.sh makes one with a key"
+  fi
+  "${as_root[@]}" install -D -m 644 "$fetched/vdrive.asc" "$keyring"
+  rm -r "$fetched"
+  "${as_root[@]}" tee /etc/apt/sources.list.d/vdrive.list >/dev/null \
+    <<<"deb [signed-by=$keyring] $url $VERSION_CODENAME main"
+}
+
+install_packages() {
+  local names=(vdrived vdrive) install=() name files found
+  ! $serve || names+=(vdrive-gateway)
+  # shellcheck source=/dev/null
+  . /etc/os-release
+  [[ $ID == debian && $VERSION_ID =~ ^(12|13)$ ]] ||
+    fail "the packages are for Debian 12 and 13, and this is $PRETTY_NAME"
+  if [[ -d $source/dists ]]; then
+    source=file:$(realpath "$source")
+  fi
+  case $source in
+    http://* | https://* | file:/*)
+      add_repository "$source"
+      install=("${names[@]}")
+      ;;
+    *)
+      [[ -d $source ]] || fail "--packages: $source is neither a folder nor a URL (http://, https://, file:/)"
+      for name in "${names[@]}"; do
+        files="${name}_*~deb${VERSION_ID}_$(dpkg --print-architecture).deb"
+        found=$(find "$(realpath "$source")" -maxdepth 1 -name "$files" | sort -V | tail -n 1)
+        [[ -n $found ]] || fail "--packages: $source has no package $name for this Debian ($files)"
+        install+=("$found")
+      done
+      ;;
+  esac
+  echo "demo: installing ${install[*]##*/}" >&2
+  apt update || fail "apt-get update failed"
+  apt install --yes --no-install-recommends "${install[@]}" || fail "apt-get install failed"
+}
+
+((EUID == 0)) || [[ -z $source ]] || command -v sudo >/dev/null || fail "--packages: run as root, or install sudo"
+if [[ -n $source ]]; then
+  bin=/usr/bin
+  scenarios=/usr/share/vdrive/scenarios
+  install_packages
+else
+  setup_options=()
+  targets=(--target vdrived --target vdrive)
+  if $serve; then
+    setup_options+=(--page)
+    targets+=(--target vdrive-gateway)
+  fi
+  "$root/deploy/setup.sh" "${setup_options[@]}"
+  "$root/deploy/build.sh" "${targets[@]}"
+fi
 
 vdrive() {
   "$bin/vdrive" --domain "$domain" "$@"
@@ -64,7 +143,7 @@ domain_option=
 if [[ $domain != 0 ]]; then
   domain_option=" --domain $domain"
 fi
-watch_command="build/release/bin/vdrive$domain_option watch $bench.1"
+watch_command="${bin#"$root/"}/vdrive$domain_option watch $bench.1"
 
 work=$(mktemp -d)
 programs=()
@@ -105,7 +184,7 @@ echo "demo: in a second terminal: $watch_command"
 results=()
 failed=false
 run_example() {
-  local title=$1 file=$root/clients/scenarios/$2
+  local title=$1 file=$scenarios/$2
   echo
   echo "== $title"
   if ((bench != 1)); then # the scenarios name bench 1

@@ -1,21 +1,37 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Builds the Debian packages vdrived, vdrive, vdrive-gateway, vdrive-ros2, vdrive-canopen,
-# libvdrive-dev, python3-vdrive and vdrive-doc into build/packages.
+# libvdrive-dev, python3-vdrive and vdrive-doc into build/packages, for the Debian that runs it, and
+# beside them a list of what is in them (SPDX 2.3): vdrive_VERSION_ARCHITECTURE.spdx.json.
 #
 #   deploy/package.sh
 #
 # From the release build. Needs deploy/setup.sh --page --python first. Prints the names of the packages.
+# The same commit gives the same bytes in any folder, on a system with the same packages. Their date
+# is SOURCE_DATE_EPOCH, else that of the commit, else that of CHANGELOG.md.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+packages=$root/build/packages
+
+fail() {
+  echo "package: $*" >&2
+  exit 1
+}
+
+if [[ -z ${SOURCE_DATE_EPOCH:-} ]]; then
+  SOURCE_DATE_EPOCH=$(git -C "$root" log -1 --format=%ct 2>/dev/null || stat -c %Y "$root/CHANGELOG.md")
+fi
+export SOURCE_DATE_EPOCH
+umask 022 # the modes of folders are in the packages
 
 "$root/deploy/build.sh"
-rm -rf "$root/build/packages"
+rm -rf "$packages"
 if ! output=$(cd "$root/build/release" && cpack 2>&1); then
   printf '%s\n' "$output" >&2
-  echo "package: cpack failed" >&2
-  exit 1
+  fail "cpack failed"
 fi
-rm -rf "$root/build/packages/_CPack_Packages"
-ls "$root"/build/packages/*.deb
+rm -rf "$packages/_CPack_Packages"
+/usr/bin/python3 -B "$root/deploy/list_contents.py" "$root/build/release" \
+  "$root/clients/gateway/page/package-lock.json" "$packages"/*.deb || fail "the list of contents failed"
+ls "$packages"/*.deb

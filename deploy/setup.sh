@@ -68,11 +68,12 @@ test_packages=(
   clang-tidy
   cyclonedds-dev # a second vendor's DDS
   cyclonedds-tools
-  debootstrap # a clean root of the other Debian
+  debootstrap # clean roots: for the packages, and of the other Debian
   faketime # a clock that is ahead, for certificates that expire
   fastddsgen # what Fast DDS makes of our IDL; brings a Java runtime, through antlr4
   fastdds-tools # the discovery server of the network tests
   fish # completion of the tool
+  gnupg # signs a repository of the packages
   iproute2 # hosts of the network tests
   libbenchmark-dev
   libclang-rt-dev # sanitizers and fuzzers with clang

@@ -113,16 +113,24 @@ package_of() {
   done
   fail "no package $1"
 }
+version=$(dpkg-deb --field "${packages[0]}" Version)
+# shellcheck source=/dev/null
+[[ $version == *-1~deb$(. /etc/os-release && echo "$VERSION_ID") ]] || fail "version $version is of no Debian"
+contents=$root/build/packages/vdrive_${version}_$(dpkg --print-architecture).spdx.json
+"$root/tests/deploy/check_contents.py" "$contents" "${packages[@]}" >"$work/log" 2>&1 || fail "$contents: $(cat "$work/log")"
+
 control() {
   dpkg-deb --field "$(package_of "$1")" "$2"
 }
-[[ $(control vdrived Depends) == *libfastrtps* ]] || fail "vdrived depends on no DDS"
+readonly dds="libfast(rtps|dds)" # of Debian 12, of Debian 13
+[[ $(control vdrive Recommends) == vdrived ]] || fail "the tool brings no service"
+[[ $(control vdrived Depends) =~ $dds ]] || fail "vdrived depends on no DDS"
 [[ $(control vdrived Depends) == *libseccomp2* ]] || fail "vdrived depends on no filter of system calls"
 [[ $(control libvdrive-dev Depends) == *libeigen3-dev* ]] || fail "libvdrive-dev needs Eigen"
-[[ $(control libvdrive-dev Depends) != *libfastrtps* ]] || fail "libvdrive-dev needs DDS for a program without DDS"
-[[ $(control libvdrive-dev Recommends) == *libfastrtps-dev* ]] || fail "libvdrive-dev recommends no DDS"
+[[ ! $(control libvdrive-dev Depends) =~ $dds ]] || fail "libvdrive-dev needs DDS for a program without DDS"
+[[ $(control libvdrive-dev Recommends) =~ $dds-dev ]] || fail "libvdrive-dev recommends no DDS"
 [[ $(control python3-vdrive Depends) == *python3-numpy* ]] || fail "python3-vdrive needs numpy"
-[[ $(control python3-vdrive Depends) == *libfastrtps* ]] || fail "python3-vdrive depends on no DDS"
+[[ $(control python3-vdrive Depends) =~ $dds ]] || fail "python3-vdrive depends on no DDS"
 dpkg-deb --ctrl-tarfile "$(package_of vdrived)" | tar -xO ./conffiles |
   grep -qx /etc/vdrive/vdrived.yaml || fail "the configuration would be overwritten"
 
@@ -140,9 +148,14 @@ if grep -rn 'docs/' "$unpacked/etc" "$unpacked/usr/lib/systemd"; then
 fi
 for news in "$unpacked"/usr/share/doc/*/NEWS.gz; do
   zgrep -qi unreleased "$news" && fail "$news: a package is released"
-  zgrep -q "^## $("$unpacked/usr/bin/vdrived" --version | sed 's/vdrived \([^ ]*\).*/\1/')$" "$news" ||
+  zgrep -q "^## ${version%-1~deb*}\b" "$news" ||
     fail "$news does not name the version of the package"
 done
+
+# Two builds in two folders give the same bytes: none of them names its folder.
+if grep -rlF "$root" "$unpacked"; then
+  fail "the files above name $root"
+fi
 
 # The programs run.
 "$unpacked/usr/bin/vdrived" --check "$unpacked/etc/vdrive/vdrived.yaml" >"$work/check"
