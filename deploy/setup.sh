@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs the packages of Debian 12 or 13 that building and running vdrive needs.
 #
-#   deploy/setup.sh [--tests] [--page] [--python] [--browser] [--judges]
+#   deploy/setup.sh [--tests] [--page] [--python] [--browser] [--judges] [--images]
 #
 #   --tests     also what the tests, the benchmarks and the lint need
 #   --page      also node and npm, where these programs are missing: they build the page of the gateway
 #   --python    also what the Python module is built from; --tests brings it, too
 #   --browser   also the browser that tests this page
 #   --judges    also programs of others that judge what bridges send
+#   --images    also what runs images of containers
 #
 # Installs only what is missing, by apt, through sudo unless run as root. Prints nothing when
 # nothing is missing. Writes to standard error only. Exit code 0: all packages are installed.
@@ -109,6 +110,15 @@ judge_packages=(
   tshark # decodes captures of the CAN bus
 )
 
+image_packages=(
+  podman
+  runc # runs also where control groups are of the first version, unlike crun
+  aardvark-dns # names of containers in a network
+  catatonit # the first process of a pod
+  iptables # ports that a container publishes
+  netavark # networks of containers
+)
+
 browser_packages=(
   chromium
   fonts-wqy-microhei # Chinese characters
@@ -126,7 +136,8 @@ while (($#)); do
     --python) packages+=("${python_packages[@]}") ;;
     --browser) packages+=("${browser_packages[@]}") ;;
     --judges) packages+=("${judge_packages[@]}") ;;
-    *) fail "unknown option '$1'; usage: deploy/setup.sh [--tests] [--page] [--python] [--browser] [--judges]" ;;
+    --images) packages+=("${image_packages[@]}") ;;
+    *) fail "unknown option '$1'; usage: deploy/setup.sh [--tests] [--page] [--python] [--browser] [--judges] [--images]" ;;
   esac
   shift
 done

@@ -76,7 +76,7 @@ labels='^(unit|dds)$'
 if $full; then
   export VDRIVE_FULL=1
   preset=release
-  setup_options+=(--page --browser --judges)
+  setup_options+=(--page --browser --judges --images)
   presets=(asan tsan tidy) # what is skipped first comes last
   [[ ${VDRIVE_NIGHTLY:-} == 1 ]] && presets=(asan tsan fuzz tidy)
   steps=$((3 + ${#presets[@]}))

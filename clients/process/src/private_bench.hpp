@@ -4,6 +4,7 @@
 #include "child_process.hpp"
 #include "private_domain.hpp"
 
+#include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <optional>
@@ -33,6 +34,8 @@ class PrivateBench {
 
   /// Waits until the service runs. @return why it does not, or nothing.
   [[nodiscard]] std::optional<std::string> wait_until_ready();
+
+  [[nodiscard]] bool has_ended() { return service_.wait(std::chrono::milliseconds(0)).has_value(); }
 
   /// Ends it at once, and the wait above. Any thread.
   void end() const noexcept { service_.send(SIGTERM); }

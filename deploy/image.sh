@@ -1,0 +1,209 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Makes OCI images from the Debian packages.
+#
+#   deploy/image.sh [--packages DIR] [--out DIR] [bench|gateway|canopen|ros2|demo ...]
+#
+#   --packages DIR   the packages of deploy/package.sh; default build/packages
+#   --out DIR        where the images go; default build/images
+#
+# Without a name all of them. Each is a file that `podman load -i FILE` takes as
+# localhost/vdrive-NAME:VERSION. An image has the programs of its packages, the libraries that the
+# loader finds for them in Debian's packages, and nothing else: no shell and no package manager. The
+# maintainer scripts of the packages do not run: they make users, units and caches, which no program
+# here reads. The same packages give the same image: dates are those of the package of the tool.
+#
+# Needs apt with the package lists of the Debian for which the packages were built, and no root.
+# Prints the names of the files.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+packages=$root/build/packages
+out=$root/build/images
+names=()
+usage="usage: deploy/image.sh [--packages DIR] [--out DIR] [bench|gateway|canopen|ros2|demo ...]"
+readonly user=65532 # nobody else's, as in other images without root
+
+fail() {
+  echo "image: $*" >&2
+  exit 1
+}
+
+while (($#)); do
+  case $1 in
+    --packages | --out) (($# >= 2)) || fail "$1 needs a folder; $usage" ;;&
+    --packages) packages=$2 && shift ;;
+    --out) out=$2 && shift ;;
+    bench | gateway | canopen | ros2 | demo) names+=("$1") ;;
+    *) fail "unknown word '$1'; $usage" ;;
+  esac
+  shift
+done
+((${#names[@]})) || names=(bench gateway canopen ros2 demo)
+
+# The tool is in each image: it tells whether the image's program works.
+declare -A packages_of=([bench]="vdrived vdrive" [gateway]="vdrive-gateway vdrive"
+  [canopen]="vdrive-canopen vdrive" [ros2]="vdrive-ros2 vdrive"
+  [demo]="vdrived vdrive-gateway vdrive")
+declare -A title_of=([bench]="a bench of virtual servo drives"
+  [gateway]="the gateway of virtual servo drives to browsers and dashboards"
+  [canopen]="the bridge of virtual servo drives to CANopen"
+  [ros2]="the bridge of virtual servo drives to ROS 2"
+  [demo]="virtual servo drives that move, and a page that shows them")
+declare -A entry_of=([bench]='"/usr/bin/vdrived"' [gateway]='"/usr/bin/vdrive-gateway"'
+  [canopen]='"/usr/bin/vdrive-canopen"' [ros2]='"/usr/bin/vdrive-ros2"'
+  [demo]='"/usr/bin/vdrive","demo"')
+# What the arguments of a container replace.
+declare -A command_of=([bench]='"--config","/etc/vdrive/vdrived.yaml"'
+  [gateway]='"--listen","0.0.0.0:8765","--token","/etc/vdrive/token"'
+  [canopen]='"--config","/etc/vdrive/canopen.yaml"' [ros2]='' [demo]='"--listen","0.0.0.0:8765"')
+
+[[ -d $packages ]] || fail "no folder '$packages': run deploy/package.sh first"
+packages=$(realpath "$packages")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# @return the file of our package $1.
+package() {
+  local found=("$packages/$1"_*.deb)
+  [[ -f ${found[0]} ]] || fail "no package $1 in '$packages': run deploy/package.sh first"
+  ((${#found[@]} == 1)) || fail "more than one package $1 in '$packages': ${found[*]##*/}"
+  printf '%s\n' "${found[0]}"
+}
+
+declare -A files=()
+for name in "${names[@]}"; do
+  for each in ${packages_of[$name]}; do
+    files[$each]=$(package "$each")
+  done
+done
+tool=${files[vdrive]}
+version=$(dpkg-deb --field "$tool" Version)
+version=${version%%-*} # without that of the Debian package, whose ~ no tag may have
+architecture=$(dpkg-deb --field "$tool" Architecture)
+date=$(dpkg-deb --fsys-tarfile "$tool" | tar --list --verbose --full-time --utc |
+  awk '{ print $4, $5 }' | sort | tail -n 1)
+epoch=$(date --utc --date "$date" +%s)
+created=$(date --utc --date "$date" +%Y-%m-%dT%H:%M:%SZ)
+
+# All packages that ours depend on, as if none were installed.
+mkdir -p "$work/debian/partial" "$work/tree"
+touch "$work/status"
+if ! apt-get --quiet --yes --no-install-recommends --download-only \
+  --option Dir::State::status="$work/status" --option Dir::Cache::archives="$work/debian/" \
+  --option Debug::NoLocking=1 --option APT::Sandbox::User= --option Acquire::Retries=3 \
+  install base-files "${files[@]}" >"$work/apt" 2>&1; then
+  cat "$work/apt" >&2
+  fail "apt cannot get what the packages depend on: are they for this Debian, and are its lists new (apt-get update)?"
+fi
+for each in "$work"/debian/*.deb; do
+  dpkg-deb --vextract "$each" "$work/tree" | sed "s|^\./|/|; s|\$| $each|" >>"$work/index"
+done
+
+loader=$(find "$work/tree" -name 'ld-linux*.so.*' -type f -print -quit)
+[[ -n $loader ]] || fail "the packages depend on no C library"
+c_library=$(find "$work/tree" -name libc.so.6 -print -quit)
+folders=lib/$(basename "$(dirname "$c_library")")
+folders=$work/tree/usr/$folders:$work/tree/$folders
+
+# Copies the libraries of a program into image $1, each with what says where it is from, and the
+# loader to where the program has it.
+add_libraries() {
+  local image=$1 program=$2 listed name file place each
+  listed=$("$loader" --inhibit-cache --library-path "$folders" --list "$program" 2>&1) ||
+    fail "$(basename "$program"): $listed"
+  while read -r name file; do
+    [[ $file == "$work/tree"/* ]] || fail "$(basename "$program"): $name is in no package"
+    place=${file#"$work/tree"}
+    each=$(awk -v place="$place" '$1 == place { print $2; exit }' "$work/index")
+    [[ $name != /* ]] || place=$name
+    [[ ! -e $image$place ]] || continue
+    install -D --mode 755 "$file" "$image$place"
+    add_origin "$image" "$each"
+  done < <(sed -n 's/^\t\([^ ]*\) => \([^ ]*\).*$/\1 \2/p' <<<"$listed")
+}
+
+# Adds the licence of a package, and its record where scanners of images look for it.
+add_origin() {
+  local image=$1 file=$2 name licence
+  name=$(dpkg-deb --field "$file" Package)
+  mkdir -p "$image/var/lib/dpkg/status.d"
+  dpkg-deb --field "$file" >"$image/var/lib/dpkg/status.d/$name"
+  licence=usr/share/doc/$name/copyright
+  [[ -e $image/$licence ]] || install -D --mode 644 "$work/tree/$licence" "$image/$licence"
+}
+
+make_tree() {
+  local image=$1 name=$2 each program
+  mkdir -p "$image/etc/vdrive" "$image/tmp" "$image/var/lib/vdrive"
+  for each in ${packages_of[$name]}; do
+    dpkg-deb --extract "${files[$each]}" "$image"
+    add_origin "$image" "${files[$each]}"
+  done
+  rm -rf "$image"/usr/{lib/systemd,share/man,share/bash-completion,share/zsh,share/fish}
+  # A bench that nobody has configured is none: the container says so.
+  rm -f "$image/etc/vdrive/vdrived.yaml"
+  find "$image/usr/share/doc" ! -type d ! -name copyright -delete
+  for program in "$image"/usr/bin/*; do
+    add_libraries "$image" "$program"
+  done
+  install --mode 644 "$work/tree/usr/lib/os-release" "$image/etc/os-release" # for the same scanners
+  echo "vdrive:x:$user:$user:vdrive:/var/lib/vdrive:/" >"$image/etc/passwd"
+  echo "vdrive:x:$user:" >"$image/etc/group"
+  chmod -R u=rwX,go=rX "$image"
+  # Whichever user a cluster chooses may write there, where the root is not read-only.
+  chmod 1777 "$image/tmp" "$image/var/lib/vdrive"
+}
+
+# Puts a file among the blobs of a layout. Prints what refers to it.
+add_blob() {
+  local layout=$1 file=$2 type=$3 sum
+  sum=$(sha256sum "$file" | cut -d ' ' -f 1)
+  printf '{"mediaType":"application/vnd.oci.image.%s","digest":"sha256:%s","size":%d' \
+    "$type" "$sum" "$(stat --format %s "$file")"
+  mv "$file" "$layout/blobs/sha256/$sum"
+}
+
+# @return tar in a form that depends on names, contents and modes only.
+pack() {
+  tar --create --directory "$1" --sort name --format gnu --mtime "@$epoch" --owner 0 --group 0 \
+    --numeric-owner .
+}
+
+make_image() {
+  local name=$1 image=$work/$1 layout=$work/$1.layout
+  local layer config manifest sum revision
+  mkdir -p "$image" "$layout/blobs/sha256"
+  make_tree "$image" "$name"
+  revision=$("$loader" --library-path "$folders" "$image/usr/bin/vdrive" --version | sed -n 's/^.*(commit \([0-9a-f]*\),.*/\1/p')
+  pack "$image" >"$work/layer"
+  sum=$(sha256sum "$work/layer" | cut -d ' ' -f 1)
+  gzip --no-name "$work/layer"
+  layer=$(add_blob "$layout" "$work/layer.gz" layer.v1.tar+gzip)
+  cat >"$work/config" <<END
+{"created":"$created","architecture":"$architecture","os":"linux","config":{"User":"$user:$user",
+"Env":["PATH=/usr/bin"],"Entrypoint":[${entry_of[$name]}],"Cmd":[${command_of[$name]}],"WorkingDir":"/",
+"Labels":{"org.opencontainers.image.title":"vdrive-$name",
+"org.opencontainers.image.description":"${title_of[$name]}",
+"org.opencontainers.image.version":"$version","org.opencontainers.image.revision":"$revision",
+"org.opencontainers.image.created":"$created","org.opencontainers.image.licenses":"Apache-2.0",
+"org.opencontainers.image.base.name":"scratch"}},
+"rootfs":{"type":"layers","diff_ids":["sha256:$sum"]},
+"history":[{"created":"$created","created_by":"deploy/image.sh $name"}]}
+END
+  config=$(add_blob "$layout" "$work/config" config.v1+json)
+  printf '{"schemaVersion":2,"mediaType":"application/vnd.oci.image.manifest.v1+json","config":%s},"layers":[%s}]}' \
+    "$config" "$layer" >"$work/manifest"
+  manifest=$(add_blob "$layout" "$work/manifest" manifest.v1+json)
+  printf '{"schemaVersion":2,"manifests":[%s,"annotations":{"org.opencontainers.image.ref.name":"localhost/vdrive-%s:%s"}}]}' \
+    "$manifest" "$name" "$version" >"$layout/index.json"
+  printf '{"imageLayoutVersion":"1.0.0"}' >"$layout/oci-layout"
+  pack "$layout" >"$out/vdrive-${name}_${version}_$architecture.tar"
+  rm -rf "$image" "$layout"
+  echo "$out/vdrive-${name}_${version}_$architecture.tar"
+}
+
+mkdir -p "$out"
+for name in "${names[@]}"; do
+  make_image "$name"
+done
