@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the list of what is in packages (SPDX 2.3, JSON) beside them.
+"""Writes the list of what is in packages (SPDX 2.3, JSON) next to them.
 
   list_contents.py BUILD LOCK DEB...
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Builds the Debian packages vdrived, vdrive, vdrive-gateway, vdrive-ros2, vdrive-canopen,
 # libvdrive-dev, python3-vdrive and vdrive-doc into build/packages, for the Debian that runs it, and
-# beside them a list of what is in them (SPDX 2.3): vdrive_VERSION_ARCHITECTURE.spdx.json.
+# next to them a list of what is in them (SPDX 2.3): vdrive_VERSION_ARCHITECTURE.spdx.json.
 #
 #   deploy/package.sh
 #

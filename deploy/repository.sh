@@ -7,7 +7,7 @@
 #   --key KEYID   the key of gpg that signs: a fingerprint, or its user's e-mail address
 #   DEB           packages of deploy/package.sh, default build/packages/*.deb
 #
-# DIR is made, or gets the packages beside those it has. Packages of Debian 12 are found in
+# DIR is made, or gets the packages in addition to its own. Packages of Debian 12 are found in
 # bookworm, those of Debian 13 in trixie. DIR/vdrive.asc is the public key, DIR/README.txt has the
 # commands of a user. A failure leaves DIR as it was. Needs gpg. Prints the commands.
 set -euo pipefail
@@ -65,7 +65,7 @@ for deb in "${debs[@]}"; do
     fail "$kept is there with other contents: a changed package needs another version"
 done
 
-# Everything is written beside the repository and renamed when it is whole.
+# Everything is written next to the repository and renamed when it is complete.
 umask 022 # for the server
 mkdir -p "$directory"
 directory=$(realpath "$directory")
@@ -85,7 +85,7 @@ shopt -s nullglob
 for deb in "$directory"/pool/*.deb "$new"/pool/*.deb; do
   suite=$(suite_of "$deb")
   entry=$(
-    dpkg-deb --field "$deb"
+    dpkg-deb --field "$deb" | sed '/^$/d' # that of CPack ends with an empty line
     printf 'Filename: pool/%s\nSize: %d\n' "$(basename "$deb")" "$(stat -c %s "$deb")"
     sum=$(sha256sum <"$deb")
     printf 'SHA256: %s\n' "${sum%% *}"

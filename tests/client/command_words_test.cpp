@@ -59,7 +59,8 @@ TEST(WordsTo, HaltResumeAndStopByOneWord) {
 }
 
 TEST(SetPointsTo, BringAnAxisToRestWithTheLastWordOfEnabling) {
-  AxisSnapshot axis{.id = {.bench = 1, .axis = 7}};
+  AxisSnapshot axis;
+  axis.id = {.bench = 1, .axis = 7};
   axis.status.ds402_statusword = 0x0250;  // Switch on disabled: x1xx 0000b
   const auto points = set_points_to(EachCommand::enable, axis);
   ASSERT_EQ(points.size(), 3U);

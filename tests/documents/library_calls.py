@@ -66,7 +66,7 @@ def callbacks_in(sources):
     """@return the names of the functions by which the library calls idl/."""
     found = set()
     for file in sorted(pathlib.Path(sources).rglob("*.hpp")):
-        found.update(re.findall(r"\b(on_\w+)\([^;]*\boverride;", file.read_text(encoding="utf-8")))
+        found.update(re.findall(r"\b(on_\w+)\([^;{]*\boverride\s*[;{]", file.read_text(encoding="utf-8")))
     return found
 
 

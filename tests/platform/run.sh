@@ -8,11 +8,11 @@
 # Without a mode: the two commands of the README, ./deploy/demo.sh and ./tests/run.sh.
 #
 #   --full        .ci/run instead of ./tests/run.sh
-#   --check       what continuous integration does for the other Debian, in the preset quick: builds by its gcc and
-#                 clang with warnings as errors, runs the unit tests, the manual's two examples, and the tests
-#                 across (tests/across) with the programs of this system
+#   --check       what --nightly does for the other Debian: builds the preset quick by its clang with warnings as
+#                 errors, runs the unit tests, the manual's two examples, and the tests across (tests/across) with
+#                 the programs of this system
 #   --programs PRESET   which of them with --check: those in build/PRESET, default release
-#   --mirror URL  where packages come from, default http://deb.debian.org/debian
+#   --mirror URL  where packages come from, default that of debootstrap
 #   --cache DIR   keeps downloaded packages and compiled objects there; the root stays clean
 #   --keep        leaves the root where it is, and prints where
 #
@@ -53,7 +53,7 @@ inside() {
 }
 
 make_root() {
-  debootstrap --variant=minbase ${cache:+--cache-dir="$cache/debootstrap"} "$release" "$root" "$mirror" &&
+  debootstrap --variant=minbase ${cache:+--cache-dir="$cache/debootstrap"} "$release" "$root" ${mirror:+"$mirror"} &&
     printf '127.0.0.1 localhost\n::1 localhost\n' >"$root/etc/hosts" && # as Debian's installer does
     mkdir "$root/vdrive" &&
     tar -C "$tree" --exclude=./build --exclude=./.git --exclude=node_modules -c . | tar -C "$root/vdrive" -x
@@ -71,11 +71,11 @@ mount_in_root() {
   mount --bind "$cache/apt" "$root/var/cache/apt/archives"
 }
 
-# Programs by gcc, tests by clang: what either warns of is an error. What calculates has the priority of an idle
-# machine, because tests with deadlines run beside it.
+# By clang, which takes a third of gcc's time; gcc builds the demo of the README. What calculates has the priority
+# of an idle machine, because tests with deadlines run beside it.
 build_for_check() {
-  inside "chrt --idle 0 ./deploy/build.sh --preset quick --tests -D CMAKE_C_COMPILER=gcc -D CMAKE_CXX_COMPILER=g++ \
-    -D VDRIVE_TESTS_BY_CLANG=ON -D VDRIVE_WARNINGS_AS_ERRORS=ON --target vdrived --target vdrive \
+  inside "chrt --idle 0 ./deploy/build.sh --preset quick --tests -D VDRIVE_WARNINGS_AS_ERRORS=ON \
+    -D VDRIVE_CHECK_PRESETS=OFF -D VDRIVE_BUILD_BENCHMARKS=OFF --target vdrived --target vdrive \
     --target unit_tests --target across_tests"
 }
 
@@ -102,7 +102,7 @@ steps() {
   esac
 }
 
-release='' mode=readme mirror=http://deb.debian.org/debian cache='' programs=release keep=false
+release='' mode=readme mirror='' cache='' programs=release keep=false
 while (($#)); do
   case $1 in
     bookworm | trixie) [[ -z $release ]] || refuse "one release at a time: '$release' or '$1'" && release=$1 ;;
@@ -118,7 +118,7 @@ while (($#)); do
   shift
 done
 [[ -n $release ]] || refuse "which release? $usage"
-[[ $mirror =~ ^(https?|file):/ ]] || refuse "--mirror '$mirror': must be a URL, http, https or file"
+[[ -z $mirror || $mirror =~ ^(https?|file):/ ]] || refuse "--mirror '$mirror': must be a URL, http, https or file"
 [[ " ${VDRIVE_SKIPPED_PRESETS:-} " != *" $release "* ]] || skip "$release is skipped by tests/run.sh"
 ((EUID == 0)) || skip "a root of $release needs the rights of root: debootstrap, chroot and mount"
 command -v debootstrap >/dev/null || skip "no debootstrap here: deploy/setup.sh --tests installs it"

@@ -95,7 +95,7 @@ struct DemoCommand {
       }
     }
     const auto gateway = process::find_program("vdrive-gateway");
-    if (!gateway) throw UsageError("there is no vdrive-gateway beside this program or in PATH");
+    if (!gateway) throw UsageError("there is no vdrive-gateway next to this program or in PATH");
     return run_interruptible(program, [&](Interrupt& interrupt) {
       return demonstrate(*gateway, program, interrupt);
     });

@@ -161,9 +161,7 @@ void limit_discovery(dds::DomainParticipantQos& qos) {
   allocation.participants.maximum = kMostParticipants;
   allocation.readers.maximum = kEndpointsOfParticipant;
   allocation.writers.maximum = kEndpointsOfParticipant;
-  auto& builtin = qos.wire_protocol().builtin;
-  builtin.readerHistoryMemoryPolicy = rtps::PREALLOCATED_MEMORY_MODE;
-  builtin.readerPayloadSize = kLargestAnnouncement;
+  limit_announcements(qos, kLargestAnnouncement);
 }
 
 /// @return the lease that a participant announces [s].
@@ -200,10 +198,10 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
   discovery.leaseDuration_announcementperiod = {0, 100'000'000};
   discovery.initial_announcements.count = 10;
   discovery.initial_announcements.period = {0, 50'000'000};
-  limit_discovery(qos);
   announce_no_types(qos);
   add_peers(settings, qos);
   add_discovery_servers(settings, qos);
+  limit_discovery(qos);
   if (!settings.security.empty()) add_security(settings.security, qos);
   return qos;
 }

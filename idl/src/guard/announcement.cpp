@@ -68,19 +68,24 @@ void for_each_entry(std::span<std::uint8_t> bytes, bool little, const Change& ch
   }
 }
 
+std::optional<Announcement> read_departure(const Submessage& submessage,
+                                           const DataSubmessage& data) {
+  const auto key = key_of_announced(submessage, data);
+  const auto content = data.is_list() ? guid_of(data) : std::nullopt;
+  if (!key && !content) return std::nullopt;
+  Announcement announcement;
+  announcement.gone = true;
+  announcement.library_knows_key = key.has_value();
+  announcement.participant = key ? *key : *content;
+  return announcement;
+}
+
 }  // namespace
 
 std::optional<Announcement> read_announcement(const Submessage& submessage,
                                               const DataSubmessage& data) noexcept {
+  if (!submessage.has(kThird)) return read_departure(submessage, data);
   Announcement announcement;
-  if (!submessage.has(kThird)) {
-    const auto key = key_of_announced(submessage, data);
-    const auto content = data.is_list() ? guid_of(data) : std::nullopt;
-    announcement.gone = true;
-    announcement.library_knows_key = key.has_value();
-    announcement.participant = key ? *key : content.value_or(GuidPrefix{});
-    return key || content ? std::optional(announcement) : std::nullopt;
-  }
   const bool little = data.list_is_little();
   bool has_guid = false;
   bool has_lease = false;

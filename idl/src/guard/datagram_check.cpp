@@ -37,7 +37,7 @@ bool is_partition(ByteView value, bool little) {
   return skip_texts(reader, reader.u32());
 }
 
-/// The library appends as many numbers as the count says, of which those behind the end are 0.
+/// The library appends as many numbers as the count says, of which those after the end are 0.
 bool is_data_representation(ByteView value, bool little) {
   ByteReader reader(value, little);
   const std::uint32_t count = reader.u32();

@@ -14,12 +14,12 @@ bool GuardTransport::OpenInputChannel(const Locator& local,
                                       eprosima::fastdds::rtps::TransportReceiverInterface* receiver,
                                       std::uint32_t most) {
   guard_->open(local, receiver);
-  return SeeingTransport::OpenInputChannel(local, receiver, most);
+  return ChainingTransport::OpenInputChannel(local, receiver, most);
 }
 
 bool GuardTransport::CloseInputChannel(const Locator& local) {
   guard_->close(local);
-  return SeeingTransport::CloseInputChannel(local);
+  return ChainingTransport::CloseInputChannel(local);
 }
 
 void GuardTransport::receive(eprosima::fastdds::rtps::TransportReceiverInterface* receiver,

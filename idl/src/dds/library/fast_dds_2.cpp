@@ -34,6 +34,12 @@ void add_discovery_server(const rtps::Locator_t& server, dds::DomainParticipantQ
   discovery.m_DiscoveryServers.push_back(remote);
 }
 
+void limit_announcements(dds::DomainParticipantQos& qos, std::uint32_t largest) {
+  auto& builtin = qos.wire_protocol().builtin;
+  builtin.readerHistoryMemoryPolicy = rtps::PREALLOCATED_MEMORY_MODE;
+  builtin.readerPayloadSize = largest;
+}
+
 void announce_no_types(dds::DomainParticipantQos& /*qos*/) {
   // A LibraryType has none.
 }

@@ -29,6 +29,15 @@ void add_discovery_server(const rtps::Locator_t& server, dds::DomainParticipantQ
   discovery.m_DiscoveryServers.push_back(server);
 }
 
+/// A client of a discovery server takes any size: it copies an announcement into its history
+/// (SerializedPayload_t::reserve), where 3.1.2 reallocates memory of a preallocated pool, and ends.
+void limit_announcements(dds::DomainParticipantQos& qos, std::uint32_t largest) {
+  auto& builtin = qos.wire_protocol().builtin;
+  if (!builtin.discovery_config.m_DiscoveryServers.empty()) return;
+  builtin.readerHistoryMemoryPolicy = rtps::PREALLOCATED_MEMORY_MODE;
+  builtin.readerPayloadSize = largest;
+}
+
 void announce_no_types(dds::DomainParticipantQos& qos) {
   qos.properties().properties().emplace_back("fastdds.type_propagation", "disabled");
 }

@@ -15,6 +15,8 @@
 #include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
 #include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
 
+#include <cstdint>
+
 namespace vdrive::wire {
 
 /// How fast a reliable writer repeats itself.
@@ -36,6 +38,9 @@ void set_times(dds::DataReaderQos& qos, const ReaderTimes& times);
 
 /// Makes a participant a client of discovery servers.
 void add_discovery_server(const rtps::Locator_t& server, dds::DomainParticipantQos& qos);
+
+/// Takes no announcement that is larger. Call after add_discovery_server().
+void limit_announcements(dds::DomainParticipantQos& qos, std::uint32_t largest);
 
 /// Keeps descriptions of types off the wire.
 void announce_no_types(dds::DomainParticipantQos& qos);
