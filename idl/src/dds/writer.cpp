@@ -49,7 +49,7 @@ DdsWriter::~DdsWriter() {
   // Fast DDS 2.9 returns samples that no reader has acknowledged to their pool while they are still
   // in the history, and its heartbeat timer, which still runs, reads their numbers there
   // (RTPSWriter::deinit). It then counts a gap of up to 2^63 samples, and the deletion never ends.
-  // An empty history has no gap. Fast DDS 3.1 holds the lock of the writer meanwhile.
+  // An empty history has no gap. Fast DDS 3.1 holds the writer's lock while it deletes.
   std::size_t removed = 0;
   const auto deletion = entities_.erase();
   writer_->clear_history(&removed);

@@ -112,8 +112,8 @@ class Guard {
   /// announcement at once, while the first is still being worked on in another thread, and so it
   /// would ignore what that participant sends next. It also works on a participant that it adds
   /// after it has released its lock: a removal waits for that. Fast DDS 2.9 and 3.1, where 3.1
-  /// works on a copy, and could bring back the endpoints of a participant that was removed
-  /// meanwhile.
+  /// works on a copy, and could bring back the endpoints of a participant that has just been
+  /// removed.
   std::mutex announcing_;
 
   DeletionGate deletions_;   ///< before all locks of this class but `keeper_mutex_`
