@@ -45,20 +45,8 @@ while (($#)); do
   shift
 done
 
-as_root=()
-if ((EUID != 0)); then
-  as_root=(sudo)
-fi
-
-# Shows the output of apt only when it fails.
-apt() {
-  local output
-  if ! output=$("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet \
-    --option DPkg::Lock::Timeout=300 --option Acquire::Retries=3 "$@" 2>&1); then
-    printf '%s\n' "$output" >&2
-    return 1
-  fi
-}
+# shellcheck source=deploy/apt.sh
+source "$root/deploy/apt.sh"
 
 # Makes a signed repository a source of apt. Its key comes from the same place: whoever does not trust
 # that fetches the key in another way first.

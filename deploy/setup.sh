@@ -152,23 +152,11 @@ for package in "${packages[@]}"; do
 done
 ((${#missing[@]})) || exit 0
 
-as_root=()
-if ((EUID != 0)); then
-  command -v sudo >/dev/null ||
-    fail "run as root, or install sudo; missing: ${missing[*]}"
-  as_root=(sudo)
+if ((EUID != 0)) && ! command -v sudo >/dev/null; then
+  fail "run as root, or install sudo; missing: ${missing[*]}"
 fi
-
-# Shows the output of apt only when it fails. sudo resets the environment, so the variable is passed
-# as an argument.
-apt() {
-  local output
-  if ! output=$("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet \
-    --option DPkg::Lock::Timeout=300 --option Acquire::Retries=3 "$@" 2>&1); then
-    printf '%s\n' "$output" >&2
-    return 1
-  fi
-}
+# shellcheck source=deploy/apt.sh
+source "$(dirname "${BASH_SOURCE[0]}")/apt.sh"
 
 echo "setup: installing ${missing[*]}" >&2
 # The package lists of a new machine are empty; those of an old one name packages that no longer

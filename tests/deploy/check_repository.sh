@@ -98,7 +98,7 @@ version_of() {
 
 # The demo from a repository with the version before; without a key there is none.
 mkdir -p "$clean/tree/deploy" "$clean/repository"
-cp "$root/deploy/demo.sh" "$clean/tree/deploy/"
+cp "$root"/deploy/{demo,apt}.sh "$clean/tree/deploy/"
 others=()
 for package in "${packages[@]}"; do
   [[ $package == "$(file_of vdrived)" ]] || others+=("$package")
