@@ -2,12 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # Makes a clean root of a Debian release and does there what a newcomer does.
 #
-#   tests/platform/run.sh bookworm|trixie [--full | --check] [--mirror URL] [--cache DIR]
+#   tests/platform/run.sh bookworm|trixie [--full | --check | --wire] [--mirror URL] [--cache DIR]
 #                         [--programs PRESET] [--keep]
 #
 # Without a mode: the two commands of the README, ./deploy/demo.sh and ./tests/run.sh.
 #
 #   --full        .ci/run instead of ./tests/run.sh
+#   --wire        what .ci/run does for the other Debian: builds idl/ and its unit tests by its clang with warnings
+#                 as errors, against its DDS library, and runs these tests
 #   --check       what --nightly does for the other Debian: builds the preset quick by its clang with warnings as
 #                 errors, runs the unit tests, the manual's two examples, and the tests across (tests/across) with
 #                 the programs of this system
@@ -23,7 +25,7 @@
 set -euo pipefail
 
 tree=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-usage="usage: tests/platform/run.sh bookworm|trixie [--full | --check] [--mirror URL] [--cache DIR] [--programs PRESET] [--keep]"
+usage="usage: tests/platform/run.sh bookworm|trixie [--full | --check | --wire] [--mirror URL] [--cache DIR] [--programs PRESET] [--keep]"
 
 refuse() {
   echo "platform: $*" >&2
@@ -60,6 +62,7 @@ make_root() {
 }
 
 mount_in_root() {
+  mount --bind "$root" "$root" # bubblewrap wants a mount at its /
   mount -t proc proc "$root/proc"
   mount --rbind /sys "$root/sys"
   mount --rbind /dev "$root/dev"
@@ -75,8 +78,7 @@ mount_in_root() {
 # of an idle machine, because tests with deadlines run beside it.
 build_for_check() {
   inside "chrt --idle 0 ./deploy/build.sh --preset quick --tests -D VDRIVE_WARNINGS_AS_ERRORS=ON \
-    -D VDRIVE_CHECK_PRESETS=OFF -D VDRIVE_BUILD_BENCHMARKS=OFF --target vdrived --target vdrive \
-    --target unit_tests --target across_tests"
+    -D VDRIVE_CHECK_PRESETS=OFF -D VDRIVE_BUILD_BENCHMARKS=OFF ${*/#/--target }"
 }
 
 # All that this run does, in its namespace.
@@ -84,9 +86,15 @@ steps() {
   step "root by debootstrap" make_root
   mount_in_root
   case $mode in
+    wire)
+      step "packages of the tests" inside "./deploy/setup.sh --tests"
+      step "build of idl/ and its tests" build_for_check wire_bytes_test wire_parts_test
+      step "unit tests of idl/" inside "cd build/quick/tests/wire && chrt --idle 0 ./wire_bytes_test --gtest_brief=1 &&
+        chrt --idle 0 ./wire_parts_test --gtest_brief=1"
+      ;;
     check)
       step "packages of the tests" inside "./deploy/setup.sh --tests"
-      step "build, quick" build_for_check
+      step "build, quick" build_for_check vdrived vdrive unit_tests across_tests
       step "unit tests" inside "chrt --idle 0 ctest --preset quick --label-regex '^unit$'"
       step "the manual's examples, and the tests across" "$tree/tests/across/across.py" --a "$tree/build/$programs" \
         --b /vdrive/build/quick --root-b "$root"
@@ -106,7 +114,7 @@ release='' mode=readme mirror='' cache='' programs=release keep=false
 while (($#)); do
   case $1 in
     bookworm | trixie) [[ -z $release ]] || refuse "one release at a time: '$release' or '$1'" && release=$1 ;;
-    --full | --check) [[ $mode == readme ]] || refuse "--full and --check: one of them" && mode=${1#--} ;;
+    --full | --check | --wire) [[ $mode == readme ]] || refuse "--$mode and $1: one of them" && mode=${1#--} ;;
     --mirror | --cache | --programs)
       (($# > 1)) || refuse "$1 needs a value"
       declare "${1#--}=$2"
@@ -119,7 +127,7 @@ while (($#)); do
 done
 [[ -n $release ]] || refuse "which release? $usage"
 [[ -z $mirror || $mirror =~ ^(https?|file):/ ]] || refuse "--mirror '$mirror': must be a URL, http, https or file"
-[[ " ${VDRIVE_SKIPPED_PRESETS:-} " != *" $release "* ]] || skip "$release is skipped by tests/run.sh"
+[[ " ${VDRIVE_SKIPPED_PRESETS:-} " != *" $mode "* ]] || skip "--$mode is skipped by tests/run.sh"
 ((EUID == 0)) || skip "a root of $release needs the rights of root: debootstrap, chroot and mount"
 command -v debootstrap >/dev/null || skip "no debootstrap here: deploy/setup.sh --tests installs it"
 if [[ $mode == check && ! -x $tree/build/$programs/bin/vdrived ]]; then

@@ -36,6 +36,9 @@ inline std::size_t length_of(const Cdr& cdr) {
   return cdr.getSerializedDataLength();
 }
 
+/// The largest size of fastddsgen 2 is exact.
+inline constexpr std::size_t kLargestExceedsBy = 0;
+
 template <typename FastMessage>
 std::size_t largest_by_fast_dds() {
   return FastMessage::getMaxCdrSerializedSize();

@@ -67,6 +67,9 @@ VDRIVE_SIZES(SessionName);
 VDRIVE_SIZES(BenchSession);
 #undef VDRIVE_SIZES
 
+/// The largest size of fastddsgen 4 is an upper bound: a sample ends up to 8 bytes before it.
+inline constexpr std::size_t kLargestExceedsBy = 8;
+
 template <typename FastMessage>
 std::size_t largest_by_fast_dds() {
   return kSizesOfFastDds<FastMessage>.largest;

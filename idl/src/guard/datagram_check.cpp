@@ -159,7 +159,6 @@ constexpr std::uint32_t kMostBits = 256;  // of a set of numbers (RTPS 2.5, 9.4.
 constexpr std::uint32_t kLargestSample = 16U * 1024U * 1024U;  // [bytes]
 // The library keeps a number of four bytes at the start of each missing fragment.
 constexpr std::uint32_t kSmallestFragment = 16;  // [bytes]
-constexpr std::size_t kStatisticsSize = 56;      // [bytes] as Fast DDS sends it
 constexpr std::size_t kFragmentFixed = 28;       // [bytes] of a DATA_FRAG before its lists
 
 bool is_sequence(std::int64_t number, std::int64_t least) {

@@ -66,6 +66,9 @@ inline constexpr EntityId kParticipantsReader = 0x000100C7;
 inline constexpr EntityId kHandshakeWriter = 0x000201C3;
 inline constexpr EntityId kHandshakeReader = 0x000201C4;
 
+/// The last submessage of a datagram of Fast DDS, for its statistics, without its header [bytes].
+inline constexpr std::size_t kStatisticsSize = 56;
+
 /// Parameters of lists.
 using ParameterId = std::uint16_t;
 inline constexpr ParameterId kPad = 0x0000;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dds/library/library.hpp"
+#include "guard/rtps.hpp"
 
 #include <fastdds/LibrarySettings.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -59,11 +60,18 @@ bool write_to(dds::DataWriter& writer, void* sample) {
 
 /// The library hands over a datagram in pieces: headers, samples, and last a piece that its
 /// transport writes statistics into, which it knows by the size (is_statistics_buffer). They stay
-/// pieces.
+/// pieces. The transport through shared memory of 3.1.2 writes nothing there and sends the piece
+/// all the same: whatever the memory held, which the guard of the receiver would refuse.
 bool SeeingTransport::send(rtps::SenderResource* low,
                            const std::vector<rtps::NetworkBuffer>& pieces, std::uint32_t size,
                            rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
                            const std::chrono::steady_clock::time_point& timeout) {
+  const bool has_unset_piece = low->kind() == LOCATOR_KIND_SHM && !pieces.empty() &&
+                               pieces.back().size == kSubmessageHeaderSize + kStatisticsSize;
+  if (has_unset_piece) {
+    const std::vector<rtps::NetworkBuffer> set(pieces.begin(), pieces.end() - 1);
+    return send(low, set, size - pieces.back().size, first, last, timeout);
+  }
   thread_local std::vector<std::uint8_t> datagram;  // keeps its capacity
   datagram.clear();
   for (const rtps::NetworkBuffer& piece : pieces) {
