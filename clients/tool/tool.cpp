@@ -118,6 +118,9 @@ ExitCode run_reported(std::vector<std::string> arguments,
     return run_command(std::move(arguments), bus, terminal);
   } catch (const UsageError& error) {
     return report_usage(error.what(), is_json, terminal);
+  } catch (const NotRun& error) {
+    terminal.complain(std::string("vdrive: ") + error.what());
+    return ExitCode::not_run;
   } catch (const std::exception& error) {
     terminal.complain(std::string("vdrive: ") + error.what());
     return ExitCode::failed;

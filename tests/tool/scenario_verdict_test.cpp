@@ -126,15 +126,17 @@ TEST(ScenarioVerdict, TakesNoOutputOfACommandForAResult) {
   EXPECT_EQ(sut.suite.cases[1].output, printed);
 }
 
+// The kernel kills when memory runs out: that is no verdict on the file.
 TEST(ScenarioVerdict, NamesTheSignalThatEndedTheProcess) {
   const ScenarioVerdict sut =
       verdict_of(scenario_of_two_lines(), {.code = -9, .output = "", .errors = "first\n"});
 
-  EXPECT_EQ(sut.code, static_cast<int>(ExitCode::failed));
+  EXPECT_EQ(sut.code, static_cast<int>(ExitCode::not_run));
   EXPECT_THAT(sut.messages, ElementsAre("first", "ended by signal 9"));
   ASSERT_EQ(sut.suite.cases.size(), 1U);  // no line was carried out: the start is the case
   EXPECT_EQ(sut.suite.cases[0].name, "start");
   EXPECT_EQ(sut.suite.cases[0].error, "ended by signal 9");
+  EXPECT_EQ(sut.suite.cases[0].type, "not_run");
 }
 
 TEST(ScenarioVerdict, HasACaseForACrashBehindTheFirstLine) {
@@ -142,6 +144,7 @@ TEST(ScenarioVerdict, HasACaseForACrashBehindTheFirstLine) {
       scenario_of_two_lines(),
       {.code = -11, .output = R"({"line":2,"outcome":"ok","seconds":0.5})", .errors = ""});
 
+  EXPECT_EQ(sut.code, static_cast<int>(ExitCode::failed));
   ASSERT_EQ(sut.suite.cases.size(), 3U);
   EXPECT_FALSE(sut.suite.cases[0].is_skipped);
   EXPECT_TRUE(sut.suite.cases[1].is_skipped);

@@ -13,6 +13,7 @@ enum class ExitCode : int {
   not_found = 3,
   timed_out = 4,
   refused = 5,
+  not_run = 6,  ///< of a test: the machine did not give what it needs; it may pass when repeated
   interrupted = 130,
 };
 

@@ -14,6 +14,13 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A test could not be judged: the machine did not give what it needs, such as memory or a bench.
+/// It may pass when it is repeated.
+class NotRun : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// The mistakes of scenarios, in the order in which they are found.
 class Mistakes {
  public:

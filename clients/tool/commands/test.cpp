@@ -12,6 +12,7 @@
 #include "scenarios/scenario_files.hpp"
 #include "scenarios/scenario_process.hpp"
 #include "scenarios/scenario_verdict.hpp"
+#include "scenarios/shards.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/terminal.hpp"
 #include "vdrive/text.hpp"
@@ -45,15 +46,24 @@ constexpr std::chrono::seconds kFinalLines{20};
 struct TestCommand {
   ScenarioFiles scenarios{};
   PrivateBenches benches{};
-  std::size_t jobs = std::max(std::thread::hardware_concurrency(), 1U);  ///< files at the same time
+  std::size_t jobs = 0;                       ///< files at the same time; 0 = one per processor
+  std::optional<Shard> shard = std::nullopt;  ///< the part of the files that is run; none = all
+  bool merges = false;                        ///< it runs nothing: the files are reports
 
   void declare(Arguments& arguments);
 
-  /// @return the exit code of the first file that failed, in the order of the command line.
+  /// @return that of conclude(); of a merge that of its reports.
   /// @throws UsageError before anything starts: a mistake in a file, in the configuration or in an
   ///         option, a report that cannot be written.
   ExitCode start(const Program& program) const;
+
+ private:
+  ExitCode merge(const Program& program) const;
 };
+
+std::string passed_text(std::size_t passed, std::size_t files) {
+  return std::to_string(passed) + " of " + counted(files, "file", "files") + " passed";
+}
 
 /// One run of all files.
 class ScenarioTests {
@@ -66,7 +76,9 @@ class ScenarioTests {
   }
 
   void run() {
-    const std::size_t jobs = std::min<std::size_t>(tests_.jobs, scenarios_.size());
+    const std::size_t processors = std::max(std::thread::hardware_concurrency(), 1U);
+    const std::size_t jobs =
+        std::min(tests_.jobs == 0 ? processors : tests_.jobs, scenarios_.size());
     std::vector<std::jthread> workers;
     workers.reserve(jobs);
     for (std::size_t i = 0; i < jobs; ++i) {
@@ -90,18 +102,27 @@ class ScenarioTests {
     return suites;
   }
 
-  /// @return the exit code of the first file that failed.
+  /// @return the exit code of the first file that failed; not_run only where none failed, since
+  ///         that one may pass when the files are repeated.
   [[nodiscard]] ExitCode conclude() {
-    const auto failed = std::ranges::find_if(verdicts_, [](const ScenarioVerdict& verdict) {
-      return verdict.code != 0;
-    });
     const auto passed =
         static_cast<std::size_t>(std::ranges::count(verdicts_, 0, &ScenarioVerdict::code));
-    const std::string text =
-        std::to_string(passed) + " of " + counted(verdicts_.size(), "file", "files") + " passed";
-    print({{"files", verdicts_.size()}, {"passed", passed, text}},
-          {terminal_, options_.json, false});
-    return failed == verdicts_.end() ? ExitCode::ok : static_cast<ExitCode>(failed->code);
+    Record record;
+    if (tests_.shard) {
+      record = {{"shard", tests_.shard->number, "shard " + std::to_string(tests_.shard->number)},
+                {"shards", tests_.shard->count, "of " + std::to_string(tests_.shard->count) + ":"}};
+    }
+    record.push_back({"files", verdicts_.size()});
+    record.push_back({"passed", passed, passed_text(passed, verdicts_.size())});
+    print(record, {terminal_, options_.json, false});
+    ExitCode first = ExitCode::ok;
+    for (const ScenarioVerdict& verdict : verdicts_) {
+      if (verdict.code == 0) continue;
+      if (first == ExitCode::ok || first == ExitCode::not_run) {
+        first = static_cast<ExitCode>(verdict.code);
+      }
+    }
+    return first;
   }
 
  private:
@@ -116,7 +137,7 @@ class ScenarioTests {
                 ? test(*place)
                 : failed_to_start(scenario, static_cast<int>(ExitCode::usage), scenario.mistake);
       } catch (const std::exception& error) {
-        verdict = failed_to_start(scenario, static_cast<int>(ExitCode::failed), error.what());
+        verdict = failed_to_start(scenario, static_cast<int>(ExitCode::not_run), error.what());
       }
       report(scenario, verdict, Clock::now() - start);
     }
@@ -217,19 +238,36 @@ void TestCommand::declare(Arguments& arguments) {
   benches.declare(arguments);
   arguments.option("--jobs", "N", jobs,
                    "How many files run at the same time; default: one per processor", parse_jobs);
+  arguments.option("--shard", "I/N", shard,
+                   "Run only the files of shard I of N; /N takes I from the job's "
+                   "JOB_COMPLETION_INDEX (Kubernetes) or SLURM_ARRAY_TASK_ID",
+                   parse_shard);
+  arguments.flag("--merge", merges,
+                 "Run nothing: each FILE is the report of a shard, or a directory of them; "
+                 "--junit writes them as one");
+  arguments.then([this] {
+    if (merges &&
+        (shard || jobs != 0 || !scenarios.settings.empty() || !benches.arguments().empty())) {
+      throw UsageError("--merge runs nothing: of the other options it takes --junit only");
+    }
+  });
 }
 
 ExitCode TestCommand::start(const Program& program) const {
+  if (merges) return merge(program);
   Interrupt interrupt;
   JunitReport junit(scenarios.junit);
+  std::optional<Shard> part = shard;
   std::optional<ScenarioTests> running;
   try {
     // A configuration that cannot be used is one mistake, not one a file.
     benches.check(program.options);
-    running.emplace(*this, program.options, load_files(scenarios, program.commands),
-                    program.terminal);
+    std::vector<Scenario> loaded = load_files(scenarios, program.commands);
+    // All were read: which variables there are is not a question of the shard.
+    if (part) loaded = dealt_to(*part, std::move(loaded));
+    running.emplace(*this, program.options, std::move(loaded), program.terminal);
   } catch (const std::exception& error) {
-    static_cast<void>(junit.write({{"start", {{.name = "start", .error = error.what()}}}}));
+    static_cast<void>(junit.write({{"start", {{.name = "start", .error = error.what()}}}}, part));
     throw;
   }
   interrupt.arm([&running] {
@@ -238,11 +276,38 @@ ExitCode TestCommand::start(const Program& program) const {
   running->run();
   interrupt.disarm();
   const ExitCode code = running->conclude();
-  if (const auto unwritten = junit.write(running->suites())) {
+  if (const auto unwritten = junit.write(running->suites(), part)) {
     program.terminal.complain("vdrive: " + *unwritten);
-    if (code == ExitCode::ok) return ExitCode::failed;
+    if (code == ExitCode::ok) return ExitCode::not_run;
   }
   return interrupt.happened() ? ExitCode::interrupted : code;
+}
+
+ExitCode TestCommand::merge(const Program& program) const {
+  const std::vector<std::string> files = report_files(scenarios.files, scenarios.junit);
+  JunitReport junit(scenarios.junit);
+  MergedReports merged;
+  try {
+    merged = merge_reports(files);
+  } catch (const UsageError& error) {
+    static_cast<void>(junit.write({{"merge", {{.name = "merge", .error = error.what()}}}}));
+    throw;
+  }
+  for (const std::string& message : merged.messages) {
+    program.terminal.complain("vdrive: " + message);
+  }
+  const std::size_t present = merged.shards - merged.missing.size();
+  print({{"shards", merged.shards,
+          std::to_string(present) + " of " + counted(merged.shards, "shard", "shards") + ":"},
+         {"missing", merged.missing},
+         {"files", merged.files},
+         {"passed", merged.passed, passed_text(merged.passed, merged.files)}},
+        {program.terminal, program.options.json, false});
+  if (const auto unwritten = junit.write(merged.suites)) {
+    program.terminal.complain("vdrive: " + *unwritten);
+    if (merged.code == ExitCode::ok) return ExitCode::not_run;
+  }
+  return merged.code;
 }
 
 }  // namespace

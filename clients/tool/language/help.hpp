@@ -71,6 +71,6 @@ inline constexpr std::string_view kExamples =
   vdrive test *.scn --junit out.xml        each on a bench of its own, for CI
 
 Environment: VDRIVE_DOMAIN and VDRIVE_SECURITY are the defaults of --domain and --security; NO_COLOR switches colours off.
-Exit codes: 0 ok, 1 failed, 2 usage, 3 not found, 4 timed out, 5 refused, 130 interrupted.)";
+Exit codes: 0 ok, 1 failed, 2 usage, 3 not found, 4 timed out, 5 refused, 6 not run, 130 interrupted.)";
 
 }  // namespace vdrive::tool

@@ -4,9 +4,12 @@
 #include "base/usage_error.hpp"
 #include "vdrive/text.hpp"
 
+#include <tinyxml2.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <string_view>
 #include <system_error>
@@ -101,9 +104,106 @@ struct Counts {
   }
 };
 
+constexpr const char* kShard = "shard";
+constexpr const char* kShards = "shards";
+constexpr const char* kFiles = "files";
+
+std::string property_xml(const std::string& name, std::size_t value) {
+  return "<property" + attribute("name", name) + attribute("value", std::to_string(value)) + "/>";
+}
+
+std::string shard_xml(const Shard& shard) {
+  std::string xml =
+      "  <properties>" + property_xml(kShard, shard.number) + property_xml(kShards, shard.count);
+  if (shard.files != 0) xml += property_xml(kFiles, shard.files);
+  return xml + "</properties>\n";
+}
+
+using Element = tinyxml2::XMLElement;
+
+std::string text_or_empty(const char* text) {
+  return text == nullptr ? std::string() : text;
+}
+
+std::chrono::nanoseconds duration_of(const Element& test) {
+  constexpr double kLongestTime = 1e9;  // [s] a reader's bound, far from the edge of the type
+  const double time = test.DoubleAttribute("time");
+  if (!(time >= 0 && time <= kLongestTime)) return {};
+  return std::chrono::nanoseconds(std::llround(time * 1e9));
+}
+
+JunitCase read_case(const Element& element) {
+  JunitCase test{.name = text_or_empty(element.Attribute("name")),
+                 .duration = duration_of(element)};
+  test.line = element.UnsignedAttribute("line");
+  test.is_skipped = element.FirstChildElement("skipped") != nullptr;
+  const Element* const failure = element.FirstChildElement("failure");
+  const Element* const error = element.FirstChildElement("error");
+  if (failure != nullptr) test.failure = text_or_empty(failure->Attribute("message"));
+  if (error != nullptr) test.error = text_or_empty(error->Attribute("message"));
+  if (const Element* const verdict = failure != nullptr ? failure : error) {
+    test.type = text_or_empty(verdict->Attribute("type"));
+    test.text = text_or_empty(verdict->GetText());
+  }
+  if (const Element* const output = element.FirstChildElement("system-out")) {
+    test.output = text_or_empty(output->GetText());
+  }
+  return test;
+}
+
+JunitSuite read_suite(const Element& element) {
+  JunitSuite suite{.name = text_or_empty(element.Attribute("name")), .cases = {}};
+  for (const Element* test = element.FirstChildElement("testcase"); test != nullptr;
+       test = test->NextSiblingElement("testcase")) {
+    suite.cases.push_back(read_case(*test));
+  }
+  return suite;
+}
+
+/// @return 0 where there is no such property.
+std::size_t read_property(const Element& root, const std::string& name) {
+  const Element* const properties = root.FirstChildElement("properties");
+  if (properties == nullptr) return 0;
+  for (const Element* each = properties->FirstChildElement("property"); each != nullptr;
+       each = each->NextSiblingElement("property")) {
+    if (text_or_empty(each->Attribute("name")) == name) return each->UnsignedAttribute("value");
+  }
+  return 0;
+}
+
+std::optional<Shard> read_shard(const Element& root) {
+  const Shard shard{.number = read_property(root, kShard),
+                    .count = read_property(root, kShards),
+                    .files = read_property(root, kFiles)};
+  if (shard.number == 0 || shard.number > shard.count || shard.count > Shard::kMost) {
+    return std::nullopt;
+  }
+  return shard;
+}
+
 }  // namespace
 
-std::string junit_xml(const std::vector<JunitSuite>& suites) {
+JunitContent read_junit(const std::string& xml) {
+  tinyxml2::XMLDocument document;
+  if (document.Parse(xml.data(), xml.size()) == tinyxml2::XML_ERROR_EMPTY_DOCUMENT) {
+    throw UsageError("is empty: its run was ended before it wrote it");
+  }
+  if (document.Error()) {
+    throw UsageError("is cut, or no XML, at line " + std::to_string(document.ErrorLineNum()));
+  }
+  const Element* const root = document.RootElement();
+  if (root == nullptr || text_or_empty(root->Name()) != "testsuites") {
+    throw UsageError("is no JUnit report: it has no element testsuites");
+  }
+  JunitContent content{.suites = {}, .shard = read_shard(*root)};
+  for (const Element* suite = root->FirstChildElement("testsuite"); suite != nullptr;
+       suite = suite->NextSiblingElement("testsuite")) {
+    content.suites.push_back(read_suite(*suite));
+  }
+  return content;
+}
+
+std::string junit_xml(const std::vector<JunitSuite>& suites, const std::optional<Shard>& shard) {
   Counts all;
   std::string text;
   for (const JunitSuite& suite : suites) {
@@ -117,8 +217,8 @@ std::string junit_xml(const std::vector<JunitSuite>& suites) {
     text += "  <testsuite name=\"" + xml_escaped(suite.name) + "\"" + counts.xml() + ">\n" + cases +
             "  </testsuite>\n";
   }
-  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + all.xml() + ">\n" + text +
-         "</testsuites>\n";
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + all.xml() + ">\n" +
+         (shard ? shard_xml(*shard) : "") + text + "</testsuites>\n";
 }
 
 JunitReport::JunitReport(const std::string& file) : name_(file) {
@@ -130,9 +230,10 @@ JunitReport::JunitReport(const std::string& file) : name_(file) {
   }
 }
 
-std::optional<std::string> JunitReport::write(const std::vector<JunitSuite>& suites) {
+std::optional<std::string> JunitReport::write(const std::vector<JunitSuite>& suites,
+                                              const std::optional<Shard>& shard) {
   if (name_.empty()) return std::nullopt;
-  file_ << junit_xml(suites);
+  file_ << junit_xml(suites, shard);
   if (file_.flush()) return std::nullopt;
   return "cannot write the report " + in_quotes(name_);
 }

@@ -12,6 +12,10 @@ namespace vdrive::tool {
 
 /// One line of a scenario as a test case.
 struct JunitCase {
+  /// The types of what was not judged.
+  static constexpr const char* kNotRun = "not_run";
+  static constexpr const char* kInterrupted = "interrupted";
+
   std::string name;
   std::chrono::nanoseconds duration{};                ///< wall time
   std::optional<std::string> failure = std::nullopt;  ///< what was not as expected; none = passed
@@ -33,7 +37,28 @@ struct JunitSuite {
   std::vector<JunitCase> cases;
 };
 
-[[nodiscard]] std::string junit_xml(const std::vector<JunitSuite>& suites);
+/// Which part of all files a run has, where several share them.
+struct Shard {
+  static constexpr std::size_t kMost = 100'000;  ///< as many as an Indexed Job of Kubernetes has
+
+  std::size_t number = 1;  ///< from 1
+  std::size_t count = 1;
+  std::size_t files = 0;  ///< of all shards together; 0 = not known
+};
+
+/// What a report holds.
+struct JunitContent {
+  std::vector<JunitSuite> suites;
+  std::optional<Shard> shard;
+};
+
+/// @param shard that the suites are of; none = they are of all files
+[[nodiscard]] std::string junit_xml(const std::vector<JunitSuite>& suites,
+                                    const std::optional<Shard>& shard = std::nullopt);
+
+/// @param xml what junit_xml() has made
+/// @throws UsageError for anything else, with its line.
+[[nodiscard]] JunitContent read_junit(const std::string& xml);
 
 /// The file of a report. It is opened before anything moves, so that a wrong name is found then.
 class JunitReport {
@@ -43,7 +68,8 @@ class JunitReport {
   explicit JunitReport(const std::string& file);
 
   /// @return why the report could not be written, or nothing.
-  [[nodiscard]] std::optional<std::string> write(const std::vector<JunitSuite>& suites);
+  [[nodiscard]] std::optional<std::string> write(const std::vector<JunitSuite>& suites,
+                                                 const std::optional<Shard>& shard = std::nullopt);
 
  private:
   std::string name_;

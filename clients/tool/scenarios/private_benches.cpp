@@ -10,6 +10,7 @@
 #include "vdrive/clock_mode.hpp"
 
 #include <chrono>
+#include <exception>
 #include <stdexcept>
 
 namespace vdrive::tool {
@@ -115,12 +116,12 @@ std::vector<std::string> PrivateBenches::arguments() const {
 PrivateSession::PrivateSession(const PrivateBenches& benches, const GlobalOptions& options,
                                Interrupt& interrupt)
     : interrupt_(interrupt) {
-  if (benches.wire == Wire::local) {
-    open_local(benches, session_options(options));
-  } else {
-    GlobalOptions patient = options;
-    if (!patient.timeout) patient.timeout = kFindTimeout;
-    open_over_dds(benches, session_options(patient));
+  try {
+    open(benches, options);
+  } catch (const UsageError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw NotRun(error.what());
   }
   interrupt_.arm([this] {
     session_->interrupt();
@@ -129,6 +130,16 @@ PrivateSession::PrivateSession(const PrivateBenches& benches, const GlobalOption
 
 PrivateSession::~PrivateSession() {
   interrupt_.disarm();
+}
+
+void PrivateSession::open(const PrivateBenches& benches, const GlobalOptions& options) {
+  if (benches.wire == Wire::local) {
+    open_local(benches, session_options(options));
+    return;
+  }
+  GlobalOptions patient = options;
+  if (!patient.timeout) patient.timeout = kFindTimeout;
+  open_over_dds(benches, session_options(patient));
 }
 
 void PrivateSession::open_local(const PrivateBenches& benches, client::SessionOptions options) {

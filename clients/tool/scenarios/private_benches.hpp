@@ -47,7 +47,7 @@ struct PrivateBenches {
 /// A bench that only this program reaches, and a session with it, which a signal interrupts.
 class PrivateSession {
  public:
-  /// @throws bench::BenchError, std::system_error, std::runtime_error where it cannot be started
+  /// @throws NotRun where it cannot be started.
   PrivateSession(const PrivateBenches& benches, const GlobalOptions& options, Interrupt& interrupt);
   ~PrivateSession();
   PrivateSession(const PrivateSession&) = delete;
@@ -56,6 +56,7 @@ class PrivateSession {
   [[nodiscard]] client::Session& session() noexcept { return *session_; }
 
  private:
+  void open(const PrivateBenches& benches, const GlobalOptions& options);
   void open_local(const PrivateBenches& benches, client::SessionOptions options);
   void open_over_dds(const PrivateBenches& benches, client::SessionOptions options);
 

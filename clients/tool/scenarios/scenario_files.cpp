@@ -24,6 +24,11 @@ std::vector<std::string> files_below(const std::string& directory) {
   std::error_code error;
   for (std::filesystem::recursive_directory_iterator at(directory, error), end; !error && at != end;
        at.increment(error)) {
+    // A mounted ConfigMap has each file a second time, below ..data.
+    if (at->path().filename().string().starts_with('.')) {
+      at.disable_recursion_pending();
+      continue;
+    }
     std::error_code unreadable;
     if (at->path().extension() == kEnding && at->is_regular_file(unreadable)) {
       files.push_back(at->path().string());

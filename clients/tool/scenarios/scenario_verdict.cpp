@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstddef>
 #include <map>
 #include <sstream>
@@ -30,11 +31,25 @@ JunitCase skipped_case(const std::string& name) {
   return test;
 }
 
+/// @return the type of an error, which a merge of reports reads.
+std::string type_of(int code) {
+  switch (static_cast<ExitCode>(code)) {
+    case ExitCode::usage:
+      return "usage";
+    case ExitCode::not_run:
+      return JunitCase::kNotRun;
+    case ExitCode::interrupted:
+      return JunitCase::kInterrupted;
+    default:
+      return "failed";
+  }
+}
+
 JunitCase error_case(const std::string& name, int code, const std::string& message) {
   JunitCase error;
   error.name = name;
   error.error = message;
-  error.type = std::string(code == static_cast<int>(ExitCode::usage) ? "usage" : "failed");
+  error.type = type_of(code);
   return error;
 }
 
@@ -152,6 +167,8 @@ ScenarioVerdict failed_to_start(const Scenario& scenario, int code, const std::s
 ScenarioVerdict verdict_of(const Scenario& scenario, const EndedRun& run) {
   constexpr int kFailed = static_cast<int>(ExitCode::failed);
   int code = run.code >= 0 ? run.code : kFailed;
+  // A crash is a verdict. SIGKILL comes from outside, as from the kernel when memory runs out.
+  if (run.code == -SIGKILL) code = static_cast<int>(ExitCode::not_run);
   std::vector<std::string> messages = lines_of(run.errors);
   if (run.code < 0) messages.push_back("ended by signal " + std::to_string(-run.code));
   LineResults results = results_of(scenario, run.output);
@@ -180,6 +197,8 @@ ScenarioVerdict verdict_of(const Scenario& scenario, const EndedRun& run) {
         found == results.end() ? skipped_case(name) : std::move(found->second));
     test.name = name;
     test.line = line.number;
+    if (test.failure && code == static_cast<int>(ExitCode::interrupted))
+      test.type = JunitCase::kInterrupted;
   }
   if (code != 0 && (run.code < 0 || !has_failure(verdict.suite))) {
     verdict.suite.cases.push_back(error_case("end", code, last_of(verdict.messages)));

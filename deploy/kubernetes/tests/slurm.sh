@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# The same as job.yaml on a cluster with Slurm: each task runs its shard of the scenarios.
+#
+#   sbatch --array=1-7 deploy/kubernetes/tests/slurm.sh 7 TESTS BENCH.yaml REPORTS
+#
+# TESTS, BENCH.yaml and the folder REPORTS are on a file system that the nodes share. The nodes have
+# the package vdrive. Afterwards: vdrive test --merge REPORTS --junit result.xml
+# --array=2,5 repeats shards 2 and 5 of the 7.
+#SBATCH --job-name=vdrive-tests
+#SBATCH --cpus-per-task=2
+#SBATCH --mem=512M
+#SBATCH --requeue
+#SBATCH --open-mode=append
+set -euo pipefail
+
+if (($# != 4)) || [[ ! -d $4 ]]; then
+  echo "usage: sbatch --array=1-N slurm.sh N TESTS BENCH.yaml REPORTS; REPORTS is a folder" >&2
+  exit 2
+fi
+
+code=0
+vdrive test "$2" --config "$3" --shard "$SLURM_ARRAY_TASK_ID/$1" --jobs "$SLURM_CPUS_PER_TASK" \
+  --junit "$4/$SLURM_ARRAY_TASK_ID.xml" || code=$?
+# 6: not run. A test that failed is not repeated.
+if ((code == 6 && ${SLURM_RESTART_COUNT:-0} < 2)); then
+  scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID"
+fi
+exit "$code"
