@@ -171,7 +171,7 @@ def closed(service, client, work):
         as_operator = ("--security", client.path(members / "operator"))
         if service.library()[0] != client.library()[0]:
             # Fast DDS 3 does not admit participants of version 2 (docs/SECURITY.md).
-            text = client.tool("--timeout", "3", *as_operator, "status", "1.1", code=3)
+            text = client.run("bin/vdrive", "--timeout", "3", *as_operator, "status", "1.1", code=3)
             if f"closed, by Fast DDS {client.library()}" not in text:
                 raise Failure(f"the tool does not tell its version: {text}")
             return
@@ -230,6 +230,8 @@ def parsed():
             parser.error(f"--root-b {arguments.root_b}: chroot needs root")
         if not (arguments.root_b / "usr").is_dir():
             parser.error(f"--root-b {arguments.root_b}: no root of a system")
+        if not (arguments.root_b / "proc/self").exists():
+            parser.error(f"--root-b {arguments.root_b}: has no /proc, which the service needs; mount it")
         arguments.root_b = arguments.root_b.resolve()
     if not any(arguments.only in name for name, _ in CHECKS):
         parser.error(f"--only '{arguments.only}': no check has it in its name")

@@ -117,10 +117,9 @@ class Node {
     apply(reliable, qos);
     qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
     qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
-    auto& times = qos.reliable_writer_qos().times;
-    times.initialHeartbeatDelay = {0, 5'000'000};
-    times.heartbeatPeriod = {0, 10'000'000};
-    times.nackResponseDelay = {0, 1'000'000};
+    wire::set_times(qos, {.first_heartbeat = {0, 5'000'000},
+                          .heartbeat_period = {0, 10'000'000},
+                          .nack_response = {0, 1'000'000}});
     auto* const writer = publisher_->create_datawriter(topic_named(topic), qos);
     require(writer, "writer");
     return *writer;
@@ -131,9 +130,7 @@ class Node {
     dds::DataReaderQos qos;
     apply(reliable, qos);
     qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
-    auto& times = qos.reliable_reader_qos().times;
-    times.initialAcknackDelay = {0, 5'000'000};
-    times.heartbeatResponseDelay = {0, 1'000'000};
+    wire::set_times(qos, {.first_acknack = {0, 5'000'000}, .heartbeat_response = {0, 1'000'000}});
     require(subscriber_->create_datareader(topic_named(topic), qos, &listener), "reader");
   }
 
