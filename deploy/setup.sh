@@ -48,6 +48,7 @@ packages=(
   libedit-dev # lines of the shell of the tool
   libeigen3-dev
   "$dds_package"
+  file # CPack asks it which files of a package need libraries
   libseccomp-dev # what each half of the service may ask of the kernel
   libspdlog-dev
   libssl-dev # checks of the security material; Fast DDS brings it too, like libtinyxml2-dev

@@ -4,10 +4,23 @@
 #include <benchmark/benchmark.h>
 
 #include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace vdrive::test {
+
+/// Google Benchmark 1.7 of Debian 12 and 1.9 of Debian 13 have other names for it.
+/// @return why the run failed; nothing = it did not.
+template <typename Run>
+std::optional<std::string> failure_of(const Run& run) {
+  if constexpr (requires { run.error_occurred; }) {
+    if (run.error_occurred) return run.error_message;
+  } else {
+    if (run.skipped != decltype(run.skipped){}) return run.skip_message;
+  }
+  return std::nullopt;
+}
 
 /// One JSON line for each figure, of the medians.
 class FigureReporter final : public benchmark::BenchmarkReporter {
@@ -19,8 +32,8 @@ class FigureReporter final : public benchmark::BenchmarkReporter {
 
   void ReportRuns(const std::vector<Run>& runs) override {
     for (const Run& run : runs) {
-      if (run.error_occurred) {
-        std::cerr << run.benchmark_name() << ": " << run.error_message << '\n';
+      if (const auto failure = failure_of(run)) {
+        std::cerr << run.benchmark_name() << ": " << *failure << '\n';
         failed_ = true;
       } else if (run.run_type == Run::RT_Aggregate && run.aggregate_name == "median") {
         print(run);
