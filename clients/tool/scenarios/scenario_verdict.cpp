@@ -122,6 +122,13 @@ LineResults results_of(const Scenario& scenario, const std::string& output) {
   return results;
 }
 
+/// @return the exit code of a run. A crash is a verdict. SIGKILL comes from outside, as from the
+///         kernel when memory runs out.
+int code_of(const EndedRun& run) {
+  if (run.code >= 0) return run.code;
+  return static_cast<int>(run.code == -SIGKILL ? ExitCode::not_run : ExitCode::failed);
+}
+
 }  // namespace
 
 std::string failure_text(const Scenario& scenario, const ScenarioLine& line,
@@ -165,17 +172,14 @@ ScenarioVerdict failed_to_start(const Scenario& scenario, int code, const std::s
 }
 
 ScenarioVerdict verdict_of(const Scenario& scenario, const EndedRun& run) {
-  constexpr int kFailed = static_cast<int>(ExitCode::failed);
-  int code = run.code >= 0 ? run.code : kFailed;
-  // A crash is a verdict. SIGKILL comes from outside, as from the kernel when memory runs out.
-  if (run.code == -SIGKILL) code = static_cast<int>(ExitCode::not_run);
+  int code = code_of(run);
   std::vector<std::string> messages = lines_of(run.errors);
   if (run.code < 0) messages.push_back("ended by signal " + std::to_string(-run.code));
   LineResults results = results_of(scenario, run.output);
   // Its process reads the file once more: a pipe, and a file that was changed, have other lines
   // then.
   if (code == 0 && results.size() != scenario.lines.size()) {
-    code = kFailed;
+    code = static_cast<int>(ExitCode::failed);
     messages.push_back("vdrive: " + escaped(scenario.file, kShownOfMessage) +
                        ": has other lines than when it was read first: " +
                        lines_text(results.size(), scenario.lines.size()) +
@@ -197,8 +201,9 @@ ScenarioVerdict verdict_of(const Scenario& scenario, const EndedRun& run) {
         found == results.end() ? skipped_case(name) : std::move(found->second));
     test.name = name;
     test.line = line.number;
-    if (test.failure && code == static_cast<int>(ExitCode::interrupted))
+    if (test.failure && code == static_cast<int>(ExitCode::interrupted)) {
       test.type = JunitCase::kInterrupted;
+    }
   }
   if (code != 0 && (run.code < 0 || !has_failure(verdict.suite))) {
     verdict.suite.cases.push_back(error_case("end", code, last_of(verdict.messages)));
