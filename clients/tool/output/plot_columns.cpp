@@ -135,7 +135,8 @@ std::vector<PlotColumn> parse_plot_columns(std::string_view text) {
   std::vector<PlotColumn> columns;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    const PlotColumn& column = column_spelled(std::string(text.substr(begin, end - begin)));
+    const std::string name(text.substr(begin, end - begin));
+    const PlotColumn& column = column_spelled(name);
     if (std::ranges::find(columns, column.name, &PlotColumn::name) == columns.end()) {
       columns.push_back(column);
     }
