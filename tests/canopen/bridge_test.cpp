@@ -41,6 +41,10 @@ TEST(Bridge, EnablesByPdos) {
   BusOfBench bus(2);
   ASSERT_TRUE(bus.master().wait_for(0x702));
   bus.master().send_nmt(kNmtStart, 0);
+  // A node boots before its axis is the bridge's; until then bit 9 is down, and PDOs are ignored.
+  for (const std::uint8_t node : {std::uint8_t{1}, std::uint8_t{2}}) {
+    ASSERT_TRUE(wait_for_status(bus, node, Statusword::kRemote, Statusword::kRemote));
+  }
   for (const std::uint8_t word : kWordsToEnable) {
     bus.master().send(0x201, {word, 0});
     bus.master().send(0x202, {word, 0});
