@@ -18,7 +18,8 @@
 #               browser; and the full counts of property tests and of the fuzzers that are tests
 #               (VDRIVE_FULL=1)
 #   --presets-until MINUTES
-#               begins the build of no preset later than that after the start, and skips its test:
+#               begins the build of no preset later than that after the start, and skips its test, and that of
+#               the wire on the other Debian:
 #               where a run is ended from outside, a slow machine shows less rather than nothing.
 #   --nightly   --full with their long counts (VDRIVE_NIGHTLY=1), the fuzzers search for new inputs, and the other
 #               Debian (tests/platform) builds and agrees
@@ -119,6 +120,10 @@ done
 # The whole build of the other Debian from nothing is half an hour of two processors (tests/platform/run.sh).
 if $full && [[ ${VDRIVE_NIGHTLY:-} != 1 ]]; then
   VDRIVE_SKIPPED_PRESETS+=" check"
+fi
+if [[ -n $last_begin ]] && ((SECONDS > last_begin)); then
+  VDRIVE_SKIPPED_PRESETS+=" wire"
+  echo "$(date +%T) no time is left for the wire on the other Debian: its test is skipped" >&2
 fi
 
 begin "tests"
