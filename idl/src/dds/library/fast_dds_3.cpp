@@ -61,34 +61,37 @@ bool write_to(dds::DataWriter& writer, void* sample) {
 /// The library hands over a datagram in pieces: headers, samples, and last a piece that its
 /// transport writes statistics into, which it knows by the size (is_statistics_buffer). They stay
 /// pieces. The transport through shared memory of 3.1.2 writes nothing there and sends the piece
-/// all the same: whatever the memory held, which the guard of the receiver would refuse.
+/// all the same: whatever the memory held, which the guard of the receiver would refuse. That one
+/// is left out.
 bool SeeingTransport::send(rtps::SenderResource* low,
                            const std::vector<rtps::NetworkBuffer>& pieces, std::uint32_t size,
                            rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
                            const std::chrono::steady_clock::time_point& timeout) {
-  const bool has_unset_piece = low->kind() == LOCATOR_KIND_SHM && !pieces.empty() &&
-                               pieces.back().size == kSubmessageHeaderSize + kStatisticsSize;
-  if (has_unset_piece) {
-    const std::vector<rtps::NetworkBuffer> set(pieces.begin(), pieces.end() - 1);
-    return send(low, set, size - pieces.back().size, first, last, timeout);
-  }
+  constexpr std::uint32_t kStatisticsPiece = kSubmessageHeaderSize + kStatisticsSize;
+  const bool is_unset =
+      low->kind() == LOCATOR_KIND_SHM && !pieces.empty() && pieces.back().size == kStatisticsPiece;
+  if (is_unset) size -= kStatisticsPiece;
   thread_local std::vector<std::uint8_t> datagram;  // keeps its capacity
   datagram.clear();
   for (const rtps::NetworkBuffer& piece : pieces) {
     const auto* const bytes = static_cast<const std::uint8_t*>(piece.buffer);
     datagram.insert(datagram.end(), bytes, bytes + piece.size);
   }
+  datagram.resize(size);
   std::vector<std::uint8_t> changed;
   const auto leaving = sends(datagram, changed);
-  if (leaving.data() == datagram.data()) return low->send(pieces, size, first, last, timeout);
-  std::vector<rtps::NetworkBuffer> changed_pieces;
-  changed_pieces.reserve(pieces.size());
-  const std::uint8_t* next = leaving.data();
-  for (const rtps::NetworkBuffer& piece : pieces) {
-    changed_pieces.emplace_back(next, piece.size);
-    next += piece.size;
+  const bool is_changed = leaving.data() != datagram.data();
+  if (!is_changed && !is_unset) return low->send(pieces, size, first, last, timeout);
+  std::vector<rtps::NetworkBuffer> leaving_pieces(pieces.begin(),
+                                                  pieces.end() - (is_unset ? 1 : 0));
+  if (is_changed) {
+    const std::uint8_t* next = leaving.data();
+    for (rtps::NetworkBuffer& piece : leaving_pieces) {
+      piece = rtps::NetworkBuffer(next, piece.size);
+      next += piece.size;
+    }
   }
-  return low->send(changed_pieces, size, first, last, timeout);
+  return low->send(leaving_pieces, size, first, last, timeout);
 }
 
 }  // namespace vdrive::wire
