@@ -18,9 +18,9 @@
 #               browser; and the full counts of property tests and of the fuzzers that are tests
 #               (VDRIVE_FULL=1)
 #   --presets-until MINUTES
-#               begins the build of no preset later than that after the start, and skips its test, and that of
-#               the wire on the other Debian:
-#               where a run is ended from outside, a slow machine shows less rather than nothing.
+#               begins the build of no preset later than that after the start, and skips its test and, after
+#               the builds, that of the wire on the other Debian: where a run is ended from outside, a slow
+#               machine shows less rather than nothing.
 #   --nightly   --full with their long counts (VDRIVE_NIGHTLY=1), the fuzzers search for new inputs, and the other
 #               Debian (tests/platform) builds and agrees
 #   --retry-deadlines
@@ -104,10 +104,14 @@ begin "packages of the system"
 begin "build of the preset $preset and its tests"
 "$root/deploy/build.sh" --preset $preset --tests "${options[@]}"
 
-export VDRIVE_SKIPPED_PRESETS=
+# Presets, and modes of tests/platform/run.sh.
+export VDRIVE_SKIPPED=
+no_time_left() {
+  [[ -n $last_begin ]] && ((SECONDS > last_begin))
+}
 for checked in "${presets[@]}"; do
-  if [[ -n $last_begin ]] && ((SECONDS > last_begin)); then
-    VDRIVE_SKIPPED_PRESETS+=" $checked"
+  if no_time_left; then
+    VDRIVE_SKIPPED+=" $checked"
     steps=$((steps - 1))
     echo "$(date +%T) no time is left for the preset $checked: its test is skipped" >&2
     continue
@@ -119,10 +123,10 @@ done
 
 # The whole build of the other Debian from nothing is half an hour of two processors (tests/platform/run.sh).
 if $full && [[ ${VDRIVE_NIGHTLY:-} != 1 ]]; then
-  VDRIVE_SKIPPED_PRESETS+=" check"
+  VDRIVE_SKIPPED+=" check"
 fi
-if [[ -n $last_begin ]] && ((SECONDS > last_begin)); then
-  VDRIVE_SKIPPED_PRESETS+=" wire"
+if no_time_left; then
+  VDRIVE_SKIPPED+=" wire"
   echo "$(date +%T) no time is left for the wire on the other Debian: its test is skipped" >&2
 fi
 

@@ -10,7 +10,7 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 preset=$1
 
-if [[ " ${VDRIVE_SKIPPED_PRESETS:-} " == *" $preset "* ]]; then
+if [[ " ${VDRIVE_SKIPPED:-} " == *" $preset "* ]]; then
   echo "build_preset: $preset is skipped by tests/run.sh" >&2
   exit 77
 fi

@@ -127,7 +127,7 @@ while (($#)); do
 done
 [[ -n $release ]] || refuse "which release? $usage"
 [[ -z $mirror || $mirror =~ ^(https?|file):/ ]] || refuse "--mirror '$mirror': must be a URL, http, https or file"
-[[ " ${VDRIVE_SKIPPED_PRESETS:-} " != *" $mode "* ]] || skip "--$mode is skipped by tests/run.sh"
+[[ " ${VDRIVE_SKIPPED:-} " != *" $mode "* ]] || skip "--$mode is skipped by tests/run.sh"
 ((EUID == 0)) || skip "a root of $release needs the rights of root: debootstrap, chroot and mount"
 command -v debootstrap >/dev/null || skip "no debootstrap here: deploy/setup.sh --tests installs it"
 if [[ $mode == check && ! -x $tree/build/$programs/bin/vdrived ]]; then

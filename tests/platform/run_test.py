@@ -29,7 +29,7 @@ class RunOnAPlatform(unittest.TestCase):
                 self.assertIn(told, text)
 
     def test_is_skipped_where_tests_run_sh_has_no_time_for_it(self):
-        code, text = run(ROOT / "tests/platform/run.sh", "trixie", "--check", VDRIVE_SKIPPED_PRESETS=" check")
+        code, text = run(ROOT / "tests/platform/run.sh", "trixie", "--check", VDRIVE_SKIPPED=" check")
         self.assertEqual((code, text), (77, "platform: --check is skipped by tests/run.sh\n"))
 
 

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The same as job.yaml on a cluster with Slurm: each task runs its shard of the scenarios.
+# Scenarios as an array of Slurm: each task runs its shard of the files, as a pod of
+# deploy/kubernetes/tests does.
 #
-#   sbatch --array=1-7 deploy/kubernetes/tests/slurm.sh 7 TESTS BENCH.yaml REPORTS
+#   sbatch --array=1-7 deploy/slurm/tests.sh 7 TESTS BENCH.yaml REPORTS
 #
 # TESTS, BENCH.yaml and the folder REPORTS are on a file system that the nodes share. The nodes have
 # the package vdrive. Afterwards: vdrive test --merge REPORTS --junit result.xml
@@ -15,7 +16,7 @@
 set -euo pipefail
 
 if (($# != 4)) || [[ ! -d $4 ]]; then
-  echo "usage: sbatch --array=1-N slurm.sh N TESTS BENCH.yaml REPORTS; REPORTS is a folder" >&2
+  echo "usage: sbatch --array=1-N tests.sh N TESTS BENCH.yaml REPORTS; REPORTS is a folder" >&2
   exit 2
 fi
 
