@@ -256,6 +256,12 @@ TEST(Architecture, NoModuleOfTheBridgeToCanopenUsesItselfThroughOthers) {
   EXPECT_THAT(circles_of(modules), IsEmpty());
 }
 
+TEST(Architecture, NoModuleOfTheJudgeUsesItselfThroughOthers) {
+  const ModuleGraph modules = modules_below("clients/judge/src/", sources());
+  ASSERT_GT(modules.size(), 10U);
+  EXPECT_THAT(circles_of(modules), IsEmpty());
+}
+
 TEST(Modules, FormACircleAlsoThroughTheirSources) {
   const std::vector<SourceFile> files{{"tool/a/one.cpp", "\n#include \"b/two.hpp\""},
                                       {"tool/b/two.cpp", "\n#include \"a/one.hpp\""},

@@ -128,6 +128,10 @@ constexpr std::array kBridgeMay{Origin::standard, Origin::system,      Origin::e
                                 Origin::beside,   Origin::settings};
 // Nodes are functions of frames, states and time.
 constexpr std::array kCanopenNodeMay{Origin::standard, Origin::core, Origin::beside};
+// The judge is a function of records, and so are the sources that it has from files.
+constexpr std::array kJudgeMay{Origin::standard, Origin::core, Origin::beside};
+constexpr std::array kJudgeFilesMay{Origin::standard, Origin::core, Origin::beside,
+                                    Origin::settings};
 // That bridge makes benches of its own, for masters that are tested without a network.
 constexpr std::array kCanopenMay{
     Origin::standard, Origin::system, Origin::eigen, Origin::core,   Origin::third_party,
@@ -163,6 +167,9 @@ constexpr std::array kRooms{
     RoomRow{"clients/canopen/src/node/", kCanopenNodeMay, "a node knows core/ only"},
     RoomRow{"clients/canopen/", kCanopenMay, kBridgeReason},
     RoomRow{"clients/gateway/", kBridgeMay, kBridgeReason},
+    RoomRow{"clients/judge/src/exceptions/", kJudgeFilesMay,
+            "exceptions/ reads YAML and knows no bench"},
+    RoomRow{"clients/judge/", kJudgeMay, "the judge knows core/ only"},
     RoomRow{"clients/ros2/", kBridgeMay, kBridgeReason},
     RoomRow{"clients/tool/", kToolMay, kClientReason},
     RoomRow{"clients/", kClientMay, kClientReason},
@@ -302,17 +309,29 @@ const std::vector<InnerRoomRow>& canopen_rooms() {
   return rows;
 }
 
+/// "node" is that of clients/canopen: how CANopen spells what a log has.
+const std::vector<InnerRoomRow>& judge_rooms() {
+  static const std::vector<InnerRoomRow> rows{
+      {"judge", {}, "judge/ is a function of records, whatever their source"},
+      {"node", {}, "node/ knows no judge"},
+      {"log", {"judge", "node"}, "log/ makes records of the frames of a bus"},
+      {"exceptions", {"judge"}, "exceptions/ reads a file for the judge"},
+  };
+  return rows;
+}
+
 /// A folder that is divided into rooms.
 struct DividedFolder {
   std::string_view folder;
   const std::vector<InnerRoomRow>& rooms;
 };
 
-const std::array<DividedFolder, 3>& divided_folders() {
-  static const std::array<DividedFolder, 3> folders{
+const std::array<DividedFolder, 4>& divided_folders() {
+  static const std::array<DividedFolder, 4> folders{
       DividedFolder{"service/src/", service_rooms()},
       DividedFolder{"clients/src/", client_rooms()},
       DividedFolder{"clients/canopen/src/", canopen_rooms()},
+      DividedFolder{"clients/judge/src/", judge_rooms()},
   };
   return folders;
 }
@@ -342,6 +361,10 @@ const std::vector<TextRule>& forbidden_headers() {
       {"core/", Pattern("random"), "noise is a hash of seed, axis and tick"},
       {"core/", Pattern("ctime|csignal"), "core/ has no clock and no signals"},
       {"core/", Pattern("iostream"), "core/ writes no log"},
+      {"clients/judge/src/judge/",
+       Pattern("thread|mutex|condition_variable|future|atomic|fstream|iostream|filesystem|random|"
+               "ctime"),
+       "the judge is a function: no thread, no file, no clock"},
   };
   return rules;
 }
@@ -365,6 +388,8 @@ const std::vector<TextRule>& forbidden_code() {
       {"service/", dds, "only idl/ names the DDS library"},
       {"", Pattern(R"(^namespace \w+::\w+::\w)"), "namespaces have two levels at most"},
       {"clients/", dds, "only idl/ names the DDS library"},
+      {"clients/judge/", Pattern(R"(\b(system|steady|high_resolution)_clock\b)"),
+       "time is a member of a record"},
       {"idl/", Pattern(R"(\bfastrtps\b)"), "only idl/src/dds/library/ knows which version it is",
        "idl/src/dds/library/"},
   };

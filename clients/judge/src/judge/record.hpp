@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/dictionary/object.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <variant>
+
+namespace vdrive::judge {
+
+/// What the judge takes: a sequence of what a master wrote and what a drive showed. An adapter
+/// makes it of a journal, a log of a bus, or a bench that runs.
+
+/// Since any beginning that stays: of a log its own clock, of a journal drive time.
+using Time = std::chrono::nanoseconds;
+
+/// How a write has come to the drive.
+enum class Channel : std::uint8_t {
+  sdo,      ///< acyclic, on a CAN bus
+  pdo,      ///< cyclic or by an event, on a CAN bus: it repeats what has not changed
+  request,  ///< acyclic, of a bench
+  frame,    ///< of set-points, of a bench
+};
+
+/// What became of a write.
+enum class Fate : std::uint8_t {
+  accepted,
+  refused,     ///< with an abort code
+  ignored,     ///< by the rules of the drive: a set-point that it could not take
+  late,        ///< the time for which it was meant was over
+  unanswered,  ///< the source does not show an answer; it counts as accepted
+};
+
+/// An object that a master wrote. Of those that come together 6040h is the last one.
+struct Write {
+  ObjectAddress object;
+  std::int64_t value = 0;
+  Channel channel = Channel::request;
+  Fate fate = Fate::accepted;
+  std::uint32_t code = 0;    ///< of a refusal: the abort code (CiA 301)
+  std::uint64_t writer = 0;  ///< session of a bench, number of an RPDO; 0 = not known
+};
+
+/// What a master has learnt of an object, by reading it or because the source knows it.
+struct Reading {
+  ObjectAddress object;
+  std::int64_t value = 0;
+  std::uint32_t code = 0;        ///< of a refusal
+  bool is_of_the_master = true;  ///< it asked; false = the source knows the value
+};
+
+/// Which members of a `Shown` there are.
+struct ShownMember {
+  static constexpr std::uint16_t kStatusword = 1U << 0U;
+  static constexpr std::uint16_t kMode = 1U << 1U;
+  static constexpr std::uint16_t kPosition = 1U << 2U;
+  static constexpr std::uint16_t kDemand = 1U << 3U;
+  static constexpr std::uint16_t kFollowingError = 1U << 4U;
+  static constexpr std::uint16_t kVelocity = 1U << 5U;
+  static constexpr std::uint16_t kTorque = 1U << 6U;
+  static constexpr std::uint16_t kErrorCode = 1U << 7U;
+};
+
+/// What a drive showed at one moment.
+struct Shown {
+  std::uint16_t members = 0;
+  std::uint16_t statusword = 0;      ///< 6041h
+  std::uint16_t error_code = 0;      ///< 603Fh
+  std::int16_t torque = 0;           ///< 6077h [‰ of rated torque]
+  std::int32_t position = 0;         ///< 6064h [user units]
+  std::int32_t demand = 0;           ///< 6062h [user units]
+  std::int32_t following_error = 0;  ///< 60F4h [user units]
+  std::int32_t velocity = 0;         ///< 606Ch [user units/s]
+  std::int8_t mode = 0;              ///< 6061h
+  bool is_asked_for = false;  ///< the master read it; else the drive sends each change itself
+
+  [[nodiscard]] bool has(std::uint16_t member) const noexcept { return (members & member) != 0; }
+};
+
+/// State of a node of a bus (CiA 301, NMT state machine).
+enum class NodeState : std::uint8_t { initialising, pre_operational, operational, stopped };
+
+/// A node changes its state, or says which it has.
+struct Network {
+  NodeState state = NodeState::operational;
+  bool is_command = false;  ///< of the NMT master; else the node shows it
+};
+
+/// SYNC on the bus of the axis.
+struct Sync {};
+
+/// An emergency message of the drive.
+struct Emergency {
+  std::uint16_t code = 0;
+};
+
+/// A PDO for the drive has come. What it carries are writes that follow.
+struct ReceivePdo {
+  std::uint16_t number = 1;            ///< from 1
+  std::optional<std::uint8_t> type{};  ///< transmission type, where it is known
+};
+
+/// A sign of life of the master for which the drive waits no longer than `limit`.
+struct KeepAlive {
+  Time limit{};
+};
+
+/// From here on the source has lost what came before: states may have changed unseen.
+struct Gap {};
+
+struct Record {
+  Time time{};
+  std::uint64_t tick = 0;  ///< of a bench; 0 = none
+  std::uint64_t line = 0;  ///< of a log, from 1; 0 = none
+  std::uint32_t axis = 0;  ///< any number that stays, such as a node id
+  std::variant<Write, Shown, Reading, Network, Sync, Emergency, ReceivePdo, KeepAlive, Gap> what;
+};
+
+}  // namespace vdrive::judge
