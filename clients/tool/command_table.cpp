@@ -42,6 +42,7 @@ extern const CommandRow kShell;
 extern const CommandRow kRecord;
 extern const CommandRow kConvert;
 extern const CommandRow kPlot;
+extern const CommandRow kJudge;
 extern const CommandRow kDoctor;
 extern const CommandRow kBench;
 extern const CommandRow kDemo;
@@ -50,12 +51,12 @@ extern const CommandRow kCompletion;
 namespace {
 
 constexpr std::array kCommands{
-    &kList,   &kStatus,    &kDescribe, &kWatch,      &kEvents, &kEnable,   &kDisable,
-    &kReset,  &kQuickStop, &kStop,     &kPowerCycle, &kMove,   &kHome,     &kVelocity,
-    &kTorque, &kJog,       &kHalt,     &kResume,     &kRead,   &kWrite,    &kDictionary,
-    &kStore,  &kRestore,   &kDisturb,  &kStep,       &kRate,   &kSnapshot, &kRun,
-    &kTest,   &kExpect,    &kWait,     &kShell,      &kRecord, &kConvert,  &kPlot,
-    &kDoctor, &kBench,     &kDemo,     &kCompletion};
+    &kList,   &kStatus,    &kDescribe, &kWatch,      &kEvents,    &kEnable,   &kDisable,
+    &kReset,  &kQuickStop, &kStop,     &kPowerCycle, &kMove,      &kHome,     &kVelocity,
+    &kTorque, &kJog,       &kHalt,     &kResume,     &kRead,      &kWrite,    &kDictionary,
+    &kStore,  &kRestore,   &kDisturb,  &kStep,       &kRate,      &kSnapshot, &kRun,
+    &kTest,   &kExpect,    &kWait,     &kShell,      &kRecord,    &kConvert,  &kPlot,
+    &kJudge,  &kDoctor,    &kBench,    &kDemo,       &kCompletion};
 
 }  // namespace
 

@@ -13,7 +13,8 @@ enum class ExitCode : int {
   not_found = 3,
   timed_out = 4,
   refused = 5,
-  not_run = 6,  ///< of a test: the machine did not give what it needs; it may pass when repeated
+  not_run = 6,     ///< of a test: the machine did not give what it needs; it may pass when repeated
+  unreadable = 7,  ///< of a judge: the log is none, or cannot be read
   interrupted = 130,
 };
 

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "judge/judge.hpp"
+#include "judge/text_report.hpp"
+#include "output/junit.hpp"
+#include "output/record.hpp"
+
+#include <string>
+#include <vector>
+
+namespace vdrive::tool {
+
+/// A verdict of the judge in the forms that programs read. Each has every finding once, worst
+/// first.
+
+/// @return one object for each finding, and at the end one of the whole.
+[[nodiscard]] std::vector<Json> judge_json(const judge::Verdict& verdict,
+                                           const judge::ReportFace& face);
+
+/// @return one object for each rule.
+[[nodiscard]] std::vector<Json> rules_json();
+
+/// @param fail_on findings of this severity and above are failures, the others output of a case
+///        that passed
+/// @return one suite with a case for each rule; one that could not be judged on any axis is
+/// skipped.
+[[nodiscard]] JunitSuite judge_junit(const judge::Verdict& verdict, const judge::ReportFace& face,
+                                     judge::Severity fail_on);
+
+/// @return the log of one run in SARIF 2.1.0, whose places are lines of the log where it has lines.
+///         Findings that an exception covers are suppressed results.
+[[nodiscard]] std::string judge_sarif(const judge::Verdict& verdict, const judge::ReportFace& face);
+
+/// @return a page of HTML that needs no other file and no network, with a picture of the ticks
+///         around each finding.
+[[nodiscard]] std::string judge_html(const judge::Verdict& verdict, const judge::ReportFace& face);
+
+}  // namespace vdrive::tool
