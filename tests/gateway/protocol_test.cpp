@@ -151,6 +151,17 @@ TEST(Protocol, AdvertisesAndUnadvertisesChannels) {
   EXPECT_EQ(Json::parse(unadvertise_text(ids))["channelIds"], Json({5, 6}));
 }
 
+// Statuses with an id stay until they are removed by it:
+// https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md#remove-status
+TEST(Protocol, ShowsTroublesOfTheNetworkUntilTheyEnd) {
+  const std::vector<std::string> troubles{"a is away", "b is away"};
+  const Json shown{
+      {"op", "status"}, {"level", 1}, {"message", "a is away; b is away"}, {"id", "network"}};
+  EXPECT_EQ(Json::parse(network_text(troubles)), shown);
+  const Json removed = {{"op", "removeStatus"}, {"statusIds", {"network"}}};
+  EXPECT_EQ(Json::parse(network_text({})), removed);
+}
+
 TEST(Protocol, OmitsAValueThatADriveRefuses) {
   const std::vector<Parameter> parameters{{.name = "a", .value = 7}, {.name = "b", .value = {}}};
   const Json values = Json::parse(parameters_text(parameters, "request"));

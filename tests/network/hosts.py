@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Hosts on one network, as network namespaces that a switch connects."""
 
+import json
 import os
 import pathlib
 import shutil
 import signal
 import subprocess
+import sys
 import time
 
 PREFIX = "vdrive"
@@ -104,7 +106,10 @@ class Host:
 
     def command(self, *command):
         # Each program sees a /dev/shm of its own: what a host shares in memory ends at the host.
-        mount = 'mount -t tmpfs tmpfs /dev/shm && exec "$@"'
+        mount = "mount -t tmpfs tmpfs /dev/shm && "
+        if self.network.resolver:
+            mount += f"mount --bind {self.network.resolver} /etc/resolv.conf && "
+        mount += 'exec "$@"'
         return ["ip", "netns", "exec", self.namespace, "sh", "-c", mount, "sh", *map(str, command)]
 
     def start(self, name, *command, stdin=None):
@@ -117,6 +122,18 @@ class Host:
         """Runs a program to its end."""
         return subprocess.run(self.command(*command), capture_output=True, text=True,
                               timeout=timeout)
+
+    def serve_names(self):
+        """Starts a name server for all programs that start from now on: see Network.names()."""
+        self.network.names({})
+        resolver = self.network.directory / "resolv.conf"
+        resolver.write_text(f"nameserver {self.address}\noptions timeout:1 attempts:2\n",
+                            encoding="utf-8")
+        server = self.start("names", sys.executable, "-B",
+                            pathlib.Path(__file__).with_name("name_server.py"), self.address,
+                            self.network.directory / "names.json")
+        wait_for("name server", server.lines, 10)
+        self.network.resolver = resolver
 
     def unplug(self):
         """Takes the cable out of the switch: this host sees its carrier go."""
@@ -160,6 +177,7 @@ class Network:
         self.hosts = {}
         self.count = hosts
         self.real_time = real_time()
+        self.resolver = None  # the resolv.conf of all hosts
 
     def name(self, what):
         name = f"{PREFIX}-{os.getpid()}-{what}"
@@ -181,6 +199,12 @@ class Network:
             self.close()
             raise
         return self
+
+    def names(self, names):
+        """What the name server answers from now on: names and lists of addresses."""
+        file = self.directory / "names.json"
+        file.with_suffix(".new").write_text(json.dumps(names), encoding="utf-8")
+        file.with_suffix(".new").replace(file)
 
     def __getitem__(self, letter):
         return self.hosts[letter]

@@ -241,6 +241,72 @@ def TwoBenchesAreFoundAndMovedByADiscoveryServerWithoutMulticast(case):
     find_and_move(case)
 
 
+def start_discovery_server(host, name):
+    if shutil.which("fastdds") is None:
+        raise hosts.Missing("needs fastdds (package fastdds-tools)")
+    profile = pathlib.Path(__file__).parents[2] / "deploy/network/discovery-server.xml"
+    server = host.start(name, "fastdds", "discovery", "-x", profile, "--server-id", 0,
+                        "--ip-address", host.address, "--port", 11811)
+    hosts.wait_for("discovery server", lambda: any("running" in x for x in server.lines()), 10)
+    return server
+
+
+def BenchesAreFoundByTheNamesOfPeersAndInterfaces(case):
+    for host in (case.a, case.b, case.c):
+        host.block_multicast()
+    case.c.serve_names()
+    case.network.names({"bench-a.lab": [case.a.address], "bench-b.lab": [case.b.address]})
+    case.start_benches()
+    case.options = ["--interface", "net", "--peer", "bench-a.lab", "--peer", "bench-b.lab"]
+    find_and_move(case)
+    case.options = ["--interface", "net", "--peer", "nobody.lab"]
+    code, _, err = case.tool("--timeout", "1", "list")
+    expect(code == 3 and "the host name 'nobody.lab' does not resolve" in err, f"{code}: {err}")
+
+
+def TheDiscoveryServerReturnsElsewhereAndIsFoundByItsName(case):
+    for host in (case.a, case.b, case.c):
+        host.block_multicast()
+    case.c.serve_names()
+    # Both are started before the server, and before its name leads anywhere.
+    server = "discovery.lab:11811"
+    case.benches = [Bench(case, host, number, f', discovery_server: ["{server}"]')
+                    for host, number in ((case.a, 1), (case.b, 2))]
+    for bench in case.benches:
+        hosts.wait_for("line about the name in the log",
+                       lambda b=bench: any("discovery.lab" in x and "does not resolve" in x
+                                           for x in b.service.lines()), START)
+    case.options += ["--discovery-server", server]
+    first = start_discovery_server(case.a, "server_a")
+    case.network.names({"discovery.lab": [case.a.address]})
+    find_and_move(case)
+    case.start_cycle()
+
+    def both_are_listed():
+        code, out, _ = case.tool("list", "--json")
+        return code == 0 and {json.loads(line)["bench"] for line in out.splitlines()} == {1, 2}
+
+    first.kill()
+    ended = time.monotonic()
+    hosts.wait_for("moves without the server",
+                   lambda: all(case.moves(axis, ended + 3) for axis in ("1.1", "2.1")), START)
+    former = None
+    # Elsewhere after the lease of the former one; then within it, elsewhere and at its address.
+    for name, host in (("server_b", case.b), ("server_c", case.c), ("server_c2", case.c)):
+        if former:
+            former.kill()
+        case.network.names({"discovery.lab": [host.address]})
+        former = start_discovery_server(host, name)
+        back = time.monotonic()
+        hosts.wait_for(f"a list of both benches by {name}", both_are_listed, START)
+        print(f"found through {name} after {time.monotonic() - back:.1f} s")
+    expect(not case.failures("1.1", ended) and not case.failures("2.1", ended),
+           "the master's moves failed while the server moved")
+    for bench in case.benches:
+        expect(not any("was started again" in text for _, text in bench.events()),
+               f"the network process of bench {bench.number} was started again")
+
+
 # ---- links that go down --------------------------------------------------------------------------
 
 

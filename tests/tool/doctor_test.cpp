@@ -255,7 +255,7 @@ TEST(HostReadings, OfThisMachineHavePlausibleValues) {
   EXPECT_THAT(readings.library, testing::ContainsRegex("[0-9]+\\.[0-9]+\\.[0-9]+"));
   EXPECT_GT(readings.cores, 0U);
   EXPECT_GT(readings.open_files, 0U);
-  EXPECT_TRUE(std::ranges::any_of(readings.interfaces, [](const NetworkInterface& one) {
+  EXPECT_TRUE(std::ranges::any_of(readings.interfaces, [](const wire::OwnInterface& one) {
     return one.address == "127.0.0.1" && one.is_up;
   }));
   ASSERT_EQ(readings.multicast.size(), 1U);

@@ -141,8 +141,8 @@ TEST(ListJson, HasBenchAxisStateAndOwner) {
   info.id = {1, 2};
   const Json unnamed = record_json(list_record(bench, info, moving_axis(), std::nullopt));
   EXPECT_THAT(keys(unnamed),
-              ElementsAre("axis", "bench", "bench_name", "clock", "period_us", "name", "state",
-                          "statusword", "owner", "owner_name", "tick"));
+              ElementsAre("axis", "bench", "bench_name", "clock", "period_us", "host", "version",
+                          "name", "state", "statusword", "owner", "owner_name", "tick"));
   EXPECT_TRUE(unnamed["owner_name"].is_null());
   EXPECT_EQ(record_json(list_record(bench, info, moving_axis(), kVdrive))["owner_name"],
             (Json{{"program", "vdrive"}, {"process", 4711}, {"host", "bench-host"}}));

@@ -91,8 +91,8 @@ TEST_F(ToolInLockStep, EveryCommandPrintsTheDocumentedJson) {
     return objects.empty() ? std::vector<std::string>{} : keys(objects.front());
   };
   EXPECT_THAT(fields("list"),
-              ElementsAre("axis", "bench", "bench_name", "clock", "period_us", "name", "state",
-                          "statusword", "owner", "owner_name", "tick"));
+              ElementsAre("axis", "bench", "bench_name", "clock", "period_us", "host", "version",
+                          "name", "state", "statusword", "owner", "owner_name", "tick"));
   EXPECT_THAT(fields("enable 1.1"),
               ElementsAre("axis", "command", "outcome", "tick", "state", "statusword", "position",
                           "unit", "position_in_unit"));
@@ -507,10 +507,10 @@ TEST(ToolInRealtime, PausesAndContinues) {
   EXPECT_EQ(enable.code, 1) << "at once, not at the end of drive time that never comes";
   EXPECT_THAT(enable.errors, HasSubstr("bench 1 is paused: rate 0"));
   EXPECT_LT(enable.duration, 10s);
-  EXPECT_THAT(call("list").output, HasSubstr(" us, paused\n"));
+  EXPECT_THAT(call("list").output, HasSubstr(" us, paused, "));
   EXPECT_EQ(call("rate").output, "bench 1 realtime rate 0\n");
   EXPECT_EQ(call("rate 1 0.5").output.substr(0, 21), "bench 1 rate 0.5 tick");
-  EXPECT_THAT(call("list").output, HasSubstr(" us, rate 0.5\n"));
+  EXPECT_THAT(call("list").output, HasSubstr(" us, rate 0.5, "));
   EXPECT_EQ(call("rate --json").output, "{\"bench\":1,\"clock\":\"realtime\",\"rate\":0.5}\n");
   const Finished enabled = call("enable 1.1");
   EXPECT_EQ(enabled.code, 0) << enabled.errors;

@@ -188,12 +188,12 @@ TEST(Participant, RefusesADomainThatDoesNotExist) {
 }
 
 TEST(Participant, RefusesAnInvalidAddress) {
-  EXPECT_THROW(static_cast<void>(make_participant({.domain = 1, .interfaces = {"eth0"}}, "test")),
+  EXPECT_THROW(static_cast<void>(make_participant({.domain = 1, .interfaces = {"no one"}}, "test")),
                NetworkError);
-  EXPECT_THROW(static_cast<void>(make_participant({.domain = 1, .peers = {"somewhere"}}, "test")),
+  EXPECT_THROW(static_cast<void>(make_participant({.domain = 1, .peers = {"some where"}}, "test")),
                NetworkError);
   for (const char* server : {"10.0.0.9", "10.0.0.9:", "10.0.0.9:0", "10.0.0.9:65536",
-                             "server:11811", "10.0.0.9:11811 ", ":11811"}) {
+                             "a server:11811", "10.0.0.9:11811 ", ":11811"}) {
     EXPECT_FALSE(parse_server_address(server)) << server;
     EXPECT_THROW(
         static_cast<void>(make_participant({.domain = 1, .discovery_servers = {server}}, "test")),

@@ -50,4 +50,11 @@ void ClientTable::forget_ended() {
   });
 }
 
+std::vector<ConnectionId> ClientTable::all() const {
+  std::vector<ConnectionId> ids;
+  ids.reserve(clients_.size());
+  for (const auto& [id, client] : clients_) ids.push_back(id);
+  return ids;
+}
+
 }  // namespace vdrive::gateway

@@ -25,6 +25,9 @@ class ClientTable {
 
   [[nodiscard]] bool contains(ConnectionId id) const { return clients_.contains(id); }
 
+  /// @return the open connections.
+  [[nodiscard]] std::vector<ConnectionId> all() const;
+
   /// @return such as "client 7", or the name that it gave itself.
   [[nodiscard]] const std::string& name(ConnectionId id) const;
 

@@ -119,11 +119,12 @@ ChannelInfo description_channel(std::string topic) {
       "user_position_lower_limit:integer user_position_upper_limit:integer "
       "app_speed_limit:integer",
       {{"unit", object_schema("kind:string name:string per:number")}});
-  return json_channel(std::move(topic), "vdrive.BenchDescription",
-                      object_schema("bench:integer name:string clock_mode:string "
-                                    "period_us:integer dictionary_version:string "
-                                    "service_version:string incarnation:string axes:axis[]",
-                                    {{"axis", axis}}));
+  return json_channel(
+      std::move(topic), "vdrive.BenchDescription",
+      object_schema("bench:integer name:string clock_mode:string "
+                    "period_us:integer dictionary_version:string "
+                    "service_version:string host:string incarnation:string axes:axis[]",
+                    {{"axis", axis}}));
 }
 
 std::string description_text(const KnownBench& bench) {
@@ -146,6 +147,7 @@ std::string description_text(const KnownBench& bench) {
                   {"period_us", info.period.count()},
                   {"dictionary_version", info.dictionary_version},
                   {"service_version", info.service_version},
+                  {"host", info.host},
                   {"incarnation", session_text(info.incarnation)},
                   {"axes", std::move(axes)}});
 }

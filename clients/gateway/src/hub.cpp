@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <iostream>
 #include <memory>
 #include <random>
 #include <utility>
@@ -88,6 +89,7 @@ void Hub::on_open(ConnectionId id) {
   server_.send_text(id, server_info_);
   server_.send_answer(id, text_frame(services_), true);
   channels_.open(id);
+  if (!troubles_.empty()) server_.send_text(id, network_text(troubles_));
 }
 
 void Hub::on_message(ConnectionId id, bool is_text, std::string_view bytes) {
@@ -118,6 +120,16 @@ void Hub::on_turn() {
   clients_.forget_ended();
   parameters_.poll(watch_->benches());
   graph_.send_changes();
+  report_troubles();
+}
+
+void Hub::report_troubles() {
+  std::vector<std::string> troubles = session_.network_troubles();
+  if (troubles == troubles_) return;
+  troubles_ = std::move(troubles);
+  for (const std::string& trouble : troubles_) std::cerr << "vdrive-gateway: " << trouble << '\n';
+  if (troubles_.empty()) std::cerr << "vdrive-gateway: the network is in order again\n";
+  for (const ConnectionId id : clients_.all()) server_.send_text(id, network_text(troubles_));
 }
 
 void Hub::handle(ConnectionId id, const Subscribe& message) {

@@ -66,6 +66,7 @@ class Hub final : public WebEvents, public BenchNews, private BenchAccess {
   void handle(ConnectionId id, const SubscribeGraph& message);
   void handle(ConnectionId id, const CallService& message);
 
+  void report_troubles();
   void send_first(ConnectionId id, std::uint32_t subscription, const Channel& channel);
 
   WebServer& server_;
@@ -83,7 +84,8 @@ class Hub final : public WebEvents, public BenchNews, private BenchAccess {
   ChannelPointer dictionary_channel_;
   ServiceCalls calls_;
   ParameterDesk parameters_;
-  std::optional<BenchWatch> watch_;  ///< last: its threads use what is above
+  std::vector<std::string> troubles_;  ///< of the network, as reported
+  std::optional<BenchWatch> watch_;    ///< last: its threads use what is above
 };
 
 }  // namespace vdrive::gateway

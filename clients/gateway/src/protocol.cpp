@@ -289,6 +289,17 @@ std::string status_text(Level level, std::string_view message) {
       {{"op", "status"}, {"level", static_cast<int>(level)}, {"message", std::string(message)}});
 }
 
+std::string network_text(std::span<const std::string> troubles) {
+  constexpr const char* kId = "network";
+  if (troubles.empty()) return to_line({{"op", "removeStatus"}, {"statusIds", {kId}}});
+  std::string message;
+  for (const std::string& trouble : troubles) message += (message.empty() ? "" : "; ") + trouble;
+  return to_line({{"op", "status"},
+                  {"level", static_cast<int>(Level::warning)},
+                  {"message", message},
+                  {"id", kId}});
+}
+
 std::string parameters_text(std::span<const Parameter> parameters,
                             const std::optional<std::string>& id) {
   Json list = Json::array();

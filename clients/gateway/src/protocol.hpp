@@ -176,6 +176,11 @@ struct Graph {
 [[nodiscard]] std::string unadvertise_text(std::span<const std::uint32_t> channels);
 [[nodiscard]] std::string advertise_services_text(std::span<const ServiceInfo> services);
 [[nodiscard]] std::string status_text(Level level, std::string_view message);
+
+/// The state of the gateway's network, which stays until the next: with troubles a warning, without
+/// its end.
+/// @param troubles of Session::network_troubles()
+[[nodiscard]] std::string network_text(std::span<const std::string> troubles);
 [[nodiscard]] std::string parameters_text(std::span<const Parameter> parameters,
                                           const std::optional<std::string>& id);
 [[nodiscard]] std::string graph_text(const Graph& graph);

@@ -18,7 +18,7 @@ py::tuple plain(const client::BenchInfo& bench) {
                         seconds_of(bench.period), bench.status_every_ticks, bench.tick,
                         seconds_of(bench.sample_age), bench.rate, figures, bench.wire_starts,
                         seconds_of(bench.longest_silence), bench.user_units_per_revolution,
-                        bench.dictionary_version, bench.service_version);
+                        bench.dictionary_version, bench.service_version, bench.host);
 }
 
 py::list axes_of_bench(const client::BenchInfo& bench) {

@@ -95,6 +95,8 @@ class BenchInfo:
     """Version of its object dictionary."""
     service_version: str
     """Version of vdrived."""
+    host: str
+    """Name of the machine or container of its service; empty: not known, or this process."""
     _handle: Any  # makes the descriptions of thousands of axes when a program asks for them
 
     @property

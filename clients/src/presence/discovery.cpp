@@ -21,6 +21,14 @@ using std::chrono::milliseconds;
 // A search compares its deadline at least this often.
 constexpr milliseconds kSearchPeriod{20};
 
+/// @return the host in a place such as "process 12 on bench-0"; a stranger may announce any text.
+std::string host_of(std::string_view place) {
+  constexpr std::string_view kBefore = " on ";
+  const auto found = place.find(kBefore);
+  return found == std::string_view::npos ? std::string()
+                                         : std::string(place.substr(found + kBefore.size()));
+}
+
 // A service that had no room for this participant reads its announcement again after a change.
 constexpr milliseconds kAnnounceAgain{1'000};
 
@@ -210,10 +218,12 @@ std::string Discovery::place() const {
 ///         person; alone where nothing can be there that was not seen.
 std::string Discovery::with_advice(const std::string& text) const {
   if (!presence_.may_miss_some()) return text;
+  std::string troubles;
+  for (const std::string& trouble : participant_.troubles()) troubles += "; " + trouble;
   const std::string interfaces = options_.interfaces.empty()
                                      ? ", loopback only"
                                      : ", interfaces" + marked(" ", options_.interfaces);
-  return interfaces + text + "; next step: vdrive --domain " +
+  return interfaces + text + troubles + "; next step: vdrive --domain " +
          std::to_string(participant_.domain()) + marked(" --interface ", options_.interfaces) +
          " doctor";
 }
@@ -373,8 +383,14 @@ void Discovery::set_rate(const BenchKey& key, double rate) {
 
 std::vector<PresentBench> Discovery::present() const {
   if (origin_.is_inherited()) return {};
+  const std::vector<wire::OtherParticipant> others = presence_.others();
   const std::scoped_lock lock(mutex_);
-  return directory_.present(now());
+  std::vector<PresentBench> present = directory_.present(now());
+  for (PresentBench& bench : present) {
+    const auto service = std::ranges::find(others, bench.source, &wire::OtherParticipant::source);
+    if (service != others.end()) bench.info.host = host_of(service->place);
+  }
+  return present;
 }
 
 std::optional<wire::Source> Discovery::source_of(const BenchKey& key) const {

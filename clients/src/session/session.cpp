@@ -230,6 +230,10 @@ std::vector<BenchInfo> Session::find_benches() {
   return infos_of(core_->discovery.find_benches());
 }
 
+std::vector<std::string> Session::network_troubles() const {
+  return core_->participant->troubles();
+}
+
 Outcome Session::no_bench_found() const {
   return core_->discovery.no_bench_found();
 }

@@ -39,7 +39,9 @@ Outcome diagnose(const GlobalOptions& options, const Output& output) {
       return read_ros(options);
     });
     // Here, where it can fail: the machine is checked also where no session can be opened.
-    const auto benches = client::Session(session_options(options)).find_benches();
+    client::Session session(session_options(options));
+    const auto benches = session.find_benches();
+    std::ranges::move(check_troubles(session.network_troubles()), std::back_inserter(findings));
     std::ranges::move(check_benches(benches, options), std::back_inserter(findings));
     std::ranges::move(check_ros(ros.get(), options), std::back_inserter(findings));
   } catch (const std::exception& error) {

@@ -26,7 +26,9 @@ std::string heading_of(const client::BenchInfo& bench, std::uint64_t tick,
   return colored(terminal, Color::bold,
                  "bench " + std::to_string(bench.number) + " " + escaped(bench.name)) +
          ", " + std::string(to_string(bench.clock_mode)) + ", tick " + std::to_string(tick) +
-         " of " + std::to_string(bench.period.count()) + " us" + rate_text(bench);
+         " of " + std::to_string(bench.period.count()) + " us" + rate_text(bench) +
+         (bench.host.empty() ? "" : ", on " + escaped(bench.host)) + ", version " +
+         escaped(bench.service_version);
 }
 
 Outcome list_bench(const client::BenchInfo& bench, const CommandContext& context) {

@@ -13,7 +13,8 @@ Finding check_version(const client::BenchInfo& bench) {
                   .text = "bench " + std::to_string(bench.number) + " " + in_quotes(bench.name) +
                           ", " + std::to_string(bench.axes.size()) + " axes, " +
                           std::string(to_string(bench.clock_mode)) + ", version " +
-                          bench.service_version,
+                          bench.service_version +
+                          (bench.host.empty() ? "" : ", on " + escaped(bench.host)),
                   .advice = ""};
   if (bench.service_version != VDRIVE_VERSION) {
     finding.severity = Severity::hint;
@@ -71,6 +72,19 @@ const char* name_of(Severity severity) {
 }
 
 }  // namespace
+
+std::vector<Finding> check_troubles(std::span<const std::string> troubles) {
+  std::vector<Finding> findings;
+  for (const std::string& trouble : troubles) {
+    findings.push_back(
+        {.severity = Severity::problem,
+         .subject = "network",
+         .text = trouble,
+         .advice = "check --peer and --discovery-server, that the hosts that they name run, and "
+                   "that this machine's name server knows them"});
+  }
+  return findings;
+}
 
 std::vector<Finding> check_benches(std::span<const client::BenchInfo> benches,
                                    const GlobalOptions& options) {

@@ -4,6 +4,7 @@
 #include "language/global_options.hpp"
 #include "output/record.hpp"
 #include "vdrive/client/bench.hpp"
+#include "vdrive/wire/address.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -32,13 +33,6 @@ struct Finding {
 /// @return a line of `vdrive doctor`.
 [[nodiscard]] Record finding_record(const Finding& finding);
 
-/// An IPv4 address of this host.
-struct NetworkInterface {
-  std::string name;
-  std::string address;
-  bool is_up = false;
-};
-
 /// Whether a datagram to the discovery group of DDS, sent from an own address, arrives there.
 struct MulticastReading {
   std::string address;
@@ -58,7 +52,7 @@ enum class GatewayReading : std::uint8_t { none, gateway, another };
 /// read.
 struct HostReadings {
   std::string library;  ///< of DDS, with its version
-  std::vector<NetworkInterface> interfaces;
+  std::vector<wire::OwnInterface> interfaces;
   std::vector<MulticastReading> multicast;
   std::vector<SharedSegment> segments;
   std::optional<bool> is_clock_synchronised;
@@ -99,6 +93,9 @@ struct RosReadings {
 /// Takes the readings: reads the environment, and /diagnostics in the domain for up to 1.6 s.
 /// @throws std::runtime_error when DDS cannot be set up
 [[nodiscard]] RosReadings read_ros(const GlobalOptions& options);
+
+/// @param troubles of Session::network_troubles()
+[[nodiscard]] std::vector<Finding> check_troubles(std::span<const std::string> troubles);
 
 /// Judges the benches that were found on the domain.
 [[nodiscard]] std::vector<Finding> check_benches(std::span<const client::BenchInfo> benches,

@@ -39,7 +39,7 @@ Finding check_domain(const HostReadings& readings, const GlobalOptions& options)
 
 std::string addresses_of(const HostReadings& readings) {
   std::string text;
-  for (const NetworkInterface& one : readings.interfaces) {
+  for (const wire::OwnInterface& one : readings.interfaces) {
     text += (text.empty() ? "" : ", ") + one.address + " (" + one.name + ")";
   }
   return text.empty() ? "none" : text;
@@ -53,20 +53,26 @@ std::vector<Finding> check_interfaces(const HostReadings& readings, const Global
          .advice = ""}};
   }
   std::vector<Finding> findings;
-  for (const std::string& address : options.interfaces) {
+  for (const std::string& interface : options.interfaces) {
     Finding& finding =
-        findings.emplace_back(Finding{.subject = "interfaces", .text = address, .advice = ""});
-    const auto own = std::ranges::find(readings.interfaces, address, &NetworkInterface::address);
+        findings.emplace_back(Finding{.subject = "interfaces", .text = interface, .advice = ""});
+    const auto own = std::ranges::find_if(readings.interfaces, [&](const wire::OwnInterface& one) {
+      return one.address == interface || one.name == interface;
+    });
     if (own == readings.interfaces.end()) {
       finding.severity = Severity::problem;
-      finding.text += " is not an address of this machine";
+      finding.text += " is not an address or interface of this machine";
       finding.advice = "name one of " + addresses_of(readings);
-    } else if (!own->is_up) {
-      finding.severity = Severity::problem;
-      finding.text += " is on " + own->name + ", which is down";
-      finding.advice = "ip link set " + own->name + " up";
+      continue;
+    }
+    const std::string other = own->name == interface ? own->address : own->name;
+    finding.text += (own->name == interface ? " has " : " is on ") + other;
+    if (own->is_up) {
+      finding.text += ", which is up";
     } else {
-      finding.text += " is on " + own->name + ", which is up";
+      finding.severity = Severity::problem;
+      finding.text += ", which is down";
+      finding.advice = "ip link set " + own->name + " up";
     }
   }
   return findings;

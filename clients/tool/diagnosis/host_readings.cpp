@@ -48,23 +48,6 @@ std::optional<std::uint64_t> first_number(const fs::path& file) {
   return number;
 }
 
-std::vector<NetworkInterface> read_interfaces() {
-  ifaddrs* first = nullptr;
-  if (getifaddrs(&first) != 0) return {};
-  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(first, &freeifaddrs);
-  std::vector<NetworkInterface> interfaces;
-  for (const ifaddrs* one = first; one != nullptr; one = one->ifa_next) {
-    if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
-    // NOLINTNEXTLINE(*-reinterpret-cast): what the socket interface gives
-    const auto* const address = reinterpret_cast<const sockaddr_in*>(one->ifa_addr);
-    std::array<char, INET_ADDRSTRLEN> text{};
-    inet_ntop(AF_INET, &address->sin_addr, text.data(), text.size());
-    interfaces.push_back(
-        {.name = one->ifa_name, .address = text.data(), .is_up = (one->ifa_flags & IFF_UP) != 0U});
-  }
-  return interfaces;
-}
-
 /// A socket, closed with it.
 class Socket {
  public:
@@ -208,13 +191,15 @@ bool may_run_realtime() {
 
 }  // namespace
 
-HostReadings read_host(const std::vector<std::string>& addresses) {
+HostReadings read_host(const std::vector<std::string>& interfaces) {
   HostReadings readings;
   readings.library = wire::library_version();
-  readings.interfaces = read_interfaces();
-  for (const std::string& address :
-       addresses.empty() ? std::vector<std::string>{"127.0.0.1"} : addresses) {
-    readings.multicast.push_back({address, receives_multicast(address)});
+  readings.interfaces = wire::own_interfaces();
+  for (const std::string& interface :
+       interfaces.empty() ? std::vector<std::string>{"127.0.0.1"} : interfaces) {
+    for (const std::string& address : wire::addresses_of(interface, readings.interfaces)) {
+      readings.multicast.push_back({address, receives_multicast(address)});
+    }
   }
   readings.segments = read_segments();
   readings.is_clock_synchronised = read_clock_state();

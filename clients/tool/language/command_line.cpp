@@ -142,7 +142,21 @@ Words candidates(const CLI::App& app, const Completers& completers, const Words&
 std::string check_server(const std::string& text) {
   return wire::parse_server_address(text)
              ? ""
-             : "'" + text + "' is not ADDRESS:PORT, such as 10.0.0.9:11811";
+             : "'" + text + "' is not HOST:PORT, such as 10.0.0.9:11811";
+}
+
+/// @return what is wrong with an own interface, or nothing.
+std::string check_interface(const std::string& text) {
+  return wire::is_interface(text)
+             ? ""
+             : "'" + text + "' is not an IPv4 address or an interface, such as 10.0.0.1 or eth0";
+}
+
+/// @return what is wrong with a host, or nothing.
+std::string check_host_name(const std::string& text) {
+  return wire::is_host(text)
+             ? ""
+             : "'" + text + "' is not an IPv4 address or the name of a host, such as 10.0.0.1";
 }
 
 /// CLI11 takes an empty value for one that was not given, and an empty variable for none.
@@ -310,14 +324,15 @@ class CommandLine {
     network_.push_back(
         bridge::add_domain_option(app_, domain_, "; default: VDRIVE_DOMAIN, else 0"));
     add_addresses("--interface", options_.interfaces,
-                  "Use this network in addition to loopback: IPv4 address of this machine in it",
+                  "Use this network in addition to loopback: IPv4 address or interface (eth0) of "
+                  "this machine in it",
                   "ADDRESS")
-        ->check(CLI::ValidIPV4);
+        ->check(check_interface);
     add_addresses("--peer", options_.peers,
-                  "Search for benches on this host, too: its IPv4 address", "ADDRESS")
-        ->check(CLI::ValidIPV4);
+                  "Search for benches on this host, too: its IPv4 address or name", "HOST")
+        ->check(check_host_name);
     add_addresses("--discovery-server", options_.discovery_servers,
-                  "Use a discovery server instead of multicast", "ADDRESS:PORT")
+                  "Use a discovery server instead of multicast", "HOST:PORT")
         ->check(check_server);
     network_.push_back(
         app_.add_option("--security", options_.security,

@@ -5,6 +5,7 @@
 #include "dds/reader.hpp"
 #include "dds/writer.hpp"
 #include "guard/guard_transport.hpp"
+#include "guard/host_names.hpp"
 #include "network_participant.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
@@ -20,11 +21,11 @@
 #include <fastdds/dds/subscriber/qos/SubscriberQos.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <mutex>
-#include <optional>
 
 namespace vdrive::wire {
 namespace {
@@ -40,10 +41,10 @@ constexpr std::uint32_t kLargestAnnouncement = 16 * 1024;  // [bytes]; those of 
 // Fast DDS 2.9 and 3.1: a timer of the library that judges a lease must not fire while a
 // participant leaves. Programs with a guard judge earlier; a server has no guard. In the closed
 // mode of 3.1 only the library can judge (kMembersMayLeaveInClear).
-constexpr std::int32_t kAnnouncedLease = 600;  // [s]
-constexpr std::int32_t kLeaseOfMember = 2;     // [s]
-constexpr std::int32_t kLeaseWithServer = 2;   // [s]
-constexpr const char* kLoopback = "127.0.0.1";
+constexpr std::int32_t kAnnouncedLease = 600;          // [s]
+constexpr std::int32_t kLeaseOfMember = 2;             // [s]
+constexpr std::int32_t kLeaseWithServer = 2;           // [s]
+constexpr std::chrono::seconds kTimeToFindAServer{1};  // one that is there answers within 0.2 s
 
 /// @return the socket buffer that the kernel permits, up to `wanted` [bytes].
 std::uint32_t permitted_socket_buffer(const char* limit_file, std::uint32_t wanted) {
@@ -52,29 +53,31 @@ std::uint32_t permitted_socket_buffer(const char* limit_file, std::uint32_t want
   return file >> limit ? std::min(limit, wanted) : 0;
 }
 
-/// The library leaves an address out without a word when no interface has it.
-void check_own_address(const std::string& address) {
-  if (!is_address(address)) {
-    throw NetworkError("network interface " + in_quotes(address) + " is not an IPv4 address");
+/// @return the addresses of an interface. The library leaves out without a word what none has.
+std::vector<std::string> own_addresses(const std::string& interface) {
+  if (!is_interface(interface)) {
+    throw NetworkError("network interface " + in_quotes(interface) +
+                       " is not an IPv4 address or the name of an interface");
   }
-  std::vector<rtps::IPFinder::info_IP> own;
-  rtps::IPFinder::getIPs(&own, true);
-  std::string addresses;
-  for (const auto& ip : own) {
-    if (ip.type != rtps::IPFinder::IP4 && ip.type != rtps::IPFinder::IP4_LOCAL) continue;
-    if (ip.name == address) return;
-    addresses += (addresses.empty() ? "" : ", ") + ip.name;
+  const std::vector<OwnInterface> own = own_interfaces();
+  std::vector<std::string> addresses = addresses_of(interface, own);
+  if (!addresses.empty()) return addresses;
+  std::string there;
+  for (const OwnInterface& one : own) {
+    if (one.is_up) there += (there.empty() ? "" : ", ") + one.address + " (" + one.name + ")";
   }
-  throw NetworkError("network interface " + in_quotes(address) +
-                     ": no interface that is up has this address; there are " + addresses);
+  throw NetworkError("network interface " + in_quotes(interface) +
+                     ": no interface that is up has this " +
+                     (is_address(interface) ? "address" : "name") + "; there are " + there);
 }
 
 eprosima::fastdds::rtps::UDPv4TransportDescriptor udp_transport(const NetworkSettings& settings) {
   eprosima::fastdds::rtps::UDPv4TransportDescriptor udp;
   udp.interfaceWhiteList = {kLoopback};
-  for (const auto& address : settings.interfaces) {
-    check_own_address(address);
-    if (address != kLoopback) udp.interfaceWhiteList.push_back(address);
+  for (const auto& interface : settings.interfaces) {
+    for (const auto& address : own_addresses(interface)) {
+      if (address != kLoopback) udp.interfaceWhiteList.push_back(address);
+    }
   }
   udp.sendBufferSize = permitted_socket_buffer("/proc/sys/net/core/wmem_max", kSocketBuffer);
   udp.receiveBufferSize = permitted_socket_buffer(
@@ -85,37 +88,29 @@ eprosima::fastdds::rtps::UDPv4TransportDescriptor udp_transport(const NetworkSet
 }
 
 /// Multicast first, then the peers: a list of peers replaces the library's own.
-void add_peers(const NetworkSettings& settings, dds::DomainParticipantQos& qos) {
+void add_peers(const NetworkSettings& settings, HostNames& names, dds::DomainParticipantQos& qos) {
   if (settings.peers.empty()) return;
   auto& peers = qos.wire_protocol().builtin.initialPeersList;
   rtps::Locator_t group;
   IPLocator::setIPv4(group, kDiscoveryGroup);
   group.port = 0;
   peers.push_back(group);
-  for (const auto& address : settings.peers) {
-    if (!is_address(address)) {
-      throw NetworkError("network peer " + in_quotes(address) + " is not an IPv4 address");
+  for (const auto& host : settings.peers) {
+    if (!is_host(host)) {
+      throw NetworkError("network peer " + in_quotes(host) +
+                         " is not an IPv4 address or the name of a host");
     }
     rtps::Locator_t peer;
-    IPLocator::setIPv4(peer, address);
+    IPLocator::setIPv4(peer, names.stand_in(host, 0));
     peer.port = 0;
     peers.push_back(peer);
   }
 }
 
-/// @return the locator that "10.0.0.9:11811" names.
-std::optional<rtps::Locator_t> server_locator(std::string_view text) {
-  const auto server = parse_server_address(text);
-  if (!server) return std::nullopt;
-  rtps::Locator_t locator;
-  IPLocator::setIPv4(locator, server->address);
-  locator.port = server->port;
-  return locator;
-}
-
 /// With servers there is no multicast. A server reports to a client what matches its own endpoints,
 /// and no part of vdrive needs more.
-void add_discovery_servers(const NetworkSettings& settings, dds::DomainParticipantQos& qos) {
+void add_discovery_servers(const NetworkSettings& settings, HostNames& names,
+                           dds::DomainParticipantQos& qos) {
   if (settings.discovery_servers.empty()) return;
   if (settings.discovery_servers.size() > kMostServers) {
     throw NetworkError("more than " + std::to_string(kMostServers) + " discovery servers");
@@ -126,12 +121,15 @@ void add_discovery_servers(const NetworkSettings& settings, dds::DomainParticipa
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.discoveryServer_client_syncperiod = {0, 100'000'000};
   for (const auto& text : settings.discovery_servers) {
-    const auto locator = server_locator(text);
-    if (!locator) {
+    const auto server = parse_server_address(text);
+    if (!server) {
       throw NetworkError("discovery server " + in_quotes(text) +
-                         " is not an IPv4 address and a port, such as 10.0.0.9:11811");
+                         " is not a host and a port, such as 10.0.0.9:11811");
     }
-    add_discovery_server(*locator, qos);
+    rtps::Locator_t locator;
+    IPLocator::setIPv4(locator, names.stand_in(server->host, server->port));
+    locator.port = server->port;
+    add_discovery_server(locator, qos);
   }
 }
 
@@ -174,24 +172,31 @@ std::int32_t announced_lease(const NetworkSettings& settings) {
 /// The guard, if there is one, stands before each transport.
 template <typename Descriptor>
 void add_transport(const Descriptor& transport, const std::shared_ptr<Guard>& guard,
-                   dds::DomainParticipantQos& qos) {
+                   const std::shared_ptr<const HostNames>& names, dds::DomainParticipantQos& qos) {
   if (guard == nullptr) {
     qos.transport().user_transports.push_back(std::make_shared<Descriptor>(transport));
   } else {
     qos.transport().user_transports.push_back(
-        std::make_shared<Guarded<Descriptor>>(transport, guard));
+        std::make_shared<Guarded<Descriptor>>(transport, guard, names));
   }
 }
 
 dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const std::string& name,
-                                          const std::shared_ptr<Guard>& guard) {
+                                          const std::shared_ptr<Guard>& guard,
+                                          const std::shared_ptr<HostNames>& names) {
   dds::DomainParticipantQos qos;
+  add_peers(settings, *names, qos);
+  add_discovery_servers(settings, *names, qos);
+  if (names->has_names() && guard == nullptr) {
+    throw NetworkError("names of hosts need the guard");
+  }
+  const auto redirecting = names->has_names() ? names : nullptr;
   qos.name(name.c_str());
   qos.user_data().setValue(std::vector<rtps::octet>(settings.place.begin(), settings.place.end()));
   qos.transport().use_builtin_transports = false;
-  add_transport(udp_transport(settings), guard, qos);
+  add_transport(udp_transport(settings), guard, redirecting, qos);
   if (settings.shared_memory) {
-    add_transport(eprosima::fastdds::rtps::SharedMemTransportDescriptor(), guard, qos);
+    add_transport(eprosima::fastdds::rtps::SharedMemTransportDescriptor(), guard, redirecting, qos);
   }
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = {announced_lease(settings), 0};
@@ -199,8 +204,6 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
   discovery.initial_announcements.count = 10;
   discovery.initial_announcements.period = {0, 50'000'000};
   announce_no_types(qos);
-  add_peers(settings, qos);
-  add_discovery_servers(settings, qos);
   limit_discovery(qos);
   if (!settings.security.empty()) add_security(settings.security, qos);
   return qos;
@@ -243,6 +246,8 @@ class DdsParticipant final : public Participant {
 
   [[nodiscard]] Presence& presence() noexcept override { return presence_; }
 
+  [[nodiscard]] std::vector<std::string> troubles() const override;
+
   [[nodiscard]] GuardCounts guard_counts() const override;
 
   [[nodiscard]] DdsEntities& entities() noexcept { return entities_; }
@@ -250,7 +255,10 @@ class DdsParticipant final : public Participant {
  private:
   std::uint32_t domain_;
   bool is_closed_;
-  std::shared_ptr<Guard> guard_;  ///< none without
+  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  std::vector<std::string> servers_;  ///< of discovery
+  std::shared_ptr<Guard> guard_;      ///< none without
+  std::shared_ptr<HostNames> names_ = std::make_shared<HostNames>();
   DdsEntities entities_;
   PresenceByAge presence_{[this](std::string_view beginning) {
     return entities_.others.named(beginning);
@@ -275,6 +283,7 @@ namespace {
 DdsParticipant::DdsParticipant(const NetworkSettings& settings, const std::string& name)
     : domain_(settings.domain),
       is_closed_(!settings.security.empty()),
+      servers_(settings.discovery_servers),
       guard_(settings.guard ? std::make_shared<Guard>(settings) : nullptr) {
   if (settings.domain > kHighestDomain) {
     throw NetworkError("DDS domain " + std::to_string(settings.domain) +
@@ -291,8 +300,9 @@ DdsParticipant::DdsParticipant(const NetworkSettings& settings, const std::strin
   // A service and its clients may live in one process: delivery in the writer's thread would let a
   // handler run inside another part's write.
   deliver_through_the_transport();
-  entities_.participant =
-      make_participant(participant_qos(settings, name, guard_), settings.domain, entities_.others);
+  const dds::DomainParticipantQos qos = participant_qos(settings, name, guard_, names_);
+  names_->start();
+  entities_.participant = make_participant(qos, settings.domain, entities_.others);
   if (entities_.participant == nullptr) {
     throw NetworkError(
         "DDS refuses a participant in domain " + std::to_string(settings.domain) +
@@ -340,6 +350,18 @@ void DdsParticipant::announce_again() {
 
 Source DdsParticipant::source() const noexcept {
   return source_of(rtps::InstanceHandle_t(entities_.participant->guid()));
+}
+
+std::vector<std::string> DdsParticipant::troubles() const {
+  std::vector<std::string> troubles = names_->troubles();
+  const bool had_time = std::chrono::steady_clock::now() - began_ >= kTimeToFindAServer;
+  if (!servers_.empty() && had_time && !entities_.others.has_server()) {
+    std::string servers;
+    for (const std::string& server : servers_) servers += (servers.empty() ? "" : ", ") + server;
+    troubles.push_back("no discovery server answers: " + servers +
+                       ": nobody can be found until one does");
+  }
+  return troubles;
 }
 
 GuardCounts DdsParticipant::guard_counts() const {

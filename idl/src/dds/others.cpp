@@ -3,6 +3,8 @@
 
 #include "dds/entities.hpp"
 
+#include <algorithm>
+
 namespace vdrive::wire {
 
 std::vector<OtherParticipant> Others::named(std::string_view beginning) const {
@@ -12,6 +14,14 @@ std::vector<OtherParticipant> Others::named(std::string_view beginning) const {
     if (other.name.starts_with(beginning)) named.push_back(other);
   }
   return named;
+}
+
+bool Others::has_server() const {
+  const auto is_server = [](const auto& known) {
+    return ReturnedServers::is_server(known.second.source.participant);
+  };
+  const std::scoped_lock lock(mutex_);
+  return std::ranges::any_of(known_, is_server);
 }
 
 void Others::find(const rtps::GUID_t& guid, const std::string& name,

@@ -25,6 +25,9 @@ class Others final : public ParticipantListener {
   /// @return those whose name has this beginning.
   [[nodiscard]] std::vector<OtherParticipant> named(std::string_view beginning) const;
 
+  /// @return whether a discovery server is among them.
+  [[nodiscard]] bool has_server() const;
+
  private:
   // They run in a thread of the library that holds none of its locks for participants. What they
   // are about is valid: a participant is added and removed by one thread at a time (Guard).

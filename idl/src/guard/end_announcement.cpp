@@ -2,6 +2,7 @@
 #include "vdrive/wire/end_announcement.hpp"
 
 #include "announcement.hpp"
+#include "vdrive/wire/address.hpp"
 #include "vdrive/wire/ports.hpp"
 
 #include <arpa/inet.h>
@@ -18,7 +19,6 @@ namespace vdrive::wire {
 namespace {
 
 constexpr int kTimes = 3;  // datagrams get lost
-constexpr const char* kLoopback = "127.0.0.1";
 
 /// A socket that sends.
 class Sender {
@@ -63,15 +63,23 @@ void announce_end(const NetworkSettings& settings, const Source& dead) {
   if (!settings.discovery_servers.empty()) return;
   const Sender sender;
   const auto datagram = end_datagram(dead.participant);
-  std::vector<std::string> interfaces = settings.interfaces;
-  interfaces.emplace_back(kLoopback);
+  std::vector<std::string> interfaces{kLoopback};
+  const std::vector<OwnInterface> own = own_interfaces();
+  for (const auto& interface : settings.interfaces) {
+    std::ranges::copy(addresses_of(interface, own), std::back_inserter(interfaces));
+  }
+  std::vector<std::string> peers;
+  for (const auto& peer : settings.peers) {
+    // A name server that is away would hold up the end: who is not told judges by silence.
+    if (is_address(peer)) peers.push_back(peer);
+  }
   for (int time = 0; time < kTimes; ++time) {
     for (const auto& interface : interfaces) {
       if (sender.leave_by(interface)) {
         sender.send(kDiscoveryGroup, group_port(settings.domain), datagram);
       }
     }
-    for (const auto& peer : settings.peers) {
+    for (const auto& peer : peers) {
       for (std::uint32_t participant = 0; participant < kParticipantsOfPeer; ++participant) {
         sender.send(peer, announcement_port(settings.domain, participant), datagram);
       }

@@ -77,6 +77,13 @@ void Guard::receive(Receiver& channel, ByteView datagram, const Locator& local,
     refuse(report.refusal, remote);
     return;
   }
+  if (!keeps_leases_) {
+    const std::scoped_lock lock(keeper_mutex_);
+    if (servers_.holds_back(datagram.first(report.length))) {
+      ++held_back_;
+      return;
+    }
+  }
   const auto now = Clock::now();
   std::vector<std::uint8_t> renumbered;
   // Also of what is held back: the first heartbeat of a writer tells where it begins.
@@ -133,6 +140,12 @@ bool Guard::found(const GuidPrefix& participant) {
   numbers_.found(participant);
   const std::scoped_lock lock(keeper_mutex_);
   return closed_.contains(participant);
+}
+
+void Guard::lost(const GuidPrefix& participant) {
+  numbers_.removed(participant);
+  const std::scoped_lock lock(keeper_mutex_);
+  servers_.removed(participant);
 }
 
 GuardCounts Guard::counts() const {

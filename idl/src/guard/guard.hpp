@@ -7,6 +7,7 @@
 #include "deletion_gate.hpp"
 #include "lease_keeper.hpp"
 #include "returned_participants.hpp"
+#include "returned_servers.hpp"
 #include "vdrive/wire/guard.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "writer_numbers.hpp"
@@ -64,7 +65,7 @@ class Guard {
   bool found(const GuidPrefix& participant);
 
   /// The library has removed a participant and its readers for it.
-  void lost(const GuidPrefix& participant) { numbers_.removed(participant); }
+  void lost(const GuidPrefix& participant);
 
   [[nodiscard]] GuardCounts counts() const;
 
@@ -104,6 +105,7 @@ class Guard {
   mutable std::mutex keeper_mutex_;
   Keeper keeper_;
   ReturnedParticipants returned_;
+  ReturnedServers servers_;
   std::set<GuidPrefix> closed_;            ///< those of the keeper that have announced DDS Security
   std::atomic<bool> has_returned_{false};  ///< `returned_` is not empty: seen without the lock
 

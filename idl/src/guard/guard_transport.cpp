@@ -8,7 +8,7 @@ eprosima::fastdds::rtps::TransportInterface* GuardedTransport::create_transport(
 }
 
 GuardTransport::GuardTransport(const GuardedTransport& description)
-    : SeeingTransport(description), guard_(description.guard) {}
+    : SeeingTransport(description), guard_(description.guard), names_(description.names) {}
 
 bool GuardTransport::OpenInputChannel(const Locator& local,
                                       eprosima::fastdds::rtps::TransportReceiverInterface* receiver,
@@ -26,6 +26,23 @@ void GuardTransport::receive(eprosima::fastdds::rtps::TransportReceiverInterface
                              const std::uint8_t* bytes, std::uint32_t size, const Locator& local,
                              const Locator& remote) {
   guard_->receive(*receiver, {bytes, size}, local, remote);
+}
+
+bool GuardTransport::sends_itself(const rtps::SenderResource& low, ByteView datagram,
+                                  rtps::LocatorsIterator& first, const rtps::LocatorsIterator& last,
+                                  std::vector<Locator>& rest) {
+  if (names_ == nullptr) return false;
+  const rtps::SenderResource* chosen = nullptr;
+  const bool is_chosen = chosen_.compare_exchange_strong(chosen, &low) || chosen == &low;
+  for (; first != last; ++first) {
+    const auto destinations = names_->destinations(*first);
+    if (!destinations) {
+      rest.push_back(*first);
+    } else if (is_chosen) {
+      for (const Locator& one : *destinations) names_->send(datagram, one);
+    }
+  }
+  return true;
 }
 
 }  // namespace vdrive::wire

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "guard.hpp"
+#include "host_names.hpp"
 
+#include <atomic>
 #include <memory>
 #include <utility>
 
@@ -11,12 +13,15 @@ namespace vdrive::wire {
 /// Describes a transport that a guard stands before.
 struct GuardedTransport final : eprosima::fastdds::rtps::ChainingTransportDescriptor {
   GuardedTransport(std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low,
-                   std::shared_ptr<Guard> its_guard)
-      : ChainingTransportDescriptor(std::move(low)), guard(std::move(its_guard)) {}
+                   std::shared_ptr<Guard> its_guard, std::shared_ptr<const HostNames> its_names)
+      : ChainingTransportDescriptor(std::move(low)),
+        guard(std::move(its_guard)),
+        names(std::move(its_names)) {}
 
   [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override;
 
   std::shared_ptr<Guard> guard;
+  std::shared_ptr<const HostNames> names;  ///< none where every host has an address
 };
 
 /// A transport of the library with a guard between it and whoever receives.
@@ -45,7 +50,15 @@ class GuardTransport final : public SeeingTransport {
     return guard_->sends(datagram, changed);
   }
 
+  bool sends_itself(const rtps::SenderResource& low, ByteView datagram,
+                    rtps::LocatorsIterator& first, const rtps::LocatorsIterator& last,
+                    std::vector<Locator>& rest) override;
+
   std::shared_ptr<Guard> guard_;
+  std::shared_ptr<const HostNames> names_;
+  /// The first socket of the library that sends: with each further one the same datagram would go
+  /// to a named host once more.
+  std::atomic<const rtps::SenderResource*> chosen_{nullptr};
 };
 
 /// `Descriptor` with a guard before the transport that it makes. Fast DDS 2.9 and 3.1 ask whether a
@@ -53,15 +66,17 @@ class GuardTransport final : public SeeingTransport {
 template <typename Descriptor>
 class Guarded final : public Descriptor {
  public:
-  Guarded(const Descriptor& low, std::shared_ptr<Guard> guard)
-      : Descriptor(low), guard_(std::move(guard)) {}
+  Guarded(const Descriptor& low, std::shared_ptr<Guard> guard,
+          std::shared_ptr<const HostNames> names)
+      : Descriptor(low), guard_(std::move(guard)), names_(std::move(names)) {}
 
   [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override {
-    return GuardedTransport(std::make_shared<Descriptor>(*this), guard_).create_transport();
+    return GuardedTransport(std::make_shared<Descriptor>(*this), guard_, names_).create_transport();
   }
 
  private:
   std::shared_ptr<Guard> guard_;
+  std::shared_ptr<const HostNames> names_;
 };
 
 }  // namespace vdrive::wire

@@ -259,8 +259,13 @@ constexpr auto kMetricsRows = std::to_array<Row<Configuration>>({
         "there are no metrics."),
 });
 
+constexpr TextRule kInterface{
+    .fits = wire::is_interface,
+    .refusal = "must be an IPv4 address or an interface, such as 10.0.0.1 or eth0"};
+constexpr TextRule kHost{.fits = wire::is_host,
+                         .refusal = "must be an IPv4 address or a host name, such as 10.0.0.1"};
 constexpr TextRule kServer{.fits = is_server,
-                           .refusal = "must be an IPv4 address and a port, such as 10.0.0.9:11811"};
+                           .refusal = "must be a host and a port, such as 10.0.0.9:11811"};
 constexpr TextRule kCredentials{
     .if_empty = "must name a directory; leave out this key for an open bench", .is_quoted = true};
 
@@ -268,12 +273,12 @@ constexpr auto kNetworkRows = std::to_array<Row<wire::NetworkSettings>>({
     key<&wire::NetworkSettings::domain>("domain", IntegerLimits{0, wire::kHighestDomain, ""},
                                         "DDS domain, {}."),
     key<&wire::NetworkSettings::interfaces>(
-        "interfaces", kAddress,
-        "List of IPv4 addresses of this machine in the networks to serve; empty: this machine "
-        "only."),
+        "interfaces", kInterface,
+        "List of this machine's IPv4 addresses or interfaces (eth0) in the networks to serve; "
+        "empty: this machine only."),
     key<&wire::NetworkSettings::peers>(
-        "peers", kAddress,
-        "List of IPv4 addresses of hosts that are searched in addition to multicast."),
+        "peers", kHost,
+        "List of hosts, by IPv4 address or name, that are searched in addition to multicast."),
     key<&wire::NetworkSettings::discovery_servers>(
         "discovery_server", kServer,
         "List of servers, such as 10.0.0.9:11811, used instead of multicast and peers."),

@@ -24,39 +24,73 @@ wire::NetworkSettings of_a_probe(wire::NetworkSettings settings) {
 
 }  // namespace
 
+class WireProbe::Endpoints {
+ public:
+  Endpoints(wire::Participant& participant, const wire::Source& wire)
+      : wire_(wire),
+        states_(participant,
+                [this](const msg::BenchState& /*state*/, const wire::Source& source) {
+                  const std::lock_guard lock(mutex_);
+                  has_received_ = has_received_ || source == wire_;
+                  changed_.notify_one();
+                }),
+        publication_(participant) {}
+
+  [[nodiscard]] bool finds_the_wire() {
+    return publication_.wait_for_match(wire_, std::chrono::milliseconds(kPatience));
+  }
+
+  /// Sends until a sample of the wire is here and `has_arrived`. @return false after `deadline`
+  template <typename Condition>
+  [[nodiscard]] bool exchanges(Clock::time_point deadline, const Condition& has_arrived) {
+    msg::BenchState state;
+    state.bench = kNoBench;
+    constexpr std::chrono::milliseconds kRepeat{50};  // best effort
+    std::unique_lock lock(mutex_);
+    while (Clock::now() < deadline) {
+      if (has_received_ && has_arrived()) {
+        has_received_ = false;
+        return true;
+      }
+      lock.unlock();
+      static_cast<void>(publication_.write(state));
+      lock.lock();
+      changed_.wait_for(lock, kRepeat);
+    }
+    return false;
+  }
+
+ private:
+  const wire::Source wire_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool has_received_ = false;
+  wire::Subscription<msg::BenchState> states_;
+  wire::Publication<msg::BenchState> publication_;
+};
+
 WireProbe::WireProbe(wire::NetworkSettings settings, WireProgram& program)
     : program_(program),
+      depends_on_server_(!settings.discovery_servers.empty()),
       participant_(wire::make_participant(of_a_probe(std::move(settings)), "vdrive probe")) {
   program_.expect_probes_from(participant_->source());
 }
 
+WireProbe::~WireProbe() = default;
+
 bool WireProbe::comes_through() {
-  const wire::Source wire = program_.participant().source();
-  const std::uint64_t before = program_.probes_received();
-  std::mutex mutex;
-  std::condition_variable changed;
-  bool has_received = false;
-  const wire::Subscription<msg::BenchState> states(
-      *participant_, [&](const msg::BenchState&, const wire::Source& source) {
-        const std::lock_guard lock(mutex);
-        has_received = has_received || source == wire;
-        changed.notify_one();
-      });
-  wire::Publication<msg::BenchState> publication(*participant_);
   const auto deadline = Clock::now() + kPatience;
-  if (!publication.wait_for_match(wire, std::chrono::milliseconds(kPatience))) return false;
-  msg::BenchState state;
-  state.bench = kNoBench;
-  constexpr std::chrono::milliseconds kRepeat{50};  // best effort
-  std::unique_lock lock(mutex);
-  while (Clock::now() < deadline) {
-    if (has_received && program_.probes_received() != before) return true;
-    lock.unlock();
-    static_cast<void>(publication.write(state));
-    lock.lock();
-    changed.wait_for(lock, kRepeat);
+  const std::uint64_t before = program_.probes_received();
+  if (kept_ == nullptr) {
+    kept_ = std::make_unique<Endpoints>(*participant_, program_.participant().source());
   }
-  return false;
+  const std::unique_ptr<Endpoints> dropped = depends_on_server_ ? nullptr : std::move(kept_);
+  Endpoints& endpoints = depends_on_server_ ? *kept_ : *dropped;
+  if (!endpoints.finds_the_wire()) return depends_on_server_ && !was_found_;
+  was_found_ = true;
+  return endpoints.exchanges(deadline, [this, before] {
+    return program_.probes_received() != before;
+  });
 }
 
 }  // namespace vdrive::service

@@ -156,10 +156,27 @@ class WireProcess {
   }
 
   void probe() {
+    std::vector<std::string> troubles;
     while (goes_on()) {
       if (probe_.comes_through()) control_.probe_beats.fetch_add(1);
+      log_troubles(troubles);
       std::this_thread::sleep_for(kProbeInterval);
     }
+  }
+
+  /// @param known those that are in the log
+  void log_troubles(std::vector<std::string>& known) {
+    std::vector<std::string> troubles = program_.participant().troubles();
+    for (const std::string& trouble : troubles) {
+      if (std::ranges::count(known, trouble) == 0) {
+        log_warning("network=trouble bench={} text=\"{}\"", settings_.bench, trouble);
+      }
+    }
+    if (troubles.empty() && !known.empty()) {
+      log_info("network=good bench={} text=\"names resolve, a discovery server answers\"",
+               settings_.bench);
+    }
+    known = std::move(troubles);
   }
 
   void announce_own_end() {

@@ -252,6 +252,8 @@ export class Model {
   control: ControlState = { enabled: false, holder: "", you: false, name: "", session: "", taken_at_ns: "0", silence_ms: 0 };
   dictionary?: Dictionary;
   outcome?: Outcome;
+  /** what keeps the gateway from finding benches now; empty: nothing */
+  networkTrouble = "";
   readonly motions = new Motions(this);
   /** by the name of the field, such as "move 1.1 target" */
   readonly typed = new Map<string, Typed>();
@@ -299,6 +301,7 @@ export class Model {
       },
       topicsChanged: () => this.follow(),
       status: (status) => this.onStatus(status),
+      statusEnded: (ids) => this.onStatusEnded(ids),
       leftOut: (messages) => {
         this.outcome = { ok: false, text: `${messages} ${t("left_out")}` };
       },
@@ -538,7 +541,12 @@ export class Model {
   }
 
   private onStatus(status: ServerStatus): void {
-    if (status.level > 0) this.outcome = { ok: false, text: status.message };
+    if (status.id === "network") this.networkTrouble = status.message;
+    else if (status.level > 0) this.outcome = { ok: false, text: status.message };
+  }
+
+  private onStatusEnded(ids: string[]): void {
+    if (ids.includes("network")) this.networkTrouble = "";
   }
 
   private changed(): void {

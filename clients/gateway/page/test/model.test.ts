@@ -102,6 +102,7 @@ function bringBench(gateway: FakeGateway): void {
     period_us: 1000,
     dictionary_version: "1",
     service_version: "1",
+    host: "bench-0",
     incarnation: "7",
     axes: [AXIS],
   });

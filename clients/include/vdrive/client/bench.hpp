@@ -93,6 +93,8 @@ struct BenchInfo {
   double user_units_per_revolution = 4096.0;
   std::string dictionary_version;
   std::string service_version;
+  /// Name of the machine or container that its service runs on; empty = not known, or this process.
+  std::string host;
   std::vector<AxisInfo> axes;
 };
 

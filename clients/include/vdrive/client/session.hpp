@@ -46,9 +46,9 @@ struct SessionOptions {
   static constexpr std::chrono::milliseconds kFindTimeoutOfClosedMode{5'000};
 
   std::optional<std::uint32_t> domain{};  ///< DDS domain, 0 to 232; none = default_domain()
-  std::vector<std::string>
-      interfaces{};  ///< own addresses in the networks to use; empty = loopback only
-  std::vector<std::string> peers{};  ///< hosts searched for benches in addition to multicast
+  std::vector<std::string> interfaces{};  ///< in the networks to use: own addresses, or names such
+                                          ///< as eth0; empty = loopback only
+  std::vector<std::string> peers{};       ///< hosts searched for benches in addition to multicast
   std::vector<std::string>
       discovery_servers{};  ///< such as "10.0.0.9:11811", instead of multicast and peers
   std::string security{};   ///< directory of the closed mode's material; empty = open
@@ -299,6 +299,10 @@ class Session {
   /// @return not_found for a program that needs a bench where find_benches() found none: the
   ///         message names what the newest search saw, such as a service without a description.
   [[nodiscard]] Outcome no_bench_found() const;
+
+  /// @return what is in the way of finding benches now, a line each: a name of a host that does not
+  ///         resolve, a discovery server that does not answer. Empty: nothing that is known.
+  [[nodiscard]] std::vector<std::string> network_troubles() const;
 
   /// The benches that are there now, by number. Waits for none.
   [[nodiscard]] std::vector<BenchInfo> present_benches() const;

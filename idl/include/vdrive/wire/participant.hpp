@@ -27,11 +27,11 @@ enum class Role : std::uint8_t { other, service, client };
 /// Where a participant may be reached, and how it finds others. The default is loopback UDP only,
 /// with multicast. With a local bus there is no network, and only `bus` and `role` count.
 struct NetworkSettings {
-  std::uint32_t domain = 0;           ///< DDS domain, 0 to 232
-  bool takes_default_domain = false;  ///< `domain` is that of default_domain() in ports.hpp
-  std::vector<std::string>
-      interfaces{};  ///< own addresses in the networks to use; empty = loopback only
-  std::vector<std::string> peers{};  ///< hosts asked in addition to multicast
+  std::uint32_t domain = 0;               ///< DDS domain, 0 to 232
+  bool takes_default_domain = false;      ///< `domain` is that of default_domain() in ports.hpp
+  std::vector<std::string> interfaces{};  ///< in the networks to use: own addresses, or names such
+                                          ///< as eth0; empty = loopback only
+  std::vector<std::string> peers{};  ///< addresses or names of hosts asked in addition to multicast
   std::vector<std::string>
       discovery_servers{};     ///< such as 10.0.0.9:11811, instead of multicast; first = id 0
   bool shared_memory = false;  ///< opt-in: killed processes leave segments behind
@@ -149,6 +149,10 @@ class Participant {
 
   /// The session has left every clock.
   virtual void leave_clocks(std::uint64_t /*session*/) noexcept {}
+
+  /// @return what is in the way of finding others now, each a line for people: a name that does not
+  ///         resolve, a discovery server that does not answer.
+  [[nodiscard]] virtual std::vector<std::string> troubles() const { return {}; }
 
   /// @return what the guard has done; all zero without a guard.
   [[nodiscard]] virtual GuardCounts guard_counts() const { return {}; }

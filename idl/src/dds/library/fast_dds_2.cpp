@@ -62,7 +62,13 @@ bool SeeingTransport::send(rtps::SenderResource* low, const std::uint8_t* bytes,
                            const std::chrono::steady_clock::time_point& timeout) {
   std::vector<std::uint8_t> changed;
   const auto leaving = sends({bytes, size}, changed);
-  return low->send(leaving.data(), size, first, last, timeout);
+  std::vector<rtps::Locator_t> rest;
+  if (!sends_itself(*low, leaving, *first, *last, rest)) {
+    return low->send(leaving.data(), size, first, last, timeout);
+  }
+  Destinations next(rest.cbegin());
+  Destinations end(rest.cend());
+  return low->send(leaving.data(), size, &next, &end, timeout);
 }
 
 }  // namespace vdrive::wire

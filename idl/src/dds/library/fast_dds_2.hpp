@@ -116,6 +116,12 @@ class SeeingTransport : public eprosima::fastdds::rtps::ChainingTransport {
   /// @return what leaves.
   virtual std::span<const std::uint8_t> sends(std::span<const std::uint8_t> datagram,
                                               std::vector<std::uint8_t>& changed) = 0;
+  /// Sends a datagram itself to those of [first, last) that are no addresses. The library calls
+  /// this for each of its sockets.
+  /// @return whether it has used up `first`: then the library sends to `rest`.
+  virtual bool sends_itself(const rtps::SenderResource& low, std::span<const std::uint8_t> datagram,
+                            rtps::LocatorsIterator& first, const rtps::LocatorsIterator& last,
+                            std::vector<rtps::Locator_t>& rest) = 0;
 };
 
 }  // namespace vdrive::wire

@@ -81,6 +81,14 @@ bool SeeingTransport::send(rtps::SenderResource* low,
   std::vector<std::uint8_t> changed;
   const auto leaving = sends(datagram, changed);
   const bool is_changed = leaving.data() != datagram.data();
+  std::vector<rtps::Locator_t> rest;
+  const bool is_split = sends_itself(*low, leaving, *first, *last, rest);
+  Destinations next(rest.cbegin());
+  Destinations end(rest.cend());
+  if (is_split) {
+    first = &next;
+    last = &end;
+  }
   if (!is_changed && !is_unset) return low->send(pieces, size, first, last, timeout);
   std::vector<rtps::NetworkBuffer> leaving_pieces(pieces.begin(),
                                                   pieces.end() - (is_unset ? 1 : 0));

@@ -28,7 +28,7 @@ const SERVER_INFO = {
 } as const;
 const SERVER_STATUS = {
   type: "object",
-  properties: { level: { type: "integer" }, message: { type: "string" } },
+  properties: { level: { type: "integer" }, message: { type: "string" }, id: { type: "string" } },
   required: ["level", "message"],
 } as const;
 
@@ -64,6 +64,7 @@ export interface Listener {
   disconnected(): void;
   topicsChanged(): void;
   status(status: ServerStatus): void;
+  statusEnded(ids: string[]): void;
   /** The page was slower than its channels: so many messages were left out. */
   leftOut(messages: number): void;
   parameters(values: { name: string; value: unknown }[]): void;
@@ -234,6 +235,9 @@ export class Connection {
         break;
       case "status":
         this.listener.status(checked(SERVER_STATUS, message, "status"));
+        break;
+      case "removeStatus":
+        this.listener.statusEnded(message["statusIds"] as string[]);
         break;
       case "parameterValues":
         this.listener.parameters(message["parameters"] as { name: string; value: unknown }[]);

@@ -5,7 +5,7 @@ import { decodePowerState } from "../data/power";
 import { matches, sorted, type Filter, type Order, type Row, type SortKey } from "../data/rows";
 import { formatAge, formatHex, formatPermille, formatUnits } from "../data/units";
 import { modeName, stateName, t, type TextKey } from "../i18n";
-import { addressOf, TREND_LENGTH, type AxisRef, type Bench, type Model } from "../model";
+import { addressOf, TREND_LENGTH, type AxisRef, type Bench, type BenchDescription, type Model } from "../model";
 import { colour, fit, FOCUS, h, mark, put, select, type View } from "./dom";
 
 interface TableRow extends Row {
@@ -40,6 +40,12 @@ const TREND_EVERY_MS = 100;
 const MOVING_FROM = 10; // [UU/s]: less is noise of a standing axis
 const OLD_FROM_MS = 500;
 const NARROW_ROW = 84; // [px] as in the style sheet
+
+/** @returns such as " (bench-0, 1.4.0)": where a bench runs, and its version. */
+function placeOf(description: BenchDescription | undefined): string {
+  const parts = [description?.host ?? "", description?.service_version ?? ""].filter((part) => part !== "");
+  return parts.length === 0 ? "" : ` (${parts.join(", ")})`;
+}
 
 function at(bench: Bench, member: string, place: number): number {
   return Number(bench.numbers(member)?.[place] ?? 0);
@@ -319,7 +325,7 @@ export class Overview implements View {
       { value: "", text: t("all_benches") },
       ...this.model.sortedBenches().map((bench) => ({
         value: String(bench.number),
-        text: `${bench.number} ${bench.description?.name ?? ""}`,
+        text: `${bench.number} ${bench.description?.name ?? ""}${placeOf(bench.description)}`,
       })),
     ];
     const wanted = options.map((option) => option.text).join("\n");

@@ -218,8 +218,9 @@ export class Shell {
     const silence = silent
       .map((b) => `${b.description?.name ?? ""} (${b.number}) ${t("bench_silent")} ${(this.model.age(b, now) / 1000).toFixed(0)} s`)
       .join(", ");
-    put(this.banner, connected ? silence : t("lost_banner"));
-    this.banner.hidden = connected && silence === "";
+    const troubles = [this.model.networkTrouble, silence].filter((text) => text !== "").join("; ");
+    put(this.banner, connected ? troubles : t("lost_banner"));
+    this.banner.hidden = connected && troubles === "";
     mark(document.body, "lost", !connected);
   }
 

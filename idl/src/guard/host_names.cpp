@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "guard/host_names.hpp"
+
+#include "vdrive/text.hpp"
+#include "vdrive/wire/address.hpp"
+
+#include <arpa/inet.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <condition_variable>
+#include <cstring>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+namespace vdrive::wire {
+namespace {
+
+using rtps::IPLocator;
+
+constexpr std::size_t kMostFormer = 16;
+
+struct Name {
+  std::string host;
+  std::uint16_t port = 0;  ///< 0 = any
+  std::string stand_in;
+  HostNames::Addresses addresses{};  ///< where it leads
+  HostNames::Addresses former{};     ///< of a server, newest last
+  std::string problem{};             ///< at the last look
+};
+
+}  // namespace
+
+struct HostNames::State {
+  explicit State(Resolver its_resolver) : resolver(std::move(its_resolver)) {}
+
+  const Resolver resolver;
+  mutable std::mutex mutex;  ///< guards what follows
+  std::condition_variable changed;
+  std::vector<Name> names;
+  bool has_looked = false;
+  bool ends = false;
+};
+
+HostNames::HostNames(Resolver resolver)
+    : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)),
+      state_(std::make_shared<State>(std::move(resolver))) {}
+
+HostNames::~HostNames() {
+  if (socket_ >= 0) close(socket_);
+  const std::scoped_lock lock(state_->mutex);
+  state_->ends = true;
+  state_->changed.notify_all();
+}
+
+std::string HostNames::stand_in(const std::string& host, std::uint16_t port) {
+  if (is_address(host)) return host;
+  const std::scoped_lock lock(state_->mutex);
+  constexpr std::size_t kOctet = 256;
+  const std::size_t number = state_->names.size() + 1;
+  std::string address =
+      "240.0." + std::to_string(number / kOctet) + "." + std::to_string(number % kOctet);
+  state_->names.push_back({.host = host, .port = port, .stand_in = address});
+  return address;
+}
+
+void HostNames::start() {
+  std::unique_lock lock(state_->mutex);
+  if (state_->names.empty()) return;
+  // Nobody joins it: a look-up may take longer than a program is willing to wait for its end.
+  std::thread([state = state_] {
+    while (true) {
+      look_up(*state);
+      std::unique_lock waiting(state->mutex);
+      if (state->changed.wait_for(waiting, kInterval, [&state] {
+            return state->ends;
+          })) {
+        return;
+      }
+    }
+  }).detach();
+  state_->changed.wait_for(lock, kFirstAnswer, [this] {
+    return state_->has_looked;
+  });
+}
+
+void HostNames::look_up() {
+  look_up(*state_);
+}
+
+void HostNames::look_up(State& state) {
+  std::size_t count = 0;
+  {
+    const std::scoped_lock lock(state.mutex);
+    count = state.names.size();
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    std::string host;
+    {
+      const std::scoped_lock lock(state.mutex);
+      if (state.ends) return;
+      host = state.names[i].host;
+    }
+    Answer answer = state.resolver(host);
+    const std::scoped_lock lock(state.mutex);
+    Name& name = state.names[i];
+    name.problem = std::move(answer.problem);
+    // A name server that is away must not part those who have found each other.
+    if (answer.addresses.empty() || answer.addresses == name.addresses) continue;
+    if (name.port != 0) {
+      for (const std::string& address : name.addresses) {
+        name.former.push_back(address);
+        // The library calls a server on its own host so.
+        if (!addresses_of(address, own_interfaces()).empty()) name.former.push_back(kLoopback);
+      }
+      while (name.former.size() > kMostFormer) name.former.erase(name.former.begin());
+    }
+    name.addresses = std::move(answer.addresses);
+    std::erase_if(name.former, [&name](const std::string& address) {
+      return std::ranges::count(name.addresses, address) != 0;
+    });
+  }
+  const std::scoped_lock lock(state.mutex);
+  state.has_looked = true;
+  state.changed.notify_all();
+}
+
+bool HostNames::has_names() const noexcept {
+  const std::scoped_lock lock(state_->mutex);
+  return !state_->names.empty();
+}
+
+std::optional<std::vector<rtps::Locator_t>> HostNames::destinations(
+    const rtps::Locator_t& wanted) const {
+  if (wanted.kind != LOCATOR_KIND_UDPv4) return std::nullopt;
+  const std::string address = IPLocator::toIPv4string(wanted);
+  const std::uint32_t port = wanted.port;
+  const std::scoped_lock lock(state_->mutex);
+  const auto leads = [&](const Name& name) {
+    return name.stand_in == address ||
+           (name.port == port && std::ranges::count(name.former, address) != 0);
+  };
+  // A former address of one server may be the present one of another.
+  const bool is_present = std::ranges::any_of(state_->names, [&](const Name& name) {
+    return name.port == port && std::ranges::count(name.addresses, address) != 0;
+  });
+  const auto name = std::ranges::find_if(state_->names, leads);
+  if (is_present || name == state_->names.end()) return std::nullopt;
+  std::vector<rtps::Locator_t> destinations;
+  for (const std::string& own : name->addresses) {
+    IPLocator::setIPv4(destinations.emplace_back(wanted), own);
+  }
+  return destinations;
+}
+
+void HostNames::send(std::span<const std::uint8_t> datagram, const rtps::Locator_t& to) const {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(to.port));
+  std::memcpy(&address.sin_addr, IPLocator::getIPv4(to), sizeof address.sin_addr);
+  static_cast<void>(sendto(socket_, datagram.data(), datagram.size(), MSG_DONTWAIT,
+                           std::bit_cast<sockaddr*>(&address), sizeof address));
+}
+
+std::vector<std::string> HostNames::troubles() const {
+  const std::scoped_lock lock(state_->mutex);
+  std::vector<std::string> troubles;
+  for (const Name& name : state_->names) {
+    if (name.problem.empty()) continue;
+    std::string last;
+    for (const std::string& address : name.addresses) last += (last.empty() ? "" : ", ") + address;
+    troubles.push_back("the host name " + in_quotes(name.host) + " does not resolve: " +
+                       name.problem + (last.empty() ? "" : "; its last address is used: " + last));
+  }
+  return troubles;
+}
+
+HostNames::Answer HostNames::system_answer(const std::string& name) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* first = nullptr;
+  const int code = getaddrinfo(name.c_str(), nullptr, &hints, &first);
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner(first, &freeaddrinfo);
+  if (code != 0) return {.addresses = {}, .problem = gai_strerror(code)};
+  Answer answer;
+  for (const addrinfo* one = first; one != nullptr; one = one->ai_next) {
+    // NOLINTNEXTLINE(*-reinterpret-cast): what the socket interface gives
+    const auto* const address = reinterpret_cast<const sockaddr_in*>(one->ai_addr);
+    std::array<char, INET_ADDRSTRLEN> text{};
+    inet_ntop(AF_INET, &address->sin_addr, text.data(), text.size());
+    answer.addresses.emplace_back(text.data());
+  }
+  std::ranges::sort(answer.addresses);  // name servers rotate them
+  return answer;
+}
+
+}  // namespace vdrive::wire

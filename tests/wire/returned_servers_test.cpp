@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "guard/returned_servers.hpp"
+
+#include "datagrams.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vdrive::wire {
+namespace {
+
+// Of the server with id 0: get_server_client_default_guidPrefix of Fast DDS 2.9.
+constexpr GuidPrefix kServer{'D', 'S', 0, 0x5F, 'E', 'P', 'R', 'O', 'S', 'I', 'M', 'A'};
+constexpr GuidPrefix kProgram{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+
+test::Datagram heartbeat_of(const GuidPrefix& sender, std::uint32_t count,
+                            EntityId writer = kParticipantsWriter) {
+  return test::DatagramWriter(sender)
+      .add(0x07, 1, test::heartbeat(kParticipantsReader, writer, 1, 1, count).bytes())
+      .bytes();
+}
+
+struct AReturnedServer : testing::Test {
+  ReturnedServers servers;
+
+  bool holds_back(const test::Datagram& datagram) { return servers.holds_back(datagram); }
+};
+
+TEST_F(AReturnedServer, IsOneWhoseHeartbeatsBeginAgain) {
+  EXPECT_FALSE(holds_back(heartbeat_of(kServer, 1)));
+  EXPECT_FALSE(holds_back(heartbeat_of(kServer, 2)));
+  EXPECT_TRUE(holds_back(heartbeat_of(kServer, 1)));
+}
+
+TEST_F(AReturnedServer, IsHeldBackUntilTheFormerOneIsRemoved) {
+  EXPECT_FALSE(holds_back(heartbeat_of(kServer, 40)));
+  EXPECT_TRUE(holds_back(heartbeat_of(kServer, 2)));
+  EXPECT_TRUE(holds_back(heartbeat_of(kServer, 41)));  // all of it, whatever it counts by now
+  servers.removed(kServer);
+  EXPECT_FALSE(holds_back(heartbeat_of(kServer, 42)));
+}
+
+TEST_F(AReturnedServer, IsNoneWhoseDatagramsOvertakeEachOther) {
+  EXPECT_FALSE(holds_back(heartbeat_of(kServer, 40)));
+  EXPECT_FALSE(holds_back(heartbeat_of(kServer, 40 - ReturnedServers::kMostOvertaken)));
+  EXPECT_FALSE(holds_back(heartbeat_of(kServer, 40)));  // the same one by another interface
+  EXPECT_TRUE(holds_back(heartbeat_of(kServer, 40 - ReturnedServers::kMostOvertaken - 1)));
+}
+
+TEST_F(AReturnedServer, IsNoOtherProgramAndNoOtherWriter) {
+  EXPECT_FALSE(holds_back(heartbeat_of(kProgram, 40)));
+  EXPECT_FALSE(holds_back(heartbeat_of(kProgram, 1)));
+  EXPECT_FALSE(holds_back(heartbeat_of(kServer, 40)));
+  EXPECT_FALSE(holds_back(heartbeat_of(kServer, 1, kPublicationsWriter)));
+}
+
+}  // namespace
+}  // namespace vdrive::wire
