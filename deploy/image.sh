@@ -45,8 +45,9 @@ done
 declare -A packages_of=([bench]="vdrived vdrive" [gateway]="vdrive-gateway vdrive"
   [canopen]="vdrive-canopen vdrive" [ros2]="vdrive-ros2 vdrive"
   [discovery]="vdrive" [demo]="vdrived vdrive-gateway vdrive")
-# Programs of Debian's packages.
+# Programs of Debian's packages, with a file of ours.
 declare -A debian_of=([discovery]="fastdds-tools") program_of=([discovery]=/usr/bin/fast-discovery-server)
+declare -A settings_of=([discovery]=deploy/network/discovery-server.xml)
 declare -A title_of=([bench]="a bench of virtual servo drives"
   [gateway]="the gateway of virtual servo drives to browsers and dashboards"
   [canopen]="the bridge of virtual servo drives to CANopen"
@@ -61,7 +62,8 @@ declare -A entry_of=([bench]='"/usr/bin/vdrived"' [gateway]='"/usr/bin/vdrive-ga
 declare -A command_of=([bench]='"--config","/etc/vdrive/vdrived.yaml"'
   [gateway]='"--listen","0.0.0.0:8765","--token","/etc/vdrive/token"'
   [canopen]='"--config","/etc/vdrive/canopen.yaml"' [ros2]=''
-  [discovery]='"--server-id","0"' [demo]='"--listen","0.0.0.0:8765"')
+  [discovery]='"--xml-file","/etc/vdrive/discovery-server.xml","--server-id","0","--port","11811"'
+  [demo]='"--listen","0.0.0.0:8765"')
 
 [[ -d $packages ]] || fail "no folder '$packages': run deploy/package.sh first"
 packages=$(realpath "$packages")
@@ -150,6 +152,7 @@ make_tree() {
   if [[ -n ${program_of[$name]:-} ]]; then
     install -D --mode 755 "$work/tree${program_of[$name]}" "$image${program_of[$name]}"
     add_origin "$image" "$(find "$work/debian" -name "${debian_of[$name]}_*.deb")"
+    install --mode 644 "$root/${settings_of[$name]}" "$image/etc/vdrive/"
   fi
   rm -rf "$image"/usr/{lib/systemd,share/man,share/bash-completion,share/zsh,share/fish}
   # A bench that nobody has configured is none: the container says so.

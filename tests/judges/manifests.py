@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Judges of the manifests of Kubernetes from outside this project.
 
-  manifests.py WORK
+  manifests.py VDRIVED WORK
 
 `kubectl kustomize` renders each overlay of deploy/kubernetes, and packages of npm (versions fixed by
 the lock file) compare all documents with the schemas of Kubernetes. What no schema knows is compared
-here: whatever is named is there. WORK is a directory for the packages of npm. Exit code 0: all agree; 77: a judge is not there (no kubectl, no node, no
-registry).
+here: whatever is named is there, `vdrived --check` takes each configuration, and the pods that
+pods.py makes for podman are those of the manifests. WORK is a directory for the packages of npm.
+Exit code 0: all agree; 77: a judge is not there (no kubectl, no node, no registry).
 """
 import pathlib
 import re
@@ -20,6 +21,8 @@ import yaml
 from gateway import HERE, fail, install, skip
 
 MANIFESTS = HERE.parents[1] / "deploy/kubernetes"
+sys.path.insert(0, str(MANIFESTS))
+import pods  # noqa: E402
 OVERLAYS = ("lab", "cluster", "closed", "monitor")
 # Mistakes that a reader overlooks: what stands in the lab's manifests, what is written in its place,
 # and what the judge says about it.
@@ -60,9 +63,11 @@ def check_mistakes(work, lab):
 class Fleet:
     """The documents of an overlay, and what they name."""
 
-    def __init__(self, name, text):
+    def __init__(self, name, text, vdrived, work):
         self.name = name
         self.documents = list(yaml.safe_load_all(text))
+        self.vdrived = vdrived
+        self.work = work
         self.sets = [d for d in self.documents if d["kind"] in ("StatefulSet", "Deployment")]
         self.pods = {f"{d['metadata']['name']}-{i}.{d['spec']['serviceName']}"
                      for d in self.of("StatefulSet")
@@ -114,7 +119,7 @@ class Fleet:
             pod = each["spec"]["template"]["spec"]
             volumes = {v["name"]: v for v in pod.get("volumes", [])}
             for container in pod["containers"]:
-                for argument in container["args"]:
+                for argument in container.get("args", []):
                     named += self.check_names(argument)
                 for mount in container.get("volumeMounts", []):
                     self.expect(mount["name"] in volumes, f"no volume {mount['name']}")
@@ -123,7 +128,57 @@ class Fleet:
                     self.expect(volume["configMap"]["name"] in maps, f"no ConfigMap of {volume}")
         for data in maps.values():
             named += self.check_names(data["vdrived.yaml"])
+            self.check_configuration(data["vdrived.yaml"])
         self.expect(not self.sets or named, "nobody names a server or a peer")
+
+    def made_pods(self):
+        """What pods.py makes, by the names in the network."""
+        secrets = {v["secret"]["secretName"] for s in self.sets
+                   for v in s["spec"]["template"]["spec"].get("volumes", []) if "secret" in v}
+        return dict(pods.pods_of([*self.documents, *(
+            {"kind": "Secret", "metadata": {"name": name}, "data": {}} for name in secrets)]))
+
+    def check_pods(self):
+        made = self.made_pods()
+        single = {d["metadata"]["name"] for d in self.of("Deployment")}
+        self.expect(made.keys() == self.pods | single, f"pods.py makes {sorted(made)}")
+        for each in self.sets:
+            name, template = each["metadata"]["name"], each["spec"]["template"]
+            for alias, documents in made.items():
+                pod = documents[-1]
+                index = re.fullmatch(rf"{name}(?:-(\d+)\..*)?", alias)
+                if index:
+                    self.expect(pod["metadata"]["labels"].get("apps.kubernetes.io/pod-index")
+                                == index[1], f"{alias} has another index")
+                    self.check_pod(alias, pod["spec"], template["spec"])
+
+    def check_pod(self, alias, pod, template):
+        """All but what is documented in pods.py."""
+        def rest(of, *left_out):
+            return {key: value for key, value in of.items() if key not in left_out}
+
+        def paths(container):
+            return [rest(mount, "name") for mount in container.get("volumeMounts", [])]
+        self.expect(rest(pod, "containers", "volumes") == rest(template, "containers", "volumes"),
+                    f"{alias}: pods.py makes {pod}")
+        for ours, theirs in zip(pod["containers"], template["containers"], strict=True):
+            differs = ("ports", "volumeMounts", "livenessProbe", "readinessProbe")
+            self.expect(rest(ours, *differs) == rest(theirs, *differs),
+                        f"{alias}: pods.py makes {ours}")
+            self.expect(paths(ours) == paths(theirs), f"{alias}: pods.py mounts {paths(ours)}")
+            mounted = {mount["name"] for mount in ours.get("volumeMounts", [])}
+            self.expect(mounted == {v["name"] for v in pod["volumes"]},
+                        f"{alias}: pods.py makes the volumes {pod['volumes']}")
+
+    def check_configuration(self, text):
+        """The credentials of the closed mode are not here: they are all that may be missing."""
+        (self.work / "vdrived.yaml").write_text(text)
+        done = subprocess.run([self.vdrived, "--check", self.work / "vdrived.yaml"],
+                              capture_output=True, text=True, timeout=60)
+        missing = "/etc/vdrive-security/identity_ca.pem: cannot be read"
+        is_closed = "security:" in text
+        self.expect(missing in done.stderr if is_closed else done.returncode == 0,
+                    f"vdrived --check: {done.stdout}{done.stderr}")
 
 
 def first(stateful_set):
@@ -131,7 +186,8 @@ def first(stateful_set):
 
 
 def main():
-    work = pathlib.Path(sys.argv[1])
+    vdrived, work = sys.argv[1:]
+    work = pathlib.Path(work)
     if not shutil.which("kubectl"):
         skip("kubectl is not installed")
     install(work, "manifests")
@@ -145,7 +201,14 @@ def main():
     print(text.strip())
     check_mistakes(work, rendered["lab"])
     for overlay, text in rendered.items():
-        Fleet(overlay, text).check()
+        fleet = Fleet(overlay, text, vdrived, work)
+        fleet.check()
+        fleet.check_pods()
+        (work / "pods.yaml").write_text(yaml.safe_dump_all(
+            document for documents in fleet.made_pods().values() for document in documents))
+        text, agrees = judge(work, "pods.yaml")
+        if not agrees:
+            fail(f"{overlay}: pods.py: {text}")
 
 
 if __name__ == "__main__":
