@@ -126,8 +126,11 @@ void Hub::on_turn() {
 void Hub::report_troubles() {
   std::vector<std::string> troubles = session_.network_troubles();
   if (troubles == troubles_) return;
+  for (const std::string& trouble : troubles) {
+    const bool is_known = std::ranges::count(troubles_, trouble) != 0;
+    if (!is_known) std::cerr << "vdrive-gateway: " << trouble << '\n';
+  }
   troubles_ = std::move(troubles);
-  for (const std::string& trouble : troubles_) std::cerr << "vdrive-gateway: " << trouble << '\n';
   if (troubles_.empty()) std::cerr << "vdrive-gateway: the network is in order again\n";
   for (const ConnectionId id : clients_.all()) server_.send_text(id, network_text(troubles_));
 }

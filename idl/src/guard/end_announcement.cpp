@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -41,7 +42,8 @@ class Sender {
            setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_IF, &address, sizeof address) == 0;
   }
 
-  // An unreachable address is no reason to leave the others out.
+  // An unreachable address is no reason to leave the others out. A name is none to wait for a name
+  // server: who is not told judges by silence.
   void send(const std::string& to, std::uint32_t port,
             const std::vector<std::uint8_t>& datagram) const {
     sockaddr_in address{};
@@ -68,18 +70,13 @@ void announce_end(const NetworkSettings& settings, const Source& dead) {
   for (const auto& interface : settings.interfaces) {
     std::ranges::copy(addresses_of(interface, own), std::back_inserter(interfaces));
   }
-  std::vector<std::string> peers;
-  for (const auto& peer : settings.peers) {
-    // A name server that is away would hold up the end: who is not told judges by silence.
-    if (is_address(peer)) peers.push_back(peer);
-  }
   for (int time = 0; time < kTimes; ++time) {
     for (const auto& interface : interfaces) {
       if (sender.leave_by(interface)) {
         sender.send(kDiscoveryGroup, group_port(settings.domain), datagram);
       }
     }
-    for (const auto& peer : peers) {
+    for (const auto& peer : settings.peers) {
       for (std::uint32_t participant = 0; participant < kParticipantsOfPeer; ++participant) {
         sender.send(peer, announcement_port(settings.domain, participant), datagram);
       }

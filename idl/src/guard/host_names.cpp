@@ -35,6 +35,28 @@ struct Name {
   std::string problem{};             ///< at the last look
 };
 
+/// The addresses that a server has had are former ones of it.
+void retire_addresses(Name& name) {
+  const std::vector<OwnInterface> own = own_interfaces();
+  for (const std::string& address : name.addresses) {
+    name.former.push_back(address);
+    // The library calls a server on its own host so.
+    if (!addresses_of(address, own).empty()) name.former.emplace_back(kLoopback);
+  }
+  while (name.former.size() > kMostFormer) name.former.erase(name.former.begin());
+}
+
+void take(HostNames::Answer&& answer, Name& name) {
+  name.problem = std::move(answer.problem);
+  // A name server that is away must not part those who have found each other.
+  if (answer.addresses.empty() || answer.addresses == name.addresses) return;
+  if (name.port != 0) retire_addresses(name);
+  name.addresses = std::move(answer.addresses);
+  std::erase_if(name.former, [&name](const std::string& address) {
+    return std::ranges::count(name.addresses, address) != 0;
+  });
+}
+
 }  // namespace
 
 struct HostNames::State {
@@ -109,22 +131,7 @@ void HostNames::look_up(State& state) {
     }
     Answer answer = state.resolver(host);
     const std::scoped_lock lock(state.mutex);
-    Name& name = state.names[i];
-    name.problem = std::move(answer.problem);
-    // A name server that is away must not part those who have found each other.
-    if (answer.addresses.empty() || answer.addresses == name.addresses) continue;
-    if (name.port != 0) {
-      for (const std::string& address : name.addresses) {
-        name.former.push_back(address);
-        // The library calls a server on its own host so.
-        if (!addresses_of(address, own_interfaces()).empty()) name.former.push_back(kLoopback);
-      }
-      while (name.former.size() > kMostFormer) name.former.erase(name.former.begin());
-    }
-    name.addresses = std::move(answer.addresses);
-    std::erase_if(name.former, [&name](const std::string& address) {
-      return std::ranges::count(name.addresses, address) != 0;
-    });
+    take(std::move(answer), state.names[i]);
   }
   const std::scoped_lock lock(state.mutex);
   state.has_looked = true;

@@ -2,6 +2,7 @@
 #include "dds/library/library.hpp"
 
 #include <fastdds/rtps/attributes/ServerAttributes.h>
+#include <fastdds/rtps/common/LocatorList.hpp>
 #include <fastdds/rtps/network/SenderResource.h>
 #include <fastrtps/attributes/LibrarySettingsAttributes.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
@@ -66,8 +67,8 @@ bool SeeingTransport::send(rtps::SenderResource* low, const std::uint8_t* bytes,
   if (!sends_itself(*low, leaving, *first, *last, rest)) {
     return low->send(leaving.data(), size, first, last, timeout);
   }
-  Destinations next(rest.cbegin());
-  Destinations end(rest.cend());
+  eprosima::fastdds::rtps::Locators next(rest.cbegin());
+  eprosima::fastdds::rtps::Locators end(rest.cend());
   return low->send(leaving.data(), size, &next, &end, timeout);
 }
 

@@ -4,6 +4,7 @@
 
 #include <fastdds/LibrarySettings.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/rtps/common/LocatorList.hpp>
 #include <fastdds/rtps/transport/SenderResource.hpp>
 
 #include <mutex>
@@ -83,8 +84,8 @@ bool SeeingTransport::send(rtps::SenderResource* low,
   const bool is_changed = leaving.data() != datagram.data();
   std::vector<rtps::Locator_t> rest;
   const bool is_split = sends_itself(*low, leaving, *first, *last, rest);
-  Destinations next(rest.cbegin());
-  Destinations end(rest.cend());
+  eprosima::fastdds::rtps::Locators next(rest.cbegin());
+  eprosima::fastdds::rtps::Locators end(rest.cend());
   if (is_split) {
     first = &next;
     last = &end;

@@ -19,30 +19,6 @@
 
 namespace vdrive::wire {
 
-/// Destinations of a datagram, as the transports of the library read them.
-class Destinations final : public rtps::LocatorsIterator {
- public:
-  using Position = std::vector<rtps::Locator_t>::const_iterator;
-
-  explicit Destinations(Position position) : position_(position) {}
-
-  LocatorsIterator& operator++() override {
-    ++position_;
-    return *this;
-  }
-
-  bool operator==(const LocatorsIterator& other) const override {
-    return position_ == static_cast<const Destinations&>(other).position_;
-  }
-
-  bool operator!=(const LocatorsIterator& other) const override { return !(*this == other); }
-
-  const rtps::Locator_t& operator*() const override { return *position_; }
-
- private:
-  Position position_;
-};
-
 /// How fast a reliable writer repeats itself.
 struct WriterTimes {
   LibraryDuration first_heartbeat;
