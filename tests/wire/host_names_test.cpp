@@ -112,6 +112,18 @@ TEST(HostNames, LeaveTheAddressOfAnotherServerAsItIs) {
   EXPECT_THAT(hosts.leads("10.0.0.7", 11811), ElementsAre("10.0.0.7:11811"));
 }
 
+TEST(HostNames, OfHostsAreReadAsThatFileIsWritten) {
+  const std::string hosts =
+      "127.0.0.1 localhost\n"
+      "# 10.0.0.1 bench-0\n"
+      "10.0.0.7\tbench-0.lab bench-0 # the first\n"
+      "::1 bench-0\n"
+      "10.0.0.8 bench-0";
+  EXPECT_THAT(HostNames::addresses_in(hosts, "bench-0"), ElementsAre("10.0.0.7", "10.0.0.8"));
+  EXPECT_THAT(HostNames::addresses_in(hosts, "bench"), IsEmpty());
+  EXPECT_THAT(HostNames::addresses_in(hosts, "first"), IsEmpty());
+}
+
 TEST(HostNames, OfTheSystemHaveAddressesOrAReason) {
   // RFC 6761: localhost is a loopback address, and no name under "invalid." exists.
   EXPECT_THAT(HostNames::system_answer("localhost").addresses, testing::Contains("127.0.0.1"));

@@ -180,6 +180,11 @@ Outcome Discovery::no_bench_found() const {
   return Outcome::not_found(what + place() + with_advice(seen()));
 }
 
+std::vector<std::string> Discovery::network_troubles() const {
+  if (origin_.is_inherited()) return {};
+  return participant_.troubles();
+}
+
 /// @return those that this session can meet. They come before the descriptions of their benches.
 Discovery::Services Discovery::services() const {
   Services services;

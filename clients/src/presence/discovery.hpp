@@ -54,6 +54,9 @@ class Discovery {
   /// @return not_found with what the newest search has seen.
   [[nodiscard]] Outcome no_bench_found() const;
 
+  /// @return what is in the way of finding benches now.
+  [[nodiscard]] std::vector<std::string> network_troubles() const;
+
   /// An axis by address or name.
   Result<AxisInfo> find_axis(std::string_view text);
 

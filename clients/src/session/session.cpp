@@ -231,7 +231,7 @@ std::vector<BenchInfo> Session::find_benches() {
 }
 
 std::vector<std::string> Session::network_troubles() const {
-  return core_->participant->troubles();
+  return core_->discovery.network_troubles();
 }
 
 Outcome Session::no_bench_found() const {

@@ -71,14 +71,22 @@ std::vector<std::string> own_addresses(const std::string& interface) {
                      (is_address(interface) ? "address" : "name") + "; there are " + there);
 }
 
-eprosima::fastdds::rtps::UDPv4TransportDescriptor udp_transport(const NetworkSettings& settings) {
-  eprosima::fastdds::rtps::UDPv4TransportDescriptor udp;
-  udp.interfaceWhiteList = {kLoopback};
+/// @return the addresses of the interfaces of `settings`, and loopback.
+std::vector<std::string> addresses_to_use(const NetworkSettings& settings) {
+  std::vector<std::string> addresses{kLoopback};
   for (const auto& interface : settings.interfaces) {
     for (const auto& address : own_addresses(interface)) {
-      if (address != kLoopback) udp.interfaceWhiteList.push_back(address);
+      if (std::ranges::count(addresses, address) == 0) addresses.push_back(address);
     }
   }
+  return addresses;
+}
+
+/// @param addresses of own interfaces to use
+eprosima::fastdds::rtps::UDPv4TransportDescriptor udp_transport(
+    const NetworkSettings& settings, const std::vector<std::string>& addresses) {
+  eprosima::fastdds::rtps::UDPv4TransportDescriptor udp;
+  udp.interfaceWhiteList = addresses;
   udp.sendBufferSize = permitted_socket_buffer("/proc/sys/net/core/wmem_max", kSocketBuffer);
   udp.receiveBufferSize = permitted_socket_buffer(
       "/proc/sys/net/core/rmem_max",
@@ -183,6 +191,7 @@ void add_transport(const Descriptor& transport, const std::shared_ptr<Guard>& gu
 
 dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const std::string& name,
                                           const std::shared_ptr<Guard>& guard,
+                                          const std::vector<std::string>& addresses,
                                           const std::shared_ptr<HostNames>& names) {
   dds::DomainParticipantQos qos;
   add_peers(settings, *names, qos);
@@ -194,9 +203,9 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
   qos.name(name.c_str());
   qos.user_data().setValue(std::vector<rtps::octet>(settings.place.begin(), settings.place.end()));
   qos.transport().use_builtin_transports = false;
-  add_transport(udp_transport(settings), guard, redirecting, qos);
+  add_transport(udp_transport(settings, addresses), guard, redirecting, qos);
   if (settings.shared_memory) {
-    add_transport(eprosima::fastdds::rtps::SharedMemTransportDescriptor(), guard, redirecting, qos);
+    add_transport(eprosima::fastdds::rtps::SharedMemTransportDescriptor(), guard, nullptr, qos);
   }
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = {announced_lease(settings), 0};
@@ -300,8 +309,9 @@ DdsParticipant::DdsParticipant(const NetworkSettings& settings, const std::strin
   // A service and its clients may live in one process: delivery in the writer's thread would let a
   // handler run inside another part's write.
   deliver_through_the_transport();
-  const dds::DomainParticipantQos qos = participant_qos(settings, name, guard_, names_);
-  names_->start();
+  const std::vector<std::string> addresses = addresses_to_use(settings);
+  const dds::DomainParticipantQos qos = participant_qos(settings, name, guard_, addresses, names_);
+  names_->start(addresses);
   entities_.participant = make_participant(qos, settings.domain, entities_.others);
   if (entities_.participant == nullptr) {
     throw NetworkError(

@@ -79,7 +79,7 @@ void Guard::receive(Receiver& channel, ByteView datagram, const Locator& local,
   }
   if (!keeps_leases_) {
     const std::scoped_lock lock(keeper_mutex_);
-    if (servers_.holds_back(datagram.first(report.length))) {
+    if (servers_.holds_back(datagram.first(report.length), Clock::now())) {
       ++held_back_;
       return;
     }
@@ -139,6 +139,7 @@ void Guard::hand_over(Receiver& channel, ByteView datagram, const Locator& local
 bool Guard::found(const GuidPrefix& participant) {
   numbers_.found(participant);
   const std::scoped_lock lock(keeper_mutex_);
+  servers_.found(participant);
   return closed_.contains(participant);
 }
 

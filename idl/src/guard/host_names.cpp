@@ -15,7 +15,10 @@
 #include <bit>
 #include <condition_variable>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <mutex>
+#include <sstream>
 #include <thread>
 #include <utility>
 
@@ -36,21 +39,34 @@ struct Name {
 };
 
 /// The addresses that a server has had are former ones of it.
-void retire_addresses(Name& name) {
-  const std::vector<OwnInterface> own = own_interfaces();
+/// @param own addresses of this host
+void retire_addresses(const HostNames::Addresses& own, Name& name) {
   for (const std::string& address : name.addresses) {
     name.former.push_back(address);
     // The library calls a server on its own host so.
-    if (!addresses_of(address, own).empty()) name.former.emplace_back(kLoopback);
+    if (std::ranges::count(own, address) != 0) name.former.emplace_back(kLoopback);
   }
   while (name.former.size() > kMostFormer) name.former.erase(name.former.begin());
 }
 
-void take(HostNames::Answer&& answer, Name& name) {
+/// @return a socket that sends by this address; -1 when there is none.
+int bound_socket(const std::string& address) {
+  const int made = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in own{};
+  own.sin_family = AF_INET;
+  if (inet_pton(AF_INET, address.c_str(), &own.sin_addr) == 1 &&
+      bind(made, std::bit_cast<sockaddr*>(&own), sizeof own) == 0) {
+    return made;
+  }
+  if (made >= 0) close(made);
+  return -1;
+}
+
+void take(HostNames::Answer&& answer, const HostNames::Addresses& own, Name& name) {
   name.problem = std::move(answer.problem);
   // A name server that is away must not part those who have found each other.
   if (answer.addresses.empty() || answer.addresses == name.addresses) return;
-  if (name.port != 0) retire_addresses(name);
+  if (name.port != 0) retire_addresses(own, name);
   name.addresses = std::move(answer.addresses);
   std::erase_if(name.former, [&name](const std::string& address) {
     return std::ranges::count(name.addresses, address) != 0;
@@ -66,16 +82,15 @@ struct HostNames::State {
   mutable std::mutex mutex;  ///< guards what follows
   std::condition_variable changed;
   std::vector<Name> names;
-  bool has_looked = false;
+  HostNames::Addresses own{};
+  std::size_t looked = 0;  ///< names that have been looked up
   bool ends = false;
 };
 
-HostNames::HostNames(Resolver resolver)
-    : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)),
-      state_(std::make_shared<State>(std::move(resolver))) {}
+HostNames::HostNames(Resolver resolver) : state_(std::make_shared<State>(std::move(resolver))) {}
 
 HostNames::~HostNames() {
-  if (socket_ >= 0) close(socket_);
+  for (const int each : sockets_) close(each);
   const std::scoped_lock lock(state_->mutex);
   state_->ends = true;
   state_->changed.notify_all();
@@ -92,49 +107,55 @@ std::string HostNames::stand_in(const std::string& host, std::uint16_t port) {
   return address;
 }
 
-void HostNames::start() {
+void HostNames::start(const Addresses& own) {
   std::unique_lock lock(state_->mutex);
   if (state_->names.empty()) return;
-  // Nobody joins it: a look-up may take longer than a program is willing to wait for its end.
-  std::thread([state = state_] {
-    while (true) {
-      look_up(*state);
-      std::unique_lock waiting(state->mutex);
-      if (state->changed.wait_for(waiting, kInterval, [&state] {
-            return state->ends;
-          })) {
-        return;
-      }
+  for (const std::string& address : own) {
+    const int made = bound_socket(address);
+    if (made >= 0) sockets_.push_back(made);
+  }
+  state_->own = own;
+  std::ifstream file("/etc/hosts");
+  const std::string hosts{std::istreambuf_iterator<char>(file), {}};
+  for (std::size_t place = 0; place < state_->names.size(); ++place) {
+    Name& name = state_->names[place];
+    name.addresses = addresses_in(hosts, name.host);
+    if (!name.addresses.empty()) {
+      ++state_->looked;
+      continue;
     }
-  }).detach();
+    // Nobody joins it: a look-up may take longer than a program is willing to wait for its end.
+    std::thread([state = state_, place] {
+      while (true) {
+        look_up(*state, place);
+        std::unique_lock waiting(state->mutex);
+        if (state->changed.wait_for(waiting, kInterval, [&state] {
+              return state->ends;
+            })) {
+          return;
+        }
+      }
+    }).detach();
+  }
   state_->changed.wait_for(lock, kFirstAnswer, [this] {
-    return state_->has_looked;
+    return state_->looked >= state_->names.size();
   });
 }
 
 void HostNames::look_up() {
-  look_up(*state_);
+  for (std::size_t place = 0; place < state_->names.size(); ++place) look_up(*state_, place);
 }
 
-void HostNames::look_up(State& state) {
-  std::size_t count = 0;
+void HostNames::look_up(State& state, std::size_t place) {
+  std::string host;
   {
     const std::scoped_lock lock(state.mutex);
-    count = state.names.size();
+    host = state.names[place].host;
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    std::string host;
-    {
-      const std::scoped_lock lock(state.mutex);
-      if (state.ends) return;
-      host = state.names[i].host;
-    }
-    Answer answer = state.resolver(host);
-    const std::scoped_lock lock(state.mutex);
-    take(std::move(answer), state.names[i]);
-  }
+  Answer answer = state.resolver(host);
   const std::scoped_lock lock(state.mutex);
-  state.has_looked = true;
+  take(std::move(answer), state.own, state.names[place]);
+  ++state.looked;
   state.changed.notify_all();
 }
 
@@ -171,8 +192,10 @@ void HostNames::send(std::span<const std::uint8_t> datagram, const rtps::Locator
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(to.port));
   std::memcpy(&address.sin_addr, IPLocator::getIPv4(to), sizeof address.sin_addr);
-  static_cast<void>(sendto(socket_, datagram.data(), datagram.size(), MSG_DONTWAIT,
-                           std::bit_cast<sockaddr*>(&address), sizeof address));
+  for (const int each : sockets_) {
+    static_cast<void>(sendto(each, datagram.data(), datagram.size(), MSG_DONTWAIT,
+                             std::bit_cast<sockaddr*>(&address), sizeof address));
+  }
 }
 
 std::vector<std::string> HostNames::troubles() const {
@@ -205,7 +228,23 @@ HostNames::Answer HostNames::system_answer(const std::string& name) {
     answer.addresses.emplace_back(text.data());
   }
   std::ranges::sort(answer.addresses);  // name servers rotate them
+  answer.addresses.erase(std::unique(answer.addresses.begin(), answer.addresses.end()),
+                         answer.addresses.end());
   return answer;
+}
+
+HostNames::Addresses HostNames::addresses_in(const std::string& hosts, const std::string& name) {
+  Addresses addresses;
+  std::istringstream lines(hosts);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    std::string address;
+    words >> address;
+    for (std::string word; words >> word;) {
+      if (word == name && is_address(address)) addresses.push_back(address);
+    }
+  }
+  return addresses;
 }
 
 }  // namespace vdrive::wire

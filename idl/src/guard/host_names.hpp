@@ -4,6 +4,7 @@
 #include "dds/library/library.hpp"
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -19,7 +20,7 @@ namespace vdrive::wire {
 /// address of 240.0.0.0/4 that no host has (RFC 1112, clause 4), and what it sends there goes to
 /// where the name leads at that moment. What it sends to a former address of a server also does:
 /// Fast DDS 2.9 answers a server that has moved at the address that it announced before
-/// (PDPClient::removeRemoteEndpoints). It goes by a socket of this object: those of the library
+/// (PDPClient::removeRemoteEndpoints). It goes by sockets of this object: those of the library
 /// count by address, and Debian's build of 2.9 ends at an address that none of its channels was
 /// opened for (OutputTrafficManager::set_statistics_message_data). Thread-safe.
 class HostNames {
@@ -34,7 +35,7 @@ class HostNames {
 
   using Resolver = std::function<Answer(const std::string& name)>;
 
-  /// How often names are looked up again.
+  /// How often a name is looked up again.
   static constexpr std::chrono::seconds kInterval{2};
   /// How long start() waits for the first answers.
   static constexpr std::chrono::milliseconds kFirstAnswer{500};
@@ -51,9 +52,11 @@ class HostNames {
   /// @return what the library shall call the host: an address itself, or the stand-in of a name.
   [[nodiscard]] std::string stand_in(const std::string& host, std::uint16_t port);
 
-  /// Begins to look names up, in a thread of its own, and waits for the first answers. Without
-  /// names it does nothing.
-  void start();
+  /// Begins to look names up, each in a thread of its own, and waits for the first answers. Names
+  /// of /etc/hosts keep the address that they have there: the wire of a service opens no file
+  /// later. Without names it does nothing.
+  /// @param own addresses by which datagrams leave
+  void start(const Addresses& own);
 
   /// @return whether there are names: otherwise destinations() changes nothing.
   [[nodiscard]] bool has_names() const noexcept;
@@ -62,25 +65,29 @@ class HostNames {
   [[nodiscard]] std::optional<std::vector<rtps::Locator_t>> destinations(
       const rtps::Locator_t& wanted) const;
 
+  /// By each own address, as the library does: the kernel refuses those that do not lead there.
   /// What the network does not take at once is lost, as any datagram may be.
   void send(std::span<const std::uint8_t> datagram, const rtps::Locator_t& to) const;
 
   /// @return a line for each name that leads nowhere, or did so at the last look.
   [[nodiscard]] std::vector<std::string> troubles() const;
 
-  /// Looks each name up once. For start() and tests.
+  /// Looks each name up once. For tests.
   void look_up();
 
-  /// getaddrinfo(). The wire of a service may open no file after its start: names of /etc/hosts are
-  /// read before that, and only DNS is asked again.
+  /// getaddrinfo()
   [[nodiscard]] static Answer system_answer(const std::string& name);
+
+  /// @param hosts the text of /etc/hosts
+  /// @return the IPv4 addresses of a name in it.
+  [[nodiscard]] static Addresses addresses_in(const std::string& hosts, const std::string& name);
 
  private:
   struct State;
-  static void look_up(State& state);
+  static void look_up(State& state, std::size_t place);
 
-  int socket_;
-  std::shared_ptr<State> state_;  ///< shared with the thread, which nobody waits for
+  std::vector<int> sockets_;      ///< each bound to an own address
+  std::shared_ptr<State> state_;  ///< shared with the threads, which nobody waits for
 };
 
 }  // namespace vdrive::wire

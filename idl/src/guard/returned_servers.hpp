@@ -3,9 +3,10 @@
 
 #include "rtps.hpp"
 
-#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <map>
+#include <utility>
 
 namespace vdrive::wire {
 
@@ -14,44 +15,48 @@ namespace vdrive::wire {
 /// A server has the same prefix after a restart, on another host, too. The library then takes it
 /// for the one that it knows: its reader waits for numbers after those of the former server, and
 /// its writers send nothing again that this one acknowledged (PDPClient of Fast DDS 2.9 and 3.1).
-/// The two never find each other. Therefore nothing of a server that has begun to count its
-/// heartbeats again reaches the library, until the library has given up the former one by its
-/// lease.
+/// The two never find each other. Therefore nothing of a server whose heartbeats or
+/// acknowledgements count from the beginning again reaches the library, until the library has given
+/// up the former one by its lease.
 ///
-/// Not thread-safe.
+/// Only servers that the library knows are followed: it holds few, and each is lost one day.
+/// Time is an argument. Not thread-safe.
 class ReturnedServers {
  public:
-  /// Datagrams may overtake each other, and come by several interfaces.
-  static constexpr std::uint32_t kMostOvertaken = 16;
+  using Clock = std::chrono::steady_clock;
 
-  /// @param datagram that has passed check_datagram
-  /// @return whether it comes from a server that the library has to give up first.
-  [[nodiscard]] bool holds_back(ByteView datagram) {
-    const GuidPrefix sender = sender_of(datagram);
-    if (!is_server(sender)) return false;
-    const auto known = servers_.find(sender);
-    if (known != servers_.end() && known->second.has_returned) return true;
-    Submessages submessages(datagram);
-    for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
-      if (submessage.kind != SubmessageKind::heartbeat) continue;
-      ByteReader reader = submessage.reader();
-      reader.skip(sizeof(EntityId));  // whom it is for
-      constexpr std::size_t kTwoNumbers = 16;
-      const bool is_of_participants = reader.entity() == kParticipantsWriter;
-      reader.skip(kTwoNumbers);
-      const std::uint32_t count = reader.u32();
-      if (!is_of_participants || !reader.ok()) continue;
-      Server& server = servers_[sender];
-      const bool begins = count == 1 && server.count > 1;
-      server.has_returned = begins || count + kMostOvertaken < server.count;
-      if (server.has_returned) return true;
-      server.count = std::max(server.count, count);
-    }
-    return false;
+  /// A smaller count has been overtaken when the larger one is younger: datagrams come by several
+  /// interfaces, and threads.
+  static constexpr std::chrono::seconds kMostOvertaken{1};
+  /// Nothing is held back for longer, whatever lease the server announced: its counts may be
+  /// forged.
+  static constexpr std::chrono::seconds kLongestWait{30};
+
+  /// The library has found a participant.
+  void found(const GuidPrefix& participant) {
+    if (is_server(participant)) servers_.try_emplace(participant);
   }
 
   /// The library has given up a participant.
   void removed(const GuidPrefix& participant) { servers_.erase(participant); }
+
+  /// @param datagram that has passed check_datagram
+  /// @return whether it comes from a server that the library has to give up first.
+  [[nodiscard]] bool holds_back(ByteView datagram, Clock::time_point now) {
+    const auto known = servers_.find(sender_of(datagram));
+    if (known == servers_.end()) return false;
+    Server& server = known->second;
+    if (server.has_returned && now - server.returned < kLongestWait) return true;
+    if (server.has_returned) server = {};
+    Submessages submessages(datagram);
+    for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
+      if (!begins_again(submessage, server, now)) continue;
+      server.has_returned = true;
+      server.returned = now;
+      return true;
+    }
+    return false;
+  }
 
   /// @return whether the prefix is that of a server: both libraries begin it so
   ///         (get_server_client_default_guidPrefix, and fastdds discovery without an id).
@@ -60,10 +65,49 @@ class ReturnedServers {
   }
 
  private:
-  struct Server {
-    std::uint32_t count = 0;  ///< of its heartbeats
-    bool has_returned = false;
+  struct Count {
+    std::uint32_t highest = 0;
+    Clock::time_point since{};  ///< it was received
   };
+
+  struct Server {
+    std::map<EntityId, Count> counts{};  ///< of its writers and readers of discovery
+    bool has_returned = false;
+    Clock::time_point returned{};
+  };
+
+  [[nodiscard]] static bool begins_again(const Submessage& submessage, Server& server,
+                                         Clock::time_point now) {
+    ByteReader reader = submessage.reader();
+    EntityId sender = 0;
+    if (submessage.kind == SubmessageKind::heartbeat) {
+      constexpr std::size_t kTwoNumbers = 16;
+      reader.skip(sizeof(EntityId));  // whom it is for
+      sender = reader.entity();
+      reader.skip(kTwoNumbers);
+    } else if (submessage.kind == SubmessageKind::acknack) {
+      constexpr std::size_t kBitsOfWord = 32;
+      sender = reader.entity();
+      reader.skip(sizeof(EntityId));
+      (void)reader.sequence();
+      const std::size_t bits = reader.u32();
+      reader.skip((bits + kBitsOfWord - 1) / kBitsOfWord * sizeof(std::uint32_t));
+    } else {
+      return false;
+    }
+    const std::uint32_t number = reader.u32();
+    if (!reader.ok() || !is_of_discovery(sender)) return false;
+    Count& count = server.counts[sender];
+    if (number < count.highest) return now - count.since > kMostOvertaken;
+    count = {.highest = number, .since = now};
+    return false;
+  }
+
+  [[nodiscard]] static bool is_of_discovery(EntityId entity) noexcept {
+    return entity == kParticipantsWriter || entity == kParticipantsReader ||
+           entity == kPublicationsWriter || entity == kPublicationsReader ||
+           entity == kSubscriptionsWriter || entity == kSubscriptionsReader;
+  }
 
   std::map<GuidPrefix, Server> servers_;
 };

@@ -13,7 +13,8 @@ namespace vdrive::service {
 /// own it makes a new reader and a new writer, which the wire has to find, sends the wire a sample
 /// and waits for one of its samples. Threads that exist and sockets that are open prove none of
 /// this. With a discovery server the reader and the writer stay the same: a server that is away
-/// must not end a wire that its clients still have, and until it has been there no wire is found.
+/// must not end a wire that its clients still have. Then only the first probe shows discovery, and
+/// while no server is there it shows nothing.
 class WireProbe {
  public:
   /// How long one probe waits.

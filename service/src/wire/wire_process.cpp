@@ -78,6 +78,15 @@ class MemoryGauge {
   int file_;
 };
 
+/// Later no file can be opened: without this a list of name servers that changes would be read as
+/// an empty one (resolv.conf(5)). Before there is a thread.
+void keep_name_servers() {
+  constexpr const char* kOptions = "RES_OPTIONS";
+  const char* const given = std::getenv(kOptions);  // NOLINT(concurrency-mt-unsafe)
+  const std::string options = (given == nullptr ? "" : std::string(given) + " ") + "no-reload";
+  setenv(kOptions, options.c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
+}
+
 class WireProcess {
  public:
   explicit WireProcess(const WireRegion& region)
@@ -207,6 +216,7 @@ void report_error(WireControl& control, std::string_view error) {
 int run_wire_process(int region_descriptor) {
   prctl(PR_SET_NAME, "vdrived-wire");  // NOLINT(*-vararg)
   volunteer_for_the_kernel();
+  keep_name_servers();
   const WireRegion region = WireRegion::attach(region_descriptor);
   WireControl& control = region.control();
   report_error(control, "");
