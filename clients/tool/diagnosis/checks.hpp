@@ -68,8 +68,8 @@ struct HostReadings {
 };
 
 /// Takes the readings. Writes nothing; the multicast probe waits up to 300 ms an address.
-/// @param addresses own addresses in the networks that are used; none = loopback
-[[nodiscard]] HostReadings read_host(const std::vector<std::string>& addresses);
+/// @param interfaces own addresses or interfaces in the networks that are used; none = loopback
+[[nodiscard]] HostReadings read_host(const std::vector<std::string>& interfaces);
 
 /// What a vdrive-ros2 of the domain publishes about one bench.
 struct RosBench {

@@ -67,9 +67,9 @@ bool SeeingTransport::send(rtps::SenderResource* low, const std::uint8_t* bytes,
   if (!sends_itself(*low, leaving, *first, *last, rest)) {
     return low->send(leaving.data(), size, first, last, timeout);
   }
-  eprosima::fastdds::rtps::Locators next(rest.cbegin());
-  eprosima::fastdds::rtps::Locators end(rest.cend());
-  return low->send(leaving.data(), size, &next, &end, timeout);
+  eprosima::fastdds::rtps::Locators rest_begin(rest.cbegin());
+  eprosima::fastdds::rtps::Locators rest_end(rest.cend());
+  return low->send(leaving.data(), size, &rest_begin, &rest_end, timeout);
 }
 
 }  // namespace vdrive::wire

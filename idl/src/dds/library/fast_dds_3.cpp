@@ -84,11 +84,11 @@ bool SeeingTransport::send(rtps::SenderResource* low,
   const bool is_changed = leaving.data() != datagram.data();
   std::vector<rtps::Locator_t> rest;
   const bool is_split = sends_itself(*low, leaving, *first, *last, rest);
-  eprosima::fastdds::rtps::Locators next(rest.cbegin());
-  eprosima::fastdds::rtps::Locators end(rest.cend());
+  eprosima::fastdds::rtps::Locators rest_begin(rest.cbegin());
+  eprosima::fastdds::rtps::Locators rest_end(rest.cend());
   if (is_split) {
-    first = &next;
-    last = &end;
+    first = &rest_begin;
+    last = &rest_end;
   }
   if (!is_changed && !is_unset) return low->send(pieces, size, first, last, timeout);
   std::vector<rtps::NetworkBuffer> leaving_pieces(pieces.begin(),
