@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Makes OCI images from the Debian packages.
 #
-#   deploy/image.sh [--packages DIR] [--out DIR] [bench|gateway|canopen|ros2|demo ...]
+#   deploy/image.sh [--packages DIR] [--out DIR] [bench|gateway|canopen|ros2|discovery|demo ...]
 #
 #   --packages DIR   the packages of deploy/package.sh; default build/packages
 #   --out DIR        where the images go; default build/images
@@ -21,7 +21,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 packages=$root/build/packages
 out=$root/build/images
 names=()
-usage="usage: deploy/image.sh [--packages DIR] [--out DIR] [bench|gateway|canopen|ros2|demo ...]"
+usage="usage: deploy/image.sh [--packages DIR] [--out DIR] [bench|gateway|canopen|ros2|discovery|demo ...]"
 readonly user=65532 # nobody else's, as in other images without root
 
 fail() {
@@ -34,29 +34,36 @@ while (($#)); do
     --packages | --out) (($# >= 2)) || fail "$1 needs a folder; $usage" ;;&
     --packages) packages=$2 && shift ;;
     --out) out=$2 && shift ;;
-    bench | gateway | canopen | ros2 | demo) names+=("$1") ;;
+    bench | gateway | canopen | ros2 | discovery | demo) names+=("$1") ;;
     *) fail "unknown word '$1'; $usage" ;;
   esac
   shift
 done
-((${#names[@]})) || names=(bench gateway canopen ros2 demo)
+((${#names[@]})) || names=(bench gateway canopen ros2 discovery demo)
 
 # The tool is in each image: it tells whether the image's program works.
 declare -A packages_of=([bench]="vdrived vdrive" [gateway]="vdrive-gateway vdrive"
   [canopen]="vdrive-canopen vdrive" [ros2]="vdrive-ros2 vdrive"
-  [demo]="vdrived vdrive-gateway vdrive")
+  [discovery]="vdrive" [demo]="vdrived vdrive-gateway vdrive")
+# Programs of Debian's packages, with a file of ours.
+declare -A debian_of=([discovery]="fastdds-tools") program_of=([discovery]=/usr/bin/fast-discovery-server)
+declare -A settings_of=([discovery]=deploy/network/discovery-server.xml)
 declare -A title_of=([bench]="a bench of virtual servo drives"
   [gateway]="the gateway of virtual servo drives to browsers and dashboards"
   [canopen]="the bridge of virtual servo drives to CANopen"
   [ros2]="the bridge of virtual servo drives to ROS 2"
+  [discovery]="a discovery server, through which virtual servo drives and their clients find each other"
   [demo]="virtual servo drives that move, and a page that shows them")
 declare -A entry_of=([bench]='"/usr/bin/vdrived"' [gateway]='"/usr/bin/vdrive-gateway"'
   [canopen]='"/usr/bin/vdrive-canopen"' [ros2]='"/usr/bin/vdrive-ros2"'
+  [discovery]='"/usr/bin/fast-discovery-server"'
   [demo]='"/usr/bin/vdrive","demo"')
 # What the arguments of a container replace.
 declare -A command_of=([bench]='"--config","/etc/vdrive/vdrived.yaml"'
   [gateway]='"--listen","0.0.0.0:8765","--token","/etc/vdrive/token"'
-  [canopen]='"--config","/etc/vdrive/canopen.yaml"' [ros2]='' [demo]='"--listen","0.0.0.0:8765"')
+  [canopen]='"--config","/etc/vdrive/canopen.yaml"' [ros2]=''
+  [discovery]='"--xml-file","/etc/vdrive/discovery-server.xml","--server-id","0","--port","11811"'
+  [demo]='"--listen","0.0.0.0:8765"')
 
 [[ -d $packages ]] || fail "no folder '$packages': run deploy/package.sh first"
 packages=$(realpath "$packages")
@@ -72,7 +79,9 @@ package() {
 }
 
 declare -A files=()
+debian=()
 for name in "${names[@]}"; do
+  debian+=(${debian_of[$name]:+"${debian_of[$name]}"})
   for each in ${packages_of[$name]}; do
     files[$each]=$(package "$each")
   done
@@ -92,7 +101,7 @@ touch "$work/status"
 if ! apt-get --quiet --yes --no-install-recommends --download-only \
   --option Dir::State::status="$work/status" --option Dir::Cache::archives="$work/debian/" \
   --option Debug::NoLocking=1 --option APT::Sandbox::User= --option Acquire::Retries=3 \
-  install base-files "${files[@]}" >"$work/apt" 2>&1; then
+  install base-files "${debian[@]}" "${files[@]}" >"$work/apt" 2>&1; then
   cat "$work/apt" >&2
   fail "apt cannot get what the packages depend on: are they for this Debian, and are its lists new (apt-get update)?"
 fi
@@ -140,6 +149,11 @@ make_tree() {
     dpkg-deb --extract "${files[$each]}" "$image"
     add_origin "$image" "${files[$each]}"
   done
+  if [[ -n ${program_of[$name]:-} ]]; then
+    install -D --mode 755 "$work/tree${program_of[$name]}" "$image${program_of[$name]}"
+    add_origin "$image" "$(find "$work/debian" -name "${debian_of[$name]}_*.deb")"
+    install --mode 644 "$root/${settings_of[$name]}" "$image/etc/vdrive/"
+  fi
   rm -rf "$image"/usr/{lib/systemd,share/man,share/bash-completion,share/zsh,share/fish}
   # A bench that nobody has configured is none: the container says so.
   rm -f "$image/etc/vdrive/vdrived.yaml"

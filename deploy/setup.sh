@@ -95,6 +95,7 @@ test_packages=(
   python3-pytest
   python3-pytest-xdist # tests side by side
   python3-websockets # a client of the gateway that others wrote
+  python3-yaml # manifests of Kubernetes
   python3-seccomp # the sandbox of the systemd unit
   systemd # systemd-analyze
   util-linux # chrt and setarch
@@ -136,7 +137,11 @@ while (($#)); do
       ;;
     --python) packages+=("${python_packages[@]}") ;;
     --browser) packages+=("${browser_packages[@]}") ;;
-    --judges) packages+=("${judge_packages[@]}") ;;
+    --judges)
+      packages+=("${judge_packages[@]}")
+      # Kubernetes' own packages have it under another name.
+      command -v kubectl >/dev/null || packages+=(kubernetes-client)
+      ;;
     --images) packages+=("${image_packages[@]}") ;;
     *) fail "unknown option '$1'; usage: deploy/setup.sh [--tests] [--page] [--python] [--browser] [--judges] [--images]" ;;
   esac

@@ -54,6 +54,7 @@ bench: {number: 7, name: "左 bench"}
 clock: {mode: lockstep, period_us: 250, steppers: 5, clock_step: jump, threads: 3, realtime_priority: 40}
 status: {every_ticks: 5}
 watchdog: {timeout_ms: 250}
+metrics: {address: 10.0.0.1, port: 9464}
 network: {domain: 9, interfaces: [10.0.0.1], discovery_server: ["10.0.0.9:11811", 10.0.0.8:1], shared_memory: true}
 axes:
   - number: 4
@@ -77,6 +78,8 @@ axes:
   EXPECT_EQ(read.realtime_priority, 40);
   EXPECT_EQ(read.status_every, 5U);
   EXPECT_EQ(read.watchdog, 250ms);
+  EXPECT_EQ(read.metrics_address, "10.0.0.1");
+  EXPECT_EQ(read.metrics_port, 9464);
   EXPECT_EQ(read.network.domain, 9U);
   EXPECT_EQ(read.network.interfaces, std::vector<std::string>{"10.0.0.1"});
   EXPECT_EQ(read.network.discovery_servers,
@@ -282,6 +285,9 @@ INSTANTIATE_TEST_SUITE_P(
                 "bench.yaml:1: clock.rate = 0.05: must be 0 (paused) or from 0.1 to 100"},
         Refused{"rate_nan", "clock: {rate: nan}",
                 "bench.yaml:1: clock.rate = nan: must be a finite number"},
+        Refused{"metrics", "metrics: {address: localhost}",
+                "bench.yaml:1: metrics.address = localhost: must be an IPv4 address, such as "
+                "10.0.0.1"},
         Refused{"watchdog", "watchdog: {timeout_ms: 4}",
                 "bench.yaml:1: watchdog.timeout_ms = 4: must be a whole number from 5 to 10000 ms"},
         Refused{"domain", "network: {domain: 233}",

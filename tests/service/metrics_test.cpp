@@ -16,6 +16,8 @@
 
 #include <array>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -29,6 +31,7 @@ using test::answer_to;
 using test::connected;
 using test::http_get;
 using testing::AllOf;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
@@ -43,9 +46,26 @@ class MetricsTest : public testing::Test {
 
   Configuration configuration_ = cell();
   Counters counters_;
-  MetricsEndpoint sut_{
-      0, std::make_unique<Metrics>(configuration_, BenchIdentity{.bench = 4, .incarnation = 99},
-                                   counters_)};
+
+  [[nodiscard]] MetricsEndpoint endpoint(const std::string& address, std::uint16_t port) {
+    return {address,
+            port,
+            std::make_unique<Metrics>(configuration_, BenchIdentity{.bench = 4, .incarnation = 99},
+                                      counters_),
+            {.is_alive =
+                 [this] {
+                   return alive_;
+                 },
+             .is_ready =
+                 [this] {
+                   return ready_;
+                 }}};
+  }
+
+  /// Set before a request that reads them.
+  ProbeAnswer alive_{.is_good = true, .text = "bench 4 is alive"};
+  ProbeAnswer ready_{.is_good = false, .text = "bench 4 has no network"};
+  MetricsEndpoint sut_ = endpoint("127.0.0.1", 0);
 };
 
 TEST_F(MetricsTest, AreServedAsPrometheusText) {
@@ -145,8 +165,20 @@ TEST_F(MetricsTest, CountRefusalsByTheirReason) {
   EXPECT_THAT(answer, AllOf(HasSubstr("reason=\"0x08000021, "), HasSubstr("local control\"} 2\n")));
 }
 
-TEST_F(MetricsTest, AreTheOnlyPage) {
-  EXPECT_THAT(http_get(sut_.port(), "/"), StartsWith("HTTP/1.1 404"));
+TEST_F(MetricsTest, StandBesideTheAnswersToProbes) {
+  EXPECT_THAT(http_get(sut_.port(), "/livez"),
+              AllOf(StartsWith("HTTP/1.1 200"), EndsWith("\r\n\r\nbench 4 is alive\n")));
+  EXPECT_THAT(http_get(sut_.port(), "/readyz"),
+              AllOf(StartsWith("HTTP/1.1 503"), EndsWith("\r\n\r\nbench 4 has no network\n")));
+  alive_.is_good = false;
+  ready_.is_good = true;
+  EXPECT_THAT(http_get(sut_.port(), "/livez?verbose"), StartsWith("HTTP/1.1 503"));
+  EXPECT_THAT(http_get(sut_.port(), "/readyz"), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(MetricsTest, HaveNoOtherPageBesideThem) {
+  EXPECT_THAT(http_get(sut_.port(), "/"),
+              AllOf(StartsWith("HTTP/1.1 404"), HasSubstr("/livez and /readyz")));
 }
 
 TEST_F(MetricsTest, SurviveAnInvalidRequest) {
@@ -204,24 +236,31 @@ TEST_F(MetricsTest, AreServedWithinASecondBesideAHundredIdleClients) {
 }
 
 TEST_F(MetricsTest, EndAtOnceWithAConnectedClient) {
-  auto endpoint = std::make_unique<MetricsEndpoint>(
-      0, std::make_unique<Metrics>(configuration_, BenchIdentity{}, counters_));
-  const int idle = connected(endpoint->port());
+  std::optional<MetricsEndpoint> ending;
+  ending.emplace("127.0.0.1", 0,
+                 std::make_unique<Metrics>(configuration_, BenchIdentity{}, counters_), Probes{});
+  const int idle = connected(ending->port());
   const auto begin = std::chrono::steady_clock::now();
-  endpoint.reset();
+  ending.reset();
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s);
   close(idle);
 }
 
-TEST_F(MetricsTest, NameAPortThatIsInUse) {
-  try {
-    const MetricsEndpoint second(
-        static_cast<std::uint16_t>(sut_.port()),
-        std::make_unique<Metrics>(configuration_, BenchIdentity{}, counters_));
-    FAIL() << "two endpoints have one port";
-  } catch (const ConfigurationError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("metrics.port = " + std::to_string(sut_.port())));
-  }
+TEST_F(MetricsTest, NameAnAddressAndPortThatCannotBeHad) {
+  const auto refusal = [this](const std::string& address) -> std::string {
+    try {
+      const MetricsEndpoint second = endpoint(address, sut_.port());
+      return "two endpoints have one port";
+    } catch (const ConfigurationError& error) {
+      return error.what();
+    }
+  };
+  const std::string port = "metrics.port = " + std::to_string(sut_.port());
+  EXPECT_THAT(refusal("127.0.0.1"),
+              StartsWith(port + ": cannot listen on this port of 127.0.0.1: "));
+  // No interface of any machine has an address of the documentation (RFC 5737).
+  EXPECT_THAT(refusal("192.0.2.1"),
+              StartsWith(port + ": cannot listen on this port of 192.0.2.1: "));
 }
 
 TEST(RefusalCounters, CountEachReasonFromSeveralThreads) {

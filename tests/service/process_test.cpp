@@ -296,7 +296,7 @@ TEST(ServiceProcess, RefusesAnEmptyValue) {
     EXPECT_NE(service.text().find(std::string("vdrived: ") + flag), std::string::npos)
         << service.text();
   }
-  for (const char* const variable : {"VDRIVE_SECURITY", "VDRIVE_DOMAIN"}) {
+  for (const char* const variable : {"VDRIVE_SECURITY", "VDRIVE_DOMAIN", "VDRIVE_BENCH"}) {
     setenv(variable, "", 1);  // NOLINT(*-mt-unsafe)
     Process service({"--print-config"});
     unsetenv(variable);  // NOLINT(*-mt-unsafe)
@@ -305,6 +305,18 @@ TEST(ServiceProcess, RefusesAnEmptyValue) {
               std::string::npos)
         << service.text();
   }
+}
+
+// A pod has its number so.
+TEST(ServiceProcess, TakesItsNumberFromTheEnvironment) {
+  setenv("VDRIVE_BENCH", "12", 1);  // NOLINT(*-mt-unsafe)
+  Process service({"--print-config"});
+  Process flagged({"--bench", "13", "--print-config"});
+  unsetenv("VDRIVE_BENCH");  // NOLINT(*-mt-unsafe)
+  EXPECT_EQ(service.wait(), 0);
+  EXPECT_NE(service.text().find("  number: 12\n"), std::string::npos) << service.text();
+  EXPECT_EQ(flagged.wait(), 0);
+  EXPECT_NE(flagged.text().find("  number: 13\n"), std::string::npos) << flagged.text();
 }
 
 TEST(ServiceProcess, ShowsABadValueEscapedAndShortened) {

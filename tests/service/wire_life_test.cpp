@@ -235,6 +235,18 @@ class StoppedProcesses : public testing::Test {
   pid_t wire_ = 0;
 };
 
+TEST_F(StoppedProcesses, MakeABenchUnreadyThatIsAlive) {
+  EXPECT_TRUE(holds_soon([&] {
+    return http_get(port_, "/readyz")
+        .ends_with("bench 1 has no network: the network process is down\n");
+  }));
+  EXPECT_THAT(http_get(port_, "/livez"), testing::StartsWith("HTTP/1.1 200"));
+  send_signal(spawner_, SIGCONT);
+  EXPECT_TRUE(holds_soon([&] {
+    return http_get(port_, "/readyz").ends_with("bench 1 is on the network\n");
+  }));
+}
+
 TEST_F(StoppedProcesses, DoNotKeepTheServiceFromEnding) {
   EXPECT_TRUE(holds_soon([&] {
     return is_down();

@@ -74,8 +74,9 @@ struct Configuration {
   std::uint32_t status_every = 1;  ///< one status frame each n ticks
   /// The owner of an axis must send something within this drive time; nothing = off.
   std::optional<std::chrono::milliseconds> watchdog = std::chrono::milliseconds{500};
-  bool watchdog_is_chosen = false;  ///< in freerun a watchdog that was not chosen is off
-  /// Prometheus metrics on this port of 127.0.0.1, 0 = any free one; nothing = off.
+  bool watchdog_is_chosen = false;            ///< in freerun a watchdog that was not chosen is off
+  std::string metrics_address = "127.0.0.1";  ///< of this machine, IPv4
+  /// Prometheus metrics on this port of that address, 0 = any free one; nothing = off.
   std::optional<std::uint16_t> metrics_port;
   std::optional<WireForm> wire_form;          ///< nothing = see `effective_wire_form`
   std::uint32_t wire_memory_limit_mib = 512;  ///< of its process

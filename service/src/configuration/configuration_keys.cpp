@@ -56,6 +56,10 @@ bool has_rate(const Configuration& configuration) {
   return !problem_of_clock("rate", configuration);
 }
 
+bool has_metrics(const Configuration& configuration) {
+  return configuration.metrics_port.has_value();
+}
+
 /// Here and not in the rows of the keys: the mode may stand below them.
 void refuse_keys_of_other_modes(const YamlValue& clock, ParsedConfiguration& parsed) {
   clock.for_each_entry({}, [&](const std::string& key, const YamlValue& value) {
@@ -240,10 +244,18 @@ constexpr auto kWireRows = std::to_array<Row<Configuration>>({
         "Of the network process, {} MiB: one that uses more is restarted."),
 });
 
+constexpr TextRule kAddress{.fits = wire::is_address,
+                            .refusal = "must be an IPv4 address, such as 10.0.0.1"};
+
 constexpr auto kMetricsRows = std::to_array<Row<Configuration>>({
+    key<&Configuration::metrics_address>(
+        "address", kAddress,
+        "IPv4 address of this machine; 0.0.0.0: all of them, for a cluster. Whoever reaches it may "
+        "read.",
+        {.is_printed = has_metrics}),
     key<&Configuration::metrics_port>(
         "port", IntegerLimits{0, kHighestPort, ", 0 = any free one"},
-        "Prometheus text on this port of 127.0.0.1, {}; 0: any free one. Without the key "
+        "Prometheus text on this port of the address, {}; 0: any free one. Without the key "
         "there are no metrics."),
 });
 

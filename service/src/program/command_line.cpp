@@ -154,6 +154,7 @@ void declare_bench(CLI::App& app, Arguments& arguments) {
   app.add_option("--bench", arguments.bench,
                  "Number of the bench, " + range(1, wire::kHighestBench))
       ->transform(whole_number(1, wire::kHighestBench))
+      ->envname("VDRIVE_BENCH")
       ->type_name("N");
   app.add_option("--axes", arguments.axes,
                  "N default axes numbered from 1, up to " + std::to_string(kMaxAxes))
@@ -178,8 +179,8 @@ void declare_program(CLI::App& app, Arguments& arguments) {
       ->transform(whole_number(1, kMaxThreads))
       ->type_name("N");
   app.add_option("--metrics", arguments.metrics,
-                 "Serve Prometheus metrics on this port of 127.0.0.1, " + range(0, kHighestPort) +
-                     "; 0 = any free one")
+                 "Serve Prometheus metrics on this port of metrics.address, " +
+                     range(0, kHighestPort) + "; 0 = any free one")
       ->transform(whole_number(0, kHighestPort))
       ->type_name("PORT");
   app.add_option("--state", arguments.state,

@@ -36,19 +36,37 @@ beast::string_view path_of(const Request& request) {
   return request.target().substr(0, request.target().find('?'));
 }
 
-Response answer(const Request& request, const Metrics& metrics) {
+Response answer_to_probe(const std::function<ProbeAnswer()>& probe) {
+  const ProbeAnswer answer = probe();
   Response response;
-  response.version(request.version());
-  response.set(http::field::content_type, "text/plain; version=0.0.4; charset=utf-8");
+  response.result(answer.is_good ? http::status::ok : http::status::service_unavailable);
+  response.body() = answer.text + "\n";
+  return response;
+}
+
+Response page(beast::string_view path, const Metrics& metrics, const Probes& probes) {
+  if (path == "/livez") return answer_to_probe(probes.is_alive);
+  if (path == "/readyz") return answer_to_probe(probes.is_ready);
+  Response response;
+  if (path == "/metrics") {
+    response.body() = prometheus::TextSerializer().Serialize(metrics.Collect());
+  } else {
+    response.result(http::status::not_found);
+    response.body() = "the metrics are at /metrics, the answers to probes at /livez and /readyz\n";
+  }
+  return response;
+}
+
+Response answer(const Request& request, const Metrics& metrics, const Probes& probes) {
+  Response response;
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
     response.result(http::status::method_not_allowed);
     response.set(http::field::allow, "GET, HEAD");
-  } else if (path_of(request) != "/metrics") {
-    response.result(http::status::not_found);
-    response.body() = "the metrics are at /metrics\n";
   } else {
-    response.body() = prometheus::TextSerializer().Serialize(metrics.Collect());
+    response = page(path_of(request), metrics, probes);
   }
+  response.version(request.version());
+  response.set(http::field::content_type, "text/plain; version=0.0.4; charset=utf-8");
   return response;
 }
 
@@ -62,8 +80,8 @@ Response bad_request(const beast::error_code& error) {
 /// One connection: one request, one answer.
 class Scrape : public std::enable_shared_from_this<Scrape> {
  public:
-  Scrape(tcp::socket socket, const Metrics& metrics)
-      : stream_(std::move(socket)), metrics_(metrics) {
+  Scrape(tcp::socket socket, const Metrics& metrics, const Probes& probes)
+      : stream_(std::move(socket)), metrics_(metrics), probes_(probes) {
     parser_.header_limit(kLongestHead);
   }
 
@@ -83,7 +101,7 @@ class Scrape : public std::enable_shared_from_this<Scrape> {
   void reply_to(const beast::error_code& error) {
     if (!error) {
       is_head_ = parser_.get().method() == http::verb::head;
-      reply(answer(parser_.get(), metrics_));
+      reply(answer(parser_.get(), metrics_, probes_));
     } else if (error.category() == make_error_code(http::error::bad_version).category() &&
                error != http::error::end_of_stream) {
       reply(bad_request(error));
@@ -120,15 +138,18 @@ class Scrape : public std::enable_shared_from_this<Scrape> {
   Response response_;
   bool is_head_ = false;
   const Metrics& metrics_;
+  const Probes& probes_;
 };
 
 }  // namespace
 
 class MetricsEndpoint::Server {
  public:
-  Server(std::uint16_t port, std::unique_ptr<const Metrics> metrics)
+  Server(const std::string& address, std::uint16_t port, std::unique_ptr<const Metrics> metrics,
+         Probes probes)
       : metrics_(std::move(metrics)),
-        acceptor_(context_, {boost::asio::ip::address_v4::loopback(), port}) {
+        probes_(std::move(probes)),
+        acceptor_(context_, {boost::asio::ip::make_address_v4(address), port}) {
     accept();
     thread_ = std::thread([this] {
       context_.run();
@@ -168,7 +189,7 @@ class MetricsEndpoint::Server {
       return connection.expired();
     });
     if (connections_.size() >= kMostConnections) close_oldest();
-    const auto connection = std::make_shared<Scrape>(std::move(socket), *metrics_);
+    const auto connection = std::make_shared<Scrape>(std::move(socket), *metrics_, probes_);
     connections_.push_back(connection);
     connection->run();
   }
@@ -180,6 +201,7 @@ class MetricsEndpoint::Server {
   }
 
   std::unique_ptr<const Metrics> metrics_;
+  Probes probes_;
   std::deque<std::weak_ptr<Scrape>> connections_;  ///< the oldest first
   boost::asio::io_context context_{1};
   tcp::acceptor acceptor_;
@@ -187,13 +209,14 @@ class MetricsEndpoint::Server {
   std::thread thread_;
 };
 
-MetricsEndpoint::MetricsEndpoint(std::uint16_t port, std::unique_ptr<const Metrics> metrics) {
+MetricsEndpoint::MetricsEndpoint(const std::string& address, std::uint16_t port,
+                                 std::unique_ptr<const Metrics> metrics, Probes probes) {
   try {
-    server_ = std::make_unique<Server>(port, std::move(metrics));
+    server_ = std::make_unique<Server>(address, port, std::move(metrics), std::move(probes));
   } catch (const boost::system::system_error& error) {
-    throw ConfigurationError(
-        "metrics.port = " + std::to_string(port) +
-        ": cannot listen on this port of 127.0.0.1: " + error.code().message());
+    throw ConfigurationError("metrics.port = " + std::to_string(port) +
+                             ": cannot listen on this port of " + address + ": " +
+                             error.code().message());
   }
 }
 

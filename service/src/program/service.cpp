@@ -2,6 +2,7 @@
 #include "program/service.hpp"
 
 #include "base/log.hpp"
+#include "program/bench_probes.hpp"
 #include "program/metrics.hpp"
 #include "program/metrics_endpoint.hpp"
 #include "run/bench_run.hpp"
@@ -111,9 +112,10 @@ std::unique_ptr<MetricsEndpoint> metrics_of(const BenchRun& run) {
   const Configuration& configuration = run.configuration();
   if (!configuration.metrics_port) return nullptr;
   auto metrics = std::make_unique<MetricsEndpoint>(
-      *configuration.metrics_port,
-      std::make_unique<Metrics>(configuration, run.identity(), run.counters()));
-  log_info("bench={} metrics=http://127.0.0.1:{}/metrics", run.identity().bench, metrics->port());
+      configuration.metrics_address, *configuration.metrics_port,
+      std::make_unique<Metrics>(configuration, run.identity(), run.counters()), probes_of(run));
+  log_info("bench={} metrics=http://{}:{}/metrics", run.identity().bench,
+           configuration.metrics_address, metrics->port());
   return metrics;
 }
 

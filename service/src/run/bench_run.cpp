@@ -122,6 +122,7 @@ void BenchRun::start() {
   }
   reports_.announce(true);
   run();
+  is_announced_ = true;
   log_info("bench={} name={} axes={} clock={} period_us={} domain={} {} incarnation={}",
            identity_.bench, configuration_.name, configuration_.axes.size(),
            to_string(configuration_.clock), configuration_.period.count(),
@@ -149,6 +150,7 @@ void BenchRun::run() {
 
 void BenchRun::stop() noexcept {
   if (!std::exchange(is_running_, false)) return;
+  is_announced_ = false;
   const WorksFor bench(name_.c_str());
   stop_ = true;
   doorbell_.ring();
@@ -223,6 +225,7 @@ void BenchRun::start_ticking(int priority, Cycle cycle) {
 void BenchRun::start_lockstep() {
   lockstep_.emplace(configuration_, engine_, inbox_, outbox_, status_, replies_, stop_, doorbell_);
   liveness_ = Liveness({&lockstep_->beats(), &report_beats_});
+  beats_ = {{"steps", &lockstep_->beats()}, {"reports", &report_beats_}};
   if (works_in_callers()) {
     lockstep_->begin();
     static_cast<void>(work());

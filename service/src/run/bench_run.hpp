@@ -19,6 +19,7 @@
 #include "run/bench_wire.hpp"
 #include "run/duplicate_number_detector.hpp"
 #include "run/liveness.hpp"
+#include "run/standstill.hpp"
 #include "seam/doorbell.hpp"
 #include "seam/queues.hpp"
 #include "store/parameter_saver.hpp"
@@ -99,8 +100,18 @@ class BenchRun {
 
   [[nodiscard]] bool is_alive() noexcept { return liveness_.has_advanced(); }
 
+  /// @return whether clients are told of the bench: from its announcement until it begins to end.
+  /// Any thread.
+  [[nodiscard]] bool is_announced() const noexcept { return is_announced_; }
+
+  /// @return what the threads of the bench count, once it is announced. Any thread.
+  [[nodiscard]] const std::vector<Beats>& beats() const noexcept { return beats_; }
+
   /// From here on commands are refused and the axes brake, see Shutdown. Idempotent.
-  void begin_shutdown() noexcept { shutdown_.begin(); }
+  void begin_shutdown() noexcept {
+    is_announced_ = false;
+    shutdown_.begin();
+  }
 
   /// In lock-step no client steps any more: no drive time is left to brake in.
   [[nodiscard]] bool is_shut_down() const noexcept { return lockstep_ || shutdown_.is_done(); }
@@ -193,6 +204,9 @@ class BenchRun {
   Counter status_beats_;  ///< published images
   Counter report_beats_;  ///< rounds
   Liveness liveness_{{&tick_beats_, &status_beats_, &report_beats_}};
+  std::vector<Beats> beats_{
+      {"ticks", &tick_beats_}, {"status", &status_beats_}, {"reports", &report_beats_}};
+  std::atomic<bool> is_announced_{false};
   std::atomic<bool> stop_{false};
   std::atomic<bool> is_cut_off_{false};
   bool is_running_ = false;
