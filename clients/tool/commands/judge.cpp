@@ -13,6 +13,7 @@
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <iostream>
@@ -77,7 +78,7 @@ class ReportFile {
 std::string read_whole(std::string_view option, const std::string& name) {
   errno = 0;
   std::ifstream file(name, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  std::string text{std::istreambuf_iterator<char>(file), {}};
   if (file.is_open() && !file.bad()) return text;
   throw UsageError(std::string(option) + ": cannot read " + in_quotes(name) + ": " +
                    system_reason());
@@ -114,11 +115,9 @@ std::string node_name(std::uint32_t axis) {
 }
 
 bool fails(const judge::Verdict& verdict, const std::optional<judge::Severity>& fail_on) {
-  if (!fail_on) return false;
-  for (const judge::Finding& finding : verdict.findings) {
-    if (judge::row_of(finding.rule).severity <= *fail_on) return true;
-  }
-  return false;
+  return fail_on && std::ranges::any_of(verdict.findings, [&](const judge::Finding& finding) {
+           return judge::row_of(finding.rule).severity <= *fail_on;
+         });
 }
 
 ExitCode list_rules(const Program& program) {
