@@ -219,7 +219,7 @@ void add_html_table(std::string& page, const judge::Finding& finding) {
 std::optional<PlotTraces> finding_traces(const judge::Finding& finding) {
   constexpr std::size_t kLeastSamples = 3;
   if (finding.samples.size() < kLeastSamples) return std::nullopt;
-  const auto curve = [](std::string label) {
+  const auto curve = [](const std::string& label) {
     return PlotTrace{.column = {.name = label, .label = label, .panel = "position [UU]"}};
   };
   PlotTrace actual = curve("actual 6064h");
@@ -300,6 +300,15 @@ void add_html_list(std::string& page, std::string_view title,
   page += "</ul>\n";
 }
 
+/// @return on how many axes a rule could not be judged.
+std::size_t times_unjudged(const judge::Verdict& verdict, judge::Rule rule) {
+  std::size_t axes = 0;
+  for (const judge::Unjudged& lack : verdict.unjudged) {
+    if (std::ranges::count(lack.rules, rule) != 0) axes += lack.axes.size();
+  }
+  return axes;
+}
+
 }  // namespace
 
 std::vector<Json> judge_json(const judge::Verdict& verdict, const judge::ReportFace& face) {
@@ -339,12 +348,8 @@ JunitSuite judge_junit(const judge::Verdict& verdict, const judge::ReportFace& f
       text += message_of(finding, face) + "\n";
       if (test.line == 0) test.line = finding.first.line;
     }
-    std::size_t unjudged = 0;
-    for (const judge::Unjudged& lack : verdict.unjudged) {
-      if (std::ranges::find(lack.rules, row.rule) != lack.rules.end()) unjudged += lack.axes.size();
-    }
     if (text.empty()) {
-      test.is_skipped = unjudged >= verdict.axes.size();
+      test.is_skipped = times_unjudged(verdict, row.rule) >= verdict.axes.size();
     } else if (row.severity <= fail_on) {
       test.failure = text.substr(0, text.find('\n'));
       test.type = rule_word(judge::to_string(row.severity));

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdlib>
 #include <numeric>
+#include <utility>
 
 namespace vdrive::judge {
 namespace {
@@ -172,7 +173,10 @@ void AxisTrack::apply(const Shown& shown, Time now) {
     facts |= Fact::kTorque;
   }
   if (shown.has(ShownMember::kErrorCode)) error_code = shown.error_code;
-  if (!shown.has(ShownMember::kStatusword)) return;
+  if (shown.has(ShownMember::kStatusword)) apply_statusword(shown, now);
+}
+
+void AxisTrack::apply_statusword(const Shown& shown, Time now) {
   facts |= Fact::kStatusword;
   const bool is_known = has_status && shown.statusword == statusword;
   const PowerState decoded = is_known ? state : decode_power_state(shown.statusword);
@@ -282,11 +286,11 @@ bool AxisTrack::is_moving(Time now) const noexcept {
 bool AxisTrack::is_near(std::int64_t place) const noexcept {
   if (!position) return false;
   std::int64_t at = *position;
-  for (auto step = steps_.rbegin(); step != steps_.rend(); ++step) {
-    if (std::abs(place - at) <= kSmallJump) return true;
-    at -= *step;
-  }
-  return std::abs(place - at) <= kSmallJump;
+  const auto was_near = [&](std::int64_t step) {
+    return std::abs(place - std::exchange(at, at - step)) <= kSmallJump;
+  };
+  return std::any_of(steps_.rbegin(), steps_.rend(), was_near) ||
+         std::abs(place - at) <= kSmallJump;
 }
 
 Waiting AxisTrack::waiting() const noexcept {

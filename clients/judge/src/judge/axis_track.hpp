@@ -174,6 +174,7 @@ struct AxisTrack {
   [[nodiscard]] Waiting waiting() const noexcept;
 
  private:
+  void apply_statusword(const Shown& shown, Time now);
   void note_position(std::int32_t now_at, Time now);
   [[nodiscard]] Waiting waiting_in_homing() const noexcept;
   [[nodiscard]] Waiting waiting_for_set_point() const noexcept;

@@ -6,6 +6,7 @@
 #include "vdrive/cia402/statusword.hpp"
 
 #include <string>
+#include <utility>
 
 namespace vdrive::judge {
 namespace {
@@ -57,22 +58,11 @@ void HandshakeRules::take_word(const Write& write, std::uint16_t word, const Con
 /// A bit that acts by its edge has to stay until the drive has seen it.
 void HandshakeRules::watch_pulse(std::uint16_t word, const Context& context) {
   const AxisTrack& track = context.track;
-  const auto falls = [&](std::uint16_t bit) {
-    return is_up(track.controlword, bit) && !is_up(word, bit);
-  };
   const auto rises = [&](std::uint16_t bit) {
     return !is_up(track.controlword, bit) && is_up(word, bit);
   };
-  if (pulse_ && falls(pulse_->bit)) {
-    const Time length = context.now() - pulse_->time;
-    const bool is_answered = track.status_time > pulse_->time;
-    if (!is_answered && length < kLoopOfADrive) {
-      context.report(Rule::handshake_short_pulse, [&] {
-        return "bit " + std::string(pulse_->bit == Controlword::kFaultReset ? "7" : "4") +
-               " was up for " + duration_text(length) + " only";
-      });
-    }
-    pulse_.reset();
+  if (pulse_ && is_up(track.controlword, pulse_->bit) && !is_up(word, pulse_->bit)) {
+    end_pulse(context);
   }
   // Only where the drive has something to do.
   const bool starts = track.is_enabled() && (track.is_in(OperatingMode::profile_position) ||
@@ -83,6 +73,16 @@ void HandshakeRules::watch_pulse(std::uint16_t word, const Context& context) {
              track.state == PowerState::fault) {
     pulse_ = Pulse{.bit = Controlword::kFaultReset, .time = context.now()};
   }
+}
+
+void HandshakeRules::end_pulse(const Context& context) {
+  const Pulse pulse = *std::exchange(pulse_, std::nullopt);
+  const Time length = context.now() - pulse.time;
+  if (context.track.status_time > pulse.time || length >= kLoopOfADrive) return;
+  context.report(Rule::handshake_short_pulse, [&] {
+    return "bit " + std::string(pulse.bit == Controlword::kFaultReset ? "7" : "4") +
+           " was up for " + duration_text(length) + " only";
+  });
 }
 
 void HandshakeRules::rise(std::uint16_t word, const Context& context) {

@@ -23,6 +23,7 @@ class HandshakeRules {
  private:
   void take_word(const Write& write, std::uint16_t word, const Context& context);
   void watch_pulse(std::uint16_t word, const Context& context);
+  void end_pulse(const Context& context);
   void take_target(const Write& write, const Context& context);
   void rise(std::uint16_t word, const Context& context);
   void fall(std::uint16_t word, const Context& context);

@@ -41,7 +41,7 @@ class AxisJudge {
   }
 
   void end(bool is_over) {
-    if (is_over) supervision_.end(context());
+    if (is_over) SupervisionRules::end(context());
     history_.close();
   }
 
@@ -115,7 +115,7 @@ class AxisJudge {
   }
 
   void apply(const Network& network) {
-    if (network.is_command) supervision_.take(network, context());
+    if (network.is_command) SupervisionRules::take(network, context());
     const bool is_new = track_.apply(network, place_.time);
     network_.take(network);
     if (network.state == NodeState::initialising) {
@@ -253,6 +253,7 @@ std::vector<Unjudged> Judge::State::unjudged() const {
     for (auto& [fact, numbers] : missing) by_axes[{fact, std::move(numbers)}].push_back(row.rule);
   }
   std::vector<Unjudged> all;
+  all.reserve(by_axes.size());
   for (auto& [key, of_rules] : by_axes) {
     all.push_back({.fact = key.first, .rules = std::move(of_rules), .axes = key.second});
   }

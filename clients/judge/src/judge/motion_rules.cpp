@@ -217,6 +217,11 @@ void MotionRules::take(const Shown& shown, const Context& context) {
     had_target_ = track.target.has_value();
   }
   is_homing_attained_ = is_attained;
+  watch_following(context);
+}
+
+void MotionRules::watch_following(const Context& context) {
+  const AxisTrack& track = context.track;
   const bool is_following =
       track.is_enabled() && track.is_in(OperatingMode::cyclic_synchronous_position);
   if (is_following && !is_following_) {

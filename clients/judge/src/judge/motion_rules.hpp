@@ -38,6 +38,7 @@ class MotionRules {
   void note_first(std::int64_t target, const Context& context);
   void judge_first(bool is_over, const Context& context);
   void check_limits(std::int64_t target, const Context& context);
+  void watch_following(const Context& context);
   void watch_torque(const Context& context);
   void watch_error(const Context& context);
 

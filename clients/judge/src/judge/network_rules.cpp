@@ -39,9 +39,9 @@ std::string name_of(NodeState state) {
 
 /// A pause is no distance: the master has stopped its SYNC on purpose.
 void put_distance(Distances& distances, Time distance) {
-  constexpr int kPause = 20;  // [periods]
+  constexpr int kPeriodsOfAPause = 20;
   const auto period = distances.period();
-  if (!period || distance / kPause < *period) distances.put(distance);
+  if (!period || distance / kPeriodsOfAPause < *period) distances.put(distance);
 }
 
 bool is_synchronous(const ReceivePdo& pdo) {
@@ -145,19 +145,7 @@ void NetworkRules::wait_for_sync(Pdo& known, const ReceivePdo& pdo, const Contex
 
 void NetworkRules::take(const Sync& /*sync*/, const Context& context) {
   const bool is_cyclic = context.track.is_enabled() && context.track.is_cyclic();
-  for (auto& [number, pdo] : pdos_) {
-    const bool is_one = pdo.since_sync == 1 && is_cyclic;
-    pdo.one_a_cycle = is_one ? pdo.one_a_cycle + 1 : 0;
-    pdo.since_sync = 0;
-    pdo.without_sync = 0;
-    const auto type =
-        context.track.values.find({static_cast<std::uint16_t>(0x1400 + number - 1), 2});
-    if (pdo.one_a_cycle != kCyclesOfAStream || !type || *type < kFirstEventDrivenType) continue;
-    context.report(Rule::pdo_event_driven_stream, [&type, rpdo = number] {
-      return "RPDO " + std::to_string(rpdo) + " has transmission type " + std::to_string(*type) +
-             " and came once in each of " + std::to_string(kCyclesOfAStream) + " cycles of SYNC";
-    });
-  }
+  for (auto& [number, pdo] : pdos_) end_cycle(number, pdo, context);
   if (is_cyclic && !is_cyclic_) {  // SYNC before the stream may have had another period
     syncs_.reset();
     targets_.reset();
@@ -174,6 +162,20 @@ void NetworkRules::take(const Sync& /*sync*/, const Context& context) {
   is_cyclic_ = is_cyclic;
   last_sync_ = context.now();
   if (is_cyclic) judge_period(context);
+}
+
+void NetworkRules::end_cycle(std::uint16_t number, Pdo& pdo, const Context& context) {
+  const AxisTrack& track = context.track;
+  const bool is_one = pdo.since_sync == 1 && track.is_enabled() && track.is_cyclic();
+  pdo.one_a_cycle = is_one ? pdo.one_a_cycle + 1 : 0;
+  pdo.since_sync = 0;
+  pdo.without_sync = 0;
+  const auto type = track.values.find({static_cast<std::uint16_t>(0x1400 + number - 1), 2});
+  if (pdo.one_a_cycle != kCyclesOfAStream || !type || *type < kFirstEventDrivenType) return;
+  context.report(Rule::pdo_event_driven_stream, [&type, number] {
+    return "RPDO " + std::to_string(number) + " has transmission type " + std::to_string(*type) +
+           " and came once in each of " + std::to_string(kCyclesOfAStream) + " cycles of SYNC";
+  });
 }
 
 void NetworkRules::judge_period(const Context& context) {

@@ -32,6 +32,7 @@ class NetworkRules {
   };
 
   static void wait_for_sync(Pdo& known, const ReceivePdo& pdo, const Context& context);
+  static void end_cycle(std::uint16_t number, Pdo& pdo, const Context& context);
   void judge_period(const Context& context);
 
   /// What writers have made of an object that PDOs carry.
