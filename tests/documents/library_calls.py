@@ -18,7 +18,7 @@ POINTERS = ("participant", "publisher", "subscriber", "publisher_", "subscriber_
 CALL = re.compile(r"\b(" + "|".join(POINTERS) + r")\s*(?:->|\.)\s*(\w+)\(")
 CALL_OF_BASE = re.compile(r"\b(ChainingTransport)::(\w+)\(")
 # Of objects of idl/ and of containers that have the name of such a pointer.
-OWN_NAMES = {"entities", "begin", "size", "lost", "matches", "wait_for_acknowledged"}
+OWN_NAMES = {"entities", "begin", "end", "size", "lost", "matches", "wait_for_acknowledged"}
 
 
 def rows_of(page):

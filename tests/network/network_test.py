@@ -307,6 +307,23 @@ def TheDiscoveryServerReturnsElsewhereAndIsFoundByItsName(case):
                f"the network process of bench {bench.number} was started again")
 
 
+def ABenchThatEndsWithoutADiscoveryServerStopsNoOtherOne(case):
+    for host in (case.a, case.b, case.c):
+        host.block_multicast()
+    server = start_discovery_server(case.c, "server")
+    address = f"{case.c.address}:11811"
+    case.start_benches(f', discovery_server: ["{address}"]')
+    case.options += ["--discovery-server", address]
+    case.start_cycle()
+    server.kill()
+    time.sleep(LEASE + 1)
+    # Nobody is left who could report its end, and it acknowledges nothing any more.
+    case.benches[1].service.kill()
+    killed = time.monotonic()
+    hosts.wait_for("moves of the other bench 20 s later", lambda: case.moves("1.1", killed + 20), 40)
+    expect(not case.failures("1.1", killed), f"failed: {case.failures('1.1', killed)}")
+
+
 # ---- links that go down --------------------------------------------------------------------------
 
 

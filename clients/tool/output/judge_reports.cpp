@@ -339,7 +339,7 @@ std::vector<Json> rules_json() {
 
 JunitSuite judge_junit(const judge::Verdict& verdict, const judge::ReportFace& face,
                        judge::Severity fail_on) {
-  JunitSuite suite{.name = face.source};
+  JunitSuite suite{.name = face.source, .cases = {}};
   for (const judge::RuleRow& row : judge::rules()) {
     JunitCase test{.name = rule_word(row.name) + " " + rule_word(row.title)};
     std::string text;

@@ -199,7 +199,10 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
   if (names->has_names() && guard == nullptr) {
     throw NetworkError("names of hosts need the guard");
   }
-  const auto redirecting = names->has_names() ? names : nullptr;
+  // After a server is lost the library sends to an address of it that it has not announced to its
+  // transport: HostNames.
+  const bool is_redirected = names->has_names() || !settings.discovery_servers.empty();
+  const auto redirecting = is_redirected ? names : nullptr;
   qos.name(name.c_str());
   qos.user_data().setValue(std::vector<rtps::octet>(settings.place.begin(), settings.place.end()));
   qos.transport().use_builtin_transports = false;

@@ -33,11 +33,9 @@ Guard::Guard(const NetworkSettings& settings)
       keeps_leases_(settings.discovery_servers.empty()),
       raises_leases_(mode_ == Mode::open || kMembersMayLeaveInClear),
       sink_(settings.guard_sink) {
-  if (keeps_leases_) {
-    judge_ = std::thread([this] {
-      judge();
-    });
-  }
+  judge_ = std::thread([this] {
+    judge();
+  });
 }
 
 Guard::~Guard() {
@@ -46,7 +44,7 @@ Guard::~Guard() {
     ends_ = true;
   }
   end_changed_.notify_all();
-  if (judge_.joinable()) judge_.join();
+  judge_.join();
 }
 
 void Guard::open(const Locator& local, Receiver* channel) {
@@ -65,6 +63,7 @@ void Guard::close(const Locator& local) {
   const auto found = channels_.find(local);
   if (found != channels_.end()) {
     keeper_.closed(found->second);
+    silent_readers_.closed(found->second);
     channels_.erase(found);
   }
 }
@@ -83,6 +82,7 @@ void Guard::receive(Receiver& channel, ByteView datagram, const Locator& local,
       ++held_back_;
       return;
     }
+    silent_readers_.received(datagram.first(report.length), &channel);
   }
   const auto now = Clock::now();
   std::vector<std::uint8_t> renumbered;
@@ -140,6 +140,7 @@ bool Guard::found(const GuidPrefix& participant) {
   numbers_.found(participant);
   const std::scoped_lock lock(keeper_mutex_);
   servers_.found(participant);
+  if (!keeps_leases_) silent_readers_.found(participant);
   return closed_.contains(participant);
 }
 
@@ -147,6 +148,7 @@ void Guard::lost(const GuidPrefix& participant) {
   numbers_.removed(participant);
   const std::scoped_lock lock(keeper_mutex_);
   servers_.removed(participant);
+  silent_readers_.removed(participant);
 }
 
 GuardCounts Guard::counts() const {
@@ -184,6 +186,10 @@ bool Guard::comes_too_early(ByteView datagram, Clock::time_point now) const {
 
 ByteView Guard::sends(ByteView datagram, std::vector<std::uint8_t>& renumbered) {
   note_greetings(datagram);
+  if (!keeps_leases_) {
+    const std::scoped_lock lock(keeper_mutex_);
+    silent_readers_.sends(datagram);
+  }
   const bool differs = mode_ == Mode::open && numbers_.send(datagram, renumbered);
   return differs ? ByteView(renumbered) : datagram;
 }
@@ -281,23 +287,54 @@ void Guard::judge() {
     return ends_;
   })) {
     lock.unlock();
-    std::vector<Keeper::Silent> silent;
-    {
-      const std::scoped_lock keeping(keeper_mutex_);
-      const auto now = Clock::now();
-      silent = keeper_.take_silent(now);
-      returned_.forget_old(now);
-      for (const Keeper::Silent& each : silent) {
-        returned_.removed(each.participant);
-        closed_.erase(each.participant);
-      }
-      has_returned_ = !returned_.empty();
+    if (keeps_leases_) {
+      remove_silent();
+    } else {
+      acknowledge_for_silent();
     }
-    std::for_each(silent.begin(), silent.end(), [this](const Keeper::Silent& participant) {
-      remove(participant);
-    });
     lock.lock();
   }
+}
+
+void Guard::remove_silent() {
+  std::vector<Keeper::Silent> silent;
+  {
+    const std::scoped_lock keeping(keeper_mutex_);
+    const auto now = Clock::now();
+    silent = keeper_.take_silent(now);
+    returned_.forget_old(now);
+    for (const Keeper::Silent& each : silent) {
+      returned_.removed(each.participant);
+      closed_.erase(each.participant);
+    }
+    has_returned_ = !returned_.empty();
+  }
+  for (const Keeper::Silent& each : silent) remove(each);
+}
+
+void Guard::acknowledge_for_silent() {
+  std::vector<SilentReaders<Receiver*>::Acknowledgement> due;
+  {
+    const std::scoped_lock keeping(keeper_mutex_);
+    due = silent_readers_.take_due(Clock::now());
+  }
+  for (const auto& each : due) {
+    const auto receiving = deletions_.receive();
+    const std::scoped_lock lock(handing_over_);
+    const std::optional<Locator> local = locator_of(each.channel);
+    if (!local) continue;
+    each.channel->OnDataReceived(each.datagram.data(),
+                                 static_cast<std::uint32_t>(each.datagram.size()), *local, *local);
+  }
+}
+
+/// @return where an open channel receives.
+std::optional<Guard::Locator> Guard::locator_of(const Receiver* channel) {
+  const std::scoped_lock channels(channels_mutex_);
+  const auto found = std::ranges::find_if(channels_, [channel](const auto& each) {
+    return each.second == channel;
+  });
+  return found == channels_.end() ? std::nullopt : std::optional(found->first);
 }
 
 /// Gives the library the departure of the participant, on the channel of its announcement, as if
@@ -305,19 +342,12 @@ void Guard::judge() {
 void Guard::remove(const Keeper::Silent& silent) {
   const auto receiving = deletions_.receive();  // before the others, as in receive()
   const std::scoped_lock lock(announcing_, handing_over_);
-  Locator local;
-  {
-    const std::scoped_lock channels(channels_mutex_);
-    const auto found = std::ranges::find_if(channels_, [&](const auto& channel) {
-      return channel.second == silent.channel;
-    });
-    if (found == channels_.end()) return;
-    local = found->first;
-  }
+  const std::optional<Locator> local = locator_of(silent.channel);
+  if (!local) return;
   const auto datagram = end_datagram(silent.participant);
   ++judged_;  // before the library reports the departure to a program that reads the counts
   silent.channel->OnDataReceived(datagram.data(), static_cast<std::uint32_t>(datagram.size()),
-                                 local, local);
+                                 *local, *local);
 }
 
 }  // namespace vdrive::wire

@@ -8,6 +8,7 @@
 #include "lease_keeper.hpp"
 #include "returned_participants.hpp"
 #include "returned_servers.hpp"
+#include "silent_readers.hpp"
 #include "vdrive/wire/guard.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "writer_numbers.hpp"
@@ -87,7 +88,10 @@ class Guard {
   [[nodiscard]] Refusal take_announcement(const Announcement& announcement,
                                           const GuidPrefix& sender, Receiver& channel);
   void judge();
+  void remove_silent();
   void remove(const Keeper::Silent& silent);
+  void acknowledge_for_silent();
+  [[nodiscard]] std::optional<Locator> locator_of(const Receiver* channel);
 
   const Role role_;
   const Mode mode_;
@@ -106,6 +110,7 @@ class Guard {
   Keeper keeper_;
   ReturnedParticipants returned_;
   ReturnedServers servers_;
+  SilentReaders<Receiver*> silent_readers_;
   std::set<GuidPrefix> closed_;            ///< those of the keeper that have announced DDS Security
   std::atomic<bool> has_returned_{false};  ///< `returned_` is not empty: seen without the lock
 

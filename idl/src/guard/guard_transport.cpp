@@ -10,6 +10,22 @@ eprosima::fastdds::rtps::TransportInterface* GuardedTransport::create_transport(
 GuardTransport::GuardTransport(const GuardedTransport& description)
     : SeeingTransport(description), guard_(description.guard), names_(description.names) {}
 
+bool GuardTransport::OpenOutputChannel(eprosima::fastdds::rtps::SendResourceList& sockets,
+                                       const Locator& to) {
+  {
+    const std::scoped_lock lock(announced_mutex_);
+    announced_.insert(to);
+  }
+  return ChainingTransport::OpenOutputChannel(sockets, to);
+}
+
+/// What has another form than an address of UDP is left to its transport.
+bool GuardTransport::is_announced(const Locator& to) {
+  if (to.kind != LOCATOR_KIND_UDPv4) return true;
+  const std::shared_lock lock(announced_mutex_);
+  return announced_.contains(to);
+}
+
 bool GuardTransport::OpenInputChannel(const Locator& local,
                                       eprosima::fastdds::rtps::TransportReceiverInterface* receiver,
                                       std::uint32_t most) {
@@ -36,10 +52,12 @@ bool GuardTransport::sends_itself(const rtps::SenderResource& low, ByteView data
   const bool is_chosen = chosen_.compare_exchange_strong(chosen, &low) || chosen == &low;
   for (; first != last; ++first) {
     const auto destinations = names_->destinations(*first);
-    if (!destinations) {
+    if (!destinations && is_announced(*first)) {
       rest.push_back(*first);
     } else if (is_chosen) {
-      for (const Locator& one : *destinations) names_->send(datagram, one);
+      for (const Locator& one : destinations.value_or(std::vector{*first})) {
+        names_->send(datagram, one);
+      }
     }
   }
   return true;

@@ -6,6 +6,8 @@
 
 #include <atomic>
 #include <memory>
+#include <set>
+#include <shared_mutex>
 #include <utility>
 
 namespace vdrive::wire {
@@ -21,7 +23,8 @@ struct GuardedTransport final : eprosima::fastdds::rtps::ChainingTransportDescri
   [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override;
 
   std::shared_ptr<Guard> guard;
-  std::shared_ptr<const HostNames> names;  ///< none where every host has an address
+  std::shared_ptr<const HostNames>
+      names;  ///< none: the library sends to addresses that it announces
 };
 
 /// A transport of the library with a guard between it and whoever receives.
@@ -35,6 +38,8 @@ class GuardTransport final : public SeeingTransport {
     return low_level_transport_->get_configuration();
   }
 
+  bool OpenOutputChannel(eprosima::fastdds::rtps::SendResourceList& sockets,
+                         const Locator& to) override;
   bool OpenInputChannel(const Locator& local,
                         eprosima::fastdds::rtps::TransportReceiverInterface* receiver,
                         std::uint32_t most) override;
@@ -55,7 +60,11 @@ class GuardTransport final : public SeeingTransport {
                     std::vector<Locator>& rest) override;
 
   std::shared_ptr<Guard> guard_;
+  [[nodiscard]] bool is_announced(const Locator& to);
+
   std::shared_ptr<const HostNames> names_;
+  std::shared_mutex announced_mutex_;
+  std::set<Locator> announced_;  ///< destinations that the library has announced to its transport
   /// The first socket of the library that sends: with each further one the same datagram would go
   /// to a named host once more.
   std::atomic<const rtps::SenderResource*> chosen_{nullptr};

@@ -109,11 +109,11 @@ std::string HostNames::stand_in(const std::string& host, std::uint16_t port) {
 
 void HostNames::start(const Addresses& own) {
   std::unique_lock lock(state_->mutex);
-  if (state_->names.empty()) return;
   for (const std::string& address : own) {
     const int made = bound_socket(address);
     if (made >= 0) sockets_.push_back(made);
   }
+  if (state_->names.empty()) return;
   state_->own = own;
   std::ifstream file("/etc/hosts");
   const std::string hosts{std::istreambuf_iterator<char>(file), {}};
@@ -174,12 +174,13 @@ std::optional<std::vector<rtps::Locator_t>> HostNames::destinations(
     return name.stand_in == address ||
            (name.port == port && std::ranges::count(name.former, address) != 0);
   };
+  const std::vector<Name>& names = state_->names;
   // A former address of one server may be the present one of another.
-  const bool is_present = std::ranges::any_of(state_->names, [&](const Name& name) {
+  const bool is_present = std::ranges::any_of(names, [&](const Name& name) {
     return name.port == port && std::ranges::count(name.addresses, address) != 0;
   });
-  const auto name = std::ranges::find_if(state_->names, leads);
-  if (is_present || name == state_->names.end()) return std::nullopt;
+  const auto name = std::ranges::find_if(names, leads);
+  if (is_present || name == names.end()) return std::nullopt;
   std::vector<rtps::Locator_t> destinations;
   for (const std::string& own : name->addresses) {
     IPLocator::setIPv4(destinations.emplace_back(wanted), own);

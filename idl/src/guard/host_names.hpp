@@ -21,8 +21,9 @@ namespace vdrive::wire {
 /// where the name leads at that moment. What it sends to a former address of a server also does:
 /// Fast DDS 2.9 answers a server that has moved at the address that it announced before
 /// (PDPClient::removeRemoteEndpoints). It goes by sockets of this object: those of the library
-/// count by address, and Debian's build of 2.9 ends at an address that none of its channels was
-/// opened for (OutputTrafficManager::set_statistics_message_data). Thread-safe.
+/// count by address, and Debian's build of 2.9 ends at an address that it was not told of before
+/// (OutputTrafficManager::set_statistics_message_data). The library itself sends to one, on the
+/// host of a discovery server that it has given up. Thread-safe.
 class HostNames {
  public:
   using Addresses = std::vector<std::string>;
@@ -54,7 +55,7 @@ class HostNames {
 
   /// Begins to look names up, each in a thread of its own, and waits for the first answers. Names
   /// of /etc/hosts keep the address that they have there: the wire of a service opens no file
-  /// later. Without names it does nothing.
+  /// later.
   /// @param own addresses by which datagrams leave
   void start(const Addresses& own);
 

@@ -72,8 +72,11 @@ class AxisJudge {
     const bool is_repeated = write.channel == Channel::pdo && is_as_before(write);
     track_.apply(write, place_.time);
     if (write.object == objects::kTarget) {
-      history_.put(
-          Sample{.time = place_.time, .target = track_.target, .statusword = track_.statusword});
+      history_.put(Sample{.time = place_.time,
+                          .position = {},
+                          .demand = {},
+                          .target = track_.target,
+                          .statusword = track_.statusword});
     }
     if (!is_repeated) put_line(&write, {}, 0);
   }

@@ -28,8 +28,7 @@ struct PdoIndex {
 
 PdoIndex pdo_index(std::uint16_t index) {
   const bool is_transmit = index >= kTransmitCommunication;
-  const std::uint16_t within =
-      index - (is_transmit ? kTransmitCommunication : kReceiveCommunication);
+  const int within = index - (is_transmit ? kTransmitCommunication : kReceiveCommunication);
   return {is_transmit ? PdoDirection::transmit : PdoDirection::receive, within >= kPdoObjects,
           static_cast<std::uint16_t>(within % kPdoObjects + 1)};
 }

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "rtps.hpp"
+#include "vdrive/wire/guard.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace vdrive::wire {
+
+/// @return a datagram by which a reader of `participant` acknowledges all up to `base` - 1 of a
+///         writer here (RTPS 2.5, 9.4.5.2).
+[[nodiscard]] inline std::vector<std::uint8_t> acknowledgement(const GuidPrefix& participant,
+                                                               EntityId reader, EntityId writer,
+                                                               std::int64_t base,
+                                                               std::uint32_t count) {
+  std::vector<std::uint8_t> datagram{'R', 'T', 'P', 'S', 2, 3, 1, 15};
+  datagram.insert(datagram.end(), participant.begin(), participant.end());
+  constexpr std::uint8_t kSize = 24;
+  datagram.insert(datagram.end(), {0x06, 0x03, kSize, 0});  // ACKNACK, little endian, final
+  const auto add = [&datagram](std::uint32_t number, bool little) {
+    datagram.resize(datagram.size() + sizeof number);
+    put_u32(std::span(datagram).last(sizeof number), number, little);
+  };
+  add(reader, false);
+  add(writer, false);
+  add(static_cast<std::uint32_t>(static_cast<std::uint64_t>(base) >> 32U), true);
+  add(static_cast<std::uint32_t>(base), true);
+  add(0, true);  // no bits: nothing is missing
+  add(count, true);
+  return datagram;
+}
+
+/// Readers of participants that answer nothing, where a discovery server reports who has gone.
+///
+/// While no server answers nobody reports it. A reliable writer then keeps for the readers of a
+/// participant that has ended what they never acknowledge; once its history is full it takes no
+/// sample for anyone. Therefore what such a participant has not acknowledged, and has not said a
+/// word about for kPatienceWithVdrive, is acknowledged for it. Without a server the guard removes a
+/// participant after the same time, and its samples are dropped, too.
+///
+/// Only participants that the library knows are followed, and endpoints of programs. Time is an
+/// argument. Not thread-safe.
+/// @tparam Channel by which a reader acknowledges
+template <typename Channel>
+class SilentReaders {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Between two looks: this program did not run, and its own silence says nothing about others.
+  static constexpr std::chrono::milliseconds kLongestPause{500};
+  static constexpr std::size_t kMostReaders = 256;  ///< of a participant
+
+  struct Acknowledgement {
+    Channel channel{};
+    std::vector<std::uint8_t> datagram;
+  };
+
+  /// The library has found a participant.
+  void found(const GuidPrefix& participant) { peers_.try_emplace(participant); }
+
+  /// The library has given up a participant.
+  void removed(const GuidPrefix& participant) { peers_.erase(participant); }
+
+  /// A channel closes.
+  void closed(Channel channel) {
+    for (auto& [participant, peer] : peers_) {
+      std::erase_if(peer.readers, [channel](const auto& reader) {
+        return reader.second.channel == channel;
+      });
+    }
+  }
+
+  /// @param datagram that has passed check_datagram, as it arrived by `channel`
+  void received(ByteView datagram, Channel channel) {
+    const auto known = peers_.find(sender_of(datagram));
+    if (known == peers_.end()) return;
+    Peer& peer = known->second;
+    peer.silent_since.reset();
+    Submessages submessages(datagram);
+    for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
+      if (submessage.kind != SubmessageKind::acknack) continue;
+      constexpr std::size_t kBitsOfWord = 32;
+      ByteReader bytes = submessage.reader();
+      const EntityId reader = bytes.entity();
+      const EntityId writer = bytes.entity();
+      const std::int64_t base = bytes.sequence();
+      const std::size_t bits = bytes.u32();
+      bytes.skip((bits + kBitsOfWord - 1) / kBitsOfWord * sizeof(std::uint32_t));
+      const std::uint32_t count = bytes.u32();
+      if (!bytes.ok() || is_built_in(writer)) continue;
+      if (peer.readers.size() >= kMostReaders && !peer.readers.contains({reader, writer})) continue;
+      Reader& one = peer.readers[{reader, writer}];
+      one = {.channel = channel, .base = std::max(base, one.base), .count = count};
+    }
+  }
+
+  /// The library sends a datagram.
+  void sends(ByteView datagram) {
+    Submessages submessages(datagram);
+    for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
+      if (submessage.kind != SubmessageKind::heartbeat) continue;
+      ByteReader bytes = submessage.reader();
+      bytes.skip(sizeof(EntityId));  // whom it is for
+      const EntityId writer = bytes.entity();
+      (void)bytes.sequence();
+      const std::int64_t last = bytes.sequence();
+      if (!bytes.ok() || is_built_in(writer)) continue;
+      std::int64_t& highest = sent_[writer];
+      highest = std::max(highest, last);
+    }
+  }
+
+  /// Call a few times a second.
+  /// @return what the library shall take for the words of participants that say none.
+  [[nodiscard]] std::vector<Acknowledgement> take_due(Clock::time_point now) {
+    const bool has_paused = looked_ && now - *looked_ > kLongestPause;
+    looked_ = now;
+    std::vector<Acknowledgement> due;
+    for (auto& [participant, peer] : peers_) {
+      if (has_paused) peer.silent_since.reset();
+      for (auto& [key, reader] : peer.readers) {
+        const std::int64_t last = last_of(key.second);
+        if (reader.base > last) continue;
+        if (!peer.silent_since) peer.silent_since = now;
+        if (now - *peer.silent_since < kPatienceWithVdrive) continue;
+        due.push_back(acknowledged(participant, key, reader, last));
+      }
+    }
+    return due;
+  }
+
+ private:
+  struct Reader {
+    Channel channel{};
+    std::int64_t base = 1;  ///< the first number that it has not acknowledged
+    std::uint32_t count = 0;
+  };
+
+  struct Peer {
+    std::map<std::pair<EntityId, EntityId>, Reader> readers{};  ///< and the writer here
+    std::optional<Clock::time_point> silent_since{};            ///< it owes an answer
+  };
+
+  /// @return the last number that this writer has sent; 0 before that.
+  [[nodiscard]] std::int64_t last_of(EntityId writer) const {
+    const auto sent = sent_.find(writer);
+    return sent == sent_.end() ? 0 : sent->second;
+  }
+
+  [[nodiscard]] static Acknowledgement acknowledged(const GuidPrefix& participant,
+                                                    const std::pair<EntityId, EntityId>& key,
+                                                    Reader& reader, std::int64_t last) {
+    reader.base = last + 1;
+    ++reader.count;
+    return {
+        .channel = reader.channel,
+        .datagram = acknowledgement(participant, key.first, key.second, reader.base, reader.count)};
+  }
+
+  [[nodiscard]] static bool is_built_in(EntityId entity) noexcept {
+    constexpr EntityId kBuiltIn = 0xC0;  // RTPS 2.5, 9.3.1.2
+    return (entity & kBuiltIn) == kBuiltIn;
+  }
+
+  std::map<GuidPrefix, Peer> peers_;
+  std::map<EntityId, std::int64_t> sent_;  ///< the last number of each writer here
+  std::optional<Clock::time_point> looked_;
+};
+
+}  // namespace vdrive::wire
