@@ -316,7 +316,8 @@ def ABenchThatEndsWithoutADiscoveryServerStopsNoOtherOne(case):
     case.options += ["--discovery-server", address]
     case.start_cycle()
     server.kill()
-    time.sleep(LEASE + 1)
+    hosts.wait_for("the loss of the server in the log",
+                   lambda: any("no discovery server" in x for x in case.benches[1].service.lines()), START)
     # Nobody is left who could report its end, and it acknowledges nothing any more.
     case.benches[1].service.kill()
     killed = time.monotonic()
