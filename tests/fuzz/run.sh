@@ -63,7 +63,7 @@ fi
 seed() {
   case $1 in
     configuration_fuzz)
-      find "$root/deploy" -name '*.yaml' -exec cp -t "$2" {} +
+      find "$root/deploy" -name '*.yaml' -exec cp --backup=numbered -t "$2" {} +
       # The example of the documentation names every key.
       sed -n '/^```yaml$/,/^```$/{/^```/d;p}' "$root/docs/guides/configuration.md" >"$2/documentation.yaml" ;;
     scenario_fuzz)
