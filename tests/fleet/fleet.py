@@ -5,7 +5,7 @@
   fleet.py --pods DIR --closed DIR --images DIR --client NETWORK_CLIENT --work DIR [--next VDRIVED]
 
 This program is to podman what a cluster's controllers and kubelets are to their runtime: it makes
-pods anew that were removed, one at a time where a budget says so, and asks for /readyz. It restarts
+pods again that were removed, one at a time where a budget says so, and asks for /readyz. It restarts
 nothing else. The figures of the run are printed last, as the table of docs/explanation/scale.md.
 """
 import argparse
@@ -286,7 +286,7 @@ class Fleet:
         self.podman.play(f"vdrive-bench-{number}", self.image(tag or self.version))
 
     def replace(self, number, tag):
-        """Removes a bench and makes its pod anew, as an eviction or an upgrade does.
+        """Removes a bench and makes its pod again, as an eviction or an upgrade does.
         Returns after what time it is ready [s]."""
         pod = f"vdrive-bench-{number}"
         before = self.podman.address(pod)
@@ -486,7 +486,7 @@ class Fleet:
         self.wait_for_all()
 
     def lose_node(self):
-        self.say("three benches are killed at once, and made anew")
+        self.say("three benches are killed at once, and made again")
         begin = time.monotonic()
         for number in (4, 5, 6):
             os.kill(self.podman.process(f"vdrive-bench-{number}"), 9)

@@ -44,7 +44,7 @@ class LoggedNode final : private canopen::NodeHost {
   /// RPDO 1 as it is by default.
   void word(std::uint16_t word) { pdo(1, {{word, 2}}); }
 
-  /// Maps RPDO `number` anew: entries are index, sub-index and bits as in 1600h.
+  /// Maps RPDO `number` again: entries are index, sub-index and bits as in 1600h.
   void map(std::uint16_t number, std::initializer_list<std::uint32_t> entries,
            std::uint8_t type = 255);
 

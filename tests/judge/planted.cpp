@@ -546,7 +546,7 @@ Names move_with_blocked_load(bool is_blocked) {
   return drive.findings();
 }
 
-Names stream_after_homing(bool takes_position_anew) {
+Names stream_after_homing(bool reads_position_again) {
   JudgedDrive drive;
   drive.write(kHomingMethod, 37);
   Stream stream(drive);
@@ -561,7 +561,7 @@ Names stream_after_homing(bool takes_position_anew) {
   drive.step(5);
   drive.mode(kCyclicPosition);
   drive.step(2);
-  const std::int32_t begin = takes_position_anew ? drive.position() : before;
+  const std::int32_t begin = reads_position_again ? drive.position() : before;
   for (std::int32_t i = 1; i < 60; ++i) {
     drive.target(begin + i);
     drive.step();

@@ -138,7 +138,7 @@ struct AxisTrack {
   /// States may have changed unseen.
   void forget();
 
-  /// The drive has begun anew: its objects have values that nobody has seen.
+  /// The drive was restarted: nobody has seen the values that its objects have now.
   void restart();
 
   /// @return the mode that 6061h shows, or where it was not shown since 6060h was written that.

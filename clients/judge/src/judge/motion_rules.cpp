@@ -22,7 +22,7 @@ constexpr std::uint32_t kStepsToKnow = 10;
 constexpr Time kStandingTarget = 1s;      // an older one is not streamed
 constexpr std::int64_t kCertainStep = 4;  // [user units]: each cycle has a new target then
 constexpr double kGap = 1.5;              // [periods]
-constexpr double kPause = 20;             // [periods]: the stream has ended and begun anew
+constexpr double kPause = 20;             // [periods]: the stream has ended, and another one begins
 constexpr double kSpeedTolerance = 1.05;
 constexpr Time kSaturated = 500ms;
 

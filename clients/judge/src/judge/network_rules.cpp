@@ -81,7 +81,7 @@ void NetworkRules::take(const Network& network) {
   if (network.state != NodeState::operational) shared_.clear();
 }
 
-/// A PDO that still has its value of before undoes what SDO wrote in between.
+/// A PDO that still carries the old value undoes what SDO wrote.
 void NetworkRules::take_shared(const Write& write, const Context& context) {
   const auto known = shared_.find(write.object);
   if (write.channel == Channel::sdo) {
