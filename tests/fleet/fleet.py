@@ -26,18 +26,7 @@ import hosts  # noqa: E402
 SERVER = "vdrive-discovery-0.vdrive-discovery:11811"
 BENCHES = range(1, 7)
 AXES = 500  # of a bench: patch.yaml
-# runc and cgroupfs: crun and systemd need what a machine of continuous integration may lack.
-CONFIGURATION = """\
-[containers]
-default_ulimits = ["nofile=1024:1024", "nproc=2000:2000"]
-log_driver = "k8s-file"
-[engine]
-runtime = "runc"
-events_logger = "none"
-cgroup_manager = "cgroupfs"
-[network]
-network_backend = "netavark"
-"""
+CONFIGURATION = pathlib.Path(__file__).resolve().parents[1] / "deploy/containers.conf"
 PATIENCE = 60  # [s] of a wait; a machine of two processors is busy with six benches
 GROUP = ("1.1", "2.1", "3.1")
 OTHERS = ("4.1", "5.1", "6.1")
@@ -64,9 +53,7 @@ class Podman:
     def __init__(self, work):
         self.work = work
         self.files = {}
-        configuration = work / "containers.conf"
-        configuration.write_text(CONFIGURATION)
-        os.environ["CONTAINERS_CONF"] = str(configuration)
+        os.environ["CONTAINERS_CONF"] = str(CONFIGURATION)
         self.command = ["podman", "--storage-driver", "vfs", "--root", str(work / "storage"),
                         "--runroot", str(work / "run"), "--network-config-dir", str(work / "networks")]
 

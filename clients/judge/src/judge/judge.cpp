@@ -61,6 +61,14 @@ class AxisJudge {
             .has_time = has_time_};
   }
 
+  void put_sample(std::optional<std::int32_t> position, std::optional<std::int32_t> demand) {
+    history_.put(Sample{.time = place_.time,
+                        .position = position,
+                        .demand = demand,
+                        .target = track_.target,
+                        .statusword = track_.statusword});
+  }
+
   void apply(const Write& write) {
     const Context now = context();
     network_.take(write, now);
@@ -72,11 +80,7 @@ class AxisJudge {
     const bool is_repeated = write.channel == Channel::pdo && is_as_before(write);
     track_.apply(write, place_.time);
     if (write.object == objects::kTarget) {
-      history_.put(Sample{.time = place_.time,
-                          .position = {},
-                          .demand = {},
-                          .target = track_.target,
-                          .statusword = track_.statusword});
+      put_sample({}, {});
     }
     if (!is_repeated) put_line(&write, {}, 0);
   }
@@ -92,11 +96,7 @@ class AxisJudge {
       put_line(nullptr, is_new_word ? "6041h" : "6061h", 0);
     }
     if (shown.has(ShownMember::kPosition)) {
-      history_.put(Sample{.time = place_.time,
-                          .position = track_.position,
-                          .demand = track_.demand,
-                          .target = track_.target,
-                          .statusword = track_.statusword});
+      put_sample(track_.position, track_.demand);
     }
     const Context now = context();
     handshake_.take(shown, now);
