@@ -176,10 +176,8 @@ bool Guard::comes_too_early(ByteView datagram, Clock::time_point now) const {
   bool is_early = false;
   Submessages submessages(datagram);
   for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
-    if (submessage.kind != SubmessageKind::heartbeat) continue;
-    ByteReader reader = submessage.reader();
-    reader.skip(sizeof(EntityId));  // whom it is for
-    is_early = is_early || returned_.holds_back(sender, reader.entity(), now);
+    const auto heartbeat = parse_heartbeat(submessage);
+    is_early = is_early || (heartbeat && returned_.holds_back(sender, heartbeat->writer, now));
   }
   return is_early;
 }
@@ -199,16 +197,13 @@ void Guard::note_greetings(ByteView datagram) {
   GuidPrefix receiver{};
   Submessages submessages(datagram);
   for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
-    ByteReader reader = submessage.reader();
     if (submessage.kind == SubmessageKind::info_dst) {
+      ByteReader reader = submessage.reader();
       const ByteView prefix = reader.bytes(receiver.size());
       if (reader.ok()) std::ranges::copy(prefix, receiver.begin());
-    } else if (submessage.kind == SubmessageKind::acknack) {
-      reader.skip(sizeof(EntityId));  // whose it is
-      const EntityId writer = reader.entity();
-      if (reader.sequence() != 0 || !reader.ok()) continue;
+    } else if (const auto acknack = parse_acknack(submessage); acknack && acknack->base == 0) {
       const std::scoped_lock lock(keeper_mutex_);
-      returned_.greeted(receiver, writer);
+      returned_.greeted(receiver, acknack->writer);
     }
   }
 }

@@ -78,25 +78,12 @@ class ReturnedServers {
 
   [[nodiscard]] static bool begins_again(const Submessage& submessage, Server& server,
                                          Clock::time_point now) {
-    ByteReader reader = submessage.reader();
-    EntityId sender = 0;
-    if (submessage.kind == SubmessageKind::heartbeat) {
-      constexpr std::size_t kTwoNumbers = 16;
-      reader.skip(sizeof(EntityId));  // whom it is for
-      sender = reader.entity();
-      reader.skip(kTwoNumbers);
-    } else if (submessage.kind == SubmessageKind::acknack) {
-      constexpr std::size_t kBitsOfWord = 32;
-      sender = reader.entity();
-      reader.skip(sizeof(EntityId));
-      (void)reader.sequence();
-      const std::size_t bits = reader.u32();
-      reader.skip((bits + kBitsOfWord - 1) / kBitsOfWord * sizeof(std::uint32_t));
-    } else {
-      return false;
-    }
-    const std::uint32_t number = reader.u32();
-    if (!reader.ok() || !is_of_discovery(sender)) return false;
+    const auto heartbeat = parse_heartbeat(submessage);
+    const auto acknack = parse_acknack(submessage);
+    if (!heartbeat && !acknack) return false;
+    const EntityId sender = heartbeat ? heartbeat->writer : acknack->reader;
+    const std::uint32_t number = heartbeat ? heartbeat->count : acknack->count;
+    if (!is_of_discovery(sender)) return false;
     Count& count = server.counts[sender];
     if (number < count.highest) return now - count.since > kMostOvertaken;
     count = {.highest = number, .since = now};

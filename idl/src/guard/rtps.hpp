@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace vdrive::wire {
@@ -215,6 +216,59 @@ class Submessages {
   ByteView datagram_;
   std::size_t position_ = kHeaderSize;
 };
+
+/// @return whether the entity is one of discovery and its like, not of a program
+/// (RTPS 2.5, 9.3.1.2).
+constexpr bool is_built_in(EntityId entity) noexcept {
+  constexpr EntityId kBuiltIn = 0xC0;
+  return (entity & kBuiltIn) == kBuiltIn;
+}
+
+/// The parts of a HEARTBEAT submessage (RTPS 2.5, 9.4.5).
+struct Heartbeat {
+  EntityId reader = kUnknownEntity;
+  EntityId writer = kUnknownEntity;
+  std::int64_t first = 0;
+  std::int64_t last = 0;  ///< first - 1 when there is none
+  std::uint32_t count = 0;
+};
+
+/// @return nothing for another submessage, and for one that is too short.
+[[nodiscard]] inline std::optional<Heartbeat> parse_heartbeat(
+    const Submessage& submessage) noexcept {
+  if (submessage.kind != SubmessageKind::heartbeat) return std::nullopt;
+  ByteReader bytes = submessage.reader();
+  Heartbeat heartbeat;
+  heartbeat.reader = bytes.entity();
+  heartbeat.writer = bytes.entity();
+  heartbeat.first = bytes.sequence();
+  heartbeat.last = bytes.sequence();
+  heartbeat.count = bytes.u32();
+  return bytes.ok() ? std::optional(heartbeat) : std::nullopt;
+}
+
+/// The parts of an ACKNACK submessage (RTPS 2.5, 9.4.5), without the set of what is missing.
+struct Acknack {
+  EntityId reader = kUnknownEntity;
+  EntityId writer = kUnknownEntity;
+  std::int64_t base = 0;  ///< all before it is acknowledged; 0 requests a first heartbeat
+  std::uint32_t count = 0;
+};
+
+/// @return nothing for another submessage, and for one that is too short.
+[[nodiscard]] inline std::optional<Acknack> parse_acknack(const Submessage& submessage) noexcept {
+  if (submessage.kind != SubmessageKind::acknack) return std::nullopt;
+  constexpr std::size_t kBitsOfWord = 32;
+  ByteReader bytes = submessage.reader();
+  Acknack acknack;
+  acknack.reader = bytes.entity();
+  acknack.writer = bytes.entity();
+  acknack.base = bytes.sequence();
+  const std::size_t bits = bytes.u32();
+  bytes.skip((bits + kBitsOfWord - 1) / kBitsOfWord * sizeof(std::uint32_t));
+  acknack.count = bytes.u32();
+  return bytes.ok() ? std::optional(acknack) : std::nullopt;
+}
 
 /// A parameter of a list.
 struct ListEntry {

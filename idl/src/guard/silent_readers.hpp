@@ -85,19 +85,13 @@ class SilentReaders {
     peer.silent_since.reset();
     Submessages submessages(datagram);
     for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
-      if (submessage.kind != SubmessageKind::acknack) continue;
-      constexpr std::size_t kBitsOfWord = 32;
-      ByteReader bytes = submessage.reader();
-      const EntityId reader = bytes.entity();
-      const EntityId writer = bytes.entity();
-      const std::int64_t base = bytes.sequence();
-      const std::size_t bits = bytes.u32();
-      bytes.skip((bits + kBitsOfWord - 1) / kBitsOfWord * sizeof(std::uint32_t));
-      const std::uint32_t count = bytes.u32();
-      if (!bytes.ok() || is_built_in(writer)) continue;
-      if (peer.readers.size() >= kMostReaders && !peer.readers.contains({reader, writer})) continue;
-      Reader& one = peer.readers[{reader, writer}];
-      one = {.channel = channel, .base = std::max(base, one.base), .count = count};
+      const auto acknack = parse_acknack(submessage);
+      if (!acknack || is_built_in(acknack->writer)) continue;
+      const std::pair key{acknack->reader, acknack->writer};
+      if (peer.readers.size() >= kMostReaders && !peer.readers.contains(key)) continue;
+      Reader& one = peer.readers[key];
+      one = {
+          .channel = channel, .base = std::max(acknack->base, one.base), .count = acknack->count};
     }
   }
 
@@ -105,15 +99,10 @@ class SilentReaders {
   void sends(ByteView datagram) {
     Submessages submessages(datagram);
     for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
-      if (submessage.kind != SubmessageKind::heartbeat) continue;
-      ByteReader bytes = submessage.reader();
-      bytes.skip(sizeof(EntityId));  // whom it is for
-      const EntityId writer = bytes.entity();
-      (void)bytes.sequence();
-      const std::int64_t last = bytes.sequence();
-      if (!bytes.ok() || is_built_in(writer)) continue;
-      std::int64_t& highest = sent_[writer];
-      highest = std::max(highest, last);
+      const auto heartbeat = parse_heartbeat(submessage);
+      if (!heartbeat || is_built_in(heartbeat->writer)) continue;
+      std::int64_t& highest = sent_[heartbeat->writer];
+      highest = std::max(highest, heartbeat->last);
     }
   }
 
@@ -162,11 +151,6 @@ class SilentReaders {
     return {
         .channel = reader.channel,
         .datagram = acknowledgement(participant, key.first, key.second, reader.base, reader.count)};
-  }
-
-  [[nodiscard]] static bool is_built_in(EntityId entity) noexcept {
-    constexpr EntityId kBuiltIn = 0xC0;  // RTPS 2.5, 9.3.1.2
-    return (entity & kBuiltIn) == kBuiltIn;
   }
 
   std::map<GuidPrefix, Peer> peers_;

@@ -42,12 +42,6 @@ void add_to_numbers(std::vector<std::uint8_t>& copy, ByteView datagram,
   }
 }
 
-/// Writers of discovery have sent as many samples as there are endpoints.
-bool is_of_discovery(EntityId writer) {
-  constexpr EntityId kBuiltIn = 0xC0;  // RTPS 2.5, 9.3.1.2
-  return (writer & kBuiltIn) == kBuiltIn;
-}
-
 /// INFO_SRC names the participant in whose name the rest is, INFO_DST the one that it is for.
 void read_prefix(const Submessage& submessage, SubmessageKind kind, std::size_t offset,
                  GuidPrefix& participant) {
@@ -102,7 +96,8 @@ std::optional<WriterNumbers::Numbers> WriterNumbers::numbers_in(const Submessage
 /// @return nothing for numbers that no writer begins with.
 std::optional<WriterNumbers::Writer> WriterNumbers::begin(const Numbers& numbers,
                                                           Submessages rest) {
-  if (is_of_discovery(numbers.writer)) {
+  // Writers of discovery have sent as many samples as there are endpoints.
+  if (is_built_in(numbers.writer)) {
     if (numbers.last > kMostOfDiscovery) return std::nullopt;
     return Writer{.highest = numbers.last, .done = numbers.first - 1, .is_reliable = true};
   }
