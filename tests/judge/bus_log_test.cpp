@@ -526,6 +526,32 @@ TEST(SdoObserver, TakesNoSegmentOfABlockForACommand) {
   EXPECT_EQ(transfer->object, (ObjectAddress{0x2000, 0}));
 }
 
+TEST(SdoObserver, SeesThatTheNodeAbortsADownloadByBlocks) {
+  SdoObserver observer;
+  EXPECT_FALSE(observer.take_request(sdo({0xC2, 0x00, 0x20, 0x00, 0x0A})));
+  EXPECT_FALSE(observer.take_response(sdo({0xA0, 0x00, 0x20, 0x00, 0x7F})));
+  EXPECT_FALSE(observer.take_request(sdo({0x01})));
+  const auto transfer =
+      observer.take_response(sdo({0x80, 0x00, 0x20, 0x00, 0x04, 0x00, 0x04, 0x05}));
+  ASSERT_TRUE(transfer);
+  EXPECT_EQ(transfer->abort, 0x05040004U);
+  // The next request is a command again, and no segment.
+  EXPECT_FALSE(observer.take_request(sdo({0x2B, 0x40, 0x60, 0x00, 0x1F})));
+  EXPECT_NE(observer.pending_download(), nullptr);
+}
+
+TEST(SdoObserver, SeesThatTheNodeAbortsAnUploadByBlocks) {
+  SdoObserver observer;
+  EXPECT_FALSE(observer.take_request(sdo({0xA0, 0x08, 0x10, 0x00, 0x7F})));
+  EXPECT_FALSE(observer.take_response(sdo({0xC2, 0x08, 0x10, 0x00, 0x0E})));
+  EXPECT_FALSE(observer.take_request(sdo({0xA3})));
+  EXPECT_FALSE(observer.take_response(sdo({0x01, 'v', 'd', 'r', 'i', 'v', 'e', ' '})));
+  const auto transfer =
+      observer.take_response(sdo({0x80, 0x08, 0x10, 0x00, 0x04, 0x00, 0x04, 0x05}));
+  ASSERT_TRUE(transfer);
+  EXPECT_EQ(transfer->abort, 0x05040004U);
+}
+
 // ---- mutated logs ------------------------------------------------------------------------------
 
 std::string mutated(std::string log, test::Random& random) {

@@ -133,7 +133,10 @@ std::optional<SdoTransfer> SdoObserver::take_abort(const Frame& frame) {
 }
 
 std::optional<SdoTransfer> SdoObserver::take_response(const Frame& frame) {
-  if (specifier_of(frame) == kAbort && !is_in_block_) return take_abort(frame);
+  // Segments of an upload by blocks begin with a sequence number from 1: 80h is none.
+  const bool is_segment =
+      step_ == Step::block_upload && is_in_block_ && frame.data[0] != kAbort << 5U;
+  if (specifier_of(frame) == kAbort && !is_segment) return take_abort(frame);
   switch (step_) {
     case Step::idle:
       return std::nullopt;
