@@ -81,15 +81,13 @@ void JudgedDrive::show() {
   }
   const AxisStatus& status = shown_;
   Shown shown{.members = ShownMember::kStatusword | ShownMember::kPosition | ShownMember::kDemand |
-                         ShownMember::kFollowingError | ShownMember::kVelocity |
-                         ShownMember::kTorque,
+                         ShownMember::kFollowingError | ShownMember::kTorque,
               .statusword = statusword(),
               .error_code = status.error_code,
               .torque = status.torque_actual_value,
               .position = status.load_position_actual_value,
               .demand = status.position_demand_value,
               .following_error = status.load_position_error_value,
-              .velocity = status.load_velocity_actual_value,
               .mode = status.op_mode_actual};
   if (source_.shows_mode) shown.members |= ShownMember::kMode;
   if (source_.shows_error_code) shown.members |= ShownMember::kErrorCode;

@@ -623,8 +623,6 @@ Names pdo_in(NodeState state) {
 Names synchronous_stream(std::uint8_t type, std::int64_t period, int pdos_a_cycle, bool has_sync,
                          bool is_regular = true) {
   JudgedDrive drive;
-  drive.write({0x1400, 2}, type);
-  drive.take(Reading{.object = {0x1400, 2}, .value = type, .is_of_the_master = false});
   drive.write(objects::kCyclePeriod, period);
   drive.take(Reading{.object = objects::kCyclePeriod, .value = period, .is_of_the_master = false});
   drive.enable(kCyclicPosition);

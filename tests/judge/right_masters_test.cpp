@@ -242,7 +242,6 @@ void run_synchronous(JudgedDrive& drive, Random& random) {
   const auto cycle = static_cast<std::uint64_t>(random.between(2, 12));
   const auto cycle_units = static_cast<std::int64_t>(cycle);
   drive.take(Network{.state = NodeState::pre_operational});
-  drive.write({0x1400, 2}, 1, Channel::sdo);
   drive.write(objects::kCyclePeriod, cycle_units, Channel::sdo);
   drive.write(objects::kCycleIndex, -3, Channel::sdo);
   drive.write(objects::kMode, kCyclicPosition, Channel::sdo);

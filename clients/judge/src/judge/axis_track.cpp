@@ -114,8 +114,6 @@ void AxisTrack::note_value(ObjectAddress object, std::int64_t value) {
     if (row.object == object) facts |= row.fact;
   }
   values.set(object, value);
-  if (object == objects::kFollowingWindow) following_window = value;
-  if (object == objects::kMaxTorque) max_torque = value;
 }
 
 void AxisTrack::apply(const Write& write, Time now) {
@@ -129,7 +127,6 @@ void AxisTrack::apply(const Write& write, Time now) {
     const PowerCommand decoded = decode_command(word, controlword);
     if (decoded != PowerCommand::none) {
       command = decoded;
-      command_time = now;
       if (has_status) expected = state_after(expected, decoded);
     }
     controlword = word;
@@ -181,7 +178,6 @@ void AxisTrack::apply_statusword(const Shown& shown, Time now) {
   const bool is_known = has_status && shown.statusword == statusword;
   const PowerState decoded = is_known ? state : decode_power_state(shown.statusword);
   state_before = has_status ? state : decoded;
-  statusword_before = has_status ? statusword : shown.statusword;
   if (!has_status || decoded != state) {
     state_since = now;
     expected = decoded;
@@ -245,8 +241,6 @@ void AxisTrack::forget() {
 void AxisTrack::restart() {
   forget();
   values = {};
-  following_window = 0;
-  max_torque = 0;
   error_code = 0;
   is_status_pushed = false;
   is_mode_pushed = false;

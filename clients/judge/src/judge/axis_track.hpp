@@ -30,7 +30,6 @@ inline constexpr ObjectAddress kModeShown{0x6061, 0};
 inline constexpr ObjectAddress kPositionDemand{0x6062, 0};
 inline constexpr ObjectAddress kPosition{0x6064, 0};
 inline constexpr ObjectAddress kFollowingWindow{0x6065, 0};
-inline constexpr ObjectAddress kVelocity{0x606C, 0};
 inline constexpr ObjectAddress kTargetTorque{0x6071, 0};
 inline constexpr ObjectAddress kMaxTorque{0x6072, 0};
 inline constexpr ObjectAddress kTorque{0x6077, 0};
@@ -91,7 +90,6 @@ struct AxisTrack {
   bool has_status = false;        ///< 6041h was shown since the last gap or restart
   bool is_status_pushed = false;  ///< the drive sends each change of it without being asked
   std::uint16_t statusword = 0;
-  std::uint16_t statusword_before = 0;  ///< of the status before the last one
   PowerState state = PowerState::not_ready_to_switch_on;
   PowerState state_before = PowerState::not_ready_to_switch_on;  ///< of the status before
   Time status_time{};
@@ -115,7 +113,6 @@ struct AxisTrack {
   std::uint16_t controlword = 0;
   Time controlword_time{};
   PowerCommand command = PowerCommand::none;  ///< the last one
-  Time command_time{};
   /// The state that the commands lead to: that shown, until a command has another one.
   PowerState expected = PowerState::not_ready_to_switch_on;
   std::optional<std::int8_t> mode_wanted;
@@ -123,8 +120,6 @@ struct AxisTrack {
   std::optional<std::int32_t> target;  ///< 607Ah
   Time target_time{};
   KnownValues values;
-  std::int64_t following_window = 0;  ///< 6065h; 0 = not known, or none
-  std::int64_t max_torque = 0;        ///< 6072h; likewise
 
   std::uint32_t facts = 0;  ///< that were seen
 

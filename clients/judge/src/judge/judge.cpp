@@ -111,10 +111,6 @@ class AxisJudge {
     const bool is_cause =
         reading.object == objects::kErrorCode || reading.object == objects::kErrorField;
     if (is_cause && reading.is_of_the_master && reading.code == 0) power_.note_cause();
-    if (reading.object.index >= 0x1400 && reading.object.index < 0x1600 &&
-        reading.object.subindex == 2) {
-      track_.facts |= Fact::kTransmissionType;
-    }
   }
 
   void apply(const Network& network) {

@@ -239,7 +239,7 @@ void MotionRules::watch_following(const Context& context) {
 
 void MotionRules::watch_error(const Context& context) {
   const AxisTrack& track = context.track;
-  const std::int64_t window = track.following_window;
+  const std::int64_t window = track.values.find(objects::kFollowingWindow).value_or(0);
   if (window <= 0 || window >= std::numeric_limits<std::uint32_t>::max()) return;
   const std::int64_t error = std::abs(std::int64_t{*track.following_error});
   if (2 * error <= window || error <= largest_error_) return;
@@ -255,7 +255,7 @@ void MotionRules::watch_error(const Context& context) {
 
 void MotionRules::watch_torque(const Context& context) {
   const AxisTrack& track = context.track;
-  const std::int64_t limit = track.max_torque;
+  const std::int64_t limit = track.values.find(objects::kMaxTorque).value_or(0);
   if (limit <= 0 || std::abs(std::int64_t{*track.torque}) < limit) {
     saturated_since_.reset();
     is_saturation_reported_ = false;

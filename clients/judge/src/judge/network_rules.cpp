@@ -44,10 +44,6 @@ void put_distance(Distances& distances, Time distance) {
   if (!period || distance / kPeriodsOfAPause < *period) distances.put(distance);
 }
 
-bool is_synchronous(const ReceivePdo& pdo) {
-  return pdo.type && *pdo.type <= kLastSynchronousType;
-}
-
 }  // namespace
 
 void NetworkRules::forget() {
@@ -118,8 +114,9 @@ void NetworkRules::take(const ReceivePdo& pdo, const Context& context) {
     });
   }
   Pdo& known = pdos_[pdo.number];
+  known.type = pdo.type;
   ++known.since_sync;
-  if (!is_synchronous(pdo)) return;
+  if (!pdo.type || *pdo.type > kLastSynchronousType) return;
   if (last_sync_ && context.now() - *last_sync_ < kNoSync) {
     known.without_sync = 0;
     if (known.since_sync != 2) return;
@@ -128,17 +125,17 @@ void NetworkRules::take(const ReceivePdo& pdo, const Context& context) {
              duration_text(context.now() - *last_sync_) + " after SYNC, before the next one";
     });
   }
-  wait_for_sync(known, pdo, context);
+  wait_for_sync(pdo.number, known, context);
 }
 
 /// A synchronous PDO came, and there was no SYNC for long.
-void NetworkRules::wait_for_sync(Pdo& known, const ReceivePdo& pdo, const Context& context) {
-  if (known.without_sync++ == 0) known.first_without_sync = context.now();
-  const Time since = context.now() - known.first_without_sync;
-  if (known.without_sync < kWithoutSync || since < kNoSync) return;
-  known.without_sync = 0;
+void NetworkRules::wait_for_sync(std::uint16_t number, Pdo& pdo, const Context& context) {
+  if (pdo.without_sync++ == 0) pdo.first_without_sync = context.now();
+  const Time since = context.now() - pdo.first_without_sync;
+  if (pdo.without_sync < kWithoutSync || since < kNoSync) return;
+  pdo.without_sync = 0;
   context.report(Rule::sync_absent, [&] {
-    return "RPDO " + std::to_string(pdo.number) + " has transmission type " +
+    return "RPDO " + std::to_string(number) + " has transmission type " +
            std::to_string(*pdo.type) + ", and there was no SYNC for " + duration_text(since);
   });
 }
@@ -170,11 +167,11 @@ void NetworkRules::end_cycle(std::uint16_t number, Pdo& pdo, const Context& cont
   pdo.one_a_cycle = is_one ? pdo.one_a_cycle + 1 : 0;
   pdo.since_sync = 0;
   pdo.without_sync = 0;
-  const auto type = track.values.find({static_cast<std::uint16_t>(0x1400 + number - 1), 2});
-  if (pdo.one_a_cycle != kCyclesOfAStream || !type || *type < kFirstEventDrivenType) return;
-  context.report(Rule::pdo_event_driven_stream, [&type, number] {
-    return "RPDO " + std::to_string(number) + " has transmission type " + std::to_string(*type) +
-           " and came once in each of " + std::to_string(kCyclesOfAStream) + " cycles of SYNC";
+  if (pdo.one_a_cycle != kCyclesOfAStream || !pdo.type || *pdo.type < kFirstEventDrivenType) return;
+  context.report(Rule::pdo_event_driven_stream, [&pdo, number] {
+    return "RPDO " + std::to_string(number) + " has transmission type " +
+           std::to_string(*pdo.type) + " and came once in each of " +
+           std::to_string(kCyclesOfAStream) + " cycles of SYNC";
   });
 }
 

@@ -25,13 +25,14 @@ class NetworkRules {
 
  private:
   struct Pdo {
+    std::optional<std::uint8_t> type;  ///< transmission type, where it is known
     std::uint32_t since_sync = 0;
     std::uint32_t without_sync = 0;
     std::uint32_t one_a_cycle = 0;  ///< cycles of SYNC with exactly one
     Time first_without_sync{};
   };
 
-  static void wait_for_sync(Pdo& known, const ReceivePdo& pdo, const Context& context);
+  static void wait_for_sync(std::uint16_t number, Pdo& pdo, const Context& context);
   static void end_cycle(std::uint16_t number, Pdo& pdo, const Context& context);
   void judge_period(const Context& context);
 

@@ -58,9 +58,8 @@ struct ShownMember {
   static constexpr std::uint16_t kPosition = 1U << 2U;
   static constexpr std::uint16_t kDemand = 1U << 3U;
   static constexpr std::uint16_t kFollowingError = 1U << 4U;
-  static constexpr std::uint16_t kVelocity = 1U << 5U;
-  static constexpr std::uint16_t kTorque = 1U << 6U;
-  static constexpr std::uint16_t kErrorCode = 1U << 7U;
+  static constexpr std::uint16_t kTorque = 1U << 5U;
+  static constexpr std::uint16_t kErrorCode = 1U << 6U;
 };
 
 /// What a drive showed at one moment.
@@ -72,7 +71,6 @@ struct Shown {
   std::int32_t position = 0;         ///< 6064h [user units]
   std::int32_t demand = 0;           ///< 6062h [user units]
   std::int32_t following_error = 0;  ///< 60F4h [user units]
-  std::int32_t velocity = 0;         ///< 606Ch [user units/s]
   std::int8_t mode = 0;              ///< 6061h
   bool is_asked_for = false;  ///< the master read it; else the drive sends each change itself
 

@@ -73,7 +73,6 @@ void show(ObjectAddress object, std::int64_t value, Shown& shown) {
   if (object == objects::kPosition) put(ShownMember::kPosition, shown.position);
   if (object == objects::kPositionDemand) put(ShownMember::kDemand, shown.demand);
   if (object == objects::kFollowingError) put(ShownMember::kFollowingError, shown.following_error);
-  if (object == objects::kVelocity) put(ShownMember::kVelocity, shown.velocity);
   if (object == objects::kTorque) put(ShownMember::kTorque, shown.torque);
   if (object == objects::kErrorCode) put(ShownMember::kErrorCode, shown.error_code);
 }
