@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <sstream>
 #include <string>
+#include <utility>
 
 namespace vdrive::judge {
 namespace {
@@ -83,12 +84,26 @@ TEST(ALogWhoseClockJumps, NeverLeavesTheRangeOfTimes) {
             1U);
 }
 
-TEST(ALogOverTheNewYear, GoesForwards) {
-  const LogVerdict result = judged_log(
-      " (2025-12-31 23:59:59.5) can0  185   [2]  37 02\n"
-      " (2026-01-01 00:00:00.5) can0  185   [2]  37 02\n");
-  EXPECT_EQ(result.lines.backwards, 0U);
-  EXPECT_EQ(result.lines.broken, 0U);
+TEST(ALogWithDates, GoesOnOverTheEndOfAMonthAndOfAYear) {
+  for (const auto& [before, after] :
+       {std::pair("2025-12-31", "2026-01-01"), std::pair("2025-02-28", "2025-03-01"),
+        std::pair("2024-02-28", "2024-02-29"), std::pair("2025-04-30", "2025-05-01")}) {
+    const LogVerdict result =
+        judged_log(" (" + std::string(before) + " 23:59:59.5) can0  185   [2]  37 02\n (" +
+                   std::string(after) + " 00:00:00.5) can0  185   [2]  37 02\n");
+    EXPECT_EQ(result.lines.backwards, 0U) << after;
+    EXPECT_EQ(result.lines.broken, 0U) << after;
+    EXPECT_EQ(result.verdict.last - result.verdict.first, 1s) << after;
+  }
+}
+
+TEST(ALogWithDates, HasNoDayThatTheCalendarDoesNotHave) {
+  for (const char* const time :
+       {"2025-02-29 08:00:00.5", "2025-00-10 08:00:00.5", "2025-01-10 24:00:00.5",
+        "2025-01-10 08:60:00.5", "1969-12-31 08:00:00.5"}) {
+    const std::string line = " (" + std::string(time) + ") can0  185   [2]  37 02\n";
+    EXPECT_EQ(judged_log(line).lines.broken, 1U) << time;
+  }
 }
 
 TEST(AnAscWithRelativeTimes, EndsWhereTimeEnds) {

@@ -57,29 +57,32 @@ std::optional<Time> time_of(std::string_view text) {
 /// @return the time of day that "08:17:32.249713" spells, as candump -tA has it after a date.
 std::optional<Time> time_of_day(std::string_view date, std::string_view text) {
   constexpr std::size_t kSecondsPlace = 6;
-  constexpr std::int64_t kSecondsOfAMinute = 60;
-  constexpr std::int64_t kMonths = 12;
-  constexpr std::int64_t kDays = 31;
-  constexpr std::int64_t kFirstYear = 1970;
-  constexpr std::int64_t kLastYear = 2089;
   constexpr std::size_t kDateLength = 10;
+  constexpr int kHours = 24;
+  constexpr int kMinutes = 60;
+  constexpr std::chrono::seconds kLeapSecond{60};
   if (text.size() < kSecondsPlace + 2 || text[2] != ':' || date.size() != kDateLength)
     return std::nullopt;
-  const auto year = parse_digits<std::int64_t>(date.substr(0, 4));
-  const auto day = parse_digits<std::int64_t>(date.substr(8));
-  const auto month = parse_digits<std::int64_t>(date.substr(5, 2));
-  const auto hours = parse_digits<std::int64_t>(text.substr(0, 2));
-  const auto minutes = parse_digits<std::int64_t>(text.substr(3, 2));
+  const auto year = parse_digits<std::uint16_t>(date.substr(0, 4));
+  const auto month = parse_digits<std::uint8_t>(date.substr(5, 2));
+  const auto day = parse_digits<std::uint8_t>(date.substr(8));
+  const auto hours = parse_digits<std::uint8_t>(text.substr(0, 2));
+  const auto minutes = parse_digits<std::uint8_t>(text.substr(3, 2));
   const auto seconds = time_of(text.substr(kSecondsPlace));
   if (!year || !day || !month || !hours || !minutes || !seconds) return std::nullopt;
-  if (*year < kFirstYear || *year > kLastYear || *month > kMonths || *day > kDays ||
-      *seconds >= std::chrono::seconds(kSecondsOfAMinute + 1)) {
+  const std::chrono::year_month_day parsed{std::chrono::year(*year), std::chrono::month(*month),
+                                           std::chrono::day(*day)};
+  if (!parsed.ok() || *hours >= kHours || *minutes >= kMinutes ||
+      *seconds >= kLeapSecond + std::chrono::seconds(1)) {
     return std::nullopt;
   }
-  // Only differences matter: a month has 31 days here, so that none goes backwards.
-  const std::int64_t days = ((*year - kFirstYear) * kMonths + *month) * kDays + *day;
-  return *seconds + Time(((days * 24 + *hours) * kSecondsOfAMinute + *minutes) * kSecondsOfAMinute *
-                         kNanoseconds);
+  // Of the local clock: a change to summer time is a step of it.
+  const auto whole = std::chrono::sys_days(parsed).time_since_epoch() + std::chrono::hours(*hours) +
+                     std::chrono::minutes(*minutes);
+  if (whole < std::chrono::seconds(0) || whole > std::chrono::seconds(kLatestSecond)) {
+    return std::nullopt;
+  }
+  return whole + *seconds;
 }
 
 /// Reads an identifier: candump writes 3 digits for the base format, and 8 for the extended one.
@@ -155,9 +158,7 @@ LineKind read_people_format(std::string_view id, std::string_view rest, LoggedFr
   if (!count || *count > canopen::kMostData) return LineKind::broken;
   std::string_view peek = rest;
   const std::string_view word = take_word(peek);
-  if (word == "ERRORFRAME" || rest.find("ERRORFRAME") != std::string_view::npos) {
-    return LineKind::foreign;
-  }
+  if (rest.find("ERRORFRAME") != std::string_view::npos) return LineKind::foreign;
   if (!read_id(id, frame.frame)) return LineKind::broken;
   if (word == "remote") {
     frame.frame.is_remote = true;
