@@ -2,6 +2,8 @@
 // Records as other drives and other masters make them: those of a right master have no finding.
 #include "judge/axis_track.hpp"
 #include "judge/judged_drive.hpp"
+#include "judge/words.hpp"
+#include "vdrive/number_text.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +15,10 @@ namespace vdrive::judge {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::AllOf;
 using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
@@ -60,7 +65,9 @@ class Script {
     wait(10ms);
   }
 
-  [[nodiscard]] std::vector<std::string> findings() { return broken_rules(judge_.end()); }
+  [[nodiscard]] Verdict end() { return judge_.end(); }
+
+  [[nodiscard]] std::vector<std::string> findings() { return broken_rules(end()); }
 
  private:
   Judge judge_;
@@ -216,6 +223,22 @@ TEST(APdo, ToANodeThatDidNotTakeItsStartIsFound) {
   script.wait(300ms);
   script.put(ReceivePdo{});
   EXPECT_THAT(script.findings(), Contains("pdo-1"));
+}
+
+TEST(TwoSessions, AreNamedAsEventsAndLogsNameThem) {
+  constexpr std::uint64_t kFirst = 0x0123456789ABCDEF;
+  constexpr std::uint64_t kSecond = 42;
+  Script script;
+  for (const std::uint64_t writer : {kFirst, kSecond, kFirst}) {
+    script.put(Write{.object = objects::kControlword, .value = 6, .writer = writer});
+    script.wait(10ms);
+  }
+  const Verdict verdict = script.end();
+  ASSERT_THAT(broken_rules(verdict), ElementsAre("writers-2"));
+  const Finding& finding = verdict.findings.front();
+  EXPECT_THAT(finding.happened,
+              AllOf(HasSubstr(session_text(kFirst)), HasSubstr(session_text(kSecond))));
+  EXPECT_EQ(writer_text(finding.lines.front()), "request " + session_text(kFirst));
 }
 
 /// @param cycles of SYNC for each target

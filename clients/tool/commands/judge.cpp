@@ -7,6 +7,7 @@
 #include "language/command.hpp"
 #include "log/bus_log.hpp"
 #include "node/data_sheet_reader.hpp"
+#include "node/node_settings.hpp"
 #include "output/judge_reports.hpp"
 #include "output/junit.hpp"
 #include "output/record.hpp"
@@ -104,9 +105,10 @@ std::vector<judge::Exception> exceptions_of(const std::string& name) {
 }
 
 std::uint8_t parse_node(const std::string& text) {
-  constexpr std::uint8_t kHighestNode = 127;
   const auto number = parse_digits<std::uint8_t>(text);
-  if (number && *number >= 1 && *number <= kHighestNode) return *number;
+  if (number && *number >= canopen::kLowestNodeId && *number <= canopen::kHighestNodeId) {
+    return *number;
+  }
   throw UsageError("--node: " + in_quotes(text) + " is no node-ID: write 1 to 127");
 }
 

@@ -59,16 +59,12 @@ std::optional<ObjectAddress> section_address(std::string_view name) {
   return subindex ? std::optional(ObjectAddress{*index, *subindex}) : std::nullopt;
 }
 
-/// Numbers of CiA 306 are those of C: 0x1F, 31, and 037 for an octal one, which nobody means.
-std::optional<std::int64_t> sheet_value(std::string_view text) {
-  return parse_integer(text);
-}
-
+/// Numbers of CiA 306 are those of C; an octal one such as 037, which nobody means, is read as 37.
 void read_value(std::string_view text, SheetObject& object) {
   const std::string lower = lower_case(text);
   const std::size_t node_id = lower.find("$nodeid");
   if (node_id == std::string::npos) {
-    if (const auto value = sheet_value(text)) object.value = value;
+    if (const auto value = parse_integer(text)) object.value = value;
     return;
   }
   // "$NODEID+0x180" or "0x180+$NODEID".
@@ -77,7 +73,7 @@ void read_value(std::string_view text, SheetObject& object) {
   std::erase(rest, '+');
   std::erase(rest, ' ');
   object.has_node_id = true;
-  object.value = rest.empty() ? 0 : sheet_value(rest).value_or(0);
+  object.value = rest.empty() ? 0 : parse_integer(rest).value_or(0);
 }
 
 void read_key(std::string_view line, SheetObject& object) {
@@ -86,7 +82,7 @@ void read_key(std::string_view line, SheetObject& object) {
   const std::string key = lower_case(without_blanks(line.substr(0, equals)));
   const std::string_view value = without_blanks(line.substr(equals + 1));
   if (key == "datatype") {
-    const auto type = sheet_value(value);
+    const auto type = parse_integer(value);
     if (type && *type > 0 && *type <= 0xFFFF) object.data_type = static_cast<std::uint16_t>(*type);
   } else if (key == "parametervalue" || (key == "defaultvalue" && !object.value)) {
     read_value(value, object);

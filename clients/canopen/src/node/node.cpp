@@ -19,15 +19,6 @@
 namespace vdrive::canopen {
 namespace {
 
-// Command specifiers of NMT (CiA 301, 7.2.8.3.1).
-enum class NmtService : std::uint8_t {
-  start = 0x01,
-  stop = 0x02,
-  enter_pre_operational = 0x80,
-  reset_node = 0x81,
-  reset_communication = 0x82,
-};
-
 constexpr std::uint8_t kNmtSize = 2;
 constexpr std::uint8_t kAllNodes = 0;
 

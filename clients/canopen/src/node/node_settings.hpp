@@ -20,6 +20,15 @@ enum class NmtState : std::uint8_t {
   pre_operational = 0x7F,
 };
 
+/// Commands of the NMT master (CiA 301, 7.2.8.3.1), by the number in its frame.
+enum class NmtService : std::uint8_t {
+  start = 0x01,
+  stop = 0x02,
+  enter_pre_operational = 0x80,
+  reset_node = 0x81,
+  reset_communication = 0x82,
+};
+
 /// What a node is made of.
 struct NodeSettings {
   std::uint8_t node_id = 1;                 ///< 1 to 127

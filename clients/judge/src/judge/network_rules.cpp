@@ -2,6 +2,7 @@
 #include "judge/network_rules.hpp"
 
 #include "judge/words.hpp"
+#include "vdrive/number_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -62,10 +63,9 @@ void NetworkRules::take(const Write& write, const Context& context) {
       write.writer == writer_before_ && context.now() - writer_since_ < kTwoSessions;
   if (is_back) {
     context.report(Rule::writers_two_sessions, [&] {
-      Line line;
-      line.write = write;
-      return writer_text(line) + " and another session wrote " + object_name(write.object) +
-             " by turns within " + duration_text(context.now() - writer_since_);
+      return "session " + session_text(write.writer) + " and session " + session_text(writer_) +
+             " wrote by turns within " + duration_text(context.now() - writer_since_) +
+             ", the last was " + object_name(write.object);
     });
   }
   writer_before_ = writer_;

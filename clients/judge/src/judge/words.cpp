@@ -208,7 +208,7 @@ std::string writer_text(const Line& line) {
   }
   const std::string_view how = line.write->channel == Channel::frame ? "frame" : "request";
   if (line.write->writer == 0) return std::string(how);
-  return std::string(how) + " " + hex(line.write->writer, 16).substr(2);
+  return std::string(how) + " " + session_text(line.write->writer);
 }
 
 }  // namespace vdrive::judge

@@ -5,6 +5,9 @@
 #include "judge/words.hpp"
 #include "node/cob_id.hpp"
 #include "node/node_object.hpp"
+#include "node/node_settings.hpp"
+#include "node/pdo_mapping.hpp"
+#include "node/pdo_parameters.hpp"
 
 #include <algorithm>
 #include <deque>
@@ -14,6 +17,8 @@ namespace vdrive::judge {
 namespace {
 
 using canopen::Frame;
+using canopen::NmtService;
+using canopen::NmtState;
 using canopen::PdoDirection;
 
 constexpr std::uint32_t kTimeStampId = 0x100;
@@ -23,24 +28,11 @@ constexpr std::uint32_t kNodeBits = 0x7F;
 constexpr std::uint32_t kFunctionBits = 0x780;
 constexpr std::size_t kLeastEmergency = 2;  // bytes with the error code
 constexpr std::uint32_t kServoProfile = 402;
-constexpr std::uint8_t kLastSynchronousType = 240;
 
 // What a node that is no drive yet may keep, and what waits for the answer to a download.
 constexpr std::size_t kMostEarly = 64;
 constexpr std::size_t kMostHeld = 256;
 
-// Commands of NMT (CiA 301, 7.2.8.3.1).
-constexpr std::uint8_t kNmtStart = 0x01;
-constexpr std::uint8_t kNmtStop = 0x02;
-constexpr std::uint8_t kNmtPreOperational = 0x80;
-constexpr std::uint8_t kNmtResetNode = 0x81;
-constexpr std::uint8_t kNmtResetCommunication = 0x82;
-
-// States of heartbeats (CiA 301, 7.2.8.3.2.2).
-constexpr std::uint8_t kBootUp = 0;
-constexpr std::uint8_t kStopped = 4;
-constexpr std::uint8_t kOperational = 5;
-constexpr std::uint8_t kPreOperational = 127;
 constexpr std::uint8_t kToggleOfGuarding = 0x80;
 
 constexpr ObjectAddress kDeviceType{0x1000, 0};
@@ -48,14 +40,14 @@ constexpr ObjectAddress kSyncCobId{0x1005, 0};
 constexpr std::uint16_t kConsumerHeartbeat = 0x1016;
 
 std::optional<NodeState> state_of(std::uint8_t byte) {
-  switch (byte) {
-    case kBootUp:
+  switch (static_cast<NmtState>(byte)) {
+    case NmtState::boot_up:
       return NodeState::initialising;
-    case kStopped:
+    case NmtState::stopped:
       return NodeState::stopped;
-    case kOperational:
+    case NmtState::operational:
       return NodeState::operational;
-    case kPreOperational:
+    case NmtState::pre_operational:
       return NodeState::pre_operational;
     default:
       return std::nullopt;
@@ -160,7 +152,7 @@ std::string_view to_string(FrameKind kind) noexcept {
 
 BusDecoder::BusDecoder(DecoderSettings settings, Sink sink)
     : settings_(std::move(settings)), sink_(std::move(sink)), sync_id_(canopen::kSyncId) {
-  for (std::uint8_t number = 1; number <= kHighestNode; ++number) {
+  for (std::uint8_t number = 1; number <= canopen::kHighestNodeId; ++number) {
     if (is_wanted(number)) index_pdos(number);
   }
 }
@@ -254,7 +246,7 @@ DecodedFrame BusDecoder::take(Time now, const Frame& frame, std::uint64_t line) 
       break;
     case FrameKind::transmit_pdo:
     case FrameKind::receive_pdo:
-      for (const PdoRef& ref : std::vector(pdos_[frame.id])) {
+      for (const PdoRef& ref : pdos_[frame.id]) {
         take_pdo(now, node_of(ref.node), ref, frame);
       }
       break;
@@ -289,20 +281,20 @@ void BusDecoder::end(Time now) {
 void BusDecoder::take_nmt(Time now, const Frame& frame) {
   constexpr std::size_t kNmtSize = 2;
   const std::uint8_t target = frame.data[1];
-  if (frame.size != kNmtSize || target > kHighestNode) {
+  if (frame.size != kNmtSize || target > canopen::kHighestNodeId) {
     ++counts_.malformed;
     return;
   }
   const auto command = [&](Node& node) {
-    switch (frame.data[0]) {
-      case kNmtStart:
+    switch (static_cast<NmtService>(frame.data[0])) {
+      case NmtService::start:
         return put(now, node, Network{.state = NodeState::operational, .is_command = true});
-      case kNmtStop:
+      case NmtService::stop:
         return put(now, node, Network{.state = NodeState::stopped, .is_command = true});
-      case kNmtPreOperational:
+      case NmtService::enter_pre_operational:
         return put(now, node, Network{.state = NodeState::pre_operational, .is_command = true});
-      case kNmtResetNode:
-      case kNmtResetCommunication:
+      case NmtService::reset_node:
+      case NmtService::reset_communication:
         return restart(now, node, true);
       default:
         ++counts_.malformed;
@@ -312,9 +304,7 @@ void BusDecoder::take_nmt(Time now, const Frame& frame) {
     if (is_wanted(target)) command(node_of(target));
     return;
   }
-  for (auto& [number, node] : nodes_) {
-    if (is_wanted(number)) command(node);
-  }
+  for (auto& [number, node] : nodes_) command(node);
 }
 
 void BusDecoder::restart(Time now, Node& node, bool is_command) {
@@ -365,22 +355,16 @@ void BusDecoder::take_emergency(Time now, Node& node, const Frame& frame) {
 // ---- PDOs --------------------------------------------------------------------------------------
 
 std::int64_t BusDecoder::value_of(ObjectAddress object, std::span<const std::uint8_t> bytes) const {
-  const auto as = [bytes](bool is_signed) {
-    return is_signed ? canopen::signed_little_endian_number(bytes)
-                     : static_cast<std::int64_t>(canopen::little_endian_number(bytes));
-  };
+  const auto unsigned_number = static_cast<std::int64_t>(canopen::little_endian_number(bytes));
   if (settings_.sheet != nullptr) {
     const auto described = settings_.sheet->find(object);
     if (described != settings_.sheet->end() && described->second.size() != 0) {
-      return as(described->second.is_signed());
+      return described->second.is_signed() ? canopen::signed_little_endian_number(bytes)
+                                           : unsigned_number;
     }
   }
   const canopen::NodeObject* const known = canopen::find_node_object(object);
-  const bool is_signed =
-      known != nullptr && (known->data_type == canopen::NodeDataType::integer8 ||
-                           known->data_type == canopen::NodeDataType::integer16 ||
-                           known->data_type == canopen::NodeDataType::integer32);
-  return as(is_signed);
+  return known == nullptr ? unsigned_number : canopen::number_of(known->data_type, bytes);
 }
 
 void BusDecoder::take_pdo(Time now, Node& node, const PdoRef& ref, const Frame& frame) {
@@ -414,14 +398,14 @@ void BusDecoder::take_receive_pdo(Time now, Node& node, const PdoRef& ref, const
   for (const LoggedEntry& entry : pdo.entries()) {
     const auto bytes = frame.bytes().subspan(place, entry.size);
     place += entry.size;
-    if (entry.object.index <= 0x0007) continue;  // a dummy
+    if (entry.object.index <= canopen::kLastDummy) continue;
     writes.push_back({.object = entry.object,
                       .value = value_of(entry.object, bytes),
                       .channel = Channel::pdo,
                       .fate = Fate::unanswered,
                       .writer = ref.number});
   }
-  if (pdo.type() && *pdo.type() <= kLastSynchronousType) {
+  if (pdo.type() && *pdo.type() <= canopen::kLastSynchronous) {
     node.waiting[ref.number] = {.line = line_, .writes = std::move(writes)};
     return;
   }

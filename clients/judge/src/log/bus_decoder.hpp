@@ -93,8 +93,6 @@ class BusDecoder {
  private:
   struct Node;
 
-  static constexpr std::uint8_t kHighestNode = 127;
-
   Node& node_of(std::uint8_t number);
   [[nodiscard]] bool is_wanted(std::uint8_t number) const;
   [[nodiscard]] DecodedFrame classify(const canopen::Frame& frame) const;

@@ -74,7 +74,7 @@ void LoggedPdo::map() {
 
 std::optional<std::uint32_t> LoggedPdo::can_id() const noexcept {
   const bool is_valid = cob_id_ && (*cob_id_ & canopen::kCobIdNotValid) == 0 &&
-                        (*cob_id_ & canopen::kCobIdExtendedBits & ~canopen::kCobIdNoRemote) == 0;
+                        (*cob_id_ & canopen::kCobIdExtendedBits) == 0;
   return is_valid ? std::optional(canopen::can_id_of(*cob_id_)) : std::nullopt;
 }
 
