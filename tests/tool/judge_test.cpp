@@ -8,6 +8,7 @@
 #include "tool.hpp"
 #include "tool/call.hpp"
 #include "tool/json_lines.hpp"
+#include "vdrive/text.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -251,6 +252,30 @@ TEST_F(JudgeCommandTest, EscapesWhatALogNames) {
               AllOf(HasSubstr("a&lt;b&amp;c"), Not(HasSubstr("a<b"))));
   tinyxml2::XMLDocument document;
   EXPECT_EQ(document.LoadFile(path("junit.xml").c_str()), tinyxml2::XML_SUCCESS);
+}
+
+TEST_F(JudgeCommandTest, WritesAPageOfTextThatNoFileNameBreaks) {
+  const std::string log = file("a\x01\xFF.candump", content_of(kLog));
+  judge({log, "--html", path("report.html")});
+  const std::string page = content_of(path("report.html"));
+  EXPECT_TRUE(is_utf8(page));
+  EXPECT_THAT(page, AllOf(HasSubstr("a\\x01\\xFF.candump"), Not(HasSubstr("\x01"))));
+}
+
+TEST_F(JudgeCommandTest, WritesAReasonOfAnyLengthInItsPage) {
+  const std::string reason(1'000, 'r');
+  const std::string exceptions =
+      file("exceptions.yaml", "- {rule: pdo-1, reason: " + reason + "}\n");
+  judge({kLog, "--html", path("report.html"), "--exceptions", exceptions});
+  EXPECT_THAT(content_of(path("report.html")), HasSubstr(reason));
+}
+
+TEST_F(JudgeCommandTest, FailsWhenAReportCannotBeWritten) {
+  for (const char* const option : {"--junit", "--sarif", "--html"}) {
+    const Finished done = judge({kLog, option, "/dev/full", "--fail-on", "never"});
+    EXPECT_EQ(done.code, 1) << option;
+    EXPECT_THAT(done.errors, HasSubstr("cannot write the report '/dev/full'"));
+  }
 }
 
 TEST_F(JudgeCommandTest, ListsTheRulesAsTheReferenceHasThem) {

@@ -11,6 +11,7 @@
 #include "output/judge_reports.hpp"
 #include "output/junit.hpp"
 #include "output/record.hpp"
+#include "output/report_file.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
@@ -49,32 +50,6 @@ struct JudgeCommand {
 std::string system_reason() {
   return std::generic_category().message(errno);
 }
-
-/// Opens the file of a report before anything is read, so that a wrong name is found then.
-class ReportFile {
- public:
-  /// @param file empty = no report
-  ReportFile(std::string_view option, const std::string& file) : name_(file) {
-    if (file.empty()) return;
-    errno = 0;
-    file_.open(file, std::ios::binary | std::ios::trunc);
-    if (file_) return;
-    throw UsageError(std::string(option) + ": cannot write " + in_quotes(file) + ": " +
-                     system_reason());
-  }
-
-  [[nodiscard]] bool is_wanted() const noexcept { return !name_.empty(); }
-
-  /// @return why it could not be written, or nothing.
-  std::optional<std::string> write(const std::string& text) {
-    if (file_ << text << std::flush) return std::nullopt;
-    return "cannot write the report " + in_quotes(name_);
-  }
-
- private:
-  std::string name_;
-  std::ofstream file_;
-};
 
 std::string read_whole(std::string_view option, const std::string& name) {
   errno = 0;

@@ -3,8 +3,8 @@
 
 #include "judge/words.hpp"
 #include "output/plot_picture.hpp"
+#include "output/xml_text.hpp"
 #include "vdrive/cia402/power_state.hpp"
-#include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
@@ -13,10 +13,6 @@
 
 namespace vdrive::tool {
 namespace {
-
-std::string rule_word(std::string_view text) {
-  return std::string(text);
-}
 
 Json place_json(const judge::Place& place) {
   return {{"time_ns", place.time.count()},
@@ -112,7 +108,7 @@ Json end_json(const judge::Verdict& verdict, const judge::ReportFace& face) {
           {"notes", face.notes}};
 }
 
-/// @return such as "node 5, line 12 at 3.2 s: bit 4 rose ... (3 times)".
+/// @return such as "node 5 at 3.200000 s, line 12: bit 4 rose ... (3 times)".
 std::string message_of(const judge::Finding& finding, const judge::ReportFace& face) {
   std::string text = face.name_of(finding.axis) + " at " + judge::place_text(finding.first);
   if (finding.first.line != 0) text += ", line " + std::to_string(finding.first.line);
@@ -121,8 +117,8 @@ std::string message_of(const judge::Finding& finding, const judge::ReportFace& f
 }
 
 std::string rule_advice(const judge::RuleRow& row) {
-  return "Expected: " + rule_word(row.expected) + ".\nClause: " + rule_word(row.clause) +
-         ".\nDo: " + rule_word(row.remedy) + ".";
+  return "Expected: " + std::string(row.expected) + ".\nClause: " + std::string(row.clause) +
+         ".\nDo: " + std::string(row.remedy) + ".";
 }
 
 // ---- SARIF -------------------------------------------------------------------------------------
@@ -136,7 +132,7 @@ Json sarif_rules() {
   for (const judge::RuleRow& row : judge::rules()) {
     all.push_back({{"id", row.name},
                    {"shortDescription", {{"text", row.title}}},
-                   {"fullDescription", {{"text", rule_word(row.expected) + "."}}},
+                   {"fullDescription", {{"text", std::string(row.expected) + "."}}},
                    {"help", {{"text", rule_advice(row)}}},
                    {"defaultConfiguration", {{"level", sarif_level(row.severity)}}}});
   }
@@ -159,27 +155,9 @@ Json sarif_result(const judge::Finding& finding, const judge::ReportFace& face) 
 
 // ---- HTML --------------------------------------------------------------------------------------
 
-std::string html_escaped(std::string_view text) {
-  std::string escaped_text;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped_text += "&amp;";
-        break;
-      case '<':
-        escaped_text += "&lt;";
-        break;
-      case '>':
-        escaped_text += "&gt;";
-        break;
-      case '"':
-        escaped_text += "&quot;";
-        break;
-      default:
-        escaped_text += c;
-    }
-  }
-  return escaped_text;
+/// Of any length: a page is no message.
+std::string html_text(std::string_view text) {
+  return xml_text(text, text.size());
 }
 
 constexpr std::string_view kPageHead = R"(<!doctype html>
@@ -208,7 +186,7 @@ void add_html_table(std::string& page, const judge::Finding& finding) {
   for (const judge::Line& line : finding.lines) {
     page += judge::is_place_of(finding, line) ? "<tr class=\"place\">" : "<tr>";
     for (const std::string& cell : judge::cycle_row(line)) {
-      page.append("<td>").append(html_escaped(cell)).append("</td>");
+      page.append("<td>").append(html_text(cell)).append("</td>");
     }
     page += "</tr>\n";
   }
@@ -258,16 +236,12 @@ void add_html_finding(std::string& page, const judge::Finding& finding,
                       const judge::ReportFace& face) {
   const judge::RuleRow& row = judge::row_of(finding.rule);
   const std::string severity(judge::to_string(row.severity));
-  page += "<h2 id=\"" + rule_word(row.name) + "-" + std::to_string(finding.axis) +
-          "\"><span class=\"" + severity + "\">" + severity + "</span> " + rule_word(row.name) +
-          " on " + html_escaped(face.name_of(finding.axis)) + ": " + html_escaped(row.title) +
+  page += "<h2 id=\"" + html_text(row.name) + "-" + std::to_string(finding.axis) +
+          "\"><span class=\"" + severity + "\">" + severity + "</span> " + html_text(row.name) +
+          " on " + html_text(face.name_of(finding.axis)) + ": " + html_text(row.title) +
           "</h2>\n<dl>\n";
   const auto add = [&page](std::string_view term, std::string_view text) {
-    page.append("<dt>")
-        .append(term)
-        .append("</dt><dd>")
-        .append(html_escaped(text))
-        .append("</dd>\n");
+    page.append("<dt>").append(term).append("</dt><dd>").append(html_text(text)).append("</dd>\n");
   };
   std::string where = judge::place_text(finding.first);
   if (finding.first.line != 0) where += ", line " + std::to_string(finding.first.line);
@@ -296,7 +270,7 @@ void add_html_list(std::string& page, std::string_view title,
                    const std::vector<std::string>& texts) {
   if (texts.empty()) return;
   page.append("<h2>").append(title).append("</h2>\n<ul>\n");
-  for (const std::string& text : texts) page += "<li>" + html_escaped(text) + "</li>\n";
+  for (const std::string& text : texts) page += "<li>" + html_text(text) + "</li>\n";
   page += "</ul>\n";
 }
 
@@ -341,7 +315,7 @@ JunitSuite judge_junit(const judge::Verdict& verdict, const judge::ReportFace& f
                        judge::Severity fail_on) {
   JunitSuite suite{.name = face.source, .cases = {}};
   for (const judge::RuleRow& row : judge::rules()) {
-    JunitCase test{.name = rule_word(row.name) + " " + rule_word(row.title)};
+    JunitCase test{.name = std::string(row.name) + " " + std::string(row.title)};
     std::string text;
     for (const judge::Finding& finding : verdict.findings) {
       if (finding.rule != row.rule) continue;
@@ -352,7 +326,7 @@ JunitSuite judge_junit(const judge::Verdict& verdict, const judge::ReportFace& f
       test.is_skipped = times_unjudged(verdict, row.rule) >= verdict.axes.size();
     } else if (row.severity <= fail_on) {
       test.failure = text.substr(0, text.find('\n'));
-      test.type = rule_word(judge::to_string(row.severity));
+      test.type = std::string(judge::to_string(row.severity));
       test.text = text + rule_advice(row);
     } else {
       test.output = text + rule_advice(row);
@@ -395,23 +369,23 @@ std::string judge_sarif(const judge::Verdict& verdict, const judge::ReportFace& 
 }
 
 std::string judge_html(const judge::Verdict& verdict, const judge::ReportFace& face) {
-  const std::string title = html_escaped(face.source) + ": " + judge::summary_text(verdict);
+  const std::string title = html_text(face.source) + ": " + judge::summary_text(verdict);
   std::string page(kPageHead);
   page += "<title>" + title + "</title>\n</head>\n<body>\n<h1>" + title + "</h1>\n<ul>\n";
   for (const judge::Finding& finding : verdict.findings) {
     const judge::RuleRow& row = judge::row_of(finding.rule);
-    page += "<li><a href=\"#" + rule_word(row.name) + "-" + std::to_string(finding.axis) + "\">" +
-            rule_word(row.name) + "</a> <span class=\"" +
-            rule_word(judge::to_string(row.severity)) + "\">" +
-            rule_word(judge::to_string(row.severity)) + "</span> on " +
-            html_escaped(face.name_of(finding.axis)) + ": " + html_escaped(row.title) + " (" +
+    page += "<li><a href=\"#" + html_text(row.name) + "-" + std::to_string(finding.axis) + "\">" +
+            html_text(row.name) + "</a> <span class=\"" +
+            html_text(judge::to_string(row.severity)) + "\">" +
+            html_text(judge::to_string(row.severity)) + "</span> on " +
+            html_text(face.name_of(finding.axis)) + ": " + html_text(row.title) + " (" +
             counted(finding.count, "time", "times") + ")</li>\n";
   }
   page += "</ul>\n";
   for (const judge::Finding& finding : verdict.findings) add_html_finding(page, finding, face);
   std::vector<std::string> texts;
   for (const judge::Excepted& excepted : verdict.excepted) {
-    texts.push_back(rule_word(judge::row_of(excepted.finding.rule).name) + " on " +
+    texts.push_back(std::string(judge::row_of(excepted.finding.rule).name) + " on " +
                     face.name_of(excepted.finding.axis) + ": " + excepted.reason);
   }
   add_html_list(page, "Excepted", texts);

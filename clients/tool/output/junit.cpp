@@ -2,17 +2,14 @@
 #include "output/junit.hpp"
 
 #include "base/usage_error.hpp"
-#include "vdrive/text.hpp"
 
 #include <tinyxml2.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <string_view>
-#include <system_error>
 
 namespace vdrive::tool {
 namespace {
@@ -221,21 +218,9 @@ std::string junit_xml(const std::vector<JunitSuite>& suites, const std::optional
          (shard ? shard_xml(*shard) : "") + text + "</testsuites>\n";
 }
 
-JunitReport::JunitReport(const std::string& file) : name_(file) {
-  if (file.empty()) return;
-  file_.open(file, std::ios::trunc);
-  if (!file_) {
-    throw UsageError("--junit: cannot write " + in_quotes(file) + ": " +
-                     std::generic_category().message(errno));
-  }
-}
-
 std::optional<std::string> JunitReport::write(const std::vector<JunitSuite>& suites,
                                               const std::optional<Shard>& shard) {
-  if (name_.empty()) return std::nullopt;
-  file_ << junit_xml(suites, shard);
-  if (file_.flush()) return std::nullopt;
-  return "cannot write the report " + in_quotes(name_);
+  return file_.is_wanted() ? file_.write(junit_xml(suites, shard)) : std::nullopt;
 }
 
 }  // namespace vdrive::tool

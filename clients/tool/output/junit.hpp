@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "output/report_file.hpp"
+
 #include <chrono>
 #include <cstddef>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -60,20 +61,19 @@ struct JunitContent {
 /// @throws UsageError for anything else, with its line.
 [[nodiscard]] JunitContent read_junit(const std::string& xml);
 
-/// The file of a report. It is opened before anything moves, so that a wrong name is found then.
+/// The file of `--junit`.
 class JunitReport {
  public:
   /// @param file empty = no report
   /// @throws UsageError when the file cannot be written.
-  explicit JunitReport(const std::string& file);
+  explicit JunitReport(const std::string& file) : file_("--junit", file) {}
 
   /// @return why the report could not be written, or nothing.
   [[nodiscard]] std::optional<std::string> write(const std::vector<JunitSuite>& suites,
                                                  const std::optional<Shard>& shard = std::nullopt);
 
  private:
-  std::string name_;
-  std::ofstream file_;
+  ReportFile file_;
 };
 
 }  // namespace vdrive::tool

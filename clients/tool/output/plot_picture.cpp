@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output/plot_picture.hpp"
 
+#include "output/xml_text.hpp"
 #include "terminal/columns.hpp"
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/dictionary/object_text.hpp"
@@ -70,30 +71,6 @@ std::string pixels_text(double pixels) {
   std::string text = fixed_text(pixels, 1);
   if (text.ends_with(".0")) text.resize(text.size() - 2);
   return text;
-}
-
-/// @return `text` as the content of an element or an attribute, without control characters.
-std::string xml_text(std::string_view text) {
-  std::string safe;
-  for (const char c : escaped(text, kShownOfMessage)) {
-    switch (c) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      default:
-        safe += c;
-    }
-  }
-  return safe;
 }
 
 /// A text that ends at x or, by default, begins there.
