@@ -371,7 +371,7 @@ TEST(BusLog, WithoutTimesJudgesWhatNeedsNone) {
   std::istringstream lines(remapped_log());
   for (std::string line; std::getline(lines, line);) log += line.substr(20) + "\n";
   const LogVerdict result = judged(log);
-  EXPECT_THAT(result.notes, Contains(HasSubstr("no times")));
+  EXPECT_THAT(result.notes, Contains(HasSubstr("no time stamps")));
   EXPECT_THAT(broken_rules(result.verdict), Contains("handshake-1"));
   EXPECT_THAT(result.verdict.unjudged, Contains(Field(&Unjudged::fact, Fact::kTime)));
 }

@@ -120,6 +120,12 @@ TEST_F(JudgeCommandTest, HasAnExitCodeForALogThatCannotBeRead) {
   }
 }
 
+TEST_F(JudgeCommandTest, SaysThatAFolderIsNoLog) {
+  const Finished done = judge({directory.path().string()});
+  EXPECT_EQ(done.code, 7);
+  EXPECT_THAT(done.errors, HasSubstr("Is a directory"));
+}
+
 TEST_F(JudgeCommandTest, ReadsStandardInput) {
   const Finished done = judge({"-"}, content_of(kLog));
   EXPECT_EQ(done.code, 1);

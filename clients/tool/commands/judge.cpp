@@ -31,7 +31,7 @@ namespace {
 
 constexpr std::string_view kStandardInput = "-";
 
-/// Names the mistakes of a master by the log of its bus.
+/// Names the mistakes of a master in the log of its bus.
 struct JudgeCommand {
   std::string log{};
   std::string sheet{};
@@ -84,7 +84,7 @@ std::uint8_t parse_node(const std::string& text) {
   if (number && *number >= canopen::kLowestNodeId && *number <= canopen::kHighestNodeId) {
     return *number;
   }
-  throw UsageError("--node: " + in_quotes(text) + " is no node-ID: write 1 to 127");
+  throw UsageError("--node: " + in_quotes(text) + " is no node id: write 1 to 127");
 }
 
 std::string node_name(std::uint32_t axis) {
@@ -170,13 +170,11 @@ std::optional<judge::Severity> parse_fail_on(const std::string& text) {
 
 void JudgeCommand::declare(Arguments& arguments) {
   arguments.positional(
-      "LOG", log,
-      "What candump or a CAN analyser (.asc) has written of a CANopen bus; - is standard input");
+      "LOG", log, "Log of a CANopen bus by candump or a CAN analyser (.asc); - is standard input");
   arguments.option("--eds", "FILE", sheet,
                    "Electronic data sheet of the drives: PDO mapping and data types that the log "
                    "does not show");
-  arguments.option("--node", "ID", nodes,
-                   "Judge what goes to this node only, 1 to 127; may be repeated");
+  arguments.option("--node", "ID", nodes, "Judge this node only, 1 to 127; may be repeated");
   arguments.option("--exceptions", "FILE", exceptions,
                    "YAML list of what the master does on purpose: rule, axis, reason");
   arguments
@@ -214,15 +212,14 @@ ExitCode JudgeCommand::start(const Program& program) const {
   if (log != kStandardInput) {
     errno = 0;
     file.open(log, std::ios::binary);
-    if (!file) return unreadable(*this, system_reason(), program);
+    file.peek();  // a folder can be opened, and not read
+    if (!file.is_open() || file.bad()) return unreadable(*this, system_reason(), program);
   }
   judge::LogVerdict result =
       judge::judge_bus_log(log == kStandardInput ? std::cin : file, settings);
   if (!result.is_readable()) {
-    return unreadable(*this,
-                      "no line of it is a frame; candump -L writes such a log, and .asc files are "
-                      "read, too",
-                      program);
+    return unreadable(
+        *this, "it has no CAN frame; record a log with candump -L, or give an .asc file", program);
   }
   judge::ReportFace face{.source = log, .name_of = node_name, .notes = result.notes};
   face.unused = judge::except(result.verdict, excepted, node_name);
@@ -239,7 +236,7 @@ ExitCode JudgeCommand::start(const Program& program) const {
 extern const CommandRow kJudge =
     row_of<JudgeCommand>({.name = "judge",
                           .group = CommandGroup::recordings,
-                          .summary = "Say what a master did wrong, by the log of a CANopen bus",
+                          .summary = "Find the mistakes of a master in the log of a CANopen bus",
                           .example = "judge field.candump --node 5 --html findings.html\n"
                                      "  vdrive judge run.candump --eds drive.eds --fail-on warning",
                           .deepest = Place::command_line,

@@ -45,8 +45,9 @@ inline constexpr ObjectAddress kFollowingError{0x60F4, 0};
 inline constexpr ObjectAddress kTargetVelocity{0x60FF, 0};
 }  // namespace objects
 
-/// @return the state that `command` leads to by the standard; `state` where it has no transition.
-/// Transition 16 is optional, and left out.
+/// Enable operation passes through Switched on in Ready to switch on (transitions 3 and 4), and
+/// does nothing in Quick stop active: transition 16 is optional.
+/// @return the state that `command` leads to; `state` where it has no transition.
 [[nodiscard]] PowerState state_after(PowerState state, PowerCommand command) noexcept;
 
 /// Values of objects that are known, by their address.
@@ -68,7 +69,7 @@ inline constexpr Time kFreshPosition{std::chrono::milliseconds(100)};
 /// Below it nothing jumps [user units].
 inline constexpr std::int64_t kSmallJump = 100;
 
-/// What the master seems to wait for, as people write it beside a log.
+/// What the master seems to wait for, as people note it next to a log.
 enum class Waiting : std::uint8_t {
   nothing,
   switch_on_disabled,
@@ -178,7 +179,7 @@ struct AxisTrack {
   static constexpr std::size_t kSteps = 3;
 
   std::array<std::int64_t, kSteps> steps_{};  ///< from each of the last positions to the next
-  std::int32_t lowest_ = 0;                   ///< position that was ever shown
+  std::int32_t lowest_ = 0;                   ///< position since the last gap or restart
   std::int32_t highest_ = 0;                  ///< likewise
 };
 

@@ -27,7 +27,8 @@ class Distances {
   /// @return how many were shorter or longer than a period by more than a quarter of it.
   [[nodiscard]] std::uint64_t irregular() const noexcept { return irregular_; }
 
-  /// @return such as "1 ms (1250 below 1.25 periods, 3 up to 2, 1 up to 5, the longest 4 ms)".
+  /// @return the period and the histogram, such as "1 ms (0 shorter than 0.75 periods, 1250 up to
+  ///         1.25, 3 up to 2, 1 up to 5, 0 longer; the longest 4 ms)"; "unknown" without a period.
   [[nodiscard]] std::string text() const;
 
   void reset() { *this = {}; }

@@ -82,9 +82,9 @@ bool is_homing_running(const AxisTrack& track) {
          (track.statusword & (kHomingEnded | Statusword::kTargetReached)) == 0;
 }
 
-/// @return whether a word ends a homing by its bit 4, or by taking the power away. A stop does so
-/// on
-///         purpose.
+/// @return whether a word interrupts homing: it drops bit 4 or removes the power. A quick stop and
+/// a
+///         halt do so on purpose, and do not count.
 bool ends_homing(std::uint16_t word, const AxisTrack& track) {
   const PowerCommand decoded = decode_command(word, track.controlword);
   if (decoded == PowerCommand::quick_stop || (word & Controlword::kHalt) != 0) return false;

@@ -28,10 +28,10 @@ using CycleRow = std::array<std::string, kCycleColumns.size()>;
 /// @return whether the finding happened at this line.
 [[nodiscard]] bool is_place_of(const Finding& finding, const Line& line);
 
-/// @return such as "3 findings on 2 axes: 1 error, 2 warnings".
+/// @return such as "3 findings on 2 axes: 1 error, 2 warnings, 0 pieces of advice".
 [[nodiscard]] std::string summary_text(const Verdict& verdict);
 
-/// @return such as "handshake-1, handshake-2 and mode-1 on node 5: 6061h is not shown".
+/// @return such as "handshake-1, mode-1 on node 5, node 6: 6041h is not shown".
 [[nodiscard]] std::string unjudged_text(const Unjudged& unjudged, const AxisName& name_of);
 
 /// The verdict as a person reads it: worst first, each finding with the table around it.

@@ -42,8 +42,8 @@ std::string_view command_text(PowerCommand command) {
   return {};
 }
 
-/// @return a number with so many digits after the point as make three of it or more.
-std::string rounded(double value) {
+/// @return the number cut to three digits, or at its point where it has more before it.
+std::string shortened(double value) {
   const std::size_t digits = value < 10 ? 2 : (value < 100 ? 1 : 0);
   std::string text = std::to_string(value);
   const std::size_t point = text.find('.');
@@ -80,8 +80,9 @@ std::string duration_text(Time time) {
   constexpr double kNanosecondsOfAMillisecond = 1.0e6;
   const auto milliseconds = static_cast<double>(time.count()) / kNanosecondsOfAMillisecond;
   if (milliseconds < 0) return "-" + duration_text(-time);
-  if (milliseconds < 1) return rounded(1000 * milliseconds) + " us";
-  return milliseconds < 1000 ? rounded(milliseconds) + " ms" : rounded(milliseconds / 1000) + " s";
+  if (milliseconds < 1) return shortened(1000 * milliseconds) + " us";
+  return milliseconds < 1000 ? shortened(milliseconds) + " ms"
+                             : shortened(milliseconds / 1000) + " s";
 }
 
 std::string place_text(const Place& place) {

@@ -127,19 +127,21 @@ class LogJudge {
     result_.notes = decoder_.notes();
     if (judge_ && !has_time_) {
       result_.notes.emplace_back(
-          "no times: rules about durations were not judged; record with candump -L");
+          "no time stamps: rules about durations were not judged; record with candump -L");
     }
     note(lines.broken, "line", "lines",
          "could not be read, the first is line " + std::to_string(lines.first_broken));
-    note(lines.foreign, "line", "lines", "of CAN FD, error frames or the logger left out");
-    note(lines.backwards, "time", "times",
-         "before that of the line before: time was taken to go on from there");
-    note(lines.other_interfaces, "frame", "frames",
-         "of other interfaces than " + in_quotes(interface_) + " left out: give a log of one bus");
-    note(result_.frames.foreign, "frame", "frames", "that CANopen does not use left out");
-    note(result_.frames.other_nodes, "frame", "frames", "of other nodes left out");
+    note(lines.foreign, "line", "lines", "skipped: CAN FD, error frames, messages of the logger");
+    note(lines.backwards, "time stamp", "time stamps",
+         "earlier than the one before: the time was assumed to continue from there");
+    note(
+        lines.other_interfaces, "frame", "frames",
+        "skipped, from other interfaces than " + in_quotes(interface_) + ": give a log of one bus");
+    note(result_.frames.foreign, "frame", "frames",
+         "skipped, with an identifier that CANopen does not use");
+    note(result_.frames.other_nodes, "frame", "frames", "skipped, of other nodes");
     note(result_.frames.malformed, "frame", "frames",
-         "with a length or a content that CANopen does not have left out");
+         "skipped, with a length or content that CANopen does not allow");
   }
 
   const FrameWatcher& watcher_;

@@ -21,7 +21,7 @@ struct LoggedFrame {
 enum class LineKind : std::uint8_t {
   frame,
   nothing,  ///< empty, a comment, a header
-  foreign,  ///< CAN FD, an error frame, a message of the logger: read, and of no use
+  foreign,  ///< CAN FD, an error frame, a message of the logger: read, and not used
   broken,   ///< none of these
 };
 
