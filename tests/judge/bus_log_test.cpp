@@ -5,6 +5,7 @@
 
 #include "judge/axis_track.hpp"
 #include "judge/judged_drive.hpp"
+#include "judge/judged_log.hpp"
 #include "judge/logged_node.hpp"
 #include "node/data_sheet_reader.hpp"
 #include "node/electronic_data_sheet.hpp"
@@ -38,15 +39,6 @@ using testing::SizeIs;
 constexpr std::int8_t kPosition = 1;
 constexpr std::uint32_t kMapWord = 0x60400010;
 constexpr std::uint32_t kMapTarget = 0x607A0020;
-
-LogVerdict judged(const std::string& log, const DecoderSettings& settings = {}) {
-  std::istringstream stream(log);
-  return judge_bus_log(stream, settings);
-}
-
-std::vector<std::string> rules_in(const std::string& log, const DecoderSettings& settings = {}) {
-  return broken_rules(judged(log, settings).verdict);
-}
 
 std::string right_log() {
   LoggedNode node;

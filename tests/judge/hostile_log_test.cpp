@@ -2,6 +2,7 @@
 // Logs with the times, parameters and data sheets that nobody would write on purpose.
 #include "judge/axis_track.hpp"
 #include "judge/judged_drive.hpp"
+#include "judge/judged_log.hpp"
 #include "judge/logged_node.hpp"
 #include "log/bus_log.hpp"
 #include "node/data_sheet_reader.hpp"
@@ -11,6 +12,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <sstream>
 #include <string>
@@ -21,26 +25,20 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing::Contains;
+using testing::ElementsAre;
 using testing::IsEmpty;
-using testing::Not;
 
-LogVerdict judged_log(const std::string& log, const DecoderSettings& settings = {}) {
-  std::istringstream stream(log);
-  return judge_bus_log(stream, settings);
-}
-
-std::vector<std::string> rules_of(const std::string& log, const DecoderSettings& settings = {}) {
-  return broken_rules(judged_log(log, settings).verdict);
-}
-
-/// The times of `log` so many seconds later.
-std::string later(const std::string& log, long seconds) {
+/// The times of `log` so much later.
+std::string later(const std::string& log, std::chrono::milliseconds shift) {
+  constexpr std::size_t kMilliseconds = 15;  // "(0000000001.002" of "(0000000001.002300)"
   std::string text;
   std::istringstream lines(log);
   for (std::string line; std::getline(lines, line);) {
-    char number[16];
-    std::snprintf(number, sizeof(number), "%010ld", std::stol(line.substr(1, 10)) + seconds);
-    text += "(" + std::string(number) + line.substr(11) + "\n";
+    const long time = 1'000 * std::stol(line.substr(1, 10)) + std::stol(line.substr(12, 3)) +
+                      static_cast<long>(shift.count());
+    char number[32];
+    std::snprintf(number, sizeof(number), "(%010ld.%03ld", time / 1'000, time % 1'000);
+    text += number + line.substr(kMilliseconds) + "\n";
   }
   return text;
 }
@@ -55,17 +53,36 @@ std::string session(bool moves) {
 }
 
 TEST(ALogWhoseClockGoesBackOnce, IsJudgedByTheTimesAfterwards) {
-  const LogVerdict result = judged_log(later(session(false), 5'000) + session(true));
+  const LogVerdict result = judged(later(session(false), 5'000s) + session(true));
   EXPECT_THAT(broken_rules(result.verdict), IsEmpty());
   EXPECT_EQ(result.lines.backwards, 1U);
   EXPECT_GT(result.verdict.last - result.verdict.first, 200ms);
 }
 
-// The log is the same with a clock that is set back by 10 ms in a move.
+/// Two edges of bit 4 without a look at bit 12 between them, and before the second one a clock that
+/// is set back.
+LogVerdict mistake_over_a_step_back(std::chrono::milliseconds step) {
+  LoggedNode node;
+  node.enable(kProfilePosition);
+  node.pdo(3, {{kEnabled, 2}, {1'000, 4}});
+  node.step(2);
+  node.word(kSetPoint);
+  node.step(5);
+  const std::size_t before = node.log().size();
+  node.word(kEnabled);
+  node.word(kSetPoint);
+  node.step(5);
+  return judged(later(node.log().substr(0, before), step) + node.log().substr(before));
+}
+
 TEST(ALogWhoseClockGoesBackOnce, KeepsWhatItKnewWhereTheStepIsShort) {
-  const std::string log = session(true);
-  const std::size_t half = log.find('\n', log.size() / 2) + 1;
-  const LogVerdict result = judged_log(later(log.substr(0, half), 1) + log.substr(half));
+  const LogVerdict result = mistake_over_a_step_back(500ms);
+  EXPECT_THAT(broken_rules(result.verdict), ElementsAre("handshake-1"));
+  EXPECT_EQ(result.lines.backwards, 1U);
+}
+
+TEST(ALogWhoseClockGoesBackOnce, KnowsNothingAfterALongStep) {
+  const LogVerdict result = mistake_over_a_step_back(1'500ms);
   EXPECT_THAT(broken_rules(result.verdict), IsEmpty());
   EXPECT_EQ(result.lines.backwards, 1U);
 }
@@ -76,12 +93,11 @@ TEST(ALogWhoseClockJumps, NeverLeavesTheRangeOfTimes) {
     log += "(3999999999.0) can0 185#3702\n(0.0) can0 205#0F00\n";
     log += " (2089-12-31 23:59:59.9) can0  205   [2]  0F 00\n";
   }
-  const LogVerdict result = judged_log(log);
+  const LogVerdict result = judged(log);
   EXPECT_EQ(result.lines.broken, 0U);
   EXPECT_LE(result.verdict.first, result.verdict.last);
-  EXPECT_EQ(judged_log(" (9999-12-31 23:59:59.9) can0  205   [2]  0F 00\n").lines.broken, 1U);
-  EXPECT_EQ(judged_log(" (2026-12-31 23:59:4000000000.9) can0  205   [2]  0F 00\n").lines.broken,
-            1U);
+  EXPECT_EQ(judged(" (9999-12-31 23:59:59.9) can0  205   [2]  0F 00\n").lines.broken, 1U);
+  EXPECT_EQ(judged(" (2026-12-31 23:59:4000000000.9) can0  205   [2]  0F 00\n").lines.broken, 1U);
 }
 
 TEST(ALogWithDates, GoesOnOverTheEndOfAMonthAndOfAYear) {
@@ -89,8 +105,8 @@ TEST(ALogWithDates, GoesOnOverTheEndOfAMonthAndOfAYear) {
        {std::pair("2025-12-31", "2026-01-01"), std::pair("2025-02-28", "2025-03-01"),
         std::pair("2024-02-28", "2024-02-29"), std::pair("2025-04-30", "2025-05-01")}) {
     const LogVerdict result =
-        judged_log(" (" + std::string(before) + " 23:59:59.5) can0  185   [2]  37 02\n (" +
-                   std::string(after) + " 00:00:00.5) can0  185   [2]  37 02\n");
+        judged(" (" + std::string(before) + " 23:59:59.5) can0  185   [2]  37 02\n (" +
+               std::string(after) + " 00:00:00.5) can0  185   [2]  37 02\n");
     EXPECT_EQ(result.lines.backwards, 0U) << after;
     EXPECT_EQ(result.lines.broken, 0U) << after;
     EXPECT_EQ(result.verdict.last - result.verdict.first, 1s) << after;
@@ -102,14 +118,14 @@ TEST(ALogWithDates, HasNoDayThatTheCalendarDoesNotHave) {
        {"2025-02-29 08:00:00.5", "2025-00-10 08:00:00.5", "2025-01-10 24:00:00.5",
         "2025-01-10 08:60:00.5", "1969-12-31 08:00:00.5"}) {
     const std::string line = " (" + std::string(time) + ") can0  185   [2]  37 02\n";
-    EXPECT_EQ(judged_log(line).lines.broken, 1U) << time;
+    EXPECT_EQ(judged(line).lines.broken, 1U) << time;
   }
 }
 
 TEST(AnAscWithRelativeTimes, EndsWhereTimeEnds) {
   std::string log = "base hex  timestamps relative\n";
   for (int i = 0; i < 5; ++i) log += "4000000000.0 1  185  Rx  d 2 37 02\n";
-  EXPECT_EQ(judged_log(log).lines.broken, 4U) << "the first one fits";
+  EXPECT_EQ(judged(log).lines.broken, 4U) << "the first one fits";
 }
 
 // RPDO 1 has the controlword, RPDO 2 the target; both wait for SYNC, so their order does not count.
@@ -136,7 +152,7 @@ std::vector<std::string> synchronous_move(std::uint8_t type) {
   cycle(0x000F, 0);
   for (int i = 0; i < 100; ++i) cycle(0x000F, 0);
   cycle(0x0006, 0);
-  return rules_of(node.log());
+  return rules_in(node.log());
 }
 
 TEST(SynchronousPdos, AreJudgedAtTheirSync) {
@@ -152,7 +168,7 @@ TEST(SynchronousPdos, AreJudgedAtTheEndWhereNoSyncCame) {
     node.word(0x0006);
     node.step(20);
   }
-  EXPECT_THAT(rules_of(node.log()), Contains("sync-2"));
+  EXPECT_THAT(rules_in(node.log()), Contains("sync-2"));
 }
 
 std::string heartbeats_of_a_master(const std::string& before) {
@@ -171,19 +187,28 @@ TEST(AConsumerOfHeartbeats, ThatWasSwitchedOffOrRestartedWaitsForNone) {
   node.enable(kProfilePosition);
   node.disable();
   node.write({0x1016, 1}, 0x000A0064, 4);
-  EXPECT_THAT(rules_of(heartbeats_of_a_master(node.log())), Contains("supervision-4"));
+  EXPECT_THAT(rules_in(heartbeats_of_a_master(node.log())), Contains("supervision-4"));
   const std::string restarted = node.log() + "(0000000050.000000) can0 705#00\n";
-  EXPECT_THAT(rules_of(heartbeats_of_a_master(restarted)), IsEmpty());
+  EXPECT_THAT(rules_in(heartbeats_of_a_master(restarted)), IsEmpty());
   node.write({0x1016, 1}, 0, 4);
-  EXPECT_THAT(rules_of(heartbeats_of_a_master(node.log())), IsEmpty());
+  EXPECT_THAT(rules_in(heartbeats_of_a_master(node.log())), IsEmpty());
 }
 
-TEST(ADataSheetWithTheHighestNumber, DoesNoHarm) {
+// The sum of such a COB-ID and the node id wraps around: RPDO 1 is no longer the one of 205h.
+TEST(ADataSheetWithTheHighestNumber, TakesRpdo1AwayFromItsIdentifier) {
   std::string text = canopen::electronic_data_sheet({});
   const std::size_t at = text.find("DefaultValue=", text.find("[1400sub1]"));
   text.replace(at, text.find('\n', at) - at, "DefaultValue=$NODEID+9223372036854775807");
   const canopen::DataSheet sheet = canopen::read_data_sheet(text);
-  EXPECT_GT(judged_log(session(false), {.sheet = &sheet}).frames.frames, 0U);
+  const std::string log = session(false);
+  std::uint64_t frames_of_rpdo_1 = 0;
+  std::istringstream lines(log);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find(" 205#") != std::string::npos) ++frames_of_rpdo_1;
+  }
+  ASSERT_GT(frames_of_rpdo_1, 0U);
+  EXPECT_EQ(judged(log).frames.foreign, 0U);
+  EXPECT_EQ(judged(log, {.sheet = &sheet}).frames.foreign, frames_of_rpdo_1);
 }
 
 }  // namespace
