@@ -2,6 +2,7 @@
 #include "vdrive/wire/address.hpp"
 
 #include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>
@@ -86,6 +87,13 @@ std::vector<OwnInterface> own_interfaces() {
         {.name = one->ifa_name, .address = text.data(), .is_up = (one->ifa_flags & IFF_UP) != 0U});
   }
   return interfaces;
+}
+
+std::string to_text(const std::vector<OwnInterface>& interfaces) {
+  std::vector<std::string> words;
+  words.reserve(interfaces.size());
+  for (const OwnInterface& one : interfaces) words.push_back(one.address + " (" + one.name + ")");
+  return joined(words);
 }
 
 std::vector<std::string> addresses_of(const std::string& interface,

@@ -402,6 +402,8 @@ class Fleet:
     def expect_unharmed(self, master, since):
         lost = master.failures(since)
         expect(not lost, f"{master.name} lost what it had: {lost[:2]}")
+        late, made = len(master.late()), len(master.moves(0))
+        expect(late <= made, f"{master.name}: {late} calls too late and {made} moves: it does not get on")
 
     def wait_for_masters(self, since):
         self.group.wait_for_moves(since, ["group"])
@@ -442,8 +444,7 @@ class Fleet:
         self.say("the discovery server is gone")
         self.other("vdrive-bench-7", 7)
         self.wait_ready("vdrive-bench-7")
-        time.sleep(25)  # longer than any lease
-        self.wait_for_masters(begin + 25)
+        self.wait_for_masters(begin + 25)  # longer than any lease
         for command in ("list", "doctor"):
             self.expect_line("vdrive-discovery-0.vdrive-discovery", self.tool(command, code=None),
                              f"{command} without a server")

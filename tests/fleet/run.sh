@@ -64,8 +64,11 @@ secret() {
   echo ---
   kubectl create secret generic "$@" --dry-run=client --output yaml
 }
+render() { # `bases` and `patchesStrategicMerge`: the kubectl of Debian 12 knows no others
+  kubectl kustomize "$1" 2> >(grep -v deprecated >&2)
+}
 {
-  kubectl kustomize "$root/tests/fleet" 2>/dev/null
+  render "$root/tests/fleet"
   secret vdrive-gateway --from-literal token=0123456789abcdef
 } | "$root/deploy/kubernetes/pods.py" "$work/pods"
 {
@@ -74,7 +77,7 @@ secret() {
   "$root/deploy/security/make_member.sh" "$work/authority" viewer gateway
 } 2>"$work/security.log" || fail "$(<"$work/security.log")"
 {
-  kubectl kustomize "$root/deploy/kubernetes/bench/closed" 2>/dev/null
+  render "$root/deploy/kubernetes/bench/closed"
   secret vdrive-gateway --from-literal token=0123456789abcdef
   secret vdrive-bench-security --from-file "$work/authority/members/benches"
   secret vdrive-gateway-security --from-file "$work/authority/members/gateway"

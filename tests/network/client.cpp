@@ -9,7 +9,7 @@
 //   network_client OPTIONS hold AXIS        keeps the axis enabled; a number on standard input is a
 //                                           set-point that is sent at once, in any state
 //
-//   OPTIONS: --domain NUMBER, --interface ADDRESS, --peer ADDRESS, --discovery-server ADDRESS:PORT
+//   OPTIONS: --domain NUMBER, --interface ADDRESS, --peer HOST, --discovery-server HOST:PORT
 #include "service/probe.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/axis_group.hpp"

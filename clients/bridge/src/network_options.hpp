@@ -41,13 +41,15 @@ inline CLI::Option* add_domain_option(CLI::App& app, std::optional<std::uint32_t
 inline void add_network_options(CLI::App& app, client::SessionOptions& session,
                                 const std::string& interface_option = "--interface") {
   app.add_option(interface_option, session.interfaces,
-                 "Own address in a network to use for DDS; default: loopback only")
+                 "Own address or interface (eth0) in a network to use for DDS; default: loopback "
+                 "only")
       ->type_name("ADDRESS");
-  app.add_option("--peer", session.peers, "Host searched in addition to multicast")
-      ->type_name("ADDRESS");
+  app.add_option("--peer", session.peers,
+                 "Host, by address or name, searched in addition to multicast")
+      ->type_name("HOST");
   app.add_option("--discovery-server", session.discovery_servers,
                  "Such as 10.0.0.9:11811, instead of multicast and peers")
-      ->type_name("ADDRESS");
+      ->type_name("HOST:PORT");
   app.add_option("--security", session.security,
                  "Closed mode of the benches: directory with certificate, key and permissions")
       ->envname("VDRIVE_SECURITY")

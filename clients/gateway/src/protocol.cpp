@@ -289,14 +289,12 @@ std::string status_text(Level level, std::string_view message) {
       {{"op", "status"}, {"level", static_cast<int>(level)}, {"message", std::string(message)}});
 }
 
-std::string network_text(std::span<const std::string> troubles) {
+std::string network_text(const std::vector<std::string>& troubles) {
   constexpr const char* kId = "network";
   if (troubles.empty()) return to_line({{"op", "removeStatus"}, {"statusIds", {kId}}});
-  std::string message;
-  for (const std::string& trouble : troubles) message += (message.empty() ? "" : "; ") + trouble;
   return to_line({{"op", "status"},
                   {"level", static_cast<int>(Level::warning)},
-                  {"message", message},
+                  {"message", joined(troubles, "; ")},
                   {"id", kId}});
 }
 

@@ -180,7 +180,7 @@ struct Graph {
 /// The state of the gateway's network, which stays until the next: with troubles a warning, without
 /// its end.
 /// @param troubles of Session::network_troubles()
-[[nodiscard]] std::string network_text(std::span<const std::string> troubles);
+[[nodiscard]] std::string network_text(const std::vector<std::string>& troubles);
 [[nodiscard]] std::string parameters_text(std::span<const Parameter> parameters,
                                           const std::optional<std::string>& id);
 [[nodiscard]] std::string graph_text(const Graph& graph);

@@ -346,10 +346,8 @@ void set_number(AxisModel& model, const std::string& key, const py::handle& valu
   }
   std::vector<std::string> names{"coupling", "feedback"};
   for (const ModelParameter& parameter : kModelParameters) names.emplace_back(parameter.name);
-  std::string known;
-  for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
   raise_configuration_error("model: unknown key " + in_quotes(key) + suggestion(key, names) +
-                            ", known are " + known);
+                            ", known are " + joined(names));
 }
 
 /// @param keys with numbers as float

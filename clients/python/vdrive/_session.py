@@ -82,8 +82,9 @@ class Session(Handle):
                  service: Any = None, program: str = "") -> None:
         """Open the session.
 
-        domain: 0 to 232, by default that of VDRIVE_DOMAIN, else 0. interfaces: own addresses, by
-        default loopback only. security: directory of the closed mode's credentials. bench: find this
+        domain: 0 to 232, by default that of VDRIVE_DOMAIN, else 0. interfaces: own addresses
+        or interfaces such as eth0, by default loopback only. peers: hosts, by address or name, searched
+        in addition to multicast. discovery_servers: such as "10.0.0.9:11811", instead of both. security: directory of the closed mode's credentials. bench: find this
         one only. find_timeout, silence, patience: wall time in s. A call raises Lost when a service
         was silent for `silence`; what follows a bench (wait, follow, stream, on_status) when it was
         silent for `patience`. local: a bench of this process, of vdrive.Bench; then no option of the

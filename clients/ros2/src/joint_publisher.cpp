@@ -4,6 +4,7 @@
 #include "diagnostics.hpp"
 #include "joint_values.hpp"
 #include "ros_time.hpp"
+#include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -27,11 +28,7 @@ constexpr std::chrono::seconds kDiagnostics{1};
 
 /// @return which nodes can find the bridge, for a reader of the diagnostics.
 std::string network_text(const client::SessionOptions& options) {
-  std::string text;
-  for (const std::string& address : options.interfaces) {
-    text += (text.empty() ? "" : ", ") + address;
-  }
-  return text.empty() ? "loopback only" : text;
+  return options.interfaces.empty() ? "loopback only" : joined(options.interfaces);
 }
 
 }  // namespace

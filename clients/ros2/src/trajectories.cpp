@@ -34,7 +34,7 @@ namespace {
 
 using bridge::Severity;
 
-std::string joined(const std::vector<std::string>& names) {
+std::string names_text(const std::vector<std::string>& names) {
   constexpr std::size_t kMost = 4;  // a line of a log for people
   std::string text;
   for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) {
@@ -232,8 +232,9 @@ bool Trajectories::try_start(Waiting& waiting) {
 
 void Trajectories::begin(const Trajectory& trajectory, const TrajectoryStart& start) {
   const std::uint64_t number = ++last_number_;
-  const std::string text = "number " + std::to_string(number) + " of " + joined(trajectory.names) +
-                           ", " + std::to_string(trajectory.points.size()) + " points";
+  const std::string text = "number " + std::to_string(number) + " of " +
+                           names_text(trajectory.names) + ", " +
+                           std::to_string(trajectory.points.size()) + " points";
   std::set<std::uint64_t> replaced;
   for (const JointPlace& joint : trajectory.joints) {
     replaced.insert(benches_.motion_of(joint.bench).trajectory_of(joint.place));

@@ -38,11 +38,7 @@ Finding check_domain(const HostReadings& readings, const GlobalOptions& options)
 }
 
 std::string addresses_of(const HostReadings& readings) {
-  std::string text;
-  for (const wire::OwnInterface& one : readings.interfaces) {
-    text += (text.empty() ? "" : ", ") + one.address + " (" + one.name + ")";
-  }
-  return text.empty() ? "none" : text;
+  return readings.interfaces.empty() ? "none" : to_text(readings.interfaces);
 }
 
 std::vector<Finding> check_interfaces(const HostReadings& readings, const GlobalOptions& options) {

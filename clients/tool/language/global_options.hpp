@@ -25,8 +25,8 @@ constexpr std::string_view kOneOfSeveral = "__file";
 /// Options that stand before or after the command.
 struct GlobalOptions {
   std::uint32_t domain = 0;
-  std::vector<std::string> interfaces;         ///< own addresses in the networks to use
-  std::vector<std::string> peers;              ///< addresses searched beside multicast
+  std::vector<std::string> interfaces;         ///< own addresses or interfaces to use
+  std::vector<std::string> peers;              ///< hosts searched beside multicast
   std::vector<std::string> discovery_servers;  ///< such as 10.0.0.9:11811, instead of multicast
   std::string security;                        ///< directory of the closed mode; empty = open
   std::vector<std::string> network_given;      ///< names of those above in the command line

@@ -149,10 +149,8 @@ std::string unit_line(const client::Unit& unit) {
          (unit.kind == client::UnitKind::rotary ? "revolution" : escaped(unit.name));
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text.empty() ? "none" : text;
+std::string words_or_none(const std::vector<std::string>& words) {
+  return words.empty() ? "none" : joined(words);
 }
 
 /// @return what the description says about the model of the axis, as lines.
@@ -163,7 +161,7 @@ std::vector<std::string> model_lines(const AxisDescription& described) {
   };
   return {
       "  unit        " + unit_line(axis.unit),
-      "  modes       " + joined(names_of_modes(axis.supported_drive_modes)),
+      "  modes       " + words_or_none(names_of_modes(axis.supported_drive_modes)),
       "  at power-up position " +
           quantity_text(axis.user_position_lower_limit, Dimension::position, axis.unit) + " to " +
           quantity_text(axis.user_position_upper_limit, Dimension::position, axis.unit) +

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdrive {
 
@@ -27,6 +28,10 @@ inline constexpr std::size_t kLargestSettingsFile = std::size_t{4} << 20U;  // [
 
 /// @return `escaped(text)` in single quotes; the number of bytes follows where it was shortened.
 [[nodiscard]] std::string in_quotes(std::string_view text);
+
+/// @return the words one after the other, with `separator` between them.
+[[nodiscard]] std::string joined(const std::vector<std::string>& words,
+                                 std::string_view separator = ", ");
 
 /// @return whether `text` is well-formed UTF-8 (RFC 3629).
 [[nodiscard]] bool is_utf8(std::string_view text) noexcept;

@@ -59,16 +59,15 @@ std::vector<std::string> own_addresses(const std::string& interface) {
     throw NetworkError("network interface " + in_quotes(interface) +
                        " is not an IPv4 address or the name of an interface");
   }
-  const std::vector<OwnInterface> own = own_interfaces();
+  std::vector<OwnInterface> own = own_interfaces();
   std::vector<std::string> addresses = addresses_of(interface, own);
   if (!addresses.empty()) return addresses;
-  std::string there;
-  for (const OwnInterface& one : own) {
-    if (one.is_up) there += (there.empty() ? "" : ", ") + one.address + " (" + one.name + ")";
-  }
+  std::erase_if(own, [](const OwnInterface& one) {
+    return !one.is_up;
+  });
   throw NetworkError("network interface " + in_quotes(interface) +
                      ": no interface that is up has this " +
-                     (is_address(interface) ? "address" : "name") + "; there are " + there);
+                     (is_address(interface) ? "address" : "name") + "; there are " + to_text(own));
 }
 
 /// @return the addresses of the interfaces of `settings`, and loopback.
@@ -369,9 +368,7 @@ std::vector<std::string> DdsParticipant::troubles() const {
   std::vector<std::string> troubles = names_->troubles();
   const bool had_time = std::chrono::steady_clock::now() - began_ >= kTimeToFindAServer;
   if (!servers_.empty() && had_time && !entities_.others.has_server()) {
-    std::string servers;
-    for (const std::string& server : servers_) servers += (servers.empty() ? "" : ", ") + server;
-    troubles.push_back("no discovery server answers: " + servers +
+    troubles.push_back("no discovery server answers: " + joined(servers_) +
                        ": nobody can be found until one does");
   }
   return troubles;

@@ -59,14 +59,14 @@ class GuardTransport final : public SeeingTransport {
                     rtps::LocatorsIterator& first, const rtps::LocatorsIterator& last,
                     std::vector<Locator>& rest) override;
 
-  std::shared_ptr<Guard> guard_;
   [[nodiscard]] bool is_announced(const Locator& to);
 
+  std::shared_ptr<Guard> guard_;
   std::shared_ptr<const HostNames> names_;
   std::shared_mutex announced_mutex_;
   std::set<Locator> announced_;  ///< destinations that the library has announced to its transport
-  /// The first socket of the library that sends: with each further one the same datagram would go
-  /// to a named host once more.
+  /// The first socket of the library that sends: with each further one the same datagram would
+  /// leave once more.
   std::atomic<const rtps::SenderResource*> chosen_{nullptr};
 };
 

@@ -98,6 +98,7 @@ HostNames::~HostNames() {
 
 std::string HostNames::stand_in(const std::string& host, std::uint16_t port) {
   if (is_address(host)) return host;
+  has_names_ = true;
   const std::scoped_lock lock(state_->mutex);
   constexpr std::size_t kOctet = 256;
   const std::size_t number = state_->names.size() + 1;
@@ -113,7 +114,7 @@ void HostNames::start(const Addresses& own) {
     const int made = bound_socket(address);
     if (made >= 0) sockets_.push_back(made);
   }
-  if (state_->names.empty()) return;
+  if (!has_names_) return;
   state_->own = own;
   std::ifstream file("/etc/hosts");
   const std::string hosts{std::istreambuf_iterator<char>(file), {}};
@@ -159,14 +160,9 @@ void HostNames::look_up(State& state, std::size_t place) {
   state.changed.notify_all();
 }
 
-bool HostNames::has_names() const noexcept {
-  const std::scoped_lock lock(state_->mutex);
-  return !state_->names.empty();
-}
-
 std::optional<std::vector<rtps::Locator_t>> HostNames::destinations(
     const rtps::Locator_t& wanted) const {
-  if (wanted.kind != LOCATOR_KIND_UDPv4) return std::nullopt;
+  if (!has_names_ || wanted.kind != LOCATOR_KIND_UDPv4) return std::nullopt;
   const std::string address = IPLocator::toIPv4string(wanted);
   const std::uint32_t port = wanted.port;
   const std::scoped_lock lock(state_->mutex);
@@ -204,8 +200,7 @@ std::vector<std::string> HostNames::troubles() const {
   std::vector<std::string> troubles;
   for (const Name& name : state_->names) {
     if (name.problem.empty()) continue;
-    std::string last;
-    for (const std::string& address : name.addresses) last += (last.empty() ? "" : ", ") + address;
+    const std::string last = joined(name.addresses);
     troubles.push_back("the host name " + in_quotes(name.host) + " does not resolve: " +
                        name.problem + (last.empty() ? "" : "; its last address is used: " + last));
   }

@@ -60,7 +60,7 @@ class HostNames {
   void start(const Addresses& own);
 
   /// @return whether there are names: otherwise destinations() changes nothing.
-  [[nodiscard]] bool has_names() const noexcept;
+  [[nodiscard]] bool has_names() const noexcept { return has_names_; }
 
   /// @return where a datagram to `wanted` goes instead, empty = nowhere; nothing for an address.
   [[nodiscard]] std::optional<std::vector<rtps::Locator_t>> destinations(
@@ -87,6 +87,7 @@ class HostNames {
   struct State;
   static void look_up(State& state, std::size_t place);
 
+  bool has_names_ = false;
   std::vector<int> sockets_;      ///< each bound to an own address
   std::shared_ptr<State> state_;  ///< shared with the threads, which nobody waits for
 };

@@ -224,8 +224,8 @@ void BenchRun::start_ticking(int priority, Cycle cycle) {
 
 void BenchRun::start_lockstep() {
   lockstep_.emplace(configuration_, engine_, inbox_, outbox_, status_, replies_, stop_, doorbell_);
-  liveness_ = Liveness({&lockstep_->beats(), &report_beats_});
   beats_ = {{"steps", &lockstep_->beats()}, {"reports", &report_beats_}};
+  liveness_ = Liveness(counts_of(beats_));
   if (works_in_callers()) {
     lockstep_->begin();
     static_cast<void>(work());

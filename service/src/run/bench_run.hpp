@@ -203,9 +203,9 @@ class BenchRun {
   Counter tick_beats_;    ///< ticks; while paused, passes over the inbox
   Counter status_beats_;  ///< published images
   Counter report_beats_;  ///< rounds
-  Liveness liveness_{{&tick_beats_, &status_beats_, &report_beats_}};
   std::vector<Beats> beats_{
       {"ticks", &tick_beats_}, {"status", &status_beats_}, {"reports", &report_beats_}};
+  Liveness liveness_{counts_of(beats_)};
   std::atomic<bool> is_announced_{false};
   std::atomic<bool> stop_{false};
   std::atomic<bool> is_cut_off_{false};

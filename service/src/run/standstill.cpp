@@ -5,6 +5,13 @@
 
 namespace vdrive::service {
 
+std::vector<const Counter*> counts_of(const std::vector<Beats>& beats) {
+  std::vector<const Counter*> counts;
+  counts.reserve(beats.size());
+  for (const Beats& each : beats) counts.push_back(each.count);
+  return counts;
+}
+
 Standstill::Standstill(const std::vector<Beats>& beats, Clock::time_point now) {
   for (const Beats& each : beats) {
     watched_.push_back({.beats = each, .seen = each.count->get(), .since = now});

@@ -16,6 +16,9 @@ struct Beats {
   const Counter* count = nullptr;
 };
 
+/// @return the counters of `beats`.
+[[nodiscard]] std::vector<const Counter*> counts_of(const std::vector<Beats>& beats);
+
 /// For how long threads have made no progress, for one who looks at any time, rarely or often.
 class Standstill {
  public:

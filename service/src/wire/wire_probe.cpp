@@ -47,11 +47,9 @@ class WireProbe::Endpoints {
     state.bench = kNoBench;
     constexpr std::chrono::milliseconds kRepeat{50};  // best effort
     std::unique_lock lock(mutex_);
+    has_received_ = false;  // what came since the last probe proves nothing
     while (Clock::now() < deadline) {
-      if (has_received_ && has_arrived()) {
-        has_received_ = false;
-        return true;
-      }
+      if (has_received_ && has_arrived()) return true;
       lock.unlock();
       static_cast<void>(publication_.write(state));
       lock.lock();
@@ -81,16 +79,15 @@ WireProbe::~WireProbe() = default;
 bool WireProbe::comes_through() {
   const auto deadline = Clock::now() + kPatience;
   const std::uint64_t before = program_.probes_received();
-  if (kept_ == nullptr) {
-    kept_ = std::make_unique<Endpoints>(*participant_, program_.participant().source());
+  if (!depends_on_server_) endpoints_.reset();
+  if (endpoints_ == nullptr) {
+    endpoints_ = std::make_unique<Endpoints>(*participant_, program_.participant().source());
   }
-  const std::unique_ptr<Endpoints> dropped = depends_on_server_ ? nullptr : std::move(kept_);
-  Endpoints& endpoints = depends_on_server_ ? *kept_ : *dropped;
-  if (!endpoints.finds_the_wire()) {
+  if (!endpoints_->finds_the_wire()) {
     return depends_on_server_ && !was_found_ && !participant_->troubles().empty();
   }
   was_found_ = true;
-  return endpoints.exchanges(deadline, [this, before] {
+  return endpoints_->exchanges(deadline, [this, before] {
     return program_.probes_received() != before;
   });
 }

@@ -37,8 +37,8 @@ class WireProbe {
   WireProgram& program_;
   const bool depends_on_server_;
   std::unique_ptr<wire::Participant> participant_;
-  std::unique_ptr<Endpoints> kept_;  ///< with a discovery server
-  bool was_found_ = false;           ///< the wire, once
+  std::unique_ptr<Endpoints> endpoints_;  ///< of the last probe
+  bool was_found_ = false;                ///< the wire, once
 };
 
 }  // namespace vdrive::service

@@ -43,6 +43,9 @@ struct OwnInterface {
 /// @return the IPv4 addresses of this host.
 [[nodiscard]] std::vector<OwnInterface> own_interfaces();
 
+/// @return such as "10.0.0.1 (eth0), 127.0.0.1 (lo)".
+[[nodiscard]] std::string to_text(const std::vector<OwnInterface>& interfaces);
+
 /// @return the addresses that `interface`, an address or a name, has among `own`: of an interface
 ///         that is up. Empty when there is none.
 [[nodiscard]] std::vector<std::string> addresses_of(const std::string& interface,

@@ -45,10 +45,11 @@ inline constexpr std::chrono::milliseconds kPatienceWithVdrive{2'500};
 struct GuardCounts {
   std::array<std::uint64_t, kRefusals> refused{};  ///< datagrams by Refusal; [none] stays 0
   std::uint64_t handed_over = 0;                   ///< datagrams that the library got
-  std::uint64_t ignored = 0;    ///< announcements of clients that a client ignored
-  std::uint64_t judged = 0;     ///< removed: silent, or left unnoticed by the library
-  std::uint64_t held_back = 0;  ///< with heartbeats of participants that have just come back
-  std::uint64_t kept = 0;       ///< participants that are watched now
+  std::uint64_t ignored = 0;  ///< announcements of clients that a client ignored
+  std::uint64_t judged = 0;   ///< removed: silent, or left unnoticed by the library
+  /// With heartbeats of participants that have just come back; all of discovery servers that have.
+  std::uint64_t held_back = 0;
+  std::uint64_t kept = 0;  ///< participants that are watched now
 
   /// @return the datagrams that were refused for any reason.
   [[nodiscard]] std::uint64_t all_refused() const noexcept;

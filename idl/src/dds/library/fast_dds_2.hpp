@@ -116,8 +116,9 @@ class SeeingTransport : public eprosima::fastdds::rtps::ChainingTransport {
   /// @return what leaves.
   virtual std::span<const std::uint8_t> sends(std::span<const std::uint8_t> datagram,
                                               std::vector<std::uint8_t>& changed) = 0;
-  /// Sends a datagram itself to those of [first, last) that are no addresses. The library calls
-  /// this for each of its sockets.
+  /// Sends a datagram itself to those of [first, last) that the library must not send to: stand-ins
+  /// of names, and addresses that it has not announced. The library calls this for each of its
+  /// sockets.
   /// @return whether it has used up `first`: then the library sends to `rest`.
   virtual bool sends_itself(const rtps::SenderResource& low, std::span<const std::uint8_t> datagram,
                             rtps::LocatorsIterator& first, const rtps::LocatorsIterator& last,
