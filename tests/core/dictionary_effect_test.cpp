@@ -300,6 +300,14 @@ std::vector<EffectRow> bench_rows() {
     axis.step(10);
     return (axis.velocity() - start) * 100.0;
   };
+  const auto power = [](AxisUnderTest& axis) {
+    axis.step();
+    return static_cast<double>(axis.status().motor_op_status);
+  };
+  const auto speed_shown = [](AxisUnderTest& axis) {
+    axis.step();
+    return axis.velocity() == 0 ? 0.0 : 1.0;
+  };
   const auto blocked_speed = [](AxisUnderTest& axis) {
     axis.step(2);
     return axis.velocity() == 0 ? 0.0 : 1.0;
@@ -318,6 +326,8 @@ std::vector<EffectRow> bench_rows() {
       {"test_encoder_failure", 2, 0.0, 0x7305, enabled, fault_code},
       {"test_dc_link_loss", 1, 0.0, 0x3220, enabled, fault_code},
       {"test_connection_loss", 1, 0.0, 0x8130, enabled, fault_code},
+      {"test_power_drop", 1, 1.0, 0.0, enabled, power},
+      {"test_frozen_feedback", 1, 1.0, 0.0, moving, speed_shown},
       {"test_positive_limit_input", 1, 0.0, 2.0, nothing, inputs},
       {"test_negative_limit_input", 1, 0.0, 1.0, nothing, inputs},
       {"test_home_input", 1, 0.0, 4.0, nothing, inputs},
@@ -517,6 +527,7 @@ const std::set<std::string> kOfOtherModes{"velocity_window",
                                           "habit_homing_by_level",
                                           "habit_clear_target_velocity",
                                           "habit_homing_ends_at_halt",
+                                          "habit_mode_before_enabling",
                                           "store_all_parameters",
                                           "restore_all_default_parameters"};
 

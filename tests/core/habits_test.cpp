@@ -21,12 +21,13 @@ namespace {
 using test::AxisUnderTest;
 using enum PowerState;
 
-constexpr std::array<std::string_view, 15> kHabits{
+constexpr std::array<std::string_view, 16> kHabits{
     "habit_acknowledge_at_enabling", "habit_stream_release_bits",   "habit_short_quick_stop",
     "habit_transition_16",           "habit_mode_change_refusal",   "habit_controlword_loop",
     "habit_power_on_time",           "habit_mode_display_delay",    "habit_fault_reset_delay",
     "habit_stream_target_bit",       "habit_plan_from_rest",        "habit_statusword_bits",
-    "habit_homing_by_level",         "habit_clear_target_velocity", "habit_homing_ends_at_halt"};
+    "habit_homing_by_level",         "habit_clear_target_velocity", "habit_homing_ends_at_halt",
+    "habit_mode_before_enabling"};
 
 template <std::size_t kCount>
 using Words = std::array<std::uint16_t, kCount>;
@@ -700,6 +701,93 @@ TEST(HabitHomingEndsAtHalt, LeavesNoRunThatContinues) {
     axis.step(200);
     EXPECT_EQ(axis.demand_velocity(), habit == 0 ? -34'133 : 0);
     EXPECT_EQ(axis.statusword() & 0x3400, habit == 0 ? 0x0000 : 0x0400) << "under way, or idle";
+  }
+}
+
+// ---- p: no enabling without a mode --------------------------------------------------------------
+
+TEST(HabitModeBeforeEnabling, StaysInSwitchedOnWhile6060hIs0) {
+  for (const std::int64_t habit : {0, 1}) {
+    SCOPED_TRACE(habit);
+    AxisUnderTest axis;
+    axis.write("habit_mode_before_enabling", habit);
+    axis.command(0x000F);
+    axis.step(100);
+    EXPECT_EQ(axis.state(), habit == 0 ? operation_enabled : switched_on);
+    EXPECT_EQ(axis.status().motor_op_status, habit == 0 ? 1 : 0);
+    EXPECT_EQ(axis.read("error_code"), 0);
+  }
+}
+
+TEST(HabitModeBeforeEnabling, RefusesTransition4AloneOfThoseOnTheWay) {
+  AxisUnderTest axis;
+  axis.write("habit_mode_before_enabling", 1);
+  axis.command(0x0006);
+  EXPECT_EQ(axis.state(), ready_to_switch_on);
+  axis.command(0x000F);
+  EXPECT_EQ(axis.state(), switched_on) << "transition 3";
+  axis.command(0x000F);
+  EXPECT_EQ(axis.state(), switched_on);
+  axis.command(0x0006);
+  EXPECT_EQ(axis.state(), ready_to_switch_on) << "other commands are ordinary ones";
+}
+
+TEST(HabitModeBeforeEnabling, EnablesWithTheNextControlwordBehindTheMode) {
+  AxisUnderTest axis;
+  axis.write("habit_mode_before_enabling", 1);
+  axis.command(0x000F);
+  axis.write("op_mode_cmd", 3);
+  axis.step(100);
+  EXPECT_EQ(axis.state(), switched_on) << "a mode is no command";
+  axis.command(0x000F);
+  EXPECT_EQ(axis.state(), operation_enabled);
+}
+
+TEST(HabitModeBeforeEnabling, TakesAModeThatComesBeforeTheControlwordInTheSameTick) {
+  AxisUnderTest axis;
+  axis.write("habit_mode_before_enabling", 1);
+  axis.write("op_mode_cmd", 8);
+  axis.command(0x000F);
+  EXPECT_EQ(axis.state(), operation_enabled);
+}
+
+TEST(HabitModeBeforeEnabling, LeavesAnEnabledAxisEnabled) {
+  AxisUnderTest axis;
+  axis.write("habit_mode_before_enabling", 1);
+  axis.enable();
+  axis.write("op_mode_cmd", 0);
+  axis.command(0x000F);
+  EXPECT_EQ(axis.state(), operation_enabled);
+  axis.step(100);
+  EXPECT_EQ(axis.state(), operation_enabled);
+}
+
+// 605Ah = 6: the axis has a mode to lose since transition 4, and keeps its power.
+TEST(HabitModeBeforeEnabling, LeavesTransition16AsItIs) {
+  AxisUnderTest axis;
+  axis.write("habit_mode_before_enabling", 1);
+  axis.write("quick_stop_option_code", 6);
+  axis.enable();
+  axis.command(0x0002);
+  axis.write("op_mode_cmd", 0);
+  axis.step(100);
+  ASSERT_EQ(axis.state(), quick_stop_active);
+  axis.command(0x000F);
+  EXPECT_EQ(axis.state(), operation_enabled);
+}
+
+// With habit g the drive decides when it enables: a mode that was taken back by then is none.
+TEST(HabitModeBeforeEnabling, HoldsAtTheEndOfTheTimeToPowerOn) {
+  for (const std::int64_t mode : {0, 3}) {
+    SCOPED_TRACE(mode);
+    AxisUnderTest axis;
+    axis.write("habit_mode_before_enabling", 1);
+    axis.write("habit_power_on_time", 50);
+    axis.write("op_mode_cmd", 1);
+    axis.command(0x000F);
+    axis.write("op_mode_cmd", mode);
+    axis.step(100);
+    EXPECT_EQ(axis.state(), mode == 0 ? switched_on : operation_enabled);
   }
 }
 

@@ -277,6 +277,18 @@ TEST(PowerStateMachine, ALostDcLinkLeadsToSwitchOnDisabledFromStatesWithoutPower
   }
 }
 
+TEST(PowerStateMachine, APowerStageThatDropsOutTakesTransition5WhateverWaits) {
+  for (const Start& start : kStarts) {
+    PowerStateMachine machine = machine_in(start.state, start.pending);
+    const TransitionSet taken = machine.power_dropped();
+
+    const bool is_enabled = start.state == operation_enabled;
+    EXPECT_EQ(bits_of(taken), is_enabled ? 1U << 5U : 0U) << to_string(start.state);
+    EXPECT_EQ(machine.state(), is_enabled ? switched_on : start.state);
+    EXPECT_EQ(machine.pending(), PowerCommand::none) << to_string(start.state);
+  }
+}
+
 TEST(PowerStateMachine, TheEndOfAStopTriggersTheTransitionOfItsState) {
   for (const Start& start : kStarts) {
     for (std::int8_t option = 0; option <= 8; ++option) {

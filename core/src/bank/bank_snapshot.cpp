@@ -52,7 +52,7 @@ bool AxisBank::State::is_sound() const {
     const SteadyBlock& steady = block.state.steady;
     const std::uint64_t lanes = steady.lanes | steady.standing | steady.unpowered |
                                 block.state.noisy | block.state.modulo | block.state.probed |
-                                block.state.jerk_limited;
+                                block.state.jerk_limited | block.state.frozen;
     const std::uint64_t hot = block.effects == kNoEffects ? 0U : effects[block.effects].state.hot;
     return (lanes | hot) >> block.count == 0;
   });

@@ -210,6 +210,9 @@ void AxisBank::State::end_block(std::size_t block_index, const TickLanes& lanes)
   for_each_lane(block.state.modulo, [&](std::size_t lane) {
     fold_numbers(this->drive(block_index, lane), numbers);
   });
+  for_each_lane(block.state.frozen, [&](std::size_t lane) {
+    freeze_feedback(this->drive(block_index, lane), numbers);
+  });
   for_each_lane(steady, [&](std::size_t lane) {
     show_numbers(numbers, lane, statuses[block.axes[lane]]);
   });

@@ -43,6 +43,7 @@ void AxisBank::State::start_axis(std::size_t axis) {
       configurations[axis].model.feedback == Feedback::single_encoder;
   fill_memory(axis);
   power_up(drive, true);
+  show(drive);  // what feedback that is frozen from here on shows
   if (const InitialValue* const refused = set_initial_values(axis)) {
     refuse(axis, configurations.size(), "initial", *refused);
   }

@@ -130,6 +130,12 @@ TransitionSet PowerStateMachine::voltage_lost() noexcept {
   return taken;
 }
 
+TransitionSet PowerStateMachine::power_dropped() noexcept {
+  TransitionSet taken;
+  if (state_ == operation_enabled) take(5, taken);
+  return taken;
+}
+
 TransitionSet PowerStateMachine::stop_finished(const PowerOptions& options) noexcept {
   TransitionSet taken;
   if (state_ == fault_reaction_active) {

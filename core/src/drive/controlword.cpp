@@ -25,9 +25,9 @@ void take_command(Drive& drive, PowerCommand command) {
                                                  cause_present(drive)));
 }
 
-/// 5E20h:07. Enable operation leads to Switched on, and from there by itself to Operation enabled.
-/// @return whether it does; elsewhere the command is an ordinary one.
-bool begins_power_on(Drive& drive) {
+/// Goes as far towards Switched on as Enable operation leads now.
+/// @return whether the drive is there; elsewhere the command is an ordinary one.
+bool switches_on(Drive& drive) {
   const bool is_disabled = state_of(drive) == PowerState::switch_on_disabled;
   if (is_disabled && drive.registers().settings.enable_from_switch_on_disabled) {
     take_command(drive, PowerCommand::shutdown);
@@ -35,7 +35,13 @@ bool begins_power_on(Drive& drive) {
   if (state_of(drive) == PowerState::ready_to_switch_on) {
     take_command(drive, PowerCommand::switch_on);
   }
-  if (state_of(drive) != PowerState::switched_on) return false;
+  return state_of(drive) == PowerState::switched_on;
+}
+
+/// 5E20h:07. Enable operation leads to Switched on, and from there by itself to Operation enabled.
+/// @return whether it does.
+bool begins_power_on(Drive& drive) {
+  if (!switches_on(drive)) return false;
   HabitWaits& waits = drive.registers().waits;
   if (waits.power_on == 0) begin_wait(drive, waits.power_on, drive.registers().habits.power_on);
   return true;
@@ -50,13 +56,14 @@ bool begins_reset(Drive& drive) {
   return true;
 }
 
-/// @return whether a habit carries `command` out, later.
+/// @return whether a habit refuses `command`, or carries it out later.
 bool holds_back(Drive& drive, PowerCommand command) {
   const Habits& habits = drive.registers().habits;
   switch (command) {
     case PowerCommand::none:
       return false;
     case PowerCommand::enable_operation:
+      if (lacks_mode(drive)) return switches_on(drive);  // and stays there
       return habits.power_on != 0 && begins_power_on(drive);
     case PowerCommand::fault_reset:
       return habits.reset != 0 && begins_reset(drive);
@@ -143,7 +150,7 @@ void begin_held_back(Drive& drive) {
   if (looks(drive)) obey_waiting(drive);
   if (state_of(drive) != PowerState::switched_on) {
     waits.power_on = 0;  // a fault, or the voltage went
-  } else if (has_ended(waits.power_on)) {
+  } else if (has_ended(waits.power_on) && !lacks_mode(drive)) {
     take_command(drive, PowerCommand::enable_operation);
   }
   static_cast<void>(has_ended(waits.mode));  // follow_mode asks for it

@@ -50,7 +50,8 @@ void update_habits(Drive& drive) noexcept {
       .plans_from_rest = is_on(drive, "habit_plan_from_rest"_object),
       .homes_by_level = is_on(drive, "habit_homing_by_level"_object),
       .clears_velocity = is_on(drive, "habit_clear_target_velocity"_object),
-      .ends_homing_at_halt = is_on(drive, "habit_homing_ends_at_halt"_object)};
+      .ends_homing_at_halt = is_on(drive, "habit_homing_ends_at_halt"_object),
+      .needs_mode = is_on(drive, "habit_mode_before_enabling"_object)};
   DriveState& s = drive.state();
   s.maker_bits = static_cast<std::uint16_t>(Statusword::kRemote ^
                                             unsigned_reg(drive, "habit_statusword_bits"_object));

@@ -82,4 +82,9 @@ inline void forget_commands(Drive& drive) {
   return drive.registers().habits.ends_homing_at_halt;
 }
 
+/// Question, 5E20h:10: transition 4 is refused, because no mode has been chosen with 6060h.
+[[nodiscard]] inline bool lacks_mode(const Drive& drive) {
+  return drive.registers().habits.needs_mode && drive.state().mode.wanted == OperatingMode::none;
+}
+
 }  // namespace vdrive

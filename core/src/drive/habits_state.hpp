@@ -33,7 +33,8 @@ struct Habits {
   bool homes_by_level = false;         // :0D
   bool clears_velocity = false;        // :0E
   bool ends_homing_at_halt = false;    // :0F
-  std::array<std::uint8_t, 5> unused{};
+  bool needs_mode = false;             // :10
+  std::array<std::uint8_t, 4> unused{};
 };
 
 /// What a habit holds back at present. Counts are ticks, the present one included; 0 = nothing.

@@ -111,6 +111,9 @@ WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexce
     case Change::connection:
       if (previous == 0 && value != 0) lose_connection(drive);
       break;
+    case Change::power_drop:
+      if (previous == 0 && value != 0) drop_power(drive);
+      break;
     case Change::nothing:
     case Change::memory:
       break;

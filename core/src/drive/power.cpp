@@ -234,4 +234,8 @@ void lose_connection(Drive& drive) noexcept {
   }
 }
 
+void drop_power(Drive& drive) noexcept {
+  act(drive, drive.state().power.machine.power_dropped());
+}
+
 }  // namespace vdrive

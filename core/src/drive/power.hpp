@@ -18,6 +18,10 @@ void complete_power_up(Drive& drive);
 /// The silent master of 6007h.
 void lose_connection(Drive& drive) noexcept;
 
+/// The power stage drops out by itself (5E0Bh): no fault, and no stop. The axis coasts, until a
+/// controlword enables it again.
+void drop_power(Drive& drive) noexcept;
+
 /// @return the option codes and settings that the power state machine reads.
 [[nodiscard]] PowerOptions power_options(const Drive& drive);
 

@@ -90,12 +90,19 @@ void update_range(Drive& drive) {
   modulo = has_range ? modulo | lane : modulo & ~lane;
 }
 
+void update_frozen_feedback(Drive& drive) {
+  const std::uint64_t lane = std::uint64_t{1} << drive.lane();
+  std::uint64_t& frozen = drive.block().frozen;
+  frozen = reg(drive, "test_frozen_feedback"_object) != 0 ? frozen | lane : frozen & ~lane;
+}
+
 }  // namespace
 
 void update_derived(Drive& drive) noexcept {
   update_windows(drive);
   update_range(drive);
   update_limits(drive);
+  update_frozen_feedback(drive);
   DriveState& s = drive.state();
   drive.block().units.rated_current[drive.lane()] = real(drive, "motor_rated_current"_object);
   drive.servo().blocked[drive.lane()] = reg(drive, "test_blocked_load"_object) != 0 ? 1.0 : 0.0;

@@ -77,6 +77,11 @@ inline constexpr std::uint8_t kHomeInput = 1U << 2U;
   return (drive.state().controlword & Controlword::kHalt) != 0;
 }
 
+/// @return whether the readings are shown as they were when 5E0Ch became 1.
+[[nodiscard]] inline bool shows_frozen_feedback(const Drive& drive) {
+  return (drive.block().frozen >> drive.lane() & 1U) != 0;
+}
+
 /// Puts registers into the form in which the tick uses them; after they were written.
 void update_derived(Drive& drive) noexcept;
 

@@ -289,8 +289,9 @@ struct BlockState {
   std::uint64_t modulo;        // lanes of modulo axes
   std::uint64_t probed;        // lanes with an enabled touch probe
   std::uint64_t jerk_limited;  // lanes that move along a plan with jerk
-  std::uint64_t ticks;  // since the bank began, without those that a settled block leaves out now
-  std::array<std::uint64_t, 3> unused;
+  std::uint64_t ticks;   // since the bank began, without those that a settled block leaves out now
+  std::uint64_t frozen;  // lanes whose feedback is shown as it was (5E0Ch)
+  std::array<std::uint64_t, 2> unused;
 };
 
 /// One axis: its state, its lane of the block, its status image. Questions take a

@@ -216,6 +216,24 @@ void watch_tick(Drive& drive) noexcept {
   take_next_set_point(drive, mode);
 }
 
+void freeze_feedback(const Drive& drive, NumberBlock& numbers) noexcept {
+  const std::size_t l = drive.lane();
+  const AxisStatus& shown = drive.status();
+  const double demand = numbers.position_demand_value[l];
+  const double load = shown.load_position_actual_value;
+  const double motor = shown.motor_position_actual_value;
+  const bool is_one_frame = drive.registers().single_encoder;
+  numbers.load_position_actual_value[l] = shown.load_position_actual_value;
+  numbers.load_position_error_value[l] = wrapped(shorter_way(drive, demand - load));
+  numbers.motor_position_actual_value[l] = shown.motor_position_actual_value;
+  numbers.motor_position_error_value[l] =
+      wrapped(is_one_frame ? shorter_way(drive, demand - motor) : demand - motor);
+  numbers.load_velocity_actual_value[l] = 0;
+  numbers.load_velocity_error_value[l] = numbers.velocity_demand_value[l];
+  numbers.motor_velocity_actual_value[l] = 0;
+  numbers.motor_velocity_error_value[l] = numbers.velocity_demand_value[l];
+}
+
 void end_tick(Drive& drive, const NumberBlock& numbers) noexcept {
   DriveState& s = drive.state();
   const Mode& mode = mode_of(drive);
@@ -246,6 +264,7 @@ void show(Drive& drive) noexcept {
   NumberBlock numbers;
   round_numbers(drive.block(), numbers);
   if (is_modulo(drive)) fold_numbers(drive, numbers);
+  if (shows_frozen_feedback(drive)) freeze_feedback(drive, numbers);
   show(drive, mode_of(drive), numbers);
 }
 

@@ -26,6 +26,11 @@ void begin_tick(Drive& drive) noexcept;
 /// Watch, take.
 void watch_tick(Drive& drive) noexcept;
 
+/// Feedback that does not arrive any more (5E0Ch): positions stay as the status image shows them,
+/// velocities are 0, and the differences between demand and feedback are those of these values.
+/// Loops, windows, limits and switches do not read `numbers`: they have the true feedback.
+void freeze_feedback(const Drive& drive, NumberBlock& numbers) noexcept;
+
 /// Show, with the numbers of the block; whether the next tick is a steady one.
 void end_tick(Drive& drive, const NumberBlock& numbers) noexcept;
 

@@ -84,6 +84,7 @@ std::int64_t vl_velocity_demand(const Drive& drive) {
 }
 
 std::int64_t vl_velocity_actual_value(const Drive& drive) {
+  if (shows_frozen_feedback(drive)) return 0;
   constexpr double kSecondsAMinute = 60.0;
   const double speed = drive.servo().motor_speed[drive.lane()];
   return in_vl_units(drive, speed * kSecondsAMinute / kUserUnitsPerRevolution);

@@ -10,7 +10,7 @@
 
 namespace vdrive::client {
 
-/// A test-bench input (5E00h to 5E0Ah): what acts on an axis from outside.
+/// A test-bench input (5E00h to 5E0Ch): what acts on an axis from outside.
 enum class Disturbance : std::uint8_t {
   load_torque,  ///< [mN.m]; the others are 1 = on, 0 = off
   blocked_load,
@@ -23,6 +23,8 @@ enum class Disturbance : std::uint8_t {
   home_switch,
   index_pulse,
   connection_loss,
+  power_drop,
+  frozen_feedback,
 };
 
 /// A disturbance: its word in the tool, the object that it writes, and what becomes of the axis.
@@ -65,6 +67,13 @@ inline constexpr std::array kDisturbances{
                    ErrorCode::life_guard_or_heartbeat,
                    "a rising edge is the loss of the master: at once in Operation enabled and in "
                    "Quick stop active, where 6007h is 1; 0, 2 and 3 choose another reaction"},
+    DisturbanceRow{Disturbance::power_drop, "power_drop", "test_power_drop", ErrorCode::none,
+                   "a rising edge takes Operation enabled to Switched on; the axis coasts until a "
+                   "controlword enables it again"},
+    DisturbanceRow{Disturbance::frozen_feedback, "frozen_feedback", "test_frozen_feedback",
+                   ErrorCode::none,
+                   "positions that are shown stay, velocities are 0; the axis itself goes on with "
+                   "the true feedback"},
 };
 
 /// @return such as "fault 2310h, continuous over-current: at once, in every state".

@@ -70,6 +70,9 @@ class PowerStateMachine {
   /// The DC link was lost where that is no fault: back to Switch on disabled.
   TransitionSet voltage_lost() noexcept;
 
+  /// The power stage has dropped out where that is no fault: transition 5, without a ramp.
+  TransitionSet power_dropped() noexcept;
+
   /// The stop of the present state has come to its end: transition 14 of the fault reaction,
   /// transition 12 of a quick stop that does not stay (605Ah 0 to 4), 5 or 8 of a held-back ramp.
   TransitionSet stop_finished(const PowerOptions& options) noexcept;

@@ -71,6 +71,7 @@ enum class Change : std::uint8_t {
   habits,          ///< how the drive reads the standard (5E20h)
   probe,           ///< the touch probes are enabled or disabled (60B8h)
   connection,      ///< 0 -> 1 loses the connection to the master (5E0Ah)
+  power_drop,      ///< 0 -> 1 takes the power of an enabled axis (5E0Bh)
   memory,          ///< whoever owns the bank stores or restores parameters (1010h, 1011h)
 };
 

@@ -18,11 +18,11 @@ namespace vdrive {
 /// Of objects, names, types, access and ranges; clients find it in the description of a bench. The
 /// second number grows with every change of a row, the first with one that existing clients cannot
 /// use.
-inline constexpr std::string_view kDictionaryVersion = "1.4";
+inline constexpr std::string_view kDictionaryVersion = "1.5";
 
 /// The object dictionary: each object stands here once. Rows of the manual first name their
 /// category as the manual does; companion rows are those that the drive needs beside them
-/// (CiA 301 communication objects, CiA 402 objects, the test-bench inputs 5E00h..5E0Ah, the
+/// (CiA 301 communication objects, CiA 402 objects, the test-bench inputs 5E00h..5E0Ch, the
 /// synchronous move 5E10h, the speed limit of the motor 5E11h, missing set-points 5E12h, the
 /// mechanical stop of homing 5E18h, the habits of other drives 5E20h and the places of switches
 /// 5E21h).
@@ -105,6 +105,10 @@ inline constexpr auto kObjectRows = std::to_array<ObjectDescription>({
      DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input},
     {{0x5E0A, 0x00}, "Test Connection Loss", "测试：通信中断", "Test", "test_connection_loss",
      DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::connection},
+    {{0x5E0B, 0x00}, "Test Power Drop", "测试：使能丢失", "Test", "test_power_drop",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::power_drop},
+    {{0x5E0C, 0x00}, "Test Frozen Feedback", "测试：反馈冻结", "Test", "test_frozen_feedback",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input},
     {{0x5E10, 0x01}, "Synchronous Move Duration", "同步移动时间", "Service", "synchronous_move_duration",
      DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "us", Origin::companion, Role::parameter, Change::nothing},
     {{0x5E10, 0x02}, "Synchronous Move Acceleration Time", "同步移动加速时间", "Service", "synchronous_move_acceleration_time",
@@ -154,6 +158,8 @@ inline constexpr auto kObjectRows = std::to_array<ObjectDescription>({
     {{0x5E20, 0x0E}, "Habit Clear Target Velocity", "习性：使能清目标速度", "Test", "habit_clear_target_velocity",
      DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
     {{0x5E20, 0x0F}, "Habit Homing Ends At Halt", "习性：暂停即终止回零", "Test", "habit_homing_ends_at_halt",
+     DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
+    {{0x5E20, 0x10}, "Habit Mode Before Enabling", "习性：使能前须选模式", "Test", "habit_mode_before_enabling",
      DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input, Change::habits},
     {{0x5E21, 0x01}, "Test Switch Negative Limit", "测试：负限位开关位置", "Test", "test_switch_negative_limit",
      DataType::integer32, Access::read_write, Storage::not_stored, Effective::immediately, -2147483648, 2147483647, -2147483648, "PosUU", Origin::companion, Role::test_input},
