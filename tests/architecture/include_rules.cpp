@@ -132,6 +132,9 @@ constexpr std::array kCanopenNodeMay{Origin::standard, Origin::core, Origin::bes
 constexpr std::array kJudgeMay{Origin::standard, Origin::core, Origin::beside};
 constexpr std::array kJudgeFilesMay{Origin::standard, Origin::core, Origin::beside,
                                     Origin::settings};
+constexpr std::array kJudgeReplayedMay{Origin::standard, Origin::core, Origin::messages,
+                                       Origin::beside};
+constexpr std::array kJudgeLiveMay{Origin::standard, Origin::core, Origin::client, Origin::beside};
 // That bridge makes benches of its own, for masters that are tested without a network.
 constexpr std::array kCanopenMay{
     Origin::standard, Origin::system, Origin::eigen, Origin::core,   Origin::third_party,
@@ -169,6 +172,9 @@ constexpr std::array kRooms{
     RoomRow{"clients/gateway/", kBridgeMay, kBridgeReason},
     RoomRow{"clients/judge/src/exceptions/", kJudgeFilesMay,
             "exceptions/ reads YAML and knows no bench"},
+    RoomRow{"clients/judge/src/replayed/", kJudgeReplayedMay,
+            "replayed/ runs the engine again, and knows no wire"},
+    RoomRow{"clients/judge/src/live/", kJudgeLiveMay, "live/ is a client, and knows no wire"},
     RoomRow{"clients/judge/", kJudgeMay, "the judge knows core/ only"},
     RoomRow{"clients/ros2/", kBridgeMay, kBridgeReason},
     RoomRow{"clients/tool/", kToolMay, kClientReason},
@@ -314,8 +320,13 @@ const std::vector<InnerRoomRow>& judge_rooms() {
   static const std::vector<InnerRoomRow> rows{
       {"judge", {}, "judge/ is a function of records, whatever their source"},
       {"node", {}, "node/ knows no judge"},
+      {"journal", {}, "journal/ is that of the service"},
       {"log", {"judge", "node"}, "log/ makes records of the frames of a bus"},
       {"exceptions", {"judge"}, "exceptions/ reads a file for the judge"},
+      {"replayed",
+       {"judge", "journal"},
+       "replayed/ makes records of a journal, whose drives it runs again"},
+      {"live", {"judge"}, "live/ makes records of a bench that runs"},
   };
   return rows;
 }
@@ -597,8 +608,10 @@ bool reaches_private_header(std::string_view path, std::string_view included,
     if (!header.ends_with(ending)) return false;
     const bool is_shared = header.starts_with("service/src/settings/");
     const bool is_in_room = first_folder(header) == first_folder(path);
-    // The engine in a user's process: the one place beside the service that knows its rooms.
-    const bool is_bench = path.starts_with("clients/bench/") && header.starts_with("service/src/");
+    // The engine in a user's process, and where a judge runs it again.
+    const bool knows_engine =
+        path.starts_with("clients/bench/") || path.starts_with("clients/judge/src/replayed/");
+    const bool is_bench = knows_engine && header.starts_with("service/src/");
     return is_in_room || is_shared || is_bench;
   });
 }

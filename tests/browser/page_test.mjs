@@ -663,6 +663,25 @@ test("events have one stop of the Tab key, and the arrow keys go through them", 
   await command("pause").click();
 });
 
+test("the judge tells what a master does wrong while its panel is open", async () => {
+  await page.click("nav a >> nth=0");
+  await page.click('[data-address="1.3"]');
+  await page.locator(".findings-panel summary").click();
+  await waitForText(page.locator(".findings-panel"), /no finding yet/);
+  // Bit 4 stays up when the second target is written: it never gets an edge.
+  for (const words of [["write", "1.3", "0x6060", "1"], ["enable", "1.3"], ["write", "1.3", "0x607A", "100"], ["write", "1.3", "0x6040", "0x1F"],
+    ["write", "1.3", "0x607A", "200"], ["write", "1.3", "0x6040", "0x1F"]]) {
+    assert.equal(await runTool(...words), 0);
+  }
+  const found = await waitForText(page.locator(".findings"), /handshake-2/);
+  assert.match(found, /\d+error.*6040h = 0x001F has bit 4 up/);
+  await page.locator(".findings li button").first().click();
+  await resetZoom("enabled").waitFor();
+  await command("pause").click();
+  await page.click("nav a >> nth=0");
+  await page.click('[data-address="1.1"]');
+});
+
 test("Enter on a row opens the axis, where the next Tab goes on, and back leads to the row", async () => {
   await page.click("nav a >> nth=0");
   await page.locator(".row[data-address='1.2']").waitFor(); // keys go through rows that are there

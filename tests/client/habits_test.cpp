@@ -303,5 +303,16 @@ TEST_F(DriveWithHabits, MovesHomesAndRunsWithTheOthers) {
   EXPECT_TRUE(axis_.run_at(0));
 }
 
+// p
+TEST_F(DriveWithHabits, EnablingWaitsInSwitchedOnUntilAModeIsChosen) {
+  have("habit_mode_before_enabling", 1);
+  const Outcome refused = axis_.enable({.timeout = 100ms});
+  EXPECT_EQ(refused.kind(), OutcomeKind::timed_out);
+  EXPECT_THAT(refused.message(), HasSubstr("Switched on"));
+  ASSERT_TRUE(axis_.write(kMode, 1));
+  expect_enabled();
+  expect_move_to(1'000);
+}
+
 }  // namespace
 }  // namespace vdrive::client

@@ -452,13 +452,13 @@ TEST_F(LockStep, DisturbsAnAxisAndRemovesTheDisturbance) {
     const Result<std::uint64_t> disturbed = axis_->disturb(row.disturbance);
     ASSERT_TRUE(disturbed) << row.name << disturbed.outcome().message();
   }
-  for (std::uint16_t index = 0x5E00; index <= 0x5E0A; ++index) {
+  for (std::uint16_t index = 0x5E00; index <= 0x5E0C; ++index) {
     EXPECT_EQ(*axis_->read({index, 0}), 1) << std::hex << index;
   }
   ASSERT_TRUE(axis_->disturb(Disturbance::load_torque, -250));
   EXPECT_EQ(*axis_->read({0x5E00, 0}), -250);
   ASSERT_TRUE(axis_->end_disturbances());
-  for (std::uint16_t index = 0x5E00; index <= 0x5E0A; ++index) {
+  for (std::uint16_t index = 0x5E00; index <= 0x5E0C; ++index) {
     EXPECT_EQ(*axis_->read({index, 0}), 0) << std::hex << index;
   }
 }
@@ -514,6 +514,32 @@ TEST_F(LockStep, ADcLinkLossWithoutPowerIsNoFault) {
   ASSERT_TRUE(sut_.step(1, 10));
   EXPECT_EQ(axis_->status()->status.error_code, 0);
   EXPECT_EQ(axis_->status()->state(), PowerState::switch_on_disabled);
+}
+
+TEST_F(LockStep, APowerDropEndsAMotionWithoutAFault) {
+  ASSERT_TRUE(axis_->enable());
+  const auto motion = axis_->start_move(1'000'000, slow());
+  ASSERT_TRUE(motion) << motion.outcome().message();
+  ASSERT_TRUE(sut_.step(1, 100));
+  ASSERT_TRUE(axis_->disturb(Disturbance::power_drop));
+  ASSERT_TRUE(sut_.step(1, 10));
+  EXPECT_EQ(axis_->status()->state(), PowerState::switched_on);
+  EXPECT_EQ(axis_->status()->status.error_code, 0);
+  EXPECT_THAT(motion->wait().message(), HasSubstr("Switched on"));
+  ASSERT_TRUE(axis_->enable()) << "the input is still 1";
+  EXPECT_EQ(axis_->status()->state(), PowerState::operation_enabled);
+}
+
+TEST_F(LockStep, FrozenFeedbackShowsAMoveThatArrivesElsewhere) {
+  ASSERT_TRUE(axis_->enable());
+  ASSERT_TRUE(axis_->disturb(Disturbance::frozen_feedback));
+  const std::int32_t shown = axis_->status()->status.load_position_actual_value;
+  ASSERT_TRUE(axis_->move_to(shown + 2'000)) << "bit 10 has the true position";
+  EXPECT_EQ(axis_->status()->status.load_position_actual_value, shown);
+  EXPECT_EQ(axis_->status()->status.load_position_error_value, 2'000);
+  ASSERT_TRUE(axis_->end_disturbances());
+  ASSERT_TRUE(sut_.step(1, 1));
+  EXPECT_NEAR(axis_->status()->status.load_position_actual_value, shown + 2'000, 10);
 }
 
 TEST_F(LockStep, AQuickStopAcquiresNothing) {

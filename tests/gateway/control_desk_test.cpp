@@ -105,8 +105,8 @@ TEST_F(ControlOfAGateway, LetsOneConnectionCommand) {
 }
 
 TEST_F(ControlOfAGateway, LetsEverybodyReadAndStop) {
-  for (const Right right :
-       {Right::none, Right::events, Right::stop, Right::take_control, Right::release_control}) {
+  for (const Right right : {Right::none, Right::events, Right::judge, Right::stop,
+                            Right::take_control, Right::release_control}) {
     EXPECT_TRUE(desk_.check(kFirst, right)) << static_cast<int>(right);
   }
 }

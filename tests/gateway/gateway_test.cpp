@@ -357,6 +357,40 @@ TEST(GatewayStatus, SendsEventsAsLogAndTheTimeOfTheBench) {
   EXPECT_NEAR(static_cast<double>(time) * 1e-9, std::chrono::duration<double>(now).count(), 30.0);
 }
 
+TEST(GatewayJudge, TellsWhatAMasterDoesWrongWhileSomebodyAsks) {
+  const RunningService service("--clock realtime");
+  Session session(options());
+  auto axis = session.axis("1.2");
+  ASSERT_TRUE(axis);
+  const RunningGateway gateway;
+  ToolClient client(gateway.port());
+  (void)client.channel("/bench1/status");
+  ASSERT_TRUE(axis->write({0x6060, 0}, 1));
+  ASSERT_TRUE(axis->enable());
+  const auto findings = [&] {
+    const Json answer = client.call("/judge", {{"bench", 1}});
+    EXPECT_TRUE(answer["ok"]) << answer;
+    return answer["findings"];
+  };
+  EXPECT_EQ(findings(), Json::array());
+  // A new target, and bit 4 stays up.
+  Json last;
+  EXPECT_TRUE(soon([&] {
+    EXPECT_TRUE(axis->write({0x6040, 0}, 0x1F));
+    EXPECT_TRUE(axis->write({0x607A, 0}, axis->status()->status.position_demand_value + 100));
+    last = findings();
+    return std::ranges::any_of(last, [](const Json& finding) {
+      return finding["rule"] == "handshake-2" && finding["axis"] == 2 &&
+             finding["severity"] == "error" && finding["tick"] > 0 && finding["count"] > 0;
+    });
+  })) << last;
+  EXPECT_EQ(client.call("/judge", {{"bench", 9}})["ok"], true) << "it is searched for";
+  EXPECT_TRUE(soon([&] {
+    return client.call("/judge", {{"bench", 9}})["outcome"] == "not_found";
+  }));
+  EXPECT_THAT(client.call("/judge", Json::object())["message"], HasSubstr("'bench' is missing"));
+}
+
 TEST(GatewayStatus, HasTheEventsFromBeforeItsStartForEachClient) {
   const RunningService service("--clock realtime");
   Session session(options());

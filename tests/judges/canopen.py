@@ -48,8 +48,9 @@ def load_can():
 class Bus:
     """vdrive-canopen with a bench of its own."""
 
-    def __init__(self, program, clock, programs, nodes=NODES):
+    def __init__(self, program, clock, programs, nodes=NODES, more=()):
         options = ["--clock", clock] + (["--sync-steps", PERIOD] if clock == "lockstep" else [])
+        options += more
         self.process = programs.start(program, "--private", "--axes", str(nodes), "--socketcand",
                                       "127.0.0.1:0", *options, stdout=subprocess.PIPE)
         line = self.process.stdout.readline()
@@ -153,13 +154,37 @@ def decode(path, frames):
         fail(f"tshark finds {malformed} malformed frames in {path}")
 
 
+def verdict_of(vdrive, file):
+    """The judge's findings, as rule and number of the axis, and the rules that it could not judge."""
+    done = subprocess.run([vdrive, "judge", file, "--json", "--fail-on", "never"], capture_output=True, text=True,
+                          timeout=PATIENCE)
+    if done.returncode != 0:
+        fail(f"vdrive judge {file}: {done.stderr.strip()}")
+    *findings, summary = [json.loads(line) for line in done.stdout.splitlines()]
+    unjudged = {rule for each in summary["not_judged"] for rule in each["rules"]}
+    return {(each["rule"], re.findall(r"\d+", each["axis"])[-1]) for each in findings}, unjudged
+
+
+def compare_verdicts(vdrive, log, journal):
+    """The log of the bus and the journal of its bench: the same findings, by the rules that both know."""
+    (of_log, not_log), (of_journal, not_journal) = verdict_of(vdrive, log), verdict_of(vdrive, journal)
+    unknown = not_log | not_journal
+    differing = {each for each in of_log ^ of_journal if each[0] not in unknown}
+    if differing:
+        fail(f"of {log}: {sorted(of_log)}, of {journal}: {sorted(of_journal)}: they differ in {sorted(differing)}")
+    return len(of_log & of_journal)
+
+
 def judge(can, vdrive, program, clock, work, programs):
     output, capture = work / f"{clock}.json", work / f"{clock}.pcap"
     for node in range(1, NODES + 1):
         with (work / f"node{node}.dcf").open("w", encoding="ascii") as file:
             subprocess.run([vdrive, "dictionary", "--format", "eds", "--node", str(node)], check=True, stdout=file,
                            timeout=PATIENCE)
-    bus = Bus(program, clock, programs)
+    log, journal = work / f"{clock}.candump", work / f"{clock}.journal"
+    for file in (log, journal):
+        file.unlink(missing_ok=True)
+    bus = Bus(program, clock, programs, more=["--log", log, "--journal", journal])
     listener = Listener(can, bus)
     try:
         done = subprocess.run(["node", work / "judge.mjs", bus.host, str(bus.port), work, clock, output],
@@ -175,6 +200,8 @@ def judge(can, vdrive, program, clock, work, programs):
     compare([frame_of(message) for message in listener.messages], judged, counted)
     write_capture(capture, listener.messages)
     decode(capture, len(listener.messages))
+    same = compare_verdicts(vdrive, log, journal)
+    print(f"{clock}: log and journal of the run have the same findings, {same} of them")
     print(f"{clock}: {'; '.join(done.stdout.splitlines())}; {len(listener.messages)} frames agree, and "
           "tshark decodes them")
 

@@ -99,6 +99,62 @@ def test_a_failed_test_has_the_last_ticks_and_events_of_its_bench(pytester):
     assert any("  1.1  fault  " in line for line in lines) and len(lines) <= 1024
 
 
+MASTERS = """
+    import pytest
+
+    def master(session, waits):
+        axis = session.axis("1.1")
+        axis.write(0x6060, 1)
+        axis.enable()
+        axis.write(0x607A, 100000)
+        axis.write(0x6040, 0x1F)
+        session.step(3)
+        if waits:
+            axis.write(0x6040, 0x0F)
+            session.step(3)
+        axis.write(0x607A, 200000)
+        axis.write(0x6040, 0x1F)     # without a fall of bit 4 no edge
+        session.step(3)
+        axis.write(0x6040, 0x0F)
+        session.step(3)
+
+    def test_right(vdrive_session, vdrive_judge):
+        axis = vdrive_session.axis("1.1")
+        axis.enable()
+        axis.move_to(1000)
+        axis.disable()
+
+    def test_wrong(vdrive_judge, vdrive_session):
+        master(vdrive_session, False)
+
+    @pytest.mark.vdrive_judge(off={"handshake-2": "that is what this test does"})
+    def test_excepted(vdrive_session, vdrive_judge):
+        master(vdrive_session, False)
+
+    @pytest.mark.vdrive_judge(off={"handshake-2": "nobody does it"})
+    def test_unused(vdrive_session, vdrive_judge):
+        master(vdrive_session, True)
+
+    @pytest.mark.vdrive_judge(off={"handshake-99": "no such rule"})
+    def test_no_rule(vdrive_session, vdrive_judge):
+        pass
+
+    def test_unjudged(vdrive_session):
+        master(vdrive_session, False)
+"""
+
+
+@pytest.mark.parametrize("over", ["local", "dds"])
+def test_a_test_that_asks_for_the_judge_fails_by_what_its_master_did_wrong(pytester, over):
+    pytester.makepyfile(MASTERS)
+    result = pytester.runpytest_subprocess("-q", "-p", "no:cacheprovider", f"--vdrive-over={over}",
+                                           timeout=200)
+    result.assert_outcomes(passed=4, failed=2, warnings=1)
+    result.stdout.fnmatch_lines(["*error handshake-2 on axis 1.1: *", "*'handshake-99' is no rule of the judge*",
+                                 "*off has rules that were not broken: handshake-2*"])
+    result.stdout.no_fnmatch_line("*test_right*")
+
+
 def test_nothing_is_recorded_where_it_is_turned_off(pytester):
     pytester.makepyfile(FAILS)
     result = pytester.runpytest_subprocess("-q", "-p", "no:cacheprovider", "--vdrive-record=0", timeout=100)

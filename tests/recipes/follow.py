@@ -142,14 +142,14 @@ RECIPES = [
     Recipe(
         "An object",
         before(OBJECT_TABLE, "{{0x5E10, 0x01}",
-               '    {{0x5E0B, 0x00}, "Scratch Input", "试验", "Test", "test_scratch",\n'
+               '    {{0x5E0D, 0x00}, "Scratch Input", "试验", "Test", "test_scratch",\n'
                "     DataType::unsigned8, Access::read_write, Storage::not_stored, "
                'Effective::immediately, 0, 1, 0, "-", Origin::companion, Role::test_input},'),
-        after("tests/data/companion-objects.csv", "0x5E0A,0x00",
-              "0x5E0B,0x00,Scratch Input,test_scratch,RW,N,UNS8,0,1,0,-,"),
-        instead(OBJECT_TABLE, 'kDictionaryVersion = "1.4"', 'kDictionaryVersion = "1.4s"'),
-        instead(DICTIONARY_TEST, 'kVersion = "1.4"', 'kVersion = "1.4s"'),
-        instead(DICTIONARY_TEST, "index <= 0x5E0A)", "index <= 0x5E0B)"),
+        after("tests/data/companion-objects.csv", "0x5E0C,0x00",
+              "0x5E0D,0x00,Scratch Input,test_scratch,RW,N,UNS8,0,1,0,-,"),
+        instead(OBJECT_TABLE, 'kDictionaryVersion = "1.5"', 'kDictionaryVersion = "1.5s"'),
+        instead(DICTIONARY_TEST, 'kVersion = "1.5"', 'kVersion = "1.5s"'),
+        instead(DICTIONARY_TEST, "index <= 0x5E0C)", "index <= 0x5E0D)"),
         grown(DICTIONARY_TEST, r"EXPECT_EQ\(test_inputs, (\d+)U\)"),
         after("tests/core/dictionary_effect_test.cpp", '"test_index_pulse_input",',
               '    "test_scratch",')),
@@ -191,16 +191,16 @@ RECIPES = [
               '    TOPIC("scratch", Scratch, .depth = 1, .instances = 1024),')),
     Recipe(
         "A kind of request",
-        after(IDL, "REQUEST_NEXT_SNAPSHOT = 16;", "const uint32 REQUEST_SCRATCH = 17;"),
-        after(REQUEST_KINDS, "Row{Kind::next_snapshot",
+        after(IDL, "REQUEST_READ_WRITES = 17;", "const uint32 REQUEST_SCRATCH = 18;"),
+        after(REQUEST_KINDS, "Row{Kind::read_writes",
               "      Row{Kind::scratch, Uses{&Asked::session, &Asked::snapshot}, By::session, At::standing},"),
         before(REQUEST_HANDLERS, "struct HandlerRow {", REQUEST_HANDLER),
-        after(REQUEST_HANDLERS, "HandlerRow{msg::RequestKind::next_snapshot",
+        after(REQUEST_HANDLERS, "HandlerRow{msg::RequestKind::read_writes",
               "    HandlerRow{msg::RequestKind::scratch, scratch},"),
         before("clients/src/base/ask.hpp", "}  // namespace vdrive::ask",
                REQUEST_CALL),
-        after("docs/reference/wire.md", "`REQUEST_NEXT_SNAPSHOT`",
-              "| 17 | `REQUEST_SCRATCH` | `session`, `snapshot` | session | standing | nothing |")),
+        after("docs/reference/wire.md", "`REQUEST_READ_WRITES`",
+              "| 18 | `REQUEST_SCRATCH` | `session`, `snapshot` | session | standing | nothing |")),
     Recipe(
         "A figure of a bench",
         after(IDL, "uint64 longest_silence_us;",

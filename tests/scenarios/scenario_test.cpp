@@ -43,6 +43,13 @@ TEST_P(Scenario, PassesInLockStep) {
   EXPECT_THAT(finished.output, HasSubstr("passed"));
 }
 
+TEST_P(Scenario, BreaksNoRuleOnEveryDriveThatItDoesNotExcept) {
+  const std::string file = (kScenarios / (GetParam() + ".scn")).string();
+  const Finished finished = Process(VDRIVE_TOOL, {"test", "--judge", file}).wait();
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+  EXPECT_THAT(finished.errors, Not(HasSubstr("nothing that this exception covers")));
+}
+
 INSTANTIATE_TEST_SUITE_P(Files, Scenario, testing::ValuesIn(scenario_names()),
                          [](const auto& name) {
                            return name.param;

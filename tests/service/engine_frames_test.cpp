@@ -211,9 +211,10 @@ TEST(CommandFrame, WithAllOrNothingDoesWhatActsAtOnceOnlyWhenNoneIsRefused) {
     std::int64_t before;
   };
 
-  for (const ActingWrite& write : {ActingWrite{{0x5E0A, 0}, 1, 0}, ActingWrite{{0x60C1, 1}, 1, 0},
-                                   ActingWrite{{0x60C4, 2}, 2, 1}, ActingWrite{{0x60C4, 6}, 1, 0},
-                                   ActingWrite{{0x60B8, 0}, 0x0011, 0}}) {
+  for (const ActingWrite& write :
+       {ActingWrite{{0x5E0A, 0}, 1, 0}, ActingWrite{{0x5E0B, 0}, 1, 0},
+        ActingWrite{{0x60C1, 1}, 1, 0}, ActingWrite{{0x60C4, 2}, 2, 1},
+        ActingWrite{{0x60C4, 6}, 1, 0}, ActingWrite{{0x60B8, 0}, 0x0011, 0}}) {
     SCOPED_TRACE(address_text(write.address));
     OwnedBench bench;
     for (const bool is_refused : {true, false}) {

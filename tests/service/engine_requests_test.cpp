@@ -117,6 +117,7 @@ TEST(WriteRequest, ReachesTestBenchInputsOfAnOwnedAxis) {
   EXPECT_EQ(bench.write(kBob, 1, 0x5E00, 100).objects[0].abort_code, msg::Reason::none);
   EXPECT_EQ(bench.write(kBob, 1, 0x5E09, 1).objects[0].abort_code, msg::Reason::none);
   EXPECT_EQ(bench.write(kBob, 1, 0x5E0A, 1).objects[0].abort_code, msg::Reason::none);
+  EXPECT_EQ(bench.write(kBob, 1, 0x5E0C, 1).objects[0].abort_code, msg::Reason::none);
   EXPECT_EQ(bench.write(kBob, 1, 0x5E20, 4, 6).objects[0].abort_code, msg::Reason::none)
       << "a habit";
   EXPECT_EQ(bench.write(kBob, 1, 0x5E10, 1, 1).objects[0].abort_code, kLocalControl);

@@ -101,14 +101,14 @@ TEST(FilesOf1_0, AJournalIsReplayedToTheSameBitsOrRefusedWithItsVersion) {
   std::ifstream file(kKept / "run.journal", std::ios::binary);
   const service::JournalStart start = service::JournalReader(file).start();
   if (start.layout == AxisBank::snapshot_layout()) {
-    const service::ReplayResult result = service::replay(kKept / "run.journal", std::nullopt);
+    const service::ReplayResult result = service::replay(kKept / "run.journal");
     EXPECT_TRUE(result.agrees && result.is_complete) << result.text;
     return;
   }
   ASSERT_FALSE(std::string(VDRIVE_VERSION).starts_with("1.0."))
       << "within 1.0 the layout of the state stays";
   try {
-    (void)service::replay(kKept / "run.journal", std::nullopt);
+    (void)service::replay(kKept / "run.journal");
     FAIL() << "it was replayed with another layout";
   } catch (const service::JournalError& error) {
     EXPECT_NE(std::string(error.what()).find(start.version), std::string::npos) << error.what();

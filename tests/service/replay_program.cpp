@@ -8,7 +8,7 @@
 
 int main(int argc, char** argv) {
   try {
-    const auto result = vdrive::service::replay(argc > 1 ? argv[1] : "", std::nullopt);
+    const auto result = vdrive::service::replay(argc > 1 ? argv[1] : "");
     std::cout << result.text << '\n';
     return result.agrees && result.is_complete ? 0 : 1;
   } catch (const std::exception& error) {

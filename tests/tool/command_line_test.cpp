@@ -264,7 +264,7 @@ TEST(CommandLine, DisturbHasTheDefaultValueOne) {
 
 TEST(CommandLine, DisturbNoneClearsEveryInput) {
   const auto none = command<DisturbCommand>("disturb 1.1 none");
-  EXPECT_EQ(none.inputs.size(), 11U);
+  EXPECT_EQ(none.inputs.size(), 13U);
   for (const Disturbance& input : none.inputs) EXPECT_EQ(input.value, 0);
 }
 

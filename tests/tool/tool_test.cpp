@@ -236,7 +236,7 @@ TEST_F(ToolInLockStep, ClearingEveryTestInputIsOneLine) {
   }
   const auto objects = json_of(call("disturb 1.1 none --json"));
   ASSERT_THAT(objects, SizeIs(1));
-  EXPECT_EQ(objects[0]["inputs"], 11) << "5E00h to 5E0Ah";
+  EXPECT_EQ(objects[0]["inputs"], 13) << "5E00h to 5E0Ch";
 }
 
 TEST_F(ToolInLockStep, ADisturbanceForATimeIsClearedAfterIt) {

@@ -44,7 +44,7 @@ ControlDesk::~ControlDesk() {
 }
 
 Outcome ControlDesk::check(ConnectionId id, Right right) const {
-  if (right == Right::none || right == Right::events) return {};
+  if (right == Right::none || right == Right::events || right == Right::judge) return {};
   if (!is_enabled_) {
     return Outcome::refused(kControlled,
                             "this gateway is view only: start it with --control to command axes");

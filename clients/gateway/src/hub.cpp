@@ -42,7 +42,8 @@ Hub::Hub(WebServer& server, const HubSettings& settings)
       control_(settings.is_control, *this, server, clients_),
       dictionary_channel_(std::make_shared<Channel>(dictionary_channel())),
       calls_(*this, server, clients_, control_),
-      parameters_(*this, server, clients_, control_) {
+      parameters_(*this, server, clients_, control_),
+      judges_(session_) {
   channels_.add(ChannelTable::kOwn, {control_.channel(), dictionary_channel_});
   watch_.emplace(session_, events_,
                  FeedSettings{.rate = settings.rate, .clients = &clients_.count()}, *this);
@@ -213,6 +214,7 @@ void Hub::end(HeldSession held, bool is_graceful) {
 
 CallAnswer Hub::call(const ServiceRow& row, const SessionPointer& own, const Json& request) {
   if (row.right == Right::events) return call_events(events_, request);
+  if (row.right == Right::judge) return judges_.call(request);
   return row.carry_out(own ? *own : session_, request);
 }
 

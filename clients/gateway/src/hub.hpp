@@ -8,6 +8,7 @@
 #include "control_desk.hpp"
 #include "event_log.hpp"
 #include "graph_feed.hpp"
+#include "judge_desk.hpp"
 #include "parameter_desk.hpp"
 #include "service_calls.hpp"
 #include "web_server.hpp"
@@ -84,6 +85,7 @@ class Hub final : public WebEvents, public BenchNews, private BenchAccess {
   ChannelPointer dictionary_channel_;
   ServiceCalls calls_;
   ParameterDesk parameters_;
+  JudgeDesk judges_;
   std::vector<std::string> troubles_;  ///< of the network, as reported
   std::optional<BenchWatch> watch_;    ///< last: its threads use what is above
 };

@@ -62,6 +62,7 @@ void ServiceCalls::route(ConnectionId id, const ServiceRow& row, Json request,
       return jog(request, answer);
     case Right::none:
     case Right::events:
+    case Right::judge:
     case Right::stop:
     case Right::command:
       return carry_out(id, row, std::move(request), answer);

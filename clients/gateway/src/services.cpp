@@ -345,6 +345,12 @@ Json response_schema(Right right) {
         "tick:integer axis:integer kind:string level:integer code:integer message:string");
     return object_schema(members + " events?:event[]", {{"event", event}});
   }
+  if (right == Right::judge) {
+    const Json finding = object_schema(
+        "rule:string severity:string title:string axis:integer count:integer tick:integer "
+        "happened:string expected:string remedy:string");
+    return object_schema(members + " findings?:finding[]", {{"finding", finding}});
+  }
   if (right != Right::none) return object_schema(members);
   const Json reading = object_schema("object:string value?:integer code:integer message:string");
   return object_schema(members + " values?:reading[]", {{"reading", reading}});
@@ -389,6 +395,7 @@ constexpr std::array kServices{
     ServiceRow{"/rate", "vdrive.Rate", Right::command, "bench:integer rate:number", call_rate},
     ServiceRow{"/step", "vdrive.Step", Right::command, "bench:integer ticks:integer", call_step},
     ServiceRow{"/events", "vdrive.Events", Right::events, "bench:integer", nullptr},
+    ServiceRow{"/judge", "vdrive.Judge", Right::judge, "bench:integer", nullptr},
     ServiceRow{"/read", "vdrive.Read", Right::none, "axis:string objects:string[]", call_read},
     ServiceRow{"/write", "vdrive.Write", Right::command, "axis:string object:string value:integer",
                call_write},

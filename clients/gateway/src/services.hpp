@@ -18,6 +18,7 @@ namespace vdrive::gateway {
 enum class Right : std::uint8_t {
   none,             ///< nothing
   events,           ///< as `none`; the EventLog answers
+  judge,            ///< as `none`; the JudgeDesk answers
   stop,             ///< a gateway that lets clients command
   command,          ///< control, taken by this connection
   jog,              ///< as `command`; Jogs carries it out

@@ -18,6 +18,7 @@ PYBIND11_MODULE(_vdrive, module) {
   vdrive::python::add_group(module);
   vdrive::python::add_step_clock(module);
   vdrive::python::add_recording(module);
+  vdrive::python::add_judge(module);
   module.def("default_domain", &vdrive::client::default_domain);
   vdrive::python::watch_forks();
   // Python's last act before it takes itself apart: axes are given back, threads have ended.

@@ -34,5 +34,6 @@ void add_session(py::module_& module);
 void add_group(py::module_& module);
 void add_step_clock(py::module_& module);
 void add_recording(py::module_& module);
+void add_judge(py::module_& module);
 
 }  // namespace vdrive::python

@@ -38,6 +38,7 @@ from ._axis import DISTURBANCES, Axis, Motion
 from ._axis_bank import AxisBank
 from ._bench import Bench, find_service
 from ._group import AxisGroup, GroupStatus
+from ._judge import Finding, Verdict, judge
 from ._observers import Observer
 from ._recording import Recording, load
 from ._session import Session, StepClock
@@ -114,6 +115,7 @@ __all__ = [
     "Event",
     "EventStream",
     "Failed",
+    "Finding",
     "Follower",
     "Forked",
     "GroupStatus",
@@ -138,6 +140,7 @@ __all__ = [
     "StepClock",
     "TimedOut",
     "Unit",
+    "Verdict",
     "__version__",
     "default_domain",
     "find_service",

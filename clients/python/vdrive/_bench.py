@@ -114,7 +114,7 @@ class Bench:
         one. config: a file in YAML; `axes` and `preset` replace the axes that it has, and `clock` its
         clock mode. clock: "lockstep", "realtime" or "freerun". over: "local", or "dds" for a service of its own on a DDS
         domain. number: of the bench, 1 to 65535, by default that of the configuration, 1 without one.
-        state: directory where parameters can be stored. journal: file that `vdrived --replay` reads.
+        state: directory where parameters can be stored. journal: file that judge() and `vdrived --replay` read.
         beside: another bench of the same form; the sessions of both meet both. Only over DDS:
         arguments, further ones of vdrived; service, path of vdrived, by default that of
         find_service(); domain, 0 to 232, that of the benches to meet, instead of `beside`.

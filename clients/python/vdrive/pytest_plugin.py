@@ -15,6 +15,9 @@
 
     def test_it_is_at_home(vdrive_shared_session): ... # one bench for many tests
 
+    @pytest.mark.vdrive_judge(off={"motion-1": "this test is about the limits"}, fail_on="warning")
+    def test_like_a_master(vdrive_session, vdrive_judge): ...     # a finding of the judge fails it
+
     @pytest.mark.vdrive_can(axes=3)      # arguments of vdrive.canopen.Bus
     def test_a_master(vdrive_can): ...   # the axes are nodes of a CAN bus
 
@@ -167,10 +170,23 @@ def _file_name(test: str) -> str:
         f"{name[-_LONGEST_NAME:]}.{zlib.crc32(test.encode()):08x}")
 
 
-def _save_on_failure(item: pytest.Item) -> Generator[None, Any, None]:
-    """Save the last ticks and events of the bench of a test that failed, while the bench is there."""
+def _complete_report(item: pytest.Item) -> Generator[None, Any, None]:
+    """Fail a test by what the judge finds; else save the last ticks and events of one that failed.
+
+    Both while its bench is there.
+    """
     outcome = yield
     report = outcome.get_result()
+    judge = getattr(item, "funcargs", {}).get("vdrive_judge")
+    if isinstance(judge, _Judge) and report.when == "call" and report.passed:
+        failure, unused = judge.failure()
+        if unused:
+            item.warn(pytest.PytestWarning(
+                f"vdrive_judge: off has rules that were not broken: {', '.join(unused)}"))
+        if failure:
+            report.outcome = "failed"
+            report.longrepr = failure
+        return
     recorder = item.stash.get(_RECORDER, None)
     if recorder is None or not report.failed or report.when == "teardown":
         return
@@ -184,7 +200,7 @@ def _save_on_failure(item: pytest.Item) -> Generator[None, Any, None]:
 
 
 # Not as a decorator: it has no types.
-pytest_runtest_makereport = pytest.hookimpl(hookwrapper=True)(_save_on_failure)
+pytest_runtest_makereport = pytest.hookimpl(hookwrapper=True)(_complete_report)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -206,6 +222,9 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line(
         "markers", "vdrive(axes=None, preset=None, config=None, clock='lockstep', over='local', ...): "
         "the private bench of this test, with the arguments of vdrive.Bench")
+    config.addinivalue_line(
+        "markers", "vdrive_judge(off={}, fail_on='error'): exceptions of the judge, each with its "
+        "reason, and the severity from which on a finding fails the test")
     config.addinivalue_line(
         "markers", "vdrive_can(axes=1, preset=None, clock=None, sync_steps=None, config=None, ...): "
         "the CAN bus of this test, with the arguments of vdrive.canopen.Bus")
@@ -237,6 +256,54 @@ def _name_domain(monkeypatch: pytest.MonkeyPatch, options: Options, bench: vdriv
         monkeypatch.setenv("VDRIVE_DOMAIN", str(bench.domain))
 
 
+class _Judge:
+    """Judges what a test does on vdrive_bench, once it has passed."""
+
+    def __init__(self, journal: str, options: Options) -> None:
+        import vdrive
+
+        unknown = sorted(set(options) - {"off", "fail_on"})
+        if unknown:
+            raise vdrive.ConfigurationError(
+                f"pytest.mark.vdrive_judge: unknown {', '.join(unknown)}; known are off, fail_on")
+        self.journal = journal
+        self.bench: vdrive.Bench | None = None
+        self._off = options.get("off", {})
+        fail_on = options.get("fail_on", "error")
+        severities = ("error", "warning", "advice")
+        if fail_on not in severities:
+            raise vdrive.ConfigurationError(
+                f"pytest.mark.vdrive_judge: fail_on={fail_on!r}: one of {', '.join(severities)}")
+        self._failing = severities[:severities.index(fail_on) + 1]
+
+    def verdict(self) -> vdrive.Verdict:
+        """End the bench, and judge what its masters did."""
+        import vdrive
+
+        if self.bench is not None:
+            self.bench.close()  # its journal is complete then
+        return vdrive.judge(self.journal, off=self._off)
+
+    def failure(self) -> tuple[str, list[str]]:
+        """Return why the test fails, empty where it does not, and exceptions that cover nothing."""
+        try:
+            verdict = self.verdict()
+        except (OSError, ValueError) as error:
+            return f"vdrive_judge: {error}", []
+        fails = any(finding.severity in self._failing for finding in verdict.findings)
+        return "vdrive_judge: " + verdict.report if fails else "", verdict.unused
+
+
+@pytest.fixture
+def vdrive_judge(request: pytest.FixtureRequest, tmp_path: Any) -> _Judge:
+    """Judge what this test does on vdrive_bench, as `vdrive judge` does: a finding fails the test.
+
+    The marker vdrive_judge has the exceptions, off={rule: reason}, and fail_on, "error" by default,
+    "warning" or "advice". verdict() ends the bench and returns what was found.
+    """
+    return _Judge(str(tmp_path / "bench.journal"), _marked(request, "vdrive_judge"))
+
+
 @pytest.fixture
 def vdrive_bench(request: pytest.FixtureRequest,
                  monkeypatch: pytest.MonkeyPatch) -> Iterator[vdrive.Bench]:
@@ -247,7 +314,12 @@ def vdrive_bench(request: pytest.FixtureRequest,
     ticks = request.config.getoption("--vdrive-record")
     if ticks is None:  # over DDS the search of one more session takes time
         ticks = _USUAL_TICKS if options["over"] == "local" else 0
+    judge = request.getfixturevalue("vdrive_judge") if "vdrive_judge" in request.fixturenames else None
+    if judge is not None:
+        judge.journal = str(options.setdefault("journal", judge.journal))
     with vdrive.Bench(**options) as bench:
+        if judge is not None:
+            judge.bench = bench
         _name_domain(monkeypatch, options, bench)
         if ticks == 0:
             yield bench

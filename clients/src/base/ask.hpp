@@ -107,4 +107,9 @@ inline msg::Request next_snapshot(std::uint64_t snapshot) {
   return request<msg::RequestKind::next_snapshot, &msg::Request::snapshot>(snapshot);
 }
 
+/// @param place of the last write that is known; 0 = none
+inline msg::Request read_writes(std::uint64_t place) {
+  return request<msg::RequestKind::read_writes, &msg::Request::snapshot>(place);
+}
+
 }  // namespace vdrive::ask

@@ -8,6 +8,7 @@
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/wire/origin.hpp"
+#include "vdrive/wire/written.hpp"
 
 #include <algorithm>
 #include <array>
@@ -90,6 +91,36 @@ Result<RequestAnswer> exchange_snapshot(SessionCore& core, std::uint32_t bench,
   auto reply = core.control.exchange(*target, std::move(request), what + " of " + name_of(*target));
   if (!reply) return core.names.named(*target, reply.outcome());
   return reply;
+}
+
+/// Takes a mark of the reply to read_writes. @return what happened; nothing: it is about those that
+/// follow, or of a later version
+std::optional<AxisWrite::Kind> take_mark(const msg::ObjectResult& mark, AxisWrite& next) {
+  const auto value = static_cast<std::uint64_t>(mark.value);
+  switch (static_cast<wire::WrittenMark>(mark.subindex)) {
+    case wire::WrittenMark::tick:
+      next.tick = value;
+      return std::nullopt;
+    case wire::WrittenMark::by_request:
+      next.means = AxisWrite::Means::request;
+      next.session = value;
+      return std::nullopt;
+    case wire::WrittenMark::by_frame:
+      next.means = AxisWrite::Means::frame;
+      next.session = value;
+      return std::nullopt;
+    case wire::WrittenMark::by_bench:
+      next.means = AxisWrite::Means::bench;
+      next.session = 0;
+      return std::nullopt;
+    case wire::WrittenMark::lost:
+      return AxisWrite::Kind::lost;
+    case wire::WrittenMark::restored:
+      return AxisWrite::Kind::restored;
+    case wire::WrittenMark::power_cycle:
+      return AxisWrite::Kind::power_cycle;
+  }
+  return std::nullopt;
 }
 
 msg::AxisCommand command_of(const SetPoint& point) {
@@ -321,6 +352,32 @@ Result<std::vector<KeptSnapshot>> Session::snapshots(std::uint32_t bench) {
     if (next->snapshot <= snapshot) return kept;
     kept.push_back({.number = next->snapshot, .tick = next->tick});
   }
+}
+
+Result<AxisWrites> Session::writes(std::uint32_t bench, std::uint64_t place) {
+  const auto reply = exchange_snapshot(*core_, bench, ask::read_writes(place), "writes");
+  if (!reply) return reply.outcome();
+  AxisWrites read{.writes = {}, .place = reply->snapshot, .tick = reply->tick};
+  AxisWrite next;
+  for (const msg::ObjectResult& entry : reply->objects) {
+    if (entry.index != 0) {
+      next.axis = entry.axis;
+      next.object = {entry.index, entry.subindex};
+      next.value = entry.value;
+      next.reason = wire::number(entry.abort_code);
+      next.is_late = entry.abort_code == msg::Reason::too_late;
+      read.writes.push_back(next);
+    } else if (const auto kind = take_mark(entry, next)) {
+      AxisWrite& happened = read.writes.emplace_back(next);
+      happened.kind = *kind;
+      happened.axis = entry.axis;
+      happened.object = {};
+      happened.value = entry.value;
+      happened.reason = 0;
+      happened.is_late = false;
+    }
+  }
+  return read;
 }
 
 Outcome Session::drop_snapshot(std::uint32_t bench, std::uint64_t snapshot) {

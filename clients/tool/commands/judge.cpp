@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/usage_error.hpp"
 #include "exceptions/exception_file.hpp"
+#include "execution/axis_finder.hpp"
+#include "execution/connection.hpp"
+#include "judge/bench_records.hpp"
 #include "judge/rule.hpp"
 #include "judge/text_report.hpp"
 #include "language/arguments.hpp"
 #include "language/command.hpp"
+#include "language/fail_on.hpp"
+#include "live/live_judge.hpp"
 #include "log/bus_log.hpp"
 #include "node/data_sheet_reader.hpp"
 #include "node/node_settings.hpp"
@@ -12,18 +17,23 @@
 #include "output/junit.hpp"
 #include "output/record.hpp"
 #include "output/report_file.hpp"
+#include "replayed/bench_journal.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <fstream>
 #include <iostream>
 #include <iterator>
 #include <optional>
+#include <set>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace vdrive::tool {
@@ -31,7 +41,17 @@ namespace {
 
 constexpr std::string_view kStandardInput = "-";
 
-/// Names the mistakes of a master in the log of its bus.
+/// What a source gives.
+struct Judged {
+  judge::Verdict verdict;
+  std::vector<std::string> notes;
+  judge::AxisName name_of;
+};
+
+class ReportFiles;
+
+/// Names the mistakes of a master: in the log of its bus, in the journal of its bench, or while
+/// its bench runs.
 struct JudgeCommand {
   std::string log{};
   std::string sheet{};
@@ -42,9 +62,16 @@ struct JudgeCommand {
   std::string html{};
   std::optional<judge::Severity> fail_on = judge::Severity::error;  ///< none = never fails
   bool lists_rules = false;
+  bool is_live = false;                             ///< `log` names axes of a bench that runs
+  std::optional<Duration> duration = std::nullopt;  ///< of drive time; none = until interrupted
 
   void declare(Arguments& arguments);
   ExitCode start(const Program& program) const;
+
+ private:
+  ExitCode start_live(const Program& program) const;
+  ExitCode report(const Program& program, Judged& result,
+                  const std::vector<judge::Exception>& excepted, ReportFiles& reports) const;
 };
 
 std::string system_reason() {
@@ -164,48 +191,165 @@ class ReportFiles {
   ReportFile html_;
 };
 
-std::optional<judge::Severity> parse_fail_on(const std::string& text) {
-  return text == "never" ? std::nullopt : judge::parse_severity(text);
-}
-
 void JudgeCommand::declare(Arguments& arguments) {
-  arguments.positional(
-      "LOG", log, "Log of a CANopen bus by candump or a CAN analyser (.asc); - is standard input");
+  arguments.positional("LOG", log,
+                       "Log of a CANopen bus by candump or a CAN analyser (.asc), or journal of a "
+                       "bench; - is standard "
+                       "input");
   arguments.option("--eds", "FILE", sheet,
                    "Electronic data sheet of the drives: PDO mapping and data types that the log "
                    "does not show");
-  arguments.option("--node", "ID", nodes, "Judge this node only, 1 to 127; may be repeated");
+  arguments.option("--node", "ID", nodes,
+                   "Of a log: judge this node only, 1 to 127; may be repeated");
   arguments.option("--exceptions", "FILE", exceptions,
                    "YAML list of what the master does on purpose: rule, axis, reason");
-  arguments
-      .option("--fail-on", "SEVERITY", fail_on,
-              "Exit with 1 for findings of this severity and above: error (default), warning, "
-              "advice, or never",
-              parse_fail_on)
-      .one_of({"error", "warning", "advice", "never"});
+  declare_fail_on(arguments, fail_on);
   arguments.option("--junit", "FILE", junit, "Write a JUnit report, a case for each rule");
   arguments.option("--sarif", "FILE", sarif, "Write a SARIF 2.1.0 report");
   arguments.option("--html", "FILE", html,
                    "Write a page with the table and a picture around each finding; it needs no "
                    "network");
+  arguments.flag(
+      "--live", is_live,
+      "LOG is an axis or the number of a bench that runs: judge what happens until Ctrl-C");
+  arguments.option("--for", "T", duration, "With --live: end after this drive time",
+                   parse_duration);
   arguments.flag("--rules", lists_rules, "List the rules instead, as a page (Markdown)");
   arguments.then([this] {
     if (log.empty() != lists_rules) {
       throw UsageError(lists_rules ? "--rules reads no log" : "LOG is required");
     }
     for (const std::string& node : nodes) static_cast<void>(parse_node(node));
+    if (is_live && (!sheet.empty() || !nodes.empty())) {
+      throw UsageError("--eds and --node are for logs of a bus, and --live judges a bench");
+    }
+    if (duration && !is_live) throw UsageError("--for is for --live");
   });
+}
+
+Judged judge_log(const JudgeCommand& command, std::istream& log) {
+  judge::DecoderSettings settings;
+  for (const std::string& node : command.nodes) settings.nodes.insert(parse_node(node));
+  canopen::DataSheet data_sheet;
+  if (!command.sheet.empty()) {
+    data_sheet = read_sheet(command.sheet);
+    settings.sheet = &data_sheet;
+  }
+  judge::LogVerdict result = judge::judge_bus_log(log, settings);
+  if (!result.is_readable()) {
+    throw std::runtime_error(
+        "it has no CAN frame; record a log with candump -L, or give an .asc file or the journal of "
+        "a bench");
+  }
+  return {
+      .verdict = std::move(result.verdict), .notes = std::move(result.notes), .name_of = node_name};
+}
+
+Judged judge_bench(const JudgeCommand& command, std::istream& journal) {
+  if (!command.sheet.empty() || !command.nodes.empty()) {
+    throw UsageError("--eds and --node are for logs of a bus, and " + in_quotes(command.log) +
+                     " is the journal of a bench");
+  }
+  judge::JournalVerdict result = judge::judge_journal(journal);
+  return {.verdict = std::move(result.verdict),
+          .notes = std::move(result.notes),
+          .name_of = judge::axes_of_bench(result.bench)};
+}
+
+/// A bench that is judged while it runs.
+class LiveRun {
+ public:
+  LiveRun(const JudgeCommand& command, const Program& program)
+      : command_(command), program_(program) {}
+
+  /// @return why it could not be judged to its end: `result` has what was found until then.
+  client::Outcome run(client::Session& session, const Interrupt& interrupt, Judged& result) {
+    AxisFinder finder(session);
+    auto axes = parse_digits<std::uint32_t>(command_.log)
+                    ? finder.axes_of_bench(parse_bench(command_.log))
+                    : finder.axes({command_.log});
+    if (!axes) return axes.outcome();
+    const std::uint32_t bench = axes->front().id().bench;
+    if (axes->back().id().bench != bench) {
+      throw UsageError("--live judges the axes of one bench, and " + in_quotes(command_.log) +
+                       " has those of several");
+    }
+    name_of_ = judge::axes_of_bench(bench);
+    auto judge = judge::LiveJudge::create(session, bench, std::move(*axes));
+    if (!judge) return judge.outcome();
+    program_.terminal.complain("vdrive: judging bench " + std::to_string(bench));
+    client::Outcome outcome;
+    while (outcome && !interrupt.happened() && !is_over(*judge)) {
+      constexpr std::chrono::milliseconds kPatience{100};
+      outcome = judge->poll(kPatience);
+      tell_new(*judge);
+    }
+    result = {.verdict = judge->verdict(), .notes = {}, .name_of = name_of_};
+    return interrupt.happened() ? client::Outcome() : outcome;
+  }
+
+ private:
+  bool is_over(const judge::LiveJudge& judge) const {
+    return command_.duration && judge.judged_time() >= *command_.duration;
+  }
+
+  /// A line for each rule of an axis, when it is broken first.
+  void tell_new(const judge::LiveJudge& judge) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_look_) return;
+    next_look_ = now + std::chrono::seconds(1);
+    for (const judge::Finding& finding : judge.verdict().findings) {
+      if (!told_.emplace(finding.rule, finding.axis).second) continue;
+      const judge::RuleRow& row = judge::row_of(finding.rule);
+      program_.terminal.complain("vdrive: " + std::string(judge::to_string(row.severity)) + " " +
+                                 std::string(row.name) + " on " + name_of_(finding.axis) +
+                                 " at tick " + std::to_string(finding.first.tick) + ": " +
+                                 finding.happened);
+    }
+  }
+
+  const JudgeCommand& command_;
+  const Program& program_;
+  judge::AxisName name_of_;
+  std::set<std::pair<judge::Rule, std::uint32_t>> told_;
+  std::chrono::steady_clock::time_point next_look_{};
+};
+
+ExitCode JudgeCommand::report(const Program& program, Judged& result,
+                              const std::vector<judge::Exception>& excepted,
+                              ReportFiles& reports) const {
+  judge::ReportFace face{.source = log, .name_of = result.name_of, .notes = result.notes};
+  face.unused = judge::except(result.verdict, excepted, result.name_of);
+  print_verdict(result.verdict, face, program);
+  if (const auto failure = reports.write(result.verdict, face)) {
+    program.terminal.complain("vdrive: " + *failure);
+    return ExitCode::failed;
+  }
+  return fails(result.verdict, fail_on) ? ExitCode::failed : ExitCode::ok;
+}
+
+ExitCode JudgeCommand::start_live(const Program& program) const {
+  const std::vector<judge::Exception> excepted = exceptions_of(exceptions);
+  ReportFiles reports(*this);
+  Interrupt interrupt;
+  leave_screen_before_exit(interrupt, program.terminal);
+  client::Session session(session_options(program.options));
+  interrupt.arm([&session] {
+    session.interrupt();
+  });
+  Judged result;
+  const client::Outcome outcome = LiveRun(*this, program).run(session, interrupt, result);
+  interrupt.disarm();
+  if (result.name_of) {
+    const ExitCode code = report(program, result, excepted, reports);
+    if (outcome || code != ExitCode::ok) return code;
+  }
+  return finish(outcome, interrupt, program.options.json, program.terminal);
 }
 
 ExitCode JudgeCommand::start(const Program& program) const {
   if (lists_rules) return list_rules(program);
-  judge::DecoderSettings settings;
-  for (const std::string& node : nodes) settings.nodes.insert(parse_node(node));
-  canopen::DataSheet data_sheet;
-  if (!sheet.empty()) {
-    data_sheet = read_sheet(sheet);
-    settings.sheet = &data_sheet;
-  }
+  if (is_live) return start_live(program);
   const std::vector<judge::Exception> excepted = exceptions_of(exceptions);
   ReportFiles reports(*this);
   std::ifstream file;
@@ -215,31 +359,28 @@ ExitCode JudgeCommand::start(const Program& program) const {
     file.peek();  // a folder can be opened, and not read
     if (!file.is_open() || file.bad()) return unreadable(*this, system_reason(), program);
   }
-  judge::LogVerdict result =
-      judge::judge_bus_log(log == kStandardInput ? std::cin : file, settings);
-  if (!result.is_readable()) {
-    return unreadable(
-        *this, "it has no CAN frame; record a log with candump -L, or give an .asc file", program);
+  std::istream& source = log == kStandardInput ? std::cin : file;
+  Judged result;
+  try {
+    result = judge::is_journal(source) ? judge_bench(*this, source) : judge_log(*this, source);
+  } catch (const UsageError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    return unreadable(*this, error.what(), program);
   }
-  judge::ReportFace face{.source = log, .name_of = node_name, .notes = result.notes};
-  face.unused = judge::except(result.verdict, excepted, node_name);
-  print_verdict(result.verdict, face, program);
-  if (const auto failure = reports.write(result.verdict, face)) {
-    program.terminal.complain("vdrive: " + *failure);
-    return ExitCode::failed;
-  }
-  return fails(result.verdict, fail_on) ? ExitCode::failed : ExitCode::ok;
+  return report(program, result, excepted, reports);
 }
 
 }  // namespace
 
-extern const CommandRow kJudge =
-    row_of<JudgeCommand>({.name = "judge",
-                          .group = CommandGroup::recordings,
-                          .summary = "Find the mistakes of a master in the log of a CANopen bus",
-                          .example = "judge field.candump --node 5 --html findings.html\n"
-                                     "  vdrive judge run.candump --eds drive.eds --fail-on warning",
-                          .deepest = Place::command_line,
-                          .needs_domain = false});
+extern const CommandRow kJudge = row_of<JudgeCommand>(
+    {.name = "judge",
+     .group = CommandGroup::recordings,
+     .summary = "Say what a master did wrong: a log, a journal or a bench that runs",
+     .example = "judge field.candump --node 5 --html findings.html\n"
+                "  vdrive judge run.journal --fail-on warning\n"
+                "  vdrive judge 1.1 --live\n"
+                "  vdrive judge run.candump --eds drive.eds",
+     .deepest = Place::command_line});
 
 }  // namespace vdrive::tool

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "base/scratch_directory.hpp"
 #include "base/usage_error.hpp"
 #include "convert.hpp"
 #include "execution/command_context.hpp"
@@ -54,35 +55,6 @@ struct PlotCommand {
   void declare(Arguments& arguments);
   client::Outcome run(CommandContext& context) const;
   ExitCode start(const Program& program) const;
-};
-
-/// A directory for a recording that is only made to be drawn; it is removed at the end.
-class ScratchDirectory {
- public:
-  /// @throws RecordingError when it cannot be made
-  ScratchDirectory() {
-    std::error_code error;
-    const auto parent = std::filesystem::temp_directory_path(error);
-    // mkdtemp replaces the six X.
-    path_ = (error ? std::filesystem::path("/tmp") : parent) / "vdrive-plot-XXXXXX";
-    if (::mkdtemp(path_.data()) == nullptr) {
-      throw RecordingError("cannot make the directory " + in_quotes(path_) + ": " +
-                           std::generic_category().message(errno));
-    }
-  }
-
-  ~ScratchDirectory() {
-    std::error_code error;
-    std::filesystem::remove_all(path_, error);
-  }
-
-  ScratchDirectory(const ScratchDirectory&) = delete;
-  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
-
-  [[nodiscard]] std::string recording() const { return path_ + "/recording.mcap"; }
-
- private:
-  std::string path_;
 };
 
 /// Where the picture goes.
@@ -349,7 +321,7 @@ Outcome record_and_draw(const PlotCommand& command, CommandContext& context) {
     const ScratchDirectory scratch;
     PictureSink sink(command.picture, context.output.terminal);
     sink.open();
-    const RecordingChoice choice{.file = scratch.recording(),
+    const RecordingChoice choice{.file = scratch.file("recording.mcap"),
                                  .format = recording::Format::mcap,
                                  .duration = command.duration};
     Recorder recorder(context.session, context.output.terminal, choice);

@@ -44,11 +44,15 @@ void RunCommand::declare(Arguments& arguments) {
                  "Each file on a new bench in lock-step that only this program reaches, instead of "
                  "a bench that runs already; each of several files in a process of its own");
   benches.declare(arguments);
+  benches.declare_journal(arguments);
   arguments.then([this] {
     if (!is_private && !benches.arguments().empty()) {
       throw UsageError(benches.arguments().front() +
                        " is for the benches of --private; without it, run uses one that runs "
                        "already");
+    }
+    if (!benches.journal.empty() && scenarios.files.size() != 1) {
+      throw UsageError("--journal is for one file: each of several has a bench of its own");
     }
   });
 }

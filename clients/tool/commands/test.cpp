@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/exit_code.hpp"
+#include "base/scratch_directory.hpp"
 #include "base/usage_error.hpp"
 #include "child_process.hpp"
 #include "language/arguments.hpp"
 #include "language/command.hpp"
+#include "language/fail_on.hpp"
 #include "language/scenario.hpp"
 #include "output/junit.hpp"
 #include "output/report.hpp"
 #include "private_domain.hpp"
 #include "scenarios/private_benches.hpp"
 #include "scenarios/scenario_files.hpp"
+#include "scenarios/scenario_judge.hpp"
 #include "scenarios/scenario_process.hpp"
 #include "scenarios/scenario_verdict.hpp"
 #include "scenarios/shards.hpp"
@@ -24,6 +27,7 @@
 #include <csignal>
 #include <cstddef>
 #include <exception>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -49,6 +53,8 @@ struct TestCommand {
   std::size_t jobs = 0;                       ///< files at the same time; 0 = one per processor
   std::optional<Shard> shard = std::nullopt;  ///< the part of the files that is run; none = all
   bool merges = false;                        ///< it runs nothing: the files are reports
+  bool judges = false;                        ///< the scenarios, as masters
+  std::optional<judge::Severity> fail_on = judge::Severity::error;  ///< of findings; none = never
 
   void declare(Arguments& arguments);
 
@@ -73,6 +79,7 @@ class ScenarioTests {
       : tests_(tests), options_(options), scenarios_(std::move(scenarios)), terminal_(terminal) {
     verdicts_.reserve(scenarios_.size());
     for (const Scenario& scenario : scenarios_) verdicts_.push_back(not_started(scenario));
+    if (tests_.judges) journals_.emplace();
   }
 
   void run() {
@@ -174,14 +181,24 @@ class ScenarioTests {
 
   ScenarioVerdict test(std::size_t place) {
     const Scenario& scenario = scenarios_[place];
+    PrivateBenches benches = tests_.benches;
+    if (journals_) benches.journal = journals_->file(std::to_string(place) + ".journal");
     process::ChildProcess run(command_of_process({"run", "--private", "--json"}, scenario,
-                                                 tests_.scenarios, tests_.benches, options_));
+                                                 tests_.scenarios, benches, options_));
     const Job job(*this, place, run);
     const int code = wait_for(run);
     // The signal may come before the program can turn it into an exit code.
     const bool has_ended_by_it = code == static_cast<int>(ExitCode::interrupted) || code == -SIGINT;
     if (is_interrupted_ && has_ended_by_it && run.output().empty()) return not_started(scenario);
-    return verdict_of(scenario, {.code = code, .output = run.output(), .errors = run.errors()});
+    ScenarioVerdict verdict =
+        verdict_of(scenario, {.code = code, .output = run.output(), .errors = run.errors()});
+    // A scenario that never began, or was interrupted, is no master.
+    const bool has_run = verdict.done > 0 && code != static_cast<int>(ExitCode::interrupted);
+    if (journals_ && has_run) {
+      judge_scenario(scenario, benches.journal, tests_.fail_on, verdict);
+      std::filesystem::remove(benches.journal);
+    }
+    return verdict;
   }
 
   /// An interrupted scenario ends by itself; one that does not is killed.
@@ -212,7 +229,8 @@ class ScenarioTests {
   const GlobalOptions& options_;
   const std::vector<Scenario> scenarios_;
   Terminal& terminal_;
-  std::vector<ScenarioVerdict> verdicts_;  ///< by file, each written by one worker
+  std::optional<ScratchDirectory> journals_;  ///< of the files that run
+  std::vector<ScenarioVerdict> verdicts_;     ///< by file, each written by one worker
   std::atomic<bool> is_interrupted_ = false;
   std::mutex mutex_;  ///< guards what follows
   std::size_t next_ = 0;
@@ -242,12 +260,16 @@ void TestCommand::declare(Arguments& arguments) {
                    "Run only the files of shard I of N; /N takes I from the job's "
                    "JOB_COMPLETION_INDEX (Kubernetes) or SLURM_ARRAY_TASK_ID",
                    parse_shard);
+  arguments.flag("--judge", judges,
+                 "Judge each scenario as a master, as 'vdrive judge' does; a line '# judge: off "
+                 "RULE because REASON' in it is an exception");
+  declare_fail_on(arguments, fail_on);
   arguments.flag("--merge", merges,
                  "Run nothing: each FILE is the report of a shard, or a directory of them; "
                  "--junit writes them as one");
   arguments.then([this] {
-    if (merges &&
-        (shard || jobs != 0 || !scenarios.settings.empty() || !benches.arguments().empty())) {
+    if (merges && (shard || jobs != 0 || judges || !scenarios.settings.empty() ||
+                   !benches.arguments().empty())) {
       throw UsageError("--merge runs nothing: of the other options it takes --junit only");
     }
   });

@@ -28,6 +28,7 @@ bench::BenchOptions options_of_bench(const PrivateBenches& benches) {
   bench::BenchOptions options;
   options.configuration_file = benches.configuration;
   options.clock = ClockMode::lockstep;
+  options.journal = benches.journal;
   return options;
 }
 
@@ -35,6 +36,9 @@ std::vector<std::string> arguments_of_service(const PrivateBenches& benches) {
   std::vector<std::string> arguments{"--clock", "lockstep"};
   if (!benches.configuration.empty()) {
     arguments.insert(arguments.end(), {"--config", benches.configuration});
+  }
+  if (!benches.journal.empty()) {
+    arguments.insert(arguments.end(), {"--journal", benches.journal});
   }
   return arguments;
 }
@@ -96,6 +100,12 @@ void PrivateBenches::declare(Arguments& arguments) {
                    "PATH");
 }
 
+void PrivateBenches::declare_journal(Arguments& arguments) {
+  arguments.option(
+      "--journal", "FILE", journal,
+      "Write a journal of the bench, which 'vdrive judge' and 'vdrived --replay' read");
+}
+
 void PrivateBenches::check(const GlobalOptions& options) const {
   check_network(*this, options);
   if (wire == Wire::local) {
@@ -110,6 +120,7 @@ std::vector<std::string> PrivateBenches::arguments() const {
   if (names_wire) words.insert(words.end(), {"--over", wire == Wire::dds ? kDds : kLocal});
   if (!configuration.empty()) words.insert(words.end(), {"--config", configuration});
   if (!service.empty()) words.insert(words.end(), {"--service", service});
+  if (!journal.empty()) words.insert(words.end(), {"--journal", journal});
   return words;
 }
 

@@ -32,9 +32,13 @@ struct PrivateBenches {
   bool names_wire = false;      ///< the command line does
   std::string configuration{};  ///< file; empty = the demo bench
   std::string service{};        ///< over DDS: the program; empty = found beside the tool or in PATH
+  std::string journal{};        ///< file that the bench writes; empty = none
 
   /// --over, --config and --service.
   void declare(Arguments& arguments);
+
+  /// --journal.
+  void declare_journal(Arguments& arguments);
 
   /// @throws UsageError for an option that such a bench does not have, for a configuration that
   ///         cannot be used, and where there is no service.

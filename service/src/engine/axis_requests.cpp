@@ -82,6 +82,9 @@ Reason AxisRequests::write(const msg::Request& request, msg::Reply& reply) {
   for (const auto& object : request.objects) {
     const Reason reason = write_object(object, request.session, reply.objects.size());
     add_result(object, reason, reply);
+    if (const auto axis = axes_.index_of(object.axis); axis && reason != msg::Reason::none) {
+      axes_.record_refusal(*axis, {object.index, object.subindex}, object.value, reason);
+    }
     if (reason == msg::Reason::unknown_axis || reason == kLocalControl) {
       masters_.name_refused(object.axis, reply);
     }

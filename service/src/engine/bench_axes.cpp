@@ -9,7 +9,8 @@ BenchAxes::BenchAxes(const Configuration& configuration)
     : bank_(bank_axes(configuration), configuration.period),
       pool_(bank_, configuration.threads),
       indices_(end_of_numbers(configuration), static_cast<std::uint16_t>(kMaxAxes)),
-      changed_(configuration.axes.size()) {
+      changed_(configuration.axes.size()),
+      writes_(numbers_) {
   for (const auto& axis : configuration.axes) {
     indices_[axis.number] = static_cast<std::uint16_t>(numbers_.size());
     numbers_.push_back(axis.number);
@@ -24,12 +25,20 @@ void BenchAxes::record_to(Journal& journal, std::uint64_t tick) {
 AbortCode BenchAxes::write(std::size_t axis, ObjectRow row, std::int64_t value) {
   const AbortCode code = bank_.write(axis, row, value);
   if (code == AbortCode::none) {
-    record({.axis = static_cast<std::uint16_t>(axis),
-            .address = describe(row).address,
-            .value = value});
+    record(JournalChange{.axis = static_cast<std::uint16_t>(axis),
+                         .address = describe(row).address,
+                         .value = value});
     changed_.mark(axis);
   }
   return code;
+}
+
+void BenchAxes::record_refusal(std::size_t axis, ObjectAddress address, std::int64_t value,
+                               Reason reason) {
+  record(JournalRefusal{.axis = static_cast<std::uint16_t>(axis),
+                        .address = address,
+                        .value = value,
+                        .reason = reason.code()});
 }
 
 AbortCode BenchAxes::write_signature(std::size_t axis, ObjectRow row, std::int64_t value) {
@@ -38,18 +47,21 @@ AbortCode BenchAxes::write_signature(std::size_t axis, ObjectRow row, std::int64
 
 void BenchAxes::power_cycle(std::size_t axis) {
   bank_.power_cycle(axis);
-  record({.kind = JournalChange::Kind::power_cycle, .axis = static_cast<std::uint16_t>(axis)});
+  record(JournalChange{.kind = JournalChange::Kind::power_cycle,
+                       .axis = static_cast<std::uint16_t>(axis)});
   changed_.mark(axis);
 }
 
 void BenchAxes::lose_connection(std::size_t axis) {
   bank_.report_connection_loss(axis);
-  record({.kind = JournalChange::Kind::connection_loss, .axis = static_cast<std::uint16_t>(axis)});
+  record(JournalChange{.kind = JournalChange::Kind::connection_loss,
+                       .axis = static_cast<std::uint16_t>(axis)});
 }
 
 void BenchAxes::forget_stored(std::size_t axis) {
   bank_.forget_stored(axis);
-  record({.kind = JournalChange::Kind::forgot, .axis = static_cast<std::uint16_t>(axis)});
+  record(
+      JournalChange{.kind = JournalChange::Kind::forgot, .axis = static_cast<std::uint16_t>(axis)});
 }
 
 void BenchAxes::set_stored(std::size_t axis, std::span<const std::int64_t> values) {
@@ -57,10 +69,10 @@ void BenchAxes::set_stored(std::size_t axis, std::span<const std::int64_t> value
   for (std::size_t position = 0; position < values.size(); ++position) {
     const ObjectAddress address = describe(kStoredRows[position]).address;
     bank_.set_stored(axis, address, values[position]);
-    record({.kind = JournalChange::Kind::stored,
-            .axis = static_cast<std::uint16_t>(axis),
-            .address = address,
-            .value = values[position]});
+    record(JournalChange{.kind = JournalChange::Kind::stored,
+                         .axis = static_cast<std::uint16_t>(axis),
+                         .address = address,
+                         .value = values[position]});
   }
 }
 
@@ -68,19 +80,22 @@ void BenchAxes::restore(const std::shared_ptr<const AxisBank::Snapshot>& snapsho
                         std::uint64_t tick) {
   bank_.restore(*snapshot, AxisBank::Memory::kept);
   if (journal_ != nullptr) journal_->record_restore(snapshot, tick);
+  writes_.put_restore();
   for (std::size_t axis = 0; axis < size(); ++axis) changed_.mark(axis);
 }
 
 void BenchAxes::record_tick(std::uint64_t tick) {
   if (journal_ != nullptr) journal_->record_tick(bank_, tick);
+  writes_.set_tick(tick);
 }
 
 std::optional<JournalNews> BenchAxes::next_journal_news() {
   return journal_ == nullptr ? std::nullopt : journal_->news();
 }
 
-void BenchAxes::record(const JournalChange& change) {
-  if (journal_ != nullptr) journal_->record(change);
+void BenchAxes::record(const JournalEntry& entry) {
+  if (journal_ != nullptr) journal_->record(entry, author_);
+  writes_.put(entry, author_);
 }
 
 }  // namespace vdrive::service

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/reason.hpp"
 #include "base/step_pool.hpp"
 #include "configuration/configuration.hpp"
 #include "engine/changed_axes.hpp"
+#include "engine/write_memory.hpp"
 #include "journal/journal.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/axis_bank.hpp"
@@ -21,6 +23,23 @@ namespace vdrive::service {
 /// the journal records it and the parameters of the axis are sent again.
 class BenchAxes {
  public:
+  /// While it exists, what is done to the axes is done for this author. Without one the bench
+  /// itself does it.
+  class Authorship {
+   public:
+    Authorship(BenchAxes& axes, const JournalAuthor& author) : axes_(axes) {
+      axes_.author_ = author;
+    }
+
+    ~Authorship() { axes_.author_ = {}; }
+
+    Authorship(const Authorship&) = delete;
+    Authorship& operator=(const Authorship&) = delete;
+
+   private:
+    BenchAxes& axes_;
+  };
+
   /// @throws std::invalid_argument when the bank refuses the axes
   explicit BenchAxes(const Configuration& configuration);
 
@@ -52,6 +71,9 @@ class BenchAxes {
 
   /// @return the abort code of the refusal, or AbortCode::none
   AbortCode write(std::size_t axis, ObjectRow row, std::int64_t value);
+
+  /// A write that was refused without or after a question to the bank: nothing changes.
+  void record_refusal(std::size_t axis, ObjectAddress address, std::int64_t value, Reason reason);
 
   /// 1010h and 1011h: the bank judges the signature, and nothing changes.
   AbortCode write_signature(std::size_t axis, ObjectRow row, std::int64_t value);
@@ -96,18 +118,23 @@ class BenchAxes {
   /// @return what the journal has not reported yet.
   [[nodiscard]] std::optional<JournalNews> next_journal_news();
 
+  /// What was written last.
+  [[nodiscard]] WriteMemory& writes() noexcept { return writes_; }
+
   /// The axes whose parameters have to be sent.
   [[nodiscard]] ChangedAxes& changed() noexcept { return changed_; }
 
  private:
-  void record(const JournalChange& change);
+  void record(const JournalEntry& entry);
 
   AxisBank bank_;
   StepPool pool_;
   std::vector<std::uint16_t> numbers_;  ///< by index
   std::vector<std::uint16_t> indices_;  ///< by number, as far as there are axes; kMaxAxes = none
   ChangedAxes changed_;
+  WriteMemory writes_;
   Journal* journal_ = nullptr;
+  JournalAuthor author_;
 };
 
 }  // namespace vdrive::service

@@ -29,19 +29,19 @@ void CommandFrames::handle(Arrival& arrival) {
   auto& frame = arrival.frame;
   counters_.frames_received.add();
   if (const Reason reason = check_sender(frame); reason != msg::Reason::none) {
-    answers_.refuse(frame, reason);
+    refuse(frame, reason);
     return;
   }
   SessionRecord* const record = masters_.admit(frame.session);
   if (record == nullptr) {
-    answers_.refuse(frame, msg::Reason::queue_full);
+    refuse(frame, msg::Reason::queue_full);
     return;
   }
   record->last_message_tick = clock_.tick();
   if (answer_repeat(frame)) return;
   record->last_sequence = std::max(record->last_sequence, frame.sequence_number);
   if (const Reason reason = check(arrival, *record); reason != msg::Reason::none) {
-    answers_.refuse(frame, reason);
+    refuse(frame, reason);
     return;
   }
   const bool cancels = (frame.flags & msg::FRAME_CANCEL_PENDING) != 0;
@@ -50,7 +50,7 @@ void CommandFrames::handle(Arrival& arrival) {
   if (frame.apply_at_tick <= clock_.next_tick()) {
     application_.apply(frame);
   } else if (!schedule_.insert(frame.apply_at_tick, frame)) {
-    answers_.refuse(frame, msg::Reason::queue_full);
+    refuse(frame, msg::Reason::queue_full);
   }
 }
 
@@ -59,7 +59,7 @@ void CommandFrames::apply_due() {
     // After a jump of the tick number a frame may be past its time.
     const std::uint64_t valid_until = due_frame_.valid_until_tick;
     if (valid_until != 0 && valid_until < clock_.next_tick()) {
-      answers_.refuse(due_frame_, msg::Reason::too_late);
+      refuse(due_frame_, msg::Reason::too_late);
     } else {
       application_.apply(due_frame_);
     }
@@ -70,6 +70,11 @@ bool CommandFrames::has_arrived(std::uint64_t session, std::uint64_t sequence) c
   if (sequence == 0) return true;
   const SessionRecord* const record = masters_.find(session);
   return record != nullptr && record->last_sequence >= sequence;
+}
+
+void CommandFrames::refuse(const msg::CommandFrame& frame, Reason reason) {
+  answers_.refuse(frame, reason);
+  application_.record_refused(frame, reason);
 }
 
 /// What is refused here is no frame of a session of this run: it is not remembered.

@@ -37,6 +37,7 @@ class CommandFrames {
   [[nodiscard]] bool has_arrived(std::uint64_t session, std::uint64_t sequence) const noexcept;
 
  private:
+  void refuse(const msg::CommandFrame& frame, Reason reason);
   [[nodiscard]] Reason check_sender(const msg::CommandFrame& frame) const noexcept;
   [[nodiscard]] bool answer_repeat(const msg::CommandFrame& frame);
   [[nodiscard]] Reason check(const Arrival& arrival, const SessionRecord& record) const;

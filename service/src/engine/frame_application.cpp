@@ -53,6 +53,10 @@ constexpr bool decides_on_others(ObjectRow row) {
          row == "habit_mode_change_refusal"_object;
 }
 
+JournalAuthor author_of(const msg::CommandFrame& frame) {
+  return {.means = JournalAuthor::Means::frame, .session = frame.session};
+}
+
 constexpr std::uint16_t kKnownMembers = [] {
   std::uint16_t members = msg::HAS_DS402_CONTROLWORD;
   for (const auto& member : kRegisterMembers) {
@@ -79,6 +83,7 @@ FrameApplication::FrameApplication(BenchAxes& axes, AxisWriter& writer, Masters&
 
 void FrameApplication::apply(const msg::CommandFrame& frame) {
   ensure(frame.axes.size() <= targets_.size(), "the decoder refuses frames of more axes");
+  const BenchAxes::Authorship author(axes_, author_of(frame));
   begin(frame);
   if ((frame.flags & msg::FRAME_ALL_OR_NOTHING) == 0) {
     apply_each(frame);
@@ -108,7 +113,34 @@ void FrameApplication::begin(const msg::CommandFrame& frame) {
     Target& target = targets_[position];
     const Reason reason = admit(commands[position], frame.session, target);
     target.is_refused = reason != msg::Reason::none;
-    if (target.is_refused) refuse(commands[position].axis, {}, reason);
+    if (!target.is_refused) continue;
+    refuse(commands[position].axis, {}, reason);
+    if (reason != msg::Reason::unknown_axis) {
+      record_refused(commands[position], target.axis, reason);
+    }
+  }
+}
+
+void FrameApplication::record_refused(const msg::CommandFrame& frame, Reason reason) {
+  const BenchAxes::Authorship author(axes_, author_of(frame));
+  for (const auto& command : frame.axes) {
+    if (const auto axis = axes_.index_of(command.axis)) record_refused(command, *axis, reason);
+  }
+}
+
+void FrameApplication::record_refused(const msg::AxisCommand& command, std::size_t axis,
+                                      Reason reason) {
+  for (const auto& member : kRegisterMembers) {
+    if ((command.members & member.bit) != 0) {
+      axes_.record_refusal(axis, describe(member.row).address, member.value(command), reason);
+    }
+  }
+  for (const auto& object : command.objects) {
+    axes_.record_refusal(axis, {object.index, object.subindex}, object.value, reason);
+  }
+  if ((command.members & msg::HAS_DS402_CONTROLWORD) != 0) {
+    axes_.record_refusal(axis, describe("ds402_controlword"_object).address,
+                         command.ds402_controlword, reason);
   }
 }
 
@@ -183,6 +215,7 @@ bool FrameApplication::pass_registers(const msg::AxisCommand& command, std::size
       accepted = pass_register(axis, *row, object.value, pass) && accepted;
     } else {
       refuse(command.axis, address, check_address(address));
+      axes_.record_refusal(axis, address, object.value, check_address(address));
       accepted = false;
     }
   }
@@ -200,8 +233,10 @@ bool FrameApplication::pass_register(std::size_t axis, ObjectRow row, std::int64
     // Past the AxisWriter: a register begins no halt.
     code = judges ? axes_.bank().check(axis, row, value) : axes_.write(axis, row, value);
   }
-  if (code != AbortCode::none) refuse(axes_.number_of(axis), describe(row).address, code);
-  return code == AbortCode::none;
+  if (code == AbortCode::none) return true;
+  refuse(axes_.number_of(axis), describe(row).address, code);
+  axes_.record_refusal(axis, describe(row).address, value, code);
+  return false;
 }
 
 void FrameApplication::apply_controlword(const msg::AxisCommand& command, std::size_t axis,
@@ -211,7 +246,9 @@ void FrameApplication::apply_controlword(const msg::AxisCommand& command, std::s
     const AbortCode code =
         writer_.write(axis, "ds402_controlword"_object, command.ds402_controlword);
     if (code != AbortCode::none) {
-      refuse(command.axis, describe("ds402_controlword"_object).address, code);
+      const ObjectAddress controlword = describe("ds402_controlword"_object).address;
+      refuse(command.axis, controlword, code);
+      axes_.record_refusal(axis, controlword, command.ds402_controlword, code);
     } else if (axes_.bank().ignored_set_points(axis) != ignored) {
       reply_.ignored_set_points.push_back(command.axis);
     }

@@ -52,6 +52,10 @@ Reason set_rate(const RequestParts& parts, const msg::Request& request, msg::Rep
   return msg::Reason::none;
 }
 
+Reason read_writes(const RequestParts& parts, const msg::Request& request, msg::Reply& reply) {
+  return std::get<BenchAxes&>(parts).writes().read(request, reply);
+}
+
 struct HandlerRow {
   msg::RequestKind kind;
   RequestHandler handler;
@@ -71,6 +75,7 @@ constexpr std::array kHandlers{
     HandlerRow{msg::RequestKind::restore_snapshot, pass_on<&Snapshots::restore>},
     HandlerRow{msg::RequestKind::drop_snapshot, pass_on<&Snapshots::drop>},
     HandlerRow{msg::RequestKind::next_snapshot, pass_on<&Snapshots::show_next>},
+    HandlerRow{msg::RequestKind::read_writes, read_writes},
 };
 
 constexpr RequestHandler find_handler(msg::RequestKind kind) noexcept {

@@ -67,8 +67,9 @@ Reason Requests::check(const Arrival& arrival) const {
   const auto& request = arrival.request;
   if (request.client == 0) return msg::Reason::bad_session;
   if (!answers_.is_of_this_run(request)) return msg::Reason::wrong_incarnation;
-  if (brake_.is_engaged() && request.kind != msg::RequestKind::read)
-    return msg::Reason::shutting_down;
+  const bool only_reads =
+      request.kind == msg::RequestKind::read || request.kind == msg::RequestKind::read_writes;
+  if (brake_.is_engaged() && !only_reads) return msg::Reason::shutting_down;
   return arrival.refusal;
 }
 
@@ -85,6 +86,9 @@ Reason Requests::check_kind(const msg::Request& request) const {
 Reason Requests::carry_out(const msg::Request& request, msg::Reply& reply) {
   masters_.note_message(request.session);
   if (const Reason reason = check_kind(request); reason != msg::Reason::none) return reason;
+  const BenchAxes::Authorship author(
+      std::get<BenchAxes&>(parts_),
+      {.means = JournalAuthor::Means::request, .session = request.session});
   const RequestHandler handler = handler_of(request.kind);
   // Whoever runs the ticks passes the others to StepRequests.
   return handler == nullptr ? msg::Reason::wrong_clock_mode : handler(parts_, request, reply);

@@ -144,7 +144,7 @@ Journal::Slot* Journal::open_slot() noexcept {
   while (slot_ == nullptr) {
     slot_ = ring_.free_slot();
     if (slot_ != nullptr) {
-      slot_->change_count = 0;
+      slot_->entry_count = 0;
     } else if (may_wait_ && is_recording()) {
       std::this_thread::sleep_for(kRoomNap);
     } else {
@@ -162,12 +162,20 @@ void Journal::push(Slot::End end, std::uint64_t tick) noexcept {
   ring_.push();
 }
 
-void Journal::record(const JournalChange& change) noexcept {
+void Journal::record(const JournalEntry& entry, const JournalAuthor& author) noexcept {
+  if (author_ != author) {
+    put(author);
+    author_ = author;
+  }
+  put(entry);
+}
+
+void Journal::put(const JournalEntry& entry) noexcept {
   if (!is_recording() || losing_) return;
-  if (slot_ != nullptr && slot_->change_count == Slot::kChanges) push(Slot::End::none, 0);
+  if (slot_ != nullptr && slot_->entry_count == Slot::kEntries) push(Slot::End::none, 0);
   if (Slot* const slot = open_slot(); slot != nullptr) {
-    slot->changes[slot->change_count] = change;
-    ++slot->change_count;
+    slot->entries[slot->entry_count] = entry;
+    ++slot->entry_count;
   } else {
     start_losing();
   }
@@ -223,6 +231,7 @@ void Journal::lose_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
   slot->lost = lost_;
   push(Slot::End::resumed, tick);
   losing_ = false;
+  author_.reset();
   resumed_after_ += lost_;
 }
 
@@ -276,8 +285,12 @@ bool Journal::write_waiting() {
 void Journal::write_slot(Slot& slot) {
   const bool has_state = slot.end == Slot::End::restored || slot.end == Slot::End::resumed;
   ensure(!has_state || slot.snapshot != nullptr, "a slot that continues elsewhere has a state");
-  for (std::size_t position = 0; position < slot.change_count; ++position) {
-    writer_->write(slot.changes[position]);
+  for (std::size_t position = 0; position < slot.entry_count; ++position) {
+    std::visit(
+        [this](const auto& entry) {
+          writer_->write(entry);
+        },
+        slot.entries[position]);
   }
   switch (slot.end) {
     case Slot::End::none:

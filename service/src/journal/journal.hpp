@@ -53,8 +53,9 @@ class Journal {
   /// Writes what waits, and the end. Nothing is recorded afterwards. Idempotent.
   void close() noexcept;
 
-  /// The thread that steps the bank, from here on. A change that was accepted:
-  void record(const JournalChange& change) noexcept;
+  /// The thread that steps the bank, from here on. A change that was accepted, or a write that was
+  /// refused, and whose it was:
+  void record(const JournalEntry& entry, const JournalAuthor& author) noexcept;
   /// The state was replaced by that of a snapshot.
   void record_restore(std::shared_ptr<const AxisBank::Snapshot> snapshot,
                       std::uint64_t tick) noexcept;
@@ -65,25 +66,26 @@ class Journal {
   [[nodiscard]] std::optional<JournalNews> news() noexcept;
 
  private:
-  /// Changes, and what follows them.
+  /// Entries, and what follows them.
   struct Slot {
     enum class End : std::uint8_t { none, tick, restored, resumed };
 
-    /// A slot has its room from the start: a tick with more changes takes several slots.
-    static constexpr std::size_t kChanges = 64;
+    /// A slot has its room from the start: a tick with more entries takes several slots.
+    static constexpr std::size_t kEntries = 64;
 
     End end = End::none;
-    std::uint32_t change_count = 0;
+    std::uint32_t entry_count = 0;
     std::uint64_t tick = 0;
     std::uint64_t lost = 0;
     StatusDigest digest;
-    std::array<JournalChange, kChanges> changes;
+    std::array<JournalEntry, kEntries> entries;
     std::array<std::uint32_t, kMostRows> rows{};
     std::shared_ptr<const AxisBank::Snapshot> snapshot;
   };
 
   [[nodiscard]] bool is_recording() const noexcept;
   [[nodiscard]] Slot* open_slot() noexcept;
+  void put(const JournalEntry& entry) noexcept;
   void push(Slot::End end, std::uint64_t tick) noexcept;
   void start_losing() noexcept;
   void lose_tick(const AxisBank& bank, std::uint64_t tick) noexcept;
@@ -106,6 +108,7 @@ class Journal {
   // of the thread that steps the bank
   std::shared_ptr<AxisBank::Snapshot> spare_;  ///< to continue with after a loss
   Slot* slot_ = nullptr;                       ///< being filled
+  std::optional<JournalAuthor> author_;        ///< of the last entry; nothing: to be recorded
   std::uint64_t lost_ = 0;                     ///< in the present loss
   bool losing_ = false;
   bool ended_ = true;

@@ -14,7 +14,8 @@ namespace vdrive::service {
 namespace {
 
 constexpr std::uint64_t kJournalMagic = 0x6C6E726A76726476ULL;  // "vdrvjrnl"
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kFirstVersion = 1;  // without authors and refusals
 constexpr std::size_t kChunkSize = 65'536;  // records are handed over when there is so much of them
 constexpr std::uint32_t kMostRows = 16'384;
 
@@ -28,6 +29,8 @@ constexpr std::uint32_t kEnd = 4;
 constexpr std::uint8_t kTick = 4;
 constexpr std::uint8_t kSameTick = 5;  // every status image is as it was
 constexpr std::uint8_t kJump = 6;
+constexpr std::uint8_t kAuthor = 9;
+constexpr std::uint8_t kRefusal = 10;
 
 /// Before the content of each chunk.
 struct ChunkHead {
@@ -117,6 +120,23 @@ void JournalWriter::write(const JournalChange& change) {
   flush_if_large();
 }
 
+void JournalWriter::write(const JournalRefusal& refusal) {
+  put(records_, kRefusal);
+  put(records_, refusal.axis);
+  put(records_, refusal.address.index);
+  put(records_, refusal.address.subindex);
+  put(records_, refusal.value);
+  put(records_, refusal.reason);
+  flush_if_large();
+}
+
+void JournalWriter::write(const JournalAuthor& author) {
+  put(records_, kAuthor);
+  put(records_, static_cast<std::uint8_t>(author.means));
+  put(records_, author.session);
+  flush_if_large();
+}
+
 void JournalWriter::write(const JournalSnapshot& snapshot) {
   flush();
   std::vector<std::byte> content;
@@ -181,9 +201,10 @@ JournalReader::JournalReader(std::istream& file) : file_(file) {
 
 void JournalReader::read_start() {
   if (take<std::uint64_t>() != kJournalMagic) fail("this is not a journal");
-  if (const auto version = take<std::uint32_t>(); version != kVersion) {
-    fail("version " + std::to_string(version) +
-         " of the format is not supported; supported: " + std::to_string(kVersion));
+  format_ = take<std::uint32_t>();
+  if (format_ < kFirstVersion || format_ > kVersion) {
+    fail("version " + std::to_string(format_) + " of the format is not supported; supported: " +
+         std::to_string(kFirstVersion) + " to " + std::to_string(kVersion));
   }
   start_.axes_per_row = take<std::uint32_t>();
   start_.rows = take<std::uint32_t>();
@@ -313,6 +334,21 @@ JournalRecord JournalReader::read_record() {
       tick_.rows.resize(start_.rows);
       for (std::uint32_t& check : tick_.rows) check = take<std::uint32_t>();
       return tick_;
+    case kAuthor: {
+      const auto means = take<std::uint8_t>();
+      if (means > static_cast<std::uint8_t>(JournalAuthor::Means::frame)) {
+        fail("author of an unknown kind " + std::to_string(means));
+      }
+      return JournalAuthor{.means = static_cast<JournalAuthor::Means>(means),
+                           .session = take<std::uint64_t>()};
+    }
+    case kRefusal: {
+      JournalRefusal refusal{.axis = take<std::uint16_t>()};
+      refusal.address = take_address();
+      refusal.value = take<std::int64_t>();
+      refusal.reason = take<std::uint32_t>();
+      return refusal;
+    }
     default:
       return read_change(static_cast<JournalChange::Kind>(kind));
   }
@@ -323,8 +359,7 @@ JournalRecord JournalReader::read_change(JournalChange::Kind kind) {
   switch (kind) {
     case JournalChange::Kind::write:
     case JournalChange::Kind::stored:
-      change.address.index = take<std::uint16_t>();
-      change.address.subindex = take<std::uint8_t>();
+      change.address = take_address();
       change.value = take<std::int64_t>();
       return change;
     case JournalChange::Kind::power_cycle:
@@ -355,6 +390,13 @@ Number JournalReader::take() {
   std::memcpy(&number, chunk_.data() + position_, sizeof(number));
   position_ += sizeof(number);
   return number;
+}
+
+ObjectAddress JournalReader::take_address() {
+  ObjectAddress address;
+  address.index = take<std::uint16_t>();
+  address.subindex = take<std::uint8_t>();
+  return address;
 }
 
 std::string JournalReader::take_text() {

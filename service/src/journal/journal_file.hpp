@@ -48,6 +48,34 @@ struct JournalChange {
   friend bool operator==(const JournalChange&, const JournalChange&) = default;
 };
 
+/// Who does what the records after this one say, until the next of these. Before the first one in a
+/// journal, and in those of version 1, it is not known.
+struct JournalAuthor {
+  enum class Means : std::uint8_t {
+    none = 0,     ///< the bench itself, such as one that shuts down
+    request = 1,  ///< of a session, acyclic
+    frame = 2,    ///< of a session, with set-points
+  };
+
+  Means means = Means::none;
+  std::uint64_t session = 0;
+
+  friend bool operator==(const JournalAuthor&, const JournalAuthor&) = default;
+};
+
+/// A write that was refused: it has changed nothing, and a replay leaves it out.
+struct JournalRefusal {
+  std::uint16_t axis = 0;  ///< index on the bench, from 0
+  ObjectAddress address{};
+  std::int64_t value = 0;
+  std::uint32_t reason = 0;  ///< number of the wire contract, or abort code
+
+  friend bool operator==(const JournalRefusal&, const JournalRefusal&) = default;
+};
+
+/// What happens between two ticks.
+using JournalEntry = std::variant<JournalChange, JournalRefusal, JournalAuthor>;
+
 /// The head of a journal.
 struct JournalStart {
   std::uint64_t layout = 0;        ///< AxisBank::snapshot_layout
@@ -87,7 +115,8 @@ struct JournalEnd {
   friend bool operator==(const JournalEnd&, const JournalEnd&) = default;
 };
 
-using JournalRecord = std::variant<JournalChange, JournalTick, JournalSnapshot, JournalEnd>;
+using JournalRecord = std::variant<JournalChange, JournalRefusal, JournalAuthor, JournalTick,
+                                   JournalSnapshot, JournalEnd>;
 
 /// Writes a journal.
 class JournalWriter {
@@ -96,6 +125,8 @@ class JournalWriter {
   JournalWriter(JournalSink sink, const JournalStart& start);
 
   void write(const JournalChange& change);
+  void write(const JournalRefusal& refusal);
+  void write(const JournalAuthor& author);
   void write(const JournalSnapshot& snapshot);
   /// A tick whose number is not the next one jumped.
   void write_tick(std::uint64_t number, const StatusDigest& digest,
@@ -125,6 +156,9 @@ class JournalReader {
 
   [[nodiscard]] const JournalStart& start() const noexcept { return start_; }
 
+  /// @return whether it has authors and refusals: version 2 and later.
+  [[nodiscard]] bool has_authors() const noexcept { return format_ >= 2; }
+
   /// @return the next record, or nothing at the end of the file.
   /// @throws JournalError when something in the middle is damaged or missing. An unfinished chunk
   /// at the end of the file is left out: a service that was killed leaves such a chunk.
@@ -147,11 +181,13 @@ class JournalReader {
   void read_start();
   template <typename Number>
   [[nodiscard]] Number take();
+  [[nodiscard]] ObjectAddress take_address();
   [[nodiscard]] std::string take_text();
   [[noreturn]] void fail(const std::string& what) const;
 
   std::istream& file_;
   JournalStart start_;
+  std::uint32_t format_ = 0;
   std::uint32_t kind_ = 0;
   std::vector<std::byte> chunk_;
   std::size_t position_ = 0;

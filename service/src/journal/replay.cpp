@@ -55,11 +55,12 @@ Configuration configuration_of(const JournalStart& start) {
 /// A journal being replayed. Members that return bool return whether it still agrees.
 class Replay {
  public:
-  Replay(JournalReader& reader, std::optional<std::uint32_t> threads)
+  Replay(JournalReader& reader, const ReplayOptions& options)
       : reader_(reader),
+        options_(options),
         configuration_(configuration_of(reader.start())),
         bank_(bank_axes(configuration_), configuration_.period),
-        pool_(bank_, threads.value_or(configuration_.threads)),
+        pool_(bank_, options.threads.value_or(configuration_.threads)),
         rows_(reader.start().rows) {
     const std::size_t per_row = reader.start().axes_per_row;
     if (rows_.size() != (bank_.size() + per_row - 1) / per_row) {
@@ -70,6 +71,9 @@ class Replay {
   ReplayResult run() {
     const auto begin = std::chrono::steady_clock::now();
     bool agrees = true;
+    if (options_.observer != nullptr) {
+      options_.observer->begins(configuration_, reader_.has_authors());
+    }
     while (agrees) {
       const auto record = reader_.next();
       if (!record) break;
@@ -91,10 +95,7 @@ class Replay {
  private:
   bool apply(const JournalChange& change) {
     require_start();
-    if (change.axis >= bank_.size()) {
-      throw JournalError("tick " + std::to_string(tick_ + 1) + ": there is no axis with index " +
-                         std::to_string(change.axis));
-    }
+    require_axis(change.axis);
     ++result_.changes;
     AbortCode code = AbortCode::none;
     switch (change.kind) {
@@ -114,7 +115,9 @@ class Replay {
         bank_.forget_stored(change.axis);
         break;
     }
-    if (code != AbortCode::none) {
+    if (code == AbortCode::none) {
+      tell(change);
+    } else {
       result_.text = "tick " + std::to_string(tick_ + 1) + ": " + name_of(change.axis) +
                      ": the write of " + std::to_string(change.value) + " to " +
                      object_text(change.address) +
@@ -123,11 +126,24 @@ class Replay {
     return code == AbortCode::none;
   }
 
+  bool apply(const JournalRefusal& refusal) {
+    require_axis(refusal.axis);
+    tell(refusal);
+    return true;
+  }
+
+  bool apply(const JournalAuthor& author) {
+    tell(author);
+    return true;
+  }
+
   bool apply(const JournalTick& tick) {
     require_start();
     pool_.step();
     tick_ = tick.number;
     ++result_.ticks;
+    if (options_.observer != nullptr) options_.observer->stepped(tick_, bank_);
+    if (result_.ticks % options_.ticks_a_check != 0) return true;
     const StatusDigest digest = digest_of(bank_.statuses(), reader_.start().axes_per_row, rows_);
     if (digest.image == tick.digest.image) return true;
     result_.text = "tick " + std::to_string(tick.number) + ": " + place_of(digest, tick);
@@ -149,6 +165,7 @@ class Replay {
                std::to_string(snapshot.tick);
     }
     tick_ = snapshot.tick;
+    if (options_.observer != nullptr) options_.observer->restored(snapshot, bank_);
     return true;
   }
 
@@ -160,6 +177,17 @@ class Replay {
     }
     ended_ = true;
     return true;
+  }
+
+  template <typename Entry>
+  void tell(const Entry& entry) {
+    if (options_.observer != nullptr) options_.observer->entered(entry, bank_);
+  }
+
+  void require_axis(std::size_t axis) const {
+    if (axis < bank_.size()) return;
+    throw JournalError("tick " + std::to_string(tick_ + 1) + ": there is no axis with index " +
+                       std::to_string(axis));
   }
 
   void require_start() const {
@@ -217,6 +245,7 @@ class Replay {
   }
 
   JournalReader& reader_;
+  const ReplayOptions& options_;
   Configuration configuration_;
   AxisBank bank_;
   StepPool pool_;
@@ -231,14 +260,18 @@ class Replay {
 
 }  // namespace
 
-ReplayResult replay(const std::filesystem::path& file, std::optional<std::uint32_t> threads) {
+ReplayResult replay(std::istream& journal, const ReplayOptions& options) {
+  JournalReader reader(journal);
+  return Replay(reader, options).run();
+}
+
+ReplayResult replay(const std::filesystem::path& file, const ReplayOptions& options) {
   std::ifstream stream(file, std::ios::binary);
   if (std::filesystem::is_directory(file) || !stream) {
     throw JournalError(escaped(file.string(), kShownOfMessage) + ": cannot be read");
   }
   try {
-    JournalReader reader(stream);
-    ReplayResult result = Replay(reader, threads).run();
+    ReplayResult result = replay(stream, options);
     result.text = escaped(file.string(), kShownOfMessage) + ": " + result.text;
     return result;
   } catch (const JournalError& error) {

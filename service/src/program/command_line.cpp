@@ -417,7 +417,7 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
 }
 
 int replay_journal(const Arguments& arguments) {
-  const ReplayResult result = replay(*arguments.replay, arguments.threads);
+  const ReplayResult result = replay(*arguments.replay, {.threads = arguments.threads});
   (result.agrees ? std::cout : std::cerr) << result.text << '\n';
   return result.agrees && result.is_complete ? kDone : kFailed;
 }

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A bus with one axis, in both clocks, a master on it, and the time of this master."""
+"""A bus with one axis, in both clocks, a master on it, the time of this master, and its judge."""
+import json
+import os
+import subprocess
+
 import pytest
 import vdrive.canopen
 from can_client import CanClient, RealTime, Time
@@ -8,10 +12,30 @@ PERIOD = 0.01  # [s] of SYNC: that of the masters' examples
 
 
 @pytest.fixture(params=["realtime", "lockstep"])
-def bus(request):
+def bus(request, tmp_path):
     options = {"sync_steps": PERIOD} if request.param == "lockstep" else {}
-    with vdrive.canopen.Bus(axes=1, clock=request.param, **options) as bus:
+    log = tmp_path / "bus.candump"
+    with vdrive.canopen.Bus(axes=1, clock=request.param, arguments=["--log", log], **options) as bus:
         yield bus
+    judge(request.module, log)
+
+
+def judge(module, log):
+    """What the judge finds in a log of the bus, the module knows: FINDINGS has our reading of each rule.
+
+    A test commands some things that its master does not, such as a fault. docs/guides/judging.md has the
+    findings that are the masters'.
+    """
+    tool = os.environ.get("VDRIVE_TOOL")
+    if tool is None or not os.path.exists(tool):  # under a sanitizer
+        return
+    done = subprocess.run([tool, "judge", log, "--json", "--fail-on", "never"], capture_output=True, text=True,
+                          timeout=60)
+    assert done.returncode == 0, done.stderr
+    findings = [json.loads(line) for line in done.stdout.splitlines()][:-1]
+    unknown = [f"{each['severity']} {each['rule']}, {each['count']} times, line {each['first']['line']}: {each['happened']}"
+               for each in findings if each["rule"] not in module.FINDINGS]
+    assert not unknown, f"vdrive judge {log}:\n" + "\n".join(unknown)
 
 
 @pytest.fixture

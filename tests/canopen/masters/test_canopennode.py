@@ -9,6 +9,14 @@ modes, ramps and moves by SDO alone, 10 ms an access). Nothing of it is copied.
 import pytest
 from can_client import SdoAbort, START
 
+# Of the judge, with our reading.
+FINDINGS = {
+    "handshake-1": "arm_control raises bit 4 10 ms after it has dropped it, without a look at bit 12",
+    "handshake-5": "after a fault it goes on with 001Fh, whatever 6041h shows",
+    "mode-3": "arm_control does not look at 6061h",
+    "state-3": "after a fault it sends 000Fh in Switch on disabled",
+}
+
 FAULT, POWER_BITS = 0x0008, 0x008F
 STATES = [
     ("not ready", 0x4F, 0x00), ("switch on disabled", 0x4F, 0x40), ("ready", 0x6F, 0x21),

@@ -25,6 +25,7 @@ struct Arguments {
   std::optional<std::string> clock{};
   std::optional<std::string> sync_steps{};
   std::optional<std::string> state{};
+  std::optional<std::string> journal{};
   std::optional<std::string> log{};
   std::vector<std::string> faults{};
 };

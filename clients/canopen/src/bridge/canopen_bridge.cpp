@@ -25,7 +25,8 @@ bench::BenchOptions options_of(const Settings& settings, const BenchSetting& ben
           .preset = bench.preset,
           .clock = settings.clock,
           .number = bench.number,
-          .state_directory = settings.state};
+          .state_directory = settings.state,
+          .journal = settings.journal};
 }
 
 /// @return the benches of a private bridge, all on one local bus; empty where it is not private.

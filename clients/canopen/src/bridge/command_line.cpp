@@ -96,6 +96,9 @@ void declare(CLI::App& app, CommandLine& line) {
       "Directory for what 1010h stores; without it, a private bench refuses 1010h, and the nodes "
       "of other benches keep their communication parameters in memory only")
       ->type_name("DIR");
+  add_text(app, "--journal", line.arguments.journal,
+           "Write a journal of the private bench, which 'vdrive judge' and 'vdrived --replay' read")
+      ->type_name("FILE");
   add_text(app, "--log", line.arguments.log,
            "Write each frame to this file in candump's format; with --sync-steps, in drive time")
       ->type_name("FILE");

@@ -115,6 +115,7 @@ constexpr auto kRows = std::to_array<Row<Settings>>({
     key<&Settings::sync_steps>(
         "sync_steps_us", IntegerLimits{kShortestSyncStep.count(), kLongestSyncStep.count(), "us"}),
     key<&Settings::state>("state", TextRule{.if_empty = "must be the name of a directory"}),
+    key<&Settings::journal>("journal", TextRule{.if_empty = "must be the name of a file"}),
     {.key = "buses", .then = read_buses},
 });
 
@@ -203,6 +204,13 @@ void check_node_ids(const Settings& settings) {
   }
 }
 
+void check_journal(const Settings& settings) {
+  if (settings.journal.empty()) return;
+  const bool is_of_one = settings.is_private && settings.buses.size() == 1 &&
+                         settings.buses.front().benches.size() == 1;
+  if (!is_of_one) throw ConfigurationError("--journal is that of one private bench; add --private");
+}
+
 bool names_a_network(const client::SessionOptions& session) {
   return session.domain || !session.interfaces.empty() || !session.peers.empty() ||
          !session.discovery_servers.empty() || !session.security.empty();
@@ -251,6 +259,7 @@ void complete_settings(Settings& settings) {
   check_ports(settings.buses);
   check_benches(settings);
   check_clock(settings);
+  check_journal(settings);
   if (settings.is_private) check_node_ids(settings);
   if (settings.is_private && !settings.clock) {
     settings.clock = settings.sync_steps ? ClockMode::lockstep : ClockMode::realtime;

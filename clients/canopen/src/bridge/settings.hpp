@@ -55,7 +55,8 @@ struct Settings {
   std::optional<ClockMode> clock{};  ///< of the private benches
   /// Each SYNC lets so much drive time pass on a lock-step bench; nothing = others advance time.
   std::optional<std::chrono::microseconds> sync_steps{};
-  std::filesystem::path state{};  ///< directory of what 1010h stores; empty = kept in memory
+  std::filesystem::path state{};    ///< directory of what 1010h stores; empty = kept in memory
+  std::filesystem::path journal{};  ///< of the private bench; empty = none is written
   std::vector<BusSetting> buses{};
 };
 

@@ -145,6 +145,36 @@ struct KeptSnapshot {
   std::uint64_t tick = 0;  ///< in which it was taken
 };
 
+/// What somebody wrote to an object of an axis, or what happened to axes in between.
+struct AxisWrite {
+  enum class Kind : std::uint8_t {
+    write,
+    power_cycle,  ///< of the axis
+    restored,     ///< all axes got the state of a snapshot
+    lost,         ///< older ones that the bench does not keep any more
+  };
+
+  /// How it came to the bench.
+  enum class Means : std::uint8_t { request, frame, bench };
+
+  Kind kind = Kind::write;
+  Means means = Means::request;
+  std::uint16_t axis = 0;     ///< number on its bench
+  std::uint64_t tick = 0;     ///< the last completed one before
+  std::uint64_t session = 0;  ///< 0 = of a program without one, or of the bench
+  ObjectAddress object{};
+  std::int64_t value = 0;
+  std::uint32_t reason = 0;  ///< of a refusal: of the wire, or a CiA 301 abort code; 0 = accepted
+  bool is_late = false;      ///< refused, because its tick had passed
+};
+
+/// The next writes to a bench.
+struct AxisWrites {
+  std::vector<AxisWrite> writes{};  ///< oldest first
+  std::uint64_t place = 0;          ///< of the last one: the next call goes on from there
+  std::uint64_t tick = 0;           ///< the bench has completed
+};
+
 /// Whether a follower advances the clock of a lock-step bench.
 enum class Pace : std::uint8_t {
   drive,    ///< in lock-step each sample is a step of one tick; else follows the status stream
@@ -375,6 +405,12 @@ class Session {
 
   /// @return the snapshots that a bench keeps, by number; in any clock mode.
   Result<std::vector<KeptSnapshot>> snapshots(std::uint32_t bench);
+
+  /// Returns what was written to the axes of a bench, by whomever, accepted or refused. From
+  /// the first such call on a bench keeps the last 65,536.
+  /// @param place of the last one that is known; 0 = from the oldest that is kept
+  /// @return some 60 of them; none when there is nothing new. Refused by a service without them.
+  Result<AxisWrites> writes(std::uint32_t bench, std::uint64_t place = 0);
 
   /// Forgets a snapshot.
   /// @return refused while time passes, or when there is no such snapshot.

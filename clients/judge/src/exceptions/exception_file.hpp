@@ -19,4 +19,14 @@ namespace vdrive::judge {
 [[nodiscard]] std::vector<Exception> read_exceptions(const std::string& text,
                                                      const std::string& file_name);
 
+/// Reads the exceptions that stand in the comments of a scenario:
+///
+///     # judge: off handshake-8 because the drive looks at its controlword each 125 us
+///     # judge: off motion-1 on 1.2 because this file is about the limits
+///
+/// @throws settings::ConfigurationError naming file and line, for a comment that begins with
+///         "judge:" and is no such line, and for a rule that is not there.
+[[nodiscard]] std::vector<Exception> read_exception_comments(const std::string& text,
+                                                             const std::string& file_name);
+
 }  // namespace vdrive::judge

@@ -41,10 +41,10 @@ void History::open(Finding& finding) {
   windows_.push_back({&finding, kLinesAfter, kSamplesAfter});
 }
 
-std::vector<Finding> Findings::take() {
+std::vector<Finding> Findings::all() const {
   std::vector<Finding> all;
-  for (auto& [key, finding] : findings_) all.push_back(std::move(finding));
-  findings_.clear();
+  all.reserve(findings_.size());
+  for (const auto& [key, finding] : findings_) all.push_back(finding);
   std::ranges::stable_sort(all, {}, [](const Finding& finding) {
     return std::tuple(row_of(finding.rule).severity, finding.rule, finding.axis);
   });

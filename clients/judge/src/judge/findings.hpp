@@ -64,7 +64,9 @@ class Findings {
   }
 
   /// @return all of them, worst first, then by rule and axis.
-  [[nodiscard]] std::vector<Finding> take();
+  [[nodiscard]] std::vector<Finding> all() const;
+
+  void clear() { findings_.clear(); }
 
  private:
   std::map<std::pair<Rule, std::uint32_t>, Finding> findings_;

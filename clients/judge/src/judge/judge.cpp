@@ -144,9 +144,9 @@ class AxisJudge {
     supervision_.take(sign, context());
   }
 
-  void apply(const Gap& /*gap*/) {
+  void apply(const Gap& gap) {
     forget();
-    put_line(nullptr, "gap in the source", 0);
+    put_line(nullptr, gap.cause, 0);
   }
 
   void forget() {
@@ -273,10 +273,16 @@ void Judge::take(const Record& record) {
 }
 
 Verdict Judge::end(bool is_over) {
-  State& state = *state_;
-  for (auto& [number, axis] : state.axes) axis.end(is_over);
+  for (auto& [number, axis] : state_->axes) axis.end(is_over);
+  Verdict last = verdict();
+  state_->findings.clear();
+  return last;
+}
+
+Verdict Judge::verdict() const {
+  const State& state = *state_;
   Verdict verdict;
-  verdict.findings = state.findings.take();
+  verdict.findings = state.findings.all();
   verdict.unjudged = state.unjudged();
   verdict.axes.reserve(state.axes.size());
   for (const auto& [number, axis] : state.axes) verdict.axes.push_back(number);

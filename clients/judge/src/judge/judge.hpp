@@ -59,6 +59,9 @@ class Judge {
   /// The records of an axis come in the order of their times; those of different axes need not.
   void take(const Record& record);
 
+  /// @return what it would say now; more may come.
+  [[nodiscard]] Verdict verdict() const;
+
   /// @param is_over the source has shown the end of the run; else it may be cut anywhere
   [[nodiscard]] Verdict end(bool is_over = false);
 

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <variant>
 
 namespace vdrive::judge {
@@ -106,7 +107,9 @@ struct KeepAlive {
 };
 
 /// From here on the source has lost what came before: states may have changed unseen.
-struct Gap {};
+struct Gap {
+  std::string_view cause = "gap in the source";  ///< static
+};
 
 struct Record {
   Time time{};

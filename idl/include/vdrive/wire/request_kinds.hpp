@@ -92,6 +92,7 @@ inline constexpr std::array kRequestKinds = [] {
       Row{Kind::restore_snapshot, Uses{&Asked::session, &Asked::snapshot}, By::owner, At::standing},
       Row{Kind::drop_snapshot, Uses{&Asked::snapshot}, By::anybody, At::standing},
       Row{Kind::next_snapshot, Uses{&Asked::snapshot}},
+      Row{Kind::read_writes, Uses{&Asked::snapshot}},
   };
 }();
 

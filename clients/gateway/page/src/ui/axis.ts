@@ -13,6 +13,7 @@ import { Commands } from "./commands";
 import { FOCUS, h, mark, put, type View } from "./dom";
 import { PowerMachine, Words } from "./drive";
 import { Events } from "./events";
+import { Findings } from "./findings";
 import { Objects } from "./objects";
 import { Plots } from "./plots";
 
@@ -134,8 +135,9 @@ export class AxisView implements View {
     const words = new Words(model, this.trace);
     const isOwn = ({ bench, axis }: LogEvent) => bench === ref.bench.number && (axis === ref.axis.axis || axis === 0);
     const events = new Events(model, isOwn, ({ tick }) => plots.goTo(tick));
+    const findings = new Findings(model, ref, (tick) => plots.goTo(tick));
     const objects = new Objects(model, ref);
-    this.parts = [figures, plots, commands, machine, words, events, objects];
+    this.parts = [figures, plots, commands, machine, words, events, findings, objects];
     const title = h(
       "div",
       { class: "title" },
@@ -150,7 +152,7 @@ export class AxisView implements View {
       // The order of the keyboard is that of a narrow screen: controls stand above the plots.
       h("div", { class: "control-column" }, commands.root),
       h("div", { class: "main-column" }, plots.root, objects.root),
-      h("div", { class: "side-column" }, machine.root, words.root, events.root),
+      h("div", { class: "side-column" }, machine.root, words.root, events.root, findings.root),
     );
   }
 

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "live/live_judge.hpp"
+
+#include "judge/bench_records.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace vdrive::judge {
+namespace {
+
+using client::AxisWrite;
+using client::Observation;
+using client::Outcome;
+
+/// As many as a poll takes at a time: 64 axes at 1 kHz for four seconds.
+constexpr std::size_t kMostSamples = 4'000;
+
+std::vector<client::AxisId> ids_of(const std::vector<client::Axis>& axes) {
+  std::vector<client::AxisId> ids;
+  ids.reserve(axes.size());
+  for (const client::Axis& axis : axes) ids.push_back(axis.id());
+  return ids;
+}
+
+/// A page has room for 64 entries, and a write brings two marks at most.
+constexpr std::size_t kLeastOfAFullPage = 20;
+
+bool is_set_point(const AxisWrite& write) {
+  return write.kind == AxisWrite::Kind::write && write.object == objects::kControlword &&
+         write.reason == 0;
+}
+
+}  // namespace
+
+client::Result<LiveJudge> LiveJudge::create(client::Session& session, std::uint32_t bench,
+                                            std::vector<client::Axis> axes) {
+  const auto found = session.find_bench(bench);
+  if (!found) return found.outcome();
+  auto follower = session.follow(ids_of(axes), client::Pace::observe);
+  if (!follower) return follower.outcome();
+  LiveJudge judge(session, bench, found->period, std::move(*follower), std::move(axes));
+  if (Outcome begun = judge.begin(); !begun) return begun;
+  return judge;
+}
+
+LiveJudge::LiveJudge(client::Session& session, std::uint32_t bench,
+                     std::chrono::microseconds period, client::Follower follower,
+                     std::vector<client::Axis> axes)
+    : session_(&session),
+      bench_(bench),
+      period_(period),
+      follower_(std::move(follower)),
+      axes_(std::move(axes)),
+      ignored_(axes_.size()),
+      judge_({.has_time = true,
+              .shows_reads = false,
+              .shows_sessions = true,
+              .speed_is_per_second = true}) {}
+
+/// From the present: what was written before is not judged, since nobody saw the status.
+Outcome LiveJudge::begin() {
+  auto present = session_->writes(bench_, std::numeric_limits<std::uint64_t>::max());
+  if (!present) return present.outcome();
+  place_ = present->place;
+  known_tick_ = first_tick_ = judged_tick_ = present->tick;
+  const auto state = session_->observe(ids_of(axes_));
+  if (!state) return state.outcome();
+  if (Outcome shown = show_objects(); !shown) return shown;
+  for (std::size_t place = 0; place < axes_.size(); ++place) {
+    const client::AxisSnapshot& axis = state->axes[place];
+    ignored_[place] = axis.status.ignored_set_points;
+    take(known_tick_, axis.id.axis, shown_by(axis.status));
+  }
+  return {};
+}
+
+Outcome LiveJudge::show_objects() {
+  for (const client::Axis& axis : axes_) {
+    const auto read = axis.read(std::span(kKnownFromTheStart));
+    if (!read) return read.outcome();
+    for (const client::ObjectReading& reading : read->objects) {
+      if (reading.code != AbortCode::none) continue;
+      take(known_tick_, axis.id().axis,
+           Reading{.object = reading.object, .value = reading.value, .is_of_the_master = false});
+    }
+  }
+  return {};
+}
+
+Outcome LiveJudge::poll(std::chrono::milliseconds patience) {
+  if (Outcome taken = take_samples(patience); !taken) return taken;
+  if (Outcome taken = take_writes(); !taken) return taken;
+  judge_until_known();
+  return {};
+}
+
+Outcome LiveJudge::take_samples(std::chrono::milliseconds patience) {
+  for (std::size_t count = 0; count < kMostSamples; ++count) {
+    if (count > 0 && !follower_.has_next()) break;
+    auto sample = follower_.next(patience);
+    if (!sample) {
+      const bool is_none = sample.outcome().kind() == client::OutcomeKind::timed_out;
+      return is_none ? Outcome() : sample.outcome();
+    }
+    samples_.push_back(std::move(*sample));
+  }
+  return {};
+}
+
+Outcome LiveJudge::take_writes() {
+  while (true) {
+    auto page = session_->writes(bench_, place_);
+    if (!page) return page.outcome();
+    known_tick_ = page->tick;
+    writes_.insert(writes_.end(), page->writes.begin(), page->writes.end());
+    place_ = page->place;
+    // Masters may write faster than pages come: only a full one is followed by the next.
+    if (page->writes.size() < kLeastOfAFullPage) return {};
+  }
+}
+
+void LiveJudge::judge_until_known() {
+  while (!samples_.empty() && samples_.front().tick <= known_tick_) {
+    const Observation sample = std::move(samples_.front());
+    samples_.pop_front();
+    judge_writes_before(sample);
+    judged_tick_ = sample.tick;
+    for (std::size_t place = 0; place < axes_.size(); ++place) {
+      const client::AxisSnapshot& axis = sample.axes[place];
+      ignored_[place] = axis.status.ignored_set_points;
+      take(sample.tick, axis.id.axis, shown_by(axis.status));
+    }
+  }
+}
+
+/// A status shows how many set-points the drive has ignored since the one before: the last ones.
+void LiveJudge::judge_writes_before(const Observation& sample) {
+  const auto end = std::ranges::find_if(writes_, [&](const AxisWrite& write) {
+    return write.tick >= sample.tick;
+  });
+  std::vector<AxisWrite> due(writes_.begin(), end);
+  writes_.erase(writes_.begin(), end);
+  std::vector<bool> is_ignored(due.size());
+  std::vector<std::uint32_t> left(axes_.size());
+  for (std::size_t place = 0; place < axes_.size(); ++place) {
+    left[place] = sample.axes[place].status.ignored_set_points - ignored_[place];
+  }
+  for (std::size_t i = due.size(); i-- > 0;) {
+    const auto place = place_of(due[i].axis);
+    if (!place || left[*place] == 0 || !is_set_point(due[i])) continue;
+    is_ignored[i] = true;
+    --left[*place];
+  }
+  for (std::size_t i = 0; i < due.size(); ++i) judge_write(due[i], is_ignored[i]);
+}
+
+void LiveJudge::judge_write(const AxisWrite& write, bool is_ignored) {
+  const auto lose = [&](std::uint16_t axis, std::string_view cause) {
+    take(write.tick, axis, Gap{cause});
+  };
+  switch (write.kind) {
+    case AxisWrite::Kind::lost:
+    case AxisWrite::Kind::restored:
+      for (const client::Axis& axis : axes_) {
+        lose(axis.id().axis,
+             write.kind == AxisWrite::Kind::lost ? "writes are missing" : "snapshot");
+      }
+      return;
+    case AxisWrite::Kind::power_cycle:
+      if (place_of(write.axis)) lose(write.axis, "power cycle");
+      return;
+    case AxisWrite::Kind::write:
+      break;
+  }
+  const bool is_of_a_master =
+      write.means != AxisWrite::Means::bench && !is_test_input(write.object);
+  if (!is_of_a_master || !place_of(write.axis)) return;
+  Fate fate = is_ignored ? Fate::ignored : Fate::accepted;
+  if (write.is_late) {
+    fate = Fate::late;
+  } else if (write.reason != 0) {
+    fate = Fate::refused;
+  }
+  take(write.tick, write.axis,
+       Write{.object = write.object,
+             .value = write.value,
+             .channel = write.means == AxisWrite::Means::frame ? Channel::frame : Channel::request,
+             .fate = fate,
+             .code = write.reason,
+             .writer = write.session});
+}
+
+std::optional<std::size_t> LiveJudge::place_of(std::uint16_t axis) const {
+  const auto found = std::ranges::find(axes_, axis, [](const client::Axis& each) {
+    return each.id().axis;
+  });
+  if (found == axes_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - axes_.begin());
+}
+
+void LiveJudge::take(std::uint64_t tick, std::uint32_t axis, const decltype(Record::what)& what) {
+  judge_.take({.time = static_cast<std::int64_t>(tick) * Time(period_),
+               .tick = tick,
+               .axis = axis,
+               .what = what});
+}
+
+}  // namespace vdrive::judge

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "judge/judge.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+namespace vdrive::judge {
+
+/// Judges the masters of a bench that runs: by the writes that the bench keeps and the status that
+/// it publishes, from now on. Commands nothing. Of one thread at a time.
+class LiveJudge {
+ public:
+  /// @param axes of the bench that are judged
+  /// @return an outcome of the client library where the bench is not there, or does not keep writes
+  [[nodiscard]] static client::Result<LiveJudge> create(client::Session& session,
+                                                        std::uint32_t bench,
+                                                        std::vector<client::Axis> axes);
+
+  /// Takes what has happened since the last call.
+  /// @param patience wall time to wait for a status
+  /// @return lost when the bench is silent or was restarted; ok also where nothing has happened
+  client::Outcome poll(std::chrono::milliseconds patience);
+
+  /// @return drive time from the begin to the last tick that was judged.
+  [[nodiscard]] Time judged_time() const noexcept {
+    return static_cast<std::int64_t>(judged_tick_ - first_tick_) * Time(period_);
+  }
+
+  /// @return what was found so far.
+  [[nodiscard]] Verdict verdict() const { return judge_.verdict(); }
+
+ private:
+  LiveJudge(client::Session& session, std::uint32_t bench, std::chrono::microseconds period,
+            client::Follower follower, std::vector<client::Axis> axes);
+
+  [[nodiscard]] client::Outcome begin();
+  [[nodiscard]] client::Outcome show_objects();
+  [[nodiscard]] client::Outcome take_samples(std::chrono::milliseconds patience);
+  [[nodiscard]] client::Outcome take_writes();
+  void judge_until_known();
+  void judge_writes_before(const client::Observation& sample);
+  void judge_write(const client::AxisWrite& write, bool is_ignored);
+  [[nodiscard]] std::optional<std::size_t> place_of(std::uint16_t axis) const;
+  void take(std::uint64_t tick, std::uint32_t axis, const decltype(Record::what)& what);
+
+  client::Session* session_;
+  std::uint32_t bench_;
+  std::chrono::microseconds period_;
+  client::Follower follower_;
+  std::vector<client::Axis> axes_;
+  std::vector<std::uint32_t> ignored_;       ///< set-points so far, by place of the axis
+  std::deque<client::Observation> samples_;  ///< that wait for the writes before them
+  std::deque<client::AxisWrite> writes_;     ///< that wait for the status after them
+  std::uint64_t place_ = 0;                  ///< of the last write
+  std::uint64_t known_tick_ = 0;             ///< writes of earlier ticks have all come
+  std::uint64_t first_tick_ = 0;
+  std::uint64_t judged_tick_ = 0;
+  Judge judge_;
+};
+
+}  // namespace vdrive::judge

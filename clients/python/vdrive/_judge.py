@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The judge: what a master did wrong, at which tick, by which rule."""
+from __future__ import annotations
+
+import os
+from typing import NamedTuple
+
+from . import _vdrive
+
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+if TYPE_CHECKING:
+    from typing import Mapping
+
+    Path = str | os.PathLike[str]
+
+SEVERITIES = ("error", "warning", "advice")
+
+
+class Finding(NamedTuple):
+    """A rule that a master broke on an axis, once for all times that it did."""
+
+    rule: str
+    severity: str
+    axis: str
+    times: int
+    tick: int
+    title: str
+    happened: str
+    expected: str
+    remedy: str
+
+    def __str__(self) -> str:
+        return f"{self.severity} {self.rule} on {self.axis} at tick {self.tick}: {self.happened}"
+
+
+class Verdict(NamedTuple):
+    """What the judge says of a journal."""
+
+    findings: list[Finding]
+    unused: list[str]
+    report: str
+
+
+def judge(journal: Path, *, off: Mapping[str, str] | None = None) -> Verdict:
+    """Judge the masters of a bench by its journal, as `vdrive judge` does.
+
+    journal: the file of Bench(journal=...), after close(). off: rules that the master breaks on
+    purpose, each with its reason. `findings` are worst first, `unused` the rules of `off` that were
+    not broken, `report` is a text for people, with the table around each finding. Raises
+    FileNotFoundError, or another OSError, when the file cannot be opened; ValueError when it cannot be
+    judged, and for a rule that is not there or has no reason.
+    """
+    reasons = dict(off or {})
+    for rule, reason in reasons.items():
+        if not str(reason).strip():
+            raise ValueError(f"off: {rule} has no reason: say why the master does this on purpose")
+    os.close(os.open(journal, os.O_RDONLY | os.O_NONBLOCK))  # raises OSError where it cannot be opened
+    findings, unused, report = _vdrive.judge_journal(os.fspath(journal), list(reasons.items()))
+    return Verdict([Finding(*each) for each in findings], unused, report)

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/write_memory.hpp"
+
+#include "vdrive/wire/written.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <variant>
+
+namespace vdrive::service {
+namespace {
+
+using wire::WrittenMark;
+
+void add_mark(WrittenMark mark, std::uint16_t axis, std::uint64_t value, msg::Reply& reply) {
+  auto& entry = reply.objects.emplace_back();
+  entry.axis = axis;
+  entry.subindex = static_cast<std::uint8_t>(mark);
+  entry.value = static_cast<std::int64_t>(value);
+}
+
+WrittenMark mark_of(JournalAuthor::Means means) {
+  switch (means) {
+    case JournalAuthor::Means::request:
+      return WrittenMark::by_request;
+    case JournalAuthor::Means::frame:
+      return WrittenMark::by_frame;
+    case JournalAuthor::Means::none:
+      break;
+  }
+  return WrittenMark::by_bench;
+}
+
+constexpr ObjectAddress mark_address(WrittenMark mark) {
+  return {0, static_cast<std::uint8_t>(mark)};
+}
+
+}  // namespace
+
+WriteMemory::WriteMemory(const std::vector<std::uint16_t>& numbers) : numbers_(numbers) {}
+
+void WriteMemory::put(const JournalEntry& entry, const JournalAuthor& author) {
+  if (entries_ == nullptr) return;
+  Entry kept{.tick = tick_,
+             .session = author.session,
+             .value = 0,
+             .reason = 0,
+             .axis = 0,
+             .address = {},
+             .means = author.means};
+  if (const auto* const change = std::get_if<JournalChange>(&entry)) {
+    kept.axis = numbers_[change->axis];
+    kept.address = change->address;
+    kept.value = change->value;
+    if (change->kind == JournalChange::Kind::power_cycle) {
+      kept.address = mark_address(WrittenMark::power_cycle);
+    } else if (change->kind != JournalChange::Kind::write) {
+      return;  // the status shows it
+    }
+  } else if (const auto* const refusal = std::get_if<JournalRefusal>(&entry)) {
+    kept.axis = numbers_[refusal->axis];
+    kept.address = refusal->address;
+    kept.value = refusal->value;
+    kept.reason = refusal->reason;
+  }
+  put(kept);
+}
+
+void WriteMemory::put_restore() {
+  if (entries_ == nullptr) return;
+  put({.tick = tick_,
+       .session = 0,
+       .value = 0,
+       .reason = 0,
+       .axis = 0,
+       .address = mark_address(WrittenMark::restored),
+       .means = JournalAuthor::Means::none});
+}
+
+void WriteMemory::put(Entry entry) {
+  entries_[count_ % kMost] = entry;
+  ++count_;
+}
+
+Reason WriteMemory::read(const msg::Request& request, msg::Reply& reply) {
+  // Not cleared: pages of it are used as entries come.
+  if (entries_ == nullptr) entries_.reset(new Entry[kMost]);
+  constexpr std::size_t kRoom = msg::MAX_OBJECTS_PER_REQUEST;
+  constexpr std::size_t kEntryWithMarks = 3;
+  const std::uint64_t oldest = count_ - std::min<std::uint64_t>(count_, kMost);
+  std::uint64_t place = std::min(request.snapshot, count_);
+  if (place < oldest) {
+    add_mark(WrittenMark::lost, 0, oldest - place, reply);
+    place = oldest;
+  }
+  std::optional<std::uint64_t> tick;
+  std::optional<JournalAuthor> author;
+  for (; place < count_ && reply.objects.size() + kEntryWithMarks <= kRoom; ++place) {
+    const Entry& entry = entries_[place % kMost];
+    if (tick != entry.tick) add_mark(WrittenMark::tick, 0, entry.tick, reply);
+    tick = entry.tick;
+    const JournalAuthor of_entry{.means = entry.means, .session = entry.session};
+    if (author != of_entry) add_mark(mark_of(entry.means), 0, entry.session, reply);
+    author = of_entry;
+    auto& written = reply.objects.emplace_back();
+    written.axis = entry.axis;
+    written.index = entry.address.index;
+    written.subindex = entry.address.subindex;
+    written.abort_code = static_cast<msg::Reason>(entry.reason);
+    written.value = entry.value;
+  }
+  reply.snapshot = place;
+  reply.tick = tick_;
+  return msg::Reason::none;
+}
+
+}  // namespace vdrive::service
