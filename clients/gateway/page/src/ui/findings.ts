@@ -2,6 +2,7 @@
 // What the masters of an axis do wrong, as the judge of the gateway sees it while this is open.
 
 import { FINDINGS, type FoundMistake } from "../data/findings";
+import { timeText } from "../data/times";
 import { isTextKey, t } from "../i18n";
 import type { AxisRef, Model } from "../model";
 import { checked } from "../protocol/checked";
@@ -59,10 +60,11 @@ export class Findings implements View {
 
   private row({ rule, severity, title, count, tick, happened, remedy }: FoundMistake): HTMLElement {
     const key = `severity_${severity}`;
+    const period = this.ref.bench.description?.period_us ?? 1000;
     return h(
       "li",
       { class: `severity-${severity}` },
-      button(`${tick}`, () => this.go(tick), { class: "quiet number time", title: t("go_to_event") }),
+      button(timeText(tick * period * 1e-6), () => this.go(tick), { class: "quiet number time", title: t("go_to_event") }),
       h("span", { class: "level" }, isTextKey(key) ? t(key) : severity),
       h("span", { class: "source" }, rule),
       h(
