@@ -667,7 +667,7 @@ test("the judge tells what a master does wrong while its panel is open", async (
   await page.click("nav a >> nth=0");
   await page.click('[data-address="1.3"]');
   await page.locator(".findings-panel summary").click();
-  await waitForText(page.locator(".findings-panel"), /no finding yet/);
+  await waitForText(page.locator(".findings-panel"), /No finding yet/);
   // Bit 4 stays up when the second target is written: it never gets an edge.
   for (const words of [["write", "1.3", "0x6060", "1"], ["enable", "1.3"], ["write", "1.3", "0x607A", "100"], ["write", "1.3", "0x6040", "0x1F"],
     ["write", "1.3", "0x607A", "200"], ["write", "1.3", "0x6040", "0x1F"]]) {

@@ -372,12 +372,16 @@ TEST(GatewayJudge, TellsWhatAMasterDoesWrongWhileSomebodyAsks) {
     EXPECT_TRUE(answer["ok"]) << answer;
     return answer["findings"];
   };
-  EXPECT_EQ(findings(), Json::array());
+  EXPECT_TRUE(soon([&] {
+    return client.call("/judge", {{"bench", 1}})["judged"] == true;
+  }));
+  EXPECT_EQ(findings(), Json::array()) << "it was enabled before";
   // A new target, and bit 4 stays up.
   Json last;
+  std::int64_t target = 100;
   EXPECT_TRUE(soon([&] {
     EXPECT_TRUE(axis->write({0x6040, 0}, 0x1F));
-    EXPECT_TRUE(axis->write({0x607A, 0}, axis->status()->status.position_demand_value + 100));
+    EXPECT_TRUE(axis->write({0x607A, 0}, ++target));
     last = findings();
     return std::ranges::any_of(last, [](const Json& finding) {
       return finding["rule"] == "handshake-2" && finding["axis"] == 2 &&

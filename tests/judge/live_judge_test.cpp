@@ -44,9 +44,7 @@ class JudgedBench {
     on_bus.bus = bench_->bus();
     master_.emplace(on_bus);
     watcher_.emplace(on_bus);
-    auto judge = LiveJudge::create(*watcher_, kBench, watcher_->axes(kBench).value());
-    EXPECT_TRUE(judge) << judge.outcome().message();
-    judge_.emplace(std::move(*judge));
+    watch_anew();
   }
 
   Session& master() { return *master_; }
@@ -57,6 +55,13 @@ class JudgedBench {
   void step(std::uint64_t ticks = 1) {
     for (std::uint64_t i = 0; i < ticks; ++i) ASSERT_TRUE(master_->step(kBench, 1));
     poll();
+  }
+
+  /// Another judge begins now.
+  void watch_anew() {
+    auto judge = LiveJudge::create(*watcher_, kBench, watcher_->axes(kBench).value());
+    ASSERT_TRUE(judge);
+    judge_.emplace(std::move(*judge));
   }
 
   void poll() {
@@ -129,6 +134,50 @@ TEST(ABenchThatRuns, TellsThatBit4StayedUpWhileItRuns) {
   write(axis, objects::kControlword, 0x1F);
   bench.step(3);
   EXPECT_THAT(bench.live(), Contains("handshake-2"));
+}
+
+// The judge came when the axis was enabled already: the word 001Fh is an edge against 000Fh.
+TEST(ABenchThatRuns, IsKnownWithTheWordThatStoodBefore) {
+  JudgedBench bench;
+  Axis axis = bench.axis();
+  write(axis, objects::kMode, 1);
+  ASSERT_TRUE(axis.enable());
+  bench.watch_anew();
+  write(axis, objects::kTarget, 1'000);
+  write(axis, objects::kControlword, 0x1F);
+  bench.step(3);
+  write(axis, objects::kTarget, 2'000);
+  write(axis, objects::kControlword, 0x1F);
+  bench.step(3);
+  EXPECT_THAT(bench.live(), Contains("handshake-2"));
+}
+
+// A completed tick is published again after a restore.
+TEST(ABenchThatRuns, TakesARestoreForAGap) {
+  JudgedBench bench;
+  Axis axis = bench.axis();
+  const auto snapshot = bench.master().take_snapshot(kBench);
+  ASSERT_TRUE(snapshot);
+  write(axis, objects::kMode, 1);
+  ASSERT_TRUE(axis.enable());
+  bench.step(2);
+  write(axis, objects::kTarget, 500);
+  write(axis, objects::kControlword, 0x1F);
+  ASSERT_TRUE(bench.master().restore_snapshot(kBench, *snapshot));
+  bench.step(3);
+  EXPECT_THAT(bench.live(), ElementsAreArray(kOfTheClient));
+}
+
+// Of a step of several ticks the bench publishes the last.
+TEST(ABenchThatRuns, KnowsWhichOfTheWordsBetweenTwoStatusesWasIgnored) {
+  JudgedBench bench;
+  Axis axis = bench.axis();
+  ASSERT_TRUE(axis.enable());  // in mode 0, where a set-point is ignored
+  bench.step(2);
+  write(axis, objects::kControlword, 0x1F);
+  write(axis, objects::kControlword, 0x0F);
+  bench.step(1);
+  EXPECT_THAT(bench.live(), Contains("handshake-4"));
 }
 
 TEST(ABenchThatRuns, KnowsWhichSetPointWasIgnored) {

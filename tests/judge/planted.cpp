@@ -491,6 +491,31 @@ Names regular_stream() {
   });
 }
 
+/// Its ramps have 40 units a millisecond after 60 ms: 667,000 a second squared.
+Names stream_with_acceleration(std::int64_t limit) {
+  JudgedDrive drive;
+  drive.write(objects::kAccelerationLimit, limit);
+  Stream stream(drive);
+  stream.ramp(0, 40, 60);
+  stream.go(40, 20);
+  stream.ramp(40, 0, 60);
+  return drive.findings();
+}
+
+/// 6080h of 100 rpm is 6,827 user units a second, where a turn has 4,096.
+Names stream_at_motor_speed(std::int32_t step) {
+  JudgedDrive drive;
+  drive.write({0x6080, 0}, 100);
+  drive.write(objects::kSpeedLimit, 100'000);
+  drive.take(
+      Reading{.object = objects::kMotorSpeedLimit, .value = 6'827, .is_of_the_master = false});
+  Stream stream(drive);
+  stream.ramp(0, step, 60);
+  stream.go(step, 40);
+  stream.ramp(step, 0, 60);
+  return drive.findings();
+}
+
 Names stream_with_jump() {
   return stream_with([](Stream& stream, JudgedDrive& /*drive*/) {
     stream.jump(400);
@@ -749,6 +774,8 @@ const std::vector<Planted>& rows() {
     {Rule::motion_target_beyond_limits, MASTER(target_at_limit(12'000)), MASTER(target_at_limit(10'000))},
     {Rule::motion_speed_beyond_limit, MASTER(profile_speed(8'000)), MASTER(profile_speed(5'000))},
     {Rule::motion_step_too_long, MASTER(stream_with_jump()), MASTER(regular_stream())},
+    {Rule::motion_step_too_long, MASTER(stream_at_motor_speed(12)), MASTER(stream_at_motor_speed(6))},
+    {Rule::motion_acceleration_beyond_limit, MASTER(stream_with_acceleration(400'000)), MASTER(stream_with_acceleration(1'000'000))},
     {Rule::motion_set_point_repeated, MASTER(stream_with_repeat()), MASTER(regular_stream())},
     {Rule::motion_set_point_missing, MASTER(stream_with_gap()), MASTER(regular_stream())},
     {Rule::motion_first_target, MASTER(stream_from(5'000)), MASTER(stream_from(0))},

@@ -108,6 +108,23 @@ TEST_F(WritesOfABench, HaveThoseOfFramesAlsoOfOnesThatCameTooLate) {
       << "0Bh is REASON_TOO_LATE";
 }
 
+TEST_F(WritesOfABench, HaveTheWholeOfAFrameThatIsRefusedAsAWhole) {
+  bench->acquire(kAlice, {1, 2});
+  auto frame = bench->make_frame(kAlice);
+  frame.flags = msg::FRAME_ALL_OR_NOTHING;
+  for (const std::uint16_t axis : {1, 2}) {
+    auto& command = add_command(frame, axis);
+    command.members = msg::HAS_OP_MODE_CMD;
+    command.op_mode_cmd = axis == 1 ? 1 : 99;  // the axis has no mode 99
+    set_controlword(command, 0x0F);
+  }
+  bench->receive(frame);
+  EXPECT_THAT(entries(0), ElementsAre("tick 0", "frame by a11ce", "1 6060h = 1 ! 6090030",
+                                      "1 6040h = 15 ! 6090030", "2 6060h = 99 ! 6090030",
+                                      "2 6040h = 15 ! 6090030"))
+      << "06090030h: the value is invalid";
+}
+
 TEST_F(WritesOfABench, NameWhatTheBenchDoesAndAPowerCycle) {
   bench->write(kAlice, 1, 0x6040, 0x0F);
   bench->steps(3);
@@ -118,6 +135,20 @@ TEST_F(WritesOfABench, NameWhatTheBenchDoesAndAPowerCycle) {
   bench->engine.shut_down(service::Braking::none);
   EXPECT_THAT(entries(1), ElementsAre("tick 3", "request by a11ce", "power cycle of 1", "tick 5",
                                       "1 6040h = 15", "tick 8", "by the bench", "1 6040h = 0"));
+}
+
+// An object of index 0 does not exist. What looked like a mark could hide a master.
+TEST_F(WritesOfABench, HaveNoneOfAnObjectThatWouldBeReadAsAMark) {
+  bench->write(kBob, 1, 0, 1'000, 1);
+  EXPECT_THAT(entries(0), IsEmpty());
+}
+
+TEST_F(WritesOfABench, NameARestore) {
+  bench->reply_to(bench->make_request(msg::RequestKind::take_snapshot, kAlice));
+  auto restore = bench->make_request(msg::RequestKind::restore_snapshot, kAlice);
+  restore.snapshot = 1;
+  bench->reply_to(restore);
+  EXPECT_THAT(entries(0), ElementsAre("tick 0", "by the bench", "restored"));
 }
 
 TEST_F(WritesOfABench, ComeInPagesUntilThereIsNothingNew) {
@@ -145,8 +176,9 @@ TEST_F(WritesOfABench, SayHowManyAreNoLongerKept) {
   }
   const msg::Reply page = read(3);
   ASSERT_GT(page.objects.size(), 4U);
-  EXPECT_EQ(text_of(page.objects[0]), "7 lost") << "those at the places 4 to 10";
-  EXPECT_EQ(text_of(page.objects[3]), "1 607ah = 10");
+  EXPECT_EQ(text_of(page.objects[0]), "tick 0");
+  EXPECT_EQ(text_of(page.objects[1]), "7 lost") << "those at the places 4 to 10";
+  EXPECT_EQ(text_of(page.objects[4]), "1 607ah = 10");
 }
 
 }  // namespace

@@ -67,8 +67,10 @@ TEST_F(JudgedScenarios, PassWithAnExceptionThatHasAReason) {
 
 TEST_F(JudgedScenarios, TellAnExceptionThatCoversNothingAndRefuseOneThatIsNone) {
   add("unused", "# judge: off handshake-2 on 1.1 because nobody does it\n" + std::string(kRight));
-  Finished done = judge({"--json"});
+  Finished done = judge();
   EXPECT_EQ(done.code, 0) << done.errors;
+  EXPECT_THAT(done.errors,
+              HasSubstr("unused.scn:1: the judge found nothing that this exception covers"));
   add("unused", "# judge: off handshake-2\n" + std::string(kRight));
   done = judge();
   EXPECT_EQ(done.code, 7) << done.errors;
@@ -87,6 +89,8 @@ TEST_F(JudgedScenarios, FailFromTheSeverityOnThatIsAskedFor) {
   add("right", excepted + "enable 1.1\nmove 1.1 1000\n");
   EXPECT_EQ(judge().code, 0);
   EXPECT_EQ(judge({"--fail-on", "warning"}).code, 1);
+  EXPECT_EQ(start("test", {scenario("right"), "--fail-on", "warning"}).wait().code, 2)
+      << "it would judge nothing";
 }
 
 TEST_F(JudgedScenarios, LeaveAJournalWhereItIsAskedFor) {

@@ -61,7 +61,8 @@ CallAnswer JudgeDesk::answer_of(Judged& judged) {
   for (const judge::Finding& finding : judged.verdict.findings) {
     findings.push_back(finding_json(finding));
   }
-  return {.outcome = {}, .fields = {{"findings", std::move(findings)}}};
+  return {.outcome = {},
+          .fields = {{"judged", judged.has_begun}, {"findings", std::move(findings)}}};
 }
 
 void JudgeDesk::work(std::uint32_t bench, Judged& judged, const std::stop_token& stop) {
@@ -87,6 +88,7 @@ void JudgeDesk::work(std::uint32_t bench, Judged& judged, const std::stop_token&
     judge::Verdict verdict = judge->verdict();
     const std::scoped_lock lock(judged.mutex);
     judged.verdict = std::move(verdict);
+    judged.has_begun = true;
     judged.is_unasked = now - judged.asked > kForgottenAfter;
     if (judged.is_unasked) return;
   }
@@ -96,7 +98,8 @@ void JudgeDesk::forget_unasked() {
   std::erase_if(benches_, [](const auto& entry) {
     Judged& judged = *entry.second;
     const std::scoped_lock lock(judged.mutex);
-    return judged.is_unasked;
+    const bool is_left = !judged.outcome && Clock::now() - judged.asked > kForgottenAfter;
+    return judged.is_unasked || is_left;
   });
 }
 

@@ -40,6 +40,7 @@ class JudgeDesk {
     std::mutex mutex;
     judge::Verdict verdict{};
     client::Outcome outcome{};  ///< why it is judged no longer
+    bool has_begun = false;     ///< there is a verdict
     bool is_unasked = false;    ///< likewise: nobody has asked for long
     Clock::time_point asked = Clock::now();
     std::jthread thread{};  ///< last: it uses what is above

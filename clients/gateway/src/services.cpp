@@ -349,7 +349,7 @@ Json response_schema(Right right) {
     const Json finding = object_schema(
         "rule:string severity:string title:string axis:integer count:integer tick:integer "
         "happened:string expected:string remedy:string");
-    return object_schema(members + " findings?:finding[]", {{"finding", finding}});
+    return object_schema(members + " judged?:boolean findings?:finding[]", {{"finding", finding}});
   }
   if (right != Right::none) return object_schema(members);
   const Json reading = object_schema("object:string value?:integer code:integer message:string");

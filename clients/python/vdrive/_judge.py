@@ -52,7 +52,7 @@ def judge(journal: Path, *, off: Mapping[str, str] | None = None) -> Verdict:
     """
     reasons = dict(off or {})
     for rule, reason in reasons.items():
-        if not str(reason).strip():
+        if not isinstance(reason, str) or not reason.strip():
             raise ValueError(f"off: {rule} has no reason: say why the master does this on purpose")
     os.close(os.open(journal, os.O_RDONLY | os.O_NONBLOCK))  # raises OSError where it cannot be opened
     findings, unused, report = _vdrive.judge_journal(os.fspath(journal), list(reasons.items()))

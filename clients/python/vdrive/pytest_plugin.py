@@ -171,10 +171,7 @@ def _file_name(test: str) -> str:
 
 
 def _complete_report(item: pytest.Item) -> Generator[None, Any, None]:
-    """Fail a test by what the judge finds; else save the last ticks and events of one that failed.
-
-    Both while its bench is there.
-    """
+    """Fail a test by what the judge finds, or save the last ticks and events of one that failed."""
     outcome = yield
     report = outcome.get_result()
     judge = getattr(item, "funcargs", {}).get("vdrive_judge")
@@ -261,6 +258,7 @@ class _Judge:
 
     def __init__(self, journal: str, options: Options) -> None:
         import vdrive
+        from vdrive._judge import SEVERITIES
 
         unknown = sorted(set(options) - {"off", "fail_on"})
         if unknown:
@@ -270,11 +268,10 @@ class _Judge:
         self.bench: vdrive.Bench | None = None
         self._off = options.get("off", {})
         fail_on = options.get("fail_on", "error")
-        severities = ("error", "warning", "advice")
-        if fail_on not in severities:
+        if fail_on not in SEVERITIES:
             raise vdrive.ConfigurationError(
-                f"pytest.mark.vdrive_judge: fail_on={fail_on!r}: one of {', '.join(severities)}")
-        self._failing = severities[:severities.index(fail_on) + 1]
+                f"pytest.mark.vdrive_judge: fail_on={fail_on!r}: one of {', '.join(SEVERITIES)}")
+        self._failing = SEVERITIES[:SEVERITIES.index(fail_on) + 1]
 
     def verdict(self) -> vdrive.Verdict:
         """End the bench, and judge what its masters did."""
@@ -288,7 +285,7 @@ class _Judge:
         """Return why the test fails, empty where it does not, and exceptions that cover nothing."""
         try:
             verdict = self.verdict()
-        except (OSError, ValueError) as error:
+        except Exception as error:  # such as a mistake in the marker
             return f"vdrive_judge: {error}", []
         fails = any(finding.severity in self._failing for finding in verdict.findings)
         return "vdrive_judge: " + verdict.report if fails else "", verdict.unused
@@ -297,6 +294,8 @@ class _Judge:
 @pytest.fixture
 def vdrive_judge(request: pytest.FixtureRequest, tmp_path: Any) -> _Judge:
     """Judge what this test does on vdrive_bench, as `vdrive judge` does: a finding fails the test.
+
+    Once the function of the test has passed, its bench ends, before other fixtures do.
 
     The marker vdrive_judge has the exceptions, off={rule: reason}, and fail_on, "error" by default,
     "warning" or "advice". verdict() ends the bench and returns what was found.

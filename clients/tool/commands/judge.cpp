@@ -118,12 +118,6 @@ std::string node_name(std::uint32_t axis) {
   return "node " + std::to_string(axis);
 }
 
-bool fails(const judge::Verdict& verdict, const std::optional<judge::Severity>& fail_on) {
-  return fail_on && std::ranges::any_of(verdict.findings, [&](const judge::Finding& finding) {
-           return judge::row_of(finding.rule).severity <= *fail_on;
-         });
-}
-
 ExitCode list_rules(const Program& program) {
   if (program.options.json) {
     for (const Json& rule : rules_json()) program.terminal.print(to_line(rule));
@@ -325,7 +319,7 @@ ExitCode JudgeCommand::report(const Program& program, Judged& result,
     program.terminal.complain("vdrive: " + *failure);
     return ExitCode::failed;
   }
-  return fails(result.verdict, fail_on) ? ExitCode::failed : ExitCode::ok;
+  return judge::fails(result.verdict, fail_on) ? ExitCode::failed : ExitCode::ok;
 }
 
 ExitCode JudgeCommand::start_live(const Program& program) const {
@@ -342,6 +336,9 @@ ExitCode JudgeCommand::start_live(const Program& program) const {
   interrupt.disarm();
   if (result.name_of) {
     const ExitCode code = report(program, result, excepted, reports);
+    if (!outcome && code != ExitCode::ok) {
+      program.terminal.complain("vdrive: " + outcome.message());
+    }
     if (outcome || code != ExitCode::ok) return code;
   }
   return finish(outcome, interrupt, program.options.json, program.terminal);

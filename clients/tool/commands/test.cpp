@@ -55,6 +55,7 @@ struct TestCommand {
   bool merges = false;                        ///< it runs nothing: the files are reports
   bool judges = false;                        ///< the scenarios, as masters
   std::optional<judge::Severity> fail_on = judge::Severity::error;  ///< of findings; none = never
+  bool names_fail_on = false;                                       ///< the command line does
 
   void declare(Arguments& arguments);
 
@@ -221,6 +222,7 @@ class ScenarioTests {
                       std::to_string(milliseconds.count()) + " ms"});
     if (!passed) record.push_back({"messages", verdict.messages});
     print(record, {terminal_, options_.json, false});
+    for (const std::string& note : verdict.notes) terminal_.complain(note);
     if (passed || options_.json) return;
     for (const std::string& message : verdict.messages) terminal_.complain(message);
   }
@@ -263,11 +265,12 @@ void TestCommand::declare(Arguments& arguments) {
   arguments.flag("--judge", judges,
                  "Judge each scenario as a master, as 'vdrive judge' does; a line '# judge: off "
                  "RULE because REASON' in it is an exception");
-  declare_fail_on(arguments, fail_on);
+  declare_fail_on(arguments, fail_on, &names_fail_on);
   arguments.flag("--merge", merges,
                  "Run nothing: each FILE is the report of a shard, or a directory of them; "
                  "--junit writes them as one");
   arguments.then([this] {
+    if (names_fail_on && !judges) throw UsageError("--fail-on is for --judge");
     if (merges && (shard || jobs != 0 || judges || !scenarios.settings.empty() ||
                    !benches.arguments().empty())) {
       throw UsageError("--merge runs nothing: of the other options it takes --junit only");

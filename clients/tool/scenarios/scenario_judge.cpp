@@ -7,7 +7,6 @@
 #include "replayed/bench_journal.hpp"
 #include "vdrive/text.hpp"
 
-#include <algorithm>
 #include <fstream>
 #include <stdexcept>
 #include <utility>
@@ -21,7 +20,7 @@ constexpr const char* kCase = "judge";
 /// @throws std::runtime_error when the journal cannot be judged
 JunitCase judged(const Scenario& scenario, const std::vector<judge::Exception>& exceptions,
                  const std::string& journal, std::optional<judge::Severity> fail_on,
-                 std::vector<std::string>& messages) {
+                 ScenarioVerdict& verdict) {
   std::ifstream file(journal, std::ios::binary);
   judge::JournalVerdict result = judge::judge_journal(file);
   judge::ReportFace face{.source = scenario.file,
@@ -29,22 +28,19 @@ JunitCase judged(const Scenario& scenario, const std::vector<judge::Exception>& 
                          .notes = std::move(result.notes)};
   face.unused = judge::except(result.verdict, exceptions, face.name_of);
   for (const judge::Exception& unused : face.unused) {
-    messages.push_back(unused.place + ": the judge found nothing that this exception covers");
+    verdict.notes.push_back("vdrive: " + escaped(unused.place, kShownOfMessage) +
+                            ": the judge found nothing that this exception covers");
   }
   JunitCase test{.name = kCase};
-  const auto failing = static_cast<std::size_t>(
-      std::ranges::count_if(result.verdict.findings, [&](const judge::Finding& finding) {
-        return fail_on && judge::row_of(finding.rule).severity <= *fail_on;
-      }));
   const std::string text = judge::text_report(result.verdict, face);
-  if (failing == 0) {
+  if (!judge::fails(result.verdict, fail_on)) {
     test.output = result.verdict.findings.empty() ? std::string() : text;
     return test;
   }
   test.failure = judge::summary_text(result.verdict);
   test.type = kCase;
   test.text = text;
-  messages.push_back("vdrive: judge: " + text);
+  verdict.messages.push_back("vdrive: judge: " + text);
   return test;
 }
 
@@ -58,7 +54,7 @@ void judge_scenario(const Scenario& scenario, const std::string& journal,
   JunitCase test{.name = kCase};
   try {
     const auto exceptions = judge::read_exception_comments(scenario.source, scenario.file);
-    test = judged(scenario, exceptions, journal, fail_on, verdict.messages);
+    test = judged(scenario, exceptions, journal, fail_on, verdict);
     if (test.failure) fails(ExitCode::failed);
   } catch (const std::runtime_error& error) {
     test.error = error.what();

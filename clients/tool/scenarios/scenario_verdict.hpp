@@ -38,6 +38,7 @@ struct LineFailure {
 struct ScenarioVerdict {
   int code = static_cast<int>(ExitCode::interrupted);  ///< 0 = passed
   std::vector<std::string> messages;                   ///< of a failure
+  std::vector<std::string> notes{};                    ///< also where it passed
   JunitSuite suite;
   std::size_t done = 0;  ///< lines that were carried out, with the one that failed
 };

@@ -43,7 +43,10 @@ class BenchEngine {
               Counters& counters);
 
   /// Before the first step: the first tick is the one after `last_tick`.
-  void start_at(std::uint64_t last_tick) { clock_.start_at(last_tick); }
+  void start_at(std::uint64_t last_tick) {
+    clock_.start_at(last_tick);
+    axes_.writes().set_tick(last_tick);
+  }
 
   /// Before the first arrival: records into `journal`, which outlives this engine.
   /// @throws std::system_error when the journal cannot be begun

@@ -92,6 +92,7 @@ void FrameApplication::apply(const msg::CommandFrame& frame) {
   }
   const bool is_refused = !reply_.refusals.empty();
   if (is_refused) {
+    if ((frame.flags & msg::FRAME_ALL_OR_NOTHING) != 0) record_left_out(frame);
     counters_.frames_refused.add();
     const auto& first = reply_.refusals.front();
     events_.report({.kind = msg::EventKind::refused,
@@ -117,6 +118,16 @@ void FrameApplication::begin(const msg::CommandFrame& frame) {
     refuse(commands[position].axis, {}, reason);
     if (reason != msg::Reason::unknown_axis) {
       record_refused(commands[position], target.axis, reason);
+    }
+  }
+}
+
+/// Of a frame that is applied whole or not at all: what is refused because something else was.
+void FrameApplication::record_left_out(const msg::CommandFrame& frame) {
+  for (std::size_t position = 0; position < frame.axes.size(); ++position) {
+    const Target& target = targets_[position];
+    if (!target.is_refused) {
+      record_refused(frame.axes[position], target.axis, reply_.refusals.front().reason);
     }
   }
 }
@@ -215,7 +226,9 @@ bool FrameApplication::pass_registers(const msg::AxisCommand& command, std::size
       accepted = pass_register(axis, *row, object.value, pass) && accepted;
     } else {
       refuse(command.axis, address, check_address(address));
-      axes_.record_refusal(axis, address, object.value, check_address(address));
+      if (pass == Pass::write) {
+        axes_.record_refusal(axis, address, object.value, check_address(address));
+      }
       accepted = false;
     }
   }
@@ -235,7 +248,7 @@ bool FrameApplication::pass_register(std::size_t axis, ObjectRow row, std::int64
   }
   if (code == AbortCode::none) return true;
   refuse(axes_.number_of(axis), describe(row).address, code);
-  axes_.record_refusal(axis, describe(row).address, value, code);
+  if (!judges) axes_.record_refusal(axis, describe(row).address, value, code);
   return false;
 }
 

@@ -49,6 +49,7 @@ class FrameApplication {
   bool pass_registers(const msg::AxisCommand& command, std::size_t axis, Pass pass);
   bool pass_register(std::size_t axis, ObjectRow row, std::int64_t value, Pass pass);
   void apply_controlword(const msg::AxisCommand& command, std::size_t axis, std::uint64_t sequence);
+  void record_left_out(const msg::CommandFrame& frame);
   void record_refused(const msg::AxisCommand& command, std::size_t axis, Reason reason);
   void refuse(std::uint16_t axis, ObjectAddress address, Reason reason);
 

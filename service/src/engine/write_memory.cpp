@@ -40,14 +40,8 @@ constexpr ObjectAddress mark_address(WrittenMark mark) {
 WriteMemory::WriteMemory(const std::vector<std::uint16_t>& numbers) : numbers_(numbers) {}
 
 void WriteMemory::put(const JournalEntry& entry, const JournalAuthor& author) {
-  if (entries_ == nullptr) return;
-  Entry kept{.tick = tick_,
-             .session = author.session,
-             .value = 0,
-             .reason = 0,
-             .axis = 0,
-             .address = {},
-             .means = author.means};
+  if (!is_asked_) return;
+  Entry kept{.tick = tick_, .session = author.session, .means = author.means};
   if (const auto* const change = std::get_if<JournalChange>(&entry)) {
     kept.axis = numbers_[change->axis];
     kept.address = change->address;
@@ -58,6 +52,7 @@ void WriteMemory::put(const JournalEntry& entry, const JournalAuthor& author) {
       return;  // the status shows it
     }
   } else if (const auto* const refusal = std::get_if<JournalRefusal>(&entry)) {
+    if (refusal->address.index == 0) return;  // it would be read as a mark
     kept.axis = numbers_[refusal->axis];
     kept.address = refusal->address;
     kept.value = refusal->value;
@@ -67,29 +62,23 @@ void WriteMemory::put(const JournalEntry& entry, const JournalAuthor& author) {
 }
 
 void WriteMemory::put_restore() {
-  if (entries_ == nullptr) return;
-  put({.tick = tick_,
-       .session = 0,
-       .value = 0,
-       .reason = 0,
-       .axis = 0,
-       .address = mark_address(WrittenMark::restored),
-       .means = JournalAuthor::Means::none});
+  if (!is_asked_) return;
+  put({.tick = tick_, .address = mark_address(WrittenMark::restored)});
 }
 
 void WriteMemory::put(Entry entry) {
-  entries_[count_ % kMost] = entry;
+  entries_.reach(count_ % kMost) = entry;
   ++count_;
 }
 
 Reason WriteMemory::read(const msg::Request& request, msg::Reply& reply) {
-  // Not cleared: pages of it are used as entries come.
-  if (entries_ == nullptr) entries_.reset(new Entry[kMost]);
+  is_asked_ = true;
   constexpr std::size_t kRoom = msg::MAX_OBJECTS_PER_REQUEST;
   constexpr std::size_t kEntryWithMarks = 3;
   const std::uint64_t oldest = count_ - std::min<std::uint64_t>(count_, kMost);
   std::uint64_t place = std::min(request.snapshot, count_);
   if (place < oldest) {
+    add_mark(WrittenMark::tick, 0, entries_[oldest % kMost].tick, reply);
     add_mark(WrittenMark::lost, 0, oldest - place, reply);
     place = oldest;
   }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/lazy_slots.hpp"
 #include "base/reason.hpp"
 #include "journal/journal_file.hpp"
 #include "vdrive_messages.hpp"
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 namespace vdrive::service {
@@ -17,7 +17,7 @@ namespace vdrive::service {
 /// spends no memory. Recording takes no lock, allocation or system call.
 class WriteMemory {
  public:
-  /// The writes of half a second, where 64 axes are written each millisecond.
+  /// The writes of half a second, where 64 axes get a target and a controlword each millisecond.
   static constexpr std::size_t kMost = 65'536;
 
   /// @param numbers of the axes, by index; they outlive this object
@@ -33,25 +33,25 @@ class WriteMemory {
 
   /// Answers with the entries after the place `request.snapshot`, as many as fit, and with the
   /// place of the last of them.
-  /// The first request allocates.
   [[nodiscard]] Reason read(const msg::Request& request, msg::Reply& reply);
 
  private:
   struct Entry {
-    std::uint64_t tick;
-    std::uint64_t session;
-    std::int64_t value;
-    std::uint32_t reason;
-    std::uint16_t axis;  ///< number; 0 = all
-    ObjectAddress address;
-    JournalAuthor::Means means;
+    std::uint64_t tick = 0;
+    std::uint64_t session = 0;
+    std::int64_t value = 0;
+    std::uint32_t reason = 0;
+    std::uint16_t axis = 0;  ///< number; 0 = all
+    ObjectAddress address{};
+    JournalAuthor::Means means = JournalAuthor::Means::none;
   };
 
   void put(Entry entry);
 
   const std::vector<std::uint16_t>& numbers_;
-  std::unique_ptr<Entry[]> entries_;  ///< null = nobody has asked
-  std::uint64_t count_ = 0;           ///< of all so far: the place of the last one
+  LazySlots<Entry> entries_{kMost};
+  bool is_asked_ = false;    ///< somebody has asked
+  std::uint64_t count_ = 0;  ///< of all so far: the place of the last one
   std::uint64_t tick_ = 0;
 };
 

@@ -206,9 +206,12 @@ void check_node_ids(const Settings& settings) {
 
 void check_journal(const Settings& settings) {
   if (settings.journal.empty()) return;
-  const bool is_of_one = settings.is_private && settings.buses.size() == 1 &&
-                         settings.buses.front().benches.size() == 1;
-  if (!is_of_one) throw ConfigurationError("--journal is that of one private bench; add --private");
+  if (!settings.is_private) {
+    throw ConfigurationError("--journal is that of a private bench; add --private");
+  }
+  if (settings.buses.size() > 1 || settings.buses.front().benches.size() > 1) {
+    throw ConfigurationError("--journal is that of one bench, and several are configured");
+  }
 }
 
 bool names_a_network(const client::SessionOptions& session) {

@@ -34,6 +34,7 @@ constexpr std::array kFactsOfValues{
     FactOfObject{objects::kFollowingWindow, Fact::kFollowingWindow},
     FactOfObject{objects::kMaxTorque, Fact::kTorqueLimit},
     FactOfObject{objects::kCyclePeriod, Fact::kCyclePeriod},
+    FactOfObject{objects::kAccelerationLimit, Fact::kAccelerationLimit},
 };
 
 struct TransitionRow {
@@ -148,7 +149,15 @@ void AxisTrack::apply(const Write& write, Time now) {
 void AxisTrack::apply(const Reading& reading) {
   if (reading.is_of_the_master) facts |= Fact::kReads;
   if (reading.code != 0) return;
-  note_value(reading.object, reading.value);
+  // What was written before the source began: the next word may have an edge against it.
+  if (reading.object == objects::kControlword) {
+    if (!has_controlword) controlword = static_cast<std::uint16_t>(reading.value);
+    has_controlword = true;
+  } else if (reading.object == objects::kTarget) {
+    if (!target) target = static_cast<std::int32_t>(reading.value);
+  } else {
+    note_value(reading.object, reading.value);
+  }
 }
 
 void AxisTrack::apply(const Shown& shown, Time now) {

@@ -41,8 +41,10 @@ inline constexpr ObjectAddress kProfileVelocity{0x6081, 0};
 inline constexpr ObjectAddress kInterpolationRecord{0x60C1, 1};
 inline constexpr ObjectAddress kCyclePeriod{0x60C2, 1};
 inline constexpr ObjectAddress kCycleIndex{0x60C2, 2};
+inline constexpr ObjectAddress kAccelerationLimit{0x60C5, 0};
 inline constexpr ObjectAddress kFollowingError{0x60F4, 0};
 inline constexpr ObjectAddress kTargetVelocity{0x60FF, 0};
+inline constexpr ObjectAddress kMotorSpeedLimit{0x5E11, 0};  ///< 6080h in user units, of vdrive
 }  // namespace objects
 
 /// Enable operation passes through Switched on in Ready to switch on (transitions 3 and 4), and

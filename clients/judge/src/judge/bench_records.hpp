@@ -13,11 +13,13 @@
 /// that runs.
 namespace vdrive::judge {
 
-/// Values that rules compare with. An axis of a bench has them from its start.
+/// What rules compare with. An axis of a bench has it from its start.
 inline constexpr std::array kKnownFromTheStart{
-    objects::kShutdownOption,  objects::kFollowingWindow, objects::kMaxTorque,
-    objects::kLowerLimit,      objects::kUpperLimit,      objects::kSpeedLimit,
-    objects::kProfileVelocity, objects::kCyclePeriod,     objects::kCycleIndex,
+    objects::kControlword,       objects::kTarget,     objects::kShutdownOption,
+    objects::kFollowingWindow,   objects::kMaxTorque,  objects::kLowerLimit,
+    objects::kUpperLimit,        objects::kSpeedLimit, objects::kProfileVelocity,
+    objects::kCyclePeriod,       objects::kCycleIndex, objects::kMotorSpeedLimit,
+    objects::kAccelerationLimit,
 };
 
 /// @return whether it is an input of the test bench (5E00h and others): whoever writes it is no

@@ -259,6 +259,12 @@ std::vector<Unjudged> Judge::State::unjudged() const {
   return all;
 }
 
+bool fails(const Verdict& verdict, std::optional<Severity> fail_on) {
+  return fail_on && std::ranges::any_of(verdict.findings, [&](const Finding& finding) {
+           return row_of(finding.rule).severity <= *fail_on;
+         });
+}
+
 Judge::Judge(const SourceFacts& facts) : state_(std::make_unique<State>(facts)) {}
 
 Judge::~Judge() = default;

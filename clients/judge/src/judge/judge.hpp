@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,10 @@ struct Verdict {
   Time first{};  ///< of the first record
   Time last{};
 };
+
+/// @param fail_on nothing = never
+/// @return whether a finding is at or above `fail_on`.
+[[nodiscard]] bool fails(const Verdict& verdict, std::optional<Severity> fail_on);
 
 /// Judges masters by what they wrote and what their drives showed. A function of its records: it
 /// has no clock, no thread and no file. It keeps a bounded number of bytes for each axis.

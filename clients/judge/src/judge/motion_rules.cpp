@@ -24,6 +24,7 @@ constexpr std::int64_t kCertainStep = 4;  // [user units]: each cycle has a new 
 constexpr double kGap = 1.5;              // [periods]
 constexpr double kPause = 20;             // [periods]: the stream has ended, and another one begins
 constexpr double kSpeedTolerance = 1.05;
+constexpr std::uint32_t kStepsOfAStretch = 8;
 constexpr Time kSaturated = 500ms;
 
 double seconds_of(Time time) {
@@ -91,6 +92,8 @@ void MotionRules::begin_stream(const Context& context) {
   last_target_.reset();
   last_step_ = 0;
   step_before_repeat_ = 0;
+  corner_count_ = 0;
+  steps_ = 0;
   if (!saw_not_following_) {  // the stream began before the source did
     awaits_first_ = false;
     return;
@@ -161,6 +164,7 @@ void MotionRules::take_streamed(std::int64_t target, const Context& context) {
   }
   judge_step(step, distance, context);
   judge_repeat(step, context);
+  judge_acceleration(target, context);
   last_target_ = target;
   last_time_ = context.now();
   last_step_ = step;
@@ -176,8 +180,11 @@ void MotionRules::judge_step(std::int64_t step, Time distance, const Context& co
              " in a moving stream; distances: " + distances_.text();
     });
   }
-  const auto limit = context.track.values.find(objects::kSpeedLimit);
+  auto limit = context.track.values.find(objects::kSpeedLimit);
   if (!limit || *limit <= 0 || (context.track.facts & Fact::kSpeedUnit) == 0) return;
+  const auto of_motor = context.track.values.find(objects::kMotorSpeedLimit);
+  const bool is_of_motor = of_motor && *of_motor > 0 && *of_motor < *limit;
+  if (is_of_motor) limit = of_motor;
   // One unit is lost by rounding at either end.
   const double longest = kSpeedTolerance * static_cast<double>(*limit) *
                              seconds_of(std::max(distance, *distances_.period())) +
@@ -185,8 +192,41 @@ void MotionRules::judge_step(std::int64_t step, Time distance, const Context& co
   if (static_cast<double>(std::abs(step)) <= longest) return;
   context.report(Rule::motion_step_too_long, [&] {
     return "a step of " + std::to_string(step) + " within " + duration_text(distance) +
-           "; 607Fh = " + std::to_string(*limit) + " allows " +
-           std::to_string(static_cast<std::int64_t>(longest));
+           (is_of_motor ? "; 6080h, in user units " : "; 607Fh = ") + std::to_string(*limit) +
+           ", allows " + std::to_string(static_cast<std::int64_t>(longest));
+  });
+}
+
+/// From cycle to cycle a target is a whole number, and an acceleration made of it no measure.
+void MotionRules::judge_acceleration(std::int64_t target, const Context& context) {
+  const auto limit = context.track.values.find(objects::kAccelerationLimit);
+  if (!limit || *limit <= 0 || (context.track.facts & Fact::kSpeedUnit) == 0) return;
+  if (corner_count_ > 0 && ++steps_ < kStepsOfAStretch) return;
+  steps_ = 0;
+  const Corner now{.target = target, .time = context.now()};
+  if (corner_count_ < corners_.size()) {
+    corners_[corner_count_++] = now;
+    return;
+  }
+  const Corner first = corners_[0];
+  const Corner middle = corners_[1];
+  const double before = seconds_of(middle.time - first.time);
+  const double after = seconds_of(now.time - middle.time);
+  const auto way_before = static_cast<double>(middle.target - first.target);
+  const auto way_after = static_cast<double>(now.target - middle.target);
+  const double acceleration =
+      std::abs(way_after / after - way_before / before) * 2 / (before + after);
+  const double shorter = std::min(before, after);
+  const double rounding = 4 / (shorter * shorter);  // of one unit at each corner
+  const bool is_regular = std::max(before, after) < kGap * shorter;
+  corners_ = {middle, now};
+  if (!is_regular || acceleration <= kSpeedTolerance * static_cast<double>(*limit) + rounding) {
+    return;
+  }
+  context.report(Rule::motion_acceleration_beyond_limit, [&] {
+    return "targets of " + duration_text(now.time - first.time) + " change their speed by " +
+           std::to_string(static_cast<std::int64_t>(acceleration)) +
+           " a second squared; 60C5h = " + std::to_string(*limit);
   });
 }
 

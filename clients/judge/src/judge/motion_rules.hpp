@@ -5,6 +5,7 @@
 #include "judge/findings.hpp"
 #include "judge/record.hpp"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -34,6 +35,7 @@ class MotionRules {
   void take_streamed(std::int64_t target, const Context& context);
   void judge_step(std::int64_t step, Time distance, const Context& context);
   void judge_repeat(std::int64_t step, const Context& context);
+  void judge_acceleration(std::int64_t target, const Context& context);
   void begin_stream(const Context& context);
   void note_first(std::int64_t target, const Context& context);
   void judge_first(bool is_over, const Context& context);
@@ -54,6 +56,16 @@ class MotionRules {
   std::int64_t step_before_repeat_ = 0;  ///< 0 = the last step was no repeat
   Time last_time_{};
   Distances distances_;
+
+  /// Every kStepsOfAStretch-th target: the speed from one to the next is exact enough to compare.
+  struct Corner {
+    std::int64_t target = 0;
+    Time time{};
+  };
+
+  std::array<Corner, 2> corners_{};  ///< the last ones, oldest first
+  std::uint32_t corner_count_ = 0;   ///< of them that there are
+  std::uint32_t steps_ = 0;          ///< since the last one
   std::uint64_t repeats_ = 0;
   std::uint64_t late_ = 0;
   std::int64_t largest_error_ = 0;

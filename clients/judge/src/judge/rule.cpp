@@ -356,6 +356,15 @@ constexpr auto kRules = std::to_array<RuleRow>({
      .wrong = "a frame for tick 100 that arrives at tick 103",
      .right = "a frame for tick 100 that arrives at tick 95",
      .needs = Fact::kLateness, .is_figure = true},
+    {.rule = Rule::motion_acceleration_beyond_limit, .name = "motion-11",
+     .title = "Streamed acceleration beyond its limit",
+     .severity = Severity::warning,
+     .clause = "CiA 402-2, 60C5h (max acceleration), which some drives apply in cyclic modes, too",
+     .expected = "The speed of a stream changes no faster than 60C5h: the drive lags behind, or draws more current than the machine was laid out for",
+     .remedy = "Limit the acceleration where the stream is made, or raise 60C5h on purpose",
+     .wrong = "targets 0, 0, 100, 200 each millisecond with 60C5h = 1000000 a second squared",
+     .right = "targets 0, 1, 3, 6, 10: a ramp",
+     .needs = kWords | Fact::kMode | Fact::kAccelerationLimit | Fact::kSpeedUnit | Fact::kTime},
     {.rule = Rule::writers_sdo_beside_pdo, .name = "writers-1",
      .title = "SDO writes what a PDO writes, too",
      .severity = Severity::error,
@@ -528,6 +537,7 @@ constexpr std::array kMissing{
     std::string_view("there is no SYNC"),
     std::string_view("the unit of 607Fh is not known"),
     std::string_view("the source does not show whether a write came too late"),
+    std::string_view("60C5h is neither read nor written"),
 };
 static_assert(kMissing.size() == Fact::kCount);
 

@@ -50,6 +50,7 @@ enum class Rule : std::uint8_t {
   motion_torque_saturated,
   motion_origin_moved,
   motion_set_point_late,
+  motion_acceleration_beyond_limit,
   writers_sdo_beside_pdo,
   writers_two_sessions,
   pdo_not_operational,
@@ -102,7 +103,8 @@ struct Fact {
   static constexpr std::uint32_t kSync = 1U << 18U;
   static constexpr std::uint32_t kSpeedUnit = 1U << 19U;  ///< 607Fh is in units of 6064h a second
   static constexpr std::uint32_t kLateness = 1U << 20U;   ///< whether a write came too late
-  static constexpr std::uint32_t kCount = 21;
+  static constexpr std::uint32_t kAccelerationLimit = 1U << 21U;
+  static constexpr std::uint32_t kCount = 22;
 };
 
 /// @param fact one bit of Fact

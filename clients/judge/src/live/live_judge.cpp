@@ -2,6 +2,7 @@
 #include "live/live_judge.hpp"
 
 #include "judge/bench_records.hpp"
+#include "vdrive/cia402/controlword.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -15,8 +16,8 @@ using client::AxisWrite;
 using client::Observation;
 using client::Outcome;
 
-/// As many as a poll takes at a time: 64 axes at 1 kHz for four seconds.
-constexpr std::size_t kMostSamples = 4'000;
+/// As many as a poll takes at a time: a verdict is shown in between.
+constexpr std::size_t kMostSamples = 250;
 
 std::vector<client::AxisId> ids_of(const std::vector<client::Axis>& axes) {
   std::vector<client::AxisId> ids;
@@ -30,7 +31,7 @@ constexpr std::size_t kLeastOfAFullPage = 20;
 
 bool is_set_point(const AxisWrite& write) {
   return write.kind == AxisWrite::Kind::write && write.object == objects::kControlword &&
-         write.reason == 0;
+         write.reason == 0 && (write.value & Controlword::kNewSetPoint) != 0;
 }
 
 }  // namespace
@@ -41,17 +42,17 @@ client::Result<LiveJudge> LiveJudge::create(client::Session& session, std::uint3
   if (!found) return found.outcome();
   auto follower = session.follow(ids_of(axes), client::Pace::observe);
   if (!follower) return follower.outcome();
-  LiveJudge judge(session, bench, found->period, std::move(*follower), std::move(axes));
+  LiveJudge judge(session, *found, std::move(*follower), std::move(axes));
   if (Outcome begun = judge.begin(); !begun) return begun;
   return judge;
 }
 
-LiveJudge::LiveJudge(client::Session& session, std::uint32_t bench,
-                     std::chrono::microseconds period, client::Follower follower,
-                     std::vector<client::Axis> axes)
+LiveJudge::LiveJudge(client::Session& session, const client::BenchInfo& bench,
+                     client::Follower follower, std::vector<client::Axis> axes)
     : session_(&session),
-      bench_(bench),
-      period_(period),
+      bench_(bench.number),
+      is_realtime_(bench.clock_mode == ClockMode::realtime),
+      period_(bench.period),
       follower_(std::move(follower)),
       axes_(std::move(axes)),
       ignored_(axes_.size()),
@@ -62,17 +63,17 @@ LiveJudge::LiveJudge(client::Session& session, std::uint32_t bench,
 
 /// From the present: what was written before is not judged, since nobody saw the status.
 Outcome LiveJudge::begin() {
-  auto present = session_->writes(bench_, std::numeric_limits<std::uint64_t>::max());
+  const auto present = session_->writes(bench_, std::numeric_limits<std::uint64_t>::max());
   if (!present) return present.outcome();
   place_ = present->place;
-  known_tick_ = first_tick_ = judged_tick_ = present->tick;
   const auto state = session_->observe(ids_of(axes_));
   if (!state) return state.outcome();
+  known_tick_ = first_tick_ = judged_tick_ = state->tick;
   if (Outcome shown = show_objects(); !shown) return shown;
   for (std::size_t place = 0; place < axes_.size(); ++place) {
     const client::AxisSnapshot& axis = state->axes[place];
     ignored_[place] = axis.status.ignored_set_points;
-    take(known_tick_, axis.id.axis, shown_by(axis.status));
+    take(first_tick_, axis.id.axis, shown_by(axis.status));
   }
   return {};
 }
@@ -110,15 +111,18 @@ Outcome LiveJudge::take_samples(std::chrono::milliseconds patience) {
   return {};
 }
 
+/// As far as the samples need them. Masters may write faster than pages come.
 Outcome LiveJudge::take_writes() {
   while (true) {
-    auto page = session_->writes(bench_, place_);
+    const auto page = session_->writes(bench_, place_);
     if (!page) return page.outcome();
-    known_tick_ = page->tick;
-    writes_.insert(writes_.end(), page->writes.begin(), page->writes.end());
     place_ = page->place;
-    // Masters may write faster than pages come: only a full one is followed by the next.
-    if (page->writes.size() < kLeastOfAFullPage) return {};
+    for (const AxisWrite& write : page->writes) {
+      if (write.tick >= first_tick_) writes_.push_back(write);
+    }
+    const bool is_full = page->writes.size() >= kLeastOfAFullPage;
+    known_tick_ = is_full ? page->writes.back().tick : page->tick;
+    if (!is_full || samples_.empty() || known_tick_ >= samples_.back().tick) return {};
   }
 }
 
@@ -126,6 +130,8 @@ void LiveJudge::judge_until_known() {
   while (!samples_.empty() && samples_.front().tick <= known_tick_) {
     const Observation sample = std::move(samples_.front());
     samples_.pop_front();
+    if (sample.tick <= judged_tick_) continue;  // a completed tick is published again, too
+    if (is_realtime_ && sample.missed > 0) lose(judged_tick_, "status is missing");
     judge_writes_before(sample);
     judged_tick_ = sample.tick;
     for (std::size_t place = 0; place < axes_.size(); ++place) {
@@ -146,7 +152,8 @@ void LiveJudge::judge_writes_before(const Observation& sample) {
   std::vector<bool> is_ignored(due.size());
   std::vector<std::uint32_t> left(axes_.size());
   for (std::size_t place = 0; place < axes_.size(); ++place) {
-    left[place] = sample.axes[place].status.ignored_set_points - ignored_[place];
+    const std::uint32_t now = sample.axes[place].status.ignored_set_points;
+    left[place] = now < ignored_[place] ? 0 : now - ignored_[place];  // it begins anew at power-up
   }
   for (std::size_t i = due.size(); i-- > 0;) {
     const auto place = place_of(due[i].axis);
@@ -158,19 +165,13 @@ void LiveJudge::judge_writes_before(const Observation& sample) {
 }
 
 void LiveJudge::judge_write(const AxisWrite& write, bool is_ignored) {
-  const auto lose = [&](std::uint16_t axis, std::string_view cause) {
-    take(write.tick, axis, Gap{cause});
-  };
   switch (write.kind) {
     case AxisWrite::Kind::lost:
+      return lose(write.tick, "writes are missing");
     case AxisWrite::Kind::restored:
-      for (const client::Axis& axis : axes_) {
-        lose(axis.id().axis,
-             write.kind == AxisWrite::Kind::lost ? "writes are missing" : "snapshot");
-      }
-      return;
+      return lose(write.tick, "snapshot");
     case AxisWrite::Kind::power_cycle:
-      if (place_of(write.axis)) lose(write.axis, "power cycle");
+      if (place_of(write.axis)) take(write.tick, write.axis, Gap{"power cycle"});
       return;
     case AxisWrite::Kind::write:
       break;
@@ -191,6 +192,10 @@ void LiveJudge::judge_write(const AxisWrite& write, bool is_ignored) {
              .fate = fate,
              .code = write.reason,
              .writer = write.session});
+}
+
+void LiveJudge::lose(std::uint64_t tick, std::string_view cause) {
+  for (const client::Axis& axis : axes_) take(tick, axis.id().axis, Gap{cause});
 }
 
 std::optional<std::size_t> LiveJudge::place_of(std::uint16_t axis) const {

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::judge {
@@ -38,8 +39,8 @@ class LiveJudge {
   [[nodiscard]] Verdict verdict() const { return judge_.verdict(); }
 
  private:
-  LiveJudge(client::Session& session, std::uint32_t bench, std::chrono::microseconds period,
-            client::Follower follower, std::vector<client::Axis> axes);
+  LiveJudge(client::Session& session, const client::BenchInfo& bench, client::Follower follower,
+            std::vector<client::Axis> axes);
 
   [[nodiscard]] client::Outcome begin();
   [[nodiscard]] client::Outcome show_objects();
@@ -47,12 +48,14 @@ class LiveJudge {
   [[nodiscard]] client::Outcome take_writes();
   void judge_until_known();
   void judge_writes_before(const client::Observation& sample);
+  void lose(std::uint64_t tick, std::string_view cause);
   void judge_write(const client::AxisWrite& write, bool is_ignored);
   [[nodiscard]] std::optional<std::size_t> place_of(std::uint16_t axis) const;
   void take(std::uint64_t tick, std::uint32_t axis, const decltype(Record::what)& what);
 
   client::Session* session_;
   std::uint32_t bench_;
+  bool is_realtime_;
   std::chrono::microseconds period_;
   client::Follower follower_;
   std::vector<client::Axis> axes_;

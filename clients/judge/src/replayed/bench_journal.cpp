@@ -85,7 +85,10 @@ class JournalJudge final : public service::ReplayObserver {
 
   void stepped(std::uint64_t tick, const AxisBank& bank) override {
     tick_ = tick;
-    for (std::size_t axis = 0; axis < bank.size(); ++axis) take(axis, shown_by(bank.status(axis)));
+    for (std::size_t axis = 0; axis < bank.size(); ++axis) {
+      ignored_[axis] = bank.ignored_set_points(axis);  // within the tick: of no write that comes
+      take(axis, shown_by(bank.status(axis)));
+    }
   }
 
   JournalVerdict end(bool is_complete) {

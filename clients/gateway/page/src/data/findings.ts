@@ -6,6 +6,7 @@ import type { Of } from "../protocol/checked";
 export const FINDINGS = {
   type: "object",
   properties: {
+    judged: { type: "boolean" },
     findings: {
       type: "array",
       items: {
@@ -24,7 +25,7 @@ export const FINDINGS = {
       },
     },
   },
-  required: ["findings"],
+  required: ["judged", "findings"],
 } as const;
 
 export type FoundMistake = Of<typeof FINDINGS>["findings"][number];

@@ -46,7 +46,11 @@ export class Findings implements View {
       put(this.state, String(answer["message"] ?? ""));
       return;
     }
-    const { findings } = checked(FINDINGS, answer, "/judge");
+    const { judged, findings } = checked(FINDINGS, answer, "/judge");
+    if (!judged) {
+      put(this.state, t("judge_waits"));
+      return;
+    }
     this.show(findings.filter(({ axis }) => axis === this.ref.axis.axis));
   }
 
