@@ -66,20 +66,20 @@ def live(vdrive, tool, service):
         axes = session.axes()
         enable(axes, session)
         environment = {**os.environ, "VDRIVE_DOMAIN": str(bench.domain)}
-        before = processor_time()
-        watcher = subprocess.Popen([tool, "judge", "1", "--live", "--for", f"{LIVE}s", "--json"], env=environment,
-                                   stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-        number = 0
-        while watcher.poll() is None:
-            command(axes, lambda: time.sleep(0.01), number)
-            time.sleep(ROUND / 1000)
-            number += 1
-        watcher.communicate()
-        if watcher.returncode not in (0, 1):
+        with tempfile.TemporaryFile() as report:
+            watcher = subprocess.Popen([tool, "judge", "1", "--live", "--for", f"{LIVE}s", "--json"], env=environment,
+                                       stdout=report, stderr=subprocess.DEVNULL)
+            end, number = time.monotonic() + LIVE, 0
+            while time.monotonic() < end:
+                command(axes, lambda: time.sleep(0.01), number)
+                time.sleep(ROUND / 1000)
+                number += 1
+            _, status, used = os.wait4(watcher.pid, 0)
+        if os.waitstatus_to_exitcode(status) not in (0, 1):
             sys.exit("judge.py: the judge of the running bench failed")
         for axis in axes:
             axis.disable()
-    return processor_time() - before
+    return used.ru_utime + used.ru_stime
 
 
 def main():

@@ -128,6 +128,14 @@ void apply_to_bus(const Arguments& arguments, bool is_private, BusSetting& bus) 
   }
 }
 
+/// What the program and its bench write, beside logs of buses.
+void apply_files(const Arguments& arguments, Settings& settings) {
+  const std::string state = text_of_option("--state", arguments.state);
+  const std::string journal = text_of_option("--journal", arguments.journal);
+  if (!state.empty()) settings.state = state;
+  if (!journal.empty()) settings.journal = journal;
+}
+
 }  // namespace
 
 std::string text_of_option(const char* option, const std::optional<std::string>& text) {
@@ -139,8 +147,6 @@ std::string text_of_option(const char* option, const std::optional<std::string>&
 void apply_arguments(const Arguments& arguments, Settings& settings) {
   const std::string clock = text_of_option("--clock", arguments.clock);
   const std::string sync_steps = text_of_option("--sync-steps", arguments.sync_steps);
-  const std::string state = text_of_option("--state", arguments.state);
-  const std::string journal = text_of_option("--journal", arguments.journal);
   (void)text_of_option("--preset", arguments.preset);
   (void)text_of_option("--bench-config", arguments.bench_configuration);
   const std::string option = arguments.axes ? "--axes" : "--preset";
@@ -154,8 +160,7 @@ void apply_arguments(const Arguments& arguments, Settings& settings) {
   }
   if (!clock.empty()) settings.clock = take_clock(clock);
   if (!sync_steps.empty()) settings.sync_steps = take_sync_step(sync_steps);
-  if (!state.empty()) settings.state = state;
-  if (!journal.empty()) settings.journal = journal;
+  apply_files(arguments, settings);
   if (!names_a_bus(arguments)) return;
   if (settings.buses.size() > 1) {
     throw ConfigurationError("the file has " + std::to_string(settings.buses.size()) +

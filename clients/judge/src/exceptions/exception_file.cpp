@@ -65,7 +65,8 @@ Exception exception_of_comment(const std::string& comment, const std::string& pl
   std::string axis;
   std::string rest;
   words >> off >> rule >> on >> axis >> rest;
-  const bool is_form = off == "off" && !rule.empty() && rest.empty() && because != comment.npos &&
+  const bool is_form = off == "off" && !rule.empty() && rest.empty() &&
+                       because != std::string::npos &&
                        (on.empty() || (on == "on" && !axis.empty()));
   if (!is_form) refuse("write '# judge: off RULE [on AXIS] because REASON'");
   Exception exception{.axis = axis.empty() ? "" : "axis " + axis,
@@ -90,9 +91,10 @@ std::vector<Exception> read_exception_comments(const std::string& text,
   for (std::string line; std::getline(lines, line);) {
     ++number;
     const std::size_t begin = line.find_first_not_of(" \t");
-    if (begin == line.npos || line[begin] != '#') continue;
+    if (begin == std::string::npos || line[begin] != '#') continue;
     const std::size_t word = line.find_first_not_of(" \t", begin + 1);
-    if (word == line.npos || !std::string_view(line).substr(word).starts_with(kMark)) continue;
+    if (word == std::string::npos || !std::string_view(line).substr(word).starts_with(kMark))
+      continue;
     exceptions.push_back(exception_of_comment(line.substr(word + kMark.size()),
                                               file_name + ":" + std::to_string(number)));
   }
