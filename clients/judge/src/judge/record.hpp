@@ -76,6 +76,8 @@ struct Shown {
   bool is_asked_for = false;  ///< the master read it; else the drive sends each change itself
 
   [[nodiscard]] bool has(std::uint16_t member) const noexcept { return (members & member) != 0; }
+
+  friend bool operator==(const Shown&, const Shown&) = default;
 };
 
 /// State of a node of a bus (CiA 301, NMT state machine).

@@ -5,6 +5,7 @@
 #include "vdrive/cia402/controlword.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <string>
 #include <utility>
@@ -99,9 +100,13 @@ Outcome LiveJudge::poll(std::chrono::milliseconds patience) {
 }
 
 Outcome LiveJudge::take_samples(std::chrono::milliseconds patience) {
+  // A request for the writes is dear: it comes once for all of these samples.
+  const auto deadline = std::chrono::steady_clock::now() + patience;
   for (std::size_t count = 0; count < kMostSamples; ++count) {
-    if (count > 0 && !follower_.has_next()) break;
-    auto sample = follower_.next(patience);
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    if (left.count() <= 0 && !follower_.has_next()) break;
+    auto sample = follower_.next(std::max(left, std::chrono::milliseconds(0)));
     if (!sample) {
       const bool is_none = sample.outcome().kind() == client::OutcomeKind::timed_out;
       return is_none ? Outcome() : sample.outcome();

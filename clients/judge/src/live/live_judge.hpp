@@ -26,7 +26,7 @@ class LiveJudge {
                                                         std::vector<client::Axis> axes);
 
   /// Takes what has happened since the last call.
-  /// @param patience wall time to wait for a status
+  /// @param patience wall time in which status is collected
   /// @return lost when the bench is silent or was restarted; ok also where nothing has happened
   client::Outcome poll(std::chrono::milliseconds patience);
 

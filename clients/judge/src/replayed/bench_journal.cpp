@@ -24,6 +24,9 @@ constexpr int kFirstByte = 1;
 /// A difference stays, so it is found without the check of each tick.
 constexpr std::uint64_t kTicksACheck = 16;
 
+/// What an axis at rest shows is a record in so many ticks: most of an hour is that.
+constexpr std::uint64_t kTicksOfTheSame = 8;
+
 /// Makes records of what a replay does.
 class JournalJudge final : public service::ReplayObserver {
  public:
@@ -33,6 +36,7 @@ class JournalJudge final : public service::ReplayObserver {
     result_.bench = configuration.bench;
     for (const auto& axis : configuration.axes) numbers_.push_back(axis.number);
     ignored_.resize(numbers_.size());
+    shown_.resize(numbers_.size());
     judge_.emplace(SourceFacts{.has_time = true,
                                .shows_reads = false,
                                .shows_sessions = has_authors,
@@ -87,7 +91,9 @@ class JournalJudge final : public service::ReplayObserver {
     tick_ = tick;
     for (std::size_t axis = 0; axis < bank.size(); ++axis) {
       ignored_[axis] = bank.ignored_set_points(axis);  // within the tick: of no write that comes
-      take(axis, shown_by(bank.status(axis)));
+      const Shown shown = shown_by(bank.status(axis));
+      const bool is_same = shown == std::exchange(shown_[axis], shown);
+      if (!is_same || tick % kTicksOfTheSame == 0) take(axis, shown);
     }
   }
 
@@ -151,6 +157,7 @@ class JournalJudge final : public service::ReplayObserver {
   std::uint64_t gaps_ = 0;
   std::vector<std::uint32_t> numbers_;  ///< of the axes, by index
   std::vector<std::uint32_t> ignored_;  ///< set-points so far, by index
+  std::vector<Shown> shown_;            ///< in the last tick, by index
   JournalVerdict result_;
 };
 
