@@ -112,7 +112,7 @@ TEST_F(WritesOfABench, HaveTheWholeOfAFrameThatIsRefusedAsAWhole) {
   bench->acquire(kAlice, {1, 2});
   auto frame = bench->make_frame(kAlice);
   frame.flags = msg::FRAME_ALL_OR_NOTHING;
-  for (const std::uint16_t axis : {1, 2}) {
+  for (const std::uint16_t axis : kFirstTwo) {
     auto& command = add_command(frame, axis);
     command.members = msg::HAS_OP_MODE_CMD;
     command.op_mode_cmd = axis == 1 ? 1 : 99;  // the axis has no mode 99
