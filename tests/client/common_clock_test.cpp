@@ -49,7 +49,7 @@ Seen seen_in_a_run(std::size_t first, bool is_configured) {
 
 // Without the wait the first program steps alone until the next one has joined.
 TEST(CommonClock, GivesThreeProgramsTheSameBitsInEachRunInWhateverOrderTheyStart) {
-  const int runs = test::number_of<int>({.usual = 3, .full = 200, .nightly = 200});
+  const int runs = test::number_of<int>({.usual = 3, .full = 50, .nightly = 200});
   const Seen first = seen_in_a_run(0, false);
   for (int run = 1; run < runs; ++run) {
     const auto order = static_cast<std::size_t>(run) % kPrograms;

@@ -66,7 +66,7 @@ TEST(FrozenFeedback, ShowsTheDifferencesToWhatIsShown) {
   run_in_window(axis);
   axis.write("test_frozen_feedback", 1);
   axis.step(1'000);
-  // 10000 UU/s for 1 s, and the following error of before, which is below 100 UU.
+  // 10000 UU/s for 1 s, and the following error at the time of the freeze, which is below 100 UU.
   EXPECT_NEAR(axis.demand() - axis.actual(), 10'000, 100);
   EXPECT_EQ(axis.read("load_position_error_value"), axis.demand() - axis.actual());
   EXPECT_EQ(axis.read("motor_position_error_value"),

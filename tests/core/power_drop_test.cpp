@@ -78,7 +78,7 @@ TEST(PowerDrop, WaitsForANewControlword) {
   axis.command(0x000F);
   EXPECT_EQ(axis.state(), operation_enabled);
   axis.step(100);
-  EXPECT_EQ(axis.demand(), stopped_at) << "the set-point of before is forgotten";
+  EXPECT_EQ(axis.demand(), stopped_at) << "the earlier set-point is forgotten";
 }
 
 TEST(PowerDrop, ActsWithItsEdgeOnly) {

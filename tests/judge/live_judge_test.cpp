@@ -44,7 +44,7 @@ class JudgedBench {
     on_bus.bus = bench_->bus();
     master_.emplace(on_bus);
     watcher_.emplace(on_bus);
-    watch_anew();
+    watch_again();
   }
 
   Session& master() { return *master_; }
@@ -58,7 +58,7 @@ class JudgedBench {
   }
 
   /// Another judge begins now.
-  void watch_anew() {
+  void watch_again() {
     auto judge = LiveJudge::create(*watcher_, kBench, watcher_->axes(kBench).value());
     ASSERT_TRUE(judge);
     judge_.emplace(std::move(*judge));
@@ -121,18 +121,20 @@ TEST(ABenchThatRuns, GivesNoFindingOfTheClientLibraryButOne) {
   EXPECT_THAT(bench.by_journal(), ElementsAreArray(kOfTheClient));
 }
 
+void set_point(JudgedBench& bench, Axis& axis, std::int64_t target) {
+  write(axis, objects::kTarget, target);
+  write(axis, objects::kControlword, 0x1F);
+  bench.step(3);
+}
+
 TEST(ABenchThatRuns, TellsThatBit4StayedUpWhileItRuns) {
   JudgedBench bench;
   Axis axis = bench.axis();
   write(axis, objects::kMode, 1);
   ASSERT_TRUE(axis.enable());
-  write(axis, objects::kTarget, 1'000);
-  write(axis, objects::kControlword, 0x1F);
-  bench.step(3);
+  set_point(bench, axis, 1'000);
   EXPECT_THAT(bench.live(), Not(Contains("handshake-2")));
-  write(axis, objects::kTarget, 2'000);
-  write(axis, objects::kControlword, 0x1F);
-  bench.step(3);
+  set_point(bench, axis, 2'000);
   EXPECT_THAT(bench.live(), Contains("handshake-2"));
 }
 
@@ -142,13 +144,9 @@ TEST(ABenchThatRuns, IsKnownWithTheWordThatStoodBefore) {
   Axis axis = bench.axis();
   write(axis, objects::kMode, 1);
   ASSERT_TRUE(axis.enable());
-  bench.watch_anew();
-  write(axis, objects::kTarget, 1'000);
-  write(axis, objects::kControlword, 0x1F);
-  bench.step(3);
-  write(axis, objects::kTarget, 2'000);
-  write(axis, objects::kControlword, 0x1F);
-  bench.step(3);
+  bench.watch_again();
+  set_point(bench, axis, 1'000);
+  set_point(bench, axis, 2'000);
   EXPECT_THAT(bench.live(), Contains("handshake-2"));
 }
 

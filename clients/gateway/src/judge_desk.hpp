@@ -41,7 +41,7 @@ class JudgeDesk {
     judge::Verdict verdict{};
     client::Outcome outcome{};  ///< why it is judged no longer
     bool has_begun = false;     ///< there is a verdict
-    bool is_unasked = false;    ///< likewise: nobody has asked for long
+    bool is_unasked = false;    ///< it is judged no longer, because nobody asked
     Clock::time_point asked = Clock::now();
     std::jthread thread{};  ///< last: it uses what is above
   };

@@ -81,11 +81,11 @@ Outcome check_period(std::chrono::milliseconds period) {
                          " ms: it must be 1 ms or more");
 }
 
-/// A request about saved states of a bench.
+/// A request about a bench as a whole, such as its saved states.
 /// @param what names the state, such as "snapshot 1"
-Result<RequestAnswer> exchange_snapshot(SessionCore& core, std::uint32_t bench,
-                                        msg::Request request,
-                                        const std::string& what = "snapshot") {
+Result<RequestAnswer> exchange_with_bench(SessionCore& core, std::uint32_t bench,
+                                          msg::Request request,
+                                          const std::string& what = "snapshot") {
   const auto target = core.links.connect(bench);
   if (!target) return target.outcome();
   auto reply = core.control.exchange(*target, std::move(request), what + " of " + name_of(*target));
@@ -330,14 +330,14 @@ Result<std::uint64_t> Session::wait_for_tick(std::uint32_t bench, std::uint64_t 
 }
 
 Result<std::uint64_t> Session::take_snapshot(std::uint32_t bench) {
-  const auto reply = exchange_snapshot(*core_, bench, ask::take_snapshot());
+  const auto reply = exchange_with_bench(*core_, bench, ask::take_snapshot());
   if (!reply) return reply.outcome();
   return reply->snapshot;
 }
 
 Result<std::uint64_t> Session::restore_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
-  const auto reply = exchange_snapshot(*core_, bench, ask::restore_snapshot(snapshot),
-                                       "snapshot " + std::to_string(snapshot));
+  const auto reply = exchange_with_bench(*core_, bench, ask::restore_snapshot(snapshot),
+                                         "snapshot " + std::to_string(snapshot));
   if (!reply) return reply.outcome();
   return reply->tick;
 }
@@ -346,7 +346,7 @@ Result<std::vector<KeptSnapshot>> Session::snapshots(std::uint32_t bench) {
   std::vector<KeptSnapshot> kept;
   while (true) {
     const std::uint64_t snapshot = kept.empty() ? 0 : kept.back().number;
-    const auto next = exchange_snapshot(*core_, bench, ask::next_snapshot(snapshot));
+    const auto next = exchange_with_bench(*core_, bench, ask::next_snapshot(snapshot));
     if (!next) return next.outcome();
     // A service that counts back would never end the list.
     if (next->snapshot <= snapshot) return kept;
@@ -355,7 +355,7 @@ Result<std::vector<KeptSnapshot>> Session::snapshots(std::uint32_t bench) {
 }
 
 Result<AxisWrites> Session::writes(std::uint32_t bench, std::uint64_t place) {
-  const auto reply = exchange_snapshot(*core_, bench, ask::read_writes(place), "writes");
+  const auto reply = exchange_with_bench(*core_, bench, ask::read_writes(place), "writes");
   if (!reply) return reply.outcome();
   AxisWrites read{.writes = {}, .place = reply->snapshot, .tick = reply->tick};
   AxisWrite next;
@@ -381,8 +381,8 @@ Result<AxisWrites> Session::writes(std::uint32_t bench, std::uint64_t place) {
 }
 
 Outcome Session::drop_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
-  return exchange_snapshot(*core_, bench, ask::drop_snapshot(snapshot),
-                           "snapshot " + std::to_string(snapshot))
+  return exchange_with_bench(*core_, bench, ask::drop_snapshot(snapshot),
+                             "snapshot " + std::to_string(snapshot))
       .outcome();
 }
 

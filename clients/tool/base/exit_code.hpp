@@ -14,7 +14,7 @@ enum class ExitCode : int {
   timed_out = 4,
   refused = 5,
   not_run = 6,     ///< of a test: the machine did not give what it needs; it may pass when repeated
-  unreadable = 7,  ///< of `judge`: the log cannot be read, or has no frame
+  unreadable = 7,  ///< of `judge`: the log or journal cannot be judged
   interrupted = 130,
 };
 

@@ -188,8 +188,7 @@ class ReportFiles {
 void JudgeCommand::declare(Arguments& arguments) {
   arguments.positional("LOG", log,
                        "Log of a CANopen bus by candump or a CAN analyser (.asc), or journal of a "
-                       "bench; - is standard "
-                       "input");
+                       "bench; - is standard input");
   arguments.option("--eds", "FILE", sheet,
                    "Electronic data sheet of the drives: PDO mapping and data types that the log "
                    "does not show");
@@ -287,7 +286,7 @@ class LiveRun {
     return command_.duration && judge.judged_time() >= *command_.duration;
   }
 
-  /// A line for each rule of an axis, when it is broken first.
+  /// The first time a rule is broken on an axis, a line says so.
   void tell_new(const judge::LiveJudge& judge) {
     const auto now = std::chrono::steady_clock::now();
     if (now < next_look_) return;

@@ -17,6 +17,12 @@ using settings::YamlValue;
 
 constexpr std::array<std::string_view, 3> kKeys{"rule", "axis", "reason"};
 
+constexpr const char* kNoReason = "has no reason: say why the master does this on purpose";
+
+bool has_no_text(const std::string& text) {
+  return text.find_first_not_of(' ') == std::string::npos;
+}
+
 std::string no_rule_text(const std::string& name) {
   std::vector<std::string> names;
   for (const RuleRow& row : rules()) names.emplace_back(row.name);
@@ -43,9 +49,7 @@ Exception exception_of(const YamlValue& entry, const std::string& file_name) {
     }
   });
   if (!has_rule) entry.refuse("has no rule");
-  if (exception.reason.find_first_not_of(' ') == std::string::npos) {
-    entry.refuse("has no reason: say why the master does this on purpose");
-  }
+  if (has_no_text(exception.reason)) entry.refuse(kNoReason);
   return exception;
 }
 
@@ -75,9 +79,7 @@ Exception exception_of_comment(const std::string& comment, const std::string& pl
   const auto found = find_rule(rule);
   if (!found) refuse(in_quotes(rule) + " " + no_rule_text(rule));
   exception.rule = *found;
-  if (exception.reason.find_first_not_of(' ') == std::string::npos) {
-    refuse("has no reason: say why the master does this on purpose");
-  }
+  if (has_no_text(exception.reason)) refuse(kNoReason);
   return exception;
 }
 

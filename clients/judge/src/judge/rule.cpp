@@ -360,7 +360,7 @@ constexpr auto kRules = std::to_array<RuleRow>({
      .title = "Streamed acceleration beyond its limit",
      .severity = Severity::warning,
      .clause = "CiA 402-2, 60C5h (max acceleration), which some drives apply in cyclic modes, too",
-     .expected = "The speed of a stream changes no faster than 60C5h: the drive lags behind, or draws more current than the machine was laid out for",
+     .expected = "The speed of a stream changes no faster than 60C5h: the drive lags behind, or draws more current than the machine is rated for",
      .remedy = "Limit the acceleration where the stream is made, or raise 60C5h on purpose",
      .wrong = "targets 0, 0, 100, 200 each millisecond with 60C5h = 1000000 a second squared",
      .right = "targets 0, 1, 3, 6, 10: a ramp",

@@ -5,7 +5,6 @@
 #include "vdrive/cia402/controlword.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <string>
 #include <utility>
@@ -20,6 +19,9 @@ using client::Outcome;
 /// As many as a poll takes at a time: a verdict is shown in between.
 constexpr std::size_t kMostSamples = 250;
 
+/// A page has room for 64 entries, and a write brings two marks at most.
+constexpr std::size_t kLeastOfAFullPage = 20;
+
 std::vector<client::AxisId> ids_of(const std::vector<client::Axis>& axes) {
   std::vector<client::AxisId> ids;
   ids.reserve(axes.size());
@@ -27,8 +29,8 @@ std::vector<client::AxisId> ids_of(const std::vector<client::Axis>& axes) {
   return ids;
 }
 
-/// A page has room for 64 entries, and a write brings two marks at most.
-constexpr std::size_t kLeastOfAFullPage = 20;
+/// While nobody lets time pass, no status comes for which these wait.
+constexpr std::size_t kMostWrites = 65'536;
 
 bool is_set_point(const AxisWrite& write) {
   return write.kind == AxisWrite::Kind::write && write.object == objects::kControlword &&
@@ -100,13 +102,14 @@ Outcome LiveJudge::poll(std::chrono::milliseconds patience) {
 }
 
 Outcome LiveJudge::take_samples(std::chrono::milliseconds patience) {
-  // A request for the writes is dear: it comes once for all of these samples.
-  const auto deadline = std::chrono::steady_clock::now() + patience;
+  // A request for the writes is dear: where time passes by itself, it comes once for many samples.
+  const std::size_t before = samples_.size();
   for (std::size_t count = 0; count < kMostSamples; ++count) {
-    const auto left =
-        std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-    if (left.count() <= 0 && !follower_.has_next()) break;
-    auto sample = follower_.next(std::max(left, std::chrono::milliseconds(0)));
+    const bool is_enough =
+        count > 0 &&
+        (!is_realtime_ || time_of(samples_.back().tick - samples_[before].tick) >= patience);
+    if (is_enough && !follower_.has_next()) break;
+    auto sample = follower_.next(patience);
     if (!sample) {
       const bool is_none = sample.outcome().kind() == client::OutcomeKind::timed_out;
       return is_none ? Outcome() : sample.outcome();
@@ -124,6 +127,10 @@ Outcome LiveJudge::take_writes() {
     place_ = page->place;
     for (const AxisWrite& write : page->writes) {
       if (write.tick >= first_tick_) writes_.push_back(write);
+    }
+    if (writes_.size() > kMostWrites) {
+      writes_.clear();
+      lose(judged_tick_, "writes are missing");
     }
     const bool is_full = page->writes.size() >= kLeastOfAFullPage;
     known_tick_ = is_full ? page->writes.back().tick : page->tick;
@@ -158,7 +165,8 @@ void LiveJudge::judge_writes_before(const Observation& sample) {
   std::vector<std::uint32_t> left(axes_.size());
   for (std::size_t place = 0; place < axes_.size(); ++place) {
     const std::uint32_t now = sample.axes[place].status.ignored_set_points;
-    left[place] = now < ignored_[place] ? 0 : now - ignored_[place];  // it begins anew at power-up
+    left[place] =
+        now < ignored_[place] ? 0 : now - ignored_[place];  // counted from the last power-up
   }
   for (std::size_t i = due.size(); i-- > 0;) {
     const auto place = place_of(due[i].axis);
@@ -212,10 +220,7 @@ std::optional<std::size_t> LiveJudge::place_of(std::uint16_t axis) const {
 }
 
 void LiveJudge::take(std::uint64_t tick, std::uint32_t axis, const decltype(Record::what)& what) {
-  judge_.take({.time = static_cast<std::int64_t>(tick) * Time(period_),
-               .tick = tick,
-               .axis = axis,
-               .what = what});
+  judge_.take({.time = time_of(tick), .tick = tick, .axis = axis, .what = what});
 }
 
 }  // namespace vdrive::judge

@@ -26,14 +26,13 @@ class LiveJudge {
                                                         std::vector<client::Axis> axes);
 
   /// Takes what has happened since the last call.
-  /// @param patience wall time in which status is collected
+  /// @param patience drive time for which status is collected where time passes by itself, and wall
+  ///        time to wait for a status
   /// @return lost when the bench is silent or was restarted; ok also where nothing has happened
   client::Outcome poll(std::chrono::milliseconds patience);
 
   /// @return drive time from the begin to the last tick that was judged.
-  [[nodiscard]] Time judged_time() const noexcept {
-    return static_cast<std::int64_t>(judged_tick_ - first_tick_) * Time(period_);
-  }
+  [[nodiscard]] Time judged_time() const noexcept { return time_of(judged_tick_ - first_tick_); }
 
   /// @return what was found so far.
   [[nodiscard]] Verdict verdict() const { return judge_.verdict(); }
@@ -41,6 +40,10 @@ class LiveJudge {
  private:
   LiveJudge(client::Session& session, const client::BenchInfo& bench, client::Follower follower,
             std::vector<client::Axis> axes);
+
+  [[nodiscard]] Time time_of(std::uint64_t ticks) const noexcept {
+    return static_cast<std::int64_t>(ticks) * Time(period_);
+  }
 
   [[nodiscard]] client::Outcome begin();
   [[nodiscard]] client::Outcome show_objects();

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstddef>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 namespace vdrive::judge {
@@ -52,7 +53,7 @@ class JournalJudge final : public service::ReplayObserver {
     const bool is_start = snapshot.cause == JournalSnapshot::Cause::start;
     if (snapshot.cause == JournalSnapshot::Cause::resumed) ++gaps_;
     for (std::size_t axis = 0; axis < bank.size(); ++axis) {
-      if (!is_start) take(axis, Gap{is_resumed(snapshot) ? "ticks are missing" : "snapshot"});
+      if (!is_start) lose(axis, is_resumed(snapshot) ? "ticks are missing" : "snapshot");
       show_objects(axis, bank);
       take(axis, shown_by(bank.status(axis)));
     }
@@ -77,7 +78,7 @@ class JournalJudge final : public service::ReplayObserver {
         enter_write(change, bank);
         break;
       case JournalChange::Kind::power_cycle:
-        take(change.axis, Gap{"power cycle"});
+        lose(change.axis, "power cycle");
         show_objects(change.axis, bank);
         break;
       case JournalChange::Kind::connection_loss:
@@ -129,6 +130,12 @@ class JournalJudge final : public service::ReplayObserver {
                             .channel = channel(),
                             .fate = is_ignored ? Fate::ignored : Fate::accepted,
                             .writer = author_.session});
+  }
+
+  /// What comes next is shown, also where it is as before.
+  void lose(std::size_t axis, std::string_view cause) {
+    take(axis, Gap{cause});
+    shown_[axis] = {};
   }
 
   void show_objects(std::size_t axis, const AxisBank& bank) {
