@@ -34,6 +34,7 @@ extern const CommandRow kDisturb;
 extern const CommandRow kStep;
 extern const CommandRow kRate;
 extern const CommandRow kSnapshot;
+extern const CommandRow kFaults;
 extern const CommandRow kRun;
 extern const CommandRow kTest;
 extern const CommandRow kExpect;
@@ -51,12 +52,12 @@ extern const CommandRow kCompletion;
 namespace {
 
 constexpr std::array kCommands{
-    &kList,   &kStatus,    &kDescribe, &kWatch,      &kEvents,    &kEnable,   &kDisable,
-    &kReset,  &kQuickStop, &kStop,     &kPowerCycle, &kMove,      &kHome,     &kVelocity,
-    &kTorque, &kJog,       &kHalt,     &kResume,     &kRead,      &kWrite,    &kDictionary,
-    &kStore,  &kRestore,   &kDisturb,  &kStep,       &kRate,      &kSnapshot, &kRun,
-    &kTest,   &kExpect,    &kWait,     &kShell,      &kRecord,    &kConvert,  &kPlot,
-    &kJudge,  &kDoctor,    &kBench,    &kDemo,       &kCompletion};
+    &kList,       &kStatus, &kDescribe,  &kWatch,   &kEvents,     &kFaults,    &kEnable,
+    &kDisable,    &kReset,  &kQuickStop, &kStop,    &kPowerCycle, &kMove,      &kHome,
+    &kVelocity,   &kTorque, &kJog,       &kHalt,    &kResume,     &kRead,      &kWrite,
+    &kDictionary, &kStore,  &kRestore,   &kDisturb, &kStep,       &kRate,      &kSnapshot,
+    &kRun,        &kTest,   &kExpect,    &kWait,    &kShell,      &kRecord,    &kConvert,
+    &kPlot,       &kJudge,  &kDoctor,    &kBench,   &kDemo,       &kCompletion};
 
 }  // namespace
 

@@ -144,6 +144,8 @@ TEST_F(HealthyBench, RefusesNothingOfAnyCommandOfTheTool) {
                                             "disable 1.1",
                                             "disturb 1.1 over_current",
                                             "disturb 1.1 none",
+                                            "faults",
+                                            "faults show 1 --to DIR/fault.mcap",
                                             "reset 1.1",
                                             "store 1.1",
                                             "restore 1.1",

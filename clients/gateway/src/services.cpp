@@ -2,6 +2,7 @@
 #include "services.hpp"
 
 #include "directory.hpp"
+#include "fault_calls.hpp"
 #include "vdrive/client/axis_group.hpp"
 #include "vdrive/client/disturbance.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
@@ -338,7 +339,8 @@ CallAnswer call_write(Session& session, const Json& request) {
 
 // ---- the table
 
-Json response_schema(Right right) {
+Json response_schema(const ServiceRow& row) {
+  const Right right = row.right;
   std::string members = "ok:boolean outcome:string message:string code:integer tick?:integer";
   if (right == Right::events) {
     const Json event = object_schema(
@@ -352,6 +354,26 @@ Json response_schema(Right right) {
     return object_schema(members + " judged?:boolean findings?:finding[]", {{"finding", finding}});
   }
   if (right != Right::none) return object_schema(members);
+  const Json window = object_schema(
+      "window:integer first_tick:integer last_tick:integer "
+      "is_open:boolean more_causes:integer causes:cause[]",
+      {{"cause", object_schema("kind:string axis:integer code:integer "
+                               "tick:integer")}});
+  if (row.call == call_faults) {
+    return object_schema(members + " windows?:window[]", {{"window", window}});
+  }
+  if (row.call == call_fault) {
+    const Json story = object_schema("title:string lines:string[] remedy:string");
+    const Json write = object_schema(
+        "tick:integer object:string value:integer refused:boolean "
+        "by:string");
+    return object_schema(
+        members + " kept?:window stories?:story[] writes?:write[] samples?:samples",
+        {{"window", window},
+         {"story", story},
+         {"write", write},
+         {"samples", object_schema("tick:integer[]")}});
+  }
   const Json reading = object_schema("object:string value?:integer code:integer message:string");
   return object_schema(members + " values?:reading[]", {{"reading", reading}});
 }
@@ -396,6 +418,8 @@ constexpr std::array kServices{
     ServiceRow{"/step", "vdrive.Step", Right::command, "bench:integer ticks:integer", call_step},
     ServiceRow{"/events", "vdrive.Events", Right::events, "bench:integer", nullptr},
     ServiceRow{"/judge", "vdrive.Judge", Right::judge, "bench:integer", nullptr},
+    ServiceRow{"/faults", "vdrive.Faults", Right::none, "bench:integer", call_faults},
+    ServiceRow{"/fault", "vdrive.Fault", Right::none, "window:integer axis:string", call_fault},
     ServiceRow{"/read", "vdrive.Read", Right::none, "axis:string objects:string[]", call_read},
     ServiceRow{"/write", "vdrive.Write", Right::command, "axis:string object:string value:integer",
                call_write},
@@ -420,7 +444,7 @@ std::vector<ServiceInfo> service_infos() {
                      .name = std::string(row.name),
                      .type = std::string(row.type),
                      .request_schema = object_schema(row.request, types),
-                     .response_schema = response_schema(row.right)});
+                     .response_schema = response_schema(row)});
   }
   return infos;
 }

@@ -8,6 +8,7 @@
 #include "queues.hpp"
 #include "status.hpp"
 #include "values.hpp"
+#include "vdrive/client/fault_story.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/dictionary/object_text.hpp"
@@ -370,6 +371,74 @@ py::dict snapshots(const SharedPySession& self, Bench bench) {
   return ticks;
 }
 
+py::list causes_of(const client::KeptWindow& window) {
+  py::list causes;
+  for (const client::WindowCause& cause : window.causes) {
+    causes.append(py::make_tuple(client::to_string(cause.kind), cause.axis, cause.code,
+                                 cause.session, cause.tick));
+  }
+  return causes;
+}
+
+/// @return a record of a window, as vdrive/_faults.py has it.
+py::tuple window_record(std::uint32_t bench, const client::KeptWindow& window) {
+  return py::make_tuple(bench, window.number, window.first_tick, window.last_tick, window.is_open,
+                        causes_of(window), window.more_causes);
+}
+
+py::list windows(const SharedPySession& self, Bench bench) {
+  const std::uint32_t number = bench_number(self, bench);
+  py::list list;
+  for (const client::KeptWindow& window : of_bench<&Session::windows>(self, number)) {
+    list.append(window_record(number, window));
+  }
+  return list;
+}
+
+/// @return the record of a window, its frames, writes and events, and what led to its causes.
+py::tuple window(const SharedPySession& self, std::uint64_t number, const GivenAxes& axes) {
+  load_numpy();
+  const std::vector<client::AxisId> ids = ids_of(self, axes);
+  const client::Window window = value_or_raise(waiting(self, [&](Session& session) {
+    return session.window(number, ids);
+  }));
+  const std::uint32_t of_bench = ids.front().bench;
+  const client::BenchInfo bench = value_or_raise(waiting(self, [&](Session& session) {
+    return session.find_bench(of_bench);
+  }));
+  py::list writes;
+  for (const client::AxisWrite& write : window.writes) {
+    if (write.kind != client::AxisWrite::Kind::write) continue;
+    writes.append(py::make_tuple(write.tick, write.axis,
+                                 py::make_tuple(write.object.index, write.object.subindex),
+                                 write.value, write.session, write.reason));
+  }
+  py::list events;
+  for (const client::WindowEvent& event : window.events) {
+    events.append(
+        py::make_tuple(event.tick, to_string(event.kind), event.axis, event.session, event.code));
+  }
+  const client::SessionText name_of = [&](std::uint64_t session) {
+    return client::owner_text(session, waiting(self, [&](Session& known) {
+                                return known.known_name(of_bench, session);
+                              }));
+  };
+  py::list stories;
+  for (const client::WindowCause& cause : window.kept.causes) {
+    client::FaultStory story = client::story_of(window, cause, bench, name_of);
+    stories.append(py::make_tuple(story.title, story.lines, story.remedy));
+  }
+  return py::make_tuple(window_record(of_bench, window.kept),
+                        frames_of({window.samples.begin(), window.samples.end()}, ids.size()),
+                        writes, events, stories);
+}
+
+void add_windows(SessionClass& session) {
+  session.def("windows", &windows)
+      .def("freeze_window", &of_bench<&Session::freeze_window>)
+      .def("window", &window);
+}
+
 void add_clock(SessionClass& session) {
   session.def("step", &step)
       .def("wait",
@@ -485,6 +554,7 @@ void add_session(py::module_& module) {
   add_control(session);
   add_ends(session);
   add_clock(session);
+  add_windows(session);
   add_observing(session);
 }
 

@@ -37,6 +37,7 @@ except ImportError:
 from ._axis import DISTURBANCES, Axis, Motion
 from ._axis_bank import AxisBank
 from ._bench import Bench, find_service
+from ._faults import Cause, Fault, FaultWindow, Reported, Story, Write
 from ._group import AxisGroup, GroupStatus
 from ._judge import Finding, Verdict, judge
 from ._observers import Observer
@@ -109,12 +110,15 @@ __all__ = [
     "AxisInfo",
     "Bench",
     "BenchInfo",
+    "Cause",
     "ConfigurationError",
     "Error",
     "ErrorCode",
     "Event",
     "EventStream",
     "Failed",
+    "Fault",
+    "FaultWindow",
     "Finding",
     "Follower",
     "Forked",
@@ -131,6 +135,7 @@ __all__ = [
     "Reason",
     "Recording",
     "Refused",
+    "Reported",
     "ServiceChange",
     "ServiceStream",
     "Session",
@@ -138,9 +143,11 @@ __all__ = [
     "StatusStream",
     "Statusword",
     "StepClock",
+    "Story",
     "TimedOut",
     "Unit",
     "Verdict",
+    "Write",
     "__version__",
     "default_domain",
     "find_service",

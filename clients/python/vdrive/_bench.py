@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from typing import Any, Iterable, Literal, NoReturn, Sequence
 
     from ._arguments import KeepAliveSpec, NumberSpec
+    from ._faults import Fault
 
     Path = str | bytes | os.PathLike[str] | os.PathLike[bytes]
 
@@ -203,6 +204,11 @@ class Bench:
             silence=silence, patience=patience, program=program)
         self._sessions.add(session)
         return session
+
+    def faults(self) -> list[Fault]:
+        """Return what the black box of this bench keeps; Session.fault() shows one of them."""
+        with self.session() as session:
+            return session.faults()
 
     def _close_sessions(self, but: Session | None = None) -> None:
         for session in list(self._sessions):

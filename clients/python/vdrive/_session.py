@@ -31,7 +31,8 @@ from ._arguments import (
 )
 from ._asynchronous import in_thread
 from ._axis import Axis
-from ._errors import Error
+from ._errors import Error, NotFound
+from ._faults import Fault, FaultWindow, Reported, Story, Write, fault_of
 from ._observers import Observer, check_function
 from ._recording import Recording
 from ._streams import (
@@ -277,6 +278,37 @@ class Session(Handle):
     def drop_snapshot(self, snapshot: int, *, bench: int | None = None) -> None:
         """Forget a snapshot."""
         self._handle.drop_snapshot(bench_number(bench), whole("snapshot", snapshot))
+
+    def faults(self, *, bench: int | None = None) -> list[Fault]:
+        """Return what the black box of a bench keeps: its last faults, whoever watched or nobody."""
+        return [fault_of(each) for each in self._handle.windows(bench_number(bench))]
+
+    def fault(self, number: int, axes: AxesSpec = None, *, bench: int | None = None) -> FaultWindow:
+        """Return what axes did around a fault: each tick, every write, and what led to it.
+
+        number: of faults() or freeze(). axes: of one bench; by default those that faulted, or all.
+        It waits while the bench still records, and where time stands the record ends now. Raises
+        NotFound when the bench does not keep it, Refused when it is gone in the meantime.
+        """
+        kept = next((each for each in self.faults(bench=bench) if each.number == number), None)
+        if kept is None:
+            raise NotFound(f"the bench keeps no fault {number}; faults() has those that it keeps")
+        faulted = {cause.axis for cause in kept.causes} - {0}
+        if axes is None:
+            shown = [axis for axis in self.axes(kept.bench)
+                     if not faulted or int(axis.id.partition(".")[2]) in faulted]
+        else:
+            shown = self._axes_of(axes)
+        record, frames, writes, events, stories = self._handle.window(
+            whole("number", number, 1), [axis._handle for axis in shown])
+        recording = Recording([axis.id for axis in shown], [axis.name for axis in shown], frames,
+                              period=self.find_bench(kept.bench).period)
+        return FaultWindow(fault_of(record), recording, [Write(*each) for each in writes],
+                           [Reported(*each) for each in events], [Story(*each) for each in stories])
+
+    def freeze(self, *, bench: int | None = None) -> int:
+        """Keep what happens around now, as around a fault. Return its number, for fault()."""
+        return self._handle.freeze_window(bench_number(bench))
 
     def observe(self, axes: AxesSpec = None) -> Observation:
         """Return the present state of some axes of one bench; without any, all of the only bench."""

@@ -56,6 +56,7 @@ _MOST_STATUSES = 400_000
 _MOST_EVENTS = 1024  # as many as a bench keeps
 _MOST_FAILURES = 20  # with files, in one process
 _USUAL_TICKS = 1000
+_MOST_STORIES = 3
 _LONGEST_NAME = 100
 
 
@@ -96,9 +97,18 @@ class _Recorder:
         try:
             os.makedirs(os.path.dirname(stem), exist_ok=True)
             return "\n".join([self._save_ticks(f"{stem}.mcap"),
-                              self._save_events(f"{stem}.events.txt")])
+                              self._save_events(f"{stem}.events.txt"), *self._stories()])
         except Exception as error:
             return f"the record of the bench cannot be written: {error}"
+
+    def _stories(self) -> list[str]:
+        """Return what led to the faults of the bench, newest first."""
+        stories: list[str] = []
+        with contextlib.suppress(Exception):  # a bench that the test has ended
+            assert self._session is not None
+            for fault in reversed(self._session.faults()[-_MOST_STORIES:]):
+                stories += map(str, self._session.fault(fault.number).stories)
+        return stories
 
     def _save_ticks(self, path: str) -> str:
         import vdrive

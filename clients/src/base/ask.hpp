@@ -112,4 +112,19 @@ inline msg::Request read_writes(std::uint64_t place) {
   return request<msg::RequestKind::read_writes, &msg::Request::snapshot>(place);
 }
 
+inline msg::Request freeze_window() {
+  return request<msg::RequestKind::freeze_window>();
+}
+
+/// @param number of the one before; 0 = none
+inline msg::Request next_window(std::uint64_t number) {
+  return request<msg::RequestKind::next_window, &msg::Request::snapshot>(number);
+}
+
+/// @param place of the last item of the page before; 0 = none
+inline msg::Request read_window(std::uint64_t number, Axes axes, std::uint64_t place) {
+  return request<msg::RequestKind::read_window, &msg::Request::snapshot, &msg::Request::axes,
+                 &msg::Request::ticks>(number, std::move(axes), place);
+}
+
 }  // namespace vdrive::ask

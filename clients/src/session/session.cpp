@@ -8,7 +8,6 @@
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_table.hpp"
 #include "vdrive/wire/origin.hpp"
-#include "vdrive/wire/written.hpp"
 
 #include <algorithm>
 #include <array>
@@ -31,20 +30,6 @@ std::vector<BenchInfo> infos_of(std::vector<PresentBench>&& benches) {
 
 void require_own_process(const SessionCore& core) {
   if (Outcome here = core.discovery.check_process(); !here) throw OutcomeError(here);
-}
-
-/// The numbers of axes that share a bench.
-Result<std::vector<std::uint16_t>> numbers_of(std::span<const AxisId> axes) {
-  std::vector<std::uint16_t> numbers;
-  for (const AxisId& id : axes) {
-    if (id.bench != axes.front().bench) {
-      return Outcome::not_found("axes " + to_string(axes.front()) + " and " + to_string(id) +
-                                " are not on one bench");
-    }
-    numbers.push_back(id.axis);
-  }
-  if (numbers.empty()) return Outcome::not_found("no axis given");
-  return numbers;
 }
 
 /// The numbers of axes by bench, each once. @return not_found when one is not there.
@@ -79,48 +64,6 @@ Outcome check_period(std::chrono::milliseconds period) {
   if (period >= kShortest) return {};
   return Outcome::failed("the period of the reports is " + std::to_string(period.count()) +
                          " ms: it must be 1 ms or more");
-}
-
-/// A request about a bench as a whole, such as its saved states.
-/// @param what names the state, such as "snapshot 1"
-Result<RequestAnswer> exchange_with_bench(SessionCore& core, std::uint32_t bench,
-                                          msg::Request request,
-                                          const std::string& what = "snapshot") {
-  const auto target = core.links.connect(bench);
-  if (!target) return target.outcome();
-  auto reply = core.control.exchange(*target, std::move(request), what + " of " + name_of(*target));
-  if (!reply) return core.names.named(*target, reply.outcome());
-  return reply;
-}
-
-/// Takes a mark of the reply to read_writes. @return what happened; nothing: it is about those that
-/// follow, or of a later version
-std::optional<AxisWrite::Kind> take_mark(const msg::ObjectResult& mark, AxisWrite& next) {
-  const auto value = static_cast<std::uint64_t>(mark.value);
-  switch (static_cast<wire::WrittenMark>(mark.subindex)) {
-    case wire::WrittenMark::tick:
-      next.tick = value;
-      return std::nullopt;
-    case wire::WrittenMark::by_request:
-      next.means = AxisWrite::Means::request;
-      next.session = value;
-      return std::nullopt;
-    case wire::WrittenMark::by_frame:
-      next.means = AxisWrite::Means::frame;
-      next.session = value;
-      return std::nullopt;
-    case wire::WrittenMark::by_bench:
-      next.means = AxisWrite::Means::bench;
-      next.session = 0;
-      return std::nullopt;
-    case wire::WrittenMark::lost:
-      return AxisWrite::Kind::lost;
-    case wire::WrittenMark::restored:
-      return AxisWrite::Kind::restored;
-    case wire::WrittenMark::power_cycle:
-      return AxisWrite::Kind::power_cycle;
-  }
-  return std::nullopt;
 }
 
 msg::AxisCommand command_of(const SetPoint& point) {
@@ -327,63 +270,6 @@ Result<std::uint64_t> Session::wait_for_tick(std::uint32_t bench, std::uint64_t 
   const auto target = core_->links.connect(bench);
   if (!target) return target.outcome();
   return core_->observer.wait_for_tick(*target, tick);
-}
-
-Result<std::uint64_t> Session::take_snapshot(std::uint32_t bench) {
-  const auto reply = exchange_with_bench(*core_, bench, ask::take_snapshot());
-  if (!reply) return reply.outcome();
-  return reply->snapshot;
-}
-
-Result<std::uint64_t> Session::restore_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
-  const auto reply = exchange_with_bench(*core_, bench, ask::restore_snapshot(snapshot),
-                                         "snapshot " + std::to_string(snapshot));
-  if (!reply) return reply.outcome();
-  return reply->tick;
-}
-
-Result<std::vector<KeptSnapshot>> Session::snapshots(std::uint32_t bench) {
-  std::vector<KeptSnapshot> kept;
-  while (true) {
-    const std::uint64_t snapshot = kept.empty() ? 0 : kept.back().number;
-    const auto next = exchange_with_bench(*core_, bench, ask::next_snapshot(snapshot));
-    if (!next) return next.outcome();
-    // A service that counts back would never end the list.
-    if (next->snapshot <= snapshot) return kept;
-    kept.push_back({.number = next->snapshot, .tick = next->tick});
-  }
-}
-
-Result<AxisWrites> Session::writes(std::uint32_t bench, std::uint64_t place) {
-  const auto reply = exchange_with_bench(*core_, bench, ask::read_writes(place), "writes");
-  if (!reply) return reply.outcome();
-  AxisWrites read{.writes = {}, .place = reply->snapshot, .tick = reply->tick};
-  AxisWrite next;
-  for (const msg::ObjectResult& entry : reply->objects) {
-    if (entry.index != 0) {
-      next.axis = entry.axis;
-      next.object = {entry.index, entry.subindex};
-      next.value = entry.value;
-      next.reason = wire::number(entry.abort_code);
-      next.is_late = entry.abort_code == msg::Reason::too_late;
-      read.writes.push_back(next);
-    } else if (const auto kind = take_mark(entry, next)) {
-      AxisWrite& happened = read.writes.emplace_back(next);
-      happened.kind = *kind;
-      happened.axis = entry.axis;
-      happened.object = {};
-      happened.value = entry.value;
-      happened.reason = 0;
-      happened.is_late = false;
-    }
-  }
-  return read;
-}
-
-Outcome Session::drop_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
-  return exchange_with_bench(*core_, bench, ask::drop_snapshot(snapshot),
-                             "snapshot " + std::to_string(snapshot))
-      .outcome();
 }
 
 Outcome Session::send_set_points(std::uint32_t bench, std::span<const SetPointFrame> frames) {

@@ -93,4 +93,17 @@ void SessionCore::abandon() noexcept {
   wakeup.interrupt();
 }
 
+Result<std::vector<std::uint16_t>> numbers_of(std::span<const AxisId> axes) {
+  std::vector<std::uint16_t> numbers;
+  for (const AxisId& id : axes) {
+    if (id.bench != axes.front().bench) {
+      return Outcome::not_found("axes " + to_string(axes.front()) + " and " + to_string(id) +
+                                " are not on one bench");
+    }
+    numbers.push_back(id.axis);
+  }
+  if (numbers.empty()) return Outcome::not_found("no axis given");
+  return numbers;
+}
+
 }  // namespace vdrive::client

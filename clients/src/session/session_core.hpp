@@ -65,4 +65,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   ReportThread status_reports;  ///< of Session::on_status
 };
 
+/// @return the numbers of axes that share a bench; not_found where they do not, or there is none.
+[[nodiscard]] Result<std::vector<std::uint16_t>> numbers_of(std::span<const AxisId> axes);
+
 }  // namespace vdrive::client

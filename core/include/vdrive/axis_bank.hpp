@@ -74,6 +74,8 @@ class AxisBank {
   /// same time from several threads. A tick is complete when each group was stepped once.
   [[nodiscard]] std::size_t group_count() const noexcept;
   void step_groups(std::size_t first, std::size_t last) noexcept;
+  /// @return the group in which an axis is stepped.
+  [[nodiscard]] std::size_t group_of(std::size_t axis) const noexcept;
 
   /// @return the status image of the last tick.
   [[nodiscard]] const AxisStatus& status(std::size_t axis) const noexcept;
@@ -127,6 +129,11 @@ class AxisBank {
   [[nodiscard]] Snapshot snapshot() const;
   /// Copies the whole state into a snapshot of this bank. Allocates nothing.
   void save(Snapshot& snapshot) const;
+  /// @return how many bytes Snapshot::bytes() returns for this bank.
+  [[nodiscard]] std::size_t snapshot_size() const noexcept;
+  /// Copies the whole state as Snapshot::bytes() returns it. Allocates nothing.
+  /// @param bytes snapshot_size() of them
+  void save(std::span<std::byte> bytes) const noexcept;
   /// What becomes of the parameter memories when a snapshot is restored.
   enum class Memory : std::uint8_t { of_snapshot, kept };
   /// @throws std::invalid_argument when the snapshot is of another number of axes or period.

@@ -114,6 +114,11 @@ void AxisBank::step_groups(std::size_t first, std::size_t last) noexcept {
   state_->step_blocks(first, last);
 }
 
+std::size_t AxisBank::group_of(std::size_t axis) const noexcept {
+  ensure(axis < size(), "the axis is one of the bank's");
+  return state_->places[axis].block;
+}
+
 const AxisStatus& AxisBank::status(std::size_t axis) const noexcept {
   ensure(axis < size(), "the axis is one of the bank's");
   return state_->statuses[axis];

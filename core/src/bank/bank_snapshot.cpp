@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bank/bank_state.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/cia402/homing_method.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/dictionary/object_table.hpp"
@@ -83,6 +84,24 @@ void AxisBank::restore(const Snapshot& snapshot, Memory memory) {
 
 void AxisBank::save(Snapshot& snapshot) const {
   *snapshot.state_ = *state_;
+}
+
+std::size_t AxisBank::snapshot_size() const noexcept {
+  std::size_t size = 0;
+  state_->for_each_part([&size](const auto* first, std::size_t count) {
+    size += sizeof(*first) * count;
+  });
+  return size;
+}
+
+void AxisBank::save(std::span<std::byte> bytes) const noexcept {
+  std::size_t used = 0;
+  state_->for_each_part([&](const auto* first, std::size_t count) {
+    const auto part = std::as_bytes(std::span(first, count));
+    ensure(part.size() <= bytes.size() - used, "the bytes have the size of a snapshot");
+    std::ranges::copy(part, bytes.begin() + static_cast<std::ptrdiff_t>(used));
+    used += part.size();
+  });
 }
 
 std::uint64_t AxisBank::snapshot_layout() noexcept {

@@ -12,19 +12,31 @@ struct ErrorRow {
   std::string_view text;
   std::uint8_t register_bits;  // 1001h beside the generic bit
   bool coasts;
+  std::string_view remedy;
 };
 
 // 1001h: 1 current, 2 voltage, 3 temperature, 4 communication, 5 device profile.
 constexpr std::array<ErrorRow, 9> kErrors{{
-    {ErrorCode::continuous_over_current, "continuous over-current", 1U << 1U, false},
-    {ErrorCode::load_level, "load level fault", 1U << 1U, false},
-    {ErrorCode::dc_link_under_voltage, "DC link under-voltage", 1U << 2U, true},
-    {ErrorCode::excess_temperature_drive, "excess temperature drive", 1U << 3U, false},
-    {ErrorCode::parameter_memory, "parameter memory error", 0, false},
-    {ErrorCode::incremental_sensor_1_fault, "incremental sensor 1 fault", 1U << 5U, true},
-    {ErrorCode::life_guard_or_heartbeat, "life guard or heartbeat error", 1U << 4U, false},
-    {ErrorCode::following_error, "following error", 1U << 5U, false},
-    {ErrorCode::sync_controller, "sync controller error", 1U << 5U, false},
+    {ErrorCode::continuous_over_current, "continuous over-current", 1U << 1U, false,
+     "Lower the acceleration or the load, or look for what blocks the axis; 6073h and 6075h are "
+     "its limits."},
+    {ErrorCode::load_level, "load level fault", 1U << 1U, false,
+     "Let the motor cool; move with lower accelerations or longer pauses."},
+    {ErrorCode::dc_link_under_voltage, "DC link under-voltage", 1U << 2U, true,
+     "Look at the supply and its fuses; the drive coasts until the voltage is back."},
+    {ErrorCode::excess_temperature_drive, "excess temperature drive", 1U << 3U, false,
+     "Let the drive cool, and look at its ventilation."},
+    {ErrorCode::parameter_memory, "parameter memory error", 0, false,
+     "Restore the defaults (1011h) and store the parameters again (1010h)."},
+    {ErrorCode::incremental_sensor_1_fault, "incremental sensor 1 fault", 1U << 5U, true,
+     "Look at the encoder and its cable; after it is back, home the axis again."},
+    {ErrorCode::life_guard_or_heartbeat, "life guard or heartbeat error", 1U << 4U, false,
+     "Find out why the master fell silent; a longer watchdog or another 6007h hides it."},
+    {ErrorCode::following_error, "following error", 1U << 5U, false,
+     "Look for what blocks the load; else lower the acceleration or the speed, or widen 6065h and "
+     "6066h on purpose."},
+    {ErrorCode::sync_controller, "sync controller error", 1U << 5U, false,
+     "Send a set-point in each cycle of 60C2h, and SYNC in time."},
 }};
 
 constexpr auto kCodes = [] {
@@ -52,6 +64,11 @@ std::string_view describe(ErrorCode code) noexcept {
   if (code == ErrorCode::none) return "no error";
   const ErrorRow* const row = find(code);
   return row == nullptr ? "unknown error" : row->text;
+}
+
+std::string_view remedy_of(ErrorCode code) noexcept {
+  const ErrorRow* const row = find(code);
+  return row == nullptr ? "" : row->remedy;
 }
 
 std::uint8_t error_register_of(ErrorCode code) noexcept {

@@ -80,6 +80,7 @@ struct Configuration {
   std::optional<std::uint16_t> metrics_port;
   std::optional<WireForm> wire_form;          ///< nothing = see `effective_wire_form`
   std::uint32_t wire_memory_limit_mib = 512;  ///< of its process
+  std::uint32_t black_box_memory_mib = 64;    ///< of what the bench keeps of the last minutes
   wire::NetworkSettings network;
   std::vector<NamedAxis> axes;  ///< 1 to kMaxAxes, in ascending order of their numbers
 };

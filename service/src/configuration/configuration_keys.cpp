@@ -244,6 +244,13 @@ constexpr auto kWireRows = std::to_array<Row<Configuration>>({
         "Of the network process, {} MiB: one that uses more is restarted."),
 });
 
+constexpr auto kBlackBoxRows = std::to_array<Row<Configuration>>({
+    key<&Configuration::black_box_memory_mib>(
+        "memory_mib", IntegerLimits{0, 4'096, "MiB"},
+        "For what the bench keeps of its last minutes, {} MiB, see `vdrive faults`; 0: nothing is "
+        "kept. Used as it is needed."),
+});
+
 constexpr TextRule kAddress{.fits = wire::is_address,
                             .refusal = "must be an IPv4 address, such as 10.0.0.1"};
 
@@ -298,6 +305,7 @@ constexpr auto kRootRows = std::to_array<Row<ParsedConfiguration>>({
     section<kStatusRows, kBench>("status"),
     section<kWatchdogRows, kBench>("watchdog", {.then = choose_watchdog}),
     section<kWireRows, kBench>("wire"),
+    section<kBlackBoxRows, kBench>("black_box"),
     section<kMetricsRows, kBench>("metrics"),
     section<kNetworkRows, kBench, &Configuration::network>("network", {.then = check_network}),
     {.key = "axes", .then = read_axes, .write = write_axes, .describe = describe_axis_keys},

@@ -10,11 +10,18 @@ BenchAxes::BenchAxes(const Configuration& configuration)
       pool_(bank_, configuration.threads),
       indices_(end_of_numbers(configuration), static_cast<std::uint16_t>(kMaxAxes)),
       changed_(configuration.axes.size()),
-      writes_(numbers_) {
+      writes_(numbers_),
+      black_box_(configuration, bank_) {
   for (const auto& axis : configuration.axes) {
     indices_[axis.number] = static_cast<std::uint16_t>(numbers_.size());
     numbers_.push_back(axis.number);
   }
+  black_box_.begin(bank_, 0);
+}
+
+void BenchAxes::start_at(std::uint64_t last_tick) {
+  writes_.set_tick(last_tick);
+  black_box_.begin(bank_, last_tick);
 }
 
 void BenchAxes::record_to(Journal& journal, std::uint64_t tick) {
@@ -81,12 +88,14 @@ void BenchAxes::restore(const std::shared_ptr<const AxisBank::Snapshot>& snapsho
   bank_.restore(*snapshot, AxisBank::Memory::kept);
   if (journal_ != nullptr) journal_->record_restore(snapshot, tick);
   writes_.put_restore();
+  black_box_.record_restore(bank_, tick);
   for (std::size_t axis = 0; axis < size(); ++axis) changed_.mark(axis);
 }
 
 void BenchAxes::record_tick(std::uint64_t tick) {
   if (journal_ != nullptr) journal_->record_tick(bank_, tick);
   writes_.set_tick(tick);
+  black_box_.record_tick(bank_, tick);
 }
 
 std::optional<JournalNews> BenchAxes::next_journal_news() {
@@ -96,6 +105,7 @@ std::optional<JournalNews> BenchAxes::next_journal_news() {
 void BenchAxes::record(const JournalEntry& entry) {
   if (journal_ != nullptr) journal_->record(entry, author_);
   writes_.put(entry, author_);
+  black_box_.record(entry, author_);
 }
 
 }  // namespace vdrive::service

@@ -6,6 +6,7 @@
 #include "configuration/configuration.hpp"
 #include "engine/changed_axes.hpp"
 #include "engine/write_memory.hpp"
+#include "journal/black_box.hpp"
 #include "journal/journal.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/axis_bank.hpp"
@@ -42,6 +43,9 @@ class BenchAxes {
 
   /// @throws std::invalid_argument when the bank refuses the axes
   explicit BenchAxes(const Configuration& configuration);
+
+  /// Before the first step: the first tick is the one after `last_tick`.
+  void start_at(std::uint64_t last_tick);
 
   /// Before the first change: records into `journal`, which outlives this object.
   /// @throws std::system_error when the journal cannot be begun
@@ -121,6 +125,9 @@ class BenchAxes {
   /// What was written last.
   [[nodiscard]] WriteMemory& writes() noexcept { return writes_; }
 
+  /// What happened in the last minutes.
+  [[nodiscard]] BlackBox& black_box() noexcept { return black_box_; }
+
   /// The axes whose parameters have to be sent.
   [[nodiscard]] ChangedAxes& changed() noexcept { return changed_; }
 
@@ -133,6 +140,7 @@ class BenchAxes {
   std::vector<std::uint16_t> indices_;  ///< by number, as far as there are axes; kMaxAxes = none
   ChangedAxes changed_;
   WriteMemory writes_;
+  BlackBox black_box_;
   Journal* journal_ = nullptr;
   JournalAuthor author_;
 };

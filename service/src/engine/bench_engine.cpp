@@ -7,8 +7,8 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
                          Outbox& outbox, Counters& counters)
     : outbox_(outbox),
       clock_(configuration, counters),
-      events_(clock_, outbox.events, counters),
       axes_(configuration),
+      events_(clock_, axes_.black_box(), outbox.events, counters),
       frame_answers_(identity, clock_, events_, outbox.command_replies, counters),
       schedule_(frame_answers_, counters),
       writer_(axes_, schedule_),
@@ -23,8 +23,9 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
       stores_(axes_, clock_, masters_, request_answers_, events_, outbox.replies, counters),
       axis_requests_(axes_, writer_, clock_, masters_, schedule_, stores_, events_),
       snapshots_(axes_, clock_, masters_, schedule_, output_, events_, counters),
+      windows_(axes_, clock_),
       requests_({clock_, events_, axes_, schedule_, masters_, master_watch_, stores_,
-                 axis_requests_, snapshots_},
+                 axis_requests_, snapshots_, windows_},
                 brake_, request_answers_),
       step_requests_(configuration, clock_, frames_, masters_, requests_, request_answers_, events_,
                      counters) {}

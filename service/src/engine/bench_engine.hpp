@@ -23,6 +23,7 @@
 #include "engine/snapshots.hpp"
 #include "engine/step_requests.hpp"
 #include "engine/store_requests.hpp"
+#include "engine/windows.hpp"
 #include "journal/journal.hpp"
 #include "seam/queues.hpp"
 #include "store/parameter_saver.hpp"
@@ -45,7 +46,7 @@ class BenchEngine {
   /// Before the first step: the first tick is the one after `last_tick`.
   void start_at(std::uint64_t last_tick) {
     clock_.start_at(last_tick);
-    axes_.writes().set_tick(last_tick);
+    axes_.start_at(last_tick);
   }
 
   /// Before the first arrival: records into `journal`, which outlives this engine.
@@ -60,6 +61,9 @@ class BenchEngine {
   [[nodiscard]] std::uint64_t tick() const noexcept { return clock_.tick(); }
 
   [[nodiscard]] const AxisBank& bank() const noexcept { return axes_.bank(); }
+
+  /// For the thread that sends replies: it reads windows that are held.
+  [[nodiscard]] BlackBox& black_box() noexcept { return axes_.black_box(); }
 
   /// Realtime: drive time over wall time, 0 = paused. Requests change it. 0 in other clock modes.
   [[nodiscard]] double rate() const noexcept { return clock_.rate(); }
@@ -118,8 +122,8 @@ class BenchEngine {
   // In the order of construction: each knows only what stands above it.
   Outbox& outbox_;
   BenchClock clock_;
-  BenchEvents events_;
   BenchAxes axes_;
+  BenchEvents events_;
   FrameAnswers frame_answers_;
   FrameSchedule schedule_;
   AxisWriter writer_;
@@ -134,6 +138,7 @@ class BenchEngine {
   StoreRequests stores_;
   AxisRequests axis_requests_;
   Snapshots snapshots_;
+  Windows windows_;
   Requests requests_;
   StepRequests step_requests_;
 };

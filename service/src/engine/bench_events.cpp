@@ -5,11 +5,13 @@
 
 namespace vdrive::service {
 
-BenchEvents::BenchEvents(const BenchClock& clock, Ring<EventRecord>& queue, Counters& counters)
-    : clock_(clock), queue_(queue), counters_(counters) {}
+BenchEvents::BenchEvents(const BenchClock& clock, BlackBox& black_box, Ring<EventRecord>& queue,
+                         Counters& counters)
+    : clock_(clock), black_box_(black_box), queue_(queue), counters_(counters) {}
 
 void BenchEvents::report(EventRecord event) {
   event.tick = clock_.tick();
+  black_box_.record_event(event);
   if (EventRecord* const slot = queue_.free_slot(); slot != nullptr) {
     *slot = event;
     queue_.push();

@@ -5,6 +5,7 @@
 #include "base/event_record.hpp"
 #include "base/ring.hpp"
 #include "engine/bench_clock.hpp"
+#include "journal/black_box.hpp"
 
 #include <cstdint>
 
@@ -13,9 +14,11 @@ namespace vdrive::service {
 /// The events of a bench on their way to the thread that publishes them.
 class BenchEvents {
  public:
-  BenchEvents(const BenchClock& clock, Ring<EventRecord>& queue, Counters& counters);
+  BenchEvents(const BenchClock& clock, BlackBox& black_box, Ring<EventRecord>& queue,
+              Counters& counters);
 
-  /// Puts the event into the queue, with the present tick. A full queue is counted.
+  /// Puts the event into the black box and the queue, with the present tick. A full queue is
+  /// counted.
   void report(EventRecord event);
 
   /// Reports that queues were full, in whatever thread, as soon as there is room for that event.
@@ -25,6 +28,7 @@ class BenchEvents {
 
  private:
   const BenchClock& clock_;
+  BlackBox& black_box_;
   Ring<EventRecord>& queue_;
   Counters& counters_;
   std::uint64_t reported_overflows_ = 0;

@@ -48,11 +48,13 @@ void RequestAnswers::begin(const Arrival& arrival, OutgoingReply& outgoing) cons
   reply.tick = clock_.tick();
   reply.objects.clear();
   outgoing.axes.clear();
+  outgoing.page.reset();
 }
 
 /// An entry of 1003h beyond the last fault is no refusal: programs that read all objects learn from
 /// it where the list ends.
-void RequestAnswers::finish(std::uint64_t session, Reason reason, msg::Reply& reply) {
+void RequestAnswers::finish(std::uint64_t session, Reason reason, msg::Reply& reply,
+                            Objects objects) {
   reply.reason = reason.on_wire();
   const SessionRecord* const record = session == 0 ? nullptr : masters_.find(session);
   reply.epoch = record == nullptr ? 0 : record->epoch;
@@ -61,6 +63,7 @@ void RequestAnswers::finish(std::uint64_t session, Reason reason, msg::Reply& re
   std::uint16_t axis = reply.refused_axis;
   msg::Reason code = reason.on_wire();  // of the request, or of its first object that is refused
   for (const auto& object : reply.objects) {
+    if (objects == Objects::history) break;
     if (object.abort_code == Reason(AbortCode::no_data_available).on_wire()) continue;
     if (code == msg::Reason::none && object.abort_code != msg::Reason::none) {
       code = object.abort_code;

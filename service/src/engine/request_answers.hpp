@@ -41,8 +41,15 @@ class RequestAnswers {
   /// Fills the head of an answer, without results.
   void begin(const Arrival& arrival, OutgoingReply& outgoing) const;
 
+  /// What the objects of an answer are.
+  enum class Objects : std::uint8_t {
+    results,  ///< what came of those that the request names
+    history,  ///< what has happened before: a refusal among them is none of this request
+  };
+
   /// Completes an answer, counts and keeps it, and reports a refusal.
-  void finish(std::uint64_t session, Reason reason, msg::Reply& reply);
+  void finish(std::uint64_t session, Reason reason, msg::Reply& reply,
+              Objects objects = Objects::results);
 
   /// Sends the answer that `open` gave the place of.
   void push() noexcept { queue_.push(); }

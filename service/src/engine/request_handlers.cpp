@@ -76,6 +76,9 @@ constexpr std::array kHandlers{
     HandlerRow{msg::RequestKind::drop_snapshot, pass_on<&Snapshots::drop>},
     HandlerRow{msg::RequestKind::next_snapshot, pass_on<&Snapshots::show_next>},
     HandlerRow{msg::RequestKind::read_writes, read_writes},
+    HandlerRow{msg::RequestKind::freeze_window, pass_on<&Windows::freeze>},
+    HandlerRow{msg::RequestKind::next_window, pass_on<&Windows::show_next>},
+    HandlerRow{msg::RequestKind::read_window, pass_on<&Windows::read>},
 };
 
 constexpr RequestHandler find_handler(msg::RequestKind kind) noexcept {

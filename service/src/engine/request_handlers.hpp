@@ -11,6 +11,7 @@
 #include "engine/masters.hpp"
 #include "engine/snapshots.hpp"
 #include "engine/store_requests.hpp"
+#include "engine/windows.hpp"
 #include "vdrive_messages.hpp"
 
 #include <tuple>
@@ -19,7 +20,7 @@ namespace vdrive::service {
 
 /// What handlers of requests work with, each found by its type.
 using RequestParts = std::tuple<BenchClock&, BenchEvents&, BenchAxes&, FrameSchedule&, Masters&,
-                                MasterWatch&, StoreRequests&, AxisRequests&, Snapshots&>;
+                                MasterWatch&, StoreRequests&, AxisRequests&, Snapshots&, Windows&>;
 
 /// Carries out a request that the row of its kind allows (vdrive/wire/request_kinds.hpp).
 /// @return REASON_NONE or why the request is refused.

@@ -21,6 +21,12 @@ Reason check_clock(wire::RequestClock needed, const BenchClock& clock) {
   }
 }
 
+/// @return whether what is asked for has happened already.
+bool is_about_history(msg::RequestKind kind) {
+  return kind == msg::RequestKind::read_writes || kind == msg::RequestKind::next_window ||
+         kind == msg::RequestKind::read_window;
+}
+
 }  // namespace
 
 Requests::Requests(const RequestParts& parts, const BenchBrake& brake, RequestAnswers& answers)
@@ -44,7 +50,10 @@ void Requests::handle(const Arrival& arrival) {
     stores_.wait(request.session, reason, *outgoing);
     return;
   }
-  answers_.finish(request.session, reason, outgoing->reply);
+  const bool is_history = is_about_history(request.kind);
+  answers_.finish(request.session, reason, outgoing->reply,
+                  is_history ? RequestAnswers::Objects::history : RequestAnswers::Objects::results);
+  outgoing->page = std::get<Windows&>(parts_).take_page();
   answers_.push();
 }
 
@@ -52,6 +61,8 @@ bool Requests::answer_repeat(const Arrival& arrival) {
   const auto& request = arrival.request;
   if (request.client == 0 || !answers_.is_of_this_run(request)) return false;  // it is refused
   const Fate fate = answers_.fate_of(request);
+  // A page is not kept. It is the same when it is read again.
+  if (fate == Fate::answered && request.kind == msg::RequestKind::read_window) return false;
   if (fate == Fate::unknown) {
     answers_.take(request);
     return false;
@@ -67,8 +78,7 @@ Reason Requests::check(const Arrival& arrival) const {
   const auto& request = arrival.request;
   if (request.client == 0) return msg::Reason::bad_session;
   if (!answers_.is_of_this_run(request)) return msg::Reason::wrong_incarnation;
-  const bool only_reads =
-      request.kind == msg::RequestKind::read || request.kind == msg::RequestKind::read_writes;
+  const bool only_reads = request.kind == msg::RequestKind::read || is_about_history(request.kind);
   if (brake_.is_engaged() && !only_reads) return msg::Reason::shutting_down;
   return arrival.refusal;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/write_memory.hpp"
 
-#include "vdrive/wire/written.hpp"
+#include "engine/history_marks.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -11,25 +11,6 @@ namespace vdrive::service {
 namespace {
 
 using wire::WrittenMark;
-
-void add_mark(WrittenMark mark, std::uint16_t axis, std::uint64_t value, msg::Reply& reply) {
-  auto& entry = reply.objects.emplace_back();
-  entry.axis = axis;
-  entry.subindex = static_cast<std::uint8_t>(mark);
-  entry.value = static_cast<std::int64_t>(value);
-}
-
-WrittenMark mark_of(JournalAuthor::Means means) {
-  switch (means) {
-    case JournalAuthor::Means::request:
-      return WrittenMark::by_request;
-    case JournalAuthor::Means::frame:
-      return WrittenMark::by_frame;
-    case JournalAuthor::Means::none:
-      break;
-  }
-  return WrittenMark::by_bench;
-}
 
 constexpr ObjectAddress mark_address(WrittenMark mark) {
   return {0, static_cast<std::uint8_t>(mark)};
@@ -78,18 +59,18 @@ Reason WriteMemory::read(const msg::Request& request, msg::Reply& reply) {
   const std::uint64_t oldest = count_ - std::min<std::uint64_t>(count_, kMost);
   std::uint64_t place = std::min(request.snapshot, count_);
   if (place < oldest) {
-    add_mark(WrittenMark::tick, 0, entries_[oldest % kMost].tick, reply);
-    add_mark(WrittenMark::lost, 0, oldest - place, reply);
+    add_mark(WrittenMark::tick, entries_[oldest % kMost].tick, reply);
+    add_mark(WrittenMark::lost, oldest - place, reply);
     place = oldest;
   }
   std::optional<std::uint64_t> tick;
   std::optional<JournalAuthor> author;
   for (; place < count_ && reply.objects.size() + kEntryWithMarks <= kRoom; ++place) {
     const Entry& entry = entries_[place % kMost];
-    if (tick != entry.tick) add_mark(WrittenMark::tick, 0, entry.tick, reply);
+    if (tick != entry.tick) add_mark(WrittenMark::tick, entry.tick, reply);
     tick = entry.tick;
     const JournalAuthor of_entry{.means = entry.means, .session = entry.session};
-    if (author != of_entry) add_mark(mark_of(entry.means), 0, entry.session, reply);
+    if (author != of_entry) add_mark(mark_of(entry.means), entry.session, reply);
     author = of_entry;
     auto& written = reply.objects.emplace_back();
     written.axis = entry.axis;

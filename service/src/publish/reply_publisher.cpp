@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "publish/reply_publisher.hpp"
 
+#include <utility>
+
 namespace vdrive::service {
 
-ReplyPublisher::ReplyPublisher(WireLink& link, const BenchIdentity& identity, Counters& counters)
-    : link_(link), identity_(identity), counters_(counters) {
+ReplyPublisher::ReplyPublisher(WireLink& link, const BenchIdentity& identity, Counters& counters,
+                               Complete complete)
+    : link_(link), identity_(identity), counters_(counters), complete_(std::move(complete)) {
   command_reply_.refusals.reserve(msg::MAX_AXES_PER_FRAME);
   command_reply_.ignored_set_points.reserve(msg::MAX_AXES_PER_FRAME);
 }
 
 void ReplyPublisher::deliver(Inbox& inbox, Outbox& outbox) {
-  while (const OutgoingReply* const outgoing = outbox.replies.front()) {
+  while (OutgoingReply* const outgoing = outbox.replies.front()) {
+    if (outgoing->page) complete_(*outgoing);
     if (!link_.post_to(outgoing->destination, outgoing->reply, outgoing->axes)) break;
     outbox.replies.pop();
   }

@@ -7,14 +7,20 @@
 #include "seam/wire_link.hpp"
 #include "vdrive_messages.hpp"
 
+#include <functional>
+
 namespace vdrive::service {
 
 /// Sends replies and command replies. The wire lets a reply wait up to 1 s until its client's
 /// reader is known. Used by one thread.
 class ReplyPublisher {
  public:
+  /// Adds the page that an answer waits for.
+  using Complete = std::function<void(OutgoingReply&)>;
+
   /// @param link outlives this
-  ReplyPublisher(WireLink& link, const BenchIdentity& identity, Counters& counters);
+  ReplyPublisher(WireLink& link, const BenchIdentity& identity, Counters& counters,
+                 Complete complete);
 
   /// Sends what waits in the outbox and answers what the inbox turned away. What finds no room in
   /// the lane of the wire stays in the outbox.
@@ -39,6 +45,7 @@ class ReplyPublisher {
   WireLink& link_;
   BenchIdentity identity_;
   Counters& counters_;
+  Complete complete_;
   msg::CommandReply command_reply_;  ///< the one that leaves
 };
 

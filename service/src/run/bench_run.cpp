@@ -63,6 +63,7 @@ void prepare_tick_thread(int priority) {
 BenchRun::StoredParameters::StoredParameters(std::unique_ptr<ParameterStore> store,
                                              Configuration& configuration) {
   if (!store) return;
+  directory = store->directory();
   LoadedParameters loaded = store->load();
   news = apply(loaded, configuration);
   const bool is_of_an_axis = std::ranges::any_of(news, [](const auto& event) {
@@ -87,11 +88,19 @@ BenchRun::BenchRun(Configuration configuration, JournalSink journal,
              wire_->region().ring(Lane::turned_away), counters_),
       outbox_(configuration_.axes.size(), status_depth(configuration_).images),
       engine_(configuration_, identity_, outbox_, counters_),
-      replies_(wire_->link(), identity_, counters_),
+      pages_(configuration_, engine_.black_box()),
+      replies_(wire_->link(), identity_, counters_,
+               [this](OutgoingReply& outgoing) {
+                 pages_.complete(outgoing);
+               }),
       status_(wire_->link(), configuration_, identity_, counters_),
       reports_(wire_->link(), configuration_, identity_, engine_.bank(), counters_),
       doorbell_(wire_->link().control().arrivals_bell, Doorbell::Waiting::quick),
       reports_doorbell_(reports_bell_) {
+  if (parameters_.directory) {
+    window_files_.emplace(*parameters_.directory, configuration_);
+    window_files_->load(engine_.black_box());
+  }
   if (journal) journal_.emplace(configuration_, std::move(journal), counters_);
   for (const EventRecord& event : parameters_.news) engine_.report(event);
   if (parameters_.saver) engine_.store_with(*parameters_.saver);
@@ -162,6 +171,10 @@ void BenchRun::stop() noexcept {
   if (lockstep_ && !works_in_callers()) lockstep_->end();
   switch_off();
   finish_stores();
+  if (window_files_) {
+    engine_.black_box().end_window(engine_.bank());
+    window_files_->save(engine_.black_box());
+  }
   journal_.reset();  // writes its end; the engine is not used any more
   replies_.deliver(inbox_, outbox_);
   reports_.publish(inbox_, outbox_);
@@ -296,6 +309,7 @@ void BenchRun::report_once() {
   static_cast<void>(receive_notices());
   if (!lockstep_) replies_.deliver(inbox_, outbox_);
   reports_.publish(inbox_, outbox_);
+  if (window_files_) window_files_->save(engine_.black_box());
   report_beats_.add();
 }
 

@@ -11,6 +11,8 @@
 #include "clock/shutdown.hpp"
 #include "configuration/configuration.hpp"
 #include "engine/bench_engine.hpp"
+#include "engine/window_files.hpp"
+#include "engine/window_pages.hpp"
 #include "journal/journal.hpp"
 #include "journal/journal_file.hpp"
 #include "publish/reply_publisher.hpp"
@@ -30,6 +32,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -146,6 +149,7 @@ class BenchRun {
     StoredParameters(std::unique_ptr<ParameterStore> store, Configuration& configuration);
 
     std::vector<EventRecord> news;  ///< to be reported once
+    std::optional<std::filesystem::path> directory;
     std::optional<ParameterSaver> saver;
   };
 
@@ -188,6 +192,8 @@ class BenchRun {
   Outbox outbox_;
   std::optional<Journal> journal_;
   BenchEngine engine_;
+  std::optional<WindowFiles> window_files_;
+  WindowPages pages_;
   ReplyPublisher replies_;
   StatusPublisher status_;
   ReportPublisher reports_;

@@ -5,6 +5,7 @@
 #include "base/event_record.hpp"
 #include "base/reason.hpp"
 #include "base/ring.hpp"
+#include "base/window.hpp"
 #include "seam/byte_ring.hpp"
 #include "seam/stored_replies.hpp"
 #include "vdrive/axis_status.hpp"
@@ -17,6 +18,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -104,11 +106,19 @@ class Inbox {
   bool is_decoded_ = false;
 };
 
+/// A page of a window of the black box, which the thread that sends it computes.
+struct WindowPage {
+  Window window;                  ///< held until the page is there
+  std::vector<std::size_t> axes;  ///< that are wanted: indexes on the bench
+  std::uint64_t place = 0;        ///< how many items were on the pages before
+};
+
 /// An answer and whom it is for.
 struct OutgoingReply {
   wire::Source destination;
-  msg::Reply reply;                   ///< without its statuses
-  std::vector<wire::ShownAxis> axes;  ///< whose status it shows
+  msg::Reply reply;                    ///< without its statuses
+  std::vector<wire::ShownAxis> axes;   ///< whose status it shows
+  std::unique_ptr<WindowPage> page{};  ///< that is still to be added
 };
 
 /// Status images of all axes after one tick.

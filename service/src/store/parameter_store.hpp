@@ -52,6 +52,8 @@ class ParameterStore {
   ParameterStore(const ParameterStore&) = delete;
   ParameterStore& operator=(const ParameterStore&) = delete;
 
+  [[nodiscard]] const std::filesystem::path& directory() const noexcept { return directory_; }
+
   /// Reads what is stored. Changes no file but the one that a damaged one is kept aside as.
   [[nodiscard]] LoadedParameters load();
 

@@ -5,6 +5,7 @@
 #include "vdrive/client/axis_snapshot.hpp"
 #include "vdrive/client/bench.hpp"
 #include "vdrive/client/event.hpp"
+#include "vdrive/client/history.hpp"
 #include "vdrive/client/outcome.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/object.hpp"
@@ -143,36 +144,6 @@ struct SetPointRefusal {
 struct KeptSnapshot {
   std::uint64_t number = 0;
   std::uint64_t tick = 0;  ///< in which it was taken
-};
-
-/// What somebody wrote to an object of an axis, or what happened to axes in between.
-struct AxisWrite {
-  enum class Kind : std::uint8_t {
-    write,
-    power_cycle,  ///< of the axis
-    restored,     ///< all axes got the state of a snapshot
-    lost,         ///< older ones that the bench does not keep any more
-  };
-
-  /// How it came to the bench.
-  enum class Means : std::uint8_t { request, frame, bench };
-
-  Kind kind = Kind::write;
-  Means means = Means::request;
-  std::uint16_t axis = 0;     ///< number on its bench
-  std::uint64_t tick = 0;     ///< the last completed one before
-  std::uint64_t session = 0;  ///< 0 = of a program without one, or of the bench
-  ObjectAddress object{};
-  std::int64_t value = 0;
-  std::uint32_t reason = 0;  ///< of a refusal: of the wire, or a CiA 301 abort code; 0 = accepted
-  bool is_late = false;      ///< refused, because its tick had passed
-};
-
-/// The next writes to a bench.
-struct AxisWrites {
-  std::vector<AxisWrite> writes{};  ///< oldest first
-  std::uint64_t place = 0;          ///< of the last one: the next call goes on from there
-  std::uint64_t tick = 0;           ///< the bench has completed
 };
 
 /// Whether a follower advances the clock of a lock-step bench.
@@ -411,6 +382,19 @@ class Session {
   /// @param place of the last one that is known; 0 = from the oldest that is kept
   /// @return some 60 of them; none when there is nothing new. Refused by a service without them.
   Result<AxisWrites> writes(std::uint32_t bench, std::uint64_t place = 0);
+
+  /// @return the windows of the black box of a bench, by number: what happened around the last
+  ///         faults, losses of a master and stops by somebody. Refused where it has no black box.
+  Result<std::vector<KeptWindow>> windows(std::uint32_t bench);
+
+  /// Keeps a window around now: from 2 s before to 0.5 s after, in drive time.
+  /// @return its number
+  Result<std::uint64_t> freeze_window(std::uint32_t bench);
+
+  /// Returns what axes of one bench did in a window, tick by tick. Waits while the bench still
+  /// records it; where time stands, it ends now.
+  /// @return refused when there is no such window
+  Result<Window> window(std::uint64_t number, std::span<const AxisId> axes);
 
   /// Forgets a snapshot.
   /// @return refused while time passes, or when there is no such snapshot.

@@ -186,6 +186,8 @@ void LiveJudge::judge_write(const AxisWrite& write, bool is_ignored) {
     case AxisWrite::Kind::power_cycle:
       if (place_of(write.axis)) take(write.tick, write.axis, Gap{"power cycle"});
       return;
+    case AxisWrite::Kind::connection_loss:  // the status shows it
+      return;
     case AxisWrite::Kind::write:
       break;
   }

@@ -27,6 +27,9 @@ enum class ErrorCode : std::uint16_t {
 /// @return the words for `code`, or "unknown error".
 [[nodiscard]] std::string_view describe(ErrorCode code) noexcept;
 
+/// @return what to look at when a drive has this error, in one sentence; empty for an unknown one.
+[[nodiscard]] std::string_view remedy_of(ErrorCode code) noexcept;
+
 /// @return the bits that an error of this code sets in the error register 1001h: its group and the
 ///         generic bit 0 (CiA 301).
 [[nodiscard]] std::uint8_t error_register_of(ErrorCode code) noexcept;

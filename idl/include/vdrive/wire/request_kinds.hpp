@@ -93,6 +93,9 @@ inline constexpr std::array kRequestKinds = [] {
       Row{Kind::drop_snapshot, Uses{&Asked::snapshot}, By::anybody, At::standing},
       Row{Kind::next_snapshot, Uses{&Asked::snapshot}},
       Row{Kind::read_writes, Uses{&Asked::snapshot}},
+      Row{Kind::freeze_window, Uses{&Asked::session}},
+      Row{Kind::next_window, Uses{&Asked::snapshot}},
+      Row{Kind::read_window, Uses{&Asked::ticks, &Asked::snapshot, &Asked::axes}},
   };
 }();
 

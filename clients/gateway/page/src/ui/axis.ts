@@ -13,6 +13,7 @@ import { Commands } from "./commands";
 import { FOCUS, h, mark, put, type View } from "./dom";
 import { PowerMachine, Words } from "./drive";
 import { Events } from "./events";
+import { FaultCard } from "./fault_card";
 import { Findings } from "./findings";
 import { Objects } from "./objects";
 import { Plots } from "./plots";
@@ -137,7 +138,8 @@ export class AxisView implements View {
     const events = new Events(model, isOwn, ({ tick }) => plots.goTo(tick));
     const findings = new Findings(model, ref, (tick) => plots.goTo(tick));
     const objects = new Objects(model, ref);
-    this.parts = [figures, plots, commands, machine, words, events, findings, objects];
+    const faultCard = new FaultCard(model, ref, this.trace);
+    this.parts = [faultCard, figures, plots, commands, machine, words, events, findings, objects];
     const title = h(
       "div",
       { class: "title" },
@@ -148,6 +150,7 @@ export class AxisView implements View {
       "div",
       { class: "axis-view" },
       title,
+      faultCard.root,
       figures.root,
       // The order of the keyboard is that of a narrow screen: controls stand above the plots.
       h("div", { class: "control-column" }, commands.root),

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "protocol.hpp"
+#include "services.hpp"
+#include "vdrive/client/session.hpp"
+
+namespace vdrive::gateway {
+
+/// Answers /faults: the windows that the black box of a bench keeps.
+/// @throws ProtocolError when the request is wrong.
+[[nodiscard]] CallAnswer call_faults(client::Session& session, const Json& request);
+
+/// Answers /fault: what led to the causes of a window, and what an axis did in it.
+/// @throws ProtocolError when the request is wrong.
+[[nodiscard]] CallAnswer call_fault(client::Session& session, const Json& request);
+
+}  // namespace vdrive::gateway

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "configuration/configuration.hpp"
+#include "journal/black_box.hpp"
+#include "journal/window_replay.hpp"
+#include "seam/queues.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Computes pages of windows of the black box. The thread that sends replies does it, so that no
+/// tick waits. A page that follows the last one goes on where that one ended.
+class WindowPages {
+ public:
+  /// Both outlive this.
+  WindowPages(const Configuration& configuration, BlackBox& box);
+
+  /// Adds to an answer the page that it waits for.
+  void complete(OutgoingReply& outgoing);
+
+ private:
+  [[nodiscard]] bool continues(const WindowPage& page) const;
+  void go_to(const WindowPage& page);
+  [[nodiscard]] bool add_item(OutgoingReply& outgoing);
+  [[nodiscard]] bool add_value(msg::Reply& reply);
+  [[nodiscard]] bool add_entry(msg::Reply& reply);
+  [[nodiscard]] bool add_statuses(OutgoingReply& outgoing) const;
+  void add_context(msg::Reply& reply);
+  void advance();
+
+  const Configuration& configuration_;
+  BlackBox& box_;
+  std::optional<WindowReplay> replay_;  ///< from the first page on
+  WindowPage page_;                     ///< the last one
+  std::uint64_t place_ = 0;             ///< items before this one
+  WindowReplay::Item item_{};
+  std::size_t value_ = 0;         ///< of a state: how many values were shown
+  bool has_context_ = false;      ///< the page has marks that hold
+  std::uint64_t shown_tick_ = 0;  ///< of these marks
+  std::optional<JournalAuthor> shown_author_;
+};
+
+}  // namespace vdrive::service

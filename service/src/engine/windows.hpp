@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/reason.hpp"
+#include "engine/bench_axes.hpp"
+#include "engine/bench_clock.hpp"
+#include "seam/queues.hpp"
+#include "vdrive_messages.hpp"
+
+#include <memory>
+#include <utility>
+
+namespace vdrive::service {
+
+/// Requests about the windows of the black box.
+class Windows {
+ public:
+  Windows(BenchAxes& axes, const BenchClock& clock) : axes_(axes), clock_(clock) {}
+
+  /// Freezes what happens around now.
+  [[nodiscard]] Reason freeze(const msg::Request& request, msg::Reply& reply);
+
+  /// Shows the window after `request.snapshot` and its causes.
+  [[nodiscard]] Reason show_next(const msg::Request& request, msg::Reply& reply) const;
+
+  /// Orders a page of a window. Where time stands, the window that is still recorded ends now.
+  [[nodiscard]] Reason read(const msg::Request& request, msg::Reply& reply);
+
+  /// @return the page that the last request has ordered; nothing = none.
+  [[nodiscard]] std::unique_ptr<WindowPage> take_page() noexcept { return std::move(page_); }
+
+ private:
+  BenchAxes& axes_;
+  const BenchClock& clock_;
+  std::unique_ptr<WindowPage> page_;
+};
+
+}  // namespace vdrive::service
