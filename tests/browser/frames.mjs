@@ -47,7 +47,7 @@ try {
   };
   await report("overview");
   await page.check(".row.head input");
-  await page.click("nav a >> nth=2");
+  await page.click("nav a >> nth=3");
   await page.locator(".chosen li").nth(AXES - 1).waitFor({ state: "attached", timeout: PATIENCE_MS });
   await report("control");
   await browser.close();

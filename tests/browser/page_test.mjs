@@ -2,8 +2,10 @@
 // The page of the gateway in a real browser, against a real service. The tests follow each other:
 // each starts where the one before it ended.
 import assert from "node:assert/strict";
-import { readFile } from "node:fs/promises";
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
 import { after, before, test as nodeTest } from "node:test";
 import { isDeepStrictEqual } from "node:util";
 
@@ -296,7 +298,7 @@ test("the heads of a paused plot show the values of the pause", async () => {
   assert.ok(after.length <= 1, `the last frame before the pause, and then nothing: ${[before, ...after].join("\n")}`);
   await waitForText(command("set-points"), /^–$/);
   await command("pause").click();
-  await waitForText(paused, /200.00\d$|199.99\d$/);
+  await waitForText(paused, /(200.00\d|199.99\d)UU/);
   await page.fill("#move-target", "5000");
   await command("move").click();
   await waitForText(motions(), /Move to 5.000 UU: reached/);
@@ -365,17 +367,18 @@ test("a paused plot stands still and its samples are saved as CSV", async () => 
     before = next;
     await new Promise((resolve) => setTimeout(resolve, 700));
   }
-  const [download] = await Promise.all([page.waitForEvent("download"), page.click("text=CSV")]);
+  const [download] = await Promise.all([page.waitForEvent("download"), command("csv").click()]);
   const text = await readFile(await download.path(), "utf8");
   const lines = text.trimEnd().split("\n");
   assert.match(download.suggestedFilename(), /^1\.1_[^_]+_\d{4}-\d\d-\d\dT\d\d_\d\d_\d\d\.csv$/);
   assert.match(lines[0], /^tick,time \[s\],date,position_demand_value \[UU\],load_position_actual_value \[UU\],/);
-  assert.match(lines[0], /,current_actual_value \[permille of rated current\],ds402_statusword,error_code$/);
-  const [tick, time, date, ...values] = lines.at(-1).split(",");
+  assert.match(lines[0], /,torque_actual_value \[%\],torque_demand \[%\],ds402_statusword,error_code,/);
+  const cells = lines.at(-1).split(",");
+  const [tick, time, date] = cells;
   // A bench in real time: its ticks of a millisecond count from the epoch.
   assert.equal(Number(time), Number(tick) / 1000);
   assert.equal(Date.parse(date), Number(tick));
-  const [word, error] = values.slice(-2).map(Number);
+  const [word, error] = ["ds402_statusword", "error_code"].map((name) => Number(cells[lines[0].split(",").indexOf(name)]));
   assert.equal(word & 0x6f, 0x27, "Operation enabled");
   assert.equal(error, 0);
   const ticks = lines.slice(1).map((line) => Number(line.split(",")[0]));
@@ -388,7 +391,7 @@ test("a paused plot stands still and its samples are saved as CSV", async () => 
 
 /** The first and the last time that the plots show [s]. */
 const shownTimes = async () => {
-  const [download] = await Promise.all([page.waitForEvent("download"), page.click("text=CSV")]);
+  const [download] = await Promise.all([page.waitForEvent("download"), command("csv").click()]);
   const lines = (await readFile(await download.path(), "utf8")).trimEnd().split("\n");
   return [lines[1], lines.at(-1)].map((line) => Number(line.split(",")[1]));
 };
@@ -397,7 +400,7 @@ const shownTimes = async () => {
 const keptTicks = async () => {
   const window = page.locator(".plots .tools select");
   await window.selectOption("600");
-  const [download] = await Promise.all([page.waitForEvent("download"), page.click("text=CSV")]);
+  const [download] = await Promise.all([page.waitForEvent("download"), command("csv").click()]);
   const lines = (await readFile(await download.path(), "utf8")).trimEnd().split("\n").slice(1);
   await window.selectOption("10");
   return lines.map((line) => Number(line.split(",")[0]));
@@ -442,7 +445,7 @@ test("two cursors show the samples under them and their differences", async () =
   const right = await timeOf("B");
   assert.ok(Math.abs(right - left - 10 / 3) < 0.001, `${left} and ${right}`);
   await waitForText(row("Time").nth(2), /^\d\.\d{4}$/);
-  await differs("Position, actual");
+  await differs("Load Position Actual Value");
   await command("cursor-B").focus();
   await page.keyboard.press("PageDown");
   const moved = await becomes("B", (time) => time < right);
@@ -451,7 +454,7 @@ test("two cursors show the samples under them and their differences", async () =
   const box = await page.locator(".plot .u-over").nth(1).boundingBox();
   await page.mouse.click(box.x + 2, box.y + box.height / 2);
   await becomes("A", (time) => time < left - 3); // it has come to the left edge, 3.3 s before
-  await differs("Position, actual");
+  await differs("Load Position Actual Value");
   await command("pause").click();
   await page.locator(".cursor-table").waitFor({ state: "hidden" });
 });
@@ -485,6 +488,109 @@ test("the wheel over a plot scrolls, with Ctrl it zooms; a drag moves in time", 
   await plot.dblclick();
   await page.locator("button:disabled", { hasText: "Reset zoom" }).waitFor();
   await command("pause").click();
+});
+
+const strips = () => page.locator(".plots .plot-head");
+const trigger = (name) => page.locator(`[data-test="trigger_${name}"]`);
+
+test("a scope has signals of any axes, in the order of choice, and its link opens the same", async () => {
+  await page.click("nav a >> nth=2");
+  await waitForText(strips().first(), /^1\.1 \S+Position Demand Value/);
+  await command("add_signal").click();
+  await command("add_axis").selectOption("1.2");
+  await command("add_member").selectOption("torque_demand");
+  await command("add").click();
+  await waitForText(strips().nth(5), /^1\.2 \S+Torque Demand.*%/);
+  await strips().nth(5).locator('[aria-label="Move up 6"]').click();
+  await waitForText(strips().nth(4), /^1\.2 \S+Torque Demand/);
+  await strips().nth(0).locator('[aria-label="Remove 1"]').click();
+  await waitForText(strips().first(), /Motor Velocity/);
+  await page.selectOption(".plots .tools select", "5");
+  await command("two_cursors").click();
+  await page.waitForFunction(() => /&w=5&t=[\d.]+,[\d.]+&c=/.test(location.hash));
+  const link = page.url();
+  const cursor = await command("cursor-A").getAttribute("aria-valuenow");
+  await page.goto(`${gateway.address}#/`);
+  await page.goto(link);
+  await waitForText(strips().nth(3), /^1\.2 \S+Torque Demand/);
+  await waitForText(command("cursors"), /1\.2 Torque Demand/);
+  assert.ok(Math.abs(Number(await command("cursor-A").getAttribute("aria-valuenow")) - Number(cursor)) < 2e-6);
+  await command("pause").click();
+});
+
+test("a trigger shows the run around it: a single one stays, and normal ones follow each other", async () => {
+  await page.goto(`${gateway.address}#/axis/1.1`);
+  await page.selectOption(".plots .tools select", "1");
+  await command("trigger").click();
+  await trigger("signal").selectOption("position_demand_value");
+  await page.fill('[data-test="trigger_value"]', "10000");
+  await command("arm").click();
+  await waitForText(trigger("state"), /^waiting$/);
+  const moveTo = async (target) => {
+    await page.fill("#move-target", target);
+    await command("move").click();
+  };
+  await moveTo("15000");
+  await waitForText(trigger("state"), /^Triggered at \d\d:\d\d:\d\d\.\d{3}$/);
+  const [from, to] = await shownTimes();
+  assert.ok(to - from > 0.9 && to - from < 1.1, `${from} to ${to}`);
+  await moveTo("5000");
+  await waitForText(motions(), /Move to 5.000 UU: reached/);
+  await trigger("mode").selectOption("normal");
+  await command("arm").click();
+  await moveTo("15000");
+  const first = await waitForText(trigger("state"), /^Triggered at .*; waiting$/);
+  await moveTo("5000");
+  await waitForText(motions(), /Move to 5.000 UU: reached/);
+  await moveTo("15000");
+  const deadline = Date.now() + PATIENCE_MS;
+  while ((await trigger("state").textContent()) === first) assert.ok(Date.now() < deadline, "[deadline] no second run");
+  await page.locator("button:enabled", { hasText: "Last run" }).waitFor();
+  await command("arm").click();
+  await moveTo("5000");
+  await waitForText(motions(), /Move to 5.000 UU: reached/);
+});
+
+test("a link with a signal or an axis that is not there has a clear line", async () => {
+  await page.goto(`${gateway.address}#/scope?s=1.77:torque_demand;1.1:no_such_signal&g=single,1.1,no_such_signal,rising,1,0.5,&x=1`);
+  await waitForText(page.locator(".strips .problem").first(), /^There is no axis 1\.77\.$/);
+  await waitForText(page.locator(".strips .problem").nth(1), /^1\.1 has no signal no_such_signal$/);
+  await waitForText(page.locator(".outcome"), /^Trigger: 1\.1 has no signal no_such_signal$/);
+  await page.goto(`${gateway.address}#/axis/1.1`);
+  await page.selectOption(".plots .tools select", "10");
+});
+
+test("recordings open in the scope, a cut one up to its end, and a wrong one not at all", async () => {
+  const work = await mkdtemp(join(tmpdir(), "vdrive-recording-"));
+  const open = (name) => page.setInputFiles('[data-test="recording"]', join(work, name));
+  try {
+    await page.click("nav a >> nth=2");
+    for (const name of ["run.mcap", "run.csv"]) {
+      assert.equal(await runTool("record", join(work, name), "1.1", "1.2", "--count", "1200"), 0);
+      await open(name);
+      await waitForText(command("recording_name"), new RegExp(`^${name}: 1\\.1 \\S+, 1\\.2 \\S+$`));
+      await waitForText(strips().first(), /^1\.1 \S+Position Demand Value.*\d/);
+      const [from, to] = await shownTimes();
+      assert.ok(Math.abs(to - from - 1.199) < 0.3, `${from} to ${to}`);
+      const whole = await readFile(join(work, name));
+      await writeFile(join(work, `cut_${name}`), whole.subarray(0, Math.floor(whole.length * 0.7) + 3));
+    }
+    await open("cut_run.csv");
+    await waitForText(page.locator(".scope-view > .problem"), /^cut_run\.csv: line \d+ is incomplete: the file is cut/);
+    await writeFile(join(work, "notes.txt.csv"), "no recording\n1,2,3\n");
+    await open("notes.txt.csv");
+    await waitForText(page.locator(".outcome"), /^notes\.txt\.csv: line 1: no column axis/);
+    await waitForText(command("recording_name"), /^cut_run\.csv/);
+    await open("cut_run.mcap");
+    // A second of it is one chunk: what is whole may have no sample.
+    await waitForText(page.locator("#app"), /cut_run\.mcap: (it ends at byte \d+, in what begins at byte \d+: the file is cut|it has no status)/);
+    await command("close_recording").click();
+    await waitForText(command("recording_name"), /^$/);
+  } finally {
+    await rm(work, { recursive: true });
+  }
+  await page.goto(`${gateway.address}#/axis/1.1`);
+  await page.selectOption(".plots .tools select", "10");
 });
 
 test("an axis jogs while the button is pressed", async () => {
@@ -560,7 +666,7 @@ test("an event leads to its time in the plots, where the fault has its name, als
   await waitForText(page.locator(".cursor-text"), named, PATIENCE_MS, hover);
   await command("pause").click();
   await resetZoom("disabled").waitFor();
-  await page.click("nav a >> nth=2");
+  await page.click("nav a >> nth=3");
   await event().click();
   await waitForText(page.locator("h2"), /^1\.1/);
   await resetZoom("enabled").waitFor();
@@ -663,6 +769,27 @@ test("events have one stop of the Tab key, and the arrow keys go through them", 
   await command("pause").click();
 });
 
+test("events are filtered by level, text and session, have names for sessions, and are saved", async () => {
+  const list = page.locator(".events");
+  await waitForText(list, /controlled by this page/);
+  await page.selectOption('[data-test="event_level"]', "4");
+  await waitForText(list, /^(\d\d:\d\d:\d\d\.\d{3}error((?!error|info|warning).)+)+$/);
+  await page.selectOption('[data-test="event_level"]', "0");
+  await page.fill('[data-test="event_text"]', "no such event");
+  await waitForText(list, /^No event matches the filters\.$/);
+  await page.fill('[data-test="event_text"]', "fault 8611");
+  await waitForText(list, /fault 0x8611/);
+  assert.doesNotMatch((await list.textContent()) ?? "", /controlled by/);
+  const [download] = await Promise.all([page.waitForEvent("download"), command("save_events").click()]);
+  const [head, ...rows] = (await readFile(await download.path(), "utf8")).trimEnd().split("\n");
+  assert.equal(head, "source,tick,time [s],date,level,kind,text");
+  assert.ok(rows.length > 0 && rows.every((row) => /^1\.1 \S+,\d+,[\d.]+,.*8611/.test(row)), rows.join("\n"));
+  await page.fill('[data-test="event_text"]', "");
+  await page.locator('[data-test="event_session"]').selectOption({ label: "this page" });
+  await waitForText(list, /^(?!.*fault 0x8611 reset).*controlled by this page/);
+  await page.locator('[data-test="event_session"]').selectOption("");
+});
+
 test("the judge tells what a master does wrong while its panel is open", async () => {
   await page.click("nav a >> nth=0");
   await page.click('[data-address="1.3"]');
@@ -725,7 +852,7 @@ test("a target stays in another view, and is converted with the unit", async () 
 test("objects and CSV are in the unit that the page shows", async () => {
   await unitSelect().selectOption("axis");
   await waitForText(page.locator('[data-object="0x6081"] .unit'), /^°\/s$/);
-  const [download] = await Promise.all([page.waitForEvent("download"), page.click("text=CSV")]);
+  const [download] = await Promise.all([page.waitForEvent("download"), command("csv").click()]);
   const [heads] = (await readFile(await download.path(), "utf8")).split("\n");
   assert.match(heads, /,position_demand_value \[deg\],load_position_actual_value \[deg\],/);
   await unitSelect().selectOption("user");
@@ -839,7 +966,7 @@ test("an axis that a terminal takes over is named, and the page does not take it
 test("chosen axes move together", async () => {
   await page.click("nav a >> nth=0");
   for (const address of ["1.1", "1.2"]) await page.check(`[data-address="${address}"] input`);
-  await page.click("nav a >> nth=2");
+  await page.click("nav a >> nth=3");
   await command("enable").click();
   const lines = page.locator(".chosen li");
   for (const line of [0, 1]) await waitForText(lines.nth(line).locator(".state"), /Operation enabled/);
@@ -858,7 +985,7 @@ test("the clock of the bench is paused and runs again", async () => {
   await page.click("nav a >> nth=0");
   await waitForText(page.locator('[data-address="1.1"] .age'), FRESH);
   await waitForNone(page.locator(".row.old"));
-  await page.click("nav a >> nth=2");
+  await page.click("nav a >> nth=3");
   await page.click("text=Run");
   await waitForText(page.locator(".clock-text"), /realtime, × 1/);
 });
@@ -884,7 +1011,7 @@ test("STOP is whole in every view, size, zoom and language, also while another p
   await waitForText(other.locator('[data-test="take"]'), /Take control …/);
   for (const language of ["en", "zh"]) {
     await other.selectOption(".settings select >> nth=1", language);
-    for (const view of ["#/", "#/axis/1.1", "#/control"]) {
+    for (const view of ["#/", "#/axis/1.1", "#/scope", "#/control"]) {
       await other.goto(`${gateway.address}${view}`);
       await other.locator("main > *").first().waitFor();
       for (const [width, height] of SIZES) {
@@ -940,7 +1067,7 @@ const findings = (shown) =>
 
 const THEMES = ["dark", "light"];
 const WIDTHS = [1280, 390];
-const VIEWS = [["#/", '[data-address="1.1"]'], ["#/axis/1.1", '[data-object="0x6081"]'], ["#/control", ".clock-text"]];
+const VIEWS = [["#/", '[data-address="1.1"]'], ["#/axis/1.1", '[data-object="0x6081"]'], ["#/scope", ".plots .u-over >> nth=0"], ["#/control", ".clock-text"]];
 
 test("every view is accessible, in both themes, wide and narrow, with and without control", async () => {
   const other = await openOther("#/");

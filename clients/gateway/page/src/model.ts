@@ -5,7 +5,7 @@ import { browserOf } from "./data/browser";
 import { EVENT_HISTORY, EventList } from "./data/events";
 import { movesOrPresses } from "./data/motion";
 import { BENCH_DESCRIPTION, BENCH_STATE, CONTROL, DICTIONARY } from "./data/tables";
-import type { Scale } from "./data/units";
+import type { AxisUnit, Scale } from "./data/units";
 import { formatUnits, scaleOf, USER_UNITS } from "./data/units";
 import { language, modeName, serviceName, t, type Language } from "./i18n";
 import { Motions, STARTS_MOTION } from "./motions";
@@ -404,7 +404,7 @@ export class Model {
     return bench !== undefined && found !== undefined ? new AxisRef(this.benches, bench, found) : undefined;
   }
 
-  scale(axis: AxisDescription): Scale {
+  scale(axis: { unit?: AxisUnit }): Scale {
     return this.settings.axisUnits ? scaleOf(axis.unit) : USER_UNITS;
   }
 
@@ -434,6 +434,14 @@ export class Model {
     const name = isHolder ? this.control.holder : this.sessionNames.get(text);
     if (name !== undefined) return isShort ? name.replace(/ \([^)]*\)$/, "") : name;
     return isShort ? text.slice(0, 8) : `${t("session")} ${text.slice(0, 8)}`;
+  }
+
+  /** @param session as the gateway writes it
+   *  @return the program; nothing where it has not said what it is */
+  programOf(session: string): string | undefined {
+    const isHolder = sessionOf(session) === this.holderSession();
+    if (isHolder) return this.control.you ? t("this_page") : this.control.holder;
+    return this.sessionNames.get(session);
   }
 
   /** @return when axes of this page were taken, and by whom: the name may come after the status. */

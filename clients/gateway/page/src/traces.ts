@@ -5,41 +5,48 @@ import { addressOf, type AxisRef, type Model } from "./model";
 import { Trace } from "./trace";
 
 /** Each may have some tens of megabytes. */
-const MOST_TRACES = 4;
+export const MOST_TRACES = 8;
 
 export class Traces {
-  /** by address and run of the bench; the one shown last is the last one */
+  /** by address and run of the bench; the ones shown last are the last ones */
   private readonly traces = new Map<string, Trace>();
-  private shown?: Trace;
+  private shown: Trace[] = [];
 
   constructor(private readonly model: Model) {}
 
-  /** @return what was received of the axis, which is received from now on, also while no view shows
-   *          it, until another axis is shown */
-  show(ref: AxisRef): Trace {
-    const run = ref.bench.description?.incarnation ?? "";
-    const key = `${addressOf(ref)} ${run}`;
-    const trace = this.traces.get(key) ?? new Trace(this.model, ref);
-    if (this.shown !== trace) this.shown?.close();
-    this.shown = trace;
-    trace.open();
-    trace.show(true);
-    this.traces.delete(key);
-    this.traces.set(key, trace);
-    this.forget(addressOf(ref), key);
-    return trace;
+  /** @param refs MOST_TRACES at most
+   *  @return what was received of these axes, which are received from now on, also while no view shows
+   *          them, until others are shown */
+  show(refs: readonly AxisRef[]): Trace[] {
+    const wanted = refs.map((ref) => this.find(ref));
+    for (const trace of this.shown) if (!wanted.includes(trace)) trace.close();
+    this.shown = wanted;
+    for (const trace of wanted) {
+      trace.open();
+      if (!trace.isShown) trace.show(true);
+    }
+    this.forget();
+    return wanted;
   }
 
   /** No view shows an axis. */
   hide(): void {
-    this.shown?.show(false);
+    for (const trace of this.shown) trace.show(false);
   }
 
-  /** The run before counts its ticks anew, or has other axes. */
-  private forget(address: string, kept: string): void {
-    for (const key of this.traces.keys()) {
-      const isOld = key.startsWith(`${address} `) && key !== kept;
-      if (isOld || this.traces.size > MOST_TRACES) this.traces.delete(key);
+  private find(ref: AxisRef): Trace {
+    const address = addressOf(ref);
+    const key = `${address} ${ref.bench.description?.incarnation ?? ""}`;
+    const trace = this.traces.get(key) ?? new Trace(this.model, ref);
+    // The run before counts its ticks anew, or has other axes.
+    for (const old of this.traces.keys()) if (old.startsWith(`${address} `)) this.traces.delete(old);
+    this.traces.set(key, trace);
+    return trace;
+  }
+
+  private forget(): void {
+    for (const [key, trace] of this.traces) {
+      if (this.traces.size > MOST_TRACES && !this.shown.includes(trace)) this.traces.delete(key);
     }
   }
 }

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { EventList, type LogEvent } from "../src/data/events";
+import { EventList, eventsCsv, eventText, matchesEvent, type LogEvent } from "../src/data/events";
 
 const EPOCH_S = 1.8e9;
 
@@ -65,4 +65,38 @@ test("of too many the oldest are removed, and each change is seen", () => {
   list.merge([event(EPOCH_S - 1)]);
   assert.deepEqual(times(list), [2, 3, 4].map((second) => EPOCH_S + second));
   assert.ok(list.version > version);
+});
+
+const SESSION = "00000000abcdef01";
+const NAMED: LogEvent = {
+  bench: 1,
+  axis: 2,
+  tick: 1_500,
+  time: 1.5,
+  level: 3,
+  kind: "control_changed",
+  message: `axis 2: session 0x${SESSION} takes the axis from session 0x0000000000000002`,
+};
+
+test("an event has the names of programs that are known, and not its axis, which stands beside it", () => {
+  assert.equal(
+    eventText(NAMED, (session) => (session === SESSION ? "vdrive" : undefined)),
+    "vdrive takes the axis from session 0x0000000000000002",
+  );
+  assert.equal(eventText({ ...NAMED, axis: 0, message: "axis 2: faulted" }, () => undefined), "axis 2: faulted");
+});
+
+test("events are filtered by level, by every word of a text and by session", () => {
+  const all = { level: 0, text: "", session: "" };
+  const matches = (filter: object) => matchesEvent(NAMED, "1.2 lift control_changed vdrive takes the axis", { ...all, ...filter });
+  assert.ok(matches({}) && matches({ level: 3 }) && matches({ text: "LIFT takes" }) && matches({ session: SESSION }));
+  assert.ok(!matches({ level: 4 }) && !matches({ text: "lift faulted" }) && !matches({ session: "1".padStart(16, "0") }));
+});
+
+test("a saved event has its date where drive time has one, and quotes what CSV needs quoted", () => {
+  const rows = [{ event: { ...NAMED, time: 1_795_996_800.25 }, source: "1.2 lift", text: 'says "no", and waits' }];
+  assert.equal(
+    eventsCsv(rows),
+    'source,tick,time [s],date,level,kind,text\n1.2 lift,1500,1795996800.250000,2026-11-30T00:00:00.250000Z,3,control_changed,"says ""no"", and waits"\n',
+  );
 });

@@ -14,7 +14,7 @@ function numbers(seed: number): () => number {
 }
 
 function filled(samples: number, capacity: number, spikes: Map<number, number> = new Map()): History {
-  const history = new History(1, capacity);
+  const history = new History([Int32Array], capacity);
   const next = numbers(1);
   for (let n = 0; n < samples; ++n) history.append(n * 0.001, [spikes.get(n) ?? next()]);
   return history;
@@ -22,7 +22,7 @@ function filled(samples: number, capacity: number, spikes: Map<number, number> =
 
 test("few samples are drawn unchanged", () => {
   const history = filled(100, 1000);
-  const points = history.points(0.0105, 0.0195, 50);
+  const points = history.points(0.0105, 0.0195, 50, [0]);
   // Samples 11 to 19 lie inside; one beside each end lets the line run to the edge.
   assert.deepEqual(points.y[0], Array.from({ length: 11 }, (_, i) => history.value(0, 10 + i)));
 });
@@ -31,7 +31,7 @@ for (const [what, samples] of [["columns of samples", 20_000], ["columns of bloc
   test(`a spike of one sample is visible in ${what}`, () => {
     for (const place of [BLOCK * 7, BLOCK * 8 - 1, 5_003, samples - 1]) {
       const history = filled(samples, samples + BLOCK, new Map([[place, 50_000], [place - 30, -50_000]]));
-      const { y } = history.points(0, samples * 0.001, 200);
+      const { y } = history.points(0, samples * 0.001, 200, [0]);
       assert.ok(y[0].includes(50_000), `positive spike at ${place}`);
       assert.ok(y[0].includes(-50_000), `negative spike at ${place - 30}`);
       assert.ok(y[0].length <= 2 * 202, "two points a column, and one column at each end");
@@ -45,7 +45,7 @@ test("each column has the extremes of its samples, as a plain search finds them"
   const from = 2;
   const to = 8;
   const width = (to - from) / columns;
-  const { x, y } = history.points(from, to, columns);
+  const { x, y } = history.points(from, to, columns, [0]);
   const expected = new Map<number, number[]>();
   for (let n = 0; n < 10_000; ++n) {
     const time = history.time(n);
@@ -63,9 +63,9 @@ test("each column has the extremes of its samples, as a plain search finds them"
 
 test("the extremes of a column keep their order", () => {
   for (const slope of [1, -1]) {
-    const history = new History(1, 10_000);
+    const history = new History([Int32Array], 10_000);
     for (let n = 0; n < 5_000; ++n) history.append(n * 0.001, [slope * n]);
-    const { y } = history.points(0, 5, 100);
+    const { y } = history.points(0, 5, 100, [0]);
     for (let i = 1; i < y[0].length; ++i) {
       assert.ok(slope * ((y[0][i] as number) - (y[0][i - 1] as number)) > 0, `point ${i} of slope ${slope}`);
     }
@@ -75,7 +75,7 @@ test("the extremes of a column keep their order", () => {
 test("times of the points ascend", () => {
   const history = filled(50_000, 60_000);
   for (const window of [1, 10, 50]) {
-    const { x } = history.points(50 - window, 50, 300);
+    const { x } = history.points(50 - window, 50, 300, [0]);
     for (let i = 1; i < x.length; ++i) assert.ok(x[i] >= x[i - 1], `${x[i - 1]} then ${x[i]}`);
   }
 });
@@ -86,27 +86,27 @@ test("the oldest samples are removed in whole blocks", () => {
   // 645 samples and room for 256: the first 389 are gone, and with them their blocks up to 448.
   assert.equal(history.first, 448);
   assert.equal(history.end, 645);
-  const { x } = history.points(0, 1, 1000);
+  const { x } = history.points(0, 1, 1000, [0]);
   assert.equal(x[0], history.time(history.first));
 });
 
 test("lost samples are a gap, not a line", () => {
-  const history = new History(1, 1000);
+  const history = new History([Int32Array], 1000);
   history.append(0, [1]);
   history.append(0.001, [1]);
   history.markGap();
   history.append(0.1, [5]);
-  assert.deepEqual(history.points(0, 0.1, 500).y[0], [1, 1, null, 5]);
+  assert.deepEqual(history.points(0, 0.1, 500, [0]).y[0], [1, 1, null, 5]);
 });
 
 test("lost samples are a gap in columns, too", () => {
   for (const samples of [10_000, 100_000]) {
-    const history = new History(1, 2 * samples + BLOCK);
+    const history = new History([Int32Array], 2 * samples + BLOCK);
     for (let n = 0; n < 2 * samples; ++n) {
       if (n === samples) history.markGap();
       history.append((n < samples ? n : n + samples) * 0.001, [1]);
     }
-    const { x, y } = history.points(0, 3 * samples * 0.001, 200);
+    const { x, y } = history.points(0, 3 * samples * 0.001, 200, [0]);
     const at = y[0].indexOf(null);
     // The gap lies in the middle third; a column is 1.5 % of it.
     assert.ok(at > 0 && Math.abs(x[at] / (samples * 0.001) - 1) < 0.02, `at ${x[at]} s`);
@@ -115,7 +115,7 @@ test("lost samples are a gap in columns, too", () => {
 });
 
 test("the nearest sample of a time is found, none in an empty history", () => {
-  assert.equal(new History(1, 100).nearest(3), undefined);
+  assert.equal(new History([Int32Array], 100).nearest(3), undefined);
   const history = filled(10, 100);
   assert.equal(history.nearest(-1), 0);
   assert.equal(history.nearest(0.0034), 3);

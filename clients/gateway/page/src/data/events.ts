@@ -2,7 +2,8 @@
 // What benches report, from their topics and from the history that the gateway keeps.
 
 import type { Of } from "../protocol/checked";
-import { isWallTime } from "./times";
+import { nameMatches, wordsOf } from "./rows";
+import { isoDate, isWallTime } from "./times";
 
 export interface LogEvent {
   bench: number;
@@ -46,8 +47,56 @@ function keyOf({ bench, axis, tick, kind, message }: LogEvent): string {
   return `${bench} ${axis} ${tick} ${kind} ${message}`;
 }
 
+/** Events that a view shows. */
+export interface EventFeed {
+  readonly events: readonly LogEvent[];
+  /** Grows with each change. */
+  readonly version: number;
+}
+
+const SESSION = /session 0x([0-9a-f]{16})/g;
+
+/** @return the sessions that a message names, in hex as the gateway writes them */
+export function sessionsIn(message: string): string[] {
+  return [...message.matchAll(SESSION)].map(([, session]) => session);
+}
+
+/** @param nameOf a session, where it is known
+ *  @return the message with names in place of numbers, without the axis before it, which stands beside it */
+export function eventText({ axis, message }: LogEvent, nameOf: (session: string) => string | undefined): string {
+  const prefix = `axis ${axis}: `;
+  const bare = axis !== 0 && message.startsWith(prefix) ? message.slice(prefix.length) : message;
+  return bare.replace(SESSION, (number, session: string) => nameOf(session) ?? number);
+}
+
+export interface EventFilter {
+  /** of foxglove.Log, and above */
+  level: number;
+  text: string;
+  /** "" = all */
+  session: string;
+}
+
+/** @param shown the text of the event with its source: each word of the filter must occur in it */
+export function matchesEvent(event: LogEvent, shown: string, { level, text, session }: EventFilter): boolean {
+  const isOfSession = session === "" || sessionsIn(event.message).includes(session);
+  return event.level >= level && isOfSession && nameMatches("", shown, wordsOf(text));
+}
+
+function quoted(text: string): string {
+  return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+}
+
+/** @param rows each event with its source and its text */
+export function eventsCsv(rows: readonly { event: LogEvent; source: string; text: string }[]): string {
+  const lines = rows.map(({ event, source, text }) =>
+    [source, event.tick, event.time.toFixed(6), isoDate(event.time), event.level, event.kind, text].map(String).map(quoted).join(","),
+  );
+  return ["source,tick,time [s],date,level,kind,text", ...lines, ""].join("\n");
+}
+
 /** The events of all benches, bounded, in the order in which they came. */
-export class EventList {
+export class EventList implements EventFeed {
   private list: LogEvent[] = [];
   /** Grows with each change. */
   version = 0;

@@ -6,7 +6,11 @@
 export const BLOCK = 64;
 const MOST_DECIMALS = 6;
 
-/** Points of a plot: x ascending; null is a gap. */
+type Column = Int8Array | Uint8Array | Int16Array | Uint16Array | Int32Array | Uint32Array | Float32Array | Float64Array;
+/** Holds the values of a series. */
+export type Kind = new (length: number) => Column;
+
+/** Points of a plot: x ascending; null is a gap. Each y is one of the wanted series. */
 export interface Points {
   x: number[];
   y: (number | null)[][];
@@ -21,22 +25,23 @@ interface Extremes {
 export class History {
   readonly capacity: number;
   private readonly times: Float64Array;
-  private readonly values: Int32Array[];
-  private readonly blockMinimum: Int32Array[];
-  private readonly blockMaximum: Int32Array[];
+  private readonly values: Column[];
+  private readonly blockMinimum: Column[];
+  private readonly blockMaximum: Column[];
   private total = 0;
   /** numbers of the samples before which others were lost, ascending */
   private readonly gaps = new Set<number>();
 
-  /** @param capacity [samples], rounded up to whole blocks */
+  /** @param kinds of its series
+   *  @param capacity [samples], rounded up to whole blocks */
   constructor(
-    readonly series: number,
+    private readonly kinds: readonly Kind[],
     capacity: number,
   ) {
     this.capacity = Math.max(2, Math.ceil(capacity / BLOCK)) * BLOCK;
     const blocks = this.capacity / BLOCK;
     this.times = new Float64Array(this.capacity);
-    const make = (length: number) => Array.from({ length: series }, () => new Int32Array(length));
+    const make = (length: number) => kinds.map((Values) => new Values(length));
     this.values = make(this.capacity);
     this.blockMinimum = make(blocks);
     this.blockMaximum = make(blocks);
@@ -73,7 +78,7 @@ export class History {
     const block = Math.floor(slot / BLOCK);
     const starts = slot % BLOCK === 0;
     this.times[slot] = time;
-    for (let s = 0; s < this.series; ++s) {
+    for (let s = 0; s < this.kinds.length; ++s) {
       const value = sample[s];
       this.values[s][slot] = value;
       if (starts || value < this.blockMinimum[s][block]) this.blockMinimum[s][block] = value;
@@ -113,28 +118,29 @@ export class History {
 
   /** The samples from `from` to `to` [s] in at most two points a column: where a column has more
    *  samples than that, the least and the greatest of each series in the order in which they came.
-   *  Columns stand at fixed times, so that a plot that moves does not flicker. */
-  points(from: number, to: number, columns: number): Points {
+   *  Columns stand at fixed times, so that a plot that moves does not flicker.
+   *  @param wanted series */
+  points(from: number, to: number, columns: number, wanted: readonly number[]): Points {
     const start = Math.max(this.first, this.lowerBound(from) - 1);
     const end = Math.min(this.total, this.lowerBound(to) + 1);
     const count = end - start;
-    if (count <= 3 * columns) return this.samples(start, end);
+    if (count <= 3 * columns) return this.samples(start, end, wanted);
     const width = (to - from) / columns;
-    return this.columns(start, end, width, count / columns >= 2 * BLOCK ? BLOCK : 1);
+    return this.columns(start, end, width, count / columns >= 2 * BLOCK ? BLOCK : 1, wanted);
   }
 
-  private samples(start: number, end: number): Points {
-    const points: Points = { x: [], y: this.values.map(() => []) };
+  private samples(start: number, end: number, wanted: readonly number[]): Points {
+    const points: Points = { x: [], y: wanted.map(() => []) };
     for (let n = start; n < end; ++n) {
       if (n > start && this.gaps.has(n)) this.addGap(points, (this.time(n - 1) + this.time(n)) / 2);
       points.x.push(this.time(n));
-      for (let s = 0; s < this.series; ++s) points.y[s].push(this.value(s, n));
+      wanted.forEach((s, i) => points.y[i].push(this.value(s, n)));
     }
     return points;
   }
 
-  private columns(start: number, end: number, width: number, step: number): Points {
-    const points: Points = { x: [], y: this.values.map(() => []) };
+  private columns(start: number, end: number, width: number, step: number, wanted: readonly number[]): Points {
+    const points: Points = { x: [], y: wanted.map(() => []) };
     const columnOf = (n: number) => Math.floor(this.time(n) / width);
     let n = step === 1 ? start : Math.floor(start / step) * step;
     if (n < this.first) n = this.first;
@@ -147,11 +153,11 @@ export class History {
       if (begin > start && column > before + 1) this.addGap(points, (before + 1) * width);
       before = column;
       points.x.push((column + 0.25) * width, (column + 0.75) * width);
-      for (let s = 0; s < this.series; ++s) {
+      wanted.forEach((s, i) => {
         const found = this.extremes(s, begin, Math.min(n, this.total), step);
-        if (found.minimumFirst) points.y[s].push(found.minimum, found.maximum);
-        else points.y[s].push(found.maximum, found.minimum);
-      }
+        if (found.minimumFirst) points.y[i].push(found.minimum, found.maximum);
+        else points.y[i].push(found.maximum, found.minimum);
+      });
     }
     return points;
   }

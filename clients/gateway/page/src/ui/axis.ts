@@ -8,6 +8,7 @@ import { formatTime } from "../data/times";
 import { formatAge, formatHex, formatPermille, formatUnits } from "../data/units";
 import { modeName, stateName, t, type TextKey } from "../i18n";
 import { addressOf, type Model } from "../model";
+import type { Source } from "../source";
 import type { Trace } from "../trace";
 import { Commands } from "./commands";
 import { FOCUS, h, mark, put, type View } from "./dom";
@@ -16,7 +17,7 @@ import { Events } from "./events";
 import { FaultCard } from "./fault_card";
 import { Findings } from "./findings";
 import { Objects } from "./objects";
-import { Plots } from "./plots";
+import { presetOf, Scope } from "./scope";
 
 const FIGURES: { key: string; text: TextKey; wide?: boolean }[] = [
   { key: "state", text: "state", wide: true },
@@ -120,26 +121,29 @@ class Figures implements View {
 export class AxisView implements View {
   readonly root: HTMLElement;
   private readonly parts: View[];
-  private readonly plots: Plots;
+  private readonly scope: Scope;
 
+  /** @param query of the link by which this was opened: what the plots show */
   constructor(
     private readonly model: Model,
     private readonly trace: Trace,
+    source: Source,
+    query: string,
   ) {
     const { ref } = trace;
     const address = addressOf(ref);
     const figures = new Figures(model, this.trace);
-    const plots = new Plots(model, this.trace);
-    this.plots = plots;
+    const scope = new Scope(model, source, presetOf(address), query, false);
+    this.scope = scope;
     const commands = new Commands(model, () => [ref]);
     const machine = new PowerMachine(this.trace);
     const words = new Words(model, this.trace);
     const isOwn = ({ bench, axis }: LogEvent) => bench === ref.bench.number && (axis === ref.axis.axis || axis === 0);
-    const events = new Events(model, isOwn, ({ tick }) => plots.goTo(tick));
-    const findings = new Findings(model, ref, (tick) => plots.goTo(tick));
+    const events = new Events(model, model.events, isOwn, ({ time }) => scope.goTo(time));
+    const findings = new Findings(model, ref, (tick) => scope.goTo(trace.timeOf(tick)));
     const objects = new Objects(model, ref);
     const faultCard = new FaultCard(model, ref, this.trace);
-    this.parts = [faultCard, figures, plots, commands, machine, words, events, findings, objects];
+    this.parts = [faultCard, figures, scope, commands, machine, words, events, findings, objects];
     const title = h(
       "div",
       { class: "title" },
@@ -154,7 +158,7 @@ export class AxisView implements View {
       figures.root,
       // The order of the keyboard is that of a narrow screen: controls stand above the plots.
       h("div", { class: "control-column" }, commands.root),
-      h("div", { class: "main-column" }, plots.root, objects.root),
+      h("div", { class: "main-column" }, scope.root, objects.root),
       h("div", { class: "side-column" }, machine.root, words.root, events.root, findings.root),
     );
   }
@@ -171,7 +175,7 @@ export class AxisView implements View {
     const isHere = wantedMoment.address === addressOf(this.trace.ref);
     if (isHere && this.trace.history.end === 0) return;
     this.model.wantedMoment = undefined;
-    if (isHere) this.plots.goTo(wantedMoment.tick);
+    if (isHere) this.scope.goTo(this.trace.timeOf(wantedMoment.tick));
   }
 
   redraw(): void {

@@ -44,6 +44,7 @@ export class ControlView implements View {
     this.groupMove = groupMove;
     const events = new Events(
       model,
+      model.events,
       () => true,
       (event) => this.goTo(event),
     );

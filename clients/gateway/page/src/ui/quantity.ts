@@ -2,10 +2,14 @@
 // Fields for numbers in the unit that the page shows. What was typed stays when a view is built
 // again, and is converted when the unit changes: a target never becomes another one by itself.
 
-import { formatNumber, parseNumber, parseQuantity, retyped, USER_UNITS, wholeUserUnits, type AxisUnit, type Scale, type Suffix } from "../data/units";
+import type { Quantity } from "../data/signals";
+import { formatNumber, parseNumber, parseQuantity, retyped, USER_UNITS, wholeUserUnits, whyNoNumber, type AxisUnit, type Scale, type Suffix } from "../data/units";
 import { t } from "../i18n";
 import type { AxisRef, Model } from "../model";
 import { field, h, put } from "./dom";
+
+/** 12.3 % are 123 permille, but for the last bits. */
+const ROUNDING = 1e-9;
 
 /** @param notes gets what a value with a unit became
  *  @return whole user units
@@ -20,6 +24,18 @@ export function userUnitsTyped(text: string, scale: Scale, unit: AxisUnit | unde
     notes.push(`${text}${isBare ? ` ${scale.name}${suffix}` : ""} = ${formatNumber(whole, 0)} UU${suffix}`);
   }
   return whole;
+}
+
+/** @param notes gets what a value with a unit became
+ *  @return the value of an object, in the unit of the drive
+ *  @throws Error with the reason when the drive cannot take what the text says */
+export function valueTyped(text: string, quantity: Quantity | undefined, unit: AxisUnit | undefined, notes: string[]): number {
+  if (quantity?.suffix !== undefined) return userUnitsTyped(text, quantity.scale, unit, quantity.suffix, notes);
+  const value = parseNumber(text);
+  if (value === undefined) throw new Error(`"${text}" ${t(whyNoNumber(text))}`);
+  const whole = value / (quantity?.scale.factor ?? 1);
+  if (Math.abs(whole - Math.round(whole)) > ROUNDING) throw new Error(`"${text}" ${t("fraction")}`);
+  return Math.round(whole);
 }
 
 export class QuantityField {

@@ -3,12 +3,15 @@
 
 import { setLanguage, t } from "../i18n";
 import { addressOf, listed, SECOND_PRESS_MS, type AxisRef, type Model, type Theme } from "../model";
+import type { Recording } from "../recording";
+import { LiveSource } from "../source";
 import { Traces } from "../traces";
 import { AxisView } from "./axis";
 import { ControlView } from "./control";
 import { button, h, mark, put, select, type View } from "./dom";
 import { Overview, overviewMemory } from "./overview";
 import { ask } from "./question";
+import { ScopeView } from "./scope_view";
 
 const MOTION_EVERY_MS = 250;
 const MOST_MOTIONS = 4;
@@ -37,12 +40,20 @@ function drawFrames(draw: (now: number) => void): void {
   next();
 }
 
+/** @return the hash without its query */
+function pathOf(hash: string): string {
+  return hash.split("?")[0];
+}
+
 export class Shell {
   private readonly memory = overviewMemory();
   private view?: View;
   private readonly traces: Traces;
+  private readonly scopeMemory: { recording?: Recording } = {};
   private viewKey = "";
   private lastAxis?: string;
+  /** of the link that was opened last; what a scope writes into the address is no other link */
+  private query = location.hash.split("?")[1] ?? "";
   private readonly main = h("main", { attributes: { tabindex: "-1" } });
   private readonly links = new Map<string, HTMLAnchorElement>();
   private readonly lamp = h("span", { class: "lamp" });
@@ -79,9 +90,17 @@ export class Shell {
     this.applyTheme();
     this.prefersDark.addEventListener("change", () => this.applyTheme());
     this.build();
-    window.addEventListener("hashchange", () => this.route());
+    window.addEventListener("hashchange", () => {
+      this.query = location.hash.split("?")[1] ?? "";
+      this.route();
+    });
     window.addEventListener("beforeunload", (event) => {
       if (this.model.moving().own.length > 0) event.preventDefault();
+    });
+    window.addEventListener("beforeprint", () => (document.documentElement.dataset["theme"] = "light"));
+    window.addEventListener("afterprint", () => {
+      this.applyTheme();
+      this.view?.redraw?.();
     });
     document.addEventListener("keydown", (event) => this.key(event), { capture: true });
     drawFrames((now) => this.update(now));
@@ -89,7 +108,7 @@ export class Shell {
 
   private build(): void {
     const nav = h("nav", { attributes: { "aria-label": "vdrive" } });
-    for (const [key, href] of [["overview", "#/"], ["axis", "#/axis"], ["control", "#/control"]] as const) {
+    for (const [key, href] of [["overview", "#/"], ["axis", "#/axis"], ["scope", "#/scope"], ["control", "#/control"]] as const) {
       const link = h("a", { attributes: { href } }, t(key));
       this.links.set(key, link);
       nav.append(link);
@@ -141,6 +160,7 @@ export class Shell {
     this.app.replaceChildren(header, this.question, this.banner, this.notices, this.main, h("footer", {}, this.outcome, this.motions, this.motionEnds, this.motion));
     this.viewKey = "";
     this.version = -1;
+    this.query = location.hash.split("?")[1] ?? ""; // what is shown stays shown
     this.route();
   }
 
@@ -157,11 +177,13 @@ export class Shell {
   }
 
   private route(): void {
-    const [, view = "", address = ""] = location.hash.split("/");
-    const name = view === "axis" || view === "control" ? view : "overview";
-    const ref = name === "axis" ? this.axisOf(address) : undefined;
-    const incarnation = ref?.bench.description?.incarnation ?? "";
-    const key = `${name} ${ref === undefined ? "" : addressOf(ref)} ${incarnation}`;
+    const [, view = "", address = ""] = pathOf(location.hash).split("/");
+    const name = view === "axis" || view === "control" || view === "scope" ? view : "overview";
+    const ref = name === "axis" || name === "scope" ? this.axisOf(address) : undefined;
+    // A scope has axes of its own choice.
+    const benches = name === "scope" ? this.model.sortedBenches() : ref === undefined ? [] : [ref.bench];
+    const runs = benches.map((bench) => bench.description?.incarnation ?? "").join(" ");
+    const key = `${name} ${ref === undefined ? "" : addressOf(ref)} ${runs} ${this.query}`;
     for (const [link, element] of this.links) {
       if (link === name) element.setAttribute("aria-current", "page");
       else element.removeAttribute("aria-current");
@@ -183,11 +205,15 @@ export class Shell {
   }
 
   private make(name: string, ref: AxisRef | undefined): View {
-    if (ref !== undefined) return new AxisView(this.model, this.traces.show(ref));
     this.traces.hide();
+    if (name === "scope") return new ScopeView(this.model, new LiveSource(this.model, this.traces), ref && addressOf(ref), this.query, this.scopeMemory);
+    if (ref !== undefined) {
+      const [trace] = this.traces.show([ref]);
+      return new AxisView(this.model, trace, new LiveSource(this.model, this.traces, ref), this.query);
+    }
     if (name === "control") return new ControlView(this.model);
     if (name === "overview") return new Overview(this.model, this.memory);
-    const [, , asked = ""] = location.hash.split("/");
+    const [, , asked = ""] = pathOf(location.hash).split("/");
     const text = asked === "" ? t("choose_axis") : `${t("no_axis")} ${asked}. ${t("choose_axis")}`;
     return { root: h("p", { class: "nothing" }, text), update: () => undefined };
   }
