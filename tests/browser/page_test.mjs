@@ -603,6 +603,38 @@ test("an axis jogs while the button is pressed", async () => {
   await waitForText(figure("velocity"), /^−?\d UU\/s/);
 });
 
+test("a mode has what is set for it, by name and as a number, and is set", async () => {
+  const set = (name) => page.locator(`[data-mode-object="${name}"]`);
+  await command("mode").selectOption("1");
+  await waitForText(set("motion_profile_type"), /^Motion Profile Type0: trapezoidal/);
+  await set("motion_profile_type").locator("select").selectOption("3");
+  await waitForText(set("motion_profile_type"), /^Motion Profile Type3: limited jerk/);
+  await waitForText(set("profile_jerk_1"), /^Profile Jerk 14.096.000UU\/s³/);
+  await set("motion_profile_type").locator("select").selectOption("0");
+  await waitForText(set("motion_profile_type"), /^Motion Profile Type0/);
+  await command("mode").selectOption("3");
+  await command("set_mode").click();
+  await waitForText(command("mode_now"), /: 3 profile velocity$/);
+  const target = set("target_velocity");
+  await target.locator("input").fill("180deg/s");
+  await target.locator("input").press("Enter");
+  await waitForText(page.locator(".outcome"), /180deg\/s = 2.048 UU\/s/);
+  await waitForText(figure("velocity"), JOGS);
+  await target.locator("input").fill("0");
+  await target.locator("input").press("Enter");
+  await waitForText(figure("velocity"), /^−?\d UU\/s/);
+  await command("mode").selectOption("4");
+  await waitForText(set("max_torque"), /^Max Torque300\.0%/);
+  await command("mode").selectOption("6");
+  await waitForText(set("homing_method"), /^Homing Method37: where the axis is/);
+  await waitForText(command("homing_state"), /another mode is in force/);
+  await command("set_mode").click();
+  await waitForText(command("homing_state"), /^Homing: not started, or interrupted$/);
+  await command("mode").selectOption("1");
+  await command("set_mode").click();
+  await waitForText(figure("mode"), /profile position/);
+});
+
 test("a jogged axis stops when its window loses the focus", async () => {
   const box = await command("jog-plus").boundingBox();
   await page.mouse.move(box.x + 5, box.y + 5);

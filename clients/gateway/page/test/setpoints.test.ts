@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { hasHandshake, heldSetPoints } from "../src/data/setpoints";
+import { hasHandshake, heldSetPoints, homingState } from "../src/data/setpoints";
 
 // Statuswords of Operation enabled, voltage on, remote: 0237h; bit 10 = 0400h, bit 12 = 1000h.
 const MOVING = 0x0237;
@@ -36,4 +36,10 @@ test("in another mode or state, and under halt, the words do not show set-points
   assert.equal(heldSetPoints(0x010f, REACHED, 1), undefined);
   assert.equal(heldSetPoints(0x0f, MOVING, 3), undefined);
   assert.equal(heldSetPoints(0x07, 0x0233, 1), undefined); // Switched on
+});
+
+test("the state of homing is that of bits 13, 12 and 10 (CiA 402-2)", () => {
+  // Operation enabled, then each pair of bit 12 and bit 10, then with bit 13.
+  const states = [0x0237, 0x0637, 0x1237, 0x1637, 0x2237, 0x2637].map(homingState);
+  assert.deepEqual(states, ["runs", "stands", "attained", "done", "error_moves", "error_stands"]);
 });

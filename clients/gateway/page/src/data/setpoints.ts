@@ -18,6 +18,17 @@ export function hasHandshake(mode: number | undefined): boolean {
   return mode === undefined || mode === PROFILE_POSITION;
 }
 
+/** Bits 13, 12 and 10 of the statusword in homing mode (CiA 402-2). */
+export type HomingState = "runs" | "stands" | "attained" | "done" | "error_moves" | "error_stands";
+
+/** @param status 6041h in homing mode */
+export function homingState(status: number): HomingState {
+  const isReached = (status & STATUS_BIT.targetReached) !== 0;
+  if ((status & STATUS_BIT.modeError) !== 0) return isReached ? "error_stands" : "error_moves";
+  if ((status & STATUS_BIT.acknowledge) !== 0) return isReached ? "done" : "attained";
+  return isReached ? "stands" : "runs";
+}
+
 export interface HeldSetPoints {
   /** 1 while the drive moves to a target */
   active: 0 | 1;

@@ -16,6 +16,7 @@ import { PowerMachine, Words } from "./drive";
 import { Events } from "./events";
 import { FaultCard } from "./fault_card";
 import { Findings } from "./findings";
+import { Modes } from "./modes";
 import { Objects } from "./objects";
 import { presetOf, Scope } from "./scope";
 
@@ -136,14 +137,14 @@ export class AxisView implements View {
     const scope = new Scope(model, source, presetOf(address), query, false);
     this.scope = scope;
     const commands = new Commands(model, () => [ref]);
+    const modes = new Modes(model, this.trace);
     const machine = new PowerMachine(this.trace);
     const words = new Words(model, this.trace);
     const isOwn = ({ bench, axis }: LogEvent) => bench === ref.bench.number && (axis === ref.axis.axis || axis === 0);
     const events = new Events(model, model.events, isOwn, ({ time }) => scope.goTo(time));
     const findings = new Findings(model, ref, (tick) => scope.goTo(trace.timeOf(tick)));
     const objects = new Objects(model, ref);
-    const faultCard = new FaultCard(model, ref, this.trace);
-    this.parts = [faultCard, figures, scope, commands, machine, words, events, findings, objects];
+    this.parts = [faultCard, figures, scope, commands, modes, machine, words, events, findings, objects];
     const title = h(
       "div",
       { class: "title" },
@@ -157,7 +158,7 @@ export class AxisView implements View {
       faultCard.root,
       figures.root,
       // The order of the keyboard is that of a narrow screen: controls stand above the plots.
-      h("div", { class: "control-column" }, commands.root),
+      h("div", { class: "control-column" }, commands.root, modes.root),
       h("div", { class: "main-column" }, scope.root, objects.root),
       h("div", { class: "side-column" }, machine.root, words.root, events.root, findings.root),
     );

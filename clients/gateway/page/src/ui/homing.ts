@@ -9,7 +9,7 @@ import type { PolledObjects } from "./polled";
 export const HOMING_METHOD = "0x6098";
 type Method = Dictionary["homing_methods"][number];
 
-function methodText({ method, direction, limit_switch, home_switch, hard_stop, index_pulse }: Method): string {
+export function methodText({ method, direction, limit_switch, home_switch, hard_stop, index_pulse }: Method): string {
   const ways = [
     limit_switch && t("to_limit_switch"),
     home_switch && t("to_home_switch"),
