@@ -1338,6 +1338,46 @@ for (const [view, age] of [["#/", '[data-address="1.1"] .age'], ["#/axis/1.1", '
   });
 }
 
+/** Every channel that the gateway offers, by topic. */
+const channels = () =>
+  page.evaluate(
+    () =>
+      new Promise((resolve, reject) => {
+        const socket = new WebSocket(`ws://${location.host}/`, ["foxglove.sdk.v1"]);
+        const found = {};
+        socket.onerror = () => reject(new Error("no connection"));
+        socket.onmessage = ({ data }) => {
+          const message = typeof data === "string" ? JSON.parse(data) : {};
+          if (message.op !== "advertise") return;
+          for (const { topic, schema } of message.channels) found[topic] = schema;
+          if ("/bench1/axis2/status" in found && "/bench1/events" in found && "/bench1/description" in found) {
+            socket.close();
+            resolve(found);
+          }
+        };
+      }),
+  );
+
+test("the gateway serves a layout of Foxglove whose topics and fields it has", async () => {
+  const layout = await page.evaluate(async () => (await fetch("/foxglove-layout.json")).json());
+  const schemas = await channels();
+  const has = (topic, field) => new RegExp(`^\\S+ ${field}$`, "m").test(schemas[topic] ?? "");
+  const scripts = Object.values(layout.userNodes).map(({ sourceCode }) => sourceCode);
+  const given = scripts.map((source) => /output = "([^"]+)"/.exec(source)[1]);
+  for (const source of scripts) {
+    const [status, description] = /inputs = (\[.*\])/.exec(source)[1].match(/\/[\w/]+/g);
+    assert.ok(description in schemas, description);
+    for (const [, field] of source.matchAll(/\bstatus\.(\w+)/g)) assert.ok(has(status, field), `${status}.${field}`);
+  }
+  for (const { paths = [], topicToRender } of Object.values(layout.configById)) {
+    if (topicToRender !== undefined) assert.ok(topicToRender in schemas, topicToRender);
+    for (const { value } of paths) {
+      const [topic, field] = value.split(".");
+      assert.ok(given.includes(topic) || has(topic, field), value); // the fields of scripts are those of their own test
+    }
+  }
+});
+
 test("a view-only gateway offers no command", async () => {
   await gateway.stop();
   gateway = await startGateway(gateway.port);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { defineConfig } from "vite";
+import { foxgloveLayout } from "./foxglove_layout";
 
-// The gateway serves index.html and /assets only.
+// The gateway serves what is in dist: names in assets have a hash of their content.
 export default defineConfig({
   base: "./",
   build: {
@@ -11,4 +12,13 @@ export default defineConfig({
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
   },
+  plugins: [
+    {
+      name: "foxglove-layout",
+      generateBundle() {
+        const source = JSON.stringify(foxgloveLayout(), undefined, 2) + "\n";
+        this.emitFile({ type: "asset", fileName: "foxglove-layout.json", source });
+      },
+    },
+  ],
 });

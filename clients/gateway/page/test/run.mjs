@@ -3,17 +3,18 @@
 import { build } from "esbuild";
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readdirSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const sources = readdirSync(here).filter((name) => name.endsWith(".test.ts"));
-const work = mkdtempSync(join(tmpdir(), "vdrive-page-"));
+// There the programs find the packages of the page.
+const work = mkdtempSync(join(here, "../node_modules/.test-"));
 try {
   await build({
     entryPoints: sources.map((name) => join(here, name)),
     bundle: true,
+    packages: "external",
     platform: "node",
     format: "esm",
     outdir: work,
