@@ -144,6 +144,7 @@ export class AxisView implements View {
     const events = new Events(model, model.events, isOwn, ({ time }) => scope.goTo(time));
     const findings = new Findings(model, ref, (tick) => scope.goTo(trace.timeOf(tick)));
     const objects = new Objects(model, ref);
+    const faultCard = new FaultCard(model, ref, this.trace);
     this.parts = [faultCard, figures, scope, commands, modes, machine, words, events, findings, objects];
     const title = h(
       "div",

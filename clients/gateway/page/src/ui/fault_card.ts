@@ -18,7 +18,7 @@ const MOST_WRITES = 12;
 /** What the picture shows, one strip each. */
 const STRIPS: { series: FaultSeries; text: TextKey; unit: "position" | "velocity" | "torque"; demand?: FaultSeries }[] = [
   { series: "load_position_actual_value", text: "position", unit: "position", demand: "position_demand_value" },
-  { series: "load_position_error_value", text: "following_error", unit: "position" },
+  { series: "load_position_error_value", text: "error", unit: "position" },
   { series: "load_velocity_actual_value", text: "velocity", unit: "velocity" },
   { series: "torque_actual_value", text: "torque", unit: "torque" },
 ];
