@@ -254,6 +254,52 @@ TEST(Window, KeepsTheRarestKindsLongest) {
   EXPECT_EQ(windows->back().number, 21U);
 }
 
+/// A bench whose time passes by itself: what a follower receives is compared.
+class RunningBench : public testing::TestWithParam<const char*> {};
+
+TEST_P(RunningBench, GivesAWindowWhileItTicks) {
+  const BenchOnWire bench(std::string("--axes 2 --clock ") + GetParam());
+  Session session(options_on_wire());
+  const std::vector<AxisId> ids{{kBench, 1}, {kBench, 2}};
+  auto follower = session.follow(ids, Pace::observe);
+  ASSERT_TRUE(follower);
+  Axis axis = session.axis("1.1").value();
+  ASSERT_TRUE(axis.write(kOverTemperature, 1));
+  Recorded recorded;
+  std::uint64_t fault = 0;
+  for (std::uint64_t tick = 0; fault == 0 || tick < fault + 500;) {
+    const auto seen = follower->next(10s);
+    ASSERT_TRUE(seen) << seen.outcome().message();
+    tick = seen->tick;
+    for (const AxisSnapshot& each : seen->axes) recorded[{tick, each.id.axis}] = each.status;
+    if (fault == 0 && seen->axes.front().status.error_code != 0) fault = tick;
+  }
+  const auto windows = session.windows(kBench);
+  ASSERT_TRUE(windows);
+  ASSERT_THAT(*windows, SizeIs(1));
+  for (int round = 0; round < 3; ++round) {
+    const auto window = session.window(windows->front().number, ids);
+    ASSERT_TRUE(window) << window.outcome().message();
+    std::size_t compared = 0;
+    for (const Observation& sample : window->samples) {
+      for (const AxisSnapshot& each : sample.axes) {
+        const auto seen = recorded.find({sample.tick, each.id.axis});
+        if (seen == recorded.end()) continue;
+        ++compared;
+        EXPECT_EQ(bits_of(each.status), bits_of(seen->second)) << "tick " << sample.tick;
+      }
+    }
+    EXPECT_GT(compared, 0U);
+    const std::uint64_t span = window->samples.back().tick - window->samples.front().tick;
+    EXPECT_EQ(window->samples.size(), span + 1) << "each tick, whatever was published";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Clocks, RunningBench, testing::Values("realtime", "freerun"),
+                         [](const auto& clock) {
+                           return std::string(clock.param);
+                         });
+
 // The first run ends as a user ends it; the second one has the same axes and the same directory.
 TEST(Window, OutlastsItsService) {
   const test::TemporaryDirectory state;

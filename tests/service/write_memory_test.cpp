@@ -40,8 +40,9 @@ std::string text_of(const msg::ObjectResult& entry) {
         return "restored";
       case WrittenMark::power_cycle:
         return "power cycle of " + std::to_string(entry.axis);
+      default:  // of windows
+        return "unknown";
     }
-    return "unknown";
   }
   std::string text =
       std::to_string(entry.axis) + " " + hex(entry.index) + "h = " + std::to_string(entry.value);
