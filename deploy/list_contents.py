@@ -76,11 +76,13 @@ def packages_of_page(build, lock):
         return []
     locked = json.loads(lock.read_text())["packages"]
     rows = []
-    for name in sorted(locked[""]["dependencies"]):
-        entry = locked[f"node_modules/{name}"]
+    for path, entry in sorted(locked.items()):
+        if not path or entry.get("dev"):
+            continue  # the page itself, and what only builds it
+        name = path.removeprefix("node_modules/")
         algorithm, digest = entry["integrity"].split("-", 1)
         rows.append(package(
-            name, entry["version"], f"pkg:npm/{name}@{entry['version']}", licence=entry["license"],
+            name, entry["version"], f"pkg:npm/{name.replace('@', '%40')}@{entry['version']}", licence=entry["license"],
             checksums=[{"algorithm": algorithm.upper(),
                         "checksumValue": base64.b64decode(digest).hex()}]))
     return rows

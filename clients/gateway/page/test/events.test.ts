@@ -80,10 +80,13 @@ const NAMED: LogEvent = {
 
 test("an event has the names of programs that are known, and not its axis, which stands beside it", () => {
   assert.equal(
-    eventText(NAMED, (session) => (session === SESSION ? "vdrive" : undefined)),
+    eventText(NAMED, (session) => (session === SESSION ? "vdrive" : undefined), () => ""),
     "vdrive takes the axis from session 0x0000000000000002",
   );
-  assert.equal(eventText({ ...NAMED, axis: 0, message: "axis 2: faulted" }, () => undefined), "axis 2: faulted");
+  assert.equal(eventText({ ...NAMED, axis: 0, message: "axis 2: faulted" }, () => undefined, () => ""), "axis 2: faulted");
+  const error = (code: number) => (code === 0x8611 ? "following error" : "");
+  assert.equal(eventText({ ...NAMED, message: "fault 0x8611 reset" }, () => undefined, error), "fault 0x8611 following error reset");
+  assert.equal(eventText({ ...NAMED, message: "fault 0x1234" }, () => undefined, error), "fault 0x1234");
 });
 
 test("events are filtered by level, by every word of a text and by session", () => {

@@ -55,6 +55,7 @@ export interface EventFeed {
 }
 
 const SESSION = /session 0x([0-9a-f]{16})/g;
+const FAULT = /\bfault 0x([0-9A-Fa-f]{4})\b/g;
 
 /** @return the sessions that a message names, in hex as the gateway writes them */
 export function sessionsIn(message: string): string[] {
@@ -62,11 +63,14 @@ export function sessionsIn(message: string): string[] {
 }
 
 /** @param nameOf a session, where it is known
+ *  @param errorOf a code of 603Fh; "" where it has no name
  *  @return the message with names in place of numbers, without the axis before it, which stands beside it */
-export function eventText({ axis, message }: LogEvent, nameOf: (session: string) => string | undefined): string {
+export function eventText({ axis, message }: LogEvent, nameOf: (session: string) => string | undefined, errorOf: (code: number) => string): string {
   const prefix = `axis ${axis}: `;
   const bare = axis !== 0 && message.startsWith(prefix) ? message.slice(prefix.length) : message;
-  return bare.replace(SESSION, (number, session: string) => nameOf(session) ?? number);
+  return bare
+    .replace(SESSION, (number, session: string) => nameOf(session) ?? number)
+    .replace(FAULT, (number, code: string) => `${number} ${errorOf(parseInt(code, 16))}`.trim());
 }
 
 export interface EventFilter {

@@ -123,7 +123,7 @@ export class Events implements View {
   }
 
   private text(event: LogEvent): string {
-    return eventText(event, (session) => this.model.programOf(session));
+    return eventText(event, (session) => this.model.programOf(session), (code) => this.model.errorName(code));
   }
 
   private source({ bench, axis }: LogEvent): string {

@@ -105,7 +105,9 @@ export class Scope implements View {
   private dirty = true;
   private builtWith?: Dictionary;
   private builtMembers = "";
-  private link = "";
+  /** of the address, which belongs to this view while it stands there */
+  private readonly path = location.hash.split("?")[0];
+  private link: string;
   private linkAt = -Infinity;
 
   /** @param preset what is shown where the link says nothing else
@@ -143,6 +145,7 @@ export class Scope implements View {
       changed: () => (this.dirty = true),
     });
     this.trigger = new TriggerPanel(model, () => [...this.samples.values()], (wanted) => this.arm(wanted), [this.lastRunButton]);
+    this.link = query === "" ? "" : `?${query}`;
     const asked = this.fromLink(query);
     this.strips = this.known(asked.strips) ?? preset;
     this.root = h("section", { class: "plots panel" }, this.tools(), this.addPlace, this.trigger.root, this.cursors.root, this.body);
@@ -258,9 +261,9 @@ export class Scope implements View {
     const isPlain = isPreset && !stands && cursors === undefined && trigger === undefined;
     const range = stands ? this.range() : undefined;
     const query = isPlain ? "" : `?${formatScope({ strips, window: this.model.settings.window, range, cursors, trigger })}`;
-    if (query === this.link) return;
+    if (query === this.link || location.hash.split("?")[0] !== this.path) return;
     this.link = query;
-    history.replaceState(history.state, "", location.hash.replace(/\?.*$/, "") + query);
+    history.replaceState(history.state, "", this.path + query);
   }
 
   // ---- strips

@@ -52,8 +52,6 @@ export class Shell {
   private readonly scopeMemory: { recording?: Recording } = {};
   private viewKey = "";
   private lastAxis?: string;
-  /** of the link that was opened last; what a scope writes into the address is no other link */
-  private query = location.hash.split("?")[1] ?? "";
   private readonly main = h("main", { attributes: { tabindex: "-1" } });
   private readonly links = new Map<string, HTMLAnchorElement>();
   private readonly lamp = h("span", { class: "lamp" });
@@ -91,7 +89,7 @@ export class Shell {
     this.prefersDark.addEventListener("change", () => this.applyTheme());
     this.build();
     window.addEventListener("hashchange", () => {
-      this.query = location.hash.split("?")[1] ?? "";
+      this.viewKey = ""; // a link may open the same view with other signals
       this.route();
     });
     window.addEventListener("beforeunload", (event) => {
@@ -160,7 +158,6 @@ export class Shell {
     this.app.replaceChildren(header, this.question, this.banner, this.notices, this.main, h("footer", {}, this.outcome, this.motions, this.motionEnds, this.motion));
     this.viewKey = "";
     this.version = -1;
-    this.query = location.hash.split("?")[1] ?? ""; // what is shown stays shown
     this.route();
   }
 
@@ -183,7 +180,7 @@ export class Shell {
     // A scope has axes of its own choice.
     const benches = name === "scope" ? this.model.sortedBenches() : ref === undefined ? [] : [ref.bench];
     const runs = benches.map((bench) => bench.description?.incarnation ?? "").join(" ");
-    const key = `${name} ${ref === undefined ? "" : addressOf(ref)} ${runs} ${this.query}`;
+    const key = `${name} ${ref === undefined ? "" : addressOf(ref)} ${runs}`;
     for (const [link, element] of this.links) {
       if (link === name) element.setAttribute("aria-current", "page");
       else element.removeAttribute("aria-current");
@@ -206,10 +203,11 @@ export class Shell {
 
   private make(name: string, ref: AxisRef | undefined): View {
     this.traces.hide();
-    if (name === "scope") return new ScopeView(this.model, new LiveSource(this.model, this.traces), ref && addressOf(ref), this.query, this.scopeMemory);
+    const [, query = ""] = location.hash.split("?"); // of a view that is built again, what it has shown
+    if (name === "scope") return new ScopeView(this.model, new LiveSource(this.model, this.traces), ref && addressOf(ref), query, this.scopeMemory);
     if (ref !== undefined) {
       const [trace] = this.traces.show([ref]);
-      return new AxisView(this.model, trace, new LiveSource(this.model, this.traces, ref), this.query);
+      return new AxisView(this.model, trace, new LiveSource(this.model, this.traces, ref), query);
     }
     if (name === "control") return new ControlView(this.model);
     if (name === "overview") return new Overview(this.model, this.memory);
