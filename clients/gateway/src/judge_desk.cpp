@@ -12,7 +12,6 @@
 namespace vdrive::gateway {
 namespace {
 
-constexpr std::chrono::milliseconds kPoll{100};
 constexpr std::chrono::milliseconds kShowEvery{500};
 
 Json finding_json(const judge::Finding& finding) {
@@ -81,7 +80,9 @@ void JudgeDesk::work(std::uint32_t bench, Judged& judged, const std::stop_token&
   if (!judge) return ends(judge.outcome());
   Clock::time_point shown{};
   while (!stop.stop_requested()) {
-    if (client::Outcome polled = judge->poll(kPoll); !polled) return ends(std::move(polled));
+    std::this_thread::sleep_for(judge::LiveJudge::kPollEvery);
+    client::Outcome polled = judge->poll(judge::LiveJudge::kPollEvery);
+    if (!polled) return ends(std::move(polled));
     const auto now = Clock::now();
     if (now - shown < kShowEvery) continue;
     shown = now;

@@ -33,6 +33,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -273,8 +274,8 @@ class LiveRun {
     program_.terminal.complain("vdrive: judging bench " + std::to_string(bench));
     client::Outcome outcome;
     while (outcome && !interrupt.happened() && !is_over(*judge)) {
-      constexpr std::chrono::milliseconds kPatience{100};
-      outcome = judge->poll(kPatience);
+      std::this_thread::sleep_for(judge::LiveJudge::kPollEvery);
+      outcome = judge->poll(judge::LiveJudge::kPollEvery);
       tell_new(*judge);
     }
     result = {.verdict = judge->verdict(), .notes = {}, .name_of = name_of_};

@@ -17,7 +17,7 @@ using client::Observation;
 using client::Outcome;
 
 /// As many as a poll takes at a time: a verdict is shown in between.
-constexpr std::size_t kMostSamples = 250;
+constexpr std::size_t kMostSamples = 2'000;
 
 /// A page has room for 64 entries, and a write brings two marks at most.
 constexpr std::size_t kLeastOfAFullPage = 20;
@@ -102,19 +102,17 @@ Outcome LiveJudge::poll(std::chrono::milliseconds patience) {
 }
 
 Outcome LiveJudge::take_samples(std::chrono::milliseconds patience) {
-  // A request for the writes is dear: where time passes by itself, it comes once for many samples.
-  const std::size_t before = samples_.size();
   for (std::size_t count = 0; count < kMostSamples; ++count) {
-    const bool is_enough =
-        count > 0 &&
-        (!is_realtime_ || time_of(samples_.back().tick - samples_[before].tick) >= patience);
-    if (is_enough && !follower_.has_next()) break;
-    auto sample = follower_.next(patience);
-    if (!sample) {
-      const bool is_none = sample.outcome().kind() == client::OutcomeKind::timed_out;
-      return is_none ? Outcome() : sample.outcome();
+    if (count > 0 && !follower_.has_next()) break;
+    Observation sample;
+    if (!spent_.empty()) {
+      sample = std::move(spent_.back());
+      spent_.pop_back();
     }
-    samples_.push_back(std::move(*sample));
+    const Outcome seen = follower_.next(patience, sample);
+    if (seen.kind() == client::OutcomeKind::timed_out) break;
+    if (!seen) return seen;
+    samples_.push_back(std::move(sample));
   }
   return {};
 }
@@ -140,17 +138,21 @@ Outcome LiveJudge::take_writes() {
 
 void LiveJudge::judge_until_known() {
   while (!samples_.empty() && samples_.front().tick <= known_tick_) {
-    const Observation sample = std::move(samples_.front());
+    Observation& sample = spent_.emplace_back(std::move(samples_.front()));
     samples_.pop_front();
-    if (sample.tick <= judged_tick_) continue;  // a completed tick is published again, too
-    if (is_realtime_ && sample.missed > 0) lose(judged_tick_, "status is missing");
-    judge_writes_before(sample);
-    judged_tick_ = sample.tick;
-    for (std::size_t place = 0; place < axes_.size(); ++place) {
-      const client::AxisSnapshot& axis = sample.axes[place];
-      ignored_[place] = axis.status.ignored_set_points;
-      take(sample.tick, axis.id.axis, shown_by(axis.status));
-    }
+    // A completed tick is published again, too.
+    if (sample.tick > judged_tick_) judge_sample(sample);
+  }
+}
+
+void LiveJudge::judge_sample(const Observation& sample) {
+  if (is_realtime_ && sample.missed > 0) lose(judged_tick_, "status is missing");
+  judge_writes_before(sample);
+  judged_tick_ = sample.tick;
+  for (std::size_t place = 0; place < axes_.size(); ++place) {
+    const client::AxisSnapshot& axis = sample.axes[place];
+    ignored_[place] = axis.status.ignored_set_points;
+    take(sample.tick, axis.id.axis, shown_by(axis.status));
   }
 }
 

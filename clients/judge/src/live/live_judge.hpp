@@ -19,15 +19,17 @@ namespace vdrive::judge {
 /// it publishes, from now on. Commands nothing. Of one thread at a time.
 class LiveJudge {
  public:
+  static constexpr std::chrono::milliseconds kPollEvery{100};
+
   /// @param axes of the bench that are judged
   /// @return an outcome of the client library where the bench is not there, or does not keep writes
   [[nodiscard]] static client::Result<LiveJudge> create(client::Session& session,
                                                         std::uint32_t bench,
                                                         std::vector<client::Axis> axes);
 
-  /// Takes what has happened since the last call.
-  /// @param patience drive time for which status is collected where time passes by itself, and wall
-  ///        time to wait for a status
+  /// Takes what has happened since the last call. A call has its price, whatever has happened:
+  /// where time passes by itself, one in kPollEvery is enough.
+  /// @param patience wall time to wait for a status
   /// @return lost when the bench is silent or was restarted; ok also where nothing has happened
   client::Outcome poll(std::chrono::milliseconds patience);
 
@@ -50,6 +52,7 @@ class LiveJudge {
   [[nodiscard]] client::Outcome take_samples(std::chrono::milliseconds patience);
   [[nodiscard]] client::Outcome take_writes();
   void judge_until_known();
+  void judge_sample(const client::Observation& sample);
   void judge_writes_before(const client::Observation& sample);
   void lose(std::uint64_t tick, std::string_view cause);
   void judge_write(const client::AxisWrite& write, bool is_ignored);
@@ -64,6 +67,7 @@ class LiveJudge {
   std::vector<client::Axis> axes_;
   std::vector<std::uint32_t> ignored_;       ///< set-points so far, by place of the axis
   std::deque<client::Observation> samples_;  ///< that wait for the writes before them
+  std::vector<client::Observation> spent_;   ///< whose memory is used again
   std::deque<client::AxisWrite> writes_;     ///< that wait for the status after them
   std::uint64_t place_ = 0;                  ///< of the last write
   std::uint64_t known_tick_ = 0;             ///< writes of earlier ticks have all come
