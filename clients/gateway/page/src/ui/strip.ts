@@ -95,8 +95,8 @@ export class PlotStrip {
     const readings = this.lines.map((line) =>
       h("span", { class: "reading" }, h("i", { class: `sample ${line.colour}${line.dashed ? " dashed" : ""}` }), line.title, line.reading),
     );
-    const unit = h("span", { class: "unit" }, quantity.unit);
-    this.root = h("div", { class: "plot" }, h("div", { class: "plot-head" }, ...head, ...readings, unit, ...tools), canvas, this.problem);
+    readings.at(-1)?.append(h("span", { class: "unit" }, quantity.unit)); // no line of its own
+    this.root = h("div", { class: "plot" }, h("div", { class: "plot-head" }, ...head, ...readings, ...tools), canvas, this.problem);
     this.problem.hidden = true;
     this.plot = this.make(canvas, place);
   }
