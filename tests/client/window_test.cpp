@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <string>
 #include <utility>
@@ -336,6 +338,31 @@ TEST(Window, OfOtherAxesIsLeftOut) {
   const auto windows = bench.session().windows(kBench);
   ASSERT_TRUE(windows);
   EXPECT_THAT(*windows, SizeIs(0));
+}
+
+TEST(Window, OfADamagedFileIsLeftOut) {
+  const test::TemporaryDirectory state;
+  const std::string words = "--axes 1 --state " + state.path().string();
+  {
+    RecordedBench bench(words);
+    ASSERT_TRUE(bench.session().freeze_window(kBench));
+    bench.step(600);
+  }
+  const auto file = state.path() / "bench-1.window-1";
+  const auto size = std::filesystem::file_size(file);
+  ASSERT_GT(size, 100U);
+  for (const std::uintmax_t place : {std::uintmax_t{0}, std::uintmax_t{20}, size / 2, size - 1}) {
+    std::fstream damaged(file, std::ios::binary | std::ios::in | std::ios::out);
+    damaged.seekg(static_cast<std::streamoff>(place));
+    const auto byte = static_cast<char>(damaged.get() ^ 0x10);
+    damaged.seekp(static_cast<std::streamoff>(place));
+    damaged.put(byte);
+  }
+  RecordedBench bench(words);
+  const auto windows = bench.session().windows(kBench);
+  ASSERT_TRUE(windows);
+  EXPECT_THAT(*windows, SizeIs(0));
+  EXPECT_FALSE(std::filesystem::exists(file)) << "it is removed, with a line in the log";
 }
 
 TEST(Window, OfRandomWritesIsAsItWas) {

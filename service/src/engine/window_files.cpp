@@ -81,9 +81,25 @@ struct ReadSegment {
   std::vector<BoxEntry> entries;
 };
 
+/// Whether a replay of these entries stays within the axes and the ticks of their segment.
+bool are_sound(std::span<const BoxEntry> entries, std::uint64_t ticks, std::size_t axes) {
+  std::uint64_t counted = 0;
+  for (const BoxEntry& entry : entries) {
+    const bool is_of_an_axis =
+        entry.kind == BoxEntry::Kind::change || entry.kind == BoxEntry::Kind::refusal;
+    if (entry.kind > BoxEntry::Kind::event || (is_of_an_axis && entry.axis >= axes)) return false;
+    if (entry.kind != BoxEntry::Kind::ticks) continue;
+    const auto more = static_cast<std::uint64_t>(entry.value);
+    if (more > ticks - counted) return false;
+    counted += more;
+  }
+  return counted == ticks;
+}
+
 bool take_segment(std::span<const std::byte>& bytes, std::size_t state_size, ReadSegment& segment) {
   SegmentHead head;
   if (!take_raw(bytes, head) || head.state != state_size || head.state > bytes.size()) return false;
+  if (head.cause > static_cast<std::uint64_t>(BlackBox::Segment::Cause::jumped)) return false;
   segment.kept = {.cause = static_cast<BlackBox::Segment::Cause>(head.cause),
                   .tick = head.tick,
                   .ticks = head.ticks,
@@ -102,21 +118,20 @@ bool take_segment(std::span<const std::byte>& bytes, std::size_t state_size, Rea
 
 WindowFiles::WindowFiles(std::filesystem::path directory, const Configuration& configuration)
     : directory_(std::move(directory)),
-      bench_(configuration.bench),
+      prefix_("bench-" + std::to_string(configuration.bench) + ".window-"),
+      axis_count_(configuration.axes.size()),
       axes_(stands_for(configuration)) {}
 
 std::filesystem::path WindowFiles::file(std::uint64_t number) const {
-  return directory_ / ("bench-" + std::to_string(bench_) + ".window-" + std::to_string(number));
+  return directory_ / (prefix_ + std::to_string(number));
 }
 
 void WindowFiles::load(BlackBox& box) {
   if (!box.is_on()) return;
-  const std::string begin =
-      file(0).filename().string().substr(0, file(0).filename().string().size() - 1);
   std::vector<std::filesystem::path> paths;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(directory_, error)) {
-    if (entry.path().filename().string().starts_with(begin)) paths.push_back(entry.path());
+    if (entry.path().filename().string().starts_with(prefix_)) paths.push_back(entry.path());
   }
   // By number: shorter ones are smaller.
   std::ranges::sort(paths, {}, [](const std::filesystem::path& path) {
@@ -140,12 +155,14 @@ bool WindowFiles::load(const std::filesystem::path& path, BlackBox& box) {
                        head.window_size == wanted.window_size &&
                        head.entry_size == wanted.entry_size && head.check == check_of(bytes) &&
                        take_raw(bytes, window) && path == file(window.number) &&
-                       window.segment_count <= Window::kMostSegments;
+                       window.segment_count <= Window::kMostSegments && window.cause_count > 0 &&
+                       window.cause_count <= Window::kMostCauses;
   if (!is_ours) return false;
   std::vector<ReadSegment> read(window.segment_count);
   std::vector<BlackBox::KeptSegment> segments;
   for (ReadSegment& segment : read) {
     if (!take_segment(bytes, box.state_size(), segment)) return false;
+    if (!are_sound(segment.entries, segment.kept.ticks, axis_count_)) return false;
     segments.push_back(segment.kept);
   }
   if (!box.adopt(window, segments)) return false;

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace vdrive::service {
@@ -32,7 +33,8 @@ class WindowFiles {
   void write(const BlackBox& box, const Window& window);
 
   std::filesystem::path directory_;
-  std::uint32_t bench_;
+  std::string prefix_;  ///< of the names of the files
+  std::size_t axis_count_;
   std::uint64_t axes_;        ///< stands for their configuration and the layout of the state
   std::vector<Window> kept_;  ///< by number
 };

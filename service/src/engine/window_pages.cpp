@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/window_pages.hpp"
 
+#include "base/log.hpp"
 #include "engine/history_marks.hpp"
 #include "vdrive/dictionary/object_table.hpp"
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <utility>
 
 namespace vdrive::service {
@@ -53,14 +55,23 @@ constexpr WrittenMark state_mark(BlackBox::Segment::Cause cause) noexcept {
 WindowPages::WindowPages(const Configuration& configuration, BlackBox& box)
     : configuration_(configuration), box_(box) {}
 
+/// A window that an earlier run has left in a file may have a state that is none.
 void WindowPages::complete(OutgoingReply& outgoing) {
   const auto page = std::move(outgoing.page);
-  if (!continues(*page)) go_to(*page);
-  page_ = *page;
-  has_context_ = false;
-  while (item_ != Item::end && add_item(outgoing)) {
+  try {
+    if (!continues(*page)) go_to(*page);
+    page_ = *page;
+    has_context_ = false;
+    while (item_ != Item::end && add_item(outgoing)) {
+    }
+    outgoing.reply.snapshot = item_ == Item::end ? 0 : place_;
+  } catch (const std::exception& error) {
+    log_warning("window {} of the black box cannot be read: {}", page->window.number, error.what());
+    replay_.reset();
+    outgoing.reply.objects.clear();
+    outgoing.axes.clear();
+    outgoing.reply.reason = msg::Reason::unknown_window;
   }
-  outgoing.reply.snapshot = item_ == Item::end ? 0 : place_;
   box_.let_go(page->window);
 }
 

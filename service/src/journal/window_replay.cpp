@@ -91,8 +91,9 @@ void WindowReplay::step() {
 bool WindowReplay::is_of_interest(const BoxEntry& entry) const {
   if (entry.kind != BoxEntry::Kind::event) return is_wanted_[entry.axis];
   if (entry.axis == 0) return true;
-  const auto index = std::ranges::lower_bound(numbers_, entry.axis) - numbers_.begin();
-  return is_wanted_[static_cast<std::size_t>(index)];
+  const auto number = std::ranges::lower_bound(numbers_, entry.axis);
+  return number != numbers_.end() && *number == entry.axis &&
+         is_wanted_[static_cast<std::size_t>(number - numbers_.begin())];
 }
 
 void WindowReplay::apply(const BoxEntry& entry) {

@@ -12,9 +12,13 @@ ReplyPublisher::ReplyPublisher(WireLink& link, const BenchIdentity& identity, Co
   command_reply_.ignored_set_points.reserve(msg::MAX_AXES_PER_FRAME);
 }
 
-void ReplyPublisher::deliver(Inbox& inbox, Outbox& outbox) {
+void ReplyPublisher::deliver(Inbox& inbox, Outbox& outbox, std::size_t most_pages) {
   while (OutgoingReply* const outgoing = outbox.replies.front()) {
-    if (outgoing->page) complete_(*outgoing);
+    if (outgoing->page) {
+      if (most_pages == 0) break;
+      --most_pages;
+      complete_(*outgoing);
+    }
     if (!link_.post_to(outgoing->destination, outgoing->reply, outgoing->axes)) break;
     outbox.replies.pop();
   }

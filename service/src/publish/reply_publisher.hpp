@@ -7,7 +7,9 @@
 #include "seam/wire_link.hpp"
 #include "vdrive_messages.hpp"
 
+#include <cstddef>
 #include <functional>
+#include <limits>
 
 namespace vdrive::service {
 
@@ -24,7 +26,10 @@ class ReplyPublisher {
 
   /// Sends what waits in the outbox and answers what the inbox turned away. What finds no room in
   /// the lane of the wire stays in the outbox.
-  void deliver(Inbox& inbox, Outbox& outbox);
+  /// @param most_pages how many pages may be computed: each may take some 100 ms, and the calling
+  ///        thread has other work
+  void deliver(Inbox& inbox, Outbox& outbox,
+               std::size_t most_pages = std::numeric_limits<std::size_t>::max());
 
   /// @return whether the participant reads replies now.
   [[nodiscard]] bool is_matched(const wire::Source& source) const noexcept {

@@ -307,7 +307,7 @@ void BenchRun::switch_off() noexcept {
 void BenchRun::report_once() {
   supervise_wire();
   static_cast<void>(receive_notices());
-  if (!lockstep_) replies_.deliver(inbox_, outbox_);
+  if (!lockstep_) replies_.deliver(inbox_, outbox_, 1);
   reports_.publish(inbox_, outbox_);
   if (window_files_) window_files_->save(engine_.black_box());
   report_beats_.add();
