@@ -52,12 +52,12 @@ extern const CommandRow kCompletion;
 namespace {
 
 constexpr std::array kCommands{
-    &kList,       &kStatus, &kDescribe,  &kWatch,   &kEvents,     &kFaults,    &kEnable,
-    &kDisable,    &kReset,  &kQuickStop, &kStop,    &kPowerCycle, &kMove,      &kHome,
-    &kVelocity,   &kTorque, &kJog,       &kHalt,    &kResume,     &kRead,      &kWrite,
-    &kDictionary, &kStore,  &kRestore,   &kDisturb, &kStep,       &kRate,      &kSnapshot,
-    &kRun,        &kTest,   &kExpect,    &kWait,    &kShell,      &kRecord,    &kConvert,
-    &kPlot,       &kJudge,  &kDoctor,    &kBench,   &kDemo,       &kCompletion};
+    &kList,   &kStatus,    &kDescribe, &kWatch,      &kEvents, &kEnable,    &kDisable,
+    &kReset,  &kQuickStop, &kStop,     &kPowerCycle, &kMove,   &kHome,      &kVelocity,
+    &kTorque, &kJog,       &kHalt,     &kResume,     &kRead,   &kWrite,     &kDictionary,
+    &kStore,  &kRestore,   &kDisturb,  &kStep,       &kRate,   &kSnapshot,  &kFaults,
+    &kRun,    &kTest,      &kExpect,   &kWait,       &kShell,  &kRecord,    &kConvert,
+    &kPlot,   &kJudge,     &kDoctor,   &kBench,      &kDemo,   &kCompletion};
 
 }  // namespace
 

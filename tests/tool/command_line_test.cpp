@@ -78,7 +78,7 @@ TEST(CommandLine, NamesTheFirstUnexpectedArgument) {
 
 TEST(CommandLine, ExplainsTheOrderOfCommandAndOption) {
   EXPECT_EQ(refusal_of(split("--bench 7 step 1")),
-            "'--bench' belongs after its command, such as 'vdrive faults ... --bench'");
+            "'--bench' belongs after its command, such as 'vdrive step ... --bench'");
   EXPECT_EQ(refusal_of(split("--jsn list")), "'--jsn' is not an option (did you mean '--json'?)");
   EXPECT_EQ(refusal_of(split("--nothing=3 list")), "'--nothing' is not an option");
 }

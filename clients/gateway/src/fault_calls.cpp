@@ -51,10 +51,16 @@ Json story_json(const client::FaultStory& story) {
   return {{"title", story.title}, {"lines", story.lines}, {"remedy", story.remedy}};
 }
 
+std::string text_of_write(const client::AxisWrite& write) {
+  using Kind = client::AxisWrite::Kind;
+  if (write.kind == Kind::power_cycle) return "power cycle";
+  if (write.kind == Kind::connection_loss) return "its master fell silent";
+  return object_text(write.object) + " = " + std::to_string(write.value);
+}
+
 Json write_json(const client::AxisWrite& write, const client::SessionText& name) {
   return {{"tick", write.tick},
-          {"object", write.object.index == 0 ? std::string() : object_text(write.object)},
-          {"value", write.value},
+          {"text", text_of_write(write)},
           {"refused", write.reason != 0},
           {"by", write.session == 0 ? std::string() : name(write.session)}};
 }

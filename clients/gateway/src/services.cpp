@@ -365,7 +365,7 @@ Json response_schema(const ServiceRow& row) {
   if (row.call == call_fault) {
     const Json story = object_schema("title:string lines:string[] remedy:string");
     const Json write = object_schema(
-        "tick:integer object:string value:integer refused:boolean "
+        "tick:integer text:string refused:boolean "
         "by:string");
     return object_schema(
         members + " kept?:window stories?:story[] writes?:write[] samples?:samples",

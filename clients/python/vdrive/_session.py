@@ -299,6 +299,9 @@ class Session(Handle):
                      if not faulted or int(axis.id.partition(".")[2]) in faulted]
         else:
             shown = self._axes_of(axes)
+            for axis in shown:
+                if axis.id.partition(".")[0] != str(kept.bench):
+                    raise ValueError(f"axis {axis.id} is not on bench {kept.bench}, whose fault is shown")
         record, frames, writes, events, stories = self._handle.window(
             whole("number", number, 1), [axis._handle for axis in shown])
         recording = Recording([axis.id for axis in shown], [axis.name for axis in shown], frames,

@@ -81,6 +81,7 @@ class _Recorder:
             self._stream = self._session.stream(self._axes, capacity=self._capacity)
             self._events = self._session.events(history=True, capacity=_MOST_EVENTS)
             self._period = self._session.find_bench(self._axes[0].bench).period
+            self._earlier = max((each.number for each in self._session.faults()), default=0)
         except Exception as error:
             self._problem = error
 
@@ -106,7 +107,8 @@ class _Recorder:
         stories: list[str] = []
         with contextlib.suppress(Exception):  # a bench that the test has ended
             assert self._session is not None
-            for fault in reversed(self._session.faults()[-_MOST_STORIES:]):
+            faults = [each for each in self._session.faults() if each.number > self._earlier]
+            for fault in reversed(faults[-_MOST_STORIES:]):
                 stories += map(str, self._session.fault(fault.number).stories)
         return stories
 

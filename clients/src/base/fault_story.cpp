@@ -53,16 +53,15 @@ class Story {
   Story(const Window& window, const WindowCause& cause, const BenchInfo& bench,
         const SessionText& name_of)
       : window_(window), cause_(cause), bench_(bench), name_of_(name_of) {
+    std::uint64_t shown = 0;  // the tick of the values: writes before it are in them
     for (const WindowValue& value : window.values) {
-      if (value.axis == cause.axis && value.tick <= cause.tick) {
-        known_[value.object] = {.value = value.value};
-      }
+      if (value.axis != cause.axis || value.tick > cause.tick) continue;
+      known_[value.object] = {.value = value.value};
+      shown = value.tick;
     }
     for (const AxisWrite& write : window.writes) {
-      if (write.axis != cause.axis || write.tick >= cause.tick || write.reason != 0) continue;
-      if (write.kind == AxisWrite::Kind::write) {
-        known_[write.object] = {.value = write.value, .write = write};
-      }
+      const bool is_before = write.tick >= shown && write.tick < cause.tick;
+      if (write.axis == cause.axis && is_before && write.reason == 0) take(write);
     }
     for (const Observation& sample : window.samples) {
       if (sample.tick > cause.tick) break;
@@ -96,6 +95,19 @@ class Story {
   }
 
  private:
+  void take(const AxisWrite& write) {
+    if (write.kind == AxisWrite::Kind::write) {
+      known_[write.object] = {.value = write.value, .write = write};
+    } else if (write.kind == AxisWrite::Kind::connection_loss) {
+      lost_at_ = write.tick;
+    } else if (write.kind == AxisWrite::Kind::power_cycle) {
+      // Inputs of the test bench stay; what else there is now the window does not show.
+      std::erase_if(known_, [](const auto& known) {
+        return !is_test_input(known.first);
+      });
+    }
+  }
+
   [[nodiscard]] std::string title() const {
     std::string text = cause_.axis == 0 ? "bench " + std::to_string(bench_.number)
                                         : "axis " + std::to_string(bench_.number) + "." +
@@ -129,7 +141,7 @@ class Story {
   }
 
   [[nodiscard]] std::string writer_text(const AxisWrite& write) const {
-    if (write.means == AxisWrite::Means::bench) return "by the bench, which ended";
+    if (write.means == AxisWrite::Means::bench) return "by the bench as it shut down";
     return write.session == 0 ? "by a program without a session" : "by " + name_of_(write.session);
   }
 
@@ -173,11 +185,13 @@ class Story {
   }
 
   void add_silence() {
-    for (const WindowEvent& event : window_.events) {
-      if (event.kind != EventKind::master_lost || event.tick > cause_.tick + 1) continue;
-      lines_.push_back("the bench had lost its master, " + name_of_(event.session) + ", at tick " +
-                       std::to_string(event.tick));
-    }
+    if (!lost_at_) return;
+    std::string line = "its master fell silent";
+    const auto event = std::ranges::find_if(window_.events, [this](const WindowEvent& each) {
+      return each.kind == EventKind::master_lost && each.tick == *lost_at_;
+    });
+    if (event != window_.events.end()) line += ", " + name_of_(event->session) + ",";
+    lines_.push_back(line + " and was given up at " + before_text(*lost_at_));
   }
 
   void add_command() {
@@ -217,6 +231,7 @@ class Story {
   const SessionText& name_of_;
   std::map<ObjectAddress, Known> known_;     ///< at the time of the cause
   std::vector<const AxisSnapshot*> before_;  ///< up to the tick of the cause
+  std::optional<std::uint64_t> lost_at_;     ///< the tick in which its master was given up
   std::vector<std::string> lines_;
 };
 

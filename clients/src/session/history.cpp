@@ -155,9 +155,11 @@ std::optional<WindowBreak::Kind> break_of(WrittenMark mark) {
 Result<KeptWindow> kept_window(SessionCore& core, std::uint32_t bench, std::uint64_t number) {
   const auto next = exchange_with_bench(core, bench, ask::next_window(number - 1), "windows");
   if (!next) return next.outcome();
-  if (next->snapshot == number) return window_of(*next);
-  return Outcome::refused(wire::number(msg::Reason::unknown_window),
-                          "window " + std::to_string(number) + " is not kept any more");
+  KeptWindow window = window_of(*next);
+  if (next->snapshot == number && !window.causes.empty()) return window;
+  return Outcome::refused(
+      wire::number(msg::Reason::unknown_window),
+      "bench " + std::to_string(bench) + " does not keep window " + std::to_string(number));
 }
 
 /// Waits until the bench has recorded a window to its end, where time passes by itself.
@@ -188,8 +190,6 @@ class WindowReader {
     }
     for (const wire::ReceivedStatus& status : page.axes) take_status(status, axes);
   }
-
-  [[nodiscard]] bool is_empty() const noexcept { return window_.samples.empty(); }
 
   [[nodiscard]] Window window_of(KeptWindow kept) && {
     window_.kept = std::move(kept);
@@ -228,14 +228,15 @@ class WindowReader {
     }
   }
 
-  /// Values follow. At the begin of a window nothing breaks.
+  /// Values follow. At the beginning of a window nothing breaks.
   void take_state(std::optional<WindowBreak::Kind> kind) {
     are_values_ = true;
-    if (kind && !is_empty()) window_.breaks.push_back({.kind = *kind, .tick = next_.tick});
+    const bool is_beginning = !std::exchange(has_begun_, true);
+    if (kind && !is_beginning) window_.breaks.push_back({.kind = *kind, .tick = next_.tick});
   }
 
   void take_status(const wire::ReceivedStatus& status, std::size_t axes) {
-    if (is_empty() || window_.samples.back().axes.size() == axes) {
+    if (window_.samples.empty() || window_.samples.back().axes.size() == axes) {
       window_.samples.emplace_back().tick = status.tick;
     }
     AxisSnapshot& axis = window_.samples.back().axes.emplace_back();
@@ -246,6 +247,7 @@ class WindowReader {
   Window window_;
   AxisWrite next_;             ///< tick and author of what follows
   std::uint64_t session_ = 0;  ///< of the event that follows
+  bool has_begun_ = false;     ///< a state was shown
   bool are_values_ = false;    ///< what follows are no writes
 };
 
@@ -321,6 +323,7 @@ Result<std::vector<KeptWindow>> Session::windows(std::uint32_t bench) {
     if (!next) return next.outcome();
     if (next->snapshot <= number) return kept;  // 0; or one that counts back has no end
     kept.push_back(window_of(*next));
+    if (kept.back().causes.empty()) return Outcome::failed("a window of the bench has no cause");
   }
 }
 

@@ -95,7 +95,8 @@ Outcome list_windows(std::optional<std::uint32_t> number, CommandContext& contex
     const auto windows = context.session.windows(bench.number);
     if (!windows) return windows.outcome();
     if (windows->empty() && !context.output.is_json) {
-      context.output.terminal.print("bench " + std::to_string(bench.number) + " keeps no fault");
+      context.output.terminal.print("bench " + std::to_string(bench.number) +
+                                    " has recorded no faults");
     }
     for (const KeptWindow& window : *windows) {
       context.output.terminal.print(context.output.is_json ? to_line(window_json(bench, window))
@@ -209,7 +210,7 @@ class ShownWindow {
       case client::WindowBreak::Kind::missing:
         break;
     }
-    return "nothing was recorded before";
+    return "recording was interrupted before this tick";
   }
 
   const client::BenchInfo& bench_;
@@ -304,7 +305,12 @@ struct FaultsCommand {
       const auto named = context.axes.axes(axes);
       if (!named) return named.outcome();
       std::vector<client::AxisId> ids;
-      for (const client::Axis& axis : *named) ids.push_back(axis.id());
+      for (const client::Axis& axis : *named) {
+        ids.push_back(axis.id());
+        if (axis.id().bench == of_bench.number) continue;
+        return Outcome::not_found("axis " + to_string(axis.id()) + " is not on bench " +
+                                  std::to_string(of_bench.number) + ", whose fault is shown");
+      }
       return ids;
     }
     const auto windows = context.session.windows(of_bench.number);

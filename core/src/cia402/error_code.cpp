@@ -23,17 +23,18 @@ constexpr std::array<ErrorRow, 9> kErrors{{
     {ErrorCode::load_level, "load level fault", 1U << 1U, false,
      "Let the motor cool; move with lower accelerations or longer pauses."},
     {ErrorCode::dc_link_under_voltage, "DC link under-voltage", 1U << 2U, true,
-     "Look at the supply and its fuses; the drive coasts until the voltage is back."},
+     "Check the supply and its fuses; the drive coasts until the voltage is back."},
     {ErrorCode::excess_temperature_drive, "excess temperature drive", 1U << 3U, false,
-     "Let the drive cool, and look at its ventilation."},
+     "Let the drive cool, and check its ventilation."},
     {ErrorCode::parameter_memory, "parameter memory error", 0, false,
      "Restore the defaults (1011h) and store the parameters again (1010h)."},
     {ErrorCode::incremental_sensor_1_fault, "incremental sensor 1 fault", 1U << 5U, true,
-     "Look at the encoder and its cable; after it is back, home the axis again."},
+     "Check the encoder and its cable; then home the axis again."},
     {ErrorCode::life_guard_or_heartbeat, "life guard or heartbeat error", 1U << 4U, false,
-     "Find out why the master fell silent; a longer watchdog or another 6007h hides it."},
+     "Find out why the master fell silent; a longer watchdog or another 6007h would only hide it."},
     {ErrorCode::following_error, "following error", 1U << 5U, false,
-     "Look for what blocks the load; else lower the acceleration or the speed, or widen 6065h and "
+     "Look for what blocks the load; otherwise lower the acceleration or the speed, or widen 6065h "
+     "and "
      "6066h on purpose."},
     {ErrorCode::sync_controller, "sync controller error", 1U << 5U, false,
      "Send a set-point in each cycle of 60C2h, and SYNC in time."},

@@ -33,7 +33,7 @@ struct Window {
   std::uint64_t number = 0;
   std::uint64_t first_tick = 0;
   std::uint64_t last_tick = 0;
-  std::uint32_t more_causes = 0;  ///< that found no room in `causes`
+  std::uint32_t more_causes = 0;  ///< for which `causes` had no room
   std::uint32_t cause_count = 0;
   std::uint32_t segment_count = 0;
   std::array<WindowCause, kMostCauses> causes{};  ///< the first is why it was frozen

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <span>
 #include <string>
@@ -19,7 +20,9 @@
 namespace vdrive::service {
 namespace {
 
-constexpr std::uint64_t kWindowMagic = 0x776F646E69777664ULL;  // "dvwindow"
+constexpr std::uint64_t kWindowMagic = 0x776F646E69777664ULL;      // "dvwindow"
+constexpr std::uint64_t kHighestNumber = std::uint64_t{1} << 62U;  // of a tick and of a window
+constexpr std::uint64_t kMostTicks = 1'000'000;                    // of a segment: 5 s
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30U;
 
 /// What stands before the segments.
@@ -99,6 +102,7 @@ bool are_sound(std::span<const BoxEntry> entries, std::uint64_t ticks, std::size
 bool take_segment(std::span<const std::byte>& bytes, std::size_t state_size, ReadSegment& segment) {
   SegmentHead head;
   if (!take_raw(bytes, head) || head.state != state_size || head.state > bytes.size()) return false;
+  if (head.ticks > kMostTicks || head.tick > kHighestNumber) return false;
   if (head.cause > static_cast<std::uint64_t>(BlackBox::Segment::Cause::jumped)) return false;
   segment.kept = {.cause = static_cast<BlackBox::Segment::Cause>(head.cause),
                   .tick = head.tick,
@@ -130,11 +134,12 @@ void WindowFiles::load(BlackBox& box) {
   if (!box.is_on()) return;
   std::vector<std::filesystem::path> paths;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(directory_, error)) {
-    if (entry.path().filename().string().starts_with(prefix_)) paths.push_back(entry.path());
+  for (std::filesystem::directory_iterator entry(directory_, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (entry->path().filename().string().starts_with(prefix_)) paths.push_back(entry->path());
   }
-  // By number: shorter ones are smaller.
-  std::ranges::sort(paths, {}, [](const std::filesystem::path& path) {
+  // The newest first: of two numbers the longer one is greater.
+  std::ranges::sort(paths, std::greater{}, [](const std::filesystem::path& path) {
     return std::pair(path.string().size(), path.string());
   });
   for (const std::filesystem::path& path : paths) {
@@ -165,33 +170,25 @@ bool WindowFiles::load(const std::filesystem::path& path, BlackBox& box) {
     if (!are_sound(segment.entries, segment.kept.ticks, axis_count_)) return false;
     segments.push_back(segment.kept);
   }
-  if (!box.adopt(window, segments)) return false;
-  kept_.push_back(window);
+  kept_.insert(kept_.begin(), window);
+  if (!box.adopt(window, segments)) {
+    log_warning("{}: black_box.memory_mib has no room for it; the file stays", path.string());
+  }
   return true;
 }
 
 void WindowFiles::save(BlackBox& box) {
-  while (const Window* const window = box.handed_over()) {
-    try {
-      write(box, *window);
-    } catch (const std::exception& error) {
-      log_warning("window {} of the black box is not kept on disk: {}", window->number,
-                  error.what());
-    }
-    box.pop_handed_over();
+  const Window* const window = box.handed_over();
+  if (window == nullptr) return;
+  try {
+    write(box, *window);
+  } catch (const std::exception& error) {
+    log_warning("window {} of the black box is not kept on disk: {}", window->number, error.what());
   }
+  box.pop_handed_over();
 }
 
 void WindowFiles::write(const BlackBox& box, const Window& window) {
-  std::erase_if(kept_, [&](const Window& kept) {
-    return kept.number == window.number;  // it was opened, and is complete now
-  });
-  while (kept_.size() >= kMostWindows) {
-    const std::size_t place = place_to_drop(kept_);
-    std::error_code gone;
-    std::filesystem::remove(file(kept_[place].number), gone);
-    kept_.erase(kept_.begin() + static_cast<std::ptrdiff_t>(place));
-  }
   std::vector<std::byte> content;
   put_raw(content, window);
   for (std::size_t place = 0; place < window.segment_count; ++place) {
@@ -208,7 +205,7 @@ void WindowFiles::write(const BlackBox& box, const Window& window) {
   std::vector<std::byte> head;
   put_raw(head, WindowHead{.axes = axes_, .check = check_of(content)});
   const std::filesystem::path name = file(window.number);
-  std::filesystem::path beside = directory_ / ("new-" + name.filename().string());
+  const std::filesystem::path beside = directory_ / (prefix_ + "new");  // removed at the next start
   {
     std::ofstream stream;
     stream.exceptions(std::ios::failbit | std::ios::badbit);
@@ -219,6 +216,15 @@ void WindowFiles::write(const BlackBox& box, const Window& window) {
     }
   }
   std::filesystem::rename(beside, name);
+  std::erase_if(kept_, [&](const Window& kept) {
+    return kept.number == window.number;  // it was opened, and is complete now
+  });
+  while (kept_.size() >= kMostWindows) {
+    const std::size_t place = place_to_drop(kept_);
+    std::error_code gone;
+    std::filesystem::remove(file(kept_[place].number), gone);
+    kept_.erase(kept_.begin() + static_cast<std::ptrdiff_t>(place));
+  }
   kept_.push_back(window);
 }
 

@@ -55,7 +55,7 @@ constexpr WrittenMark state_mark(BlackBox::Segment::Cause cause) noexcept {
 WindowPages::WindowPages(const Configuration& configuration, BlackBox& box)
     : configuration_(configuration), box_(box) {}
 
-/// A window that an earlier run has left in a file may have a state that is none.
+/// A window that an earlier run has left in a file may have an invalid state.
 void WindowPages::complete(OutgoingReply& outgoing) {
   const auto page = std::move(outgoing.page);
   try {
@@ -73,6 +73,7 @@ void WindowPages::complete(OutgoingReply& outgoing) {
     outgoing.reply.reason = msg::Reason::unknown_window;
   }
   box_.let_go(page->window);
+  box_.pages_waiting.fetch_sub(1, std::memory_order_relaxed);
 }
 
 bool WindowPages::continues(const WindowPage& page) const {

@@ -3,6 +3,7 @@
 
 #include "engine/history_marks.hpp"
 
+#include <atomic>
 #include <span>
 
 namespace vdrive::service {
@@ -56,6 +57,11 @@ Reason Windows::read(const msg::Request& request, msg::Reply& reply) {
   BlackBox& box = axes_.black_box();
   if (!box.is_on()) return msg::Reason::no_black_box;
   if (request.axes.empty()) return msg::Reason::nothing_done;
+  // All answers wait behind pages that are computed.
+  constexpr std::uint32_t kMostPages = 4;
+  if (box.pages_waiting.load(std::memory_order_relaxed) >= kMostPages) {
+    return msg::Reason::queue_full;
+  }
   auto page = std::make_unique<WindowPage>();
   for (const std::uint16_t number : request.axes) {
     const auto axis = axes_.index_of(number);
@@ -80,6 +86,7 @@ Reason Windows::read(const msg::Request& request, msg::Reply& reply) {
   page->window = *window;
   page->place = request.ticks;
   box.hold(page->window);
+  box.pages_waiting.fetch_add(1, std::memory_order_relaxed);
   reply.tick = window->last_tick;
   page_ = std::move(page);
   return msg::Reason::none;

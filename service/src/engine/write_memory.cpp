@@ -33,7 +33,6 @@ void WriteMemory::put(const JournalEntry& entry, const JournalAuthor& author) {
       return;  // the status shows it
     }
   } else if (const auto* const refusal = std::get_if<JournalRefusal>(&entry)) {
-    if (refusal->address.index == 0) return;  // it would be read as a mark
     kept.axis = numbers_[refusal->axis];
     kept.address = refusal->address;
     kept.value = refusal->value;

@@ -157,8 +157,9 @@ void BlackBox::record_event(const EventRecord& event) {
        .address = {static_cast<std::uint16_t>(event.kind), 0},
        .kind = BoxEntry::Kind::event});
   if (const auto kind = cause_kind(event.kind)) {
+    const std::uint32_t code = *kind == WindowCause::Kind::fault ? event.code : 0;
     static_cast<void>(
-        freeze({.kind = *kind, .axis = event.axis, .code = event.code, .session = event.session}));
+        freeze({.kind = *kind, .axis = event.axis, .code = code, .session = event.session}));
   }
 }
 
@@ -222,28 +223,35 @@ void BlackBox::pop_handed_over() noexcept {
 }
 
 bool BlackBox::adopt(const Window& window, std::span<const KeptSegment> segments) {
+  if (windows_.size() == kMostWindows || !has_room_for(segments)) return false;
   Window kept = window;
   kept.segment_count = 0;
-  bool has_room = windows_.size() < kMostWindows;
   for (const KeptSegment& segment : segments) {
-    const auto slot = has_room ? take_slot() : std::nullopt;
-    has_room = slot && open(*slot, segment.tick, segment.cause);
-    if (!has_room) break;
+    const auto slot = take_slot();
+    if (!slot || !open(*slot, segment.tick, segment.cause)) break;
     Segment& mine = segments_[*slot];
-    kept.segments[kept.segment_count++] = *slot;
+    kept.segments[kept.segment_count] = *slot;
+    ++kept.segment_count;
     std::ranges::copy(segment.state, mine.state.begin());
     mine.ticks = segment.ticks;
-    for (const BoxEntry& entry : segment.entries) {
-      has_room = has_room && append(mine, entry) != nullptr;
-    }
+    for (const BoxEntry& entry : segment.entries) static_cast<void>(append(mine, entry));
   }
-  if (!has_room) {
-    let_go(kept);
-    return false;
-  }
-  windows_.push_back(kept);
+  windows_.insert(windows_.begin(), kept);
   last_number_ = std::max(last_number_, kept.number);
   return true;
+}
+
+/// In half of the memory: the run that begins needs the rest.
+bool BlackBox::has_room_for(std::span<const KeptSegment> segments) const noexcept {
+  std::size_t blocks = blocks_made_;
+  for (const KeptSegment& segment : segments) {
+    blocks += segment.entries.size() / kEntriesOfBlock + 1;
+  }
+  std::size_t slots = segments.size();
+  for (std::size_t slot = 0; slot < slots_; ++slot) {
+    slots += segments_[slot].holders.load(std::memory_order_relaxed) > 0 ? 1 : 0;
+  }
+  return slots <= slots_ / 2 && blocks <= blocks_.capacity() / 2;
 }
 
 const Window* BlackBox::next_window(std::uint64_t number) const noexcept {

@@ -22,7 +22,7 @@
 
 namespace vdrive::service {
 
-/// Something that the black box has recorded, in the order of its happening.
+/// Something that the black box has recorded, in the order in which it happened.
 struct BoxEntry {
   enum class Kind : std::uint8_t {
     ticks,    ///< value: how many were completed one after the other
@@ -89,11 +89,12 @@ class BlackBox {
   /// A fault, a lost master and a stop by somebody freeze a window.
   void record_event(const EventRecord& event);
 
-  /// Freezes a window around the last tick, or adds the cause to the one that is still recorded.
+  /// Freezes a window around the last tick, or adds the cause to the one that is still being
+  /// recorded.
   /// @return its number, 0 = nothing is recorded
   std::uint64_t freeze(const WindowCause& cause);
 
-  /// The window that is still recorded ends with the last tick.
+  /// The window that is still being recorded ends with the last tick.
   void end_window(const AxisBank& bank);
 
   /// @return the window with the least number above `number`, or nullptr.
@@ -101,7 +102,7 @@ class BlackBox {
 
   [[nodiscard]] bool is_open(const Window& window) const noexcept { return &window == &open_; }
 
-  /// @return the tick with which the window that is still recorded ends.
+  /// @return the tick with which the window that is still being recorded ends.
   [[nodiscard]] std::uint64_t end_of_open() const noexcept { return open_until_; }
 
   /// From now on a window is handed over when it is frozen, and again as soon as it is opened.
@@ -122,9 +123,13 @@ class BlackBox {
     std::span<const BoxEntry> entries;
   };
 
-  /// Before the first step: keeps a window of an earlier run under its number.
-  /// @return whether there was room
+  /// Before the first step: keeps a window of an earlier run under its number, newest windows
+  /// first.
+  /// @return whether there is room beside those that are there
   bool adopt(const Window& window, std::span<const KeptSegment> segments);
+
+  /// How many pages of windows wait to be computed. Any thread.
+  std::atomic<std::uint32_t> pages_waiting{0};
 
   /// The segments of the window stay as they are until they are let go, by any thread.
   void hold(const Window& window) noexcept;
@@ -166,6 +171,7 @@ class BlackBox {
   [[nodiscard]] BoxEntry* append(Segment& segment, const BoxEntry& entry);
   [[nodiscard]] bool open(std::uint32_t slot, std::uint64_t tick, Segment::Cause cause);
   void collect_segments(Window& window) const;
+  [[nodiscard]] bool has_room_for(std::span<const KeptSegment> segments) const noexcept;
   void hand_over(const Window& window) noexcept;
   [[nodiscard]] std::optional<std::uint32_t> take_slot();
   [[nodiscard]] std::optional<std::uint32_t> take_block();

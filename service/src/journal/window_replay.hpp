@@ -28,7 +28,7 @@ class WindowReplay {
   /// @throws what AxisBank throws
   explicit WindowReplay(const Configuration& configuration);
 
-  /// Goes to the begin of a window.
+  /// Goes to the beginning of a window.
   /// @param axes indexes on the bench
   void start(const BlackBox& box, const Window& window, std::span<const std::size_t> axes);
 

@@ -172,8 +172,9 @@ void BenchRun::stop() noexcept {
   switch_off();
   finish_stores();
   if (window_files_) {
-    engine_.black_box().end_window(engine_.bank());
-    window_files_->save(engine_.black_box());
+    BlackBox& box = engine_.black_box();
+    box.end_window(engine_.bank());
+    while (box.handed_over() != nullptr) window_files_->save(box);
   }
   journal_.reset();  // writes its end; the engine is not used any more
   replies_.deliver(inbox_, outbox_);

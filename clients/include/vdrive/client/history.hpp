@@ -63,17 +63,17 @@ struct WindowCause {
 [[nodiscard]] std::string_view to_string(WindowCause::Kind kind) noexcept;
 
 /// A stretch of time that the black box of a bench keeps: from 2 s before its first cause to 0.5 s
-/// after the last.
+/// after the last, at most 2 s after the first.
 struct KeptWindow {
   std::uint64_t number = 0;
   std::uint64_t first_tick = 0;
   std::uint64_t last_tick = 0;
-  bool is_open = false;               ///< it is still recorded: `last_tick` will be its last one
+  bool is_open = false;  ///< it is still being recorded: `last_tick` will be its last one
   std::vector<WindowCause> causes{};  ///< the first ones, oldest first
   std::uint64_t more_causes = 0;      ///< that are not among them
 };
 
-/// The value of an object at the begin of a window, or after a break of it.
+/// The value of an object at the beginning of a window, or after a break of it.
 struct WindowValue {
   std::uint64_t tick = 0;
   std::uint16_t axis = 0;  ///< number on its bench

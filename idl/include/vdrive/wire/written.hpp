@@ -23,7 +23,7 @@ enum class WrittenMark : std::uint8_t {
   connection_loss = 8,  ///< of the axis of this mark: its master fell silent
   event = 9,            ///< value: EventKind, abort_code: its code; axis 0 = the bench
   of_session = 10,      ///< value: the session that the event or the cause after it names
-  began = 11,           ///< what follows are no writes but the values of objects at the begin
+  began = 11,           ///< what follows are no writes but the values of objects at the beginning
   jumped = 12,          ///< likewise, after the number of the tick has jumped
   resumed = 13,         ///< likewise, after a time that was not recorded
   fault = 14,           ///< a cause; value: tick, abort_code: 603Fh

@@ -48,12 +48,11 @@ export const FAULT = {
         type: "object",
         properties: {
           tick: { type: "integer" },
-          object: { type: "string" },
-          value: { type: "integer" },
+          text: { type: "string" },
           refused: { type: "boolean" },
           by: { type: "string" },
         },
-        required: ["tick", "object", "value", "refused", "by"],
+        required: ["tick", "text", "refused", "by"],
       },
     },
     samples: {

@@ -34,6 +34,7 @@ export class FaultCard implements View {
   private askedAt = -Infinity;
   private known = "";
   private shown?: number;
+  private newest = "";
 
   constructor(
     private readonly model: Model,
@@ -50,6 +51,7 @@ export class FaultCard implements View {
   update(now: number): void {
     const isFaulted = (this.trace.last["error_code"] ?? 0) !== 0;
     mark(this.root, "faulted", isFaulted);
+    put(this.summary, `${t(isFaulted ? "fault" : "last_fault")}: ${this.newest}`);
     this.resetButton.hidden = !isFaulted;
     this.resetButton.disabled = this.model.whyDisabled([this.ref], now) !== "";
     this.resetButton.title = this.model.whyDisabled([this.ref], now);
@@ -75,7 +77,7 @@ export class FaultCard implements View {
     this.root.hidden = windows.length === 0;
     const newest = windows.find(({ is_open }) => !is_open);
     if (windows.length === 0 || newest === undefined) return;
-    put(this.summary, `${t(isFaulted ? "fault" : "last_fault")}: ${this.nameOf(newest)}`);
+    this.newest = this.nameOf(windows[0]);
     const options = windows.filter(({ is_open }) => !is_open).map((window) => ({ value: String(window.window), text: this.nameOf(window) }));
     const chosen = select(t("faults"), options, String(newest.window), (value) => void this.show(Number(value)));
     this.choice.replaceChildren(chosen, this.resetButton);
@@ -161,12 +163,12 @@ export class FaultCard implements View {
 
   private writes({ kept, writes }: Fault): HTMLElement {
     const cause = kept.causes[0].tick;
-    const rows = writes.slice(-MOST_WRITES).map(({ tick, object, value, refused, by }) =>
+    const rows = writes.slice(-MOST_WRITES).map(({ tick, text, refused, by }) =>
       h(
         "li",
         {},
         h("span", { class: "number time" }, `${((tick - cause) * this.trace.period * 1e3).toFixed(1)} ms`),
-        h("span", { class: "message" }, `${object} = ${value}${refused ? ` (${t("refused")})` : ""}`),
+        h("span", { class: "message" }, `${text}${refused ? ` (${t("refused")})` : ""}`),
         h("span", { class: "source" }, by),
       ),
     );
