@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { strip, windowsOf, type KeptWindow } from "../src/data/faults";
+import { scaleOf, strip, windowsOf, type KeptWindow } from "../src/data/faults";
 
 function kept(window: number, axes: number[]): KeptWindow {
   const causes = axes.map((axis) => ({ kind: "fault", axis, code: 0x8611, tick: 10 }));
@@ -16,19 +16,26 @@ test("the windows of an axis are those with a cause of it, newest first", () => 
 
 test("a strip has each value where there are pixels enough", () => {
   // 0 stands at the bottom, 10 at the top, 5 in the middle
-  assert.deepEqual(strip([0, 10, 5], 100, 40), { points: "0.0,40.0 50.0,0.0 100.0,20.0", low: 0, high: 10 });
+  const values = [0, 10, 5];
+  assert.equal(strip(values, scaleOf(values), 100, 40), "0.0,40.0 50.0,0.0 100.0,20.0");
 });
 
 test("a strip keeps the highest and the lowest value of a pixel", () => {
   const values = new Array<number>(1000).fill(0);
   values[501] = 7;
   values[502] = -3;
-  const { points, low, high } = strip(values, 10, 100);
-  assert.deepEqual([low, high], [-3, 7]);
+  assert.deepEqual(scaleOf(values), { low: -3, high: 7 });
+  const points = strip(values, scaleOf(values), 10, 100);
   assert.ok(points.includes(",0.0"));
   assert.ok(points.includes(",100.0"));
 });
 
 test("a strip of one value is a line in the middle", () => {
-  assert.equal(strip([4, 4, 4], 10, 20).points, "0.0,10.0 5.0,10.0 10.0,10.0");
+  assert.equal(strip([4, 4, 4], scaleOf([4, 4, 4]), 10, 20), "0.0,10.0 5.0,10.0 10.0,10.0");
+});
+
+test("two lines of a strip share a scale", () => {
+  // 5 of 0 to 20 stands a quarter above the bottom
+  const scale = scaleOf([0, 20], [5, 5]);
+  assert.equal(strip([5, 5], scale, 10, 40), "0.0,30.0 10.0,30.0");
 });

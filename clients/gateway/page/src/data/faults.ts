@@ -87,25 +87,31 @@ export function windowsOf(windows: KeptWindow[], axis: number): KeptWindow[] {
   return windows.filter(({ causes }) => causes.some((cause) => cause.axis === axis)).reverse();
 }
 
-/** A line through some values. */
-export interface Strip {
-  /** of an SVG polyline: x from 0 to `width`, y from 0 at the top to `height` */
-  points: string;
+/** The lowest and the highest value that a strip shows. */
+export interface Scale {
   low: number;
   high: number;
+}
+
+/** @return the scale on which all of these values have a place. */
+export function scaleOf(...lines: number[][]): Scale {
+  let low = Infinity;
+  let high = -Infinity;
+  for (const values of lines) {
+    for (const value of values) {
+      low = Math.min(low, value);
+      high = Math.max(high, value);
+    }
+  }
+  return { low, high };
 }
 
 /**
  * The course of a value, with as many points as there are pixels: of the ticks that share one its lowest and highest value.
  * @param values one for each tick
+ * @return the points of an SVG polyline: x from 0 to `width`, y from 0 at the top to `height`
  */
-export function strip(values: number[], width: number, height: number): Strip {
-  let low = Infinity;
-  let high = -Infinity;
-  for (const value of values) {
-    low = Math.min(low, value);
-    high = Math.max(high, value);
-  }
+export function strip(values: number[], { low, high }: Scale, width: number, height: number): string {
   const span = high === low ? 1 : high - low;
   const y = (value: number) => (high === low ? height / 2 : height - ((value - low) / span) * height).toFixed(1);
   const points: string[] = [];
@@ -118,5 +124,5 @@ export function strip(values: number[], width: number, height: number): Strip {
     points.push(`${x},${y(part[0])}`);
     if (part.length > 2) points.push(`${x},${y(Math.min(...part))}`, `${x},${y(Math.max(...part))}`);
   }
-  return { points: points.join(" "), low, high };
+  return points.join(" ");
 }

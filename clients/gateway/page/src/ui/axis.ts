@@ -155,8 +155,7 @@ export class AxisView implements View {
     this.root = h(
       "div",
       { class: "axis-view" },
-      title,
-      faultCard.root,
+      h("div", { class: "head" }, title, faultCard.root),
       figures.root,
       // The order of the keyboard is that of a narrow screen: controls stand above the plots.
       h("div", { class: "control-column" }, commands.root, modes.root),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Why an axis faulted: the windows of its bench's black box, the newest first. Nobody need have watched.
 
-import { FAULT, strip, WINDOWS, windowsOf, type Fault, type FaultSeries, type KeptWindow } from "../data/faults";
+import { FAULT, scaleOf, strip, WINDOWS, windowsOf, type Fault, type FaultSeries, type KeptWindow } from "../data/faults";
 import { timeText } from "../data/times";
 import { formatHex, formatPermille, formatUnits } from "../data/units";
 import { t, type TextKey } from "../i18n";
@@ -35,6 +35,7 @@ export class FaultCard implements View {
   private known = "";
   private shown?: number;
   private newest = "";
+  private wasFaulted = false;
 
   constructor(
     private readonly model: Model,
@@ -52,15 +53,17 @@ export class FaultCard implements View {
     const isFaulted = (this.trace.last["error_code"] ?? 0) !== 0;
     mark(this.root, "faulted", isFaulted);
     put(this.summary, `${t(isFaulted ? "fault" : "last_fault")}: ${this.newest}`);
+    if (isFaulted && !this.wasFaulted) this.root.open = true;
+    this.wasFaulted = isFaulted;
     this.resetButton.hidden = !isFaulted;
     this.resetButton.disabled = this.model.whyDisabled([this.ref], now) !== "";
     this.resetButton.title = this.model.whyDisabled([this.ref], now);
     if (this.asking || !this.model.connected || now - this.askedAt < ASK_EVERY_MS) return;
     this.askedAt = now;
-    void this.ask(isFaulted);
+    void this.ask();
   }
 
-  private async ask(isFaulted: boolean): Promise<void> {
+  private async ask(): Promise<void> {
     if (!this.model.connection.hasService("/faults")) return;
     this.asking = true;
     const answer = await this.model.connection.call("/faults", { bench: this.ref.bench.number });
@@ -70,10 +73,10 @@ export class FaultCard implements View {
     const known = windows.map(({ window, is_open }) => `${window}${is_open ? "+" : ""}`).join();
     if (known === this.known) return;
     this.known = known;
-    this.list(windows, isFaulted);
+    this.list(windows);
   }
 
-  private list(windows: KeptWindow[], isFaulted: boolean): void {
+  private list(windows: KeptWindow[]): void {
     this.root.hidden = windows.length === 0;
     const newest = windows.find(({ is_open }) => !is_open);
     if (windows.length === 0 || newest === undefined) return;
@@ -81,7 +84,6 @@ export class FaultCard implements View {
     const options = windows.filter(({ is_open }) => !is_open).map((window) => ({ value: String(window.window), text: this.nameOf(window) }));
     const chosen = select(t("faults"), options, String(newest.window), (value) => void this.show(Number(value)));
     this.choice.replaceChildren(chosen, this.resetButton);
-    if (isFaulted) this.root.open = true;
     this.body.replaceChildren();
     void this.show(newest.window);
   }
@@ -134,20 +136,21 @@ export class FaultCard implements View {
     const line = (of: number, name: string) => s("line", { class: name, x1: at(of), x2: at(of), y1: 0, y2: HEIGHT });
     const cause = fault.kept.causes.find(({ axis }) => axis === this.ref.axis.axis);
     const strips = STRIPS.map(({ series, text, unit, demand }) => {
-      const actual = strip(fault.samples[series], WIDTH, HEIGHT);
+      const actual = fault.samples[series];
+      const wanted = demand === undefined ? [] : fault.samples[demand];
+      const scale = scaleOf(actual, wanted);
       const lines = fault.writes.map((write) => line(write.tick, "written"));
       if (cause !== undefined) lines.push(line(cause.tick, "cause"));
-      const wanted = demand === undefined ? [] : [s("polyline", { class: "demand", points: strip(fault.samples[demand], WIDTH, HEIGHT).points })];
       return h(
         "figure",
         {},
-        h("figcaption", {}, `${t(text)}: ${this.valueText(actual.low, unit)} … ${this.valueText(actual.high, unit)}`),
+        h("figcaption", {}, `${t(text)}: ${this.valueText(scale.low, unit)} … ${this.valueText(scale.high, unit)}`),
         s(
           "svg",
           { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, preserveAspectRatio: "none", role: "img", "aria-label": t(text) },
           ...lines,
-          ...wanted,
-          s("polyline", { class: "actual", points: actual.points }),
+          ...(wanted.length > 0 ? [s("polyline", { class: "demand", points: strip(wanted, scale, WIDTH, HEIGHT) })] : []),
+          s("polyline", { class: "actual", points: strip(actual, scale, WIDTH, HEIGHT) }),
         ) as unknown as HTMLElement,
       );
     });
