@@ -688,6 +688,15 @@ test("a blocked load ends in the fault 8611h", async () => {
 
 const resetZoom = (state) => page.locator(`button:${state}`, { hasText: "Reset zoom" });
 
+test("the card of a fault opens by itself and tells what led to it, with a picture and who wrote what", async () => {
+  const card = page.locator(".fault-card");
+  await waitForText(card.locator("summary"), /Fault: 8611h/);
+  await waitForText(card.locator(".story"), /test_blocked_load \(5E01h\) = 1/);
+  await waitForText(card.locator(".story"), /following_error_window \(6065h\)/);
+  await waitForText(card.locator(".fault-writes"), /test_blocked_load \(5E01h\) = 1/);
+  assert.equal(await card.locator("svg").count(), 4);
+});
+
 test("an event leads to its time in the plots, where the fault has its name, also from the view Control", async () => {
   const event = () => page.locator(".events li", { hasText: "fault 0x8611" }).locator("button").first();
   await event().click();

@@ -53,6 +53,12 @@ Reason Windows::show_next(const msg::Request& request, msg::Reply& reply) const 
   return msg::Reason::none;
 }
 
+const Window* Windows::find(std::uint64_t number) const noexcept {
+  if (number == 0) return nullptr;
+  const Window* const window = axes_.black_box().next_window(number - 1);
+  return window != nullptr && window->number == number ? window : nullptr;
+}
+
 Reason Windows::read(const msg::Request& request, msg::Reply& reply) {
   BlackBox& box = axes_.black_box();
   if (!box.is_on()) return msg::Reason::no_black_box;
@@ -71,16 +77,11 @@ Reason Windows::read(const msg::Request& request, msg::Reply& reply) {
     }
     page->axes.push_back(*axis);
   }
-  const auto wanted = [&] {
-    const Window* const next =
-        request.snapshot == 0 ? nullptr : box.next_window(request.snapshot - 1);
-    return next != nullptr && next->number == request.snapshot ? next : nullptr;
-  };
-  const Window* window = wanted();
+  const Window* window = find(request.snapshot);
   if (window != nullptr && box.is_open(*window)) {
     if (!clock_.time_stands()) return msg::Reason::window_is_open;
     box.end_window(axes_.bank());
-    window = wanted();
+    window = find(request.snapshot);
   }
   if (window == nullptr) return msg::Reason::unknown_window;
   page->window = *window;

@@ -7,6 +7,7 @@
 #include "seam/queues.hpp"
 #include "vdrive_messages.hpp"
 
+#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -30,6 +31,9 @@ class Windows {
   [[nodiscard]] std::unique_ptr<WindowPage> take_page() noexcept { return std::move(page_); }
 
  private:
+  /// @return the window of this number, or nullptr.
+  [[nodiscard]] const Window* find(std::uint64_t number) const noexcept;
+
   BenchAxes& axes_;
   const BenchClock& clock_;
   std::unique_ptr<WindowPage> page_;

@@ -100,7 +100,8 @@ void BlackBox::begin(const AxisBank& bank, std::uint64_t tick) {
   if (is_on()) begin_segment(bank, tick, Segment::Cause::started);
 }
 
-void BlackBox::record(const JournalEntry& entry, const JournalAuthor& author) {
+// NOLINTBEGIN(bugprone-exception-escape): all that they fill has its room from the start
+void BlackBox::record(const JournalEntry& entry, const JournalAuthor& author) noexcept {
   if (!is_recording_) return;
   if (author_ != author) put(box_entry(author));
   author_ = author;
@@ -111,11 +112,11 @@ void BlackBox::record(const JournalEntry& entry, const JournalAuthor& author) {
       entry);
 }
 
-void BlackBox::record_restore(const AxisBank& bank, std::uint64_t tick) {
+void BlackBox::record_restore(const AxisBank& bank, std::uint64_t tick) noexcept {
   if (is_recording_) begin_segment(bank, tick, Segment::Cause::restored);
 }
 
-void BlackBox::record_tick(const AxisBank& bank, std::uint64_t tick) {
+void BlackBox::record_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
   if (!is_recording_) {
     if (is_on() && tick % kTicksUntilNextTry == 0) {
       begin_segment(bank, tick, Segment::Cause::started);
@@ -134,13 +135,7 @@ void BlackBox::record_tick(const AxisBank& bank, std::uint64_t tick) {
   ++segment.ticks;
   if (open_.number != 0) {
     if (tick_ >= open_until_) return end_window(bank);
-    if (hands_over_ && !std::exchange(is_open_handed_over_, true)) {
-      Window so_far = open_;
-      so_far.last_tick = tick_;
-      collect_segments(so_far);
-      hand_over(so_far);
-      return begin_segment(bank, tick_, Segment::Cause::continued);
-    }
+    if (hands_over_ && !std::exchange(is_open_handed_over_, true)) return hand_over_open(bank);
   }
   // A segment that takes a quarter of the room could not be forgotten in part.
   const bool is_large = segment.entries > blocks_.capacity() / 4 * kEntriesOfBlock;
@@ -149,7 +144,7 @@ void BlackBox::record_tick(const AxisBank& bank, std::uint64_t tick) {
   }
 }
 
-void BlackBox::record_event(const EventRecord& event) {
+void BlackBox::record_event(const EventRecord& event) noexcept {
   if (!is_recording_) return;
   put({.value = static_cast<std::int64_t>(event.session),
        .code = event.code,
@@ -162,6 +157,8 @@ void BlackBox::record_event(const EventRecord& event) {
         freeze({.kind = *kind, .axis = event.axis, .code = code, .session = event.session}));
   }
 }
+
+// NOLINTEND(bugprone-exception-escape)
 
 std::uint64_t BlackBox::freeze(const WindowCause& cause) {
   if (!is_recording_) return 0;
@@ -206,6 +203,15 @@ void BlackBox::collect_segments(Window& window) const {
   }
   std::reverse(window.segments.begin(), window.segments.begin() + window.segment_count);
   window.first_tick = std::max(window.first_tick, segments_[window.segments[0]].tick);
+}
+
+/// What there is of the window already.
+void BlackBox::hand_over_open(const AxisBank& bank) {
+  Window so_far = open_;
+  so_far.last_tick = tick_;
+  collect_segments(so_far);
+  hand_over(so_far);
+  begin_segment(bank, tick_, Segment::Cause::continued);
 }
 
 /// Where the other thread is behind, this window is not kept elsewhere.

@@ -82,12 +82,14 @@ class BlackBox {
   /// do nothing before it.
   void begin(const AxisBank& bank, std::uint64_t tick);
 
-  void record(const JournalEntry& entry, const JournalAuthor& author);
+  // NOLINTBEGIN(bugprone-exception-escape): all that they fill has its room from the start
+  void record(const JournalEntry& entry, const JournalAuthor& author) noexcept;
   /// All axes got the state of a snapshot.
-  void record_restore(const AxisBank& bank, std::uint64_t tick);
-  void record_tick(const AxisBank& bank, std::uint64_t tick);
+  void record_restore(const AxisBank& bank, std::uint64_t tick) noexcept;
+  void record_tick(const AxisBank& bank, std::uint64_t tick) noexcept;
   /// A fault, a lost master and a stop by somebody freeze a window.
-  void record_event(const EventRecord& event);
+  void record_event(const EventRecord& event) noexcept;
+  // NOLINTEND(bugprone-exception-escape)
 
   /// Freezes a window around the last tick, or adds the cause to the one that is still being
   /// recorded.
@@ -173,6 +175,7 @@ class BlackBox {
   void collect_segments(Window& window) const;
   [[nodiscard]] bool has_room_for(std::span<const KeptSegment> segments) const noexcept;
   void hand_over(const Window& window) noexcept;
+  void hand_over_open(const AxisBank& bank);
   [[nodiscard]] std::optional<std::uint32_t> take_slot();
   [[nodiscard]] std::optional<std::uint32_t> take_block();
   void recycle_blocks() noexcept;

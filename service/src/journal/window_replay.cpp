@@ -43,27 +43,41 @@ WindowReplay::Item WindowReplay::next() {
   while (true) {
     if (ticks_left_ > 0) {
       if (tick_ == window_.last_tick) return Item::end;
-      --ticks_left_;
-      step();
-      if (is_shown_) return Item::tick;
-      if (tick_ < window_.first_tick) continue;
-      is_shown_ = true;
+      if (const auto item = complete_tick()) return *item;
+    } else if (const BoxEntry* const entry = entries_ ? entries_->next() : nullptr) {
+      if (take(*entry)) return Item::entry;
+    } else if (next_segment_ == window_.segment_count) {
+      return Item::end;
+    } else if (open_segment()) {
       return Item::state;
     }
-    const BoxEntry* const entry = entries_ ? entries_->next() : nullptr;
-    if (entry == nullptr) {
-      if (next_segment_ == window_.segment_count) return Item::end;
-      if (open_segment()) return Item::state;
-    } else if (entry->kind == BoxEntry::Kind::ticks) {
-      ticks_left_ = static_cast<std::uint64_t>(entry->value);
-    } else if (entry->kind == BoxEntry::Kind::author) {
-      author_ = {.means = entry->means, .session = static_cast<std::uint64_t>(entry->value)};
-    } else if (is_of_interest(*entry)) {
-      apply(*entry);
-      entry_ = *entry;
-      if (is_shown_) return Item::entry;
-    }
   }
+}
+
+/// @return what is to be shown of it; nothing before the window begins.
+std::optional<WindowReplay::Item> WindowReplay::complete_tick() {
+  --ticks_left_;
+  step();
+  if (is_shown_) return Item::tick;
+  if (tick_ < window_.first_tick) return std::nullopt;
+  is_shown_ = true;
+  return Item::state;
+}
+
+/// @return whether it is to be shown.
+bool WindowReplay::take(const BoxEntry& entry) {
+  if (entry.kind == BoxEntry::Kind::ticks) {
+    ticks_left_ = static_cast<std::uint64_t>(entry.value);
+    return false;
+  }
+  if (entry.kind == BoxEntry::Kind::author) {
+    author_ = {.means = entry.means, .session = static_cast<std::uint64_t>(entry.value)};
+    return false;
+  }
+  if (!is_of_interest(entry)) return false;
+  apply(entry);
+  entry_ = entry;
+  return is_shown_;
 }
 
 /// @return whether the state is to be shown: it is another one than the last tick has left.

@@ -48,6 +48,8 @@ class WindowReplay {
 
  private:
   [[nodiscard]] bool open_segment();
+  [[nodiscard]] std::optional<Item> complete_tick();
+  [[nodiscard]] bool take(const BoxEntry& entry);
   void step();
   [[nodiscard]] bool is_of_interest(const BoxEntry& entry) const;
   void apply(const BoxEntry& entry);
