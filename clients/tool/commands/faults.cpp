@@ -81,6 +81,20 @@ std::string window_text(const client::BenchInfo& bench, const KeptWindow& window
   return text;
 }
 
+Outcome list_windows_of(const client::BenchInfo& bench, CommandContext& context) {
+  const auto windows = context.session.windows(bench.number);
+  if (!windows) return windows.outcome();
+  const Output& output = context.output;
+  if (windows->empty() && !output.is_json) {
+    output.terminal.print("bench " + std::to_string(bench.number) + " has recorded no faults");
+  }
+  for (const KeptWindow& window : *windows) {
+    output.terminal.print(output.is_json ? to_line(window_json(bench, window))
+                                         : window_text(bench, window));
+  }
+  return {};
+}
+
 Outcome list_windows(std::optional<std::uint32_t> number, CommandContext& context) {
   std::vector<client::BenchInfo> benches;
   if (number) {
@@ -92,16 +106,7 @@ Outcome list_windows(std::optional<std::uint32_t> number, CommandContext& contex
     if (benches.empty()) return context.session.no_bench_found();
   }
   for (const client::BenchInfo& bench : benches) {
-    const auto windows = context.session.windows(bench.number);
-    if (!windows) return windows.outcome();
-    if (windows->empty() && !context.output.is_json) {
-      context.output.terminal.print("bench " + std::to_string(bench.number) +
-                                    " has recorded no faults");
-    }
-    for (const KeptWindow& window : *windows) {
-      context.output.terminal.print(context.output.is_json ? to_line(window_json(bench, window))
-                                                           : window_text(bench, window));
-    }
+    if (Outcome listed = list_windows_of(bench, context); !listed) return listed;
   }
   return {};
 }

@@ -109,7 +109,7 @@ Outcome LiveJudge::take_samples(std::chrono::milliseconds patience) {
       sample = std::move(spent_.back());
       spent_.pop_back();
     }
-    const Outcome seen = follower_.next(patience, sample);
+    Outcome seen = follower_.next(patience, sample);
     if (seen.kind() == client::OutcomeKind::timed_out) break;
     if (!seen) return seen;
     samples_.push_back(std::move(sample));
