@@ -6,7 +6,7 @@ namespace vdrive::service {
 FreerunDriver::FreerunDriver(BenchEngine& engine, Inbox& inbox, Outbox& outbox, CycleTimer& timer)
     : engine_(engine), inbox_(inbox), outbox_(outbox), timer_(timer) {}
 
-void FreerunDriver::cycle() noexcept {
+void FreerunDriver::cycle() noexcept {  // NOLINT(bugprone-exception-escape)
   handle_arrivals();
   engine_.step();
   if (const auto now = timer_.monotonic_now(); now >= next_status_) {

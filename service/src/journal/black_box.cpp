@@ -137,11 +137,13 @@ void BlackBox::record_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
     if (tick_ >= open_until_) return end_window(bank);
     if (hands_over_ && !std::exchange(is_open_handed_over_, true)) return hand_over_open(bank);
   }
-  // A segment that takes a quarter of the room could not be forgotten in part.
-  const bool is_large = segment.entries > blocks_.capacity() / 4 * kEntriesOfBlock;
-  if (segment.ticks >= segment_ticks_ || is_large) {
-    begin_segment(bank, tick, Segment::Cause::continued);
-  }
+  if (is_complete(segment)) begin_segment(bank, tick, Segment::Cause::continued);
+}
+
+/// One that takes a quarter of the room could not be forgotten in part.
+bool BlackBox::is_complete(const Segment& segment) const noexcept {
+  return segment.ticks >= segment_ticks_ ||
+         segment.entries > blocks_.capacity() / 4 * kEntriesOfBlock;
 }
 
 void BlackBox::record_event(const EventRecord& event) noexcept {

@@ -169,6 +169,7 @@ class BlackBox {
   [[nodiscard]] Segment& current() noexcept { return segments_[recent_.back()]; }
 
   void begin_segment(const AxisBank& bank, std::uint64_t tick, Segment::Cause cause);
+  [[nodiscard]] bool is_complete(const Segment& segment) const noexcept;
   void put(const BoxEntry& entry);
   [[nodiscard]] BoxEntry* append(Segment& segment, const BoxEntry& entry);
   [[nodiscard]] bool open(std::uint32_t slot, std::uint64_t tick, Segment::Cause cause);
