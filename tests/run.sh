@@ -109,20 +109,7 @@ export VDRIVE_SKIPPED=
 no_time_left() {
   [[ -n $last_begin ]] && ((SECONDS > last_begin))
 }
-# After a change of the IDL or of a header of the core clang-tidy reads every source again, for half an hour: not
-# before `lint.sh --keep` has noted what is clean.
-lints_everything() {
-  local linted
-  linted=$(git -C "$root" log -1 --format=%H -- tests/checks/linted.txt 2>/dev/null) || return 1
-  [[ -n $linted ]] && ! git -C "$root" diff --quiet "$linted" HEAD -- idl core/include
-}
 for checked in "${presets[@]}"; do
-  if [[ $checked == tidy ]] && lints_everything; then
-    VDRIVE_SKIPPED+=" tidy"
-    steps=$((steps - 1))
-    echo "$(date +%T) linted.txt is older than the IDL or a header of the core: clang-tidy is skipped" >&2
-    continue
-  fi
   if no_time_left; then
     VDRIVE_SKIPPED+=" $checked"
     steps=$((steps - 1))
