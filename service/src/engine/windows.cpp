@@ -63,7 +63,7 @@ Reason Windows::read(const msg::Request& request, msg::Reply& reply) {
   BlackBox& box = axes_.black_box();
   if (!box.is_on()) return msg::Reason::no_black_box;
   if (request.axes.empty()) return msg::Reason::nothing_done;
-  // All answers wait behind pages that are computed.
+  // An answer waits for the pages before it.
   constexpr std::uint32_t kMostPages = 4;
   if (box.pages_waiting.load(std::memory_order_relaxed) >= kMostPages) {
     return msg::Reason::queue_full;

@@ -216,7 +216,7 @@ void BlackBox::hand_over_open(const AxisBank& bank) {
   begin_segment(bank, tick_, Segment::Cause::continued);
 }
 
-/// Where the other thread is behind, this window is not kept elsewhere.
+/// A window that finds the queue full is not kept elsewhere.
 void BlackBox::hand_over(const Window& window) noexcept {
   Window* const slot = handed_over_.free_slot();
   if (slot == nullptr) return;

@@ -38,7 +38,7 @@ export class Traces {
     const address = addressOf(ref);
     const key = `${address} ${ref.bench.description?.incarnation ?? ""}`;
     const trace = this.traces.get(key) ?? new Trace(this.model, ref);
-    // The run before counts its ticks anew, or has other axes.
+    // The previous run had its own tick numbers, or other axes.
     for (const old of this.traces.keys()) if (old.startsWith(`${address} `)) this.traces.delete(old);
     this.traces.set(key, trace);
     return trace;

@@ -60,7 +60,7 @@ const TRIGGER: Trigger = {
   mode: "normal", axis: "1.1", member: "load_position_actual_value", condition: "rising", value: 10, text: "", before: 0.25,
 };
 
-test("a run is complete when what comes after the trigger is there, and the next one is sought behind it", () => {
+test("a run is complete when what comes after the trigger is there, and the next one is sought after it", () => {
   const samples = made();
   samples.take(message(1_000, [0]));
   const run = new TriggerRun(TRIGGER, samples, () => [], 1);

@@ -46,7 +46,7 @@ export class RecordedAxis {
    *  @param missed samples that are missing before this one
    *  @throws Error when the tick is not after the one before */
   add(tick: number, value: (member: string) => number, missed: number): void {
-    if (tick <= this.lastTick) throw new Error(`tick ${tick} of axis ${this.address} stands behind tick ${this.lastTick}`);
+    if (tick <= this.lastTick) throw new Error(`tick ${tick} of axis ${this.address} comes after tick ${this.lastTick}`);
     this.lastTick = tick;
     this.missed += missed;
     let block = this.blocks.at(-1);

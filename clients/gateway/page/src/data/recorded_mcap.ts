@@ -70,7 +70,7 @@ export class McapReader {
   private place = 0;
   private cut = "";
 
-  /** Of a damaged file what comes behind the damage is left out. @throws Error when the file is no recording */
+  /** What comes after the damage in a damaged file is left out. @throws Error when the file is no recording */
   append(bytes: Uint8Array): void {
     if (this.cut !== "") return;
     try {

@@ -85,7 +85,7 @@ export class Samples {
   /** of drive time, at time 0 of the history */
   private hour = 0;
   private originTick?: number;
-  /** Messages were not received meanwhile. */
+  /** Messages were not received for a while. */
   private wasAway = false;
   private lostBefore = 0;
   private lostHere = 0;
@@ -151,7 +151,7 @@ export class Samples {
     const codes = column("error_code");
     const ignored = column("ignored_set_points");
     const missed = Number(message["missed"] as bigint);
-    if (this.wasAway || missed < this.missedLast) this.resume(); // another gateway counts anew
+    if (this.wasAway || missed < this.missedLast) this.resume(); // another gateway counts from 0
     this.missedLast = missed;
     this.missedBefore ??= missed;
     if (isCut && this.history.end > 0) this.lostHere += Math.max(0, Number(ticks[0]) - this.lastTick - 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scope over the whole window, with what happened meanwhile: of the benches, or of a recording.
+// The scope over the whole window, and the events of its time: of the benches, or of a recording.
 
 import { t } from "../i18n";
 import type { Model } from "../model";

@@ -79,7 +79,7 @@ export class PlotStrip {
   private shadow?: Points;
 
   /** @param head what stands before the signals: which axis
-   *  @param tools what stands behind them */
+   *  @param tools what follows them */
   constructor(
     readonly samples: Samples,
     signals: readonly Signal[],
