@@ -156,16 +156,9 @@ void print_snapshots(const client::BenchInfo& bench, std::span<const client::Kep
 
 /// Of one bench, or of all where none is named.
 Outcome list_snapshots(std::optional<std::uint32_t> number, const CommandContext& context) {
-  std::vector<client::BenchInfo> benches;
-  if (number) {
-    auto bench = context.session.find_bench(number);
-    if (!bench) return bench.outcome();
-    benches.push_back(std::move(*bench));
-  } else {
-    benches = context.session.find_benches();
-    if (benches.empty()) return context.session.no_bench_found();
-  }
-  for (const client::BenchInfo& bench : benches) {
+  const auto benches = benches_to_show(context.session, number);
+  if (!benches) return benches.outcome();
+  for (const client::BenchInfo& bench : *benches) {
     const auto kept = context.session.snapshots(bench.number);
     if (!kept) return kept.outcome();
     print_snapshots(bench, *kept, context.output);

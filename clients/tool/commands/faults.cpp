@@ -96,16 +96,9 @@ Outcome list_windows_of(const client::BenchInfo& bench, CommandContext& context)
 }
 
 Outcome list_windows(std::optional<std::uint32_t> number, CommandContext& context) {
-  std::vector<client::BenchInfo> benches;
-  if (number) {
-    auto bench = context.session.find_bench(number);
-    if (!bench) return bench.outcome();
-    benches.push_back(std::move(*bench));
-  } else {
-    benches = context.session.find_benches();
-    if (benches.empty()) return context.session.no_bench_found();
-  }
-  for (const client::BenchInfo& bench : benches) {
+  const auto benches = benches_to_show(context.session, number);
+  if (!benches) return benches.outcome();
+  for (const client::BenchInfo& bench : *benches) {
     if (Outcome listed = list_windows_of(bench, context); !listed) return listed;
   }
   return {};

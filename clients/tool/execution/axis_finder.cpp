@@ -165,4 +165,16 @@ client::Result<client::BenchInfo> find_bench(client::Session& session,
   return Outcome::not_found(bench.outcome().message() + "; " + std::string(how_to_name));
 }
 
+client::Result<std::vector<client::BenchInfo>> benches_to_show(
+    client::Session& session, std::optional<std::uint32_t> number) {
+  if (number) {
+    auto bench = session.find_bench(number);
+    if (!bench) return bench.outcome();
+    return std::vector{std::move(*bench)};
+  }
+  auto benches = session.find_benches();
+  if (benches.empty()) return session.no_bench_found();
+  return benches;
+}
+
 }  // namespace vdrive::tool

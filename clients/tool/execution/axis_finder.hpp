@@ -79,4 +79,8 @@ class AxisFinder {
                                                            std::optional<std::uint32_t> number,
                                                            std::string_view how_to_name);
 
+/// @return the bench of this number; all benches where it is none, at least one.
+[[nodiscard]] client::Result<std::vector<client::BenchInfo>> benches_to_show(
+    client::Session& session, std::optional<std::uint32_t> number);
+
 }  // namespace vdrive::tool
