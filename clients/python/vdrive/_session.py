@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from ._arguments import KeepAliveSpec, NumberSpec, ObjectSpec, PaceSpec, UntilSpec
     from ._axis import AxesSpec, CommandSpec
 
+_MOST_AXES = 256  # that one question may name
 _SLICE = 100  # ticks after which a wait for time looks whether it was cancelled
 
 
@@ -286,8 +287,8 @@ class Session(Handle):
     def fault(self, number: int, axes: AxesSpec = None, *, bench: int | None = None) -> FaultWindow:
         """Return what axes did around a fault: each tick, every write, and what led to it.
 
-        number: of faults() or freeze(). axes: of one bench; by default those that faulted, or all.
-        It waits while the bench still records, and where time stands the record ends now. Raises
+        number: of faults() or freeze(). axes: of one bench; by default those that faulted, or else all,
+        at most 256. It waits while the bench still records, and where time stands the record ends now. Raises
         NotFound when the bench does not keep it, Refused when it is gone in the meantime.
         """
         kept = next((each for each in self.faults(bench=bench) if each.number == number), None)
@@ -296,7 +297,7 @@ class Session(Handle):
         faulted = {cause.axis for cause in kept.causes} - {0}
         if axes is None:
             shown = [axis for axis in self.axes(kept.bench)
-                     if not faulted or int(axis.id.partition(".")[2]) in faulted]
+                     if not faulted or int(axis.id.partition(".")[2]) in faulted][:_MOST_AXES]
         else:
             shown = self._axes_of(axes)
             for axis in shown:

@@ -104,7 +104,8 @@ Outcome list_windows(std::optional<std::uint32_t> number, CommandContext& contex
   return {};
 }
 
-/// The axes that a window is about; of one that was asked for, or of a master, all.
+/// The axes that a window is about; of one that was asked for, or of a master, all, as far as one
+/// question may name them.
 std::vector<client::AxisId> axes_of_window(const client::BenchInfo& bench,
                                            const KeptWindow& window) {
   std::set<std::uint16_t> numbers;
@@ -113,6 +114,7 @@ std::vector<client::AxisId> axes_of_window(const client::BenchInfo& bench,
   }
   std::vector<client::AxisId> axes;
   for (const auto& axis : bench.axes) {
+    if (axes.size() == client::kMostAxesAtOnce) break;
     if (numbers.empty() || numbers.contains(axis.id.axis)) axes.push_back(axis.id);
   }
   return axes;
