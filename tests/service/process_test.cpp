@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program vdrived: processes, signals, exit codes.
 #include "service/probe.hpp"
+#include "support/process_tree.hpp"
 #include "support/signals.hpp"
 #include "support/test_domain.hpp"
 
@@ -98,14 +99,6 @@ std::string host_name() {
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
 }
 
-std::size_t shared_memory_files() {
-  std::size_t count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator("/dev/shm")) {
-    count += entry.path().filename().string().starts_with("fastrtps") ? 1 : 0;
-  }
-  return count;
-}
-
 class SignalledService : public testing::TestWithParam<int> {};
 
 TEST_P(SignalledService, GoesOfflineAndEndsWithinTwoSeconds) {
@@ -186,15 +179,15 @@ TEST(ServiceProcess, ThatStartedLaterEndsWhenTwoShareABenchNumber) {
 }
 
 TEST(ServiceProcess, StartsAgainAtOnceAfterAKill) {
-  const std::size_t segments = shared_memory_files();
   for (int round = 0; round < 3; ++round) {
     Process service(with_domain({"--bench", "3"}));
     Probe probe(test_domain(), 3);
     ASSERT_TRUE(probe.find_bench());
+    const auto shared_memory = shared_memory_of(service.id());
     service.send(SIGKILL);
     EXPECT_EQ(service.wait(), -SIGKILL);
+    for (const auto& file : shared_memory) EXPECT_FALSE(std::filesystem::exists(file)) << file;
   }
-  EXPECT_EQ(shared_memory_files(), segments);
 }
 
 TEST(ServiceProcess, PublishesTheFirstStatusOfAThousandAxesWithinASecond) {

@@ -3,6 +3,7 @@
 // 200 times.
 #include "service/probe.hpp"
 #include "support/effort.hpp"
+#include "support/process_tree.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 
@@ -19,6 +20,7 @@
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -41,7 +43,6 @@ std::ptrdiff_t entries_of(const std::filesystem::path& directory) {
 
 /// What a run leaves or takes.
 struct Resources {
-  std::ptrdiff_t shared_memory = 0;
   std::ptrdiff_t files = 0;
   std::ptrdiff_t threads = 0;
   std::ptrdiff_t descriptors = 0;
@@ -87,20 +88,28 @@ class KilledService : public testing::Test {
     const auto reply = probe_->write(1, 0x6040, 0x0F);
     ASSERT_TRUE(reply);
     EXPECT_EQ(reply->reason, msg::Reason::none);
+    shared_memory_.merge(shared_memory_of(service_->id()));
     service_->send(SIGKILL);
     EXPECT_EQ(service_->wait().code, -SIGKILL);
   }
 
+  /// @return the files in shared memory of all killed services that are still there.
+  [[nodiscard]] std::ptrdiff_t left_shared_memory() const {
+    return std::ranges::count_if(shared_memory_, [](const std::string& file) {
+      return std::filesystem::exists(file);
+    });
+  }
+
   [[nodiscard]] Resources resources() const {
     const std::filesystem::path process = "/proc/" + std::to_string(service_->id());
-    return {.shared_memory = entries_of("/dev/shm"),
-            .files = entries_of(state_),
+    return {.files = entries_of(state_),
             .threads = entries_of(process / "task"),
             .descriptors = entries_of(process / "fd")};
   }
 
  private:
   std::filesystem::path state_;
+  std::set<std::string> shared_memory_;
   std::unique_ptr<Process> service_;
   std::unique_ptr<Probe> probe_;
 };
@@ -116,7 +125,7 @@ TEST_F(KilledService, RestartsWithinASecondWithDisabledAxesAndLeaksNothing) {
     starts.push_back(start());
     const Resources now = resources();
     if (!first) first = now;
-    EXPECT_LE(now.shared_memory, first->shared_memory);
+    EXPECT_EQ(left_shared_memory(), 0);
     EXPECT_EQ(now.files, first->files);
     EXPECT_EQ(now.threads, first->threads);
     EXPECT_LE(now.descriptors, first->descriptors);

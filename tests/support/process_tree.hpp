@@ -9,6 +9,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -46,6 +47,22 @@ inline pid_t wire_of(pid_t service) {
 /// @throws std::invalid_argument for 0, which stands for no process here.
 inline bool exists(pid_t process) {
   return send_signal(process, 0);
+}
+
+/// @return the files of /dev/shm that a service or its wire has mapped. What else is there belongs
+/// to
+///         other programs, such as a browser, and comes and goes with them.
+inline std::set<std::string> shared_memory_of(pid_t service) {
+  std::set<std::string> files;
+  for (const pid_t process : {service, wire_of(service)}) {
+    std::istringstream maps(text_of("/proc/" + std::to_string(process) + "/maps"));
+    for (std::string line; std::getline(maps, line);) {
+      if (const auto at = line.find("/dev/shm/"); at != std::string::npos) {
+        files.insert(line.substr(at, line.find(' ', at) - at));
+      }
+    }
+  }
+  return files;
 }
 
 /// Repeats the check until it holds. @return false after 40 s.
