@@ -9,23 +9,24 @@
 
 namespace vdrive::canopen {
 
-/// The predefined connection set (CiA 301, 7.3.5): CAN-IDs that no object changes, and the defaults
-/// of emergencies. All but that of NMT have the node id added.
+/// The predefined connection set (CiA 301, 7.3.5): CAN-IDs that no object changes, and the default
+/// CAN-ID of emergencies. The node id is added to all of them except the NMT one.
 inline constexpr std::uint32_t kNmtId = 0x000;
-inline constexpr std::uint32_t kSyncId = 0x080;  ///< without a node id
+inline constexpr std::uint32_t kSyncId = 0x080;  ///< no node id is added
 inline constexpr std::uint32_t kEmergencyId = 0x080;
 inline constexpr std::uint32_t kSdoResponseId = 0x580;
 inline constexpr std::uint32_t kSdoRequestId = 0x600;
-inline constexpr std::uint32_t kHeartbeatId = 0x700;  ///< boot-up, too
+inline constexpr std::uint32_t kHeartbeatId = 0x700;  ///< also of the boot-up message
 
-// A COB-ID as an object holds it: the CAN-ID in bits 0 to 10, flags above (CiA 301, 7.5.2.5,
+// A COB-ID as an object stores it: the CAN-ID in bits 0 to 10, flags above (CiA 301, 7.5.2.5,
 // 7.5.2.17, 7.5.2.35 and 7.5.2.37).
-inline constexpr std::uint32_t kCobIdNotValid = 0x80000000;  ///< PDO, EMCY: it does not exist
-inline constexpr std::uint32_t kCobIdNoRemote = 0x40000000;  ///< TPDO: remote frames not answered
+inline constexpr std::uint32_t kCobIdNotValid = 0x80000000;  ///< PDO, EMCY: does not exist
+inline constexpr std::uint32_t kCobIdNoRemote = 0x40000000;  ///< TPDO: remote frames are not
+                                                             ///< answered
 inline constexpr std::uint32_t kCobIdProducer = 0x40000000;  ///< SYNC: the node generates it
 
-/// Flag of the extended format, and the bits that only an extended CAN-ID has. Our nodes are in the
-/// base format: each of these bits is 0.
+/// The flag of the extended format, and the bits that only an extended CAN-ID has. These nodes use
+/// the base format: all of these bits are 0.
 inline constexpr std::uint32_t kCobIdExtendedBits = 0x3FFFF800;
 
 struct CanIdRange {
@@ -33,7 +34,8 @@ struct CanIdRange {
   std::uint32_t last = 0;
 };
 
-/// What no configurable communication object may use (CiA 301, 7.3.5, table "Restricted CAN-IDs").
+/// CAN-IDs that no configurable communication object may use (CiA 301, 7.3.5, table "Restricted
+/// CAN-IDs").
 inline constexpr std::array kRestrictedCanIds{
     CanIdRange{0x000, 0x000},  // NMT
     CanIdRange{0x001, 0x07F},  // reserved

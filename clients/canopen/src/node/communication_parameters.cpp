@@ -14,10 +14,10 @@ namespace {
 constexpr std::uint16_t kFirstPdoIndex = 0x1400;
 constexpr std::uint16_t kLastPdoIndex = 0x1BFF;
 
-/// From 1400h to 1600h and from 1800h to 1A00h: from the parameters of a PDO to its mapping.
+/// From the communication parameter of a PDO to its mapping: 1400h to 1600h, 1800h to 1A00h.
 constexpr std::uint16_t kToMapping = 0x0200;
 
-/// 1019h is refused while 1006h is not 0.
+/// 1019h comes first: it is refused while 1006h is not 0.
 constexpr std::array<std::uint16_t, 2> kFirstRestored{0x1019, 0x1005};
 
 constexpr std::uint16_t kEmergencyCobIdIndex = 0x1014;
@@ -30,8 +30,8 @@ bool is_pdo(std::uint16_t index) {
   return index >= kFirstPdoIndex && index <= kLastPdoIndex;
 }
 
-/// @param index of the parameters or the mapping of a PDO
-/// @return that of its parameters
+/// @param index of the communication parameter or the mapping of a PDO
+/// @return the index of its communication parameter
 std::uint16_t parameters_of(std::uint16_t index) {
   return static_cast<std::uint16_t>(index & ~unsigned{kToMapping});
 }
@@ -85,7 +85,8 @@ void CommunicationParameters::restore_index(std::uint16_t index, const Write& wr
   }
 }
 
-/// A mapping and most parameters change only while the PDO is not valid; it becomes valid last.
+/// A mapping and most parameters can change only while the PDO is not valid, so it becomes valid
+/// last.
 void CommunicationParameters::restore_pdo(std::uint16_t parameters, const Write& write) const {
   const ObjectAddress cob_id{parameters, 1};
   static_cast<void>(write(cob_id, initial_value(cob_id, node_id_) | kCobIdNotValid));
@@ -97,7 +98,7 @@ void CommunicationParameters::restore_pdo(std::uint16_t parameters, const Write&
   restore_cob_id(cob_id, write);
 }
 
-/// Entries change only while the count is 0.
+/// Entries can change only while the count is 0.
 void CommunicationParameters::restore_mapping(std::uint16_t index, const Write& write) const {
   const ObjectAddress count{index, 0};
   auto at = stored_.lower_bound(count);
@@ -109,8 +110,8 @@ void CommunicationParameters::restore_mapping(std::uint16_t index, const Write& 
   static_cast<void>(write(count, restored(count)));
 }
 
-/// The CAN-ID changes only while the COB-ID is not valid; a stored one that is refused would leave
-/// it so.
+/// The CAN-ID can change only while the COB-ID is not valid. If the stored value is refused, the
+/// default is written so that the COB-ID does not stay invalid.
 void CommunicationParameters::restore_cob_id(ObjectAddress object, const Write& write) const {
   static_cast<void>(write(object, initial_value(object, node_id_) | kCobIdNotValid));
   if (write(object, restored(object)) != AbortCode::none) {

@@ -11,7 +11,7 @@
 namespace vdrive::canopen {
 namespace {
 
-/// Basic data types of CiA 301 that are numbers, and whether they have a sign.
+/// The basic data types of CiA 301 that are numbers.
 struct SheetType {
   std::uint16_t number = 0;
   std::uint8_t size = 0;  // [bytes]
@@ -59,7 +59,7 @@ std::optional<ObjectAddress> section_address(std::string_view name) {
   return subindex ? std::optional(ObjectAddress{*index, *subindex}) : std::nullopt;
 }
 
-/// Numbers of CiA 306 are those of C; an octal one such as 037, which nobody means, is read as 37.
+/// Reads a number of CiA 306, in C notation except that an octal 037, which nobody means, is 37.
 void read_value(std::string_view text, SheetObject& object) {
   const std::string lower = lower_case(text);
   const std::size_t node_id = lower.find("$nodeid");

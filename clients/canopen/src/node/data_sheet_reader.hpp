@@ -19,23 +19,24 @@ struct SheetObject {
   std::optional<std::int64_t> value{};  ///< ParameterValue of a DCF, else DefaultValue
   bool has_node_id = false;             ///< the node id is added to the value ("$NODEID+0x180")
 
-  /// @return bytes of a number of this type; 0 for a text, a domain and types that are not known.
+  /// @return the size [bytes] of a number of this type; 0 for a text, a domain and unknown types.
   [[nodiscard]] std::uint8_t size() const noexcept;
 
   [[nodiscard]] bool is_signed() const noexcept;
 };
 
-/// Objects of an electronic data sheet or a device configuration file.
+/// The objects of an electronic data sheet or a device configuration file.
 using DataSheet = std::map<ObjectAddress, SheetObject>;
 
-/// A text that is no data sheet: it has no section of an object.
+/// The text is not a data sheet: it has no section that describes an object.
 class DataSheetError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Reads what electronic_data_sheet() writes, and those of other makers (CiA 306-1): sections such
-/// as [6040] and [607Dsub1], keys in any case. What it does not need it skips, whatever it is.
+/// Reads data sheets from electronic_data_sheet() and from other makers (CiA 306-1): sections such
+/// as [6040] and [607Dsub1], with keys in upper or lower case. Skips everything that it does not
+/// need.
 /// @throws DataSheetError
 [[nodiscard]] DataSheet read_data_sheet(std::string_view text);
 

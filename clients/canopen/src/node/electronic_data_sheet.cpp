@@ -29,7 +29,7 @@ std::uint16_t index_of_objects(IndexObjects objects) {
   return objects.front().address.index;
 }
 
-/// The text of an EDS as it grows.
+/// Builds the text of an EDS.
 class SheetText {
  public:
   void begin_section(std::string_view name) {
@@ -47,8 +47,8 @@ class SheetText {
   std::string text_;
 };
 
-/// Codes, COB-IDs and mappings are read in hex. Everything else is decimal: of a negative number in
-/// hex some readers take the digits for a two's complement, others want a sign.
+/// Codes, COB-IDs and mappings are written in hex, everything else in decimal: readers disagree
+/// about negative hex numbers; some take the digits as two's complement, others expect a sign.
 std::string sheet_number(const NodeObject& object, std::int64_t value) {
   constexpr std::size_t kDigits = 8;
   const bool is_hex = object.data_type == NodeDataType::unsigned32 && object.address.index < 0x2000;
@@ -63,7 +63,7 @@ std::string sheet_default(const NodeObject& object) {
   return sheet_number(object, object.default_value);
 }
 
-/// @return whether its limits are narrower than its type.
+/// @return whether the limits of the object are narrower than those of its type.
 bool has_own_limits(const NodeObject& object) {
   if (object.data_type == NodeDataType::visible_string) return false;
   const bool is_signed = object.data_type <= NodeDataType::integer32;
@@ -92,9 +92,9 @@ void add_object_keys(const NodeObject& object, SheetText& sheet) {
   sheet.add("PDOMapping", object.mapping == PdoMapping::none ? "0" : "1");
 }
 
-/// Hex digits of an EDS's section names, which have no prefix.
+/// Hex digits without a prefix, as in an EDS's section names.
 std::string section_hex(std::uint64_t number, std::size_t digits) {
-  constexpr std::size_t kPrefix = 2;  // of "0x"
+  constexpr std::size_t kPrefix = 2;  // "0x"
   return hex(number, digits).substr(kPrefix);
 }
 
@@ -106,7 +106,7 @@ void add_index_sections(IndexObjects objects, SheetText& sheet) {
     add_object_keys(objects.front(), sheet);
     return;
   }
-  // One of the readers refuses further keys of an array or a record.
+  // At least one reader refuses further keys for an array or a record.
   sheet.add("ParameterName", objects.front().index_name);
   sheet.add("ObjectType", object_code_text(objects.front().code));
   sheet.add("SubNumber", std::to_string(objects.size()));
@@ -128,7 +128,7 @@ bool is_optional_index(std::uint16_t index) {
   return !is_mandatory_index(index) && !is_manufacturer_index(index);
 }
 
-/// A list of indices of CiA 306: which it has.
+/// A CIA 306 list of indices, with the test for membership.
 struct ObjectList {
   std::string_view section;
   bool (*has)(std::uint16_t index) = nullptr;
@@ -140,7 +140,7 @@ constexpr std::array kObjectLists{
     ObjectList{"ManufacturerObjects", is_manufacturer_index},
 };
 
-/// The list, and then its objects.
+/// Adds the list, then its objects.
 void add_object_list(const ObjectList& list, const std::vector<IndexObjects>& indices,
                      SheetText& sheet) {
   constexpr std::size_t kIndexDigits = 4;
@@ -174,14 +174,14 @@ void add_file_info(const DataSheetSettings& settings, SheetText& sheet) {
   sheet.add("ModifiedBy", kProgram);
 }
 
-/// @return a number of the identity object (1018h), as the section of this object has it.
+/// @return a number of the identity object (1018h), from the section of this object.
 std::string identity_number(const std::vector<NodeObject>& objects, ObjectRow row) {
   const auto object = std::ranges::find(objects, describe(row).address, &NodeObject::address);
   ensure(object != objects.end(), "a row of the core's table is an object of the node");
   return sheet_number(*object, object->default_value);
 }
 
-/// @return how many PDOs have their communication parameter in the 512 indices from `first` on.
+/// @return the number of PDOs whose communication parameter is in the 512 indices from `first` on.
 std::string count_pdos(const std::vector<IndexObjects>& indices, std::uint16_t first) {
   constexpr int kMostPdos = 512;
   return std::to_string(std::ranges::count_if(indices, [first](IndexObjects objects) {
@@ -213,7 +213,8 @@ void add_device_info(const std::vector<NodeObject>& objects,
   sheet.add("LSS_Supported", "0");
 }
 
-/// Types that an RPDO may map to skip bytes: all numbers, and no BOOLEAN, which is no byte.
+/// The types that an RPDO may map to skip bytes: all numbers except BOOLEAN, which is not a full
+/// byte.
 void add_dummy_usage(SheetText& sheet) {
   sheet.begin_section("DummyUsage");
   sheet.add("Dummy0001", "0");
@@ -232,7 +233,7 @@ void add_comments(const DataSheetSettings& settings, SheetText& sheet) {
                          : "Default values are those of this axis after its power-up.");
 }
 
-/// What makes a sheet a device configuration file, in the spelling of CiA 306.
+/// The section that makes a sheet a device configuration file; the misspelling is that of CiA 306.
 void add_commissioning(std::uint8_t node_id, SheetText& sheet) {
   const std::string number = std::to_string(node_id);
   sheet.begin_section("DeviceComissioning");
@@ -245,7 +246,7 @@ void add_commissioning(std::uint8_t node_id, SheetText& sheet) {
   sheet.add("LSS_SerialNumber", "0");
 }
 
-/// @return node_objects() with the defaults of the settings.
+/// @return node_objects() with the defaults replaced from the settings.
 std::vector<NodeObject> objects_of(const DataSheetSettings& settings) {
   std::vector<NodeObject> objects(node_objects().begin(), node_objects().end());
   for (const DriveValue& value : settings.values) {

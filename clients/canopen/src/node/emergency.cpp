@@ -17,15 +17,16 @@ constexpr std::uint16_t kEmergencyInhibitTime = 0x1015;
 
 constexpr auto kHeartbeatError = static_cast<std::uint16_t>(ErrorCode::life_guard_or_heartbeat);
 
-/// Generic and communication error (CiA 301, 7.5.2.2): what each error of the communication sets.
+/// Generic and communication error (CiA 301, 7.5.2.2): the bits set by every communication error.
 constexpr std::uint8_t kCommunicationError = 1U << 0U | 1U << 4U;
 
-/// Bits 11 to 30 of 1014h: reserved, or of an extended CAN-ID.
+/// Bits 11 to 30 of 1014h: reserved, or used only by an extended CAN-ID.
 constexpr std::uint32_t kReservedOfEmergencyId = kCobIdExtendedBits | 1U << 30U;
 
 constexpr std::chrono::microseconds kInhibitUnit{100};
 
-/// A drive that has power, and no fault yet, may still react to the loss of its master with one.
+/// A drive that has power and no fault so far has not restarted: it may still react to the loss of
+/// its master with a fault.
 bool has_restarted(const AxisStatus& drive, std::uint32_t faults_before) {
   const bool has_power = (drive.ds402_statusword & Statusword::kOperationEnabled) != 0;
   const bool is_fresh = drive.error_code == 0 && drive.fault_count == 0 && !has_power;
@@ -82,12 +83,13 @@ bool Emergency::awaits_restart(const AxisStatus& drive, DriveTime now) {
 void Emergency::update(const AxisStatus& drive, DriveTime now) {
   if (awaits_restart(drive, now)) {
     drive_ = drive;
-    drive_.error_code = 0;  // not sent: neither is its end
+    drive_.error_code = 0;  // not sent, so its end is not sent either
     return;
   }
   if (drive.fault_count < drive_.fault_count) clear_history();  // it was switched off
   const bool has_fault = drive.error_code != 0;
-  // Besides the code: a fault of the same kind may have come after a reset within one tick.
+  // Compares the count as well as the code: the same fault may have occurred again after a reset
+  // within one tick.
   const bool is_new = has_fault && (drive.error_code != drive_.error_code ||
                                     drive.fault_count != drive_.fault_count);
   const bool is_over = !has_fault && drive_.error_code != 0;
@@ -141,7 +143,7 @@ void Emergency::post(const Cause& cause, DriveTime now) {
   if (cause.error_code != 0) history_.push_front(cause.error_code);
   if (history_.size() > kMostHistory) history_.pop_back();
   if ((cob_id_ & kCobIdNotValid) != 0) return;
-  advance(now);  // what was due before
+  advance(now);  // first send what was already due
   waiting_.put(message_of(cause));
   advance(now);
 }

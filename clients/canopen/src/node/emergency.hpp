@@ -16,7 +16,7 @@
 
 namespace vdrive::canopen {
 
-/// Emergency producer of a node (CiA 301, 7.2.7): objects 1014h and 1015h.
+/// The emergency producer of a node (CiA 301, 7.2.7): objects 1014h and 1015h.
 ///
 /// | byte | of the message |
 /// | --- | --- |
@@ -25,76 +25,77 @@ namespace vdrive::canopen {
 /// | 3 to 4 | statusword 6041h |
 /// | 5 | operating mode 6061h |
 /// | 6 | faults of the drive since power-up, modulo 256 |
-/// | 7 | of a heartbeat error 8130h: node id of the silent producer; else 0 |
+/// | 7 | heartbeat error 8130h: node id of the silent producer; otherwise 0 |
 ///
-/// Each fault of the drive is sent once with its code 603Fh, and 0000h when its reset has cleared
-/// 603Fh. A heartbeat error lasts until all producers are heard again; one of a PDO or of SYNC,
-/// such as 8210h, until a correct frame, other parameters or another state of NMT ends it; 8140h is
-/// over when it is sent. When the last of them is over 0000h is sent, unless the drive has a fault.
-/// The drive reacts to a heartbeat error with a fault of the same code (6007h): while the heartbeat
-/// error lasts that fault is not sent a second time.
+/// Each fault of the drive is sent once with its code 603Fh, and 0000h is sent when a fault reset
+/// has cleared 603Fh. A heartbeat error lasts until all producers are heard again. A PDO or SYNC
+/// error, such as 8210h, lasts until a correct frame arrives, the parameters change, or the NMT
+/// state changes; 8140h ends as soon as it is sent. When the last error is over, 0000h is sent
+/// unless the drive has a fault. The drive reacts to a heartbeat error with a fault of the same
+/// code (6007h): that fault is not sent again while the heartbeat error lasts.
 ///
-/// 1003h is the history of what was signalled (CiA 301, 7.5.2.4), also where the inhibit time or
-/// 1014h has kept the message back. It is empty at power-up of the node and of its drive.
+/// 1003h records every error (CiA 301, 7.5.2.4), including those whose message the inhibit time or
+/// 1014h has held back. It is cleared when the node or its drive powers up.
 class Emergency {
  public:
-  /// Emergencies that wait, as many as 1003h has: of more the oldest is left out, and counted.
+  /// Emergencies that can wait to be sent, as many as 1003h holds. When the queue is full the
+  /// oldest is dropped and counted.
   static constexpr std::size_t kMostWaiting = 8;
 
   /// Entries of 1003h.
   static constexpr std::size_t kMostHistory = 8;
 
-  /// Drive time within which a drive restarts. One that shows no restart keeps its faults, which
-  /// are sent then.
+  /// Longest time of a restart of the drive [drive time]. A drive that has shown no restart by then
+  /// still has its faults, and they are sent.
   static constexpr DriveTime kLongestRestart = std::chrono::seconds(1);
 
-  /// 1014h and 1015h have their defaults. Nothing is sent until set_allowed(true).
+  /// 1014h and 1015h get their defaults. Nothing is sent until set_allowed(true).
   /// @param host outlives the producer
   Emergency(std::uint8_t node_id, NodeHost& host);
 
   [[nodiscard]] std::uint32_t cob_id() const noexcept { return cob_id_; }  ///< 1014h
 
-  /// Writes 1014h. Bit 31 = no emergency is sent, and what waits is dropped.
-  /// @return value_range_exceeded when one of bits 11 to 30 is 1; when it is valid (bit 31 = 0)
-  ///         with a restricted CAN-ID, or with another than the one that is valid now
+  /// Writes 1014h. With bit 31 set no emergency is sent, and waiting ones are dropped.
+  /// @return value_range_exceeded when one of bits 11 to 30 is 1, or when the value is valid (bit
+  ///         31 = 0) and its CAN-ID is restricted or differs from the one that is valid now
   AbortCode set_cob_id(std::uint32_t value);
 
-  /// 1015h [100 us]: between two emergencies. What comes within it waits for its turn, in order.
+  /// 1015h [100 us]: the time between two emergencies. Those that arise within it are sent later,
+  /// in order.
   [[nodiscard]] std::uint16_t inhibit_time() const noexcept { return inhibit_time_; }
 
   void set_inhibit_time(std::uint16_t value) noexcept { inhibit_time_ = value; }
 
-  /// 1014h and 1015h have their defaults again; no error is known, so that a fault that lasts is
-  /// sent again. Nothing is sent until set_allowed(true). A restart is still awaited.
+  /// Sets 1014h and 1015h back to their defaults and forgets all errors, so that a lasting fault is
+  /// sent again. Nothing is sent until set_allowed(true). A pending restart is still awaited.
   void reset();
 
-  /// NMT reset node, after reset(): the drive is switched off and on. A bench in realtime does
-  /// that some ticks later, and what it shows before is over. So no fault is sent until the drive
-  /// shows its restart: it has no fault, none since power-up, and no power; or fewer faults than
+  /// NMT reset node, after reset(): the drive is switched off and on. A bench in real time does
+  /// that some ticks later, and its status until then is stale. So no fault is sent until the drive
+  /// shows its restart: either no fault, none since power-up, and no power; or fewer faults than
   /// before.
-  /// @param drive as it was shown last
+  /// @param drive its last status
   void await_restart(const AxisStatus& drive, DriveTime now);
 
-  /// The drive that is there now is another one, or has restarted.
+  /// The present drive is a different one, or has restarted.
   void forget_restart() noexcept { restart_.reset(); }
 
-  /// The NMT state has emergencies. While it has none they wait.
+  /// Whether the NMT state allows emergencies. While it does not, they wait.
   void set_allowed(bool is_allowed, DriveTime now);
 
-  /// The drive after a tick, with 6041h as masters see it.
+  /// The status of the drive after a tick, with 6041h as masters see it.
   void update(const AxisStatus& drive, DriveTime now);
 
-  /// An error of the communication other than a silent producer has begun, such as 8210h.
+  /// A communication error other than a silent producer has begun, such as 8210h.
   void begin_error(std::uint16_t error_code, DriveTime now);
 
-  /// All of them are over: nothing happens without one.
+  /// All errors of begin_error() are over. Does nothing if there are none.
   void end_errors(DriveTime now);
 
   void begin_heartbeat_error(std::uint8_t producer, DriveTime now);
   void end_heartbeat_error(DriveTime now);
 
-  /// @return the bits that errors of the communication set in 1001h now, besides those of the
-  /// drive.
+  /// @return the bits that communication errors set in 1001h now, without those of the drive.
   [[nodiscard]] std::uint8_t error_register() const noexcept;
 
   /// 1003h: error codes, the newest first.
@@ -106,7 +107,7 @@ class Emergency {
   void advance(DriveTime now);
   [[nodiscard]] std::optional<DriveTime> next_due() const;
 
-  /// @return messages that were left out, ever.
+  /// @return the number of messages dropped so far.
   [[nodiscard]] std::uint64_t held_back() const noexcept { return waiting_.dropped(); }
 
  private:
@@ -120,7 +121,7 @@ class Emergency {
   /// A restart that the drive has not shown yet.
   struct Restart {
     std::uint32_t faults_before = 0;
-    DriveTime end{};  ///< is not awaited any more
+    DriveTime end{};  ///< when it is no longer awaited
   };
 
   [[nodiscard]] bool awaits_restart(const AxisStatus& drive, DriveTime now);

@@ -9,19 +9,19 @@
 
 namespace vdrive::canopen {
 
-/// Bytes that a frame of classical CAN has at most.
+/// The largest payload of a classical CAN frame [bytes].
 inline constexpr std::size_t kMostData = 8;
 
 inline constexpr std::uint32_t kHighestBaseId = 0x7FF;           ///< 11 bits
 inline constexpr std::uint32_t kHighestExtendedId = 0x1FFFFFFF;  ///< 29 bits
 
-/// A data or remote frame of classical CAN (ISO 11898-1). CANopen uses the base format only; an
-/// extended frame passes through the bus, and no node answers it.
+/// A data or remote frame of classical CAN (ISO 11898-1). CANopen uses the base format only;
+/// extended frames pass over the bus, and no node answers them.
 struct Frame {
   std::uint32_t id = 0;      ///< 0 to kHighestBaseId, or to kHighestExtendedId
   bool is_extended = false;  ///< 29-bit identifier
-  bool is_remote = false;    ///< asks for data (RTR), and has none
-  std::uint8_t size = 0;     ///< bytes of `data`, 0 to 8; of a remote frame: those asked for
+  bool is_remote = false;    ///< requests data (RTR) and carries none
+  std::uint8_t size = 0;     ///< bytes of `data`, 0 to 8; in a remote frame, those requested
   std::array<std::uint8_t, kMostData> data{};
 
   [[nodiscard]] std::span<const std::uint8_t> bytes() const noexcept {
@@ -31,11 +31,11 @@ struct Frame {
   friend bool operator==(const Frame&, const Frame&) = default;
 };
 
-/// Drive time as the bench counts it (in real time since 1970): only differences have a meaning to
-/// a node. Its heartbeats, inhibit times and event timers count it.
+/// Drive time as the bench counts it (in real time: since 1970). A node uses only differences, for
+/// its heartbeats, inhibit times and event timers.
 using DriveTime = std::chrono::microseconds;
 
-/// Numbers as frames have them: the least significant byte first.
+/// Numbers in the byte order of frames: least significant byte first.
 
 /// Fills `bytes` with the lowest bytes of `number`.
 constexpr void put_little_endian(std::uint64_t number, std::span<std::uint8_t> bytes) noexcept {
@@ -53,11 +53,11 @@ constexpr void put_little_endian(std::uint64_t number, std::span<std::uint8_t> b
   return number;
 }
 
-/// @param bytes 1 to 8, of a two's complement
+/// @param bytes 1 to 8, in two's complement
 [[nodiscard]] constexpr std::int64_t signed_little_endian_number(
     std::span<const std::uint8_t> bytes) noexcept {
   const auto unused = static_cast<unsigned>(8 * (sizeof(std::int64_t) - bytes.size()));
-  // The shift back repeats the sign.
+  // The arithmetic shift back extends the sign.
   return static_cast<std::int64_t>(little_endian_number(bytes) << unused) >> unused;
 }
 

@@ -13,27 +13,27 @@
 
 namespace vdrive::canopen {
 
-/// Heartbeat producer of a node, and its boot-up message (CiA 301, 7.2.8.3.2.2 and 7.2.8.3.3):
+/// The heartbeat producer of a node, with its boot-up message (CiA 301, 7.2.8.3.2.2 and 7.2.8.3.3):
 /// object 1017h.
 class HeartbeatProducer {
  public:
-  /// 1017h has its default.
+  /// 1017h gets its default.
   /// @param host outlives the producer
   HeartbeatProducer(std::uint8_t node_id, NodeHost& host);
 
   [[nodiscard]] std::uint16_t time() const noexcept { return time_; }  ///< 1017h [ms]; 0 = none
 
-  /// Writes 1017h. Unless it is 0 the first heartbeat is due at once.
+  /// Writes 1017h. Unless it is 0, the first heartbeat is due immediately.
   void set_time(std::uint16_t milliseconds, DriveTime now);
 
-  /// 1017h has its default again, and nothing is due until boot_up().
+  /// Sets 1017h back to its default. Nothing is due until boot_up().
   void reset();
 
-  /// Sends the boot-up message. It counts as the first heartbeat.
+  /// Sends the boot-up message, which counts as the first heartbeat.
   void boot_up(DriveTime now);
 
-  /// Sends the heartbeat when it is due. A late call does not shift those that follow, unless it is
-  /// late by a whole period.
+  /// Sends the heartbeat when it is due. A late call does not shift the later heartbeats, unless it
+  /// is late by at least one period.
   void advance(NmtState state, DriveTime now);
 
   [[nodiscard]] std::optional<DriveTime> next_due() const noexcept { return next_; }
@@ -48,38 +48,39 @@ class HeartbeatProducer {
   std::optional<DriveTime> next_;
 };
 
-/// Heartbeat consumer of a node (CiA 301, 7.2.8.2.2 and 7.5.2.19): object 1016h.
+/// The heartbeat consumer of a node (CiA 301, 7.2.8.2.2 and 7.5.2.19): object 1016h.
 ///
-/// A producer is watched from its first heartbeat on. Its boot-up message counts as a heartbeat: a
-/// producer that was reset and has lost its 1017h is missed one consumer time later.
+/// A producer is monitored from its first heartbeat on. Its boot-up message counts as a heartbeat,
+/// so a producer that lost its 1017h in a reset is reported one consumer time later.
 class HeartbeatConsumer {
  public:
   static constexpr std::size_t kEntries = 4;
 
-  /// 1016h has its defaults.
+  /// 1016h gets its defaults.
   HeartbeatConsumer();
 
   /// @param subindex of 1016h, 1 to kEntries
   [[nodiscard]] std::uint32_t entry(std::uint8_t subindex) const;
 
   /// Writes 1016h: the producer's node id in bits 16 to 23, the time [ms] in bits 0 to 15. An entry
-  /// without one of them is not used. The entry waits for a first heartbeat again.
+  /// is unused if either is 0. The entry waits for a first heartbeat again.
   /// @param subindex 1 to kEntries
   /// @return value_range_exceeded when one of bits 24 to 31 is 1; parameter_incompatibility when
-  ///         another entry watches the same producer
+  ///         another entry monitors the same producer
   AbortCode set_entry(std::uint8_t subindex, std::uint32_t value);
 
-  /// 1016h has its defaults again.
+  /// Sets 1016h back to its defaults.
   void reset();
 
-  /// A heartbeat or the boot-up message of a node.
+  /// A heartbeat or boot-up message of a node has arrived.
   void receive(std::uint8_t producer, DriveTime now);
 
-  /// @return the node id of a producer that has been silent for its time, each once; none = no
-  ///         other one.
+  /// @return the node id of a producer that has exceeded its consumer time, each once; none = no
+  ///         further one.
   std::optional<std::uint8_t> take_silent(DriveTime now);
 
-  /// @return whether a producer is silent: take_silent() gave it, and nothing came since.
+  /// @return whether a producer is silent: take_silent() has returned it, and it has not been heard
+  ///         since.
   [[nodiscard]] bool has_silent() const;
 
   [[nodiscard]] std::optional<DriveTime> next_due() const;
@@ -87,7 +88,7 @@ class HeartbeatConsumer {
  private:
   struct Entry {
     std::uint32_t value = 0;
-    std::optional<DriveTime> deadline{};  ///< for the next heartbeat; none = none is awaited
+    std::optional<DriveTime> deadline{};  ///< of the next heartbeat; none = not monitored yet
     bool is_silent = false;
 
     [[nodiscard]] std::uint8_t producer() const noexcept;

@@ -24,7 +24,7 @@ constexpr std::uint8_t kAllNodes = 0;
 
 constexpr ObjectAddress kCommunicationErrorObject{0x1029, 1};
 
-// Values of 1029h:01 (CiA 301, 7.5.2.32); 0 = to pre-operational, from Operational only.
+// Values of 1029h:01 (CiA 301, 7.5.2.32); 0 = to pre-operational, only from Operational.
 constexpr std::uint32_t kNoChangeOfState = 1;
 constexpr std::uint32_t kToStopped = 2;
 
@@ -105,9 +105,9 @@ class Node::Parts final : private PdoHost {
   std::uint8_t node_id_;
   NodeHost& host_;
   NodeCounters counters_;
-  std::uint64_t resets_ = 0;  ///< of all communication parameters
+  std::uint64_t resets_ = 0;  ///< of all communication parameters together
   NmtState state_ = NmtState::boot_up;
-  DriveTime now_{};   ///< of the call under way
+  DriveTime now_{};   ///< of the current call
   DriveView drive_;   ///< after its last tick
   AxisStatus shown_;  ///< the same, as masters see it
 
@@ -119,16 +119,17 @@ class Node::Parts final : private PdoHost {
   NodeDictionary dictionary_;
   SdoServer sdo_;
 
-  bool is_led_ = false;  ///< a master has started the node, and has not left it by NMT
+  bool is_led_ = false;  ///< a master has started the node, and has not stopped or reset it since
+                         ///< by NMT
   bool has_heartbeat_error_ = false;
-  bool is_without_master_ = false;  ///< what NodeHost::set_connection_lost() was told last
-  bool has_left_by_nmt_ = false;    ///< why: then only a start by NMT ends it
+  bool is_without_master_ = false;  ///< the last value passed to NodeHost::set_connection_lost()
+  bool has_left_by_nmt_ = false;    ///< the reason: then only an NMT start ends it
 };
 
 void Node::Parts::start(const DriveView& drive, DriveTime now) {
   now_ = now;
   is_led_ = false;
-  regain_master();  // 5E0Ah of the drive, if it is the same one, waits for the next loss
+  regain_master();  // resets 5E0Ah for the next loss, if the drive is still the same
   dictionary_.forget_access();
   sdo_.reset();
   emergency_.forget_restart();
@@ -138,8 +139,8 @@ void Node::Parts::start(const DriveView& drive, DriveTime now) {
   update(drive, now);
 }
 
-/// What each state takes (CiA 301, 7.3.2.2.5): NMT and error control always, SDO not in Stopped,
-/// PDOs in Operational only, which Pdos knows by start() and stop().
+/// Dispatches by state (CiA 301, 7.3.2.2.5): NMT and error control always, SDO not in Stopped, PDOs
+/// in Operational only, which start() and stop() tell Pdos.
 void Node::Parts::receive(const Frame& frame, DriveTime now) {
   if (state_ == NmtState::boot_up || frame.is_extended) return;
   now_ = now;
@@ -155,7 +156,7 @@ void Node::Parts::receive(const Frame& frame, DriveTime now) {
   end_errors();
 }
 
-/// Whatever has ended them: a right frame, other parameters or another state of NMT.
+/// Called for every possible end: a correct frame, other parameters or another NMT state.
 void Node::Parts::end_errors() {
   if (!pdos_.has_error()) emergency_.end_errors(now_);
 }
@@ -193,7 +194,7 @@ void Node::Parts::start_remote_node() {
   enter(NmtState::operational);
 }
 
-/// From any state to pre-operational by way of initialisation, with the stored parameters.
+/// From any state through initialisation to pre-operational, with the stored parameters.
 void Node::Parts::reset_communication() {
   state_ = NmtState::boot_up;
   ++resets_;
@@ -223,8 +224,8 @@ void Node::Parts::enter(NmtState next) {
   if (next == NmtState::operational) pdos_.start(shown_, now_);
 }
 
-/// SDO frames have 8 bytes, always (CiA 301, 7.2.4.3). Others are left unanswered, as real nodes do
-/// and masters expect: what is missing may be the object that an abort would have to name.
+/// SDO frames always have 8 bytes (CiA 301, 7.2.4.3). Others are not answered, as masters expect
+/// from real nodes: the missing bytes may hold the object that an abort would have to name.
 void Node::Parts::receive_request(const Frame& frame) {
   if (frame.is_remote || frame.size != kMostData) {
     ++counters_.ignored_frames;
@@ -243,14 +244,14 @@ void Node::Parts::complete(std::uint32_t ticket, const DriveAnswer& answer, Driv
   answered();
 }
 
-/// What a written parameter has at once, after the response to the client.
+/// After the response to the client: the immediate effects of a written parameter.
 void Node::Parts::answered() {
   producer_.advance(state_, now_);  // 1017h: the first heartbeat
-  end_heartbeat_error();            // 1016h: the silent producer is not watched any more
-  end_errors();                     // a PDO has other parameters
+  end_heartbeat_error();            // 1016h: the silent producer is no longer monitored
+  end_errors();                     // a PDO may have other parameters
 }
 
-/// A remote frame is node guarding, which there is not: it stays unanswered.
+/// A remote frame would be node guarding, which is not supported: it is not answered.
 void Node::Parts::receive_heartbeat(const Frame& frame) {
   const auto producer = static_cast<std::uint8_t>(frame.id - kHeartbeatId);
   if (producer == node_id_ || frame.is_remote || frame.size != 1) return;
@@ -258,7 +259,8 @@ void Node::Parts::receive_heartbeat(const Frame& frame) {
   end_heartbeat_error();
 }
 
-/// Each silent producer is an emergency, before 1029h may lead to Stopped, where none is sent.
+/// Raises an emergency for each silent producer, before 1029h may lead to Stopped, where none is
+/// sent.
 void Node::Parts::watch_producers() {
   bool is_new = false;
   while (const auto producer = consumer_.take_silent(now_)) {
@@ -280,7 +282,7 @@ void Node::Parts::react_to_communication_error() {
   }
 }
 
-/// Bus-off is an error of the communication like a lost heartbeat (CiA 301, 7.5.2.32).
+/// Bus-off is a communication error like a lost heartbeat (CiA 301, 7.5.2.32).
 void Node::Parts::set_bus_off(bool is_off, DriveTime now) {
   if (state_ == NmtState::boot_up) return;
   now_ = now;
@@ -290,7 +292,7 @@ void Node::Parts::set_bus_off(bool is_off, DriveTime now) {
     return;
   }
   raise(kRecoveredFromBusOff);
-  end_errors();  // over as soon as it is told
+  end_errors();  // 8140h is over as soon as it is reported
   if (!has_heartbeat_error_ && !has_left_by_nmt_) regain_master();
 }
 
@@ -301,8 +303,8 @@ void Node::Parts::end_heartbeat_error() {
   if (!has_left_by_nmt_) regain_master();
 }
 
-/// An event, also where the node is without a master already: another one may have enabled the
-/// drive by SDO since.
+/// Reports the loss even if the node already has no master: another one may have enabled the drive
+/// by SDO since.
 void Node::Parts::lose_master() {
   is_without_master_ = true;
   host_.set_connection_lost(true);
@@ -315,7 +317,7 @@ void Node::Parts::regain_master() {
   host_.set_connection_lost(false);
 }
 
-/// A drive reacts per 6007h at NMT stop, reset communication and reset node, too. A node that no
+/// The drive reacts per 6007h also at NMT stop, reset communication and reset node. A node that no
 /// master has started has none to lose: masters reset all nodes before they configure them.
 void Node::Parts::leave_by_nmt() {
   if (!is_led_) return;
@@ -355,7 +357,7 @@ void Node::Parts::advance(DriveTime now) {
   sdo_.advance(now);
   emergency_.advance(now);
   pdos_.advance(now);
-  end_errors();  // 1029h: without PDOs there are none
+  end_errors();  // 1029h: without PDOs there are no errors
 }
 
 std::optional<DriveTime> Node::Parts::next_due() const {

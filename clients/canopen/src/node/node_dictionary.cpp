@@ -89,7 +89,7 @@ std::optional<SdoAnswer> NodeDictionary::begin_download(ObjectAddress object,
 
 void NodeDictionary::begin(ObjectAddress object, std::optional<std::int64_t> value) {
   ++last_ticket_;
-  // Now: a NMT reset before the answer gives them other values.
+  // Taken now, because an NMT reset before the answer would change the values.
   if (object == kStoreAll && value) {
     to_store_ = parameters_in_force();
     if (is_changed_ && !is_dated_) {
@@ -118,7 +118,7 @@ std::int64_t NodeDictionary::as_masters_see(const DriveAccess& access, std::int6
   return access.object == kErrorRegister ? value | parts_.emergency.error_register() : value;
 }
 
-/// What the drive has there is without the errors of the communication.
+/// The drive's own list would lack the communication errors.
 SdoAnswer NodeDictionary::read_error_field(const NodeObject& object) const {
   const auto& history = parts_.emergency.history();
   const std::size_t entry = object.address.subindex;
@@ -127,14 +127,14 @@ SdoAnswer NodeDictionary::read_error_field(const NodeObject& object) const {
   return {.bytes = bytes_of_number(static_cast<std::int64_t>(value), size_of(object.data_type))};
 }
 
-/// @param object of the drive that was written
+/// @param object object of the drive that was written
 AbortCode NodeDictionary::follow_memory(ObjectAddress object) {
   if (object.index == kErrorField) parts_.emergency.clear_history();
   if (object != kStoreAll && object != kRestoreAll) {
     note_written(object);
     return AbortCode::none;
   }
-  CommunicationParameters::Values parameters;  // none: all have their defaults
+  CommunicationParameters::Values parameters;  // empty: all have their defaults
   if (object == kStoreAll) parameters = std::exchange(to_store_, {});
   if (!host_.store(parameters)) return AbortCode::hardware_error;
   if (object == kStoreAll) {
@@ -186,7 +186,7 @@ std::optional<std::int64_t> NodeDictionary::value(ObjectAddress object) const {
   return has_number ? std::optional(std::int64_t{value_of(*found)}) : std::nullopt;
 }
 
-/// @param object a number of the node itself
+/// @param object a numeric object of the node itself
 std::uint32_t NodeDictionary::value_of(const NodeObject& object) const {
   if (Pdos::has(object.address)) return parts_.pdos.read(object.address);
   if (!is_writable(object)) return static_cast<std::uint32_t>(default_of(object, node_id_));

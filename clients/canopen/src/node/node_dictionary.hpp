@@ -22,7 +22,7 @@ class HeartbeatProducer;
 class Pdos;
 struct NodeObject;
 
-/// The parts of a node that have communication objects.
+/// The parts of a node that hold communication objects.
 struct ObjectParts {
   CommunicationParameters& parameters;
   Pdos& pdos;
@@ -31,20 +31,21 @@ struct ObjectParts {
   HeartbeatConsumer& consumer;
 };
 
-/// The object dictionary of a node (CiA 301, 7.4) as node_objects() describes it: leads each access
-/// to the part of the node that has the object, or to the drive.
+/// The object dictionary of a node (CiA 301, 7.4) as node_objects() describes it: forwards each
+/// access to the part of the node that holds the object, or to the drive.
 ///
-/// 1020h (verify configuration) is what a configuration tool has written there and 1010h:01 saved;
-/// it is 0 again when 1010h:01 saves another configuration without it (CiA 301, 7.5.2.23).
+/// 1020h (verify configuration) holds the value that a configuration tool has written and 1010h:01
+/// has saved; it returns to 0 when 1010h:01 saves a changed configuration without a new 1020h (CiA
+/// 301, 7.5.2.23).
 ///
-/// An access is judged in this order: index, sub-index, access, length, value. The value of an
-/// object of the drive is judged by the drive.
+/// An access is checked in this order: index, sub-index, access, length, value. The drive checks
+/// the values of its own objects.
 class NodeDictionary final : public SdoObjects {
  public:
   /// @param settings its texts are copied
   /// @param parts outlive the dictionary
-  /// @param host likewise
-  /// @param drive likewise: the drive as it is now
+  /// @param host outlives the dictionary
+  /// @param drive outlives the dictionary: the present drive
   NodeDictionary(const NodeSettings& settings, const ObjectParts& parts, NodeHost& host,
                  const DriveView& drive);
 
@@ -53,30 +54,29 @@ class NodeDictionary final : public SdoObjects {
   std::optional<SdoAnswer> begin_download(ObjectAddress object, std::span<const std::uint8_t> data,
                                           DriveTime now) override;
 
-  /// The answer of the drive to the access with this ticket. Where it has saved (1010h:01) or
-  /// restored (1011h:01) its parameters the communication parameters follow: those that were in
-  /// force at the request are saved. The answer is hardware_error where NodeHost::store() cannot
-  /// keep them.
-  /// @return the answer for SDO; none = no such access is under way.
+  /// The answer of the drive to the access with this ticket. When the drive has saved (1010h:01) or
+  /// restored (1011h:01) its parameters, the communication parameters follow; those in force when
+  /// the request arrived are saved. The answer is hardware_error when NodeHost::store() fails.
+  /// @return the answer for SDO; none = no such access is pending.
   std::optional<SdoAnswer> complete(std::uint32_t ticket, const DriveAnswer& answer);
 
-  /// The access that is under way will not be answered.
+  /// The pending access will not be answered.
   void forget_access() noexcept { access_.reset(); }
 
-  /// The parameters are those that were saved: a date in 1020h that was not saved is gone, too.
+  /// The parameters are the saved ones again, so a value of 1020h that was not saved is gone too.
   void forget_date() noexcept { is_dated_ = false; }
 
-  /// @return the value of an object of the node itself; none when it has a text, is the drive's, or
-  ///         does not exist.
+  /// @return the value of an object of the node itself; none if it is a text, belongs to the drive,
+  ///         or does not exist.
   [[nodiscard]] std::optional<std::int64_t> value(ObjectAddress object) const;
 
   /// Writes a communication parameter.
   /// @pre CommunicationParameters::has(object)
-  /// @return value_too_high or value_too_low outside the limits of the object, else what the part
-  ///         that has it says.
+  /// @return value_too_high or value_too_low outside the limits of the object, otherwise the answer
+  ///         of the part that holds it.
   AbortCode write(ObjectAddress object, std::uint32_t value, DriveTime now);
 
-  /// @return calls of write().
+  /// @return the number of calls of write().
   [[nodiscard]] std::uint64_t writes() const noexcept { return writes_; }
 
  private:
@@ -98,10 +98,12 @@ class NodeDictionary final : public SdoObjects {
   const DriveView& drive_;
   std::uint32_t last_ticket_ = 0;
   std::uint64_t writes_ = 0;
-  std::optional<DriveAccess> access_;         ///< of the drive, under way
-  bool is_changed_ = false;                   ///< what 1010h:01 saves, since it has
-  bool is_dated_ = false;                     ///< 1020h was written since
-  CommunicationParameters::Values to_store_;  ///< at the request of 1010h:01 that is under way
+  std::optional<DriveAccess> access_;         ///< pending access to the drive
+  bool is_changed_ = false;                   ///< the parameters have changed since the last
+                                              ///< 1010h:01
+  bool is_dated_ = false;                     ///< 1020h was written since that change
+  CommunicationParameters::Values to_store_;  ///< parameters in force when the pending 1010h:01 was
+                                              ///< requested
 };
 
 }  // namespace vdrive::canopen

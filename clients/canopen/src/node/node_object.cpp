@@ -14,7 +14,7 @@
 namespace vdrive::canopen {
 namespace {
 
-/// What the objects of one index have in common (CiA 301, 7.4.3).
+/// The common part of the objects of one index (CiA 301, 7.4.3).
 struct NodeIndex {
   std::uint16_t index = 0;
   std::string_view name{};
@@ -40,7 +40,8 @@ constexpr NodeDataType node_type_of(DataType type) {
   return NodeDataType::unsigned32;
 }
 
-/// @return a number of the node itself that no PDO carries; its limits are those of its type.
+/// @return a numeric object of the node itself that cannot be mapped; its limits are those of its
+///         type.
 constexpr NodeObject number_object(const NodeIndex& index, std::uint8_t subindex,
                                    std::string_view name, DataType type, NodeAccess access,
                                    std::int64_t default_value = 0) {
@@ -58,15 +59,15 @@ constexpr NodeObject number_object(const NodeIndex& index, std::uint8_t subindex
   return object;
 }
 
-/// @return :00 of an array or a record whose objects are always there.
+/// @return :00 of an array or a record with a fixed set of objects.
 constexpr NodeObject highest_subindex_object(const NodeIndex& index, std::uint8_t highest) {
   return number_object(index, 0, "Highest sub-index supported", DataType::unsigned8,
                        NodeAccess::constant, highest);
 }
 
 // ---- communication objects ---------------------------------------------------------------------
-// Those that a node has besides the ones of the core's table (CiA 301, 7.5.2), by index and
-// sub-index. 100Ch and 100Dh (node guarding) are absent.
+// The node's own objects that are not in the core's table (CiA 301, 7.5.2), by index and sub-index.
+// 100Ch and 100Dh (node guarding) are absent.
 
 constexpr NodeObject variable_object(std::uint16_t index, std::string_view name, DataType type,
                                      std::int64_t default_value) {
@@ -112,7 +113,7 @@ constexpr NodeObject sdo_server_cob_id(std::uint8_t subindex, std::string_view n
                                     NodeAccess::constant, cob_id));
 }
 
-/// 1000h to 1FFFh without the PDOs. 100Ah is the version of the program, so it has no default.
+/// 1000h to 1FFFh without the PDOs. 100Ah has no default: it is the version of the program.
 constexpr std::array kGeneralObjects{
     variable_object(0x1005, "COB-ID SYNC message", DataType::unsigned32, 0x80),
     variable_object(0x1006, "Communication cycle period", DataType::unsigned32, 0),
@@ -143,7 +144,7 @@ constexpr std::array kGeneralObjects{
     sdo_server_cob_id(2, "COB-ID server to client (tx)", kSdoResponseId),
 };
 
-/// A PDO as it is after power-up.
+/// A PDO after power-up.
 struct PdoRow {
   NodeIndex parameters;
   NodeIndex mapping;
@@ -155,7 +156,7 @@ struct PdoRow {
 constexpr std::size_t kPdosOfAKind = 4;
 using PdoRows = std::array<PdoRow, kPdosOfAKind>;
 
-// The mapping of CiA 402-3, and the velocity in the fourth.
+// The mapping of CiA 402-3, with the velocity in the fourth.
 constexpr PdoRows kReceiveRows{{
     {{0x1400, "RPDO 1 communication parameter", ObjectCode::record},
      {0x1600, "RPDO 1 mapping parameter", ObjectCode::record},
@@ -179,7 +180,7 @@ constexpr PdoRows kReceiveRows{{
      0},
 }};
 
-// Position and velocity change in every tick: without an inhibit time they would fill the bus.
+// Position and velocity change in every tick: without inhibit times they would flood the bus.
 constexpr PdoRows kTransmitRows{{
     {{0x1800, "TPDO 1 communication parameter", ObjectCode::record},
      {0x1A00, "TPDO 1 mapping parameter", ObjectCode::record},
@@ -203,7 +204,7 @@ constexpr PdoRows kTransmitRows{{
      100},
 }};
 
-/// Event-driven, as the device profile says (CiA 301, 7.5.2.35 and 7.5.2.37).
+/// Event-driven, as the device profile defines (CiA 301, 7.5.2.35 and 7.5.2.37).
 constexpr std::int64_t kEventDriven = 255;
 
 constexpr NodeObject pdo_parameter(const PdoRow& pdo, std::uint8_t subindex, std::string_view name,
@@ -235,8 +236,8 @@ constexpr std::array<std::string_view, 8> kMappedNames{
     "Application object 1", "Application object 2", "Application object 3", "Application object 4",
     "Application object 5", "Application object 6", "Application object 7", "Application object 8"};
 
-/// @return index, sub-index and length [bits] of an object of the drive, as a mapping parameter has
-///         them (CiA 301, 7.5.2.36).
+/// @return index, sub-index and length [bits] of an object of the drive, encoded as in a mapping
+///         parameter (CiA 301, 7.5.2.36).
 constexpr std::int64_t mapping_entry(ObjectAddress address) {
   const ObjectDescription& object = kObjectRows[*find_row(address)];
   return std::int64_t{address.index} * 0x10000 + std::int64_t{address.subindex} * 0x100 +
@@ -301,13 +302,13 @@ static_assert(std::ranges::all_of(kObjectRows,
                                   }),
               "an EDS has ASCII, and begins comments with ; and #");
 
-/// Indices whose name and code the rows do not show: their types are equal, and the standard has a
-/// record.
+/// Indices whose name and code cannot be derived from the rows: all types are equal, but the
+/// standard defines a record.
 constexpr std::array kNamedIndices{
     NodeIndex{0x1018, "Identity Object", ObjectCode::record},
 };
 
-/// Which CiA 402-2 has as write-only. Sessions of the bench may read them.
+/// Write-only in CiA 402-2. Sessions of the bench may read them.
 constexpr std::array kWriteOnly{ObjectAddress{0x60C4, 0x05}, ObjectAddress{0x60C4, 0x06}};
 
 NodeAccess access_of_row(const ObjectDescription& row) {
@@ -321,8 +322,8 @@ bool is_in_status(ObjectAddress address) {
   });
 }
 
-/// What CiA 301 has of the drive, such as its identity, is mapped into no PDO; the error register
-/// (1001h) is, which the status has.
+/// The drive's objects of CiA 301, such as its identity, cannot be mapped, except the error
+/// register (1001h), which the status contains.
 constexpr std::uint16_t kFirstOfProfile = 0x2000;
 
 PdoMapping mapping_of_row(const ObjectDescription& row) {
@@ -330,14 +331,14 @@ PdoMapping mapping_of_row(const ObjectDescription& row) {
   if (row.access == Access::read_only) {
     return row.address.index < kFirstOfProfile ? PdoMapping::none : PdoMapping::transmit;
   }
-  // A PDO would store or clear in each cycle what a master means to store or clear once.
+  // A PDO would repeat in each cycle a store or clear that a master means once.
   const bool is_once = row.change == Change::memory || row.change == Change::history;
   if (is_once) return PdoMapping::none;
   return access_of_row(row) == NodeAccess::write_only ? PdoMapping::receive : PdoMapping::both;
 }
 
-/// @return the words that all names begin with, such as "Homing Speed"; the first name where there
-///         are none.
+/// @return the words that all names start with, such as "Homing Speed"; the first name if there are
+///         none.
 std::string_view common_words(DriveRows rows) {
   std::string_view words = rows.front().name;
   const auto begins = [&words](const ObjectDescription& row) {

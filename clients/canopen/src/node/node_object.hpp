@@ -14,7 +14,7 @@
 
 namespace vdrive::canopen {
 
-/// Data types of CiA 301 that the dictionary of a node has, by the number that an EDS writes.
+/// The data types of CiA 301 used in the dictionary of a node, with their numbers in an EDS.
 enum class NodeDataType : std::uint16_t {
   integer8 = 0x0002,
   integer16 = 0x0003,
@@ -25,7 +25,7 @@ enum class NodeDataType : std::uint16_t {
   visible_string = 0x0009,
 };
 
-/// @return bytes of a number of this type; 0 for visible_string.
+/// @return the size [bytes] of a number of this type; 0 for visible_string.
 [[nodiscard]] constexpr std::uint8_t size_of(NodeDataType type) noexcept {
   switch (type) {
     case NodeDataType::integer8:
@@ -43,7 +43,7 @@ enum class NodeDataType : std::uint16_t {
   return 0;
 }
 
-/// @param bytes of a number of this type, as frames have them
+/// @param bytes a number of this type in the byte order of frames
 [[nodiscard]] constexpr std::int64_t number_of(NodeDataType type,
                                                std::span<const std::uint8_t> bytes) noexcept {
   const bool is_signed = type == NodeDataType::integer8 || type == NodeDataType::integer16 ||
@@ -54,38 +54,39 @@ enum class NodeDataType : std::uint16_t {
 
 enum class NodeAccess : std::uint8_t { read_only, read_write, write_only, constant };
 
-/// Whose register an object is.
+/// Who holds the value of an object.
 enum class ObjectOwner : std::uint8_t {
-  node,   ///< communication object: the node itself has it (1000h to 1FFFh, all :00 counts)
-  drive,  ///< a row of the core's table: the drive has it
+  node,   ///< communication object: the node itself (1000h to 1FFFh, and the :00 of every array and
+          ///< record)
+  drive,  ///< a row of the core's table: the drive
 };
 
-/// Where an object may be mapped (CiA 301, 7.5.2.36 and 7.5.2.38).
+/// Which PDOs may carry an object (CiA 301, 7.5.2.36 and 7.5.2.38).
 enum class PdoMapping : std::uint8_t {
   none,
-  transmit,  ///< into TPDOs: the drive has it, and no PDO may bring it
-  receive,   ///< into RPDOs: it is write-only
-  both,      ///< a set-point of the drive may bring it, and a TPDO shows it
+  transmit,  ///< TPDOs only: a value of the drive that no PDO may write
+  receive,   ///< RPDOs only: it is write-only
+  both,      ///< RPDOs write it as a set-point, TPDOs show it
 };
 
-/// Seen from the node, as CiA 301 does.
+/// As seen from the node, as in CiA 301.
 enum class PdoDirection : std::uint8_t { receive, transmit };
 
-/// @return whether PDOs of this direction may carry what is mapped so.
+/// @return whether PDOs of this direction may carry an object with this mapping.
 [[nodiscard]] constexpr bool allows(PdoMapping mapping, PdoDirection direction) noexcept {
   return mapping == PdoMapping::both ||
          mapping ==
              (direction == PdoDirection::transmit ? PdoMapping::transmit : PdoMapping::receive);
 }
 
-/// Shape of the index that an object belongs to (CiA 301, table "Object code").
+/// The structure of an index (CiA 301, table "Object code").
 enum class ObjectCode : std::uint8_t { variable = 0x7, array = 0x8, record = 0x9 };
 
-/// One object of the dictionary of a node: what SDO, PDO mapping, EDS and documents read.
+/// One object in the dictionary of a node: the source for SDO, PDO mapping, EDS and documents.
 struct NodeObject {
   ObjectAddress address;
   std::string_view name;        ///< ASCII, without ';' and '#'
-  std::string_view index_name;  ///< name of the whole index; that of :00 of a variable
+  std::string_view index_name;  ///< name of the index; of a variable, that of its :00
   ObjectCode code = ObjectCode::variable;
   NodeDataType data_type = NodeDataType::unsigned32;
   NodeAccess access = NodeAccess::read_only;
@@ -93,32 +94,31 @@ struct NodeObject {
   PdoMapping mapping = PdoMapping::none;
   std::int64_t lower_limit = 0;  ///< no meaning for visible_string
   std::int64_t upper_limit = 0;
-  std::int64_t default_value = 0;   ///< of a COB-ID: without the node id where has_node_id
+  std::int64_t default_value = 0;   ///< of a COB-ID: without the node id if has_node_id
   std::string_view default_text{};  ///< of visible_string
-  bool has_node_id = false;         ///< the default has the node id added ("$NODEID+0x180")
+  bool has_node_id = false;         ///< the node id is added to the default ("$NODEID+0x180")
 };
 
-/// Every object of a node, by index and sub-index. The drive's rows are made of kObjectTable, the
-/// others stand once in the source of this function, and nowhere else. Made once; the texts are
-/// static.
+/// All objects of a node, by index and sub-index. The rows of the drive come from kObjectTable; the
+/// source file of this function is the only place for the others. Built once; the texts are static.
 [[nodiscard]] std::span<const NodeObject> node_objects();
 
-/// @return the object at `address`; nothing when there is none.
+/// @return the object at `address`; nullptr if there is none.
 [[nodiscard]] const NodeObject* find_node_object(ObjectAddress address);
 
-/// @return object_does_not_exist when no object has this index, subindex_does_not_exist when the
-///         index has no such sub-index, else none.
+/// @return object_does_not_exist if no object has this index, subindex_does_not_exist if the index
+///         has no such sub-index, otherwise none.
 [[nodiscard]] AbortCode check_node_address(ObjectAddress address);
 
-/// @return the default of a communication object in a node, its node id added where it has one.
+/// @return the default of a communication object, with the node id added where `has_node_id`.
 [[nodiscard]] std::int64_t default_of(const NodeObject& object, std::uint8_t node_id) noexcept;
 
-/// @param node_id is added where the default has it (`NodeObject::has_node_id`)
-/// @return the default of a communication object; 0 when the dictionary does not have the object.
+/// @param node_id added to the default where `NodeObject::has_node_id`
+/// @return the default of a communication object; 0 if the dictionary does not have the object.
 [[nodiscard]] std::uint32_t initial_value(ObjectAddress object, std::uint8_t node_id = 0);
 
 /// @param objects rows with an `address`, sorted by it
-/// @return the rows of each index.
+/// @return the rows, grouped by index.
 template <typename Object>
 [[nodiscard]] std::vector<std::span<const Object>> by_index(std::span<const Object> objects) {
   std::vector<std::span<const Object>> indices;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t kHighestCount = 0x40;  // 41h to FDh are reserved; FEh, FFh: multiplex PDOs
 
-/// What an entry stands for.
+/// The meaning of an entry.
 struct Resolved {
   AbortCode refusal = AbortCode::none;
   MappedObject object{};
@@ -33,7 +33,7 @@ Resolved resolve_dummy(ObjectAddress address, PdoDirection direction) {
 
 Resolved resolve_object(ObjectAddress address, PdoDirection direction) {
   const NodeObject* const object = find_node_object(address);
-  // CiA 301 has one code for a missing index and a missing sub-index of a mapped object.
+  // CiA 301 has the same code for a missing index and a missing sub-index of a mapped object.
   if (object == nullptr) return {.refusal = AbortCode::object_does_not_exist};
   if (!allows(object->mapping, direction)) return {.refusal = AbortCode::cannot_be_mapped_to_pdo};
   Resolved resolved{.object = {.address = address, .type = object->data_type}};
@@ -100,7 +100,7 @@ AbortCode MappingRecord::write_count(std::uint32_t count) {
 
 AbortCode MappingRecord::write_entry(std::size_t number, std::uint32_t entry) {
   if (count_ != 0) return AbortCode::unsupported_access;
-  // 0 is the default of an entry that is not used: who restores a configuration writes it back.
+  // 0 is the default of an unused entry; a master that restores a configuration writes it back.
   const AbortCode refusal = entry == 0 ? AbortCode::none : resolve(entry, direction_).refusal;
   if (refusal == AbortCode::none) entries_[number] = entry;
   return refusal;

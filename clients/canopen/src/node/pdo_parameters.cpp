@@ -120,7 +120,8 @@ AbortCode PdoParameters::write_cob_id(std::uint32_t value) {
   if ((value & kCobIdExtendedBits) != 0) return AbortCode::value_range_exceeded;
   if ((value & kCobIdNotValid) == 0) {
     const bool changes_can_id = is_valid() && can_id_of(value) != can_id();
-    // Masters switch a PDO off with any CAN-ID, often with 0: it only matters when it is valid.
+    // Masters disable a PDO with any CAN-ID, often 0: the CAN-ID matters only while the PDO is
+    // valid.
     if (changes_can_id || is_restricted_can_id(can_id_of(value)) || mapping_.size() == 0) {
       return AbortCode::value_range_exceeded;
     }

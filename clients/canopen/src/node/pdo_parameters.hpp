@@ -12,43 +12,45 @@
 
 namespace vdrive::canopen {
 
-// Transmission types (CiA 301, 7.5.2.35 and 7.5.2.37). What lies between is reserved.
+// Transmission types (CiA 301, 7.5.2.35 and 7.5.2.37). The values in between are reserved.
 inline constexpr std::uint8_t kAcyclicSynchronous = 0;   ///< at the SYNC after a change
 inline constexpr std::uint8_t kLastSynchronous = 240;    ///< 1 to 240: at every n-th SYNC
 inline constexpr std::uint8_t kRemoteSynchronous = 252;  ///< TPDO: on request, sampled at SYNC
-inline constexpr std::uint8_t kRemoteEventDriven = 253;  ///< TPDO: on request, sampled then
-inline constexpr std::uint8_t kFirstEventDriven = 254;   ///< 254 and 255: at once
+inline constexpr std::uint8_t kRemoteEventDriven = 253;  ///< TPDO: on request, sampled at the
+                                                         ///< request
+inline constexpr std::uint8_t kFirstEventDriven = 254;   ///< 254 and 255: immediately
 
-/// Which PDO of which node.
+/// Identifies a PDO of a node.
 struct PdoPlace {
   std::uint8_t number = 1;   ///< 1 to 4
   std::uint8_t node_id = 1;  ///< 1 to 127
 };
 
-/// The two records of a PDO as they are in force: communication parameter (CiA 301, 7.5.2.35:
-/// 1400h.. of an RPDO; 7.5.2.37: 1800h.. of a TPDO) and mapping.
+/// The two records of a PDO in force: communication parameter (CiA 301, 7.5.2.35: 1400h.. for an
+/// RPDO; 7.5.2.37: 1800h.. for a TPDO) and mapping.
 ///
-/// A valid PDO always has a CAN-ID that is not restricted, and at least one mapped object.
+/// A valid PDO always has an unrestricted CAN-ID and at least one mapped object.
 class PdoParameters {
  public:
-  /// With the defaults of the dictionary.
+  /// Starts with the defaults of the dictionary.
   PdoParameters(PdoDirection direction, PdoPlace place);
 
-  /// All objects have their defaults again.
+  /// Sets all objects back to their defaults.
   void reset();
 
   /// @pre `object` belongs to one of the two records
   [[nodiscard]] std::uint32_t read(ObjectAddress object) const;
 
   /// @pre `object` belongs to one of the two records
-  /// @return of the mapping: as MappingRecord::write(); of the communication parameter:
+  /// @return for the mapping: as MappingRecord::write(); for the communication parameter:
   ///         write_of_read_only_object for :00;
-  ///         value_range_exceeded for a COB-ID with one of the bits 11 to 29; for one that makes
-  ///         the PDO valid with another CAN-ID than the valid PDO has, with a restricted one, or
-  ///         without mapped objects; for a transmission type that is reserved; for 252 and 253 of
-  ///         an RPDO; for another inhibit time or SYNC start value while the PDO is valid; for a
-  ///         SYNC start value above 240, and a time above 65535; subindex_does_not_exist where the
-  ///         record has none; else none: it is in force.
+  ///         value_range_exceeded for a COB-ID with one of the bits 11 to 29 set; for one that
+  ///         makes the PDO valid and has a restricted CAN-ID, no mapped objects, or a CAN-ID other
+  ///         than that of the already valid PDO; for a reserved transmission type; for 252 and 253
+  ///         of an RPDO; for a change of inhibit time or SYNC start value while the PDO is valid;
+  ///         for a SYNC start value above 240, and a time above 65535;
+  ///         subindex_does_not_exist where the record has none;
+  ///         otherwise none: the value is in force.
   AbortCode write(ObjectAddress object, std::uint32_t value);
 
   [[nodiscard]] bool is_valid() const noexcept { return (cob_id_ & kCobIdNotValid) == 0; }

@@ -9,7 +9,7 @@
 namespace vdrive::canopen {
 namespace {
 
-// The objects of PDO 1 have these indices, those of the next ones follow.
+// The objects of PDO 1 have these indices, followed by those of the next PDOs.
 constexpr unsigned kReceiveParameters = 0x1400;
 constexpr unsigned kReceiveMappings = 0x1600;
 constexpr unsigned kTransmitParameters = 0x1800;
@@ -90,7 +90,7 @@ void Pdos::stop() {
 bool Pdos::receive(const Frame& frame, DriveTime now) {
   if (frame.is_extended) return false;
   if (frame.is_remote) return answer(frame, now);
-  // SYNC first: an RPDO with the CAN-ID of SYNC waits for the next one.
+  // SYNC first: an RPDO with the CAN-ID of SYNC waits for the next SYNC.
   bool is_mine = sync_.is_sync(frame);
   if (is_mine && is_started_) synchronise(frame, now);
   for (ReceivePdo& pdo : receive_) {
@@ -189,7 +189,7 @@ void Pdos::raise(std::uint16_t error_code) {
   if (error_code != 0) host_.raise(error_code);
 }
 
-/// Dummies alone bring no values.
+/// An RPDO with nothing but dummies brings no values.
 void Pdos::command(std::uint8_t pdos) {
   if (!set_points_.values().empty()) host_.command(set_points_.values(), pdos);
   set_points_.clear();

@@ -16,89 +16,89 @@
 
 namespace vdrive::canopen {
 
-/// What the PDOs of a node do to the node. Called within a call of Pdos; returns at once.
+/// The actions of a node's PDOs on the node. Functions are called within a call of Pdos and must
+/// not block.
 class PdoHost {
  public:
   virtual ~PdoHost() = default;
 
   virtual void send(const Frame& frame) = 0;
 
-  /// As NodeHost::command(); the node passes it on, or counts the RPDOs while it does not own the
-  /// axis.
-  /// @param pdos that brought the values, 1 to kPdoCount
+  /// As NodeHost::command(). The node passes the values on, or only counts the RPDOs while it does
+  /// not own the axis.
+  /// @param pdos number of RPDOs that contributed values, 1 to kPdoCount
   virtual void command(std::span<const DriveValue> values, std::uint8_t pdos) = 0;
 
-  /// An emergency of the communication, such as 8210h PDO not processed (CiA 301, table 26).
+  /// A communication error, such as 8210h PDO not processed (CiA 301, table 26).
   virtual void raise(std::uint16_t error_code) = 0;
 };
 
 struct PdoCounters {
-  /// RPDOs that were too short, or came outside of Operational, or, of a synchronous one, after the
-  /// synchronous window (1007h)
+  /// RPDOs that were too short, arrived outside of Operational, or (synchronous ones) arrived after
+  /// the synchronous window (1007h)
   std::uint64_t dropped = 0;
 };
 
-/// How many RPDOs and how many TPDOs a node has.
+/// The number of RPDOs, and of TPDOs, of a node.
 inline constexpr std::uint8_t kPdoCount = 4;
 
-/// The process data objects of a node (CiA 301, 7.2.2), with SYNC consumer and its counter: it has
-/// the communication objects 1005h to 1007h, 1019h, 1400h.., 1600h.., 1800h.., 1A00h.., as they are
-/// in force. For one thread.
+/// The process data objects of a node (CiA 301, 7.2.2), with its SYNC consumer and SYNC counter.
+/// Holds the communication objects 1005h to 1007h, 1019h, 1400h.., 1600h.., 1800h.. and 1A00h.. in
+/// force. For one thread.
 ///
-/// At a SYNC the TPDOs go first, with the drive of the last update(); then all set-points that
-/// synchronous RPDOs have brought since the SYNC before are passed by one PdoHost::command(): in
-/// the order of the PDOs, each object once (of several values that of the last PDO), 6040h last.
+/// At a SYNC the TPDOs are sent first, with the drive of the last update(). Then one
+/// PdoHost::command() passes all set-points that synchronous RPDOs have brought since the previous
+/// SYNC: in the order of the PDOs, each object once (with the value of the last PDO), 6040h last.
 class Pdos {
  public:
-  /// All objects have their defaults of node_objects().
+  /// All objects get their defaults of node_objects().
   /// @param host outlives the PDOs
-  /// @param sync_period what 1006h may be besides 0 [us]; none = any
+  /// @param sync_period the only value of 1006h other than 0 [us]; none = any
   Pdos(std::uint8_t node_id, PdoHost& host, std::optional<std::uint32_t> sync_period);
 
-  /// @return whether `object` is one of these.
+  /// @return whether `object` is one of those listed above.
   [[nodiscard]] static bool has(ObjectAddress object) noexcept;
 
   /// @pre has(object), and the object exists
   [[nodiscard]] std::uint32_t read(ObjectAddress object) const;
 
-  /// Access and length have been judged.
+  /// Access and length have already been checked.
   /// @pre has(object), and the object exists
-  /// @return why it is refused, by the rules of CiA 301 for COB-IDs, mapping, transmission types;
-  ///         none when it is in force.
+  /// @return why the value is refused, by the rules of CiA 301 for COB-IDs, mappings and
+  ///         transmission types; none if it is in force.
   AbortCode write(ObjectAddress object, std::uint32_t value);
 
-  /// All objects have their defaults again; PDOs are stopped.
+  /// Sets all objects back to their defaults and stops the PDOs.
   void reset();
 
-  /// PDOs are exchanged from now on; TPDOs on change are sent once with their present value.
+  /// Begins to exchange PDOs; change-driven TPDOs are sent once with their present values.
   void start(const AxisStatus& drive, DriveTime now);
 
-  /// RPDOs are dropped and counted, SYNC is ignored, nothing is sent. What waits is forgotten.
+  /// From now on RPDOs are dropped and counted, SYNC is ignored, and nothing is sent. Anything
+  /// pending is forgotten.
   void stop();
 
-  /// A frame of the bus: SYNC, RPDOs of this node, and remote frames for TPDOs that allow them; all
-  /// others are not for it.
+  /// A frame of the bus. Handles SYNC, RPDOs of this node, and remote frames for TPDOs that allow
+  /// them.
   /// @return whether it was one of those.
   bool receive(const Frame& frame, DriveTime now);
 
-  /// The drive after a tick, with 6041h as masters see it: what the next TPDOs carry.
+  /// The status of the drive after a tick, with 6041h as masters see it; the next TPDOs carry it.
   void update(const AxisStatus& drive, DriveTime now);
 
-  /// @return the objects to read for TPDOs, as TransmitPdo::add_read_objects().
+  /// @return the objects to read for TPDOs, see TransmitPdo::add_read_objects().
   [[nodiscard]] std::vector<ObjectAddress> read_objects() const;
 
-  /// What the drive has for one of them: what the TPDOs of the next SYNC, update() or advance()
-  /// carry.
+  /// The drive's value of one of them, for the TPDOs of the next SYNC, update() or advance().
   void set_value(const DriveValue& reading);
 
-  /// Sends TPDOs whose inhibit time or event timer has elapsed; raises the time-outs of RPDOs.
+  /// Sends TPDOs whose inhibit time or event timer has elapsed; raises RPDO time-outs.
   void advance(DriveTime now);
 
-  /// @return whether an error of a receive PDO or of SYNC lasts, which PdoHost::raise() was told.
+  /// @return whether an RPDO or SYNC error passed to PdoHost::raise() still lasts.
   [[nodiscard]] bool has_error() const noexcept;
 
-  /// @return when advance() has something to do next, a time that has passed = at once; none =
-  ///         nothing waits for time.
+  /// @return when advance() is next due, in the past = immediately; none = no timer is running.
   [[nodiscard]] std::optional<DriveTime> next_due() const;
 
   [[nodiscard]] const PdoCounters& counters() const noexcept { return counters_; }
@@ -117,7 +117,7 @@ class Pdos {
   SyncConsumer sync_;
   std::vector<ReceivePdo> receive_;    ///< kPdoCount
   std::vector<TransmitPdo> transmit_;  ///< kPdoCount
-  SetPoints set_points_;               ///< of the call under way
+  SetPoints set_points_;               ///< of the current call
   AxisStatus drive_{};
   PdoCounters counters_{};
   bool is_started_ = false;

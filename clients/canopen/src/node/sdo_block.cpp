@@ -18,9 +18,10 @@ constexpr std::uint8_t kConfirmDownloadBlock = 0xA2;
 constexpr std::uint8_t kEndOfDownload = 0xC1;
 
 constexpr std::uint8_t kSpecifierAndSubcommand = 0xE3;
-constexpr unsigned kUnusedBytes = 2;  ///< of an end: bits 2 to 4
+constexpr unsigned kUnusedBytes = 2;  ///< in an end request: bits 2 to 4
 
-// A segment: its number in its block, from 1 on, and whether it is the last one of all.
+// First byte of a segment: its number in the block, from 1 on, and whether it is the last one of
+// the transfer.
 constexpr std::uint8_t kLastOfAll = 0x80;
 constexpr std::uint8_t kNumber = 0x7F;
 
@@ -71,7 +72,7 @@ SdoBlockStep SdoBlockUpload::take_confirmation(const Frame& request) {
   terms_.segments = request.data[2];
   if (received > sent_) return {.abort = kInvalidSequenceNumber};
   confirmed_ = std::min(confirmed_ + received * kSegmentBytes, data_.size());
-  // An empty text is one segment without a byte.
+  // An empty text is sent as one segment without data.
   if (confirmed_ == data_.size() && received != 0) {
     send_end();
     return {};
@@ -119,8 +120,8 @@ SdoBlockStep SdoBlockDownload::receive(const Frame& request) {
   return is_in_block_ ? take_segment(request) : take_end(request);
 }
 
-/// A segment out of order, and those after it, the client sends once more: the confirmation names
-/// the last one in order.
+/// The client repeats a segment that is out of order, and those after it: the confirmation names
+/// the last segment in order.
 SdoBlockStep SdoBlockDownload::take_segment(const Frame& segment) {
   const std::uint8_t number = segment.data[0] & kNumber;
   if (number == 0) return {.abort = kInvalidSequenceNumber};
@@ -131,7 +132,7 @@ SdoBlockStep SdoBlockDownload::take_segment(const Frame& segment) {
     for (std::size_t i = 1; i <= kSegmentBytes; ++i) {
       data_.push_back(static_cast<char>(segment.data.at(i)));
     }
-    // At least one byte of each segment counts.
+    // At least one byte of each segment is used.
     if (data_.size() >= size_ + kSegmentBytes) return {.abort = AbortCode::length_too_high};
   }
   if (!is_last && number != kMostSegments) return {};

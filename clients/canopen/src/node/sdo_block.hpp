@@ -12,36 +12,38 @@
 
 namespace vdrive::canopen {
 
-/// SDO block transfer after its initiate request, as the server has it (CiA 301, 7.2.4.3.9 to
-/// 7.2.4.3.16): segments of 7 bytes, of which up to 127 form a block that is confirmed as a whole.
+/// SDO block transfer after its initiate request, on the server's side (CiA 301, 7.2.4.3.9 to
+/// 7.2.4.3.16): segments of 7 bytes, of which up to 127 form a block with one confirmation.
 
-// Abort codes that only block transfer has (CiA 301, 7.2.4.3.17).
+// Abort codes specific to block transfer (CiA 301, 7.2.4.3.17).
 inline constexpr AbortCode kInvalidBlockSize{0x05040002};
 inline constexpr AbortCode kInvalidSequenceNumber{0x05040003};
 inline constexpr AbortCode kCrcError{0x05040004};
 
-/// @return the CRC of block transfer: polynomial 1021h, from 0 on; that of "123456789" is 31C3h.
+/// @return the CRC of block transfer: polynomial 1021h, initial value 0; "123456789" gives 31C3h.
 [[nodiscard]] std::uint16_t sdo_crc(std::string_view data) noexcept;
 
-/// Segments of a block.
+/// The most segments in a block.
 inline constexpr std::uint8_t kMostSegments = 127;
 
-/// What a request has done to a transfer.
+/// The effect of a request on a transfer.
 struct SdoBlockStep {
-  AbortCode abort = AbortCode::none;  ///< the transfer has ended without success
-  bool is_complete = false;           ///< upload: it has ended; download: data() is what came
+  AbortCode abort = AbortCode::none;  ///< the transfer has failed
+  bool is_complete = false;           ///< upload: it has ended; download: data() is the received
+                                      ///< data
 };
 
-/// What a client has asked for, or offers, with its initiate request.
+/// What a client requests or offers in its initiate request.
 struct SdoBlockTerms {
-  std::uint8_t segments = kMostSegments;  ///< of a block of an upload, 1 to kMostSegments
+  std::uint8_t segments = kMostSegments;  ///< per block of an upload, 1 to kMostSegments
   bool has_crc = false;
 };
 
-/// A server sends data by blocks. What a client has not received it gets with the next block.
+/// The server sends data in blocks. Segments that the client has missed are repeated in the next
+/// block.
 class SdoBlockUpload final {
  public:
-  /// @param host outlives this
+  /// @param host outlives this object
   SdoBlockUpload(std::uint8_t node_id, NodeHost& host, std::string data,
                  const SdoBlockTerms& terms);
 
@@ -60,21 +62,21 @@ class SdoBlockUpload final {
   std::string data_;
   SdoBlockTerms terms_;
   Phase phase_ = Phase::begun;
-  std::size_t confirmed_ = 0;  ///< bytes that the client has
-  std::uint8_t sent_ = 0;      ///< segments of the block under way
+  std::size_t confirmed_ = 0;  ///< bytes received by the client
+  std::uint8_t sent_ = 0;      ///< segments of the current block
 };
 
-/// A server receives data by blocks.
+/// The server receives data in blocks.
 class SdoBlockDownload final {
  public:
-  /// @param host outlives this
+  /// @param host outlives this object
   /// @param size of the object [bytes]
   SdoBlockDownload(std::uint8_t node_id, NodeHost& host, std::size_t size, bool has_crc);
 
-  /// A segment while is_in_block(), else the end.
+  /// A segment while is_in_block(), otherwise the end of the transfer.
   [[nodiscard]] SdoBlockStep receive(const Frame& request);
 
-  /// @return whether the next frame is a segment, whatever its first byte; 80h alone is an abort.
+  /// @return whether the next frame is a segment whatever its first byte; only 80h is an abort.
   [[nodiscard]] bool is_in_block() const noexcept { return is_in_block_; }
 
   [[nodiscard]] const std::string& data() const noexcept { return data_; }
@@ -87,8 +89,8 @@ class SdoBlockDownload final {
   NodeHost& host_;
   std::size_t size_;
   bool has_crc_;
-  std::string data_;        ///< with the bytes of the last segment that do not count, until its end
-  std::uint8_t taken_ = 0;  ///< segments of the block under way, in their order
+  std::string data_;        ///< until its end, with the unused bytes of the last segment
+  std::uint8_t taken_ = 0;  ///< segments received in order in the current block
   bool is_in_block_ = true;
 };
 

@@ -11,7 +11,7 @@
 namespace vdrive::canopen {
 namespace {
 
-// Bits 5 to 7 of the first byte: what a client asks for (CiA 301, 7.2.4.3).
+// Bits 5 to 7 of the first byte: the client's command (CiA 301, 7.2.4.3).
 enum class ClientCommand : std::uint8_t {
   download_segment = 0,
   initiate_download = 1,
@@ -35,8 +35,8 @@ constexpr std::uint8_t kBlockDownloadEndResponse = 0xA1;
 // Bits of an initiate request or response.
 constexpr std::uint8_t kSizeIndicated = 0x01;
 constexpr std::uint8_t kExpedited = 0x02;
-constexpr std::uint8_t kBlockSizeIndicated = 0x02;  ///< of a block transfer
-constexpr std::uint8_t kCrcSupported = 0x04;        ///< likewise
+constexpr std::uint8_t kBlockSizeIndicated = 0x02;  ///< in a block transfer
+constexpr std::uint8_t kCrcSupported = 0x04;        ///< in a block transfer
 
 // Bits of a segment.
 constexpr std::uint8_t kLastSegment = 0x01;
@@ -61,16 +61,16 @@ std::uint32_t indicated_size(const Frame& request) {
   return static_cast<std::uint32_t>(little_endian_number(bytes));
 }
 
-/// @return whether the data that follow the command name an object: of these requests, only.
+/// @return whether the request names an object: only these do.
 bool names_object(const Frame& request) {
   switch (client_command_of(request)) {
     case ClientCommand::initiate_download:
     case ClientCommand::initiate_upload:
       return true;
     case ClientCommand::block_upload:
-      return (request.data[0] & 0x03U) == 0;  // initiate, of four subcommands
+      return (request.data[0] & 0x03U) == 0;  // initiate, one of four subcommands
     case ClientCommand::block_download:
-      return (request.data[0] & 0x01U) == 0;  // initiate, of two
+      return (request.data[0] & 0x01U) == 0;  // initiate, one of two
     default:
       return false;
   }
@@ -95,7 +95,7 @@ SdoServer::SdoServer(std::uint8_t node_id, NodeHost& host, SdoObjects& objects)
 void SdoServer::receive(const Frame& request, DriveTime now) {
   const bool is_segment = is_in_block() && request.data[0] != kAbort;
   if (client_command_of(request) == ClientCommand::abort && !is_segment) {
-    stop();  // a client has one channel: what waits is what it has given up
+    stop();  // a client has one channel, so the abort also covers its waiting requests
   } else if (!access_) {
     serve(request, now);
   } else if (!waiting_.put(request)) {
@@ -125,7 +125,7 @@ void SdoServer::serve(const Frame& request, DriveTime now) {
   }
 }
 
-/// Ends the transfer with a request that it does not expect.
+/// Ends the transfer because of an unexpected request.
 void SdoServer::refuse_command(const Frame& request) {
   const ObjectAddress object = object_of(request);
   end_transfer();
@@ -182,7 +182,7 @@ void SdoServer::initiate_download(const Frame& request, DriveTime now) {
   if (target.abort != AbortCode::none) return send_abort(object, target.abort);
   const std::uint8_t flags = request.data[0];
   if ((flags & kExpedited) == 0) return initiate_segments(request, target, now);
-  // Without an indication the client leaves the number of bytes to the object.
+  // If no size is indicated, that of the object applies.
   const std::size_t size =
       (flags & kSizeIndicated) != 0 ? kExpeditedData - (flags >> 2U & 0x03U) : target.size;
   if (const AbortCode code = check_size(size, target.size); code != AbortCode::none) {
@@ -249,7 +249,7 @@ void SdoServer::conclude(const Access& access, const SdoAnswer& answer, DriveTim
   } else if (access.transfer == Transfer::upload) {
     conclude_upload(access.object, answer, now);
   } else {
-    // The response to a segment, and to the end of blocks, names no object.
+    // The response to a segment, and to the end of a block transfer, names no object.
     const bool is_segment = access.response != kDownloadResponse;
     send(access.response, is_segment ? ObjectAddress{} : access.object, {});
   }
@@ -295,7 +295,7 @@ void SdoServer::upload_segment(const Frame& request, DriveTime now) {
   host_.send(response);
 }
 
-// ---- by blocks -------------------------------------------------------------------------------
+// ---- block transfer ---------------------------------------------------------------------------
 
 bool SdoServer::is_in_block() const {
   const auto* const received = std::get_if<SdoBlockDownload>(&block_);
@@ -314,7 +314,8 @@ void SdoServer::initiate_block_upload(const Frame& request, DriveTime now) {
                now);
 }
 
-/// By blocks in any case: what a client permits with its protocol switch threshold is no duty.
+/// Always in blocks: the client's protocol switch threshold permits another protocol but does not
+/// require it.
 void SdoServer::conclude_block_upload(const Access& access, const SdoAnswer& answer,
                                       DriveTime now) {
   block_.emplace<SdoBlockUpload>(node_id_, host_, answer.bytes, *access.block);
@@ -392,7 +393,7 @@ void SdoServer::end_transfer() {
   toggle_ = false;
 }
 
-/// @return the object that an abort of this request names: 0000h where there is none.
+/// @return the object that an abort of this request names: 0000h if there is none.
 ObjectAddress SdoServer::object_of(const Frame& request) const {
   if (names_object(request)) return multiplexer_of(request);
   return transfer_ == Transfer::none ? ObjectAddress{} : object_;

@@ -18,31 +18,32 @@
 
 namespace vdrive::canopen {
 
-/// What a download to an object has to be like.
+/// The requirements for a download to an object.
 struct SdoTarget {
   AbortCode abort = AbortCode::none;  ///< why the object cannot be written
   std::uint8_t size = 0;              ///< [bytes], 1 to 4
 };
 
-/// What became of an access to an object.
+/// The result of an access to an object.
 struct SdoAnswer {
   AbortCode abort = AbortCode::none;
-  std::string bytes{};   ///< of an upload, the least significant first
-  bool is_text = false;  ///< goes by segments; a number goes with the response (expedited)
+  std::string bytes{};   ///< upload: least significant byte first
+  bool is_text = false;  ///< sent in segments; a number is sent in the response (expedited)
 };
 
-/// The objects that an SDO server gives access to. Called within a call of the server; calls no
-/// function of it.
+/// The objects that an SDO server gives access to. Functions are called within a call of the server
+/// and must not call it.
 class SdoObjects {
  public:
   virtual ~SdoObjects() = default;
 
   [[nodiscard]] virtual SdoTarget check_download(ObjectAddress object) const = 0;
 
-  /// @return the answer; none = SdoServer::finish() brings it. Until then no other access begins.
+  /// @return the answer; none = SdoServer::finish() delivers it later. Until then no other access
+  ///         begins.
   virtual std::optional<SdoAnswer> begin_upload(ObjectAddress object) = 0;
 
-  /// @param data as many bytes as check_download() asks for
+  /// @param data of the size that check_download() returned
   /// @return as begin_upload()
   virtual std::optional<SdoAnswer> begin_download(ObjectAddress object,
                                                   std::span<const std::uint8_t> data,
@@ -50,54 +51,53 @@ class SdoObjects {
 };
 
 struct SdoCounters {
-  std::uint64_t aborts = 0;     ///< that the server sent, time-outs included
+  std::uint64_t aborts = 0;     ///< sent by the server, including time-outs
   std::uint64_t time_outs = 0;  ///< transfers that the client did not continue
 };
 
 /// The SDO server of a node with the default COB-IDs 600h and 580h + node id (CiA 301, 7.2.4):
 /// expedited, segmented and block transfers in both directions.
 ///
-/// Each request gets one response or abort, and requests are answered in their order. Block
-/// transfer has two exceptions: a block of segments gets one response, and a response may be a
-/// whole block.
+/// Each request gets one response or abort, in the order of the requests. Block transfer is the
+/// exception: a block of segments gets one response, and a response may be a block of segments.
 ///
 /// | request | answer |
 /// | --- | --- |
-/// | initiate, whatever is under way | starts a new transfer; the one under way ends in silence |
+/// | initiate, at any time | starts a new transfer; the current one ends without an answer |
 /// | segment of no transfer, or of the other direction | abort 05040001h |
-/// | specifier 7, and what a block transfer does not expect | abort 05040001h |
+/// | specifier 7, and anything that a block transfer does not expect | abort 05040001h |
 /// | any frame but 80h within a block of a download | a segment: a new transfer begins after it |
-/// | blocks of no or more than 127 segments | abort 05040002h |
+/// | block size 0 or above 127 segments | abort 05040002h |
 /// | segment 0, or confirmation of more than was sent | abort 05040003h |
-/// | CRC of a block download | abort 05040004h where it is wrong |
+/// | wrong CRC of a block download | abort 05040004h |
 /// | segment whose toggle bit does not alternate | abort 05030000h |
 /// | more data than the object has | abort 06070012h, as soon as it is known |
-/// | fewer data | abort 06070013h |
-/// | any, while an access to the drive is under way | waits; beyond kMostWaiting: abort 05040005h |
-/// | abort by the client | none; ends the transfer, and what waits is not answered any more |
+/// | less data | abort 06070013h |
+/// | any, while an access to the drive is pending | waits; beyond kMostWaiting: abort 05040005h |
+/// | abort by the client | none; ends the transfer, and waiting requests are dropped |
 ///
-/// An abort ends the transfer. A client that does not continue a transfer for kClientTimeOut gets
-/// abort 05040000h.
+/// An abort ends the transfer. A client that does not continue a transfer within kClientTimeOut
+/// gets abort 05040000h.
 class SdoServer {
  public:
   static constexpr DriveTime kClientTimeOut = std::chrono::seconds{1};
   static constexpr std::size_t kMostWaiting = 16;
 
   /// @param host outlives the server
-  /// @param objects likewise
+  /// @param objects outlive the server
   SdoServer(std::uint8_t node_id, NodeHost& host, SdoObjects& objects);
 
   /// @param request a data frame of 8 bytes
   void receive(const Frame& request, DriveTime now);
 
-  /// The answer to the access that is under way; without one it is ignored.
+  /// The answer to the pending access; ignored if there is none.
   void finish(const SdoAnswer& answer, DriveTime now);
 
-  /// The NMT state has no SDO any more: nothing of what is under way is answered. A new access
-  /// waits until the one under way has ended.
+  /// The NMT state no longer allows SDO: nothing pending is answered. A new access waits until the
+  /// pending one has ended.
   void stop();
 
-  /// As stop(); the access under way is forgotten, too.
+  /// As stop(), and forgets the pending access too.
   void reset();
 
   void advance(DriveTime now);
@@ -108,13 +108,13 @@ class SdoServer {
  private:
   enum class Transfer : std::uint8_t { none, upload, download, block };
 
-  /// An access to an object, and how its success is answered.
+  /// An access to an object, and the form of its response.
   struct Access {
     ObjectAddress object;
     Transfer transfer = Transfer::none;
-    std::uint8_t response = 0;             ///< first byte, of a download
+    std::uint8_t response = 0;             ///< download: first byte of the response
     bool is_wanted = true;                 ///< the client still waits for it
-    std::optional<SdoBlockTerms> block{};  ///< an upload that goes by blocks
+    std::optional<SdoBlockTerms> block{};  ///< set for an upload in blocks
   };
 
   void serve(const Frame& request, DriveTime now);
@@ -137,7 +137,7 @@ class SdoServer {
   void refuse_command(const Frame& request);
   void continue_transfer(DriveTime now);
   void end_transfer();
-  /// @return whether `request` is the next segment of the transfer; if not it is answered.
+  /// @return whether `request` is the next segment of the transfer; if not, answers it.
   bool check_segment(const Frame& request, Transfer expected);
   [[nodiscard]] ObjectAddress object_of(const Frame& request) const;
   void send_abort(ObjectAddress object, AbortCode code);
@@ -148,17 +148,18 @@ class SdoServer {
   SdoObjects& objects_;
   SdoCounters counters_;
 
-  Transfer transfer_ = Transfer::none;  ///< by segments or blocks
-  ObjectAddress object_;                ///< of it
-  std::string data_;                    ///< of it: to send, or received
-  std::size_t position_ = 0;            ///< upload: bytes that were sent
-  std::size_t size_ = 0;                ///< download: bytes that are expected
+  Transfer transfer_ = Transfer::none;  ///< segmented or block
+  ObjectAddress object_;                ///< of the transfer
+  std::string data_;                    ///< of the transfer: to send, or received
+  std::size_t position_ = 0;            ///< upload: bytes sent
+  std::size_t size_ = 0;                ///< download: bytes expected
   bool toggle_ = false;                 ///< of the next segment
   DriveTime deadline_{};                ///< for the next segment
   std::variant<std::monostate, SdoBlockUpload, SdoBlockDownload> block_;  ///< of Transfer::block
 
-  std::optional<Access> access_;                                         ///< under way
-  BoundedQueue<Frame> waiting_{kMostWaiting, WhenFull::refuses_newest};  ///< for its end
+  std::optional<Access> access_;                                         ///< pending
+  BoundedQueue<Frame> waiting_{kMostWaiting, WhenFull::refuses_newest};  ///< until the pending
+                                                                         ///< access ends
 };
 
 }  // namespace vdrive::canopen

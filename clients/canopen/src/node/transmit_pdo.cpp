@@ -32,7 +32,7 @@ AbortCode TransmitPdo::write(ObjectAddress object, std::uint32_t value) {
   const std::uint8_t type = parameters_.type();
   const AbortCode refusal = parameters_.write(object, value);
   if (was_valid != parameters_.is_valid() || type != parameters_.type()) restart();
-  // The mapping changes only while it is not valid.
+  // The mapping can change only while the PDO is not valid.
   if (was_valid != parameters_.is_valid()) forget_values();
   return refusal;
 }
@@ -113,7 +113,7 @@ std::optional<Frame> TransmitPdo::answer(const AxisStatus& drive, DriveTime now)
   if (misses_values_) return std::nullopt;
   switch (parameters_.type()) {
     case kRemoteSynchronous:
-      // Before the first SYNC there is no sample: the present values say more than silence.
+      // Before the first SYNC there is no sample: the present values tell more than no answer.
       return sample_ ? *sample_ : frame_of(drive);
     case kRemoteEventDriven:
       return frame_of(drive);

@@ -14,65 +14,65 @@
 
 namespace vdrive::canopen {
 
-/// A transmit PDO of a node (CiA 301, 7.5.2.37 and 7.5.2.38). It gives the frames that have become
-/// due:
+/// A transmit PDO of a node (CiA 301, 7.5.2.37 and 7.5.2.38). It returns the frames that are due:
 ///
 /// | type | sent |
 /// | --- | --- |
-/// | 0 | at a SYNC, when its bytes differ from those sent last |
+/// | 0 | at a SYNC, if its bytes differ from those sent last |
 /// | 1 to 240 | at every n-th SYNC |
 /// | 252 | when requested (RTR), with the bytes of the last SYNC |
 /// | 253 | when requested, with the present bytes |
 /// | 254, 255 | when its bytes differ from those sent last, when the event timer (:05) has elapsed
-/// | | | since, when requested; the inhibit time (:03) lies between two frames at least |
+/// | | | since, when requested; with at least the inhibit time (:03) between two frames |
 ///
-/// Remote frames count while bit 30 of the COB-ID is 0. What falls into an inhibit time is sent
-/// once, at its end, with the bytes of then. With a SYNC counter and a SYNC start value (:06), the
-/// first SYNC that counts for types 0 to 240 is the one with this number.
+/// Remote frames are answered while bit 30 of the COB-ID is 0. A frame that falls due within an
+/// inhibit time is sent once, at its end, with the bytes current at that moment. With a SYNC
+/// counter and a SYNC start value (:06), types 0 to 240 begin to count at the SYNC with this
+/// number.
 ///
-/// An object that the status does not have is carried with the value that set_value() brought last.
-/// Until each of them has one, from the moment on in which the PDO becomes valid, nothing is sent
-/// and no SYNC counts: a PDO carries no value that the drive did not have.
+/// An object that the status does not contain is sent with the latest value of set_value(). From
+/// the moment the PDO becomes valid until each such object has a value, nothing is sent and no SYNC
+/// counts: a PDO never carries a value that the drive did not have.
 class TransmitPdo {
  public:
   explicit TransmitPdo(PdoPlace place);
 
-  /// All objects have their defaults again.
+  /// Sets all objects back to their defaults.
   void reset();
 
-  /// It has sent nothing yet: an event-driven PDO is due.
+  /// Forgets all frames sent: an event-driven PDO is due.
   void restart();
 
   /// As PdoParameters::read().
   [[nodiscard]] std::uint32_t read(ObjectAddress object) const { return parameters_.read(object); }
 
-  /// As PdoParameters::write(). Another validity or transmission type restarts it.
+  /// As PdoParameters::write(). A change of validity or transmission type restarts the PDO.
   AbortCode write(ObjectAddress object, std::uint32_t value);
 
-  /// Adds the objects to read for it to `objects`, each once: those that it carries and the status
-  /// does not have; none while it is not valid.
+  /// Adds to `objects`, each once, those that the PDO carries and the status does not contain; none
+  /// while the PDO is not valid.
   void add_read_objects(std::vector<ObjectAddress>& objects) const;
 
-  /// What the drive has for one of them; another object is ignored.
+  /// The drive's value of one of them; other objects are ignored.
   void set_value(const DriveValue& reading);
 
-  /// @param counter of the SYNC, 1 to 240; 0 = it has none
+  /// @param counter of the SYNC, 1 to 240; 0 = none
   /// @return the frame to send at this SYNC.
   std::optional<Frame> synchronise(const AxisStatus& drive, std::uint8_t counter);
 
-  /// @return whether `frame` is a remote frame in the base format with the CAN-ID of this PDO, and
-  ///         the PDO is valid and allows it.
+  /// @return whether the PDO is valid, allows remote frames, and `frame` is a remote frame in the
+  ///         base format with its CAN-ID.
   [[nodiscard]] bool is_request(const Frame& frame) const noexcept;
 
-  /// @pre is_request() of the frame that has come
+  /// @pre is_request() of the received frame
   /// @return the answer; none for types 0 to 240, and within an inhibit time.
   std::optional<Frame> answer(const AxisStatus& drive, DriveTime now);
 
   /// @return the frame of an event-driven PDO that is due.
   std::optional<Frame> send_due(const AxisStatus& drive, DriveTime now);
 
-  /// @return when send_due() has something to do while the drive stays as it is, 0 = at once;
-  ///         nothing when it waits for no time.
+  /// @return when send_due() is next due if the drive does not change, 0 = immediately; none = no
+  ///         timer is running.
   [[nodiscard]] std::optional<DriveTime> next_due() const;
 
  private:
@@ -92,11 +92,11 @@ class TransmitPdo {
   DriveTime sent_at_{};            ///< of `sent_`, types 254 and 255
   std::optional<Frame> sample_{};  ///< of the last SYNC, type 252
   std::uint8_t sync_count_ = 0;    ///< SYNCs since the last frame, types 1 to 240
-  bool awaits_sync_start_ = true;  ///< no SYNC has counted yet
-  bool is_requested_ = false;      ///< a remote frame has not been answered, types 254 and 255
+  bool awaits_sync_start_ = true;  ///< no SYNC has counted so far
+  bool is_requested_ = false;      ///< a remote frame is still unanswered, types 254 and 255
   bool is_waiting_ = false;        ///< for the end of the inhibit time
-  std::vector<DriveValue> read_;   ///< what set_value() brought since it became valid
-  bool misses_values_ = false;     ///< of an object that it carries
+  std::vector<DriveValue> read_;   ///< values of set_value() since the PDO became valid
+  bool misses_values_ = false;     ///< an object that it carries has no value
 };
 
 }  // namespace vdrive::canopen
