@@ -50,7 +50,7 @@ ClockMode take_clock(const std::string& text) {
   return *clock_mode_named(text);
 }
 
-/// @return whether an option says what a private bench is made of.
+/// @return whether an option describes the private bench.
 bool describes_benches(const Arguments& arguments) {
   return arguments.axes || arguments.preset || arguments.bench_configuration;
 }
@@ -62,7 +62,7 @@ bool names_a_bus(const Arguments& arguments) {
          describes_benches(arguments);
 }
 
-/// Gives each bench its offset, or all of them the only one.
+/// Gives each bench its offset, or the only offset to all.
 void set_offsets(const std::vector<std::int32_t>& offsets, std::vector<BenchSetting>& benches) {
   if (offsets.size() > 1 && offsets.size() != benches.size()) {
     throw ConfigurationError("--node-offset is given " + std::to_string(offsets.size()) +
@@ -75,7 +75,7 @@ void set_offsets(const std::vector<std::int32_t>& offsets, std::vector<BenchSett
   }
 }
 
-/// @return the benches of the options; the one of a private bus that names none has number 1.
+/// @return the benches of the options; a private bus without any gets bench 1.
 std::vector<BenchSetting> benches_of(const Arguments& arguments, bool is_private) {
   std::vector<std::uint32_t> numbers = arguments.benches;
   if (numbers.empty() && is_private) numbers.push_back(1);
@@ -117,7 +117,7 @@ void apply_to_bus(const Arguments& arguments, bool is_private, BusSetting& bus) 
   if (arguments.log) bus.log = text_of_option("--log", arguments.log);
   if (!arguments.faults.empty()) bus.faults = take_faults(arguments.faults);
   const bool names_benches = !arguments.benches.empty() || describes_benches(arguments);
-  // Offsets alone are those of the benches that the file has named.
+  // Offsets without benches apply to the benches of the file.
   if (!names_benches && !bus.benches.empty()) {
     return set_offsets(arguments.node_offsets, bus.benches);
   }
@@ -128,7 +128,7 @@ void apply_to_bus(const Arguments& arguments, bool is_private, BusSetting& bus) 
   }
 }
 
-/// What the program and its bench write, beside logs of buses.
+/// The output files of the program and its bench, apart from the logs of buses.
 void apply_files(const Arguments& arguments, Settings& settings) {
   const std::string state = text_of_option("--state", arguments.state);
   const std::string journal = text_of_option("--journal", arguments.journal);

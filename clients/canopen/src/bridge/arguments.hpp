@@ -11,10 +11,10 @@
 
 namespace vdrive::canopen {
 
-/// The options of vdrive-canopen except those of the network, as they were written.
+/// The options of vdrive-canopen, except those of the network, as given on the command line.
 struct Arguments {
   std::vector<std::uint32_t> benches{};
-  std::vector<std::int32_t> node_offsets{};  ///< one for all benches, or one each
+  std::vector<std::int32_t> node_offsets{};  ///< one for all benches, or one per bench
   std::vector<std::string> socketcand{};
   std::vector<std::string> gateways{};
   std::vector<std::string> interfaces{};
@@ -30,14 +30,14 @@ struct Arguments {
   std::vector<std::string> faults{};
 };
 
-/// @return the text of an option; empty when it was not given.
-/// @throws settings::ConfigurationError when the text is empty, such as that of an unset variable
-///         of a shell: it would be as if the option was not given
+/// @return the text of an option; empty if it was not given.
+/// @throws settings::ConfigurationError for an empty text, for example from an unset shell
+///         variable: it would otherwise have the effect of no option
 [[nodiscard]] std::string text_of_option(const char* option,
                                          const std::optional<std::string>& text);
 
-/// Applies the options over what the file has said. Those of a bus are for the only one: they
-/// replace what the file gives it.
+/// Applies the options over the settings of the file. Options of a bus are allowed only if there is
+/// one bus; they replace its settings.
 /// @throws settings::ConfigurationError with option, value and limit
 void apply_arguments(const Arguments& arguments, Settings& settings);
 

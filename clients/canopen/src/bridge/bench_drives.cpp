@@ -13,8 +13,8 @@
 namespace vdrive::canopen {
 namespace {
 
-// Each read of a node is a request to the bench, in addition to the SDOs of masters: all nodes of a
-// bench together send 1,000 in a second of drive time at most.
+// Each read by a node is a request to the bench, in addition to the SDOs of masters: all nodes of a
+// bench together send at most 1,000 per second of drive time.
 constexpr DriveTime kShortestReadPeriod = std::chrono::milliseconds(10);
 constexpr DriveTime kReadPeriodPerNode = std::chrono::milliseconds(1);
 
@@ -22,7 +22,7 @@ DriveTime read_period_of(std::size_t nodes) {
   return std::max(kShortestReadPeriod, kReadPeriodPerNode * static_cast<std::int64_t>(nodes));
 }
 
-// Jobs of the link that change a drive.
+// Jobs of the link that change the state of a drive.
 constexpr bridge::AxisJobs::Kind kConnection = 1;
 constexpr bridge::AxisJobs::Kind kPowerCycle = 2;
 
@@ -35,17 +35,17 @@ bridge::BenchControl::Options control_options(std::string label) {
           .is_automatic = true};
 }
 
-/// Hands what becomes of the bench over from the thread that follows it.
+/// Passes news of the bench from the thread that follows it to the loop.
 class BenchDrives::Link final : public bridge::BenchAdapter {
  public:
-  /// What became of the bench since the last question.
+  /// News of the bench since the last take_news().
   struct News {
-    bool was_lost = false;  ///< first: what is newest is that of a new beginning
-    State newest{};         ///< none = nothing came
-    DriveTime time{};       ///< of it
+    bool was_lost = false;  ///< before `newest`, which then belongs to the new start
+    State newest{};         ///< none = no news
+    DriveTime time{};       ///< of `newest`
   };
 
-  /// @param notify called when there are news and the last ones were taken
+  /// @param notify called for the first news after each take_news()
   Link(const BusParts& parts, const client::BenchInfo& info, const std::string& label,
        std::function<void()> notify)
       : notify_(std::move(notify)),
@@ -89,11 +89,11 @@ class BenchDrives::Link final : public bridge::BenchAdapter {
   }
 
   const std::function<void()> notify_;
-  std::mutex mutex_;  ///< guards what follows
+  std::mutex mutex_;  ///< guards news_ and are_news_
   News news_;
-  bool are_news_ = false;               ///< notify_ was called for them
-  std::chrono::microseconds period_{};  ///< of the thread that follows
-  bridge::BenchLink link_;              ///< last: its threads use all others
+  bool are_news_ = false;               ///< notify_ was called for news_
+  std::chrono::microseconds period_{};  ///< used by the following thread only
+  bridge::BenchLink link_;              ///< last: its threads use the other members
 };
 
 template <typename Action>
@@ -140,7 +140,7 @@ void BenchDrives::take_news() {
     return;
   }
   nodes_.start(news.newest->axes, news.time);
-  // What a bridge that ended has left in the drives would hide the next loss.
+  // A loss that an earlier bridge has left in the drives would hide the next one.
   for (std::size_t place = 0; place < count_; ++place) tell_connection(place, false);
 }
 
@@ -185,7 +185,7 @@ void BenchDrives::cycle_power(std::size_t place) {
   });
 }
 
-/// After what the loop has read in this turn: all of it is one frame.
+/// After the loop has read everything of this turn, so that it fits into one frame.
 void BenchDrives::note_set_points() {
   in_loop([](BenchDrives& drives) {
     if (drives.nodes_.has_set_points()) drives.link_->bench().send(drives.nodes_.take_set_points());

@@ -17,7 +17,7 @@
 
 namespace vdrive::canopen {
 
-/// What the benches of a bus have in common.
+/// Parts shared by the benches of a bus.
 struct BusParts {
   asio::io_context& loop;
   client::Session& session;
@@ -26,35 +26,35 @@ struct BusParts {
   NodeStore& store;
 };
 
-/// How the nodes of a bench keep control of its axes: a master of a bus cannot ask for it.
-/// @param label what reports call the bench
+/// How the nodes of a bench keep control of its axes: a CAN bus master has no way to request it.
+/// @param label the name of the bench in reports
 [[nodiscard]] bridge::BenchControl::Options control_options(std::string label);
 
-/// A bench whose time others advance (realtime, freerun, or lock-step with another stepper), behind
-/// its nodes. When it is silent or ends its nodes leave the bus; when it is there again they boot.
-/// For the thread of the bus.
+/// Connects nodes to a bench whose time is advanced by others (realtime, freerun, or lock-step with
+/// another stepper). When the bench falls silent or ends, its nodes leave the bus; when it returns,
+/// they boot. For the thread of the bus.
 class BenchDrives final : private NodeDrives {
  public:
-  /// @param parts all outlive this
-  /// @param places one for each axis of `info`, in their order
+  /// @param parts all outlive this object
+  /// @param places one for each axis of `info`, in the same order
   BenchDrives(const BusParts& parts, const client::BenchInfo& info,
               std::span<const NodePlace> places, std::string label);
   ~BenchDrives() override;
   BenchDrives(const BenchDrives&) = delete;
   BenchDrives& operator=(const BenchDrives&) = delete;
 
-  /// The nodes leave the bus.
-  /// @return the link, to be destroyed where it may wait for the bench
+  /// Takes the nodes off the bus.
+  /// @return the link. Destroying it may block on the bench, so destroy it in another thread.
   [[nodiscard]] std::shared_ptr<void> close();
 
   [[nodiscard]] const BenchNodes& nodes() const noexcept { return nodes_; }
 
-  /// As BenchNodes::note_refused_set_points().
+  /// See BenchNodes::note_refused_set_points().
   void note_refused_set_points(std::uint16_t axis, std::uint64_t count) {
     nodes_.note_refused_set_points(axis, count);
   }
 
-  /// @return set-points that did not reach the bench.
+  /// @return the number of set-points that did not reach the bench.
   [[nodiscard]] std::uint64_t dropped_set_points() const;
 
  private:
@@ -68,16 +68,16 @@ class BenchDrives final : private NodeDrives {
             const std::vector<ObjectAddress>& objects) override;
   void take_news();
 
-  /// @return what has the loop call `action` with these drives and its own arguments, from any
-  ///         thread; unless they have ended.
+  /// @return a function that makes the loop call `action` with these drives and its own arguments.
+  ///         It may be called by any thread, and does nothing once the drives have been destroyed.
   template <typename Action>
   [[nodiscard]] auto in_loop(Action action);
 
   const BusParts parts_;
   const std::string label_;
-  const std::size_t count_;  ///< of axes
+  const std::size_t count_;  ///< number of axes
   BenchNodes nodes_;
-  /// What is posted to the loop does nothing once this has ended.
+  /// Empty once this object is destroyed: posted functions then do nothing.
   std::shared_ptr<BenchDrives*> self_;
   std::shared_ptr<Link> link_;  ///< last: its threads post to the loop
 };

@@ -17,7 +17,7 @@ constexpr std::uint16_t kReceivePdos = 0x1400;        // four of them
 constexpr std::uint16_t kHeartbeatConsumer = 0x1016;  // four entries
 constexpr std::uint8_t kEntries = 4;
 
-/// @param cob_id of a SYNC or a PDO, which may be off (bit 31)
+/// @param cob_id of a SYNC or a PDO, which may be disabled (bit 31)
 void add_identifier(std::optional<std::int64_t> cob_id, std::vector<std::uint16_t>& identifiers) {
   constexpr std::int64_t kIsOff = 0x80000000;
   if (!cob_id || (*cob_id & kIsOff) != 0) return;
@@ -30,7 +30,7 @@ void add_producer(std::optional<std::int64_t> entry, std::vector<std::uint16_t>&
   add_identifier(std::int64_t{kHeartbeatId} + ((*entry >> 16) & 0x7F), identifiers);
 }
 
-/// What a node listens to, in addition to its SDO requests and what is for all nodes.
+/// The identifiers that a node listens to, besides its SDO requests and frames for all nodes.
 void collect_identifiers(const Node& node, std::vector<std::uint16_t>& identifiers) {
   identifiers.clear();
   add_identifier(node.value(kCobIdOfSync), identifiers);
@@ -42,18 +42,18 @@ void collect_identifiers(const Node& node, std::vector<std::uint16_t>& identifie
   }
 }
 
-/// A second device with the id of a node, by mistake: it boots, answers each SDO request, too, and
-/// obeys NMT and SYNC. Its drive stands still: each object has its default, and what is written has
-/// no effect.
+/// A second device with the id of a node, by mistake: it boots, also answers each SDO request, and
+/// obeys NMT and SYNC. Its drive never changes: each object has its default, and writing has no
+/// effect.
 class DuplicateNode final : private NodeHost {
  public:
   using Send = std::function<void(const Frame& frame)>;
 
-  /// Boots.
+  /// Boots the device.
   /// @param settings its texts are copied
   DuplicateNode(const NodeSettings& settings, Send send, DriveTime now)
       : send_(std::move(send)), node_(settings, *this) {
-    constexpr std::uint16_t kSwitchOnDisabled = 0x0240;  // 6041h, and remote
+    constexpr std::uint16_t kSwitchOnDisabled = 0x0240;  // 6041h, with the remote bit
     DriveView at_rest;
     at_rest.status.ds402_statusword = kSwitchOnDisabled;
     node_.start(at_rest, now);
@@ -86,7 +86,7 @@ class DuplicateNode final : private NodeHost {
   bool store(const Node::Parameters& /*parameters*/) override { return true; }
 
   const Send send_;
-  std::optional<DriveAccess> access_;  ///< not answered yet
+  std::optional<DriveAccess> access_;  ///< unanswered
   Node node_;
 };
 
@@ -102,7 +102,7 @@ void add_counters(NodeCounters& sum, const NodeCounters& more) {
   sum.held_back_emergencies += more.held_back_emergencies;
 }
 
-/// A node and what it does to the world: kept until its call has ended.
+/// A node and its actions, which are kept until its call has ended.
 class BenchNodes::Slot final : public NodeHost {
  public:
   Slot(BenchNodes& nodes, std::size_t place, const NodePlace& ids)
@@ -112,7 +112,7 @@ class BenchNodes::Slot final : public NodeHost {
 
   [[nodiscard]] Node* node() noexcept { return node_ ? &*node_ : nullptr; }
 
-  /// @return whether what the node listens to may differ from identifiers() of before.
+  /// @return whether identifiers() may have changed since it was last called.
   [[nodiscard]] bool has_new_parameters() const {
     return node_ && node_->parameter_changes() != known_changes_;
   }
@@ -151,7 +151,7 @@ class BenchNodes::Slot final : public NodeHost {
 
   void complete(std::uint32_t ticket, const DriveAnswer& answer) {
     if (!node_ || !accessed_ || ticket != last_ticket_) return;
-    // Before the answer: with it the node may begin its next access.
+    // Before complete(), in which the node may begin its next access.
     const DriveAccess access = *std::exchange(accessed_, std::nullopt);
     node_->complete(access.ticket, answer, nodes_.now_);
   }
@@ -178,10 +178,9 @@ class BenchNodes::Slot final : public NodeHost {
     }
   }
 
-  // ---- values that the status does not have
+  // ---- values that are not in the status
 
-  /// Asks for the objects that the TPDOs of the node have had since the last question, if they are
-  /// others.
+  /// Requests the objects of the node's TPDOs if they may have changed since the last request.
   void ask_for_new_values() {
     if (!node_ || is_asked_ || asked_changes_ == node_->parameter_changes()) return;
     asked_changes_ = node_->parameter_changes();
@@ -189,7 +188,7 @@ class BenchNodes::Slot final : public NodeHost {
     ask();
   }
 
-  /// Asks when it is due, with a new state of the drive.
+  /// Sends a request if one is due and the drive has a new tick.
   void ask_for_values() {
     ask_for_new_values();
     if (is_asked_ || read_objects_.empty() || !node_) return;
@@ -203,7 +202,7 @@ class BenchNodes::Slot final : public NodeHost {
     node_->set_values(values);
   }
 
-  // ---- what the node does
+  // ---- actions of the node
 
   void send(const Frame& frame) override {
     nodes_.outgoing_.push_back({.frame = frame, .place = place_});
@@ -211,8 +210,8 @@ class BenchNodes::Slot final : public NodeHost {
 
   void begin_access(const DriveAccess& access) override {
     accessed_ = access;
-    // Not that of the node: each new one counts from 1 on, and the answer to an access of the one
-    // before may still come.
+    // Not the node's ticket: each new node counts from 1, and the answer to an access of the
+    // previous node may still arrive.
     ++last_ticket_;
     DriveAccess asked = access;
     asked.ticket = last_ticket_;
@@ -226,8 +225,8 @@ class BenchNodes::Slot final : public NodeHost {
   }
 
   void set_connection_lost(bool is_lost) override {
-    // The loss of a master is none to an axis that another session controls: it is told when
-    // control is back, and the master is not.
+    // An axis that another session controls does not lose its master now. The loss is reported when
+    // control is back and the master is not.
     is_loss_untold_ = is_lost && !is_owned_;
     if (is_loss_untold_) return;
     nodes_.drive_calls_.emplace_back([&drives = nodes_.drives_, place = place_, is_lost] {
@@ -274,13 +273,13 @@ class BenchNodes::Slot final : public NodeHost {
   std::unique_ptr<DuplicateNode> duplicate_;
   std::vector<std::uint16_t> identifiers_;
   std::optional<std::uint64_t> known_changes_;  ///< Node::parameter_changes() of identifiers_
-  std::optional<DriveAccess> accessed_;         ///< under way, as the node knows it
+  std::optional<DriveAccess> accessed_;         ///< pending, as the node knows it
   std::uint32_t last_ticket_ = 0;               ///< of it, as NodeDrives know it
   std::vector<ObjectAddress> read_objects_;     ///< for its TPDOs
   std::optional<std::uint64_t> asked_changes_;  ///< Node::parameter_changes() of read_objects_
-  std::uint32_t read_ticket_ = 0;               ///< of the last question for them
-  DriveTime asked_at_{};                        ///< likewise
-  bool is_asked_ = false;                       ///< it has no answer
+  std::uint32_t read_ticket_ = 0;               ///< of the last request for them
+  DriveTime asked_at_{};                        ///< of the last request for them
+  bool is_asked_ = false;                       ///< the last request is unanswered
   std::optional<Node> node_;
 };
 
@@ -302,7 +301,7 @@ void BenchNodes::start(std::span<const client::AxisSnapshot> drives, DriveTime n
   ensure(drives.size() == slots_.size(), "each node has its drive");
   stop();
   now_ = now;
-  // Nodes that come later, or once more, have the time of those that are there.
+  // Nodes that start later, or again, continue the time of those already present.
   if (!options_.sync_period) begin_ = now - bus_.faults().now();
   is_running_ = true;
   are_listeners_old_ = true;
@@ -327,7 +326,7 @@ void BenchNodes::update(std::span<const client::AxisSnapshot> drives, DriveTime 
   bus_.faults().pass_to(fault_time());
   follow_faults();
   for (std::size_t place = 0; place < slots_.size(); ++place) {
-    // First: where the answer comes within the call it is of the tick that is shown.
+    // First, so that an answer within this call belongs to the same tick.
     slots_[place]->ask_for_values();
     slots_[place]->update(drives[place]);
     note_changes(place);
@@ -339,7 +338,7 @@ void BenchNodes::update(std::span<const client::AxisSnapshot> drives, DriveTime 
 void BenchNodes::complete(std::size_t place, std::uint32_t ticket, const DriveAnswer& answer) {
   if (!is_running_) return;
   slots_.at(place)->complete(ticket, answer);
-  note_changes(place);  // of the request that waited for this one
+  note_changes(place);  // of the request that waited for the answer
   settle();
 }
 
@@ -363,14 +362,15 @@ std::vector<client::SetPointFrame> BenchNodes::take_set_points() {
 
 void BenchNodes::deliver(const Frame& frame) {
   if (!is_running_) return;
-  // Time passes for its sender, also where a fault of the bus keeps it from the nodes.
+  // Checked first: time passes for the sender of SYNC even if a fault keeps the SYNC from the
+  // nodes.
   const bool lets_time_pass = options_.sync_period && is_sync(frame);
   receive({.frame = frame, .number = bus_.frames()});
   settle();
   if (lets_time_pass) drives_.pass_sync();
 }
 
-/// SYNC as the first node has it: one bench has one clock.
+/// Uses the COB-ID of the first node: one bench has one clock.
 bool BenchNodes::is_sync(const Frame& frame) const {
   if (frame.is_extended || frame.is_remote) return false;
   const Node& node = *slots_.front()->node();
@@ -411,7 +411,7 @@ void BenchNodes::give_now(std::size_t place, const Frame& frame) {
 
 // ---- faults of the bus -----------------------------------------------------------------------
 
-/// @return how often the frame passes now; a late one is kept.
+/// @return how often the frame passes now; a late one is queued.
 int BenchNodes::copies_now(const FrameFate& fate, const LateFrame& frame) {
   if (fate.is_lost) return 0;
   const int copies = fate.is_doubled ? 2 : 1;
@@ -426,7 +426,7 @@ int BenchNodes::copies_now(const FrameFate& fate, const LateFrame& frame) {
   return 0;
 }
 
-/// With a new tick: in realtime no other moment is the same in each run.
+/// Only with a new tick: in real time no other moment is reproducible.
 void BenchNodes::follow_faults() {
   for (const auto& slot : slots_) slot->follow_faults();
 }
@@ -448,8 +448,8 @@ void BenchNodes::note_changes(std::size_t place) {
   are_mappings_new_ = true;
 }
 
-/// A TPDO with a new mapping has its values as soon as it can, and not with the next tick: on a
-/// bench that SYNC steps there is none before the SYNC that sends it.
+/// Fetches the values of a new mapping without waiting for the next tick: on a bench stepped by
+/// SYNC there is none before the SYNC that sends the TPDO.
 void BenchNodes::ask_for_new_values() {
   if (!is_running_ || !std::exchange(are_mappings_new_, false)) return;
   for (const auto& slot : slots_) slot->ask_for_new_values();
@@ -465,9 +465,9 @@ void BenchNodes::refresh_listeners() {
   }
 }
 
-/// Carries out what a node has asked for during its call, and what follows from that.
+/// After a call of a node: carries out its requests, and those that follow from them.
 void BenchNodes::settle() {
-  if (is_settling_) return;  // the call that is under way does it
+  if (is_settling_) return;  // the outer call does it
   is_settling_ = true;
   std::size_t frames = 0;
   while (!outgoing_.empty() || !drive_calls_.empty()) {
@@ -497,7 +497,7 @@ void BenchNodes::send(const Outgoing& outgoing) {
 
 void BenchNodes::send_now(const Outgoing& outgoing) {
   const std::uint64_t number = bus_.send(outgoing.frame, this);
-  // The bus gives it to the other ports; the other nodes of this one hear it, too.
+  // The bus delivers it to the other ports; the other nodes of this port receive it too.
   if (is_running_) {
     receive({.frame = outgoing.frame, .number = number, .sender = outgoing.place});
   }

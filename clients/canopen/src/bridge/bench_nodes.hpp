@@ -19,17 +19,18 @@
 
 namespace vdrive::canopen {
 
-/// An axis and the node that it is.
+/// An axis and its node.
 struct NodePlace {
   std::uint16_t axis = 0;  ///< number on its bench
   std::uint8_t node_id = 0;
 };
 
-/// Adds what more nodes have counted.
+/// Adds the counters of further nodes.
 void add_counters(NodeCounters& sum, const NodeCounters& more);
 
-/// What the nodes of a bench ask of its drives; `place` is that of NodePlace. No call of a node is
-/// under way then, so that BenchNodes::complete() may be called at once.
+/// The requests of a bench's nodes to its drives; `place` is the position in the list of NodePlace.
+/// They are made outside of all calls of nodes, so BenchNodes::complete() may be called from
+/// within.
 class NodeDrives {
  public:
   virtual ~NodeDrives() = default;
@@ -38,63 +39,65 @@ class NodeDrives {
   virtual void tell_connection(std::size_t place, bool is_lost) = 0;
   virtual void cycle_power(std::size_t place) = 0;
 
-  /// The first set-point waits for BenchNodes::take_set_points().
+  /// The first set-point is ready for BenchNodes::take_set_points().
   virtual void note_set_points() = 0;
 
-  /// Reads objects that TPDOs carry and the status does not have; BenchNodes::take_values() is the
-  /// answer, also with none of them. A node asks again when it has its answer, not before.
+  /// Reads objects that TPDOs carry and the status does not contain. BenchNodes::take_values() is
+  /// the answer, even without any value. A node asks again only after it has its answer.
   virtual void read(std::size_t place, std::uint32_t ticket,
                     const std::vector<ObjectAddress>& objects) = 0;
 
-  /// All nodes have received SYNC, whose period they were given.
+  /// All nodes have received a SYNC, which lets Options::sync_period pass.
   virtual void pass_sync() {}
 };
 
-/// The nodes of the axes of one bench, as a port of their bus: gives them frames, states and drive
-/// time, and takes what they ask for. It knows no bench, only NodeDrives. For the thread of the
-/// bus.
+/// The nodes of the axes of one bench, as a port of their bus: passes frames, states and drive time
+/// to them, and their requests to NodeDrives. It has no access to the bench itself. For the thread
+/// of the bus.
 class BenchNodes final : public Port {
  public:
   struct Options {
-    std::uint64_t session = 0;  ///< that controls the axes
+    std::uint64_t session = 0;  ///< the session that controls the axes
     std::optional<std::uint32_t>
-        sync_period{};                  ///< see NodeSettings; none = SYNC lets no time pass
+        sync_period{};                  ///< see NodeSettings; none = SYNC does not advance time
     const char* software_version = "";  ///< 100Ah
-    /// Drive time between two NodeDrives::read of a node at least; a new mapping waits for none.
+    /// Shortest drive time between two NodeDrives::read() of a node; after a new mapping it reads
+    /// without waiting.
     DriveTime read_period{};
   };
 
-  /// @param bus, store, drives outlive this
+  /// @param bus, store, drives outlive this object
   BenchNodes(Bus& bus, NodeStore& store, NodeDrives& drives, std::span<const NodePlace> places,
              const Options& options);
   ~BenchNodes() override;
   BenchNodes(const BenchNodes&) = delete;
   BenchNodes& operator=(const BenchNodes&) = delete;
 
-  /// The drives are there: each node boots.
-  /// @param drives one axis for each place, in their order
+  /// The drives are present: each node boots.
+  /// @param drives one axis for each place, in the same order
   void start(std::span<const client::AxisSnapshot> drives, DriveTime now);
 
-  /// The drives are gone: the nodes vanish, without a frame.
+  /// The drives are gone: the nodes disappear without sending a frame.
   void stop();
 
   [[nodiscard]] bool is_running() const noexcept { return is_running_; }
 
-  /// @return the drive time that the nodes were told last.
+  /// @return the drive time last passed to the nodes.
   [[nodiscard]] DriveTime now() const noexcept { return now_; }
 
-  /// @return drive time as the faults of the bus count it: since the bench began where SYNC steps
-  ///         it, else since the first nodes came to the bus. Ticks of real time count from 1970.
+  /// @return the drive time for faults of the bus: since the start of the bench if SYNC steps it,
+  ///         otherwise since the first nodes joined the bus. (Real-time ticks count from 1970.)
   [[nodiscard]] DriveTime fault_time() const noexcept { return now_ - begin_; }
 
-  /// The drives after a tick.
+  /// The status of the drives after a tick.
   void update(std::span<const client::AxisSnapshot> drives, DriveTime now);
 
-  /// The answer to NodeDrives::access. An answer from before the last start() is ignored.
+  /// The answer to NodeDrives::access(). Answers to requests made before the last start() are
+  /// ignored.
   void complete(std::size_t place, std::uint32_t ticket, const DriveAnswer& answer);
 
-  /// The answer to NodeDrives::read: the values that could be read. They go out with the next SYNC,
-  /// or the next update(). Values asked for before the last start() are ignored.
+  /// The answer to NodeDrives::read(): the values that could be read. They are sent at the next
+  /// SYNC or update(). Answers to requests made before the last start() are ignored.
   void take_values(std::size_t place, std::uint32_t ticket, std::span<const DriveValue> values);
 
   /// The drive of the axis has refused values of RPDOs.
@@ -106,15 +109,15 @@ class BenchNodes final : public Port {
 
   void deliver(const Frame& frame) override;
 
-  /// @return what all nodes have counted since this was made.
+  /// @return the sums of the counters of all nodes since the construction of this object.
   [[nodiscard]] NodeCounters counters() const;
 
-  /// @return set-points that came faster than they could be handed over.
+  /// @return the number of set-points that arrived faster than they could be handed over.
   [[nodiscard]] std::uint64_t replaced_set_points() const noexcept {
     return set_points_.replaced();
   }
 
-  /// @return the node at a place, for tests and reports; nothing while the drives are gone.
+  /// @return the node at a place, for tests and reports; nullptr while the drives are gone.
   [[nodiscard]] const Node* node(std::size_t place) const;
 
  private:
@@ -124,22 +127,21 @@ class BenchNodes final : public Port {
   struct Outgoing {
     Frame frame;
     std::size_t place = 0;
-    bool is_late = false;  ///< a fault of the bus has kept it until now
+    bool is_late = false;  ///< a fault of the bus has delayed it
   };
 
-  /// A frame that a fault of the bus keeps.
+  /// A frame delayed by a fault of the bus.
   struct LateFrame {
     Frame frame;
-    std::size_t place = 0;  ///< of its node
+    std::size_t place = 0;  ///< place of its node
     FrameDirection direction{};
   };
 
   /// A frame on the bus.
   struct Incoming {
     const Frame& frame;
-    std::uint64_t number = 0;  ///< on the bus
-    std::optional<std::size_t>
-        sender{};  ///< the place of the node that has sent it; none = another port
+    std::uint64_t number = 0;             ///< its number on the bus
+    std::optional<std::size_t> sender{};  ///< place of the node that sent it; none = another port
   };
 
   void receive(const Incoming& incoming);
@@ -163,21 +165,22 @@ class BenchNodes final : public Port {
   const Options options_;
   std::vector<std::unique_ptr<Slot>> slots_;
   DriveTime now_{};
-  DriveTime begin_{};  ///< of fault_time()
+  DriveTime begin_{};  ///< origin of fault_time()
   bool is_running_ = false;
   bool is_settling_ = false;
-  bool are_noted_ = false;  ///< NodeDrives::note_set_points() was called for what waits
+  bool are_noted_ = false;  ///< NodeDrives::note_set_points() was called for the waiting set-points
   Listeners listeners_;
   bool are_listeners_old_ = true;
-  bool are_mappings_new_ = true;  ///< a node may have other objects to read
-  // Filled within calls of nodes, carried out after them.
+  bool are_mappings_new_ = true;  ///< a node may have different objects to read
+  // Filled during calls of nodes, carried out after them.
   std::vector<Outgoing> outgoing_;
-  std::vector<Outgoing> sending_;  ///< its memory, used in turn
+  std::vector<Outgoing> sending_;  ///< swapped with `outgoing_` to reuse memory
   std::vector<std::function<void()>> drive_calls_;
-  std::multimap<DriveTime, LateFrame> late_;  ///< by the time of their arrival, then as they came
-  std::uint64_t sent_ = 0;                    ///< frames of nodes, for the faults of the bus
+  std::multimap<DriveTime, LateFrame> late_;  ///< by time of arrival, then in order of sending
+  std::uint64_t sent_ = 0;                    ///< number of frames from nodes, for the faults of
+                                              ///< the bus
   SetPointBatch set_points_;
-  NodeCounters ended_;  ///< of nodes that are gone
+  NodeCounters ended_;  ///< counters of nodes that are gone
 };
 
 }  // namespace vdrive::canopen

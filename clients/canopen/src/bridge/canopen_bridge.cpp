@@ -13,10 +13,10 @@
 namespace vdrive::canopen {
 namespace {
 
-// A bench that comes is served at once for a person, and the search costs the loop little.
+// A new bench is served without noticeable delay, and the search costs the loop little.
 constexpr std::chrono::milliseconds kFindBenchesPeriod{200};
 
-// Reasons of the wire are below.
+// Lower codes are reasons of the wire.
 constexpr std::uint32_t kLowestAbortCode = 0x0500'0000;
 
 bench::BenchOptions options_of(const Settings& settings, const BenchSetting& bench) {
@@ -29,7 +29,7 @@ bench::BenchOptions options_of(const Settings& settings, const BenchSetting& ben
           .journal = settings.journal};
 }
 
-/// @return the benches of a private bridge, all on one local bus; empty where it is not private.
+/// @return the benches of a private bridge, all on one local bus; empty if it is not private.
 std::vector<bench::Bench> make_private_benches(const Settings& settings) {
   std::vector<bench::Bench> benches;
   if (!settings.is_private) return benches;
@@ -86,7 +86,7 @@ CanopenBridge::CanopenBridge(const Settings& settings)
     buses_.push_back(std::make_unique<ServedBus>(shared, settings, setting, number));
   }
   session_.on_event([this](const client::Event& event) {
-    // The master has an abort code as the answer to its SDO, and refused values of PDOs are counted
+    // The master gets an abort code in answer to its SDO, and refused values of PDOs are counted
     // one by one.
     if (event.code >= kLowestAbortCode) return;
     const auto text = bridge::refusal_report(event, session_.id());
@@ -99,10 +99,10 @@ CanopenBridge::CanopenBridge(const Settings& settings)
 }
 
 CanopenBridge::~CanopenBridge() {
-  // The session ends after the reports that its observer uses.
+  // The session must not report to its observers once they are destroyed.
   session_.on_event({});
   session_.on_set_point_refusal({});
-  // Calls that wait for a bench end; the axes are given back all the same.
+  // Ends calls that wait for a bench; the axes are released nevertheless.
   session_.interrupt();
 }
 
@@ -112,7 +112,7 @@ void CanopenBridge::start() {
 }
 
 void CanopenBridge::stop() {
-  loop_.stop();  // first: what ends now is not reported as a bench that is lost
+  loop_.stop();  // first, so that what ends now is not reported as a lost bench
   session_.interrupt();
 }
 
@@ -121,7 +121,7 @@ void CanopenBridge::find() {
   const auto now = ServedBus::Clock::now();
   for (const auto& bus : buses_) bus->find(present, now);
   if (is_private_) {
-    // Their axes stay as they are: what is left out now never comes.
+    // Their axes never change, so a bench left out now will never be served.
     std::vector<std::string> mistakes;
     for (const auto& bus : buses_) {
       for (std::string& reason : bus->left_out()) mistakes.push_back(std::move(reason));
@@ -138,7 +138,7 @@ void CanopenBridge::find_later() {
   });
 }
 
-/// A PDO has no answer: who looks for its value finds it here.
+/// PDOs have no answer: this count is where users find refused values.
 void CanopenBridge::count_refusals() {
   for (const RefusedSetPoints::Count& entry : refused_.take()) {
     for (const auto& bus : buses_) bus->note_refused_set_points(entry.refusal, entry.count);

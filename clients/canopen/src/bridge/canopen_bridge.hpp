@@ -17,35 +17,36 @@
 
 namespace vdrive::canopen {
 
-/// Reads the configurations of the private benches, and makes none.
-/// @throws settings::ConfigurationError where a bench cannot be made of its options
+/// Reads the configurations of the private benches without creating them.
+/// @throws settings::ConfigurationError if a bench cannot be created from its options
 void check_private_benches(const Settings& settings);
 
-/// The whole bridge: one session for all benches, one thread for all buses, that of loop().
+/// The bridge: one session for all benches, one thread for all buses, which runs loop().
 class CanopenBridge final {
  public:
-  /// Makes the private benches and opens all connections; nobody boots before start().
+  /// Creates the private benches and opens all connections; no node boots before start().
   /// @throws std::runtime_error when DDS cannot be set up or a connection cannot be opened,
-  ///         bench::BenchError when a private bench cannot be made
+  ///         bench::BenchError when a private bench cannot be created
   explicit CanopenBridge(const Settings& settings);
 
-  /// The nodes leave their buses without a frame, and the axes are given back as they are.
+  /// The nodes leave their buses without sending a frame, and the axes are released in their
+  /// present state.
   ~CanopenBridge();
   CanopenBridge(const CanopenBridge&) = delete;
   CanopenBridge& operator=(const CanopenBridge&) = delete;
 
-  /// Runs everything from start() on, until stop().
+  /// Runs everything from start() to stop().
   [[nodiscard]] asio::io_context& loop() noexcept { return loop_; }
 
-  /// Looks for benches from now on. Runs the loop until the nodes of the private benches are there,
+  /// Begins to search for benches. Runs the loop until the nodes of the private benches are present
   /// or the loop is stopped.
   /// @throws settings::ConfigurationError when the axes of a private bench cannot be nodes
   void start();
 
-  /// Ends loop(), and all calls that wait for a bench, in it and elsewhere. Any thread.
+  /// Ends loop(), and every call that waits for a bench, in any thread. Thread-safe.
   void stop();
 
-  /// @return the number of its session, which an axis shows as its owner.
+  /// @return the id of the session, which axes show as their owner.
   [[nodiscard]] std::uint64_t session() const noexcept { return session_.id(); }
 
   [[nodiscard]] std::size_t count() const noexcept { return buses_.size(); }
@@ -53,15 +54,15 @@ class CanopenBridge final {
   /// @param place from 0, in the order of the settings
   [[nodiscard]] ServedBus& bus(std::size_t place) { return *buses_.at(place); }
 
-  /// @return a line for each bus, without the name of the program.
+  /// @return one line for each bus, without the program's name.
   [[nodiscard]] std::vector<std::string> first_lines() const;
   [[nodiscard]] std::vector<std::string> counter_lines() const;
 
-  /// Writes what waits for the logs of the buses.
-  /// @return false when frames are missing there
+  /// Flushes the logs of the buses.
+  /// @return false if frames are missing from a log
   [[nodiscard]] bool flush_logs();
 
-  /// Reports what the log of the DDS library says. Any thread but those that receive.
+  /// Reports a log message of the DDS library. For any thread except those that receive.
   void report_library(const std::string& words);
 
  private:
@@ -70,7 +71,7 @@ class CanopenBridge final {
   void count_refusals();
   [[nodiscard]] bool are_all_there() const;
 
-  asio::io_context loop_{1};  // first: what is posted may outlive who has posted it
+  asio::io_context loop_{1};  // first: posted functions may outlive the object that posted them
   const bool is_private_;
   std::vector<bench::Bench> benches_;
   bridge::Reports reports_;

@@ -32,7 +32,7 @@ struct CommandLine {
   bool only_checks = false;
 };
 
-/// Keeps also an empty text, which std::optional in the place of `text` would not show.
+/// Keeps an empty text too, which an option bound to std::optional would lose.
 CLI::Option* add_text(CLI::App& app, const std::string& name, std::optional<std::string>& text,
                       const std::string& help) {
   return app.add_option_function<std::string>(
@@ -122,12 +122,12 @@ void complete(CommandLine& line) {
   complete_settings(settings);
   check_private_benches(settings);
   settings.session.find_timeout = bridge::find_timeout_of(settings.session);
-  // A master must not act on a state that is older: the nodes of a silent bench leave the bus.
+  // A master must not act on an older state: the nodes of a silent bench leave the bus.
   settings.session.patience = settings.session.silence;
 }
 
-/// Ends the bridge at SIGINT and SIGTERM. In a thread of its own: a SYNC that lets time pass keeps
-/// the loop while it waits for other steppers of the clock.
+/// Ends the bridge on SIGINT and SIGTERM. In its own thread, because a SYNC that advances time
+/// blocks the loop while it waits for other steppers of the clock.
 class EndSignals final {
  public:
   explicit EndSignals(CanopenBridge& bridge) : signals_(context_, SIGINT, SIGTERM) {
@@ -147,7 +147,7 @@ class EndSignals final {
  private:
   asio::io_context context_{1};
   asio::signal_set signals_;
-  std::jthread thread_;  ///< last: it uses the others
+  std::jthread thread_;  ///< last: it uses the other members
 };
 
 int serve(const Settings& settings) {

@@ -11,15 +11,14 @@ using namespace vdrive::literals;
 
 namespace {
 
-/// @return the abort code that a master gets for what became of a call; 08000020h where the bench
-///         could not be asked.
+/// @return the abort code for the outcome of a call; 08000020h if the bench could not be reached.
 AbortCode abort_code_of(const client::Outcome& outcome) noexcept {
   if (outcome) return AbortCode::none;
   const auto* const row =
       std::ranges::find(kAbortCodes, static_cast<AbortCode>(outcome.code()), &AbortCodeRow::code);
   const bool is_abort = outcome.kind() == client::OutcomeKind::refused &&
                         row != kAbortCodes.end() && row->code != AbortCode::none;
-  // Other codes are reasons of the wire, which no standard knows.
+  // Other codes are reasons of the wire, which no standard defines.
   return is_abort ? row->code : AbortCode::cannot_store_or_transfer;
 }
 
@@ -47,7 +46,7 @@ std::vector<DriveValue> read_values(client::Axis& axis, std::span<const ObjectAd
 
 client::Outcome tell_connection(client::Axis& axis, bool is_lost) {
   constexpr ObjectAddress kInput = kObjectRows["test_connection_loss"_object].address;
-  // The drive reacts to the edge: an earlier loss, or a test, may have left 1.
+  // The drive reacts to the edge: an earlier loss, or a test, may have left the input at 1.
   client::Outcome cleared = axis.write(kInput, 0).outcome();
   if (!is_lost || !cleared) return cleared;
   return axis.write(kInput, 1).outcome();

@@ -12,19 +12,19 @@
 
 namespace vdrive::canopen {
 
-/// What a node asks of its drive, as calls of the axis. Each waits for the answer of the bench, and
-/// for no drive time.
+/// The requests of a node as calls of its axis. Each waits for the answer of the bench, but not for
+/// drive time to pass.
 
 /// Reads or writes an object.
 [[nodiscard]] DriveAnswer carry_out(client::Axis& axis, const DriveAccess& access);
 
-/// Reads objects, all of one tick where they are no more than client::kMostObjectsAtOnce.
-/// @return the values of those that the drive gave; none when the bench could not be asked
+/// Reads objects, all in the same tick if there are at most client::kMostObjectsAtOnce.
+/// @return the values that the drive returned; none if the bench could not be reached
 [[nodiscard]] std::vector<DriveValue> read_values(client::Axis& axis,
                                                   std::span<const ObjectAddress> objects);
 
-/// The drive loses its master, or has it again: test-bench input 5E0Ah. It reacts to each loss,
-/// whatever the input was before.
+/// The drive loses its master, or has it again: test-bench input 5E0Ah. The drive reacts to every
+/// loss, whatever the previous value of the input.
 client::Outcome tell_connection(client::Axis& axis, bool is_lost);
 
 /// Switches the drive off and on again.

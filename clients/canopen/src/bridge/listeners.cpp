@@ -8,8 +8,8 @@
 namespace vdrive::canopen {
 namespace {
 
-/// A part of the predefined connection set (CiA 301, 7.3.5) whose frames are for those that name
-/// their identifier.
+/// A range of the predefined connection set (CiA 301, 7.3.5) whose frames only reach nodes that
+/// list their identifier.
 struct IdentifierRange {
   std::uint16_t first = 0;
   std::uint16_t last = 0;
@@ -44,7 +44,7 @@ void Listeners::add(std::size_t place, const Listener& listener) {
 
 Listeners::Answer Listeners::find(const Frame& frame) const noexcept {
   if (frame.is_extended || frame.id > kHighestBaseId) return {.kind = Kind::nobody};
-  // Remote frames ask for what a node sends, and those identifiers are not listed.
+  // Remote frames request a frame that a node sends; those identifiers are not listed.
   if (frame.is_remote) return {.kind = Kind::everybody};
   const std::uint8_t whom = whom_[frame.id];
   if (whom == kNobody) return {.kind = Kind::nobody};

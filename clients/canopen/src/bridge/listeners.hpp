@@ -11,31 +11,32 @@
 
 namespace vdrive::canopen {
 
-/// Which nodes of a group a frame is for, by its identifier: of the frames of a bus most are for
-/// nobody here, and few for more than one node. A frame that it gives to too many does no harm: a
-/// node ignores what is not for it.
+/// Finds the nodes that a frame is for by its identifier: most frames on a bus are for no node of
+/// the group, and few for more than one. Too many recipients do no harm, because a node ignores
+/// frames that are not for it.
 class Listeners {
  public:
-  /// Whom a frame reaches.
+  /// The recipients of a frame.
   enum class Kind : std::uint8_t { nobody, one, everybody };
 
   struct Answer {
     Kind kind = Kind::everybody;
-    std::size_t place = 0;  ///< where it is one
+    std::size_t place = 0;  ///< if kind is `one`
   };
 
-  /// What a node listens to in addition to its SDO requests and what is for all nodes.
+  /// Identifiers that a node listens to in addition to its SDO requests and to frames for all
+  /// nodes.
   struct Listener {
     std::uint8_t id = 0;
     std::span<const std::uint16_t> identifiers;  ///< 11 bits: RPDOs, SYNC, heartbeats of producers
   };
 
-  /// Nobody listens to anything that is not for all nodes.
+  /// Starts without listeners: only frames for all nodes are delivered.
   Listeners() { clear(); }
 
   void clear();
 
-  /// Adds the node at `place`, which is below kMostPlaces.
+  /// Adds the node at `place`, below kMostPlaces.
   void add(std::size_t place, const Listener& listener);
 
   [[nodiscard]] Answer find(const Frame& frame) const noexcept;

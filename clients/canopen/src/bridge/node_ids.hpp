@@ -11,15 +11,16 @@
 
 namespace vdrive::canopen {
 
-/// Which axis is which node of a bus: node id = number of the axis + offset of its bench.
+/// Assigns axes to the nodes of a bus: node id = number of the axis + offset of its bench.
 class NodeIds {
  public:
-  /// Makes the axes of a bench nodes: all of them, or none.
-  /// @return why they cannot be: an id that is none, or that of another axis; nothing when they are
+  /// Adds the axes of a bench as nodes: all of them or none.
+  /// @return why it cannot: an id is out of range or already taken by another axis; nothing on
+  ///         success
   [[nodiscard]] std::optional<std::string> add(std::span<const client::AxisInfo> axes,
                                                std::int32_t offset);
 
-  /// The axes of that bench are nodes no more.
+  /// Removes the nodes of that bench.
   void remove(std::uint32_t bench);
 
   [[nodiscard]] bool contains(std::uint8_t id) const { return axes_.contains(id); }

@@ -23,7 +23,7 @@
 namespace vdrive::canopen {
 namespace {
 
-// A node has some hundred parameters; a line of one has 16 bytes.
+// A node has some hundred parameters, each on a line of 16 bytes.
 constexpr std::size_t kLargestParameterFile = 65'536;
 
 /// @return the digits of `number`, without a prefix.
@@ -31,7 +31,7 @@ std::string bare_hex(std::uint32_t number, std::size_t digits) {
   return hex(number, digits).substr(2);
 }
 
-/// @return whether 1010h saves this value of a node.
+/// @return whether 1010h saves this parameter of a node, and the value is allowed.
 bool is_parameter(ObjectAddress address, std::uint32_t value) {
   const NodeObject* const object = find_node_object(address);
   return object != nullptr && object->owner == ObjectOwner::node &&
@@ -54,7 +54,8 @@ std::optional<Node::Parameters::value_type> parse_parameter(std::string_view lin
 
 constexpr std::string_view kEndMark = "end ";
 
-/// Without it a file that was cut at the end of a line would be one of fewer parameters.
+/// Without the count, a file truncated at the end of a line would pass as one with fewer
+/// parameters.
 std::string end_line(std::size_t count) {
   return std::string(kEndMark) + std::to_string(count);
 }
@@ -67,21 +68,21 @@ void require_done(bool is_done) {
 
 }  // namespace
 
-/// An open file or directory, closed with this object. Each function throws std::system_error when
-/// the system refuses.
+/// An open file or directory, closed by the destructor. Functions throw std::system_error when a
+/// system call fails.
 class StoreFile final {
  public:
-  /// @param flags those of open(2); a file that it makes is for this user alone
+  /// @param flags as for open(2); a new file is accessible to this user only
   StoreFile(const std::filesystem::path& path, int flags)
       // NOLINTNEXTLINE(*-vararg): what the system offers
       : number_(::open(path.c_str(), flags | O_CLOEXEC, kStoreFileMode)) {
     require_done(number_ >= 0);
   }
 
-  /// The lock of a file belongs to all processes that have it open: one that was forked from this
-  /// one would keep it.
+  /// Unlocks explicitly: a flock belongs to all processes that share the open file, so a process
+  /// forked from this one would keep it.
   ~StoreFile() {
-    static_cast<void>(::flock(number_, LOCK_UN));  // a file without a lock stays as it is
+    static_cast<void>(::flock(number_, LOCK_UN));  // an unlocked file just stays
     ::close(number_);
   }
 
@@ -99,7 +100,7 @@ class StoreFile final {
 
   void sync() const { require_done(::fsync(number_) == 0); }
 
-  /// @return false when somebody else holds the lock (flock), which ends with this object.
+  /// @return false if another process holds the lock (flock), which is released with this object.
   [[nodiscard]] bool try_lock() const {
     int result = 0;
     do {
@@ -127,7 +128,7 @@ class StoreFile final {
 
 namespace {
 
-/// Replaces a file: after a failure at any place it is the old one or the new one.
+/// Replaces a file atomically: after a failure at any point it is either the old or the new one.
 /// @throws std::system_error
 void replace_file(const std::filesystem::path& path, std::string_view text) {
   const std::filesystem::path next = path.string() + ".new";
@@ -247,10 +248,10 @@ bool NodeStore::save(std::uint8_t id, const Node::Parameters& parameters) {
   Saved& known = saved(id);
   if (known.is_in_file && known.parameters == parameters) return true;
   try {
-    // After a failure the file may be the old one or the new one.
+    // After a failure the file may be the old or the new one.
     known.is_in_file = false;
     if (!directory_.empty()) write(id, parameters);
-  } catch (const std::system_error& error) {  // those of files are such, too
+  } catch (const std::system_error& error) {  // errors of std::filesystem too
     report(id, "cannot be written: " + error.code().message());
     return false;
   } catch (const std::runtime_error& error) {

@@ -16,41 +16,41 @@ namespace vdrive::canopen {
 
 class StoreFile;
 
-/// @return the text of a file of communication parameters: a line for each, such as
-///         "1800:05 000003E8" (index, sub-index, value; hex), then "end 2" with their number.
+/// @return the text of a file of communication parameters: one line each, such as "1800:05
+///         000003E8" (index, sub-index, value; hex), then "end 2" with their number.
 [[nodiscard]] std::string text_of_parameters(const Node::Parameters& parameters);
 
-/// Reads such a text. Lines that begin with # are left out.
-/// @param problem gets the line, its text and what is wrong: no parameter of a node, or a value
-///        outside of its limits; or that lines are missing
-/// @return nothing when a line is wrong, or the text is not whole
+/// Parses such a text. Lines that begin with # are ignored.
+/// @param problem receives the line, its text and what is wrong: not a parameter of a node, a value
+///        outside its limits, or missing lines
+/// @return nothing if a line is wrong or the text is incomplete
 [[nodiscard]] std::optional<Node::Parameters> parse_parameters(std::string_view text,
                                                                std::string& problem);
 
-/// What the nodes of a bus have saved by 1010h: their communication parameters. Kept in memory for
-/// nodes that come back, and in files where there is a directory: one file each, replaced as a
-/// whole. A file that cannot be read or written is reported; then the node has its defaults, or
-/// what it had saved before. The files of a bus are locked: they are those of one program.
+/// The communication parameters that the nodes of a bus have saved by 1010h. Kept in memory for
+/// nodes that return and, if there is a directory, in one file per node, which is replaced
+/// atomically. A file that cannot be read or written is reported; the node then has its defaults,
+/// or what it saved before. The files of a bus are locked, so that only one program uses them.
 class NodeStore {
  public:
   /// @param directory empty = no files
-  /// @param bus name that the files begin with
-  /// @param reports outlives this
-  /// @throws std::runtime_error when another program has the lock, with directory and program
+  /// @param bus prefix of the file names
+  /// @param reports outlives this object
+  /// @throws std::runtime_error with directory and program when another program holds the lock
   NodeStore(std::filesystem::path directory, std::string bus, bridge::Reports& reports);
 
-  /// @return what node `id` has saved last; empty = its defaults.
+  /// @return the parameters that node `id` saved last; empty = its defaults.
   [[nodiscard]] const Node::Parameters& find(std::uint8_t id);
 
-  /// Saves, where it is not saved already.
-  /// @return false when the file could not be written: what was saved before is still valid
+  /// Saves the parameters unless they are saved already.
+  /// @return false if the file could not be written: the previous parameters remain valid
   [[nodiscard]] bool save(std::uint8_t id, const Node::Parameters& parameters);
 
  private:
-  /// What a node has saved.
+  /// The saved parameters of a node.
   struct Saved {
     Node::Parameters parameters{};
-    bool is_in_file = true;  ///< else the file has to be written in any case
+    bool is_in_file = true;  ///< false: the file must be written even if nothing has changed
   };
 
   void lock();

@@ -11,8 +11,8 @@
 
 namespace vdrive::canopen {
 
-/// Counts the values that drives refuse until the thread of the buses takes them. Equal ones are
-/// one entry, so that a flood of them fills no memory. Thread-safe.
+/// Counts the values that drives refuse until the thread of the buses takes the counts. Equal
+/// refusals share one entry, so that a flood of them does not fill the memory. Thread-safe.
 class RefusedSetPoints {
  public:
   struct Count {
@@ -20,12 +20,12 @@ class RefusedSetPoints {
     std::uint64_t count = 0;
   };
 
-  /// @param notify called when the first one waits since the last take()
+  /// @param notify called for the first refusal after each take()
   explicit RefusedSetPoints(std::function<void()> notify);
 
   void note(const client::SetPointRefusal& refusal);
 
-  /// @return what was noted since the last call, by axis and object.
+  /// @return the refusals since the last call, by axis and object.
   [[nodiscard]] std::vector<Count> take();
 
  private:

@@ -61,13 +61,13 @@ ServedBus::ServedBus(const BridgeParts& shared, const Settings& settings, const 
 ServedBus::~ServedBus() = default;
 
 void ServedBus::open_ports() {
-  // First of all ports: the log has each frame before its answers.
+  // The first of all ports, so that the log has each frame before its answers.
   if (!setting_.log.empty()) {
     log_ =
         std::make_unique<BusLog>(shared_.loop, bus_, *this,
                                  BusLogSettings{.file = setting_.log, .interface = setting_.name});
   }
-  // Time that waits for SYNC can wait for whoever reads the answers, too.
+  // If time waits for SYNC, it can also wait for slow readers of the answers.
   const bool holds_bus = sync_steps_.has_value();
   for (const TcpAddress& address : setting_.socketcand) {
     socketcand_.push_back(std::make_unique<SocketcandServer>(
@@ -96,7 +96,7 @@ std::chrono::microseconds ServedBus::frame_time() const {
       std::chrono::nanoseconds(bridge::wall_time()));
 }
 
-/// @return why the fault cannot begin
+/// @return why the fault cannot be started
 std::optional<std::string> ServedBus::disturb(std::uint8_t node, std::string_view text) {
   if (node != 0 && !ids_.contains(node)) {
     return label_ + " has no node " + std::to_string(node) + "; it has " + ids_.text();
@@ -129,7 +129,7 @@ void ServedBus::find(const std::vector<client::BenchInfo>& present, Clock::time_
   }
 }
 
-/// The nodes of the one are those of the other.
+/// The nodes of the known bench continue as those of the found one.
 bool ServedBus::continues(const client::BenchInfo& known, const client::BenchInfo& found) const {
   return known.clock_mode == found.clock_mode && known.period == found.period &&
          bridge::are_same_axes(known.axes, found.axes);
@@ -178,7 +178,7 @@ void ServedBus::remove(std::uint32_t bench, bool /*is_replaced*/) {
   add_counters(ended_, served->second.nodes().counters());
   if (served->second.drives) {
     dropped_set_points_ += served->second.drives->dropped_set_points();
-    // Its calls may wait for the bench that has gone: not in the thread of the bus.
+    // Calls of the link may block on the bench that has gone: not in the thread of the bus.
     (void)shared_.closer.post([ending = served->second.drives->close()] {});
   }
   benches_.erase(served);
@@ -196,21 +196,21 @@ void ServedBus::note_refused_set_points(const client::SetPointRefusal& refusal,
   }
   const std::uint8_t node = node_id_of(refusal.axis, offset_of(refusal.axis.bench));
   constexpr std::size_t kAbortDigits = 8;
-  // Without the value: equal reports are limited to one a second.
+  // The report has no value, so that equal reports are limited to one per second.
   shared_.reports.report(bridge::Severity::warning, label_ + ": node " + std::to_string(node),
                          "the drive refuses what a PDO brings for " + address_text(refusal.object) +
                              ": " + hex(wire_code(refusal.code), kAbortDigits) + ", " +
                              std::string(vdrive::describe(refusal.code)));
 }
 
-/// Of the bench that is the furthest: they have a clock each, and all pass the same SYNCs.
+/// Of the bench that is furthest ahead: each has its own clock, and all pass the same SYNCs.
 std::chrono::microseconds ServedBus::drive_time() const {
   DriveTime time{};
   for (const auto& [number, bench] : benches_) time = std::max(time, bench.nodes().now());
   return time;
 }
 
-/// As BenchNodes::fault_time(). A stepped bench that begins again counts from 0 again.
+/// As BenchNodes::fault_time(). A stepped bench that restarts counts from 0 again.
 DriveTime ServedBus::fault_time() const {
   return sync_steps_ ? drive_time() : bus_.faults().now();
 }

@@ -25,63 +25,65 @@
 
 namespace vdrive::canopen {
 
-/// What all buses of the program share.
+/// Parts shared by all buses of the program.
 struct BridgeParts {
   asio::io_context& loop;
   client::Session& session;
   bridge::Reports& reports;
-  bridge::Worker& closer;  ///< where links may wait for benches that have gone
+  bridge::Worker& closer;  ///< destroys links, which may block on benches that have gone
 };
 
-/// A bus with its connections and the benches whose axes are its nodes. For the thread of the loop.
+/// A bus with its connections, and the benches whose axes are its nodes. For the thread of the
+/// loop.
 class ServedBus final : public BusHost, private bridge::BenchHost {
  public:
   using Clock = bridge::Roster::Clock;
 
   /// Opens the connections.
-  /// @param shared all outlive this
+  /// @param shared all parts outlive this object
   /// @param number from 1, for messages and CiA 309-3
-  /// @throws std::runtime_error when one cannot be opened, with its address and the reason
+  /// @throws std::runtime_error when a connection cannot be opened, with its address and the reason
   ServedBus(const BridgeParts& shared, const Settings& settings, const BusSetting& setting,
             std::uint16_t number);
   ~ServedBus() override;
   ServedBus(const ServedBus&) = delete;
   ServedBus& operator=(const ServedBus&) = delete;
 
-  /// Takes benches that have come, and gives up those that have gone.
+  /// Adds new benches, and drops those that have gone.
   void find(const std::vector<client::BenchInfo>& present, Clock::time_point now);
 
   [[nodiscard]] Bus& bus() noexcept { return bus_; }
 
-  /// @return the first server of socketcand or of CiA 309-3, nothing without one.
+  /// @return the address of the first socketcand or CiA 309-3 server; nothing if there is none.
   [[nodiscard]] std::optional<TcpAddress> socketcand() const;
   [[nodiscard]] std::optional<TcpAddress> gateway() const;
 
-  /// @return the nodes of a bench; nothing for one that is not served.
+  /// @return the nodes of a bench; nullptr if it is not served.
   [[nodiscard]] const BenchNodes* nodes(std::uint32_t bench) const;
 
-  /// @return whether the nodes of every bench that the settings name are there.
+  /// @return whether the nodes of every bench named in the settings are present.
   [[nodiscard]] bool are_all_there() const;
 
-  /// Counts and reports values of RPDOs that a drive has refused. Those of other buses are ignored.
+  /// Counts and reports values of RPDOs that a drive has refused. Refusals of other buses are
+  /// ignored.
   void note_refused_set_points(const client::SetPointRefusal& refusal, std::uint64_t count);
 
-  /// @return why benches are left out, a line each.
+  /// @return one line for each bench that is left out, with the reason.
   [[nodiscard]] std::vector<std::string> left_out() const;
 
-  /// @return such as "bus 1: 3 nodes (1 to 3), socketcand 127.0.0.1:29536, no gateway": also which
-  ///         of its servers are not there, as one that is named replaces the default one.
+  /// @return such as "bus 1: 3 nodes (1 to 3), socketcand 127.0.0.1:29536, no gateway". It also
+  ///         names absent servers, since naming one kind of server replaces the default one.
   [[nodiscard]] std::string description() const;
 
-  /// Writes what waits for the log of the bus.
-  /// @return frames that are missing there
+  /// Flushes the log of the bus.
+  /// @return the number of frames missing from it
   [[nodiscard]] std::uint64_t flush_log() { return log_ ? log_->flush() : 0; }
 
   /// @return such as "bus 1: 1234 frames, ...".
   [[nodiscard]] std::string counters() const;
 
  private:
-  /// One of both.
+  /// One of the two pointers is set.
   struct ServedBench {
     std::unique_ptr<BenchDrives> drives{};
     std::unique_ptr<SteppedBench> stepped{};
@@ -117,7 +119,7 @@ class ServedBus final : public BusHost, private bridge::BenchHost {
   bridge::Roster roster_;
   std::map<std::uint32_t, ServedBench> benches_;
   NodeCounters ended_;                    ///< of benches that have gone
-  std::uint64_t dropped_set_points_ = 0;  ///< likewise
+  std::uint64_t dropped_set_points_ = 0;  ///< of benches that have gone
   std::unique_ptr<BusLog> log_;
   std::vector<std::unique_ptr<SocketcandServer>> socketcand_;
   std::vector<std::unique_ptr<AsciiGatewayServer>> gateways_;

@@ -43,7 +43,7 @@ client::SetPoint* SetPointBatch::newest_of(std::uint16_t axis) {
   return &frames_[place->second.frame].axes[place->second.set_point];
 }
 
-/// A set-point after the newest one of the axis, in the first frame that has none of it.
+/// A new set-point after the newest one of the axis, in the first frame without one of this axis.
 client::SetPoint& SetPointBatch::next_of(std::uint16_t axis) {
   const auto place = newest_.find(axis);
   const std::size_t frame = place == newest_.end() ? 0 : place->second.frame + 1;

@@ -12,27 +12,27 @@
 
 namespace vdrive::canopen {
 
-/// Collects the set-points of the nodes of a bench until they are handed over. What fits into one
-/// frame is one frame. A set-point of an axis that would overtake an earlier one of that axis, such
-/// as a target after a controlword, is in a later frame: the frames act in order in one tick.
+/// Collects the set-points of the nodes of a bench until they are handed over, in as few frames as
+/// possible. A set-point that would overtake an earlier one of the same axis, such as a target
+/// after a controlword, goes into a later frame: within a tick, frames act in order.
 class SetPointBatch {
  public:
-  /// Frames of a batch at most. What comes then replaces the newest values of its axis: a flood
-  /// must not fill the memory, and the newest values count.
+  /// The most frames in a batch. Set-points beyond it replace the newest values of their axis: a
+  /// flood must not fill the memory, and the newest values matter most.
   static constexpr std::size_t kMostFrames = 64;
 
   void add(std::uint16_t axis, std::span<const DriveValue> values);
 
   [[nodiscard]] bool is_empty() const noexcept { return frames_.empty(); }
 
-  /// @return all frames, for the next tick; the batch is empty from then on.
+  /// @return all frames, for the next tick. The batch is then empty.
   [[nodiscard]] std::vector<client::SetPointFrame> take();
 
-  /// @return values that were replaced before they were handed over, since it was made.
+  /// @return the number of values replaced before they were handed over, since construction.
   [[nodiscard]] std::uint64_t replaced() const noexcept { return replaced_; }
 
  private:
-  /// Where the newest set-point of an axis is.
+  /// The position of the newest set-point of an axis.
   struct Place {
     std::size_t frame = 0;
     std::size_t set_point = 0;

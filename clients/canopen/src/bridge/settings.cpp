@@ -25,10 +25,10 @@ using vdrive::settings::Row;
 using vdrive::settings::TextRule;
 using vdrive::settings::YamlValue;
 
-/// The port that clients of socketcand take where nothing else is said.
+/// The default port of socketcand clients.
 const TcpAddress kUsualSocketcand{.host = "127.0.0.1", .port = 29'536};
 
-constexpr std::size_t kLongestNameOfBus = 16;  // that of an interface of Linux, and one more
+constexpr std::size_t kLongestNameOfBus = 16;  // a Linux interface name has 15 at most
 
 bool is_bus_name(const std::string& name) {
   constexpr std::string_view kMay =
@@ -98,7 +98,7 @@ constexpr auto kBusRows = std::to_array<Row<BusSetting>>({
 
 void read_buses(const YamlValue& list, Settings& settings) {
   std::vector<BusSetting>& buses = settings.buses;
-  buses.clear();  // the key replaces, it does not add
+  buses.clear();  // the key replaces the list, it does not add to it
   list.for_each_element([&](const YamlValue& element) {
     BusSetting bus{.name = "can" + std::to_string(buses.size())};
     read_section(element, kBusRows, bus);
@@ -119,13 +119,13 @@ constexpr auto kRows = std::to_array<Row<Settings>>({
     {.key = "buses", .then = read_buses},
 });
 
-// ---- what several settings say together ------------------------------------------------------
+// ---- consistency of several settings ---------------------------------------------------------
 
 bool has_port(const BusSetting& bus) {
   return !bus.socketcand.empty() || !bus.gateways.empty() || !bus.interfaces.empty();
 }
 
-/// @param taken the ports of all buses so far
+/// @param taken the servers of all buses so far
 void take_servers(const std::vector<TcpAddress>& addresses, std::set<std::string>& taken) {
   for (const TcpAddress& address : addresses) {
     const std::string text = address_text(address);
@@ -156,7 +156,7 @@ void check_ports(const std::vector<BusSetting>& buses) {
   }
 }
 
-/// An axis is one node: else its owner, and what its heartbeat says, would be two things.
+/// An axis must not be two nodes: its owner and its heartbeat would be ambiguous.
 void check_benches(const Settings& settings) {
   std::set<std::uint32_t> taken;
   for (const BusSetting& bus : settings.buses) {
@@ -183,8 +183,8 @@ void check_fault_nodes(const BusSetting& bus, const NodeIds& ids) {
   }
 }
 
-/// Axes of a private bench are 1 to their number, all of them. A bench with a configuration says
-/// them at its start.
+/// The axes of a private bench are numbered from 1. A bench with a configuration is checked at its
+/// start.
 void check_node_ids(const Settings& settings) {
   for (const BusSetting& bus : settings.buses) {
     NodeIds ids;

@@ -57,7 +57,7 @@ void SteppedBench::poll(const client::BenchInfo* present) {
     incarnation_ = present->incarnation;
   } else {
     note_failure(opened, "its clock");
-    // Other steppers would wait for nodes that are not there.
+    // Other steppers would wait for nodes that are absent.
     follower_.reset();
     clock_.reset();
   }
@@ -74,7 +74,7 @@ client::Outcome SteppedBench::open() {
   auto now = parts_.session.observe(ids_);
   if (!now) return now.outcome();
   if (auto held = control_.keep(now->axes)) now = std::move(*held);
-  // What a bridge that ended has left in the drives would hide the next loss.
+  // A loss that an earlier bridge has left in the drives would hide the next one.
   for (client::Axis& axis : axes_) {
     if (client::Outcome told = canopen::tell_connection(axis, false); !told) return told;
   }
@@ -101,7 +101,7 @@ void SteppedBench::close(const std::string& reason) {
 }
 
 void SteppedBench::note_failure(const client::Outcome& outcome, const char* what) {
-  if (parts_.session.is_interrupted()) return;  // the program ends
+  if (parts_.session.is_interrupted()) return;  // the program is ending
   const bool is_lost = outcome.kind() == client::OutcomeKind::lost ||
                        outcome.kind() == client::OutcomeKind::not_found;
   if (is_lost && nodes_.is_running()) {
@@ -121,10 +121,10 @@ DriveTime SteppedBench::time_of(const client::Observation& observation) const {
 void SteppedBench::pass_sync() {
   hand_over();
   if (!nodes_.is_running()) return;
-  // Else the SYNC before this one has not ended: this one continues it.
+  // If the previous SYNC has not been completed, this one continues it.
   if (aim_ == reached_) aim_ = reached_ + ticks_;
   client::Outcome stepped = step();
-  // A stepper that was silent for long while others waited is taken off the clock.
+  // A stepper that kept others waiting too long is removed from the clock: join again.
   if (stepped.kind() == client::OutcomeKind::refused && join()) stepped = step();
   if (!stepped) return note_failure(stepped, "SYNC");
   if (auto held = control_.keep(sample_.axes)) sample_ = std::move(*held);
@@ -137,7 +137,7 @@ client::Outcome SteppedBench::step() {
     if (!passed) return passed.outcome();
     reached_ = passed->front();
   }
-  // The last tick shows the axes in its answer.
+  // The answer to the last tick contains the axes.
   client::Outcome shown = follower_->next(kStepPatience, sample_);
   if (shown) reached_ = sample_.tick;
   return shown;
@@ -152,7 +152,7 @@ void SteppedBench::hand_over() {
 }
 
 void SteppedBench::access(std::size_t place, const DriveAccess& access) {
-  // What came first by a PDO acts first.
+  // A value that arrived earlier by PDO must act first.
   if (access.value) hand_over();
   nodes_.complete(place, access.ticket, carry_out(axes_.at(place), access));
 }
@@ -167,7 +167,7 @@ void SteppedBench::cycle_power(std::size_t place) {
   if (!cycled) note_failure(cycled, "power cycle");
 }
 
-/// Time stands: the values are those of the tick that the nodes are shown.
+/// Time stands still, so the values belong to the tick that the nodes have been shown.
 void SteppedBench::read(std::size_t place, std::uint32_t ticket,
                         const std::vector<ObjectAddress>& objects) {
   nodes_.take_values(place, ticket, read_values(axes_.at(place), objects));

@@ -15,7 +15,7 @@ namespace vdrive::canopen {
 namespace {
 
 constexpr std::chrono::milliseconds kLongestSdoTimeOut{65'535};
-// Of "info version" (CiA 309-1): a gateway that is the NMT master of its network.
+// For "info version" (CiA 309-1): a gateway that is the NMT master of its network.
 constexpr unsigned kGatewayClass = 3;
 
 // Identifiers of the predefined connection set (CiA 301, 7.3.5), without the node id.
@@ -44,7 +44,7 @@ bool is_data_of(const Frame& frame, std::uint32_t base, std::uint8_t size) {
          !frame.is_extended && !frame.is_remote;
 }
 
-/// @return the node of an identifier of the predefined connection set.
+/// @return the node id in an identifier of the predefined connection set.
 std::uint8_t node_of(const Frame& frame) {
   return static_cast<std::uint8_t>(frame.id & kHighestNodeId);
 }
@@ -208,7 +208,7 @@ void AsciiGateway::carry_out(GatewaySession id, Session& session, const GatewayC
   const std::uint64_t node = command.node ? *command.node : std::uint64_t{*session.default_node};
   const auto specifier = nmt_specifier(command.verb);
   const bool is_disturbance = command.verb == GatewayVerb::disturb;
-  // NMT commands to node 0 are for all nodes, as are faults of the bus.
+  // Node 0 means all nodes for NMT commands and for faults of the bus.
   if (node > kHighestNodeId || (node == 0 && !specifier && !is_disturbance)) {
     return answer_error(id, command.sequence, GatewayError::unsupported_node);
   }
@@ -249,7 +249,7 @@ void AsciiGateway::carry_out_pdo(GatewaySession id, Session& session,
   std::string done = "OK";
   if (command.verb == GatewayVerb::read_pdo) {
     const auto values = session.pdos.read(command.value);
-    if (!values) refusal = GatewayError::internal_state;  // nothing has come for it
+    if (!values) refusal = GatewayError::internal_state;  // nothing has been received
     done = std::to_string(settings_.network) + " pdo " + values.value_or("");
   } else if (command.verb == GatewayVerb::write_pdo) {
     Frame frame;
@@ -316,7 +316,7 @@ void AsciiGateway::serve(Channel& channel, BusTime now) {
   }
 }
 
-/// Answers the transfer when it has ended.
+/// Sends the answer once the transfer has ended.
 void AsciiGateway::finish(Channel& channel, BusTime now) {
   const auto outcome = channel.client.take_outcome();
   if (!outcome) return;
@@ -326,7 +326,7 @@ void AsciiGateway::finish(Channel& channel, BusTime now) {
   answer(id, session.transfer->sequence, outcome_text(*session.transfer, *outcome));
   session.transfer.reset();
   channel.user.reset();
-  // Others first: a session with many commands for one node would keep them out.
+  // Other sessions first: one with many commands for a node would lock them out.
   serve(channel, now);
   work(id, now);
 }
@@ -357,8 +357,8 @@ void AsciiGateway::answer_error(GatewaySession id, std::uint32_t sequence,
   answer(id, sequence, error_text(error));
 }
 
-/// vendor product revision serial class protocol implementation; revisions as major.minor, the
-/// protocol of CiA 309-1 and 309-3 that public gateways report.
+/// Format: vendor product revision serial class protocol implementation; revisions as major.minor;
+/// the protocol version of CiA 309-1 and 309-3 that public gateways report.
 std::string AsciiGateway::version_text() const {
   constexpr std::string_view kVersions = " 2.1 2.1";
   return std::to_string(settings_.vendor_id) + " " + std::to_string(settings_.product_code) + " " +

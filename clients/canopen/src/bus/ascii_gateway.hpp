@@ -18,7 +18,7 @@
 namespace vdrive::canopen {
 
 struct GatewaySettings {
-  std::uint16_t network = 1;  ///< number of the bus: the only one that commands may name
+  std::uint16_t network = 1;  ///< number of the bus, the only one that commands may name
   /// 1018h of the gateway, for "info version".
   std::uint32_t vendor_id = 0;
   std::uint32_t product_code = 0;
@@ -29,49 +29,51 @@ struct GatewaySettings {
 /// A user of the gateway, such as a TCP connection.
 using GatewaySession = std::uint32_t;
 
-/// What a gateway does to the world around it. A function is called within a call of the gateway,
-/// and calls none of it.
+/// The actions of a gateway on its surroundings. Functions are called within a call of the gateway
+/// and must not call it.
 class GatewayHost : public FrameSender {
  public:
-  /// The answer to a command, without the end of the line.
+  /// The answer to a command, without line end.
   virtual void answer(GatewaySession session, std::string_view line) = 0;
 
-  /// What happened on the bus, unasked: "NET NODE BOOT_UP", and "NET NODE EMCY CODE REGISTER" with
-  /// the five bytes of the manufacturer; code and register hexadecimal, bytes decimal.
+  /// An unsolicited event on the bus: "NET NODE BOOT_UP", or "NET NODE EMCY CODE REGISTER" followed
+  /// by the five manufacturer bytes; code and register in hex, bytes in decimal.
   virtual void report(GatewaySession session, std::string_view line) = 0;
 
-  /// As BusHost::disturb().
+  /// See BusHost::disturb().
   [[nodiscard]] virtual std::optional<std::string> disturb(std::uint8_t node,
                                                            std::string_view fault) = 0;
 };
 
-/// The gateway of CiA 309-3 (ASCII mapping): sessions give lines of GatewayCommand, and get one
-/// answer for each command, in their order:
+/// The gateway of CiA 309-3 (ASCII mapping): sessions send lines with a GatewayCommand, and get one
+/// answer to each, in order:
 ///
 ///     "[" sequence "]" OK | VALUE | ERROR:0xABORT-CODE #words | ERROR:100 to 107, 401 #words
 ///
-/// That to "read pdo" is "NET pdo COUNT VALUE...", and each frame of an RPDO is reported to the
-/// session that has it as "NET pdo NR COUNT VALUE...".
-/// It is a master on its bus: an SDO client for each node, one transfer at a time on each; the
-/// commands of several sessions for one node take turns. The default net of a session is the
-/// gateway's network, its default node none. A function of lines, frames and time.
+/// The answer to "read pdo" is "NET pdo COUNT VALUE...", and each frame of an RPDO is reported to
+/// the session that configured it as "NET pdo NR COUNT VALUE...".
+/// The gateway is a master on its bus, with an SDO client for each node and one transfer at a time
+/// on each; sessions that command the same node take turns. The default net of a session is the
+/// gateway's network; there is no default node. A function of lines, frames and time.
 class AsciiGateway final {
  public:
-  static constexpr std::chrono::milliseconds kSdoTimeOut{500};  ///< until a session sets another
+  static constexpr std::chrono::milliseconds kSdoTimeOut{500};  ///< default, until a session sets
+                                                                ///< it
 
   /// @param host outlives the gateway
   AsciiGateway(const GatewaySettings& settings, GatewayHost& host);
 
-  /// @return a session that was never open before.
+  /// @return the id of a new session; ids are never reused.
   GatewaySession open();
 
-  /// Forgets the session: its transfer is aborted, what waits is not carried out.
+  /// Forgets the session: its transfer is aborted, and its waiting lines are dropped.
   void close(GatewaySession session, BusTime now);
 
-  /// Takes a line of an open session. It is carried out when those before it are answered.
+  /// Takes a line of an open session. It is carried out once the lines before it are answered.
   void take_line(GatewaySession session, std::string_view line, BusTime now);
 
-  /// @return how many lines of an open session wait for their answer: the caller bounds them.
+  /// @return the number of lines of an open session that wait for their answer; the caller must
+  ///         limit it.
   [[nodiscard]] std::size_t waiting(GatewaySession session) const;
 
   /// @return whether receive() does anything with `frame`.
@@ -79,14 +81,14 @@ class AsciiGateway final {
 
   void receive(const Frame& frame, BusTime now);
 
-  /// @return whether a session has SYNCs to send.
+  /// @return whether a session still has SYNCs to send.
   [[nodiscard]] bool has_syncs() const;
 
-  /// Sends one SYNC, without a counter, for each session that has some. One at a time: others on
-  /// the bus get their turn.
+  /// Sends one SYNC, without a counter, for each session that has any left. Only one, so that other
+  /// traffic on the bus is not held up.
   void send_sync(BusTime now);
 
-  /// Ends what is overdue.
+  /// Ends overdue transfers.
   void advance(BusTime now);
 
   [[nodiscard]] std::optional<BusTime> next_due() const;
@@ -94,8 +96,8 @@ class AsciiGateway final {
  private:
   struct Session {
     std::deque<std::string> lines{};
-    std::optional<GatewayCommand> transfer{};  ///< that is not answered yet
-    std::uint64_t syncs = 0;                   ///< that it still has to send
+    std::optional<GatewayCommand> transfer{};  ///< still unanswered
+    std::uint64_t syncs = 0;                   ///< still to be sent
     GatewayPdos pdos{};
     std::optional<std::uint8_t> default_node{};
     std::chrono::milliseconds sdo_time_out = kSdoTimeOut;
@@ -129,7 +131,7 @@ class AsciiGateway final {
   GatewaySettings settings_;
   GatewayHost& host_;
   std::map<GatewaySession, Session> sessions_;
-  std::map<std::uint8_t, Channel> channels_;  ///< by node id; made when it is first used
+  std::map<std::uint8_t, Channel> channels_;  ///< by node id; created on first use
   GatewaySession last_session_ = 0;
 };
 

@@ -17,13 +17,13 @@
 namespace vdrive::canopen {
 namespace {
 
-constexpr std::size_t kGatewayInput = 4096;  // [bytes] that are read at once
-// Whoever has as many lines waiting is not read: some more of the same block may come.
+constexpr std::size_t kGatewayInput = 4096;  // [bytes] of one read
+// A client with this many waiting lines is not read; the current block may add some more.
 constexpr std::size_t kMostWaitingLines = 32;
-// Whoever does not read so much of the answers is not read either.
+// A client with this much unread output is not read either.
 constexpr std::size_t kMostGatewayAnswers = 1U << 18U;  // [bytes]
-constexpr std::size_t kMostGatewayReports = 1U << 16U;  // [bytes] that wait with the answers
-// Answers and reports that came since the gateway was last at work: one for each node, and faults.
+constexpr std::size_t kMostGatewayReports = 1U << 16U;  // [bytes] queued together with answers
+// Answers and reports received since the gateway last ran: one per node, and faults.
 constexpr std::size_t kMostAwaitedFrames = 4096;
 
 BusTime gateway_time() {
@@ -39,7 +39,7 @@ struct GatewayClient {
   LineReader lines{AsciiGatewayServer::kLongestLine};
   std::array<char, kGatewayInput> input{};
   std::string waiting;  ///< lines to send
-  std::string output;   ///< on its way
+  std::string output;   ///< being sent
   bool is_reading = false;
   bool is_writing = false;
   bool has_sent_all = false;
@@ -50,8 +50,8 @@ using GatewayClientPointer = std::shared_ptr<GatewayClient>;
 
 }  // namespace
 
-/// The gateway is called by operations of the context only, never by the bus: a port sends nothing
-/// while it gets a frame.
+/// The gateway is called only by operations of the context, never by the bus: a port must not send
+/// while a frame is delivered to it.
 struct AsciiGatewayServer::State final : Port,
                                          TcpServer,
                                          GatewayHost,
@@ -122,7 +122,7 @@ struct AsciiGatewayServer::State final : Port,
 
   // ---- clients
 
-  /// In a turn of its own: each SYNC may bring about many frames.
+  /// Posted as a separate turn, because each SYNC may cause many frames.
   void post_sync() {
     if (!gateway.has_syncs() || bus.is_held() || std::exchange(is_sync_posted, true)) return;
     asio::post(context, [self = shared_from_this()] {
@@ -150,7 +150,7 @@ struct AsciiGatewayServer::State final : Port,
   void serve(tcp::socket&& socket) override {
     if (clients.size() >= most_clients) {
       ++counters.refused_clients;
-      // No answer of CiA 309-3 to a command: a line for the person who reads it.
+      // Not an answer of CiA 309-3, as there was no command: a line for people.
       return turn_away(socket, "ERROR: too many clients\r\n");
     }
     ++counters.connections;
@@ -189,7 +189,7 @@ struct AsciiGatewayServer::State final : Port,
     settle();
   }
 
-  /// Each line may bring about frames for which somebody has no room.
+  /// Checks the bus before each line: any line may cause frames for which a port has no room.
   void take_lines(GatewayClient& client) {
     while (!bus.is_held()) {
       const auto line = client.lines.next();
@@ -200,7 +200,8 @@ struct AsciiGatewayServer::State final : Port,
 
   void take_line(GatewaySession session, const StreamLine& line) {
     std::string_view text = line.text;
-    // The sequence alone is a syntax error, as it should be: the rest could be another command.
+    // Too long: the sequence alone is answered with a syntax error; the rest could pass as another
+    // command.
     if (line.is_too_long) text = text.substr(0, text.find(' '));
     gateway.take_line(session, text, gateway_time());
   }
@@ -219,10 +220,10 @@ struct AsciiGatewayServer::State final : Port,
         });
   }
 
-  /// Continues with every client, and with the timer, after something has happened to the gateway.
+  /// After any activity of the gateway: continues with every client and with the timer.
   void settle() {
     for (const auto& [session, client] : clients) {
-      if (!client->is_over) take_lines(*client);  // that waited while the bus was held
+      if (!client->is_over) take_lines(*client);  // lines that waited while the bus was held
       write(client);
       read(client);
       const bool is_served = client->has_sent_all && !client->is_over && !client->is_writing &&
@@ -272,7 +273,7 @@ struct AsciiGatewayServer::State final : Port,
   bool is_inbox_posted = false;
   bool is_sync_posted = false;
   bool is_over = false;
-  std::optional<BusTime> awaited;  ///< what the timer waits for
+  std::optional<BusTime> awaited;  ///< time that the timer is set to
   asio::steady_timer timer;
   TcpAcceptor acceptor;
 };

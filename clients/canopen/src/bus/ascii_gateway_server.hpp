@@ -15,7 +15,7 @@ class io_context;
 
 namespace vdrive::canopen {
 
-/// The TCP port that the guides name; CiA 309-3 has none.
+/// The TCP port used in the guides; CiA 309-3 defines none.
 inline constexpr std::uint16_t kAsciiGatewayPort = 60'000;
 
 struct AsciiGatewayServerSettings {
@@ -24,20 +24,21 @@ struct AsciiGatewayServerSettings {
   std::size_t most_clients = 16;
 };
 
-/// What a server counts since it was made, where nothing else is stated.
+/// Counters of a server since its construction, unless noted otherwise.
 struct AsciiGatewayCounters {
-  std::size_t clients = 0;            ///< that are connected now
-  std::uint64_t connections = 0;      ///< that were accepted
-  std::uint64_t refused_clients = 0;  ///< beyond the most clients
-  std::uint64_t commands = 0;         ///< lines that were answered
-  std::uint64_t dropped_reports = 0;  ///< left out for clients that read too slowly
-  std::uint64_t dropped_frames = 0;   ///< of the bus, more than were waited for
+  std::size_t clients = 0;            ///< connected now
+  std::uint64_t connections = 0;      ///< accepted
+  std::uint64_t refused_clients = 0;  ///< beyond most_clients
+  std::uint64_t commands = 0;         ///< lines answered
+  std::uint64_t dropped_reports = 0;  ///< dropped for clients that read too slowly
+  std::uint64_t dropped_frames = 0;   ///< frames of the bus beyond the size of the queue
 };
 
-/// The gateway of CiA 309-3 for TCP clients, such as scripts and netcat: lines that end with CR LF
-/// or LF, answers with CR LF. Lines of a client are carried out in their order; one that sends
-/// faster than it is answered, or does not read, is not read meanwhile. A client that has sent all
-/// gets the answers that are due before its connection is closed. For the thread of its context.
+/// The gateway of CiA 309-3 for TCP clients, such as scripts and netcat: lines end with CR LF or
+/// LF, answers with CR LF. The lines of a client are carried out in order. The server stops reading
+/// from a client that sends faster than it is answered, or that does not read its answers. A client
+/// that has shut down its sending side still gets the pending answers before its connection is
+/// closed. For the thread of its context.
 class AsciiGatewayServer final {
  public:
   /// A longer line is answered with a syntax error [bytes].
@@ -54,14 +55,14 @@ class AsciiGatewayServer final {
   AsciiGatewayServer(const AsciiGatewayServer&) = delete;
   AsciiGatewayServer& operator=(const AsciiGatewayServer&) = delete;
 
-  /// @return where it listens, with the port that the system gave for 0.
+  /// @return the address it listens on, with the actual port if 0 was requested.
   [[nodiscard]] const TcpAddress& address() const noexcept;
 
   [[nodiscard]] const AsciiGatewayCounters& counters() const noexcept;
 
  private:
   struct State;
-  std::shared_ptr<State> state_;  ///< an operation of the context that ends later keeps it
+  std::shared_ptr<State> state_;  ///< shared: pending operations of the context keep it alive
 };
 
 }  // namespace vdrive::canopen

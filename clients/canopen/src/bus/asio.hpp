@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// Boost.Asio as every source of vdrive-canopen reads it.
+/// Boost.Asio, included the same way by every source of vdrive-canopen.
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
@@ -19,8 +19,8 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using AsioError = boost::system::error_code;
 
-/// Ends the wait for `timer`. That fails only for a timer whose service is gone, and here no timer
-/// outlives its context: destructors may call it.
+/// Cancels the wait for `timer`. cancel() throws only if the timer's service is gone, and no timer
+/// here outlives its context, so destructors may call this.
 inline void cancel(asio::steady_timer& timer) noexcept {
   try {
     timer.cancel();

@@ -10,7 +10,7 @@ void Bus::attach(Port& port) {
 }
 
 void Bus::detach(Port& port) {
-  // Another port may be made at the same address while frames wait.
+  // A new port may get the same address while frames wait.
   for (Waiting& waiting : waiting_) {
     if (waiting.sender == &port) waiting.sender = nullptr;
   }
@@ -18,7 +18,7 @@ void Bus::detach(Port& port) {
   const auto found = std::ranges::find(ports_, &port);
   if (found == ports_.end()) return;
   if (is_delivering_) {
-    *found = nullptr;  // send() goes through the places by number
+    *found = nullptr;  // send() iterates by index
   } else {
     ports_.erase(found);
   }
@@ -48,12 +48,12 @@ std::uint64_t Bus::send(const Frame& frame, const Port* sender) {
 
 void Bus::deliver_waiting() {
   is_delivering_ = true;
-  // By number: a delivery may append frames and ports.
+  // By index: a delivery may append frames and ports.
   std::size_t next = 0;
   while (next < waiting_.size()) {
     const Waiting sent = waiting_[next++];
     ++frames_;
-    // A port that is attached meanwhile gets the next frame first.
+    // A port attached during a delivery gets the next frame first.
     const std::size_t ports = ports_.size();
     for (std::size_t place = 0; place < ports; ++place) {
       Port* const port = ports_[place];

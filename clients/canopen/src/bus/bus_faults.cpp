@@ -22,7 +22,7 @@ constexpr unsigned kAllFrames = 100;  // [%]
 struct KindRow {
   std::string_view word;
   BusFaultKind kind{};
-  bool is_of_frames = false;  ///< it hits some frames, in one direction or both
+  bool is_of_frames = false;  ///< affects a share of the frames, in one direction or both
 };
 
 constexpr std::array kKinds{
@@ -33,12 +33,12 @@ constexpr std::array kKinds{
     KindRow{"bus_off", BusFaultKind::bus_off, false},
 };
 
-/// Thrown inside this file only: the grammar ends at many places.
+/// Thrown only inside this file: parsing can fail in many places.
 struct BadFault {
   std::string reason;
 };
 
-/// The words of a text.
+/// Splits a text into words.
 class FaultWords final {
  public:
   explicit FaultWords(std::string_view text) : rest_(text) { skip_blanks(); }
@@ -62,7 +62,7 @@ class FaultWords final {
     return std::chrono::ceil<DriveTime>(*time);
   }
 
-  /// @param what has this time, for the refusal of none
+  /// @param what name of the quantity in the error message
   DriveTime take_length(std::string_view what) {
     const DriveTime time = take_time();
     if (time == DriveTime{}) throw BadFault{std::string(what) + " needs a time above 0"};
@@ -92,7 +92,8 @@ const KindRow& take_kind(FaultWords& words) {
   return *row;
 }
 
-/// @return whether `word` chooses frames.
+/// Handles `word` if it selects frames.
+/// @return whether it does
 bool take_choice(std::string_view word, FaultWords& words, BusFault& fault) {
   if (word.ends_with('%')) {
     fault.percent = percent_of(word);
@@ -137,7 +138,7 @@ std::variant<BusFault, std::string> fault_or_refusal(const Read& read) {
   }
 }
 
-/// The finaliser of SplitMix64: each bit of the result depends on each of `value`.
+/// The finaliser of SplitMix64: each bit of the result depends on every bit of `value`.
 std::uint64_t mixed(std::uint64_t value) {
   value += 0x9E3779B97F4A7C15U;
   value = (value ^ value >> 30U) * 0xBF58476D1CE4E5B9U;
@@ -147,7 +148,7 @@ std::uint64_t mixed(std::uint64_t value) {
 
 bool hits(const BusFault& fault, FrameDirection direction, std::uint64_t number) {
   if (fault.direction && *fault.direction != direction) return false;
-  // Faults of one seed hit frames of their own.
+  // Faults with the same seed affect different frames.
   const auto stream = static_cast<std::uint64_t>(fault.kind) << 16U |
                       std::uint64_t{fault.node} << 8U | static_cast<std::uint64_t>(direction);
   return mixed(mixed(mixed(fault.seed) ^ stream) ^ number) % kAllFrames < fault.percent;

@@ -16,7 +16,7 @@
 namespace vdrive::canopen {
 namespace {
 
-// Beyond it the lines of a turn are written before its end.
+// When the buffer is larger, it is written before the end of the turn.
 constexpr std::size_t kMostLogBuffer = 1U << 16U;  // [bytes]
 
 void append_hex(std::string& out, std::uint32_t number, std::size_t digits) {
@@ -106,8 +106,8 @@ struct BusLog::State final : Port, std::enable_shared_from_this<BusLog::State> {
   }
 
   asio::io_context& context;
-  Bus& bus;       ///< not used after the log
-  BusHost& host;  ///< likewise
+  Bus& bus;       ///< not used after the log is destroyed
+  BusHost& host;  ///< not used after the log is destroyed
   const BusLogSettings settings;
   std::ofstream stream;
   std::string lines;

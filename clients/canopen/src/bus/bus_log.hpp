@@ -21,17 +21,17 @@ struct BusLogSettings {
   std::uint64_t most_bytes = std::uint64_t{4} << 30U;  ///< some 100 million frames
 };
 
-/// Appends a frame as the log files of can-utils have it ("candump -l"), such as
-/// "(0000000012.345000) can0 181#3702\n", and "181#R2" for a remote frame of 2 bytes.
+/// Appends a frame in the format of the log files of can-utils ("candump -l"), such as
+/// "(0000000012.345000) can0 181#3702\n", or "181#R2" for a remote frame of 2 bytes.
 void append_log_line(std::string& out, const std::string& interface, const Frame& frame,
                      std::chrono::microseconds time);
 
-/// Writes each frame of a bus into a file, which it replaces. What a turn of the loop has brought
-/// is in the file at its end. When the file cannot be written, or is full, that is reported once,
-/// and the frames from then on are counted. For the thread of its context.
+/// Writes every frame of a bus to a file, which it replaces. Frames of one turn of the loop are in
+/// the file at the end of the turn. When the file cannot be written or is full, that is reported
+/// once, and further frames are counted. For the thread of its context.
 class BusLog final {
  public:
-  /// Joins the bus.
+  /// Attaches the log to the bus.
   /// @param context, bus, host outlive the log
   /// @throws std::runtime_error when the file cannot be opened, with its name and the reason
   BusLog(boost::asio::io_context& context, Bus& bus, BusHost& host, BusLogSettings settings);
@@ -39,13 +39,13 @@ class BusLog final {
   BusLog(const BusLog&) = delete;
   BusLog& operator=(const BusLog&) = delete;
 
-  /// Writes what waits.
-  /// @return frames of the bus that are not in the file
+  /// Flushes the log.
+  /// @return the number of frames of the bus that are not in the file
   std::uint64_t flush();
 
  private:
   struct State;
-  std::shared_ptr<State> state_;  ///< an operation of the context that ends later keeps it
+  std::shared_ptr<State> state_;  ///< shared: pending operations of the context keep it alive
 };
 
 }  // namespace vdrive::canopen

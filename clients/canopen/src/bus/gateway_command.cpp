@@ -29,7 +29,7 @@ constexpr std::array kGatewayErrors{
     GatewayErrorRow{GatewayError::pdo_length_exceeded, "PDO length exceeded"},
 };
 
-/// What a command may name before its verb.
+/// What a command may address before its verb.
 enum class GatewayScope : std::uint8_t { nothing, net, node };
 
 struct GatewayVerbRow {
@@ -70,7 +70,7 @@ constexpr std::array kGatewayVerbs{
     GatewayVerbRow{"_disturb", "", GatewayVerb::disturb, GatewayScope::node},
 };
 
-/// Thrown inside this file only: the grammar ends at many places.
+/// Thrown only inside this file: parsing can fail in many places.
 struct BadCommand {
   GatewayError error = GatewayError::syntax;
 };
@@ -89,7 +89,7 @@ std::string lower_case_token(std::string_view text) {
   return lower;
 }
 
-/// The tokens of a line.
+/// Splits a line into tokens.
 class GatewayTokens final {
  public:
   explicit GatewayTokens(std::string_view line) : rest_(line) { skip_blanks(); }
@@ -100,7 +100,7 @@ class GatewayTokens final {
     return !empty() && rest_.front() >= '0' && rest_.front() <= '9';
   }
 
-  /// @throws BadCommand when the line has no further token
+  /// @throws BadCommand at the end of the line
   std::string_view take() {
     if (empty()) throw BadCommand{};
     const std::size_t length = std::min(rest_.find_first_of(" \t\r#"), rest_.size());
@@ -109,7 +109,7 @@ class GatewayTokens final {
 
   std::string take_word() { return lower_case_token(take()); }
 
-  /// @return all that follows, without a comment.
+  /// @return the rest of the line, without a comment.
   std::string take_rest() {
     const std::string_view text = take_length(std::min(rest_.find('#'), rest_.size()));
     return std::string(text.substr(0, text.find_last_not_of(" \t\r") + 1));
@@ -121,7 +121,7 @@ class GatewayTokens final {
     return number;
   }
 
-  /// A value, which may be in double quotes; "" in them is one of them.
+  /// Takes a value, which may be in double quotes; inside them "" stands for one double quote.
   std::string take_value() {
     if (empty() || rest_.front() != '"') return std::string(take());
     std::string value;
@@ -161,7 +161,8 @@ std::uint32_t take_sequence(GatewayTokens& tokens) {
   return value_or_refuse(parse_digits<std::uint32_t>(token.substr(1, token.size() - 2)));
 }
 
-/// A second word is one that begins no number: "r pdo 1" reads a PDO, "r 0x6041 0" an object.
+/// The second word of a verb does not begin with a digit: "r pdo 1" reads a PDO, "r 0x6041 0" an
+/// object.
 const GatewayVerbRow& take_verb(GatewayTokens& tokens) {
   const std::string word = tokens.take_word();
   const bool has_second = std::ranges::any_of(kGatewayVerbs, [&](const GatewayVerbRow& row) {
@@ -177,7 +178,7 @@ const GatewayVerbRow& take_verb(GatewayTokens& tokens) {
 
 void assign_names(GatewayCommand& command, GatewayScope scope,
                   const std::vector<std::uint64_t>& numbers) {
-  // A single number is the node, and the net where a command is for no node.
+  // A single number is the node, or the net if the command does not address a node.
   const std::size_t most = scope == GatewayScope::node ? 2 : scope == GatewayScope::net ? 1 : 0;
   if (numbers.size() > most) throw BadCommand{};
   if (scope == GatewayScope::node && !numbers.empty()) command.node = numbers.back();
@@ -201,8 +202,8 @@ std::uint64_t take_positive(GatewayTokens& tokens, std::uint64_t highest) {
   return number;
 }
 
-/// An RPDO has its values when its frame comes, whatever its type. A TPDO is sent when it is
-/// written: one that waits for SYNC, or for a remote frame ("rtr"), is not there.
+/// An RPDO takes its values when its frame arrives, whatever its type. A TPDO is sent when it is
+/// written: waiting for SYNC or a remote frame ("rtr") is not supported.
 void take_transmission(GatewayTokens& tokens, GatewayVerb verb) {
   constexpr std::string_view kSync = "sync";
   constexpr unsigned kHighestSync = 240;

@@ -14,8 +14,7 @@
 
 namespace vdrive::canopen {
 
-/// Why the gateway itself refuses a command; the value is that of an answer (CiA 309-3, "Error
-/// response").
+/// Errors of the gateway itself, with their codes in an answer (CiA 309-3, "Error response").
 enum class GatewayError : std::uint16_t {
   not_supported = 100,
   syntax = 101,
@@ -52,10 +51,10 @@ enum class GatewayVerb : std::uint8_t {
   disturb,
 };
 
-/// PDOs of a session of the gateway have the numbers 1 to kHighestPdo.
+/// A session of the gateway numbers its PDOs 1 to kHighestPdo.
 inline constexpr std::uint64_t kHighestPdo = 512;
 
-/// SYNCs of one command.
+/// The most SYNCs of one command.
 inline constexpr std::uint64_t kMostSyncs = 100'000;
 
 /// A command of CiA 309-3:
@@ -73,44 +72,44 @@ inline constexpr std::uint64_t kMostSyncs = 100'000;
 ///     "[" sequence "]" [net] r[ead] p[do] NR
 ///     "[" sequence "]" [net] w[rite] p[do] NR COUNT [value]...
 ///
-/// and two of this gateway, whose words begin with _ as the standard wants it:
+/// and two extensions, whose words begin with _ as the standard requires:
 ///
 ///     "[" sequence "]" [net] _sync [COUNT]
 ///     "[" sequence "]" [[net] node] _disturb none | FAULT      see parse_bus_fault()
 ///
-/// Words in any letter case; numbers decimal, or hexadecimal after 0x; `#` begins a comment.
+/// Words are case-insensitive; numbers are decimal, or hexadecimal after 0x; `#` begins a comment.
 struct GatewayCommand {
   std::uint32_t sequence = 0;
-  std::optional<std::uint64_t> net{};   ///< that the command names
-  std::optional<std::uint64_t> node{};  ///< that the command names
+  std::optional<std::uint64_t> net{};   ///< named in the command
+  std::optional<std::uint64_t> node{};  ///< named in the command
   GatewayVerb verb{};
-  ObjectAddress object{};             ///< of read and write
-  std::optional<GatewayType> type{};  ///< of read and write; none = bytes in hexadecimal
+  ObjectAddress object{};             ///< read and write
+  std::optional<GatewayType> type{};  ///< read and write; none = bytes in hexadecimal
   std::vector<std::uint8_t> data{};   ///< to write
-  std::uint64_t value = 0;   ///< that is set; of boot_up_indication 1 = enable; number of a PDO;
-                             ///< how many SYNCs
-  std::uint64_t cob_id = 0;  ///< of a PDO that is set: 11 bits
-  std::vector<ObjectAddress> mapped{};  ///< likewise
-  std::vector<std::uint64_t> values{};  ///< of "write pdo"
-  std::string fault{};                  ///< of _disturb, in lower case
+  std::uint64_t value = 0;   ///< to set; boot_up_indication: 1 = enable; number of a PDO; number of
+                             ///< SYNCs
+  std::uint64_t cob_id = 0;  ///< of the PDO to set: 11 bits
+  std::vector<ObjectAddress> mapped{};  ///< of the PDO to set
+  std::vector<std::uint64_t> values{};  ///< "write pdo"
+  std::string fault{};                  ///< _disturb, in lower case
 
   friend bool operator==(const GatewayCommand&, const GatewayCommand&) = default;
 };
 
-/// A line that is no command.
+/// A line that is not a command.
 struct GatewayRefusal {
-  std::uint32_t sequence = 0;  ///< 0 when the line has none
+  std::uint32_t sequence = 0;  ///< 0 if the line has none
   GatewayError error{};
 
   friend bool operator==(const GatewayRefusal&, const GatewayRefusal&) = default;
 };
 
 /// @param line without its end
-/// @return nothing for a line that is empty or has a comment only.
+/// @return nothing for a line that is empty or only a comment.
 [[nodiscard]] std::variant<std::monostate, GatewayCommand, GatewayRefusal> parse_gateway_command(
     std::string_view line);
 
-/// @return whether the command is for a node: it may name one.
+/// @return whether the command addresses a node, and so may name one.
 [[nodiscard]] bool is_for_node(GatewayVerb verb) noexcept;
 
 }  // namespace vdrive::canopen

@@ -12,7 +12,7 @@
 namespace vdrive::canopen {
 namespace {
 
-/// @return 0 for an object that no PDO carries.
+/// @return 0 for an object that cannot be mapped.
 std::uint8_t mapped_size(ObjectAddress object) {
   if (object.index >= kFirstDummy && object.index <= kLastDummy) {
     return size_of(static_cast<NodeDataType>(object.index));

@@ -19,7 +19,7 @@ using ValueBytes = std::vector<std::uint8_t>;
 
 constexpr std::string_view kBase64 =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-constexpr std::size_t kGroupText = 4;   // characters of base64 for each
+constexpr std::size_t kGroupText = 4;   // characters of base64 in a group
 constexpr std::size_t kGroupBytes = 3;  // bytes
 constexpr std::uint32_t kSextet = 0x3F;
 
@@ -29,7 +29,7 @@ ValueBytes little_endian_bytes(std::uint64_t number, std::size_t size) {
   return bytes;
 }
 
-/// @return the highest number of `bits` bits, 1 to 64.
+/// @return the highest number with `bits` bits, 1 to 64.
 constexpr std::uint64_t highest_of(unsigned bits) {
   return std::numeric_limits<std::uint64_t>::max() >> (64U - bits);
 }
@@ -46,7 +46,7 @@ std::optional<ValueBytes> encode_integer(std::string_view text, std::size_t size
   const auto number = parse_natural(is_negative ? text.substr(1) : text);
   const std::uint64_t highest = highest_of(static_cast<unsigned>(size) * 8U - 1U);
   if (!number || *number > highest + (is_negative ? 1U : 0U)) return std::nullopt;
-  // The two's complement, whose lower bytes are those of each size.
+  // Two's complement: its lower bytes are right for every size.
   return little_endian_bytes(is_negative ? std::uint64_t{0} - *number : *number, size);
 }
 
@@ -60,7 +60,7 @@ std::optional<ValueBytes> encode_real(std::string_view text, std::size_t size) {
   return little_endian_bytes(std::bit_cast<std::uint32_t>(static_cast<float>(*number)), size);
 }
 
-/// @return the shortest text that reads back to the same number, also "inf" and "nan".
+/// @return the shortest text that parses to the same number, also "inf" and "nan".
 template <typename Real>
 std::string real_text(Real number) {
   std::array<char, 32> text{};
@@ -76,7 +76,7 @@ std::string decode_real(std::span<const std::uint8_t> data) {
 
 std::string decode_visible(std::span<const std::uint8_t> data) {
   std::string text(data.begin(), data.end());
-  // Some nodes fill up their strings.
+  // Some nodes pad their strings.
   text.erase(text.find_last_not_of('\0') + 1);
   std::string out(1, '"');
   for (const char c : escaped(text, text.size())) {
@@ -104,7 +104,7 @@ std::string encode_base64(std::span<const std::uint8_t> data) {
 }
 
 /// Appends the bytes of four characters.
-/// @return whether they are base64; `=` is in the last group only.
+/// @return whether they are valid base64; `=` is allowed only in the last group.
 bool append_base64_group(ValueBytes& bytes, std::string_view group, bool is_last) {
   const std::size_t padding = is_last ? group.size() - 1 - group.find_last_not_of('=') : 0;
   if (padding > 2) return false;

@@ -16,16 +16,16 @@ namespace vdrive::canopen {
 enum class GatewayKind : std::uint8_t {
   boolean,  ///< 0 or 1
   integer,  ///< decimal, or hexadecimal after 0x
-  natural,  ///< the same, without a sign
+  natural,  ///< as integer, without a sign
   real,     ///< such as -1.5e3
-  visible,  ///< text; in double quotes, each double quote of it twice
-  encoded,  ///< bytes in base64 (RFC 2045), in one line
+  visible,  ///< text; in double quotes, with each inner double quote doubled
+  encoded,  ///< bytes in base64 (RFC 2045), on one line
 };
 
 struct GatewayType {
   std::string_view name;
   GatewayKind kind{};
-  std::uint8_t size = 0;  ///< [bytes]; 0 = any number of them
+  std::uint8_t size = 0;  ///< [bytes]; 0 = any number
 
   friend bool operator==(const GatewayType&, const GatewayType&) = default;
 };
@@ -44,23 +44,23 @@ inline constexpr std::array kGatewayTypes{
 /// @param name in lower case
 [[nodiscard]] std::optional<GatewayType> find_gateway_type(std::string_view name);
 
-/// @return the number that `text` spells, decimal or hexadecimal after 0x, without a sign.
+/// @return the number in `text`, decimal or hexadecimal after 0x, without a sign.
 [[nodiscard]] std::optional<std::uint64_t> parse_natural(std::string_view text);
 
-/// @param text without the quotes around it
-/// @return the bytes of the value, least significant first; nothing when `text` does not spell a
-///         value of this type.
+/// @param text without its quotes
+/// @return the bytes of the value, least significant first; nothing if `text` is not a value of
+///         this type.
 [[nodiscard]] std::optional<std::vector<std::uint8_t>> encode_value(const GatewayType& type,
                                                                     std::string_view text);
 
-/// In a `visible` value the zeros at the end are left out, and vdrive::escaped() writes what a line
-/// cannot have.
-/// @return the text of a value, in quotes where the type has them; nothing when `data` has another
-///         size than the type.
+/// Trailing zeros of a `visible` value are removed; vdrive::escaped() encodes characters that a
+/// line cannot contain.
+/// @return the text of a value, in quotes if the type has them; nothing if the size of `data` is
+///         not that of the type.
 [[nodiscard]] std::optional<std::string> decode_value(const GatewayType& type,
                                                       std::span<const std::uint8_t> data);
 
-/// @return the bytes of a value whose type is not known, such as "50 02".
+/// @return the bytes of a value of unknown type, such as "50 02".
 [[nodiscard]] std::string hex_bytes(std::span<const std::uint8_t> data);
 
 }  // namespace vdrive::canopen

@@ -26,7 +26,7 @@ std::optional<StreamLine> LineReader::next() {
 }
 
 void LineReader::append_to_line(std::string_view bytes) {
-  // One more for the CR.
+  // One more for CR.
   const std::size_t room = longest_ + 1 - line_.text.size();
   line_.is_too_long = line_.is_too_long || bytes.size() > room;
   line_.text += bytes.substr(0, std::min(bytes.size(), room));

@@ -9,24 +9,24 @@
 
 namespace vdrive::canopen {
 
-/// A line of a stream of bytes, without its end.
+/// A line of a byte stream, without its end.
 struct StreamLine {
   std::string text;
-  bool is_too_long = false;  ///< then `text` has the beginning only
+  bool is_too_long = false;  ///< `text` has only the beginning
 
   friend bool operator==(const StreamLine&, const StreamLine&) = default;
 };
 
-/// Cuts a stream of bytes into lines, which end with LF or CR LF.
+/// Splits a byte stream into lines, which end with LF or CR LF.
 class LineReader final {
  public:
-  /// @param longest [bytes] that a line may have
+  /// @param longest limit of a line [bytes]
   explicit LineReader(std::size_t longest) : longest_(longest) {}
 
-  /// Takes bytes in parts of any length.
+  /// Takes bytes in pieces of any length.
   void append(std::string_view bytes);
 
-  /// @return the next line that is whole; nothing when none is.
+  /// @return the next complete line; nothing if there is none.
   [[nodiscard]] std::optional<StreamLine> next();
 
  private:
@@ -34,7 +34,7 @@ class LineReader final {
 
   std::size_t longest_;
   std::deque<StreamLine> whole_;
-  StreamLine line_;  ///< that has begun
+  StreamLine line_;  ///< the incomplete last line
 };
 
 }  // namespace vdrive::canopen

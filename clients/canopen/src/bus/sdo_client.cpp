@@ -12,11 +12,11 @@
 namespace vdrive::canopen {
 namespace {
 
-// Identifiers of the predefined connection set (CiA 301, 7.3.5), without the node id.
-// Command specifiers, the three highest bits of the first byte (CiA 301, 7.2.4.3).
+// Identifiers of the predefined connection set (CiA 301, 7.3.5), without the node id. Command
+// specifiers, the three highest bits of the first byte (CiA 301, 7.2.4.3).
 constexpr std::uint32_t kSpecifier = 0xE0;
-constexpr std::uint32_t kAbortTransfer = 0x80;  // of both sides
-constexpr std::uint32_t kInitiateRead = 0x40;   // of both sides
+constexpr std::uint32_t kAbortTransfer = 0x80;  // used by both sides
+constexpr std::uint32_t kInitiateRead = 0x40;   // used by both sides
 constexpr std::uint32_t kReadSegment = 0x60;
 constexpr std::uint32_t kReadSegmentAnswer = 0x00;
 constexpr std::uint32_t kInitiateWrite = 0x20;
@@ -24,7 +24,7 @@ constexpr std::uint32_t kInitiateWriteAnswer = 0x60;
 constexpr std::uint32_t kWriteSegment = 0x00;
 constexpr std::uint32_t kWriteSegmentAnswer = 0x20;
 
-// The bits below.
+// The lower bits.
 constexpr std::uint32_t kToggle = 0x10;
 constexpr std::uint32_t kIsExpedited = 0x02;
 constexpr std::uint32_t kHasSize = 0x01;
@@ -81,7 +81,7 @@ bool SdoClient::is_for(const Frame& frame) const noexcept {
 void SdoClient::receive(const Frame& frame, BusTime now) {
   if (step_ == Step::idle || !is_for(frame)) return;
   if ((frame.data[0] & kSpecifier) == kAbortTransfer) {
-    // Another one is the late end of a transfer that was given up.
+    // An abort for another object is the late end of a transfer that was given up.
     if (has_multiplexer(frame)) finish(static_cast<AbortCode>(number_at(frame, kExpeditedData)));
     return;
   }
@@ -144,7 +144,7 @@ void SdoClient::on_read_started(const Frame& frame, BusTime now) {
     return break_off(AbortCode::unknown_command_specifier);
   }
   if ((command & kIsExpedited) != 0) {
-    // Without a size all four bytes are the value.
+    // Without a size all four bytes belong to the value.
     const std::size_t unused = (command & kHasSize) != 0 ? command >> 2U & 3U : 0;
     const auto begin = frame.data.begin() + kExpeditedData;
     data_.assign(begin, begin + static_cast<std::ptrdiff_t>(kExpeditedData - unused));
@@ -213,7 +213,7 @@ void SdoClient::send_segment(BusTime now) {
   send_request(frame, now);
 }
 
-/// Ends the transfer where the toggle bit of an answer is wrong.
+/// Ends the transfer if the toggle bit of an answer is wrong.
 bool SdoClient::is_toggle_right(std::uint32_t command) {
   if (((command & kToggle) != 0) == toggle_) return true;
   break_off(AbortCode::toggle_bit_not_alternated);

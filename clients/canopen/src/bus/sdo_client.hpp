@@ -13,19 +13,20 @@
 
 namespace vdrive::canopen {
 
-/// Time of those who wait for others on the bus: real time since any beginning that stays, also
-/// while the drive time of a bench stands.
+/// Time for waiting on others on the bus: real time from a fixed arbitrary origin. It runs even
+/// while the drive time of a bench stands still.
 using BusTime = std::chrono::microseconds;
 
-/// What became of a transfer.
+/// The outcome of a transfer.
 struct SdoOutcome {
-  AbortCode abort = AbortCode::none;  ///< sent by either side; of another maker's node any number
-  std::vector<std::uint8_t> data{};   ///< that was read
+  AbortCode abort = AbortCode::none;  ///< sent by either side; nodes of other makers may send any
+                                      ///< number
+  std::vector<std::uint8_t> data{};   ///< data read
 
   friend bool operator==(const SdoOutcome&, const SdoOutcome&) = default;
 };
 
-/// What puts frames on a bus.
+/// Sends frames on a bus.
 class FrameSender {
  public:
   virtual ~FrameSender() = default;
@@ -33,45 +34,45 @@ class FrameSender {
   virtual void send(const Frame& frame) = 0;
 };
 
-/// SDO client (CiA 301, 7.2.4) for the default SDO channel of one node: requests on 600h + node id,
-/// answers on 580h + node id; expedited and segmented transfers, one at a time. A function of
+/// An SDO client (CiA 301, 7.2.4) for the default SDO channel of one node: requests on 600h + node
+/// id, answers on 580h + node id; expedited and segmented transfers, one at a time. A function of
 /// frames and time.
 class SdoClient final {
  public:
-  /// A longer value is refused with out_of_memory [bytes].
+  /// The largest value [bytes]; a larger one is refused with out_of_memory.
   static constexpr std::size_t kLongestValue = 65'536;
 
   /// @param node_id 1 to 127
-  /// @param sender outlives the client; called within a call of it, calls none of it
+  /// @param sender outlives the client; called within a call of the client, and must not call it
   SdoClient(std::uint8_t node_id, FrameSender& sender) : node_id_(node_id), sender_(sender) {}
 
   /// Begins to read an object ("SDO upload").
   /// @param time_out for each answer of the node
-  /// @pre no transfer is under way, and the outcome of the one before was taken
+  /// @pre no transfer is active, and the outcome of the previous one was taken
   void read(ObjectAddress object, std::chrono::milliseconds time_out, BusTime now);
 
-  /// Begins to write an object ("SDO download"): up to 4 bytes expedited, others in segments.
-  /// @param data as the object has it, little-endian
+  /// Begins to write an object ("SDO download"): up to 4 bytes expedited, more in segments.
+  /// @param data the value, little-endian
   /// @pre as read()
   void write(ObjectAddress object, std::vector<std::uint8_t> data,
              std::chrono::milliseconds time_out, BusTime now);
 
-  /// Ends the transfer under way, if there is one, and tells the node why. It has no outcome.
+  /// Ends the active transfer, if any, and sends the reason to the node. It has no outcome.
   void cancel(AbortCode reason);
 
-  /// Whether `frame` may be an answer to this client.
+  /// @return whether `frame` may be an answer to this client.
   [[nodiscard]] bool is_for(const Frame& frame) const noexcept;
 
-  /// Takes a frame of the bus. What does not belong to the transfer under way is ignored.
+  /// Takes a frame of the bus. Frames that do not belong to the active transfer are ignored.
   void receive(const Frame& frame, BusTime now);
 
   /// Ends a transfer whose answer is overdue, with protocol_timed_out.
   void advance(BusTime now);
 
-  /// @return when the answer is overdue; nothing while no transfer is under way.
+  /// @return when the answer is overdue; nothing if no transfer is active.
   [[nodiscard]] std::optional<BusTime> next_due() const noexcept;
 
-  /// @return what became of the transfer, once.
+  /// @return the outcome of the transfer, once.
   [[nodiscard]] std::optional<SdoOutcome> take_outcome();
 
  private:
@@ -97,8 +98,8 @@ class SdoClient final {
   Step step_ = Step::idle;
   ObjectAddress object_{};
   std::vector<std::uint8_t> data_;       ///< to write, or read so far
-  std::size_t position_ = 0;             ///< bytes that were sent
-  std::optional<std::uint32_t> size_{};  ///< that the node has announced [bytes]
+  std::size_t position_ = 0;             ///< bytes sent
+  std::optional<std::uint32_t> size_{};  ///< announced by the node [bytes]
   bool toggle_ = false;
   std::chrono::milliseconds time_out_{};
   BusTime due_{};

@@ -24,11 +24,11 @@
 namespace vdrive::canopen {
 namespace {
 
-// A transmit queue of 10 frames, the kernel's default, is sent in 1 ms at 1 Mbit/s.
+// At 1 Mbit/s, a transmit queue of 10 frames (the kernel's default) is sent in 1 ms.
 constexpr std::chrono::milliseconds kFullQueuePause{1};
-// While an interface fails, each operation fails at once.
+// While an interface fails, every operation fails immediately.
 constexpr std::chrono::milliseconds kCanErrorPause{100};
-// What is read before others work.
+// Frames read before others get their turn.
 constexpr int kMostFramesAtOnce = 64;
 
 /// Closes a socket that has no owner yet.
@@ -98,7 +98,7 @@ class KernelCanSockets final : public CanSockets {
   }
 };
 
-/// The interface was removed: ENODEV once to a reader, ENXIO to each writer.
+/// The interface was removed: a reader gets ENODEV once, each writer ENXIO.
 bool means_gone(int error) {
   return error == ENODEV || error == ENXIO;
 }
@@ -163,7 +163,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
     close();
   }
 
-  /// Operations of the socket that end later belong to an opening of before.
+  /// Pending operations of the socket belong to a previous opening from now on.
   void close() {
     ++opening;
     cancel(read_pause);
@@ -216,7 +216,8 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
       if (const auto frame = from_can_frame(received)) {
         ++counters.received_frames;
         bus.send(*frame, this);
-        // Answers to it are written within this call, and may have found the interface gone.
+        // Answers to the frame are written within this call, which may have found the interface
+        // gone.
         if (!is_current(its_opening)) return;
       }
     }
@@ -251,7 +252,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   }
 
   void on_write_error(int error) {
-    // A full queue of the interface: poll() would call the socket writable nevertheless.
+    // ENOBUFS: the queue of the interface is full, but poll() would call the socket writable.
     if (error == ENOBUFS || error == EAGAIN || error == EINTR) return write_after(kFullQueuePause);
     ++counters.errors;
     if (means_gone(error)) return lose();
@@ -273,7 +274,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
         });
   }
 
-  // ---- the interface as a whole
+  // ---- state of the interface
 
   void report(bridge::Severity severity, const std::string& text) const {
     host.report(severity, "interface " + settings.interface, text);
@@ -325,7 +326,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   void reopen() {
     try {
       socket.assign(sockets.open(settings.interface));
-    } catch (const std::runtime_error&) {  // reported when it went
+    } catch (const std::runtime_error&) {  // reported when it was lost
       return reopen_later();
     }
     report(bridge::Severity::info, "is open again");
@@ -342,9 +343,9 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
   asio::steady_timer reopen_pause;
   WaitingFrames waiting;
   SocketCanCounters counters;
-  std::uint64_t opening = 0;  ///< of the socket, counted
+  std::uint64_t opening = 0;  ///< counts the openings of the socket
   bool is_awaiting_write = false;
-  bool is_read_put_off = false;  ///< the bus was held
+  bool is_read_put_off = false;  ///< because the bus was held
   bool is_down = false;
   bool is_over = false;
 };

@@ -13,10 +13,10 @@ namespace vdrive::canopen {
 namespace {
 
 constexpr std::string_view kSocketcandBlanks = " \t\r\n";
-constexpr std::size_t kLongestBusName = 16;                  // of the protocol
-constexpr std::size_t kExtendedDigits = 8;                   // of an identifier of 29 bits
+constexpr std::size_t kLongestBusName = 16;                  // limit of the protocol
+constexpr std::size_t kExtendedDigits = 8;                   // of a 29-bit identifier
 constexpr std::size_t kMostSocketcandWords = 3 + kMostData;  // send ID DLC BYTE...
-// The daemon of linux-can looks at its timer each 10 ms.
+// The daemon of linux-can checks its timer every 10 ms.
 constexpr std::chrono::milliseconds kShortestStatistics{10};
 constexpr std::chrono::milliseconds kLongestStatistics{std::chrono::hours(24)};
 
@@ -29,7 +29,7 @@ void append_hex_byte(std::string& out, std::uint8_t byte) {
   out += kDigits[byte & 0xFU];
 }
 
-/// What a client sends, or why it cannot.
+/// A frame to send, or why it is refused.
 struct SendReading {
   std::optional<Frame> frame{};
   std::string_view problem{};
@@ -58,7 +58,7 @@ SendReading read_size(SendReading reading, std::string_view digits) {
 
 }  // namespace
 
-/// The parts of a word; the text outlives them.
+/// The parts of a word, which must outlive them.
 struct SocketcandSession::Words {
   explicit Words(std::string_view text) {
     while (true) {
@@ -72,17 +72,17 @@ struct SocketcandSession::Words {
     }
   }
 
-  /// @pre below kMostSocketcandWords; empty after the last one
+  /// @pre place < kMostSocketcandWords; empty after the last part
   [[nodiscard]] std::string_view at(std::size_t place) const { return words.at(place); }
 
   std::array<std::string_view, kMostSocketcandWords> words{};
-  std::size_t count = 0;  ///< may be more than are kept
+  std::size_t count = 0;  ///< may exceed the number kept
 };
 
 void append_socketcand_frame(std::string& out, const Frame& frame, std::chrono::microseconds time) {
   constexpr std::int64_t kMicroseconds = 1'000'000;
   const std::int64_t since = std::max<std::int64_t>(time.count(), 0);
-  std::array<char, 64> head{};  // 20 characters, 8 digits and twice those of 64 bits at most
+  std::array<char, 64> head{};  // at most 20 characters, 8 digits, and twice the digits of 64 bits
   const int length = std::snprintf(head.data(), head.size(), "\n< %s %0*X %lld.%06lld ",
                                    frame.is_remote ? "rtr" : "frame", frame.is_extended ? 8 : 3,
                                    frame.id, static_cast<long long>(since / kMicroseconds),
@@ -112,7 +112,7 @@ void SocketcandSession::take(std::string_view bytes) {
 
 void SocketcandSession::take_byte(char byte) {
   if (byte == '<') {
-    // The end of the word before was lost: the next one is whole again.
+    // The end of the previous word was lost; this one may be complete.
     if (is_inside_) refuse("word has no end");
     is_inside_ = true;
     is_too_long_ = false;
@@ -170,7 +170,7 @@ bool SocketcandSession::change_mode(std::string_view command) {
   } else {
     return false;
   }
-  // The daemon of linux-can ends them so, too.
+  // The daemon of linux-can also ends statistics this way.
   if (mode_ != SocketcandMode::control) statistics_period_ = {};
   return true;
 }
@@ -185,7 +185,7 @@ void SocketcandSession::send(const Words& words) {
   constexpr std::size_t kBefore = 3;  // send ID DLC
   if (words.count != kBefore + bytes) return refuse("number of bytes is not the length");
   for (std::size_t i = 0; i < bytes; ++i) {
-    // One digit is enough: python-can sends 0 to F so.
+    // One digit is enough: python-can sends 0 to F this way.
     const auto byte = parse_digits<std::uint8_t>(words.at(kBefore + i), 16);
     if (!byte) return refuse("byte is not hexadecimal");
     frame.data.at(i) = *byte;

@@ -12,16 +12,16 @@
 namespace vdrive::canopen {
 
 /// The text of the socketcand protocol (linux-can/socketcand, doc/protocol.md): CAN frames over a
-/// stream of bytes, in words such as "< send 601 3 40 0 10 >".
+/// byte stream, in words such as "< send 601 3 40 0 10 >".
 
-/// What a server says first.
+/// The greeting of a server.
 inline constexpr std::string_view kSocketcandGreeting = "< hi >";
 
-/// Characters of a word of a client between its brackets. The longest one that has a meaning sends
-/// an extended frame of 8 bytes, and has 41.
+/// The most characters of a client's word between its brackets. The longest meaningful one sends an
+/// extended frame of 8 bytes, and has 41.
 inline constexpr std::size_t kLongestSocketcandWord = 256;
 
-/// Frames and bytes of data that passed a connection, since it was made.
+/// Frames and data bytes of a connection since it was opened.
 struct SocketcandTraffic {
   std::uint64_t received_bytes = 0;  ///< from the bus
   std::uint64_t received_frames = 0;
@@ -29,37 +29,37 @@ struct SocketcandTraffic {
   std::uint64_t sent_frames = 0;
 };
 
-/// Appends a frame of the bus for a client: "< frame ID seconds.microseconds HEX >", and "< rtr ID
+/// Appends a frame of the bus for a client: "< frame ID seconds.microseconds HEX >", or "< rtr ID
 /// seconds.microseconds DLC >" for a remote frame. ID has exactly three digits in the base format
-/// and eight in the extended one: clients tell the formats by that. Without data two spaces stand
-/// before the bracket: clients look for an empty field there.
-/// A line feed stands before the first bracket: Debian's python-can 4.1 loses the character after
-/// each block of whole words, which is the bracket of the next word where nothing stands between
-/// them; after the last bracket any character would be a warning of python-can for each block.
-/// @param time when the frame was on the bus, since any beginning; below 0 = 0
+/// and eight in the extended one: clients distinguish the formats by it. Without data, two spaces
+/// precede the closing bracket: clients look for an empty field there.
+/// A line feed precedes the first bracket, because python-can 4.1 of Debian loses the character
+/// after each block of complete words: without it, the bracket of the next word. Any character
+/// after the last bracket would cause a warning of python-can for each block.
+/// @param time when the frame was on the bus, from an arbitrary origin; below 0 = 0
 void append_socketcand_frame(std::string& out, const Frame& frame, std::chrono::microseconds time);
 
 /// @return "< stat received-bytes received-frames sent-bytes sent-frames >".
 [[nodiscard]] std::string socketcand_statistics(const SocketcandTraffic& traffic);
 
-/// What the words of a client may be now.
+/// The state of a session, which decides the words it accepts.
 enum class SocketcandMode : std::uint8_t {
-  no_bus,   ///< it opens the bus
-  bcm,      ///< it sends frames; the subscriptions of this mode are refused
-  raw,      ///< it sends frames, and receives all frames of the bus
+  no_bus,   ///< it must open the bus
+  bcm,      ///< it sends frames; subscriptions of this mode are refused
+  raw,      ///< it sends frames and receives all frames of the bus
   control,  ///< it receives statistics
 };
 
-/// What a session does to the world around it. A function is called within take(), and calls no
-/// function of the session.
+/// The actions of a session on its surroundings. Functions are called within take() and must not
+/// call the session.
 class SocketcandHost {
  public:
   virtual ~SocketcandHost() = default;
 
-  /// An answer, in a segment of its own.
+  /// Sends an answer, in its own segment.
   virtual void reply(std::string_view text) = 0;
 
-  /// Puts a frame on the bus.
+  /// Sends a frame on the bus.
   virtual void send(const Frame& frame) = 0;
 };
 
@@ -72,28 +72,28 @@ class SocketcandHost {
 ///     statistics MILLISECONDS     control; 0 = none
 ///     echo
 ///
-/// Answers are "< ok >", "< echo >" and "< error TEXT >"; a frame that is sent has none. A word
+/// Answers are "< ok >", "< echo >" and "< error TEXT >"; sending a frame has no answer. A word
 /// that is malformed, unknown or refused is counted and answered with an error, and the session
-/// continues; only a bus that cannot be opened ends it. Bytes between words have no meaning.
+/// continues; only a bus that cannot be opened ends it. Bytes between words are ignored.
 class SocketcandSession final {
  public:
   /// @param host outlives the session
   explicit SocketcandSession(SocketcandHost& host) : host_(host) {}
 
-  /// Takes bytes in parts of any length.
+  /// Takes bytes in pieces of any length.
   void take(std::string_view bytes);
 
   [[nodiscard]] SocketcandMode mode() const noexcept { return mode_; }
 
-  /// @return whether the server closes the connection, once the answers are sent.
+  /// @return whether the server must close the connection once the answers are sent.
   [[nodiscard]] bool is_over() const noexcept { return is_over_; }
 
-  /// @return between two statistics; 0 = none are sent.
+  /// @return the period of the statistics; 0 = none are sent.
   [[nodiscard]] std::chrono::milliseconds statistics_period() const noexcept {
     return statistics_period_;
   }
 
-  /// @return how many words were answered with an error.
+  /// @return the number of words answered with an error.
   [[nodiscard]] std::uint64_t refused_words() const noexcept { return refused_words_; }
 
  private:
@@ -110,7 +110,7 @@ class SocketcandSession final {
 
   SocketcandHost& host_;
   SocketcandMode mode_ = SocketcandMode::no_bus;
-  std::string word_;  ///< that has begun
+  std::string word_;  ///< the incomplete last word
   bool is_inside_ = false;
   bool is_too_long_ = false;
   bool is_over_ = false;

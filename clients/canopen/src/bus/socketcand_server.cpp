@@ -16,20 +16,20 @@
 namespace vdrive::canopen {
 namespace {
 
-// What is read at once: some 100 frames, so that a client that floods the bus lets others work
-// between its parts.
+// Bytes of one read: some 100 frames, so that others get their turn while a client floods the bus.
 constexpr std::size_t kSocketcandInput = 4096;     // [bytes]
-constexpr std::size_t kSocketcandOutput = 16'384;  // [bytes] that are written at once
-// What waits in the kernel cannot be dropped any more: it is what a slow client sees late.
+constexpr std::size_t kSocketcandOutput = 16'384;  // [bytes] of one write
+// Kernel buffer: frames in it cannot be dropped any more, so a slow client sees them late.
 constexpr int kSocketcandBuffer = 1 << 18;  // [bytes] in the kernel, which doubles it
-// A client that asks and does not read the answers is not read any more either.
+// A client that sends requests but does not read the answers is not read any more.
 constexpr std::size_t kMostSocketcandReplies = 256;
-// python-can takes the answer to "rawmode" and what follows it in one block for a wrong answer: a
-// busy bus would keep it out. It waits until the client, which has read the answer, sends
-// something; a client that only listens gets its first frames late.
+// python-can rejects the answer to "rawmode" if further data arrive in the same block, so a busy
+// bus would keep it out. Frames are held back until the client sends something, which shows that it
+// has read the answer; a client that only listens gets its first frames after this time.
 constexpr std::chrono::milliseconds kQuietAfterRawmode{100};
 
-/// What the connections of a server have in common. Its bus and host are not used after its server.
+/// Parts shared by the connections of a server. Bus and host are not used once the server is
+/// destroyed.
 struct SocketcandShared {
   Bus& bus;
   BusHost& host;
@@ -87,7 +87,7 @@ class SocketcandConnection final : public Port,
             "it reads or disconnects; a client that only sends should use '< bcmmode >'");
   }
 
-  /// Leaves the bus, and closes the connection.
+  /// Leaves the bus and closes the connection.
   void end() {
     if (std::exchange(is_over_, true)) return;
     frames_.clear();
@@ -132,7 +132,7 @@ class SocketcandConnection final : public Port,
     proceed();
   }
 
-  /// Does what the client has sent, and reads on.
+  /// Handles the client's input, then continues to read.
   void proceed() {
     const SocketcandMode before = session_.mode();
     const std::uint64_t refused_before = session_.refused_words();
@@ -140,13 +140,14 @@ class SocketcandConnection final : public Port,
     shared_->counters.refused_words += session_.refused_words() - refused_before;
     if (session_.mode() != before) follow_mode();
     if (session_.statistics_period() != statistics_period_) follow_statistics();
-    // Whoever has sent all still reads the answers, and what they have brought about.
+    // A client that has shut down its sending side still reads the answers and the resulting
+    // frames.
     if (session_.is_over() || (has_sent_all_ && unread_.empty())) return close_after_replies();
     write_next();
     read();
   }
 
-  /// Word by word: each one may bring about frames for which somebody has no room.
+  /// Word by word: each may cause frames for which a port has no room.
   void take_words() {
     while (!unread_.empty() && !shared_->bus.is_held()) {
       const std::size_t end_of_word = unread_.find('>');
@@ -182,7 +183,7 @@ class SocketcandConnection final : public Port,
     statistics_timer_.expires_after(statistics_period_);
     statistics_timer_.async_wait([self = shared_from_this()](const AsioError& error) {
       if (error || self->is_over_) return;
-      // Whoever does not read gets the next ones, with newer numbers.
+      // A client that does not read skips these, and gets later ones with newer numbers.
       if (self->replies_.empty()) self->reply(socketcand_statistics(self->traffic_));
       self->write_next();
       self->await_statistics();
@@ -199,7 +200,7 @@ class SocketcandConnection final : public Port,
     output_.clear();
     frames_in_output_ = 0;
     if (!replies_.empty()) {
-      // Alone: clients take what they receive at once for one answer.
+      // Sent alone: clients take everything in one receive as one answer.
       output_ = std::move(replies_.front());
       replies_.pop_front();
     } else if (!is_quiet_) {
@@ -217,7 +218,7 @@ class SocketcandConnection final : public Port,
                       });
   }
 
-  /// After this turn of the loop: what it brings is one write.
+  /// Writes at the end of this turn of the loop, so that all its output is one write.
   void write_later() {
     if (is_writing_ || std::exchange(is_write_posted_, true)) return;
     asio::post(socket_.get_executor(), [self = shared_from_this()] {
@@ -250,9 +251,9 @@ class SocketcandConnection final : public Port,
   SocketcandTraffic traffic_;
   std::chrono::milliseconds statistics_period_{};
   std::array<char, kSocketcandInput> input_{};
-  std::string_view unread_;  ///< of input_, while the bus is held
+  std::string_view unread_;  ///< part of input_, while the bus is held
   std::deque<std::string> replies_;
-  std::string output_;  ///< on its way
+  std::string output_;  ///< being sent
   std::uint64_t frames_in_output_ = 0;
   bool is_reading_ = false;
   bool is_writing_ = false;

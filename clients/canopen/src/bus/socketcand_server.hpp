@@ -20,28 +20,28 @@ inline constexpr std::uint16_t kSocketcandPort = 29536;
 struct SocketcandSettings {
   TcpAddress listen{.host = "127.0.0.1", .port = kSocketcandPort};
   std::size_t most_clients = 64;
-  /// Frames that wait for one client, at least 1: 0.3 s of the 50,000 frames/s of a bus that is
-  /// flooded, 2 s of one of 1 Mbit/s.
+  /// The queue size of one client in frames, at least 1: 0.3 s of a flooded bus (50,000 frames/s),
+  /// 2 s at 1 Mbit/s.
   std::size_t most_waiting_frames = 16'384;
-  /// A client for which that many wait holds the bus until half of them are sent, and loses none.
+  /// A client whose queue is full holds the bus until half of it is sent, and loses no frame.
   bool holds_bus = false;
 };
 
-/// What a server counts since it was made, where nothing else is stated.
+/// Counters of a server since its construction, unless noted otherwise.
 struct SocketcandCounters {
-  std::size_t clients = 0;            ///< that are connected now
-  std::uint64_t connections = 0;      ///< that were accepted
-  std::uint64_t refused_clients = 0;  ///< beyond the most clients
-  std::uint64_t received_frames = 0;  ///< that clients have put on the bus
-  std::uint64_t sent_frames = 0;      ///< that were given to the kernel, for each client
-  std::uint64_t dropped_frames = 0;   ///< left out for clients that read too slowly
-  std::uint64_t refused_words = 0;    ///< that were answered with an error
+  std::size_t clients = 0;            ///< connected now
+  std::uint64_t connections = 0;      ///< accepted
+  std::uint64_t refused_clients = 0;  ///< beyond most_clients
+  std::uint64_t received_frames = 0;  ///< sent to the bus by clients
+  std::uint64_t sent_frames = 0;      ///< handed to the kernel, counted for each client
+  std::uint64_t dropped_frames = 0;   ///< dropped for clients that read too slowly
+  std::uint64_t refused_words = 0;    ///< answered with an error
 };
 
 /// A bus for clients of the socketcand protocol (bus/socketcand.hpp), each with its own port on it.
-/// A client that goes is an unplugged cable; one that reads too slowly loses the oldest frames that
-/// wait for it, and holds up nobody, unless the settings let it hold the bus. For the thread of its
-/// context.
+/// A client that disconnects is like an unplugged cable. One that reads too slowly loses the oldest
+/// frames of its queue and delays nobody else, unless the settings let it hold the bus. For the
+/// thread of its context.
 class SocketcandServer final {
  public:
   /// Listens on return, and serves while `context` runs.
@@ -55,7 +55,7 @@ class SocketcandServer final {
   SocketcandServer(const SocketcandServer&) = delete;
   SocketcandServer& operator=(const SocketcandServer&) = delete;
 
-  /// @return where it listens, with the port that the system gave for 0.
+  /// @return the address it listens on, with the actual port if 0 was requested.
   [[nodiscard]] const TcpAddress& address() const noexcept;
 
   [[nodiscard]] const SocketcandCounters& counters() const noexcept;

@@ -9,7 +9,7 @@
 namespace vdrive::canopen {
 namespace {
 
-// Without it a lack of file descriptors would keep the thread busy with accepting.
+// Without a pause, running out of file descriptors would keep the thread busy with accepting.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
 }  // namespace
@@ -33,17 +33,17 @@ struct TcpAcceptor::State final : std::enable_shared_from_this<TcpAcceptor::Stat
       if (!self->acceptor.is_open()) return;
       if (error) return self->accept_later();
       AsioError ignored;
-      // What is written does not wait for the acknowledgement of what was written before.
+      // Small writes do not wait for the acknowledgement of earlier ones.
       socket.set_option(tcp::no_delay(true), ignored);
-      // Else a machine that was switched off would hold its place.
+      // Otherwise a machine that was switched off would keep its place.
       socket.set_option(asio::socket_base::keep_alive(true), ignored);
       self->server.serve(std::move(socket));
-      // The server may have been closed by that call.
+      // That call may have closed the server.
       if (self->acceptor.is_open()) self->accept();
     });
   }
 
-  /// Such as too many open files: the connections that are open continue.
+  /// For example too many open files: the open connections continue.
   void accept_later() {
     pause.expires_after(kAcceptPause);
     pause.async_wait([self = shared_from_this()](const AsioError& error) {

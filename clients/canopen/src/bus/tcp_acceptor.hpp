@@ -9,40 +9,41 @@
 
 namespace vdrive::canopen {
 
-/// What serves the connections that an acceptor accepts.
+/// Serves the connections of an acceptor.
 class TcpServer {
  public:
   virtual ~TcpServer() = default;
 
-  /// @param socket sends at once what it is given, and notices that the machine of its peer is gone
+  /// @param socket has TCP_NODELAY and keep-alive set: it sends without delay, and notices when the
+  ///        peer's machine is gone
   virtual void serve(tcp::socket&& socket) = 0;
 };
 
-/// Says to a peer, if it listens, why it is not served, and closes its connection.
+/// Tells the peer, if it listens, why it is not served, and closes the connection.
 void turn_away(tcp::socket& socket, std::string_view words);
 
 /// Listens for TCP connections, and passes each to its server. For the thread of its context.
 class TcpAcceptor final {
  public:
-  /// Listens on return; connections are passed on while `context` runs.
+  /// Listens on return; passes on connections while `context` runs.
   /// @param server is not called after close()
   /// @throws std::runtime_error when it cannot listen there, with the address and the reason
   TcpAcceptor(asio::io_context& context, const TcpAddress& address, TcpServer& server);
 
-  /// As close().
+  /// Calls close().
   ~TcpAcceptor();
   TcpAcceptor(const TcpAcceptor&) = delete;
   TcpAcceptor& operator=(const TcpAcceptor&) = delete;
 
-  /// @return where it listens, with the port that the system gave for 0.
+  /// @return the address it listens on, with the actual port if 0 was requested.
   [[nodiscard]] const TcpAddress& address() const noexcept;
 
-  /// Accepts no further connection.
+  /// Accepts no more connections.
   void close();
 
  private:
   struct State;
-  std::shared_ptr<State> state_;  ///< an operation of the context that ends later keeps it
+  std::shared_ptr<State> state_;  ///< shared: pending operations of the context keep it alive
 };
 
 }  // namespace vdrive::canopen

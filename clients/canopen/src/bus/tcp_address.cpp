@@ -6,7 +6,7 @@
 namespace vdrive::canopen {
 
 std::optional<TcpAddress> parse_tcp_address(std::string_view text) {
-  const std::size_t colon = text.rfind(':');  // the last one: an address of IPv6 has others
+  const std::size_t colon = text.rfind(':');  // the last one: an IPv6 address contains others
   if (colon == std::string_view::npos) return std::nullopt;
   const auto port = parse_digits<std::uint16_t>(text.substr(colon + 1));
   std::string_view host = text.substr(0, colon);
@@ -14,7 +14,7 @@ std::optional<TcpAddress> parse_tcp_address(std::string_view text) {
   if (is_bracketed) host = host.substr(1, host.size() - 2);
   const bool has_colon = host.find(':') != std::string_view::npos;
   if (!port || host.empty() || has_colon != is_bracketed) return std::nullopt;
-  // No name server is asked: the answer would decide who reaches the bus.
+  // Not resolved: a name server would decide who can reach the bus.
   if (host == "localhost") host = "127.0.0.1";
   return TcpAddress{.host = std::string(host), .port = *port};
 }

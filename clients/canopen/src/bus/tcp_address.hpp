@@ -8,17 +8,17 @@
 
 namespace vdrive::canopen {
 
-/// Where a server listens: on loopback unless somebody says otherwise.
+/// The address of a server, on loopback by default.
 struct TcpAddress {
-  std::string host = "127.0.0.1";  ///< an address of IPv4 or IPv6
-  std::uint16_t port = 0;          ///< 0 = any free one
+  std::string host = "127.0.0.1";  ///< an IPv4 or IPv6 address
+  std::uint16_t port = 0;          ///< 0 = any free port
 
   friend bool operator==(const TcpAddress&, const TcpAddress&) = default;
 };
 
-/// @return the address that `text` spells: "HOST:PORT", where HOST is an address of IPv4, one of
-///         IPv6 in brackets, or "localhost", which is 127.0.0.1. Nothing for any other form;
-///         whether HOST is an address of this machine shows when a server listens there.
+/// @return the address in `text`: "HOST:PORT", where HOST is an IPv4 address, an IPv6 address in
+///         brackets, or "localhost", which is 127.0.0.1. Nothing for any other form. Whether HOST
+///         is an address of this machine is only found when a server listens there.
 [[nodiscard]] std::optional<TcpAddress> parse_tcp_address(std::string_view text);
 
 /// @return such as "127.0.0.1:29536" or "[::1]:29536".

@@ -11,18 +11,18 @@
 
 namespace vdrive::canopen {
 
-/// A frame that waits for its peer.
+/// A queued frame.
 struct WaitingFrame {
   Frame frame;
   std::chrono::microseconds time{};  ///< BusHost::frame_time() when it was on the bus
 };
 
-/// The frames that wait for the peer of a port, a client or an interface, which may be slow. Of
-/// more than the most the oldest are dropped, or the port holds the bus (Bus::hold()) until half of
-/// the most are left, and none is lost. For the thread of the bus.
+/// The queue of frames for the peer of a port, a client or an interface, which may be slow. When it
+/// is full, either the oldest frame is dropped, or the port holds the bus (Bus::hold()) until the
+/// queue is half empty, and no frame is lost. For the thread of the bus.
 class WaitingFrames final {
  public:
-  /// A hold that lasts so long in wall time is reported: to its user the bus is dead.
+  /// A hold of this length [wall time] is reported: to the user the bus looks dead.
   static constexpr std::chrono::milliseconds kLongHold{1000};
 
   /// @param most at least 1
@@ -31,7 +31,7 @@ class WaitingFrames final {
       : timer_(executor), bus_(bus), port_(port), most_(most), holds_bus_(holds_bus) {}
 
   /// @param owner the port; its report_hold() is called after kLongHold
-  /// @return false when the oldest frame was dropped for this one.
+  /// @return false if the oldest frame was dropped for this one.
   template <typename Owner>
   bool put(const WaitingFrame& frame, Owner& owner) {
     frames_.push_back(frame);
@@ -55,7 +55,7 @@ class WaitingFrames final {
 
   [[nodiscard]] const WaitingFrame& front() const { return frames_.front(); }
 
-  /// The first frame has left.
+  /// Removes the first frame, which has been sent.
   void pop() {
     frames_.pop_front();
     if (frames_.size() <= most_ / 2) release();
