@@ -15,9 +15,9 @@ class LocalBus;
 
 namespace vdrive::tool {
 
-/// The whole tool. Takes SIGINT, SIGTERM, SIGHUP and SIGPIPE for the process.
+/// Runs the tool. Takes over SIGINT, SIGTERM, SIGHUP and SIGPIPE of the process.
 /// @param arguments without the program's name
-/// @param bus of the benches of this process; nothing = the benches of the network
+/// @param bus connects the benches of this process; nothing = use the network
 [[nodiscard]] ExitCode run_tool(std::vector<std::string> arguments,
                                 const std::shared_ptr<wire::LocalBus>& bus = {});
 

@@ -6,10 +6,10 @@
 
 namespace vdrive::tool {
 
-/// What separates the words of a line.
+/// The characters that separate words of a line.
 inline constexpr std::string_view kBlanks = " \t\r\f\v";
 
-/// @return `text` without blanks at its ends.
+/// @return `text` without leading and trailing blanks.
 [[nodiscard]] inline std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(kBlanks);
   if (first == std::string_view::npos) return {};

@@ -5,7 +5,7 @@
 
 namespace vdrive::tool {
 
-/// What the tool's process ends with.
+/// The exit codes of the tool.
 enum class ExitCode : int {
   ok = 0,
   failed = 1,
@@ -13,12 +13,12 @@ enum class ExitCode : int {
   not_found = 3,
   timed_out = 4,
   refused = 5,
-  not_run = 6,     ///< of a test: the machine did not give what it needs; it may pass when repeated
-  unreadable = 7,  ///< of `judge`: the log or journal cannot be judged
+  not_run = 6,     ///< test: the machine lacks something the test needs; it may pass when repeated
+  unreadable = 7,  ///< `judge`: the log or journal cannot be judged
   interrupted = 130,
 };
 
-/// @return the exit code of an outcome; a lost service counts as failed.
+/// @return the exit code for an outcome; a lost service counts as failed.
 [[nodiscard]] ExitCode exit_code_of(client::OutcomeKind kind) noexcept;
 
 }  // namespace vdrive::tool

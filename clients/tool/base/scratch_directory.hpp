@@ -5,10 +5,10 @@
 
 namespace vdrive::tool {
 
-/// A directory for files that only this run of the tool needs; it is removed at the end.
+/// A temporary directory of this run of the tool, removed by the destructor.
 class ScratchDirectory {
  public:
-  /// @throws std::runtime_error when it cannot be made
+  /// @throws std::runtime_error when it cannot be created
   ScratchDirectory();
   ~ScratchDirectory();
   ScratchDirectory(const ScratchDirectory&) = delete;

@@ -5,8 +5,8 @@
 
 namespace vdrive::tool {
 
-/// @param chosen by the user; empty = vdrived beside this program, else the one in PATH
-/// @throws UsageError when there is none.
+/// @param chosen by the user; empty = vdrived next to this program, otherwise from PATH
+/// @throws UsageError if there is none.
 [[nodiscard]] std::string find_service(const std::string& chosen);
 
 }  // namespace vdrive::tool

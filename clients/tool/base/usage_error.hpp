@@ -7,27 +7,27 @@
 
 namespace vdrive::tool {
 
-/// What the user typed cannot be understood; the message names the text and what is expected. That
-/// of scenarios has a line for each mistake.
+/// The user's input is not valid; the message names the text and what is expected. For scenarios it
+/// has one line per mistake.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// A test could not be judged: the machine did not give what it needs, such as memory or a bench.
-/// It may pass when it is repeated.
+/// A test could not be judged, because the machine lacks something it needs, such as memory or a
+/// bench. It may pass when repeated.
 class NotRun : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The mistakes of scenarios, in the order in which they are found.
+/// The mistakes in scenarios, in the order found.
 class Mistakes {
  public:
-  /// No person reads more of them, and a long file could have millions.
+  /// Enough for a reader; a long file could have millions.
   static constexpr std::size_t kMost = 100;
 
-  /// @param mistake with its place; a line each where it has several
+  /// @param mistake with its place; may have several lines
   void note(const std::string& mistake) {
     if (is_full()) return;
     const bool is_told = ++count_ <= kMost;
@@ -35,13 +35,13 @@ class Mistakes {
              (is_told ? mistake : "reading ended after " + std::to_string(kMost) + " mistakes");
   }
 
-  /// @return whether further ones would not be told.
+  /// @return whether further mistakes are dropped.
   [[nodiscard]] bool is_full() const noexcept { return count_ > kMost; }
 
-  /// @return a line for each mistake; empty without one.
+  /// @return one line per mistake; empty if there is none.
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
 
-  /// @throws UsageError with every mistake, when there is one.
+  /// @throws UsageError with every mistake, if there is any.
   void throw_if_any() const {
     if (!text_.empty()) throw UsageError(text_);
   }

@@ -12,8 +12,9 @@ namespace vdrive::tool {
 
 struct StepCommand {
   std::uint64_t ticks = 0;
-  std::optional<std::uint32_t> bench{};  ///< none = the only one there is
-  std::uint32_t steppers = 0;            ///< that time waits for; 0 = this program alone steps
+  std::optional<std::uint32_t> bench{};  ///< none = the only one
+  std::uint32_t steppers = 0;            ///< steppers that the clock waits for; 0 = this program
+                                         ///< steps alone
 
   void declare(Arguments& arguments);
   client::Outcome run(CommandContext& context) const;
@@ -23,8 +24,9 @@ struct StepCommand {
 };
 
 struct RateCommand {
-  std::optional<double> rate{};          ///< drive time by wall time; none = show those of all
-  std::optional<std::uint32_t> bench{};  ///< none = the only one there is
+  std::optional<double> rate{};          ///< drive time per wall time; none = show the rates of all
+                                         ///< benches
+  std::optional<std::uint32_t> bench{};  ///< none = the only one
 
   void declare(Arguments& arguments);
   client::Outcome run(CommandContext& context) const;
@@ -34,8 +36,8 @@ struct SnapshotCommand {
   enum class Action : std::uint8_t { take, restore, drop, list };
 
   Action action = Action::take;
-  std::uint64_t snapshot = 0;            ///< restore, drop: its number
-  std::optional<std::uint32_t> bench{};  ///< none = the only one there is; list: all
+  std::uint64_t snapshot = 0;            ///< restore, drop: number of the snapshot
+  std::optional<std::uint32_t> bench{};  ///< none = the only one; list: all
 
   void declare(Arguments& arguments);
   client::Outcome run(CommandContext& context) const;

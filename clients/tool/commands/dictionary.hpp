@@ -15,20 +15,20 @@ enum class TableFormat : std::uint8_t {
   table,
   json,
   csv,
-  eds,        ///< of a CANopen node: its electronic data sheet (CiA 306)
-  node_json,  ///< of a CANopen node: with its communication objects
+  eds,        ///< electronic data sheet of a CANopen node (CiA 306)
+  node_json,  ///< of a CANopen node, including its communication objects
 };
 enum class Language : std::uint8_t { en, zh };
 
 struct DictionaryCommand {
   TableFormat format = TableFormat::table;
   Language language = Language::en;
-  std::vector<ObjectName> objects = {};  ///< rows of these; none = all
+  std::vector<ObjectName> objects = {};  ///< rows of these objects; none = all
 
-  // Of a data sheet: of one node, with the values that its axis has after power-up.
+  // Data sheet: of this node, with the values that its axis has after power-up.
   std::optional<std::uint64_t> node = {};
-  std::optional<std::uint64_t> axis_number = {};  ///< on its bench; none = the node-ID
-  std::string preset = {};                        ///< machine; empty = the default axis
+  std::optional<std::uint64_t> axis_number = {};  ///< number on its bench; none = the node-ID
+  std::string preset = {};                        ///< machine preset; empty = the default axis
   std::string configuration = {};                 ///< file of the bench
 
   void declare(Arguments& arguments);
@@ -37,7 +37,7 @@ struct DictionaryCommand {
 };
 
 /// The object dictionary as lines.
-/// @throws UsageError when there is no such axis to read the values from
+/// @throws UsageError if the axis to read values from does not exist
 [[nodiscard]] std::vector<std::string> dictionary_lines(const DictionaryCommand& command);
 
 }  // namespace vdrive::tool

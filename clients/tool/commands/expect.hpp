@@ -19,7 +19,8 @@ struct ExpectCommand {
   client::Outcome run(CommandContext& context) const;
 };
 
-/// Waits for a drive time, or until an axis shows something: exactly one of the three.
+/// Waits for a drive time, or until an axis meets a condition or an expectation: exactly one of
+/// them.
 struct WaitCommand {
   std::optional<Duration> duration{};
   std::string axis{};
@@ -31,7 +32,7 @@ struct WaitCommand {
   void check_units(const CommandContext& context, const client::Axis& observed) const;
   client::Outcome run(CommandContext& context) const;
 
-  /// --timeout limits the wait for an axis.
+  /// --timeout limits the wait for an axis, not the search for it.
   [[nodiscard]] bool limits_itself() const { return !duration; }
 };
 

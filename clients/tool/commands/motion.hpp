@@ -20,10 +20,10 @@ struct RunAt {
   std::optional<Quantity> deceleration{};
   bool take_over = false;
 
-  /// With AXIS in front.
+  /// Declares AXIS, then these arguments.
   void declare(Arguments& arguments, std::string& axis);
 
-  /// @throws UsageError for a unit that the axis has not, and for what is out of range with it.
+  /// @throws UsageError for a unit that the axis does not have, and for a value out of range in it.
   void check_units(const AxisFinder& axes, const client::Axis& axis) const;
 
   /// @return [UU/s]
@@ -62,7 +62,7 @@ struct VelocityCommand {
 struct TorqueCommand {
   std::string axis{};
   std::int16_t torque = 0;               ///< [‰ of rated torque]
-  std::optional<std::uint32_t> slope{};  ///< [‰ of rated torque a second]
+  std::optional<std::uint32_t> slope{};  ///< [‰ of rated torque per second]
   client::Until until = client::Until::done;
   bool take_over = false;
 
@@ -73,7 +73,7 @@ struct TorqueCommand {
 struct JogCommand {
   std::string axis{};
   RunAt run_at{};
-  std::optional<Duration> duration{};  ///< none = until Enter or an interrupt
+  std::optional<Duration> duration{};  ///< none = until Enter is pressed or an interrupt
 
   void declare(Arguments& arguments);
   void check_units(const CommandContext& context, const client::Axis& driven) const;

@@ -25,7 +25,7 @@ struct WriteCommand {
   std::string axis{};
   ObjectName object{};
   std::int64_t value = 0;
-  std::optional<Quantity> quantity{};  ///< the value where it has a unit
+  std::optional<Quantity> quantity{};  ///< the value, if it was given with a unit
   bool take_over = false;
 
   void declare(Arguments& arguments);
@@ -42,7 +42,7 @@ struct Disturbance {
 
 struct DisturbCommand {
   std::string axis{};
-  std::vector<Disturbance> inputs{};   ///< several for `none`
+  std::vector<Disturbance> inputs{};   ///< several only for `none`
   std::optional<Duration> duration{};  ///< none = until another command clears it
 
   void declare(Arguments& arguments);

@@ -8,9 +8,9 @@
 
 namespace vdrive::tool {
 
-/// Quick stop of every axis of a bench.
+/// Quick stop of all axes of a bench.
 struct StopCommand {
-  std::optional<std::uint32_t> bench{};  ///< none = the only one there is
+  std::optional<std::uint32_t> bench{};  ///< none = the only one
   client::Until until = client::Until::done;
 
   void declare(Arguments& arguments);

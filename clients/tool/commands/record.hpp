@@ -10,7 +10,7 @@
 namespace vdrive::tool {
 
 struct RecordCommand {
-  std::vector<std::string> axes{};  ///< none = all of the only bench there is
+  std::vector<std::string> axes{};  ///< none = all axes of the only bench
   RecordingChoice choice{};
 
   static constexpr bool kBridgesSilence = true;

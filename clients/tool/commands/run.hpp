@@ -11,8 +11,8 @@ namespace vdrive::tool {
 
 struct RunCommand {
   ScenarioFiles scenarios{};
-  bool live = false;        ///< show the axes while time passes, also when not on a terminal
-  bool is_private = false;  ///< each file on a new bench of this program
+  bool live = false;        ///< show the axes while time passes, even if not on a terminal
+  bool is_private = false;  ///< run each file on a new bench of this program
   PrivateBenches benches{};
 
   void declare(Arguments& arguments);

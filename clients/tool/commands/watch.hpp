@@ -10,12 +10,12 @@
 namespace vdrive::tool {
 
 struct WatchCommand {
-  std::vector<std::string> axes{};  ///< none = all of all benches
-  std::uint64_t count = 0;          ///< samples an axis; 0 = until interrupted
+  std::vector<std::string> axes{};  ///< none = all axes of all benches
+  std::uint64_t count = 0;          ///< samples per axis; 0 = until interrupted
 
   static constexpr bool kBridgesSilence = true;
 
-  /// --timeout limits the wait for a tick.
+  /// --timeout limits the wait for a tick, not the search for the axes.
   [[nodiscard]] bool limits_itself() const { return count != 0; }
 
   void declare(Arguments& arguments);

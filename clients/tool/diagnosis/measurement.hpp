@@ -15,8 +15,8 @@
 
 namespace vdrive::tool {
 
-/// How late things were, in the bins of BenchState.lateness_histogram: bin i counts what was less
-/// than 2^i us late.
+/// A histogram of lateness, with the bins of BenchState.lateness_histogram: bin i counts events
+/// less than 2^i us late.
 struct Lateness {
   std::array<std::uint64_t, 32> bins{};
 
@@ -25,14 +25,15 @@ struct Lateness {
   [[nodiscard]] std::uint64_t count() const noexcept;
 
   /// @param share from 0 to 1
-  /// @return what this share was not later than, linear inside a bin [us]; 0 of nothing.
+  /// @return the lateness that this share does not exceed, interpolated linearly within a bin [us];
+  ///         0 if empty.
   [[nodiscard]] double quantile(double share) const noexcept;
 
-  /// @return the end of the last bin that is not empty [us].
+  /// @return the upper limit of the last non-empty bin [us].
   [[nodiscard]] double most() const noexcept;
 };
 
-/// One-tick steps of a lock-step bench, each waits for its reply.
+/// One-tick steps of a lock-step bench, each waiting for its reply.
 struct RoundTrips {
   double median = 0.0;  ///< [us]
   double p99 = 0.0;     ///< [us]
@@ -44,24 +45,24 @@ struct StatusStreamFigures {
   std::size_t axes = 0;
   std::uint64_t samples = 0;
   std::uint64_t missed = 0;
-  double overrun_share = 0.0;  ///< of the ticks
+  double overrun_share = 0.0;  ///< of all ticks
 
   /// @return whether every tick arrived, and at most 0.1 % of the ticks were late.
   [[nodiscard]] bool is_whole() const noexcept;
 };
 
-/// What `vdrive bench` measures, in this order.
+/// The measurements of `vdrive bench`, in order.
 struct Measurement {
-  Lateness bare;  ///< a thread that sleeps to each millisecond
+  Lateness bare;  ///< a thread that sleeps until each millisecond
   Lateness ticks;
   RoundTrips steps;
-  double tick_of_an_axis = 0.0;  ///< and of sending its status, all axes moving, one core [ns]
+  double tick_of_an_axis = 0.0;  ///< and of sending its status; all axes move, one core [ns]
   std::vector<StatusStreamFigures> streams;
 
-  /// @return axes that one core steps at 1 kHz and sends the status of.
+  /// @return the number of axes that one core can step at 1 kHz, including sending their status.
   [[nodiscard]] std::size_t axes_of_a_core() const noexcept;
 
-  /// @return the most axes whose every tick arrived; 0 = none.
+  /// @return the highest number of axes without a lost tick; 0 = none.
   [[nodiscard]] std::size_t axes_with_status() const noexcept;
 };
 
@@ -71,16 +72,16 @@ struct Measurement {
 /// As a table.
 [[nodiscard]] std::vector<std::string> measurement_lines(const Measurement& measurement);
 
-/// @return the number with three digits that mean something.
+/// @return the number with three significant digits.
 [[nodiscard]] std::string rounded(double value);
 
 struct MeasurementOptions {
   std::string service;    ///< the program vdrived
-  bool is_quick = false;  ///< short parts, at most 1,024 axes
+  bool is_quick = false;  ///< short measurements, at most 1,024 axes
   bool is_json = false;
 };
 
-/// `vdrive bench`: measures this machine, on benches of its own that end with it.
+/// `vdrive bench`: measures this machine on private benches, which end with it.
 ExitCode run_measurement(const MeasurementOptions& options, Interrupt& interrupt,
                          Terminal& terminal);
 

@@ -15,31 +15,33 @@
 
 namespace vdrive::tool {
 
-/// Whether a command waits until it is done, or returns when it is in force.
+/// Whether a command waits until it is done, or returns as soon as it is in force.
 enum class Waits : std::uint8_t {
   always,
-  unless_declined,  ///< not with --no-wait
-  on_request        ///< with --wait only
+  unless_declined,  ///< except with --no-wait
+  on_request        ///< only with --wait
 };
 
-/// A command that takes axes and nothing else: what is particular about it.
+/// The specifics of a command that takes axes and no other arguments.
 struct AxisAction {
   std::string_view name;
   Waits waits = Waits::always;
-  std::optional<client::EachCommand> together{};  ///< what several axes get with one request
-  client::Outcome (*each)(client::Axis& axis) = nullptr;  ///< else what each gets by its own one
+  std::optional<client::EachCommand> together{};  ///< the command that several axes get in one
+                                                  ///< request
+  client::Outcome (*each)(client::Axis& axis) = nullptr;  ///< otherwise: the call made for each
+                                                          ///< axis
   bool gains_control = false;
   bool names_next_step = true;  ///< see AxisReport
 
-  /// Whether an axis has done it, for the progress of many; none = its status does not show it.
+  /// Whether an axis has done it, to show the progress of many; nullptr = its status does not tell.
   CommandProgress::AxisTest is_done = nullptr;
 
-  /// What is reported in the place of the state; none = the state.
+  /// The report in place of the state; nullptr = the state.
   Record (*deed)(const client::Axis& axis) = nullptr;
 };
 
-/// The arguments of such a command. Several axes get it together, and one that fails does not keep
-/// it from the others.
+/// The arguments of such a command. Several axes get it together; a failure of one does not keep it
+/// from the others.
 struct AxisActionCommand {
   const AxisAction* action = nullptr;
   std::vector<std::string> axes{};
@@ -59,7 +61,7 @@ template <const AxisAction& action>
   return {.action = &action};
 }
 
-/// The row of a command that takes axes and nothing else.
+/// The table row of a command that takes axes and no other arguments.
 template <const AxisAction& action>
 [[nodiscard]] consteval CommandRow action_row(CommandGroup group, std::string_view summary,
                                               std::string_view example) {

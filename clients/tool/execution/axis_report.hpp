@@ -13,29 +13,31 @@
 
 namespace vdrive::tool {
 
-/// What a command to an axis came to.
+/// The result of a command to an axis.
 struct AxisReport {
   std::string_view command;  ///< its name
   client::Outcome outcome;
-  bool has_arrived = false;      ///< what is left of the speed is the end of a motion
-  bool names_next_step = true;   ///< a refusal by the power state names the command to call first
-  std::optional<Record> deed{};  ///< what the state does not show, reported in its place
+  bool has_arrived = false;      ///< the motion has ended: the rest of the speed is not shown
+  bool names_next_step = true;   ///< a refusal because of the power state names the command needed
+                                 ///< first
+  std::optional<Record> deed{};  ///< reported in place of the state
 };
 
 /// @return the command that an axis in this state needs before it can move, such as "enable"; empty
 ///         in Operation enabled.
 [[nodiscard]] std::string_view command_before_motion(PowerState state) noexcept;
 
-/// Prints the report and what the axis shows now.
+/// Prints the report with the present status of the axis.
 /// @return the outcome, in the words of the report.
 client::Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisReport report);
 
-/// @param status what the axis shows now, none where it is not known
+/// @param status present status of the axis, nullptr if unknown
 client::Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisReport report,
                             const client::AxisSnapshot* status);
 
-/// What failed of a command to several axes. Keeps the first failure for the caller, who prints it;
-/// prints each further one once: the loss of a bench is the same failure for all its axes.
+/// Collects the failures of a command to several axes. Keeps the first one, which the caller
+/// prints, and prints each different one once: the loss of a bench is the same failure for all its
+/// axes.
 class AxisFailures {
  public:
   void take(client::Outcome reported, const CommandContext& context);

@@ -10,16 +10,16 @@
 
 namespace vdrive::tool {
 
-/// What axes show now.
+/// The present status of axes.
 struct AxisStates {
-  std::map<client::AxisId, client::AxisSnapshot> states{};  ///< of the benches that answer
-  client::Outcome outcome{};                                ///< the first failure of a bench
+  std::map<client::AxisId, client::AxisSnapshot> states{};  ///< of the benches that answered
+  client::Outcome outcome{};                                ///< first failure of a bench
 };
 
-/// Looks at each bench once, for all of its axes.
+/// Reads the status of all axes of each bench together.
 [[nodiscard]] AxisStates states_of(client::Session& session, const std::vector<client::Axis>& axes);
 
-/// @return who holds the axis, waiting for the name as Session::find_name() does.
+/// @return the owner of the axis; waits for its name as Session::find_name() does.
 [[nodiscard]] std::optional<client::SessionName> owner_of(client::Session& session,
                                                           const client::AxisSnapshot& axis);
 

@@ -18,34 +18,35 @@
 
 namespace vdrive::tool {
 
-/// What commands have changed of benches for everybody, and how it was before.
+/// Changes that commands have made to benches for everybody, and the values before.
 class BenchChanges {
  public:
   explicit BenchChanges(client::Session& session) : session_(session) {}
 
-  /// An object of an axis was written: a test-bench input that is not 0 is a change.
+  /// An object of an axis was written. A test-bench input other than 0 counts as a change.
   void note_write(const client::Axis& axis, ObjectAddress object, std::int64_t value);
 
-  /// @param before the rate of the bench before the first command that set it
+  /// @param before rate of the bench before the first command that set it
   void note_rate(std::uint32_t bench, double before) { rates_before_.emplace(bench, before); }
 
-  /// Clears the test-bench inputs, and gives each bench the rate that it had.
-  /// @param axes what the user calls them
-  /// @return what was put back, such as "test_blocked_load of 1.1 is 0".
+  /// Clears the test-bench inputs and restores the rate of each bench.
+  /// @param axes knows the names that the user has typed
+  /// @return the restored values, such as "test_blocked_load of 1.1 is 0".
   std::vector<std::string> put_back(const AxisFinder& axes);
 
  private:
   client::Session& session_;
-  std::map<std::pair<client::AxisId, ObjectAddress>, client::Axis> disturbed_;  ///< inputs not 0
+  std::map<std::pair<client::AxisId, ObjectAddress>, client::Axis> disturbed_;  ///< inputs other
+                                                                                ///< than 0
   std::map<std::uint32_t, double> rates_before_;
 };
 
 class LiveView;
 
-/// What the commands of one session share.
+/// State shared by the commands of one session.
 struct CommandContext {
-  /// @param of_session the session, which has to stay as long as this
-  /// @param commands those that `run` may find in its files
+  /// @param of_session must outlive this object
+  /// @param commands those allowed in the files of `run`
   CommandContext(client::Session& of_session, Output to, CommandTable commands)
       : session(of_session),
         output(to),
@@ -55,7 +56,7 @@ struct CommandContext {
         changes(of_session),
         progress(of_session, output) {}
 
-  /// @return the options of a call that waits like this, with the limit of the command.
+  /// @return the options of a call that waits in this way, with the limit of the command.
   [[nodiscard]] client::CallOptions call_options(client::Until until) const;
 
   client::Session& session;
@@ -64,26 +65,27 @@ struct CommandContext {
   AxisFinder axes;
   ExpectationJudge judge;
   BenchChanges changes;
-  CommandProgress progress;         ///< of the command that runs
-  std::optional<Duration> timeout;  ///< of the command: drive time of motion; none = the default
-  bool outlives_failures = false;   ///< further commands come after one that failed: a shell
-  bool is_private = false;          ///< the bench ends with this program, and no other reaches it
-  LiveView* live_view = nullptr;    ///< is told where a position is commanded; none = no view
+  CommandProgress progress;         ///< of the current command
+  std::optional<Duration> timeout;  ///< of the current command: drive time of motion; none = the
+                                    ///< default
+  bool outlives_failures = false;   ///< commands may follow a failed one: a shell
+  bool is_private = false;          ///< the bench ends with this program, and no other program
+                                    ///< reaches it
+  LiveView* live_view = nullptr;    ///< is told the target positions of moves; nullptr = no view
 };
 
-/// Carries a command out, and prints what it answers. Success and failure are the outcome; the
-/// caller prints the message of a failure.
+/// Executes a command and prints its answer. The outcome reports success or failure; the caller
+/// prints the message of a failure.
 /// @param timeout drive time of motion, none = the default
 client::Outcome execute(const Command& command, CommandContext& context,
                         std::optional<Duration> timeout);
 
-/// Tells the progress of a wait for an expectation; of one that waits for nothing nothing.
+/// Shows the progress of waiting for an expectation; nothing if it does not wait.
 void tell_progress_of(const Expectation& expectation, const client::Axis& axis,
                       CommandContext& context);
 
-/// Checks what can be checked of a command once its axes are known, before anything moves.
-/// @throws UsageError for a unit that an axis has not, and for a value that is out of range with
-///         it.
+/// Checks of a command that need its axes, made before anything moves.
+/// @throws UsageError for a unit that an axis does not have, and for a value out of range in it.
 void check_units(const Command& command, CommandContext& context);
 
 }  // namespace vdrive::tool

@@ -18,13 +18,12 @@
 
 namespace vdrive::tool {
 
-/// What commands report to while they wait, and the only place that decides whether a person sees
-/// it: on a terminal (standard error), not with --json, and not in a scenario. It is one line about
-/// what lasts longer than a second, rewritten in place by a thread of its own, and taken away at
-/// the end.
+/// The progress of waiting commands, and the only place that decides whether it is shown: on a
+/// terminal (standard error), not with --json, and not in a scenario. A wait of more than a second
+/// is shown in one line, which its own thread rewrites in place and removes at the end.
 class CommandProgress {
  public:
-  /// @param session @param output both have to stay as long as this
+  /// @param session, output must outlive this object
   CommandProgress(client::Session& session, const Output& output)
       : session_(session), output_(output) {}
 
@@ -33,27 +32,32 @@ class CommandProgress {
   CommandProgress(const CommandProgress&) = delete;
   CommandProgress& operator=(const CommandProgress&) = delete;
 
-  /// An axis moves. @param label what the user calls it
-  /// @param target [UU] none where it is not known
+  /// An axis moves.
+  /// @param label the axis as the user has typed it
+  /// @param target [UU] none if unknown
   void motion(const client::Axis& axis, const std::string& label,
               std::optional<std::int32_t> target);
 
-  /// Something is awaited of an axis. @param what such as "waiting for target_reached"
+  /// Waits for something of an axis.
+  /// @param what such as "waiting for target_reached"
   void axis(const client::Axis& axis, const std::string& label, std::string what);
 
   /// Whether an axis has done what was commanded.
   using AxisTest = bool (*)(const client::AxisSnapshot& axis);
 
-  /// Several axes do the same. @param what such as "enable" @param is_done none = not known
+  /// Several axes do the same.
+  /// @param what such as "enable"
+  /// @param is_done nullptr = not known
   void axes(std::string what, const std::vector<client::Axis>& axes, AxisTest is_done);
 
-  /// Something of which only its time is known. @param what such as "status of 3 axes"
+  /// An activity of which only the duration is known.
+  /// @param what such as "status of 3 axes"
   void time(std::string what);
 
-  /// Whatever `text` says; it is called in the thread of the progress. Empty = no line.
+  /// Shows the result of `text`, which is called in the progress thread. Empty = no line.
   void tell(std::function<std::string()> text);
 
-  /// The line is gone, and `text` is not called any more. Without a line: nothing.
+  /// Removes the line; `text` is not called any more. Does nothing without a line.
   void end();
 
  private:
@@ -62,7 +66,7 @@ class CommandProgress {
   std::jthread thread_;
 };
 
-/// Ends the progress, however a block ends.
+/// Ends the progress when the block is left.
 class EndOfProgress {
  public:
   explicit EndOfProgress(CommandProgress& progress) : progress_(progress) {}
@@ -76,8 +80,8 @@ class EndOfProgress {
   CommandProgress& progress_;
 };
 
-/// @return one line, in the unit of the axis alone, such as
-///         "axis 1.1: at 96.42 deg of 0.00 deg at -1.14 deg/s, some 85 s more".
+/// @return one line, only in the unit of the axis, such as "axis 1.1: at 96.42 deg of 0.00 deg at
+///         -1.14 deg/s, some 85 s more".
 [[nodiscard]] std::string motion_text(const client::AxisSnapshot& axis, const std::string& label,
                                       const client::Unit& unit, std::optional<std::int32_t> target);
 

@@ -12,21 +12,23 @@
 
 namespace vdrive::tool {
 
-/// @return the options of a session in the network that the options name.
+/// @return the options of a session in the network given by the options.
 [[nodiscard]] client::SessionOptions session_options(const GlobalOptions& options);
 
-/// Prints on standard error what went wrong. @return the exit code.
+/// Prints a failure on standard error.
+/// @return the exit code.
 ExitCode finish(const client::Outcome& outcome, const Interrupt& interrupt, bool is_json,
                 Terminal& terminal);
 
-/// What a second signal leaves behind on the terminal: nothing.
+/// Restores the terminal before a second signal ends the process.
 void leave_screen_before_exit(Interrupt& interrupt, Terminal& terminal);
 
-/// Prints a mistake in the command line, which has no command yet. @return ExitCode::usage
+/// Prints a mistake in the command line, before a command is known.
+/// @return ExitCode::usage
 ExitCode report_usage(const std::string& message, bool is_json, Terminal& terminal);
 
-/// Does something that a signal interrupts once `work` has armed that.
-/// @param work takes the interrupt, @return an outcome
+/// Runs `work` so that a signal interrupts it once it has armed the interrupt.
+/// @param work takes the interrupt, returns an outcome
 template <typename Work>
 ExitCode run_interruptible(const Program& program, const Work& work) {
   Interrupt interrupt;
@@ -35,8 +37,8 @@ ExitCode run_interruptible(const Program& program, const Work& work) {
   return finish(outcome, interrupt, program.options.json, program.terminal);
 }
 
-/// Opens a session, which a signal interrupts, and does something with it.
-/// @param work takes the session, @return an outcome
+/// Runs `work` with a new session, which a signal interrupts.
+/// @param work takes the session, returns an outcome
 template <typename Work>
 ExitCode run_connected(const Program& program, const GlobalOptions& options, const Work& work) {
   return run_interruptible(program, [&](Interrupt& interrupt) {

@@ -7,15 +7,14 @@
 
 namespace vdrive::tool {
 
-/// Halts an axis whose command an interrupt has ended, and says on standard error what became of
-/// it.
+/// Halts an axis whose command was interrupted, and prints the result on standard error.
 void halt_after_interrupt(client::Axis& axis, const CommandContext& context);
 
-/// For a velocity or a torque that was commanded and not reached: it has no end, and after its
-/// session only the watchdog of the bench would stop the axis, with fault 8130h. Halts the axis
-/// after an interrupt, and after a failure that ends the session (see
-/// CommandContext::outlives_failures). An interrupt is said on standard error.
-/// @return the outcome of the command; after a failure with what became of the axis
+/// Ends the motion of a velocity or torque command that was not reached. It has no end of its own:
+/// after the session, only the watchdog of the bench would stop the axis, with fault 8130h. So this
+/// halts the axis after an interrupt, and after a failure that ends the session (see
+/// CommandContext::outlives_failures). An interrupt is reported on standard error.
+/// @return the outcome of the command; after a failure including the result of the halt
 [[nodiscard]] client::Outcome end_endless_motion(client::Axis& axis, client::Outcome outcome,
                                                  CommandContext& context);
 

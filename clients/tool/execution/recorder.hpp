@@ -22,43 +22,44 @@
 
 namespace vdrive::tool {
 
-/// What is recorded, and for how long.
+/// The contents and length of a recording.
 struct RecordingChoice {
   std::string file{};  ///< - = standard output
   recording::Format format = recording::Format::csv;
   std::optional<Duration> duration{};             ///< drive time; none = until interrupted
-  std::uint64_t count = 0;                        ///< samples of each bench; 0 = until interrupted
-  Duration lost_after = std::chrono::minutes(1);  ///< wall time without a sample that ends it
+  std::uint64_t count = 0;                        ///< samples of each bench; 0 = no limit
+  Duration lost_after = std::chrono::minutes(1);  ///< wall time without a sample after which the
+                                                  ///< recording ends
 };
 
-/// Axes of one bench whose status stream is recorded.
+/// The axes of one bench to record.
 struct ObservedBench {
   client::BenchInfo info;
   std::vector<client::Axis> axes;
 };
 
-/// Records the status images of axes, one sample a bench and tick, until interrupted or for a
-/// while: the stream as it comes, with the number of samples that were lost. As MCAP also every
-/// object of the axes as it is at the beginning, and the events of the benches and axes.
+/// Records the status images of axes, one sample per bench and tick, until interrupted or for a
+/// given time: the stream as received, with the number of lost samples. An MCAP file also gets
+/// every object of the axes as of the start, and the events of the benches and axes.
 ///
-/// The recorder waits without end for a bench whose time stands still, and up to
-/// RecordingChoice::lost_after for one that sends nothing. The end or the restart of a service ends
-/// the recording.
+/// The recorder waits indefinitely for a bench whose time stands still, and up to
+/// RecordingChoice::lost_after for one that sends nothing. The end or restart of a service ends the
+/// recording.
 class Recorder {
  public:
   Recorder(client::Session& session, Terminal& terminal, const RecordingChoice& choice);
 
-  /// @return failed when the file cannot be written, else how the stream ended; ok when it was
-  ///         recorded for as long as requested.
+  /// @return failed when the file cannot be written, otherwise how the stream ended; ok if the
+  ///         requested length was recorded.
   client::Outcome record(const std::vector<ObservedBench>& benches);
 
-  /// @return how far it is, such as "recorded 4812 samples, 20 %". Any thread.
+  /// @return the progress, such as "recorded 4812 samples, 20 %". Thread-safe.
   [[nodiscard]] std::string progress() const;
 
-  /// @return whether the file could be opened and the streams were followed.
+  /// @return whether the file was opened and the streams were followed.
   [[nodiscard]] bool has_begun() const noexcept { return has_begun_; }
 
-  /// What was recorded.
+  /// A summary of the recording.
   [[nodiscard]] const recording::Summary& summary() const noexcept { return summary_; }
 
  private:
@@ -82,13 +83,13 @@ class Recorder {
   client::Session& session_;
   Terminal& terminal_;
   const RecordingChoice& choice_;
-  std::mutex ended_mutex_;  ///< guards the two below, which a thread of the session fills
-  std::map<std::uint32_t, std::string> ended_;  ///< benches whose run is over, and how
+  std::mutex ended_mutex_;  ///< guards the two members below, which a thread of the session writes
+  std::map<std::uint32_t, std::string> ended_;  ///< benches whose run has ended, with the reason
   std::map<std::uint32_t, std::chrono::steady_clock::time_point> silent_since_;
   std::unique_ptr<recording::RecordingQueue> queue_;
   recording::Summary summary_;
   std::atomic<std::uint64_t> taken_ = 0;  ///< samples
-  std::atomic<double> share_ = 0.0;       ///< of what was asked for; 0 = it has no end
+  std::atomic<double> share_ = 0.0;       ///< of the requested length; 0 = no limit
   bool has_begun_ = false;
 };
 

@@ -9,13 +9,13 @@
 
 namespace vdrive::tool {
 
-/// Names that only the benches know. Called when a word of this kind is completed.
+/// Names that must be asked from the benches. Called only when such a word is completed.
 struct BenchNames {
   std::function<std::vector<std::string>()> axes;
   std::function<std::vector<std::string>()> benches;
 };
 
-/// @return the names that a session sees.
+/// @return the names visible in a session.
 [[nodiscard]] BenchNames names_of(client::Session& session);
 
 }  // namespace vdrive::tool

@@ -26,31 +26,33 @@ struct CommandRow;
 /// The commands of the tool, in the order of its help.
 using CommandTable = std::span<const CommandRow* const>;
 
-/// Where a command is written. What a scenario may have a shell may have too, and what a shell may
-/// have the command line.
+/// Where a command is written. Every command of a scenario is allowed in a shell, and every command
+/// of a shell on the command line.
 enum class Place : std::uint8_t { command_line, shell, scenario };
 
-/// A command with its arguments: what a line requests. Made by the reader of command lines only.
+/// A command with its arguments: the content of a line. Created only by the command-line parser.
 struct Command {
   const CommandRow* row = nullptr;
-  std::any arguments;                    ///< the struct that the file of the command has for them
-  std::vector<std::string> axes;         ///< that it names: addresses such as 7.1, names, 7.*, *
-  std::optional<std::uint32_t> bench;    ///< that it names
-  std::optional<std::uint32_t> refusal;  ///< `refused`: it passes if it is refused with this code
-  bool limits_itself = false;    ///< --timeout is the limit of the command, not of the search
-  bool bridges_silence = false;  ///< it continues after a gap, up to SessionOptions::patience
+  std::any arguments;                    ///< struct defined in the command's source file
+  std::vector<std::string> axes;         ///< named in the command: addresses such as 7.1, names,
+                                         ///< 7.*, *
+  std::optional<std::uint32_t> bench;    ///< named in the command
+  std::optional<std::uint32_t> refusal;  ///< `refused`: passes if it is refused with this code
+  bool limits_itself = false;    ///< --timeout limits the command, not the search for its axes
+  bool bridges_silence = false;  ///< continues after a gap of up to SessionOptions::patience
 };
 
-/// The tool as it was called: what a command works with that opens its own session, or none.
+/// The invocation of the tool, for commands that open their own session or none.
 struct Program {
   const GlobalOptions& options;
   CommandTable commands;
   Terminal& terminal;
 };
 
-/// Under which title the help lists a command; the titles are in the order of their first command.
+/// The heading under which the help lists a command; headings are in the order of their first
+/// command.
 enum class CommandGroup : std::uint8_t {
-  none,  ///< no command has it
+  none,  ///< not used by any command
   observation,
   power,
   motion,
@@ -61,44 +63,45 @@ enum class CommandGroup : std::uint8_t {
   machine,
 };
 
-/// What a command is called, and its help.
+/// The name and help of a command.
 struct CommandFace {
   std::string_view name;
   CommandGroup group = CommandGroup::none;
   std::string_view summary;
-  std::string_view example;         ///< behind "vdrive "
-  std::string_view help = {};       ///< at the end of its help in place of the example
-  Place deepest = Place::scenario;  ///< where it may stand, and everywhere before
-  bool needs_domain = true;         ///< false: it works also where VDRIVE_DOMAIN is wrong
+  std::string_view example;         ///< after "vdrive "
+  std::string_view help = {};       ///< ends its help in place of the example
+  Place deepest = Place::scenario;  ///< allowed here and in all places before
+  bool needs_domain = true;         ///< false: also works with an invalid VDRIVE_DOMAIN
 };
 
-/// Makes the command of the arguments that have been read.
+/// Creates the command from the arguments read.
 using CommandMaker = std::function<Command()>;
 
-/// What a command is to the rest of the tool: `row_of` makes it of the struct with its arguments.
+/// The interface of a command to the rest of the tool; `row_of` derives it from the struct of its
+/// arguments.
 struct CommandRow {
   CommandFace face;
 
   /// Declares the arguments.
   CommandMaker (*declare)(Arguments& arguments) = nullptr;
 
-  /// Checks what can be checked before a bench is there; a scenario does it when it is read.
+  /// Checks that need no bench; a scenario makes them when it is read.
   /// @throws UsageError
   void (*check_objects)(const std::any& arguments) = nullptr;
 
   /// Checks the values once the axis is known, before anything moves.
-  /// @throws UsageError for a unit that the axis has not, and for what is out of range with it.
+  /// @throws UsageError for a unit that the axis does not have, and for a value out of range in it.
   void (*check_units)(const std::any& arguments, const CommandContext& context,
                       const client::Axis& axis) = nullptr;
 
-  /// Carries the command out in a session.
+  /// Executes the command in a session.
   client::Outcome (*run)(const std::any& arguments, CommandContext& context) = nullptr;
 
-  /// Carries it out on the command line where that takes no session, or one of its own.
+  /// Executes it on the command line if it needs no session, or its own.
   ExitCode (*start)(const std::any& arguments, const Program& program) = nullptr;
 };
 
-/// @return the axes that the arguments name.
+/// @return the axes named in the arguments.
 template <typename Given>
 [[nodiscard]] std::vector<std::string> axes_of(const Given& given) {
   if constexpr (requires { given.axes; }) {
@@ -110,7 +113,7 @@ template <typename Given>
   }
 }
 
-/// @return the command that these arguments are for.
+/// @return the command with these arguments.
 template <typename Given>
 [[nodiscard]] Command command_of(const Given& given) {
   Command command{.row = nullptr,
@@ -134,8 +137,8 @@ template <typename Given>
 }
 
 /// @tparam Given the arguments of the command, with `declare(Arguments&)`, with `run` or `start` or
-///         both, and where it has something to check `check_objects` and `check_units`
-/// @tparam make the arguments before anything was read
+///         both, and with `check_objects` and `check_units` if there is something to check
+/// @tparam make returns the arguments with their initial values
 template <typename Given, Given (*make)() = &no_arguments<Given>>
 [[nodiscard]] consteval CommandRow row_of(const CommandFace& face) {
   constexpr bool kRuns = requires(const Given& given, CommandContext& context) {

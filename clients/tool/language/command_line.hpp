@@ -11,9 +11,9 @@
 
 namespace vdrive::tool {
 
-/// Reads the words of a line as one of the commands of a table.
+/// Parses the words of a line as one of the commands of a table.
 
-/// What the command line requests: a command, or a text (help, version) and nothing else.
+/// The request of a command line: either a command or a text (help, version).
 struct Invocation {
   GlobalOptions options;
   std::optional<Command> command;
@@ -21,27 +21,27 @@ struct Invocation {
 };
 
 /// @param arguments without the program's name
-/// @throws UsageError naming what is wrong and how to get help.
+/// @throws UsageError that names the mistake and how to get help.
 [[nodiscard]] Invocation parse_command_line(CommandTable commands,
                                             std::vector<std::string> arguments);
 
-/// One line of a shell: the commands of the command line that work in its session, with --json and
-/// --timeout; `help`, and `help COMMAND`.
+/// Parses one line of a shell: the commands that work in its session, with --json and --timeout;
+/// `help`, and `help COMMAND`.
 /// @throws UsageError
 [[nodiscard]] Invocation parse_shell_command(CommandTable commands, std::vector<std::string> words);
 
-/// One line of a scenario: the commands that it may have, and `refused`.
+/// One line of a scenario: one of the commands it may have, or `refused`.
 struct ScenarioCommand {
   Command command;
   std::optional<Duration> timeout;
 };
 
-/// @throws UsageError also for words that make no sense inside a scenario.
+/// @throws UsageError also for words that make no sense in a scenario.
 [[nodiscard]] ScenarioCommand parse_scenario_command(CommandTable commands,
                                                      std::vector<std::string> words);
 
 /// @param words of a command line without the program; the last one is completed
-/// @return what may stand in its place.
+/// @return the words that can replace it.
 [[nodiscard]] std::vector<std::string> complete_words(CommandTable commands,
                                                       const std::vector<std::string>& words,
                                                       const BenchNames& names);

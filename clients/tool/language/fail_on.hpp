@@ -8,9 +8,9 @@
 
 namespace vdrive::tool {
 
-/// --fail-on SEVERITY: which findings are failures.
+/// --fail-on SEVERITY: the findings that count as failures.
 /// @param fail_on nothing = none
-/// @param is_given becomes true where the command line has it; null = nobody asks
+/// @param is_given set to true if the command line has the option; may be null
 void declare_fail_on(Arguments& arguments, std::optional<judge::Severity>& fail_on,
                      bool* is_given = nullptr);
 

@@ -7,7 +7,7 @@
 
 namespace vdrive::tool {
 
-/// Texts of --help beside what CLI11 makes itself.
+/// Texts of --help in addition to those that CLI11 generates.
 
 inline constexpr std::string_view kSummary = "Commands virtual CiA 402 servo drives over DDS.\n";
 
@@ -21,7 +21,7 @@ inline constexpr std::string_view kSpelling =
     "(0xFFFFD8F0 is -10000). A position, a speed or a ramp is in user units (UU), or has a unit of "
     "its axis: 90deg, 180deg/s, 900deg/s2, 12.5mm. DURATION is for example 500us, 20ms or 1.5s.";
 
-/// @return the title of a group of commands.
+/// @return the heading of a group of commands.
 [[nodiscard]] constexpr std::string_view title_of(CommandGroup group) noexcept {
   switch (group) {
     case CommandGroup::none:

@@ -10,20 +10,20 @@
 
 namespace vdrive::tool {
 
-// What a scenario may have at most: a mistake, or a file of another kind, is found before it takes
-// memory or time. The largest sensible line names each of some thousand axes.
+// Limits of a scenario, so that a mistake, or a file of another kind, is found before it takes much
+// memory or time. The longest sensible line names some thousand axes.
 
-/// Bytes of a line, with the values in the places of its variables, too.
+/// [bytes] of a line, also with its variables replaced.
 inline constexpr std::size_t kLongestLine = std::size_t{32} << 10U;
 
 /// Words of a line.
 inline constexpr std::size_t kMostWords = 4'096;
 
-/// Bytes of a file, with the values in the places of its variables, too.
+/// [bytes] of a file, also with its variables replaced.
 inline constexpr std::size_t kLargestScenario = std::size_t{4} << 20U;
 
-/// The variables of one scenario: what `--set` of the command line gives takes precedence over what
-/// `let` of the file gives.
+/// The variables of one scenario: values from `--set` on the command line take precedence over
+/// those from `let` in the file.
 class Variables {
  public:
   using Values = std::map<std::string, std::string>;
@@ -31,15 +31,16 @@ class Variables {
   /// @param settings of the command line, from settings_of()
   explicit Variables(Values settings = {}) : settings_(std::move(settings)) {}
 
-  /// Takes a line such as `let speed = 500`. @return whether it is such a line.
-  /// @throws UsageError when name or value are not valid.
+  /// Handles a line such as `let speed = 500`.
+  /// @return whether it is such a line.
+  /// @throws UsageError if name or value is not valid.
   bool let(std::string_view line);
 
-  /// @return `line` with the value in the place of each ${name}.
-  /// @throws UsageError for a variable that has no value, and for more than kLongestLine bytes.
+  /// @return `line` with each ${name} replaced by its value.
+  /// @throws UsageError for a variable without a value, and for more than kLongestLine bytes.
   [[nodiscard]] std::string expand(std::string_view line);
 
-  /// The variables that the scenario uses or gives a value.
+  /// The variables that the scenario uses or sets.
   [[nodiscard]] const std::set<std::string>& names() const noexcept { return names_; }
 
  private:
@@ -51,7 +52,7 @@ class Variables {
 };
 
 /// @param texts such as `axis=7.1`
-/// @throws UsageError naming the text that has another form, or the variable that is set twice.
+/// @throws UsageError with the text, if it has another form or sets a variable twice.
 [[nodiscard]] Variables::Values settings_of(const std::vector<std::string>& texts);
 
 }  // namespace vdrive::tool

@@ -11,29 +11,27 @@
 
 namespace vdrive::tool {
 
-/// A verdict of the judge in the forms that programs read. Each has every finding once, worst
-/// first.
+/// A verdict of the judge in machine-readable forms. Each contains every finding once, worst first.
 
-/// @return one object for each finding, and at the end one of the whole.
+/// @return one object for each finding, and a final one with the overall result.
 [[nodiscard]] std::vector<Json> judge_json(const judge::Verdict& verdict,
                                            const judge::ReportFace& face);
 
 /// @return one object for each rule.
 [[nodiscard]] std::vector<Json> rules_json();
 
-/// @param fail_on findings of this severity and above are failures, the others output of a case
-///        that passed
-/// @return one suite with a case for each rule; one that could not be judged on any axis is
-/// skipped.
+/// @param fail_on findings of this severity and above are failures, the others output of a passed
+///        case
+/// @return one suite with a case for each rule; a rule that could not be judged on any axis is
+///         skipped.
 [[nodiscard]] JunitSuite judge_junit(const judge::Verdict& verdict, const judge::ReportFace& face,
                                      judge::Severity fail_on);
 
-/// @return the log of one run in SARIF 2.1.0, whose places are lines of the log where it has lines.
-///         Findings that an exception covers are suppressed results.
+/// @return the log of one run in SARIF 2.1.0, whose locations are lines of the log if it has lines.
+///         Findings covered by an exception are suppressed results.
 [[nodiscard]] std::string judge_sarif(const judge::Verdict& verdict, const judge::ReportFace& face);
 
-/// @return a page of HTML that needs no other file and no network, with a picture of the ticks
-///         around each finding.
+/// @return a self-contained page of HTML, with a picture of the ticks around each finding.
 [[nodiscard]] std::string judge_html(const judge::Verdict& verdict, const judge::ReportFace& face);
 
 }  // namespace vdrive::tool

@@ -13,59 +13,59 @@ namespace vdrive::tool {
 
 /// One line of a scenario as a test case.
 struct JunitCase {
-  /// The types of what was not judged.
+  /// The types of cases that were not judged.
   static constexpr const char* kNotRun = "not_run";
   static constexpr const char* kInterrupted = "interrupted";
 
   std::string name;
   std::chrono::nanoseconds duration{};                ///< wall time
-  std::optional<std::string> failure = std::nullopt;  ///< what was not as expected; none = passed
-  std::optional<std::string> error = std::nullopt;    ///< why it could not be judged at all
+  std::optional<std::string> failure = std::nullopt;  ///< the deviation; none = passed
+  std::optional<std::string> error = std::nullopt;    ///< why it could not be judged
   bool is_skipped = false;
-  std::size_t line = 0;  ///< of the file of its suite; 0 = of none
+  std::size_t line = 0;  ///< in the file of its suite; 0 = none
 
-  /// Of a failure or an error: what kind it is, such as "expectation", and all that is known of it,
-  /// with its place; empty = the message alone.
+  /// Of a failure or an error: its kind, such as "expectation", and all details with the place;
+  /// empty = only the message.
   std::string type{};
   std::string text{};
 
-  std::string output{};  ///< what it printed
+  std::string output{};  ///< printed output
 };
 
-/// A scenario.
+/// A scenario as a test suite.
 struct JunitSuite {
   std::string name;  ///< the file
   std::vector<JunitCase> cases;
 };
 
-/// Which part of all files a run has, where several share them.
+/// The part of all files that one of several runs takes.
 struct Shard {
-  static constexpr std::size_t kMost = 100'000;  ///< as many as an Indexed Job of Kubernetes has
+  static constexpr std::size_t kMost = 100'000;  ///< the limit of an Indexed Job of Kubernetes
 
   std::size_t number = 1;  ///< from 1
   std::size_t count = 1;
-  std::size_t files = 0;  ///< of all shards together; 0 = not known
+  std::size_t files = 0;  ///< of all shards together; 0 = unknown
 };
 
-/// What a report holds.
+/// The contents of a report.
 struct JunitContent {
   std::vector<JunitSuite> suites;
   std::optional<Shard> shard;
 };
 
-/// @param shard that the suites are of; none = they are of all files
+/// @param shard to which the suites belong; none = they cover all files
 [[nodiscard]] std::string junit_xml(const std::vector<JunitSuite>& suites,
                                     const std::optional<Shard>& shard = std::nullopt);
 
-/// @param xml what junit_xml() has made
-/// @throws UsageError for anything else, with its line.
+/// @param xml written by junit_xml()
+/// @throws UsageError for anything else, with the line.
 [[nodiscard]] JunitContent read_junit(const std::string& xml);
 
 /// The file of `--junit`.
 class JunitReport {
  public:
   /// @param file empty = no report
-  /// @throws UsageError when the file cannot be written.
+  /// @throws UsageError if the file cannot be written.
   explicit JunitReport(const std::string& file) : file_("--junit", file) {}
 
   /// @return why the report could not be written, or nothing.

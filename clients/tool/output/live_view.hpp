@@ -14,10 +14,9 @@
 
 namespace vdrive::tool {
 
-/// Shows axes of one bench while something else commands them: on a terminal a block that is
-/// refreshed in place, with a bar for a move whose target is known; else a line each second of
-/// drive time. Follows the status stream with a thread of its own, from construction to
-/// destruction.
+/// Shows axes of one bench while commands are executed: on a terminal as a block refreshed in
+/// place, with a bar for a move whose target is known; otherwise one line per second of drive time.
+/// Follows the status stream in its own thread from construction to destruction.
 class LiveView {
  public:
   LiveView(client::Session& session, Terminal& terminal, std::vector<client::AxisId> axes);
@@ -25,7 +24,7 @@ class LiveView {
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
 
-  /// The axis is on its way to this position, from where it was seen last.
+  /// The axis moves to this position, from the last one seen.
   void aim(const client::AxisId& axis, std::int64_t target);
 
  private:

@@ -10,26 +10,26 @@
 
 namespace vdrive::tool {
 
-/// One column of a recording as a curve.
+/// A column of a recording, drawn as a curve.
 struct PlotColumn {
   const StatusMember* member = nullptr;
-  std::string name;     ///< in recordings: a variable_name, or that of a counter
+  std::string name;     ///< in recordings: variable_name, or the name of a counter
   std::string label;    ///< in the legend, such as "demand 6062h"
-  std::string panel{};  ///< title of the panel that it shares, such as "position [UU]"
-  double size = 1.0;    ///< of 1 in the recording, in the unit of the panel
+  std::string panel{};  ///< title of its panel, may be shared, such as "position [UU]"
+  double size = 1.0;    ///< of one unit of the recording, in the unit of the panel
 };
 
-/// @return position and velocity with their demand, torque and following error.
+/// @return position and velocity with their demand values, torque and following error.
 [[nodiscard]] std::vector<PlotColumn> usual_plot_columns();
 
-/// @return the columns with their panels in the unit of an axis, such as "position [mm]".
+/// @return the columns with their panels converted to the unit of an axis, such as "position [mm]".
 [[nodiscard]] std::vector<PlotColumn> plot_columns_in(const Unit& unit,
                                                       std::vector<PlotColumn> columns);
 
-/// @param text names separated by commas: those of a recording, or names and addresses of their
-///        objects, as every command takes them
+/// @param text names separated by commas: column names of a recording, or names and addresses of
+///        objects as in every command
 /// @return each column once, in this order.
-/// @throws UsageError for a name that no column has, with the nearest one, or with all
+/// @throws UsageError for an unknown name, with the nearest one or all names
 [[nodiscard]] std::vector<PlotColumn> parse_plot_columns(std::string_view text);
 
 /// @return the names of all columns that can be drawn.

@@ -11,7 +11,7 @@
 
 namespace vdrive::tool {
 
-/// A value as a recording has it.
+/// A value of a recording.
 struct PlotPoint {
   std::uint64_t tick = 0;
   std::int64_t value = 0;
@@ -24,19 +24,19 @@ struct PlotTrace {
   std::vector<PlotPoint> points{};
 };
 
-/// A power state, from one tick up to the next state.
+/// A power state, from one tick until the next PlotState.
 struct PlotState {
   std::uint64_t from = 0;
   PowerState state = PowerState::not_ready_to_switch_on;
 };
 
-/// The tick in which 603Fh shows a new error.
+/// A tick in which 603Fh shows a new error.
 struct PlotFault {
   std::uint64_t tick = 0;
   std::uint16_t code = 0;
 };
 
-/// What is drawn of one axis.
+/// The plotted data of one axis.
 struct PlotTraces {
   std::uint64_t first_tick = 0;
   std::uint64_t last_tick = 0;
@@ -44,26 +44,26 @@ struct PlotTraces {
   std::vector<PlotTrace> traces{};
   std::vector<PlotState> states{};
   std::vector<PlotFault> faults{};    ///< the first kMostPlotFaults
-  std::uint64_t faults_left_out = 0;  ///< further ones
+  std::uint64_t faults_left_out = 0;  ///< beyond kMostPlotFaults
 };
 
 inline constexpr std::size_t kMostPlotFaults = 50;
 
-/// Reduces the samples of one axis while they are read, to what a picture can show: of each column
-/// of pixels the lowest and the highest value of a curve, in the tick in which the recording has
-/// them, and the worst power state. So a long recording needs no more memory, and no larger file,
-/// than a short one, and no peak is lost.
+/// Reduces the samples of one axis, while they are read, to what a picture can show: per pixel
+/// column the lowest and the highest value of a curve with their ticks, and the worst power state.
+/// A long recording thus needs no more memory, and no larger file, than a short one, and no peak is
+/// lost.
 class PlotReduction {
  public:
-  /// @param first, last ticks of the picture's edges
-  /// @param bins columns of pixels, 1 or more
+  /// @param first, last ticks at the edges of the picture
+  /// @param bins number of pixel columns, at least 1
   PlotReduction(const std::vector<PlotColumn>& columns, std::uint64_t first, std::uint64_t last,
                 std::size_t bins);
 
-  /// Takes the next sample, in the order of its ticks. One outside of the edges is passed over.
+  /// Takes the next sample, in the order of ticks. Samples outside the edges are ignored.
   void take(const client::AxisSnapshot& sample);
 
-  /// @return what was taken; nothing else is taken after it.
+  /// @return the result; no sample may follow.
   [[nodiscard]] PlotTraces finish() &&;
 
  private:
@@ -82,8 +82,8 @@ class PlotReduction {
   std::uint64_t bins_;
   std::uint64_t bin_ = 0;
   bool has_bin_ = false;
-  std::vector<Range> ranges_;  ///< of the present bin, one a column
-  PlotState state_{};          ///< the worst of the present bin
+  std::vector<Range> ranges_;  ///< of the present bin, one per column
+  PlotState state_{};          ///< worst of the present bin
   std::uint16_t error_ = 0;
 };
 

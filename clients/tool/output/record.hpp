@@ -16,54 +16,54 @@ namespace vdrive::tool {
 using recording::Json;
 using recording::to_line;
 
-/// Where the commands of a session write what they answer.
+/// Where and how the commands of a session print their answers.
 struct Output {
   Terminal& terminal;
-  bool is_json;         ///< one JSON object a line instead of text
-  const bool is_quiet;  ///< only commands that read print; the others print nothing
+  bool is_json;         ///< one JSON object per line instead of text
+  const bool is_quiet;  ///< print only the answers of reading commands
 };
 
-/// One row of a record.
+/// A field of a record.
 struct Field {
   std::string name;    ///< in JSON
   Json value;          ///< in JSON
-  std::string text{};  ///< in the line of text, with its unit; empty = in JSON only
+  std::string text{};  ///< in the line of text, with its unit; empty = only in JSON
 };
 
-/// What a command answers: a table of its fields, in the order of both forms. A phrase that is
-/// about several fields is the text of the last one.
+/// The answer of a command: its fields, in the order of both forms. A phrase about several fields
+/// is the text of the last one.
 using Record = std::vector<Field>;
 
-/// @return the fields as an object; a name that occurs twice has its last value.
+/// @return the fields as an object; the last of equal names counts.
 [[nodiscard]] Json record_json(const Record& record);
 
-/// @return the texts of the fields with a blank between them.
+/// @return the texts of the fields, separated by blanks.
 [[nodiscard]] std::string record_text(const Record& record);
 
-/// @return the texts of the fields that have one, as a row of a table.
+/// @return the non-empty texts of the fields, as a row of a table.
 [[nodiscard]] std::vector<std::string> record_columns(const Record& record);
 
-/// Prints a record as one line; nothing in place of a text that is empty.
+/// Prints a record as one line, unless its text is empty.
 void print(const Record& record, const Output& output);
 
-/// Prints what a command has done, unless the output is quiet. A failure is a line of JSON only:
+/// Prints the result of a command unless the output is quiet. A failure is printed in JSON only:
 /// the caller of the command prints its message.
 void print_answer(const Record& record, const client::Outcome& outcome, const Output& output);
 
-/// The same of a command that is done at a tick: adds its outcome, and the tick.
+/// As print_answer(), for a command that is done at a tick: adds its outcome and the tick.
 client::Outcome report_tick(Record record, const client::Result<std::uint64_t>& tick,
                             const Output& output);
 
 /// Adds the members of an object.
 void add_members(Record& record, const Json& object);
 
-/// @return a session as text, or null where there is none.
+/// @return a session as text, or null if there is none.
 [[nodiscard]] Json session_json(std::uint64_t session);
 
-/// @return who a session is: program, process and host, or null.
+/// @return the name of a session: program, process and host, or null.
 [[nodiscard]] Json name_json(const std::optional<client::SessionName>& name);
 
-/// Adds `outcome`, and for a failure `code` and `message`, and the session that stands in the way.
+/// Adds `outcome`; for a failure also `code` and `message`, and the session in the way.
 void add_outcome(Record& record, const client::Outcome& outcome);
 
 }  // namespace vdrive::tool

@@ -15,31 +15,32 @@
 
 namespace vdrive::tool {
 
-/// What an axis is called, and what its user units are.
+/// The name of an axis and its user units.
 struct AxisFace {
   std::string name;
   client::Unit unit;
-  std::string bench{};                         ///< name of its bench, for a view of several benches
-  std::optional<client::SessionName> owner{};  ///< who holds it, where it is known
+  std::string bench{};                         ///< name of its bench, if several are shown
+  std::optional<client::SessionName> owner{};  ///< session that controls it, if known
 };
 
-/// One axis as `status` and `watch` show it.
+/// The status of an axis as in `status` and `watch`.
 [[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const AxisFace& face);
 
-/// The same as some lines of text.
+/// The same as several lines of text.
 [[nodiscard]] std::vector<std::string> status_text(const client::AxisSnapshot& axis,
                                                    const AxisFace& face);
 
-/// The same as one line of text. @param label what the axis is called
+/// The same as one line of text. @param label name of the axis
 [[nodiscard]] std::string status_line(const client::AxisSnapshot& axis, const std::string& label,
                                       const client::Unit& unit);
 
-/// The same of an axis at the end of a motion: its speed is what is left within the window.
+/// As status_line(), at the end of a motion: without the speed, of which only a rest within the
+/// window is left.
 [[nodiscard]] std::string arrival_line(const client::AxisSnapshot& axis, const std::string& label,
                                        const client::Unit& unit);
 
-/// @return the state, the error that 603Fh shows, and the bits of the statusword that are not
-///         always 1, such as "Fault 0x8611 following error" or "Operation enabled: target reached".
+/// @return the state, the error in 603Fh, and the bits of the statusword that are not constant 1,
+///         such as "Fault 0x8611 following error" or "Operation enabled: target reached".
 [[nodiscard]] std::string state_text(const client::AxisSnapshot& axis);
 
 /// @return the colour of an axis: red in a fault, yellow with a warning or in a quick stop.
@@ -49,27 +50,27 @@ struct AxisFace {
 /// @return such as "0x8611 following error".
 [[nodiscard]] std::string error_text(std::uint16_t code);
 
-/// @return tenths of a percent as "12.5 %".
+/// @return tenths of a percent as text, such as "12.5 %".
 [[nodiscard]] std::string per_mille_text(int value);
 
-/// One axis as `list` shows it. @param owner who holds it, where it is known
+/// An axis as in `list`. @param owner session that controls it, if known
 [[nodiscard]] Record list_record(const client::BenchInfo& bench, const client::AxisInfo& info,
                                  const client::AxisSnapshot& axis,
                                  const std::optional<client::SessionName>& owner);
 
-/// The fields that name an object, as `read` and `write` show it.
+/// The fields that identify an object in `read` and `write`.
 [[nodiscard]] Record object_fields(const client::AxisId& axis, const ObjectName& object);
 
 /// @return the object and its value as text, such as "1.1 position = 90.00 deg".
 [[nodiscard]] std::string reading_text(const std::string& label, const ObjectName& object,
                                        std::int64_t value, const client::Unit& unit);
 
-/// Adds a value of a position, speed, ramp or jerk in the unit of the axis: `unit`, such as
-/// "mm/s3", and the value as `key` with "_in_unit". Nothing for other objects.
+/// Adds a position, speed, ramp or jerk in the unit of the axis: `unit`, such as "mm/s3", and the
+/// value as `key` with "_in_unit". Adds nothing for other objects.
 void add_in_unit(Record& record, std::optional<ObjectRow> row, const client::Unit& unit,
                  std::string_view key, std::int64_t value);
 
-/// @return the refusal of an object that no address is known of.
+/// @return the refusal of an object without a known address.
 [[nodiscard]] client::Outcome unknown_object(const client::AxisId& axis, const ObjectName& object);
 
 }  // namespace vdrive::tool

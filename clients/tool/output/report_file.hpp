@@ -9,12 +9,12 @@
 namespace vdrive::tool {
 
 /// The file of a report. It is opened before anything moves or is read, so that a wrong name is
-/// found then.
+/// found early.
 class ReportFile {
  public:
   /// @param option that names the file, such as "--junit"
   /// @param file empty = no report
-  /// @throws UsageError when the file cannot be written.
+  /// @throws UsageError if the file cannot be written.
   ReportFile(std::string_view option, const std::string& file);
 
   [[nodiscard]] bool is_wanted() const noexcept { return !name_.empty(); }

@@ -17,36 +17,35 @@
 
 namespace vdrive::tool {
 
-/// The order of the rows.
+/// The sort order of the rows.
 enum class WatchSort : std::uint8_t { axis, name, position, velocity, torque, state };
 
-/// Which axes a table shows, and in which order.
+/// The axes that a table shows, and their order.
 struct WatchChoice {
-  WatchSort sort = WatchSort::axis;  ///< velocity and torque: the largest amount first
+  WatchSort sort = WatchSort::axis;  ///< velocity and torque: largest amount first
   bool is_reversed = false;
   bool only_faults = false;
-  std::size_t first = 0;  ///< row of the first axis that is shown; beyond the end: the last page
+  std::size_t first = 0;  ///< row of the first axis shown; beyond the end: the last page
 };
 
-/// @return the face of an axis that is watched: it has one.
+/// @return the face of a watched axis.
+/// @pre `faces` has it
 [[nodiscard]] const AxisFace& face_of(const client::AxisId& axis,
                                       const std::map<client::AxisId, AxisFace>& faces);
 
-/// @return how many axes a page of this height has where not all of them fit.
+/// @return the number of axes per page if they do not all fit.
 [[nodiscard]] std::size_t page_of(const TerminalSize& size);
 
-/// What `watch` shows on a terminal: a line with the tick, of several benches that of each, a
-/// header, and one row an axis. A wider terminal gets more columns; 60 are enough for position,
-/// velocity and state with the bits of the statusword. No row is wider than the terminal, and there
-/// are no more rows than it has.
+/// The table of `watch` on a terminal: a line with the tick of each bench, a header, and one row
+/// per axis. A wider terminal gets more columns; 60 are enough for position, velocity and state
+/// with the bits of the statusword. The table never exceeds the size of the terminal.
 [[nodiscard]] std::vector<LiveLine> watch_table(const client::Observation& sample,
                                                 const std::map<client::AxisId, AxisFace>& faces,
                                                 const TerminalSize& size,
                                                 const WatchChoice& choice = {});
 
-/// Shows samples of axes: as a table that fills a terminal and follows its size, or as lines.
-/// Takes every sample and shows the newest one of each bench at most every 50 ms, as lines every
-/// 100 ms.
+/// Shows samples of axes: as a table that fills a terminal and follows its size, or as lines. Takes
+/// every sample, and shows the newest one of each bench at most every 50 ms, as lines every 100 ms.
 class WatchView {
  public:
   using Clock = std::chrono::steady_clock;
@@ -59,12 +58,12 @@ class WatchView {
   /// @param sample of axes of one bench
   void take(client::Observation sample);
 
-  /// A key of the user. @return false for the one that ends the view.
+  /// Handles a key. @return false for the key that ends the view.
   bool press(Key key);
 
-  /// Shows the newest sample when it is new, or the terminal has another size, and time is due.
-  /// Lines that are equal to those shown last are not new.
-  /// @return whether it did.
+  /// Shows the newest sample if it is due, and either the sample or the size of the terminal is
+  /// new. Lines equal to those shown last are not new.
+  /// @return whether it was shown.
   bool refresh(Clock::time_point now);
 
  private:

@@ -20,38 +20,39 @@ class PrivateBench;
 
 namespace vdrive::tool {
 
-/// What the benches are that a command makes for itself. They are in lock-step.
+/// The private benches of a command. They are in lock-step.
 struct PrivateBenches {
-  /// What carries the messages of a bench.
+  /// How messages reach a bench.
   enum class Wire : std::uint8_t {
-    local,  ///< none: the bench is in this process
-    dds,    ///< it is a vdrived on a domain that no other program uses
+    local,  ///< directly: the bench is in this process
+    dds,    ///< over DDS: the bench is a vdrived on a domain that no other program uses
   };
 
   Wire wire = Wire::local;
-  bool names_wire = false;      ///< the command line does
+  bool names_wire = false;      ///< the command line has --over
   std::string configuration{};  ///< file; empty = the demo bench
-  std::string service{};        ///< over DDS: the program; empty = found beside the tool or in PATH
+  std::string service{};        ///< DDS: the service program; empty = found next to the tool or in
+                                ///< PATH
   std::string journal{};        ///< file that the bench writes; empty = none
 
-  /// --over, --config and --service.
+  /// Declares --over, --config and --service.
   void declare(Arguments& arguments);
 
-  /// --journal.
+  /// Declares --journal.
   void declare_journal(Arguments& arguments);
 
-  /// @throws UsageError for an option that such a bench does not have, for a configuration that
-  ///         cannot be used, and where there is no service.
+  /// @throws UsageError for an option that such a bench does not have, an unusable configuration,
+  ///         or a missing service.
   void check(const GlobalOptions& options) const;
 
-  /// @return what a command line has for them.
+  /// @return the command-line arguments for these benches.
   [[nodiscard]] std::vector<std::string> arguments() const;
 };
 
-/// A bench that only this program reaches, and a session with it, which a signal interrupts.
+/// A bench that only this program reaches, with a session on it, which a signal interrupts.
 class PrivateSession {
  public:
-  /// @throws NotRun where it cannot be started.
+  /// @throws NotRun if it cannot be started.
   PrivateSession(const PrivateBenches& benches, const GlobalOptions& options, Interrupt& interrupt);
   ~PrivateSession();
   PrivateSession(const PrivateSession&) = delete;
@@ -67,7 +68,7 @@ class PrivateSession {
   Interrupt& interrupt_;
   std::optional<bench::Bench> bench_;
   std::unique_ptr<process::PrivateBench> service_;
-  std::optional<client::Session> session_;  ///< behind its bench: it ends first
+  std::optional<client::Session> session_;  ///< after its bench, so that it ends first
 };
 
 }  // namespace vdrive::tool

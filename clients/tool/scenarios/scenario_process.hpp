@@ -17,22 +17,23 @@
 namespace vdrive::tool {
 
 /// @param words such as `run --private --json`
-/// @return the command line of the process that carries out a scenario on a bench of its own.
+/// @return the command line of a process that executes a scenario on a private bench.
 [[nodiscard]] std::vector<std::string> command_of_process(const std::vector<std::string>& words,
                                                           const Scenario& scenario,
                                                           const ScenarioFiles& scenarios,
                                                           const PrivateBenches& benches,
                                                           const GlobalOptions& options);
 
-/// What the process of one file tells the one that has started it: a JSON object a line.
+/// The results that the process of one file passes to the one that started it: one JSON object per
+/// line.
 class FileResults {
  public:
   FileResults();
 
-  /// The result of a line, as --json has it.
+  /// Writes the result of a line, as in --json.
   void put(const Json& result);
 
-  /// The last words. @param failure of the file; empty = none
+  /// Writes the end. @param failure of the file; empty = none
   void end(const std::string& failure, const Terminal& terminal);
 
  private:
@@ -41,15 +42,15 @@ class FileResults {
 
 /// How such a process has ended.
 struct FileEnd {
-  /// What became of standard output.
+  /// The state of standard output.
   enum class Stream : std::uint8_t { open, closed_by_reader, failed };
 
   std::string failure{};
   Stream output = Stream::open;
 };
 
-/// @param results what FileResults has written
-/// @return nothing where the process has ended before its end, such as by a crash.
+/// @param results written by FileResults
+/// @return nothing if the process ended prematurely, for example by a crash.
 [[nodiscard]] std::optional<FileEnd> end_of_file(const std::string& results);
 
 }  // namespace vdrive::tool

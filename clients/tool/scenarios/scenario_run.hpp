@@ -16,31 +16,32 @@ namespace vdrive::tool {
 
 class FileResults;
 
-/// How a scenario is run and shown.
+/// How scenarios are executed and shown.
 struct RunOptions {
   bool is_json = false;
-  bool is_live = false;     ///< show the axes while time passes, also when not on a terminal
-  bool is_private = false;  ///< the bench ends with this program, and no other reaches it
+  bool is_live = false;     ///< show the axes while time passes, even if not on a terminal
+  bool is_private = false;  ///< the bench ends with this program, and no other program reaches it
   std::optional<Duration> timeout;
-  FileResults* results = nullptr;  ///< gets the result of each line; none = nobody asks
+  FileResults* results = nullptr;  ///< receives the result of each line; may be nullptr
 };
 
-/// Runs scenarios one after the other, each until its first failure and then its final lines, and
-/// writes the report. A failure does not keep the next file from running, an interrupt does.
-/// @return not_found before anything is done when an axis is not there; else the failure with file
-///         and line, or, of several files, how many passed: then the failures are on standard
-///         error.
+/// Executes scenarios one after the other, each until its first failure followed by its final
+/// lines, and writes the report. After a failure the next file is executed, after an interrupt it
+/// is not.
+/// @return not_found before anything is executed if an axis is missing; otherwise the failure with
+///         file and line or, for several files, the number that passed, in which case the failures
+///         are on standard error.
 client::Outcome run_scenarios(const std::vector<Scenario>& scenarios, const RunOptions& options,
                               JunitReport& junit, client::Session& session, Terminal& terminal);
 
-/// Checks the axes of all scenarios as run_scenarios() does, and writes the report if one is not
-/// there. Nothing is carried out.
+/// Checks the axes of all scenarios as run_scenarios() does, and writes the report if one is
+/// missing. Executes nothing.
 client::Outcome check_scenarios(const std::vector<Scenario>& scenarios, const RunOptions& options,
                                 JunitReport& junit, client::Session& session, Terminal& terminal);
 
-/// The same as run_scenarios(), each scenario in a process of its own: a crash is a failure of one
-/// file. An interrupt is passed on to the process that runs.
-/// @param processes the command line of each
+/// As run_scenarios(), but each scenario in its own process: a crash fails only one file. An
+/// interrupt is passed on to the running process.
+/// @param processes command line of each scenario
 client::Outcome run_scenarios_apart(const std::vector<Scenario>& scenarios,
                                     const RunOptions& options, JunitReport& junit,
                                     const std::vector<std::vector<std::string>>& processes,

@@ -12,35 +12,35 @@
 
 namespace vdrive::tool {
 
-/// Why a line of a scenario failed, and what helps to go on.
+/// Why a line of a scenario failed, with help for the user.
 struct LineFailure {
   std::string message;
-  std::vector<std::string> details;  ///< what the axes show, one line each
-  std::string advice;                ///< the next step; may be empty
+  std::vector<std::string> details;  ///< status of the axes, one line each
+  std::string advice;                ///< next step; may be empty
 };
 
-/// @return the failure with file and line, and below it, indented, the details and the next step.
+/// @return the failure with file and line, followed by the indented details and the next step.
 [[nodiscard]] std::string failure_text(const Scenario& scenario, const ScenarioLine& line,
                                        const LineFailure& failure);
 
 /// @return the name of a line in a report, such as "line 2: enable 1.1".
 [[nodiscard]] std::string name_of_line(const ScenarioLine& line);
 
-/// @return such as "32 lines", or "11 of 32 lines done" where not all of them were carried out.
+/// @return such as "32 lines", or "11 of 32 lines done" if not all were executed.
 [[nodiscard]] std::string lines_text(std::size_t done, std::size_t all);
 
-/// @param done lines that were carried out
-/// @return how a scenario has ended.
+/// @param done number of executed lines
+/// @return the record about the end of a scenario.
 [[nodiscard]] Record end_record(const Scenario& scenario, bool passed, std::size_t done,
                                 const Terminal& terminal);
 
-/// What became of a scenario that a process of its own carries out.
+/// The result of a scenario that was executed in its own process.
 struct ScenarioVerdict {
   int code = static_cast<int>(ExitCode::interrupted);  ///< 0 = passed
   std::vector<std::string> messages;                   ///< of a failure
-  std::vector<std::string> notes{};                    ///< also where it passed
+  std::vector<std::string> notes{};                    ///< even if it passed
   JunitSuite suite;
-  std::size_t done = 0;  ///< lines that were carried out, with the one that failed
+  std::size_t done = 0;  ///< executed lines, including the failed one
 };
 
 /// How the process `vdrive run --json` ended.
@@ -50,15 +50,15 @@ struct EndedRun {
   std::string errors;
 };
 
-/// @return the verdict before the scenario starts, and if it never does.
+/// @return the verdict before the scenario starts, also final if it never does.
 [[nodiscard]] ScenarioVerdict not_started(const Scenario& scenario);
 
-/// @return the verdict of a scenario of which no line was carried out.
+/// @return the verdict of a scenario of which no line was executed.
 [[nodiscard]] ScenarioVerdict failed_to_start(const Scenario& scenario, int code,
                                               const std::string& message);
 
 /// @return the verdict with a case for each line; a line without a result was skipped. An end that
-///         no line explains, such as a crash, is a case too.
+///         no line explains, such as a crash, gets its own case.
 [[nodiscard]] ScenarioVerdict verdict_of(const Scenario& scenario, const EndedRun& run);
 
 }  // namespace vdrive::tool

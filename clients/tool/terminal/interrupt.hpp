@@ -11,11 +11,11 @@
 
 namespace vdrive::tool {
 
-/// Turns SIGINT, SIGTERM and SIGHUP (its terminal was closed) into a call; SIGHUP not where it is
-/// ignored, as under nohup(1). Blocks them in the calling thread, whose later threads inherit that,
-/// and waits for them in a thread of its own; ignores SIGPIPE. A second signal ends the process,
-/// unless it is a SIGHUP or comes within 200 ms of the first one. To be made before the first
-/// thread.
+/// Turns SIGINT, SIGTERM and SIGHUP (the terminal was closed) into a call; SIGHUP only if it is not
+/// ignored, as it is under nohup(1). Blocks the signals in the calling thread, and thus in threads
+/// that it starts later, and waits for them in its own thread; ignores SIGPIPE. A second signal
+/// ends the process, unless it is a SIGHUP or follows the first one within 200 ms. Must be created
+/// before the first thread.
 class Interrupt {
  public:
   Interrupt();
@@ -23,21 +23,22 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
-  /// Calls `action` on a signal, also when it has come already. Any thread.
+  /// Calls `action` on a signal, immediately if one has already arrived. Thread-safe.
   void arm(std::function<void()> action);
 
-  /// Calls `action` before a second signal ends the process. To be set before arm().
+  /// Calls `action` before a second signal ends the process. Must be called before arm().
   void before_exit(std::function<void()> action);
 
-  /// No call from here on.
+  /// No call is made from here on.
   void disarm();
 
   [[nodiscard]] bool happened() const noexcept { return happened_; }
 
-  /// @return whether SIGTERM or SIGHUP has come: nobody types any more.
+  /// @return whether SIGTERM or SIGHUP has arrived: there is no user at the keyboard any more.
   [[nodiscard]] bool is_termination() const noexcept { return is_termination_; }
 
-  /// @return whether a signal has come since the last call. The next one is a first one again.
+  /// @return whether a signal has arrived since the last call. The next one counts as a first one
+  ///         again.
   bool take() noexcept { return happened_.exchange(false); }
 
  private:
@@ -50,7 +51,8 @@ class Interrupt {
   std::mutex mutex_;
   std::function<void()> action_;
   std::function<void()> last_action_;
-  std::chrono::steady_clock::time_point first_;  ///< signal, of its thread
+  std::chrono::steady_clock::time_point first_;  ///< time of the first signal, used by the thread
+                                                 ///< only
   std::jthread thread_;
 };
 

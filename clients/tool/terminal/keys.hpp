@@ -8,17 +8,17 @@
 
 namespace vdrive::tool {
 
-/// A key that a table takes.
+/// A key that a table handles.
 enum class Key : std::uint8_t { sort, reverse, faults, next_page, previous_page, first_page, quit };
 
-/// Takes the first key off `typed`: letters, or the escape sequences of the page keys and arrows.
-/// What is no key is dropped.
-/// @return nothing where `typed` is empty, or ends within an escape sequence.
+/// Takes the first key from `typed`: a letter, or the escape sequence of a page or arrow key. Drops
+/// anything else.
+/// @return nothing if `typed` is empty or ends within an escape sequence.
 [[nodiscard]] std::optional<Key> take_key(std::string& typed);
 
-/// The keys that are pressed while a command runs on a terminal. Until its end the terminal sends
-/// each key at once and does not echo it; Ctrl-C stays a signal. Where standard input is no
-/// terminal there are no keys.
+/// The keys pressed while a command runs on a terminal. While this object exists, the terminal
+/// sends each key immediately and without echo; Ctrl-C remains a signal. There are no keys if
+/// standard input is not a terminal.
 class KeyInput {
  public:
   KeyInput();
@@ -26,10 +26,10 @@ class KeyInput {
   KeyInput(const KeyInput&) = delete;
   KeyInput& operator=(const KeyInput&) = delete;
 
-  /// Does not wait. @return the next key.
+  /// @return the next key, without waiting.
   std::optional<Key> next();
 
-  /// Gives the terminal back without a lock, before the process ends at once.
+  /// Restores the terminal without a lock, immediately before the process ends.
   static void restore_at_once() noexcept;
 
  private:

@@ -11,10 +11,10 @@
 
 namespace vdrive::tool {
 
-/// A colour of the terminal, as its escape sequence takes it.
+/// A colour of the terminal, with its number in escape sequences.
 enum class Color : int { green = 32, red = 31, yellow = 33, cyan = 36, bold = 1 };
 
-/// One row of what is refreshed in place.
+/// A row of a display that is refreshed in place.
 struct LiveLine {
   std::string text;  ///< without escape sequences
   std::optional<Color> color;
@@ -22,7 +22,7 @@ struct LiveLine {
   friend bool operator==(const LiveLine&, const LiveLine&) = default;
 };
 
-/// Room on a terminal.
+/// The size of a terminal.
 struct TerminalSize {
   std::size_t columns = 100;
   std::size_t rows = 24;
@@ -30,10 +30,10 @@ struct TerminalSize {
   friend bool operator==(const TerminalSize&, const TerminalSize&) = default;
 };
 
-/// Standard output and standard error, shared by the commands and a live view. Lines are whole:
-/// a live block at the end of the terminal, and the line of progress below it, are taken away
-/// before a line and drawn again after it. What is refreshed in place is cut to the terminal's
-/// present size, row by row: a row that wrapped could not be refreshed. Thread-safe.
+/// Standard output and standard error, shared by the commands and a live view. Lines are never
+/// mixed: a live block at the end of the terminal, and the progress line below it, are erased
+/// before a line is printed and redrawn after it. Rows refreshed in place are clipped to the
+/// present width of the terminal, because a wrapped row could not be refreshed. Thread-safe.
 class Terminal {
  public:
   Terminal();
@@ -45,7 +45,7 @@ class Terminal {
   ///         unset nor "dumb".
   [[nodiscard]] bool is_interactive() const noexcept { return is_interactive_; }
 
-  /// @return whether a person reads standard error: it is a terminal.
+  /// @return whether a person reads standard error, because it is a terminal.
   [[nodiscard]] bool is_read_by_person() const noexcept { return is_read_by_person_; }
 
   /// @return whether colours may be used: interactive, and NO_COLOR unset.
@@ -54,38 +54,38 @@ class Terminal {
   /// @return whether standard error is a terminal that can be refreshed in place.
   [[nodiscard]] bool shows_progress() const noexcept { return shows_progress_; }
 
-  /// One line on standard output.
+  /// Prints a line on standard output.
   void print(std::string_view line);
 
-  /// One line on standard error.
+  /// Prints a line on standard error.
   void complain(std::string_view line);
 
-  /// Replaces the live block below the last line, on a terminal only. Where it is higher than the
-  /// terminal its last row has the number of those left out.
+  /// Replaces the live block below the last line, on a terminal only. If the block is higher than
+  /// the terminal, its last row shows the number of omitted rows.
   void show_live(std::vector<LiveLine> lines);
 
-  /// Replaces the whole screen, on a terminal only: the alternate screen, which end_live() leaves.
+  /// Replaces the screen, on a terminal only: uses the alternate screen until end_live().
   void show_screen(std::vector<LiveLine> lines);
 
-  /// Replaces the line of progress, which stands last, on standard error and on a terminal only.
+  /// Replaces the progress line, which is always last, on standard error and on a terminal only.
   void show_progress(std::string line);
 
-  /// Takes it away.
+  /// Removes the progress line.
   void end_progress() { show_progress({}); }
 
-  /// Leaves what was shown last as lines, and starts a new block below.
+  /// Leaves the last block on the terminal as lines, and starts a new block below.
   void end_live();
 
-  /// Leaves the alternate screen and takes the line of progress away, without a lock, before the
-  /// process ends at once.
+  /// Leaves the alternate screen and erases the progress line, without a lock, immediately before
+  /// the process ends.
   void leave_screen_at_once() noexcept;
 
-  /// @return false once standard output could not be written: its reader has gone away, or
+  /// @return false once writing to standard output has failed: either its reader has gone, or
   ///         write_failure() has the reason.
   [[nodiscard]] bool is_open() const;
 
-  /// @return why a line is missing on standard output; none while nothing is missing, or because
-  ///         the reader of the pipe has gone away.
+  /// @return why a line is missing on standard output; none if nothing is missing, or because the
+  ///         reader of the pipe has gone.
   [[nodiscard]] std::optional<std::string> write_failure() const;
 
  private:
@@ -110,13 +110,13 @@ class Terminal {
   std::string progress_;  ///< empty = none
   std::atomic<bool> is_progress_drawn_ = false;
   std::atomic<bool> is_on_screen_ = false;
-  int write_error_ = 0;  ///< of errno
+  int write_error_ = 0;  ///< errno, 0 = none
 };
 
-/// @return the present size of the terminal on standard output; the default where it is unknown.
+/// @return the present size of the terminal on standard output; the default if unknown.
 [[nodiscard]] TerminalSize terminal_size();
 
-/// @return `text` in this colour, or as it is.
+/// @return `text` in this colour, or unchanged.
 [[nodiscard]] std::string colored(const Terminal& terminal, Color color, std::string_view text);
 
 }  // namespace vdrive::tool

@@ -13,26 +13,26 @@
 
 namespace vdrive::tool {
 
-/// How an actual value has to stand to the expected one.
+/// The required relation of the actual value to the expected one.
 enum class Comparison : std::uint8_t { equal, not_equal, less, at_most, more, at_least };
 
-/// What an object of an axis is expected to be.
+/// The expected value of an object of an axis.
 struct Expectation {
   ObjectName object;
   Comparison comparison = Comparison::equal;
   std::int64_t value = 0;
-  std::optional<Quantity> quantity;  ///< the value where it has a unit
+  std::optional<Quantity> quantity;  ///< the value, if it was given with a unit
   Unit unit = user_unit();           ///< of the axis, for messages
   std::optional<std::uint64_t> mask;
   std::optional<std::uint64_t> tolerance;
   std::optional<Quantity> quantity_of_tolerance;
-  std::optional<Duration> within;      ///< it comes true in this drive time
-  std::optional<Duration> throughout;  ///< it is true in every tick of this drive time
+  std::optional<Duration> within;      ///< must become true within this drive time
+  std::optional<Duration> throughout;  ///< must be true in every tick of this drive time
 
-  /// @return whether `actual` is what is expected.
+  /// @return whether `actual` meets the expectation.
   [[nodiscard]] bool accepts(std::int64_t actual) const noexcept;
 
-  /// @return the same for Comparison::equal: under the mask, or within the tolerance.
+  /// @return the same for Comparison::equal, under the mask or within the tolerance.
   [[nodiscard]] bool equals(std::int64_t actual) const noexcept;
 };
 
@@ -41,23 +41,24 @@ struct Expectation {
 [[nodiscard]] Expectation parse_expectation(const std::string& object,
                                             std::span<const std::string> values);
 
-/// @return such as "0x1237 (4663) under mask 0x00001000", with the comparison where it is not "==".
+/// @return such as "0x1237 (4663) under mask 0x00001000", with the comparison unless it is "==".
 [[nodiscard]] std::string expected_text(const Expectation& expectation);
 
-/// @param mode of the axis (6061h): it gives bits 12 and 13 of the statusword their names
-/// @return of the statusword (6041h) and the controlword (6040h) what the actual value says beside
-///         its number: the power state, and each bit that differs from an expected value, such as
-///         "Operation enabled, bit 10 target reached is 0"; empty for other objects.
+/// @param mode of the axis (6061h): decides the names of bits 12 and 13 of the statusword
+/// @return the meaning of a value of the statusword (6041h) or controlword (6040h): the power
+///         state, and each bit that differs from the expected value, such as "Operation enabled,
+///         bit 10 target reached is 0"; empty for other objects.
 [[nodiscard]] std::string decoded_text(const Expectation& expectation, std::int64_t actual,
                                        OperatingMode mode);
 
-/// @throws UsageError for an object that does not exist, and for what its range never fulfils.
+/// @throws UsageError for an object that does not exist, and for a value that its range can never
+///         fulfil.
 void check_expectation(const Expectation& expectation);
 
 /// @return such as "<=".
 [[nodiscard]] std::string_view to_string(Comparison comparison) noexcept;
 
-/// @return the comparison that `text` is, if it is one.
+/// @return the comparison with this spelling, if any.
 [[nodiscard]] std::optional<Comparison> comparison_named(std::string_view text) noexcept;
 
 }  // namespace vdrive::tool
