@@ -5,8 +5,8 @@
 
 namespace vdrive::tool {
 
-// Each is defined in the file of its command: commands/move.cpp has kMove, commands/power.cpp those
-// that take axes only.
+// Each row is defined in the file of its command: commands/move.cpp has kMove, commands/power.cpp
+// those of commands with only axes as arguments.
 extern const CommandRow kList;
 extern const CommandRow kStatus;
 extern const CommandRow kDescribe;

@@ -23,7 +23,7 @@
 namespace vdrive::tool {
 namespace {
 
-/// The options of the network in a command line that is not whole yet.
+/// The network options in an incomplete command line.
 GlobalOptions network_of(const std::vector<std::string>& words) {
   GlobalOptions options;
   options.domain = wire::default_domain();
@@ -45,7 +45,7 @@ GlobalOptions network_of(const std::vector<std::string>& words) {
   return options;
 }
 
-/// What the completion of a shell calls: a person waits for it, and no error is shown.
+/// Called for completion in a shell: a person waits for it, and no error is shown.
 ExitCode complete(const std::vector<std::string>& words, const std::shared_ptr<wire::LocalBus>& bus,
                   Terminal& terminal) {
   constexpr std::chrono::milliseconds kPatience{400};
@@ -75,7 +75,7 @@ ExitCode complete(const std::vector<std::string>& words, const std::shared_ptr<w
   return ExitCode::ok;
 }
 
-/// Carries a command out in a session of its own.
+/// Executes a command in its own session.
 ExitCode run_in_session(const Command& command, const Program& program) {
   GlobalOptions options = program.options;
   if (command.limits_itself) options.timeout.reset();
@@ -109,10 +109,10 @@ ExitCode run_command(std::vector<std::string> arguments, const std::shared_ptr<w
   return run_in_session(command, program);
 }
 
-/// @return the exit code; what went wrong is reported.
+/// @return the exit code; failures have been reported.
 ExitCode run_reported(std::vector<std::string> arguments,
                       const std::shared_ptr<wire::LocalBus>& bus, Terminal& terminal) {
-  // A command line with a mistake has no options yet.
+  // A command line with a mistake has not been parsed into options.
   const bool is_json = std::ranges::find(arguments, "--json") != arguments.end();
   try {
     return run_command(std::move(arguments), bus, terminal);

@@ -14,7 +14,7 @@ namespace vdrive::tool {
 ScratchDirectory::ScratchDirectory() {
   std::error_code error;
   const auto parent = std::filesystem::temp_directory_path(error);
-  // mkdtemp replaces the six X.
+  // mkdtemp replaces the six X characters.
   path_ = (error ? std::filesystem::path("/tmp") : parent) / "vdrive-XXXXXX";
   if (::mkdtemp(path_.data()) == nullptr) {
     throw std::runtime_error("cannot make the directory " + in_quotes(path_) + ": " +

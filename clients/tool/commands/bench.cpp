@@ -10,7 +10,7 @@
 namespace vdrive::tool {
 namespace {
 
-/// Measures what this machine can do, on benches of its own.
+/// Measures the performance of this machine on private benches.
 struct BenchCommand {
   std::string service{};
   bool is_quick = false;

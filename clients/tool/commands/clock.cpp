@@ -128,7 +128,7 @@ Action parse_action(const std::string& text) {
                    suggestion(text, {"take", "list", "restore", "drop"}));
 }
 
-/// @param number of the snapshot, as text; empty where it was not given
+/// @param number of the snapshot, as text; empty if not given
 std::uint64_t parse_snapshot(Action action, const std::string& number) {
   const bool takes_number = action == Action::restore || action == Action::drop;
   if (number.empty() == takes_number) {
@@ -154,7 +154,7 @@ void print_snapshots(const client::BenchInfo& bench, std::span<const client::Kep
   }
 }
 
-/// Of one bench, or of all where none is named.
+/// Of one bench, or of all if none is named.
 Outcome list_snapshots(std::optional<std::uint32_t> number, const CommandContext& context) {
   const auto benches = benches_to_show(context.session, number);
   if (!benches) return benches.outcome();
@@ -166,7 +166,7 @@ Outcome list_snapshots(std::optional<std::uint32_t> number, const CommandContext
   return {};
 }
 
-/// @param number of the snapshot; that of the new one after take
+/// @param number of the snapshot; receives the new number after take
 Outcome change_snapshots(Action action, std::uint32_t bench, std::uint64_t& number,
                          client::Session& session) {
   if (action == Action::restore) return session.restore_snapshot(bench, number).outcome();

@@ -71,7 +71,7 @@ std::vector<std::string> completed_shells() {
   return names;
 }
 
-/// Prints a script for a shell that completes command lines: it calls the program.
+/// Prints a shell script that completes command lines by calling this program.
 struct CompletionCommand {
   std::string shell{};
 

@@ -37,11 +37,11 @@ std::string contents_text(const std::string& file, const recording::Contents& co
   return text;
 }
 
-/// Writes the status of one recording as another.
+/// Converts a recording to another format.
 struct ConvertCommand {
   std::string from{};
   std::string to{};
-  std::optional<Duration> period{};  ///< of a tick, where `from` has no such time
+  std::optional<Duration> period{};  ///< of a tick, if `from` does not contain it
 
   void declare(Arguments& arguments);
   ExitCode start(const Program& program) const;

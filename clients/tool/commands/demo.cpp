@@ -28,14 +28,14 @@ namespace {
 using client::Outcome;
 using namespace std::chrono_literals;
 
-/// An axis that a visitor has taken, stopped or given a fault is left alone so long.
+/// How long an axis is left alone after a visitor has taken or stopped it, or it has had a fault.
 constexpr auto kLeftAlone = 3s;
 constexpr auto kPoll = 200ms;
-// The bench has just started, on a machine that may be busy with others.
+// The bench has just been started, and the machine may be busy.
 constexpr auto kStart = 60s;
 constexpr auto kEnd = 5s;
 
-/// What clients of the gateway send: other machines may reach it.
+/// Clients of the gateway must send it, because other machines may reach the gateway.
 std::string random_token() {
   std::random_device source;
   std::uniform_int_distribution<std::size_t> digit(0, 15);
@@ -61,8 +61,8 @@ void move_to_and_fro(client::Axis axis, std::int32_t stroke, const std::stop_tok
   }
 }
 
-/// @return the address in the first line of a gateway, "vdrive-gateway: http://ADDRESS:PORT/ ...",
-/// as a browser here takes it; empty before it has written the line.
+/// @return the address for a local browser, from the first line of a gateway, "vdrive-gateway:
+///         http://ADDRESS:PORT/ ..."; empty while there is no such line.
 std::string url_in(const std::string& line) {
   const std::size_t begin = line.find("http://");
   const std::size_t end = line.find(' ', begin);

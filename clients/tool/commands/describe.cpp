@@ -20,7 +20,7 @@ namespace {
 
 using client::Outcome;
 
-/// One axis: what was read of it, or why that failed.
+/// One axis with the values read from it, or why reading failed.
 struct DescribedAxis {
   client::Axis axis;
   const client::AxisSnapshot& status;
@@ -41,7 +41,7 @@ client::Result<std::map<std::uint32_t, client::BenchInfo>> benches_of(
   return benches;
 }
 
-/// @param shown the axes; those of a bench that did not answer are left out
+/// @param shown status of the axes; axes of a bench that did not answer are left out
 std::vector<DescribedAxis> read_objects(const std::vector<client::Axis>& axes,
                                         const AxisStates& shown) {
   std::vector<DescribedAxis> read;
@@ -54,7 +54,7 @@ std::vector<DescribedAxis> read_objects(const std::vector<client::Axis>& axes,
   return read;
 }
 
-/// Only a fault needs the events: to wait for them takes longer than all the rest.
+/// Reads events only if there is a fault: waiting for them takes longer than everything else.
 std::vector<client::Event> events_needed(client::Session& session,
                                          const std::vector<DescribedAxis>& axes) {
   const bool has_fault = std::ranges::any_of(axes, [](const DescribedAxis& axis) {
@@ -83,14 +83,14 @@ void show_description(const AxisDescription& described, const Output& output) {
   for (const std::string& line : description_text(described)) output.terminal.print(line);
 }
 
-/// A failure is an object of its own with --json.
+/// With --json, a failure is a separate object.
 void show_failure(const DescribedAxis& axis, const CommandContext& context) {
   Record record{{"axis", to_string(axis.axis.id())}};
   add_outcome(record, context.axes.named(axis.readings.outcome()));
   print(record, context.output);
 }
 
-/// Everything that is known of axes.
+/// Prints everything known about axes.
 struct DescribeCommand {
   std::vector<std::string> axes{};
 

@@ -37,7 +37,7 @@ constexpr std::array kFormatNames{
     FormatName{"csv", TableFormat::csv}, FormatName{"eds", TableFormat::eds},
     FormatName{"node-json", TableFormat::node_json}};
 
-/// @return whether the whole dictionary of a CANopen node is shown, and not the core's table.
+/// @return whether the full dictionary of a CANopen node is shown, rather than the core's table.
 bool is_of_node(TableFormat format) {
   return format == TableFormat::eds || format == TableFormat::node_json;
 }
@@ -119,7 +119,7 @@ void add_homing_methods(std::vector<std::string>& lines) {
   }
 }
 
-/// What the values of an object mean, below the rows where the object is asked for.
+/// The meanings of an object's values, below its row if the object was asked for.
 void add_meanings(const DictionaryCommand& command, std::vector<std::string>& lines) {
   using namespace vdrive::literals;
   const auto is_asked = [&command](ObjectRow row) {
@@ -186,7 +186,7 @@ std::vector<std::string> node_lines() {
   return lines;
 }
 
-/// What an axis has after power-up, by a bench of its own.
+/// The values of an axis after power-up, from a temporary bench.
 /// @param number of the axis
 std::vector<canopen::DriveValue> values_of_axis(const DictionaryCommand& command,
                                                 std::uint64_t number) {
@@ -264,7 +264,7 @@ TableFormat parse_table_format(const std::string& text) {
   return row == kFormatNames.end() ? TableFormat::table : row->format;
 }
 
-/// A data sheet of one node has its options, and nothing else has.
+/// The options of a data sheet for one node are allowed with this format only.
 void check_node(const DictionaryCommand& command) {
   if (command.node && command.format != TableFormat::eds) {
     throw UsageError("--node applies to a data sheet only: add --format eds");

@@ -30,15 +30,15 @@ void show_finding(const Finding& finding, const Output& output) {
   if (has_advice) output.terminal.print("         -> " + finding.advice);
 }
 
-/// Checks this machine and finds the benches on the domain. @return failed with a problem
+/// Checks this machine and finds the benches on the domain. @return failed if there is a problem
 Outcome diagnose(const GlobalOptions& options, const Output& output) {
   std::vector<Finding> findings = check_host(read_host(options.interfaces), options);
   try {
-    // Both wait for the network.
+    // In parallel, because both wait for the network.
     auto ros = std::async(std::launch::async, [&options] {
       return read_ros(options);
     });
-    // Here, where it can fail: the machine is checked also where no session can be opened.
+    // Inside `try`, so that the machine is checked even if no session can be opened.
     client::Session session(session_options(options));
     const auto benches = session.find_benches();
     std::ranges::move(check_troubles(session.network_troubles()), std::back_inserter(findings));

@@ -29,7 +29,7 @@ bool is_number(const std::string& text) {
 }
 
 struct EventsCommand {
-  std::string source{};  ///< a bench's number or an axis; empty = all benches
+  std::string source{};  ///< number of a bench, or an axis; empty = all benches
   bool follow = false;
 
   void declare(Arguments& arguments) {

@@ -19,7 +19,7 @@
 namespace vdrive::tool {
 namespace {
 
-/// The texts of the options: what they mean depends on OBJECT.
+/// The texts of the options, whose meaning depends on OBJECT.
 struct BoundTexts {
   const std::string& mask;
   const std::string& tolerance;
@@ -45,7 +45,8 @@ void read_bounds(Expectation& expectation, const BoundTexts& texts) {
       expectation.quantity_of_tolerance ? 0 : parse_number(texts.tolerance, "tolerance", kHighest);
 }
 
-/// After AXIS and OBJECT. After a comparison the value has no completion.
+/// Completes the word after AXIS and OBJECT. There is no completion for the value after a
+/// comparison.
 std::vector<std::string> complete_comparison(std::span<const std::string> before,
                                              const BenchNames& /*names*/) {
   if (before.size() != 2) return {};
@@ -122,7 +123,7 @@ namespace {
 
 using client::Outcome;
 
-/// @throws UsageError for 1.1, which is an axis without a condition more often than 1.1 s.
+/// @throws UsageError for 1.1, which is more often an axis without a condition than 1.1 s.
 Duration parse_time(const std::string& text) {
   if (!client::parse_axis_id(text)) return parse_duration(text);
   throw UsageError(in_quotes(text) + " is an axis: write what to wait for, such as 'wait " + text +
@@ -171,7 +172,7 @@ std::vector<std::string> complete_wait(std::span<const std::string> before,
   return words;
 }
 
-/// Of the benches whose axes the commands before have named, or of the only one.
+/// On the benches whose axes earlier commands have named, or on the only one.
 Outcome wait_for_time(Duration duration, CommandContext& context) {
   if (context.axes.benches().empty()) {
     const auto only = find_bench(context.session, std::nullopt,
@@ -224,7 +225,7 @@ void WaitCommand::check_units(const CommandContext& context, const client::Axis&
 
 Outcome WaitCommand::run(CommandContext& context) const {
   if (duration) return wait_for_time(*duration, context);
-  constexpr std::chrono::seconds kLimit{60};  // of drive time, as for a motion
+  constexpr std::chrono::seconds kLimit{60};  // drive time, as for a motion
   auto found = context.axes.axis(axis);
   if (!found) return found.outcome();
   const Duration limit = context.timeout.value_or(kLimit);

@@ -29,7 +29,7 @@ using client::Outcome;
 using client::Window;
 using client::WindowCause;
 
-/// Writes that are shown as text; --json has all.
+/// The most writes shown as text; --json has all.
 constexpr std::size_t kMostWrites = 30;
 
 std::string place_name(const client::BenchInfo& bench, std::uint16_t axis) {
@@ -44,7 +44,7 @@ std::string cause_text(const WindowCause& cause) {
   return code.data() + std::string(describe(static_cast<ErrorCode>(cause.code)));
 }
 
-/// Who a session is, for the texts of one bench.
+/// The names of sessions for the texts of one bench.
 client::SessionText session_texts(client::Session& session, std::uint32_t bench) {
   return [&session, bench](std::uint64_t number) {
     return client::owner_text(number, session.find_name(bench, number));
@@ -104,8 +104,8 @@ Outcome list_windows(std::optional<std::uint32_t> number, CommandContext& contex
   return {};
 }
 
-/// The axes that a window is about; of one that was asked for, or of a master, all, as far as one
-/// question may name them.
+/// The axes of a window: those of its causes. If no cause names an axis (a window on request, or
+/// one about a master), all axes up to the limit of one request.
 std::vector<client::AxisId> axes_of_window(const client::BenchInfo& bench,
                                            const KeptWindow& window) {
   std::set<std::uint16_t> numbers;
@@ -120,7 +120,7 @@ std::vector<client::AxisId> axes_of_window(const client::BenchInfo& bench,
   return axes;
 }
 
-/// [ms] of drive time before or after the first cause.
+/// [ms] of drive time relative to the first cause.
 std::string offset_text(const client::BenchInfo& bench, const KeptWindow& window,
                         std::uint64_t tick) {
   const auto ticks = static_cast<std::int64_t>(tick - window.causes.front().tick);
@@ -245,7 +245,7 @@ void write_file(const std::string& file, const client::BenchInfo& bench, const W
 }
 
 struct FaultsCommand {
-  std::optional<std::uint64_t> number{};  ///< nothing = list
+  std::optional<std::uint64_t> number{};  ///< none = list the windows
   std::vector<std::string> axes{};
   std::optional<std::uint32_t> bench{};
   std::string file{};

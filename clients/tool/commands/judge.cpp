@@ -42,7 +42,7 @@ namespace {
 
 constexpr std::string_view kStandardInput = "-";
 
-/// What a source gives.
+/// The result of judging a source.
 struct Judged {
   judge::Verdict verdict;
   std::vector<std::string> notes;
@@ -51,8 +51,8 @@ struct Judged {
 
 class ReportFiles;
 
-/// Names the mistakes of a master: in the log of its bus, in the journal of its bench, or while
-/// its bench runs.
+/// Reports the mistakes of a master: from the log of its bus, from the journal of its bench, or
+/// live while its bench runs.
 struct JudgeCommand {
   std::string log{};
   std::string sheet{};
@@ -63,8 +63,8 @@ struct JudgeCommand {
   std::string html{};
   std::optional<judge::Severity> fail_on = judge::Severity::error;  ///< none = never fails
   bool lists_rules = false;
-  bool is_live = false;                             ///< `log` names axes of a bench that runs
-  std::optional<Duration> duration = std::nullopt;  ///< of drive time; none = until interrupted
+  bool is_live = false;                             ///< `log` names axes of a running bench
+  std::optional<Duration> duration = std::nullopt;  ///< drive time; none = until interrupted
 
   void declare(Arguments& arguments);
   ExitCode start(const Program& program) const;
@@ -151,7 +151,7 @@ void print_verdict(const judge::Verdict& verdict, const judge::ReportFace& face,
   program.terminal.print(text);
 }
 
-/// The files of reports, which are opened before the log is read.
+/// The files of reports, opened before the log is read.
 class ReportFiles {
  public:
   explicit ReportFiles(const JudgeCommand& command)
@@ -256,7 +256,7 @@ class LiveRun {
   LiveRun(const JudgeCommand& command, const Program& program)
       : command_(command), program_(program) {}
 
-  /// @return why it could not be judged to its end: `result` has what was found until then.
+  /// @return why judging ended early; `result` has the findings so far.
   client::Outcome run(client::Session& session, const Interrupt& interrupt, Judged& result) {
     AxisFinder finder(session);
     auto axes = parse_digits<std::uint32_t>(command_.log)
@@ -287,7 +287,7 @@ class LiveRun {
     return command_.duration && judge.judged_time() >= *command_.duration;
   }
 
-  /// The first time a rule is broken on an axis, a line says so.
+  /// Prints a line the first time a rule is broken on an axis.
   void tell_new(const judge::LiveJudge& judge) {
     const auto now = std::chrono::steady_clock::now();
     if (now < next_look_) return;
@@ -353,7 +353,7 @@ ExitCode JudgeCommand::start(const Program& program) const {
   if (log != kStandardInput) {
     errno = 0;
     file.open(log, std::ios::binary);
-    file.peek();  // a folder can be opened, and not read
+    file.peek();  // detects a directory, which can be opened but not read
     if (!file.is_open() || file.bad()) return unreadable(*this, system_reason(), program);
   }
   std::istream& source = log == kStandardInput ? std::cin : file;

@@ -14,8 +14,8 @@ namespace {
 
 using client::Outcome;
 
-/// @return ", paused" or ", rate 0.5" of a realtime bench that does not run as fast as the wall
-///         clock.
+/// @return ", paused" or ", rate 0.5" for a realtime bench that does not run at the rate of the
+///         wall clock.
 std::string rate_text(const client::BenchInfo& bench) {
   if (bench.clock_mode != client::ClockMode::realtime || bench.rate == 1.0) return {};
   return bench.rate == 0.0 ? ", paused" : ", rate " + to_text(bench.rate);

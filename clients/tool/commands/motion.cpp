@@ -188,11 +188,11 @@ bool is_enter_pressed() {
   pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
   if (poll(&input, 1, 0) <= 0) return false;
   std::array<char, 64> text{};
-  // At the end of the input, too, the jog is no longer held.
+  // The end of the input also ends the jog.
   return read(STDIN_FILENO, text.data(), text.size()) >= 0;
 }
 
-/// How long a jog is held: a drive time, or until Enter is pressed.
+/// How long a jog is held: for a drive time, or until Enter is pressed.
 class JogHold {
  public:
   explicit JogHold(std::optional<std::uint64_t> ticks) : ticks_(ticks) {}
@@ -213,7 +213,7 @@ void JogCommand::declare(Arguments& arguments) {
   run_at.declare(arguments, axis);
   Argument time =
       arguments.option("--for", "T", duration, "Run for this drive time instead", parse_duration);
-  // A shell and a scenario read the lines of standard input: Enter is one of them.
+  // A shell and a scenario read their lines from standard input, so Enter would be one of them.
   if (arguments.place() != Place::command_line) time.required();
 }
 

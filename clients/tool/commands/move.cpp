@@ -24,7 +24,7 @@ client::MoveOptions move_options(const MoveCommand& command, const client::Axis&
           .call = context.call_options(command.until)};
 }
 
-/// After an interrupted move the message shows whether the axis still moves.
+/// Reports whether the axis still moves after an interrupted move.
 void report_interrupt(client::Axis& axis, bool stops, const Outcome& moved,
                       const CommandContext& context) {
   if (stops) {

@@ -24,7 +24,8 @@ namespace {
 
 using client::Outcome;
 
-/// The drive takes every value of 607Dh, and uses them with 3535h and in the right order only.
+/// Prints a note if the limits have no effect: the drive accepts every value of 607Dh, but uses the
+/// limits only if 3535h enables them and lower < upper.
 void note_limits(const CommandContext& context, const client::Axis& axis, ObjectAddress written) {
   using namespace vdrive::literals;
   const std::array limits{kObjectRows["app_position_limit_switch"_object].address,
@@ -49,7 +50,7 @@ void note_limits(const CommandContext& context, const client::Axis& axis, Object
   }
 }
 
-/// Prints what was written, and the tick from which on it is in force.
+/// Prints the written value and the tick at which it takes effect.
 void print_written(Record record, const client::Result<std::uint64_t>& tick,
                    const CommandContext& context) {
   const Outcome outcome = context.axes.named(tick.outcome());
@@ -58,7 +59,7 @@ void print_written(Record record, const client::Result<std::uint64_t>& tick,
   print_answer(record, outcome, context.output);
 }
 
-/// @return the tick from which on the value is in force.
+/// @return the tick at which the value takes effect.
 client::Result<std::uint64_t> write_unprinted(CommandContext& context, client::Axis& axis,
                                               const ObjectName& object, std::int64_t value) {
   if (!object.address) return unknown_object(axis.id(), object);
@@ -69,7 +70,7 @@ client::Result<std::uint64_t> write_unprinted(CommandContext& context, client::A
   return tick;
 }
 
-/// Writes an object, and prints the value and the tick from which on it is in force.
+/// Writes an object, and prints the value and the tick at which it takes effect.
 Outcome write_object(CommandContext& context, client::Axis& axis, const ObjectName& object,
                      std::int64_t value) {
   constexpr std::uint16_t kTarget = 0x607A;
@@ -113,7 +114,7 @@ Outcome print_reading(const CommandContext& context, const client::Axis& axis,
                                                        to_string(axis.id()) + " refused" + advice);
 }
 
-/// @return the readings of the objects that have an address.
+/// @return the readings of those objects that have an address.
 client::Result<client::Readings> read_all(const client::Axis& axis,
                                           const std::vector<ObjectName>& objects) {
   std::vector<ObjectAddress> addresses;
@@ -161,7 +162,7 @@ extern const CommandRow kRead =
 
 namespace {
 
-/// @return the values of an object that takes few of them.
+/// @return the values of an object that allows only a few.
 std::vector<std::string> few_values_of(const std::string& object) {
   const auto row = parse_object(object).row();
   if (!row) return {};
@@ -192,7 +193,7 @@ void WriteCommand::declare(Arguments& arguments) {
 }
 
 void WriteCommand::check_objects() const {
-  // With a unit the value is known once the axis is: the drive refuses it then.
+  // A quantity is known only when the axis is; the drive then refuses a bad one.
   if (!quantity) check_value_written(object, value);
 }
 
@@ -246,7 +247,7 @@ std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& v
   throw UsageError(message + " or none" + suggestion(kind, names_of_disturbances()));
 }
 
-/// Several inputs at once are all of them, cleared: one line, or one object.
+/// Several inputs together mean that all are cleared: one line, or one JSON object.
 Outcome clear_all(CommandContext& context, client::Axis& axis,
                   const std::vector<Disturbance>& inputs) {
   client::Result<std::uint64_t> tick = std::uint64_t{0};
@@ -297,7 +298,7 @@ Outcome DisturbCommand::run(CommandContext& context) const {
   context.progress.axis(*found, context.axes.label_of(found->id()), "disturbed");
   const auto waited = context.session.wait(found->id().bench, *duration);
   context.progress.end();
-  // Cleared in any case: an interrupt does not mean a disturbance without end.
+  // Cleared even after an interrupt, so that no disturbance remains.
   std::vector<Disturbance> cleared = inputs;
   for (Disturbance& input : cleared) input.value = 0;
   if (Outcome set = set_inputs(context, *found, cleared); !set) return set;

@@ -9,7 +9,8 @@
 namespace vdrive::tool {
 namespace {
 
-/// The service names it so (docs/guides/configuration.md); only the service knows its directory.
+/// The service uses this name (docs/guides/configuration.md), but only the service knows its
+/// directory.
 Field file_field(const client::Axis& axis, const std::string& end) {
   const std::string bench = std::to_string(axis.id().bench);
   const std::string file = "bench-" + bench + ".parameters";
@@ -17,7 +18,7 @@ Field file_field(const client::Axis& axis, const std::string& end) {
           "in " + file + " in the state directory of the service of bench " + bench + end};
 }
 
-/// What a disk keeps waits for no drive time.
+/// Storing does not wait for drive time to pass.
 client::Outcome store_parameters(client::Axis& axis) {
   return axis.store();
 }

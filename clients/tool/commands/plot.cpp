@@ -38,18 +38,18 @@ namespace {
 using client::Outcome;
 using recording::RecordingError;
 
-/// Draws one axis of a recording.
+/// Plots one axis of a recording.
 struct PlotCommand {
-  std::string source{};                   ///< the file of a recording, or an axis to record
-  std::string picture{};                  ///< the file of the picture, - = standard output
-  std::string shown_axis{};               ///< of the recording; empty = its only one
-  std::vector<PlotColumn> columns{};      ///< what is drawn, one or more
+  std::string source{};                   ///< file of a recording, or an axis to record
+  std::string picture{};                  ///< file of the picture, - = standard output
+  std::string shown_axis{};               ///< in the recording; empty = its only one
+  std::vector<PlotColumn> columns{};      ///< columns to draw, at least one
   std::optional<Duration> from{};         ///< drive time since the first sample of the axis
-  std::optional<Duration> to{};           ///< likewise
-  std::optional<Duration> period{};       ///< of a tick, where the recording has no such time
+  std::optional<Duration> to{};           ///< drive time since the first sample of the axis
+  std::optional<Duration> period{};       ///< of a tick, if the recording does not contain it
   std::optional<Duration> duration{};     ///< drive time to record; none = `source` is a file
   std::uint32_t width = kUsualPlotWidth;  ///< [px]
-  std::uint32_t height = 0;               ///< [px]; 0 = by the number of panels
+  std::uint32_t height = 0;               ///< [px]; 0 = from the number of panels
   std::string title{};                    ///< empty = the axis
 
   void declare(Arguments& arguments);
@@ -57,12 +57,12 @@ struct PlotCommand {
   ExitCode start(const Program& program) const;
 };
 
-/// Where the picture goes.
+/// Writes the picture.
 class PictureSink {
  public:
   PictureSink(const std::string& file, Terminal& terminal) : file_(file), terminal_(terminal) {}
 
-  /// Before a recording that takes a while. @throws RecordingError
+  /// Called before a lengthy recording. @throws RecordingError
   void open() {
     if (file_ != "-" && !output_) output_.emplace(file_);
   }
@@ -70,7 +70,7 @@ class PictureSink {
   /// @throws RecordingError
   void put(std::string_view svg) {
     if (file_ == "-") {
-      svg.remove_suffix(1);  // the line break, which the terminal adds
+      svg.remove_suffix(1);  // the terminal adds the line break
       terminal_.print(svg);
       return;
     }
@@ -91,7 +91,7 @@ struct AxisSamples {
   std::uint64_t last_tick = 0;
 };
 
-/// What a recording contains, before anything is drawn.
+/// The contents of a recording, read before anything is drawn.
 struct Survey {
   recording::Contents contents;
   std::map<client::AxisId, AxisSamples> axes{};
@@ -119,7 +119,7 @@ struct DrawnAxis {
   AxisSamples samples;
 };
 
-/// @return the axes of a recording that have a sample.
+/// @return the axes of a recording that have at least one sample.
 std::vector<DrawnAxis> drawn_axes(const Survey& survey) {
   std::vector<DrawnAxis> axes;
   for (const recording::RecordedBench& bench : survey.contents.benches) {
@@ -138,7 +138,7 @@ std::string both_names(const DrawnAxis& axis) {
   return to_string(axis.id) + (axis.name.empty() ? "" : " " + escaped(axis.name));
 }
 
-/// @return the first axes for a message.
+/// @return the first few axes, for a message.
 std::string list_of(const std::vector<DrawnAxis>& axes) {
   constexpr std::size_t kMostListed = 8;
   std::string list;
@@ -157,7 +157,7 @@ bool is_called(const DrawnAxis& axis, const std::string& text) {
          text == std::to_string(axis.id.bench) + "." + axis.name;
 }
 
-/// @param text what the user calls the axis; empty = the only one
+/// @param text the axis as the user has typed it; empty = the only one
 client::Result<DrawnAxis> choose_axis(const std::vector<DrawnAxis>& axes, const std::string& text,
                                       const std::string& file) {
   std::vector<DrawnAxis> chosen;
@@ -178,7 +178,7 @@ std::string seconds_text(Duration duration) {
   return to_text(std::chrono::duration<double>(duration).count()) + " s";
 }
 
-/// @return the ticks of the picture's edges.
+/// @return the ticks at the edges of the picture.
 client::Result<AxisSamples> edges_of(const DrawnAxis& axis, const PlotCommand& command,
                                      const std::string& file) {
   const auto period = static_cast<std::uint64_t>(axis.period.count());
@@ -197,7 +197,7 @@ client::Result<AxisSamples> edges_of(const DrawnAxis& axis, const PlotCommand& c
                      .last_tick = axis.samples.first_tick + std::min(end, ticks)};
 }
 
-/// What was drawn, for the last line.
+/// The result of drawing, for the last line.
 struct Drawn {
   DrawnAxis axis;
   AxisSamples edges;
@@ -207,7 +207,7 @@ struct Drawn {
   std::string svg{};
 };
 
-/// @return the samples between the edges, reduced, and how many the recording lacks there.
+/// @return the samples between the edges, reduced; counts missing ones in `drawn`.
 /// @throws RecordingError
 PlotTraces traces_of(Drawn& drawn, const PlotCommand& command, const std::string& file) {
   PlotReduction reduction(plot_columns_in(drawn.axis.unit, command.columns), drawn.edges.first_tick,
@@ -283,7 +283,7 @@ Json plot_json(const PlotCommand& command, const Drawn& drawn, const std::string
 
 void report_plot(const PlotCommand& command, const Drawn& drawn, const std::string& cut,
                  const Output& output) {
-  // On standard output JSON would be a part of the picture.
+  // On standard output, JSON would become a part of the picture.
   if (output.is_json && command.picture != "-") {
     output.terminal.print(to_line(plot_json(command, drawn, cut)));
     return;
@@ -311,7 +311,7 @@ Outcome draw_recording(const PlotCommand& command, const std::string& file, Pict
   }
 }
 
-/// Records the axis to a file that is not kept, and draws it.
+/// Records the axis to a temporary file, and draws it.
 Outcome record_and_draw(const PlotCommand& command, CommandContext& context) {
   const auto axis = context.axes.axis(command.source);
   if (!axis) return axis.outcome();
@@ -326,7 +326,7 @@ Outcome record_and_draw(const PlotCommand& command, CommandContext& context) {
                                  .duration = command.duration};
     Recorder recorder(context.session, context.output.terminal, choice);
     Outcome recorded = recorder.record({ObservedBench{*std::move(bench), {*axis}}});
-    // What was recorded until an interrupt is drawn.
+    // After an interrupt, the part recorded so far is drawn.
     if (!recorded && !context.session.is_interrupted()) return recorded;
     Outcome drawn = draw_recording(command, choice.file, sink, context.output);
     return drawn ? std::move(recorded) : std::move(drawn);
@@ -335,8 +335,8 @@ Outcome record_and_draw(const PlotCommand& command, CommandContext& context) {
   }
 }
 
-/// Whether `source` means a recording. An axis has neither such an ending nor a slash; a file may
-/// be called as an axis is.
+/// Whether `source` is a recording. An axis has neither such an extension nor a slash; a file may
+/// have the same name as an axis.
 bool is_file(const PlotCommand& command) {
   std::error_code error;
   return recording::format_of(command.source) || command.source.find('/') != std::string::npos ||

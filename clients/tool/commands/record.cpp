@@ -14,10 +14,11 @@ namespace {
 
 using client::Outcome;
 
-// A stream that is lost all the time would make the last line as long as the recording.
+// With a stream that constantly loses samples, the last line would otherwise be as long as the
+// recording.
 constexpr std::size_t kMostGaps = 100;
 
-/// @param count what is counted: "missed" samples, "skipped" ticks
+/// @param count the counted items: "missed" samples, "skipped" ticks
 Json gaps_json(const recording::GapList& list, const char* count) {
   Json gaps = Json::array();
   for (const recording::Gap& gap : list.kept()) {
@@ -68,10 +69,10 @@ std::string recording_text(const RecordingChoice& choice, std::size_t axes,
   return text;
 }
 
-/// What was recorded, as the last line.
+/// Prints a summary of the recording as the last line.
 void report_recording(const RecordingChoice& choice, std::size_t axes,
                       const recording::Summary& summary, const Output& output) {
-  // On standard output JSON would be a line of the recording.
+  // On standard output, JSON would become a line of the recording.
   if (output.is_json && choice.file != "-") {
     output.terminal.print(to_line(recording_json(choice, axes, summary)));
   } else {
@@ -128,7 +129,7 @@ Outcome RecordCommand::run(CommandContext& context) const {
   tracks.reserve(benches.size());
   for (auto& [number, bench] : benches) tracks.push_back(std::move(bench));
   Recorder recorder(context.session, context.output.terminal, choice);
-  const EndOfProgress end_of_progress(context.progress);  // it tells of the recorder
+  const EndOfProgress end_of_progress(context.progress);  // it calls the recorder
   context.progress.tell([&recorder] {
     return recorder.progress();
   });

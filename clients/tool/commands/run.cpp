@@ -39,7 +39,7 @@ Example:
 void RunCommand::declare(Arguments& arguments) {
   scenarios.declare(arguments, "Scenario, - for standard input; several run one after the other");
   arguments.flag("--live", live, "Show the axes while time passes, also when piped");
-  if (arguments.place() != Place::command_line) return;  // a shell has its session
+  if (arguments.place() != Place::command_line) return;  // a shell has its own session
   arguments.flag("--private", is_private,
                  "Each file on a new bench in lock-step that only this program reaches, instead of "
                  "a bench that runs already; each of several files in a process of its own");
@@ -65,8 +65,8 @@ client::Outcome RunCommand::run(CommandContext& context) const {
       context.session, context.output.terminal);
 }
 
-/// What ends a scenario before its first line is in the report too: a file that cannot be read, a
-/// network that cannot be used.
+/// Failures before the first line of a scenario are in the report too, for example a file that
+/// cannot be read or an unusable network.
 ExitCode RunCommand::start(const Program& program) const {
   const GlobalOptions& options = program.options;
   if (options.is_one_of_several) return start_one_of_several(program);
@@ -90,7 +90,7 @@ ExitCode RunCommand::start(const Program& program) const {
   }
 }
 
-/// One file is carried out here. Of several each is carried out by a process of its own.
+/// A single file is executed here, several files each in their own process.
 ExitCode RunCommand::start_privately(const std::vector<Scenario>& loaded, JunitReport& junit,
                                      const Program& program) const {
   const RunOptions run = options_of_private_run(program);
@@ -111,7 +111,7 @@ ExitCode RunCommand::start_privately(const std::vector<Scenario>& loaded, JunitR
   });
 }
 
-/// The other end of start_privately().
+/// The counterpart of start_privately(), in the process of one file.
 ExitCode RunCommand::start_one_of_several(const Program& program) const {
   FileResults results;
   try {

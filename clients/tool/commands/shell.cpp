@@ -49,7 +49,7 @@ bool wait_for_input(int end) {
   return ready[1].revents == 0;
 }
 
-/// @return what all of them begin with.
+/// @return the common prefix of all words.
 std::string common_beginning(const std::vector<std::string>& words) {
   std::string common = words.front();
   for (const std::string& word : words) {
@@ -64,8 +64,8 @@ std::size_t word_start(std::string_view line) {
   return blank == std::string_view::npos ? 0 : blank + 1;
 }
 
-/// @return the file that keeps the lines of the shell, its directory made; empty where there is no
-///         home.
+/// @return the history file of the shell, whose directory is created; empty if there is no home
+///         directory.
 std::string history_file() {
   const auto environment = [](const char* name) {
     const char* const value =
@@ -81,8 +81,8 @@ std::string history_file() {
   return error ? std::string() : (directory / "history").string();
 }
 
-/// libedit. Its interface takes variable arguments, and has callbacks without our object in their
-/// arguments: that is the client data of the editor.
+/// Wraps libedit. Its interface has variable arguments, and its callbacks find this object in the
+/// client data of the editor.
 // NOLINTBEGIN(*-vararg)
 class Editor {
  public:
@@ -107,7 +107,7 @@ class Editor {
     el_set(editor_, EL_GETCFN, &read_character);
     el_set(editor_, EL_ADDFN, "vdrive-complete", "Complete the word", &complete);
     el_set(editor_, EL_BIND, "^I", "vdrive-complete", nullptr);
-    // While a line is edited Ctrl-C is a character: it drops the line.
+    // Ctrl-C is a character while a line is edited: it drops the line.
     el_set(editor_, EL_SETTY, "-d", "-isig", nullptr);
     el_set(editor_, EL_ADDFN, "vdrive-drop", "Drop the line", &drop);
     el_set(editor_, EL_BIND, "^C", "vdrive-drop", nullptr);
@@ -125,8 +125,8 @@ class Editor {
   Editor& operator=(const Editor&) = delete;
 
   std::optional<std::string> next() {
-    // By itself the editor shows its prompt first. What is typed in between would be edited by the
-    // terminal, and Ctrl-C a signal that no thread waits for.
+    // Before the prompt: the editor would do it only afterwards, and until then the terminal would
+    // edit the input, and Ctrl-C would be a signal that no thread waits for.
     el_set(editor_, EL_PREP_TERM, 1);
     int length = 0;
     const char* const line = el_gets(editor_, &length);
@@ -150,7 +150,7 @@ class Editor {
     return *static_cast<Editor*>(self);
   }
 
-  /// @return 1, 0 at the end, as read() does.
+  /// @return as read(): 1, or 0 at the end.
   static int read_character(EditLine* editor, wchar_t* character) {
     std::mbstate_t state{};
     while (true) {
@@ -159,7 +159,7 @@ class Editor {
       // NOLINTNEXTLINE(concurrency-mt-unsafe): the state is our own
       const std::size_t length = std::mbrtowc(character, &byte, 1, &state);
       if (length <= 1) return 1;
-      // Not a character of this locale: what came is dropped.
+      // Not a character of this locale: dropped.
       if (length == static_cast<std::size_t>(-1)) state = {};
     }
   }
@@ -203,25 +203,25 @@ class Editor {
 
 // NOLINTEND(*-vararg)
 
-/// Reads lines from standard input: on a terminal with a prompt, editing, history and completion.
+/// Reads lines from standard input; on a terminal with prompt, editing, history and completion.
 class LineReader {
  public:
-  /// @param commands @param session what completes a word; they have to stay as long as this
+  /// @param commands, session complete words; must outlive this object
   LineReader(CommandTable commands, client::Session& session) : end_(eventfd(0, EFD_CLOEXEC)) {
     if (isatty(STDIN_FILENO) != 1) return;
     editor_ = std::make_unique<Editor>(end_.get(), commands, session);
   }
 
-  /// @return whether there is a person at a terminal.
+  /// @return whether a person is at a terminal.
   [[nodiscard]] bool is_interactive() const noexcept { return editor_ != nullptr; }
 
   /// @return the next line without its end; nothing at the end of the input and after end().
   std::optional<std::string> next() { return editor_ ? editor_->next() : next_of_pipe(); }
 
-  /// Ends a wait for a line, and every later one. Any thread.
+  /// Ends the wait for a line, and every later one. Thread-safe.
   void end() noexcept {
     const std::uint64_t one = 1;
-    // It can fail only when it is readable already.
+    // It can fail only if the event is already set.
     [[maybe_unused]] const ssize_t written = write(end_.get(), &one, sizeof one);
   }
 
@@ -238,7 +238,7 @@ class LineReader {
       const std::size_t searched = ahead_.size();
       ahead_.append(block.data(), static_cast<std::size_t>(count));
       end = ahead_.find('\n', searched);
-      // Of a line that is too long enough is kept to refuse it.
+      // Keeps just enough of a line that is too long to refuse it.
       if (end == std::string::npos && ahead_.size() > kLongestLine) ahead_.resize(kLongestLine + 1);
     }
     std::string line = ahead_.substr(0, end);
@@ -247,12 +247,12 @@ class LineReader {
   }
 
   process::Descriptor end_;
-  std::unique_ptr<Editor> editor_;  ///< none when standard input is no terminal
+  std::unique_ptr<Editor> editor_;  ///< nullptr if standard input is not a terminal
   std::string ahead_;
 };
 
-/// Reads commands from standard input and carries them out in one session, until the end of the
-/// input, `exit` or `quit`. A failure does not end it; Ctrl-C ends the command that runs. `help`
+/// Reads commands from standard input and executes them in one session, until the end of the input,
+/// `exit` or `quit`. A failure does not end the shell; Ctrl-C ends the running command. `help`
 /// shows the commands, `help COMMAND` one. SIGTERM, SIGHUP and, without a terminal, Ctrl-C between
 /// two commands end it.
 class Shell {
@@ -267,13 +267,13 @@ class Shell {
     context_.outlives_failures = true;
   }
 
-  /// @return interrupted where a signal has ended it; else of a terminal ok, and without one the
-  ///         exit code of the first command that failed.
+  /// @return interrupted if a signal has ended it; otherwise ok on a terminal, and without one the
+  ///         exit code of the first failed command.
   ExitCode run() {
     interrupt_.arm([this] {
       session_.interrupt();
-      // A person's Ctrl-C drops the line, also where the terminal has not left its own editing of
-      // lines yet and sends it as a signal.
+      // A user's Ctrl-C drops the line, even if the terminal is still in its own editing mode and
+      // sends it as a signal.
       const bool ends_wait = is_waiting_ && !reader_.is_interactive();
       if (ends_wait || interrupt_.is_termination()) end_by_signal();
     });
@@ -297,17 +297,16 @@ class Shell {
 
   std::optional<std::string> next_line() {
     is_waiting_ = true;
-    // Between two lines it is no command that a signal ends.
+    // Between two lines a signal does not end a command, so it ends the shell.
     if (!reader_.is_interactive() && interrupt_.happened()) end_by_signal();
     auto line = reader_.next();
     is_waiting_ = false;
-    if (is_ended_by_signal_) line.reset();  // the reader may have lines ahead
+    if (is_ended_by_signal_) line.reset();  // the reader may have buffered lines
     return line;
   }
 
-  /// @return whether a signal has come since the last call. Without a terminal nobody types the
-  /// next
-  ///         line: whoever interrupts a file of commands does not want the rest of it.
+  /// @return whether a signal has arrived since the last call. Without a terminal it also ends the
+  ///         shell: a user who interrupts a file of commands does not want the rest of it.
   bool take_interrupt() {
     if (!interrupt_.take()) return false;
     session_.end_interrupt();
@@ -322,7 +321,7 @@ class Shell {
       std::vector<std::string> words = split_words(line);
       if (words.empty()) return code;
       const Outcome outcome = carry_out(parse_shell_command(program_.commands, std::move(words)));
-      // An interrupted command needs no reason why it failed.
+      // An interrupted command needs no explanation.
       const bool is_told = !outcome && !interrupt_.happened();
       if (is_told) terminal_.complain("vdrive: " + outcome.message());
       code = exit_code_of(outcome.kind());

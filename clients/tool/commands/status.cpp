@@ -16,14 +16,14 @@ namespace {
 
 using client::Outcome;
 
-/// @return the axis on one line, among others.
+/// @return the axis as one line of several.
 std::string short_line(const client::Axis& axis, const client::AxisSnapshot& status) {
   return status_line(status,
                      padded(to_string(axis.id()), 6) + " " + padded(escaped(axis.name()), 16),
                      axis.unit());
 }
 
-/// @param is_only_one in full, else on one line
+/// @param is_only_one full output, otherwise one line
 void show_status(const client::Axis& axis, const client::AxisSnapshot& status, bool is_only_one,
                  const CommandContext& context) {
   const Output& output = context.output;
@@ -43,7 +43,7 @@ void show_status(const client::Axis& axis, const client::AxisSnapshot& status, b
 }
 
 struct StatusCommand {
-  std::vector<std::string> axes{};  ///< none = all of all benches
+  std::vector<std::string> axes{};  ///< none = all axes of all benches
 
   void declare(Arguments& arguments) { arguments.axes(axes, "default: every axis of every bench"); }
 

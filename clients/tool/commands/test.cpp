@@ -43,26 +43,27 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Of an interrupted scenario: its final lines, in lock-step.
+// Time for the final lines of an interrupted scenario, in lock-step.
 constexpr std::chrono::seconds kFinalLines{20};
 
-/// Runs each scenario on a bench of its own, several side by side, and writes one report. Each is
-/// in a process of its own, `vdrive run --private`: a crash is a failure of one file.
+/// Runs each scenario on a private bench, several in parallel, and writes one report. Each has its
+/// own process, `vdrive run --private`, so that a crash fails only one file.
 struct TestCommand {
   ScenarioFiles scenarios{};
   PrivateBenches benches{};
-  std::size_t jobs = 0;                       ///< files at the same time; 0 = one per processor
-  std::optional<Shard> shard = std::nullopt;  ///< the part of the files that is run; none = all
-  bool merges = false;                        ///< it runs nothing: the files are reports
-  bool judges = false;                        ///< the scenarios, as masters
-  std::optional<judge::Severity> fail_on = judge::Severity::error;  ///< of findings; none = never
-  bool names_fail_on = false;                                       ///< the command line does
+  std::size_t jobs = 0;                       ///< files in parallel; 0 = one per processor
+  std::optional<Shard> shard = std::nullopt;  ///< the shard of the files to run; none = all
+  bool merges = false;                        ///< runs nothing: the files are reports to merge
+  bool judges = false;                        ///< judges the scenarios, as masters
+  std::optional<judge::Severity> fail_on = judge::Severity::error;  ///< severity of findings that
+                                                                    ///< fail; none = never
+  bool names_fail_on = false;                                       ///< given on the command line
 
   void declare(Arguments& arguments);
 
-  /// @return that of conclude(); of a merge that of its reports.
-  /// @throws UsageError before anything starts: a mistake in a file, in the configuration or in an
-  ///         option, a report that cannot be written.
+  /// @return the result of conclude(); of a merge, that of its reports.
+  /// @throws UsageError before anything starts: for a mistake in a file, in the configuration or in
+  ///         an option, and for a report that cannot be written.
   ExitCode start(const Program& program) const;
 
  private:
@@ -97,7 +98,7 @@ class ScenarioTests {
     }
   }
 
-  /// Ends what runs; nothing further starts. Any thread.
+  /// Ends the running scenarios; no further ones start. Thread-safe.
   void interrupt() {
     const std::scoped_lock lock(mutex_);
     is_interrupted_ = true;
@@ -111,8 +112,8 @@ class ScenarioTests {
     return suites;
   }
 
-  /// @return the exit code of the first file that failed; not_run only where none failed, since
-  ///         that one may pass when the files are repeated.
+  /// @return the exit code of the first failed file; not_run only if none failed, because such a
+  ///         file may pass when repeated.
   [[nodiscard]] ExitCode conclude() {
     const auto passed =
         static_cast<std::size_t>(std::ranges::count(verdicts_, 0, &ScenarioVerdict::code));
@@ -158,7 +159,7 @@ class ScenarioTests {
     return next_++;
   }
 
-  /// Registers what a worker runs, while it runs.
+  /// Registers the process of a worker while it runs.
   class Job {
    public:
     Job(ScenarioTests& owner, std::size_t place, process::ChildProcess& run)
@@ -189,24 +190,25 @@ class ScenarioTests {
                                                  tests_.scenarios, benches, options_));
     const Job job(*this, place, run);
     const int code = wait_for(run);
-    // The signal may come before the program can turn it into an exit code.
+    // The signal may arrive before the program can turn it into an exit code.
     const bool has_ended_by_it = code == static_cast<int>(ExitCode::interrupted) || code == -SIGINT;
     if (is_interrupted_ && has_ended_by_it && run.output().empty()) return not_started(scenario);
     ScenarioVerdict verdict =
         verdict_of(scenario, {.code = code, .output = run.output(), .errors = run.errors()});
-    // A scenario that never began, or was interrupted, is no master.
+    // A scenario that never began, or was interrupted, is not judged as a master.
     const bool has_run = verdict.done > 0 && code != static_cast<int>(ExitCode::interrupted);
     if (journals_ && has_run) {
       judge_scenario(scenario, benches.journal, tests_.fail_on, verdict);
-      std::error_code kept;  // until the directory goes
+      std::error_code kept;  // ignored: the directory is removed in the end
       std::filesystem::remove(benches.journal, kept);
     }
     return verdict;
   }
 
-  /// An interrupted scenario ends by itself; one that does not is killed.
+  /// Waits for an interrupted scenario to end; kills it if it does not.
   int wait_for(process::ChildProcess& run) {
-    constexpr std::chrono::milliseconds kCheckPeriod{200};  // of the interrupt, which wakes no wait
+    constexpr std::chrono::milliseconds kCheckPeriod{200};  // checks for an interrupt, which does
+                                                            // not wake the wait
     std::optional<Clock::time_point> deadline;
     while (true) {
       if (const auto code = run.wait(kCheckPeriod)) return *code;
@@ -233,12 +235,12 @@ class ScenarioTests {
   const GlobalOptions& options_;
   const std::vector<Scenario> scenarios_;
   Terminal& terminal_;
-  std::optional<ScratchDirectory> journals_;  ///< of the files that run
-  std::vector<ScenarioVerdict> verdicts_;     ///< by file, each written by one worker
+  std::optional<ScratchDirectory> journals_;  ///< of the running files
+  std::vector<ScenarioVerdict> verdicts_;     ///< by file; each is written by one worker
   std::atomic<bool> is_interrupted_ = false;
-  std::mutex mutex_;  ///< guards what follows
+  std::mutex mutex_;  ///< guards next_ and jobs_
   std::size_t next_ = 0;
-  std::map<std::size_t, process::ChildProcess*> jobs_;  ///< that run
+  std::map<std::size_t, process::ChildProcess*> jobs_;  ///< running
 };
 
 std::vector<Scenario> load_files(const ScenarioFiles& scenarios, CommandTable commands) {
@@ -287,10 +289,10 @@ ExitCode TestCommand::start(const Program& program) const {
   std::optional<Shard> part = shard;
   std::optional<ScenarioTests> running;
   try {
-    // A configuration that cannot be used is one mistake, not one a file.
+    // An unusable configuration is reported once, not for each file.
     benches.check(program.options);
     std::vector<Scenario> loaded = load_files(scenarios, program.commands);
-    // All were read: which variables there are is not a question of the shard.
+    // All files are read, so that the check of variables does not depend on the shard.
     if (part) loaded = dealt_to(*part, std::move(loaded));
     running.emplace(*this, program.options, std::move(loaded), program.terminal);
   } catch (const std::exception& error) {

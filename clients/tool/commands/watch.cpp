@@ -23,18 +23,18 @@ using AxesOfBenches = std::map<std::uint32_t, std::vector<client::AxisId>>;
 
 constexpr std::chrono::milliseconds kPatienceOfWatch{100};
 
-/// Wall time without a tick that ends a watch of a number of samples, as it ends a step.
+/// Wall time without a tick that ends a watch with a sample count, as it ends a step.
 constexpr std::chrono::milliseconds kLongestStandstill = client::StepClock::kPatience;
 
-/// Takes what each bench has sent since the last call; waits for a while where nothing has come.
-/// @return whether anything has come.
+/// Takes everything each bench has sent since the last call; waits for a while if there is nothing.
+/// @return whether anything has arrived.
 client::Result<bool> take_samples(std::vector<client::Follower>& followers, WatchView& view) {
   ensure(!followers.empty(), "a watch has at least one bench");
   const auto patience = kPatienceOfWatch / followers.size();
   bool has_come = false;
   for (client::Follower& follower : followers) {
     auto sample = follower.next(patience);
-    // A bench whose time stands still must not hold up what the others send.
+    // A bench whose time stands still must not delay the samples of others.
     for (; sample; sample = follower.next(std::chrono::milliseconds(0))) {
       view.take(std::move(*sample));
       has_come = true;
@@ -44,7 +44,7 @@ client::Result<bool> take_samples(std::vector<client::Follower>& followers, Watc
   return has_come;
 }
 
-/// @return why a bench shows no tick, and what lets its time pass.
+/// @return why a bench shows no tick, and how to let its time pass.
 std::string why_it_stands(const client::BenchInfo& bench) {
   const std::string name = "bench " + std::to_string(bench.number);
   if (bench.clock_mode == client::ClockMode::lockstep) {
@@ -58,7 +58,7 @@ std::string why_it_stands(const client::BenchInfo& bench) {
   return name + " sends no status stream";
 }
 
-/// @return timed_out, with the reason of each bench.
+/// @return timed_out, with the reason for each bench.
 Outcome no_tick_has_come(const AxesOfBenches& benches, Duration limit, client::Session& session) {
   const auto wall = std::chrono::ceil<std::chrono::milliseconds>(limit);
   std::string text = "no tick has passed within " + std::to_string(wall.count()) + " ms";
@@ -70,8 +70,8 @@ Outcome no_tick_has_come(const AxesOfBenches& benches, Duration limit, client::S
   return Outcome::timed_out(std::move(text));
 }
 
-/// @param keys none where no keys are read
-/// @return whether no key ends the view.
+/// @param keys none if no keys are read
+/// @return false if a key ends the view.
 bool press_all(std::optional<KeyInput>& keys, WatchView& view) {
   while (const auto key = keys ? keys->next() : std::nullopt) {
     if (!view.press(*key)) return false;
@@ -79,7 +79,7 @@ bool press_all(std::optional<KeyInput>& keys, WatchView& view) {
   return true;
 }
 
-/// Notes whether a tick has come. @return whether none has for so long.
+/// Records whether a tick has arrived. @return whether none has arrived for `limit`.
 bool stands(bool has_come, Duration limit, std::chrono::steady_clock::time_point& last_tick) {
   const auto now = std::chrono::steady_clock::now();
   if (has_come) last_tick = now;
@@ -94,7 +94,7 @@ client::Result<std::vector<client::Follower>> follow(const AxesOfBenches& benche
     auto follower = session.follow(ids, client::Pace::observe);
     if (!follower) return follower.outcome();
     followers.push_back(std::move(*follower));
-    // The first sample is a request: the stream of a bench in lock-step may stand still.
+    // The first sample is requested, because the stream of a lock-step bench may stand still.
     auto first = session.observe(ids);
     if (first) {
       view.take(std::move(*first));
@@ -120,7 +120,7 @@ Outcome watch(const AxesOfBenches& benches, WatchView& view, std::uint64_t count
     if (view.refresh(std::chrono::steady_clock::now()) && ++shown == count) return {};
     const auto has_come = take_samples(*followers, view);
     if (!has_come) return has_come.outcome();
-    // Without a number the user ends the view.
+    // Without a sample count, the user ends the view.
     if (stands(*has_come, limit, last_tick) && count != 0) {
       return no_tick_has_come(benches, limit, context.session);
     }
@@ -151,7 +151,7 @@ Outcome WatchCommand::run(CommandContext& context) const {
     faces.emplace(axis.id(), AxisFace{axis.name(), axis.unit(), bench->name});
     benches[axis.id().bench].push_back(axis.id());
   }
-  // What describes itself as a bench without axes is no bench of ours.
+  // A bench without axes is not one of ours.
   if (benches.empty()) return Outcome::not_found("no bench has an axis");
   using Form = WatchView::Form;
   const bool is_table = context.output.terminal.is_interactive() && count == 0;

@@ -98,7 +98,7 @@ std::vector<Finding> check_benches(std::span<const client::BenchInfo> benches,
   std::vector<Finding> findings;
   for (const client::BenchInfo& bench : benches) {
     findings.push_back(check_version(bench));
-    // 0: not received yet.
+    // 0 = not received yet.
     if (bench.wire_starts != 0) {
       findings.back().figures = bench.figures;
       findings.push_back(check_wire(bench));

@@ -12,7 +12,8 @@
 namespace vdrive::tool {
 namespace {
 
-// Of the ticks: what a busy moment of an ordinary machine makes late is no limit of it.
+// Share of late ticks that is tolerated: a busy moment of an ordinary machine does not count as its
+// limit.
 constexpr double kLateShare = 0.001;
 
 std::string percent(double share) {

@@ -96,8 +96,8 @@ std::vector<Finding> check_multicast(const HostReadings& readings, const GlobalO
   return findings;
 }
 
-/// Versions of the library with published faults that a datagram triggers. docs/SECURITY.md has the
-/// faults, and what stops them.
+/// Versions of the library with published faults that a datagram can trigger. docs/SECURITY.md
+/// describes the faults and the countermeasures.
 constexpr std::array<std::string_view, 2> kFaultyVersions{"2.9.1", "3.1.2"};
 
 Finding check_library(const HostReadings& readings, const GlobalOptions& options) {
@@ -181,7 +181,7 @@ Finding check_priority(const HostReadings& readings) {
   return finding;
 }
 
-/// More programs than this wait for each core: answers take several times as long.
+/// If more processes than this wait for each core, answers take several times as long.
 constexpr double kHighLoadOfCore = 2.0;
 
 std::string with_one_digit(double value) {

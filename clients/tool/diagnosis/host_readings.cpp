@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 
 constexpr int kMulticastPatience = 300;  // [ms]
 
-/// The first word of a file; empty when it cannot be read.
+/// The first word of a file; empty if it cannot be read.
 std::string first_word(const fs::path& file) {
   std::ifstream stream(file);
   std::string word;
@@ -48,7 +48,7 @@ std::optional<std::uint64_t> first_number(const fs::path& file) {
   return number;
 }
 
-/// A socket, closed with it.
+/// A socket, closed by the destructor.
 class Socket {
  public:
   /// @param type SOCK_DGRAM for UDP, SOCK_STREAM for TCP
@@ -96,7 +96,7 @@ bool receives_multicast(const std::string& own_address) {
   return poll(&arrival, 1, kMulticastPatience) == 1;
 }
 
-/// Requests a page from the program that has a port of loopback.
+/// Requests a page from the program that listens on a loopback port.
 GatewayReading read_gateway(std::uint16_t port) {
   constexpr std::string_view kRequest =
       "GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
@@ -122,7 +122,7 @@ GatewayReading read_gateway(std::uint16_t port) {
 
 // NOLINTEND(*-reinterpret-cast)
 
-/// Whether a process that we may inspect has the file mapped.
+/// Whether a process that we may inspect has mapped the file.
 bool is_mapped(const std::string& file) {
   std::error_code ignored;
   for (const auto& process : fs::directory_iterator("/proc", ignored)) {
@@ -165,9 +165,9 @@ std::optional<double> read_load() {
   return load;
 }
 
-/// How long the kernel lets a thread wait for a core.
+/// The longest time that the kernel lets a thread wait for a core.
 std::chrono::milliseconds longest_delay() {
-  // Long enough to be preempted on a busy machine, short enough that nobody waits for it.
+  // Long enough to be preempted on a busy machine, short enough not to keep the user waiting.
   constexpr int kWaits = 30;
   constexpr std::chrono::milliseconds kWait{1};
   std::chrono::steady_clock::duration longest{};

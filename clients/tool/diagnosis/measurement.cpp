@@ -31,29 +31,29 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr std::uint32_t kBench = 1;
-// As large as a usual bench; the speed of an axis needs enough axes to fill every lane.
+// The size of a usual bench. Measuring the speed needs enough axes to fill every lane.
 constexpr std::size_t kAxesOfLateness = 64;
 constexpr std::size_t kAxesOfSteps = 64;
 constexpr std::size_t kAxesOfSpeed = 1'024;
 constexpr std::array<std::size_t, 7> kAxesOfStreams{64, 256, 1'024, 2'048, 4'096, 8'192, 16'384};
 
-/// How long each part takes.
+/// The duration of each part.
 struct Plan {
   std::chrono::milliseconds lateness;
   std::chrono::milliseconds steps;
   std::chrono::milliseconds speed;
-  std::chrono::milliseconds stream;  ///< each
+  std::chrono::milliseconds stream;  ///< of each stream
   std::size_t streams;               ///< of kAxesOfStreams
 };
 
 constexpr Plan kWhole{10s, 3s, 3s, 4s, kAxesOfStreams.size()};
 constexpr Plan kQuick{1s, 500ms, 500ms, 1s, 3};
 
-// Not measured: the start of a bench and of its stream.
+// Time for a bench and its stream to start, which is not measured.
 constexpr auto kSettling = 500ms;
 constexpr auto kFind = 30s;
 
-/// What went wrong with a bench ends the measurement.
+/// Any failure of a bench ends the measurement.
 void require(const Outcome& outcome) {
   if (!outcome) throw std::runtime_error(outcome.message());
 }
@@ -101,7 +101,7 @@ Lateness lateness_between(const msg::BenchState& begin, const msg::BenchState& e
   return lateness;
 }
 
-/// What the operating system alone does: the reference for the ticks.
+/// The lateness of the operating system alone: the reference for the ticks.
 Lateness sleep_and_wake(std::chrono::milliseconds duration, const Interrupt& interrupt) {
   prctl(PR_SET_TIMERSLACK, 1UL);  // NOLINT(*-vararg): as the thread of the ticks has it
   Lateness lateness;
@@ -128,7 +128,7 @@ std::vector<client::AxisId> axes_of(std::size_t count) {
   return axes;
 }
 
-/// What an interrupt does, for as long as this lives.
+/// Sets the action of an interrupt for the lifetime of this object.
 class OnInterrupt {
  public:
   template <typename Action>
@@ -145,7 +145,7 @@ class OnInterrupt {
   Interrupt& interrupt_;
 };
 
-/// The parts of a measurement, each on a bench of its own.
+/// The parts of a measurement, each on its own bench.
 class Measuring {
  public:
   Measuring(std::string service, const Plan& plan, Interrupt& interrupt)
@@ -170,7 +170,7 @@ class Measuring {
   }
 
  private:
-  /// Starts a bench and does something with it; an interrupt ends both.
+  /// Starts a bench and runs `work` with it; an interrupt ends both.
   template <typename Work>
   void with_bench(std::string_view clock, std::size_t axes, const Work& work) {
     process::PrivateBench bench(service_,
@@ -191,7 +191,7 @@ class Measuring {
     if (interrupt_.happened()) throw std::runtime_error("interrupted");
   }
 
-  /// Both at the same time: what disturbs one disturbs the other.
+  /// Measures both at the same time, so that a disturbance affects both.
   void measure_lateness(Measurement& measurement) {
     with_bench("realtime", kAxesOfLateness, [&](client::Session&, std::uint32_t domain) {
       States states(domain);
@@ -240,7 +240,7 @@ class Measuring {
     return tick_of_an_axis;
   }
 
-  /// All axes at a speed of their own, without an end.
+  /// All axes move endlessly, each at a different speed.
   static void set_moving(client::Session& session) {
     constexpr std::int32_t kSlowest = 1'000;
     auto axes = session.axes(kBench);

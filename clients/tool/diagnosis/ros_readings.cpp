@@ -15,16 +15,16 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr milliseconds kDiscovery{700};     // no publisher until then: there is none
+constexpr milliseconds kDiscovery{700};     // if no publisher is found until then, there is none
 constexpr milliseconds kDiagnostics{1600};  // a bridge publishes them once a second
-constexpr milliseconds kTurn{20};           // a matched publisher wakes nobody
+constexpr milliseconds kTurn{20};           // polling period: a matched publisher wakes nobody
 
 std::string variable(const char* name) {
   const char* const value = std::getenv(name);  // NOLINT(*-mt-unsafe): nothing sets variables
   return value == nullptr ? "" : value;
 }
 
-/// The benches that the bridges of a domain publish, by session and bench.
+/// Collects the benches that the bridges of a domain publish, by session and bench.
 class DiagnosticsListener {
  public:
   void take(const ros::DiagnosticArray& message) {

@@ -17,7 +17,7 @@ using client::Outcome;
 constexpr std::string_view kEveryAxis = "*";
 constexpr std::string_view kEveryAxisOfBench = ".*";
 
-/// @return the message with `both` in each place where it has the axis by its number.
+/// @return the message with each axis number replaced by `both`.
 std::string with_name(std::string message, const std::string& number, const std::string& both) {
   for (std::size_t at = message.find(number); at != std::string::npos;
        at = message.find(number, at + both.size())) {
@@ -28,14 +28,14 @@ std::string with_name(std::string message, const std::string& number, const std:
   return message;
 }
 
-/// @return what a person does about a session that stands in the way.
+/// @return the next step when another session is in the way.
 std::string way_on(const Outcome& outcome) {
   if (outcome.owner() == nullptr) return {};
-  // An axis that was taken in the middle of a command.
+  // The axis was taken during a command.
   if (outcome.code() != wire_code(AbortCode::refused_local_control)) {
     return "; --take-over takes it back";
   }
-  // Snapshots are about all axes of a bench, and their commands have no such option.
+  // Snapshots concern all axes of a bench, and their commands have no such option.
   const bool can_take_over = !outcome.message().starts_with("snapshot ");
   return can_take_over ? "; --take-over takes it, or end that program" : "; end that program first";
 }

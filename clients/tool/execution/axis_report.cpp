@@ -13,7 +13,7 @@ namespace {
 using client::Outcome;
 using namespace literals;
 
-/// @return what to do first where the power state has refused a command, or nothing.
+/// @return the command needed first if the power state has refused a command, or nothing.
 std::string next_step(const std::string& label, PowerState state) {
   const std::string first(command_before_motion(state));
   return first.empty() ? first : "; " + first + " it first: vdrive " + first + " " + label;
@@ -48,7 +48,7 @@ std::string_view command_before_motion(PowerState state) noexcept {
 }
 
 Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisReport report) {
-  // A bench that is lost shows nothing: the question would be a search of as long as --timeout.
+  // The status of a lost bench is not read: that would be a search until --timeout.
   const bool shows_nothing = report.outcome.kind() == client::OutcomeKind::lost;
   if (context.output.is_quiet || shows_nothing) {
     return report_axis(context, axis, std::move(report), nullptr);

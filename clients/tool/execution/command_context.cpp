@@ -13,7 +13,7 @@ namespace {
 using client::Outcome;
 using client::OutcomeKind;
 
-/// `refused`: it passes where the command is refused with this code.
+/// `refused`: passes if the command is refused with this code.
 Outcome judge_refusal(const Outcome& outcome, std::uint32_t code, CommandContext& context) {
   if (outcome.kind() == OutcomeKind::refused && outcome.code() == code) return {};
   const std::string actual = outcome ? "accepted" : outcome.message();

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPeriodOfReports{250};
 
-/// The newest state of axes, from the moment on in which it is first asked for.
+/// The newest states of axes, followed from the first call on.
 class NewestStates {
  public:
   using States = std::map<client::AxisId, client::AxisSnapshot>;
@@ -31,7 +31,7 @@ class NewestStates {
     for (const client::Axis& axis : axes) ids_.push_back(axis.id());
   }
 
-  /// @return what `look` makes of the states; empty before the first one has come.
+  /// @return the result of `look` for the states; empty before the first one has arrived.
   template <typename Look>
   std::string text(const Look& look) {
     follow();
@@ -40,7 +40,7 @@ class NewestStates {
   }
 
  private:
-  /// What cannot be followed has no line: the command itself reports what is wrong.
+  /// If the axes cannot be followed there is no line: the command itself reports the failure.
   void follow() {
     if (std::exchange(is_followed_, true)) return;
     auto reports =
@@ -60,7 +60,7 @@ class NewestStates {
   bool is_followed_ = false;
   std::mutex mutex_;
   States states_;
-  std::optional<client::StatusReports> reports_;  ///< ends before what it fills
+  std::optional<client::StatusReports> reports_;  ///< destroyed before the members that it fills
 };
 
 /// @return the seconds since `start`, such as "12 s".
@@ -77,18 +77,18 @@ std::string velocity_in(const client::Unit& unit, std::int32_t velocity) {
   return position_in(unit, velocity) + std::string(unit_ending(Dimension::velocity));
 }
 
-// What is shorter needs no line.
+// No line for shorter waits.
 constexpr std::chrono::seconds kBeforeTheFirst{1};
 constexpr std::chrono::milliseconds kBetween{250};
 
-/// Rewrites the line until the stop.
+/// Rewrites the line until it is stopped.
 void show(const std::stop_token& stop, const std::function<std::string()>& text,
           Terminal& terminal) {
   std::mutex mutex;
   std::condition_variable_any stopped;
   std::unique_lock lock(mutex);
   const auto is_over_after = [&](std::chrono::milliseconds time) {
-    // Nothing but the stop wakes it.
+    // Only the stop wakes it.
     stopped.wait_for(lock, stop, time, [] {
       return false;
     });

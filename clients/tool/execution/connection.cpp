@@ -29,7 +29,7 @@ ExitCode finish(const client::Outcome& outcome, const Interrupt& interrupt, bool
                 Terminal& terminal) {
   terminal.end_live();
   if (interrupt.happened()) return ExitCode::interrupted;
-  // The reader of a pipe has ended: that ends a stream, it is not an error.
+  // The reader of a pipe has gone: that ends the stream and is not an error.
   if (!terminal.is_open() && !terminal.write_failure()) return ExitCode::ok;
   if (outcome) return ExitCode::ok;
   terminal.complain("vdrive: " + outcome.message());

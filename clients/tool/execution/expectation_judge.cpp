@@ -32,30 +32,30 @@ namespace {
 using client::Outcome;
 using client::OutcomeKind;
 
-// Longer than a reset takes, and than any motor needs to be seen moving.
+// Longer than a reset takes, and than any motor needs until its motion is visible.
 constexpr std::chrono::milliseconds kStandstill{100};
 
-// A drive without power coasts: from here on its speed is what the encoder makes of standing still.
+// A drive without power coasts. Below this speed, the value is encoder noise at standstill.
 constexpr std::int32_t kRest = 20;  // [UU/s]
 
 bool is_at_rest(const client::AxisSnapshot& axis) {
   return std::abs(axis.status.load_velocity_actual_value) <= kRest;
 }
 
-// Only a bench that is lost ends the wait: next() begins again.
+// next() is called again after this time: only a lost bench ends the wait.
 constexpr std::chrono::milliseconds kPatienceOfObserver{500};
 
 }  // namespace
 
-/// Notices that an axis is in Fault (CiA 402, power state machine) and stands still: a wait for
-/// anything but the fault and its reset cannot end well.
+/// Detects an axis that is in Fault (CiA 402, power state machine) and at rest: a wait for anything
+/// but the fault and its reset cannot succeed.
 class FaultWatch {
  public:
   /// @param period of the bench [us]
   explicit FaultWatch(std::chrono::microseconds period)
       : patience_(client::ticks_of(kStandstill, period)) {}
 
-  /// @param axis as it was observed next
+  /// @param axis its next observation
   void note(const client::AxisSnapshot& axis) {
     if (!is_fault(axis.state())) {
       was_sound_ = true;
@@ -75,26 +75,26 @@ class FaultWatch {
   /// @return the tick in which the axis was first observed with its fault, 0 without one.
   [[nodiscard]] std::uint64_t first_tick() const noexcept { return fault_tick_; }
 
-  /// @return whether the axis was observed before its fault: then first_tick() is that of the
+  /// @return whether the axis was observed before its fault, so that first_tick() is that of the
   ///         fault.
   [[nodiscard]] bool saw_begin() const noexcept { return was_sound_; }
 
  private:
   std::uint64_t patience_;              ///< [ticks]
-  bool was_sound_ = false;              ///< it was observed before the fault
-  bool is_over_ = false;                ///< nothing more comes without a reset
-  std::uint64_t fault_tick_ = 0;        ///< in which it was first seen with a fault
-  std::optional<std::uint64_t> since_;  ///< driven tick: from then on in Fault and at rest
+  bool was_sound_ = false;              ///< observed before the fault
+  bool is_over_ = false;                ///< nothing can follow without a reset
+  std::uint64_t fault_tick_ = 0;        ///< of the first observation with a fault
+  std::optional<std::uint64_t> since_;  ///< driven tick since which it is in Fault and at rest
 };
 
-/// Observes one object of an axis in tick after tick, from the tick on in which the last write is
-/// in force.
+/// Observes one object of an axis in each tick, from the tick on in which the last write is in
+/// force.
 class ValueObserver {
  public:
   ValueObserver(client::Session& session, client::Axis& axis, ObjectAddress object)
       : session_(session), axis_(axis), object_(object) {}
 
-  /// The first observation. @param in_force the earliest tick that counts
+  /// Makes the first observation. @param in_force the earliest tick that counts
   Outcome start(const client::BenchInfo& bench, std::uint64_t in_force) {
     is_lockstep_ = bench.clock_mode == client::ClockMode::lockstep;
     auto follower = session_.follow({axis_.id()}, client::Pace::drive);
@@ -114,21 +114,22 @@ class ValueObserver {
     ensure(follower_.has_value(), "the observer was started");
     while (true) {
       auto sample = follower_->next(kPatienceOfObserver);
-      // A busy machine: the end of the wait is up to the caller.
+      // The machine is busy: the caller decides when to give up.
       if (sample.outcome().kind() == client::OutcomeKind::timed_out) continue;
       return see(std::move(sample));
     }
   }
 
-  /// @return whether every tick of realtime can be observed: the status stream has the object.
+  /// @return whether every realtime tick can be observed, because the status stream contains the
+  ///         object.
   [[nodiscard]] bool sees_every_tick() const { return is_lockstep_ || is_streamed_; }
 
   [[nodiscard]] std::uint64_t tick() const { return tick_; }
 
-  /// The same without the ticks that the number jumped over: for durations.
+  /// tick() without the ticks that the number skipped: for durations.
   [[nodiscard]] std::uint64_t driven_tick() const { return shown_.driven_tick(); }
 
-  /// The axis as it was last observed.
+  /// The latest observation of the axis.
   [[nodiscard]] const client::AxisSnapshot& shown() const { return shown_; }
 
   [[nodiscard]] std::int64_t value() const { return value_; }
@@ -169,9 +170,10 @@ class ValueObserver {
 
 namespace {
 
-/// Of a fault that is older than the watch the tick comes from the events that the bench keeps:
-/// kept_events() takes half a second, and replaces the observer of Session::on_event.
-/// @param axis with a fault, as `watch` has observed it last
+/// Describes the fault of an axis. The tick of a fault older than the watch comes from the events
+/// that the bench keeps: kept_events() takes half a second, and replaces the observer of
+/// Session::on_event.
+/// @param axis with a fault, as last observed by `watch`
 /// @return such as "axis 1.1 is in Fault 0x8611 following error, since tick 1204".
 std::string fault_text(client::Session& session, const client::AxisSnapshot& axis,
                        const FaultWatch& watch) {
@@ -182,18 +184,19 @@ std::string fault_text(client::Session& session, const client::AxisSnapshot& axi
          (tick ? std::to_string(*tick) : std::to_string(watch.first_tick()) + " or before");
 }
 
-/// @return whether a drive in Fault can show the condition (condition_names()) only after a reset
-///         and more. Not so: what a reset leads to, and what follows the supply and the limits.
+/// @return whether a drive in Fault cannot show the condition (condition_names()) without a reset
+///         and further commands. It can show the state after a reset, and conditions that depend on
+///         the supply and the limits.
 bool is_out_of_reach_in_fault(std::string_view condition) noexcept {
   constexpr std::array<std::string_view, 5> kComeInFault{
       "switch_on_disabled", "voltage_enabled", "internal_limit_active", "warning", "remote"};
   return std::ranges::find(kComeInFault, condition) == kComeInFault.end();
 }
 
-/// @return the same of a value: a position, a speed, a torque or a current, the mode that is in
-///         force (6061h), and a statusword that has no fault, is in Operation enabled, has reached
-///         a target, or has what the mode says in bit 12. Not so: what another program may write
-///         meanwhile, such as 6081h, and what a reset, the supply or an input brings.
+/// @return the same for a value. Out of reach are: a position, a speed, a torque, a current, the
+///         active mode (6061h), and a statusword that has no fault, is in Operation enabled, has
+///         reached a target, or has bit 12 of the mode. Not out of reach are: objects that another
+///         program may write, such as 6081h, and effects of a reset, the supply or an input.
 bool is_out_of_reach_in_fault(const Expectation& expectation) {
   using namespace literals;
   const auto row = expectation.object.row();
@@ -202,13 +205,13 @@ bool is_out_of_reach_in_fault(const Expectation& expectation) {
                                  "current_actual_value"_object, "op_mode_actual"_object};
   const bool is_of_motion =
       dimension_of(*row) || std::ranges::find(kOfMotion, *row) != kOfMotion.end();
-  if (is_of_motion) return describe(*row).access == Access::read_only;  // what the axis shows
+  if (is_of_motion) return describe(*row).access == Access::read_only;  // an actual value
   if (*row != "ds402_statusword"_object || expectation.comparison != Comparison::equal)
     return false;
   constexpr std::uint64_t kSwitchOnDisabled = 1U << 6U;
   const std::uint64_t mask = expectation.mask.value_or(~std::uint64_t{0});
   const auto value = static_cast<std::uint64_t>(expectation.value);
-  // Bit 12 is the mode's, and the mode sets it in Operation enabled only.
+  // Bit 12 belongs to the mode, which sets it only in Operation enabled.
   constexpr std::uint64_t kNeverInFault =
       Statusword::kOperationEnabled | Statusword::kTargetReached | Statusword::kSetPointAcknowledge;
   const bool needs_no_fault = (mask & Statusword::kFault) != 0 && (value & Statusword::kFault) == 0;
@@ -242,7 +245,7 @@ Outcome ExpectationJudge::await(const client::Axis& axis, const std::string& con
   FaultWatch fault(bench->period);
   const bool ends_in_fault = is_out_of_reach_in_fault(condition);
   Outcome held;
-  std::optional<client::AxisSnapshot> in_fault;  // it stays there
+  std::optional<client::AxisSnapshot> in_fault;  // set once it stays in Fault
   const auto shown = axis.wait_until(
       [&](const client::AxisSnapshot& now) {
         if (tool::shows(now, condition)) return true;
@@ -266,7 +269,7 @@ Outcome ExpectationJudge::compare(client::Axis& axis, const Expectation& expecta
   const auto bench = session_.find_bench(axis.id().bench);
   if (!bench) return bench.outcome();
   if (bench->clock_mode != client::ClockMode::lockstep) {
-    // Time passes by itself: a value that was just written is read once it is in force.
+    // In real time, a value just written is read only once it is in force.
     const auto reached = session_.wait_for_tick(axis.id().bench, in_force_[axis.id()]);
     if (!reached) return reached.outcome();
   }
@@ -310,7 +313,7 @@ Outcome ExpectationJudge::ended_by_fault(const ValueObserver& observer,
                          expectation.object.text + " " + expected_text(expectation));
 }
 
-/// Another program could have written the value also in Fault.
+/// Another program could have written the value even in Fault.
 Outcome ExpectationJudge::late(const ValueObserver& observer, const Expectation& expectation,
                                const FaultWatch& fault) {
   const client::AxisSnapshot& axis = observer.shown();
@@ -319,7 +322,7 @@ Outcome ExpectationJudge::late(const ValueObserver& observer, const Expectation&
   return other.with_message(other.message() + "; " + fault_text(session_, axis, fault));
 }
 
-/// An axis that this session has lost does not do what the scenario commanded any more.
+/// An axis that this session has lost no longer does what the scenario commands.
 Outcome ExpectationJudge::check_control(const client::AxisSnapshot& axis) {
   if (axis.owner_session == session_.id()) {
     held_.insert(axis.id);

@@ -20,7 +20,7 @@ namespace {
 using client::Outcome;
 using client::OutcomeKind;
 
-// A failed command to every axis of a large bench is not about each of them.
+// If a command to every axis of a large bench fails, a line for each would not help.
 constexpr std::size_t kMostAxes = 4;
 
 /// @return one line, such as "axis 1.1 at tick 42: 0x637 Operation enabled: target reached; ...".
@@ -36,16 +36,16 @@ std::string axis_text(const client::Axis& axis, const client::AxisSnapshot& show
          std::to_string(status.op_mode_actual) + " " + std::string(to_string(shown.mode()));
 }
 
-/// What is known when the next step is chosen.
+/// The facts for choosing the next step.
 struct FailedCommand {
   const Outcome& outcome;
-  const std::optional<Json>& found;  ///< of the judge of expectations
-  const client::AxisSnapshot* axis;  ///< the first one, none where it is not known
-  std::string label;                 ///< what the user calls it
-  bool is_private;                   ///< its bench and the events of it end with this program
+  const std::optional<Json>& found;  ///< by the judge of expectations
+  const client::AxisSnapshot* axis;  ///< the first one, nullptr if unknown
+  std::string label;                 ///< the axis as the user has typed it
+  bool is_private;                   ///< its bench, with the events, ends with this program
 };
 
-/// A wait that ends at its limit is late, whatever it waits for.
+/// A wait that has reached its limit is late, not different.
 bool is_other_value(const Outcome& outcome, const std::optional<Json>& found) {
   return found && found->contains("expected") && outcome.kind() != OutcomeKind::timed_out;
 }
@@ -137,7 +137,7 @@ std::string advice_of(const FailedCommand& failed) {
   }
 }
 
-/// @return the axes to look at.
+/// @return the axes to read.
 std::vector<client::Axis> axes_of_failure(const Command& command, CommandContext& context) {
   if (command.axes.empty()) return context.axes.known();
   auto named = context.axes.axes(command.axes);
@@ -150,7 +150,7 @@ FailureReport report_failure(const Command& command, const Outcome& outcome,
                              CommandContext& context) {
   FailureReport report;
   if (context.session.is_interrupted()) return report;
-  // Where a bench is lost, nothing can be asked of it.
+  // A lost bench cannot be asked.
   std::vector<client::Axis> axes = outcome.kind() == OutcomeKind::lost
                                        ? std::vector<client::Axis>()
                                        : axes_of_failure(command, context);

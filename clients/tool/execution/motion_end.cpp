@@ -9,7 +9,7 @@ namespace {
 using client::Outcome;
 using client::OutcomeKind;
 
-/// Lets calls wait again that only look at an axis: an interrupt ends them, too.
+/// Suspends an interrupt, which would also end calls that only read an axis.
 class InterruptAside {
  public:
   explicit InterruptAside(client::Session& session)
@@ -33,8 +33,9 @@ bool has_motion(const client::AxisSnapshot& axis) {
   return axis.status.velocity_demand_value != 0 || axis.has_torque();
 }
 
-/// The command may have ended before it had control: the axis of another session is not halted.
-/// @param may_begin the motion may be commanded and not seen yet
+/// Checks control, because the command may have ended before it had control, and the axis of
+/// another session must not be halted.
+/// @param may_begin the motion may have been commanded without being visible yet
 bool is_driven_here(const client::Session& session, const client::Axis& axis, bool may_begin) {
   const auto shown = axis.status();
   return shown && shown->owner_session == session.id() &&
@@ -47,7 +48,7 @@ std::string end_text(const Outcome& halted, const client::Axis& axis,
   return halted ? "axis " + context.axes.label_of(axis.id()) + " is halted" : halted.message();
 }
 
-/// @return whether nothing follows in the session that could stop the axis.
+/// @return whether no later command of the session could stop the axis.
 bool ends_session(const Outcome& outcome, const CommandContext& context) {
   const bool is_failure =
       outcome.kind() == OutcomeKind::timed_out || outcome.kind() == OutcomeKind::failed;

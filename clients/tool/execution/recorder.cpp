@@ -24,11 +24,11 @@ using client::OutcomeKind;
 using recording::RecordingError;
 using Clock = std::chrono::steady_clock;
 
-/// Short where several benches take turns: none may wait long for another that stands still.
+/// Short if several benches take turns: one that stands still must not delay the others for long.
 constexpr std::chrono::milliseconds kPatienceOfOne{100};
 constexpr std::chrono::milliseconds kPatienceOfMany{5};
 
-// Far below the seconds of samples that the stream keeps.
+// Far below the seconds of samples that the stream buffers.
 constexpr std::chrono::milliseconds kNap{5};
 
 std::vector<ObjectAddress> all_objects() {
@@ -45,7 +45,7 @@ std::vector<client::AxisId> ids_of(const ObservedBench& bench) {
   return ids;
 }
 
-/// Every object of an axis, an object that is refused with its code.
+/// Every object of an axis; a refused one with its code.
 client::Result<bridge::ParameterImage> image_of(const client::Axis& axis) {
   static const std::vector<ObjectAddress> objects = all_objects();
   auto readings = axis.read(objects);
@@ -54,7 +54,7 @@ client::Result<bridge::ParameterImage> image_of(const client::Axis& axis) {
       .axis = axis.id(), .tick = readings->tick, .objects = std::move(readings->objects)};
 }
 
-/// Lines of a recording for standard output.
+/// Prints lines of a recording on standard output.
 class TerminalOutput final : public recording::Output {
  public:
   explicit TerminalOutput(Terminal& terminal) : terminal_(terminal) {}
@@ -69,7 +69,7 @@ class TerminalOutput final : public recording::Output {
 
 }  // namespace
 
-/// One bench on its way through the recording.
+/// The state of one bench during the recording.
 struct Recorder::Track {
   Track(std::uint32_t number, client::Follower stream, std::chrono::milliseconds wait)
       : bench(number), follower(std::move(stream)), patience(wait) {}
@@ -77,8 +77,8 @@ struct Recorder::Track {
   std::uint32_t bench = 0;
   client::Follower follower;
   std::chrono::milliseconds patience;
-  std::uint64_t ticks = 0;                  ///< to record; 0 = without end
-  std::optional<std::uint64_t> first_tick;  ///< without the ticks that were skipped
+  std::uint64_t ticks = 0;                  ///< to record; 0 = no limit
+  std::optional<std::uint64_t> first_tick;  ///< not counting skipped ticks
   std::uint64_t samples = 0;
   bool has_ended = false;
   std::optional<Clock::time_point> silent_since;  ///< none while the bench sends
@@ -104,7 +104,8 @@ std::unique_ptr<recording::Writer> Recorder::open() {
 Outcome Recorder::record(const std::vector<ObservedBench>& benches) {
   try {
     auto writer = open();
-    // In front of the stream: a thousand axes take a while, and the stream keeps no more than that.
+    // Before the stream is opened: reading a thousand axes takes a while, longer than the stream
+    // buffers.
     client::Result<std::vector<bridge::ParameterImage>> images =
         std::vector<bridge::ParameterImage>{};
     if (choice_.format == recording::Format::mcap) images = read_parameters(benches);
@@ -122,7 +123,7 @@ Outcome Recorder::record(const std::vector<ObservedBench>& benches) {
     return record_into(std::move(writer), benches, *tracks);
   } catch (const RecordingError& error) {
     has_begun_ = false;
-    // The exit code of an interrupt comes without a message.
+    // After an interrupt the exit code is reported without the message, so it is printed here.
     if (session_.is_interrupted()) terminal_.complain(std::string("vdrive: ") + error.what());
     return Outcome::failed(error.what());
   }
@@ -157,7 +158,7 @@ client::Result<std::vector<Recorder::Track>> Recorder::open_tracks(
   return tracks;
 }
 
-/// Writes the end of the recording in any case but one: the file cannot be written.
+/// Always writes the end of the recording, unless the file cannot be written.
 Outcome Recorder::record_into(std::unique_ptr<recording::Writer> writer,
                               const std::vector<ObservedBench>& benches,
                               std::vector<Track>& tracks) {
@@ -210,15 +211,16 @@ Outcome Recorder::follow(std::vector<Track>& tracks) {
     }
     std::string failure = queue_->failure();
     if (!failure.empty()) return Outcome::failed(std::move(failure));
-    // To be woken for each frame costs a tenth of a core at 1,024 axes; the stream keeps seconds.
+    // Waking for each frame costs a tenth of a core at 1,024 axes; the stream buffers seconds.
     if (goes_on) std::this_thread::sleep_for(kNap);
   }
   return {};
 }
 
-/// Waits for the next sample of a bench, and takes what came with it.
+/// Waits for the next sample of a bench, and takes all that have arrived.
 Outcome Recorder::take_samples(Track& track) {
-  // A bench that sends faster than it is read must not hold up the others, nor the end.
+  // Limited, because a bench that sends faster than it is read must not delay the others or the
+  // end.
   constexpr int kMostAtOnce = 1000;
   auto patience = track.patience;
   for (int i = 0; i < kMostAtOnce && !track.has_ended; ++i) {
@@ -238,7 +240,7 @@ Outcome Recorder::take_samples(Track& track) {
   return {};
 }
 
-/// A follower bridges a silence that a person should know about.
+/// The follower bridges a silence without reporting it, but the user should know.
 bool Recorder::is_silent(std::uint32_t bench) {
   const std::scoped_lock lock(ended_mutex_);
   const auto since = silent_since_.find(bench);
@@ -266,7 +268,7 @@ Outcome Recorder::wait_for(Track& track) {
 }
 
 void Recorder::take(Track& track, client::Observation&& sample) {
-  // Drive time that was not driven does not count.
+  // Drive time that was skipped does not count.
   ensure(!sample.axes.empty(), "an observation has the axes that are followed");
   const std::uint64_t tick = sample.axes.front().driven_tick();
   if (!track.first_tick) track.first_tick = tick;

@@ -28,7 +28,7 @@
 namespace vdrive::tool {
 namespace {
 
-/// @return whether an argument is meant as an option: no negative number.
+/// @return whether an argument looks like an option; a negative number does not.
 bool is_option(const std::string& argument) {
   return argument.size() > 1 && argument[0] == '-' && (argument[1] < '0' || argument[1] > '9');
 }
@@ -42,13 +42,13 @@ void add_options(const CLI::App& app, Words& words) {
   }
 }
 
-/// @return the option where it has a value, else none.
+/// @return the option if it takes a value, otherwise nullptr.
 const CLI::Option* option_with_value(const CLI::App& app, const std::string& name) {
   const CLI::Option* const found = app.get_option_no_throw(name);
   return found != nullptr && found->get_items_expected_max() > 0 ? found : nullptr;
 }
 
-/// One command line, taken apart.
+/// A command line split into its parts.
 class Line {
  public:
   Line(const CLI::App& app, std::span<const std::string> before) : app_(app) {
@@ -66,7 +66,7 @@ class Line {
     }
   }
 
-  /// @param current the word that is completed
+  /// @param current the word to complete
   [[nodiscard]] Words candidates(const std::string& current, const Completers& completers,
                                  const BenchNames& names) const {
     Words words;
@@ -89,13 +89,14 @@ class Line {
     return found == commands.end() ? nullptr : *found;
   }
 
-  /// @return the option of this name, of the command first, where the next word is its value.
+  /// @return the option of this name if the next word is its value; options of the command take
+  ///         precedence.
   [[nodiscard]] const CLI::Option* awaiting(const std::string& name) const {
     const CLI::Option* own = command_ == nullptr ? nullptr : option_with_value(*command_, name);
     return own != nullptr ? own : option_with_value(app_, name);
   }
 
-  /// @return the place that the next argument has, such as AXIS, or none.
+  /// @return the positional argument that is next, such as AXIS, or nullptr.
   [[nodiscard]] const CLI::Option* place() const {
     std::size_t left = arguments_.size();
     for (const CLI::Option* const option : command_->get_options()) {
@@ -116,14 +117,14 @@ class Line {
   const CLI::App& app_;
   const CLI::App* command_ = nullptr;
   bool is_unknown_ = false;
-  const CLI::Option* awaited_ = nullptr;  ///< whose value comes next
+  const CLI::Option* awaited_ = nullptr;  ///< the next word is its value
   Words arguments_;
 };
 
 /// @param app the commands
 /// @param completers of their arguments
 /// @param words of the command line without the program; the last one is completed
-/// @return the words in its place, none where a file's name may stand.
+/// @return the possible words, none where a file name is expected.
 Words candidates(const CLI::App& app, const Completers& completers, const Words& words,
                  const BenchNames& names) {
   if (words.empty()) return {};
@@ -138,7 +139,7 @@ Words candidates(const CLI::App& app, const Completers& completers, const Words&
   return found;
 }
 
-/// @return what is wrong with ADDRESS:PORT, or nothing; part of one of CLI11's texts.
+/// @return what is wrong with ADDRESS:PORT, or nothing; becomes part of a text of CLI11.
 std::string check_server(const std::string& text) {
   return wire::parse_server_address(text)
              ? ""
@@ -159,7 +160,7 @@ std::string check_host_name(const std::string& text) {
              : "'" + text + "' is not an IPv4 address or the name of a host, such as 10.0.0.1";
 }
 
-/// CLI11 takes an empty value for one that was not given, and an empty variable for none.
+/// CLI11 treats an empty value as a missing option, and an empty environment variable as unset.
 void refuse_empty_values(const CLI::App& app) {
   for (const CLI::Option* const option : app.get_options()) {
     if (std::ranges::find(option->results(), "") != option->results().end()) {
@@ -191,8 +192,8 @@ std::vector<std::string> names_of_commands(const CLI::App& app) {
   return names;
 }
 
-/// @return what is wrong with arguments that no option and no place of a command takes, the first
-///         option of them or else the first: CLI11 lists them from the last to the first.
+/// @return what is wrong with arguments that nothing takes: names the first option among them, or
+///         else the first one. CLI11 lists them in reverse order.
 std::string unexpected_text(const CLI::App& app) {
   const std::vector<std::string> extras = app.remaining(true);
   const auto chosen = app.get_subcommands();
@@ -208,7 +209,7 @@ std::string unexpected_text(const CLI::App& app) {
   return in_quotes(name) + " is not an option of " + called + suggestion(name, known);
 }
 
-/// @param name of an option that stands before the command
+/// @param name of an option before the command
 std::string unknown_option(const CLI::App& app, const std::string& name) {
   for (const CLI::App* const command : app.get_subcommands({})) {
     if (command->get_option_no_throw(name) == nullptr) continue;
@@ -218,7 +219,7 @@ std::string unknown_option(const CLI::App& app, const std::string& name) {
   return in_quotes(name) + " is not an option" + suggestion(name, names_of_options(app));
 }
 
-/// @param how_to_list the commands, where none is near
+/// @param how_to_list the commands, if no name is near
 void check_command_name(const CLI::App& app, const std::string& name,
                         std::string_view how_to_list) {
   const std::vector<std::string> commands = names_of_commands(app);
@@ -228,9 +229,8 @@ void check_command_name(const CLI::App& app, const std::string& name,
                    (nearest.empty() ? std::string(how_to_list) : nearest));
 }
 
-/// CLI11 reports an unknown command as a missing one, and takes the value of an unknown option
-/// for the command. The first argument that is neither an option nor the value of an option is
-/// the command.
+/// CLI11 reports an unknown command as a missing one, and takes the value of an unknown option for
+/// the command. So this checks the first argument that is neither an option nor the value of one.
 void check_command(const CLI::App& app, const std::vector<std::string>& arguments,
                    std::string_view how_to_list) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
@@ -256,7 +256,7 @@ std::uint32_t default_domain() {
   }
 }
 
-/// A line as CLI11 reads it: the options of the tool, and the commands that the place may have.
+/// A line as read by CLI11: the options of the tool, and the commands allowed in this place.
 class CommandLine {
  public:
   CommandLine(CommandTable commands, Place place) : place_(place) {
@@ -273,7 +273,7 @@ class CommandLine {
     for (const CommandRow* const row : commands) {
       if (row->face.deepest >= place) add_command(*row, place);
     }
-    // After the commands: those that follow would take it over.
+    // Added after the commands, which would otherwise inherit it.
     if (place == Place::command_line) {
       app_.set_help_all_flag("--help-all", "Print the help of every command and exit");
     }
@@ -304,7 +304,7 @@ class CommandLine {
     return options;
   }
 
-  /// --domain. @throws UsageError for a default that is wrong.
+  /// --domain. @throws UsageError for a wrong default.
   [[nodiscard]] std::uint32_t domain() const { return domain_ ? *domain_ : default_domain(); }
 
  private:
@@ -342,7 +342,7 @@ class CommandLine {
     app_.set_version_flag("--version", wire::program_version("vdrive"));
   }
 
-  /// May appear several times, with one value each: the next argument may be the command.
+  /// May appear several times, with one value each, because the next argument may be the command.
   CLI::Option* add_addresses(const char* name, std::vector<std::string>& values, const char* help,
                              const char* type) {
     network_.push_back(
@@ -350,7 +350,7 @@ class CommandLine {
     return network_.back();
   }
 
-  /// Those of the environment are not among them.
+  /// Excludes values from the environment.
   [[nodiscard]] std::vector<std::string> network_given() const {
     std::vector<std::string> names;
     for (const CLI::Option* const option : app_.parse_order()) {
@@ -377,11 +377,11 @@ class CommandLine {
   const Place place_;
   CLI::App app_;
   GlobalOptions options_;
-  std::vector<CLI::Option*> network_;  ///< the options that name a network
+  std::vector<CLI::Option*> network_;  ///< the options about the network
   std::optional<std::uint32_t> domain_;
   std::string timeout_;
   Completers completers_;
-  std::deque<Arguments> arguments_;  ///< of each command; the callbacks refer to them
+  std::deque<Arguments> arguments_;  ///< of each command; referenced by the callbacks
   std::optional<Command> command_;
 };
 
@@ -394,15 +394,15 @@ std::string help_of_all_commands(const CLI::App& app) {
   return text;
 }
 
-/// CLI11's texts end with hints of their own and with line breaks, and hold what was given as it
-/// is.
+/// Texts of CLI11 end with its own hints and with line breaks, and contain the user's input
+/// unescaped.
 std::string one_line(std::string text) {
   while (!text.empty() && text.back() == '\n') text.pop_back();
   std::ranges::replace(text, '\n', ' ');
   return escaped(text, kShownOfMessage);
 }
 
-/// What a command line, or a line of a shell, requests.
+/// The request of a command line, or of a line of a shell.
 Invocation invocation_of(CommandLine& line, std::vector<std::string> arguments) {
   Invocation invocation;
   try {
@@ -425,8 +425,8 @@ Invocation invocation_of(CommandLine& line, std::vector<std::string> arguments) 
 
 constexpr std::string_view kHelp = "help";
 
-/// @param words of a line of the shell that begins with `help`
-/// @return the words that make the reader of a command line answer it.
+/// @param words of a shell line that begins with `help`
+/// @return the words of the equivalent command line.
 std::vector<std::string> words_of_help(std::vector<std::string> words) {
   if (words.size() > 2) {
     throw UsageError(in_quotes(words[2]) + " is one argument too many for 'help'");
@@ -436,7 +436,7 @@ std::vector<std::string> words_of_help(std::vector<std::string> words) {
   return words;
 }
 
-/// refused CODE COMMAND...: the command of the line is the inner one.
+/// refused CODE COMMAND...: parses the inner command.
 ScenarioCommand parse_refused(CommandTable commands, const std::vector<std::string>& words) {
   constexpr std::uint64_t kHighestCode = std::numeric_limits<std::uint32_t>::max();
   if (words.size() < 3) throw UsageError("refused needs a code and a command");
@@ -503,7 +503,7 @@ std::vector<std::string> complete_line(CommandTable commands, const std::string&
   std::vector<std::string> found = candidates(shell.app(), shell.completers(), words, names);
   const bool is_first = words.size() == 1 && !is_help;
   if (is_first) {
-    // What the shell itself carries out.
+    // Commands of the shell itself.
     for (const std::string_view own : {kHelp, std::string_view("exit"), std::string_view("quit")}) {
       if (own.starts_with(words.front())) found.emplace_back(own);
     }

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-/// @return where the comment starts, or the end.
+/// @return the start of the comment, or the end of the line.
 std::size_t comment_start(std::string_view line) {
   char quote = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {
@@ -35,7 +35,7 @@ std::size_t comment_start(std::string_view line) {
   return line.size();
 }
 
-/// Takes a line character by character; blanks part words, quotes hold them together.
+/// Splits a line, character by character: blanks separate words, quotes keep them together.
 class WordSplitter {
  public:
   void take(char c) {
@@ -80,7 +80,7 @@ void refuse_longer(std::string_view line) {
                    " bytes, which is the limit");
 }
 
-/// A refusal that is expected may be that of an object which does not exist.
+/// Not checked if a refusal is expected, which may be about an object that does not exist.
 void check_objects(const Command& command) {
   if (command.refusal || command.row->check_objects == nullptr) return;
   command.row->check_objects(command.arguments);
@@ -92,9 +92,9 @@ class ScenarioReader {
   ScenarioReader(CommandTable commands, std::string file, const Variables::Values& settings)
       : commands_(commands), scenario_{std::move(file), {}, {}}, variables_(settings) {}
 
-  /// Keeps a mistake in the line.
-  /// @param line what is longer than kLongestLine may lack its end
-  /// @return whether the next one can be read.
+  /// Records a mistake in the line.
+  /// @param line may lack its end if it is longer than kLongestLine
+  /// @return whether the next line can be read.
   bool take(std::size_t number, std::string_view line) {
     if (number == 1 && is_wide_text(line)) {
       throw UsageError(escaped(scenario_.file, kShownOfMessage) +
@@ -112,7 +112,7 @@ class ScenarioReader {
     return !is_too_large_ && !mistakes_.is_full();
   }
 
-  /// What was lost on its way here must not pass.
+  /// Rejects an empty scenario, so that lost content does not pass as a success.
   /// @throws UsageError with each mistake, and for a file that tests nothing.
   Scenario finish() && {
     mistakes_.throw_if_any();
@@ -126,7 +126,7 @@ class ScenarioReader {
   }
 
  private:
-  /// The bytes of the file count with its comments.
+  /// The limit of the file includes its comments.
   void check_length(std::string_view line) {
     refuse_longer(line);
     bytes_ += line.size() + 1;
@@ -170,20 +170,20 @@ class ScenarioReader {
   const CommandTable commands_;
   Scenario scenario_;
   Variables variables_;
-  std::size_t bytes_ = 0;     ///< of the file, so far
-  std::size_t expanded_ = 0;  ///< of its lines without comments, with the values of variables
+  std::size_t bytes_ = 0;     ///< of the file so far
+  std::size_t expanded_ = 0;  ///< of its lines without comments, with variables replaced
   bool is_final_ = false;
   bool is_too_large_ = false;
   Mistakes mistakes_;
 };
 
-/// Reads a line of a file, but not what is far longer than a line may be.
+/// Reads lines of a file, but not the excess of lines far beyond the limit.
 class LineSource {
  public:
   explicit LineSource(std::istream& input) : input_(input), buffer_(kLongestLine + 2) {}
 
-  /// @return the next line, valid up to the following call; nothing at the end. Of a line that is
-  ///         too long its beginning, also longer than kLongestLine.
+  /// @return the next line, valid until the next call; nothing at the end. Of a line that is too
+  ///         long, only its beginning, which still exceeds kLongestLine.
   std::optional<std::string_view> next() {
     input_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
     auto length = static_cast<std::size_t>(input_.gcount());
@@ -200,7 +200,7 @@ class LineSource {
 Scenario load(CommandTable commands, const std::string& name, const Variables::Values& settings) {
   if (name == "-") return parse_scenario(commands, std::cin, name_of_scenario(name), settings);
   std::ifstream file(name);
-  // A directory opens, but has no bytes.
+  // A directory can be opened, but not read.
   if (!file || std::filesystem::is_directory(name)) {
     throw UsageError("cannot read " + in_quotes(name));
   }

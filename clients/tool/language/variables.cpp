@@ -12,7 +12,7 @@
 namespace vdrive::tool {
 namespace {
 
-// A value stands in the line as it is: these would change how the line is read.
+// Values are inserted literally, and these would change how the line is parsed.
 constexpr std::string_view kNotInValues = "\"'#${}";
 
 bool is_name(std::string_view text) {
@@ -39,7 +39,7 @@ void check_value(std::string_view name, std::string_view value) {
                    " must not contain \", ', #, $, {, } or control characters");
 }
 
-/// Takes `NAME = VALUE` apart.
+/// Splits `NAME = VALUE`.
 std::pair<std::string, std::string> parted(std::string_view text, std::string_view example) {
   const std::size_t sign = text.find('=');
   if (sign == std::string_view::npos) {
@@ -52,7 +52,7 @@ std::pair<std::string, std::string> parted(std::string_view text, std::string_vi
   return {std::string(name), std::string(value)};
 }
 
-/// Appends to a line, which values would else let grow without a bound.
+/// Appends to a line with a limit: values could make `let` lines grow without bound.
 void append_bounded(std::string& line, std::string_view text) {
   if (text.size() > kLongestLine - line.size()) {
     throw UsageError("the line has more than " + std::to_string(kLongestLine) +

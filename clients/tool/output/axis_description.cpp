@@ -34,9 +34,9 @@ constexpr std::array kModelObjects{
     "gear_ratio_denominator"_object,
 };
 
-/// @return whether the object has a default that somebody can have changed. The count of the
-/// history
-///         (1003h:0) is written to clear it, and differs after each fault.
+/// @return whether a user may have changed the object from its default. The count of the history
+///         (1003h:0) does not qualify: it is written only to clear it, and differs after each
+///         fault.
 bool can_differ(const ObjectDescription& object) {
   return object.access == Access::read_write && object.change != Change::memory &&
          object.change != Change::history;
@@ -54,7 +54,7 @@ std::string number_or_unknown(const client::Readings& readings, ObjectRow row) {
   return value ? std::to_string(*value) : "unknown";
 }
 
-/// Writable objects that have another value than their default, and those that were refused.
+/// Writable objects whose value is not their default, and those that were refused.
 std::vector<client::ObjectReading> differing(const client::Readings& readings) {
   std::vector<client::ObjectReading> objects;
   for (const client::ObjectReading& reading : readings.objects) {
@@ -153,7 +153,7 @@ std::string words_or_none(const std::vector<std::string>& words) {
   return words.empty() ? "none" : joined(words);
 }
 
-/// @return what the description says about the model of the axis, as lines.
+/// @return the lines of the description about the model of the axis.
 std::vector<std::string> model_lines(const AxisDescription& described) {
   const client::AxisInfo& axis = described.axis;
   const auto number = [&described](ObjectRow row) {
@@ -174,7 +174,7 @@ std::vector<std::string> model_lines(const AxisDescription& described) {
           number("gear_ratio_denominator"_object) + " motor revolutions"};
 }
 
-/// The objects that differ, in columns.
+/// The changed objects, in columns.
 std::vector<std::string> object_lines(const std::vector<client::ObjectReading>& objects,
                                       const client::Unit& unit) {
   std::vector<std::vector<std::string>> rows{
@@ -201,7 +201,7 @@ const std::vector<ObjectAddress>& described_objects() {
 
 std::optional<std::uint16_t> last_fault_of(const client::AxisSnapshot& status,
                                            const client::Readings& readings) {
-  // The low word of 1003h is the code; the high word is free for a manufacturer.
+  // The low word of 1003h is the code; the high word is manufacturer-specific.
   constexpr std::int64_t kCode = 0xFFFF;
   const auto newest =
       static_cast<std::uint16_t>(value_in(readings, kNewestError).value_or(0) & kCode);

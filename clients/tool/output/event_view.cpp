@@ -24,16 +24,16 @@ using client::EventKind;
 using client::EventSeverity;
 using Clock = std::chrono::steady_clock;
 
-// What a bench keeps arrives in one go, once the reader is matched; nothing marks its end.
+// Kept events arrive in one burst once the reader is matched; nothing marks its end.
 constexpr std::chrono::milliseconds kQuiet{500};
 constexpr std::chrono::seconds kLongest{5};
-constexpr std::chrono::seconds kLongestOfFollower{1};  // a follower is here for what comes next
-constexpr std::chrono::milliseconds kPeriod{50};       // an interrupt rings no bell of the queue
+constexpr std::chrono::seconds kLongestOfFollower{1};  // a follower waits for new events
+constexpr std::chrono::milliseconds kPeriod{50};       // an interrupt does not wake the queue
 
-// A terminal that is stopped takes no lines: what waits for it must not fill the memory.
+// A stopped terminal takes no lines; waiting events must not fill the memory.
 constexpr std::size_t kMostEvents = 1'000'000;
 
-/// Hands events over from the thread of the session.
+/// Passes events from the thread of the session.
 class EventQueue {
  public:
   void push(const Event& event) {
@@ -42,7 +42,7 @@ class EventQueue {
     arrived_.notify_one();
   }
 
-  /// @return how many were dropped, ever.
+  /// @return the number dropped so far.
   [[nodiscard]] std::uint64_t dropped() const {
     const std::scoped_lock lock(mutex_);
     return events_.dropped();
@@ -63,13 +63,13 @@ class EventQueue {
   BoundedQueue<Event> events_{kMostEvents, WhenFull::drops_oldest};
 };
 
-/// Who the sessions of events are.
+/// The names of sessions in events.
 class EventNames {
  public:
   explicit EventNames(client::Session& session) : session_(session) {}
 
-  /// Waits for a name that is asked for the first time; in all a second for those that are not
-  /// known: a program of another vendor says none.
+  /// Waits for a name that is asked for the first time, at most one second in total for unknown
+  /// ones: a program of another vendor publishes none.
   std::optional<client::SessionName> find(std::uint32_t bench, std::uint64_t session) {
     if (session == 0) return std::nullopt;
     auto name = session_.known_name(bench, session);
@@ -87,7 +87,7 @@ class EventNames {
   Clock::duration left_ = std::chrono::seconds(1);
 };
 
-/// @return the text with who a session is before its number.
+/// @return the text with the session's name before its number.
 std::string with_session_names(std::string text, std::uint32_t bench,
                                const SessionNameOf& name_of) {
   constexpr std::string_view kSession = "session 0x";
@@ -145,7 +145,7 @@ void print(const Event& event, bool is_json, const SessionNameOf& name_of, Termi
   terminal.print(color ? colored(terminal, *color, text) : text);
 }
 
-/// Hands over what the benches keep, by tick, and with `follow` what comes after it, while
+/// Passes on the events that the benches keep, by tick, and with `follow` later ones, while
 /// `goes_on` holds.
 template <typename GoesOn, typename Take>
 std::uint64_t take_events(client::Session& session, bool follow, const GoesOn& goes_on,
@@ -156,11 +156,11 @@ std::uint64_t take_events(client::Session& session, bool follow, const GoesOn& g
         queue.push(event);
       },
       client::EventHistory::kept);
-  // The network orders the events of a kind only.
+  // The network preserves the order only within one kind of event.
   std::vector<Event> kept;
   const auto begin = Clock::now();
   auto last = begin;
-  // A bench on which something happens all the time is never quiet.
+  // A bench with constant events is never quiet.
   const auto end = begin + (follow ? kLongestOfFollower : kLongest);
   while (goes_on() && last < end && Clock::now() - last <= kQuiet) {
     if (auto event = queue.next(kPeriod)) {
@@ -182,7 +182,7 @@ std::uint64_t take_events(client::Session& session, bool follow, const GoesOn& g
 std::string event_text(const Event& event, const SessionNameOf& name_of) {
   const std::string who = event.axis == 0 ? "bench " + std::to_string(event.bench)
                                           : to_string(client::AxisId{event.bench, event.axis});
-  // The text of the bench names the axis by its number there.
+  // The text of the bench starts with the axis number.
   const std::string prefix = "axis " + std::to_string(event.axis) + ": ";
   std::string text = event.text;
   if (event.axis != 0 && text.starts_with(prefix)) text.erase(0, prefix.size());

@@ -155,7 +155,7 @@ Json sarif_result(const judge::Finding& finding, const judge::ReportFace& face) 
 
 // ---- HTML --------------------------------------------------------------------------------------
 
-/// Of any length: a page is no message.
+/// No length limit: a page is not a message.
 std::string html_text(std::string_view text) {
   return xml_text(text, text.size());
 }
@@ -193,7 +193,7 @@ void add_html_table(std::string& page, const judge::Finding& finding) {
   page += "</table></div>\n";
 }
 
-/// The ticks around a finding as curves. A tick of the picture is a microsecond.
+/// The ticks around a finding as curves. One tick of the picture is one microsecond.
 std::optional<PlotTraces> finding_traces(const judge::Finding& finding) {
   constexpr std::size_t kLeastSamples = 3;
   if (finding.samples.size() < kLeastSamples) return std::nullopt;
@@ -274,7 +274,7 @@ void add_html_list(std::string& page, std::string_view title,
   page += "</ul>\n";
 }
 
-/// @return on how many axes a rule could not be judged.
+/// @return the number of axes on which a rule could not be judged.
 std::size_t times_unjudged(const judge::Verdict& verdict, judge::Rule rule) {
   std::size_t axes = 0;
   for (const judge::Unjudged& lack : verdict.unjudged) {

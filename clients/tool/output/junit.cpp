@@ -44,7 +44,7 @@ std::string seconds(std::chrono::nanoseconds duration) {
   return text.data();
 }
 
-/// @return ` name="value"`. A reader of XML would make a blank of a line break.
+/// @return ` name="value"`. XML readers turn a line break into a blank anyway.
 std::string attribute(std::string_view name, const std::string& value) {
   std::string escaped_value = xml_escaped(value);
   std::ranges::replace(escaped_value, '\n', ' ');
@@ -78,7 +78,7 @@ std::string case_xml(const std::string& suite, const JunitCase& test) {
   return content.empty() ? xml + "/>\n" : xml + ">" + content + "</testcase>\n";
 }
 
-/// How many cases there are, and what became of them.
+/// The numbers of cases, by result.
 struct Counts {
   std::size_t tests = 0;
   std::size_t failures = 0;
@@ -123,7 +123,7 @@ std::string text_or_empty(const char* text) {
 }
 
 std::chrono::nanoseconds duration_of(const Element& test) {
-  constexpr double kLongestTime = 1e9;  // [s] a reader's bound, far from the edge of the type
+  constexpr double kLongestTime = 1e9;  // [s] limit for reading, far below that of the type
   const double time = test.DoubleAttribute("time");
   if (!(time >= 0 && time <= kLongestTime)) return {};
   return std::chrono::nanoseconds(std::llround(time * 1e9));
@@ -157,7 +157,7 @@ JunitSuite read_suite(const Element& element) {
   return suite;
 }
 
-/// @return 0 where there is no such property.
+/// @return 0 if there is no such property.
 std::size_t read_property(const Element& root, const std::string& name) {
   const Element* const properties = root.FirstChildElement("properties");
   if (properties == nullptr) return 0;

@@ -12,7 +12,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kPatienceOfView{200};  // the end of a view is this late at most
+constexpr std::chrono::milliseconds kPatienceOfView{200};  // also the longest delay at the end of a
+                                                           // view
 constexpr std::chrono::milliseconds kRefresh{50};
 constexpr std::size_t kBarWidth = 20;
 constexpr std::size_t kWideTerminal = 110;
@@ -52,7 +53,7 @@ void LiveView::aim(const client::AxisId& axis, std::int64_t target) {
 
 void LiveView::follow(const std::stop_token& stop) {
   auto follower = session_.follow(axes_, client::Pace::observe);
-  if (!follower) return;  // the commands themselves report what is wrong
+  if (!follower) return;  // the commands themselves report the failure
   auto next_refresh = Clock::now();
   client::Observation last;
   while (!stop.stop_requested()) {
@@ -71,7 +72,7 @@ void LiveView::follow(const std::stop_token& stop) {
     next_line_ = sample->tick + ticks_per_line_;
     show(*sample);
   }
-  if (!last.axes.empty() && terminal_.is_interactive()) show(last);  // what stays on the screen
+  if (!last.axes.empty() && terminal_.is_interactive()) show(last);  // remains on the screen
 }
 
 void LiveView::note(const client::Observation& sample) {

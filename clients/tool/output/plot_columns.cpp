@@ -17,11 +17,11 @@
 namespace vdrive::tool {
 namespace {
 
-/// How a quantity is drawn: which curves share a scale.
+/// How a quantity is drawn; curves with the same panel share a scale.
 struct CurveRow {
   std::string_view variable_name;
   std::string_view word;
-  std::string_view panel;  ///< without the unit of a position or a velocity
+  std::string_view panel;  ///< without the unit for a position or a velocity
   double size = 1.0;
 };
 
@@ -32,7 +32,7 @@ constexpr std::string_view kErrorPanel = "following error";
 constexpr std::string_view kVelocityErrorPanel = "velocity error";
 constexpr double kPercentOfPerMille = 0.1;
 
-/// Every other column has a panel of its own.
+/// Every other column has its own panel.
 constexpr std::array kCurves{
     CurveRow{"position_demand_value", "demand", kPositionPanel},
     CurveRow{"load_position_actual_value", "actual", kPositionPanel},
@@ -71,7 +71,7 @@ PlotColumn column_of(const StatusMember& member) {
   PlotColumn column{.member = &member,
                     .name = std::string(member.name),
                     .label = object ? index_text(member.address.index) : std::string()};
-  // A member that the table does not name yet has its own name as its title.
+  // Also the title for a member that the table does not contain.
   column.panel = column.name;
   const auto* const curve = std::ranges::find(kCurves, column.name, &CurveRow::variable_name);
   if (curve == kCurves.end()) return column;

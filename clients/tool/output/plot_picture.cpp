@@ -18,25 +18,26 @@
 namespace vdrive::tool {
 namespace {
 
-// Of the picture [px].
+// Layout of the picture [px].
 constexpr double kLeft = 80.0;
 constexpr double kRight = 16.0;
 constexpr double kBandTop = 68.0;
 constexpr double kBandHeight = 16.0;
-constexpr double kHead = 92.0;        // title, note, names of faults and band
+constexpr double kHead = 92.0;        // title, note, fault names and band
 constexpr double kFoot = 42.0;        // times
 constexpr double kPanelTitle = 30.0;  // above each panel
 constexpr double kUsualPanel = 120.0;
 constexpr double kSmallestPanel = 40.0;
-constexpr double kLetter = 6.8;  // width of a letter of the small font, about
+constexpr double kLetter = 6.8;  // approximate width of a letter in the small font
 
 constexpr std::size_t kMostBins = 2'000;
-constexpr std::size_t kMostPoints = 8'000;  // bins of all curves; two points of 13 bytes each
+constexpr std::size_t kMostPoints = 8'000;  // bins of all curves together; two points of 13 bytes
+                                            // each
 constexpr std::size_t kMostDescribedStates = 200;  // with a tooltip
 constexpr std::size_t kColors = 3;
 
-// Light colours, and dark ones where the viewer prefers them. Both have paper of their own: the
-// surroundings may be of the other kind.
+// Light colours, and dark ones if the viewer prefers them. Both have their own background, because
+// the surroundings may differ.
 constexpr std::string_view kStyle = R"(<style>
 text{font:12px system-ui,sans-serif;fill:#24292f}
 .t{font-size:14px;font-weight:600}.h{font-weight:600}.n{font-size:11px;fill:#57606a}
@@ -56,7 +57,7 @@ text{fill:#e6edf3}.n{fill:#9198a1}
 </style>
 )";
 
-/// @return a number without an exponent, -0 as 0.
+/// @return a number without an exponent; -0 becomes 0.
 std::string fixed_text(double number, int decimals) {
   std::array<char, 64> text{};
   const auto end = std::to_chars(text.data(), text.data() + text.size(), number,
@@ -66,14 +67,14 @@ std::string fixed_text(double number, int decimals) {
   return std::string(is_zero && shown.starts_with('-') ? shown.substr(1) : shown);
 }
 
-/// @return a place in the picture, with the digits that a viewer can show.
+/// @return a coordinate, with as many digits as a viewer can show.
 std::string pixels_text(double pixels) {
   std::string text = fixed_text(pixels, 1);
   if (text.ends_with(".0")) text.resize(text.size() - 2);
   return text;
 }
 
-/// A text that ends at x or, by default, begins there.
+/// A text that begins at x, unless `anchor` says otherwise.
 std::string text_at(double x, double y, std::string_view style, std::string_view text,
                     std::string_view anchor = "start") {
   return "<text x=\"" + pixels_text(x) + "\" y=\"" + pixels_text(y) + "\" class=\"" +
@@ -91,10 +92,10 @@ std::string rectangle(std::string_view style, double x, double y, double width, 
          pixels_text(height) + "\"/>\n";
 }
 
-/// Round values on a scale: whole multiples of a step of 1, 2 or 5 times a power of ten.
+/// Round values on a scale: multiples of a step of 1, 2 or 5 times a power of ten.
 struct TickScale {
   double step = 1.0;
-  int decimals = 0;  ///< that show the step
+  int decimals = 0;  ///< needed to show the step
 
   [[nodiscard]] std::string text_of(double value) const { return fixed_text(value, decimals); }
 };
@@ -121,14 +122,14 @@ std::vector<double> tick_values(const TickScale& ticks, double low, double high)
   return values;
 }
 
-/// A unit of time that gives numbers that a person reads.
+/// A unit of time that gives readable numbers.
 struct TimeUnit {
   std::string_view name;
   double seconds;
 };
 
 TimeUnit unit_for(double seconds) {
-  constexpr double kFewest = 0.5;  // of a unit over the whole width
+  constexpr double kFewest = 0.5;  // in this unit, over the full width
   constexpr std::array kTimeUnits{TimeUnit{"s", 1.0}, TimeUnit{"ms", 1e-3}};
   for (const TimeUnit& unit : kTimeUnits) {
     if (seconds >= kFewest * unit.seconds) return unit;
@@ -136,7 +137,7 @@ TimeUnit unit_for(double seconds) {
   return {"us", 1e-6};
 }
 
-/// @return of the colour of a state in the band.
+/// @return the style class of a state in the band.
 std::string_view style_of(PowerState state) {
   if (is_fault(state)) return "s3";
   if (state == PowerState::quick_stop_active) return "s2";
@@ -170,7 +171,7 @@ struct Limits {
   double high = -std::numeric_limits<double>::infinity();
 };
 
-/// @return the scale of a panel, with room above and below the curves.
+/// @return the scale of a panel, with a margin above and below the curves.
 Limits limits_of(const Panel& panel) {
   constexpr double kMargin = 0.06;
   Limits limits;
@@ -185,7 +186,7 @@ Limits limits_of(const Panel& panel) {
   return {.low = limits.low - margin, .high = limits.high + margin};
 }
 
-/// The parts of one picture.
+/// Draws the parts of one picture.
 class Picture {
  public:
   Picture(const PlotTraces& traces, const PlotFace& face)
@@ -234,7 +235,7 @@ class Picture {
            kNanosecond;
   }
 
-  /// A recording of one sample is drawn at the left edge.
+  /// A recording with one sample is drawn at the left edge.
   [[nodiscard]] double x_of(std::uint64_t tick) const {
     const std::uint64_t ticks = std::max<std::uint64_t>(traces_.last_tick - traces_.first_tick, 1);
     return kLeft + (right() - kLeft) * static_cast<double>(tick - traces_.first_tick) /
@@ -290,13 +291,13 @@ class Picture {
     draw_legend(panel, top - 8.0);
   }
 
-  /// The first of several curves is wide, so that it is seen below one that lies on it.
+  /// The first of several curves is wide, so that it remains visible below another one.
   static std::string style_of_curve(const Panel& panel, std::size_t curve) {
     const bool is_wide = curve == 0 && panel.traces.size() > 1;
     return "c c" + std::to_string(curve % kColors) + (is_wide ? " w" : "");
   }
 
-  /// From the right edge: each curve as a line and its label.
+  /// Draws, from the right edge, each curve as a line with its label.
   void draw_legend(const Panel& panel, double y) {
     constexpr double kLine = 18.0;
     double x = right();
@@ -347,7 +348,7 @@ class Picture {
                     "drive time [" + std::string(time_unit().name) + "]", "middle");
   }
 
-  /// A line through all panels, and its text above the band where it covers no other one.
+  /// Draws a line through all panels, with a text above the band unless it would cover another one.
   void draw_faults() {
     double free_from = 0.0;
     for (const PlotFault& fault : traces_.faults) {

@@ -6,13 +6,13 @@
 namespace vdrive::tool {
 namespace {
 
-/// @return how much a state must not be lost beside others in the same column of pixels.
+/// @return the priority of a state among others in the same pixel column.
 int weight_of(PowerState state) {
   if (is_fault(state)) return 2;
   return state == PowerState::quick_stop_active ? 1 : 0;
 }
 
-/// A value that stays needs its first and its last point only.
+/// A constant value needs only its first and last point.
 void add_point(std::vector<PlotPoint>& points, const PlotPoint& point) {
   const std::size_t count = points.size();
   if (count >= 1 && points[count - 1].tick == point.tick) return;
@@ -37,7 +37,7 @@ PlotReduction::PlotReduction(const std::vector<PlotColumn>& columns, std::uint64
 }
 
 void PlotReduction::take(const client::AxisSnapshot& sample) {
-  // A fault from before the left edge is not new at the edge.
+  // A fault that began before the left edge is not new at the edge.
   if (sample.tick < traces_.first_tick) error_ = sample.status.error_code;
   if (sample.tick < traces_.first_tick || sample.tick > traces_.last_tick) return;
   ++traces_.samples;

@@ -77,7 +77,7 @@ std::string state_text(const client::AxisSnapshot& axis) {
   const std::uint16_t word = axis.status.ds402_statusword;
   std::string text(to_string(axis.state()));
   if (axis.status.error_code != 0) text += " " + error_text(axis.status.error_code);
-  // Bits 4 and 9 are 1 on every drive that is there: a line shows when they are not.
+  // Bits 4 and 9 are normally 1, so the line shows when they are not.
   std::string_view separator = ": ";
   if ((word & kUsual) != kUsual) {
     text.append(separator).append("no voltage or not remote");

@@ -23,11 +23,11 @@ struct WatchedAxis {
 
 struct WatchColumn {
   std::string_view title;
-  std::size_t from_width;   ///< narrowest terminal that has it [columns]
+  std::size_t from_width;   ///< narrowest terminal with this column [columns]
   std::size_t least_width;  ///< [columns]
   bool is_number;
   std::string (*cell)(const WatchedAxis&);
-  bool needs_benches = false;  ///< there only where axes of several benches are shown
+  bool needs_benches = false;  ///< shown only with axes of several benches
 };
 
 constexpr std::size_t kLongestName = 24;
@@ -52,7 +52,7 @@ constexpr std::array kColumns{
                   return clipped(escaped(watched.face.bench), kLongestName);
                 },
                 true},
-    // The widths of numbers are those of usual values: a column that changed its width would jump.
+    // Numbers have the width of usual values, because a column that changes its width would jump.
     WatchColumn{"position", 0, 11, true,
                 [](const WatchedAxis& watched) {
                   return in_unit(watched, watched.axis.status.load_position_actual_value);
@@ -146,14 +146,14 @@ bool is_faulted(const WatchedAxis& watched) {
   return is_fault(watched.axis.state());
 }
 
-/// The last row of a terminal that has no room for these axes.
+/// The last row if the terminal has no room for these axes.
 LiveLine left_out(std::size_t count, std::size_t faults, std::size_t width) {
   const std::string text = "... " + counted(count, "more axis", "more axes");
   if (faults == 0) return {clipped(text, width), std::nullopt};
   return {clipped(text + ", " + std::to_string(faults) + " with a fault", width), Color::red};
 }
 
-/// @return the name of the order, as the title has it.
+/// @return the name of the sort order in the title.
 std::string_view name_of_column(WatchSort sort) {
   constexpr std::array<std::string_view, 6> kNames{"axis",     "name",   "position",
                                                    "velocity", "torque", "state"};
@@ -162,7 +162,7 @@ std::string_view name_of_column(WatchSort sort) {
   return kNames[place];
 }
 
-/// @return whether `a` stands before `b`.
+/// @return whether `a` is sorted before `b`.
 bool is_before(const WatchedAxis& a, const WatchedAxis& b, WatchSort sort) {
   const AxisStatus& left = a.axis.status;
   const AxisStatus& right = b.axis.status;
@@ -185,7 +185,7 @@ bool is_before(const WatchedAxis& a, const WatchedAxis& b, WatchSort sort) {
   return false;
 }
 
-/// @return the axes of the choice in its order; equal ones in the order of the sample.
+/// @return the chosen axes in the chosen order; equal ones in the order of the sample.
 std::vector<const WatchedAxis*> chosen(std::span<const WatchedAxis> axes,
                                        const WatchChoice& choice) {
   std::vector<const WatchedAxis*> rows;
@@ -199,7 +199,7 @@ std::vector<const WatchedAxis*> chosen(std::span<const WatchedAxis> axes,
   return rows;
 }
 
-/// @return the tick; of several benches the number of each and its tick.
+/// @return the tick; for several benches the number and tick of each.
 std::string tick_text(const client::Observation& sample, std::span<const WatchedAxis> axes) {
   if (!are_of_several_benches(axes)) return "tick " + std::to_string(sample.tick);
   std::map<std::uint32_t, std::uint64_t> ticks;
@@ -220,7 +220,7 @@ std::string title_of(std::string title, const WatchChoice& choice) {
   return choice.only_faults ? title + ", faults only" : title;
 }
 
-/// @return the rows of a terminal that are left for axes.
+/// @return the number of rows available for axes.
 std::size_t room_of(const TerminalSize& size) {
   return std::max(size.rows, kHeaderRows + 1) - kHeaderRows;
 }
@@ -272,7 +272,7 @@ std::vector<LiveLine> watch_table(const client::Observation& sample,
 
 namespace {
 
-// A person reads no faster; lines stay in the terminal's memory, a table replaces itself.
+// Faster is not readable. Lines remain in the terminal's history, a table replaces itself.
 constexpr std::chrono::milliseconds kLinePeriod{100};
 constexpr std::chrono::milliseconds kTablePeriod{50};
 
@@ -344,8 +344,8 @@ void WatchView::show_table() {
   terminal_.show_screen(watch_table(all(), faces_, shown_size_, choice_));
 }
 
-/// The answer to a request and the status stream may both have a tick, such as the only one of a
-/// bench that is paused.
+/// Skips repeated lines: a tick, such as the only one of a paused bench, may arrive both in the
+/// answer to a request and in the status stream.
 bool WatchView::show_lines() {
   const client::Observation shown = all();
   std::vector<std::string> lines;

@@ -18,7 +18,7 @@ namespace {
 
 using Wire = PrivateBenches::Wire;
 
-// A bench over DDS has just started, on a machine that is busy with others.
+// A bench over DDS has just been started, and the machine may be busy.
 constexpr std::chrono::seconds kFindTimeout{60};
 
 constexpr const char* kDds = "dds";
@@ -167,7 +167,7 @@ void PrivateSession::open_over_dds(const PrivateBenches& benches, client::Sessio
   });
   const auto problem = service_->wait_until_ready();
   interrupt_.disarm();
-  // After an interrupt the session finds nothing, and says why.
+  // After an interrupt the session itself finds nothing, and reports why.
   if (problem && !interrupt_.happened()) throw std::runtime_error(*problem);
   options.domain = service_->domain();
   session_.emplace(options);

@@ -18,13 +18,13 @@ namespace {
 
 constexpr const char* kEnding = ".scn";
 
-/// @return the scenarios below a directory, in the order of their names.
+/// @return the scenarios below a directory, sorted by name.
 std::vector<std::string> files_below(const std::string& directory) {
   std::vector<std::string> files;
   std::error_code error;
   for (std::filesystem::recursive_directory_iterator at(directory, error), end; !error && at != end;
        at.increment(error)) {
-    // A mounted ConfigMap has each file a second time, below ..data.
+    // A mounted ConfigMap contains each file a second time, below ..data.
     if (at->path().filename().string().starts_with('.')) {
       at.disable_recursion_pending();
       continue;
@@ -57,7 +57,7 @@ void ScenarioFiles::declare(Arguments& arguments, const std::string& help) {
 std::vector<Scenario> ScenarioFiles::load(CommandTable commands, Mistake mistake) const {
   std::vector<std::string> names;
   for (const std::string& file : files) {
-    std::error_code unreadable;  // such a file is refused by name when it is opened
+    std::error_code unreadable;  // ignored: such a file is refused by name when it is opened
     if (std::filesystem::is_directory(file, unreadable)) {
       std::ranges::move(files_below(file), std::back_inserter(names));
     } else {

@@ -36,7 +36,7 @@ std::vector<std::string> command_of_process(const std::vector<std::string>& word
     command.insert(command.end(), {"--security", options.security});
   }
   for (const auto& [name, value] : settings_of(scenarios.settings)) {
-    // Another file's variable is unknown there.
+    // Only its own variables: others would be unknown in that process.
     if (scenario.variables.contains(name)) {
       command.emplace_back("--set");
       command.emplace_back(name).append("=").append(value);

@@ -27,13 +27,13 @@ namespace {
 using client::Outcome;
 using Clock = std::chrono::steady_clock;
 
-/// Reports the end of a scenario. @param done lines that were carried out
+/// Reports the end of a scenario. @param done number of executed lines
 void report_end(const Scenario& scenario, bool passed, std::size_t done, bool is_json,
                 Terminal& terminal) {
   print(end_record(scenario, passed, done, terminal), {terminal, is_json, false});
 }
 
-/// Reports the end of all of several. @return the failure, if not all of them passed.
+/// Reports the end of several scenarios. @return the failure, unless all passed.
 Outcome report_all(std::size_t passed, std::size_t all, bool is_json, Terminal& terminal) {
   const std::string text =
       std::to_string(passed) + " of " + counted(all, "file", "files") + " passed";
@@ -42,20 +42,20 @@ Outcome report_all(std::size_t passed, std::size_t all, bool is_json, Terminal& 
   return outcome;
 }
 
-/// Finds the axes and benches of scenarios. What is not there is searched for once: a search that
-/// finds nothing takes its whole time.
+/// Finds the axes and benches of scenarios. Searches only once for a missing one, because a search
+/// without a result takes its full time.
 class AxisSearch {
  public:
   explicit AxisSearch(client::Session& session) : session_(session) {}
 
-  /// @return why this bench is not there; empty where it is.
+  /// @return why this bench is missing; empty if it is present.
   const std::string& absence_of(std::uint32_t bench) {
     const auto [known, is_new] = benches_.try_emplace(bench);
     if (is_new) known->second = message_of(session_.find_bench(bench).outcome());
     return known->second;
   }
 
-  /// @return the axes that a name stands for, or why they are not there.
+  /// @return the axes with this name, or why they are missing.
   client::Result<std::vector<client::Axis>> find(const std::string& name, AxisFinder& axes) {
     if (const auto known = names_.find(name); known != names_.end()) {
       return Outcome::not_found(known->second);
@@ -83,11 +83,11 @@ class AxisSearch {
 
   client::Session& session_;
   std::map<std::uint32_t, std::string> benches_;
-  std::map<std::string, std::string> names_;  ///< that no axis has
-  bool is_alone_ = false;                     ///< no bench is there that could have another name
+  std::map<std::string, std::string> names_;  ///< names that no axis has
+  bool is_alone_ = false;                     ///< there is no bench that could have another name
 };
 
-/// One run: what it needs, and what it has found out so far.
+/// The execution of one scenario.
 class ScenarioRun {
  public:
   ScenarioRun(const Scenario& scenario, const RunOptions& options, client::Session& session,
@@ -96,14 +96,14 @@ class ScenarioRun {
         options_(options),
         session_(session),
         terminal_(terminal),
-        // A scenario runs no scenario: no table.
+        // No command table: a scenario cannot run scenarios.
         context_(session, {terminal, options.is_json, true}, {}) {
     context_.is_private = options.is_private;
   }
 
-  /// A name, a bench or a unit that is wrong is found before anything moves.
-  /// @param units receives the lines whose units are wrong
-  /// @return not_found with each line whose axis or bench is not there.
+  /// Finds wrong names, benches and units before anything moves.
+  /// @param units receives the lines with wrong units
+  /// @return not_found with each line whose axis or bench is missing.
   Outcome find_axes(AxisSearch& search, Mistakes& units) {
     Mistakes absences;
     for (const ScenarioLine& line : scenario_.lines) {
@@ -118,7 +118,7 @@ class ScenarioRun {
     return absences.text().empty() ? Outcome() : Outcome::not_found(absences.text());
   }
 
-  /// @return the first failure of the lines above `finally`, else of those below.
+  /// @return the first failure of the lines above `finally`, otherwise of those below.
   Outcome run() {
     start_live_view();
     Outcome outcome;
@@ -150,7 +150,7 @@ class ScenarioRun {
   [[nodiscard]] JunitSuite suite() && { return {scenario_.file, std::move(cases_)}; }
 
  private:
-  /// @return why axes or the bench of a line are not there; empty where all are.
+  /// @return why the axes or the bench of a line are missing; empty if all are present.
   std::string find_axes_of(const ScenarioLine& line, AxisSearch& search) {
     if (line.command.bench && !search.absence_of(*line.command.bench).empty()) {
       return search.absence_of(*line.command.bench);
@@ -177,7 +177,7 @@ class ScenarioRun {
     return cases_.emplace_back(JunitCase{.name = name_of_line(line), .line = line.number});
   }
 
-  /// Each of them is tried, also after an interrupt: they put things in order.
+  /// Executes each of them, even after an interrupt, because they clean up.
   Outcome run_final_lines() {
     Outcome outcome;
     for (const ScenarioLine& line : scenario_.lines) {
@@ -236,7 +236,7 @@ class ScenarioRun {
     return Outcome::failed(test.text);
   }
 
-  /// The next scenario finds the bench without the faults of this one.
+  /// Restores the bench, so that the next scenario does not find the faults of this one.
   void put_back() {
     for (const std::string& done : context_.changes.put_back(context_.axes)) {
       terminal_.complain("vdrive: restored: " + done);
@@ -251,7 +251,7 @@ class ScenarioRun {
                     escaped(line.text, kShownOfMessage));
   }
 
-  /// @param failure of an outcome that is none: nothing
+  /// @param failure nothing if the line passed
   void report_line(const ScenarioLine& line, const Outcome& outcome, Clock::duration duration,
                    const FailureReport& failure = {}) {
     if (!options_.is_json && options_.results == nullptr) return;
@@ -278,12 +278,13 @@ class ScenarioRun {
   std::vector<client::AxisId> axes_;
   std::unique_ptr<LiveView> live_view_;
   std::vector<JunitCase> cases_;
-  std::size_t done_ = 0;  ///< lines that were carried out
+  std::size_t done_ = 0;  ///< executed lines
   bool was_interrupted_ = false;
 };
 
-/// @return the suites of a report in which nothing was judged, because of the axes of some.
-/// @param found of each scenario, in their order
+/// @return the suites of a report without any judgement, because axes of some scenarios are
+///         missing.
+/// @param found one outcome per scenario, in the same order
 std::vector<JunitSuite> suites_without_axes(const std::vector<Scenario>& scenarios,
                                             const std::vector<Outcome>& found) {
   std::vector<JunitSuite> suites;
@@ -312,8 +313,8 @@ class ScenarioRuns {
     }
   }
 
-  /// @return not_found with each axis and bench that is not there, and suites() that report it.
-  /// @throws UsageError with each unit that an axis does not have, and with what is not there
+  /// @return not_found with each missing axis and bench, which suites() reports.
+  /// @throws UsageError with each unit that an axis does not have, and with the missing axes
   Outcome find_axes() {
     AxisSearch search(session_);
     Mistakes units;
@@ -351,7 +352,7 @@ class ScenarioRuns {
     Outcome outcome = runs_[place]->run();
     was_interrupted_ = runs_[place]->was_interrupted();
     suites_.push_back(std::move(*runs_[place]).suite());
-    // The next file is a master of its own.
+    // The next file is a separate master.
     if (Outcome released = session_.release(); !released && outcome) return released;
     return outcome;
   }
@@ -365,7 +366,7 @@ class ScenarioRuns {
   std::vector<JunitSuite> suites_;
 };
 
-/// Several scenarios, each in a process of its own.
+/// Several scenarios, each in its own process.
 class ScenariosApart {
  public:
   ScenariosApart(const std::vector<Scenario>& scenarios, const RunOptions& options,
@@ -383,7 +384,7 @@ class ScenariosApart {
       ScenarioVerdict verdict = run_one(scenarios_[i], processes_[i]);
       if (verdict.code == 0) ++passed;
       suites_.push_back(std::move(verdict.suite));
-      // What a reader does not want any more is no failure.
+      // The reader has closed the output, which is not a failure.
       if (output_ == FileEnd::Stream::closed_by_reader) return {};
       if (output_ == FileEnd::Stream::failed) break;
     }
@@ -403,7 +404,7 @@ class ScenariosApart {
     }
   }
 
-  /// The process reports its end itself.
+  /// The process itself reports its end.
   ScenarioVerdict run_process(const Scenario& scenario, const std::vector<std::string>& process) {
     process::ChildProcess run(process, {}, {.input = scenario.source, .are_shared = true});
     interrupt_.arm([&run] {
@@ -414,19 +415,19 @@ class ScenariosApart {
     const std::string results = run.output();
     const auto end = end_of_file(results);
     if (end) output_ = end->output;
-    // A file that has passed has passed, also where its output was lost; not where the process has
-    // ended badly after its last words, in the end of its bench.
+    // A file that has passed remains passed even if its output was lost, but not if the process
+    // failed after reporting its end, while the bench was shut down.
     const bool has_ended_well = code == 0 || output_ != FileEnd::Stream::open;
     if (end && code >= 0 && (has_ended_well || !end->failure.empty() || interrupt_.happened())) {
       return verdict_of(
           scenario,
           {.code = end->failure.empty() ? 0 : code, .output = results, .errors = end->failure});
     }
-    // The signal may come before the process can turn it into an exit code.
+    // The signal may arrive before the process can turn it into an exit code.
     if (interrupt_.happened() && results.empty()) return not_started(scenario);
     EndedRun ended{.code = code, .output = results, .errors = ""};
     if (code >= 0) ended.errors = "ended with exit code " + std::to_string(code);
-    if (code == 0) ended.code = static_cast<int>(ExitCode::failed);  // not without its last words
+    if (code == 0) ended.code = static_cast<int>(ExitCode::failed);  // it did not report its end
     return report_unreported(scenario, verdict_of(scenario, ended));
   }
 
@@ -440,7 +441,7 @@ class ScenariosApart {
 
   const std::vector<Scenario>& scenarios_;
   const RunOptions& options_;
-  const std::vector<std::vector<std::string>>& processes_;  ///< of each scenario
+  const std::vector<std::vector<std::string>>& processes_;  ///< command line of each scenario
   Interrupt& interrupt_;
   Terminal& terminal_;
   FileEnd::Stream output_ = FileEnd::Stream::open;

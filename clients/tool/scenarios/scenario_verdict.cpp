@@ -31,7 +31,7 @@ JunitCase skipped_case(const std::string& name) {
   return test;
 }
 
-/// @return the type of an error, which a merge of reports reads.
+/// @return the type of an error, which the merging of reports evaluates.
 std::string type_of(int code) {
   switch (static_cast<ExitCode>(code)) {
     case ExitCode::usage:
@@ -59,12 +59,12 @@ bool has_failure(const JunitSuite& suite) {
   });
 }
 
-/// @return what a process that failed has said last. One that was interrupted says nothing.
+/// @return the last message of a failed process. An interrupted one prints none.
 std::string last_of(const std::vector<std::string>& messages) {
   return messages.empty() ? "interrupted" : messages.back();
 }
 
-/// What a line printed: its end, where it is a stream.
+/// The output of a line; of a long output, the last part.
 using LineOutput = BoundedQueue<std::string>;
 
 LineOutput no_output() {
@@ -80,10 +80,10 @@ std::string text_of(const LineOutput& output) {
   return text;
 }
 
-/// What `vdrive run --json` has written about each line.
+/// The output of `vdrive run --json` for each line.
 using LineResults = std::map<std::size_t, JunitCase>;
 
-/// @return the failure that a result has, with all that is known of it.
+/// @return the failure in a result, with all its details.
 LineFailure failure_of(const Json& result) {
   return {.message = result.value("message", ""),
           .details = result.value("details", std::vector<std::string>()),
@@ -111,7 +111,7 @@ LineResults results_of(const Scenario& scenario, const std::string& output) {
     const auto line = std::ranges::find_if(scenario.lines, [&](const ScenarioLine& each) {
       return is_result && each.number == json["line"];
     });
-    if (line == scenario.lines.end()) {  // what a command of the scenario reads is no verdict
+    if (line == scenario.lines.end()) {  // output of a command in the scenario, not a result
       printed.put(text);
       continue;
     }
@@ -122,8 +122,8 @@ LineResults results_of(const Scenario& scenario, const std::string& output) {
   return results;
 }
 
-/// @return the exit code of a run. A crash is a verdict. SIGKILL comes from outside, as from the
-///         kernel when memory runs out.
+/// @return the exit code of a run. A crash counts as failed. SIGKILL comes from outside, for
+///         example from the kernel when memory runs out, and counts as not run.
 int code_of(const EndedRun& run) {
   if (run.code >= 0) return run.code;
   return static_cast<int>(run.code == -SIGKILL ? ExitCode::not_run : ExitCode::failed);
@@ -176,8 +176,7 @@ ScenarioVerdict verdict_of(const Scenario& scenario, const EndedRun& run) {
   std::vector<std::string> messages = lines_of(run.errors);
   if (run.code < 0) messages.push_back("ended by signal " + std::to_string(-run.code));
   LineResults results = results_of(scenario, run.output);
-  // Its process reads the file once more: a pipe, and a file that was changed, have other lines
-  // then.
+  // The process reads the file again: a pipe, or a file changed since, has different lines then.
   if (code == 0 && results.size() != scenario.lines.size()) {
     code = static_cast<int>(ExitCode::failed);
     messages.push_back("vdrive: " + escaped(scenario.file, kShownOfMessage) +

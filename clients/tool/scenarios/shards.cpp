@@ -33,14 +33,14 @@ std::string shown_name(const std::string& file) {
   return escaped(file, kShownOfMessage);
 }
 
-/// @return the number in a variable of the environment, where it is set.
+/// @return the number in an environment variable, if it is set.
 std::optional<std::uint64_t> number_in(const char* variable) {
   const char* const text = std::getenv(variable);  // NOLINT(*-mt-unsafe): nothing sets variables
   if (text == nullptr) return std::nullopt;
   return parse_number(text, variable, std::numeric_limits<std::uint32_t>::max());
 }
 
-/// @return the task from 0 in an array of Slurm, whose numbers the user chooses.
+/// @return the index, from 0, of a task in a Slurm array, whose numbers the user chooses.
 std::uint64_t index_in_array(std::uint64_t task, std::size_t count) {
   const auto first = number_in(kFirstTask);
   const auto tasks = number_in(kTasks);
@@ -48,7 +48,7 @@ std::uint64_t index_in_array(std::uint64_t task, std::size_t count) {
     throw UsageError(std::string("--shard: ") + kTask + " is set without " + kFirstTask + " and " +
                      kTasks + ": write I/N");
   }
-  // A part of the array, submitted again, has other first numbers.
+  // A part of the array that was submitted again has different numbers.
   if (*tasks != count || task < *first) {
     throw UsageError("--shard /" + std::to_string(count) + ": the array has " +
                      counted(*tasks, "task", "tasks") + " from " + std::to_string(*first) +
@@ -58,7 +58,7 @@ std::uint64_t index_in_array(std::uint64_t task, std::size_t count) {
   return task - *first;
 }
 
-/// @return the number of the shard, from 1, which the job says.
+/// @return the number of the shard, from 1, as given by the job.
 std::size_t number_of_task(std::size_t count) {
   const auto index = number_in(kIndex);
   const auto task = number_in(kTask);
@@ -81,7 +81,7 @@ std::size_t number_of_task(std::size_t count) {
 
 constexpr std::size_t kNoNumber = std::numeric_limits<std::size_t>::max();
 
-/// @return kNoNumber for anything else than 0 to Shard::kMost.
+/// @return kNoNumber for anything but 0 to Shard::kMost.
 std::size_t number_of(std::string_view text) {
   const auto number = parse_integer(text);
   if (!number || *number < 0 || static_cast<std::uint64_t>(*number) > Shard::kMost) {
@@ -90,7 +90,7 @@ std::size_t number_of(std::string_view text) {
   return static_cast<std::size_t>(*number);
 }
 
-/// @return the text of a file. @throws UsageError without its name
+/// @return the text of a file. @throws UsageError without the file name
 std::string content_of(const std::string& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) throw UsageError("is no file");
@@ -101,7 +101,7 @@ std::string content_of(const std::string& file) {
 }
 
 bool is_same_file(const std::string& one, const std::string& other) {
-  std::error_code error;  // one of them does not exist yet
+  std::error_code error;  // set if one of them does not exist yet
   return std::filesystem::equivalent(one, other, error);
 }
 
@@ -128,7 +128,7 @@ bool is_verdict(const JunitCase& test) {
          test.type != JunitCase::kInterrupted;
 }
 
-/// @return failed, not_run where a part of it was not judged, or ok.
+/// @return failed; not_run if a part of it was not judged; or ok.
 ExitCode verdict_of_suite(const JunitSuite& suite) {
   if (std::ranges::any_of(suite.cases, is_verdict)) return ExitCode::failed;
   const bool is_whole = std::ranges::none_of(suite.cases, [](const JunitCase& test) {
@@ -146,7 +146,7 @@ JunitSuite missing_suite(const std::string& name, const std::string& message) {
           .cases = {{.name = "report", .error = message, .type = JunitCase::kNotRun}}};
 }
 
-/// Reads the reports, and holds what they must have in common.
+/// Reads the reports and checks that they belong together.
 class Merge {
  public:
   void add(const std::string& file) {
@@ -183,7 +183,7 @@ class Merge {
     Shard shard;
   };
 
-  /// @return whether the report is of the same run as those before.
+  /// @return whether the report belongs to the same run as the previous ones.
   bool fits(const std::string& file, const Shard& shard) {
     if (!first_) first_ = Report{file, shard};
     if (shard.count != first_->shard.count) {
@@ -198,7 +198,7 @@ class Merge {
                      shown_name(former->second));
       return false;
     }
-    if (shard.files == 0) return true;  // it failed before it knew
+    if (shard.files == 0) return true;  // it failed before it knew the number
     if (files_ == 0) files_ = shard.files;
     if (files_ == shard.files) return true;
     mistakes_.note(shown_name(file) + ": " + name_of_shard(shard) + " is of " +
@@ -256,11 +256,11 @@ class Merge {
 
   MergedReports merged_;
   Mistakes mistakes_;
-  std::vector<JunitSuite> unread_;  ///< files that cannot be read, missing shards
+  std::vector<JunitSuite> unread_;  ///< for unreadable files and missing shards
   std::optional<Report> first_;
-  std::map<std::size_t, std::string> reports_;   ///< files, by the number of the shard
-  std::map<std::string, std::size_t> shard_of_;  ///< numbers, by the name of the scenario
-  std::size_t files_ = 0;                        ///< of all shards; 0 = not known
+  std::map<std::size_t, std::string> reports_;   ///< file names, by the number of the shard
+  std::map<std::string, std::size_t> shard_of_;  ///< shard numbers, by the name of the scenario
+  std::size_t files_ = 0;                        ///< of all shards; 0 = unknown
 };
 
 }  // namespace
@@ -286,7 +286,7 @@ Shard parse_shard(const std::string& text) {
 
 std::vector<Scenario> dealt_to(Shard& shard, std::vector<Scenario> scenarios) {
   std::ranges::sort(scenarios, {}, &Scenario::file);
-  // The compiler of Debian 12 knows no std::ranges::unique.
+  // The compiler of Debian 12 does not have std::ranges::unique.
   const auto doubles = std::unique(scenarios.begin(), scenarios.end(),
                                    [](const Scenario& one, const Scenario& other) {
                                      return one.file == other.file;

@@ -12,7 +12,7 @@ bool continues_character(char c) {
   return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
 }
 
-/// The columns of the character that begins with `c`.
+/// The width of the character that begins with `c`.
 std::size_t width_of(char c) {
   return static_cast<unsigned char>(c) >= 0xE3U ? 2 : 1;
 }

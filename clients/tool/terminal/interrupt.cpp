@@ -11,8 +11,9 @@ namespace {
 
 constexpr int kInterrupted = 130;
 
-// A shell and the kernel both tell a program that its terminal is closed, and `timeout` signals it
-// and its group: what comes within this time is one wish, and not a second one to end at once.
+// When a terminal is closed, the shell and the kernel both signal it, and `timeout` signals the
+// program and its group. Signals within this time therefore count as one, not as a second one that
+// ends the program immediately.
 constexpr std::chrono::milliseconds kOneWish{200};
 
 bool is_ignored(int signal) {
@@ -74,7 +75,7 @@ void Interrupt::note(int signal) {
     if (action_) action_();
     return;
   }
-  // Nobody is left at a closed terminal who could be impatient.
+  // With a closed terminal there is no impatient user.
   if (signal == SIGHUP || now - first_ < kOneWish) return;
   if (last_action_) last_action_();
   _exit(kInterrupted);

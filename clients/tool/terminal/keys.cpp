@@ -32,8 +32,8 @@ constexpr std::array kCodes{
     KeyCode{"\x1b[1~", Key::first_page},
 };
 
-/// The state of the terminal before, for an end of the process from any thread. Written before the
-/// flag is set.
+/// The previous state of the terminal, to restore it from any thread when the process ends. Written
+/// before the flag is set.
 termios& former_state() {
   static termios state{};
   return state;
@@ -66,11 +66,11 @@ std::optional<Key> take_key(std::string& typed) {
 
 KeyInput::KeyInput() {
   if (isatty(STDIN_FILENO) != 1 || tcgetattr(STDIN_FILENO, &former_state()) != 0) return;
-  // A process in the background would be stopped by a change of the terminal.
+  // A background process would be stopped if it changed the terminal.
   if (tcgetpgrp(STDIN_FILENO) != getpgrp()) return;
   termios state = former_state();
   state.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-  state.c_cc[VMIN] = 0;  // a read does not wait
+  state.c_cc[VMIN] = 0;  // read() does not wait
   state.c_cc[VTIME] = 0;
   is_changed() = true;
   is_active_ = tcsetattr(STDIN_FILENO, TCSANOW, &state) == 0;
@@ -82,7 +82,7 @@ KeyInput::~KeyInput() {
 
 void KeyInput::restore_at_once() noexcept {
   if (!is_changed().exchange(false)) return;
-  // Nothing is left to be done when it fails.
+  // A failure cannot be handled any more.
   static_cast<void>(tcsetattr(STDIN_FILENO, TCSANOW, &former_state()));
 }
 

@@ -18,14 +18,14 @@ namespace {
 
 constexpr std::string_view kEnterScreen = "\x1b[?1049h\x1b[?25l";  // and hide the cursor
 constexpr std::string_view kLeaveScreen = "\x1b[?25h\x1b[?1049l";
-// Line by line, and what is left below: to clear the screen first would flicker.
+// Row by row, then the rest below: clearing the screen first would flicker.
 constexpr std::string_view kCursorHome = "\x1b[H";
 constexpr std::string_view kEraseRight = "\x1b[K";
 constexpr std::string_view kEraseBelow = "\x1b[J";
 constexpr std::string_view kEraseRow = "\r\x1b[K";
 constexpr std::string_view kEraseRowAbove = "\x1b[1A\x1b[2K";
 
-/// Read once, at the start, before there are threads.
+/// Read once at the start, before there are other threads.
 std::string_view environment(const char* name) {
   const char* const value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
   return value == nullptr ? std::string_view() : value;
@@ -47,7 +47,7 @@ TerminalSize room_on(int stream) {
   return room;
 }
 
-/// Nobody is left to hear that a line on standard error could not be written.
+/// A failure to write to standard error cannot be reported to anyone.
 void put_error(std::string_view text) {
   (void)std::fwrite(text.data(), 1, text.size(), stderr);
 }
@@ -56,7 +56,8 @@ std::string in_color(Color color, std::string_view text) {
   return "\x1b[" + std::to_string(static_cast<int>(color)) + "m" + std::string(text) + "\x1b[0m";
 }
 
-/// A row that fills its last column leaves the cursor where terminals differ.
+/// One less than the width: after a row that fills the last column, terminals differ in the
+/// position of the cursor.
 std::size_t usable_width(const TerminalSize& size) {
   return size.columns - 1;
 }
@@ -161,7 +162,7 @@ bool Terminal::is_open() const {
 
 std::optional<std::string> Terminal::write_failure() const {
   const std::scoped_lock lock(mutex_);
-  // The reader of a pipe has ended: that ends a stream, it is not an error.
+  // The reader of a pipe has gone: that ends the stream and is not an error.
   if (write_error_ == 0 || write_error_ == EPIPE) return std::nullopt;
   return "standard output could not be written: " + std::system_category().message(write_error_);
 }
@@ -174,7 +175,7 @@ void Terminal::flush() {
   if (std::fflush(stdout) != 0) note_failure();
 }
 
-/// The first failure is the reason; a later one may follow from it.
+/// Keeps the first failure; later ones may follow from it.
 void Terminal::note_failure() {
   if (write_error_ == 0) write_error_ = errno;
 }
@@ -192,15 +193,15 @@ void Terminal::draw_progress() {
   (void)std::fflush(stderr);
 }
 
-/// The number of rows was right at the size of then. Where a narrower terminal has wrapped them
-/// since, some rows stay: better than to erase lines that are not ours.
+/// The number of rows was correct for the terminal size at that moment. If a terminal made narrower
+/// has wrapped them since, some rows remain: better than to erase lines that are not ours.
 void Terminal::erase_live() {
   for (; live_rows_ > 0; --live_rows_) put(kEraseRowAbove);
 }
 
 void Terminal::draw_live() {
   const TerminalSize size = terminal_size();
-  // The cursor stands below the block.
+  // The cursor is below the block.
   const std::vector<LiveLine> lines = fitting(live_, std::max<std::size_t>(size.rows, 2) - 1);
   for (const LiveLine& line : lines) put(row_of(line, usable_width(size)) + "\n");
   live_rows_ = lines.size();
@@ -214,7 +215,7 @@ void Terminal::leave_screen() {
 
 void Terminal::leave_screen_at_once() noexcept {
   const auto put_at_once = [](int stream, std::string_view sequence) {
-    // Nothing is left to be done when it fails.
+    // A failure cannot be handled any more.
     [[maybe_unused]] const ssize_t written = write(stream, sequence.data(), sequence.size());
   };
   if (is_progress_drawn_.exchange(false)) put_at_once(STDERR_FILENO, kEraseRow);

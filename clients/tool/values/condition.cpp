@@ -21,7 +21,8 @@ std::string condition_name(std::string_view text) {
 
 std::vector<std::string> all_names() {
   constexpr auto kLastState = static_cast<int>(PowerState::fault);
-  constexpr std::uint16_t kEnabled = 0x0027;  // Operation enabled: bits 12 and 13 are the mode's
+  constexpr std::uint16_t kEnabled = 0x0027;  // Operation enabled; bits 12 and 13 belong to the
+                                              // mode
   constexpr unsigned kBits = 16;
   std::vector<std::string> names;
   for (int state = 0; state <= kLastState; ++state) {
@@ -41,7 +42,7 @@ std::vector<std::string> all_names() {
   return names;
 }
 
-/// @return whether `name` has these words, such as operation_enabled "enabled".
+/// @return whether `name` contains these words, as operation_enabled contains "enabled".
 bool has_words(std::string_view name, std::string_view words) {
   const auto between_words = [](std::string_view text) {
     return "_" + std::string(text) + "_";

@@ -31,8 +31,7 @@ std::uint64_t distance(std::int64_t a, std::int64_t b) {
                : static_cast<std::uint64_t>(b) - static_cast<std::uint64_t>(a);
 }
 
-/// Of an unequal value there is always another one; the other comparisons hold at an end of the
-/// range, or nowhere.
+/// `not_equal` is always possible; the other comparisons hold at an end of the range or nowhere.
 bool is_possible(const Expectation& expectation, const ObjectDescription& object) {
   return expectation.comparison == Comparison::not_equal ||
          expectation.accepts(object.lower_limit) || expectation.accepts(object.upper_limit) ||
@@ -44,7 +43,7 @@ constexpr std::uint16_t kIndexOfControlword = 0x6040;
 constexpr std::uint16_t kIndexOfStatusword = 0x6041;
 constexpr unsigned kBitsOfWord = 16;
 
-/// A statusword or a controlword whose bits are named.
+/// A statusword or a controlword whose bits have names.
 struct ShownWord {
   bool is_statusword;
   std::uint16_t value;
@@ -53,7 +52,7 @@ struct ShownWord {
 
 std::string_view bit_name(const ShownWord& word, std::uint16_t bit) {
   if (!word.is_statusword) return controlword_bit_name(bit, word.mode);
-  // Outside Operation enabled bit 13 is the fault's, whatever the mode makes of it.
+  // Outside Operation enabled, bit 13 belongs to the fault, whatever the mode.
   const bool is_of_fault = bit == Statusword::kFollowingError &&
                            decode_power_state(word.value) != PowerState::operation_enabled;
   return statusword_bit_name(bit, is_of_fault ? OperatingMode::none : word.mode);
@@ -155,7 +154,7 @@ std::string decoded_text(const Expectation& expectation, std::int64_t actual, Op
 
 void check_expectation(const Expectation& expectation) {
   const ObjectRow row = checked_row(expectation.object);
-  // Under a mask, and with a tolerance, a value beyond the range may match all the same.
+  // Under a mask, or with a tolerance, a value out of range may still match.
   if (expectation.mask || expectation.tolerance || expectation.quantity) return;
   if (is_possible(expectation, describe(row))) return;
   const std::string sign = expectation.comparison == Comparison::equal

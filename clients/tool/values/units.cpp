@@ -12,7 +12,7 @@
 namespace vdrive::tool {
 namespace {
 
-/// @throws UsageError naming what was typed when the type does not hold the value.
+/// @throws UsageError with the typed text when the value is out of the range of the type.
 std::int64_t rounded_quantity(const Quantity& quantity, double user_units, const Unit& unit,
                               std::string_view which) {
   const TypeRange range = range_of(quantity.type);
@@ -26,7 +26,7 @@ std::int64_t rounded_quantity(const Quantity& quantity, double user_units, const
                    quantity_text(range.highest, quantity.dimension, unit));
 }
 
-/// Hexadecimal is the two's complement of the type.
+/// Hexadecimal numbers are the two's complement of the type.
 WrittenQuantity as_written(std::string_view text, Dimension dimension, DataType type) {
   if (has_hex_prefix(text)) {
     return {static_cast<double>(parse_value(text, type)), "UU"};

@@ -19,7 +19,7 @@ namespace {
 /// Objects whose bits matter more than their value.
 constexpr std::array<std::uint16_t, 4> kWords{0x6040, 0x6041, 0x603F, 0x1000};
 
-/// What people call the values of a moving axis.
+/// Common names of the values of a moving axis.
 constexpr std::array kShortNames{
     StandardName{"position", "load_position_actual_value"},
     StandardName{"velocity", "load_velocity_actual_value"},
@@ -62,7 +62,7 @@ std::string range_of_type(DataType type) {
   throw UsageError(message);
 }
 
-/// @param kind of a text that is no whole number of the type
+/// @param kind of a text that is not an integer of the type
 [[noreturn]] void refuse_value(std::string_view text, IntegerKind kind, DataType type) {
   if (kind == IntegerKind::no_number) {
     throw UsageError(in_quotes(text) +
