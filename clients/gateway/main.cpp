@@ -23,10 +23,10 @@
 namespace vdrive::gateway {
 namespace {
 
-// [1/s] Above, each message would carry less than one tick of the usual period.
+// [1/s] Above, a message would contain less than one tick of the usual period.
 constexpr double kLowestRate = 1.0;
 constexpr double kHighestRate = 1000.0;
-// [characters] 64 bits in hexadecimal: nobody finds it by trying over a network.
+// [characters] 64 bits in hexadecimal, too many to guess over a network.
 constexpr std::size_t kShortestToken = 16;
 
 class BadArguments : public std::runtime_error {
@@ -79,7 +79,7 @@ bool is_loopback(const std::string& address) {
 }
 
 ListenAddress read_address(std::string_view option, const std::string& text) {
-  const auto colon = text.rfind(':');  // the last one: an address of IPv6 has others
+  const auto colon = text.rfind(':');  // the last one: an IPv6 address contains others
   const auto port = colon == std::string::npos
                         ? std::nullopt
                         : parse_digits<std::uint16_t>(text.substr(colon + 1));
@@ -101,10 +101,10 @@ std::string read_token(const std::string& file) {
   if (!stream || !std::getline(stream, token)) {
     throw BadArguments("--token: cannot read " + in_quotes(file));
   }
-  // An editor of another system ends lines so.
+  // Editors of other systems end lines with CR.
   while (!token.empty() && (token.back() == '\r' || token.back() == ' ')) token.pop_back();
   if (token.size() < kShortestToken ||
-      // What stands in a URL as it is: clients send it as ?token=...
+      // Only characters that need no escaping in a URL: clients send it as ?token=...
       token.find_first_not_of(
           "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.~") !=
           std::string::npos) {
@@ -114,7 +114,7 @@ std::string read_token(const std::string& file) {
   return token;
 }
 
-/// Takes the options whose texts have to be read.
+/// Parses the options that are given as text.
 void read_texts(Arguments& arguments) {
   WebSettings& web = arguments.web;
   web.listen = read_address("--listen", arguments.listen);
@@ -170,6 +170,6 @@ int run_command_line(int argument_count, const char* const* argument_list) {
 
 int main(int argument_count, char** arguments) {
   vdrive::bridge::open_standard_streams();
-  // Everything is released. A static destructor of the DDS library would sleep 100 ms.
+  // Everything is released. Skips static destructors: one of the DDS library would sleep 100 ms.
   std::quick_exit(vdrive::gateway::run_command_line(argument_count, arguments));
 }

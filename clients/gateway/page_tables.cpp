@@ -24,8 +24,8 @@ namespace vdrive::gateway {
 namespace {
 
 constexpr unsigned kHighestTransition = 16;
-// In the order in which a statusword is compared with them: every word that is that of no other
-// state shows the last one.
+// In the order in which a statusword is compared with them; the last one applies to every word that
+// matches no other state.
 constexpr std::array kPowerStates{PowerState::switch_on_disabled,
                                   PowerState::ready_to_switch_on,
                                   PowerState::switched_on,
@@ -38,7 +38,7 @@ constexpr std::array kCommands{PowerCommand::disable_voltage,  PowerCommand::qui
                                PowerCommand::shutdown,         PowerCommand::switch_on,
                                PowerCommand::enable_operation, PowerCommand::fault_reset};
 
-/// "Ready to switch on" is ready_to_switch_on.
+/// "Ready to switch on" becomes ready_to_switch_on.
 std::string identifier_of(PowerState state) {
   std::string name(to_string(state));
   std::ranges::transform(name, name.begin(), [](unsigned char letter) {
@@ -47,8 +47,8 @@ std::string identifier_of(PowerState state) {
   return name;
 }
 
-/// The mask and the value of a state, from the words that decode to it: a bit belongs to the mask
-/// when changing it changes the state.
+/// The mask and value of a state, derived from the words that decode to it: a bit belongs to the
+/// mask if changing it changes the state.
 Json statusword_row(PowerState state) {
   constexpr std::uint16_t kHighest = 0x7F;
   std::uint16_t mask = 0;
@@ -74,7 +74,7 @@ struct Transition {
   auto operator<=>(const Transition&) const = default;
 };
 
-/// Every machine that one event makes of `machine`.
+/// Every machine that results from `machine` by one event.
 std::vector<std::pair<PowerStateMachine, TransitionSet>> after_one_event(
     const PowerStateMachine& machine, const PowerOptions& options) {
   std::vector<std::pair<PowerStateMachine, TransitionSet>> after;
@@ -113,9 +113,10 @@ unsigned count_of(const TransitionSet& taken, unsigned& number) {
   return count;
 }
 
-/// The transitions that one event takes alone, found by walking through every state.
+/// The transitions that a single event causes alone, found by visiting every state.
 std::set<Transition> transitions() {
-  // A quick stop that stays can be enabled again; ramps that are not held back are taken at once.
+  // Option codes for which quick stop active can be left by enabling, and no transition waits for a
+  // ramp.
   const PowerOptions options{.quick_stop_option_code = 6, .disable_operation_option_code = 0};
   std::set<Transition> found;
   std::map<PowerState, PowerStateMachine> open{{PowerState::not_ready_to_switch_on, {}}};
@@ -142,7 +143,7 @@ Json transition_rows() {
   return rows;
 }
 
-/// Every name of a bit of 6040h and 6041h, in any mode, with the Chinese one.
+/// Every name of a bit of 6040h and 6041h, in any mode, with the Chinese name.
 Json bit_name_rows() {
   constexpr unsigned kBits = 16;
   std::set<std::pair<std::string_view, std::string_view>> names;

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # The web page of the gateway, built by npm in the build tree.
 #
-# page_tables is the file of its tables. VDRIVE_GATEWAY_PAGE_DIR is the directory of the built files,
-# VDRIVE_GATEWAY_PAGE_STAMP the file to depend on. Without node and npm, or where the registry cannot
-# be reached, the directory is empty.
+# page_tables is the file with its tables. VDRIVE_GATEWAY_PAGE_DIR is the directory of the built
+# files, VDRIVE_GATEWAY_PAGE_STAMP the file to depend on. Without node and npm, or if the registry
+# cannot be reached, the directory is empty.
 
 set(vdrive_page_work ${CMAKE_CURRENT_BINARY_DIR}/page)
 set(VDRIVE_GATEWAY_PAGE_DIR ${vdrive_page_work}/dist)
@@ -12,7 +12,7 @@ set(VDRIVE_GATEWAY_PAGE_STAMP ${vdrive_page_work}/page.stamp)
 find_program(VDRIVE_NODE NAMES node nodejs)
 find_program(VDRIVE_NPM NAMES npm)
 
-# TypeScript names its files by imports; a list beside them would be a second one.
+# The imports in TypeScript already list the files, so none is kept here.
 file(
   GLOB_RECURSE vdrive_page_sources CONFIGURE_DEPENDS
   ${CMAKE_CURRENT_LIST_DIR}/src/*

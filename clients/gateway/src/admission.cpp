@@ -28,7 +28,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-/// A host without its port.
+/// The host without its port.
 std::string_view name_of(std::string_view host) {
   if (host.starts_with('[')) return host.substr(0, host.find(']') + 1);
   return host.substr(0, host.find(':'));
@@ -41,7 +41,8 @@ bool is_address(std::string_view name) {
   });
 }
 
-/// A page of the gateway itself has its host as origin. With https a proxy stands before it.
+/// A page of the gateway itself has the same host as origin. With https there is a proxy in
+/// between.
 bool is_own_origin(const UpgradeRequest& request, const AdmissionRules& rules) {
   for (const std::string_view scheme : {"http://", "https://"}) {
     if (is_same_text(request.origin, std::string(scheme).append(request.host))) return true;
@@ -66,7 +67,7 @@ std::string_view token_of(const UpgradeRequest& request) {
   return {};
 }
 
-/// Takes as long wherever the first difference is.
+/// The time does not depend on the position of the first difference.
 bool is_token(std::string_view given, std::string_view token) {
   unsigned difference = given.size() == token.size() ? 0 : 1;
   for (std::size_t i = 0; i < token.size(); ++i) {
@@ -125,7 +126,7 @@ Admission admit(const UpgradeRequest& request, const AdmissionRules& rules) {
     return refused(kUnauthorized, Refusal::token,
                    "the token is missing or wrong: connect with ?token=...");
   }
-  // Last: who may not connect learns nothing of what the gateway speaks.
+  // Last, so that clients without access learn nothing about the gateway's protocols.
   const std::string_view subprotocol = known_subprotocol(request.protocols);
   if (subprotocol.empty()) {
     return refused(kBadRequest, Refusal::subprotocol,

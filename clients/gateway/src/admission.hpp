@@ -11,11 +11,11 @@ namespace vdrive::gateway {
 
 /// Why a request to open a WebSocket is refused.
 enum class Refusal : std::uint8_t {
-  host,         ///< its host is not a name of the gateway
+  host,         ///< the host is not a name of the gateway
   origin,       ///< a foreign page
   token,        ///< missing or wrong
-  subprotocol,  ///< it offers none that the gateway supports
-  clients,      ///< as many clients are connected as may be
+  subprotocol,  ///< none of those offered is supported
+  clients,      ///< the most clients are already connected
 };
 
 inline constexpr std::size_t kRefusals = 5;
@@ -23,14 +23,15 @@ inline constexpr std::size_t kRefusals = 5;
 /// @return such as "origin".
 [[nodiscard]] std::string_view to_string(Refusal refusal) noexcept;
 
-/// Who may connect.
+/// Rules for admitting connections.
 struct AdmissionRules {
-  std::vector<std::string> hosts{};    ///< names of this machine besides localhost and addresses
+  std::vector<std::string> hosts{};    ///< names of this machine, in addition to localhost and
+                                       ///< addresses
   std::vector<std::string> origins{};  ///< foreign pages that may connect, such as "https://x.org"
-  std::string token{};                 ///< empty = none needed
+  std::string token{};                 ///< empty = not required
 };
 
-/// The HTTP request by which a client opens a WebSocket. Empty = not given.
+/// The HTTP request of a client to open a WebSocket. Empty = not given.
 struct UpgradeRequest {
   std::string_view target;         ///< such as "/?token=..."
   std::string_view host;           ///< header Host
@@ -39,20 +40,20 @@ struct UpgradeRequest {
   std::string_view authorization;  ///< header Authorization
 };
 
-/// The answer to it.
+/// The answer to an UpgradeRequest.
 struct Admission {
-  unsigned status = 101;            ///< of HTTP; 101 = admitted
-  std::string subprotocol{};        ///< admitted: the first one offered that the gateway supports
-  Refusal refusal = Refusal::host;  ///< refused: why
-  std::string reason{};             ///< refused: a sentence
+  unsigned status = 101;            ///< HTTP status; 101 = admitted
+  std::string subprotocol{};        ///< if admitted: first one offered that the gateway supports
+  Refusal refusal = Refusal::host;  ///< reason, if refused
+  std::string reason{};             ///< sentence, if refused
 };
 
-/// A foreign page can lead a browser here under a name of its own (DNS rebinding). An address, and
-/// a name that this machine is known to have, are safe.
+/// A foreign page could lead a browser here under its own name (DNS rebinding). An address, and a
+/// known name of this machine, are safe.
 /// @param host header of an HTTP request
 [[nodiscard]] bool is_own_host(std::string_view host, const AdmissionRules& rules);
 
-/// Judges a request to open a WebSocket.
+/// Decides on a request to open a WebSocket.
 [[nodiscard]] Admission admit(const UpgradeRequest& request, const AdmissionRules& rules);
 
 }  // namespace vdrive::gateway

@@ -19,15 +19,16 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// How late a feed notices a new subscriber, or that it should end.
+// Delay with which a feed notices a new subscriber, or a request to end.
 constexpr milliseconds kIdle{50};
-// A state ages even when no tick comes: people see within a second that a bench is silent.
+// A state is repeated without new ticks too: users see within a second that a bench is silent.
 constexpr milliseconds kStatePeriod{200};
-// A fault is shown sooner than `rate` says, but axes that fail in a row come in one message.
+// A fault is published sooner than `rate` allows, but axes that fail in quick succession share a
+// message.
 constexpr milliseconds kUrgentPeriod{5};
-// A rating is a request to the drive, which waits in the thread that has to follow the bench.
+// Reading a rating is a request to the drive, and blocks the thread that follows the bench.
 constexpr milliseconds kRatingPeriod{200};
-// [ticks] of one message. A bench in freerun makes more in a period than a client can take.
+// [ticks] per message. A freerun bench produces more in a period than a client can take.
 constexpr std::size_t kLongestTrace = 1024;
 
 ChannelInfo ros_channel(std::string topic, bridge::MessageSchema schema) {
@@ -43,7 +44,7 @@ ChannelPointer make(ChannelInfo info) {
   return std::make_shared<Channel>(std::move(info));
 }
 
-/// What is shown at once when it changes: the power state and the error.
+/// The values whose changes are published immediately: the power state and the error.
 std::uint32_t news_of(const AxisStatus& status) {
   constexpr std::uint32_t kErrorPlace = 8;
   const auto state = static_cast<std::uint32_t>(decode_power_state(status.ds402_statusword));
@@ -51,7 +52,7 @@ std::uint32_t news_of(const AxisStatus& status) {
 }
 
 /// Reads the torque rating of an axis, and waits for it.
-/// @return its effort_per_mille(); none when it cannot be read
+/// @return its effort_per_mille(); none if it cannot be read
 std::optional<double> read_effort_per_mille(const client::Axis& axis, const Unit& unit) {
   using namespace literals;
   constexpr std::array kObjects{kObjectRows["motor_rated_torque"_object].address,
@@ -143,7 +144,7 @@ void BenchFeed::run(const std::stop_token& stop) {
       std::chrono::duration<double>(1.0 / settings_.rate));
   Clock::time_point due = Clock::now();
   while (!stop.stop_requested()) {
-    // Without clients nothing is followed: a bench pays for its readers.
+    // Without clients nothing is followed, because following loads the bench.
     if (*settings_.clients == 0) {
       follower_.close();
       bridge::rest(kIdle, stop);
@@ -161,7 +162,7 @@ void BenchFeed::run(const std::stop_token& stop) {
       bridge::rest(kIdle, stop);
       continue;
     }
-    // A late message does not shift those that follow, unless it is later than a whole period.
+    // A late message does not shift later ones, unless it is late by more than a period.
     due = std::max(due + period, Clock::now());
     follow(due);
     publish_axes();
@@ -186,7 +187,7 @@ bool BenchFeed::begin() {
   return true;
 }
 
-/// Takes ticks until `until`, or until something has to be published at once.
+/// Takes ticks until `until`, or until something must be published immediately.
 void BenchFeed::follow(Clock::time_point until) {
   const Clock::time_point begin = Clock::now();
   while (true) {
@@ -206,7 +207,7 @@ void BenchFeed::follow(Clock::time_point until) {
 
 void BenchFeed::take(client::Observation&& observation) {
   ensure(observation.axes.size() == ids_.size(), "an observation has the axes that are followed");
-  // What was missed before the first one was not wanted.
+  // Samples missed before the first one were not wanted.
   if (newest_) missed_ += observation.missed;
   trace(observation);
   owners_.note(observation);
@@ -238,7 +239,7 @@ void BenchFeed::choose_traces() {
   }
 }
 
-/// While time stands still no tick comes, and a new subscriber needs a message, too.
+/// While time stands still no tick arrives, but a new subscriber needs a message.
 void BenchFeed::observe_once() {
   auto observation = session_.observe(ids_);
   if (!observation) return;
@@ -270,7 +271,7 @@ void BenchFeed::publish_axes() {
 
 void BenchFeed::add_axes(Batch& batch) {
   const auto wants = [this](const ChannelPointer& channel) {
-    // The flag first: a subscription after it was read sets it again.
+    // The flag is read first: a later subscription sets it again.
     const bool is_first = channel->has_new_receiver.exchange(false);
     return channel->is_wanted() && (is_new_ || is_first);
   };
@@ -290,8 +291,8 @@ void BenchFeed::add_axes(Batch& batch) {
   }
 }
 
-/// The first message has the efforts of all axes. Their ratings hardly ever change: later ones come
-/// one at a time.
+/// The first message contains the efforts of all axes. Their ratings hardly ever change, so later
+/// ones are read one at a time.
 void BenchFeed::refresh_joints(Clock::time_point now) {
   if (next_rating_ != 0 && now < rating_due_) return;
   rating_due_ = now + kRatingPeriod;
@@ -327,7 +328,7 @@ void BenchFeed::publish_description() {
   send(channels_.description, time_of(known.info.tick), description_text(known));
 }
 
-/// Also without a receiver, as the clock of the tools, and while the bench is silent.
+/// Published even without receivers, as the clock of the tools, and while the bench is silent.
 void BenchFeed::publish_state(Clock::time_point now) {
   const bool is_first = channels_.state->has_new_receiver.exchange(false);
   if (!is_first && now < next_state_) return;
@@ -344,7 +345,7 @@ void BenchFeed::publish_state(Clock::time_point now) {
        state_text(record->info, time, age, record->is_alive, owner_names(), owners_.takings()));
 }
 
-/// Without waiting: a name that comes late is in a later message.
+/// Does not wait: a name that is not yet known is in a later message.
 OwnerNames BenchFeed::owner_names() const {
   OwnerNames names;
   for (const std::uint64_t owner : owners_.sessions()) {

@@ -31,20 +31,20 @@ struct BenchChannels {
   std::vector<ChannelPointer> axis_status;  ///< in the order of the axes
   std::vector<ChannelPointer> axis_trace;
 
-  /// @return all of them.
+  /// @return all topics of the bench.
   [[nodiscard]] std::vector<ChannelPointer> all() const;
 };
 
-/// Makes the topics of a bench.
+/// Creates the topics of a bench.
 [[nodiscard]] BenchChannels bench_channels(const KnownBench& bench);
 
-/// What feeds have in common.
+/// Settings shared by all feeds.
 struct FeedSettings {
-  double rate = 60.0;                                 ///< messages of a channel [1/s]
-  const std::atomic<std::size_t>* clients = nullptr;  ///< that are connected
+  double rate = 60.0;                                 ///< messages per channel [1/s]
+  const std::atomic<std::size_t>* clients = nullptr;  ///< number of connected clients
 };
 
-/// Who hears what happens to benches. Called in threads of the gateway; may not wait.
+/// Receives the news of benches. Called in threads of the gateway; must not block.
 class BenchNews {
  public:
   virtual ~BenchNews() = default;
@@ -54,11 +54,11 @@ class BenchNews {
   virtual void publish(Batch batch) = 0;
 };
 
-/// Publishes one bench. A thread of its own follows the bench while some client receives one of its
-/// axes, never advances its clock, and encodes what is received once for all receivers.
+/// Publishes one bench. Its own thread follows the bench while a client receives one of its axes,
+/// never advances its clock, and encodes each message once for all receivers.
 class BenchFeed {
  public:
-  /// @param session outlives the feed, as `roster` does, which knows the bench, and `news`
+  /// @param session outlives the feed, as do `roster`, which knows the bench, and `news`
   BenchFeed(client::Session& session, bridge::Roster& roster, KnownBench bench,
             FeedSettings settings, BenchNews& news);
   ~BenchFeed() = default;
@@ -67,7 +67,7 @@ class BenchFeed {
 
   [[nodiscard]] const BenchChannels& channels() const noexcept { return channels_; }
 
-  /// The bench was found again as another run of it: its description may be another one.
+  /// The bench was found again after a restart, possibly with a different description.
   void note_renewed() noexcept { is_renewed_ = true; }
 
   void on_event(const client::Event& event);
@@ -101,25 +101,25 @@ class BenchFeed {
   BenchNews& news_;
   const BenchChannels channels_;
 
-  const KnownBench bench_;  ///< as it was found first
+  const KnownBench bench_;  ///< as first found
   const std::vector<client::AxisId> ids_;
   std::atomic<bool> is_renewed_ = false;
   OwnerLog owners_;
 
-  // Of the thread.
+  // Used by the thread only.
   bridge::BenchFollower follower_;
   std::optional<client::Observation> newest_;
-  bool is_new_ = false;     ///< newest_ was not published
-  bool is_urgent_ = false;  ///< it has a state or a fault that was not published
+  bool is_new_ = false;     ///< newest_ has not been published
+  bool is_urgent_ = false;  ///< it has an unpublished state or fault
   std::vector<std::uint32_t> published_states_;
   std::uint64_t missed_ = 0;
-  std::vector<std::size_t> traced_;    ///< places of the axes
+  std::vector<std::size_t> traced_;    ///< indices of the axes
   std::vector<bridge::Trace> traces_;  ///< of all axes
   std::vector<bridge::Joint> joints_;
-  std::size_t next_rating_ = 0;  ///< place of the axis whose rating is read next
+  std::size_t next_rating_ = 0;  ///< index of the axis whose rating is read next
   Clock::time_point rating_due_{};
   Clock::time_point next_state_{};
-  std::jthread thread_;  ///< last: ends before what it uses
+  std::jthread thread_;  ///< last: ends before the members it uses
 };
 
 }  // namespace vdrive::gateway

@@ -8,7 +8,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A change wakes the thread at once; this bounds how late a bench is noticed that sent none.
+// Changes wake the thread immediately; this limits the delay for a bench that announced none.
 constexpr milliseconds kPeriod{500};
 
 }  // namespace
@@ -20,13 +20,14 @@ BenchWatch::BenchWatch(client::Session& session, EventLog& events, FeedSettings 
     on_change(change);
   });
   const auto take = [this](const client::Event& event) {
-    // First: who receives it now and asks for those before misses none.
+    // Stored first: a client that subscribes now and asks for earlier events misses none.
     events_.add(event);
     const std::scoped_lock lock(mutex_);
     const auto feed = feeds_.find(event.bench);
     if (feed != feeds_.end()) feed->second->on_event(event);
   };
-  // What the benches keep, too: this gateway may have been started after what people ask for.
+  // Includes events that the benches have kept: this gateway may have been started after the ones
+  // that users look for.
   session_.on_event(take, client::EventHistory::kept);
   thread_ = std::jthread([this](const std::stop_token& stop) {
     run(stop);
@@ -34,7 +35,7 @@ BenchWatch::BenchWatch(client::Session& session, EventLog& events, FeedSettings 
 }
 
 BenchWatch::~BenchWatch() {
-  // First the callbacks, which use the feeds; they return when none is under way.
+  // First the callbacks, which use the feeds; these calls return when no callback is running.
   session_.watch_services({});
   session_.on_event({});
   thread_.request_stop();
@@ -104,7 +105,7 @@ void BenchWatch::remove(std::uint32_t bench, bool /*is_replaced*/) {
     feed = std::move(feeds_.at(bench));
     feeds_.erase(bench);
   }
-  // Without the lock: the end of a feed waits for its thread, and events come meanwhile.
+  // Without the lock: the feed's destructor waits for its thread, while events still arrive.
   news_.went(bench, feed->channels().all());
 }
 

@@ -17,27 +17,27 @@
 
 namespace vdrive::gateway {
 
-/// What is known of a bench that has topics.
+/// The presence of a bench that has topics.
 struct BenchPresence {
   std::uint32_t number = 0;
   bool is_alive = false;
-  std::chrono::nanoseconds sample_age{};  ///< of its newest sample
+  std::chrono::nanoseconds sample_age{};  ///< age of its newest sample
 };
 
-/// Finds benches as they come and go, and keeps a feed for each. A bench that falls silent keeps
-/// its topics for a minute; one that announces its end loses them at once.
+/// Finds benches as they appear and disappear, and keeps a feed for each. A bench that falls silent
+/// keeps its topics for a minute; one that announces its end loses them immediately.
 class BenchWatch final : private bridge::BenchHost {
  public:
-  /// @param session outlives the watch, as `news` does, and `events`, which gets every event
+  /// @param session outlives the watch, as do `news`, and `events`, which gets every event
   BenchWatch(client::Session& session, EventLog& events, FeedSettings settings, BenchNews& news);
   ~BenchWatch() override;
   BenchWatch(const BenchWatch&) = delete;
   BenchWatch& operator=(const BenchWatch&) = delete;
 
-  /// @return the benches that have topics now. Any thread.
+  /// @return the benches that have topics now. Thread-safe.
   [[nodiscard]] BenchList benches() const;
 
-  /// @return which benches have topics now, and how old their samples are. Any thread.
+  /// @return the benches that have topics now, with the age of their samples. Thread-safe.
   [[nodiscard]] std::vector<BenchPresence> presences() const;
 
  private:
@@ -55,7 +55,7 @@ class BenchWatch final : private bridge::BenchHost {
   const FeedSettings settings_;
   BenchNews& news_;
   mutable bridge::Roster roster_{*this};
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::map<std::uint32_t, std::shared_ptr<BenchFeed>> feeds_;
   BenchList benches_ = std::make_shared<std::vector<KnownBench>>();
   std::condition_variable_any changed_;

@@ -17,35 +17,35 @@ struct Receiver {
   std::uint32_t subscription = 0;
 };
 
-/// A topic. Its publisher reads whether a client receives it; everything else belongs to the hub.
+/// A topic. Its publisher checks whether a client receives it; everything else belongs to the hub.
 struct Channel {
   explicit Channel(ChannelInfo described) : info(std::move(described)) {}
 
   const ChannelInfo info;
   std::atomic<std::uint32_t> subscriptions = 0;
-  std::atomic<bool> has_new_receiver = false;  ///< which waits for its first message
-  std::vector<Receiver> receivers{};           ///< of the hub's thread
+  std::atomic<bool> has_new_receiver = false;  ///< it waits for its first message
+  std::vector<Receiver> receivers{};           ///< used by the hub's thread
 
-  /// @return whether a client receives it.
+  /// @return whether at least one client receives it.
   [[nodiscard]] bool is_wanted() const noexcept { return subscriptions != 0; }
 };
 
 using ChannelPointer = std::shared_ptr<Channel>;
 
-/// A message for all who receive a channel.
+/// A message for all receivers of a channel.
 struct ChannelMessage {
   ChannelPointer channel;
   SharedBytes bytes;
 };
 
-/// What a bench has to publish at one time.
+/// The messages of a bench for one point in time.
 struct Batch {
   std::uint32_t bench = 0;
   std::uint64_t time = 0;  ///< drive time [ns]
   std::vector<ChannelMessage> messages{};
 };
 
-/// @return the next number for a channel; never the same twice in one run. Thread-safe.
+/// @return the next number of a channel, unique in a run. Thread-safe.
 [[nodiscard]] std::uint32_t next_channel_id();
 
 }  // namespace vdrive::gateway

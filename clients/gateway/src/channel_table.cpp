@@ -8,7 +8,7 @@
 namespace vdrive::gateway {
 namespace {
 
-/// Encoded once for all connections, also those that open later.
+/// Encoded once for all connections, including later ones.
 SharedBytes advertisement(const std::vector<ChannelPointer>& channels) {
   std::vector<ChannelInfo> infos;
   infos.reserve(channels.size());
@@ -24,7 +24,7 @@ std::string name_of_bench(const std::string& topic) {
 
 void ChannelTable::open(ConnectionId id) {
   connections_[id];
-  // As they were encoded for the others: a bench may have a thousand topics.
+  // Encoded already, because a bench may have a thousand topics.
   for (const auto& [bench, text] : advertisements_) {
     server_.send_answer(id, text_frame(text), true);
   }
@@ -47,7 +47,7 @@ void ChannelTable::add(std::uint32_t bench, const std::vector<ChannelPointer>& c
   const SharedBytes text = advertisement(channels);
   advertisements_[bench] = text;
   send_to_all(text);
-  has_changed_ = true;  // sent later: a bench adds a thousand topics at once
+  has_changed_ = true;  // sent later: a bench adds a thousand topics together
 }
 
 void ChannelTable::remove(std::uint32_t bench, const std::vector<ChannelPointer>& channels) {
@@ -56,7 +56,7 @@ void ChannelTable::remove(std::uint32_t bench, const std::vector<ChannelPointer>
   for (const ChannelPointer& channel : channels) {
     ids.push_back(channel->info.id);
     removed_topics_.push_back(channel->info.topic);
-    // The subscriptions too: a client may use their numbers again.
+    // Removes the subscriptions too, because a client may reuse their numbers.
     for (const Receiver& receiver : std::exchange(channel->receivers, {})) {
       const auto connection = connections_.find(receiver.connection);
       if (connection != connections_.end()) connection->second.erase(receiver.subscription);
@@ -132,7 +132,7 @@ void ChannelTable::publish(const Batch& batch, Clock::time_point now) {
 void ChannelTable::send_time(const Batch& batch, Clock::time_point now) {
   const auto first = advertisements_.upper_bound(kOwn);
   const bool is_clock = first != advertisements_.end() && first->first == batch.bench;
-  // Time 0 is a bench without a tick so far: tools would jump to 1970.
+  // Time 0 means a bench without a tick so far; tools would jump to 1970.
   if (!is_clock || batch.time == 0 || now - time_sent_ < kTimePeriod) return;
   time_sent_ = now;
   for (const auto& [id, subscriptions] : connections_) {
@@ -148,7 +148,7 @@ void ChannelTable::add_to(Graph& graph, const ClientTable& clients) const {
     for (const Receiver& receiver : channel->receivers) {
       subscribed.ids.push_back(clients.name(receiver.connection));
     }
-    // Also without subscribers: those that a client knows of are gone then.
+    // Included without subscribers too, so that clients remove those that they know of.
     graph.subscribed.push_back(std::move(subscribed));
   }
   graph.removed_topics = removed_topics_;

@@ -16,38 +16,37 @@
 
 namespace vdrive::gateway {
 
-/// The topics of the gateway and of its benches, and who receives them. Of the server's thread
-/// where nothing else is stated.
+/// The topics of the gateway and its benches, with their receivers. Used in the server's thread
+/// unless stated otherwise.
 class ChannelTable {
  public:
-  /// Subscriptions that a connection may have: each costs memory that a client decides on.
+  /// The most subscriptions of a connection: each costs memory, and the client chooses how many.
   static constexpr std::size_t kMostSubscriptions = 16'384;
 
   using Clock = std::chrono::steady_clock;
 
-  /// Tools show the time by it; 20 times a second are smooth.
+  /// Tools show the time from these messages; 20 per second look smooth.
   static constexpr std::chrono::milliseconds kTimePeriod{50};
 
-  /// Stands for the gateway's own topics where others have the number of their bench. No bench has
-  /// it.
+  /// The bench number of the gateway's own topics. No bench has it.
   static constexpr std::uint32_t kOwn = 0;
 
-  /// What went wrong with a subscription; empty = nothing.
+  /// What is wrong with a subscription; empty = nothing.
   using Problem = std::string;
 
-  /// Batches that may be on their way from the feeds to the server's thread.
+  /// The most batches between the feeds and the server's thread.
   static constexpr std::size_t kMostBatches = 256;
 
-  /// @param server outlives this
+  /// @param server outlives this object
   explicit ChannelTable(HubServer& server) : server_(server) {}
 
-  /// Sends a new connection the topics that there are.
+  /// Sends the existing topics to a new connection.
   void open(ConnectionId id);
 
-  /// A connection is closed.
+  /// The connection was closed.
   void close(ConnectionId id);
 
-  /// Adds the topics of a bench, or those of the gateway, and tells all connections.
+  /// Adds the topics of a bench, or of the gateway, and tells all connections.
   void add(std::uint32_t bench, const std::vector<ChannelPointer>& channels);
 
   void remove(std::uint32_t bench, const std::vector<ChannelPointer>& channels);
@@ -56,22 +55,22 @@ class ChannelTable {
   [[nodiscard]] Problem subscribe(ConnectionId id, const Subscription& wanted,
                                   ChannelPointer& subscribed);
 
-  /// @return whether the connection has as many subscriptions as it may have.
+  /// @return whether the connection has the most subscriptions allowed.
   [[nodiscard]] bool is_full(ConnectionId id) const {
     return connections_.at(id).size() >= kMostSubscriptions;
   }
 
   [[nodiscard]] Problem unsubscribe(ConnectionId id, std::uint32_t subscription);
 
-  /// Has the server's thread publish() a batch. When the server is late, new batches are left out
-  /// and counted: what it cannot send now it does not need later. Any thread; does not wait.
+  /// Posts publish() of a batch to the server's thread. When the server is late, new batches are
+  /// dropped and counted, because late data are of no use. Thread-safe; does not wait.
   void put(Batch batch);
 
-  /// @return how many batches were left out. Any thread.
+  /// @return the number of dropped batches. Thread-safe.
   [[nodiscard]] std::uint64_t lost_batches() const noexcept { return lost_batches_; }
 
-  /// Sends a batch to those who receive its topics. Sends everybody the time of the bench with the
-  /// lowest number, which is the clock of tools, at most once in kTimePeriod.
+  /// Sends a batch to the receivers of its topics. Also sends the time of the bench with the lowest
+  /// number, which is the clock of tools, to everybody, at most once per kTimePeriod.
   void publish(const Batch& batch, Clock::time_point now);
 
   /// @return whether topics or subscriptions have changed since the last call.
@@ -81,15 +80,15 @@ class ChannelTable {
   /// @param clients has the names of the connections
   void add_to(Graph& graph, const ClientTable& clients) const;
 
-  /// The clients have been told which topics are gone.
+  /// Forgets removed topics, once clients have been told.
   void forget_removed() { removed_topics_.clear(); }
 
   [[nodiscard]] std::size_t size() const noexcept { return channels_.size(); }
 
-  /// @return topics that a client receives.
+  /// @return the number of topics that a client receives.
   [[nodiscard]] std::size_t subscribed() const;
 
-  /// @return subscriptions of all clients.
+  /// @return the number of subscriptions of all clients.
   [[nodiscard]] std::size_t subscriptions() const;
 
  private:

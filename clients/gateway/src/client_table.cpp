@@ -26,7 +26,7 @@ bool ClientTable::close(ConnectionId id) {
   const auto closed = clients_.extract(id);
   if (closed.empty()) return false;
   count_ = clients_.size();
-  // A call may be under way for seconds: the server's thread does not wait for it.
+  // A call may run for seconds: the server's thread does not wait for it.
   closed.mapped().worker->close();
   ended_.push_back(std::move(closed.mapped().worker));
   return true;

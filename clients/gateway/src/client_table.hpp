@@ -14,13 +14,13 @@
 
 namespace vdrive::gateway {
 
-/// The connections that are open: their names, and a thread for each in which its calls wait. Of
-/// the server's thread. Unless stated otherwise the connection is open.
+/// The open connections: their names, and a thread for each that carries out its calls. Used in the
+/// server's thread. Functions require an open connection unless stated otherwise.
 class ClientTable {
  public:
   void open(ConnectionId id);
 
-  /// Its calls that have not begun are dropped. @return whether the connection was open.
+  /// Drops its calls that have not begun. @return whether the connection was open.
   bool close(ConnectionId id);
 
   [[nodiscard]] bool contains(ConnectionId id) const { return clients_.contains(id); }
@@ -28,21 +28,21 @@ class ClientTable {
   /// @return the open connections.
   [[nodiscard]] std::vector<ConnectionId> all() const;
 
-  /// @return such as "client 7", or the name that it gave itself.
+  /// @return such as "client 7", or the name that the client has chosen.
   [[nodiscard]] const std::string& name(ConnectionId id) const;
 
   void rename(ConnectionId id, std::string name);
 
-  /// Has the thread of the connection do a job. @return false when too many wait.
+  /// Posts a job to the thread of the connection. @return false if too many are waiting.
   [[nodiscard]] bool post(ConnectionId id, std::function<void()> job);
 
-  /// Drops the threads of closed connections that have ended.
+  /// Destroys the threads of closed connections that have ended.
   void forget_ended();
 
   /// Waits for the threads of closed connections.
   void join_ended() { ended_.clear(); }
 
-  /// How many connections are open. For any thread.
+  /// The number of open connections. Thread-safe.
   [[nodiscard]] const std::atomic<std::size_t>& count() const noexcept { return count_; }
 
  private:

@@ -16,15 +16,15 @@ namespace {
 
 using client::Outcome;
 
-// A lost network is noticed early: axes must not run on for 10 s without the one who commands them.
+// A lost network is noticed early: axes must not run on for 10 s without their master.
 constexpr std::chrono::milliseconds kMachineOfHolder{2000};
-// All clients see the name, on a line.
+// All clients show the name on one line.
 constexpr std::size_t kLongestName = 64;  // [characters]
-// The code of a drive when another session holds an axis.
+// The drive's code when another session holds an axis.
 constexpr std::uint32_t kControlled = wire_code(AbortCode::refused_local_control);
 
-// A program may be late: on a busy machine all of a browser may stand still for some seconds, and
-// so may a tab that nobody sees. How long that may take is the choice of who commands.
+// A program may be late: on a busy machine the browser may freeze for some seconds, and so may a
+// hidden tab. The client that commands chooses how long that may last.
 Patience patience_of_holder(std::chrono::milliseconds silence) {
   return {.program = silence, .machine = std::min(kMachineOfHolder, silence)};
 }
@@ -91,8 +91,8 @@ void ControlDesk::take(ConnectionId id, const Json& request, const Answer& answe
   const bool is_posted = clients_.post(id, [this, id, taking = std::move(taking), answer] {
     try {
       server_.post([this, id, taking, answer, session = access_.open()] {
-        if (!clients_.contains(id)) return;  // it has closed; the session holds nothing yet
-        // Another connection may have taken control while the session was made.
+        if (!clients_.contains(id)) return;  // it was closed; the session holds no axes yet
+        // Another connection may have taken control while the session was opened.
         if (is_other_holder(id) && !taking.by_force) return answer({.outcome = held_outcome()});
         on_session(id, taking, session);
         answer({});
@@ -121,7 +121,7 @@ void ControlDesk::on_session(ConnectionId id, const Taking& taking, const HeldSe
     server_.send_status(holder_->id, Level::warning,
                         "control was taken over by " + in_quotes(clients_.name(id)));
   }
-  // One session at a time: the axes of the holder before become free for this one.
+  // One session at a time: the previous holder's axes become free for this one.
   end(true);
   holder_ = Holder{.id = id,
                    .taken_at = static_cast<std::uint64_t>(bridge::wall_time()),
@@ -146,7 +146,7 @@ void ControlDesk::close(ConnectionId id, bool is_graceful) {
 
 void ControlDesk::end(bool is_graceful) {
   if (!holder_) return;
-  // No reference stays here: the session ends where access_.end() has it end.
+  // Keeps no reference, so that access_.end() decides where the session is destroyed.
   Holder ended = *std::exchange(holder_, std::nullopt);
   access_.end(std::move(ended.session), is_graceful);
 }

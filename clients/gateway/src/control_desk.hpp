@@ -14,72 +14,72 @@
 
 namespace vdrive::gateway {
 
-/// Who commands through the gateway: at most one connection, with a session of its own towards the
-/// benches. It says what a connection may do, and tells its topic who has control. Of the server's
-/// thread; a session is opened in the thread of its connection.
+/// Keeps who holds control through the gateway: at most one connection, with its own session to the
+/// benches. Decides what a connection may do, and publishes the holder. Used in the server's
+/// thread; sessions are opened in the threads of their connections.
 class ControlDesk {
  public:
-  /// How long the holder's program may be silent before it counts as a lost master: the holder
-  /// chooses between these. Without a choice it is the longest, as for every connection.
+  /// Limits of the silence after which the holder's program counts as a lost master. The holder may
+  /// choose a value between them; the default is the longest, as for every connection.
   static constexpr std::chrono::milliseconds kShortestSilence{1'000};
   static constexpr std::chrono::milliseconds kLongestSilence = WebServer::kPatience.program;
 
   using Answer = Jogs::Answer;
 
-  /// @param is_enabled the gateway lets clients command
-  /// @param access outlives this, as `server` and `clients` do
+  /// @param is_enabled clients may command through the gateway
+  /// @param access outlives this object, as do `server` and `clients`
   ControlDesk(bool is_enabled, BenchAccess& access, HubServer& server, ClientTable& clients);
 
-  /// The holder gives its axes back.
+  /// Releases the holder's axes.
   ~ControlDesk();
   ControlDesk(const ControlDesk&) = delete;
   ControlDesk& operator=(const ControlDesk&) = delete;
 
-  /// The topic that shows who has control.
+  /// The topic that shows who holds control.
   [[nodiscard]] const ChannelPointer& channel() const noexcept { return channel_; }
 
   [[nodiscard]] bool is_held() const noexcept { return holder_.has_value(); }
 
-  /// @return ok, or why this connection may not do what needs the right.
+  /// @return ok, or why this connection lacks the right.
   [[nodiscard]] client::Outcome check(ConnectionId id, Right right) const;
 
-  /// @return the session of this connection; none when it does not hold control.
+  /// @return the session of this connection; null if it does not hold control.
   [[nodiscard]] SessionPointer session_of(ConnectionId id) const;
 
   /// Jogs an axis for the holder of control: see Jogs::request().
   void jog(const JogRequest& request, Jogs::Clock::time_point now, const Answer& answer);
 
-  /// An open connection asks for control, another name or another limit of its silence. A request
-  /// with force takes control over from another connection.
-  /// @param answer is called in the server's thread
+  /// An open connection requests control, a new name, or a new limit of its silence. A request with
+  /// force takes control from another connection.
+  /// @param answer called in the server's thread
   /// @throws ProtocolError when the request is wrong
   void take(ConnectionId id, const Json& request, const Answer& answer);
 
-  /// The connection gives control back, if it holds it.
+  /// Releases control, if the connection holds it.
   void release(ConnectionId id);
 
-  /// The connection is closed. One that was lost does not give its axes back.
+  /// The connection was closed. If it was lost, its axes are not released.
   void close(ConnectionId id, bool is_graceful);
 
-  /// Sends the message of the topic to one receiver.
+  /// Sends the topic's message to one receiver.
   void send_to(ConnectionId id, std::uint32_t subscription) const;
 
-  /// Drops the threads of the holder's jogs that have ended.
+  /// Destroys the threads of the holder's finished jogs.
   void forget_ended_jogs();
 
  private:
   struct Holder {
     ConnectionId id = 0;
     std::uint64_t taken_at = 0;           ///< [ns since 1970]
-    std::chrono::milliseconds silence{};  ///< its limit
+    std::chrono::milliseconds silence{};  ///< limit of its silence
     HeldSession session;
   };
 
   /// A call of /take_control.
   struct Taking {
-    std::string name;  ///< empty = as it is called already
+    std::string name;  ///< empty = unchanged
     bool by_force = false;
-    std::optional<std::chrono::milliseconds> silence{};  ///< none = as it is
+    std::optional<std::chrono::milliseconds> silence{};  ///< none = unchanged
   };
 
   [[nodiscard]] static Taking taking_of(const Json& request);

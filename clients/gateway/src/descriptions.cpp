@@ -69,7 +69,7 @@ Json error_codes_json() {
   return list;
 }
 
-// Most bits mean something else in each mode: a list for each of them.
+// Most bits have different meanings in different modes, so each mode has a list.
 using NameOfBit = std::string_view (*)(std::uint16_t bit, OperatingMode mode);
 
 Json bits_json(NameOfBit name_of) {
@@ -181,7 +181,7 @@ std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
   }
   Json state{{"bench", bench.number},
              {"tick", bench.tick},
-             {"time_ns", std::to_string(time)},  // beyond what a double holds
+             {"time_ns", std::to_string(time)},  // exceeds the precision of a double
              {"rate", bench.rate},
              {"clock_mode", to_string(bench.clock_mode)},
              {"alive", is_alive},
@@ -205,7 +205,7 @@ std::string control_text(const ControlState& control, const std::string& name, b
                   {"holder", control.holder},
                   {"you", is_holder},
                   {"name", name},
-                  // As texts: a double of JavaScript does not hold 64 bits.
+                  // As text: a double of JavaScript cannot hold 64 bits.
                   {"session", control.session == 0 ? "" : session_text(control.session)},
                   {"taken_at_ns", std::to_string(control.taken_at)},
                   {"silence_ms", control.silence.count()}});

@@ -14,15 +14,15 @@
 
 namespace vdrive::gateway {
 
-/// The topics whose messages are JSON, with their schemas, and the messages themselves.
+/// The topics with JSON messages: their schemas, and the messages.
 
 [[nodiscard]] ChannelInfo description_channel(std::string topic);
 [[nodiscard]] std::string description_text(const KnownBench& bench);
 
 [[nodiscard]] ChannelInfo state_channel(std::string topic);
 
-/// The sessions that hold axes of a bench or have held some lately, as far as their programs say
-/// who they are.
+/// The names of the sessions that hold axes of a bench or have held some recently, as far as their
+/// programs publish them.
 using OwnerNames = std::map<std::uint64_t, client::SessionName>;
 
 /// @param time drive time [ns]
@@ -32,13 +32,14 @@ using OwnerNames = std::map<std::uint64_t, client::SessionName>;
                                      const OwnerNames& names = {},
                                      const std::vector<Taking>& takings = {});
 
-/// Who commands through this gateway.
+/// The holder of control through this gateway.
 struct ControlState {
-  bool is_enabled = false;  ///< the gateway lets clients command
-  std::string holder{};     ///< name of the connection that does; empty = none
+  bool is_enabled = false;  ///< clients may command through the gateway
+  std::string holder{};     ///< name of the holding connection; empty = none
   std::uint64_t session = 0;
   std::uint64_t taken_at = 0;           ///< [ns since the epoch]
-  std::chrono::milliseconds silence{};  ///< after it the holder is a lost master; 0 = no holder
+  std::chrono::milliseconds silence{};  ///< after which the holder counts as a lost master; 0 = no
+                                        ///< holder
 };
 
 [[nodiscard]] ChannelInfo control_channel();

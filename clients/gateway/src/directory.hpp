@@ -12,26 +12,26 @@
 
 namespace vdrive::gateway {
 
-/// A bench and the names that it has in topics and parameters.
+/// A bench with its names in topics and parameters.
 struct KnownBench {
   client::BenchInfo info;
   std::string topic;                    ///< such as "bench1"
-  std::vector<std::string> axis_names;  ///< in the order of info.axes; each once
+  std::vector<std::string> axis_names;  ///< in the order of info.axes; unique
 };
 
-/// The benches that the gateway has found, by number. It is never changed: a bench that comes or
-/// goes makes a new list.
+/// The benches found by the gateway, by number. A list never changes: a bench that appears or
+/// disappears creates a new list.
 using BenchList = std::shared_ptr<const std::vector<KnownBench>>;
 
-/// @return whether both have the same axes, names, units and period, so that the topics of one are
-///         those of the other.
+/// @return whether both have the same axes, names, units and period, so that their topics are the
+///         same.
 [[nodiscard]] bool have_same_topics(const client::BenchInfo& a, const client::BenchInfo& b);
 
-/// @return the bench with names of its axes: letters, digits and _; where two axes would have one
-///         name, the second one's has its number too.
+/// @return the bench with the names of its axes, made of letters, digits and _. If two axes have
+///         the same name, that of the second one gets its number appended.
 [[nodiscard]] KnownBench known_bench(client::BenchInfo info);
 
-/// An object of an axis, as a parameter names it.
+/// The object of an axis that a parameter name refers to.
 struct ParameterAddress {
   client::AxisId axis;
   ObjectAddress object;
@@ -41,11 +41,11 @@ struct ParameterAddress {
 [[nodiscard]] std::string parameter_name(const KnownBench& bench, std::size_t axis,
                                          ObjectAddress object);
 
-/// @return the address of a parameter, or nothing when there is no such bench, axis or object.
+/// @return the address of a parameter, or nothing if the bench, axis or object does not exist.
 [[nodiscard]] std::optional<ParameterAddress> find_parameter(const std::vector<KnownBench>& benches,
                                                              std::string_view name);
 
-/// @return how parameters and services name an object, such as "0x6081" and "0x607D:01".
+/// @return the name of an object in parameters and services, such as "0x6081" and "0x607D:01".
 [[nodiscard]] std::string object_key(ObjectAddress object);
 
 }  // namespace vdrive::gateway

@@ -20,7 +20,7 @@ void EventLog::add(const client::Event& event) {
     bench.counts.clear();
     bench.incarnation = event.incarnation;
   }
-  // The summary of equal events comes late, with the tick of the last of them.
+  // The summary of equal events arrives late, with the tick of the last of them.
   events.insert(std::ranges::upper_bound(events, event.tick, {}, &client::Event::tick), event);
   ++bench.counts[event.kind];
   if (events.size() > kMostOfABench) forget_one(bench);

@@ -13,39 +13,39 @@
 
 namespace vdrive::gateway {
 
-/// The last events of each bench, for a client that comes later or was not connected. Any thread.
+/// The latest events of each bench, for clients that connect later. Thread-safe.
 class EventLog {
  public:
   static constexpr std::size_t kMostOfABench = 1'024;
 
-  /// Benches with events. Of more, the one that has been quiet longest is forgotten.
+  /// The most benches with events. Beyond it, the bench that has been quiet longest is forgotten.
   static constexpr std::size_t kMostBenches = 64;
 
-  /// Keeps an event among those of its bench, in the order of their ticks. The first one of another
-  /// run of the service begins a new history. Of too many, the oldest of the most frequent kind is
-  /// forgotten: a bench with late ticks keeps its faults.
+  /// Stores an event with those of its bench, in the order of ticks. The first event after a
+  /// restart of the service starts a new history. When there are too many, the oldest event of the
+  /// most frequent kind is dropped, so that a bench with late ticks keeps its faults.
   void add(const client::Event& event);
 
-  /// @return the events of a bench, the oldest first; none of a bench without any.
+  /// @return the events of a bench, the oldest first; empty if it has none.
   [[nodiscard]] std::vector<client::Event> events(std::uint32_t bench) const;
 
  private:
   struct Bench {
-    std::uint64_t incarnation = 0;  ///< of `events`
+    std::uint64_t incarnation = 0;  ///< bench run of `events`
     std::deque<client::Event> events;
-    std::map<client::EventKind, std::size_t> counts;  ///< of `events`
-    std::uint64_t added = 0;  ///< when the last one was, as a count of all events
+    std::map<client::EventKind, std::size_t> counts;  ///< in `events`
+    std::uint64_t added = 0;  ///< when the last one was added, as a count of all events
   };
 
   static void forget_one(Bench& bench);
 
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::map<std::uint32_t, Bench> benches_;
   std::uint64_t added_ = 0;
 };
 
 /// The answer to /events.
-/// @throws ProtocolError when the request names no bench
+/// @throws ProtocolError when the request does not name a bench
 [[nodiscard]] CallAnswer call_events(const EventLog& log, const Json& request);
 
 }  // namespace vdrive::gateway

@@ -7,11 +7,12 @@
 
 namespace vdrive::gateway {
 
-/// Answers /faults: the windows that the black box of a bench keeps.
+/// Answers /faults: lists the windows that the black box of a bench keeps.
 /// @throws ProtocolError when the request is wrong.
 [[nodiscard]] CallAnswer call_faults(client::Session& session, const Json& request);
 
-/// Answers /fault: what led to the causes of a window, and what an axis did in it.
+/// Answers /fault: the history that led to the causes of a window, and the samples of an axis in
+/// it.
 /// @throws ProtocolError when the request is wrong.
 [[nodiscard]] CallAnswer call_fault(client::Session& session, const Json& request);
 

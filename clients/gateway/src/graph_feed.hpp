@@ -9,21 +9,21 @@
 
 namespace vdrive::gateway {
 
-/// Sends the graph of connections to the clients that have subscribed it: which topics and services
-/// there are, and who receives them. Of the server's thread.
+/// Sends the graph of connections to its subscribers: the topics and services, and who receives
+/// them. Used in the server's thread.
 class GraphFeed {
  public:
-  /// @param server outlives this, as `channels` and `clients` do
+  /// @param server outlives this object, as do `channels` and `clients`
   GraphFeed(HubServer& server, ChannelTable& channels, const ClientTable& clients)
       : server_(server), channels_(channels), clients_(clients) {}
 
-  /// Subscribes it, which sends it at once, or ends the subscription.
+  /// Subscribes, and sends the graph immediately; or unsubscribes.
   void subscribe(ConnectionId id, bool is_on);
 
-  /// The connection is closed.
+  /// The connection was closed.
   void forget(ConnectionId id) { subscribers_.erase(id); }
 
-  /// Sends it to all subscribers when it has changed since the last call.
+  /// Sends the graph to all subscribers if it has changed since the last call.
   void send_changes();
 
  private:

@@ -19,7 +19,7 @@
 namespace vdrive::gateway {
 namespace {
 
-/// Another one in each run: a client that connects again forgets what it knew of the run before.
+/// Unique to each run, so that a client that reconnects discards what it knew of the previous run.
 std::string random_text() {
   std::random_device device;
   return session_text((std::uint64_t{device()} << 32U) | device());
@@ -49,16 +49,16 @@ Hub::Hub(WebServer& server, const HubSettings& settings)
                  FeedSettings{.rate = settings.rate, .clients = &clients_.count()}, *this);
 }
 
-/// After the server has ended: every connection is closed, nothing is posted any more.
+/// The server has ended before: every connection is closed, and nothing is posted any more.
 Hub::~Hub() {
-  // First: calls of this session that wait return, and the threads that make them can end.
+  // First: waiting calls of this session return, so that their threads can end.
   session_.interrupt();
   watch_.reset();
-  // Before the parts: calls of closed connections that are under way use them.
+  // Before the parts, which running calls of closed connections still use.
   clients_.join_ended();
 }
 
-// ---- what benches report, in other threads: the tables are of the server's
+// ---- news of benches, from other threads; the tables belong to the server's thread
 
 void Hub::came(std::uint32_t bench, const std::vector<ChannelPointer>& channels) {
   server_.post(std::bind_front(&ChannelTable::add, &channels_, bench, channels));
@@ -72,7 +72,7 @@ void Hub::publish(Batch batch) {
   channels_.put(std::move(batch));
 }
 
-// ---- what the server reports
+// ---- events of the server
 
 std::string Hub::metrics() const {
   return metrics_text({.web = server_.counters(),
@@ -86,7 +86,7 @@ std::string Hub::metrics() const {
 
 void Hub::on_open(ConnectionId id) {
   clients_.open(id);
-  // The protocol wants the info first.
+  // The protocol requires the info first.
   server_.send_text(id, server_info_);
   server_.send_answer(id, text_frame(services_), true);
   channels_.open(id);
@@ -112,7 +112,7 @@ void Hub::on_close(ConnectionId id, bool is_graceful) {
   graph_.forget(id);
   channels_.close(id);
   parameters_.forget(id);
-  // Last: the others hear of it, and only they.
+  // Last, so that only the remaining connections are told.
   control_.close(id, is_graceful);
 }
 
@@ -145,11 +145,12 @@ void Hub::handle(ConnectionId id, const Subscribe& message) {
       continue;
     }
     server_.send_status(id, Level::error, problem);
-    if (channels_.is_full(id)) return;  // one answer is enough for all that follow
+    if (channels_.is_full(id)) return;  // one answer covers all that follow
   }
 }
 
-/// The topics of the gateway itself have their message at once; a feed sends those of a bench.
+/// Messages of the gateway's own topics are sent immediately; those of a bench are sent by its
+/// feed.
 void Hub::send_first(ConnectionId id, std::uint32_t subscription, const Channel& channel) {
   if (&channel == dictionary_channel_.get()) {
     const auto now = static_cast<std::uint64_t>(bridge::wall_time());
@@ -186,11 +187,11 @@ void Hub::handle(ConnectionId id, const CallService& message) {
   calls_.handle(id, message);
 }
 
-// ---- what its parts ask of benches
+// ---- access of the parts to benches
 
 HeldSession Hub::open() {
-  // A client commands a bench that its page shows: this gateway has found it. The holder's session
-  // is a new participant, which a busy machine may keep from finding it for longer than a search.
+  // The gateway has already found the benches that a client commands, but the holder's session is a
+  // new DDS participant, which on a busy machine may need longer to find them than a usual search.
   constexpr std::chrono::seconds kFindTimeout{5};
   client::SessionOptions own = options_;
   own.find_timeout = std::max<std::chrono::milliseconds>(own.find_timeout, kFindTimeout);
@@ -199,11 +200,12 @@ HeldSession Hub::open() {
 }
 
 void Hub::end(HeldSession held, bool is_graceful) {
-  // At once: a worker of the connection may be in a call of this session.
+  // Immediately, because a worker of the connection may be inside a call of this session.
   if (!is_graceful) held.session->abandon();
-  // A full queue drops it, which ends jogs and session too: here, and then this thread waits.
+  // If the queue is full, the job is destroyed here, which ends jogs and session in this thread and
+  // makes it wait.
   (void)session_ends_.post([held = std::move(held), is_graceful]() mutable {
-    held.jogs.reset();  // what it jogs stands, before its axes are given back
+    held.jogs.reset();  // its jogs stop before its axes are released
     if (is_graceful) {
       held.session->interrupt();
       (void)held.session->release();

@@ -22,14 +22,14 @@
 namespace vdrive::gateway {
 
 struct HubSettings {
-  double rate = 60.0;                ///< messages of a channel [1/s]
+  double rate = 60.0;                ///< messages per channel [1/s]
   bool is_control = false;           ///< clients may command
   bool is_token = false;             ///< clients need a token
-  client::SessionOptions session{};  ///< towards the benches
+  client::SessionOptions session{};  ///< to the benches
 };
 
-/// Puts the parts of the gateway together: gives each message of a client to the part that it is
-/// for, and each part its session, its server and its time. Of the thread of the web server.
+/// Connects the parts of the gateway: passes each message of a client to the part in charge, and
+/// provides the parts with session, server and time. Used in the thread of the web server.
 class Hub final : public WebEvents, public BenchNews, private BenchAccess {
  public:
   /// @param server outlives the hub
@@ -86,8 +86,8 @@ class Hub final : public WebEvents, public BenchNews, private BenchAccess {
   ServiceCalls calls_;
   ParameterDesk parameters_;
   JudgeDesk judges_;
-  std::vector<std::string> troubles_;  ///< of the network, as reported
-  std::optional<BenchWatch> watch_;    ///< last: its threads use what is above
+  std::vector<std::string> troubles_;  ///< of the network, as last reported
+  std::optional<BenchWatch> watch_;    ///< last: its threads use the members above
 };
 
 }  // namespace vdrive::gateway

@@ -13,32 +13,34 @@
 
 namespace vdrive::gateway {
 
-/// Number of a WebSocket connection, never used twice in one run.
+/// Number of a WebSocket connection, unique in a run.
 using ConnectionId = std::uint64_t;
 
 /// How long a client may be silent before its connection is closed.
 struct Patience {
   std::chrono::milliseconds program{};  ///< sends nothing and answers no ping
-  std::chrono::milliseconds machine{};  ///< does not even acknowledge the bytes that it was sent
+  std::chrono::milliseconds machine{};  ///< does not even acknowledge the bytes sent to it
 };
 
-/// What the hub and its parts have their server do. In the server's thread, except `post`; a
-/// connection that is closed already is ignored.
+/// The server as the hub and its parts use it. Functions are called in the server's thread, except
+/// `post`; calls for a closed connection are ignored.
 class HubServer {
  public:
   virtual ~HubServer() = default;
 
-  /// Data: the oldest is dropped when the client is slow, and a status message has their number.
+  /// Sends data: if the client is slow, the oldest are dropped, and a status message reports their
+  /// number.
   virtual void send_data(ConnectionId id, Frame frame) = 0;
 
-  /// An answer: never dropped; a client that lets too many wait is closed.
-  /// @param is_shared others keep the bytes too
+  /// Sends an answer, which is never dropped; a client that lets too many accumulate is
+  /// disconnected.
+  /// @param is_shared other connections hold the same bytes
   virtual void send_answer(ConnectionId id, Frame frame, bool is_shared) = 0;
 
-  /// How long this client may be silent from now on.
+  /// Sets how long this client may be silent from now on.
   virtual void set_patience(ConnectionId id, Patience patience) = 0;
 
-  /// Calls `action` in the server's thread, later. Any thread.
+  /// Calls `action` later in the server's thread. Thread-safe.
   virtual void post(std::function<void()> action) = 0;
 
   void send_text(ConnectionId id, std::string text) {

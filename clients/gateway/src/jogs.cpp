@@ -27,18 +27,19 @@ void jog(client::Session& session, const JogRequest& request,
         return Jogs::Clock::now() < held_until.load();
       },
       jog_options());
-  // The status and the events show what ends it later, such as a fault.
+  // A later end, such as a fault, is visible in the status and the events.
   if (!has_begun) answer({.outcome = outcome});
 }
 
 }  // namespace
 
 Jogs::~Jogs() {
-  // All of them first: they brake at the same time.
+  // All of them first, so that they brake at the same time.
   for (auto& [name, jog] : jogs_) let_go(jog);
 }
 
-// The jog sees it between two ticks and brakes by itself: no call of this thread waits for it.
+// The jog checks it between two ticks and brakes by itself, so this thread need not wait for a
+// call.
 void Jogs::let_go(Jog& jog) {
   if (jog.held_until) *jog.held_until = Clock::time_point::min();
 }
@@ -49,7 +50,7 @@ bool Jogs::is_running(const Jog& jog, Clock::time_point now) {
 
 template <typename Call>
 void Jogs::post(Jog& jog, const Answer& answer, Call call) {
-  ++jog.calls;  // before it is posted: the worker may be done before post() returns
+  ++jog.calls;  // before post(): the worker may be done before it returns
   const bool is_posted = jog.worker.post([&jog, call = std::move(call)] {
     call();
     --jog.calls;
@@ -61,7 +62,7 @@ void Jogs::post(Jog& jog, const Answer& answer, Call call) {
 
 void Jogs::request(const JogRequest& request, Clock::time_point now, const Answer& answer) {
   if (jogs_.size() >= kMostAxes && !jogs_.contains(request.axis)) {
-    // Who repeats no request has gone without letting go: another axis gets the place.
+    // A client that repeats no request has gone without releasing; another axis gets the place.
     std::erase_if(jogs_, [now](const auto& entry) {
       return entry.second.calls == 0 && now - entry.second.asked > kHeldTime;
     });
@@ -88,7 +89,7 @@ void Jogs::request(const JogRequest& request, Clock::time_point now, const Answe
   jog.is_pressed = is_press;
   if (!is_press) {
     post(jog, answer, [answer] {
-      answer({});  // after the jog before: the axis stands
+      answer({});  // after the previous jog, so the axis is at standstill
     });
     return;
   }

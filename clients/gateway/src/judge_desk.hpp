@@ -15,35 +15,35 @@
 
 namespace vdrive::gateway {
 
-/// Judges the masters of benches for clients that ask, from the first call of /judge on and for as
-/// long as somebody asks again. Any thread.
+/// Judges the masters of benches for clients, from the first call of /judge and as long as calls
+/// are repeated. Thread-safe.
 class JudgeDesk {
  public:
-  /// Of a bench: judging more would take a core from the page.
+  /// Per bench: judging more would take a core from the page.
   static constexpr std::size_t kMostAxes = 256;
   static constexpr std::size_t kMostBenches = 16;
-  /// Nobody asks any more.
+  /// Time without a call after which judging ends.
   static constexpr std::chrono::seconds kForgottenAfter{10};
 
   /// @param session outlives the desk
   explicit JudgeDesk(client::Session& session) : session_(session) {}
 
-  /// The answer to /judge: what was found so far.
+  /// The answer to /judge: the findings so far.
   /// @throws ProtocolError when the request is wrong
   [[nodiscard]] CallAnswer call(const Json& request);
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// A bench that is judged, by a thread of its own.
+  /// A bench that is judged, by its own thread.
   struct Judged {
     std::mutex mutex;
     judge::Verdict verdict{};
-    client::Outcome outcome{};  ///< why it is judged no longer
+    client::Outcome outcome{};  ///< why judging has ended
     bool has_begun = false;     ///< there is a verdict
-    bool is_unasked = false;    ///< it is judged no longer, because nobody asked
+    bool is_unasked = false;    ///< judging has ended because there were no calls
     Clock::time_point asked = Clock::now();
-    std::jthread thread{};  ///< last: it uses what is above
+    std::jthread thread{};  ///< last: it uses the members above
   };
 
   void work(std::uint32_t bench, Judged& judged, const std::stop_token& stop);

@@ -13,16 +13,16 @@
 namespace vdrive::gateway {
 namespace {
 
-/// Puts the metrics together, family by family.
+/// Builds the metrics, family by family.
 class MetricFamilies {
  public:
-  /// A counter alone in its family.
+  /// A counter that is the only one of its family.
   void counter(const char* name, const char* help, std::uint64_t value) {
     begin(name, help, prometheus::MetricType::Counter);
     add().counter.value = static_cast<double>(value);
   }
 
-  /// A gauge alone in its family.
+  /// A gauge that is the only one of its family.
   void gauge(const char* name, const char* help, double value) {
     begin(name, help, prometheus::MetricType::Gauge);
     add().gauge.value = value;
@@ -35,9 +35,9 @@ class MetricFamilies {
     add(label, std::move(text)).gauge.value = value;
   }
 
-  /// A gauge for each of `items`; no family when there is none.
-  /// @param text gives the text of the label of an item
-  /// @param value gives the value of an item
+  /// A gauge for each of `items`; no family if there are none.
+  /// @param text returns the label text of an item
+  /// @param value returns the value of an item
   template <typename Items, typename Text, typename Value>
   void gauges(const char* name, const char* help, const char* label, const Items& items,
               const Text& text, const Value& value) {
@@ -46,8 +46,8 @@ class MetricFamilies {
     for (const auto& item : items) add(label, text(item)).gauge.value = value(item);
   }
 
-  /// Counters by the kinds of an enumeration, each with the label "reason".
-  /// @param counts one for each kind, in their order
+  /// Counters for the values of an enumeration, each with the label "reason".
+  /// @param counts one per value, in order
   template <typename Kind, typename Counts>
   void counters(const char* name, const char* help, const Counts& counts) {
     begin(name, help, prometheus::MetricType::Counter);

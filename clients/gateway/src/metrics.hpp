@@ -15,9 +15,9 @@ namespace vdrive::gateway {
 struct GatewayCounts {
   WebCounters web{};
   std::size_t channels = 0;        ///< topics
-  std::size_t subscribed = 0;      ///< topics that some client receives
+  std::size_t subscribed = 0;      ///< topics that a client receives
   std::size_t subscriptions = 0;   ///< of all clients
-  std::uint64_t lost_batches = 0;  ///< left out because the server's thread was late
+  std::uint64_t lost_batches = 0;  ///< dropped because the server's thread was late
   bool is_controlled = false;      ///< a client holds control
   std::vector<BenchPresence> benches{};
 };

@@ -22,7 +22,8 @@ void OwnerLog::note(const client::Observation& observation) {
 void OwnerLog::note(const client::Event& event) {
   if (event.kind != client::EventKind::control_changed) return;
   const std::scoped_lock lock(mutex_);
-  const bool is_loss = event.code == 0;  // else the new epoch of the session that gained
+  const bool is_loss = event.code == 0;  // otherwise it is the new epoch of the session that gained
+                                         // control
   if (is_loss) {
     append(lost_, {.axis = event.axis, .from = event.session, .by = 0, .tick = event.tick});
     return;
@@ -31,7 +32,7 @@ void OwnerLog::note(const client::Event& event) {
   std::erase_if(takings_, [&event](const Taking& taking) {
     return taking.from == event.session && (event.axis == 0 || event.axis == taking.axis);
   });
-  // A bench reports what the owners lose before it reports who gains, both in one tick.
+  // A bench reports losses before gains, both in the same tick.
   for (Taking taking : std::exchange(lost_, {})) {
     const bool is_taken = taking.tick == event.tick && taking.axis != 0 &&
                           (event.axis == 0 || event.axis == taking.axis);
@@ -52,7 +53,7 @@ std::vector<Taking> OwnerLog::takings() const {
 }
 
 void OwnerLog::note_session(std::uint64_t session) {
-  const bool is_newest = !sessions_.empty() && sessions_.back() == session;  // as most axes have it
+  const bool is_newest = !sessions_.empty() && sessions_.back() == session;  // the usual case
   if (session == 0 || is_newest) return;
   std::erase(sessions_, session);
   append(sessions_, session);

@@ -12,7 +12,7 @@
 namespace vdrive::gateway {
 namespace {
 
-/// What is to be read from one axis, and where its values go.
+/// The objects to read from one axis, and the positions of their values in the answer.
 struct Wanted {
   std::vector<ObjectAddress> objects;
   std::vector<std::size_t> places;
@@ -64,7 +64,8 @@ std::vector<std::string> all_parameters(const std::vector<KnownBench>& benches) 
 ParameterAnswer read_parameters(client::Session& session, const std::vector<KnownBench>& benches,
                                 const std::vector<std::string>& names) {
   ParameterAnswer answer;
-  std::map<client::AxisId, Wanted> axes;  // one request an axis, so that its values are of one tick
+  std::map<client::AxisId, Wanted> axes;  // one request per axis, so that its values belong to one
+                                          // tick
   answer.parameters.reserve(names.size());
   for (const std::string& name : names) {
     const auto address = find_parameter(benches, name);
@@ -86,7 +87,7 @@ ParameterAnswer write_parameters(client::Session& session, const std::vector<Kno
   std::vector<std::string> complaints;
   std::vector<std::string> names;
   names.reserve(changes.size());
-  // In the order of the request: a later value may depend on an earlier one.
+  // In the order of the request, because a later value may depend on an earlier one.
   for (const ParameterChange& change : changes) {
     const auto address = find_parameter(benches, change.name);
     if (!address) {
@@ -102,7 +103,7 @@ ParameterAnswer write_parameters(client::Session& session, const std::vector<Kno
                            outcome.message());
     }
   }
-  // What the drive made of it, also where it refused: a client shows the value in force.
+  // Reads the results, also of refused writes: a client shows the value in force.
   ParameterAnswer answer = read_parameters(session, benches, names);
   answer.complaints.insert(answer.complaints.begin(), complaints.begin(), complaints.end());
   return answer;
@@ -147,7 +148,7 @@ void ParameterDesk::set(ConnectionId id, const SetParameters& message, const Ben
 
 void ParameterDesk::send(ConnectionId id, const ParameterAnswer& answer,
                          const std::optional<std::string>& request) const {
-  if (!clients_.contains(id)) return;  // it closed while its call waited
+  if (!clients_.contains(id)) return;  // closed while its call waited
   for (const std::string& complaint : answer.complaints) {
     server_.send_status(id, Level::error, complaint);
   }
@@ -172,7 +173,7 @@ void ParameterDesk::subscribe(ConnectionId id, const SubscribeParameters& messag
 }
 
 void ParameterDesk::poll(const BenchList& benches) {
-  // A slow bench is asked again when it has answered: else the polls would queue up.
+  // A slow bench is not asked again before it has answered, so that polls do not queue up.
   if (is_polling_) return;
   std::set<std::string> names;  // each is read once for all clients
   for (const auto& [id, subscribed] : subscribers_) {
@@ -193,7 +194,8 @@ void ParameterDesk::on_polled(const ParameterAnswer& answer) {
     for (const Parameter& parameter : answer.parameters) {
       const auto known = subscribed.values.find(parameter.name);
       if (known == subscribed.values.end()) continue;
-      // The first one also when the drive refuses it: a client must not wait for a change.
+      // The first value is sent even if the drive refuses the read, so that the client need not
+      // wait for a change.
       const bool is_first = subscribed.unsent.erase(parameter.name) != 0;
       if (!is_first && known->second == parameter.value) continue;
       known->second = parameter.value;

@@ -17,10 +17,11 @@
 
 namespace vdrive::gateway {
 
-/// Without names a client gets all parameters of benches that have so many axes together, or fewer.
+/// The most axes, of all benches together, for which a request without names returns all
+/// parameters.
 inline constexpr std::size_t kMostAxesOfAll = 16;
 
-/// @return the name of every object of every axis; none when these are more than kMostAxesOfAll.
+/// @return the name of every object of every axis; none if there are more than kMostAxesOfAll axes.
 [[nodiscard]] std::vector<std::string> all_parameters(const std::vector<KnownBench>& benches);
 
 /// Reads parameters from their drives, those of an axis in one tick. Waits.
@@ -29,20 +30,20 @@ inline constexpr std::size_t kMostAxesOfAll = 16;
                                               const std::vector<std::string>& names);
 
 /// Writes parameters one after the other. Waits.
-/// @return the values that the drives have then, and a complaint for each one that was refused.
+/// @return the values in the drives afterwards, and a complaint for each refused one.
 [[nodiscard]] ParameterAnswer write_parameters(client::Session& session,
                                                const std::vector<KnownBench>& benches,
                                                const std::vector<ParameterChange>& changes);
 
-/// The parameters that clients read, write and subscribe. What is asked for is read and written in
-/// the thread of its connection; what is subscribed is read from time to time, and each client is
-/// sent what has changed. Of the server's thread; the connections are open.
+/// The parameters that clients read, write and subscribe to. Reads and writes run in the thread of
+/// the connection. Subscribed parameters are polled, and each client is sent the changed ones. Used
+/// in the server's thread; functions require open connections.
 class ParameterDesk {
  public:
-  /// Parameters that a connection may subscribe.
+  /// The most parameters to which a connection may subscribe.
   static constexpr std::size_t kMost = 512;
 
-  /// @param access outlives this, as the others do
+  /// @param access outlives this object, as do the other parameters
   ParameterDesk(BenchAccess& access, HubServer& server, ClientTable& clients,
                 const ControlDesk& control)
       : access_(access), server_(server), clients_(clients), control_(control) {}
@@ -52,19 +53,19 @@ class ParameterDesk {
 
   void set(ConnectionId id, const SetParameters& message, const BenchList& benches);
 
-  /// Subscribes, or ends subscriptions; those beyond kMost are refused.
+  /// Subscribes or unsubscribes; subscriptions beyond kMost are refused.
   void subscribe(ConnectionId id, const SubscribeParameters& message);
 
-  /// The connection is closed.
+  /// The connection was closed.
   void forget(ConnectionId id) { subscribers_.erase(id); }
 
-  /// Reads what is subscribed, unless it is being read.
+  /// Reads the subscribed parameters, unless a read is in progress.
   void poll(const BenchList& benches);
 
  private:
-  /// What one connection has subscribed.
+  /// The subscriptions of one connection.
   struct Subscribed {
-    std::map<std::string, std::optional<std::int64_t>> values;  ///< as sent last
+    std::map<std::string, std::optional<std::int64_t>> values;  ///< as last sent
     std::set<std::string> unsent;                               ///< never sent
   };
 
@@ -80,7 +81,7 @@ class ParameterDesk {
   const ControlDesk& control_;
   std::map<ConnectionId, Subscribed> subscribers_;
   bool is_polling_ = false;
-  bridge::Worker polls_;  ///< last: its job uses what is above
+  bridge::Worker polls_;  ///< last: its job uses the members above
 };
 
 }  // namespace vdrive::gateway

@@ -14,8 +14,8 @@
 namespace vdrive::gateway {
 namespace {
 
-// The first byte of a binary message. Each side has numbers of its own.
-constexpr std::uint8_t kMessageData = 1;  // from both sides
+// First byte of a binary message. Each direction has its own numbers.
+constexpr std::uint8_t kMessageData = 1;  // in both directions
 constexpr std::uint8_t kTime = 2;         // from the server
 constexpr std::uint8_t kServiceRequest = 2;
 constexpr std::uint8_t kServiceResponse = 3;
@@ -23,9 +23,9 @@ constexpr std::uint8_t kServiceResponse = 3;
 constexpr std::string_view kJsonEncoding = "json";
 constexpr std::string_view kJsonSchema = "jsonschema";
 
-// ---- what a client sends
+// ---- messages of clients
 
-/// @return what `read` makes of each element of the member `key`.
+/// @return the results of `read` for the elements of the member `key`.
 template <typename Read>
 auto list_of(const Json& object, const char* key, const Read& read) {
   const Json& list = member(object, key);
@@ -58,7 +58,7 @@ std::int64_t value_of(const Json& value, const std::string& name) {
       value.get<std::uint64_t>() <= std::uint64_t{std::numeric_limits<std::int64_t>::max()}) {
     return static_cast<std::int64_t>(value.get<std::uint64_t>());
   }
-  // The library counts numbers without a sign as integers too: one above 2^63 would turn negative.
+  // The library also counts unsigned numbers as integers: one above 2^63 would become negative.
   if (value.is_number_integer() && !value.is_number_unsigned()) return value.get<std::int64_t>();
   if (value.is_number_float()) {
     const auto number = value.get<double>();
@@ -136,7 +136,7 @@ Number take(std::string_view& bytes, const char* what) {
   return number;
 }
 
-// ---- what the server sends
+// ---- messages of the server
 
 template <typename Number>
 void put(Frame& frame, Number number) {
@@ -168,7 +168,7 @@ Json type_schema(const std::string& type, const Json& types) {
 }  // namespace
 
 std::string to_line(const Json& json) {
-  // Names come from benches and clients: bytes that are not UTF-8 must not throw here.
+  // Names come from benches and clients: bytes that are not UTF-8 must not cause an exception.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -348,7 +348,7 @@ Frame response_frame(std::uint32_t service, std::uint32_t call, std::string_view
   put(frame, kServiceResponse);
   put(frame, service);
   put(frame, call);
-  // Behind the head, which is bounded: the length of the encoding, the encoding, the payload.
+  // Not in the head, which has a fixed capacity: length of the encoding, encoding, payload.
   std::string body(sizeof(std::uint32_t), '\0');
   const auto length = static_cast<std::uint32_t>(kJsonEncoding.size());
   std::memcpy(body.data(), &length, sizeof(length));

@@ -16,7 +16,7 @@
 #include <variant>
 #include <vector>
 
-/// The Foxglove WebSocket protocol: what a client may send, and what the gateway sends. Pure: bytes
+/// The Foxglove WebSocket protocol: the messages of clients and of the gateway. Without I/O: bytes
 /// in, bytes out.
 namespace vdrive::gateway {
 
@@ -27,26 +27,27 @@ using Json = nlohmann::json;
 
 /// The JSON schema of an object.
 /// @param members such as "name:string axes?:axis[]": each with a type of JSON schema or one of
-///        `types`; [] is a list, ? after the name: it may be left out
-/// @param types schemas by their names
+///        `types`; [] marks a list, ? after the name an optional member
+/// @param types schemas by name
 [[nodiscard]] Json object_schema(std::string_view members, const Json& types = Json::object());
 
-/// Names of the protocol, old and new: they differ in nothing else.
+/// Names of the protocol, new and old: they differ only in name.
 inline constexpr std::array<std::string_view, 2> kSubprotocols{"foxglove.sdk.v1",
                                                                "foxglove.websocket.v1"};
 
-/// What a client sent breaks the protocol. The message has what and where.
+/// A client's message breaks the protocol. The text says what is wrong and where.
 class ProtocolError final : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Members of JSON that a client sent. All of them throw ProtocolError with the name of the member.
+/// Access to members of JSON from a client. All functions throw ProtocolError with the name of the
+/// member.
 
-/// Every whole number up to this one has an exact double: 2^53.
+/// Every integer up to this one is exact as a double: 2^53.
 inline constexpr double kLargestExact = 9007199254740992.0;
 
-/// @return the member `key`; it must be there.
+/// @return the member `key`, which must exist.
 [[nodiscard]] const Json& member(const Json& object, const char* key);
 
 /// @return whether an object has no member `key`, or null in its place.
@@ -54,10 +55,10 @@ inline constexpr double kLargestExact = 9007199254740992.0;
 
 [[nodiscard]] std::string as_text(const Json& value, const char* key);
 
-/// @return the member `key` as a text; none where it is absent.
+/// @return the member `key` as text; none if it is absent.
 [[nodiscard]] std::optional<std::string> optional_text(const Json& object, const char* key);
 
-/// @return what `read` makes of each element of a list.
+/// @return the results of `read` for the elements of a list.
 template <typename Read>
 [[nodiscard]] auto each_of(const Json& list, const Read& read) {
   std::vector<std::invoke_result_t<Read, const Json&>> values;
@@ -66,9 +67,9 @@ template <typename Read>
   return values;
 }
 
-/// What a client may send.
+/// The messages of a client.
 
-/// A client's wish to receive a channel; the protocol's term.
+/// A client's request to receive a channel; the protocol's term.
 struct Subscription {
   std::uint32_t id = 0;  ///< chosen by the client
   std::uint32_t channel = 0;
@@ -122,10 +123,10 @@ using ClientMessage = std::variant<Subscribe, Unsubscribe, GetParameters, SetPar
 /// @throws ProtocolError as parse_text does.
 [[nodiscard]] ClientMessage parse_binary(std::string_view bytes);
 
-/// How important a status message is.
+/// The severity of a status message.
 enum class Level : std::uint8_t { info = 0, warning = 1, error = 2 };
 
-/// What a channel is to a client.
+/// A channel as announced to clients.
 struct ChannelInfo {
   std::uint32_t id = 0;
   std::string topic;
@@ -135,7 +136,7 @@ struct ChannelInfo {
   std::string schema_encoding;
 };
 
-/// What a service is to a client. The schemas are JSON schemas.
+/// A service as announced to clients. The schemas are JSON schemas.
 struct ServiceInfo {
   std::uint32_t id = 0;
   std::string name;
@@ -144,7 +145,7 @@ struct ServiceInfo {
   Json response_schema;
 };
 
-/// A parameter and its value; none: the drive refused to give it.
+/// A parameter and its value; none: the drive refused to read it.
 struct Parameter {
   std::string name;
   std::optional<std::int64_t> value;
@@ -154,10 +155,10 @@ struct ServerInfo {
   bool is_control = false;  ///< clients may command
   bool is_token = false;    ///< clients need a token
   std::string version;
-  std::string session;  ///< another one in each run
+  std::string session;  ///< unique to each run
 };
 
-/// A topic or a service, and who publishes, receives or offers it.
+/// A topic or a service, with those who publish, receive or offer it.
 struct GraphEntry {
   std::string name;
   std::vector<std::string> ids;
@@ -177,9 +178,9 @@ struct Graph {
 [[nodiscard]] std::string advertise_services_text(std::span<const ServiceInfo> services);
 [[nodiscard]] std::string status_text(Level level, std::string_view message);
 
-/// The state of the gateway's network, which stays until the next: with troubles a warning, without
-/// its end.
-/// @param troubles of Session::network_troubles()
+/// The state of the gateway's network, which remains until the next one: a warning while there are
+/// troubles, otherwise the end of the warning.
+/// @param troubles from Session::network_troubles()
 [[nodiscard]] std::string network_text(const std::vector<std::string>& troubles);
 [[nodiscard]] std::string parameters_text(std::span<const Parameter> parameters,
                                           const std::optional<std::string>& id);

@@ -9,7 +9,7 @@ std::size_t SendQueue::push_data(Frame frame) {
   std::size_t dropped = 0;
   data_bytes_ += frame.size();
   data_.push_back(std::move(frame));
-  // The newest one stays, however large: a client that reads receives it.
+  // The newest frame stays, however large, so that a client that reads receives it.
   while (data_.size() > 1 &&
          (data_.size() > limits_.data_frames || data_bytes_ > limits_.data_bytes)) {
     data_bytes_ -= data_.front().size();
@@ -21,7 +21,7 @@ std::size_t SendQueue::push_data(Frame frame) {
 }
 
 bool SendQueue::push_answer(Frame frame, bool is_shared) {
-  // Their number counts for shared ones too: each frame is an entry of the queue.
+  // The number limit applies to shared answers too: each frame is an entry of the queue.
   const std::size_t cost = is_shared ? 0 : frame.size();
   if (answers_.size() >= limits_.answer_frames || answer_bytes_ + cost > limits_.answer_bytes) {
     return false;

@@ -12,7 +12,7 @@
 
 namespace vdrive::gateway {
 
-/// Bytes that several connections send: encoded once.
+/// Bytes that several connections send, encoded once.
 using SharedBytes = std::shared_ptr<const std::string>;
 
 /// @return these bytes for the queues of all connections.
@@ -20,14 +20,14 @@ using SharedBytes = std::shared_ptr<const std::string>;
   return std::make_shared<const std::string>(std::move(bytes));
 }
 
-/// One WebSocket message: a head of this connection, and bytes that others may send too.
+/// One WebSocket message: a head specific to the connection, and a body that others may share.
 struct Frame {
   bool is_text = false;
   std::uint8_t head_size = 0;
-  std::array<char, 13> head{};  ///< the longest one is that of message data
+  std::array<char, 13> head{};  ///< the longest one is for message data
   SharedBytes body;
 
-  /// [bytes]
+  /// Size [bytes].
   [[nodiscard]] std::size_t size() const noexcept { return head_size + (body ? body->size() : 0); }
 };
 
@@ -36,8 +36,8 @@ struct Frame {
   return {.is_text = true, .body = std::move(text)};
 }
 
-/// How much may wait for one connection: some seconds of what a page receives, and little enough
-/// for a few tens of slow clients.
+/// Limits of the queue of one connection: some seconds of the data for a page, and small enough for
+/// a few tens of slow clients.
 struct QueueLimits {
   std::size_t data_bytes = 2U << 20U;
   std::size_t data_frames = 4096;
@@ -45,28 +45,28 @@ struct QueueLimits {
   std::size_t answer_frames = 2048;
 };
 
-/// What waits to be sent to one client: answers, which are never left out, before data, of which
-/// the oldest is dropped when the queue is full. Not thread-safe.
+/// The messages waiting to be sent to one client: answers, which are never dropped, before data, of
+/// which the oldest is dropped when the queue is full. Not thread-safe.
 class SendQueue {
  public:
   explicit SendQueue(const QueueLimits& limits = {}) : limits_(limits) {}
 
   /// Appends data and drops the oldest data beyond the limits.
-  /// @return how many frames were dropped.
+  /// @return the number of dropped frames.
   std::size_t push_data(Frame frame);
 
   /// Appends an answer.
-  /// @param is_shared others keep the bytes anyway: they do not count for this connection
-  /// @return false when the answers are beyond their limits: the client does not read them.
+  /// @param is_shared other connections hold the same bytes, so they do not count here
+  /// @return false if the answers exceed their limits because the client does not read them.
   [[nodiscard]] bool push_answer(Frame frame, bool is_shared = false);
 
-  /// @return the frame to send next; nothing when none waits.
+  /// @return the frame to send next; nothing if the queue is empty.
   [[nodiscard]] std::optional<Frame> pop();
 
-  /// @return how many data frames were dropped since the last call.
+  /// @return the number of data frames dropped since the last call.
   [[nodiscard]] std::uint64_t take_dropped() noexcept;
 
-  /// @return bytes that wait, shared ones left out.
+  /// @return the waiting bytes, without shared ones.
   [[nodiscard]] std::size_t bytes() const noexcept { return data_bytes_ + answer_bytes_; }
 
  private:

@@ -11,7 +11,7 @@ namespace {
 
 using client::Outcome;
 
-/// The request of a service: an object; nothing at all stands for an empty one.
+/// The request of a service, an object; an empty payload stands for an empty object.
 Json parse_request(const CallService& call) {
   if (call.encoding != "json") {
     throw ProtocolError("the encoding " + in_quotes(call.encoding) + R"( is not "json")");
@@ -40,7 +40,7 @@ void ServiceCalls::handle(ConnectionId id, const CallService& call) {
   try {
     const ServiceRow& row = row_of(call);
     Json request = parse_request(call);
-    // Before its members are read: who has no right learns that, and not what else is wrong.
+    // Checked before the members are read: a client without the right learns only that.
     if (Outcome right = control_.check(id, row.right); !right) {
       return answer({.outcome = std::move(right)});
     }
@@ -83,7 +83,7 @@ void ServiceCalls::jog(const Json& request, const Answer& answer) {
 
 void ServiceCalls::carry_out(ConnectionId id, const ServiceRow& row, Json request,
                              const Answer& answer) {
-  // The present session: when control changes before the answer, this call ends with it.
+  // Uses the present session, so that the call ends with it if control changes before the answer.
   auto job = [this, &row, request = std::move(request), own = control_.session_of(id), answer] {
     CallAnswer answered;
     try {
@@ -95,7 +95,7 @@ void ServiceCalls::carry_out(ConnectionId id, const ServiceRow& row, Json reques
       answer(answered);
     });
   };
-  // A stop waits for no other call of this client.
+  // A stop does not wait for other calls of this client.
   const bool is_posted =
       row.right == Right::stop ? stops_.post(std::move(job)) : clients_.post(id, std::move(job));
   if (!is_posted) {

@@ -9,11 +9,11 @@
 
 namespace vdrive::gateway {
 
-/// The calls of services: who may make them, which thread carries them out, and their answers. Of
-/// the server's thread.
+/// The calls of services: checks the right, selects the thread that carries them out, and answers.
+/// Used in the server's thread.
 class ServiceCalls {
  public:
-  /// @param access outlives this, as the others do
+  /// @param access outlives this object, as do the other parameters
   ServiceCalls(BenchAccess& access, HubServer& server, ClientTable& clients, ControlDesk& control)
       : access_(access), server_(server), clients_(clients), control_(control) {}
 
@@ -31,7 +31,8 @@ class ServiceCalls {
   HubServer& server_;
   ClientTable& clients_;
   ControlDesk& control_;
-  bridge::Worker stops_;  ///< halts and quick stops of everybody; last: its jobs use what is above
+  bridge::Worker stops_;  ///< halts and quick stops of all clients; last: its jobs use the members
+                          ///< above
 };
 
 }  // namespace vdrive::gateway

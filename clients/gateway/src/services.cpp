@@ -30,8 +30,8 @@ using client::Session;
 using client::Until;
 using namespace literals;
 
-// Of drive time. A person waits for the answer; what takes longer, such as a way to a target, is
-// awaited until it is in force only.
+// Drive time. A person waits for the answer; longer actions, such as a move to a target, are only
+// awaited until they are in force.
 constexpr std::chrono::seconds kCallTime{10};
 
 // ---- requests
@@ -42,7 +42,7 @@ std::int64_t integer_of(const Json& request, const char* key, const NumberRange&
   if (value.is_number_integer()) {
     number = value.get<std::int64_t>();
   } else if (value.is_number_float()) {
-    // Forms of tools send 1.0; what is beside a whole number is rounded as the drive counts.
+    // Tools' forms send 1.0; fractions are rounded to the units that the drive counts.
     const auto real = value.get<double>();
     if (std::isfinite(real) && std::abs(real) <= kLargestExact) number = std::llround(real);
   }
@@ -116,7 +116,8 @@ Result<std::vector<Axis>> find_axes(Session& session, const std::vector<std::str
   return axes;
 }
 
-/// Axes that one group can have: of one bench each, and no more than a frame carries.
+/// Splits axes into those that one group can have: of one bench, and at most as many as fit into a
+/// frame.
 std::vector<std::vector<Axis>> by_bench(std::vector<Axis> axes) {
   // Stable: axes of a bench are commanded in the order of the request.
   std::ranges::stable_sort(axes, {}, [](const Axis& axis) {
@@ -132,7 +133,7 @@ std::vector<std::vector<Axis>> by_bench(std::vector<Axis> axes) {
   return groups;
 }
 
-/// Gives axes of one bench what the service does.
+/// Applies the service to axes of one bench.
 Outcome command_axes(Session& session, std::vector<Axis>& axes, const AxesService& service) {
   if (!service.command) {
     Outcome outcome;
@@ -141,7 +142,7 @@ Outcome command_axes(Session& session, std::vector<Axis>& axes, const AxesServic
     }
     return outcome;
   }
-  // On a paused bench a group would wait for drive time to show the axes after a power cycle.
+  // On a paused bench, a group would wait for drive time to show the axes after a power cycle.
   if (axes.size() == 1 || service.command == EachCommand::power_cycle) {
     for (Outcome& outcome : session.command_each(axes, *service.command, options(service.until))) {
       if (!outcome) return std::move(outcome);
@@ -165,7 +166,7 @@ CallAnswer call_axes(Session& session, const Json& request, const AxesService& s
   return {};
 }
 
-/// Axes, a bench, or every bench: the rest of them also when one of them cannot be stopped.
+/// Stops axes, a bench, or every bench; if one of them cannot be stopped, the others still are.
 CallAnswer call_quick_stop(Session& session, const Json& request) {
   constexpr Until kUntil = Until::in_force;
   if (request.contains("axes")) {
@@ -178,7 +179,7 @@ CallAnswer call_quick_stop(Session& session, const Json& request) {
     for (const client::BenchInfo& bench : session.find_benches()) benches.push_back(bench.number);
     if (benches.empty()) return {.outcome = session.no_bench_found()};
   }
-  // The first failure is the answer; the other benches are stopped all the same.
+  // The first failure is the answer; the other benches are stopped nevertheless.
   CallAnswer answer;
   for (const std::uint32_t bench : benches) {
     Outcome outcome = session.quick_stop(bench, options(kUntil));
@@ -226,7 +227,7 @@ Outcome write_limits(std::vector<Axis>& axes, const Json& request) {
   return {};
 }
 
-/// Of a 6081h that was written the drive takes what 607Fh allows; what a call gives is meant.
+/// The drive limits a written 6081h to 607Fh silently; a value in a call must be valid as given.
 Outcome check_velocity(const std::vector<Axis>& axes, const Json& request) {
   const auto velocity = optional_number<std::uint32_t>(request, "velocity");
   if (!velocity) return {};
@@ -251,11 +252,11 @@ CallAnswer call_move_group(Session& session, const Json& request) {
   auto axes = find_axes(session, names);
   if (!axes) return {.outcome = axes.outcome()};
   if (Outcome good = check_velocity(*axes, request); !good) return {.outcome = good};
-  // Limits stay in the drives after the move: the group moves each axis within its own.
+  // The limits remain in the drives after the move: the group moves each axis within its own.
   if (Outcome outcome = write_limits(*axes, request); !outcome) return {.outcome = outcome};
   auto group = AxisGroup::create(session, *axes);
   if (!group) return {.outcome = group.outcome()};
-  // No time of ours: the library gives a group the duration of its move and 5 s more.
+  // No time limit here: the library gives a group the duration of its move plus 5 s.
   client::GroupMoveOptions move;
   move.call.until = Until::in_force;
   return {.outcome = group->move_together(targets, move)};
@@ -274,7 +275,7 @@ CallAnswer call_home(Session& session, const Json& request) {
 
 CallAnswer call_disturb(Session& session, const Json& request) {
   const std::string name = optional_text(request, "name").value_or("");
-  // Before the axis is searched: a wrong word costs no wait.
+  // Checked before the axis is searched, so that a wrong word does not cost a wait.
   const auto* const row =
       std::ranges::find(client::kDisturbances, name, &client::DisturbanceRow::name);
   if (row == client::kDisturbances.end()) {
@@ -298,7 +299,7 @@ CallAnswer call_rate(Session& session, const Json& request) {
 }
 
 CallAnswer call_step(Session& session, const Json& request) {
-  constexpr std::int64_t kMostTicks = 1'000'000;  // as the service allows in one request
+  constexpr std::int64_t kMostTicks = 1'000'000;  // limit of the service for one request
   const auto ticks = static_cast<std::uint64_t>(
       integer_of(request, "ticks", {.lowest = 1, .highest = kMostTicks}));
   return with_tick(session.step(number_of<std::uint32_t>(request, "bench"), ticks));

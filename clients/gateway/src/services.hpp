@@ -14,49 +14,49 @@
 
 namespace vdrive::gateway {
 
-/// What a client must have to call a service.
+/// What a client needs in order to call a service.
 enum class Right : std::uint8_t {
   none,             ///< nothing
-  events,           ///< as `none`; the EventLog answers
-  judge,            ///< as `none`; the JudgeDesk answers
-  stop,             ///< a gateway that lets clients command
-  command,          ///< control, taken by this connection
-  jog,              ///< as `command`; Jogs carries it out
-  take_control,     ///< as `stop`; the ControlDesk carries it out
-  release_control,  ///< as `stop`; the ControlDesk carries it out
+  events,           ///< as `none`; answered by EventLog
+  judge,            ///< as `none`; answered by JudgeDesk
+  stop,             ///< commanding is enabled in the gateway
+  command,          ///< this connection has taken control
+  jog,              ///< as `command`; carried out by Jogs
+  take_control,     ///< as `stop`; carried out by ControlDesk
+  release_control,  ///< as `stop`; carried out by ControlDesk
 };
 
-/// The answer to a call, in the words of the client library.
+/// The answer to a call, as returned by the client library.
 struct CallAnswer {
   client::Outcome outcome{};
-  Json fields = Json::object();  ///< beside those of the outcome
+  Json fields = Json::object();  ///< in addition to those of the outcome
 };
 
-/// What axes get by a service that names them and nothing else.
+/// The action of a service whose only arguments are axes.
 struct AxesService {
-  /// What the axes of one bench take together, or none of them; none = `each`.
+  /// For the axes of one bench together, or none of them; none = `each`.
   std::optional<client::EachCommand> command{};
   client::Until until = client::Until::done;
-  client::Outcome (client::Axis::*each)() = nullptr;  ///< for one after the other
+  client::Outcome (client::Axis::*each)() = nullptr;  ///< otherwise: for one axis after the other
 };
 
-/// A service: a row of the table that clients, the hub and the documents read.
+/// A service: a row of the table used by clients, the hub and the documents.
 struct ServiceRow {
   std::string_view name;  ///< such as "/move"
   std::string_view type;  ///< such as "vdrive.Move"
   Right right;
-  std::string_view request;  ///< its members, as object_schema() reads them
-  /// Carries it out and waits until the drive has acted on it. Null without `axes`: another part
-  /// does.
+  std::string_view request;  ///< members, in the format of object_schema()
+  /// Carries out the call and waits until the drive has acted on it. If both this and `axes` are
+  /// null, another part carries out the call.
   /// @throws ProtocolError when the request is wrong, with what and where.
   CallAnswer (*call)(client::Session& session, const Json& request) = nullptr;
-  std::optional<AxesService> axes{};  ///< in the place of `call`
+  std::optional<AxesService> axes{};  ///< instead of `call`
 
-  /// Not where another part carries it out.
+  /// @pre no other part carries it out
   [[nodiscard]] CallAnswer carry_out(client::Session& session, const Json& asked) const;
 };
 
-/// Every service; its number in the protocol is its place here, from 1 on.
+/// Every service. Its number in the protocol is its index here, counted from 1.
 [[nodiscard]] std::span<const ServiceRow> services();
 
 /// @return the announcement of the services to a client.
@@ -65,32 +65,32 @@ struct ServiceRow {
 /// @return the answer as the response of a service.
 [[nodiscard]] std::string answer_text(const CallAnswer& answer);
 
-/// @return the member `key` of a request, false without it.
-/// @throws ProtocolError when it is neither true nor false.
+/// @return the member `key` of a request, false if absent.
+/// @throws ProtocolError if it is neither true nor false.
 [[nodiscard]] bool flag_of(const Json& request, const char* key);
 
-/// What a whole number in a request may be, both ends included.
+/// The allowed range of an integer in a request, both ends included.
 struct NumberRange {
   std::int64_t lowest = 0;
   std::int64_t highest = 0;
 };
 
-/// @return the member `key` of a request, rounded to a whole number; nothing without it.
-/// @throws ProtocolError when the member is not a number or lies outside the range; the message
-///         names value and range.
+/// @return the member `key` of a request, rounded to an integer; nothing if absent.
+/// @throws ProtocolError if the member is not a number or out of range; the message names value and
+///         range.
 [[nodiscard]] std::optional<std::int64_t> optional_integer(const Json& request, const char* key,
                                                            const NumberRange& range);
 
 /// A call of /jog.
 struct JogRequest {
   std::string axis;           ///< address or name
-  std::int32_t velocity = 0;  ///< [UU/s]; 0 = the button was let go
+  std::int32_t velocity = 0;  ///< [UU/s]; 0 = the button was released
 };
 
 /// @throws ProtocolError when the request is wrong.
 [[nodiscard]] JogRequest jog_of(const Json& request);
 
-/// How client::Axis::jog is called.
+/// The options for calling client::Axis::jog.
 [[nodiscard]] client::VelocityOptions jog_options();
 
 }  // namespace vdrive::gateway

@@ -38,28 +38,29 @@ using Clock = std::chrono::steady_clock;
 using Request = http::request<http::string_body>;
 using Response = http::response<http::string_body>;
 
-// A client sends its request, and reads its answer, at once: who is slower only holds a place.
+// A client sends its request and reads its answer immediately; a slower one only occupies a place.
 constexpr std::chrono::seconds kHandshake{5};
-// Without it a lack of file descriptors would keep the thread busy with accepting.
+// Without a pause, running out of file descriptors would keep the thread busy with accepting.
 constexpr std::chrono::milliseconds kAcceptPause{100};
-// Finer than the shortest patience of a client, 2 s, by a factor that does not matter to it.
+// Fine enough for the shortest patience of a client, 2 s.
 constexpr std::chrono::milliseconds kWatchPeriod{250};
-// A client that only receives answers pings alone: several of them within its patience.
+// Ping answers are the only messages of a client that just receives: several fit into its patience.
 constexpr std::chrono::milliseconds kPingPeriod{500};
-// Each poll of parameters is a request to the bench, for all parameters of all clients: at most
-// twice a second. A page that opens subscribes a thousand topics: they are one change of the graph.
+// Each poll of parameters is one request to the bench for all clients: at most twice a second. A
+// page that opens subscribes to a thousand topics, which become one change of the graph.
 constexpr std::chrono::milliseconds kTurn{500};
-// A report for each dropped message would add to what the client cannot read.
+// A report for each dropped message would add to the load that the client cannot read.
 constexpr std::chrono::milliseconds kDropReport{1000};
-// For the closing handshake: a client that is gone does not hold up the end of the gateway.
+// For the closing handshake: a client that is gone must not delay the end of the gateway.
 constexpr std::chrono::milliseconds kCloseTime{1000};
 constexpr std::size_t kLongestHead = 8192;          // [bytes] of an HTTP request
 constexpr std::size_t kLongestMessage = 1U << 18U;  // [bytes] of a WebSocket message
-// What waits in the kernel cannot be dropped any more: it is what a slow client sees late.
+// Kernel buffer: messages in it cannot be dropped any more, so a slow client sees them late.
 constexpr int kSendBuffer = 1 << 18;                  // [bytes] in the kernel, which doubles it
-constexpr std::ptrdiff_t kMostPlainConnections = 32;  // HTTP besides the WebSockets, a use
+constexpr std::ptrdiff_t kMostPlainConnections = 32;  // HTTP connections per use, in addition to
+                                                      // the WebSockets
 
-// What a client may send: the page subscribes to a thousand axes at once.
+// Limits for messages of a client: the page subscribes to a thousand axes together.
 constexpr TokenBucket::Rate kMessages{.per_second = 200.0, .burst = 4000.0};
 constexpr TokenBucket::Rate kBytes{.per_second = 1e6, .burst = 4e6};
 
@@ -71,9 +72,9 @@ boost::beast::string_view beast_view(std::string_view text) {
   return {text.data(), text.size()};
 }
 
-/// @return how long the other machine has acknowledged nothing, although it was sent something;
-///         else 0. Its kernel acknowledges, also for a program that is late. Where that program
-///         reads nothing and its buffer is full, few bytes are sent, and each is answered.
+/// @return how long the other machine has acknowledged nothing although data was sent; otherwise 0.
+///         Its kernel acknowledges even if its program is late. If that program reads nothing and
+///         its buffer is full, only few bytes are sent, and each is acknowledged.
 std::chrono::milliseconds unacknowledged(tcp::socket& socket) {
   constexpr std::uint32_t kLongestRoundTrip = 200;  // [ms]
   tcp_info info{};
@@ -91,27 +92,27 @@ PageAnswer text_answer(unsigned status, std::string_view text) {
       .status = status, .content_type = "text/plain", .cache_control = "no-store", .bytes = text};
 }
 
-/// What a connection is for.
+/// The use of a connection.
 enum class Use : std::uint8_t {
   clients,  ///< the page and WebSockets
   metrics,  ///< /metrics, for an operator's monitoring
 };
 
-/// What a connection needs of its server.
+/// State of the server that its connections use.
 struct Shared {
   WebSettings settings;
   Page page;
-  WebEvents* events = nullptr;  ///< while the server runs
+  WebEvents* events = nullptr;  ///< set while the server runs
   WebCounters counters;
 };
 
-/// Browsers and tools say these when they leave; any other code tells of a failure.
+/// Codes that browsers and tools send when they leave; any other code indicates a failure.
 bool is_farewell(std::uint16_t code) {
   return code == websocket::close_code::normal || code == websocket::close_code::going_away ||
          code == websocket::close_code::no_status || code == websocket::close_code::none;
 }
 
-/// One more of that kind.
+/// Increments the counter of `kind`.
 template <typename Counts, typename Kind>
 void count(Counts& counts, Kind kind) {
   ++counts.at(static_cast<std::size_t>(kind));
@@ -127,7 +128,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
 
   [[nodiscard]] bool is_over() const noexcept { return phase_ == Phase::over; }
 
-  /// It has opened no WebSocket, or its use needs none.
+  /// Whether it has not opened a WebSocket, or its use needs none.
   [[nodiscard]] bool is_plain(Use use) const noexcept {
     return use_ == use && phase_ == Phase::http;
   }
@@ -140,23 +141,23 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
 
   void push_answer(Frame frame, bool is_shared) {
     if (phase_ != Phase::open) return;
-    // The client reads nothing. The end comes from watch(): the caller may go through all
-    // connections.
+    // The client reads nothing. watch() closes the connection, because the caller may be iterating
+    // over all connections.
     if (!queue_.push_answer(std::move(frame), is_shared)) is_overfull_ = true;
     write_next();
   }
 
   void set_patience(Patience patience) { patience_ = patience; }
 
-  /// Pings, reports what was dropped, closes connections that are lost. Called each kWatchPeriod.
-  /// @param own_delay time in which this gateway itself did not run: it does not count for the
-  /// others
+  /// Pings, reports dropped messages, and closes lost connections. Called every kWatchPeriod.
+  /// @param own_delay time in which this gateway itself did not run, which does not count for the
+  ///        clients
   void watch(Clock::time_point now, Clock::duration own_delay) {
     if (phase_ == Phase::closing && now >= close_deadline_) end(false);
     if (phase_ != Phase::open) return;
-    // First: what clients sent during the delay has not been read yet.
+    // First, because messages that clients sent during the delay have not been read yet.
     received_ = std::min(now, received_ + own_delay);
-    // A close frame would wait for what is not read.
+    // A close frame would wait behind unread data.
     if (is_overfull_ || is_silent(now, own_delay)) {
       count(shared_.counters.cut_off, is_overfull_ ? CutOff::unread : CutOff::silent);
       return end(false);
@@ -176,7 +177,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
   void end(bool is_graceful) {
     if (phase_ == Phase::over) return;
     const bool was_open = phase_ == Phase::open || phase_ == Phase::closing;
-    phase_ = Phase::over;  // before the event, which may send to this connection
+    phase_ = Phase::over;  // before the event, whose handler may send to this connection
     beast::error_code ignored;
     stream().socket().shutdown(tcp::socket::shutdown_both, ignored);
     stream().close();
@@ -190,7 +191,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
 
   bool is_silent(Clock::time_point now, Clock::duration own_delay) {
     if (now - received_ > patience_.program) return true;
-    // After a delay of its own the gateway has just sent what is not acknowledged yet.
+    // After its own delay, the gateway has just sent data that cannot be acknowledged yet.
     return own_delay == Clock::duration::zero() &&
            unacknowledged(stream().socket()) > patience_.machine;
   }
@@ -219,7 +220,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
     if (is_reading(request)) answer(request, find_page_file(shared_.page, view(request.target())));
   }
 
-  /// The client is gone or its time is over, or what it sent is not HTTP.
+  /// The client is gone, its time has elapsed, or its data is not HTTP.
   void on_bad_request(beast::error_code error) {
     const bool is_gone = error == http::error::end_of_stream ||
                          error.category() != make_error_code(http::error::bad_version).category();
@@ -231,7 +232,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
            text_answer(400, "This is not a valid HTTP request: " + error.message() + ".\n"));
   }
 
-  /// Answers a request that would change something.
+  /// Whether the request only reads; otherwise answers it with an error.
   bool is_reading(const Request& request) {
     const bool reads = request.method() == http::verb::get || request.method() == http::verb::head;
     if (!reads) answer(request, text_answer(405, "GET and HEAD only.\n"));
@@ -259,7 +260,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
     response_.set("Content-Security-Policy", beast_view(kContentSecurityPolicy));
     response_.set("X-Content-Type-Options", "nosniff");
     response_.set("Referrer-Policy", "no-referrer");
-    // One answer a connection for a scraper, as of the service's metrics.
+    // Scrapers get one answer per connection, as from the metrics of the service.
     response_.keep_alive(use_ == Use::clients && request.keep_alive());
     response_.content_length(page.bytes.size());
     if (request.method() != http::verb::head) response_.body() = page.bytes;
@@ -302,7 +303,8 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
     stream().expires_never();
     websocket::stream_base::timeout times{};
     times.handshake_timeout = kHandshake;
-    // Beast's own would count a delay of this gateway as the client's: watch() judges instead.
+    // Not Beast's own time-out, which would count a delay of this gateway as the client's: watch()
+    // decides.
     times.idle_timeout = websocket::stream_base::none();
     times.keep_alive_pings = false;
     socket_.set_option(times);
@@ -312,12 +314,13 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
           response.set(http::field::sec_websocket_protocol, subprotocol);
         }));
     socket_.read_message_max(kLongestMessage);
-    // One frame a message: nothing is copied on its way into the kernel.
+    // One frame per message, so that nothing is copied on the way to the kernel.
     socket_.auto_fragment(false);
     socket_.control_callback([this](websocket::frame_type, beast::string_view) {
       received_ = Clock::now();
     });
-    // A client speaks after the answer: what it sent with its request is not read as a message.
+    // A client must wait for the answer: data sent together with its request is not read as a
+    // message.
     buffer_.consume(buffer_.size());
     socket_.async_accept(request,
                          beast::bind_front_handler(&WebConnection::on_accept, shared_from_this()));
@@ -358,7 +361,8 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
   }
 
   void write_next() {
-    // Beast writes one message at a time; what comes until then waits where it can be dropped.
+    // Beast writes one message at a time; until then, later ones wait in the queue, where they can
+    // be dropped.
     if (is_writing_ || phase_ != Phase::open) return;
     auto frame = queue_.pop();
     if (!frame) return;
@@ -386,7 +390,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
     is_pinging_ = true;
     pinged_ = now;
     socket_.async_ping({}, [self = shared_from_this()](beast::error_code) {
-      self->is_pinging_ = false;  // a broken connection ends its read
+      self->is_pinging_ = false;  // a broken connection fails in its read
     });
   }
 
@@ -418,11 +422,11 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
   std::optional<http::request_parser<http::string_body>> parser_;
   Response response_;
   SendQueue queue_;
-  Frame current_;  ///< on its way
+  Frame current_;  ///< being sent
   bool is_writing_ = false;
   bool is_pinging_ = false;
-  bool is_overfull_ = false;        ///< more answers wait than may
-  bool has_announced_end_ = false;  ///< it is the server that ends
+  bool is_overfull_ = false;        ///< more answers wait than allowed
+  bool has_announced_end_ = false;  ///< the server has ended the connection
   TokenBucket messages_{kMessages};
   TokenBucket bytes_{kBytes};
   Patience patience_ = WebServer::kPatience;
@@ -432,7 +436,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
   Clock::time_point close_deadline_{};
 };
 
-/// A socket that listens.
+/// A listening socket.
 struct Listener {
   Use use;
   tcp::acceptor acceptor;
@@ -459,7 +463,7 @@ struct WebServer::State {
     listener.acceptor.async_accept([this, &listener](beast::error_code error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
       if (error) {
-        // Such as too many open files: those that are open continue.
+        // For example too many open files: the open connections continue.
         listener.pause.expires_after(kAcceptPause);
         listener.pause.async_wait([this, &listener](beast::error_code ended) {
           if (!ended) accept(listener);
@@ -475,7 +479,7 @@ struct WebServer::State {
     forget_ended();
     make_room(use);
     beast::error_code ignored;
-    // A message is shown when it comes: it does not wait for the acknowledgement of the one before.
+    // Messages are shown as they arrive: they do not wait for the acknowledgement of earlier ones.
     socket.set_option(tcp::no_delay(true), ignored);
     socket.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
     const ConnectionId id = ++last_id;
@@ -484,8 +488,8 @@ struct WebServer::State {
     connection->start();
   }
 
-  /// A new connection always finds room: of the connections that have opened no WebSocket the
-  /// oldest is closed, because a client sends its request at once.
+  /// Makes room for a new connection: closes the oldest connection that has not opened a WebSocket,
+  /// because a client normally sends its request immediately.
   void make_room(Use use) {
     const auto is_plain = [use](const auto& entry) {
       return entry.second->is_plain(use);
@@ -509,7 +513,7 @@ struct WebServer::State {
       const auto now = Clock::now();
       const auto delay = now - watch_timer.expiry();
       const auto own_delay = delay > kWatchPeriod ? delay : Clock::duration::zero();
-      // An event of one connection may reach others: none is added or removed in this loop.
+      // An event of one connection may affect others, but this loop adds and removes none.
       for (const auto& [id, connection] : connections) connection->watch(now, own_delay);
       if (is_stopping && (connections.empty() || Clock::now() >= stop_deadline)) {
         context.stop();
@@ -588,8 +592,7 @@ void WebServer::run(WebEvents& events) {
   state.watch();
   state.turn();
   state.context.run();
-  // Also when its time was too short to announce it to all: a server that ends gives control
-  // back.
+  // Also if there was no time to announce the end to all: a server that ends releases control.
   for (const auto& [id, connection] : state.connections) {
     connection->announce_end();
     connection->end(true);

@@ -16,10 +16,10 @@
 
 namespace vdrive::gateway {
 
-/// Where a server listens.
+/// The address that a server listens on.
 struct ListenAddress {
   std::string address = "127.0.0.1";
-  std::uint16_t port = 0;  ///< 0 = any free one
+  std::uint16_t port = 0;  ///< 0 = any free port
 };
 
 struct WebSettings {
@@ -29,7 +29,7 @@ struct WebSettings {
   std::size_t most_clients = 32;  ///< WebSocket connections at a time
 };
 
-/// Why a WebSocket was closed by the gateway before its client ended it.
+/// Why the gateway closed a WebSocket before its client did.
 enum class CutOff : std::uint8_t {
   silent,  ///< it sent nothing for too long
   unread,  ///< too many answers waited for it
@@ -44,18 +44,18 @@ inline constexpr std::size_t kCutOffs = 3;
   return kNames[static_cast<std::size_t>(cut_off)];
 }
 
-/// What a server counts, from its start on where nothing else is stated.
+/// Counters of a server since its start, unless noted otherwise.
 struct WebCounters {
-  std::size_t clients = 0;                         ///< WebSockets that are open now
-  std::uint64_t connections = 0;                   ///< WebSockets that were opened
-  std::uint64_t messages_sent = 0;                 ///< WebSocket messages given to the kernel
-  std::uint64_t bytes_sent = 0;                    ///< their payload
-  std::uint64_t dropped = 0;                       ///< messages left out for slow clients
+  std::size_t clients = 0;                         ///< open WebSockets
+  std::uint64_t connections = 0;                   ///< opened WebSockets
+  std::uint64_t messages_sent = 0;                 ///< WebSocket messages handed to the kernel
+  std::uint64_t bytes_sent = 0;                    ///< of their payload
+  std::uint64_t dropped = 0;                       ///< messages dropped for slow clients
   std::array<std::uint64_t, kRefusals> refused{};  ///< by Refusal
   std::array<std::uint64_t, kCutOffs> cut_off{};   ///< by CutOff
 };
 
-/// What a server reports, in its thread.
+/// Receives the events of a server, in its thread.
 class WebEvents {
  public:
   virtual ~WebEvents() = default;
@@ -63,25 +63,26 @@ class WebEvents {
   virtual void on_open(ConnectionId id) = 0;
   virtual void on_message(ConnectionId id, bool is_text, std::string_view bytes) = 0;
 
-  /// @param is_graceful the client closed the WebSocket by the closing handshake, and was not lost
+  /// @param is_graceful the client closed the WebSocket by the closing handshake; false: it was
+  ///        lost
   virtual void on_close(ConnectionId id, bool is_graceful) = 0;
 
-  /// Each half second.
+  /// Every half second.
   virtual void on_turn() = 0;
 
   /// @return the text of /metrics.
   [[nodiscard]] virtual std::string metrics() const = 0;
 };
 
-/// The web server of the gateway: a page over HTTP, and WebSocket connections that are bounded in
-/// what they send, in what waits for them and in how long they may be silent. One thread.
+/// The web server of the gateway: a page over HTTP, and WebSocket connections with limits on what
+/// they send, on their queues and on their silence. One thread.
 class WebServer final : public HubServer {
  public:
-  /// Of a client without control. Each is pinged twice a second.
+  /// For a client without control. Each is pinged twice a second.
   static constexpr Patience kPatience{.program = std::chrono::milliseconds(10'000),
                                       .machine = std::chrono::milliseconds(10'000)};
 
-  /// Listens.
+  /// Starts to listen.
   /// @param page outlives the server
   /// @throws std::runtime_error when it cannot listen there.
   WebServer(WebSettings settings, Page page);
@@ -91,14 +92,14 @@ class WebServer final : public HubServer {
 
   [[nodiscard]] std::uint16_t port() const;
 
-  /// @return where the metrics are served; nothing when they are not.
+  /// @return the port of the metrics; nothing if they are not served.
   [[nodiscard]] std::optional<std::uint16_t> metrics_port() const;
 
   /// Serves until stop(), SIGINT or SIGTERM. On return every connection is closed, and on_close()
   /// was called for it.
   void run(WebEvents& events);
 
-  /// Ends run(). Any thread.
+  /// Ends run(). Thread-safe.
   void stop();
 
   void send_data(ConnectionId id, Frame frame) override;
