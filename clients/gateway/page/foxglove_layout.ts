@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// A layout of Foxglove and Lichtblick for two axes: state and mode by name, plots in the unit of the axis
-// and in UU, events. The build writes it beside the page.
+// A layout of Foxglove and Lichtblick for two axes: state and mode by name, plots in the unit of the axis and in UU,
+// events. The build writes it next to the page.
 
 import { OPERATING_MODES, POWER_STATES } from "./src/data/tables";
 
-/** As a bench names its axes that was not told other names (`vdrived --axes 2`). */
+/** The default names that a bench gives its axes (`vdrived --axes 2`). */
 const BENCH = "/bench1";
 const AXES = ["axis1", "axis2"];
 const WINDOW_S = 10;
@@ -27,7 +27,8 @@ export function scriptTopic(axis: string): string {
   return `/vdrive/${axis}`;
 }
 
-/** No topic has names and scaled values: a script of the layout makes them from the status and the description of the bench. */
+/** No topic has names and scaled values, so a script of the layout derives them from the status and the description
+ *  of the bench. */
 export function scriptOf(axis: string): string {
   const states = POWER_STATES.map(({ name, mask, value }) => ({ name, mask, value }));
   const modes = Object.fromEntries(OPERATING_MODES.map(({ mode, name }) => [mode, name]));
@@ -86,7 +87,7 @@ function plot(title: string, paths: Path[]): object {
   };
 }
 
-/** Panels under each other, of equal height. */
+/** Panels stacked vertically, of equal height. */
 function stack(panels: string[]): unknown {
   const [first, ...rest] = panels;
   return rest.length === 0 ? first : { direction: "column", first, second: stack(rest), splitPercentage: 100 / panels.length };

@@ -2,7 +2,7 @@
 import { defineConfig } from "vite";
 import { foxgloveLayout } from "./foxglove_layout";
 
-// The gateway serves what is in dist: names in assets have a hash of their content.
+// The gateway serves the files in dist; names in assets contain a hash of their content.
 export default defineConfig({
   base: "./",
   build: {

@@ -358,7 +358,7 @@ const TEXTS = {
 
 export type TextKey = keyof typeof TEXTS;
 
-/** The Chinese names of states; the English ones are those of the core. */
+/** The Chinese names of states; the English ones come from the core. */
 const STATES: Record<PowerState, string> = {
   not_ready_to_switch_on: "未准备好接通",
   switch_on_disabled: "禁止接通",
@@ -393,7 +393,7 @@ export function isTextKey(key: string): key is TextKey {
   return key in TEXTS;
 }
 
-/** Services whose button has a text of another name. */
+/** Services whose button has a text with a different name. */
 const SERVICES: Record<string, TextKey> = {
   take_control: "take",
   release_control: "release",
@@ -415,7 +415,7 @@ export function clockName(mode: string): string {
   return chosen === "zh" ? (CLOCKS[mode] ?? mode) : mode;
 }
 
-/** @param object of the dictionary with this name; members that are none have only their own */
+/** @param object of the dictionary with this name; a member without an object is shown by its own name */
 export function signalName(member: string, object: { title: string; title_zh: string } | undefined): string {
   return object === undefined ? member.replaceAll("_", " ") : pick([object.title, object.title_zh]);
 }
@@ -424,7 +424,7 @@ export function stateName(state: PowerState): string {
   return pick([POWER_STATE_NAMES[state], STATES[state]]);
 }
 
-/** @param name as the gateway gives it; the ones of a newer gateway stay English */
+/** @param name from the gateway; names of a newer gateway remain English */
 export function bitName(name: string): string {
   const row = BIT_NAMES.find((candidate) => candidate.name === name);
   return row === undefined ? name : pick([row.name, row.name_zh]);

@@ -5,7 +5,7 @@ import "./style.css";
 import { Model } from "./model";
 import { Shell } from "./ui/shell";
 
-/** The token stays in the address of the page; it is kept nowhere else. */
+/** The token remains in the address of the page and is stored nowhere else. */
 function gatewayUrl(): string {
   const url = new URL(location.href);
   const token = url.searchParams.get("token");

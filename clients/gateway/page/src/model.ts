@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the gateway sends about benches and axes, and what this browser has chosen.
+// The data that the gateway sends about benches and axes, and the choices made in this browser.
 
 import { browserOf } from "./data/browser";
 import { EVENT_HISTORY, EventList } from "./data/events";
@@ -15,16 +15,16 @@ import { Connection, type Answer, type ServerStatus } from "./protocol/connectio
 import { LONGEST_SILENCE_MS } from "./protocol/silence";
 
 export type BenchDescription = Of<typeof BENCH_DESCRIPTION>;
-/** `topic` is the name as it stands in topics. */
+/** `topic` is the name used in topics. */
 export type AxisDescription = BenchDescription["axes"][number];
 export type BenchState = Of<typeof BENCH_STATE>;
-/** Who commands through the gateway; `you` is this page. */
+/** The holder of control through the gateway; `you` is true if it is this page. */
 export type ControlState = Of<typeof CONTROL>;
 export type Dictionary = Of<typeof DICTIONARY>;
 export type ObjectRow = Dictionary["objects"][number];
 export type Disturbance = Dictionary["disturbances"][number];
 
-/** How many positions of the last 10 s the overview keeps of each axis. */
+/** Number of positions, from the last 10 s, that the overview keeps for each axis. */
 export const TREND_LENGTH = 100;
 const TREND_EVERY_MS = 100;
 /** of all benches; the gateway keeps 1,024 of each */
@@ -33,22 +33,22 @@ const MOST_NOTES = 4;
 const MOST_NOTICES = 5;
 const MOST_NAMES = 1_000;
 const MOST_LISTED = 4;
-/** axes of a bench whose status costs next to nothing */
+/** a bench with at most this many axes: its status costs next to nothing */
 const SMALL_BENCH = 256;
 const SILENT_FROM_MS = 1_000;
 const GONE_FROM_MS = 3_000;
-/** How long the page may be silent while it holds control, that a person may choose [s]. Hidden tabs
- *  may stand still for some seconds: the longest one is what a person gets who chooses none. */
+/** The choices for how long the page may be silent while it holds control [s]. Hidden tabs may freeze for some
+ *  seconds, so the longest one is the default. */
 export const SILENCES_S = [1, 2, 3, 5, 10];
 
 /** A second press of the same control with the same values within this time is a double click. */
 export const SECOND_PRESS_MS = 500;
-/** What stops an axis, and what moves it only while a button is held. */
+/** Stops, and jogs, which move only while a button is held: never treated as a double click. */
 const NEVER_LEFT_OUT: ReadonlySet<string> = new Set(["/quick_stop", "/halt", "/jog"]);
-/** They are answered while the axis still brakes. */
+/** They are answered while the axis is still braking. */
 const STOPS_MOTION: ReadonlySet<string> = new Set(["/quick_stop", "/halt"]);
 
-/** @return the axes that a request is for. */
+/** @return the axes that a request addresses. */
 function addressesIn(request: object): string[] {
   const { axis, axes = [], moves = [] } = request as { axis?: string; axes?: string[]; moves?: { axis: string }[] };
   return [...(axis === undefined ? [] : [axis]), ...axes, ...moves.map((move) => move.axis)];
@@ -70,10 +70,10 @@ interface Press {
   at: number;
 }
 
-/** @param text as the gateway writes it */
+/** @param text as written by the gateway */
 const sessionOf = (text: string): bigint => BigInt(`0x${text.replace(/^0x/, "")}`);
 
-/** One frame of the status of all axes of a bench; arrays by the names of the core. */
+/** One frame of the status of all axes of a bench: arrays by the names of the core. */
 export class Bench {
   private described?: BenchDescription;
   private readonly axes = new Map<number, AxisDescription>();
@@ -82,7 +82,7 @@ export class Bench {
   frame?: Message;
   frameAt = 0;
   tick = 0;
-  /** axis number -> place in the arrays of the frame */
+  /** axis number -> index in the arrays of the frame */
   readonly places = new Map<number, number>();
   trend = new Float32Array(0);
   trendHead = 0;
@@ -123,7 +123,7 @@ export class Bench {
     if (this.frameAt - this.trendAt >= TREND_EVERY_MS) this.keepTrend(frame);
   }
 
-  /** @return the numbers of that member, or undefined when the status has none of that name. */
+  /** @return the values of that member, or undefined if the status has no such member. */
   numbers(member: string): NumberArray | undefined {
     return this.frame?.[member] as NumberArray | undefined;
   }
@@ -139,8 +139,8 @@ export class Bench {
   }
 }
 
-/** An axis by its numbers: bench and description are looked up each time, because a gateway or a service that
- *  was started again brings others. Those of an axis that is away stay as they were. */
+/** Refers to an axis by its numbers: bench and description are looked up each time, because a restarted gateway or
+ *  service brings new ones. Those of an axis that is away are kept. */
 export class AxisRef {
   constructor(
     private readonly benches: ReadonlyMap<number, Bench>,
@@ -182,7 +182,7 @@ export interface Settings {
   theme: Theme;
   axisUnits: boolean;
   window: number;
-  /** over plots */
+  /** shown on plots */
   marks: boolean;
   /** see SILENCES_S */
   silence: number;
@@ -209,35 +209,35 @@ function loadSettings(): Settings {
   }
 }
 
-/** What was typed into a field: it outlives the view that has the field. */
+/** The text typed into a field, which outlives the view of the field. */
 export interface Typed {
   text: string;
-  /** of the unit in force then */
+  /** scale of the unit shown at that moment */
   scale: Scale;
 }
 
-/** A line about what happened, and what its button does. */
+/** A line about an event, and the action of its button. */
 export interface Notice {
   text: string;
   button: string;
   press: () => void;
 }
 
-/** Axes that move now, by their addresses. */
+/** Moving axes, by their addresses. */
 export interface Moving {
-  /** of this page */
+  /** controlled by this page */
   own: string[];
-  /** of the client that holds control, which is not this page */
+  /** controlled by another client, which holds control */
   holders: string[];
-  /** of nobody */
+  /** controlled by nobody */
   free: string[];
 }
 
-/** What a command did, for the line under the controls. */
+/** The result of a command, for the line below the controls. */
 export interface Outcome {
   text: string;
   ok: boolean;
-  /** The drive has accepted it, and acts on it. */
+  /** The drive has accepted it and is executing it. */
   isUnderWay?: boolean;
 }
 
@@ -252,35 +252,36 @@ export class Model {
   control: ControlState = { enabled: false, holder: "", you: false, name: "", session: "", taken_at_ns: "0", silence_ms: 0 };
   dictionary?: Dictionary;
   outcome?: Outcome;
-  /** what keeps the gateway from finding benches now; empty: nothing */
+  /** the network problem that keeps the gateway from finding benches; "" = none */
   networkTrouble = "";
   readonly motions = new Motions(this);
   /** by the name of the field, such as "move 1.1 target" */
   readonly typed = new Map<string, Typed>();
   readonly ticked = new Map<string, boolean>();
-  /** methods of homing that were chosen, by the addresses of their axes */
+  /** chosen homing methods, by the addresses of the axes */
   readonly homing = new Map<string, string>();
-  /** Grows when benches, axes, control or the dictionary change: views build themselves again. */
+  /** Increases when benches, axes, control or the dictionary change: views are then rebuilt. */
   version = 0;
-  /** A person wants to see what happened then: the view of the axis shows it. */
+  /** A moment that the user wants to see, for the view of the axis. */
   wantedMoment?: { address: string; tick: number };
-  /** benches whose events from before were asked for on this connection */
+  /** benches whose earlier events were requested on this connection */
   private readonly askedEvents = new Set<number>();
-  /** Ends with the last call of /events. */
+  /** Resolves after the last call of /events. */
   private askingEvents: Promise<void> = Promise.resolve();
   private statusWanted = false;
   private readonly ends = new Map<string, () => void>();
   private readonly incarnations = new Map<number, string>();
   /** axes that this page controls, and the newest tick in which it did */
   private readonly owned = new Map<string, number>();
-  /** axes that this page controlled until another session took them: a person has to want them back; with that tick */
+  /** axes that this page controlled until another session took them, with the tick; the user must take them back
+   *  explicitly */
   private readonly taken = new Map<string, number>();
   /** when the last of them was taken, and by which session */
   private takenAt = "";
   private takenBy = 0n;
-  /** what programs say of themselves, by their sessions as the gateway writes them */
+  /** names of programs, by their sessions as the gateway writes them */
   private readonly sessionNames = new Map<string, string>();
-  /** what happened while somebody may have looked away */
+  /** news that the user may have missed */
   private readonly notes: string[] = [];
   private readonly presses = new Map<string, Press>();
 
@@ -296,7 +297,7 @@ export class Model {
         if (this.control.you) this.outcome = { ok: false, text: t("control_lost") };
         this.control = { ...this.control, holder: "", you: false };
         this.forgetOwned();
-        this.askedEvents.clear(); // what comes meanwhile is missed
+        this.askedEvents.clear(); // events until then are missed
         this.changed();
       },
       topicsChanged: () => this.follow(),
@@ -324,14 +325,14 @@ export class Model {
     this.connection.open();
   }
 
-  /** @return the axes that move or press under the control of this page, of another client, or of nobody. */
+  /** @return the axes that move or press, controlled by this page, by another client, or by nobody. */
   moving(): Moving {
     const moving: Moving = { own: [], holders: [], free: [] };
     const holder = this.holderSession();
     const torqueModes = new Set(this.dictionary?.modes.filter((row) => row.commands_torque).map((row) => row.mode));
     for (const bench of this.sortedBenches()) {
       const owners = bench.numbers("owner_session");
-      // The last frame stays when a bench ends, and when the view that showed its status is left.
+      // The last frame remains after a bench has ended, and after the view that showed its status is closed.
       const isOld = this.isGone(bench, performance.now()) || !this.ends.has(`${bench.topic}/status`);
       if (owners === undefined || isOld) continue;
       for (const [axis, place] of bench.places) {
@@ -352,7 +353,7 @@ export class Model {
     return moving;
   }
 
-  /** @return the question before this page takes control from another client: who that is, and what moves. */
+  /** @return the question before this page takes control from another client: who that is, and which axes move. */
   takeOverText(): string {
     const { holder, taken_at_ns } = this.control;
     const since = timeOfDay(new Date(Number(BigInt(taken_at_ns) / 1_000_000n)));
@@ -375,7 +376,7 @@ export class Model {
     return `${address} (${modeName(at("op_mode_actual"))}, ${position}, ${velocity})`;
   }
 
-  /** The status of all axes of a large bench is only asked for while a view shows it. */
+  /** The status of all axes of a large bench is only requested while a view shows it. */
   wantStatus(wanted: boolean): void {
     this.statusWanted = wanted;
     this.follow();
@@ -413,12 +414,12 @@ export class Model {
     return bench.state !== undefined && (!bench.state.alive || this.age(bench, now) > SILENT_FROM_MS);
   }
 
-  /** @return whether its axes cannot be commanded: a service that is replaced is not that. */
+  /** @return whether its axes cannot be commanded; false while a service is being replaced. */
   isGone(bench: Bench, now: number): boolean {
     return bench.state === undefined || !bench.state.alive || this.age(bench, now) > GONE_FROM_MS;
   }
 
-  /** @return the age of what the page shows of the bench [ms]. */
+  /** @return the age of the data shown for the bench [ms]. */
   age(bench: Bench, now: number): number {
     const state = bench.state;
     if (state === undefined) return Infinity;
@@ -437,22 +438,22 @@ export class Model {
   }
 
   /** @param session as the gateway writes it
-   *  @return the program; nothing where it has not said what it is */
+   *  @return the program; undefined if it has not published its name */
   programOf(session: string): string | undefined {
     const isHolder = sessionOf(session) === this.holderSession();
     if (isHolder) return this.control.you ? t("this_page") : this.control.holder;
     return this.sessionNames.get(session);
   }
 
-  /** @return when axes of this page were taken, and by whom: the name may come after the status. */
+  /** @return when axes of this page were taken, and by whom; the name may arrive after the status. */
   private takenHow(): string {
-    // A program that took an axis and ended at once is in no status.
+    // A program that took an axis and ended immediately is in no status.
     if (this.takenBy === 0n) this.takenBy = this.takerOf([...this.taken.keys()]);
     const by = this.ownerName(this.takenBy);
     return `${this.takenAt}: ${t("taken_away")}${by === "" ? "" : `, ${t("now_by")} ${by}`}`;
   }
 
-  /** @return the session that took the last of these axes from this page, 0 = none that is known. */
+  /** @return the session that took the last of these axes from this page, 0 = unknown. */
   private takerOf(addresses: readonly string[]): bigint {
     const own = this.ownSession();
     for (const bench of this.benches.values()) {
@@ -474,7 +475,7 @@ export class Model {
     return row?.name ?? "";
   }
 
-  /** @return what a person has to answer or to remove. */
+  /** @return the notices that the user must answer or dismiss. */
   notices(): Notice[] {
     const notes = this.notes.map((text) => ({ text, button: t("remove"), press: () => void this.notes.splice(this.notes.indexOf(text), 1) }));
     if (this.taken.size === 0) return notes;
@@ -482,7 +483,7 @@ export class Model {
     return [{ text, button: t("take_back"), press: () => this.taken.clear() }, ...notes];
   }
 
-  /** @return what a person needs first, empty when the axes can be commanded. */
+  /** @return what the user must do first, empty if the axes can be commanded. */
   whyDisabled(axes: AxisRef[], now: number): string {
     if (!this.control.enabled) return t("view_only");
     if (!this.control.you || !this.connected) return t("need_control");
@@ -491,13 +492,13 @@ export class Model {
     return gone === undefined ? "" : `${gone.description?.name ?? ""} (${gone.number}) ${t("bench_gone")}`;
   }
 
-  /** @return why the page does not command these axes, nothing when it may. */
+  /** @return why the page does not command these axes, undefined if it may. */
   whyTaken(addresses: string[]): string | undefined {
     const taken = addresses.filter((address) => this.taken.has(address));
     return taken.length === 0 ? undefined : `${t("was_taken")}: ${listed(taken)}`;
   }
 
-  /** Takes control with the chosen limit of silence; if another client holds it, a person has been asked. */
+  /** Takes control with the chosen limit of silence; if another client holds it, the user has already confirmed. */
   takeControl(): void {
     const force = this.control.holder !== "";
     const browser = browserOf(navigator.userAgent);
@@ -505,7 +506,7 @@ export class Model {
     void this.command("/take_control", { name, force, silence_ms: this.settings.silence * 1000 });
   }
 
-  /** How long the page may be silent while it holds control: from now on, and the next time.
+  /** Sets how long the page may be silent while it holds control, from now on and next time.
    *  @param seconds one of SILENCES_S */
   async chooseSilence(seconds: number): Promise<void> {
     this.settings.silence = seconds;
@@ -513,8 +514,8 @@ export class Model {
     if (this.control.you) await this.command("/take_control", { silence_ms: seconds * 1000 }, [`${t("silence")} ${seconds} s`]);
   }
 
-  /** Calls a service and keeps what it answered for the line under the controls.
-   *  @param notes what the typed values became */
+  /** Calls a service, and keeps its answer for the line below the controls.
+   *  @param notes the results of converting typed values */
   async command(service: string, request: object, notes: string[] = []): Promise<Answer> {
     const what = serviceName(service);
     const began = performance.now();
@@ -536,7 +537,7 @@ export class Model {
     return answer;
   }
 
-  /** A double click is one wish. */
+  /** A double click counts once. */
   private isSecondPress(service: string, request: object, now: number): boolean {
     const { axis, axes, bench, name } = request as Record<string, unknown>;
     const control = JSON.stringify([service, axis, axes, bench, name]);
@@ -544,7 +545,7 @@ export class Model {
     const before = this.presses.get(control);
     for (const [other, { at }] of this.presses) if (now - at >= SECOND_PRESS_MS) this.presses.delete(other);
     const isSecond = before !== undefined && before.values === values && now - before.at < SECOND_PRESS_MS;
-    if (!isSecond) this.presses.set(control, { values, at: now }); // who presses on and on is heard
+    if (!isSecond) this.presses.set(control, { values, at: now }); // repeated presses do get through
     return isSecond;
   }
 
@@ -576,7 +577,7 @@ export class Model {
       }
       const isSmall = (bench.description?.axes.length ?? Infinity) <= SMALL_BENCH;
       if (match[2] === "status" && !this.statusWanted && !isSmall) continue;
-      // Without the description an event has no axis; those of before are asked for.
+      // Without the description an event has no axis; earlier events are requested later.
       if (match[2] === "events" && bench.description === undefined) continue;
       topics.add(topic);
       if (!this.ends.has(topic)) this.ends.set(topic, this.subscribe(bench, topic, match[2]));
@@ -586,7 +587,7 @@ export class Model {
       for (const number of this.benches.keys()) {
         if (present.has(number)) continue;
         this.benches.delete(number);
-        this.askedEvents.delete(number); // what comes meanwhile is missed
+        this.askedEvents.delete(number); // events until then are missed
       }
       for (const [topic, end] of this.ends) {
         if (topics.has(topic)) continue;
@@ -603,7 +604,7 @@ export class Model {
         return this.connection.subscribe(topic, (message) => {
           bench.description = checked(BENCH_DESCRIPTION, message, topic);
           this.noteRun(bench);
-          this.follow(); // of a small bench the status, too
+          this.follow(); // of a small bench, the status too
         });
       case "state":
         return this.connection.subscribe(topic, (message) => {
@@ -623,7 +624,7 @@ export class Model {
     }
   }
 
-  /** A bench that started again has forgotten what was set. */
+  /** A restarted bench has lost the values that were set. */
   private noteRun(bench: Bench): void {
     const { incarnation = "", name = "" } = bench.description ?? {};
     const before = this.incarnations.get(bench.number);
@@ -632,14 +633,14 @@ export class Model {
     this.events.forget(bench.number);
     this.motions.forgetBench(bench.number);
     this.askedEvents.delete(bench.number);
-    // Its axes have no owner. A frame of the new run may have come before its description.
+    // Its axes have no owner. A frame of the new run may have arrived before its description.
     for (const axes of [this.owned, this.taken]) {
       for (const address of axes.keys()) if (address.startsWith(`${bench.number}.`)) axes.delete(address);
     }
     this.note(`${name} (${bench.number}): ${t("another_run")} ${timeOfDay()}`);
   }
 
-  /** A line that stays until a person removes it. */
+  /** Adds a line that stays until the user dismisses it. */
   private note(text: string): void {
     this.notes.push(text);
     if (this.notes.length > MOST_NOTICES) this.notes.shift();
@@ -655,7 +656,7 @@ export class Model {
     return this.control.you ? this.holderSession() : -1n;
   }
 
-  /** Another session has taken an axis: the page must not take it back by its next command. */
+  /** Detects that another session has taken an axis: the next command of the page must not take it back. */
   private watchOwners(bench: Bench): void {
     const owners = bench.numbers("owner_session");
     if (owners === undefined) return;
@@ -685,7 +686,8 @@ export class Model {
     if (this.taken.size > 0) this.outcome = { ok: false, text: `${this.takenHow()}: ${listed([...this.taken.keys()])}` };
   }
 
-  /** Nobody has taken what the watchdog of a bench has freed: the event, which may come after the status, tells why. */
+  /** Axes released by the watchdog of a bench were not taken by anybody: the event, which may arrive after the
+   *  status, shows the reason. */
   private sortOutLost(): void {
     const lost = new Map<string, string[]>();
     for (const [address, tick] of this.taken) {
@@ -701,7 +703,7 @@ export class Model {
     }
   }
 
-  /** @return what the bench has reported about the loss of the session of this page since that tick */
+  /** @return the bench's report about the loss of this page's session since that tick */
   private lossOf(address: string, tick: number): string | undefined {
     const [bench] = address.split(".").map(Number);
     const { session } = this.control;
@@ -716,12 +718,12 @@ export class Model {
     this.motions.lose();
   }
 
-  /** The events before now. Those since the subscription may be among them. */
+  /** Requests the earlier events. Those since the subscription may be among them. */
   private askEvents(number: number): void {
     const period = this.benches.get(number)?.description?.period_us;
     if (period === undefined || this.askedEvents.has(number) || !this.connection.hasService("/events")) return;
     this.askedEvents.add(number);
-    // One bench after the other: the gateway bounds calls and bytes that wait.
+    // One bench after the other: the gateway limits waiting calls and bytes.
     const turn = this.askingEvents.then(() => this.fetchEvents(number, period));
     this.askingEvents = turn.catch(() => undefined);
   }
@@ -729,7 +731,7 @@ export class Model {
   private async fetchEvents(number: number, period: number): Promise<void> {
     const answer = await this.connection.call("/events", { bench: number });
     if (!answer.ok) {
-      this.askedEvents.delete(number); // asked again when topics change
+      this.askedEvents.delete(number); // requested again when topics change
       return;
     }
     const { events } = checked(EVENT_HISTORY, answer, "/events");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The motions that this page has started: the drive has accepted them, and the page follows them to their end.
+// The motions that this page has started: the drives have accepted them, and the page follows them to their end.
 
 import { Motion, type Cause, type Reading } from "./data/motions";
 import { formatHex, formatUnits } from "./data/units";
@@ -7,20 +7,20 @@ import { modeName, stateName, t } from "./i18n";
 import { addressOf, topicOf, type AxisRef, type Model } from "./model";
 import type { Message } from "./protocol/cdr";
 
-/** Services that start or continue a motion: they are answered when the drive has accepted it. */
+/** Services that start or continue a motion; they are answered once the drive has accepted it. */
 export const STARTS_MOTION: ReadonlySet<string> = new Set(["/move", "/move_group", "/home", "/resume"]);
-/** Axes whose motion is followed, of all commands: each costs a subscription. */
+/** The most axes followed, of all commands: each costs a subscription. */
 const MOST_FOLLOWED = 32;
 const ASK_EVERY_MS = 200;
 const OBJECTS = ["0x6040", "0x6061", "0x607A", "0x6064", "0x607B:01", "0x607B:02"];
 
-/** What a person reads of a motion. */
+/** A motion as text for the user. */
 export interface MotionLine {
   text: string;
   kind: "moves" | "reached" | "ended";
 }
 
-/** Of one of STARTS_MOTION. */
+/** The request of one of STARTS_MOTION. */
 interface MotionRequest {
   axis?: string;
   axes?: string[];
@@ -32,7 +32,7 @@ interface MotionRequest {
 interface Followed {
   ref: AxisRef;
   motion: Motion;
-  /** Receives no more of it. */
+  /** Ends its subscription. */
   close: () => void;
   askedAt: number;
 }
@@ -43,7 +43,7 @@ export class Motions {
 
   constructor(private readonly model: Model) {}
 
-  /** The drives have accepted what was requested; what has ended before is shown no longer. */
+  /** The drives have accepted the request. Motions that ended earlier are no longer shown. */
   async follow(request: object, owner: bigint): Promise<void> {
     const targets = this.targetsOf(request);
     for (const [address, { motion }] of this.followed) {
@@ -53,13 +53,13 @@ export class Motions {
       const ref = this.model.find(address);
       const reading = ref === undefined ? undefined : await this.read(ref);
       const motion = reading === undefined ? undefined : Motion.of(reading, owner, target);
-      if (this.followed.size >= MOST_FOLLOWED) return; // also by another command, while this one has read
+      if (this.followed.size >= MOST_FOLLOWED) return; // another command may have added some while this one was reading
       if (ref !== undefined && motion !== undefined) this.open(ref, motion);
     }
   }
 
-  /** @return where the axes of the request will end [UU]; undefined for a relative move, and where what is resumed
-   *          was started by others: 607Ah may be a distance, too */
+  /** @return the end positions of the axes in the request [UU]; undefined for a relative move, and for a resumed
+   *          motion that others started, whose 607Ah may be a distance */
   private targetsOf(request: object): Map<string, number | undefined> {
     const { axis, axes = [], moves = [], position, relative } = request as MotionRequest;
     const one: [string, number | undefined][] = axis === undefined ? [] : [[axis, relative === true ? undefined : position]];
@@ -67,7 +67,7 @@ export class Motions {
     return new Map([...one, ...resumed, ...moves.map((move) => [move.axis, move.position] as const)]);
   }
 
-  /** The page has lost control, or its connection: it does not learn how they end. */
+  /** The page has lost control or its connection, and will not learn how they end. */
   lose(): void {
     for (const { motion, close } of this.followed.values()) {
       motion.end ??= { kind: "lost" };
@@ -75,7 +75,7 @@ export class Motions {
     }
   }
 
-  /** Another run of the bench knows nothing of them; a line of its own tells of that run. */
+  /** Another run of the bench knows nothing of them; a separate line reports that run. */
   forgetBench(number: number): void {
     for (const [address, { ref }] of this.followed) if (ref.bench.number === number) this.forget(address);
   }

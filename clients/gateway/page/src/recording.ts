@@ -11,7 +11,7 @@ interface Reader {
   finish(): Recorded;
 }
 
-/** MCAP begins with it; CSV does not. */
+/** First byte of MCAP; CSV never begins with it. */
 const MCAP_MAGIC = 0x89;
 
 export class Recording implements Source {
@@ -19,7 +19,7 @@ export class Recording implements Source {
   readonly events: EventFeed;
   private readonly samples: Map<string, Samples>;
 
-  /** @param cut why the file ends before its end; "" where it is whole */
+  /** @param cut why the file is incomplete; "" if it is complete */
   constructor(
     readonly name: string,
     { axes, events, period }: Recorded,
@@ -42,7 +42,7 @@ export class Recording implements Source {
   }
 }
 
-/** What reads MCAP is large, and few need it. */
+/** The MCAP reader is large and rarely needed, so it is loaded on demand. */
 async function readerOf(first: Uint8Array): Promise<Reader> {
   if (first[0] === MCAP_MAGIC) return new (await import("./data/recorded_mcap")).McapReader();
   const { CsvReader } = await import("./data/recorded_csv");
@@ -51,7 +51,7 @@ async function readerOf(first: Uint8Array): Promise<Reader> {
   return { append: (bytes) => reader.append(decoder.decode(bytes, { stream: true })), finish: () => reader.finish() };
 }
 
-/** @param progress hears how much was read, 0 to 1
+/** @param progress called with the share that has been read, 0 to 1
  *  @throws Error that names the file, the place and what is wrong */
 export async function openRecording(file: File, progress: (share: number) => void): Promise<Recording> {
   try {
@@ -65,7 +65,7 @@ export async function openRecording(file: File, progress: (share: number) => voi
       reader.append(part.value);
       read += part.value.byteLength;
       progress(read / file.size);
-      await new Promise((resolve) => setTimeout(resolve)); // messages and keys come between
+      await new Promise((resolve) => setTimeout(resolve)); // lets messages and keys be handled
     }
     const recorded = reader?.finish();
     if (recorded === undefined) throw new Error("the file is empty");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a scope has its samples from: the benches, or a recording.
+// The source of a scope's samples: the benches, or a recording.
 
 import type { EventFeed } from "./data/events";
 import type { SampledAxis, Samples } from "./data/samples";
@@ -7,15 +7,14 @@ import { addressOf, type AxisRef, type Model } from "./model";
 import type { Traces } from "./traces";
 
 export interface Source {
-  /** New samples come while it is shown. */
+  /** New samples arrive while it is shown. */
   readonly isLive: boolean;
   /** axes that a scope can show */
   axes(): SampledAxis[];
-  /** @return the samples of these axes, by address, without those that are not there. Of live axes they are
-   *          received from now on. */
+  /** @return the samples of these axes, by address, without missing ones. Live axes are received from now on. */
   open(addresses: readonly string[]): Map<string, Samples>;
   readonly events: EventFeed;
-  /** @return the axis on its bench; nothing for one of a recording */
+  /** @return the axis on its bench; undefined for an axis of a recording */
   ref(address: string): AxisRef | undefined;
 }
 
@@ -23,7 +22,7 @@ export class LiveSource implements Source {
   readonly isLive = true;
   readonly events: EventFeed;
 
-  /** @param always is received, also when no strip shows it */
+  /** @param always received even if no strip shows it */
   constructor(
     private readonly model: Model,
     private readonly traces: Traces,

@@ -37,7 +37,7 @@ export class Trace extends Samples {
     );
   }
 
-  /** Receives from now on. What was received before stays, with a gap behind it. */
+  /** Starts receiving. Earlier samples are kept, followed by a gap. */
   open(): void {
     if (this.ends.length > 0) return;
     const topic = topicOf(this.ref);
@@ -49,7 +49,7 @@ export class Trace extends Samples {
     ];
   }
 
-  /** Receives no more. */
+  /** Stops receiving. */
   close(): void {
     this.show(false);
     for (const end of this.ends) end();
@@ -57,7 +57,7 @@ export class Trace extends Samples {
     this.leave();
   }
 
-  /** While a view shows it the controlword is read, which no topic has. */
+  /** While a view shows the axis, its controlword is read, which no topic contains. */
   show(on: boolean): void {
     window.clearInterval(this.timer);
     this.timer = 0;

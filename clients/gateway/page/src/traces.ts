@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the page has received of axes: it stays while other views are shown.
+// The received samples of axes, which are kept while other views are shown.
 
 import { addressOf, type AxisRef, type Model } from "./model";
 import { Trace } from "./trace";
@@ -8,15 +8,15 @@ import { Trace } from "./trace";
 export const MOST_TRACES = 8;
 
 export class Traces {
-  /** by address and run of the bench; the ones shown last are the last ones */
+  /** by address and run of the bench; in the order in which they were last shown */
   private readonly traces = new Map<string, Trace>();
   private shown: Trace[] = [];
 
   constructor(private readonly model: Model) {}
 
   /** @param refs MOST_TRACES at most
-   *  @return what was received of these axes, which are received from now on, also while no view shows
-   *          them, until others are shown */
+   *  @return the samples of these axes. The axes are received from now on until others are shown, even while no view
+   *          shows them. */
   show(refs: readonly AxisRef[]): Trace[] {
     const wanted = refs.map((ref) => this.find(ref));
     for (const trace of this.shown) if (!wanted.includes(trace)) trace.close();

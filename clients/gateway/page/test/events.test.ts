@@ -17,7 +17,7 @@ test("the history comes before newer events, and no event appears twice", () => 
   const list = new EventList(100);
   list.add(event(EPOCH_S + 3));
   list.add(event(EPOCH_S + 4));
-  // The gateway has noted the first of them, too.
+  // The gateway has also stored the first of them.
   list.merge([event(EPOCH_S + 1), event(EPOCH_S + 2), event(EPOCH_S + 3)]);
   assert.deepEqual(times(list), [1, 2, 3, 4].map((second) => EPOCH_S + second));
   list.merge([event(EPOCH_S + 1), event(EPOCH_S + 5)]);

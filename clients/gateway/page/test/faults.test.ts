@@ -15,7 +15,7 @@ test("the windows of an axis are those with a cause of it, newest first", () => 
 });
 
 test("a strip has each value where there are pixels enough", () => {
-  // 0 stands at the bottom, 10 at the top, 5 in the middle
+  // 0 is at the bottom, 10 at the top, 5 in the middle
   const values = [0, 10, 5];
   assert.equal(strip(values, scaleOf(values), 100, 40), "0.0,40.0 50.0,0.0 100.0,20.0");
 });
@@ -35,7 +35,7 @@ test("a strip of one value is a line in the middle", () => {
 });
 
 test("two lines of a strip share a scale", () => {
-  // 5 of 0 to 20 stands a quarter above the bottom
+  // 5 of 0 to 20 is a quarter above the bottom
   const scale = scaleOf([0, 20], [5, 5]);
   assert.equal(strip([5, 5], scale, 10, 40), "0.0,30.0 10.0,30.0");
 });

@@ -30,7 +30,7 @@ class FakeGateway {
   } as unknown as Model);
 }
 
-/** @return a group move of so many axes to 5,000 UU */
+/** @return a group move of this many axes to 5,000 UU */
 const moveOf = (count: number, first: number) => ({ moves: Array.from({ length: count }, (_, i) => ({ axis: `1.${first + i}`, position: 5000 })) });
 
 test("32 axes are followed at most, of all commands, also of those that come at the same time", async () => {

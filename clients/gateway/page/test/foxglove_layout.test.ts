@@ -40,7 +40,7 @@ test("the script of an axis gives names for state and mode, and values in its un
   assert.equal(output, scriptTopic("axis1"));
   assert.equal(script({ topic: "/bench1/axis1/status", message: STATUS })?.["position"], 1024, "UU before the unit is known");
   assert.equal(script(described({ kind: "rotary", name: "deg", per: 4096 })), undefined);
-  // A quarter of a turn, and one turn a second back.
+  // A quarter of a turn, and one turn per second backwards.
   assert.deepEqual(script({ topic: "/bench1/axis1/status", message: STATUS }), {
     power_state: "Operation enabled", mode: "profile position", unit: "deg", position: 90, position_demand: 180,
     velocity: -360, velocity_demand: 0, following_error: 0, torque_percent: -12.3,

@@ -23,7 +23,7 @@ function filled(samples: number, capacity: number, spikes: Map<number, number> =
 test("few samples are drawn unchanged", () => {
   const history = filled(100, 1000);
   const points = history.points(0.0105, 0.0195, 50, [0]);
-  // Samples 11 to 19 lie inside; one beside each end lets the line run to the edge.
+  // Samples 11 to 19 are inside; one at each end lets the line run to the edge.
   assert.deepEqual(points.y[0], Array.from({ length: 11 }, (_, i) => history.value(0, 10 + i)));
 });
 
@@ -83,7 +83,7 @@ test("times of the points ascend", () => {
 test("the oldest samples are removed in whole blocks", () => {
   const history = filled(BLOCK * 10 + 5, BLOCK * 4);
  
-  // 645 samples and room for 256: the first 389 are gone, and with them their blocks up to 448.
+  // 645 samples in a capacity of 256: the first 389 are gone, and with them the blocks up to 448.
   assert.equal(history.first, 448);
   assert.equal(history.end, 645);
   const { x } = history.points(0, 1, 1000, [0]);
@@ -108,7 +108,7 @@ test("lost samples are a gap in columns, too", () => {
     }
     const { x, y } = history.points(0, 3 * samples * 0.001, 200, [0]);
     const at = y[0].indexOf(null);
-    // The gap lies in the middle third; a column is 1.5 % of it.
+    // The gap is in the middle third; a column is 1.5 % of it.
     assert.ok(at > 0 && Math.abs(x[at] / (samples * 0.001) - 1) < 0.02, `at ${x[at]} s`);
     assert.equal(y[0].indexOf(null, at + 1), -1, "only one gap");
   }

@@ -32,7 +32,7 @@ test("messages that arrive while the page is busy are one batch, in order", () =
 
 test("beyond the limit the oldest messages of channels are left out and counted, answers never", () => {
   const { batches, mailbox } = start(6); // [bytes]: three messages of two bytes
-  mailbox.put("first"); // under way: it does not wait
+  mailbox.put("first"); // being delivered: does not wait
   for (let i = 1; i <= 4; ++i) mailbox.put(i === 1 ? answer(i) : data(i));
   mailbox.put("ab");
   mailbox.taken();

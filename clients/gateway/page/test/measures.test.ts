@@ -4,7 +4,7 @@ import { test } from "node:test";
 
 import { extentOf, stepResponseOf, type Part } from "../src/data/measures";
 
-const STEP = 0.0001; // [s] of a sample
+const STEP = 0.0001; // [s] per sample
 
 function part(samples: number, value: (time: number) => number): Part {
   return { begin: 0, end: samples, time: (n) => n * STEP, value: (n) => value(n * STEP) };
@@ -43,13 +43,13 @@ test("a second-order system with a damping of 0.5 overshoots by 16.3 %", () => {
   );
   // e^(-pi d / sqrt(1 - d^2))
   near(found?.overshoot, Math.exp((-Math.PI * damping) / Math.sqrt(1 - damping ** 2)), 1e-4);
-  // Of this system within 2 % for good after 8.08 / omega, by the roots of its response; the envelope would give 8.11.
+  // For this system within 2 % for good after 8.08 / omega, by the roots of its response; the envelope would give 8.11.
   near(found?.settling, 0.0808, 0.0005);
 });
 
 test("a step between two samples rises within their distance", () => {
   const found = stepResponseOf(part(1000, (time) => (time < 0.03 ? 0 : 100)));
-  // From 10 % to 90 % of the line between both samples.
+  // From 10 % to 90 % of the line between the two samples.
   near(found?.rise, 0.8 * STEP, 1e-9);
   near(found?.settling, 0.03, STEP);
 });

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-/** What the page posts to the worker that has its WebSocket, and what it receives from there. */
+/** The messages that the page posts to the worker with its WebSocket, and those that it receives. */
 interface FakeWorker {
   onmessage?: (event: { data: unknown }) => void;
   orders: { kind: string; packet?: string }[];
@@ -157,7 +157,7 @@ test("what was kept of an axis shows the bench of a gateway that was started aga
   const [kept] = [model.find("1.1"), ...model.axes()];
   assert.ok(kept !== undefined);
   gateway.end();
-  gateway.start(); // the bench is found later than the page connects
+  gateway.start(); // the bench is found after the page has connected
   assert.equal(model.find("1.1"), undefined);
   assert.equal(kept.axis.name, "x");
   bringBench(gateway);

@@ -84,7 +84,7 @@ test("a limit switch that has opened again has ended the move, one on the other 
   assert.deepEqual(taking(move({ target: -5000 }), { inputs: 1, velocity: 0 }).end, { kind: "negative_limit" });
 });
 
-/** It stands with bit 10 somewhere on its way. */
+/** It stands still with bit 10 somewhere on its way. */
 const STANDS: Partial<Sight> = { statusword: ENABLED | REACHED, velocity: 0 };
 
 test("where the axis stands on its way the drive is asked: a halt, another set-point, or it goes on", () => {

@@ -66,7 +66,7 @@ for (const [what, text, reason] of [
 
 const SCHEMA = "builtin_interfaces/Time stamp\nuint64 tick\nint32 load_position_actual_value\nuint16 ds402_statusword\nuint64 owner_session\n";
 
-/** CDR of SCHEMA: int32, uint32, uint64, int32, uint16, uint64 on their alignments. */
+/** CDR of SCHEMA: int32, uint32, uint64, int32, uint16, uint64 with their alignments. */
 function status(tick: number, position: number): Uint8Array {
   const view = new DataView(new ArrayBuffer(4 + 32));
   view.setUint8(1, 1);
@@ -140,7 +140,7 @@ test("MCAP that is cut anywhere is shown up to its last whole chunk, or has no s
 test("what is no MCAP, or damaged, is named with its byte", async () => {
   assert.throws(() => readMcap(new TextEncoder().encode("no recording of anything")), { message: /^byte 0: .*MCAP/ });
   const bytes = (await recording()).slice();
-  // The second chunk: its CRC does not fit any more.
+  // The second chunk: its CRC no longer matches.
   const place = Buffer.from(bytes).indexOf(Buffer.from(status(104, 1040).subarray(12, 24)));
   bytes[place] ^= 1;
   const recorded = readMcap(bytes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the tests of the page's pure parts with node's own runner.
+// Runs the tests of those parts of the page that need no browser, with the test runner of node.
 import { build } from "esbuild";
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readdirSync, rmSync } from "node:fs";
@@ -8,7 +8,7 @@ import { fileURLToPath } from "node:url";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const sources = readdirSync(here).filter((name) => name.endsWith(".test.ts"));
-// There the programs find the packages of the page.
+// The programs find the packages of the page there.
 const work = mkdtempSync(join(here, "../node_modules/.test-"));
 try {
   await build({

@@ -23,7 +23,7 @@ test("a signal that starts beyond the level has no edge before it was on the oth
 });
 
 test("a bit triggers when it changes, whatever the others do", () => {
-  // Bit 10, target reached: 0x0637 has it, 0x0237 has not.
+  // Bit 10, target reached: set in 0x0637, not in 0x0237.
   const words = [0x0237, 0x0227, 0x0637, 0x0637, 0x0237];
   assert.equal(find(words, "bit_set", 10), 2);
   assert.equal(find(words, "bit_cleared", 10), 4);

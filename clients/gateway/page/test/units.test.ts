@@ -20,11 +20,11 @@ import {
 
 test("a rotary axis is shown in degrees with decimals that resolve one user unit", () => {
   const scale = scaleOf({ kind: "rotary", name: "deg", per: 4096 });
-  // 360 / 4096 = 0.088 degrees a unit: 2 decimals.
+  // 360 / 4096 = 0.088 degrees per unit: 2 decimals.
   assert.deepEqual(scale, { name: "°", factor: 360 / 4096, decimals: 2 });
   assert.equal(formatUnits(1024, scale), "90.00");
   assert.equal(toUserUnits(90, scale), 1024);
-  assert.equal(toUserUnits(0.05, scale), 1); // the nearest whole unit
+  assert.equal(toUserUnits(0.05, scale), 1); // the nearest integer
 });
 
 test("a linear axis counts its user units in one unit of length", () => {
@@ -60,7 +60,7 @@ test("formatted numbers can be typed again", () => {
 const ROTARY = { kind: "rotary", name: "deg", per: 4096 };
 const LINEAR = { kind: "linear", name: "mm", per: 1000 };
 
-/** @return the user units of what was typed where the page shows user units. */
+/** @return the user units of typed text while the page shows user units. */
 const typed = (text: string, unit: typeof ROTARY) => {
   const found = parseQuantity(text, USER_UNITS, unit);
   return "why" in found ? found.why : (wholeUserUnits(found) ?? "a fraction");

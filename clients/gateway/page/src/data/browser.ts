@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which program shows this page: other clients of the gateway read it before they take control.
+// Identifies the program that shows this page, because other clients of the gateway see it before they take control.
 
-/** The word in the user agent, and the name; most also claim to be Chrome, and Chrome to be Safari. */
+/** The word in the user agent, and the name. The order matters: most claim to be Chrome too, and Chrome to be
+ *  Safari. */
 const BROWSERS = [
   ["Edg", "Edge"],
   ["OPR", "Opera"],
@@ -11,7 +12,7 @@ const BROWSERS = [
 ] as const;
 const SYSTEMS = ["Windows", "Android", "iPhone", "iPad", "Mac OS", "CrOS", "Linux"];
 
-/** @return such as "Chrome 131, Windows"; empty where the user agent shows neither */
+/** @return such as "Chrome 131, Windows"; empty if the user agent contains neither */
 export function browserOf(userAgent: string): string {
   const browser = BROWSERS.map(([word, name]) => {
     const version = new RegExp(`${word}/(\\d+)`).exec(userAgent)?.[1];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What benches report, from their topics and from the history that the gateway keeps.
+// Events of the benches, from their topics and from the history that the gateway keeps.
 
 import type { Of } from "../protocol/checked";
 import { nameMatches, wordsOf } from "./rows";
@@ -14,7 +14,7 @@ export interface LogEvent {
   time: number;
   /** of foxglove.Log: 2 info, 3 warning, 4 error */
   level: number;
-  /** as the core names it, such as "fault_reset" */
+  /** name in the core, such as "fault_reset" */
   kind: string;
   message: string;
 }
@@ -47,24 +47,24 @@ function keyOf({ bench, axis, tick, kind, message }: LogEvent): string {
   return `${bench} ${axis} ${tick} ${kind} ${message}`;
 }
 
-/** Events that a view shows. */
+/** The events of a view. */
 export interface EventFeed {
   readonly events: readonly LogEvent[];
-  /** Grows with each change. */
+  /** Increases with each change. */
   readonly version: number;
 }
 
 const SESSION = /session 0x([0-9a-f]{16})/g;
 const FAULT = /\bfault 0x([0-9A-Fa-f]{4})\b/g;
 
-/** @return the sessions that a message names, in hex as the gateway writes them */
+/** @return the sessions named in a message, in hex as the gateway writes them */
 export function sessionsIn(message: string): string[] {
   return [...message.matchAll(SESSION)].map(([, session]) => session);
 }
 
-/** @param nameOf a session, where it is known
- *  @param errorOf a code of 603Fh; "" where it has no name
- *  @return the message with names in place of numbers, without the axis before it, which stands beside it */
+/** @param nameOf name of a session, if known
+ *  @param errorOf name of a code of 603Fh; "" if it has none
+ *  @return the message with names instead of numbers, without the leading axis, which is shown separately */
 export function eventText({ axis, message }: LogEvent, nameOf: (session: string) => string | undefined, errorOf: (code: number) => string): string {
   const prefix = `axis ${axis}: `;
   const bare = axis !== 0 && message.startsWith(prefix) ? message.slice(prefix.length) : message;
@@ -74,14 +74,14 @@ export function eventText({ axis, message }: LogEvent, nameOf: (session: string)
 }
 
 export interface EventFilter {
-  /** of foxglove.Log, and above */
+  /** of foxglove.Log: this one and above */
   level: number;
   text: string;
   /** "" = all */
   session: string;
 }
 
-/** @param shown the text of the event with its source: each word of the filter must occur in it */
+/** @param shown the text of the event with its source, which must contain each word of the filter */
 export function matchesEvent(event: LogEvent, shown: string, { level, text, session }: EventFilter): boolean {
   const isOfSession = session === "" || sessionsIn(event.message).includes(session);
   return event.level >= level && isOfSession && nameMatches("", shown, wordsOf(text));
@@ -99,10 +99,10 @@ export function eventsCsv(rows: readonly { event: LogEvent; source: string; text
   return ["source,tick,time [s],date,level,kind,text", ...lines, ""].join("\n");
 }
 
-/** The events of all benches, bounded, in the order in which they came. */
+/** The events of all benches in the order of arrival, up to a limit. */
 export class EventList implements EventFeed {
   private list: LogEvent[] = [];
-  /** Grows with each change. */
+  /** Increases with each change. */
   version = 0;
 
   constructor(private readonly most: number) {}
@@ -116,14 +116,14 @@ export class EventList implements EventFeed {
     this.trim();
   }
 
-  /** Another run of the bench has begun: its ticks may count anew. */
+  /** Another run of the bench has begun, which may count ticks from 0 again. */
   forget(bench: number): void {
     this.list = this.list.filter((event) => event.bench !== bench);
     ++this.version;
   }
 
-  /** Puts in what came before, in the order of time; what is there already is left out. Times of
-   *  benches that do not count from the epoch are not compared with those of others: they stand first. */
+  /** Inserts earlier events by time, without duplicates. Times of benches that do not count from the epoch cannot be
+   *  compared with those of others: these events come first. */
   merge(history: LogEvent[]): void {
     const known = new Set(this.list.map(keyOf));
     const place = ({ time }: LogEvent) => (isWallTime(time) ? time : 0);
@@ -132,7 +132,8 @@ export class EventList implements EventFeed {
     this.trim();
   }
 
-  /** Of too many the oldest of the most frequent kind go: a bench with late ticks keeps its faults. */
+  /** Drops the oldest events of the most frequent kind when there are too many, so that a bench with late ticks
+   *  keeps its faults. */
   private trim(): void {
     ++this.version;
     if (this.list.length <= this.most) return;

@@ -82,7 +82,7 @@ export type KeptWindow = Of<typeof WINDOW>;
 export type Fault = Of<typeof FAULT>;
 export type FaultSeries = Exclude<keyof Fault["samples"], "tick">;
 
-/** @return the windows that have this axis among their causes, newest first. */
+/** @return the windows with this axis among their causes, newest first. */
 export function windowsOf(windows: KeptWindow[], axis: number): KeptWindow[] {
   return windows.filter(({ causes }) => causes.some((cause) => cause.axis === axis)).reverse();
 }
@@ -93,7 +93,7 @@ export interface Scale {
   high: number;
 }
 
-/** @return the scale on which all of these values have a place. */
+/** @return the scale that contains all of these values. */
 export function scaleOf(...lines: number[][]): Scale {
   let low = Infinity;
   let high = -Infinity;
@@ -107,8 +107,8 @@ export function scaleOf(...lines: number[][]): Scale {
 }
 
 /**
- * The course of a value, with as many points as there are pixels: of the ticks that share one its lowest and highest value.
- * @param values one for each tick
+ * The curve of a value with one point per pixel: the lowest and highest value of the ticks that share a pixel.
+ * @param values one per tick
  * @return the points of an SVG polyline: x from 0 to `width`, y from 0 at the top to `height`
  */
 export function strip(values: number[], { low, high }: Scale, width: number, height: number): string {

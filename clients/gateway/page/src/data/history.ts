@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The last minutes of one axis, every tick, and how a plot of any width shows them without hiding a
-// single sample.
+// The last minutes of one axis, every tick, reduced to a plot of any width without hiding a single sample.
 
-/** Samples in a block, of which the extremes are kept: long windows read blocks, not samples. */
+/** Samples per block. The extremes of each block are kept, so that long windows read blocks instead of samples. */
 export const BLOCK = 64;
 const MOST_DECIMALS = 6;
 
 type Column = Int8Array | Uint8Array | Int16Array | Uint16Array | Int32Array | Uint32Array | Float32Array | Float64Array;
-/** Holds the values of a series. */
+/** The array type of a series. */
 export type Kind = new (length: number) => Column;
 
-/** Points of a plot: x ascending; null is a gap. Each y is one of the wanted series. */
+/** Points of a plot: x ascending; null is a gap. Each y is one of the requested series. */
 export interface Points {
   x: number[];
   y: (number | null)[][];
@@ -29,11 +28,11 @@ export class History {
   private readonly blockMinimum: Column[];
   private readonly blockMaximum: Column[];
   private total = 0;
-  /** numbers of the samples before which others were lost, ascending */
+  /** numbers of the samples that follow lost ones, ascending */
   private readonly gaps = new Set<number>();
 
   /** @param kinds of its series
-   *  @param capacity [samples], rounded up to whole blocks */
+   *  @param capacity [samples], rounded up to full blocks */
   constructor(
     private readonly kinds: readonly Kind[],
     capacity: number,
@@ -47,13 +46,13 @@ export class History {
     this.blockMaximum = make(blocks);
   }
 
-  /** Number of the oldest sample kept; numbers count from 0 since `clear`. */
+  /** Number of the oldest sample kept; counted from 0 since `clear`. */
   get first(): number {
     if (this.total <= this.capacity) return 0;
     return Math.ceil((this.total - this.capacity) / BLOCK) * BLOCK;
   }
 
-  /** Number of the sample that will come next. */
+  /** Number of the next sample. */
   get end(): number {
     return this.total;
   }
@@ -63,7 +62,7 @@ export class History {
     this.gaps.clear();
   }
 
-  /** Samples were lost before the next one. */
+  /** Samples before the next one were lost. */
   markGap(): void {
     this.gaps.add(this.total);
     for (const gap of this.gaps) {
@@ -72,7 +71,7 @@ export class History {
     }
   }
 
-  /** @param time [s], not before the last one */
+  /** @param time [s], not before that of the previous sample */
   append(time: number, sample: ArrayLike<number>): void {
     const slot = this.total % this.capacity;
     const block = Math.floor(slot / BLOCK);
@@ -95,7 +94,7 @@ export class History {
     return this.values[series][number % this.capacity];
   }
 
-  /** @return the number of the first sample at or after `time`, `end` when there is none. */
+  /** @return the number of the first sample at or after `time`; `end` if there is none. */
   lowerBound(time: number): number {
     let low = this.first;
     let high = this.total;
@@ -116,9 +115,9 @@ export class History {
     return time - this.time(after - 1) <= this.time(after) - time ? after - 1 : after;
   }
 
-  /** The samples from `from` to `to` [s] in at most two points a column: where a column has more
-   *  samples than that, the least and the greatest of each series in the order in which they came.
-   *  Columns stand at fixed times, so that a plot that moves does not flicker.
+  /** The samples from `from` to `to` [s] with at most two points per column: if a column has more samples, the
+   *  minimum and maximum of each series, in their order. Columns are at fixed times, so that a scrolling plot does
+   *  not flicker.
    *  @param wanted series */
   points(from: number, to: number, columns: number, wanted: readonly number[]): Points {
     const start = Math.max(this.first, this.lowerBound(from) - 1);
@@ -149,7 +148,7 @@ export class History {
       const column = columnOf(n);
       const begin = n;
       while (n < end && columnOf(n) === column) n += step;
-      // Columns have several samples each: an empty one means that samples were lost.
+      // Here each column has several samples, so an empty one means that samples were lost.
       if (begin > start && column > before + 1) this.addGap(points, (before + 1) * width);
       before = column;
       points.x.push((column + 0.25) * width, (column + 0.75) * width);
@@ -192,7 +191,7 @@ export class History {
   }
 }
 
-/** @return limits of an axis around the values: round, and not narrower than `least`. */
+/** @return limits of an axis around the values: round, and at least `least` apart. */
 export function niceRange(minimum: number, maximum: number, least: number): [number, number] {
   if (!Number.isFinite(minimum) || !Number.isFinite(maximum)) return [-least / 2, least / 2];
   const middle = (minimum + maximum) / 2;
@@ -205,7 +204,7 @@ export function niceRange(minimum: number, maximum: number, least: number): [num
   ];
 }
 
-/** Decimals that show neighbouring labels of an axis as they are, and not rounded: 1 for steps of 2.5. */
+/** The decimals needed to show neighbouring labels of an axis without rounding: 1 for steps of 2.5. */
 export function labelDecimals(labels: number[]): number {
   const step = labels.length < 2 ? 1 : Math.abs(labels[1] - labels[0]);
   const isWhole = (value: number) => Math.abs(value - Math.round(value)) < 1e-6 * value;

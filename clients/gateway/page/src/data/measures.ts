@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a part of a signal measures: between two cursors.
+// Measurements of a part of a signal, between two cursors.
 
-/** Samples `begin` to `end`, without the last one. */
+/** Samples `begin` to `end`, excluding `end`. */
 export interface Part {
   begin: number;
   end: number;
@@ -16,25 +16,25 @@ export interface Extent {
   mean: number;
 }
 
-/** Of a signal that goes from its first value to another one, where it stays. */
+/** A signal that moves from its first value to another one and stays there. */
 export interface StepResponse {
   /** [s] from 10 % to 90 % of the step */
   rise: number;
-  /** of the step, 0 = none */
+  /** fraction of the step, 0 = none */
   overshoot: number;
-  /** [s] from the first sample until the signal stays within SETTLED of its end */
+  /** [s] from the first sample until the signal stays within SETTLED of its final value */
   settling: number;
 }
 
-/** of the step */
+/** fraction of the step */
 const SETTLED = 0.02;
-/** The mean of the last samples is where the signal ends. */
+/** The mean of the last samples is the final value. */
 const END_SHARE = 0.05;
 const FEWEST_SAMPLES = 20;
-/** Beyond twice its height this is no step. */
+/** An overshoot of more than the height of the step means that it is not a step. */
 const MOST_OVERSHOOT = 1;
 
-/** @return undefined without samples */
+/** @return undefined if there are no samples */
 export function extentOf({ begin, end, value }: Part): Extent | undefined {
   if (end <= begin) return undefined;
   let minimum = Infinity;
@@ -49,7 +49,7 @@ export function extentOf({ begin, end, value }: Part): Extent | undefined {
   return { minimum, maximum, mean: sum / (end - begin) };
 }
 
-/** @return undefined where the signal is no step */
+/** @return undefined if the signal is not a step */
 export function stepResponseOf(part: Part): StepResponse | undefined {
   const { begin, end, time, value } = part;
   if (end - begin < FEWEST_SAMPLES) return undefined;
@@ -69,7 +69,7 @@ export function stepResponseOf(part: Part): StepResponse | undefined {
   }
   const isStep = settled <= end - tail && peak - 1 <= MOST_OVERSHOOT && lowest >= -MOST_OVERSHOOT;
   if (!isStep) return undefined;
-  /** between the samples on both sides of the crossing */
+  /** interpolated between the samples on both sides of the crossing */
   const crossing = (level: number): number => {
     let n = begin;
     while (n < end - 1 && share(n) < level) ++n;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What happened to one axis, as marks over its plots: from the status of each tick, and from events.
+// The history of one axis as marks on its plots: from the status of each tick, and from events.
 
 import type { LogEvent } from "./events";
 import type { PowerState } from "./power";
@@ -7,9 +7,9 @@ import type { PowerState } from "./power";
 /** A change in the status of an axis. */
 export interface Moment {
   tick: number;
-  /** the state that the axis has since then; nothing for a fault */
+  /** new state of the axis; undefined for a fault */
   state?: PowerState;
-  /** 603Fh since then; nothing for a change of state */
+  /** new value of 603Fh; undefined for a change of state */
   code?: number;
 }
 
@@ -22,15 +22,15 @@ export interface Mark {
   event?: LogEvent;
 }
 
-/** What the status shows by itself, for the tick. */
+/** Events that the status shows too, with its tick. */
 const OF_STATUS: Record<string, MarkKind> = { state_changed: "state", fault: "fault" };
-/** On a busy machine late ticks come by the hundred and would hide what happened: they are in the list alone. */
+/** On a busy machine there are hundreds of late ticks, which would hide other marks: they are only in the list. */
 const UNMARKED = new Set(["tick_overrun"]);
-/** [ticks] The event of a change has the tick in which it was, or the one after it. */
+/** [ticks] An event has the tick of its change, or the one after it. */
 const SAME_CHANGE = 1;
 
 /** @param moments and events in the order of their ticks; events of this axis, or of its bench
- *  @return each change once: an event of a change that the status shows is left out. */
+ *  @return each change once: events of changes that the status shows are left out. */
 export function marksOf(moments: readonly Moment[], events: readonly LogEvent[]): Mark[] {
   const seen = new Set<string>();
   const marks = moments.map((moment): Mark => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a drive does to its axis, as one status shows it.
+// Whether a drive moves its axis, from one status.
 
 import { decodePowerState } from "./power";
 
@@ -12,7 +12,7 @@ export interface Demand {
   torque: number;
 }
 
-/** @param commandsTorque the mode commands a torque, with which an axis that stands may press
+/** @param commandsTorque the mode commands a torque, so that an axis at standstill may press
  *  @return whether the drive moves its axis or presses with it. */
 export function movesOrPresses({ statusword, velocity, torque }: Demand, commandsTorque: boolean): boolean {
   const presses = commandsTorque && torque !== 0 && decodePowerState(statusword) === "operation_enabled";

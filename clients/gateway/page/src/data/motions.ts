@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A motion that this page has started, from the tick in which the drive had accepted it to its end: what the
-// status of its axis shows, and what has to be read where the status does not show it.
+// A motion that this page has started, from the tick in which the drive accepted it to its end: what the status of its
+// axis shows, and what must be read because the status does not show it.
 
 import { decodePowerState, STATUS_BIT, type PowerState } from "./power";
 import { CONTROL_BIT, HOMING, PROFILE_POSITION } from "./setpoints";
@@ -8,18 +8,18 @@ import { CONTROL_BIT, HOMING, PROFILE_POSITION } from "./setpoints";
 /** 60FDh */
 export const INPUT_BIT = { negativeLimit: 1 << 0, positiveLimit: 1 << 1, home: 1 << 2 } as const;
 
-/** Objects of one tick after the drive has accepted the motion. */
+/** Objects read in one tick after the drive has accepted the motion. */
 export interface Reading {
   tick: number;
   /** 6040h */
   controlword: number;
   /** 6061h */
   mode: number;
-  /** 607Ah [UU], of a relative move a distance */
+  /** 607Ah [UU]; for a relative move a distance */
   target: number;
   /** 6064h [UU] */
   position: number;
-  /** of 607Bh [UU] */
+  /** span of 607Bh [UU] */
   span: number;
 }
 
@@ -44,7 +44,7 @@ export interface Sight {
   velocity: number;
 }
 
-/** What has ended a motion. */
+/** The cause of the end of a motion. */
 export type Cause =
   | { kind: "reached" }
   | { kind: "home_found" }
@@ -60,16 +60,16 @@ const isAmong = (word: number, bit: number): boolean => (word & bit) !== 0;
 export class Motion {
   /** [UU] */
   position: number;
-  /** why it is over; undefined while it goes on */
+  /** why it has ended; undefined while it continues */
   end?: Cause;
-  /** Bit 10 is 1, and the status does not show why: the drive has to be asked. */
+  /** Bit 10 is 1 and the status does not show why: the drive must be asked. */
   mustAsk = false;
   /** 6062h of the last status [UU] */
   private demand?: number;
   private blocked?: "positive_limit" | "negative_limit";
 
-  /** @param target where it will end [UU]; undefined where that is not known, as of a relative move
-   *  @return the motion that the drive has accepted; nothing in a mode that knows no end */
+  /** @param target end position [UU]; undefined if unknown, as for a relative move
+   *  @return the motion that the drive has accepted; undefined in a mode whose motions have no end */
   static of(reading: Reading, owner: bigint, target: number | undefined): Motion | undefined {
     return reading.mode === PROFILE_POSITION || reading.mode === HOMING ? new Motion(reading, owner, target) : undefined;
   }
@@ -86,14 +86,14 @@ export class Motion {
     return this.start.mode === HOMING;
   }
 
-  /** @return how much of its way the axis has covered, 0 to 1; undefined where its end is not known */
+  /** @return the share of the distance covered, 0 to 1; undefined if the target is unknown */
   get share(): number | undefined {
     if (this.target === undefined) return undefined;
     const way = this.target - this.start.position;
     return way === 0 ? 1 : Math.min(1, Math.max(0, (this.position - this.start.position) / way));
   }
 
-  /** A status from before the drive accepted the motion shows another one: it is left out. */
+  /** Ignores a status from before the drive accepted the motion, which belongs to an earlier one. */
   take(sight: Sight): void {
     if (this.end !== undefined || sight.tick < this.start.tick) return;
     this.position = sight.position;
@@ -103,7 +103,7 @@ export class Motion {
     this.mustAsk = this.end === undefined && isAmong(sight.statusword, STATUS_BIT.targetReached);
   }
 
-  /** What the drive has answered while bit 10 was 1. */
+  /** Takes the drive's answer, read while bit 10 was 1. */
   answer(reading: Reading): void {
     if (this.end !== undefined || !this.mustAsk || reading.tick < this.start.tick) return;
     if (isAmong(reading.controlword, CONTROL_BIT.halt)) this.end = { kind: "halt" };
@@ -112,7 +112,7 @@ export class Motion {
     else if (this.target === undefined || this.isThere(reading.span)) this.end = { kind: "reached" };
   }
 
-  /** On a modulo axis 6062h is the place in the range of a target beyond it. */
+  /** On a modulo axis, 6062h is the target wrapped into the range. */
   private isThere(span: number): boolean {
     return this.target !== undefined && this.demand !== undefined && span > 0 && (this.target - this.demand) % span === 0;
   }
@@ -131,7 +131,7 @@ export class Motion {
     return (statusword & attained) === attained ? { kind: "home_found" } : undefined;
   }
 
-  /** As the client library: a limit switch in the way ends the motion for good, also when it opens again. */
+  /** As in the client library: a limit switch in the way ends the motion for good, even if it opens again. */
   private endOfMove({ statusword, inputs, demand, velocity }: Sight): Cause | undefined {
     const way = this.target === undefined ? velocity : this.target - demand;
     if (way > 0 && isAmong(inputs, INPUT_BIT.positiveLimit)) this.blocked = "positive_limit";

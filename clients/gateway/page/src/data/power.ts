@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The power state machine of CiA 402 as a statusword shows it.
+// The power state machine of CiA 402, as shown by a statusword.
 
 import { POWER_STATES as ROWS, TRANSITIONS } from "./tables";
 
@@ -24,17 +24,17 @@ export const STATUS_BIT = {
   targetReached: 1 << 10,
   internalLimit: 1 << 11,
   acknowledge: 1 << 12,
-  /** following error, of homing: homing error */
+  /** following error; in homing mode: homing error */
   modeError: 1 << 13,
 } as const;
 
 export function decodePowerState(statusword: number): PowerState {
-  // The last row fits every word.
+  // The last row matches every word.
   return ROWS.find((row) => (statusword & row.mask) === row.value)?.state ?? "not_ready_to_switch_on";
 }
 
-/** @return the fewest transitions that lead from one state to the other, in order. Several may
- *          happen within one tick, of which a statusword shows only the end. */
+/** @return the fewest transitions from one state to the other, in order. Several may happen within one tick, and the
+ *          statusword shows only the final state. */
 export function wayBetween(from: PowerState, to: PowerState): number[] {
   const ways = new Map<PowerState, number[]>([[from, []]]);
   const open: PowerState[] = [from];

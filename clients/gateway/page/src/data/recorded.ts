@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The samples of a recording while it is read, and then as those of axes.
+// The samples of a recording: while it is read, and then as those of axes.
 
 import type { Message } from "../protocol/cdr";
 import type { LogEvent } from "./events";
 import { Samples } from "./samples";
 import type { AxisUnit } from "./units";
 
-/** Of all axes together: some 100 bytes each. */
+/** Limit of all axes together: some 100 bytes per sample. */
 export const MOST_RECORDED_SAMPLES = 4_000_000;
 export const MOST_RECORDED_BYTES = 256 * 2 ** 20;
 const BLOCK = 4_096;
@@ -19,11 +19,11 @@ interface Block {
   ticks: BigUint64Array;
   columns: Map<string, Column>;
   length: number;
-  /** ticks that were missing before it */
+  /** missing ticks before it */
   missed: number;
 }
 
-/** @return the unit of an axis as a recording has it */
+/** @return the unit of an axis as stored in a recording */
 export function recordedUnit(name: string, size: number): AxisUnit {
   return { kind: ROTARY.includes(name) ? "rotary" : "linear", name, per: size };
 }
@@ -42,9 +42,9 @@ export class RecordedAxis {
     public unit?: AxisUnit,
   ) {}
 
-  /** @param value of a member
-   *  @param missed samples that are missing before this one
-   *  @throws Error when the tick is not after the one before */
+  /** @param value returns the value of a member
+   *  @param missed number of missing samples before this one
+   *  @throws Error if the tick is not after the previous one */
   add(tick: number, value: (member: string) => number, missed: number): void {
     if (tick <= this.lastTick) throw new Error(`tick ${tick} of axis ${this.address} comes after tick ${this.lastTick}`);
     this.lastTick = tick;
@@ -61,12 +61,12 @@ export class RecordedAxis {
     ++this.count;
   }
 
-  /** @param period [s] of a tick. What was added is moved to the samples. */
+  /** Moves the samples into the result. @param period [s] of a tick */
   finish(period: number): Samples {
     const [bench, axis] = this.address.split(".").map(Number);
     const { address, name, unit } = this;
     const samples = new Samples({ address, bench, axis, name, unit }, { period, isRegular: true, capacity: this.count, hasControlword: false });
-    // The first one tells from which count on the others are lost.
+    // The first one sets the count from which later losses are counted.
     for (let block = this.blocks.shift(); block !== undefined; block = this.blocks.shift()) {
       const { length, columns, ticks, missed } = block;
       const message: Message = { tick: ticks.subarray(0, length), missed: BigInt(missed) };
@@ -77,13 +77,13 @@ export class RecordedAxis {
   }
 }
 
-/** What a reader of a recording has found. */
+/** The contents of a recording. */
 export interface Recorded {
   axes: RecordedAxis[];
   events: LogEvent[];
   /** [s] of a tick */
   period: number;
-  /** why the file ends before its end; "" where it is whole */
+  /** why the file is incomplete; "" if it is complete */
   cut: string;
 }
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// CSV as `vdrive record` writes it: a row for each axis and tick.
+// CSV as written by `vdrive record`: a row for each axis and tick.
 
 import { RecordedAxis, recordedUnit, SampleLimit, type Kinds, type Recorded } from "./recorded";
 
-/** Columns that are no member of the status. */
+/** Columns that are not members of the status. */
 const OTHERS = ["axis", "name", "tick", "missed", "owner", "owner_epoch", "unit", "unit_size", "position_in_unit", "velocity_in_unit"];
 const NEEDED = ["axis", "tick", "ds402_statusword"];
-/** A text does not have the period of a tick: `vdrive convert` takes the same. */
+/** CSV does not contain the period of a tick. `vdrive convert` uses the same default. */
 const PERIOD_S = 0.001;
 const LONGEST_LINE = 65_536;
 
-/** Takes the text of a file in parts. Errors name the line. */
+/** Takes the text of a file in pieces. Errors name the line. */
 export class CsvReader {
   private readonly axes = new Map<string, RecordedAxis>();
   private readonly limit = new SampleLimit();
@@ -20,7 +20,7 @@ export class CsvReader {
   private rest = "";
   private line = 0;
 
-  /** @throws Error when the text is no recording */
+  /** @throws Error if the text is not a recording */
   append(text: string): void {
     const lines = (this.rest + text).split("\n");
     this.rest = lines.pop() ?? "";
@@ -28,7 +28,7 @@ export class CsvReader {
     if (this.rest.length > LONGEST_LINE) throw new Error(`line ${this.line + 1} has more than ${LONGEST_LINE} characters: not a recording`);
   }
 
-  /** @throws Error when nothing can be shown */
+  /** @throws Error if nothing can be shown */
   finish(): Recorded {
     const axes = [...this.axes.values()];
     if (this.heads === undefined) throw new Error(this.rest === "" ? "the file is empty" : "neither MCAP nor CSV of vdrive record");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// MCAP as `vdrive record` writes it: the status of axes or of benches, and events.
+// MCAP as written by `vdrive record`: the status of axes or of benches, and events.
 
 import { McapStreamReader, type McapTypes } from "@mcap/core";
 import { decompress } from "fzstd";
@@ -8,10 +8,10 @@ import { parseSchema, type Definition, type Field, type Primitive } from "../pro
 import type { LogEvent } from "./events";
 import { RecordedAxis, recordedUnit, SampleLimit, TooLarge, type Kinds, type Recorded } from "./recorded";
 
-/** A chunk of another size is damaged, or not ours. */
+/** A larger chunk is damaged, or not from us. */
 const MOST_CHUNK_BYTES = 64 * 2 ** 20;
 const DEFAULT_PERIOD_NS = 1_000_000;
-/** of a status, but no member of the drive */
+/** in a status, but not a member of the drive */
 const OTHERS = new Set(["tick", "axis", "owner_session", "stamp"]);
 
 const KINDS: Partial<Record<Primitive, new (length: number) => Int8Array | Uint8Array | Int16Array | Uint16Array | Int32Array | Uint32Array>> = {
@@ -32,7 +32,7 @@ interface Channel {
   schema: string;
 }
 
-/** The members of a status that are numbers; of a bench they are arrays. */
+/** The numeric members of a status; in that of a bench they are arrays. */
 function kindsOf(fields: readonly Field[]): Kinds {
   const found = new Map<string, NonNullable<(typeof KINDS)[Primitive]>>();
   for (const { name, type } of fields) {
@@ -47,7 +47,7 @@ function bounded(size: bigint): Uint8Array {
   return new Uint8Array(Number(size));
 }
 
-/** Takes the bytes of a file in parts. Errors name the byte. */
+/** Takes the bytes of a file in pieces. Errors name the byte. */
 export class McapReader {
   private readonly reader = new McapStreamReader({
     decompressHandlers: { zstd: (bytes, size) => decompress(bytes, bounded(size)) },
@@ -66,11 +66,11 @@ export class McapReader {
   private readonly limit = new SampleLimit();
   private periodNs = DEFAULT_PERIOD_NS;
   private bytes = 0;
-  /** where the record that is read next begins */
+  /** offset of the next record */
   private place = 0;
   private cut = "";
 
-  /** What comes after the damage in a damaged file is left out. @throws Error when the file is no recording */
+  /** Ignores everything after the damage in a damaged file. @throws Error if the file is not a recording */
   append(bytes: Uint8Array): void {
     if (this.cut !== "") return;
     try {
@@ -84,7 +84,7 @@ export class McapReader {
     }
   }
 
-  /** @throws Error when nothing can be shown */
+  /** @throws Error if nothing can be shown */
   finish(): Recorded {
     if (this.axes.size === 0) throw new Error("it has no status of an axis: not a recording of vdrive");
     if (this.cut === "" && !this.reader.done()) this.cut = `it ends at byte ${this.bytes}, in what begins at byte ${this.place}: the file is cut; what stands before it is shown`;
@@ -127,7 +127,7 @@ export class McapReader {
     this.channels.set(id, { bench: Number(bench), axis, definition, schema: schema.name });
   }
 
-  /** A file that another program has recorded names its axes by their topics only. */
+  /** A file recorded by another program identifies its axes by their topics only. */
   private axisOf(bench: string, topic: string, metadata: Map<string, string>): number {
     const axis = Number(metadata.get("axis") ?? this.topics.size + 1);
     const address = `${bench}.${axis}`;

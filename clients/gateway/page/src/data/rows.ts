@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which axes the overview shows, and in which order.
+// The filter and order of the axes in the overview.
 
 import { isFault, type PowerState } from "./power";
 
-/** What filters and orders read. */
+/** The values used by filters and orders. */
 export interface Row {
   bench: number;
   axis: number;
@@ -18,7 +18,7 @@ export interface Row {
   torque: number;
   /** [UU] */
   error: number;
-  /** "" = nobody */
+  /** "" = none */
   owner: string;
   fault: number;
   moving: boolean;
@@ -68,7 +68,7 @@ export function wordsOf(text: string): string[] {
   return text.toLowerCase().split(/\s+/).filter((word) => word !== "");
 }
 
-/** Each word must occur in the name, or be how the address starts. */
+/** Each word must occur in the name, or be a prefix of the address. */
 export function nameMatches(address: string, name: string, words: string[]): boolean {
   const lower = name.toLowerCase();
   return words.every((word) => lower.includes(word) || address.startsWith(word));
@@ -102,8 +102,8 @@ function compareBy(key: SortKey, a: Row, b: Row): number {
   }
 }
 
-/** @return the rows in order; those that are equal stand in the order of their addresses. Speeds,
- *          torques and errors are ordered by their size. */
+/** @return the rows in order; equal ones in the order of their addresses. Speeds, torques and errors are ordered by
+ *          magnitude. */
 export function sorted<T extends Row>(rows: readonly T[], order: Order): T[] {
   const sign = order.descending ? -1 : 1;
   return [...rows].sort(

@@ -25,36 +25,36 @@ export interface Way {
   tick: number;
 }
 
-/** A moment of the set-point handshake. */
+/** An event of the set-point handshake. */
 export interface HandshakeMark {
   /** [s] of drive time */
   time: number;
   kind: "accepted" | "ignored" | "reached";
 }
 
-/** 6040h as it was read last: no topic has it. */
+/** The latest value read of 6040h, which no topic contains. */
 export const CONTROLWORD = "ds402_controlword";
-/** Bits that have a series of their own, because the extremes of a word are not those of its bits. */
+/** Bits with a series of their own, because the extremes of a word are not those of its bits. */
 const STATUS_BITS = { acknowledge: STATUS_BIT.acknowledge, reached: STATUS_BIT.targetReached } as const;
-/** What a message has beside the status. */
+/** Members of a message that are not part of the status. */
 const NOT_SAMPLED = new Set(["stamp", "axis", "missed", "tick", "owner_session"]);
 const MOST_MARKS = 2_000;
-/** Times of a history count from a whole hour of drive time: round ones stay round. */
+/** Times of a history count from a full hour of drive time, so that round ones stay round. */
 const ORIGIN_S = 3_600;
 
 export interface Sampling {
   /** [s] of a tick */
   period: number;
-  /** Ticks are published in equal distances. */
+  /** Ticks are published at equal intervals. */
   isRegular: boolean;
   /** [samples] */
   capacity: number;
-  /** 6040h is read beside the messages. */
+  /** 6040h is read in addition to the messages. */
   hasControlword: boolean;
 }
 
-/** Ticks that follow each other in so different distances were jumped over. In freerun they are
- *  published by wall time, in any distance. */
+/** A larger ratio between the intervals of successive ticks means that ticks were skipped. In freerun they are
+ *  published by wall time, at any interval. */
 const JUMP = 4;
 const SHORTEST_JUMP_S = 0.1;
 
@@ -69,20 +69,20 @@ export class Samples {
   /** ticks lost while messages were received */
   lost = 0;
   way?: Way;
-  /** undefined before it was read or when it cannot be read */
+  /** undefined before it has been read, or if it cannot be read */
   controlword?: number;
-  /** As the controlword was read last; undefined as that, and where the drive takes no set-points. */
+  /** As of the last controlword read; undefined without one, and if the drive takes no set-points. */
   setPoints?: HeldSetPoints;
-  /** The tick in which home was found last, false while it is not found; undefined where the axis was not seen in
-   *  homing mode: in others no object shows it. */
+  /** The tick in which home was last found, false if it is not found; undefined if the axis was not seen in homing
+   *  mode: in other modes no object shows it. */
   homedAt?: number | false;
-  /** members of the status that the history has, by their places in it */
+  /** the members of the status in the history, by index */
   members: string[] = [];
   private places = new Map<string, number>();
   private sample: number[] = [];
   private missedBefore?: number;
   private missedLast = 0;
-  /** of drive time, at time 0 of the history */
+  /** hour of drive time at time 0 of the history */
   private hour = 0;
   private originTick?: number;
   /** Messages were not received for a while. */
@@ -103,7 +103,7 @@ export class Samples {
     return this.sampling.period;
   }
 
-  /** @return the place of a member of the status, or of a bit of the handshake; nothing where there is none */
+  /** @return the index of a member of the status, or of a bit of the handshake; undefined if there is none */
   series(name: string): number | undefined {
     return this.places.get(name);
   }
@@ -123,23 +123,23 @@ export class Samples {
     return this.hour * ORIGIN_S;
   }
 
-  /** drive time of the oldest sample [s]; nothing before the first one */
+  /** drive time of the oldest sample [s]; undefined if there is none */
   get begin(): number | undefined {
     return this.history.end === 0 ? undefined : this.origin + this.history.time(this.history.first);
   }
 
-  /** drive time of the newest sample [s] */
+  /** drive time of the newest sample [s]; undefined if there is none */
   get end(): number | undefined {
     return this.history.end === 0 ? undefined : this.origin + this.history.time(this.history.end - 1);
   }
 
-  /** Messages were left out from now on: a gap stands before the next sample. */
+  /** Messages are skipped from now on, so a gap precedes the next sample. */
   protected leave(): void {
     this.wasAway = true;
   }
 
-  /** @param message an array of each member, in ticks that follow each other; `missed` counts those that did not arrive
-   *  @param isCut messages before it were left out by the page itself */
+  /** @param message an array for each member, in successive ticks; `missed` counts those that did not arrive
+   *  @param isCut the page itself has dropped messages before it */
   take(message: Message, isCut = false): void {
     const ticks = message["tick"] as BigUint64Array;
     if (ticks.length === 0) return;
@@ -174,7 +174,7 @@ export class Samples {
     this.members.forEach((name, at) => (this.last[name] = this.sample[at]));
   }
 
-  /** The first message shows which members the status has, and of which types they are. */
+  /** The first message shows the members of the status and their types. */
   private build(message: Message): void {
     const columns = Object.entries(message).filter(([name, value]) => ArrayBuffer.isView(value) && !NOT_SAMPLED.has(name));
     this.members = columns.map(([name]) => name);
@@ -231,8 +231,8 @@ export class Samples {
     return this.sampling.isRegular && step > JUMP * this.step && step * this.period >= SHORTEST_JUMP_S;
   }
 
-  /** The gateway counts missed ticks of its own stream: those of the meantime were not wanted. What
-   *  changed then did not change in this tick. */
+  /** The gateway counts missed ticks of its own stream; those while the page did not receive do not matter. Changes
+   *  during that time did not happen in this tick. */
   private resume(): void {
     this.wasAway = false;
     this.lostBefore = this.lost;
@@ -250,7 +250,7 @@ export class Samples {
     if (this.marks.length > MOST_MARKS) this.marks.shift();
   }
 
-  /** The bench has started again, or went back to a snapshot. */
+  /** The bench has been restarted, or set back to a snapshot. */
   private restart(): void {
     this.history.clear();
     this.marks.length = 0;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scope shows as the query of a link, such as
+// The contents of a scope as the query of a link, such as
 // s=1.1:position_demand_value,load_position_actual_value;1.2:torque_demand&w=10&t=100,110&c=103,106
 
 import { CONDITIONS, MODES, type Trigger } from "./trigger";
 
-/** Signals of one axis over each other, with one scale. */
+/** Signals of one axis in one strip, with one scale. */
 export interface StripState {
   /** address */
   axis: string;
-  /** of the status, or SET_POINTS alone */
+  /** of the status, or only SET_POINTS */
   members: string[];
 }
 
@@ -72,7 +72,7 @@ function decoded(text: string): string | undefined {
   }
 }
 
-/** @return what the query says; `bad` are the parts that cannot be read, which are left out */
+/** @return the state in the query; `bad` contains the parts that cannot be parsed and are ignored */
 export function parseScope(query: string): { state: Partial<ScopeState>; bad: string[] } {
   const state: Partial<ScopeState> = {};
   const bad: string[] = [];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many set-points a drive in profile position mode holds, as far as controlword and statusword show it.
+// The number of set-points that a drive in profile position mode holds, as far as controlword and statusword show it.
 
 import { decodePowerState, STATUS_BIT } from "./power";
 
@@ -13,7 +13,7 @@ export const CONTROL_BIT = {
   halt: 1 << 8,
 } as const;
 
-/** @return whether bit 4 is a new set-point and bit 12 its acknowledge; before 6061h is known, too. */
+/** @return whether bit 4 is a new set-point and bit 12 its acknowledge; also true before 6061h is known. */
 export function hasHandshake(mode: number | undefined): boolean {
   return mode === undefined || mode === PROFILE_POSITION;
 }
@@ -32,18 +32,18 @@ export function homingState(status: number): HomingState {
 export interface HeldSetPoints {
   /** 1 while the drive moves to a target */
   active: 0 | 1;
-  /** 1 while another one waits behind it; undefined where it is unknown */
+  /** 1 while another one waits for it to finish; undefined if unknown */
   waiting: 0 | 1 | undefined;
 }
 
 /**
  * @param control and status 6040h and 6041h after the same tick
  * @param mode 6061h
- * @return undefined outside of profile position mode and of Operation enabled, and under halt, where
- * bit 10 is standstill
+ * @return undefined outside of profile position mode and of Operation enabled, and under halt, where bit 10 means
+ *         standstill
  *
- * Bit 12 stays 1 while a set-point waits. It also stays 1 while bit 4 does: then the one that was taken
- * last waits, has its turn already, or waits for none, which bit 5 shows.
+ * Bit 12 stays 1 while a set-point waits. It also stays 1 while bit 4 is 1: then the set-point taken last either waits,
+ * is already being executed, or need not wait, which bit 5 shows.
  */
 export function heldSetPoints(control: number, status: number, mode: number): HeldSetPoints | undefined {
   if (mode !== PROFILE_POSITION || decodePowerState(status) !== "operation_enabled") return undefined;

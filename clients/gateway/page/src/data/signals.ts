@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the members of a status are, as the dictionary describes the objects of the same names.
+// The quantities of the members of a status, from the objects of the same names in the dictionary.
 
 import { suffixOf, type Scale, type Suffix } from "./units";
 
@@ -12,23 +12,23 @@ export interface ObjectUnit {
 }
 
 export interface Quantity {
-  /** one for all signals that share a scale */
+  /** the same for all signals that share a scale */
   kind: string;
   scale: Scale;
   /** of a position, velocity, acceleration or jerk */
   suffix?: Suffix;
   /** with its suffix, such as °/s; "" = none */
   unit: string;
-  /** least height of a plot [unit of the drive] */
+  /** smallest height of a plot [unit of the drive] */
   least: number;
 }
 
 const PERMILLE: Scale = { name: "%", factor: 0.1, decimals: 1 };
-/** [UU, UU/s, ...] by the suffix of the unit: less is the ripple of a loop */
+/** [UU, UU/s, ...] by the suffix of the unit; smaller values are the ripple of a loop */
 const LEAST = { "": 10, "/s": 200, "/s²": 200, "/s³": 200 } as const;
 const LEAST_PERMILLE = 100;
 
-/** @param object of the member; nothing for a member that is no object, such as a count
+/** @param object of the member; undefined if the member is not an object, such as a count
  *  @param position the scale of positions of the axis */
 export function quantityOf(object: ObjectUnit | undefined, position: Scale): Quantity {
   const whole = object?.unit ?? "-";
@@ -41,7 +41,7 @@ export function quantityOf(object: ObjectUnit | undefined, position: Scale): Qua
   return { kind: unit === "-" ? (object?.name ?? "") : unit, scale: { name, factor: 1, decimals: 0 }, unit: name, least: 1 };
 }
 
-/** @return a demand is drawn dashed */
+/** @return whether it is a demand value, which is drawn dashed */
 export function isDemand(member: string): boolean {
   return member.includes("demand");
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drive time as people read it: a bench in real time counts from the epoch, so that its times are
-// times of the day; others count from 0.
+// Drive time for display: a bench in real time counts from the epoch, so its times are times of day; others count from
+// 0.
 
 import { formatNumber } from "./units";
 
@@ -16,23 +16,23 @@ function two(value: number): string {
 }
 
 /** @param seconds of drive time
- *  @return such as 14:03:27.250 in the zone of the browser, or 12.250 */
+ *  @return such as 14:03:27.250 in the time zone of the browser, or 12.250 */
 export function formatTime(seconds: number, decimals: number): string {
   if (!isWallTime(seconds)) return formatNumber(seconds, decimals);
   const scale = 10 ** decimals;
-  // First: 59.9996 must not become 60.
+  // Rounded first: 59.9996 must not become 60.
   const rounded = Math.round(seconds * scale);
   const date = new Date(Math.floor(rounded / scale) * 1000);
   const fraction = decimals === 0 ? "" : `.${String(rounded % scale).padStart(decimals, "0")}`;
   return `${two(date.getHours())}:${two(date.getMinutes())}:${two(date.getSeconds())}${fraction}`;
 }
 
-/** @return the same as a text of its own: with its unit where it has one. */
+/** @return the same as a stand-alone text, with its unit if it has one. */
 export function timeText(seconds: number): string {
   return formatTime(seconds, 3) + (isWallTime(seconds) ? "" : " s");
 }
 
-/** @return the date of a drive time as ISO 8601 in UTC with microseconds; nothing where drive time has none. */
+/** @return the date of a drive time as ISO 8601 in UTC with microseconds; "" if the drive time has no date. */
 export function isoDate(seconds: number): string {
   if (!isWallTime(seconds)) return "";
   const microseconds = Math.round(seconds * MICROSECONDS);

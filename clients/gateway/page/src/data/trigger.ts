@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a trigger waits for, and where it is in the samples.
+// The condition of a trigger, and the search for it in the samples.
 
 import type { LogEvent } from "./events";
 import type { Samples } from "./samples";
 
-/** Edges across a level, levels, and edges of a bit. */
+/** Level crossings, levels, and edges of a bit. */
 export const SIGNAL_CONDITIONS = ["rising", "falling", "above", "below", "bit_set", "bit_cleared"] as const;
 export const CONDITIONS = [...SIGNAL_CONDITIONS, "event"] as const;
 export type Condition = (typeof CONDITIONS)[number];
@@ -20,15 +20,15 @@ export interface Trigger {
   condition: Condition;
   /** level in the unit of the drive, or number of a bit */
   value: number;
-  /** The event has it in its kind or its text; "" = any event. */
+  /** must occur in the kind or the text of the event; "" = any event */
   text: string;
-  /** share of the window that lies before the trigger, 0 to 1 */
+  /** share of the window before the trigger, 0 to 1 */
   before: number;
 }
 
 type SignalCondition = (typeof SIGNAL_CONDITIONS)[number];
 
-/** Whether it is met by a value and the one before it. */
+/** Whether a value and its predecessor meet the condition. */
 const IS_MET: Record<SignalCondition, (before: number, now: number, value: number) => boolean> = {
   rising: (before, now, level) => before < level && now >= level,
   falling: (before, now, level) => before > level && now <= level,
@@ -39,7 +39,7 @@ const IS_MET: Record<SignalCondition, (before: number, now: number, value: numbe
 };
 
 /** @param value of a sample
- *  @param begin The sample before it is the first one that is compared.
+ *  @param begin the first sample to compare with its predecessor
  *  @return the first sample from `begin` on, before `end`, that meets the condition */
 export function findTrigger(
   value: (sample: number) => number,
@@ -59,7 +59,7 @@ export function findTrigger(
   return undefined;
 }
 
-/** @return whether the event is what the trigger waits for. An event of the bench is one of each of its axes. */
+/** @return whether the event matches the trigger. An event of the bench counts for each of its axes. */
 export function isTriggerEvent({ axis, text }: Trigger, event: LogEvent): boolean {
   const [bench, number] = axis.split(".").map(Number);
   const isOfAxis = event.bench === bench && (event.axis === number || event.axis === 0);
@@ -70,16 +70,16 @@ export function isSignalCondition(condition: Condition): condition is SignalCond
   return condition !== "event";
 }
 
-/** A trigger at work: it finds one run after the other. */
+/** An armed trigger, which finds one run after the other. */
 export class TriggerRun {
-  /** [s] of drive time, of the run that is complete; undefined before the first one */
+  /** [s] of drive time, of the latest complete run; undefined before the first one */
   at?: number;
-  /** of the run before it */
+  /** of the previous run */
   last?: number;
   private pending?: number;
   private next: number;
 
-  /** @param since [s] of drive time: what was before is not looked at */
+  /** @param since [s] of drive time: earlier samples are ignored */
   constructor(
     readonly trigger: Trigger,
     private readonly samples: Samples,
@@ -89,20 +89,20 @@ export class TriggerRun {
     this.next = samples.history.lowerBound(since - samples.origin);
   }
 
-  /** A run is under way: what comes after the trigger is still missing. */
+  /** A run has been triggered, but the samples after the trigger are not complete. */
   get isFilling(): boolean {
     return this.pending !== undefined;
   }
 
-  /** @return why nothing will ever be found; nothing where it can */
+  /** @return whether the signal does not exist, so that nothing will ever be found */
   get isWithoutSignal(): boolean {
     const { condition, member } = this.trigger;
     return isSignalCondition(condition) && this.samples.members.length > 0 && this.samples.series(member) === undefined;
   }
 
-  /** Looks at what has come since the last call.
+  /** Examines the samples since the last call.
    *  @param window [s]
-   *  @param end [s] of drive time up to which there are samples
+   *  @param end [s] of drive time of the newest sample
    *  @return whether another run is complete */
   advance(window: number, end: number): boolean {
     this.pending ??= this.search();
@@ -124,7 +124,7 @@ export class TriggerRun {
     const { history, origin } = this.samples;
     const series = this.samples.series(member);
     if (series === undefined) return undefined;
-    if (this.next > history.end) this.next = history.first; // the bench has started again
+    if (this.next > history.end) this.next = history.first; // the bench has been restarted
     const begin = Math.max(this.next, history.first + 1);
     const found = findTrigger((n) => history.value(series, n), begin, history.end, condition, value);
     this.next = Math.max(this.next, found === undefined ? history.end : found + 1);

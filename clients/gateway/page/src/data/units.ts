@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// User units of a drive (UU) and what an engineer reads.
+// User units of a drive (UU), and engineering units.
 
 export interface AxisUnit {
   /** rotary or linear */
   kind: string;
   name: string;
-  /** [UU] in one revolution (rotary) or in one unit (linear) */
+  /** [UU] per revolution (rotary) or per unit (linear) */
   per: number;
 }
 
-/** How an axis' positions are shown: `factor` units for one UU. */
+/** How positions of an axis are shown: one UU is `factor` units. */
 export interface Scale {
   name: string;
   factor: number;
@@ -35,13 +35,13 @@ export function toShown(userUnits: number, scale: Scale): number {
   return userUnits * scale.factor;
 }
 
-/** @return whole user units, the nearest to what was typed. */
+/** @return the nearest integer number of user units. */
 export function toUserUnits(shown: number, scale: Scale): number {
   const userUnits = shown / scale.factor;
   return Math.sign(userUnits) * Math.round(Math.abs(userUnits));
 }
 
-/** What follows the unit of a position: of a velocity, an acceleration and a jerk. */
+/** The suffix after the unit of a position: for a velocity, an acceleration and a jerk. */
 export type Suffix = "" | "/s" | "/s²" | "/s³";
 
 const ENDINGS: Record<Suffix, RegExp> = {
@@ -52,7 +52,7 @@ const ENDINGS: Record<Suffix, RegExp> = {
 };
 
 /** @param units of the dictionary: PosUU, PosCU, p, VelUU, ...
- *  @return nothing for an object that is no position, velocity, acceleration or jerk */
+ *  @return undefined for an object that is not a position, velocity, acceleration or jerk */
 export function suffixOf(units: string): Suffix | undefined {
   if (units === "p" || units.startsWith("Pos")) return "";
   if (units.startsWith("Vel")) return "/s";
@@ -60,13 +60,13 @@ export function suffixOf(units: string): Suffix | undefined {
   return units.startsWith("Jerk") ? "/s³" : undefined;
 }
 
-/** What was typed, and the unit that it counts. */
+/** A typed value with its unit. */
 export interface Quantity {
   value: number;
   scale: Scale;
 }
 
-/** @return the scale of a unit that a person may type for an axis of `unit`. */
+/** @return the scale of a unit that may be typed for an axis of `unit`. */
 function scaleNamed(name: string, unit: AxisUnit | undefined): Scale | undefined {
   if (name.toLowerCase() === "uu") return USER_UNITS;
   if (unit === undefined) return undefined;
@@ -75,20 +75,20 @@ function scaleNamed(name: string, unit: AxisUnit | undefined): Scale | undefined
   return scale === USER_UNITS ? undefined : scale;
 }
 
-/** Why a text is no quantity, and the units that it may have. */
+/** Why a text is not a quantity, and the allowed units. */
 export interface Unreadable {
   why: "not_a_number" | "ambiguous_comma" | "no_such_unit";
   units: string[];
 }
 
-/** @return the units that a person may type, as they are written. */
+/** @return the units that may be typed, as they are written. */
 function unitsOf(unit: AxisUnit | undefined, suffix: Suffix): string[] {
   const own = unit === undefined || scaleOf(unit) === USER_UNITS ? [] : unit.kind === "rotary" ? Object.keys(PER_REVOLUTION) : [unit.name];
   return [...own, USER_UNITS.name].map((name) => name + suffix);
 }
 
 /** @param text a number in the unit of `scale`, or with a unit of the axis: 90deg, 1,5 mm, 12mm/s
- *  @param suffix a unit needs it: a velocity is not a position */
+ *  @param suffix that a unit must have: a velocity is not a position */
 export function parseQuantity(text: string, scale: Scale, unit: AxisUnit | undefined, suffix: Suffix = ""): Quantity | Unreadable {
   const bare = parseNumber(text);
   if (bare !== undefined) return { value: bare, scale };
@@ -99,25 +99,24 @@ export function parseQuantity(text: string, scale: Scale, unit: AxisUnit | undef
   return named === undefined ? { why: "no_such_unit", units: unitsOf(unit, suffix) } : { value, scale: named };
 }
 
-/** @return the nearest user units of a value with a unit; nothing for a fraction of a bare user unit. */
+/** @return the nearest user units of a value with a unit; undefined for a fraction of a plain user unit. */
 export function wholeUserUnits({ value, scale }: Quantity): number | undefined {
   if (scale === USER_UNITS && !Number.isInteger(value)) return undefined;
   return toUserUnits(value, scale);
 }
 
-/** @return a text that was typed for one scale as it is typed for another. */
+/** @return a text typed for one scale, converted to another. */
 export function retyped(text: string, from: Scale, to: Scale): string {
   const value = parseNumber(text);
   const same = from.name === to.name && from.factor === to.factor;
-  if (value === undefined || same) return text; // a text with its own unit stays what it is
+  if (value === undefined || same) return text; // a text with its own unit remains unchanged
   return String(Number((value * (to.factor / from.factor)).toFixed(to.decimals)));
 }
 
 const NARROW_SPACE = "\u202f";
 const MINUS = "\u2212";
 
-/** @return the number with groups of three digits and a true minus sign: figures of equal width
- *          stand under each other. */
+/** @return the number with groups of three digits and a true minus sign, so that digits of equal width are aligned. */
 export function formatNumber(value: number, decimals: number): string {
   if (!Number.isFinite(value)) return "–";
   const text = Math.abs(value).toFixed(decimals);
@@ -140,20 +139,20 @@ export function formatHex(value: number, digits = 4): string {
   return value.toString(16).toUpperCase().padStart(digits, "0") + "h";
 }
 
-/** 1,500 is 1.5 to one person and 1500 to another, and a drive that takes the wrong one moves. */
+/** 1,500 may mean 1.5 or 1500, and a drive moves even if it is given the wrong one. */
 const AMBIGUOUS_COMMA = /^-?[1-9]\d{0,2},\d{3}$/;
 
 function cleaned(text: string): string {
   return text.replace(/[\s\u202f\u00a0_]/g, "").replace(MINUS, "-");
 }
 
-/** @return the reason, for a text of which parseNumber makes none. */
+/** @return why parseNumber rejects a text. */
 export function whyNoNumber(text: string): "not_a_number" | "ambiguous_comma" {
   return AMBIGUOUS_COMMA.test(cleaned(text)) ? "ambiguous_comma" : "not_a_number";
 }
 
 /** @param text decimal with a point or a comma and either minus sign, spaces allowed, or 0x...
- *  @return the number, or undefined when the text is none. */
+ *  @return the number, or undefined if the text is not a number. */
 export function parseNumber(text: string): number | undefined {
   const clean = cleaned(text);
   if (clean === "" || AMBIGUOUS_COMMA.test(clean)) return undefined;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// CDR version 1, little-endian. Arrays of numbers become typed arrays over the message: nothing is
-// copied, which is what lets 1,024 axes arrive 60 times a second.
+// CDR version 1, little-endian. Arrays of numbers become typed arrays over the message without copying, so that 1,024
+// axes can arrive 60 times a second.
 
 import type { Definition, Field, Primitive } from "./schema";
 
@@ -61,7 +61,7 @@ class Reader {
     if (typeof field.type === "string" && field.type !== "string") {
       return this.numbers(field.type, length);
     }
-    // Each element has at least one byte: a length beyond the message is refused before it is used.
+    // Each element has at least one byte, so a length beyond the message is refused before it is used.
     this.need(length);
     const made: Value[] = [];
     for (let i = 0; i < length; ++i) made.push(this.one(field.type));
@@ -140,12 +140,12 @@ class Reader {
 }
 
 /** @param payload with the four bytes of the encapsulation; must own its buffer from byte 4 on
- *  @throws Error when the payload is shorter than its definition, or not little-endian CDR. */
+ *  @throws Error if the payload is shorter than its definition, or is not little-endian CDR. */
 export function decodeCdr(definition: Definition, payload: Uint8Array): Message {
   if (payload.byteLength < ENCAPSULATION || payload[1] !== CDR_LITTLE_ENDIAN) {
     throw new Error("message: not CDR in little-endian order");
   }
-  // One copy: typed arrays want their alignment from the start of a buffer.
+  // One copy, because typed arrays need alignment from the start of a buffer.
   const body = payload.slice(ENCAPSULATION);
   return new Reader(body.buffer).message(definition);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages that are checked against their JSON schema before the page believes their type.
+// Checks messages against their JSON schema, so that the page can rely on their types.
 
 export type Schema =
   | { readonly type: "string" | "integer" | "number" | "boolean" }
@@ -48,7 +48,7 @@ function check(schema: Schema, value: unknown, path: string): void {
 /**
  * @param name of the message, for the error
  * @returns `value` with the type of its schema
- * @throws Error with the member that does not fit. Members that the schema does not name may have any value.
+ * @throws Error with the member that does not match. Members that are not in the schema may have any value.
  */
 export function checked<S extends Schema>(schema: S, value: unknown, name: string): Of<S> {
   check(schema, value, name);

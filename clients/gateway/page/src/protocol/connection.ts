@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A client of the Foxglove WebSocket protocol: channels, services, parameters. It connects again by
-// itself, and subscribes again by topic what its users want.
+// A client of the Foxglove WebSocket protocol: channels, services, parameters. It reconnects automatically, and then
+// renews the subscriptions of its users by topic.
 
 import { decodeCdr, type Message } from "./cdr";
 import { checked, type Of } from "./checked";
@@ -17,7 +17,7 @@ export interface Channel {
   schemaEncoding?: string;
 }
 
-/** What the page reads of two messages of the protocol. */
+/** The members of two protocol messages that the page uses. */
 const SERVER_INFO = {
   type: "object",
   properties: {
@@ -65,7 +65,7 @@ export interface Listener {
   topicsChanged(): void;
   status(status: ServerStatus): void;
   statusEnded(ids: string[]): void;
-  /** The page was slower than its channels: so many messages were left out. */
+  /** The page was slower than its channels: this number of messages was dropped. */
   leftOut(messages: number): void;
   parameters(values: { name: string; value: unknown }[]): void;
 }
@@ -94,7 +94,7 @@ export class Connection {
   private readonly services = new Map<string, number>();
   private readonly subscriptions = new Map<number, Subscription>();
   private readonly calls = new Map<number, Call>();
-  /** Messages of channels that this page has left out, because it was slower than they came. */
+  /** Messages of channels that this page has dropped because they arrived faster than it could take them. */
   dropped = 0;
 
   constructor(
@@ -110,8 +110,8 @@ export class Connection {
   }
 
   /**
-   * Closes the WebSocket by the closing handshake of its protocol, so that control is given back. The browser ends the
-   * worker with the page: it needs some time before that to send the close frame.
+   * Closes the WebSocket by the closing handshake of its protocol, so that control is released. The browser ends the
+   * worker together with the page, so some time must remain to send the close frame.
    */
   private close(): void {
     if (!this.isOpen) return;
@@ -140,7 +140,7 @@ export class Connection {
         if (typeof packet === "string") this.onText(packet);
         else this.onBinary(packet);
       } catch (error) {
-        reportError(error); // the packets behind it are taken all the same
+        reportError(error); // later packets are processed nevertheless
       }
     }
     this.order({ kind: "taken" });
@@ -154,7 +154,7 @@ export class Connection {
     return this.services.has(name);
   }
 
-  /** @return a function that ends the subscription, and then does nothing. The topic may appear later. */
+  /** @return a function that ends the subscription; further calls do nothing. The topic may appear later. */
   subscribe(topic: string, handler: Handler): () => void {
     const subscription: Subscription = { topic, id: this.nextId++, handler };
     this.subscriptions.set(subscription.id, subscription);
@@ -167,8 +167,8 @@ export class Connection {
     };
   }
 
-  /** @param milliseconds how long the thread of the page may take nothing before the connection ends
-   *         as a lost one; 10 s again after the connection has ended */
+  /** @param milliseconds how long the thread of the page may take no messages before the connection ends as a lost
+   *         one; back to 10 s after the connection has ended */
   setPatience(milliseconds: number): void {
     this.order({ kind: "patience", milliseconds });
   }

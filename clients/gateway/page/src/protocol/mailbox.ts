@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a WebSocket has received and the thread of the page has not taken yet: one batch at a time,
-// bounded, and whether that thread stands still.
+// Messages that the WebSocket has received and the thread of the page has not taken yet: one batch at a time, up to a
+// limit. Also detects that this thread has stopped.
 
 /** One WebSocket message. */
 export type Packet = string | ArrayBuffer;
 
 export interface Batch {
   packets: Packet[];
-  /** messages of channels that were left out before this batch: the page was too slow */
+  /** messages of channels that were dropped before this batch, because the page was too slow */
   dropped: number;
 }
 
 const MESSAGE_DATA = 1;
 const MOST_BYTES = 32 << 20; // 6 s of 1,024 axes
 
-/** Only the messages of channels may be left out: all others are answers. */
+/** Only messages of channels may be dropped: all others are answers. */
 function isData(packet: Packet): boolean {
   return typeof packet !== "string" && new DataView(packet).getUint8(0) === MESSAGE_DATA;
 }
@@ -59,7 +59,7 @@ export class Mailbox {
     if (this.waiting.length > 0) this.send();
   }
 
-  /** Drops what waits: its connection has ended. */
+  /** Drops waiting messages: their connection has ended. */
   clear(): void {
     this.waiting = [];
     this.bytes = 0;
@@ -67,10 +67,10 @@ export class Mailbox {
   }
 
   /**
-   * Asks the page for an answer, unless one is due. To be called at fixed times: a thread that is late
-   * itself asks late, and does not blame the page.
+   * Asks the page for an answer, unless one is pending. Must be called at fixed intervals: if this thread is late
+   * itself, it asks late, and does not blame the page.
    *
-   * @return how many times the page has owed the same answer
+   * @return how many times in a row the same answer was pending
    */
   ask(): number {
     if (this.underWay) return ++this.unanswered;

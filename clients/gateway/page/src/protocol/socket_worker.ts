@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds the WebSocket to the gateway in a thread of its own. A page that holds control has to send
-// something within the limit of its silence, 1 s to 10 s, and a thread that draws on a busy machine
-// may be later than that.
+// Holds the WebSocket to the gateway in its own thread. A page that holds control must send something within its limit
+// of silence, 1 s to 10 s, and on a busy machine a thread that draws may be late.
 
 import { Mailbox, type Batch, type Packet } from "./mailbox";
 import { LONGEST_SILENCE_MS } from "./silence";
@@ -19,9 +18,8 @@ export type Report = { kind: "batch"; batch: Batch } | { kind: "opened" } | { ki
 
 const SIGN_OF_LIFE_MS = 250;
 const SIGN_OF_LIFE = JSON.stringify({ op: "unsubscribe", subscriptionIds: [] });
-// A page that takes nothing for that long is lost, however well this thread works: no user can stop
-// an axis with it. Who holds control may choose a shorter time. The gateway takes a connection that
-// ends with this code for a lost one.
+// A page that takes nothing for this long is lost even if this thread works, because no user can stop an axis with it.
+// The holder of control may choose a shorter time. The gateway treats a connection that ends with this code as lost.
 const PAGE_STANDS_STILL = 4000;
 const NORMAL_CLOSURE = 1000;
 

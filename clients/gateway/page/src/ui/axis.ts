@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything of one axis: figures, plots, words, state machine, controls, events, objects.
+// The view of one axis: figures, plots, words, state machine, controls, events, objects.
 
 import type { LogEvent } from "../data/events";
 import { INPUT_BIT } from "../data/motions";
@@ -124,7 +124,7 @@ export class AxisView implements View {
   private readonly parts: View[];
   private readonly scope: Scope;
 
-  /** @param query of the link by which this was opened: what the plots show */
+  /** @param query of the link that opened this view, for the plots */
   constructor(
     private readonly model: Model,
     private readonly trace: Trace,
@@ -157,7 +157,7 @@ export class AxisView implements View {
       { class: "axis-view" },
       h("div", { class: "head" }, title, faultCard.root),
       figures.root,
-      // The order of the keyboard is that of a narrow screen: controls stand above the plots.
+      // The keyboard order is that of a narrow screen, where the controls are above the plots.
       h("div", { class: "control-column" }, commands.root, modes.root),
       h("div", { class: "main-column" }, scope.root, objects.root),
       h("div", { class: "side-column" }, machine.root, words.root, events.root, findings.root),
@@ -169,7 +169,7 @@ export class AxisView implements View {
     this.goToWanted();
   }
 
-  /** An event that was chosen in another view. */
+  /** Goes to the event that was chosen in another view. */
   private goToWanted(): void {
     const { wantedMoment } = this.model;
     if (wantedMoment === undefined) return;

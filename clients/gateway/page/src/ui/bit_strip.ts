@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bits of the set-point handshake of one axis, with what became of each set-point.
+// The bits of the set-point handshake of one axis, with the fate of each set-point.
 
 import type { Samples } from "../data/samples";
 import { hasHandshake } from "../data/setpoints";
@@ -7,7 +7,7 @@ import { t, type TextKey } from "../i18n";
 import { colour, fit, h, put } from "./dom";
 import { AXIS_WIDTH, RIGHT_MARGIN, type Shown } from "./strip";
 
-/** `number`: of a bit that the handshake of set-points uses, and other modes in their own way */
+/** `number`: of a bit whose meaning here is the set-point handshake; other modes use it differently */
 const BITS: { series: string; text: TextKey; number?: number }[] = [
   { series: "new_set_point", text: "bit4", number: 4 },
   { series: "acknowledge", text: "bit12", number: 12 },
@@ -34,7 +34,7 @@ export class BitStrip {
     this.root = h("div", { class: "plot strip-host" }, line, this.canvas);
   }
 
-  /** @param isNow No history has it, and the present value does not belong to a paused plot. */
+  /** @param isNow it is in no history, and the present value does not belong to a paused plot */
   show(isNow: boolean): void {
     const held = isNow ? this.samples.setPoints : undefined;
     put(this.held, held === undefined ? "–" : `${held.active} + ${held.waiting ?? "?"}`);

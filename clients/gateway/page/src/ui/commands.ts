@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The controls of axes. Each is a service of the gateway; its answer is shown at the foot of the page.
+// The controls of axes. Each is a service of the gateway; its answer is shown at the bottom of the page.
 
 import { nameMatches } from "../data/rows";
 import { parseNumber, whyNoNumber } from "../data/units";
@@ -31,15 +31,15 @@ function serviceButton(model: Model, axes: Axes, service: string, text: TextKey,
   const name = service.slice(1);
   const press = (chosen: string[]) => void model.command(service, { axes: chosen });
   if (asks) {
-    let asked: string[] = []; // the question names them: axes chosen later are left out
+    let asked: string[] = []; // named in the question: axes chosen later are left out
     const question = () => `${t(text)}: ${listed((asked = addresses(axes)))}?`;
     return askingButton(t(text), name, question, () => press(asked));
   }
   return button(t(text), () => press(addresses(axes)), { attributes: { "data-test": name } });
 }
 
-/** @return the typed number, nothing for an empty field.
- *  @throws Error when the text is not a number. */
+/** @return the typed number, undefined for an empty field.
+ *  @throws Error if the text is not a number. */
 function typed(input: HTMLInputElement): number | undefined {
   if (input.value.trim() === "") return undefined;
   const value = parseNumber(input.value);
@@ -47,7 +47,7 @@ function typed(input: HTMLInputElement): number | undefined {
   return value;
 }
 
-/** @throws Error when the text is not a whole number. */
+/** @throws Error if the text is not an integer. */
 function typedWhole(input: HTMLInputElement): number | undefined {
   const value = typed(input);
   if (value !== undefined && !Number.isInteger(value)) throw new Error(`"${input.value}" ${t("fraction")}`);
@@ -131,8 +131,8 @@ class MoveForm {
   }
 }
 
-/** Two buttons that move an axis while they are pressed. A press is one jog: what has ended it, the
- *  axis moves again only with a new press. */
+/** Two buttons that move an axis while they are pressed. One press is one jog: once it has ended, the axis moves
+ *  again only with a new press. */
 class Jog {
   readonly root: HTMLElement;
   private readonly speed: QuantityField;
@@ -184,7 +184,7 @@ class Jog {
     const ref = this.axis();
     if (ref === undefined) return;
     this.speed.bind(`jog ${addressOf(ref)}`, ref, (scale) => {
-      // Half a turn a second is seen, and slow enough for a first try.
+      // Half a turn per second is visible, and slow enough for a first try.
       const { kind, per } = ref.axis.unit ?? { kind: "rotary", per: 4096 };
       const slow = kind === "rotary" ? per / 2 : per * LINEAR_JOG;
       return String(Number((slow * scale.factor).toFixed(scale.decimals)));
@@ -194,9 +194,9 @@ class Jog {
   end(): void {
     if (!this.pressed) return;
     this.pressed = false;
-    // The gateway waits for it before it takes a new press, also when the jog has ended already.
+    // The gateway needs it before it accepts a new press, even if the jog has already ended.
     const release = { axis: this.jogged, velocity: 0 };
-    if (this.timer === 0) void this.model.connection.call("/jog", release); // why it has ended stays shown
+    if (this.timer === 0) void this.model.connection.call("/jog", release); // keeps showing why it ended
     else void this.model.command("/jog", release);
     this.stopRepeating();
   }
@@ -234,12 +234,12 @@ class Jog {
   }
 }
 
-/** What acts on axes from outside. */
+/** External influences on axes. */
 class TestInputs {
   readonly root: HTMLElement;
   private built?: unknown;
   private readAt = 0;
-  /** Grows with each command: what was read before it is old. */
+  /** Increases with each command: values read before it are outdated. */
   private commands = 0;
   private readonly shows = new Map<string, (value: number) => void>();
 
@@ -257,7 +257,7 @@ class TestInputs {
     if (this.axes().length === 1 && this.root.getClientRects().length > 0) void this.read();
   }
 
-  /** Shows what acts on the axis, also what another program has set. */
+  /** Shows the inputs acting on the axis, including those set by other programs. */
   private async read(): Promise<void> {
     const before = this.commands;
     const inputs = this.model.dictionary?.disturbances ?? [];
@@ -349,7 +349,7 @@ class TestInputs {
   }
 }
 
-/** Every control of some axes; those that move one axis, when there is one. */
+/** All controls of some axes; controls that move a single axis only if there is one. */
 export class Commands implements View {
   readonly root: HTMLElement;
   private readonly needText = h("p", { class: "need" });
@@ -410,7 +410,7 @@ export class Commands implements View {
   }
 }
 
-/** Targets of several axes that arrive together. */
+/** Targets of several axes, which arrive at the same time. */
 export class GroupMove implements View {
   readonly root: HTMLElement;
   private readonly list = h("div", { class: "targets" });
@@ -450,7 +450,7 @@ export class GroupMove implements View {
     if (wanted !== this.shown) this.build(axes, wanted);
   }
 
-  /** Hides the empty fields of axes that do not match: one that has a target moves, so it stays. */
+  /** Hides the empty fields of axes that do not match; an axis with a target will move, so it remains. */
   filter(words: string[]): void {
     this.words = words;
     for (const ref of this.shownAxes) {
@@ -460,7 +460,7 @@ export class GroupMove implements View {
     }
   }
 
-  /** What was typed for an axis that is still chosen stays. */
+  /** The text typed for an axis that is still chosen is kept. */
   private build(axes: AxisRef[], wanted: string): void {
     this.shown = wanted;
     this.shownAxes = axes;

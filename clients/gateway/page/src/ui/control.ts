@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands for the axes that were chosen in the overview, and the clocks of the benches.
+// Commands for the axes chosen in the overview, and the clocks of the benches.
 
 import type { LogEvent } from "../data/events";
 import { decodePowerState } from "../data/power";
@@ -29,7 +29,7 @@ export class ControlView implements View {
   private readonly tools: HTMLElement;
   private readonly groupMove: GroupMove;
   private words: string[] = [];
-  /** the chosen axes, looked up again each FIGURES_EVERY_MS */
+  /** the chosen axes, looked up again every FIGURES_EVERY_MS */
   private found?: AxisRef[];
   private readonly clockPlace = h("div", { class: "clocks" });
   private readonly clocks: BenchClock[] = [];
@@ -79,7 +79,7 @@ export class ControlView implements View {
     return (this.found ??= [...this.model.chosen].flatMap((address) => this.model.find(address) ?? []));
   }
 
-  /** Shows what an axis did then; an event of the bench over one of its axes. */
+  /** Shows what an axis did at the time of an event; for an event of the bench, one of its axes. */
   private goTo(event: LogEvent): void {
     const { bench, axis } = event;
     const isOfBench = (ref: AxisRef) => ref.bench.number === bench;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two cursors over the strips of a scope, and what lies between them.
+// Two cursors across the strips of a scope, and measurements between them.
 
 import { extentOf, stepResponseOf, type Part } from "../data/measures";
 import { formatTime, timeText } from "../data/times";
@@ -10,7 +10,7 @@ import { AXIS_WIDTH, RIGHT_MARGIN, type PlotStrip, type Shown } from "./strip";
 
 const NAMES = ["A", "B"] as const;
 const STEPS: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1, PageDown: -20, PageUp: 20 };
-/** Long parts have a million samples: they are not measured with each frame of a drag. */
+/** Long parts have a million samples, so they are not measured in each frame of a drag. */
 const MEASURE_EVERY_MS = 100;
 const TIME_DECIMALS = 4;
 const MEASURES = ["minimum", "maximum", "mean", "rise", "overshoot", "settling"] as const;
@@ -29,7 +29,7 @@ export interface Axis {
 export class Cursors {
   readonly handles: HTMLElement[];
   readonly table = h("table", { class: "cursor-table", attributes: { "data-test": "cursors" } });
-  /** of the table, which scrolls by itself */
+  /** scroll container of the table */
   readonly root = h("div", { class: "cursor-measures", attributes: { tabindex: "0", role: "region", "aria-label": t("two_cursors") } }, this.table);
   /** [s] of drive time, while they are shown */
   times?: [number, number];
@@ -47,7 +47,7 @@ export class Cursors {
     this.measured = "";
   }
 
-  /** The nearer one comes to where a person clicked. */
+  /** Moves the nearer cursor to where the user clicked. */
   bring(time: number): void {
     if (this.times === undefined) return;
     const [a, b] = this.times;
@@ -68,8 +68,8 @@ export class Cursors {
     });
   }
 
-  /** What the samples under A and B are, by how much they differ, and what lies between.
-   *  @param named whether the axes have to be told apart */
+  /** Shows the samples at A and B, their differences, and measurements between them.
+   *  @param named whether the axes must be distinguished */
   measure(strips: readonly PlotStrip[], named: boolean, now: number): void {
     if (this.times === undefined || now - this.measuredAt < MEASURE_EVERY_MS) return;
     const wanted = `${this.times.join()} ${strips.map(({ samples, unit }) => `${samples.history.end} ${unit}`).join()}`;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Elements in one expression, and texts that are only written when they change.
+// Creates elements in one expression, and writes texts only when they change.
 
 type Child = Node | string | undefined | false;
 type Handlers = { [K in keyof HTMLElementEventMap]?: (event: HTMLElementEventMap[K]) => void };
@@ -56,7 +56,7 @@ export interface Outcomes {
   outcome?: { text: string; ok: boolean };
 }
 
-/** Does what a person asked for; an error is shown at the foot of the page. */
+/** Does what the user asked for; an error is shown at the bottom of the page. */
 export function attempt(outcomes: Outcomes, act: () => void): void {
   try {
     act();
@@ -73,7 +73,7 @@ export function mark(element: Element, name: string, on: boolean): void {
   if (element.classList.contains(name) !== on) element.classList.toggle(name, on);
 }
 
-/** @return the inner text field of a labelled one. */
+/** @return the text field inside a labelled one. */
 export function field(
   label: string,
   properties: { value?: string; placeholder?: string; width?: string; unit?: () => string; id?: string } = {},
@@ -109,7 +109,7 @@ export function select(
   return made;
 }
 
-/** A canvas that has as many pixels as the screen shows. @return its context, scaled to CSS pixels. */
+/** Gives a canvas as many pixels as the screen shows. @return its context, scaled to CSS pixels. */
 export function fit(canvas: HTMLCanvasElement, width: number, height: number): CanvasRenderingContext2D {
   const ratio = window.devicePixelRatio || 1;
   if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
@@ -125,7 +125,7 @@ export function fit(canvas: HTMLCanvasElement, width: number, height: number): C
   return context;
 }
 
-/** @return the colour that the style sheet gives this name in the theme in force. */
+/** @return the colour with this name in the style sheet, in the active theme. */
 export function colour(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
@@ -136,12 +136,13 @@ export function download(name: string, content: Blob): void {
   window.setTimeout(() => URL.revokeObjectURL(link.href), 1_000);
 }
 
-/** Attributes of the element of a view that gets the focus when the one that had it has gone with the view before. */
+/** Attributes of the element of a view that gets the focus when the focused element disappeared with the previous
+ *  view. */
 export const FOCUS = { "data-focus": "", tabindex: "-1" };
 
 export interface View {
   root: HTMLElement;
-  /** Called once a frame of the screen. */
+  /** Called once per frame of the screen. */
   update(now: number): void;
   /** The colours have changed. */
   redraw?(): void;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The words of the drive bit by bit, and the power state machine.
+// The controlword and statusword bit by bit, and the power state machine.
 
 import { decodePowerState, POWER_STATES, type PowerState } from "../data/power";
 import { formatHex } from "../data/units";
@@ -89,7 +89,7 @@ const PLACES: Record<PowerState, Box> = {
   fault: { x: 268, y: 70 },
 };
 
-/** The way of each transition, and where its number stands. */
+/** The path of each transition, and the position of its number. */
 const ARROWS: { number: number; path: string; label: [number, number] }[] = [
   { number: 1, path: "M79 32V70", label: [86, 54] },
   { number: 2, path: "M50 96V134", label: [40, 118] },

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The window of the following error (6065h) beside its plot: what is in force, and another one.
+// The window of the following error (6065h) next to its plot: the value in force, and a field for another one.
 
 import { formatUnits } from "../data/units";
 import { t } from "../i18n";

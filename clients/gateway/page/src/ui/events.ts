@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the benches report, newest first.
+// The reports of the benches, newest first.
 
 import { eventsCsv, eventText, matchesEvent, sessionsIn, type EventFeed, type EventFilter, type LogEvent } from "../data/events";
 import { timeText } from "../data/times";
@@ -15,7 +15,7 @@ export class Events implements View {
   readonly root: HTMLElement;
   private readonly list = h("ol", { class: "events", attributes: { "aria-label": t("events") } });
   private buttons: HTMLButtonElement[] = [];
-  /** the one that Tab reaches; from there the arrow keys go on */
+  /** the one that Tab reaches; the arrow keys move on from there */
   private current = 0;
   private readonly sessions = h("span");
   private readonly filter: EventFilter = { level: 0, text: "", session: "" };
@@ -23,7 +23,7 @@ export class Events implements View {
   private shownSessions = "?";
 
   /** @param wanted whether an event is shown here
-   *  @param go shows what was then; an event of no axis has nothing to show */
+   *  @param go shows the moment of an event; not for an event without an axis */
   constructor(
     private readonly model: Model,
     private readonly feed: EventFeed,
@@ -35,7 +35,7 @@ export class Events implements View {
   }
 
   update(): void {
-    // A name may come after the event of its session.
+    // A name may arrive after the event of its session.
     const wanted = `${this.feed.version} ${this.model.version} ${Object.values(this.filter).join(" ")}`;
     if (wanted === this.shown) return;
     this.shown = wanted;
@@ -57,7 +57,7 @@ export class Events implements View {
     if (rows.length === 0) rows.push(h("li", { class: "empty" }, t(this.feed.events.some(this.wanted) ? "no_such_events" : "no_events")));
     this.list.replaceChildren(...rows);
     const same = this.buttons.findIndex(({ dataset }) => dataset["event"] === before?.dataset["event"]);
-    // Else nobody has come here: Tab reaches the newest one.
+    // Without the focus, Tab reaches the newest one.
     this.choose(hadFocus ? (same >= 0 ? same : this.current) : 0, hadFocus);
   }
 
@@ -98,7 +98,7 @@ export class Events implements View {
     return [level, search, this.sessions, button(t("csv"), () => this.save(), { title: t("save_events"), attributes: { "aria-label": t("save_events"), "data-test": "save_events" } })];
   }
 
-  /** The sessions that events name. */
+  /** Lists the sessions that events name. */
   private showSessions(): void {
     const sessions = [...new Set(this.feed.events.filter(this.wanted).flatMap(({ message }) => sessionsIn(message)))];
     const options = sessions.map((session) => ({ value: session, text: this.model.programOf(session) ?? `${t("session")} ${session.slice(0, 8)}` }));
@@ -132,7 +132,7 @@ export class Events implements View {
     return `${found?.description?.name ?? "bench"} (${bench})`;
   }
 
-  /** Newest first; what repeats but for its figures stands once. */
+  /** Newest first; events that differ only in their figures are grouped. */
   private groups(): { event: LogEvent; times: number }[] {
     const groups: { event: LogEvent; kind: string; times: number }[] = [];
     const { events } = this.feed;

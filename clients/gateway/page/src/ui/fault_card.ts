@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Why an axis faulted: the windows of its bench's black box, the newest first. Nobody need have watched.
+// Why an axis faulted: the windows of its bench's black box, newest first. They exist even if nobody was watching.
 
 import { FAULT, scaleOf, strip, WINDOWS, windowsOf, type Fault, type FaultSeries, type KeptWindow } from "../data/faults";
 import { timeText } from "../data/times";
@@ -15,7 +15,7 @@ const WIDTH = 640; // [px] of a strip
 const HEIGHT = 44;
 const MOST_WRITES = 12;
 
-/** What the picture shows, one strip each. */
+/** The strips of the picture. */
 const STRIPS: { series: FaultSeries; text: TextKey; unit: "position" | "velocity" | "torque"; demand?: FaultSeries }[] = [
   { series: "load_position_actual_value", text: "position", unit: "position", demand: "position_demand_value" },
   { series: "load_position_error_value", text: "error", unit: "position" },
@@ -88,7 +88,7 @@ export class FaultCard implements View {
     void this.show(newest.window);
   }
 
-  /** Of the cause that is the axis's own. */
+  /** The name of the axis's own cause. */
   private nameOf({ causes }: KeptWindow): string {
     const cause = causes.find(({ axis }) => axis === this.ref.axis.axis) ?? causes[0];
     const what = cause.code === 0 ? cause.kind : `${formatHex(cause.code)} ${this.model.errorName(cause.code)}`;
@@ -127,7 +127,7 @@ export class FaultCard implements View {
     );
   }
 
-  /** A strip for each value, with a line at the fault and one at each write. */
+  /** A strip for each value, with a line at the fault and at each write. */
   private picture(fault: Fault): HTMLElement {
     const { tick } = fault.samples;
     const first = tick[0];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the masters of an axis do wrong, as the judge of the gateway sees it while this is open.
+// The mistakes of the masters of an axis, found by the judge of the gateway while this is open.
 
 import { FINDINGS, type FoundMistake } from "../data/findings";
 import { timeText } from "../data/times";
@@ -18,7 +18,7 @@ export class Findings implements View {
   private askedAt = -Infinity;
   private shown = "";
 
-  /** @param go shows what was at a tick */
+  /** @param go shows the state at a tick */
   constructor(
     private readonly model: Model,
     private readonly ref: AxisRef,
@@ -27,7 +27,7 @@ export class Findings implements View {
     this.root = h("details", { class: "panel findings-panel" }, h("summary", { title: t("judge_hint") }, t("judge")), this.state, this.list);
   }
 
-  /** Nobody is judged unless somebody looks. */
+  /** Nothing is judged unless somebody looks. */
   update(now: number): void {
     if (!this.root.open || this.asking || !this.model.connected || now - this.askedAt < ASK_EVERY_MS) return;
     this.askedAt = now;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Home, and the method by which (6098h).
+// Homing, and its method (6098h).
 
 import { t } from "../i18n";
 import { addressOf, type AxisRef, type Dictionary, type Model } from "../model";
@@ -49,7 +49,7 @@ export class Homing {
     return this.axes().map(addressOf).join(" ");
   }
 
-  /** The methods of the drives where that is one. */
+  /** The method set in the drives, if it is the same in all of them. */
   private asSet(): string {
     const methods = new Set(this.axes().map((ref) => this.read.value(addressOf(ref), HOMING_METHOD)));
     const [method] = methods;

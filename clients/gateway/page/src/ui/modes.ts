@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The operating modes that a drive has (6502h): what is set for each of them, by name and as a number.
+// The operating modes of a drive (6502h): the settings of each, by name and as a number.
 
 import { HOMING, homingState, PROFILE_POSITION } from "../data/setpoints";
 import { quantityOf, type Quantity } from "../data/signals";
@@ -14,8 +14,8 @@ import { PolledObjects } from "./polled";
 import { valueTyped } from "./quantity";
 
 const MODE_COMMAND = "op_mode_cmd";
-/** Objects that CiA 402-2 gives each mode, by the names of the dictionary. The cyclic modes have none: a program
- *  streams their set-points. */
+/** Objects that CiA 402-2 defines for each mode, by their names in the dictionary. The cyclic modes have none: a
+ *  program streams their set-points. */
 const OBJECTS: ReadonlyMap<number, string[]> = new Map([
   [PROFILE_POSITION, ["profile_velocity", "profile_acc", "profile_dec", "motion_profile_type", "profile_jerk_use", "profile_jerk_1", "profile_jerk_2"]],
   [
@@ -29,10 +29,10 @@ const OBJECTS: ReadonlyMap<number, string[]> = new Map([
   [4, ["target_torque", "torque_demand", "torque_slope", "max_torque"]],
   [HOMING, ["homing_method", "homing_speed_search", "homing_speed_creep", "homing_acceleration", "home_offset"]],
 ]);
-/** Values of 6086h that the drive has. */
+/** Values of 6086h that the drive supports. */
 const PROFILE_TYPES: [number, TextKey][] = [[0, "trapezoidal"], [3, "limited_jerk"]];
 
-/** @return the values of an object that has only a few, with what they mean; nothing of another one */
+/** @return the values of an object that has only a few, with their meanings; undefined for other objects */
 function choicesOf(object: ObjectRow, dictionary: Dictionary | undefined): ReadonlyMap<number, string> | undefined {
   if (object.name === "motion_profile_type") return new Map(PROFILE_TYPES.map(([value, text]) => [value, `${value}: ${t(text)}`]));
   if (object.name === "homing_method") return new Map(dictionary?.homing_methods.map((row) => [row.method, methodText(row)]));
@@ -43,13 +43,13 @@ export function hasMode({ supported_drive_modes }: AxisDescription, mode: number
   return mode > 0 && ((supported_drive_modes >> (mode - 1)) & 1) === 1;
 }
 
-/** One object: what is set, and another value. */
+/** One object: the current value, and a field for another one. */
 class ModeRow {
   readonly root: HTMLElement;
   private readonly value = h("span", { class: "number" }, "–");
   private readonly choices: ReadonlyMap<number, string> | undefined;
 
-  /** @param write of a value in the unit of the drive */
+  /** @param write sends a value in the unit of the drive */
   constructor(
     private readonly model: Model,
     private readonly trace: Trace,
@@ -79,12 +79,12 @@ class ModeRow {
     const options = [...choices].map(([value, text]) => ({ value: String(value), text }));
     const made = select(title, [{ value: "", text: "" }, ...options], "", (value) => {
       if (value !== "") this.write(Number(value), []);
-      made.value = ""; // what is in force stands beside it
+      made.value = ""; // the value in force is next to it
     });
     return made;
   }
 
-  /** What was typed stays when the panel is built again, and is converted with the unit. */
+  /** Typed text is kept when the panel is rebuilt, and is converted when the unit changes. */
   private form(title: string): HTMLElement {
     const key = `mode ${this.trace.axis.address} ${this.object.name}`;
     const quantity = this.quantity();
@@ -122,7 +122,7 @@ export class Modes implements View {
   private readonly rowPlace = h("div", { class: "mode-rows" });
   private rows = new Map<string, ModeRow>();
   private read?: PolledObjects;
-  /** that a person looks at; undefined before anyone has chosen: the one in force */
+  /** chosen by the user; undefined before: the one in force */
   private chosen?: number;
   private shown = "";
 

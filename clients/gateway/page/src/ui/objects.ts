@@ -41,7 +41,7 @@ function isWritable(row: ObjectRow): boolean {
   return /w/i.test(row.access);
 }
 
-/** The names of units have a Chinese explanation in brackets. */
+/** Names of units have a Chinese explanation in brackets. */
 function unitText(unit: string): string {
   const plain = unit === "-" ? "" : unit;
   return language() === "zh" ? plain : plain.replace(/[（(][^（(]*[\u4e00-\u9fff].*[）)]/, "").trim();
@@ -54,7 +54,7 @@ class ObjectLine {
   private readonly valueCell: HTMLElement;
   private latest?: number;
   private readonly suffix: Suffix | undefined;
-  /** of a position, a velocity, an acceleration or a jerk: the unit that the page shows */
+  /** for a position, a velocity, an acceleration or a jerk: the unit that the page shows */
   private readonly scale: Scale;
 
   constructor(
@@ -91,8 +91,8 @@ class ObjectLine {
     this.value.title = good ? `${raw}0x${(read.value as number).toString(16).toUpperCase()}` : (read.message ?? "");
   }
 
-  /** @return false for an entry of a list that has fewer: the drive would refuse to read it, and
-   *          report the refusal as an event. Sub-index 0 of a list counts its entries (CiA 301). */
+  /** @return false for an entry beyond the end of a list: the drive would refuse to read it, and report the refusal
+   *          as an event. Sub-index 0 of a list counts its entries (CiA 301). */
   isReadable(lines: ObjectLine[]): boolean {
     const sub = asNumber(this.row.sub_index);
     const count = lines.find((line) => line.row.index === this.row.index && asNumber(line.row.sub_index) === 0);
@@ -115,7 +115,7 @@ class ObjectLine {
     });
   }
 
-  /** @throws Error with the reason when the drive cannot take what the text says */
+  /** @throws Error with the reason if the drive cannot take the value in the text */
   private read(text: string, notes: string[]): number {
     if (this.suffix !== undefined) return userUnitsTyped(text, this.scale, this.ref.axis.unit, this.suffix, notes);
     const value = parseNumber(text);
@@ -137,7 +137,7 @@ class ObjectLine {
     const write = async () => {
       const notes: string[] = [];
       try {
-        // What was not changed is not rounded.
+        // An unchanged value is not rounded.
         const value = shown !== undefined && input.value === before ? shown : this.read(input.value.trim(), notes);
         const answer = await this.model.command("/write", { axis: addressOf(this.ref), object: this.address, value }, notes);
         if (answer.ok) leave();
@@ -151,7 +151,7 @@ class ObjectLine {
       void write();
     });
     form.addEventListener("keydown", (event) => {
-      // Escape also ends a composition of Chinese characters.
+      // Escape also ends the composition of Chinese characters.
       if (event.key === "Escape" && !event.isComposing) leave();
     });
     this.valueCell.replaceChildren(form);
@@ -197,7 +197,7 @@ export class Objects implements View {
     const scale = this.model.scale(this.ref.axis);
     const isSame = this.built === this.model.dictionary && scale.name === this.builtIn?.name && scale.factor === this.builtIn.factor;
     if (this.model.dictionary !== undefined && !isSame) this.build();
-    // Who only looks has no button that would be refused, and reads why.
+    // Users without control get no button that would be refused, but the reason.
     const need = this.model.whyDisabled([this.ref], now);
     put(this.needText, need);
     mark(this.root, "looking", need !== "");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every axis of every bench: a table that draws only the visible rows.
+// All axes of all benches: a table that draws only the visible rows.
 
 import { decodePowerState } from "../data/power";
 import { matches, sorted, type Filter, type Order, type Row, type SortKey } from "../data/rows";
@@ -34,14 +34,14 @@ const COLUMNS: Column[] = [
   { key: "age", text: "age", class: "age" },
 ];
 const SPARE_ROWS = 4;
-const NUMBERS_EVERY_MS = 66; // figures that change more often cannot be read
+const NUMBERS_EVERY_MS = 66; // faster changes cannot be read
 const ORDER_EVERY_MS = 500;
 const TREND_EVERY_MS = 100;
-const MOVING_FROM = 10; // [UU/s]: less is noise of a standing axis
+const MOVING_FROM = 10; // [UU/s]: less is noise of an axis at standstill
 const OLD_FROM_MS = 500;
 const NARROW_ROW = 84; // [px] as in the style sheet
 
-/** @returns such as " (bench-0, 1.4.0)": where a bench runs, and its version. */
+/** @returns such as " (bench-0, 1.4.0)": the host of a bench, and its version. */
 function placeOf(description: BenchDescription | undefined): string {
   const parts = [description?.host ?? "", description?.service_version ?? ""].filter((part) => part !== "");
   return parts.length === 0 ? "" : ` (${parts.join(", ")})`;
@@ -65,11 +65,11 @@ function readRow(model: Model, row: TableRow, now: number): void {
   row.error = at(bench, "load_position_error_value", place);
   row.fault = at(bench, "error_code", place);
   row.owner = model.ownerName(BigInt(bench.numbers("owner_session")?.[place] ?? 0), true);
-  // In every mode: a slow demand is no noise.
+  // In every mode: a slow demand is not noise.
   row.moving = Math.abs(row.velocity) > MOVING_FROM || at(bench, "velocity_demand_value", place) !== 0;
 }
 
-/** The elements of one row, used for whichever row is at that place of the screen. */
+/** The elements of one row, reused for whichever row is at that place of the screen. */
 class RowElements {
   readonly root: HTMLElement;
   private readonly cells = new Map<string, HTMLElement>();
@@ -81,7 +81,7 @@ class RowElements {
   private readonly canvas: HTMLCanvasElement;
   row?: TableRow;
 
-  /** @param choose called with the row and whether the range from the row before belongs to it */
+  /** @param choose called with the row, and whether the range from the previous row belongs to it */
   constructor(
     private readonly model: Model,
     choose: (row: TableRow, on: boolean, isRange: boolean) => void,
@@ -94,7 +94,7 @@ class RowElements {
     });
     this.root.append(h("div", { class: "cell choose", attributes: { role: "cell" } }, this.box));
     for (const column of COLUMNS) {
-      // A narrow screen has no line of heads: its cells name themselves.
+      // A narrow screen has no header line: its cells name themselves.
       const attributes = { role: "cell", "data-label": t(column.text) };
       const cell = h("div", { class: `cell ${column.class}`, attributes });
       this.cells.set(column.class, cell);
@@ -185,7 +185,7 @@ class RowElements {
       low = Math.min(low, value(i));
       high = Math.max(high, value(i));
     }
-    const span = Math.max(high - low, 100); // less is noise: it is drawn as a line
+    const span = Math.max(high - low, 100); // less is noise and drawn as a line
     const middle = (low + high) / 2;
     context.strokeStyle = line;
     context.lineWidth = 1.2;
@@ -200,12 +200,12 @@ class RowElements {
   }
 }
 
-/** What the overview remembers while another view is shown. */
+/** The state of the overview, kept while another view is shown. */
 export interface OverviewMemory {
   filter: Filter;
   order: Order;
   scrolled: number;
-  /** place of the row that the keyboard has chosen, or that was opened */
+  /** index of the row that was selected by keyboard or opened */
   selected: number;
 }
 
@@ -318,7 +318,7 @@ export class Overview implements View {
     return h("div", { class: "tools" }, search, this.benchPlace, toggle("faulted"), toggle("moving"), toggle("owned"), order, this.count);
   }
 
-  /** Benches come and go: their list is made again when it has changed. */
+  /** Rebuilds the list of benches when it has changed. */
   private showBenches(): void {
     const { filter } = this.memory;
     const options = [
@@ -426,7 +426,7 @@ export class Overview implements View {
       this.pool.push(made);
       this.space.append(made.root);
     }
-    // A row keeps its elements while it is visible: place modulo pool.
+    // A row keeps its elements while it is visible: index modulo pool.
     const end = Math.min(first + this.pool.length, this.shown.length);
     for (let place = end; place < first + this.pool.length; ++place) this.pool[place % this.pool.length].hide();
     for (let place = first; place < end; ++place) {
@@ -436,7 +436,7 @@ export class Overview implements View {
     }
   }
 
-  /** With Shift every row from the one that was pressed before, in the order shown. */
+  /** With Shift, every row from the previously pressed one, in the order shown. */
   private choose(row: TableRow, on: boolean, isRange: boolean): void {
     const place = this.shown.indexOf(row);
     const before = isRange ? this.shown.findIndex((shown) => addressOf(shown.ref) === this.chosenLast) : -1;

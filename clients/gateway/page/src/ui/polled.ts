@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects of axes that a view shows beside its controls, read again and again.
+// Objects of axes that a view shows next to its controls, polled.
 
 import { addressOf, type AxisRef, type Model } from "../model";
 
@@ -11,7 +11,7 @@ export class PolledObjects {
   private next = 0;
   private readAt = -Infinity;
   private reading = false;
-  /** Grows with each command: what was read before it is old. */
+  /** Increases with each command: values read before it are outdated. */
   private commands = 0;
 
   /** @param objects such as "0x6098" */
@@ -21,13 +21,13 @@ export class PolledObjects {
     private readonly objects: string[],
   ) {}
 
-  /** @return the value that was read last; nothing before, or where the drive does not give it. */
+  /** @return the latest value; undefined before the first read, or if the drive does not provide it. */
   value(address: string, object: string): number | undefined {
     return this.values.get(address)?.get(object);
   }
 
-  /** One axis a second, because each read is a request to its bench: those first that were not read.
-   *  @param root of the view: what nobody sees is not read */
+  /** Reads one axis per second, because each read is a request to its bench; unread ones come first.
+   *  @param root of the view: nothing is read while it is invisible */
   update(now: number, root: HTMLElement): void {
     if (this.reading || !this.model.connected || now - this.readAt < READ_EVERY_MS) return;
     const axes = this.axes();
@@ -48,7 +48,7 @@ export class PolledObjects {
     this.reading = true;
     const answer = await this.model.connection.call("/read", { axis: address, objects: this.objects });
     this.reading = false;
-    // A call that failed tells nothing about the values.
+    // A failed call says nothing about the values.
     if (commands !== this.commands || answer["values"] === undefined) return;
     const values = new Map<string, number>();
     const read = (answer["values"] ?? []) as { value?: number; code?: number }[];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fields for numbers in the unit that the page shows. What was typed stays when a view is built
-// again, and is converted when the unit changes: a target never becomes another one by itself.
+// Fields for numbers in the unit that the page shows. Typed text is kept when a view is rebuilt, and is converted when
+// the unit changes: a target never changes its meaning.
 
 import type { Quantity } from "../data/signals";
 import { formatNumber, parseNumber, parseQuantity, retyped, USER_UNITS, wholeUserUnits, whyNoNumber, type AxisUnit, type Scale, type Suffix } from "../data/units";
@@ -8,12 +8,12 @@ import { t } from "../i18n";
 import type { AxisRef, Model } from "../model";
 import { field, h, put } from "./dom";
 
-/** 12.3 % are 123 permille, but for the last bits. */
+/** 12.3 % are 123 permille, except for rounding errors. */
 const ROUNDING = 1e-9;
 
-/** @param notes gets what a value with a unit became
- *  @return whole user units
- *  @throws Error with the reason when the drive cannot take what the text says */
+/** @param notes receives the result of converting a value with a unit
+ *  @return integer user units
+ *  @throws Error with the reason if the drive cannot take the value in the text */
 export function userUnitsTyped(text: string, scale: Scale, unit: AxisUnit | undefined, suffix: Suffix, notes: string[]): number {
   const found = parseQuantity(text, scale, unit, suffix);
   if ("why" in found) throw new Error(`"${text}" ${t(found.why)}${found.units.length === 0 ? "" : `: ${found.units.join(", ")}`}`);
@@ -26,9 +26,9 @@ export function userUnitsTyped(text: string, scale: Scale, unit: AxisUnit | unde
   return whole;
 }
 
-/** @param notes gets what a value with a unit became
+/** @param notes receives the result of converting a value with a unit
  *  @return the value of an object, in the unit of the drive
- *  @throws Error with the reason when the drive cannot take what the text says */
+ *  @throws Error with the reason if the drive cannot take the value in the text */
 export function valueTyped(text: string, quantity: Quantity | undefined, unit: AxisUnit | undefined, notes: string[]): number {
   if (quantity?.suffix !== undefined) return userUnitsTyped(text, quantity.scale, unit, quantity.suffix, notes);
   const value = parseNumber(text);
@@ -57,11 +57,11 @@ export class QuantityField {
     this.input = made.input;
     this.unit = made.unit;
     this.input.addEventListener("input", () => this.keep());
-    this.input.readOnly = true; // until bind(), which would replace what is typed before
+    this.input.readOnly = true; // until bind(), which would replace text typed earlier
   }
 
-  /** Shows what was typed under this key before, in the unit in force now.
-   *  @param initial what the field shows before anything was typed */
+  /** Shows the text last typed under this key, in the present unit.
+   *  @param initial content of the field before anything was typed */
   bind(key: string, ref: AxisRef, initial: (scale: Scale) => string = () => ""): void {
     const scale = this.model.scale(ref.axis);
     const same = key === this.key && scale.name === this.scale?.name && scale.factor === this.scale.factor;
@@ -80,16 +80,16 @@ export class QuantityField {
     return this.input.value.trim() === "";
   }
 
-  /** What was typed has become a value of the drive. */
+  /** The typed text has become a value of the drive. */
   clear(): void {
     this.input.value = "";
     this.model.typed.delete(this.key);
     this.accept();
   }
 
-  /** @param notes gets what a value with a unit became
-   *  @return whole user units; nothing for an empty field
-   *  @throws Error with the reason when the drive cannot take what the text says */
+  /** @param notes receives the result of converting a value with a unit
+   *  @return integer user units; undefined for an empty field
+   *  @throws Error with the reason if the drive cannot take the value in the text */
   read(notes: string[]): number | undefined {
     const text = this.input.value.trim();
     if (text === "" || this.scale === undefined) return undefined;
@@ -119,7 +119,7 @@ export class QuantityField {
   }
 }
 
-/** A box that stays ticked when its view is built again. */
+/** A checkbox that keeps its state when its view is rebuilt. */
 export class KeptCheckbox {
   readonly input = h("input", { attributes: { type: "checkbox" } });
   readonly root: HTMLElement;

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// A question before what cannot be taken back. It stands in the page, so that STOP stays in reach; the second
-// click of a double click answers nothing.
+// A question before an irreversible action. It is part of the page, so that STOP stays within reach; the second click
+// of a double click does not answer it.
 
 import { t } from "../i18n";
 import { SECOND_PRESS_MS } from "../model";
 import { button, h } from "./dom";
 
 export interface Asked {
-  /** what is asked; its text may change while it stands there */
+  /** the question; its text may change while it is shown */
   text: HTMLElement;
-  /** the button that agrees */
+  /** the button that confirms */
   label: string;
   /** of the buttons, for tests */
   name: string;
   agree: () => void;
-  /** Called when the question has gone, whatever the answer was.
-   *  @param hadFocus which has gone with it */
+  /** Called when the question has been removed, whatever the answer.
+   *  @param hadFocus the question had the focus, which is now lost */
   leave: (hadFocus: boolean) => void;
 }
 
-/** Shows the question in `place`, with the focus on "Cancel". Escape cancels, too.
- *  @return cancels it */
+/** Shows the question in `place`, with the focus on "Cancel". Escape cancels too.
+ *  @return a function that cancels it */
 export function ask(place: HTMLElement, { text, label, name, agree, leave }: Asked): () => void {
   const since = performance.now();
   const end = () => {
@@ -49,7 +49,7 @@ export function ask(place: HTMLElement, { text, label, name, agree, leave }: Ask
   return end;
 }
 
-/** A button in whose place the question stands. */
+/** A button that is replaced by its question. */
 export function askingButton(label: string, name: string, question: () => string, agree: () => void): HTMLElement {
   const place = h("span", { class: "asking" });
   const leave = (hadFocus: boolean) => {

@@ -23,7 +23,7 @@ import { csvOf, fileName, pictureOf, titleOf } from "./scope_files";
 import { AXIS_WIDTH, PlotStrip, RIGHT_MARGIN, TIME_AXIS_HEIGHT, type Shown } from "./strip";
 import { TriggerPanel } from "./trigger";
 
-/** What is shown of an axis at first. */
+/** The initial signals of an axis. */
 const PRESET = [
   ["position_demand_value", "load_position_actual_value"],
   ["motor_velocity_actual_value", "load_velocity_actual_value", "velocity_demand_value"],
@@ -31,22 +31,22 @@ const PRESET = [
   ["current_actual_value", "torque_actual_value", "torque_demand"],
   [SET_POINTS],
 ];
-/** Beside it stands the window in which it has to stay. */
+/** Next to it is the field for the window that it must stay in. */
 const FOLLOWING_ERROR = "load_position_error_value";
 const WINDOWS = [1, 2, 5, 10, 30, 60, 120, 300, LONGEST_WINDOW_S];
 const LEAST_WINDOW_S = 0.005;
 const ORIGIN_S = 3_600;
-const LEAST_HEIGHT = 92; // [px] of a plot: with less nothing is seen
+const LEAST_HEIGHT = 92; // [px] of a plot: with less, nothing can be seen
 const MARGIN = 10; // [px] of the window around the plots
 const PRINT_SIZE = { width: 980, height: 130 }; // [px] of a plot on paper
-/** Kinds are told apart without colours, too. */
+/** Kinds can also be distinguished without colours. */
 const MARK_DASHES: Record<MarkKind, number[]> = { fault: [], state: [2, 3], event: [7, 4] };
 const MARK_KINDS: readonly MarkKind[] = ["state", "fault", "event"];
-/** [px] A mark that is nearer to the pointer is named. */
+/** [px] A mark this near to the pointer is named. */
 const MARK_REACH = 6;
-const MARK_ROOM = 4; // [px] of a mark that is no fault
-const LABEL_SPACE = 44; // [px] of 8611h
-/** [px] a shorter way is a click */
+const MARK_ROOM = 4; // [px] of a mark that is not a fault
+const LABEL_SPACE = 44; // [px] for "8611h"
+/** [px] a shorter movement is a click */
 const LEAST_DRAG = 4;
 /** A browser allows 200 changes of its address in 30 s. */
 const LINK_EVERY_MS = 300;
@@ -69,7 +69,7 @@ interface PlacedMark {
 export class Scope implements View {
   readonly root: HTMLElement;
   private strips: StripState[];
-  /** the axes of the strips */
+  /** of the axes in the strips */
   private samples = new Map<string, Samples>();
   private plots: PlotStrip[] = [];
   private bits: BitStrip[] = [];
@@ -89,7 +89,7 @@ export class Scope implements View {
   private run?: TriggerRun;
   private showsLastRun = true;
   private marks: PlacedMark[] = [];
-  /** time of the event that a person went to [s] */
+  /** time of the event that the user went to [s] */
   private wentTo?: number;
   private eventsVersion = -1;
   private width = 0;
@@ -98,21 +98,21 @@ export class Scope implements View {
   /** [s] of drive time, shown instead of the newest window */
   private zoomed?: [number, number];
   private pausedAt = 0;
-  /** [px] in the plots; under it another time passes while they run */
+  /** [px] in the plots; the time under it changes while they run */
   private cursorLeft = -1;
   private drawnEnd = -1;
   private drawnAt = 0;
   private dirty = true;
   private builtWith?: Dictionary;
   private builtMembers = "";
-  /** of the address, which belongs to this view while it stands there */
+  /** path of the address at which this view writes its link */
   private readonly path = location.hash.split("?")[0];
   private link: string;
   private linkAt = -Infinity;
 
-  /** @param preset what is shown where the link says nothing else
-   *  @param query of the link by which this was opened
-   *  @param isNamed Strips have the name of their axis, also when there is only one. */
+  /** @param preset shown unless the link says otherwise
+   *  @param query of the link that opened this view
+   *  @param isNamed strips show the name of their axis even if there is only one */
   constructor(
     private readonly model: Model,
     private readonly source: Source,
@@ -176,7 +176,7 @@ export class Scope implements View {
     this.follow();
     const [from, to] = this.range();
     const columns = Math.max(50, this.width - AXIS_WIDTH - RIGHT_MARGIN);
-    // Long windows move by less than a pixel a frame.
+    // Long windows move by less than a pixel per frame.
     const every = Math.min(250, ((to - from) / columns) * 1000);
     const end = [...this.samples.values()].reduce((sum, { history }) => sum + history.end, 0);
     const isOld = end !== this.drawnEnd || this.source.events.version !== this.eventsVersion;
@@ -194,7 +194,7 @@ export class Scope implements View {
     this.writeLink(now);
   }
 
-  /** Shows what was then, in the middle of the window. @param time [s] of drive time */
+  /** Shows this moment in the middle of the window. @param time [s] of drive time */
   goTo(time: number): void {
     const isThere = [...this.samples.values()].some(({ begin, end }) => begin !== undefined && end !== undefined && time >= begin && time <= end);
     if (!isThere) {
@@ -233,10 +233,10 @@ export class Scope implements View {
     if (cursors !== undefined && (this.source.isLive || this.overlaps(cursors))) this.setCursors(cursors);
     if (trigger === undefined) return;
     this.trigger.set(trigger);
-    if (range === undefined) this.arm(trigger); // else it would lead away from what the link shows
+    if (range === undefined) this.arm(trigger); // otherwise the trigger would lead away from the linked range
   }
 
-  /** @return strips of a link; of a recording those of its axes */
+  /** @return the strips of a link; for a recording only those of its axes */
   private known(strips: StripState[] | undefined): StripState[] | undefined {
     if (strips === undefined || this.source.isLive) return strips;
     const axes = new Set(this.source.axes().map(({ address }) => address));
@@ -249,7 +249,7 @@ export class Scope implements View {
     return Math.min(...times) < end && Math.max(...times) > begin;
   }
 
-  /** The address of the page opens what is shown now. */
+  /** Keeps the address of the page as a link to the present content. */
   private writeLink(now: number): void {
     if (now - this.linkAt < LINK_EVERY_MS) return;
     this.linkAt = now;
@@ -288,7 +288,7 @@ export class Scope implements View {
     return this.model.dictionary?.objects.find(({ name }) => name === member);
   }
 
-  /** Signals of one strip share a scale: those that a link puts together without one get strips of their own. */
+  /** Signals of one strip share a scale; if those of a link do not, they get separate strips. */
   private split(strip: StripState, samples: Samples): { members: string[]; quantity: Quantity }[] {
     const groups: { members: string[]; quantity: Quantity }[] = [];
     for (const member of strip.members) {
@@ -332,7 +332,7 @@ export class Scope implements View {
     });
     if (roots.length === 0) roots.push(h("p", { class: "nothing" }, t("no_signals")));
     this.body.replaceChildren(...roots);
-    // Not in the picture of the plot: what is in a picture cannot be reached.
+    // Outside the role=img element of the plot, whose content cannot be reached.
     this.plots[0]?.root.append(...this.cursors.handles);
     if (!this.trigger.root.hidden) this.trigger.build();
     if (!this.addPlace.hidden) this.buildAdding();
@@ -365,7 +365,7 @@ export class Scope implements View {
     return made.root;
   }
 
-  /** Up, down, away. @param place among the strips */
+  /** Buttons for up, down, remove. @param place index of the strip */
   private stripTools(place: number): Node[] {
     const move = (by: number) => () => {
       const strips = [...this.strips];
@@ -392,7 +392,7 @@ export class Scope implements View {
     if (!this.addPlace.hidden) this.buildAdding();
   }
 
-  /** Any axis of the bench that is shown, and any signal that one of the axes is known to have. */
+  /** Offers any axis of the bench shown, and any signal that one of the axes is known to have. */
   private buildAdding(): void {
     const shown = this.strips[0]?.axis ?? this.preset[0]?.axis ?? "";
     const [bench] = shown.split(".").map(Number);
@@ -452,7 +452,7 @@ export class Scope implements View {
     picture.toBlob((blob) => blob !== null && download(`${fileName(all, to)}.png`, blob));
   }
 
-  /** Paper is white, and as wide as it is. */
+  /** Paper is white and has a fixed width. */
   private readonly onPrint = (): void => {
     document.documentElement.dataset["printing"] = "";
     const { width, height } = PRINT_SIZE;
@@ -500,7 +500,7 @@ export class Scope implements View {
     if (!on) {
       this.zoomed = undefined;
       this.wentTo = undefined;
-      this.showCursors(false); // what they stand on moves away
+      this.showCursors(false); // their positions move away
       if (this.run?.trigger.mode === "single") this.arm(undefined);
     }
     this.dirty = true;
@@ -542,7 +542,7 @@ export class Scope implements View {
     plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
   }
 
-  /** Shows earlier and later times while the plot is dragged. A touch upwards scrolls the page. */
+  /** Shows earlier and later times while the plot is dragged. A vertical touch scrolls the page. */
   private beginPan(plot: uPlot, down: PointerEvent): void {
     if (down.button !== 0 || down.shiftKey) return;
     const [from, to] = this.range();
@@ -565,7 +565,7 @@ export class Scope implements View {
     plot.over.addEventListener("lostpointercapture", end);
   }
 
-  /** Without Ctrl the wheel scrolls the page, as everywhere. */
+  /** Without Ctrl, the wheel scrolls the page as usual. */
   private onWheel(plot: uPlot, event: WheelEvent): void {
     if (!event.ctrlKey) return;
     event.preventDefault();
@@ -596,7 +596,7 @@ export class Scope implements View {
       this.run = new TriggerRun(trigger, samples, () => this.source.events.events, this.now());
       return;
     }
-    // Of a recording each press finds the next one.
+    // In a recording, each press finds the next one.
     this.run = new TriggerRun(trigger, samples, () => this.source.events.events, before ?? this.whole()[0]);
     this.zoom(undefined);
   }
@@ -607,7 +607,7 @@ export class Scope implements View {
     return [at - before, at - before + window];
   }
 
-  /** Looks for the trigger in what has come. */
+  /** Searches for the trigger in the new samples. */
   private follow(): void {
     const { run } = this;
     if (run === undefined) {
@@ -631,7 +631,7 @@ export class Scope implements View {
     if (this.lastRunButton.disabled === hasLast) this.lastRunButton.disabled = !hasLast;
   }
 
-  /** A run is complete. A single one stays. */
+  /** A run is complete. If it is a single one, it stays. */
   private hold(run: TriggerRun): void {
     this.dirty = true;
     if (run.at === undefined || run.trigger.mode === "normal") return;
@@ -669,8 +669,8 @@ export class Scope implements View {
     this.dirty = true;
   }
 
-  /** @return of a plot, so that all of them fill the window below what stands above them [px]; where the controls
-   *          stand above them, a window of their own */
+  /** @return the height of each plot, so that all of them fill the window below the elements above them; if those
+   *          include the controls, a full window [px] */
   private heightIn(main: HTMLElement): number {
     const others = this.root.offsetHeight - this.plots.reduce((sum, { plot }) => sum + plot.height, 0);
     const top = this.root.getBoundingClientRect().top - main.getBoundingClientRect().top + main.scrollTop;
@@ -686,7 +686,7 @@ export class Scope implements View {
     this.cursors.place(shown);
   }
 
-  /** What is under the cursor, else at the right edge. */
+  /** Shows the values under the cursor, or else at the right edge. */
   private showReadings(): void {
     const asked = this.cursorTime();
     const time = asked ?? this.range()[1];
@@ -715,7 +715,7 @@ export class Scope implements View {
     this.dirty = true;
   }
 
-  /** What happened to the axes and to their benches. */
+  /** The events of the axes and of their benches. */
   private marksIn({ from, to }: Shown): PlacedMark[] {
     return [...this.samples.values()].flatMap((samples) => {
       const { bench, axis, address } = samples.axis;
@@ -785,7 +785,7 @@ export class Scope implements View {
 
   // ---- two cursors
 
-  /** They stand still, and so do the plots. */
+  /** The cursors stand still, and so do the plots. */
   private showCursors(on: boolean): void {
     if (on && !this.paused && this.source.isLive) this.pause(true);
     const [from, to] = this.range();

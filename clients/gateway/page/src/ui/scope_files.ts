@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scope shows, as CSV and as a picture.
+// The contents of a scope as CSV and as a picture.
 
 import type { Samples } from "../data/samples";
 import { quantityOf, type ObjectUnit } from "../data/signals";
@@ -13,13 +13,13 @@ import type { PlotStrip } from "./strip";
 const PRINTED_DATE = "2026-01-01".length;
 const FILE_DATE = "2026-01-01T00:00:00".length;
 
-/** Of drive time [s]; of now where that has none. */
+/** The date of a drive time [s]; the present date if drive time has none. */
 function dateOf(time: number): string {
   const date = isoDate(time);
   return date === "" ? new Date().toISOString() : date;
 }
 
-/** @param to [s] of drive time, the end of what is saved */
+/** @param to [s] of drive time, the end of the saved range */
 export function fileName(all: readonly Samples[], to: number): string {
   const name = all.map(({ axis }) => `${axis.address}_${axis.name}`).join("_");
   return `${name}_${dateOf(to).slice(0, FILE_DATE)}`.replace(/[^\w.-]/g, "_");
@@ -27,7 +27,7 @@ export function fileName(all: readonly Samples[], to: number): string {
 
 interface CsvColumn {
   head: string;
-  /** @return of a sample; "" where there is none */
+  /** @return the text of a sample; "" if there is none */
   text: (sample: number) => string;
 }
 
@@ -42,7 +42,7 @@ function columnsOf(samples: Samples, objects: readonly ObjectUnit[], inAxisUnits
   });
 }
 
-/** Every sample from `from` to `to` [s], not only the points that are drawn: a row for each tick of any axis. */
+/** Every sample from `from` to `to` [s], not only the points drawn: a row for each tick of any axis. */
 export function csvOf(all: readonly Samples[], objects: readonly ObjectUnit[], from: number, to: number, inAxisUnits: boolean): string[] {
   const named = all.length > 1;
   const tables = all.map((samples) => ({
@@ -66,7 +66,7 @@ export function csvOf(all: readonly Samples[], objects: readonly ObjectUnit[], f
   }
 }
 
-/** Which axes, when, and in which state they were at the end. */
+/** The axes, the time, and the states at the end. */
 export function titleOf(all: readonly Samples[], from: number, to: number): string {
   const states = all.map((samples) => {
     const number = samples.history.nearest(to - samples.origin);
@@ -80,7 +80,7 @@ export function titleOf(all: readonly Samples[], from: number, to: number): stri
   return `${dateOf(to).slice(0, PRINTED_DATE)}, ${times}: ${states.join("; ")}`;
 }
 
-/** @return the strips under each other, with their legends */
+/** @return the strips stacked vertically, with their legends */
 export function pictureOf(title: string, strips: readonly (PlotStrip | BitStrip)[], width: number): HTMLCanvasElement {
   const ratio = window.devicePixelRatio || 1;
   const head = 22 * ratio;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scope over the whole window, and the events of its time: of the benches, or of a recording.
+// The scope in the full window, with the events of its time: from the benches, or from a recording.
 
 import { t } from "../i18n";
 import type { Model } from "../model";
@@ -18,7 +18,7 @@ export class ScopeView implements View {
   private readonly cut = h("p", { class: "problem", attributes: { role: "alert" } });
   private readonly closeButton: HTMLButtonElement;
 
-  /** @param axis whose signals are shown where the link names none
+  /** @param axis whose signals are shown if the link names none
    *  @param memory keeps the recording while other views are shown */
   constructor(
     private readonly model: Model,
@@ -59,7 +59,7 @@ export class ScopeView implements View {
     for (const part of this.parts) part.close?.();
   }
 
-  /** @param query what the address says: a link to a recording opens its place once the file is open */
+  /** @param query from the address: a link to a recording opens its place once the file is open */
   private show(recording: Recording | undefined, query = location.hash.split("?")[1] ?? ""): void {
     this.close();
     this.memory.recording = recording;
@@ -78,7 +78,7 @@ export class ScopeView implements View {
 
   private async openFile(file: File | undefined): Promise<void> {
     if (file === undefined) return;
-    this.file.value = ""; // the same file may be opened again
+    this.file.value = ""; // so that the same file can be opened again
     try {
       const recording = await openRecording(file, (share) => (this.name.textContent = `${file.name}: ${Math.floor(share * 100)} %`));
       if (this.root.isConnected) this.show(recording);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frame of every view: which view, who has control, the stop.
+// The frame of every view: navigation, control, and STOP.
 
 import { setLanguage, t } from "../i18n";
 import { addressOf, listed, SECOND_PRESS_MS, type AxisRef, type Model, type Theme } from "../model";
@@ -19,8 +19,8 @@ const LIGHT_FRAME_MS = 12;
 const LONGEST_REST_MS = 500;
 
 /**
- * Draws with each frame of the screen. Where a frame takes long, as on a busy machine or without a
- * graphics processor, the thread rests from drawing as long as it drew: messages and keys come between.
+ * Draws with each frame of the screen. If a frame takes long, as on a busy machine or without a graphics processor,
+ * drawing pauses for as long as it took, so that messages and keys are handled.
  */
 function drawFrames(draw: (now: number) => void): void {
   const drawn = new MessageChannel();
@@ -31,7 +31,7 @@ function drawFrames(draw: (now: number) => void): void {
     draw(now);
   };
   const next = () => requestAnimationFrame(frame);
-  // Arrives after the frame is laid out and painted.
+  // Arrives after the frame has been laid out and painted.
   drawn.port1.onmessage = () => {
     const took = performance.now() - began;
     if (took <= LIGHT_FRAME_MS) next();
@@ -60,11 +60,11 @@ export class Shell {
   private readonly banner = h("p", { class: "banner", attributes: { role: "alert" } });
   private readonly notices = h("div", { class: "notices", attributes: { role: "status" } });
   private shownNotices = "";
-  /** before control is taken from who holds it */
+  /** before control is taken from its holder */
   private readonly question = h("div", { class: "question", attributes: { role: "group", "aria-live": "polite" } });
   private readonly questionText = h("span");
   private endQuestion?: () => void;
-  /** the session that it is about */
+  /** the session that the question is about */
   private askedAbout = "";
   private tookAt = -Infinity;
   private readonly holder = h("span", { class: "holder" });
@@ -72,7 +72,7 @@ export class Shell {
   private readonly stopButton = button("", () => this.stop(), { class: "stop", attributes: { "data-test": "stop" } });
   private readonly outcome = h("p", { class: "outcome", attributes: { role: "status" } });
   private readonly motions = h("ul", { class: "motions" });
-  /** Their ends are heard, not each step of the way. */
+  /** Only ends are announced to screen readers, not each step on the way. */
   private readonly motionEnds = h("p", { class: "only-heard", attributes: { role: "status" } });
   private readonly motion = h("p", { class: "motion", attributes: { role: "status" } });
   private motionAt = -Infinity;
@@ -111,7 +111,7 @@ export class Shell {
       this.links.set(key, link);
       nav.append(link);
     }
-    this.endQuestion?.(); // in the language before
+    this.endQuestion?.(); // it is in the previous language
     this.stopButton.replaceChildren(h("b", {}, t("stop")), " ", h("kbd", {}, "Ctrl + ."));
     this.stopButton.title = t("stop_hint");
     const { settings } = this.model;
@@ -153,7 +153,7 @@ export class Shell {
       h("div", { class: "settings" }, units, language, theme),
       h("div", { class: "holding" }, this.holder, this.takeButton),
     );
-    // STOP has a column of its own: whatever else the header shows, it stays where it is.
+    // STOP has its own column, so that it stays in place whatever else the header shows.
     const header = h("header", {}, frame, this.stopButton);
     this.app.replaceChildren(header, this.question, this.banner, this.notices, this.main, h("footer", {}, this.outcome, this.motions, this.motionEnds, this.motion));
     this.viewKey = "";
@@ -177,7 +177,7 @@ export class Shell {
     const [, view = "", address = ""] = pathOf(location.hash).split("/");
     const name = view === "axis" || view === "control" || view === "scope" ? view : "overview";
     const ref = name === "axis" || name === "scope" ? this.axisOf(address) : undefined;
-    // A scope has axes of its own choice.
+    // A scope shows axes of its own choice.
     const benches = name === "scope" ? this.model.sortedBenches() : ref === undefined ? [] : [ref.bench];
     const runs = benches.map((bench) => bench.description?.incarnation ?? "").join(" ");
     const key = `${name} ${ref === undefined ? "" : addressOf(ref)} ${runs}`;
@@ -203,7 +203,7 @@ export class Shell {
 
   private make(name: string, ref: AxisRef | undefined): View {
     this.traces.hide();
-    const [, query = ""] = location.hash.split("?"); // of a view that is built again, what it has shown
+    const [, query = ""] = location.hash.split("?"); // when the view is rebuilt: what it has shown
     if (name === "scope") return new ScopeView(this.model, new LiveSource(this.model, this.traces), ref && addressOf(ref), query, this.scopeMemory);
     if (ref !== undefined) {
       const [trace] = this.traces.show([ref]);
@@ -250,7 +250,7 @@ export class Shell {
 
   private showControl(): void {
     const { control, connected } = this.model;
-    // Another client has control by now, or nobody: that was not asked.
+    // Meanwhile another client has control, or nobody: the question was not about that.
     if (control.session !== this.askedAbout) this.endQuestion?.();
     const able = control.enabled && connected;
     this.stopButton.disabled = !able;
@@ -276,7 +276,7 @@ export class Shell {
     this.notices.replaceChildren(...lines);
   }
 
-  /** What becomes of axes that move when this page goes, or moved on when it had gone. */
+  /** Shows what happens to moving axes when this page ends, or what has happened to those that continued. */
   private showMotion(now: number): void {
     if (now - this.motionAt < MOTION_EVERY_MS) return;
     this.motionAt = now;
@@ -296,7 +296,7 @@ export class Shell {
     if (this.outcome.className !== wanted) this.outcome.className = wanted;
   }
 
-  /** How the motions go on that this page has started: first those that did not reach their end. */
+  /** Shows the motions that this page has started: first those that did not reach their end. */
   private showMotions(): void {
     const all = this.model.motions.lines();
     put(this.motionEnds, all.flatMap(({ kind, text }) => (kind === "moves" ? [] : [text])).join("; "));
@@ -312,7 +312,7 @@ export class Shell {
 
   private take(): void {
     const { control } = this.model;
-    // The button takes and gives back: the second click of a double click would undo the first.
+    // The button takes and releases: the second click of a double click would undo the first.
     const now = performance.now();
     const isSecond = now - this.tookAt < SECOND_PRESS_MS;
     this.tookAt = now;
@@ -322,7 +322,7 @@ export class Shell {
     else this.askTakeOver(control.session);
   }
 
-  /** Who holds control loses it, also while its axes move. */
+  /** The holder loses control even while its axes move. */
   private askTakeOver(session: string): void {
     if (this.endQuestion !== undefined) return;
     put(this.questionText, this.model.takeOverText());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long a page that holds control may be silent, and what its axes do then (6007h, abort
-// connection option code).
+// How long a page that holds control may be silent, and what its axes do afterwards (6007h, abort connection option
+// code).
 
 import { isTextKey, t } from "../i18n";
 import { addressOf, listed, SILENCES_S, type AxisRef, type Model } from "../model";
@@ -38,7 +38,7 @@ export class Silence {
   update(): void {
     const { control } = this.model;
     this.root.hidden = !control.enabled;
-    // What is in force: the gateway may have refused a choice.
+    // The value in force: the gateway may have refused a choice.
     const shown = String(control.you ? control.silence_ms / 1000 : this.model.settings.silence);
     if (!this.isUnderWay && this.choice.value !== shown) this.choice.value = shown;
     const isOthers = control.holder !== "" && !control.you;
@@ -52,7 +52,7 @@ export class Silence {
     this.isUnderWay = false;
   }
 
-  /** Axes with the same option stand together; with one option there is nothing to tell apart. */
+  /** Axes with the same option are grouped; if all have the same, none are named. */
   private showReaction(): void {
     const groups = new Map<number, string[]>();
     for (const ref of this.axes()) {

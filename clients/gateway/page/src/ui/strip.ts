@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One strip of a scope: signals of one axis over each other, with one scale.
+// One strip of a scope: signals of one axis in one plot, with one scale.
 
 import uPlot from "uplot";
 import { labelDecimals, niceRange, type Points } from "../data/history";
@@ -15,25 +15,25 @@ export const RIGHT_MARGIN = 14;
 export const TIME_AXIS_HEIGHT = 22;
 const LINE_DASH = [5, 4];
 const SYNC = "scope";
-/** [s] between the lines of the time axis: those that a clock has */
+/** [s] between the lines of the time axis, as on a clock */
 const TIME_STEPS = [
   ...[1e-4, 1e-3, 1e-2, 0.1].flatMap((power) => [power, 2 * power, 5 * power]),
   1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 1_200, 3_600,
 ];
-const TIME_SPACE = 76; // [px] of 14:03:27.250
+const TIME_SPACE = 76; // [px] for 14:03:27.250
 const LAST_RUN_ALPHA = 0.4;
-const LEGEND_LINE = 19; // [px] two dashes
+const LEGEND_LINE = 19; // [px] for two dashes
 const LEGEND_GAP = 14; // [px]
 
-/** What all strips of a scope show. */
+/** Settings shared by all strips of a scope. */
 export interface Shown {
   /** [s] of drive time */
   from: number;
   to: number;
-  /** [s] of drive time at time 0 of the plots: round times stay round in them */
+  /** [s] of drive time at time 0 of the plots, so that round times remain round */
   origin: number;
   columns: number;
-  /** [s] before it the last run happened; nothing while none is shown */
+  /** [s] between the last run and the present one; undefined while none is shown */
   lastRun: number | undefined;
 }
 
@@ -48,7 +48,7 @@ interface Line extends Signal {
   reading: HTMLElement;
 }
 
-/** The signals that are no demand: the last one has the first colour. */
+/** Colours of signals that are not demands; the last of these signals has the first colour. */
 const COLOURS = ["line-1", "line-3", "line-4"];
 
 function linesOf(signals: readonly Signal[]): Line[] {
@@ -60,7 +60,7 @@ function linesOf(signals: readonly Signal[]): Line[] {
   });
 }
 
-/** What a strip tells its scope, and asks of it. */
+/** The scope of a strip, as the strip sees it. */
 export interface Listener {
   draw(strip: PlotStrip, isFirst: boolean): void;
   cursor(plot: uPlot): void;
@@ -78,13 +78,13 @@ export class PlotStrip {
   /** of the last run */
   private shadow?: Points;
 
-  /** @param head what stands before the signals: which axis
-   *  @param tools what follows them */
+  /** @param head shown before the signals: the axis
+   *  @param tools shown after them */
   constructor(
     readonly samples: Samples,
     signals: readonly Signal[],
     private readonly quantity: Quantity,
-    /** of its axis, and of all strips */
+    /** among those of its axis, and among all strips */
     place: { isFirst: boolean; isLast: boolean },
     head: Node[],
     tools: Node[],
@@ -95,7 +95,7 @@ export class PlotStrip {
     const readings = this.lines.map((line) =>
       h("span", { class: "reading" }, h("i", { class: `sample ${line.colour}${line.dashed ? " dashed" : ""}` }), line.title, line.reading),
     );
-    readings.at(-1)?.append(h("span", { class: "unit" }, quantity.unit)); // no line of its own
+    readings.at(-1)?.append(h("span", { class: "unit" }, quantity.unit)); // not on a line of its own
     this.root = h("div", { class: "plot" }, h("div", { class: "plot-head" }, ...head, ...readings, ...tools), canvas, this.problem);
     this.problem.hidden = true;
     this.plot = this.make(canvas, place);
@@ -151,7 +151,7 @@ export class PlotStrip {
     return formatNumber(this.shown(value), this.quantity.scale.decimals);
   }
 
-  /** Each line as it is drawn, and its name. @param bottom of the letters */
+  /** Draws each line with its name. @param bottom of the letters */
   drawLegend(context: CanvasRenderingContext2D, left: number, bottom: number, ratio: number): void {
     context.save();
     context.lineWidth = 2 * ratio;
@@ -170,7 +170,7 @@ export class PlotStrip {
     context.restore();
   }
 
-  /** In the unit that is shown; of members that are not there nothing. @param later [s] by which they are drawn */
+  /** In the unit shown; empty for missing members. @param later [s] by which they are shifted */
   private points(from: number, to: number, columns: number, later: number): Points {
     const { history, origin } = this.samples;
     const places = this.lines.map(({ member }) => this.series(member));
@@ -183,7 +183,7 @@ export class PlotStrip {
     return { x: later === 0 ? found.x : found.x.map((time) => time + later), y };
   }
 
-  /** A scale that would shrink a little stays: the picture does not jump. */
+  /** Keeps a scale that would shrink only a little, so that the picture does not jump. */
   private fitScale(points: Points): void {
     let low = Infinity;
     let high = -Infinity;
@@ -253,7 +253,7 @@ export class PlotStrip {
     return plot;
   }
 
-  /** The last run, under the same scale. */
+  /** The last run, with the same scale. */
   private drawShadow({ ctx, bbox, valToPos }: uPlot): void {
     const { shadow } = this;
     if (shadow === undefined) return;

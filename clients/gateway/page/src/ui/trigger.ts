@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The trigger of a scope: what it waits for.
+// The trigger of a scope: its condition.
 
 import { CONTROLWORD, type Samples } from "../data/samples";
 import { quantityOf, type Quantity } from "../data/signals";
@@ -25,8 +25,8 @@ export class TriggerPanel {
   private typed = "0";
   private armed = false;
 
-  /** @param axes that are shown
-   *  @param arm with what was chosen, or nothing to end it */
+  /** @param axes shown in the scope
+   *  @param arm called with the chosen trigger, or undefined to end it */
   constructor(
     private readonly model: Model,
     private readonly axes: () => Samples[],
@@ -144,7 +144,7 @@ export class TriggerPanel {
     return `${bit} ${bitName(name)}`.trim();
   }
 
-  /** @throws Error with the reason when the level is none */
+  /** @throws Error with the reason if the level is invalid */
   private read(): Trigger {
     const { chosen, typed } = this;
     if (chosen.condition === "event") return { ...chosen, member: "", value: 0 };
