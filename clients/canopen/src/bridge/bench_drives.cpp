@@ -144,7 +144,7 @@ void BenchDrives::take_news() {
   for (std::size_t place = 0; place < count_; ++place) tell_connection(place, false);
 }
 
-// ---- what the nodes ask ----------------------------------------------------------------------
+// ---- requests of the nodes -------------------------------------------------------------------
 
 void BenchDrives::access(std::size_t place, const DriveAccess& access) {
   const auto answer =

@@ -509,7 +509,7 @@ void BenchNodes::run_drive_calls() {
   }
 }
 
-// ---- questions -------------------------------------------------------------------------------
+// ---- access ----------------------------------------------------------------------------------
 
 NodeCounters BenchNodes::counters() const {
   NodeCounters sum = ended_;

@@ -215,7 +215,7 @@ DriveTime ServedBus::fault_time() const {
   return sync_steps_ ? drive_time() : bus_.faults().now();
 }
 
-// ---- questions -------------------------------------------------------------------------------
+// ---- access ----------------------------------------------------------------------------------
 
 std::optional<TcpAddress> ServedBus::socketcand() const {
   if (socketcand_.empty()) return std::nullopt;

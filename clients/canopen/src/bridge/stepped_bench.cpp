@@ -46,7 +46,7 @@ std::optional<std::string> SteppedBench::refusal_of(const client::BenchInfo& inf
   return std::nullopt;
 }
 
-// ---- the bench comes and goes ----------------------------------------------------------------
+// ---- start and end of the bench --------------------------------------------------------------
 
 void SteppedBench::poll(const client::BenchInfo* present) {
   const bool is_there = present != nullptr && present->incarnation == incarnation_;
@@ -143,7 +143,7 @@ client::Outcome SteppedBench::step() {
   return shown;
 }
 
-// ---- what the nodes ask ----------------------------------------------------------------------
+// ---- requests of the nodes -------------------------------------------------------------------
 
 void SteppedBench::hand_over() {
   if (!nodes_.has_set_points()) return;

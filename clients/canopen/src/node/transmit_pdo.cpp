@@ -37,7 +37,7 @@ AbortCode TransmitPdo::write(ObjectAddress object, std::uint32_t value) {
   return refusal;
 }
 
-// ---- values that are read --------------------------------------------------------------------
+// ---- values that must be read ----------------------------------------------------------------
 
 void TransmitPdo::add_read_objects(std::vector<ObjectAddress>& objects) const {
   if (!parameters_.is_valid()) return;

@@ -250,7 +250,7 @@ export class Shell {
 
   private showControl(): void {
     const { control, connected } = this.model;
-    // Meanwhile another client has control, or nobody: the question was not about that.
+    // Control has changed since the question was asked, so it no longer applies.
     if (control.session !== this.askedAbout) this.endQuestion?.();
     const able = control.enabled && connected;
     this.stopButton.disabled = !able;
