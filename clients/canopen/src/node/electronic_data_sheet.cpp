@@ -128,7 +128,7 @@ bool is_optional_index(std::uint16_t index) {
   return !is_mandatory_index(index) && !is_manufacturer_index(index);
 }
 
-/// A CIA 306 list of indices, with the test for membership.
+/// A CiA 306 list of indices, with the test for membership.
 struct ObjectList {
   std::string_view section;
   bool (*has)(std::uint16_t index) = nullptr;
