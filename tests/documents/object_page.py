@@ -14,11 +14,11 @@ import sys
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "reference" / "objects.md"
 HEAD = """# Objects
 
-The object dictionary of an axis, as `vdrive dictionary` prints it. A row of `core/include/vdrive/dictionary/object_table.hpp`
-is the only definition of an object; `tests/documents/object_page.py` writes this page.
+The object dictionary of an axis, as `vdrive dictionary` prints it. Objects are defined in
+`core/include/vdrive/dictionary/object_table.hpp`; `tests/documents/object_page.py` writes this page.
 
-- *stored*: `vdrive store` keeps the value. *effective*: when an accepted write acts on the drive.
-- *origin*: `manual` is the manual of the profile position mode, `companion` the objects of vdrive beside it.
+- *stored*: `vdrive store` keeps the value. *effective*: when an accepted write takes effect in the drive.
+- *origin*: `manual` is the manual of the profile position mode, `companion` an object that vdrive adds.
 
 | object | variable name | type | access | range | default | unit | stored | effective | origin |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
@@ -28,10 +28,11 @@ is the only definition of an object; `tests/documents/object_page.py` writes thi
 DISTURBANCES = """
 ## Disturbances
 
-What the inputs of the test bench do to an axis, as `vdrive disturb --help` prints it. A row of
-`clients/include/vdrive/client/disturbance.hpp` is the only definition. 605Eh chooses how the axis stops in a fault; the fault can be reset once its input is 0.
+The effects of the test-bench inputs on an axis, as `vdrive disturb --help` prints them. They are defined in
+`clients/include/vdrive/client/disturbance.hpp`. 605Eh selects how the axis stops in a fault; the fault can be reset
+once its input is 0.
 
-| `vdrive disturb` | what becomes of the axis |
+| `vdrive disturb` | effect on the axis |
 | --- | --- |
 """
 
