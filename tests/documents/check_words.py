@@ -41,10 +41,10 @@ RULES = [
     rule("behind", r"\bbehind\b", "after, following, past", {
         r"\b(?:lag|fall|leave|stay|keep|wait)(?:s|ing|ed)?\b(?: [\w.,/-]+){0,4} behind": "idioms",
         r"\b(?:fell|fallen|left|kept)\b(?: [\w.,/-]+){0,4} behind|\bone behind the other|\bfrom behind" + END: "idioms",
-        r"\b(?:reasons?|numbers?|figures?|ideas?) behind": "idioms",
+        r"\b(?:reasons?|numbers?|figures?|ideas?|programs?) behind": "idioms",
         r"\b(?:is|are|was|were) (?:[\w.,]+ )?behind" + END: "late",
-        r"\d (?:ticks|ms|UU) behind|\bfar behind|\bahead\b[^.]{0,60}\bbehind": "late, with the distance",
-        r"\bbehind (?:the|their|its) (?:time|demand|target|others?|bench|clock|master|newest)\b": "late",
+        r"\d (?:ticks|ms|UU) behind|\b(?:far|never) behind|\bahead\b[^.]{0,60}\bbehind": "late, how much",
+        r"\bbehind (?:the|their|its) (?:time|demand|target|axis|others?|bench|clock|master|newest)\b": "late",
         r"\bbehind (?:both|it) (?:by|at)\b": "late",
         r"\bbehind " + MACHINE: "on the far side of a part of the machine",
         r"\bbehind " + HIDDEN: "protected or hidden by it",
@@ -59,13 +59,14 @@ RULES = [
                            r"tick|value|word)s? before(?:" + END + r"| it\b)", "the previous one"),
     rule("is whole", r"\b(?:be|been|is|are|was|were|not|arrives?|arrived|comes?|came|stays?|stayed) whole\b"
                      r"(?: yet\b| again\b|" + END + ")", "complete", {
-        r"[\d`] are whole\b|\bnumber\b[^.;]{0,40}\bwhole\b|\bwhole\b[^.;]{0,40}\bfraction": "a whole number",
+        r"[\d`] are whole\b|\bnumber\b[^.;]{0,40}\bwhole\b|\bwhole\b[^.;]{0,40}\bfraction|"
+        r"\bunits are whole\b": "a whole number",
     }),
     rule("heed", r"\bheed(?:s|ed|ing)?\b", "consider, obey, react to"),
-    rule("take leave", r"\b(?:take|takes|took|taking|taken) leave\b|\bparting\b", "announce the end, disconnect"),
+    rule("take leave", r"\b(?:take|takes|took|taking|taken) leave\b|\b(?-i:parting)\b", "announce the end, disconnect"),
     rule("greet", r"\bgreet(?:s|ed)?\b", "announce itself, answer the first message"),
-    rule("What as an opening", "^" + OPENING + r"What\b(?!'s)(?![^.]*\?)", "The ..., Returns ..., or a verb"),
-    rule("Who as an opening", "^" + OPENING + r"Who\b(?!'s)(?![^.]*\?)", "The ..., or a noun such as owner"),
+    rule("What as an opening", "^" + OPENING + r"(?-i:What)\b(?!'s)(?![^.]*\?)", "The ..., Returns ..., or a verb"),
+    rule("Who as an opening", "^" + OPENING + r"(?-i:Who)\b(?!'s)(?![^.]*\?)", "The ..., or a noun such as owner"),
     rule("who for a program", r"\b(?:axis|bench|caller|client|drive|master|process|program|reader|server|service|session|"
                               r"thread|writer)s?,? who\b", "that, which"),
     rule("such one", r"\b(?:such a one|such one)\b", "one like this"),
@@ -74,7 +75,7 @@ RULES = [
     rule("say of", r"\b(?:says?|said|tells?) of\b", "says about, reports"),
     rule("become of", r"\b(?:becomes?|became|come|comes|came) of (?:it|its|that|this|them|each|every|a|an|the)\b",
          "effect, result, outcome"),
-    rule("each 5 s", r"\beach (?:\d[\d.,]*|n) ?(?:us|ms|s|min|h|ticks|seconds|milliseconds|hours)\b", "every 5 s", {
+    rule("each 5 s", r"\beach (?:\d[\d.,]*|n) ?(?:us|ms|s|min|h|ticks|seconds|milliseconds|hours)\b", "every", {
         r"\beach \S+ ?\w+ (?:apart|late|later|long|wide)\b|\bof each\b": "each of several",
     }),
     rule("in the place of", r"\bin the place of\b", "instead of"),
@@ -96,6 +97,7 @@ EXEMPTIONS = [
     Exemption("docs/reference/judge-rules.md", TOO_WIDE, r"", "vdrive judge --rules writes this page"),
     Exemption("docs/reference/conformance*.md", TOO_WIDE, r"^\| ",
               "tests/conformance/check.py reads a row, with the names of its tests, as one line"),
+    Exemption("core/include/vdrive/number_text.hpp", "is whole", r"", "whole numbers are its subject"),
     Exemption("*.md", TOO_WIDE, r"^\W*(?:\[[^\]]*\]\()?https?://\S+$", "an address cannot be broken"),
 ]
 

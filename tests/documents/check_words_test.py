@@ -38,6 +38,7 @@ GOOD = [
     "The axis lags behind its demand.", "The samples fall far behind.", "The load is behind a gear of 10:1.",
     "The client is behind a firewall.", "No file is left behind.", "The reasons behind these rules.",
     "Meanwhile the others wait.", "Such as 1e6 and 2.0: all are whole numbers.", "A number is whole or a fraction.",
+    "User units are whole: 1.5 is refused.", "The programs behind the sessions.",
     "What is a bench?", "Whatever it costs.", "Whoever asks is told.", "The person who asks.", "Each 10 ms long.",
     "The value of each 10 ms.", "It has no more than two.", "He leaves the room.", "It is `anew`.",
 ]
@@ -79,6 +80,7 @@ class Words(unittest.TestCase):
         self.assertEqual([], words_of("a.cpp", "// It has\n// What it needs.\n"))
         self.assertEqual([(2, "What")], words_of("a.cpp", "// SPDX-License-Identifier: Apache-2.0\n// What it has.\n"))
         self.assertEqual([(3, "What")], words_of("a.cpp", "// It has it.\n//\n// What it has.\n"))
+        self.assertEqual([], words_of("a.hpp", "int a;  ///< what to do about it\n"))
         self.assertEqual([], words_of("a.md", "What is a bench? What it has.\n"))
 
     def test_code_and_links_of_a_document_are_not_read(self):
@@ -98,6 +100,11 @@ class Words(unittest.TestCase):
         self.assertEqual([], words_of("docs/reference/conformance.md", row))
         self.assertEqual([(1, "122 characters")], words_of("docs/reference/conformance.md", row[2:]))
         self.assertEqual([], words_of("a.md", f"- [address](https://example.org/{'a' * 120})\n"))
+
+    def test_a_file_may_be_exempt_from_a_rule(self):
+        text = "// if it is whole\n// The plan of before.\n"
+        self.assertEqual([(2, "of before")], words_of("core/include/vdrive/number_text.hpp", text))
+        self.assertEqual([(1, "is whole"), (2, "of before")], words_of("core/a.hpp", text.replace("\n", ".\n", 1)))
 
     def test_the_tracked_files_below_a_path_are_read(self):
         root = check_words.ROOT
