@@ -7,7 +7,7 @@
 
 namespace vdrive {
 
-/// One axis: a bank of one, for programs that embed a single drive. See AxisBank.
+/// One axis: an AxisBank of size one, for programs that embed a single drive.
 class Axis {
  public:
   /// @throws std::invalid_argument as AxisBank does.

@@ -16,34 +16,36 @@
 
 namespace vdrive {
 
-/// Answer to a read: `value` holds when `code` is AbortCode::none, else it is 0.
+/// Result of a read: `value` is valid when `code` is AbortCode::none, otherwise it is 0.
 struct ReadResult {
   AbortCode code = AbortCode::none;
   std::int64_t value = 0;
 };
 
-/// Shortest and longest tick.
+/// Shortest and longest tick period.
 inline constexpr std::chrono::microseconds kShortestPeriod{125};
 inline constexpr std::chrono::microseconds kLongestPeriod{10'000};
 
-/// Limit of the noise of a load torque [N.m].
+/// Largest root mean square of the load noise [N.m], see AxisBank::set_load_noise.
 inline constexpr double kLargestLoadNoise = 1.0e4;
 
-/// Many CiA 402 axes in the operating modes of 6502h, stepped together.
+/// A group of CiA 402 axes that are stepped together. 6502h lists their operating modes.
 ///
-/// A step is a function: it takes the writes since the last step and gives each axis' status image.
-/// No clock, thread, lock, allocation or exception in `write`, `read` and `step`. The same writes
-/// give the same bits whatever the vector width, the partition of `step_groups`, or the build.
+/// A step is a function of the state and of the writes since the last step; it produces the status
+/// image of each axis. `write`, `read` and `step` use no clock, thread, lock, allocation or
+/// exception. The same writes give bit-identical results for every vector width, every partition of
+/// `step_groups` and every build.
 ///
-/// Between two steps `write` acts in the order of the calls: the power state machine and the
-/// set-point handshake run once for every controlword, so several words in one tick do what they
-/// would do in several. Written objects read back at once; computed objects show the last tick.
+/// Between two steps, writes take effect in the order of the calls: the power state machine and the
+/// set-point handshake run once for every controlword, so several words written within one tick
+/// have the same effect as words written in successive ticks. Written objects read back
+/// immediately; computed objects show the last tick.
 class AxisBank {
  public:
-  /// Powers every axis up: transitions 0 and 1 are done, the status images are valid.
+  /// Powers up every axis: afterwards transitions 0 and 1 are done and the status images are valid.
   /// @throws std::invalid_argument when `axes` is empty, the period is outside 125 µs to 10 ms, a
-  ///         model parameter is outside its range (naming parameter, value, unit and limit), or an
-  ///         initial or stored value is refused by the dictionary.
+  ///         model parameter is out of range (the message gives parameter, value, unit and limit),
+  ///         or the dictionary refuses an initial or stored value.
   AxisBank(std::span<const AxisConfiguration> axes, std::chrono::microseconds period);
   ~AxisBank();
   AxisBank(const AxisBank& other);
@@ -55,98 +57,100 @@ class AxisBank {
   [[nodiscard]] std::chrono::microseconds period() const noexcept;
 
   /// Writes an object of axis `axis` (< size()).
-  /// @return the CiA 301 abort code of the refusal, or AbortCode::none. Checked in this order:
+  /// @return AbortCode::none, or the CiA 301 abort code of the refusal. Checked in this order:
   ///         index, sub-index, access, range, state.
   AbortCode write(std::size_t axis, ObjectAddress object, std::int64_t value) noexcept;
   AbortCode write(std::size_t axis, ObjectRow row, std::int64_t value) noexcept;
 
-  /// @return what `write` would return now. Changes nothing.
+  /// @return what `write` would return now, without writing.
   [[nodiscard]] AbortCode check(std::size_t axis, ObjectRow row, std::int64_t value) const noexcept;
 
   /// Reads an object of axis `axis` (< size()).
   [[nodiscard]] ReadResult read(std::size_t axis, ObjectAddress object) const noexcept;
   [[nodiscard]] ReadResult read(std::size_t axis, ObjectRow row) const noexcept;
 
-  /// One tick of all axes.
+  /// Advances all axes by one tick.
   void step() noexcept;
 
-  /// Axes are stepped in independent groups of equal cost; distinct groups may be stepped at the
-  /// same time from several threads. A tick is complete when each group was stepped once.
+  /// Axes are divided into independent groups of equal cost. Different groups may be stepped
+  /// concurrently by several threads. A tick is complete when every group has been stepped once.
   [[nodiscard]] std::size_t group_count() const noexcept;
   void step_groups(std::size_t first, std::size_t last) noexcept;
-  /// @return the group in which an axis is stepped.
+  /// @return the group that an axis belongs to.
   [[nodiscard]] std::size_t group_of(std::size_t axis) const noexcept;
 
   /// @return the status image of the last tick.
   [[nodiscard]] const AxisStatus& status(std::size_t axis) const noexcept;
-  /// @return the status images of all axes in their order. They stay where they are while this bank
+  /// @return the status images of all axes, in axis order. The span stays valid while this bank
   ///         lives and is neither moved from nor assigned to.
   [[nodiscard]] std::span<const AxisStatus> statuses() const noexcept;
-  /// @return the state now, writes since the last step included.
+  /// @return the current power state, including writes since the last step.
   [[nodiscard]] PowerState power_state(std::size_t axis) const noexcept;
 
-  /// @return rising edges of controlword bit 4 that were not accepted since power-up, writes since
-  ///         the last step included.
+  /// @return the number of rising edges of controlword bit 4 since power-up that were not accepted,
+  ///         including writes since the last step.
   [[nodiscard]] std::uint32_t ignored_set_points(std::size_t axis) const noexcept;
 
-  /// As after power-up, the mechanical position kept: registers take their initial values and then
-  /// what is stored, faults and the error history are gone, 6061h = 0. Not ready to switch on shows
-  /// until the next step.
+  /// Restarts the axis as after power-up but keeps its mechanical position: registers take their
+  /// initial values, then the stored ones; faults and the error history are cleared; 6061h = 0. The
+  /// state is Not ready to switch on until the next step.
   void power_cycle(std::size_t axis) noexcept;
 
-  /// From the next tick on the load torque of the axis has white noise beside test_load_torque:
-  /// another torque each tick, near a normal distribution, at most 3.47 times `rms`. It depends on
-  /// `seed`, `axis` and the ticks since this call alone, and is part of a snapshot. It
-  /// outlasts a power cycle.
+  /// Adds white noise to the load torque of an axis, on top of test_load_torque, starting with the
+  /// next tick: a new value each tick, nearly normally distributed, at most 3.47 times `rms`. The
+  /// sequence depends only on `seed`, `axis` and the number of ticks since this call. The noise is
+  /// part of a snapshot and outlasts a power cycle.
   /// @param rms root mean square, 0 to kLargestLoadNoise [N.m], at the load shaft; 0 = no noise
   void set_load_noise(std::size_t axis, double rms, std::uint64_t seed) noexcept;
 
-  /// The parameter memory of an axis, which outlasts a power cycle. A bank never fills it itself:
-  /// writing 1010h and 1011h with the right signature is accepted and does nothing more. The
-  /// owner of the bank makes the values durable first, then makes these calls.
+  /// The parameter memory of an axis, which outlasts a power cycle. The bank never fills it itself:
+  /// a write of 1010h or 1011h with the right signature is accepted but has no further effect. The
+  /// owner of the bank first makes the values durable, then calls the functions below.
   ///
-  /// @return AbortCode::none when 1010h could store this value of this object, else the code of the
-  ///         dictionary, or AbortCode::cannot_store_or_transfer where the object is not stored.
+  /// @return AbortCode::none when 1010h could store this value of this object;
+  ///         AbortCode::cannot_store_or_transfer when the object is not stored; otherwise the abort
+  ///         code of the dictionary.
   [[nodiscard]] static AbortCode check_stored(ObjectAddress object, std::int64_t value) noexcept;
-  /// Reads what 1010h would store now: the values of kStoredRows of
+  /// Reads the values that 1010h would store now, those of kStoredRows in
   /// vdrive/dictionary/dictionary.hpp.
   /// @param values one for each of kStoredRows
   void read_parameters(std::size_t axis, std::span<std::int64_t> values) const noexcept;
-  /// From the next power-up on the object has this value.
-  /// @return that of `check_stored`; where it is not none nothing has changed.
+  /// Stores a value for an object, which takes it at the next power-up.
+  /// @return the result of `check_stored`; nothing changes unless it is AbortCode::none.
   AbortCode set_stored(std::size_t axis, ObjectAddress object, std::int64_t value) noexcept;
-  /// Nothing is stored for the axis any more, and a memory error is over: from the next power-up on
-  /// it has its initial values.
+  /// Clears the parameter memory of the axis and its memory error; from the next power-up on the
+  /// axis has its initial values.
   void forget_stored(std::size_t axis) noexcept;
 
-  /// The master of this axis fell silent: reacts per 6007h in Operation enabled and Quick stop
-  /// active, else does nothing. Latched as fault 8130h where 6007h = 1.
+  /// Reports that the master of this axis has stopped sending. The axis reacts as 6007h says in
+  /// Operation enabled and Quick stop active, and does nothing in other states. With 6007h = 1,
+  /// fault 8130h is latched.
   void report_connection_loss(std::size_t axis) noexcept;
 
-  /// Copy of the whole state, to be given back to `restore` of a bank built from the same
-  /// configuration. Allocates.
+  /// A copy of the complete state, for `restore` of a bank built from the same configuration.
+  /// Allocates.
   class Snapshot;
   [[nodiscard]] Snapshot snapshot() const;
-  /// Copies the whole state into a snapshot of this bank. Allocates nothing.
+  /// Copies the complete state into a snapshot of this bank. Does not allocate.
   void save(Snapshot& snapshot) const;
-  /// @return how many bytes Snapshot::bytes() returns for this bank.
+  /// @return the number of bytes that Snapshot::bytes() returns for this bank.
   [[nodiscard]] std::size_t snapshot_size() const noexcept;
-  /// Copies the whole state as Snapshot::bytes() returns it. Allocates nothing.
-  /// @param bytes snapshot_size() of them
+  /// Writes the complete state in the form of Snapshot::bytes(). Does not allocate.
+  /// @param bytes exactly snapshot_size() bytes
   void save(std::span<std::byte> bytes) const noexcept;
-  /// What becomes of the parameter memories when a snapshot is restored.
+  /// Whether a restore replaces the parameter memories or keeps them.
   enum class Memory : std::uint8_t { of_snapshot, kept };
-  /// @throws std::invalid_argument when the snapshot is of another number of axes or period.
+  /// @throws std::invalid_argument when the snapshot has another number of axes or another period.
   void restore(const Snapshot& snapshot, Memory memory = Memory::of_snapshot);
 
-  /// @return a number that stands for the form of `Snapshot::bytes` in this version: what was
-  ///         written under another one cannot be read.
+  /// @return a number that identifies the layout of `Snapshot::bytes` in this version. Bytes
+  ///         written under another layout cannot be read.
   [[nodiscard]] static std::uint64_t snapshot_layout() noexcept;
-  /// @param bytes of a snapshot of a bank built from the same configuration, under the same layout
+  /// @param bytes a snapshot of a bank built from the same configuration, with the same layout
   /// @throws std::invalid_argument when the bytes cannot be a snapshot of this bank.
   [[nodiscard]] Snapshot snapshot_from(std::span<const std::byte> bytes) const;
 
-  /// @return the `image` of StatusDigest over every status image, to compare runs.
+  /// @return the `image` of StatusDigest over all status images, to compare runs.
   [[nodiscard]] std::uint64_t status_hash() const noexcept;
 
  private:
@@ -154,7 +158,7 @@ class AxisBank {
   std::unique_ptr<State> state_;
 };
 
-/// State of a bank at one instant.
+/// The state of a bank at one instant.
 class AxisBank::Snapshot {
  public:
   Snapshot(const Snapshot& other);
@@ -163,8 +167,8 @@ class AxisBank::Snapshot {
   Snapshot& operator=(Snapshot&&) noexcept;
   ~Snapshot();
 
-  /// @return the state as bytes, for a file on this kind of machine. What follows from the bank's
-  ///         configuration is not part of them. Equal states are equal bytes.
+  /// @return the state as bytes, for a file on a machine of the same kind. Anything derived from
+  ///         the configuration of the bank is left out. Equal states give equal bytes.
   [[nodiscard]] std::vector<std::byte> bytes() const;
 
  private:

@@ -9,28 +9,28 @@
 
 namespace vdrive {
 
-/// Readings of the standard on which drives differ; each default is the manual's.
+/// Points on which drives read the standard differently; the defaults follow the manual.
 struct AxisSettings {
   bool enable_from_switch_on_disabled = true;  ///< 000Fh in Switch on disabled enables (manual)
   bool acknowledge_while_halted = true;        ///< false: no set-point is taken while bit 8 is 1
   bool following_error_is_fault = true;        ///< false: bit 13 without fault
   bool limits_need_homing = false;             ///< 607Dh is in force only once the axis is homed
-  std::uint16_t quick_stop_dwell_ms = 0;       ///< [ms] least time in Quick stop active before 12
+  std::uint16_t quick_stop_dwell_ms = 0;       ///< [ms] shortest time in Quick stop active
 };
 
-/// A value that an object has from power-up on, instead of its default.
+/// A value that an object takes at power-up instead of its default.
 struct InitialValue {
   ObjectAddress address;
   std::int64_t value = 0;
 };
 
-/// @return whether it is a number of the identity object (1018h), which only the configuration of
-///         an axis gives.
+/// @return whether the object is part of the identity object (1018h), whose values come only from
+///         the configuration of an axis.
 [[nodiscard]] constexpr bool is_identity(ObjectAddress address) noexcept {
   return address.index == 0x1018;
 }
 
-/// Everything that makes one axis what it is.
+/// The complete configuration of one axis.
 struct AxisConfiguration {
   AxisModel model;
   AxisSettings settings;
@@ -38,9 +38,9 @@ struct AxisConfiguration {
   std::uint32_t serial_number = 0;       ///< 1018h:04
   std::vector<InitialValue> parameters;  ///< written at every power-up; also the identity
 
-  /// What the axis stored by 1010h in an earlier run; see AxisBank::set_stored.
+  /// Values that the axis stored with 1010h in an earlier run; see AxisBank::set_stored.
   std::vector<InitialValue> stored{};
-  /// What was stored cannot be used: fault 5530h at every power-up until something else is stored.
+  /// The stored values are unusable: fault 5530h at every power-up until something is stored again.
   bool memory_error = false;
 };
 

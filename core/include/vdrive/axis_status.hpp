@@ -13,7 +13,7 @@
 namespace vdrive {
 
 /// Status image of one axis after one tick: every monitored object of the manual under its
-/// variable_name, and what an observer needs beside them. Plain data, written once a tick.
+/// variable_name, plus what an observer needs in addition. Plain data, written once per tick.
 struct AxisStatus {
   std::int32_t position_demand_value = 0;        ///< 6062h [user units]
   std::int32_t load_position_actual_value = 0;   ///< 6064h [user units]
@@ -40,19 +40,19 @@ struct AxisStatus {
   std::uint32_t fault_count = 0;         ///< faults since power-up
 };
 
-/// A member of AxisStatus under its name.
+/// A member of AxisStatus with its name.
 template <typename Number>
 struct StatusField {
   std::string_view name;
   Number AxisStatus::*member;
-  bool is_published = true;  ///< the status on the network has it, under the same name
+  bool is_published = true;  ///< whether the status on the network contains it, under the same name
 };
 
 template <typename Number, typename... Published>
 StatusField(const char*, Number AxisStatus::*, Published...) -> StatusField<Number>;
 
-/// Every member of AxisStatus once, in the order of their declaration: the order of the check
-/// values of a journal.
+/// Every member of AxisStatus once, in order of declaration, which is also the order of the check
+/// values in a journal.
 inline constexpr std::tuple kStatusFields{
     StatusField{"position_demand_value", &AxisStatus::position_demand_value},
     StatusField{"load_position_actual_value", &AxisStatus::load_position_actual_value},
@@ -80,23 +80,22 @@ inline constexpr std::tuple kStatusFields{
 
 inline constexpr std::size_t kStatusMembers = std::tuple_size_v<decltype(kStatusFields)>;
 
-/// A row of the table of the members of AxisStatus. The digest, the replay of journals and clients
-/// read this table.
+/// One member of AxisStatus. The digest, the replay of journals and the clients use this table.
 struct StatusMember {
   std::string_view name;
   ObjectAddress address;                     ///< of the object that it shows; index 0 = none
   DataType data_type = DataType::integer32;  ///< of the member
-  bool is_published = false;                 ///< the status on the network has it
+  bool is_published = false;                 ///< whether the status on the network contains it
   std::int64_t (*value)(const AxisStatus& status) noexcept = nullptr;
-  /// The type of the member holds every value of its object; another value is cut off.
+  /// The type of the member holds every value of its object; other values are truncated.
   void (*set)(AxisStatus& status, std::int64_t value) noexcept = nullptr;
 };
 
-/// The members of AxisStatus in the order of their declaration.
+/// The members of AxisStatus in order of declaration.
 [[nodiscard]] std::span<const StatusMember, kStatusMembers> status_members() noexcept;
 
-/// @return the value of object `row` in the status image, or nothing when no published member
-///         shows it.
+/// @return the value of object `row` in the status image, or nothing when no published member shows
+///         it.
 [[nodiscard]] std::optional<std::int64_t> value_of(const AxisStatus& status,
                                                    ObjectRow row) noexcept;
 

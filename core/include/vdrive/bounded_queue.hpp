@@ -9,18 +9,18 @@
 
 namespace vdrive {
 
-/// What a full queue gives up.
+/// What a full queue does with one more item.
 enum class WhenFull : std::uint8_t {
-  drops_oldest,   ///< the newest value counts
-  refuses_newest  ///< who puts it hears of it
+  drops_oldest,   ///< drops the oldest item to make room
+  refuses_newest  ///< refuses the new item; put() returns false
 };
 
-/// A queue that holds so many items at most and counts those that found no room. Not thread-safe;
-/// allocates, and is not for a step of a drive.
+/// A queue of bounded length that counts the items it had no room for. Not thread-safe. It
+/// allocates, so do not use it in a step of a drive.
 template <typename Item>
 class BoundedQueue {
  public:
-  /// @param most items that wait, at least 1
+  /// @param most the largest number of waiting items, at least 1
   BoundedQueue(std::size_t most, WhenFull when_full) : most_(most), when_full_(when_full) {}
 
   /// @return false when the item was refused.
@@ -34,7 +34,7 @@ class BoundedQueue {
     return true;
   }
 
-  /// @return the oldest item; none when it is empty.
+  /// @return the oldest item, or nothing when the queue is empty.
   std::optional<Item> take() {
     if (items_.empty()) return std::nullopt;
     std::optional<Item> item(std::move(items_.front()));
@@ -42,7 +42,7 @@ class BoundedQueue {
     return item;
   }
 
-  /// @return all items, oldest first; the queue is empty then.
+  /// @return all items, oldest first, and leaves the queue empty.
   std::deque<Item> take_all() { return std::exchange(items_, {}); }
 
   void clear() { items_.clear(); }
@@ -51,10 +51,10 @@ class BoundedQueue {
 
   [[nodiscard]] std::size_t size() const noexcept { return items_.size(); }
 
-  /// @return the items that wait, oldest first.
+  /// @return the waiting items, oldest first.
   [[nodiscard]] const std::deque<Item>& items() const noexcept { return items_; }
 
-  /// @return how many items were dropped or refused, ever.
+  /// @return how many items have been dropped or refused since construction.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_; }
 
  private:

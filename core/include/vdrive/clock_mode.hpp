@@ -12,7 +12,7 @@ namespace vdrive {
 enum class ClockMode : std::uint8_t {
   realtime,  ///< the wall clock
   lockstep,  ///< `step` requests
-  freerun,   ///< each tick follows the last one at once
+  freerun,   ///< each tick follows the previous one immediately
 };
 
 inline constexpr std::array kClockModes{ClockMode::realtime, ClockMode::lockstep,

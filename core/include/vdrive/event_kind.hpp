@@ -8,16 +8,16 @@
 
 namespace vdrive {
 
-/// What happened on a bench. The numbers are those of the wire, EVENT_... in
-/// docs/reference/wire.md; they begin at 1 and have no gap.
+/// Kinds of events on a bench. The numbers are those of EVENT_... on the wire
+/// (docs/reference/wire.md); they start at 1 and have no gaps.
 enum class EventKind : std::uint32_t {
   state_changed = 1,      ///< code: new statusword
   fault = 2,              ///< code: 603Fh
   fault_reset = 3,        ///< code: 603Fh of the fault that was reset
-  refused = 4,            ///< code: reason or abort code; session: whose message it was
-  set_point_ignored = 5,  ///< session: of the owner
-  control_changed = 6,    ///< code: the new epoch, 0 = released or taken away; session: whose
-  master_lost = 7,        ///< session: that stopped sending
+  refused = 4,            ///< code: reason or abort code; session: sender of the message
+  set_point_ignored = 5,  ///< session: the owner
+  control_changed = 6,    ///< code: the new epoch, 0 = released or taken away; session: its owner
+  master_lost = 7,        ///< session: the one that stopped sending
   tick_overrun = 8,
   tick_jumped = 9,
   queue_overflow = 10,
@@ -29,14 +29,14 @@ enum class EventKind : std::uint32_t {
   parameters = 16,
   wall_clock = 17,
   wire = 18,
-  stopped = 19,  ///< by a session that does not own the axis; code: 6040h in force; session: whose
+  stopped = 19,  ///< by a session that does not own the axis; code: 6040h in force; session: sender
 };
 
-/// How a person is told about it, in a terminal or in the log panel of a viewer.
+/// How an event is presented to people, in a terminal or in the log panel of a viewer.
 enum class EventSeverity : std::uint8_t {
-  info,     ///< as it was commanded or configured
+  info,     ///< as commanded or configured
   warning,  ///< something was not done, was lost, or came from elsewhere
-  error,    ///< axes stop because of it, or another bench sends under the same number
+  error,    ///< axes stop because of it, or another bench sends with the same number
 };
 
 struct EventKindRow {
@@ -45,7 +45,6 @@ struct EventKindRow {
   EventSeverity severity{};
 };
 
-/// In the order of their numbers.
 inline constexpr auto kEventKinds = std::to_array<EventKindRow>({
     {EventKind::state_changed, "state_changed", EventSeverity::info},
     {EventKind::fault, "fault", EventSeverity::error},
@@ -68,19 +67,19 @@ inline constexpr auto kEventKinds = std::to_array<EventKindRow>({
     {EventKind::stopped, "stopped", EventSeverity::warning},
 });
 
-/// @return its row; nullptr for a number of a later version.
+/// @return the row of `kind`; nullptr for a number of a later version.
 [[nodiscard]] constexpr const EventKindRow* row_of(EventKind kind) noexcept {
   const auto number = static_cast<std::size_t>(kind);
   return number >= 1 && number <= kEventKinds.size() ? &kEventKinds[number - 1] : nullptr;
 }
 
-/// @return such as "fault_reset"; "unknown" for a kind of a later version.
+/// @return a name such as "fault_reset"; "unknown" for a kind of a later version.
 [[nodiscard]] constexpr std::string_view to_string(EventKind kind) noexcept {
   const EventKindRow* const row = row_of(kind);
   return row == nullptr ? "unknown" : row->name;
 }
 
-/// @return info for a kind of a later version.
+/// @return the severity; info for a kind of a later version.
 [[nodiscard]] constexpr EventSeverity severity_of(EventKind kind) noexcept {
   const EventKindRow* const row = row_of(kind);
   return row == nullptr ? EventSeverity::info : row->severity;

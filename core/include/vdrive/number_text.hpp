@@ -13,8 +13,8 @@
 
 namespace vdrive {
 
-/// @return the number whose digits are the whole of `text`, or nothing.
-/// @param base 10 or 16, without a prefix
+/// @return the number if all of `text` is its digits, otherwise nothing.
+/// @param base 10 or 16; a prefix is not accepted
 template <std::integral Number>
 [[nodiscard]] std::optional<Number> parse_digits(std::string_view text, int base = 10) noexcept {
   Number number{};
@@ -23,8 +23,8 @@ template <std::integral Number>
   return error == std::errc{} && stop == end ? std::optional(number) : std::nullopt;
 }
 
-/// Every program, file and language of vdrive reads the numbers and durations that a person writes
-/// by this grammar (docs/reference/numbers.md):
+/// The grammar of numbers and durations written by people, the same in every program, file and
+/// language of vdrive (docs/reference/numbers.md):
 ///
 ///     number   = decimal | "0x" 1*hex-digit             such as -500, 12.5, 1e6 or 0x1F
 ///     decimal  = ["-"] digits ["e" ["-" | "+"] 1*digit]
@@ -32,26 +32,25 @@ template <std::integral Number>
 ///     duration = digits ["e" ["-" | "+"] 1*digit] [*" " unit]   such as 20ms, 1.5 s or 5
 ///     unit     = "us" | "ms" | "s" | "min" | "h"        without one: seconds
 ///
-/// Small and capital letters of "0x", of "e" and of hex digits are equal.
-
+/// Case does not matter in "0x", "e" and hex digits.
 /// @return whether `text` begins with 0x.
 [[nodiscard]] bool has_hex_prefix(std::string_view text) noexcept;
 
-/// What a text is that should be a whole number.
+/// How a text reads as a whole number.
 enum class IntegerKind : std::uint8_t {
   whole,
   fraction,   ///< a number such as 12.5
-  too_large,  ///< a whole number that 64 bits with a sign do not hold
+  too_large,  ///< a whole number that does not fit in a signed 64-bit integer
   no_number,
 };
 
-/// A text, read as a whole number.
+/// The result of reading a text as a whole number.
 struct IntegerReading {
   IntegerKind kind = IntegerKind::no_number;
-  std::int64_t value = 0;  ///< where it is whole
+  std::int64_t value = 0;  ///< if it is whole
 };
 
-/// Reads a number that has to be whole, exactly: 1e6 and 2.0 are whole, 12.5 is not.
+/// Reads a whole number exactly: 1e6 and 2.0 are whole, 12.5 is not.
 [[nodiscard]] IntegerReading read_integer(std::string_view text);
 
 /// @return the whole number that `text` spells, or nothing.
@@ -60,24 +59,24 @@ struct IntegerReading {
 /// @return the finite number that `text` spells, or nothing.
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
 
-/// @return how many characters of `text` are the decimal number that it begins with; 0 = none. Its
-///         unit follows.
+/// @return the length of the decimal number at the start of `text` [characters], 0 = none. A unit
+///         may follow.
 [[nodiscard]] std::size_t decimal_length(std::string_view text) noexcept;
 
 /// The longest duration that can be written.
 inline constexpr std::chrono::hours kLongestDuration{1000};
 
-/// @return the duration that `text` spells; a fraction of 1 ns is rounded up. Nothing for any other
-///         text, and for more than kLongestDuration.
+/// @return the duration that `text` spells, with fractions of 1 ns rounded up; nothing for any
+///         other text and for more than kLongestDuration.
 [[nodiscard]] std::optional<std::chrono::nanoseconds> parse_duration(std::string_view text);
 
-/// @return the shortest text that reads back to the same number.
+/// @return the shortest text that reads back as the same number.
 [[nodiscard]] std::string to_text(double number);
 
-/// @return such as "0x607D": at least `digits` digits, in capitals.
+/// @return a text such as "0x607D" with at least `digits` digits, in capitals.
 [[nodiscard]] std::string hex(std::uint64_t number, std::size_t digits);
 
-/// @return the number of a session as messages, events, logs and recordings show it, such as
+/// @return the number of a session as shown in messages, events, logs and recordings, such as
 ///         "0x0123456789abcdef".
 [[nodiscard]] std::string session_text(std::uint64_t session);
 

@@ -9,30 +9,30 @@
 
 namespace vdrive {
 
-/// Limits how often something is done: a rate in the long run, and after a pause a burst at once.
-/// Time is an argument: the caller chooses the clock.
+/// Limits how often something is done: a rate in the long run, and a burst after a pause. Time is
+/// passed in, so the caller chooses the clock.
 class TokenBucket {
  public:
   struct Rate {
     double per_second = 1.0;  ///< [tokens/s], above 0
-    double burst = 1.0;       ///< [tokens] at once, at least 1
+    double burst = 1.0;       ///< [tokens] available at the same time, at least 1
   };
 
-  /// Begins with a whole burst.
+  /// Starts with a full burst.
   explicit TokenBucket(Rate rate) noexcept : rate_(rate), tokens_(rate.burst) {}
 
-  /// Adds what has become due since the last call.
-  /// @param now since any beginning that stays; a time before that of the last call adds nothing
+  /// Adds the tokens due since the last call.
+  /// @param now time since any fixed origin; a time before the last call adds nothing
   void refill(std::chrono::nanoseconds now) noexcept {
     const double seconds = std::chrono::duration<double>(now - refilled_).count();
     tokens_ = std::min(rate_.burst, tokens_ + std::max(seconds, 0.0) * rate_.per_second);
     refilled_ = now;
   }
 
-  /// @return whether there is less than one token.
+  /// @return whether less than one token is left.
   [[nodiscard]] bool is_empty() const noexcept { return tokens_ < 1.0; }
 
-  /// Takes `tokens`. @return false when there are fewer; then none is taken.
+  /// Takes `tokens`. @return false when there are fewer, in which case none is taken.
   bool take(double tokens = 1.0) noexcept {
     if (tokens_ < tokens) return false;
     tokens_ -= tokens;
@@ -45,13 +45,13 @@ class TokenBucket {
   std::chrono::nanoseconds refilled_{};
 };
 
-/// Limits what is reported, such as lines of a log, and counts what it leaves out.
+/// Limits how many reports, such as log lines, get through, and counts the ones left out.
 class CountingLimit {
  public:
-  /// Begins with a whole burst.
+  /// Starts with a full burst.
   explicit CountingLimit(TokenBucket::Rate rate) noexcept : bucket_(rate) {}
 
-  /// @param now as of TokenBucket::refill()
+  /// @param now as in TokenBucket::refill()
   /// @return how many were left out since the last one that passed; nothing = leave this one out.
   std::optional<std::uint64_t> pass(std::chrono::nanoseconds now) noexcept {
     bucket_.refill(now);
@@ -62,7 +62,7 @@ class CountingLimit {
     return std::exchange(left_out_, 0);
   }
 
-  /// Leaves one out for a reason of the caller's.
+  /// Counts one that the caller left out for a reason of its own.
   void leave_out() noexcept { ++left_out_; }
 
   /// @return how many were left out since the last one that passed.

@@ -12,12 +12,12 @@
 
 namespace vdrive {
 
-/// What the user units (UU) of an axis are in the world: parts of a revolution or of a length. The
-/// drive knows UU only; programs convert.
+/// Physical meaning of the user units (UU) of an axis: parts of a revolution or of a length. The
+/// drive knows only UU; programs convert.
 
 enum class UnitKind : std::uint8_t {
   rotary,  ///< deg, rad and rev
-  linear,  ///< the unit's own name; with the name m, cm, mm or um all four
+  linear,  ///< the unit's own name; if that is m, cm, mm or um, all four
 };
 
 inline constexpr std::size_t kMaxUnitNameLength = 16;  // [bytes]
@@ -27,8 +27,8 @@ inline constexpr double kLargestUnit = 1e9;            // [UU]
 /// The unit of an axis. The default is that of the default axis.
 struct Unit {
   UnitKind kind = UnitKind::rotary;
-  std::string name = "deg";               ///< in which positions are shown; rotary: deg, rad or rev
-  double size = kUserUnitsPerRevolution;  ///< [UU] of a revolution; linear: of one `name`
+  std::string name = "deg";               ///< in which positions are shown; rotary: deg, rad, rev
+  double size = kUserUnitsPerRevolution;  ///< [UU] per revolution; linear: per `name`
 
   friend bool operator==(const Unit&, const Unit&) = default;
 };
@@ -38,30 +38,30 @@ struct Unit {
   return kind == UnitKind::rotary ? "rotary" : "linear";
 }
 
-/// @return what is wrong with the name of a unit of that kind; nothing for a good one. The name of
-///         a length has 1 to kMaxUnitNameLength bytes of UTF-8, of ASCII only letters and %, and is
-///         not UU, deg, rad, rev or rpm.
+/// @return what is wrong with the name of a unit of that kind, or nothing for a valid one. The name
+///         of a length has 1 to kMaxUnitNameLength bytes of UTF-8, with only letters and % from
+///         ASCII, and is not UU, deg, rad, rev or rpm.
 [[nodiscard]] std::optional<std::string> check_unit_name(UnitKind kind, std::string_view name);
 
-/// @return whether name and size are within their limits: for units that another program sent.
+/// @return whether name and size are within their limits, to check units sent by another program.
 [[nodiscard]] bool is_usable(const Unit& unit);
 
 /// @return the names of the units in which a position of this axis can be given, such as {"deg",
-///         "rad", "rev"}; its own name first.
+///         "rad", "rev"}, with its own name first.
 [[nodiscard]] std::vector<std::string> units_of(const Unit& unit);
 
-/// @return [UU] in one `name`, nothing where the axis has no such unit: see units_of. "UU" is one.
+/// @return [UU] per `name`, nothing if the axis has no such unit (see units_of). "UU" is one.
 [[nodiscard]] std::optional<double> user_units_in(const Unit& unit, std::string_view name);
 
-/// @param value [unit.name] a position, or per s or s² a speed or an acceleration
+/// @param value [unit.name] a position, or a speed or acceleration per s or s²
 /// @return [UU], not rounded.
 [[nodiscard]] double to_user_units(double value, const Unit& unit);
 
-/// @param user_units [UU] a position, or per s or s² a speed or an acceleration
+/// @param user_units [UU] a position, or a speed or acceleration per s or s²
 /// @return [unit.name].
 [[nodiscard]] double from_user_units(double user_units, const Unit& unit);
 
-/// @return a position as it is shown, such as "90.00 deg": with the digits that show 1 UU.
+/// @return a position for display, such as "90.00 deg", with enough digits to resolve 1 UU.
 [[nodiscard]] std::string position_text(std::int64_t user_units, const Unit& unit);
 
 }  // namespace vdrive

@@ -23,8 +23,8 @@ struct Controlword {
   static constexpr std::uint16_t kHalt = 1U << 8U;
 };
 
-/// Controlwords that carry one command of the power state machine (CiA 402, command coding) and
-/// nothing else.
+/// Controlwords that carry exactly one command of the power state machine (CiA 402, command
+/// coding).
 namespace controlwords {
 inline constexpr std::uint16_t kDisableVoltage = 0;
 inline constexpr std::uint16_t kQuickStop = Controlword::kEnableVoltage;
@@ -34,7 +34,7 @@ inline constexpr std::uint16_t kDisableOperation = kSwitchOn;  ///< in Operation
 inline constexpr std::uint16_t kEnableOperation = kSwitchOn | Controlword::kEnableOperation;
 }  // namespace controlwords
 
-/// What bits 0 to 3 and 7 of a controlword ask for (CiA 402, command coding).
+/// The command in bits 0 to 3 and 7 of a controlword (CiA 402, command coding).
 enum class PowerCommand : std::uint8_t {
   none,
   disable_voltage,
@@ -45,9 +45,9 @@ enum class PowerCommand : std::uint8_t {
   fault_reset,
 };
 
-/// Decodes one written controlword. While bit 7 is 1 a word carries no command but the reset, and
-/// only the rising edge of bit 7 resets.
-/// @param previous_word the controlword in force before
+/// Decodes one written controlword. While bit 7 is 1, a word carries no command other than the
+/// reset, and only the rising edge of bit 7 resets.
+/// @param previous_word the controlword in force before this one
 [[nodiscard]] PowerCommand decode_command(std::uint16_t word, std::uint16_t previous_word) noexcept;
 
 }  // namespace vdrive

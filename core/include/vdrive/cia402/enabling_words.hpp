@@ -10,14 +10,13 @@
 
 namespace vdrive {
 
-/// The whole way from Quick stop active, with its end in common with the shorter ones.
+/// The full sequence, from Quick stop active. Other states start further down in it.
 inline constexpr std::array kEnablingWords{controlwords::kDisableVoltage, controlwords::kShutdown,
                                            controlwords::kSwitchOn, controlwords::kEnableOperation};
 
-/// The controlwords that lead from a power state without a fault to Operation enabled (CiA 402,
-/// transitions 2 to 4), written one after the other.
-/// @return none in Operation enabled. From Quick stop active it is the way without power, which
-///         every value of 605Ah allows.
+/// @return the controlwords that lead from a power state without a fault to Operation enabled (CiA
+///         402, transitions 2 to 4), to be written one after the other; none in Operation enabled.
+///         From Quick stop active they first remove the power, which every value of 605Ah allows.
 [[nodiscard]] constexpr std::span<const std::uint16_t> enabling_words(PowerState state) noexcept {
   const std::span<const std::uint16_t> all(kEnablingWords);
   switch (state) {

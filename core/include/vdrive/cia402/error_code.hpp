@@ -21,20 +21,20 @@ enum class ErrorCode : std::uint16_t {
   sync_controller = 0x8700,
 };
 
-/// @return every error that the drive can have, by number; without `none`.
+/// @return every error that the drive can report, by number, without `none`.
 [[nodiscard]] std::span<const ErrorCode> error_codes() noexcept;
 
-/// @return the words for `code`, or "unknown error".
+/// @return a description of `code`, or "unknown error".
 [[nodiscard]] std::string_view describe(ErrorCode code) noexcept;
 
-/// @return what to look at when a drive has this error, in one sentence; empty for an unknown one.
+/// @return one sentence on what to check after this error; empty for an unknown code.
 [[nodiscard]] std::string_view remedy_of(ErrorCode code) noexcept;
 
-/// @return the bits that an error of this code sets in the error register 1001h: its group and the
-///         generic bit 0 (CiA 301).
+/// @return the bits that this error sets in the error register 1001h: its group and the generic bit
+///         0 (CiA 301).
 [[nodiscard]] std::uint8_t error_register_of(ErrorCode code) noexcept;
 
-/// @return true when the drive cannot brake any more and coasts, for every value of 605Eh.
+/// @return true when the drive can no longer brake and coasts whatever 605Eh says.
 [[nodiscard]] bool forces_coasting(ErrorCode code) noexcept;
 
 }  // namespace vdrive

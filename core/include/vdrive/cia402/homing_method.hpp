@@ -8,29 +8,29 @@
 
 namespace vdrive {
 
-/// What the first movement of a homing run leads to.
+/// Where the first movement of a homing run ends.
 enum class HomingMark : std::uint8_t {
-  none,          ///< the next index pulse, or nothing: home is where the axis is
+  none,          ///< none: either the next index pulse is searched, or home is the present position
   limit_switch,  ///< the limit switch in that direction (bits 0 and 1 of 60FDh)
   home_switch,   ///< the home switch (bit 2 of 60FDh)
-  hard_stop,     ///< the mechanical stop in that direction, found by the torque (5E18h)
+  hard_stop,     ///< the mechanical stop in that direction, detected by the torque (5E18h)
 };
 
-/// The homing methods of 6098h that the drive has: those of CiA 402-2, homing mode, and below 0
-/// those that many drives have for a mechanical stop.
+/// A homing method of 6098h: the methods of CiA 402-2, and negative numbers as many drives use them
+/// for homing on a mechanical stop.
 struct HomingMethodRow {
   std::int8_t number = 0;
-  std::int8_t direction = 0;  ///< of the first movement, where no switch is active; 0 = none
-  std::int8_t approach = 0;   ///< direction in which home is reached; 0 = none
+  std::int8_t direction = 0;  ///< of the first movement while no switch is active; 0 = none
+  std::int8_t approach = 0;   ///< direction of travel when home is reached; 0 = none
   HomingMark mark = HomingMark::none;
-  bool onto = false;      ///< home is where the home switch becomes active, else where it opens
-  bool turns = false;     ///< a limit switch in `direction` turns the search round
+  bool onto = false;      ///< home is where the home switch closes, else where it opens
+  bool turns = false;     ///< a limit switch in `direction` reverses the search
   bool index = false;     ///< home is the next index pulse
-  std::string_view what;  ///< where home is, in words
+  std::string_view what;  ///< where home is, as text
 };
 
-/// Every method, by rising number: what 6098h takes beside 0 (no method), and every help of it.
-/// CiA 402-2 reserves 15, 16, 31 and 32; 36 is no method of it.
+/// Every method, in ascending order. 6098h accepts these and 0 (no method), and help texts list
+/// them. CiA 402-2 reserves 15, 16, 31 and 32; it has no method 36.
 // clang-format off
 inline constexpr std::array kHomingMethods{
     HomingMethodRow{.number = -4, .direction = +1, .approach = +1, .mark = HomingMark::hard_stop,
@@ -108,7 +108,7 @@ inline constexpr std::array kHomingMethods{
 
 static_assert(std::ranges::is_sorted(kHomingMethods, {}, &HomingMethodRow::number));
 
-/// @return the row of method `number`, or null: the drive does not have it, or it is 0.
+/// @return the row of method `number`, or null for 0 and for a method that the drive does not have.
 [[nodiscard]] constexpr const HomingMethodRow* find_homing_method(std::int64_t number) noexcept {
   for (const HomingMethodRow& row : kHomingMethods) {
     if (row.number == number) return &row;
@@ -116,7 +116,7 @@ static_assert(std::ranges::is_sorted(kHomingMethods, {}, &HomingMethodRow::numbe
   return nullptr;
 }
 
-/// @return whether 6098h takes `value`: 0 (no method) or a method of the table.
+/// @return whether 6098h accepts `value`: 0 (no method) or a method of the table.
 [[nodiscard]] constexpr bool is_homing_method(std::int64_t value) noexcept {
   return value == 0 || find_homing_method(value) != nullptr;
 }

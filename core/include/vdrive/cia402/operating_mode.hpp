@@ -15,7 +15,7 @@ namespace vdrive {
 enum class OperatingMode : std::int8_t {
   none = 0,  ///< empty mode: enabled, no motion
   profile_position = 1,
-  velocity = 2,  ///< of inverters (vl)
+  velocity = 2,  ///< of frequency inverters (vl)
   profile_velocity = 3,
   profile_torque = 4,
   homing = 6,
@@ -25,25 +25,26 @@ enum class OperatingMode : std::int8_t {
   cyclic_synchronous_torque = 10,
 };
 
-/// A bit of the controlword 6040h or the statusword 6041h and its names, such as "speed zero".
+/// A bit of the controlword 6040h or the statusword 6041h with its names, such as "speed zero".
 struct BitName {
   std::uint16_t bit = 0;
   std::string_view name;
   std::string_view name_zh;
 };
 
-/// What people read about an operating mode.
+/// Names and properties of an operating mode for display.
 struct OperatingModeRow {
   OperatingMode mode = OperatingMode::none;
-  std::string_view name;                  ///< the standard's
-  std::string_view name_zh;               ///< in Chinese, as those of objects
-  std::array<BitName, 2> status_bits{};   ///< of 6041h that it reads in its own way
-  std::array<BitName, 3> control_bits{};  ///< likewise of 6040h
-  bool has_target = true;                 ///< bit 10 of 6041h says whether a target is reached
-  bool commands_torque = false;           ///< an axis that stands may press with a torque
+  std::string_view name;                  ///< as in the standard
+  std::string_view name_zh;               ///< in Chinese, like the names of objects
+  std::array<BitName, 2> status_bits{};   ///< bits of 6041h specific to this mode
+  std::array<BitName, 3> control_bits{};  ///< likewise for 6040h
+  bool has_target = true;                 ///< bit 10 of 6041h shows whether a target is reached
+  bool commands_torque = false;           ///< an axis at standstill may still press with a torque
 };
 
-/// Every operating mode, by rising number: 6502h, the values of 6060h and all names follow from it.
+/// Every operating mode, in ascending order. 6502h, the values of 6060h and all names are derived
+/// from it.
 inline constexpr std::array kOperatingModes{
     OperatingModeRow{
         .mode = OperatingMode::none, .name = "none", .name_zh = "无", .has_target = false},
@@ -116,13 +117,13 @@ inline constexpr std::uint32_t kSupportedDriveModes = [] {
   return bits;
 }();
 
-/// @return whether 6060h takes `value`: 0 or a mode that 6502h shows.
+/// @return whether 6060h accepts `value`: 0 or a mode shown in 6502h.
 [[nodiscard]] constexpr bool is_operating_mode(std::int64_t value) noexcept {
   return value == 0 ||
          (value > 0 && value <= 32 && (kSupportedDriveModes >> (value - 1) & 1U) != 0);
 }
 
-/// @return the row of `mode`, or null: 6061h of a status may come from a later version.
+/// @return the row of `mode`, or null: a status may come from a later version with more modes.
 [[nodiscard]] constexpr const OperatingModeRow* find_operating_mode(OperatingMode mode) noexcept {
   for (const OperatingModeRow& row : kOperatingModes) {
     if (row.mode == mode) return &row;
@@ -130,8 +131,8 @@ inline constexpr std::uint32_t kSupportedDriveModes = [] {
   return nullptr;
 }
 
-/// @return the standard's name of `mode`, such as "profile position"; "unknown" where it has no
-///         row.
+/// @return the standard's name of `mode`, such as "profile position"; "unknown" for a mode without
+///         a row.
 [[nodiscard]] std::string_view to_string(OperatingMode mode) noexcept;
 
 }  // namespace vdrive

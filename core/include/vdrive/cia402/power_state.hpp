@@ -18,8 +18,8 @@ enum class PowerState : std::uint8_t {
   fault,
 };
 
-/// @return whether the drive has a fault: it reacts to it (Fault reaction active) or waits for its
-///         reset (Fault).
+/// @return whether the drive has a fault and either reacts to it (Fault reaction active) or waits
+///         for a reset (Fault).
 [[nodiscard]] constexpr bool is_fault(PowerState state) noexcept {
   return state == PowerState::fault_reaction_active || state == PowerState::fault;
 }
@@ -27,8 +27,8 @@ enum class PowerState : std::uint8_t {
 /// @return the standard's name of `state`, such as "Operation enabled".
 [[nodiscard]] std::string_view to_string(PowerState state) noexcept;
 
-/// @return the state that a statusword 6041h shows (masks 004Fh and 006Fh of CiA 402).
-///         Words that match no mask decode as not_ready_to_switch_on.
+/// @return the state shown by a statusword 6041h (masks 004Fh and 006Fh of CiA 402);
+///         not_ready_to_switch_on for a word that matches no mask.
 [[nodiscard]] PowerState decode_power_state(std::uint16_t statusword) noexcept;
 
 }  // namespace vdrive

@@ -8,7 +8,7 @@
 
 namespace vdrive {
 
-/// Transitions of CiA 402 taken by one event, as a set of their numbers 0 to 16.
+/// The transitions of CiA 402 caused by one event: a set of numbers from 0 to 16.
 class TransitionSet {
  public:
   constexpr void add(unsigned number) noexcept { numbers_ |= 1U << number; }
@@ -23,15 +23,15 @@ class TransitionSet {
   std::uint32_t numbers_ = 0;
 };
 
-/// When Enable operation leads from Quick stop active to Operation enabled: transition 16, which
-/// CiA 402-2 does not recommend.
+/// When Enable operation leads from Quick stop active to Operation enabled (transition 16, which
+/// CiA 402-2 does not recommend).
 enum class Transition16 : std::uint8_t {
-  by_option_code,  ///< where 605Ah keeps the state after the stop, 5 to 8
+  by_option_code,  ///< when 605Ah keeps the state after the stop (5 to 8)
   always,
   never,
 };
 
-/// What the power state machine reads of the option codes and settings.
+/// The option codes and settings that the power state machine uses.
 struct PowerOptions {
   std::int8_t quick_stop_option_code = 2;         ///< 605Ah, 0 to 8
   std::int8_t shutdown_option_code = 0;           ///< 605Bh, 0 or 1
@@ -40,41 +40,42 @@ struct PowerOptions {
   Transition16 transition_16 = Transition16::by_option_code;
 };
 
-/// Power state machine of CiA 402-2 with the manual's extension: Switch on disabled goes to
-/// Operation enabled in one command.
+/// Power state machine of CiA 402-2 with the manual's extension: one command leads from Switch on
+/// disabled to Operation enabled.
 ///
 /// A plain value: each function takes one event and returns the transitions that it caused; the
-/// caller applies them to the axis. Where 605Bh or 605Ch asks for a ramp, transitions 8 and 5 are
-/// held back in `pending` while the state stays Operation enabled.
+/// caller applies them to the axis. Where 605Bh or 605Ch asks for a ramp, transition 8 or 5 waits
+/// in `pending` and the state stays Operation enabled until the ramp has ended.
 class PowerStateMachine {
  public:
   [[nodiscard]] PowerState state() const noexcept { return state_; }
 
-  /// Shutdown (605Bh) or Disable operation (605Ch) whose ramp has not ended: PowerCommand::shutdown
-  /// or PowerCommand::switch_on; else PowerCommand::none. A ramp is not taken back by Enable
-  /// operation; Shutdown replaces Disable operation.
+  /// @return the command whose ramp is still running: PowerCommand::shutdown (605Bh) or
+  ///         PowerCommand::switch_on for Disable operation (605Ch), otherwise PowerCommand::none.
+  ///         Enable operation does not cancel a ramp; Shutdown replaces Disable operation.
   [[nodiscard]] PowerCommand pending() const noexcept { return pending_; }
 
-  /// Start-up finished: transition 1.
+  /// Initialisation has finished: transition 1.
   TransitionSet initialised() noexcept;
 
-  /// A controlword was written and carries `command`.
-  /// @param voltage the DC link is present; without it nothing leaves Switch on disabled
-  /// @param cause_present a cause of a fault persists: the reset is refused
+  /// A controlword with `command` was written.
+  /// @param voltage whether the DC link is present; without it the drive stays in Switch on
+  ///        disabled
+  /// @param cause_present whether the cause of a fault persists, in which case a reset is refused
   TransitionSet command(PowerCommand command, const PowerOptions& options, bool voltage,
                         bool cause_present) noexcept;
 
-  /// A fault was detected: transition 13, unless one is being handled already.
+  /// A fault was detected: transition 13, unless a fault is already being handled.
   TransitionSet fault_detected() noexcept;
 
-  /// The DC link was lost where that is no fault: back to Switch on disabled.
+  /// The DC link was lost without this being a fault: back to Switch on disabled.
   TransitionSet voltage_lost() noexcept;
 
-  /// The power stage has dropped out where that is no fault: transition 5, without a ramp.
+  /// The power stage dropped out without this being a fault: transition 5, without a ramp.
   TransitionSet power_dropped() noexcept;
 
-  /// The stop of the present state has come to its end: transition 14 of the fault reaction,
-  /// transition 12 of a quick stop that does not stay (605Ah 0 to 4), 5 or 8 of a held-back ramp.
+  /// The stop of the present state has finished: transition 14 of the fault reaction, 12 of a quick
+  /// stop that does not stay (605Ah 0 to 4), 5 or 8 of a pending ramp.
   TransitionSet stop_finished(const PowerOptions& options) noexcept;
 
  private:

@@ -31,8 +31,8 @@ struct Statusword {
       kReadyToSwitchOn | kSwitchedOn | kOperationEnabled | kFault | kQuickStop | kSwitchOnDisabled;
 };
 
-/// @return bits 0, 1, 2, 3, 5 and 6 as `state` shows them. Bit 5 is 1 in Ready to switch on,
-///         Switched on and Operation enabled only: it follows the state, not controlword bit 2.
+/// @return bits 0, 1, 2, 3, 5 and 6 for `state`. Bit 5 is 1 only in Ready to switch on, Switched on
+///         and Operation enabled: it follows the state, not controlword bit 2.
 [[nodiscard]] std::uint16_t statusword_of(PowerState state) noexcept;
 
 }  // namespace vdrive

@@ -7,7 +7,7 @@
 
 namespace vdrive {
 
-/// Answer to an access of the object dictionary: the SDO abort codes of CiA 301, table "SDO abort
+/// Result of an access to the object dictionary: the SDO abort codes of CiA 301, table "SDO abort
 /// codes". The enumerator's value is the wire value; `none` means that the access was carried out.
 enum class AbortCode : std::uint32_t {
   none = 0,
@@ -41,8 +41,8 @@ enum class AbortCode : std::uint32_t {
 
 struct AbortCodeRow {
   AbortCode code{};
-  std::string_view name;   ///< in programs
-  std::string_view words;  ///< the standard's
+  std::string_view name;   ///< as an identifier in programs
+  std::string_view words;  ///< as in the standard
 };
 
 /// Every abort code, by number.
@@ -98,7 +98,7 @@ inline constexpr std::array kAbortCodes{
     AbortCodeRow{AbortCode::no_data_available, "no_data_available", "no data available"},
 };
 
-/// @return the number that a request or a frame is answered with.
+/// @return the number that a reply to a request or a frame contains.
 [[nodiscard]] constexpr std::uint32_t wire_code(AbortCode code) noexcept {
   return static_cast<std::uint32_t>(code);
 }

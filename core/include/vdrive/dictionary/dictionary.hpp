@@ -13,16 +13,16 @@
 
 namespace vdrive {
 
-/// The object dictionary: its rows, sorted by index and sub-index.
-/// vdrive/dictionary/object_table.hpp has them for constant expressions.
+/// The object dictionary, sorted by index and sub-index. For constant expressions use
+/// vdrive/dictionary/object_table.hpp.
 extern const std::span<const ObjectDescription> kObjectTable;
 
-/// The rows that 1010h stores, in their order.
+/// The rows that 1010h stores, in dictionary order.
 extern const std::span<const ObjectRow> kStoredRows;
 
-/// What has to be written to 1010h:01 and 1011h:01; any other value is refused with
+/// The values to write to 1010h:01 and 1011h:01; any other value is refused with
 /// AbortCode::cannot_store_or_transfer.
-inline constexpr std::int64_t kStoreSignature = 0x65766173;    ///< "save", least byte first
+inline constexpr std::int64_t kStoreSignature = 0x65766173;    ///< "save", low byte first
 inline constexpr std::int64_t kRestoreSignature = 0x64616F6C;  ///< "load"
 
 /// @return the row at `address`, or nothing when there is no such object.
@@ -36,41 +36,41 @@ inline constexpr std::int64_t kRestoreSignature = 0x64616F6C;  ///< "load"
 
 [[nodiscard]] bool has_role(ObjectRow row, Role role) noexcept;
 
-/// @return whether there is an object at `address` and it has this role.
+/// @return whether there is an object at `address` with this role.
 [[nodiscard]] bool has_role(ObjectAddress address, Role role) noexcept;
 
-/// @return the units in English, such as "VelUU" or "TqCU (mA)": the manual writes their short name
-///         first and explains it in Chinese, in brackets.
+/// @return the units in English, such as "VelUU" or "TqCU (mA)". The manual gives the short name
+///         first, then an explanation in Chinese in brackets.
 [[nodiscard]] std::string english_units(const ObjectDescription& object);
 
-/// @return such as "0x6081", or "0x607D:1" for a sub-index other than 0.
+/// @return an address such as "0x6081", or "0x607D:1" for a sub-index other than 0.
 [[nodiscard]] std::string address_text(ObjectAddress address);
 
 /// @return AbortCode::object_does_not_exist when no object has this index,
 ///         AbortCode::subindex_does_not_exist when the index has no such sub-index, else none.
 [[nodiscard]] AbortCode check_address(ObjectAddress address) noexcept;
 
-/// @return AbortCode::write_of_read_only_object for a read-only row,
-///         AbortCode::value_too_high / value_too_low outside the row's range (the object's type
-///         included), else none. Rules that need the drive's state are the drive's own.
+/// @return AbortCode::write_of_read_only_object for a read-only row, AbortCode::value_too_high or
+///         value_too_low outside the range of the row or of its data type, otherwise none. Rules
+///         that depend on the state of the drive are not checked here.
 [[nodiscard]] AbortCode check_write(ObjectRow row, std::int64_t value) noexcept;
 
-/// The rules of an object for its value: those of `check_write`, and the narrower ones of what the
-/// value means, such as the modes of 6060h and the methods of 6098h.
+/// Checks a value against the rules of `check_write` and the narrower ones that follow from its
+/// meaning, such as the modes of 6060h and the methods of 6098h.
 /// @return AbortCode::value_range_exceeded or AbortCode::cannot_store_or_transfer for a value
-///         without a meaning, else that of `check_write`.
+///         without a meaning, otherwise the result of `check_write`.
 [[nodiscard]] AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept;
 
-/// The same on a modulo axis (607Bh), which takes bits 6 and 7 of 60F2h, too: the direction in
-/// which it goes to a target.
+/// The same for a modulo axis (607Bh), which also accepts bits 6 and 7 of 60F2h: the direction of
+/// travel to a target.
 [[nodiscard]] AbortCode check_value_on_modulo_axis(ObjectRow row, std::int64_t value) noexcept;
 
-/// @return the values that a writable object takes, in ascending order, where they are at most 40;
-///         empty where they are more.
+/// @return the values that a writable object accepts, in ascending order, if there are at most 40;
+///         otherwise empty.
 [[nodiscard]] std::vector<std::int64_t> few_values(ObjectRow row);
 
-/// @return the values that an object takes, such as "0 to 8", "0, 1 or 2", or more than 16
-///         of them by their runs: "-4 to 14, 17 to 30, 33 to 35 or 37".
+/// @return the values that an object accepts, such as "0 to 8" or "0, 1 or 2"; more than 16 values
+///         as ranges: "-4 to 14, 17 to 30, 33 to 35 or 37".
 [[nodiscard]] std::string values_text(ObjectRow row);
 
 }  // namespace vdrive

@@ -22,20 +22,20 @@ enum class Access : std::uint8_t { read_only, read_write };
 /// Whether 1010h saves the object (column StoreInFlash).
 enum class Storage : std::uint8_t { not_stored, flash };
 
-/// When an accepted write acts on the drive. The manual marks every writable object "immediately";
-/// where its notes are more specific (607Fh, 6081h) the note is what stands here.
+/// When an accepted write takes effect on the drive. The manual marks every writable object
+/// "immediately"; where its notes are more specific (607Fh, 6081h), the notes count.
 enum class Effective : std::uint8_t {
   read_only,     ///< never written
-  immediately,   ///< in the tick in which the write is in force
+  immediately,   ///< in the tick in which the write takes effect
   at_set_point,  ///< latched with the rising edge of controlword bit 4; in modes 7 to 10 with a
                  ///< new set-point
   at_enable,     ///< with the next transition 4
 };
 
-/// Where a row comes from.
+/// Where the description of a row comes from.
 enum class Origin : std::uint8_t { manual, companion };
 
-/// Address of an object as CiA 301 counts it.
+/// Address of an object as in CiA 301.
 struct ObjectAddress {
   std::uint16_t index = 0;
   std::uint8_t subindex = 0;
@@ -47,32 +47,32 @@ struct ObjectAddress {
 /// Position of an object in the dictionary; rows are sorted by index, then sub-index.
 using ObjectRow = std::uint16_t;
 
-/// What a write of an object is to the one who controls the axis.
+/// What writing an object means for control of the axis.
 enum class Role : std::uint8_t {
-  parameter,   ///< anybody may write it on a free axis, the owner on its own
-  command,     ///< it moves the axis: a write to a free axis takes control of it
-  test_input,  ///< it belongs to the test bench: anybody may write it on any axis
+  parameter,   ///< anybody may write it on a free axis, the owner on its own axes
+  command,     ///< it moves the axis: writing it on a free axis takes control of the axis
+  test_input,  ///< it is an input of the test bench: anybody may write it on any axis
 };
 
-/// What an accepted write changes beside the register.
+/// What an accepted write changes in addition to the register.
 enum class Change : std::uint8_t {
-  limits,          ///< what is derived from registers: limits, windows, units
-  torque_limits,   ///< those, and the limits of the servo
-  gear,            ///< those, and the ratio of motor and load
-  nothing,         ///< the next set-point reads the register
-  plan,            ///< the motion under way is planned again
-  target,          ///< the mode in force takes it as its target
-  planned_target,  ///< the mode in force takes it as its target and plans again
-  power,           ///< the power state machine, and what the mode in force commands (6040h)
+  limits,          ///< values derived from registers: limits, windows, units
+  torque_limits,   ///< the same, and the limits of the servo
+  gear,            ///< the same, and the ratio of motor and load
+  nothing,         ///< nothing: the next set-point reads the register
+  plan,            ///< the motion in progress is planned again
+  target,          ///< the active mode takes it as its target
+  planned_target,  ///< the active mode takes it as its target and plans again
+  power,           ///< the power state machine, and the command to the active mode (6040h)
   mode,            ///< the operating mode (6060h)
-  record,          ///< the mode in force takes it as the next one of its records (60C1h:01)
-  records,         ///< waiting records of interpolated position are dropped (60C4h)
+  record,          ///< the active mode takes it as its next data record (60C1h:01)
+  records,         ///< waiting data records of interpolated position are dropped (60C4h)
   history,         ///< the error history is cleared (1003h)
-  habits,          ///< how the drive reads the standard (5E20h)
+  habits,          ///< the habits of the drive (5E20h)
   probe,           ///< the touch probes are enabled or disabled (60B8h)
   connection,      ///< 0 -> 1 loses the connection to the master (5E0Ah)
-  power_drop,      ///< 0 -> 1 takes the power of an enabled axis (5E0Bh)
-  memory,          ///< whoever owns the bank stores or restores parameters (1010h, 1011h)
+  power_drop,      ///< 0 -> 1 removes the power from an enabled axis (5E0Bh)
+  memory,          ///< the owner of the bank stores or restores parameters (1010h, 1011h)
 };
 
 /// One row of the object dictionary. All text is static.
@@ -101,7 +101,7 @@ struct TypeRange {
   std::int64_t highest;
 };
 
-/// @return `visit(number)`, with a number of the type of C++ that `type` is.
+/// @return `visit(number)`, where `number` has the C++ type for `type`.
 template <typename Visit>
 constexpr auto with_type(DataType type, const Visit& visit) {
   switch (type) {

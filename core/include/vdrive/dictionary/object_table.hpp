@@ -11,22 +11,21 @@
 
 namespace vdrive {
 
-// A change of this header compiles all that includes it: those that need rows at compile time, as
-// "profile_velocity"_object does. All others find and describe objects with
-// vdrive/dictionary/dictionary.hpp.
+// Changing this header recompiles everything that includes it: include it only where rows are
+// needed at compile time, as for "profile_velocity"_object. Everything else finds and describes
+// objects with vdrive/dictionary/dictionary.hpp.
 
-/// Of objects, names, types, access and ranges; clients find it in the description of a bench. The
-/// second number grows with every change of a row, the first with one that existing clients cannot
-/// use.
+/// Version of the objects, names, types, access rights and ranges; clients find it in the
+/// description of a bench. Every change of a row raises the second number, a change that breaks
+/// existing clients raises the first.
 inline constexpr std::string_view kDictionaryVersion = "1.5";
 
-/// The object dictionary: each object stands here once. Rows of the manual first name their
-/// category as the manual does; companion rows are those that the drive needs beside them
-/// (CiA 301 communication objects, CiA 402 objects, the test-bench inputs 5E00h..5E0Ch, the
+/// The object dictionary, sorted by index and sub-index; each object appears once. Rows of the
+/// manual keep the manual's category. Companion rows are objects that the drive needs in addition:
+/// CiA 301 communication objects, CiA 402 objects, the inputs of the test bench 5E00h..5E0Ch, the
 /// synchronous move 5E10h, the speed limit of the motor 5E11h, missing set-points 5E12h, the
-/// mechanical stop of homing 5E18h, the habits of other drives 5E20h and the places of switches
-/// 5E21h).
-/// Sorted by index and sub-index.
+/// mechanical stop of homing 5E18h, the habits of other drives 5E20h and the positions of switches
+/// 5E21h.
 // clang-format off
 inline constexpr auto kObjectRows = std::to_array<ObjectDescription>({
     {{0x1000, 0x00}, "Device Type", "设备类型", "Device", "device_type",
@@ -390,7 +389,7 @@ inline constexpr auto kObjectRows = std::to_array<ObjectDescription>({
 
 inline constexpr std::size_t kObjectCount = kObjectRows.size();
 
-/// How many objects 1010h stores.
+/// Number of objects that 1010h stores.
 inline constexpr std::size_t kStoredCount = [] {
   std::size_t count = 0;
   for (const ObjectDescription& row : kObjectRows) {
@@ -399,7 +398,7 @@ inline constexpr std::size_t kStoredCount = [] {
   return count;
 }();
 
-/// The find_object of vdrive/dictionary/dictionary.hpp, at compile time.
+/// find_object of vdrive/dictionary/dictionary.hpp at compile time.
 [[nodiscard]] constexpr std::optional<ObjectRow> find_row(ObjectAddress address) noexcept {
   std::size_t first = 0;
   std::size_t last = kObjectCount;
@@ -426,8 +425,8 @@ inline constexpr std::size_t kStoredCount = [] {
 
 namespace literals {
 
-/// Row of an object by its variable_name; an unknown name does not compile:
-/// `"profile_velocity"_object`.
+/// Returns the row of an object by its variable_name, such as `"profile_velocity"_object`. An
+/// unknown name does not compile.
 consteval ObjectRow operator""_object(const char* variable_name, std::size_t length) {
   return *find_row(std::string_view{variable_name, length});
 }

@@ -9,7 +9,7 @@
 
 namespace vdrive {
 
-/// The name that CiA 402-2 has for an object, where the manual has another. Users may write either.
+/// The CiA 402-2 name of an object that has another name in the manual. Users may write either.
 struct StandardName {
   std::string_view name;
   std::string_view variable_name;

@@ -10,24 +10,24 @@
 
 namespace vdrive {
 
-/// How fast an acceleration may change (60A3h, 60A4h), both > 0, or both 0 = at once.
+/// Limits on the rate of change of acceleration (60A3h, 60A4h): both > 0, or both 0 = unlimited.
 struct MotionJerk {
-  double acceleration = 0.0;  ///< [user units/s³] while the speed grows
-  double deceleration = 0.0;  ///< [user units/s³] while it shrinks
+  double acceleration = 0.0;  ///< [user units/s³] while speeding up
+  double deceleration = 0.0;  ///< [user units/s³] while slowing down
 };
 
-/// @return whether `jerk` limits anything.
+/// @return whether `jerk` sets a limit.
 [[nodiscard]] constexpr bool is_limited(const MotionJerk& jerk) noexcept {
   return jerk.acceleration > 0.0 && jerk.deceleration > 0.0;
 }
 
-/// Piece of constant jerk. With τ = t - reference_time [s]:
+/// Segment of constant jerk. With τ = t - reference_time [s]:
 ///   x(t) = position + (velocity + (acceleration/2 + jerk·τ/6)·τ)·τ
 ///   v(t) = velocity + (acceleration + jerk·τ/2)·τ
 ///   a(t) = acceleration + jerk·τ
-/// The last piece of a motion to rest refers to its end (τ <= 0), so that the end is exact.
+/// The reference of the last segment of a motion to rest is its end (τ <= 0), so the end is exact.
 struct JerkSegment {
-  double end_time = 0.0;        ///< [s] since the plan; the piece holds up to here
+  double end_time = 0.0;        ///< [s] since the plan; the segment is valid up to here
   double reference_time = 0.0;  ///< [s] since the plan
   double position = 0.0;        ///< [user units] at the reference
   double velocity = 0.0;        ///< [user units/s] at the reference
@@ -35,7 +35,7 @@ struct JerkSegment {
   double jerk = 0.0;            ///< [user units/s³]
 };
 
-/// @return a piece of constant acceleration as one without jerk.
+/// @return a segment of constant acceleration as one with zero jerk.
 [[nodiscard]] constexpr JerkSegment with_jerk(const Segment& segment) noexcept {
   return {.end_time = segment.end_time,
           .reference_time = segment.reference_time,
@@ -48,7 +48,7 @@ struct JerkSegment {
   return segment;
 }
 
-/// @return the demand of one segment at `time` [s] since the plan.
+/// @return the demand of a segment at `time` [s] since the plan.
 [[nodiscard]] constexpr MotionSample sample(const JerkSegment& segment, double time) noexcept {
   constexpr double kSixth = 1.0 / 6.0;
   const double tau = time - segment.reference_time;
@@ -59,13 +59,13 @@ struct JerkSegment {
           segment.acceleration + jerk * tau};
 }
 
-/// A planned motion of limited jerk, closed-form in time: at most twelve segments (the proof stands
-/// in jerk_profile.cpp). Before 0 it is at its start, after `duration()` it rests at its end.
+/// A planned motion of limited jerk in closed form, with at most twelve segments (proof in
+/// jerk_profile.cpp). Before time 0 it is at its start; after `duration()` it rests at its end.
 class JerkProfile {
  public:
   static constexpr std::size_t kMaximumSegments = 12;
 
-  /// A profile that rests at `position`.
+  /// A profile at rest at `position`.
   explicit constexpr JerkProfile(double position = 0.0) noexcept : end_position_(position) {}
 
   [[nodiscard]] std::size_t segment_count() const noexcept { return count_; }
@@ -75,7 +75,7 @@ class JerkProfile {
     return segments_[i];
   }
 
-  /// @return the time from the plan to rest [s]; infinite for a motion without end.
+  /// @return the time from the plan to standstill [s]; infinite for a motion that never ends.
   [[nodiscard]] double duration() const noexcept {
     return count_ == 0 ? 0.0 : segments_[count_ - 1].end_time;
   }
@@ -83,12 +83,11 @@ class JerkProfile {
   /// @return the position at rest after the motion [user units].
   [[nodiscard]] double end_position() const noexcept { return end_position_; }
 
-  /// @return false when the profile ends elsewhere than at its target because the velocity limit
-  ///         is 0.
+  /// @return false when the profile does not end at its target because the velocity limit is 0.
   [[nodiscard]] bool reaches_target() const noexcept { return reaches_target_; }
 
-  /// @return the segment that holds at `time` [s] since the plan; after the motion a resting one
-  ///         without end.
+  /// @return the segment valid at `time` [s] since the plan; after the motion, an endless segment
+  ///         at rest.
   [[nodiscard]] JerkSegment segment_at(double time) const noexcept;
 
   /// @return the demand at `time` [s] since the plan.
@@ -101,43 +100,44 @@ class JerkProfile {
   double end_position_ = 0.0;
   std::uint8_t count_ = 0;
   bool reaches_target_ = true;
-  // No byte without a value: snapshots have this.
+  // No uninitialised padding: snapshots contain these bytes.
   [[maybe_unused]] std::array<std::uint8_t, 6> unused_{};
 };
 
-// The plans below begin at any position, velocity and acceleration. `limits` bound the velocity and
-// the acceleration in the direction of motion to [-deceleration, acceleration], at a change of the
-// direction to the smaller of both, `jerk` (is_limited) bounds its change. Where the start is
-// outside of limits, or leads out of them because the acceleration cannot end at once, the motion
-// comes back as fast as the jerk allows, without a reversal for that. "Fastest" is among all
-// motions where both jerks are equal. With two it is among those that never go backward, where the
-// start and the target allow one: a motion that takes a run-up could be earlier, and where the axis
-// has to turn also one that overshoots more than it has to.
+// The plans below start from any position, velocity and acceleration. `limits` bound the velocity,
+// and the acceleration in the direction of motion to [-deceleration, acceleration]; where the
+// direction changes, the smaller of the two applies. `jerk` (is_limited) bounds the rate of change
+// of acceleration. Where the start is outside the limits, or leads out of them because the
+// acceleration cannot end instantly, the motion returns as fast as the jerk allows, without
+// reversing for it. "Fastest" means among all motions if both jerks are equal. With two different
+// jerks it means among the motions that never go backward, if start and target allow one: a motion
+// with a run-up could be faster, and where the axis must turn, so could one that overshoots more
+// than necessary.
 
-/// Plans the fastest motion to rest at `target` [user units]. With a velocity limit of 0 it brakes
-/// to rest and stays there.
+/// Plans the fastest motion to rest at `target` [user units]. If the velocity limit is 0, it brakes
+/// to a standstill and stays there.
 [[nodiscard]] JerkProfile plan_jerk_move(const MotionSample& start, double target,
                                          const MotionLimits& limits,
                                          const MotionJerk& jerk) noexcept;
 
-/// @return the jerk of a move over a distance in `times` (MoveTimes::jerk), whose limits are
-///         `limits_of` these times; not limited without a jerk time or without a distance.
+/// @return the jerk of a move that takes `times` (MoveTimes::jerk) and whose `limits_of` these
+///         times are `limits`; unlimited without a jerk time or a distance.
 [[nodiscard]] MotionJerk jerk_of(const MotionLimits& limits, const MoveTimes& times) noexcept;
 
 /// Plans the move from rest at `start` to rest at `target` [user units] that takes exactly these
-/// times, MoveTimes::jerk > 0 among them, also over no distance: moves with the same times keep the
-/// proportions of their displacements all the way and end together (5E10h).
+/// times, with MoveTimes::jerk > 0, even over a distance of 0. Moves with the same times stay in
+/// proportion to their displacements throughout and end together (5E10h).
 [[nodiscard]] JerkProfile plan_timed_jerk_move(double start, double target,
                                                const MoveTimes& times) noexcept;
 
 /// Plans the fastest change to the velocity `target` [user units/s], capped by `limits.velocity`,
-/// which is then kept without end: `end_position()` means nothing unless the target is 0.
+/// which is then held forever. `end_position()` is meaningful only for a target of 0.
 [[nodiscard]] JerkProfile plan_jerk_velocity(const MotionSample& start, double target,
                                              const MotionLimits& limits,
                                              const MotionJerk& jerk) noexcept;
 
-/// Plans the fastest stop with `deceleration` [user units/s²] > 0. An axis that speeds up gets
-/// faster first, one that is about to turn turns and stops on the way back.
+/// Plans the fastest stop with `deceleration` [user units/s²] > 0. An axis that is speeding up gets
+/// faster first; one about to reverse reverses and stops on the way back.
 [[nodiscard]] JerkProfile plan_jerk_stop(const MotionSample& start, double deceleration,
                                          const MotionJerk& jerk) noexcept;
 

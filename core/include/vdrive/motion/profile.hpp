@@ -14,46 +14,46 @@ struct MotionState {
   double velocity = 0.0;  ///< [user units/s]
 };
 
-/// What a profile may use, all finite.
+/// Limits of a profile, all finite.
 struct MotionLimits {
   double velocity = 0.0;      ///< [user units/s] >= 0; 0 = no motion
   double acceleration = 1.0;  ///< [user units/s²] > 0, speeding up
   double deceleration = 1.0;  ///< [user units/s²] > 0, slowing down
 };
 
-/// Piece of constant acceleration. With τ = t - reference_time [s]:
+/// Segment of constant acceleration. With τ = t - reference_time [s]:
 ///   x(t) = position + (velocity + acceleration·τ/2)·τ
 ///   v(t) = velocity + acceleration·τ
-/// The last piece of a move refers to the arrival (τ <= 0), so that the end is exact.
+/// The reference of the last segment of a move is its end (τ <= 0), so the end is exact.
 struct Segment {
-  double end_time = 0.0;        ///< [s] since the plan; the piece holds up to here
+  double end_time = 0.0;        ///< [s] since the plan; the segment is valid up to here
   double reference_time = 0.0;  ///< [s] since the plan
   double position = 0.0;        ///< [user units] at the reference
   double velocity = 0.0;        ///< [user units/s] at the reference
   double acceleration = 0.0;    ///< [user units/s²]
 };
 
-/// Demand at one instant.
+/// The demand at one instant.
 struct MotionSample {
   double position = 0.0;      ///< [user units]
   double velocity = 0.0;      ///< [user units/s]
   double acceleration = 0.0;  ///< [user units/s²]
 };
 
-/// @return the demand of one segment at `time` [s] since the plan.
+/// @return the demand of a segment at `time` [s] since the plan.
 [[nodiscard]] constexpr MotionSample sample(const Segment& segment, double time) noexcept {
   const double tau = time - segment.reference_time;
   return {segment.position + (segment.velocity + 0.5 * segment.acceleration * tau) * tau,
           segment.velocity + segment.acceleration * tau, segment.acceleration};
 }
 
-/// A planned motion, closed-form in time: at most four segments. Before 0 it is at its start, after
-/// `duration()` it rests at its end.
+/// A planned motion in closed form, with at most four segments. Before time 0 it is at its start;
+/// after `duration()` it rests at its end.
 class Profile {
  public:
   static constexpr std::size_t kMaximumSegments = 4;
 
-  /// A profile that rests at `position`.
+  /// A profile at rest at `position`.
   explicit constexpr Profile(double position = 0.0) noexcept : end_position_(position) {}
 
   [[nodiscard]] std::size_t segment_count() const noexcept { return count_; }
@@ -63,7 +63,7 @@ class Profile {
     return segments_[i];
   }
 
-  /// @return the time from the plan to rest [s]; infinite for a motion without end.
+  /// @return the time from the plan to standstill [s]; infinite for a motion that never ends.
   [[nodiscard]] double duration() const noexcept {
     return count_ == 0 ? 0.0 : segments_[count_ - 1].end_time;
   }
@@ -71,12 +71,11 @@ class Profile {
   /// @return the position at rest after the motion [user units].
   [[nodiscard]] double end_position() const noexcept { return end_position_; }
 
-  /// @return false when the profile ends elsewhere than at its target because the velocity limit
-  ///         is 0.
+  /// @return false when the profile does not end at its target because the velocity limit is 0.
   [[nodiscard]] bool reaches_target() const noexcept { return reaches_target_; }
 
-  /// @return the segment that holds at `time` [s] since the plan; after the motion a resting one
-  ///         without end.
+  /// @return the segment valid at `time` [s] since the plan; after the motion, an endless segment
+  ///         at rest.
   [[nodiscard]] Segment segment_at(double time) const noexcept;
 
   /// @return the demand at `time` [s] since the plan.
@@ -89,42 +88,42 @@ class Profile {
   double end_position_ = 0.0;
   std::uint8_t count_ = 0;
   bool reaches_target_ = true;
-  // No byte without a value: snapshots have this.
+  // No uninitialised padding: snapshots contain these bytes.
   [[maybe_unused]] std::array<std::uint8_t, 6> unused_{};
 };
 
-/// Plans the time-optimal trapezoid from any state to rest at `target`: it brakes to the velocity
-/// limit first where it is faster, and to standstill first where the target lies inside the
-/// stopping distance or behind. Speeding up uses `limits.acceleration`, slowing down
-/// `limits.deceleration`. With a velocity limit of 0 it brakes to rest and stays there.
+/// Plans the time-optimal trapezoid from any state to rest at `target`. It first brakes to the
+/// velocity limit if it is above it, and to standstill if the target is within the stopping
+/// distance or behind the axis. Speeding up uses `limits.acceleration`, slowing down
+/// `limits.deceleration`. If the velocity limit is 0, it brakes to a standstill and stays there.
 ///
 /// With stopping distance s = v²/2d, displacement D >= s and v below the limit, the peak velocity
 /// is v_p² = (2adD + dv²)/(a + d), capped by the limit.
 [[nodiscard]] Profile plan_move(const MotionState& start, double target,
                                 const MotionLimits& limits) noexcept;
 
-/// Times of a move from rest to rest [s]: `duration` >= acceleration + deceleration > 0, both of
-/// these >= 2·jerk.
+/// Times of a move from rest to rest [s]: `duration` >= acceleration + deceleration > 0, and each
+/// of these two >= 2·jerk.
 struct MoveTimes {
   double duration = 0.0;
   double acceleration = 0.0;
   double deceleration = 0.0;
-  double jerk = 0.0;  ///< in which the acceleration grows, and shrinks, in both ramps; 0 = at once
+  double jerk = 0.0;  ///< for the acceleration to build up, and to fall off, in each ramp; 0 = step
 };
 
-/// @return the peak velocity and the highest accelerations of a move over `displacement` [user
-///         units] in these times. The jerk time changes neither the peak velocity nor the way of a
-///         ramp, which is even around its middle.
+/// @return the peak velocity and the peak accelerations of a move over `displacement` [user units]
+///         in these times. The jerk time changes neither the peak velocity nor the distance covered
+///         in a ramp, which is symmetric about its middle.
 [[nodiscard]] MotionLimits limits_of(double displacement, const MoveTimes& times) noexcept;
 
 /// Plans the trapezoid from rest at `start` to rest at `target` that takes exactly these times,
-/// without a jerk time, also over no distance: moves with the same times keep the proportions of
-/// their displacements all the way and end together (5E10h).
+/// without a jerk time, even over a distance of 0. Moves with the same times stay in proportion to
+/// their displacements throughout and end together (5E10h).
 [[nodiscard]] Profile plan_timed_move(double start, double target, const MoveTimes& times) noexcept;
 
 /// Plans the change to the velocity `target` [user units/s], capped by `limits.velocity`, which is
-/// then kept without end: `end_position()` means nothing unless the target is 0. Away from zero
-/// velocity it uses `limits.acceleration`, towards it `limits.deceleration`, through it both.
+/// then held forever. `end_position()` is meaningful only for a target of 0. Speeding up uses
+/// `limits.acceleration`, slowing down `limits.deceleration`; a change of sign uses both.
 [[nodiscard]] Profile plan_velocity(const MotionState& start, double target,
                                     const MotionLimits& limits) noexcept;
 

@@ -10,19 +10,19 @@
 
 namespace vdrive {
 
-/// A number of AxisModel. Its default is the initialiser of the member.
+/// A numeric parameter of AxisModel. Its default is the initialiser of the member.
 struct ModelParameter {
-  std::string_view name;  ///< of the member, and of the key in a configuration
+  std::string_view name;  ///< of the member and of the key in a configuration
   double AxisModel::*member;
-  std::string_view unit;  ///< empty = a number without one
-  std::string_view what;  ///< of which part, where it acts
+  std::string_view unit;  ///< empty = no unit
+  std::string_view what;  ///< what it belongs to or where it acts
   double lowest;
   double highest;
-  bool from_zero_if_rigid = false;  ///< the lowest value of a rigid axis is 0
+  bool from_zero_if_rigid = false;  ///< for a rigid axis the lowest value is 0
 };
 
-/// Every number of AxisModel with its limits: what the configuration reads, checks and prints, and
-/// what the bank checks.
+/// Every numeric parameter of AxisModel with its limits: the configuration reads, checks and prints
+/// these, and the bank checks them.
 inline constexpr std::array<ModelParameter, 29> kModelParameters{{
     {"motor_inertia", &AxisModel::motor_inertia, "kg.m2", "of the rotor", 1.0e-8, 1.0e4},
     {"load_inertia", &AxisModel::load_inertia, "kg.m2", "at the load shaft", 1.0e-8, 1.0e4, true},
@@ -82,17 +82,18 @@ inline constexpr std::array<ModelParameter, 29> kModelParameters{{
      "of the heat of the motor (I2t); 0 = it stays cold", 0.0, 1.0e6},
 }};
 
-/// @return `number` with the unit of `parameter`, such as "6.3 rad", or alone where it has none.
+/// @return `number` with the unit of `parameter`, such as "6.3 rad", or just the number if it has
+///         none.
 [[nodiscard]] std::string with_unit(double number, const ModelParameter& parameter);
 
-/// @return nothing when the model's value of `parameter` is within its limits, else the limits,
-///         such as "must be from 0 to 6.3 rad". An end stop is also bounded by the other one, of
-///         which the lower one tells.
+/// @return nothing when the model's value of `parameter` is within its limits, otherwise the
+///         limits, such as "must be from 0 to 6.3 rad". The end stops also bound each other; this
+///         is reported for the lower one.
 [[nodiscard]] std::optional<std::string> limits_broken(const AxisModel& model,
                                                        const ModelParameter& parameter);
 
-/// @throws std::invalid_argument when a parameter is outside its limits; the message names the
-///         parameter, its value, unit and limits.
+/// @throws std::invalid_argument when a parameter is out of its limits; the message gives
+///         parameter, value, unit and limits.
 void validate(const AxisModel& model);
 
 }  // namespace vdrive
