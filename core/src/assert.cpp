@@ -3,8 +3,8 @@
 
 #include "vdrive/worked_for.hpp"
 
-// The standard's assert reports what broke and where on standard error: the core itself writes
-// nothing. It is needed in optimised builds too.
+// The standard assert reports what broke and where on standard error; the core itself prints
+// nothing. It must work in optimised builds too.
 #undef NDEBUG
 #include <cassert>
 

@@ -79,7 +79,7 @@ void AxisBank::restore(const Snapshot& snapshot, Memory memory) {
   for (std::size_t axis = 0; axis < size(); ++axis) {
     next.drive(axis).registers().memory_error = state_->drive(axis).registers().memory_error;
   }
-  *state_ = next;  // not moved: the arrays keep their places
+  *state_ = next;  // copied, not moved: the arrays keep their addresses
 }
 
 void AxisBank::save(Snapshot& snapshot) const {
@@ -105,7 +105,7 @@ void AxisBank::save(std::span<std::byte> bytes) const noexcept {
 }
 
 std::uint64_t AxisBank::snapshot_layout() noexcept {
-  // Counted up by hand when a member changes its meaning while every size stays as it is.
+  // Increment by hand when a member changes its meaning but every size stays the same.
   constexpr std::uint64_t kVersion = 4;
   constexpr std::uint64_t kPrime = 1099511628211ULL;  // FNV-1a over words
   std::uint64_t layout = 14695981039346656037ULL;
@@ -119,7 +119,7 @@ std::uint64_t AxisBank::snapshot_layout() noexcept {
         std::uint64_t{std::endian::native == std::endian::little}}) {
     layout = (layout ^ part) * kPrime;
   }
-  for (const ObjectDescription& row : kObjectRows) {  // registers are kept by row
+  for (const ObjectDescription& row : kObjectRows) {  // registers are stored by row
     layout = (layout ^ (row.address.index * 256U + row.address.subindex)) * kPrime;
   }
   return layout;

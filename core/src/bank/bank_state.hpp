@@ -23,18 +23,18 @@ namespace vdrive {
 /// Block::effects of a block without effects.
 inline constexpr std::uint32_t kNoEffects = 0xFFFF'FFFF;
 
-/// Up to kLanes axes of one coupling, stepped side by side; see drive/block.hpp.
+/// Up to kLanes axes of one coupling, stepped together; see drive/block.hpp.
 struct Block {
   BlockState state{};
   Coupling coupling = Coupling::rigid;
-  std::uint32_t pool_index = 0;  // number among the blocks of this coupling
+  std::uint32_t pool_index = 0;  // index among the blocks of this coupling
   std::uint32_t count = 0;
-  std::uint32_t effects = kNoEffects;        // number among the blocks with effects
-  bool has_play = false;                     // backlash in a lane
+  std::uint32_t effects = kNoEffects;        // index among the blocks with effects
+  bool has_play = false;                     // a lane has backlash
   std::array<std::uint32_t, kLanes> axes{};  // by lane, `count` of them
 };
 
-/// Blocks of one coupling that are stepped side by side, all with effects or all without.
+/// Blocks of one coupling that are stepped together, either all with effects or all without.
 struct Batch {
   Coupling coupling = Coupling::rigid;
   bool has_effects = false;
@@ -42,11 +42,11 @@ struct Batch {
   std::array<std::size_t, kInterleavedBlocks> blocks{};
 };
 
-/// A tick that leaves every bit of a block as it was would do so again: it is left out until
-/// something is written to an axis of the block.
+/// A tick that leaves every bit of a block unchanged would do so again. Further ticks are skipped
+/// until something is written to an axis of the block.
 struct Settled {
   std::uint64_t is_settled = 0;  // 0 or 1
-  std::uint64_t ticks = 0;       // left out; they count as time on the target
+  std::uint64_t ticks = 0;       // skipped so far; they count as time on the target
 };
 
 /// Lanes of a block in a tick.
@@ -55,7 +55,7 @@ struct TickLanes {
   std::uint64_t across = 0;  // the tick crosses a border between two segments
 };
 
-/// Where an axis is.
+/// The block and lane of an axis.
 struct Place {
   std::uint32_t block = 0;
   std::uint32_t lane = 0;
@@ -68,7 +68,7 @@ static_assert(std::is_trivially_copyable_v<DriveRegisters>);
 static_assert(std::is_trivially_copyable_v<AxisStatus>);
 static_assert(std::is_trivially_copyable_v<LoadNoise>);
 
-/// All that a bank is made of. Its parts stand in files of their own.
+/// The complete state of a bank. Its parts are implemented in separate files.
 struct AxisBank::State {
   TickTiming timing;
   std::vector<AxisConfiguration> configurations;
@@ -82,7 +82,7 @@ struct AxisBank::State {
   std::vector<AxisStatus> statuses;             // by axis
   std::vector<ParameterMemory> memories;        // by axis
   std::vector<LoadNoise> noises;                // by axis
-  std::vector<EffectBlock> effects;             // of the blocks that have any
+  std::vector<EffectBlock> effects;             // of the blocks that have effects
 
   [[nodiscard]] Drive drive(std::size_t block, std::size_t lane) {
     const std::size_t slot = block * kLanes + lane;
@@ -99,7 +99,7 @@ struct AxisBank::State {
     return drive(places[axis].block, places[axis].lane);
   }
 
-  /// @return the axis for a change from outside: its next tick checks all of it.
+  /// @return the axis, for a change from outside: its next tick runs all checks.
   [[nodiscard]] Drive changed_drive(std::size_t axis) {
     ensure(axis < places.size(), "the axis is one of the bank's");
     end_steadiness(places[axis].block, std::uint64_t{1} << places[axis].lane);
@@ -108,15 +108,15 @@ struct AxisBank::State {
 
   // bank_snapshot.cpp
 
-  /// Shows each array of plain data that is state, in a fixed order, to `visit(first, count)`; what
-  /// follows from the configuration is left out.
+  /// Passes each array of plain data that is part of the state to `visit(first, count)`, in a fixed
+  /// order. Data derived from the configuration is left out.
   template <typename Visit>
   void for_each_part(Visit visit);
-  /// Whether no index leads outside of a pool, of the tables of modes and of homing methods, of the
-  /// segments of a plan or of the lanes of a block; for state that comes from a file.
+  /// Whether every index is within its pool, its table of modes or homing methods, the segments of
+  /// a plan or the lanes of a block. Checks state that was read from a file.
   [[nodiscard]] bool is_sound() const;
 
-  // bank_blocks.cpp: axes become lanes of blocks
+  // bank_blocks.cpp: assigns axes to lanes of blocks
 
   void place_axes(Coupling coupling);
   void design_blocks();
@@ -127,64 +127,65 @@ struct AxisBank::State {
     return block.effects == kNoEffects ? nullptr : &effects[block.effects];
   }
 
-  // bank_values.cpp: registers and what is stored of them
+  // bank_values.cpp: registers and their stored values
 
-  /// @throws std::invalid_argument when an initial or a stored value is refused
+  /// @throws std::invalid_argument when an initial or stored value is refused
   void start_axis(std::size_t axis);
 
-  /// Configured values, then stored ones.
+  /// Sets the configured values, then the stored ones.
   /// @return the first initial value that was refused, or nullptr.
   const InitialValue* set_initial_values(std::size_t axis);
   void fill_memory(std::size_t axis);
   AbortCode write(std::size_t axis, ObjectRow row, std::int64_t value);
 
-  // bank_tuning.cpp: what objects mean to the servo
+  // bank_tuning.cpp: effect of objects on the servo
 
-  /// 3576h, 3577h: the load, the loops and the torques see the gear.
+  /// 3576h and 3577h: applies the gear to the load, the loops and the torques.
   void apply_gear(std::size_t axis);
-  /// 6072h, 60E0h, 60E1h, 6075h, 6076h and the load torque, through the present gear.
+  /// Applies 6072h, 60E0h, 60E1h, 6075h, 6076h and the load torque, through the present gear.
   void apply_torques(std::size_t axis);
-  /// What the effects of an axis are through `gear`; nothing where its block has none.
+  /// Recomputes the effects of an axis for `gear`; does nothing if its block has no effects.
   void design_effects(std::size_t axis, const Gear& gear);
 
-  // bank_step.cpp: a tick
+  // bank_step.cpp: one tick
 
-  /// The next tick of a block is computed.
+  /// Makes the next tick of a block be computed again.
   void end_settled(std::size_t block);
 
-  /// The next step goes through all of a tick for these lanes of a block.
+  /// Makes the next step run the full tick for these lanes of a block.
   void end_steadiness(std::size_t block, std::uint64_t lanes);
 
-  /// Gives the axes of a block that have noise the load torque of this tick.
+  /// Draws the load torque of this tick for the axes of a block that have noise.
   void draw_loads(const Block& block);
 
-  /// What the effects of a block that has any do before the servo step.
+  /// Runs the part of the effects that precedes the servo step.
   /// @param moved lanes whose frames may have moved
   void begin_effects(std::size_t block, std::uint64_t moved);
 
-  /// Heats the motors of a block with effects.
-  /// @return the lanes whose load level has changed: their tick is no steady one.
+  /// Updates the heat of the motors of a block with effects.
+  /// @return the lanes whose load level has changed: their tick is not a steady one.
   std::uint64_t end_effects(std::size_t block);
 
-  /// What the axes of a block do before the servo step.
+  /// Runs the part of the tick that precedes the servo step.
   TickLanes begin_block(std::size_t block);
 
-  /// Puts the segments that hold at `substep` into the lanes that cross a border.
-  /// @return the sub-step up to which all of them hold.
+  /// Loads the segments valid at `substep` into the lanes that cross a border.
+  /// @return the sub-step up to which all of them are valid.
   std::size_t cross_segments(const Batch& batch, std::size_t substep,
                              std::span<const TickLanes> lanes);
 
-  /// The axes with an enabled touch probe look at their inputs, at the begin of the sub-step.
+  /// Evaluates the inputs of the axes with an enabled touch probe, at the start of the sub-step.
   template <typename Parameters>
   void look_at_probes(const ParameterPool<Parameters>& pool, const Batch& batch,
                       std::size_t substep);
 
-  /// The servo step of a tick, in pieces where a lane crosses a border or a touch probe looks.
+  /// Runs the servo step of a tick, in pieces if a lane crosses a border or a touch probe is
+  /// enabled.
   template <typename Parameters>
   void step_pieces(const ParameterPool<Parameters>& pool, const Batch& batch,
                    std::span<const TickLanes> lanes, ServoFeatures features);
 
-  /// What the axes of a block do after the servo step.
+  /// Runs the part of the tick that follows the servo step.
   void end_block(std::size_t block, const TickLanes& lanes);
 
   template <typename Parameters>

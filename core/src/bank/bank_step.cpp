@@ -26,20 +26,20 @@ std::uint64_t all_lanes(const Block& block) {
   return (std::uint64_t{1} << block.count) - 1U;
 }
 
-/// @return whether no axis of the block has noise, and all stand on their targets or have no power.
+/// @return whether no axis of the block has noise and each one is on its target or has no power.
 bool rests(const Block& block) {
   const SteadyBlock& steady = block.state.steady;
   return block.state.noisy == 0 && (steady.standing | steady.unpowered) == all_lanes(block);
 }
 
-/// @return whether a tick may leave `servo` as it is.
+/// @return whether a tick could leave `servo` unchanged.
 bool may_stand_still(const ServoState& servo) {
   return std::ranges::all_of(servo.velocity, [](double velocity) {
     return velocity == 0.0;
   });
 }
 
-/// Where the bits of a block stand before a tick.
+/// State of a block before a tick, to detect that the tick changes nothing.
 struct TickStart {
   ServoState servo;
   EffectState effects;
@@ -50,7 +50,7 @@ void note_start(const ServoState& servo, const EffectBlock* effects, TickStart& 
   if (effects != nullptr) start.effects = effects->state;
 }
 
-/// @return whether the tick has left every bit as it was.
+/// @return whether the tick has left every bit unchanged.
 bool stands_as(const TickStart& start, const ServoState& servo, const EffectBlock* effects) {
   return alike(start.servo, servo) && (effects == nullptr || alike(start.effects, effects->state));
 }

@@ -41,7 +41,7 @@ void AxisBank::State::apply_gear(std::size_t axis) {
   const double ratio = ratio_of(gear);
   DriveRegisters& registers = drive.registers();
   if (ratio != registers.gear_ratio) {
-    // The load stays where it is when the gear is set.
+    // Setting the gear must not move the load.
     ServoState& servo = drive.servo();
     servo.load_offset[drive.lane()] +=
         (registers.gear_ratio - ratio) * servo.position[drive.lane()];

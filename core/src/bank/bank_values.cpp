@@ -16,7 +16,7 @@ using namespace vdrive::literals;
 
 namespace {
 
-/// @param axes of the bank: the only one has no number that its user knows
+/// @param axes number of axes of the bank; a single axis is not named in the message
 [[noreturn]] void refuse(std::size_t axis, std::size_t axes, const char* kind,
                          const InitialValue& refused) {
   const std::string place = axes == 1 ? "" : "axis " + std::to_string(axis) + ": ";
@@ -34,7 +34,8 @@ void AxisBank::State::start_axis(std::size_t axis) {
                      &servo.load_reading}) {
     (*lane)[drive.lane()] = position;
   }
-  // Objects of the test bench keep their values at a power-up: only here they get their defaults.
+  // Objects of the test bench keep their values at a power-up, so they get their defaults only
+  // here.
   for (std::size_t row = 0; row < kObjectCount; ++row) {
     drive.registers().values[row] = kObjectRows[row].default_value;
   }
@@ -43,7 +44,7 @@ void AxisBank::State::start_axis(std::size_t axis) {
       configurations[axis].model.feedback == Feedback::single_encoder;
   fill_memory(axis);
   power_up(drive, true);
-  show(drive);  // what feedback that is frozen from here on shows
+  show(drive);  // shows feedback that may be frozen from here on
   if (const InitialValue* const refused = set_initial_values(axis)) {
     refuse(axis, configurations.size(), "initial", *refused);
   }

@@ -12,7 +12,7 @@ namespace vdrive {
 AbortCode check_stored(ObjectAddress object, std::int64_t value) noexcept {
   const auto row = find_row(object);
   if (!row) return check_address(object);
-  // What the axis is, its other stored values decide: `load_into` asks it.
+  // Whether the axis is a modulo axis depends on its other stored values: `load_into` checks that.
   return kObjectRows[*row].storage == Storage::flash ? check_value_on_modulo_axis(*row, value)
                                                      : AbortCode::cannot_store_or_transfer;
 }
@@ -27,8 +27,8 @@ AbortCode ParameterMemory::keep(ObjectAddress object, std::int64_t value) noexce
   return code;
 }
 
-/// A value that this version refuses, such as one beyond a limit that became narrower, leaves the
-/// initial one.
+/// A value that this version refuses, for example because a limit became narrower, keeps its
+/// initial value.
 void ParameterMemory::load_into(Drive& drive) const noexcept {
   for (std::size_t position = 0; position < kStoredCount; ++position) {
     if (present[position]) {

@@ -12,16 +12,16 @@
 
 namespace vdrive {
 
-/// What 1010h stored of an axis. Not every object need be there: an earlier program may have stored
-/// it, whose dictionary had fewer.
+/// The values that 1010h stored for an axis. Some objects may be missing: an earlier version with a
+/// smaller dictionary may have stored them.
 struct ParameterMemory {
-  std::bitset<kStoredCount> present;  // bit n: values[n] is of row kStoredRows[n]
+  std::bitset<kStoredCount> present;  // bit n: values[n] is set and belongs to row kStoredRows[n]
   std::array<std::int64_t, kStoredCount> values{};
 
-  /// @return that of AxisBank::check_stored; where it is not none nothing has changed.
+  /// @return the result of AxisBank::check_stored; nothing changes unless it is AbortCode::none.
   AbortCode keep(ObjectAddress object, std::int64_t value) noexcept;
 
-  /// Writes what is stored, as at a power-up.
+  /// Writes the stored values, as at power-up.
   void load_into(Drive& drive) const noexcept;
 };
 

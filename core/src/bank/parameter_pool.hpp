@@ -12,19 +12,19 @@
 
 namespace vdrive {
 
-/// Bit for bit: a set of parameters is shared, and a tick left out, only where nothing at all would
-/// change.
+/// Bitwise comparison: sets of parameters are shared, and ticks skipped, only if not a single bit
+/// would differ.
 template <typename Numbers>
 bool alike(const Numbers& a, const Numbers& b) {
   using Words = std::array<std::uint64_t, sizeof(Numbers) / sizeof(std::uint64_t)>;
   return std::bit_cast<Words>(a) == std::bit_cast<Words>(b);
 }
 
-/// Parameters of the blocks of one kind. Most axes of a bank are alike: equal blocks share one set
-/// until one of their axes changes, which keeps the sets in the nearest cache.
+/// Parameters of the blocks of one kind. Most axes of a bank are alike, so equal blocks share one
+/// set until one of their axes changes; this keeps the sets in the nearest cache.
 template <typename Parameters>
 struct ParameterPool {
-  std::vector<Parameters> sets;       // initial sets, then one place for each block of this kind
+  std::vector<Parameters> sets;       // initial sets, then one slot per block of this kind
   std::vector<std::uint32_t> in_use;  // by block of this kind
   std::vector<std::uint32_t> own;     // by block of this kind
 

@@ -40,7 +40,7 @@ constexpr std::array kControlBits{
     BitName{Controlword::kHalt, "halt", "暂停"},
 };
 
-/// @return the names of `bit`, empty where it has none.
+/// @return the names of `bit`, empty if it has none.
 BitName find_names(std::uint16_t bit, std::span<const BitName> names) {
   const auto found = std::ranges::find(names, bit, &BitName::bit);
   return found == names.end() ? BitName{} : *found;
@@ -53,7 +53,7 @@ BitName names_of(std::uint16_t bit, std::span<const BitName> of_mode,
   return names.name.empty() ? find_names(bit, of_all) : names;
 }
 
-/// A mode without a row reads no bit in its own way.
+/// A mode without a row has no bits of its own.
 constexpr OperatingModeRow kUnknownMode{};
 
 const OperatingModeRow& row_of(OperatingMode mode) {

@@ -10,7 +10,7 @@ namespace {
 struct ErrorRow {
   ErrorCode code;
   std::string_view text;
-  std::uint8_t register_bits;  // 1001h beside the generic bit
+  std::uint8_t register_bits;  // 1001h without the generic bit
   bool coasts;
   std::string_view remedy;
 };

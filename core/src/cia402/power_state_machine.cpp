@@ -13,7 +13,7 @@ using enum PowerState;
 constexpr std::size_t kStateCount = 8;
 constexpr std::size_t kCommandCount = 7;
 
-/// Target of each transition, by its number. 13 starts in any state.
+/// Target of each transition, by number. 13 can start in any state.
 constexpr std::array<PowerState, 17> kTargets{
     not_ready_to_switch_on,  // 0
     switch_on_disabled,      // 1
@@ -34,7 +34,7 @@ constexpr std::array<PowerState, 17> kTargets{
     operation_enabled,       // 16
 };
 
-/// Up to three transitions in a row; 0 ends the list (transition 0 is never commanded).
+/// Up to three successive transitions; 0 ends the list (transition 0 is never commanded).
 using Path = std::array<unsigned char, 3>;
 using Row = std::array<Path, kCommandCount>;
 constexpr Path kStay{};
@@ -61,7 +61,7 @@ constexpr bool has_transition_16(const PowerOptions& options) {
          (options.transition_16 == Transition16::by_option_code && stays_in_quick_stop(options));
 }
 
-/// Conditions that the reaction matrix leaves to settings and option codes.
+/// Conditions that depend on settings and option codes rather than on the reaction matrix.
 bool permitted(PowerState state, PowerCommand command, const PowerOptions& options, bool voltage,
                bool cause_present) {
   switch (state) {

@@ -13,11 +13,11 @@ struct StateRow {
   PowerState state;
   std::uint16_t mask;
   std::uint16_t value;        // of the masked statusword
-  std::uint16_t status_bits;  // what the drive shows: bit 5 only where the quick stop is released
+  std::uint16_t status_bits;  // as shown by the drive: bit 5 only if the quick stop is released
   std::string_view name;
 };
 
-// Manual, table of statusword bits 0 to 3, 5 and 6; masks as CiA 402 gives them.
+// Manual, table of statusword bits 0 to 3, 5 and 6; masks as in CiA 402.
 constexpr std::array<StateRow, 8> kStates{{
     {PowerState::not_ready_to_switch_on, 0x4F, 0x00, 0x00, "Not ready to switch on"},
     {PowerState::switch_on_disabled, 0x4F, 0x40, 0x40, "Switch on disabled"},

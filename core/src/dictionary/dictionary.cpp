@@ -35,10 +35,11 @@ constexpr std::array<ObjectRow, kStoredCount> kStored = [] {
 
 using namespace vdrive::literals;
 
-/// Bits 9, 14 and 15 of 6041h, on which drives differ.
+/// Manufacturer-specific bits 9, 14 and 15 of 6041h, on which drives differ.
 constexpr std::int64_t kMakerBits = 0xC200;
 
-/// Rows that refuse what they do not mean with 0x06090030, also beyond the range that they show.
+/// Rows that refuse a value without a meaning with 0x06090030, even outside the range that they
+/// show.
 bool is_judged_by_meaning(ObjectRow row) {
   return row == "error_history_count"_object || row == "homing_method"_object ||
          row == "motion_profile_type"_object || row == "profile_jerk_use"_object;
@@ -49,14 +50,14 @@ bool is_within_type(ObjectRow row, std::int64_t value) {
   return value >= type.lowest && value <= type.highest;
 }
 
-/// Bits 6, 7, 14 and 15 of 60B8h are the maker's, who gives them no meaning; 3 is reserved among
-/// the sources in bits 2 and 3, 10 and 11.
+/// Bits 6, 7, 14 and 15 of 60B8h are manufacturer-specific and unused here; the source value 3, in
+/// bits 2 and 3 or 10 and 11, is reserved.
 bool is_touch_probe_function(std::int64_t value) {
   const auto bits = static_cast<std::uint64_t>(value);
   return (bits & 0xC0C0U) == 0 && (bits & 0x000CU) != 0x000CU && (bits & 0x0C00U) != 0x0C00U;
 }
 
-/// The narrower rules of single objects, for a value within its type.
+/// The additional rules of individual objects, for a value within its type.
 bool has_meaning(ObjectRow row, std::int64_t value) {
   switch (row) {
     case "op_mode_cmd"_object:
@@ -103,7 +104,7 @@ AbortCode check_value(ObjectRow row, std::int64_t value) {
   return is_signature ? AbortCode::cannot_store_or_transfer : AbortCode::value_range_exceeded;
 }
 
-/// @return each of some values; of many, which nobody reads one by one, runs such as "17 to 30".
+/// @return each value by itself; in a list longer than kSome, runs such as "17 to 30".
 std::vector<std::string> parts_of_list(const std::vector<std::int64_t>& values) {
   constexpr std::size_t kSome = 16;
   constexpr std::size_t kShortestRun = 3;

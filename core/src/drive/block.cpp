@@ -12,7 +12,7 @@ namespace {
 /// Lane l of a set.
 constexpr std::array<std::uint64_t, kLanes> kBits{1, 2, 4, 8, 16, 32, 64, 128};
 
-/// @return whether the axis of lane `l` is inside of its target window.
+/// @return whether the axis in lane `l` is inside its target window.
 [[gnu::always_inline]] inline bool is_near(const SteadyBlock& steady, std::size_t l, double load) {
   return std::abs(load - steady.target[l]) <= steady.target_window[l];
 }
@@ -22,7 +22,7 @@ constexpr std::array<std::uint64_t, kLanes> kBits{1, 2, 4, 8, 16, 32, 64, 128};
   return std::abs(demand - load) <= steady.following_error_window[l];
 }
 
-/// Ends the steady tick of lanes, see end_steady_tick.
+/// Ends the steady tick of these lanes; see end_steady_tick.
 template <bool kJerk>
 [[gnu::always_inline]] inline std::uint64_t end_ticks(BlockState& block, std::uint64_t lanes,
                                                       const TickTiming& timing) {

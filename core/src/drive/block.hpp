@@ -10,7 +10,8 @@
 
 namespace vdrive {
 
-// What a tick does for all lanes of a block at once. A set of lanes is a number: bit l = lane l.
+// Operations of a tick on all lanes of a block at the same time. A set of lanes is a number: bit l
+// = lane l.
 
 /// @return the lanes whose position is further from 0 than `kFrame`.
 [[nodiscard]] std::uint64_t lanes_out_of_frame(const DemandBlock& demand) noexcept;
@@ -19,17 +20,17 @@ namespace vdrive {
 [[nodiscard]] std::uint64_t lanes_across(const DemandBlock& demand,
                                          const TickTiming& timing) noexcept;
 
-/// Ends the tick of those `lanes` in which still nothing happens but the motion: the demand stays
-/// in its segment, the following error in its window, the axis out of the target window or, where
-/// it stands, in it.
-/// @return these lanes; of the others nothing is changed.
+/// Ends the tick of those `lanes` in which nothing but the motion goes on: the demand stays within
+/// its segment, the following error within its window, and the axis outside the target window or,
+/// if it was standing in it, inside.
+/// @return these lanes; the other lanes are unchanged.
 std::uint64_t end_steady_tick(BlockState& block, std::uint64_t lanes,
                               const TickTiming& timing) noexcept;
 
-/// Ends the tick of `lanes` without power: their demand rests where the load is.
+/// Ends the tick of `lanes` without power: their demand follows the position of the load.
 void rest_at_load(DemandBlock& demand, const ServoState& servo, std::uint64_t lanes) noexcept;
 
-/// Members of AxisStatus that are measured or planned, of a block.
+/// The measured or planned members of AxisStatus, for a block.
 struct alignas(64) NumberBlock {
   using Row = std::array<std::int32_t, kLanes>;
 
@@ -52,7 +53,7 @@ struct alignas(64) NumberBlock {
 /// Rounds the numbers of a block.
 void round_numbers(const BlockState& block, NumberBlock& numbers) noexcept;
 
-/// Puts the numbers of lane `l` into the status image.
+/// Copies the numbers of lane `l` into the status image.
 inline void show_numbers(const NumberBlock& numbers, std::size_t l, AxisStatus& out) noexcept {
   out.position_demand_value = numbers.position_demand_value[l];
   out.load_position_actual_value = numbers.load_position_actual_value[l];
