@@ -18,15 +18,15 @@ PowerState state_of(const Drive& drive) {
   return drive.state().power.machine.state();
 }
 
-/// What the power state machine does with `command` now.
+/// Runs the power state machine with `command`.
 void take_command(Drive& drive, PowerCommand command) {
   act(drive, drive.state().power.machine.command(command, power_options(drive),
                                                  reg(drive, "test_dc_link_loss"_object) == 0,
                                                  cause_present(drive)));
 }
 
-/// Goes as far towards Switched on as Enable operation leads now.
-/// @return whether the drive is there; elsewhere the command is an ordinary one.
+/// Goes as far towards Switched on as Enable operation may lead now.
+/// @return whether the drive gets there; if not, the command is handled as usual.
 bool switches_on(Drive& drive) {
   const bool is_disabled = state_of(drive) == PowerState::switch_on_disabled;
   if (is_disabled && drive.registers().settings.enable_from_switch_on_disabled) {
@@ -38,8 +38,8 @@ bool switches_on(Drive& drive) {
   return state_of(drive) == PowerState::switched_on;
 }
 
-/// 5E20h:07. Enable operation leads to Switched on, and from there by itself to Operation enabled.
-/// @return whether it does.
+/// 5E20h:07. Enable operation leads to Switched on and, after a time, to Operation enabled.
+/// @return whether it does so now.
 bool begins_power_on(Drive& drive) {
   if (!switches_on(drive)) return false;
   HabitWaits& waits = drive.registers().waits;
@@ -47,8 +47,8 @@ bool begins_power_on(Drive& drive) {
   return true;
 }
 
-/// 5E20h:09. A reset that is under way does not begin anew.
-/// @return whether the drive takes the reset later.
+/// 5E20h:09. A reset that is pending is not started again.
+/// @return whether the drive resets later.
 bool begins_reset(Drive& drive) {
   if (state_of(drive) != PowerState::fault) return false;
   HabitWaits& waits = drive.registers().waits;
@@ -56,7 +56,7 @@ bool begins_reset(Drive& drive) {
   return true;
 }
 
-/// @return whether a habit refuses `command`, or carries it out later.
+/// @return whether a habit refuses `command` or delays it.
 bool holds_back(Drive& drive, PowerCommand command) {
   const Habits& habits = drive.registers().habits;
   switch (command) {
@@ -68,7 +68,7 @@ bool holds_back(Drive& drive, PowerCommand command) {
     case PowerCommand::fault_reset:
       return habits.reset != 0 && begins_reset(drive);
     default:
-      drive.registers().waits.power_on = 0;  // another command takes Enable operation back
+      drive.registers().waits.power_on = 0;  // another command cancels Enable operation
       return false;
   }
 }
@@ -77,7 +77,7 @@ bool accepts(const Drive& drive) {
   return operation_enabled(drive) && drive.state().power.machine.pending() == PowerCommand::none;
 }
 
-/// What a controlword that the drive has seen does.
+/// Carries out a controlword that the drive has read.
 void obey(Drive& drive, std::uint16_t word) {
   DriveState& s = drive.state();
   const std::uint16_t previous = std::exchange(s.controlword, word);
@@ -90,22 +90,22 @@ void obey(Drive& drive, std::uint16_t word) {
   s.attention = true;
 }
 
-/// @return whether `next`, written over a word that nobody has looked at, hides an edge of bit 4.
+/// @return whether `next`, written over a word that was never read, hides an edge of bit 4.
 bool hides_edge(std::uint16_t in_force, std::uint16_t waiting, std::uint16_t next) {
   const unsigned came_and_went = waiting & ~unsigned{in_force} & ~unsigned{next};
   const unsigned went_and_came = in_force & ~unsigned{waiting} & unsigned{next};
   return ((came_and_went | went_and_came) & Controlword::kNewSetPoint) != 0;
 }
 
-/// The word that nobody has looked at, if there is one.
+/// Carries out the word that has not been read yet, if there is one.
 void obey_waiting(Drive& drive) {
   HabitWaits& waits = drive.registers().waits;
   if (!std::exchange(waits.has_word, false)) return;
   obey(drive, waits.word);
 }
 
-/// 5E20h:06. Only the last word before a look counts; an edge that no look shows is counted as one
-/// that was not accepted, so that a test sees the loss.
+/// 5E20h:06. Only the last word before a read counts. An edge that no read sees is counted as one
+/// that was not accepted, so that a test notices the loss.
 void leave_for_look(Drive& drive, std::uint16_t word) {
   DriveState& s = drive.state();
   HabitWaits& waits = drive.registers().waits;
@@ -116,8 +116,7 @@ void leave_for_look(Drive& drive, std::uint16_t word) {
   s.attention = true;
 }
 
-/// @return whether the drive looks at 6040h in this tick. Where the habit has been switched off it
-///         does at once.
+/// @return whether the drive reads 6040h in this tick; always once the habit is off.
 bool looks(Drive& drive) {
   const std::uint32_t loop = drive.registers().habits.loop;
   HabitWaits& waits = drive.registers().waits;
@@ -140,7 +139,7 @@ void write_controlword(Drive& drive, std::uint16_t word) {
   if (drive.registers().habits.loop != 0) {
     leave_for_look(drive, word);
   } else {
-    obey_waiting(drive);  // from before the habit was switched off
+    obey_waiting(drive);  // written before the habit was switched off
     obey(drive, word);
   }
 }
@@ -149,17 +148,17 @@ void begin_held_back(Drive& drive) {
   HabitWaits& waits = drive.registers().waits;
   if (looks(drive)) obey_waiting(drive);
   if (state_of(drive) != PowerState::switched_on) {
-    waits.power_on = 0;  // a fault, or the voltage went
+    waits.power_on = 0;  // a fault, or the voltage is gone
   } else if (has_ended(waits.power_on) && !lacks_mode(drive)) {
     take_command(drive, PowerCommand::enable_operation);
   }
-  static_cast<void>(has_ended(waits.mode));  // follow_mode asks for it
+  static_cast<void>(has_ended(waits.mode));  // follow_mode reads the counter
 }
 
 void end_held_back(Drive& drive) {
   HabitWaits& waits = drive.registers().waits;
   if (has_ended(waits.reset)) {
-    // Whether a cause persists is seen behind the reset, not before it.
+    // Whether a cause persists is checked after the reset, not before it.
     act(drive, drive.state().power.machine.command(PowerCommand::fault_reset, power_options(drive),
                                                    true, false));
   }

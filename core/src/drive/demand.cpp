@@ -15,7 +15,7 @@ namespace {
 
 using Kind = MotionRequest::Kind;
 
-/// @return what `ask` says of the plan in force.
+/// @return the result of `ask` for the plan in force.
 template <typename Ask>
 auto of_plan(const Drive& drive, Ask ask) {
   const DriveRegisters& r = drive.registers();
@@ -40,7 +40,7 @@ JerkSegment plan_segment_at(const Drive& drive, double time) {
   });
 }
 
-/// What the end of a profile means for the target.
+/// Updates the target state at the end of a profile.
 void finish_motion(Drive& drive) {
   DriveState& s = drive.state();
   const DriveRegisters& r = drive.registers();
@@ -55,7 +55,7 @@ void finish_motion(Drive& drive) {
   }
 }
 
-/// The demand at `time` of the segment in force.
+/// Sets the demand at `time` of the segment in force.
 void go_along(Drive& drive, double time) {
   DemandBlock& demand = drive.demand();
   const std::size_t l = drive.lane();
@@ -65,7 +65,7 @@ void go_along(Drive& drive, double time) {
   demand.velocity[l] = now.velocity;
 }
 
-/// The tick ends in another segment, or behind the profile.
+/// The tick ends in another segment or after the end of the profile.
 void enter_segment(Drive& drive, double time) {
   if (time >= plan_duration(drive)) {
     rest_at(drive, plan_end(drive));
@@ -75,7 +75,7 @@ void enter_segment(Drive& drive, double time) {
   go_along(drive, time);
 }
 
-/// The profile at the end of the tick.
+/// Advances the profile to the end of the tick.
 void move_along(Drive& drive) {
   DemandBlock& demand = drive.demand();
   const std::size_t l = drive.lane();
@@ -88,7 +88,7 @@ void move_along(Drive& drive) {
   }
 }
 
-/// Another loop becomes the outermost one: it starts from what the axis does.
+/// Makes another loop the outermost one, starting from the present motion of the axis.
 void switch_control(Drive& drive, ControlLoop control) {
   DriveState& s = drive.state();
   if (control == s.demand.control) return;
@@ -100,7 +100,7 @@ void switch_control(Drive& drive, ControlLoop control) {
   }
   if (control == ControlLoop::torque) {
     s.demand.torque = commanded_torque(drive);
-    drive.registers().torque_offset = 0.0;  // the integrator follows the command from now on
+    drive.registers().torque_offset = 0.0;  // from now on the integrator follows the command
     rest_at(drive, servo.load_reading[l]);
   }
   s.demand.control = control;
@@ -109,8 +109,8 @@ void switch_control(Drive& drive, ControlLoop control) {
   drive.registers().request = {};
 }
 
-/// A torque beside what the loops command shifts the integrator of the velocity loop. Command and
-/// integrator change as if it were added behind the loop, and the servo step has nothing to add.
+/// Shifts the integrator of the velocity loop by an additional torque. Command and integrator
+/// change as if the torque were added after the loop, and the servo step has nothing to add.
 void feed_torque(Drive& drive, double torque) {
   DriveRegisters& r = drive.registers();
   if (torque == 0.0 && r.torque_offset == 0.0) return;
@@ -120,7 +120,8 @@ void feed_torque(Drive& drive, double torque) {
   r.torque_offset = wanted;
 }
 
-/// A new torque ramps from what is commanded: where a limit cuts the ramp off, not from its end.
+/// A new torque ramps from the commanded torque: if a limit cuts the ramp off, not from the end of
+/// the ramp.
 void start_ramp(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
   const double commanded = commanded_torque(drive);
@@ -128,7 +129,7 @@ void start_ramp(Drive& drive, const MotionRequest& request) {
   if (std::abs(s.demand.torque) > std::abs(commanded) + step) s.demand.torque = commanded;
 }
 
-/// One tick from the torque demand by `change`, the same step in each sub-step.
+/// One tick from the torque demand by `change`, in equal sub-steps.
 void step_torque(Drive& drive, double change) {
   const std::size_t l = drive.lane();
   const double unit = drive.block().units.torque_per_mille[l];
@@ -136,7 +137,7 @@ void step_torque(Drive& drive, double change) {
   drive.servo().torque_step[l] = change / unit / drive.timing().substeps;
 }
 
-/// One tick of the torque's ramp.
+/// One tick of the torque ramp.
 void ramp_torque(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
   const double most = request.limits.acceleration * drive.timing().period_us * 1.0e-6;
@@ -147,8 +148,8 @@ void ramp_torque(Drive& drive, const MotionRequest& request) {
   s.demand.moving = change != 0.0;
 }
 
-/// One tick straight to the streamed position, as far as the speed limit allows. A velocity beside
-/// it is the same to the position loop as a position that lies further on; 6062h does not show it.
+/// One tick straight to the streamed position, within the speed limit. To the position loop, a
+/// velocity offset is the same as a position further on; 6062h does not show it.
 void follow_target(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
   const double period = drive.timing().period_us * 1.0e-6;
@@ -168,7 +169,7 @@ void follow_target(Drive& drive, const MotionRequest& request) {
   s.target.position = step == distance ? request.target : start + step;
 }
 
-/// One tick to the streamed velocity, within the speed limit, with a constant acceleration.
+/// One tick to the streamed velocity, within the speed limit, at constant acceleration.
 void follow_velocity(Drive& drive, const MotionRequest& request) {
   const double most = request.limits.velocity;
   const double start = demand_velocity(drive);
@@ -219,7 +220,7 @@ Profile planned(const Drive& drive, const MotionRequest& request) {
   }
 }
 
-/// @return whether the motion needs a plan with jerk. A synchronous move has its times of its own.
+/// @return whether the motion needs a plan with jerk. A synchronous move has times of its own.
 bool needs_jerk(const MotionRequest& request) {
   return request.kind == Kind::synchronous_move ? request.times.jerk > 0.0
                                                 : is_limited(request.jerk);

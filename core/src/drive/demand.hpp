@@ -7,18 +7,20 @@
 
 namespace vdrive {
 
-// Demand generator of an axis: plans what is requested, and goes along the plan. It knows requests,
-// not operating modes.
+// Demand generator of an axis: plans the requested motion and follows the plan. It knows motion
+// requests but no operating modes.
 
-/// Plans anew when `request` differs from the one in force; the same request changes no bit.
+/// Plans again when `request` differs from the one in force; the same request changes nothing.
 void plan(Drive& drive, const MotionRequest& request);
 
-/// For a tick that crosses segments: puts the one that holds at `substep` into the lane. The tick
-/// ends with `advance_demand`, which needs the end of the segment of before: it stays.
-/// @return the sub-step up to which the segment holds, at most the count of the tick.
+/// In a tick that crosses segments, loads the segment valid at `substep` into the lane. The end
+/// time of the previous segment stays in place because `advance_demand`, which ends the tick, needs
+/// it.
+/// @return the sub-step up to which the segment is valid, at most the number of sub-steps.
 std::size_t cross_segments(Drive& drive, std::size_t substep);
 
-/// Goes to the end of the tick; what the end of a profile means for the target.
+/// Advances the demand to the end of the tick and, at the end of a profile, updates the target
+/// state.
 void advance_demand(Drive& drive);
 
 }  // namespace vdrive

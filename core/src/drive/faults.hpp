@@ -9,17 +9,17 @@
 
 namespace vdrive {
 
-// Faults of an axis: which causes are present, what was entered. Their reaction is the power
-// stage's part.
+// Faults of an axis: the causes present and the fault entered. The power stage implements the
+// reaction.
 
-/// A cause of a fault that is a level: an input of the test bench.
+/// A fault cause that is a level: an input of the test bench.
 struct FaultCause {
   std::uint8_t bit;  // in FaultState::causes
   ObjectRow input;
   ErrorCode code;
 };
 
-/// The DC link is lost: a fault only where the motor is powered.
+/// Loss of the DC link: a fault only if the motor is powered.
 inline constexpr std::uint8_t kDcLinkCause = 1U << 3U;
 
 /// In the order in which they are checked.
@@ -36,8 +36,8 @@ inline constexpr std::array<FaultCause, 4> kFaultCauses = [] {
 /// The motor has become too hot (I2t), a cause without an input.
 inline constexpr std::uint8_t kLoadLevelCause = 1U << 4U;
 
-/// Heat of the motor over that which the rated current 6075h makes for ever: above the first one
-/// the drive warns, from the second one on it is a fault.
+/// Motor heat relative to the steady state at rated current 6075h: above the first value the drive
+/// warns, from the second one on it has a fault.
 inline constexpr double kWarningHeat = 1.0;
 inline constexpr double kFaultHeat = 1.1;
 
@@ -51,7 +51,7 @@ bool note_heat(Drive& drive, double heat);
 /// Enters a fault into 603Fh, 1001h and 1003h.
 void enter_fault(Drive& drive, ErrorCode code);
 
-/// The fault reset: 603Fh and 1001h show none any more.
+/// Fault reset: clears 603Fh and 1001h.
 void clear_fault(Drive& drive);
 
 /// Empties 1003h.

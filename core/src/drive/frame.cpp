@@ -14,17 +14,17 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRange = 4294967296.0;  // of a 32-bit position register
 
-/// Turns of the register that lie between `position` and what the register shows of it.
+/// The multiple of the register range between `position` and the value that the register shows.
 double whole_turns(double position) {
   return kRange * floor_of(nearest(position) / kRange + 0.5);
 }
 
-/// Whole ranges 607Bh that lie between `position` and what is shown of it.
+/// The multiple of the range 607Bh between `position` and the value shown.
 double whole_ranges(const PositionRange& range, double position) {
   return range.span * floor_of((nearest(position) - range.lower) / range.span);
 }
 
-/// Of the demand at the end of the last tick [UU/s²].
+/// Acceleration of the demand at the end of the last tick [UU/s²].
 double demand_acceleration(const Drive& drive) {
   if (!drive.state().demand.moving) return 0.0;
   const JerkSegment segment = jerk_segment_of(drive.demand(), drive.lane());
@@ -118,7 +118,8 @@ std::int32_t shown_position(const Drive& drive, double position) {
 double shorter_way(const Drive& drive, double distance) {
   if (!is_modulo(drive)) return wrapped(distance);
   const double span = drive.registers().range.span;
-  // Backward, so that half a range, which is the end of the interval, is a positive way.
+  // Computed backward, so that exactly half a range, an end of the interval, gives the positive
+  // way.
   const double back = -distance;
   return -(back - span * floor_of(back / span + 0.5));
 }

@@ -15,8 +15,8 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// How far the axis stays behind its demand at a stop before that counts as one [UU]: an axis that
-/// starts under a load stands, too, and has torque.
+/// Following error [UU] from which a standing axis counts as being against a stop. An axis that
+/// starts under load also stands still and has torque.
 constexpr double kLagAtStop = kUserUnitsPerRevolution / 64.0;
 
 void go_on(Drive& drive, HomingStage stage) {
@@ -32,8 +32,8 @@ bool home_switch_changes(Drive& drive, bool active) {
   return changes;
 }
 
-/// An edge that the axis passes while it still brakes lies on the other side of the switch, or will
-/// be passed again: edges count once demand and axis go the way of their stage.
+/// An edge passed while the axis still brakes is on the other side of the switch, or will be passed
+/// again. So edges count only once both demand and axis move in the direction of their stage.
 bool goes_the_way(Drive& drive, double direction) {
   HomingRun& run = drive.registers().homing;
   run.turned = run.turned || (direction * demand_velocity(drive) > 0.0 &&
@@ -41,9 +41,9 @@ bool goes_the_way(Drive& drive, double direction) {
   return run.turned;
 }
 
-/// The search is on the home switch. Home is that edge where it lies on the way in the direction of
-/// the approach.
-/// @return whether it is.
+/// The search has reached the home switch. Home is this edge if the axis reaches it in the approach
+/// direction.
+/// @return whether it is home.
 bool find_home_switch(Drive& drive, bool edge) {
   const HomingMethodRow& method = homing_method_of(drive);
   const bool on_the_way = homing_direction(drive) == method.approach;
@@ -52,16 +52,16 @@ bool find_home_switch(Drive& drive, bool edge) {
   return false;
 }
 
-/// A limit switch ends a way, or turns the search round.
+/// A limit switch ends the search or reverses it.
 void meet_limit_switch(Drive& drive) {
   const bool searches = drive.state().modes.homing.stage == HomingStage::seek;
   const bool turns = searches && homing_method_of(drive).turns;
   go_on(drive, turns ? HomingStage::seek_back : HomingStage::failed);
 }
 
-/// A tick within 606Fh begins it. From then on the place counts, which may change by the way of
-/// that speed in 5E18h:02: the velocity of one tick is the difference of two readings, in which
-/// little noise is much.
+/// Standing starts with a tick within 606Fh. From then on the position counts: it may change by at
+/// most the distance covered at that speed in 5E18h:02. The velocity of a single tick is the
+/// difference of two readings and so too sensitive to noise.
 /// @return whether the axis stands.
 bool keeps_its_place(const Drive& drive) {
   constexpr double kSecondsAMillisecond = 1.0e-3;
@@ -72,12 +72,12 @@ bool keeps_its_place(const Drive& drive) {
   return std::abs(actual_position(drive) - run.pressed_at) <= way;
 }
 
-/// @return whether the axis stands against something in `direction`.
+/// @return whether the axis pushes against something in `direction`.
 bool presses_on_stop(const Drive& drive, double direction) {
   const std::size_t l = drive.lane();
   const double torque = drive.servo().torque[l] * drive.block().units.torque_per_mille[l];
-  // A torque that a limit cuts off never comes to a threshold above it; and it nears the limit
-  // without ever having it: 6077h is rounded, too.
+  // The torque limit may be below the threshold. The torque only approaches the limit; the
+  // tolerance of 0.5 also covers the rounding of 6077h.
   const double wanted =
       within_torque_limits(drive, direction * real(drive, "homing_stop_torque"_object));
   const double lag = demand_position(drive) - actual_position(drive);
@@ -185,7 +185,7 @@ bool meets_hard_stop(Drive& drive) {
   if (run.pressing == 0) run.pressed_at = actual_position(drive);
   count_ticks(presses, run.pressing);
   drive.state().modes.homing.stage = presses ? HomingStage::press : HomingStage::push;
-  // The first tick starts the time: it has lasted n ticks with the n + 1st.
+  // The first tick starts the time: n ticks have passed at tick n + 1.
   return run.pressing > ticks_of_ms(drive, reg(drive, "homing_stop_time"_object));
 }
 

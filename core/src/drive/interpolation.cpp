@@ -18,7 +18,7 @@ using namespace vdrive::literals;
 
 constexpr std::int64_t kLowestTimeIndex = -6;  // of 60C2h:02
 
-/// [us] by 60C2h:02, from the lowest one to 0.
+/// [us] by 60C2h:02, from its lowest value to 0.
 constexpr std::array<std::int64_t, 7> kInterpolationUnits{1,      10,      100,      1'000,
                                                           10'000, 100'000, 1'000'000};
 
@@ -27,26 +27,26 @@ static_assert(kObjectRows["interpolation_time_index"_object].lower_limit == kLow
                   static_cast<std::int64_t>(kInterpolationUnits.size()) == 1 - kLowestTimeIndex,
               "each value of 60C2h:02 has its unit");
 
-/// @return 60C2h in ticks; 0 and 1 both mean the present tick.
+/// @return 60C2h in ticks; both 0 and 1 mean the present tick.
 std::uint32_t interpolation_ticks(const Drive& drive) {
-  // In a snapshot of a file a register may have any value.
+  // A snapshot read from a file may hold any register value.
   const std::int64_t index =
       std::clamp<std::int64_t>(reg(drive, "interpolation_time_index"_object), kLowestTimeIndex, 0);
   const std::int64_t unit = kInterpolationUnits[static_cast<std::size_t>(index - kLowestTimeIndex)];
   return ticks_of_us(drive, unit * unsigned_reg(drive, "interpolation_time_period"_object));
 }
 
-/// @return how many set-points in a row have not come: one is due 60C2h after the last.
+/// @return the number of successive missing set-points; one is due 60C2h after the previous.
 std::uint32_t missing_set_points(const Drive& drive) {
   const Interpolation& way = drive.registers().interpolation;
   return way.silent_ticks / std::max<std::uint32_t>(way.period, 1);
 }
 
-/// What becomes of a position demand while no set-point comes.
+/// The position demand while set-points are missing.
 enum class Gap : std::uint8_t {
   none,          // it stays on the last set-point
-  extrapolated,  // it goes on at its velocity
-  ended,         // it stays where the extrapolation has ended
+  extrapolated,  // it continues at its velocity
+  ended,         // it stays at the end of the extrapolation
 };
 
 Gap gap_of(const Drive& drive) {
@@ -56,7 +56,7 @@ Gap gap_of(const Drive& drive) {
   return missing <= most ? Gap::extrapolated : Gap::ended;
 }
 
-/// The position demand that goes on at its velocity, up to 607Dh.
+/// The position demand continued at its velocity, limited by 607Dh.
 double extrapolated_position(const Drive& drive) {
   const double period = drive.timing().period_us * 1.0e-6;
   const double next = demand_position(drive) + demand_velocity(drive) * period;
@@ -97,7 +97,7 @@ void end_stream(Drive& drive) {
 bool take_set_point(Drive& drive, std::int32_t set_point) {
   StreamState& stream = drive.state().modes.stream;
   Interpolation& way = drive.registers().interpolation;
-  // An extrapolated demand has left the last set-point, which may come again.
+  // An extrapolated demand has left the last set-point, and the same one may be written again.
   const bool comes_back = stream.written && gap_of(drive) != Gap::none;
   if (stream.stage == StreamStage::begins || comes_back || set_point != way.set_point) {
     const std::uint32_t ticks = interpolation_ticks(drive);

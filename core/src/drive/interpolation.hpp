@@ -7,42 +7,42 @@
 
 namespace vdrive {
 
-// Set-points that a master streams (607Ah, 60FFh, 6071h, 60C1h:01): when one counts, the way to it
-// over 60C2h, and what becomes of the demand while none comes (5E12h). The modes 7 to 10 share it.
+// Set-points streamed by a master (607Ah, 60FFh, 6071h, 60C1h:01): when one counts, the
+// interpolation over 60C2h, and the demand while none arrive (5E12h). Shared by modes 7 to 10.
 
-/// @return whether a set-point was written that counts.
+/// @return whether a set-point that counts has been written.
 [[nodiscard]] inline bool is_streaming(const Drive& drive) {
   return drive.state().modes.stream.stage != StreamStage::none;
 }
 
-/// Command: the set-point of the mode in force was written. It counts from its first write in
+/// Command: the set-point of the active mode was written. Set-points count from the first write in
 /// Operation enabled.
 void note_set_point(Drive& drive);
 
-/// Command: the set-points so far are forgotten, the next one that is written begins a stream.
+/// Command: forgets the set-points so far; the next one written starts a stream.
 void end_stream(Drive& drive);
 
-/// Command, once a tick of a stream, whatever was written before it and in which order: another
-/// set-point begins its way. The same one again is no other: a master that repeats it does not
-/// delay it. Raises fault 8700h where 5E12h:02 in a row have not come.
-/// @param set_point as it is in force, with its offset
-/// @return false where that fault was raised.
+/// Command, once per tick of a stream, whatever was written before it and in whatever order: starts
+/// the interpolation to a different set-point. Repeating the same set-point does not delay it.
+/// Raises fault 8700h if 5E12h:02 set-points in a row are missing.
+/// @param set_point the effective value, including its offset
+/// @return false if that fault was raised.
 [[nodiscard]] bool take_set_point(Drive& drive, std::int32_t set_point);
 
-/// Question: the demand at the end of this tick, on the way from the demand of now, `start`, to
-/// `target`. The way that is left is divided anew in each tick: no rounding adds up, and the last
-/// part is all of it.
+/// Question: the demand at the end of this tick, on the way from the present demand `start` to
+/// `target`. The remaining way is divided again in every tick, so rounding does not add up and the
+/// last part reaches the target.
 [[nodiscard]] double part_of_way(const Drive& drive, double start, double target);
 
-/// Question: the internal position [UU] that `set_point` means: within 607Dh, by the shorter way
-/// round the register, on a modulo axis round its range; with software limits between them.
+/// Question: the internal position [UU] for `set_point`: within 607Dh; by the shorter way round the
+/// register, or on a modulo axis round its range; with software limits, within them.
 [[nodiscard]] double streamed_position(const Drive& drive, std::int32_t set_point);
 
-/// Question: the part of this tick of the way to that position, within 607Fh and 6080h.
+/// Question: the motion in this tick towards that position, within 607Fh and 6080h.
 [[nodiscard]] MotionRequest follow_position(const Drive& drive, std::int32_t set_point);
 
-/// Question: whether the demand is at `set_point` or on its way there: neither a stop nor a limit
-/// keeps it away, and it is not extrapolated.
+/// Question: whether the demand is at `set_point` or on its way there, that is, neither stopped nor
+/// limited nor extrapolated.
 [[nodiscard]] bool follows_position(const Drive& drive, std::int32_t set_point);
 
 }  // namespace vdrive

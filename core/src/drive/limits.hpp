@@ -7,13 +7,13 @@
 
 namespace vdrive {
 
-// Limits of position and torque, limit switches. Questions only.
+// Limits of position and torque, and limit switches. Questions only.
 
-/// @return `target` [UU] within 607Dh where that is in force.
+/// @return `target` [UU], limited by 607Dh if that is in force.
 [[nodiscard]] double within_software_limits(const Drive& drive, double target);
 
-/// @return `torque` [‰ of rated] within 6072h, 60E0h and 60E1h: a ramp beyond what is ever
-///         commanded would have to come all the way back before it is felt.
+/// @return `torque` [‰ of rated], limited by 6072h, 60E0h and 60E1h. A ramp beyond these limits
+///         would first have to come all the way back before it has an effect.
 [[nodiscard]] double within_torque_limits(const Drive& drive, double torque);
 
 /// @return whether the limit switch in `direction` (not 0) is active.
@@ -22,16 +22,16 @@ namespace vdrive {
 /// @return whether a limit switch is active in the direction of `motion`, which may be 0.
 [[nodiscard]] bool runs_into_limit_switch(const Drive& drive, double motion);
 
-/// @return whether the axis itself runs into a limit switch; at or below 606Fh it stands. For modes
-///         that command no velocity.
+/// @return whether the axis itself is running into a limit switch; at or below 606Fh it counts as
+///         standing. For modes that do not command a velocity.
 [[nodiscard]] bool drifts_into_limit_switch(const Drive& drive);
 
-/// @return `limit_bits` of an axis that has limits or active inputs.
+/// @return `limit_bits` for an axis that has limits or active inputs.
 [[nodiscard]] std::uint16_t bits_at_limits(const Drive& drive, double internal_demand,
                                            double internal_actual);
 
-/// @return bit 11 of 6041h at or beyond a software limit or on a limit switch, bit 7 strictly
-///         beyond; from whole internal positions [UU].
+/// @return bit 11 of 6041h at or beyond a software limit or on a limit switch, and bit 7 strictly
+///         beyond a software limit, for whole internal positions [UU].
 [[nodiscard]] inline std::uint16_t limit_bits(const Drive& drive, double internal_demand,
                                               double internal_actual) {
   const LimitState& limits = drive.state().limits;

@@ -37,7 +37,7 @@ struct ModeRow {
   const Mode* mode;
 };
 
-// A new mode is a row here, and a row of kOperatingModes.
+// For a new mode, add a row here and in kOperatingModes.
 constexpr std::array kRows{
     ModeRow{OperatingMode::none, &kNoMode},
     ModeRow{OperatingMode::profile_position, &kProfilePosition},
@@ -62,7 +62,7 @@ consteval std::array<const Mode*, kModeNumbers> by_number() {
   return modes;
 }
 
-/// The stop with the normal ramp of the mode in force.
+/// The stop with the normal ramp of the active mode.
 MotionRequest normal_ramp_stop(const Drive& drive) {
   const Mode& mode = mode_of(drive);
   return mode.has_profile_type ? profile_stop(drive, mode.normal_ramp)
@@ -74,15 +74,15 @@ MotionRequest normal_stop(const Drive& drive) {
   return mode.normal_stop != nullptr ? mode.normal_stop(drive) : normal_ramp_stop(drive);
 }
 
-/// The normal stop where something is wrong: with limited jerk an axis that speeds up would get
-/// faster first.
+/// The normal stop as a reaction to a fault: without limited jerk, which would let an axis that is
+/// speeding up get faster first.
 MotionRequest urgent_normal_stop(const Drive& drive) {
   MotionRequest request = normal_stop(drive);
   request.jerk = {};
   return request;
 }
 
-/// The stop by the option codes 605Ah and 605Eh.
+/// The stop for option codes 605Ah and 605Eh.
 MotionRequest stop_of_mode(const Drive& drive, std::int64_t option) {
   constexpr std::int64_t kQuickRamp = 2;
   const Mode& mode = mode_of(drive);
@@ -91,8 +91,8 @@ MotionRequest stop_of_mode(const Drive& drive, std::int64_t option) {
              : stop_by_option(drive, option, urgent_normal_stop(drive));
 }
 
-/// The stop before a change of the mode: the next one begins at rest, so that a torque is not taken
-/// back but the axis is stopped.
+/// The stop before a change of mode. The next mode begins at rest, so the axis is stopped where the
+/// normal stop would only remove a torque.
 MotionRequest stop_before_change(const Drive& drive) {
   if (runs_into_limit_switch(drive, demand_velocity(drive))) {
     const Mode& mode = mode_of(drive);
@@ -109,7 +109,7 @@ MotionRequest request_in_operation(const Drive& drive) {
                                                          : mode_of(drive).ask(drive);
 }
 
-/// The motion of a powered axis.
+/// The requested motion of a powered axis.
 MotionRequest request_of_state(const Drive& drive) {
   switch (drive.state().power.machine.state()) {
     case PowerState::operation_enabled:
@@ -127,7 +127,7 @@ MotionRequest request_of_state(const Drive& drive) {
 
 }  // namespace
 
-// Only addresses, at compile time: constinit says so.
+// Only addresses, known at compile time, as constinit enforces.
 // NOLINTNEXTLINE(cppcoreguidelines-interfaces-global-init)
 constinit const std::array<const Mode*, kModeNumbers> kModes = by_number();
 

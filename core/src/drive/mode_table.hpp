@@ -10,25 +10,26 @@
 
 namespace vdrive {
 
-// The operating modes of the drive, and what asks for a motion before the mode in force does.
+// The operating modes of the drive, and the motion requests that take precedence over the active
+// mode.
 
 inline constexpr std::size_t kModeNumbers =
     static_cast<std::size_t>(kOperatingModes.back().mode) + 1;
 
-/// By the number of the mode; a number that no mode has is never in force.
+/// Indexed by mode number; numbers without a mode are never active.
 extern const std::array<const Mode*, kModeNumbers> kModes;
 
-/// @return the mode in force, 6061h.
+/// @return the active mode, 6061h.
 [[nodiscard]] inline const Mode& mode_of(const Drive& drive) {
   const auto number = static_cast<std::size_t>(drive.state().mode.actual);
   ensure(number < kModes.size(), "the mode in force has a row");
   return *kModes[number];
 }
 
-/// @return the motion that state, operating mode and controlword ask for now.
+/// @return the motion requested now by state, operating mode and controlword.
 [[nodiscard]] MotionRequest requested_motion(const Drive& drive);
 
-/// 6061h follows 6060h outside Operation enabled and at rest; a moving axis brakes first.
+/// Makes 6061h follow 6060h outside Operation enabled and at rest; a moving axis brakes first.
 void follow_mode(Drive& drive);
 
 }  // namespace vdrive

@@ -14,7 +14,7 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// 607Ah and 60B0h, added as registers are.
+/// 607Ah plus 60B0h, with the wrap-around of registers.
 std::int32_t set_point(const Drive& drive) {
   return static_cast<std::int32_t>(unsigned_reg(drive, "position_user_target_value"_object) +
                                    unsigned_reg(drive, "position_offset"_object));
@@ -24,18 +24,18 @@ void take_position(Drive& drive, ObjectRow row) {
   if (row == "position_user_target_value"_object) note_set_point(drive);
 }
 
-/// Bit 4 means nothing in this mode, but for a drive that waits for it.
+/// Bit 4 has no meaning in this mode, except for a drive that waits for it.
 void command(Drive& drive, const WrittenControlword& word) {
   if (!drive.registers().habits.gates_stream) ignore_edge(drive, word);
 }
 
-/// The next position that is written streams again.
+/// After a limit switch, the next written position starts a new stream.
 void advance(Drive& drive) {
   DriveState& s = drive.state();
   if (!obeys_mode(drive) || !is_streaming(drive)) return;
   s.target.given_up = false;
   if (holds_stream(drive)) {
-    s.modes.stream.stage = StreamStage::begins;  // the way begins anew once it is released
+    s.modes.stream.stage = StreamStage::begins;  // the interpolation starts again once released
     return;
   }
   if (!take_set_point(drive, set_point(drive))) return;
@@ -58,7 +58,7 @@ double torque_offset(const Drive& drive) {
   return real(drive, "torque_offset"_object);
 }
 
-/// Bit 12: the demand is the streamed position, or on its way there.
+/// Bit 12: the demand is at the streamed position or on its way there.
 std::uint16_t status_bits(const Drive& drive) {
   if (!follows_position(drive, set_point(drive))) return 0U;
   const bool stands =
@@ -67,7 +67,7 @@ std::uint16_t status_bits(const Drive& drive) {
                                     reached_when(shows_points(drive) && stands));
 }
 
-/// Each tick goes a piece of the way.
+/// Every tick covers a part of the way.
 bool evolves(const Drive& drive) {
   return drive.state().power.on;
 }

@@ -14,7 +14,7 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// A command that is further away from its demand is held back [‰ of rated].
+/// A command further than this from its demand counts as held back [‰ of rated].
 constexpr double kHeldBack = 0.5;
 
 /// 6071h and 60B2h.
@@ -27,8 +27,8 @@ void take_torque(Drive& drive, ObjectRow row) {
   if (row == "target_torque"_object) note_set_point(drive);
 }
 
-/// A torque leads where it points; without one the axis leads where it moves by itself. It goes on
-/// without a master: halt ends the stream, and what is written later streams again.
+/// The direction is that of the torque or, without torque, that in which the axis drifts. A torque
+/// continues without a master, so halt ends the stream; the next set-point starts a new one.
 void advance(Drive& drive) {
   if (!obeys_mode(drive) || !is_streaming(drive)) return;
   if (halted(drive)) {
@@ -42,13 +42,13 @@ void advance(Drive& drive) {
   if (heed_limit_switch(drive, drifts ? actual_velocity(drive) : torque)) end_stream(drive);
 }
 
-/// The torque that a way begins with: another loop hands over what it commands.
+/// The torque at which the interpolation starts: another loop hands over its command.
 double demand_torque(const Drive& drive) {
   const DemandState& demand = drive.state().demand;
   return demand.control == ControlLoop::torque ? demand.torque : commanded_torque(drive);
 }
 
-/// An axis that has no torque to take back yet is held.
+/// An axis that has no torque to remove yet is held in place.
 MotionRequest halt(const Drive& drive) {
   const std::int64_t option = reg(drive, "halt_option_code"_object);
   const bool has_torque = drive.state().demand.control == ControlLoop::torque;
@@ -56,7 +56,7 @@ MotionRequest halt(const Drive& drive) {
                                     : stop_by_option(drive, option, release_torque(drive));
 }
 
-/// A limit switch is stronger than halt.
+/// A limit switch takes precedence over halt.
 MotionRequest ask(const Drive& drive) {
   if (drive.state().target.given_up || drifts_into_limit_switch(drive)) {
     return limit_switch_stop(drive);
@@ -70,8 +70,8 @@ MotionRequest ask(const Drive& drive) {
           .limits = {.velocity = 0.0, .acceleration = 1.0, .deceleration = 1.0}};
 }
 
-/// Bit 12: the command is the streamed torque, or on its way there; neither a stop nor a limit
-/// keeps it away. The last sub-step of a tick commands one step less than its end.
+/// Bit 12: the command is at the streamed torque or on its way there, neither stopped nor limited.
+/// In the last sub-step of a tick the command is one step short of the end value.
 std::uint16_t status_bits(const Drive& drive) {
   const DriveState& s = drive.state();
   const std::size_t l = drive.lane();
@@ -82,7 +82,7 @@ std::uint16_t status_bits(const Drive& drive) {
   return follows ? Statusword::kFollowsCommand : 0U;
 }
 
-/// Each tick goes a piece of the way, and the speed may take the axis to a limit switch.
+/// Every tick covers a part of the way, and the axis may drift into a limit switch.
 bool evolves(const Drive& drive) {
   return drive.state().power.on;
 }

@@ -15,7 +15,7 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// 60FFh and 60B1h, up to the ends of the register that shows the demand.
+/// 60FFh plus 60B1h, saturated to the range of the register that shows the demand.
 std::int32_t set_point(const Drive& drive) {
   using Ends = std::numeric_limits<std::int32_t>;
   const std::int64_t sum =
@@ -27,8 +27,8 @@ void take_velocity(Drive& drive, ObjectRow row) {
   if (row == "target_velocity"_object) note_set_point(drive);
 }
 
-/// A velocity goes on without a master: halt ends the stream, and what is written later streams
-/// again.
+/// A velocity continues without a master, so halt ends the stream; the next set-point starts a new
+/// one.
 void advance(Drive& drive) {
   if (!obeys_mode(drive) || !is_streaming(drive)) return;
   if (halted(drive)) {
@@ -46,7 +46,7 @@ MotionRequest stop(const Drive& drive) {
                        : normal;
 }
 
-/// A limit switch is stronger than halt.
+/// A limit switch takes precedence over halt.
 MotionRequest ask(const Drive& drive) {
   if (drive.state().target.given_up || runs_into_limit_switch(drive, demand_velocity(drive))) {
     return limit_switch_stop(drive);
@@ -64,8 +64,8 @@ double torque_offset(const Drive& drive) {
   return real(drive, "torque_offset"_object);
 }
 
-/// Bit 12: the demand is the streamed velocity, or on its way there; neither a stop nor 607Fh keeps
-/// it away.
+/// Bit 12: the demand is at the streamed velocity or on its way there, neither stopped nor limited
+/// by 607Fh.
 std::uint16_t status_bits(const Drive& drive) {
   const DriveState& s = drive.state();
   const DriveRegisters& registers = drive.registers();
@@ -75,7 +75,7 @@ std::uint16_t status_bits(const Drive& drive) {
   return follows ? Statusword::kFollowsCommand : 0U;
 }
 
-/// Each tick goes a piece of the way.
+/// Every tick covers a part of the way.
 bool evolves(const Drive& drive) {
   return drive.state().power.on;
 }
