@@ -14,17 +14,18 @@
 namespace vdrive {
 namespace {
 
-/// The values of bits 6 and 7 of 60F2h.
+/// Values of bits 6 and 7 of 60F2h.
 enum class RotaryDirection : std::uint8_t { as_linear, negative, positive, shortest };
 
-/// Bits that an axis kept from before it lost its range mean nothing.
+/// The bits are ignored on an axis that no longer has a range.
 RotaryDirection direction_of(const Drive& drive, std::int64_t option) {
   if (!is_modulo(drive) || drive.state().limits.enabled) return RotaryDirection::as_linear;
   return static_cast<RotaryDirection>((option & PositioningOption::kDirectionBits) >>
                                       PositioningOption::kFirstDirectionBit);
 }
 
-/// Where the demand would come to rest, whole: a part of a unit is no reason for a turn.
+/// The position where the demand would come to rest, rounded: a fraction of a unit must not cause a
+/// turn.
 double place_of_rest(const Drive& drive, double deceleration) {
   const double velocity = demand_velocity(drive);
   if (const MotionJerk jerk = profile_jerk(drive); is_limited(jerk)) {
@@ -65,7 +66,7 @@ double target_on_range(const Drive& drive, double target, std::int64_t option,
     case RotaryDirection::negative:
       return target + span * floor_of(-ranges);
     default:
-      return target + span * floor_of(0.5 - ranges);  // of two equal ways the positive one
+      return target + span * floor_of(0.5 - ranges);  // if both ways are equal, the positive one
   }
 }
 

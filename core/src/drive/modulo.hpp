@@ -8,18 +8,19 @@
 
 namespace vdrive {
 
-// What the position range 607Bh means to a modulo axis.
+// Effect of the position range 607Bh on a modulo axis.
 
-/// Puts the positions of the axis into its range: 6062h and 6064h; with one encoder 3572h, which is
-/// 6064h then. With two 3572h counts on, and 3573h is what both show.
+/// Maps the positions of the axis into its range: 6062h, 6064h and, with one encoder, 3572h, which
+/// then equals 6064h. With two encoders 3572h keeps counting, and 3573h is the difference of the
+/// values shown.
 void fold_numbers(const Drive& drive, NumberBlock& numbers) noexcept;
 
-/// @param target absolute [UU], by 607Ah
-/// @param option 60F2h, as the set-point has latched it
+/// @param target absolute [UU], from 607Ah
+/// @param option 60F2h as latched by the set-point
 /// @param deceleration of the next stop [UU/s²]
-/// @return where the set-point leads, in the frame of the demand [UU]: by bits 6 and 7 of `option`,
-///         as seen from where the demand would come to rest; without them, and where software
-///         limits are in force, `target` itself.
+/// @return the internal target of the set-point in the frame of the demand [UU]: by bits 6 and 7 of
+///         `option`, relative to the position where the demand would come to rest; without these
+///         bits, or with software limits in force, `target` itself.
 [[nodiscard]] double target_on_range(const Drive& drive, double target, std::int64_t option,
                                      double deceleration);
 

@@ -37,12 +37,12 @@ void write_mode(Drive& drive, OperatingMode wanted) {
   s.plan_due = true;
 }
 
-/// The mode in force takes a target that is written; in every other one it waits in its register.
+/// Passes a written target to the active mode; for other modes it waits in its register.
 void take_target(Drive& drive, ObjectRow row) {
   if (const Mode& mode = mode_of(drive); mode.take_target != nullptr) mode.take_target(drive, row);
 }
 
-/// 5E11h: 6080h in the units of 6064h, as far as the object can show it.
+/// 5E11h: 6080h in the units of 6064h, limited to what the object can show.
 std::int64_t motor_speed_limit(const Drive& drive) {
   const double limit = velocity_of_motor(drive, real(drive, "motor_max_speed_rpm"_object));
   const auto highest = static_cast<double>(kObjectRows["motor_speed_limit"_object].upper_limit);

@@ -9,9 +9,9 @@
 
 namespace vdrive {
 
-// Writes and reads of objects, and what they mean to the axis.
+// Writes and reads of objects and their effect on the axis.
 
-/// What a write changes of the servo, whose parameters are the bank's.
+/// The part of the servo that a write affects; the bank owns its parameters.
 enum class ServoUpdate : std::uint8_t { none, torques, gear };
 
 struct WriteResult {
@@ -19,12 +19,11 @@ struct WriteResult {
   ServoUpdate servo = ServoUpdate::none;  ///< none when the write is refused
 };
 
-/// @return what `write_object` would answer now; see AxisBank::check.
+/// @return what `write_object` would return now; see AxisBank::check.
 [[nodiscard]] AbortCode check_object(const Drive& drive, ObjectRow row,
                                      std::int64_t value) noexcept;
 
-/// A write that the dictionary allows; see AxisBank::write. The one place that knows what a Change
-/// means.
+/// Writes an object; see AxisBank::write. This is the only place that interprets Change.
 WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexcept;
 
 [[nodiscard]] std::int64_t read_object(const Drive& drive, ObjectRow row, AbortCode& code) noexcept;

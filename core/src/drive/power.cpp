@@ -17,11 +17,11 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// A stop whose demand has ended waits for the axis to stand still, but not for ever: a load that
-/// is pushed from outside may never do so.
+/// Longest wait for standstill after the demand of a stop has ended. A load pushed from outside may
+/// never stand still.
 constexpr std::uint32_t kLongestStandstillWait_us = 1'000'000;
 
-/// Switches the power stage; without power the demand follows the actual position.
+/// Switches the power stage on or off. Without power the demand follows the actual position.
 void set_power(Drive& drive, bool powered) {
   drive.state().power.on = powered;
   drive.servo().powered[drive.lane()] = powered ? 1.0 : 0.0;
@@ -36,7 +36,7 @@ void set_power(Drive& drive, bool powered) {
   }
 }
 
-/// Takes control where the axis is, without set-points.
+/// Takes control of the axis at its present position, without set-points.
 void take_control(Drive& drive) {
   rebase(drive);
   rest_at(drive, actual_position(drive));
@@ -46,7 +46,7 @@ void take_control(Drive& drive) {
   seed_target(drive);
 }
 
-/// Transition 4: 607Fh and 6080h come into force, set-points are cleared.
+/// Transition 4: 607Fh and 6080h take effect, set-points are cleared.
 void enable(Drive& drive) {
   drive.registers().speed_limits = {
       .app_speed_limit = real(drive, "app_speed_limit"_object),
@@ -56,13 +56,13 @@ void enable(Drive& drive) {
   begin_operation(drive);
 }
 
-/// Transition 16: the interrupted move is forgotten; what still moves is brought to rest.
+/// Transition 16: the interrupted move is dropped; a motion still in progress is stopped.
 void re_enable(Drive& drive) {
   if (!drive.state().power.on) {  // 605Ah was 0 when the quick stop began: the axis coasts
     take_control(drive);
   } else if (drive.state().demand.moving) {
     drop_targets(drive);
-    // A mode change meanwhile may have taken the demand as the target.
+    // A mode change since then may have taken the demand as the target.
     drive.state().target.arrived = false;
     drive.state().window.dwell = 0;
   } else {
@@ -75,9 +75,9 @@ bool has_power_to_lose(PowerState state) {
          state == PowerState::fault_reaction_active;
 }
 
-/// Raises the fault of a cause that is present. A lost DC link is a fault only where the motor is
-/// powered; elsewhere the axis falls back. A cause that went for a reset and came back before the
-/// tick is a new fault.
+/// Raises the fault of a cause that is present. Loss of the DC link is a fault only if the motor is
+/// powered; otherwise the axis falls back. If a cause was cleared for a reset and returned before
+/// the tick, that is a new fault.
 void heed_cause(Drive& drive, std::uint8_t bit, ErrorCode code) {
   const DriveState& s = drive.state();
   const bool known = (s.faults.causes & bit) != 0 && is_fault(s.power.machine.state());
@@ -85,14 +85,14 @@ void heed_cause(Drive& drive, std::uint8_t bit, ErrorCode code) {
   if (!known && !harmless) raise_fault(drive, code);
 }
 
-/// @return whether there is a motion to end, or a torque to take back: one that presses against a
-///         load moves nothing.
+/// @return whether there is a motion to end or a torque to remove. A torque that presses against a
+///         load causes no motion.
 bool has_demand(const Drive& drive) {
   const DemandState& demand = drive.state().demand;
   return demand.moving || (demand.control == ControlLoop::torque && demand.torque != 0.0);
 }
 
-/// Counts the present tick of a stop. @return whether the axis stands, and the state may end.
+/// Counts the present tick of a stop. @return whether the axis stands and the state may end.
 bool stop_has_ended(Drive& drive) {
   DriveState& s = drive.state();
   const DriveRegisters& r = drive.registers();
@@ -152,7 +152,7 @@ void raise_fault(Drive& drive, ErrorCode code) {
   s.faults.coasting = s.faults.coasting || forces_coasting(code);
   act(drive, s.power.machine.fault_detected());
   if (s.faults.coasting && s.power.on) {
-    set_power(drive, false);  // a braking fault reaction that can brake no more
+    set_power(drive, false);  // the axis was braking but can brake no longer
   }
 }
 
@@ -187,7 +187,7 @@ void complete_stops(Drive& drive) {
 void power_up(Drive& drive, bool initialise) noexcept {
   DriveRegisters& r = drive.registers();
   for (std::size_t row = 0; row < kObjectCount; ++row) {
-    // The test bench is not the drive: what it does to the axis outlasts a power cycle.
+    // Inputs of the test bench are not part of the drive, so they outlast a power cycle.
     const ObjectDescription& object = kObjectRows[row];
     if (object.role != Role::test_input) r.values[row] = object.default_value;
   }

@@ -6,11 +6,11 @@
 
 namespace vdrive {
 
-/// What the touch probes keep between two looks at the inputs. What they have latched stands in the
+/// State of the touch probes between two evaluations of the inputs. The latched values are in the
 /// registers.
 struct TouchProbeState {
-  double motor_reading = 0.0;  // encoder 1 at the last look [UU]
-  std::uint8_t inputs = 0;     // that were active at the last look
+  double motor_reading = 0.0;  // encoder 1 at the last evaluation [UU]
+  std::uint8_t inputs = 0;     // active inputs at the last evaluation
   std::array<std::uint8_t, 7> unused{};
 };
 

@@ -41,9 +41,9 @@ void update_limits(Drive& drive) {
   limits.inputs = active_inputs(drive);
 }
 
-/// Where the switches see the axis: its exact position in the units of 6064h, counted from where
-/// 6064h was 0 when the bank began. They stand at the load, with one encoder, too: its positions
-/// are those of the motor that turn the load so far.
+/// The position that the switches see: the exact position in the units of 6064h, relative to where
+/// 6064h was 0 when the bank started. The switches are at the load, even with one encoder, whose
+/// positions are then those of the motor that correspond to the load.
 double machine_position(const Drive& drive) {
   const ServoState& servo = drive.servo();
   const DriveRegisters& r = drive.registers();
@@ -53,8 +53,8 @@ double machine_position(const Drive& drive) {
              : servo.load_position[l] - r.origins.load;
 }
 
-/// A modulo axis comes to the place of its home switch in each turn of its range.
-/// @return whether the home switch has a place, and is active at `position`.
+/// On a modulo axis the home switch recurs in every turn of the range.
+/// @return whether the home switch has a position and is active at `position`.
 bool is_on_home_switch(const Drive& drive, double position) {
   const double begin = real(drive, "test_switch_home"_object);
   const double length = real(drive, "test_switch_home_length"_object);
@@ -64,7 +64,7 @@ bool is_on_home_switch(const Drive& drive, double position) {
   return length != 0.0 && place >= begin && place <= begin + length;
 }
 
-/// @return the bits of 60FDh of the switches with a place.
+/// @return the bits of 60FDh of the switches that have a position.
 unsigned switches_at(const Drive& drive, double position) {
   const TypeRange none = range_of(DataType::integer32);
   const std::int64_t negative = reg(drive, "test_switch_negative_limit"_object);
@@ -75,8 +75,8 @@ unsigned switches_at(const Drive& drive, double position) {
          (is_on_home_switch(drive, position) ? kHomeInput : 0U);
 }
 
-/// 607Bh makes a modulo axis of one whose limits are in order. The whole range of the register is
-/// the one that every axis has.
+/// Limits 607Bh in the right order make the axis a modulo axis. The full range of the register
+/// counts as no range.
 void update_range(Drive& drive) {
   const std::int64_t lower = reg(drive, "min_position_range_limit"_object);
   const std::int64_t upper = reg(drive, "max_position_range_limit"_object);

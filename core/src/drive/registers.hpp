@@ -11,7 +11,7 @@
 
 namespace vdrive {
 
-// Registers and readings of an axis, in the form in which the drive asks for them.
+// Registers and readings of an axis in the form that the drive uses.
 
 inline constexpr std::uint32_t kSaturatedCount = std::numeric_limits<std::uint32_t>::max();
 inline constexpr std::uint32_t kWindowOff = std::numeric_limits<std::uint32_t>::max();
@@ -34,7 +34,7 @@ inline constexpr std::uint8_t kHomeInput = 1U << 2U;
   return static_cast<double>(reg(drive, row));
 }
 
-/// @return the ticks that a time [us] lasts, rounded up.
+/// @return a time [us] in ticks, rounded up.
 [[nodiscard]] inline std::uint32_t ticks_of_us(const Drive& drive, std::int64_t microseconds) {
   const std::int64_t period = drive.timing().period_us;
   return static_cast<std::uint32_t>((microseconds + period - 1) / period);
@@ -49,7 +49,7 @@ inline constexpr std::uint8_t kHomeInput = 1U << 2U;
   return drive.demand().position[drive.lane()];
 }
 
-/// @return the same's velocity [UU/s], not rounded.
+/// @return the velocity of the demand [UU/s], not rounded.
 [[nodiscard]] inline double demand_velocity(const Drive& drive) {
   return drive.demand().velocity[drive.lane()];
 }
@@ -64,7 +64,7 @@ inline constexpr std::uint8_t kHomeInput = 1U << 2U;
   return drive.servo().load_speed[drive.lane()];
 }
 
-/// @return the torque that is commanded [‰ of rated].
+/// @return the commanded torque [‰ of rated].
 [[nodiscard]] inline double commanded_torque(const Drive& drive) {
   return drive.servo().command[drive.lane()] * drive.block().units.torque_per_mille[drive.lane()];
 }
@@ -77,15 +77,15 @@ inline constexpr std::uint8_t kHomeInput = 1U << 2U;
   return (drive.state().controlword & Controlword::kHalt) != 0;
 }
 
-/// @return whether the readings are shown as they were when 5E0Ch became 1.
+/// @return whether the readings are frozen at their values when 5E0Ch became 1.
 [[nodiscard]] inline bool shows_frozen_feedback(const Drive& drive) {
   return (drive.block().frozen >> drive.lane() & 1U) != 0;
 }
 
-/// Puts registers into the form in which the tick uses them; after they were written.
+/// Converts registers to the form that the tick uses, after they were written.
 void update_derived(Drive& drive) noexcept;
 
-/// @return the velocity of 6064h [UU/s] at which the motor turns at `rpm`, not rounded.
+/// @return the velocity of 6064h [UU/s] at a motor speed of `rpm`, not rounded.
 [[nodiscard]] inline double velocity_of_motor(const Drive& drive, double rpm) noexcept {
   const DriveRegisters& registers = drive.registers();
   return velocity_of_motor(
@@ -93,17 +93,17 @@ void update_derived(Drive& drive) noexcept;
       registers.gear_ratio);
 }
 
-/// Applies the speed limits in force with the gear in force; after either has changed.
+/// Applies the present speed limits with the present gear, after either has changed.
 void update_velocity_cap(Drive& drive) noexcept;
 
-/// @return bits of 60FDh: the inputs that the test bench sets (5E06h to 5E08h), and the switches
-///         with a place (5E21h) that the axis is on, by its exact position.
+/// @return bits of 60FDh: the inputs set by the test bench (5E06h to 5E08h), and the switches with
+///         a position (5E21h) that are active at the exact position of the axis.
 [[nodiscard]] std::uint8_t active_inputs(const Drive& drive) noexcept;
 
-/// Index pulse of encoder 1, once a revolution of the motor, on the way from one reading to another
-/// [UU in the motor's frame]. One on which the motor stood does not count.
+/// Finds an index pulse of encoder 1, which comes once per motor revolution, between two readings
+/// [UU in the frame of the motor]. A pulse on which the motor stood does not count.
 /// @param direction +1 or -1
-/// @return the place of the first pulse that is passed in `direction`, or nothing.
+/// @return the position of the first pulse passed in `direction`, or nothing.
 [[nodiscard]] std::optional<double> index_pulse_passed(const Drive& drive, double direction,
                                                        double before, double now) noexcept;
 

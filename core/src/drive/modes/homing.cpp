@@ -18,13 +18,13 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// @return true from the start of a run to its end, the way back to home included.
+/// @return whether a run is in progress, including the way back to home.
 bool runs(HomingStage stage) {
   return stage != HomingStage::idle && stage != HomingStage::done && stage != HomingStage::failed;
 }
 
-/// The first index pulse that was passed in `direction` since the reading `before`.
-/// @return true and its place in the motor's frame [UU].
+/// Finds the first index pulse passed in `direction` since the reading `before`.
+/// @return whether there was one; `place` is its position in the frame of the motor [UU].
 bool passed_index(const Drive& drive, double direction, double before, double& place) {
   const auto pulse =
       index_pulse_passed(drive, direction, before, drive.servo().motor_reading[drive.lane()]);
@@ -32,14 +32,14 @@ bool passed_index(const Drive& drive, double direction, double before, double& p
   return pulse.has_value();
 }
 
-/// `home` [UU] becomes position 607Ch: the frame of all positions moves, the mechanics do not.
+/// Makes `home` [UU] position 607Ch: the frame of all positions moves, the mechanics do not.
 void attain(Drive& drive, double home) {
   DriveState& s = drive.state();
   DriveRegisters& r = drive.registers();
   const double offset = real(drive, "home_offset"_object);
   const double shift = home - offset;
   shift_frame(drive, {.motor = shift, .load = shift, .reading = shift});
-  r.request = {};  // the plan was made in the frame of before
+  r.request = {};  // the plan was made in the old frame
   s.target.position = offset;
   s.target.arrived = false;
   s.modes.homing.stage = HomingStage::back;
@@ -65,7 +65,7 @@ void seek_index(Drive& drive, double before, bool index_input_rose) {
   }
 }
 
-/// The switch or the stop of the method is behind the axis: home is there, or the next index pulse.
+/// The axis has passed the switch or stop of the method. Home is there or at the next index pulse.
 void pass_mark(Drive& drive) {
   if (homing_method_of(drive).index) {
     drive.state().modes.homing.stage = HomingStage::index;
@@ -75,7 +75,7 @@ void pass_mark(Drive& drive) {
 }
 
 /// Rising edge of bit 4: starts a run by 6098h.
-/// @return false when a run is under way, which ignores the edge.
+/// @return false when a run is already in progress; the edge is then ignored.
 bool start(Drive& drive) {
   DriveState& s = drive.state();
   DriveRegisters& r = drive.registers();
@@ -101,7 +101,7 @@ bool start(Drive& drive) {
   return true;
 }
 
-/// Ends a run that is under way; what one has found or not found before stays.
+/// Ends a run in progress; the result of an earlier run stays.
 void interrupt(Drive& drive) {
   DriveState& s = drive.state();
   if (runs(s.modes.homing.stage)) {
@@ -110,7 +110,8 @@ void interrupt(Drive& drive) {
   }
 }
 
-/// Halt has ended. Its stop has put the target where it came to rest: the way back leads to home.
+/// Halt has ended. Its stop has set the target to where it came to rest, but the way back leads to
+/// home.
 void continue_run(Drive& drive) {
   DriveState& s = drive.state();
   if (s.modes.homing.stage != HomingStage::back) return;
@@ -118,8 +119,8 @@ void continue_run(Drive& drive) {
   s.target.arrived = false;
 }
 
-/// Bit 4 starts a homing run. Bit 8 stops it; the run continues when bit 8 falls while bit 4 is
-/// still 1.
+/// Bit 4 starts a homing run. Bit 8 stops it; the run continues if bit 8 returns to 0 while bit 4
+/// is still 1.
 void command(Drive& drive, const WrittenControlword& word) {
   DriveState& s = drive.state();
   const bool wanted = (s.controlword & Controlword::kStartHoming) != 0;
@@ -138,15 +139,15 @@ void command(Drive& drive, const WrittenControlword& word) {
   }
 }
 
-/// Home is where the axis rests.
+/// Home is the position where the axis rests.
 void take_present_position(Drive& drive) {
   if (drive.state().demand.moving) return;
   attain(drive, demand_position(drive));
-  rest_at(drive, drive.state().target.position);  // 6099h may be 0: nothing may be left to travel
+  rest_at(drive, drive.state().target.position);  // 6099h may be 0: leave no distance to travel
 }
 
-/// One tick of a run that has not been ended.
-/// @param before reading of encoder 1 in the tick before [UU]
+/// One tick of a run in progress.
+/// @param before reading of encoder 1 in the previous tick [UU]
 /// @param index_input_rose whether 5E09h has become 1
 void follow_stage(Drive& drive, double before, bool index_input_rose) {
   HomingState& homing = drive.state().modes.homing;
@@ -178,12 +179,12 @@ void follow_stage(Drive& drive, double before, bool index_input_rose) {
   }
 }
 
-/// Checks switches, index pulse, torque and position of the last tick; may continue with the next
+/// Evaluates switches, index pulse, torque and position of the last tick, and may go on to the next
 /// stage.
 void advance(Drive& drive) {
   DriveState& s = drive.state();
   if (s.target.fresh || !runs(s.modes.homing.stage)) {
-    return;  // the status shows the start before anything is found
+    return;  // the status must show the start before anything is found
   }
   if (s.power.machine.pending() != PowerCommand::none) {
     interrupt(drive);
@@ -202,7 +203,7 @@ MotionRequest normal_stop(const Drive& drive) {
   return ramp_stop(drive, "homing_acceleration"_object);
 }
 
-/// To and fro at 6099h with 609Ah; the way back to home is a move.
+/// Searches at 6099h with 609Ah; the way back to home is a move.
 MotionRequest travel(const Drive& drive) {
   const bool searches = searches_at_speed(drive.state().modes.homing.stage);
   const double speed =
@@ -251,13 +252,13 @@ void watch(Drive& drive) {
   }
 }
 
-/// Bits 10, 12 and 13. Under halt a run is shown as an interrupted one, also on its way back: an
-/// axis that stands there has not reached its home.
+/// Bits 10, 12 and 13. Under halt a run is shown as interrupted, even on its way back: the axis has
+/// not reached home.
 std::uint16_t status_bits(const Drive& drive) {
   const HomingStage stage = drive.state().modes.homing.stage;
   switch (halted(drive) && runs(stage) ? HomingStage::idle : stage) {
     case HomingStage::idle:
-      // A load that is pushed does not look like a run.
+      // A load pushed from outside must not look like a run.
       return reached_when(!drive.state().demand.moving);
     case HomingStage::failed:
       return static_cast<std::uint16_t>(reached_when(at_rest(drive)) | Statusword::kHomingError);
@@ -270,7 +271,7 @@ std::uint16_t status_bits(const Drive& drive) {
   }
 }
 
-/// Readings take a run from stage to stage.
+/// Readings advance a run from stage to stage.
 bool evolves(const Drive& drive) {
   return runs(drive.state().modes.homing.stage);
 }

@@ -22,31 +22,32 @@ static_assert(kObjectRows["interpolation_buffer_maximum_size"_object].default_va
                       static_cast<std::int64_t>(kRecordBufferSize),
               "60C4h shows the buffer that the drive has");
 
-/// Bit 4 asks for an interpolation, and no stop by command is stronger.
+/// Bit 4 requests interpolation and no stop command takes precedence.
 bool interpolates(const Drive& drive) {
   return obeys_mode(drive) && !halted(drive) &&
          (drive.state().controlword & Controlword::kEnableInterpolation) != 0;
 }
 
-/// 60C4h:02 = 1: no record waits for another one, each begins its way at once, as in mode 8.
+/// With 60C4h:02 = 1 records do not queue: each one starts its interpolation immediately, as in
+/// mode 8.
 bool has_buffer(const Drive& drive) {
   return reg(drive, "interpolation_buffer_size"_object) > 1;
 }
 
-/// Whatever a snapshot of a file says.
+/// Limited, because a snapshot read from a file may hold any count.
 std::size_t waiting_records(const Drive& drive) {
   return std::min<std::size_t>(drive.registers().record_buffer.count, kRecordBufferSize);
 }
 
-/// @return whether a record may be added: 60C4h:06 has opened the buffer, and it is not full.
+/// @return whether a record may be added: 60C4h:06 has enabled the buffer and it is not full.
 bool has_room(const Drive& drive) {
   const std::size_t size = std::min<std::size_t>(
       unsigned_reg(drive, "interpolation_buffer_size"_object), kRecordBufferSize);
   return reg(drive, "interpolation_buffer_clear"_object) != 0 && waiting_records(drive) < size;
 }
 
-/// Records are taken in Operation enabled, also while bit 4 is 0. Without a buffer a record that no
-/// tick has taken is replaced by the next one.
+/// Records are accepted in Operation enabled, even while bit 4 is 0. Without a buffer, the next
+/// record replaces one that no tick has taken yet.
 void take_record(Drive& drive, ObjectRow row) {
   if (row != "interpolation_data_record"_object || !operation_enabled(drive)) return;
   const bool buffers = has_buffer(drive);
@@ -61,8 +62,8 @@ void take_record(Drive& drive, ObjectRow row) {
   buffer.count = static_cast<std::uint8_t>(count + 1U);
 }
 
-/// The first record of the buffer begins its way where the last one has ended. Without a buffer it
-/// begins at once, and the same record again is no other.
+/// The first record of the buffer starts when the previous one has ended. Without a buffer it
+/// starts immediately, and the same record again is ignored.
 void pull_record(Drive& drive) {
   StreamState& stream = drive.state().modes.stream;
   RecordBuffer& buffer = drive.registers().record_buffer;
@@ -80,16 +81,16 @@ void pull_record(Drive& drive) {
   stream.stage = StreamStage::begins;
 }
 
-/// @return the record that the demand goes to.
+/// @return the record that the demand is going to.
 std::int32_t present_record(const Drive& drive) {
   return drive.registers().interpolation.set_point;
 }
 
-/// Bit 4 is a level, which each tick reads.
+/// Bit 4 is a level that each tick reads.
 void command(Drive& /*drive*/, const WrittenControlword& /*word*/) {}
 
-/// A record moves the axis once: the way that the end of the interpolation has interrupted is
-/// forgotten, and what no tick has taken yet waits.
+/// A record moves the axis only once: when interpolation ends, the rest of the interrupted way is
+/// dropped, while records that no tick has taken yet stay in the buffer.
 void advance(Drive& drive) {
   DriveState& s = drive.state();
   if (!interpolates(drive)) {
@@ -107,12 +108,12 @@ void advance(Drive& drive) {
   }
 }
 
-/// @return whether a limit switch stops the axis, or has ended the last record.
+/// @return whether a limit switch stops the axis or has cancelled the last record.
 bool is_stopped_by_switch(const Drive& drive) {
   return drive.state().target.given_up || runs_into_limit_switch(drive, demand_velocity(drive));
 }
 
-/// A limit switch is stronger than halt.
+/// A limit switch takes precedence over halt.
 MotionRequest ask(const Drive& drive) {
   if (is_stopped_by_switch(drive)) return limit_switch_stop(drive);
   const MotionRequest normal = ramp_stop(drive, "profile_dec"_object);
@@ -123,12 +124,12 @@ MotionRequest ask(const Drive& drive) {
                                                     : normal;
 }
 
-/// 6067h and 6068h around the last record.
+/// 6067h and 6068h apply to the last record.
 void watch(Drive& drive) {
   watch_target_window(drive);
 }
 
-/// @return whether the axis is where the last record says, and none waits.
+/// @return whether the axis is at the last record and no other record is waiting.
 bool is_at_last_record(const Drive& drive) {
   const DriveState& s = drive.state();
   const bool has_way = is_streaming(drive) && drive.registers().interpolation.ticks_left != 0;
@@ -137,7 +138,7 @@ bool is_at_last_record(const Drive& drive) {
          (window.position == kWindowOff || window.dwell > window.position_ticks);
 }
 
-/// Bit 10: the last record is reached, under halt standstill; bit 12: interpolation active.
+/// Bit 10: the last record is reached, or under halt, standstill; bit 12: interpolation active.
 std::uint16_t status_bits(const Drive& drive) {
   const bool reached = halted(drive) ? at_rest(drive) : is_at_last_record(drive);
   const bool is_active = interpolates(drive) && !is_stopped_by_switch(drive);
@@ -145,7 +146,7 @@ std::uint16_t status_bits(const Drive& drive) {
                                     (is_active ? Statusword::kInterpolationActive : 0U));
 }
 
-/// Each tick goes a piece of the way.
+/// Every tick covers a part of the way.
 bool evolves(const Drive& drive) {
   return drive.state().power.on;
 }

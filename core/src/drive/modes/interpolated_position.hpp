@@ -5,8 +5,8 @@
 
 namespace vdrive {
 
-/// Interpolated position (6061h = 7): records of 60C1h:01, one in each 60C2h, with straight lines
-/// between them; 60C4h buffers them.
+/// Interpolated position (6061h = 7): records of 60C1h:01, one every 60C2h, joined by straight
+/// lines and buffered in 60C4h.
 extern const Mode kInterpolatedPosition;
 
 }  // namespace vdrive

@@ -19,7 +19,7 @@ namespace {
 using namespace vdrive::literals;
 using Kind = MotionRequest::Kind;
 
-/// What an edge of bit 4 latches now.
+/// The set-point that an edge of bit 4 would latch now.
 SetPoint candidate(const Drive& drive) {
   return {.position_user_target_value =
               static_cast<std::int32_t>(reg(drive, "position_user_target_value"_object)),
@@ -37,7 +37,7 @@ SetPoint candidate(const Drive& drive) {
           .relative = (drive.state().controlword & Controlword::kRelative) != 0};
 }
 
-/// What a relative set-point with this 60F2h counts from: bits 0 and 1, whatever the direction.
+/// The origin of a relative set-point with this 60F2h: bits 0 and 1, independent of the direction.
 double relative_base(const Drive& drive, std::int64_t option) {
   switch (option & PositioningOption::kRelativeBits) {
     case 0:
@@ -49,7 +49,7 @@ double relative_base(const Drive& drive, std::int64_t option) {
   }
 }
 
-/// The internal target of `set_point`. The sign of a relative one is its direction, also on a
+/// The internal target of `set_point`. The sign of a relative one is its direction, even on a
 /// modulo axis.
 double target_of(const Drive& drive, const SetPoint& set_point) {
   const auto value = static_cast<double>(set_point.position_user_target_value);
@@ -73,23 +73,23 @@ bool is_synchronous(const SetPoint& set_point) {
   return set_point.synchronous_move_duration != 0;
 }
 
-/// @return whether the times of `set_point` are those of its own way, and not of another one.
+/// @return whether the times of `set_point` apply to its own way rather than to a reference way.
 bool is_timed(const SetPoint& set_point) {
   return is_synchronous(set_point) && set_point.synchronous_move_reference_way == 0;
 }
 
-/// A master knows the end of a motion by 6062h and 606Bh only: there the last half unit of a
-/// profile is over, also where its last part of a microsecond, or a rounding of its time, is left.
-/// @return whether the demand rests, or shows its arrival.
+/// A master sees the end of a motion only in 6062h and 606Bh. They no longer show the last half
+/// unit of a profile, where a fraction of a microsecond or a rounded time may remain.
+/// @return whether the demand is at rest or already shown as arrived.
 bool shows_rest(const Drive& drive) {
   const DriveState& s = drive.state();
   return !s.demand.moving || (s.target.given && nearest(demand_velocity(drive)) == 0.0 &&
                               nearest(demand_position(drive)) == nearest(s.target.position));
 }
 
-/// @return whether the times of a synchronous move (5E10h) leave it room: from rest where they are
-///         its own, with time to accelerate and to decelerate, and for the jerk at both ends of
-///         these.
+/// @return whether a synchronous move (5E10h) is possible in its times: from rest if they are for
+///         its own way, with time to accelerate and decelerate and, within each of these, time for
+///         the jerk at both ends.
 bool times_fit(const Drive& drive, const SetPoint& set_point) {
   const MoveTimes times = times_of(set_point);
   const bool from_here = !is_timed(set_point) || shows_rest(drive);
@@ -98,8 +98,8 @@ bool times_fit(const Drive& drive, const SetPoint& set_point) {
          2.0 * times.jerk <= std::min(times.acceleration, times.deceleration);
 }
 
-/// An absolute target counts from the frame that the set-point will start in: a synchronous move
-/// that is judged by its own way has to be in that frame before it can be judged.
+/// An absolute target refers to the frame in which the set-point will start, so a synchronous move
+/// with times for its own way must be in that frame before it can be checked.
 void enter_frame(Drive& drive, const SetPoint& set_point) {
   if (is_timed(set_point) && times_fit(drive, set_point)) {
     rebase(drive);
@@ -107,15 +107,15 @@ void enter_frame(Drive& drive, const SetPoint& set_point) {
   }
 }
 
-/// @return the way [UU] that the times of a synchronous move to `target` are of, without a sign
-///         where it is a reference way.
+/// @return the way [UU] to which the times of a synchronous move to `target` apply; unsigned for a
+///         reference way.
 double way_of_times(const Drive& drive, const SetPoint& set_point, double target) {
   return is_timed(set_point) ? target - demand_position(drive)
                              : set_point.synchronous_move_reference_way;
 }
 
-/// @return whether `set_point` may start now, in the frame of `enter_frame`: a synchronous move
-///         only within 607Fh, 6080h, 60C5h and 60C6h.
+/// @return whether `set_point` may start now, in the frame of `enter_frame`. A synchronous move
+///         must be within 607Fh, 6080h, 60C5h and 60C6h.
 bool can_start(const Drive& drive, const SetPoint& set_point) {
   if (!is_synchronous(set_point)) return true;
   if (!times_fit(drive, set_point)) return false;
@@ -126,7 +126,7 @@ bool can_start(const Drive& drive, const SetPoint& set_point) {
          limits.deceleration <= std::max(real(drive, "app_dec_limit"_object), 1.0);
 }
 
-/// Makes `set_point` the active one; the plan follows with the next tick.
+/// Makes `set_point` the active one; it is planned in the next tick.
 void start(Drive& drive, const SetPoint& set_point) {
   DriveState& s = drive.state();
   DriveRegisters& r = drive.registers();
@@ -142,10 +142,10 @@ void start(Drive& drive, const SetPoint& set_point) {
     r.set_point.limits =
         limits_of(way_of_times(drive, set_point, s.target.position), r.set_point.times);
     if (r.set_point.limits.deceleration == 0.0) {
-      r.set_point.limits.deceleration = 1.0;  // no way: a halt plans its stop all the same
+      r.set_point.limits.deceleration = 1.0;  // no way to go: a halt still plans its stop
     }
   }
-  // The profile's start was rebased too: the request must not compare equal to one of before.
+  // The start of the profile was rebased too: the request must not compare equal to an earlier one.
   r.request = {};
   s.modes.position.active = true;
   s.window.dwell = 0;
@@ -159,7 +159,7 @@ void command(Drive& drive, const WrittenControlword& word) {
   const SetPoint latched = candidate(drive);
   const bool accepting =
       word.accepting && (!halted(drive) || drive.registers().settings.acknowledge_while_halted);
-  // What waits for its turn is judged when it comes: its start is not known before.
+  // A buffered set-point is checked when its turn comes, because its start is not known before.
   const bool waits = set_points.active && (s.controlword & Controlword::kChangeSetImmediately) == 0;
   if (accepting && !waits) enter_frame(drive, latched);
   const bool startable = accepting && (waits || can_start(drive, latched));
@@ -182,13 +182,13 @@ void command(Drive& drive, const WrittenControlword& word) {
   }
 }
 
-/// A target on the far side of a limit switch is given up: bit 10 stays 0 until a new set-point;
-/// one on the near side is approached after the stop.
+/// A target beyond a limit switch is given up: bit 10 stays 0 until a new set-point. A target
+/// before it is approached after the stop.
 void advance(Drive& drive) {
   DriveState& s = drive.state();
   const double ahead = s.target.given ? s.target.position - demand_position(drive) : 0.0;
   if (!heed_limit_switch(drive, ahead)) return;
-  // A master waits for bit 12 before it drops bit 4.
+  // Keep bit 12: a master waits for it before it clears bit 4.
   s.modes.position.queue.drop_buffered(s.controlword);
   s.modes.position.active = false;
   s.target.given = false;
@@ -198,16 +198,16 @@ MotionRequest normal_stop(const Drive& drive) {
   return profile_stop(drive, "profile_dec"_object);
 }
 
-/// Of the ramps that follow from the times of a synchronous move.
+/// Jerk of the ramps that follow from the times of a synchronous move.
 MotionJerk synchronous_jerk(const Drive& drive) {
   const ActiveSetPoint& set_point = drive.registers().set_point;
   return jerk_of(set_point.limits, set_point.times);
 }
 
-/// From rest the plan of the common times; after a halt what is left, with the same ramps and the
-/// same peak, so that axes which halt and continue together stay on their line. With a reference
-/// way the same from any state: plans of axes whose states, ways and limits have one proportion
-/// have it, too.
+/// From rest, the plan has the common times. After a halt the remaining way is planned with the
+/// same ramps and the same peak velocity, so that axes which halt and continue together stay on
+/// their line. With a reference way this holds from any state: if the states, ways and limits of
+/// several axes are in one proportion, so are their plans.
 MotionRequest synchronous_move(const Drive& drive) {
   const DriveRegisters& r = drive.registers();
   const TargetState& target = drive.state().target;
@@ -228,7 +228,7 @@ MotionRequest halt(const Drive& drive, bool synchronous) {
   return request;
 }
 
-/// A limit switch stops what runs into it.
+/// A limit switch stops motion into it.
 MotionRequest ask(const Drive& drive) {
   const DriveState& s = drive.state();
   const DriveRegisters& r = drive.registers();
@@ -245,13 +245,13 @@ MotionRequest ask(const Drive& drive) {
           .jerk = profile_jerk(drive)};
 }
 
-/// 6067h and 6068h around the target.
+/// 6067h and 6068h apply to the target.
 void watch(Drive& drive) {
   watch_target_window(drive);
 }
 
-/// The buffered set-point starts when the active one is reached: the status of the same tick shows
-/// it, so that a master sees no gap between them.
+/// Starts the buffered set-point when the active one is reached. The status of the same tick shows
+/// it, so a master sees no gap between them.
 void take_next(Drive& drive) {
   DriveState& s = drive.state();
   if (halted(drive) || !on_target(drive)) return;
@@ -266,7 +266,7 @@ void take_next(Drive& drive) {
   }
 }
 
-/// Bit 10: the target is reached, under halt standstill; bit 12: the acknowledge.
+/// Bit 10: the target is reached, or under halt, standstill; bit 12: the acknowledge.
 std::uint16_t status_bits(const Drive& drive) {
   const SetPointState& set_points = drive.state().modes.position;
   const bool acknowledged = set_points.queue.acknowledge() || set_points.greets;

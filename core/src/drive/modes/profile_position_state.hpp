@@ -8,11 +8,11 @@
 
 namespace vdrive {
 
-/// Profile position: the set-points that were accepted.
+/// Profile position: the accepted set-points.
 struct SetPointState {
   SetPointQueue queue;
-  bool active = false;  // the active set-point is not reached yet
-  bool greets = false;  // bit 12 is shown since transition 4, until a set-point is taken
+  bool active = false;  // the active set-point has not been reached yet
+  bool greets = false;  // bit 12 is shown from transition 4 until a set-point is taken
   std::array<std::uint8_t, 2> unused{};
 };
 

@@ -13,19 +13,19 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// A new torque replaces what a limit switch has given up.
+/// A new torque replaces the target given up at a limit switch.
 void take_torque(Drive& drive, ObjectRow row) {
   if (row == "target_torque"_object) drive.state().target.given_up = false;
 }
 
-/// A torque leads where it points; without one the axis leads where it moves by itself.
+/// The direction is that of the torque or, without torque, that in which the axis drifts.
 void advance(Drive& drive) {
   const double target = real(drive, "target_torque"_object);
   const bool drifts = target == 0.0 && drifts_into_limit_switch(drive);
   heed_limit_switch(drive, drifts ? actual_velocity(drive) : target);
 }
 
-/// A limit switch is stronger than halt.
+/// A limit switch takes precedence over halt.
 MotionRequest ask(const Drive& drive) {
   if (drive.state().target.given_up || drifts_into_limit_switch(drive)) {
     return limit_switch_stop(drive);
@@ -36,7 +36,7 @@ MotionRequest ask(const Drive& drive) {
   return torque_to(drive, within_torque_limits(drive, real(drive, "target_torque"_object)));
 }
 
-/// Bit 10: the torque command has arrived at 6071h; neither a limit nor a stop keeps it away.
+/// Bit 10: the torque command has reached 6071h, neither limited nor stopped.
 std::uint16_t status_bits(const Drive& drive) {
   if (halted(drive)) return reached_when(at_rest(drive));
   const DemandState& demand = drive.state().demand;
@@ -44,7 +44,7 @@ std::uint16_t status_bits(const Drive& drive) {
                       nearest(commanded_torque(drive)) == real(drive, "target_torque"_object));
 }
 
-/// The ramp continues with each tick, and the speed may take the axis to a limit switch.
+/// Every tick continues the ramp, and the axis may drift into a limit switch.
 bool evolves(const Drive& drive) {
   return drive.state().power.on;
 }

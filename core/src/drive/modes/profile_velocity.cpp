@@ -15,7 +15,7 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// A new velocity replaces what a limit switch has given up.
+/// A new velocity replaces the target given up at a limit switch.
 void take_velocity(Drive& drive, ObjectRow row) {
   if (row == "target_velocity"_object) drive.state().target.given_up = false;
 }
@@ -47,7 +47,7 @@ MotionRequest ask(const Drive& drive) {
   return request;
 }
 
-/// 606Dh and 606Eh around the target, 606Fh and 6070h around standstill.
+/// 606Dh and 606Eh apply to the target, 606Fh and 6070h to standstill.
 void watch(Drive& drive) {
   WindowState& window = drive.state().window;
   const double speed = nearest(actual_velocity(drive));
@@ -56,7 +56,7 @@ void watch(Drive& drive) {
   count_ticks(std::abs(speed) <= window.threshold, window.standstill);
 }
 
-/// Bit 10: the velocity is reached, under halt zero; bit 12: the axis stands.
+/// Bit 10: the velocity is reached, or under halt, zero; bit 12: the axis stands.
 std::uint16_t status_bits(const Drive& drive) {
   const WindowState& window = drive.state().window;
   const bool reached = halted(drive) ? at_rest(drive) : window.dwell > window.velocity_ticks;

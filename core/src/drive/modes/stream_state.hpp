@@ -5,17 +5,17 @@
 
 namespace vdrive {
 
-/// Whether set-points are streamed.
+/// State of the stream of set-points.
 enum class StreamStage : std::uint8_t {
-  none,    // the set-point was not written since the mode is in force
-  begins,  // it was; no tick has taken it yet
+  none,    // the set-point has not been written since the mode became active
+  begins,  // it has been written, but no tick has taken it yet
   runs,
 };
 
 /// Cyclic modes and interpolated position: the stream of set-points.
 struct StreamState {
   StreamStage stage = StreamStage::none;
-  bool written = false;  // a set-point, since a tick last took one
+  bool written = false;  // whether a set-point was written since a tick last took one
 };
 
 }  // namespace vdrive

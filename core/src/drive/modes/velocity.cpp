@@ -20,13 +20,13 @@ bool commands(const Drive& drive, std::uint16_t bit) {
   return (drive.state().controlword & bit) != 0;
 }
 
-/// Input of the ramp [UU/s]: 6042h, or with bit 6 = 0 zero.
+/// Input of the ramp [UU/s]: 6042h, or 0 if bit 6 = 0.
 double ramp_input(const Drive& drive) {
   return commands(drive, Controlword::kReferenceRamp) ? limited_vl_target(drive) : 0.0;
 }
 
-/// Where the ramp leads [UU/s]. With bit 5 = 0 its output stays as it is, which for a velocity that
-/// does not change is the demand of the last tick; with bit 4 = 0 the axis is stopped.
+/// End value of the ramp [UU/s]. With bit 5 = 0 its output is held, which is the demand of the last
+/// tick; with bit 4 = 0 the axis is stopped.
 double destination(const Drive& drive) {
   if (drive.state().target.given_up || halted(drive) ||
       !commands(drive, Controlword::kEnableRamp)) {
@@ -35,7 +35,7 @@ double destination(const Drive& drive) {
   return commands(drive, Controlword::kUnlockRamp) ? ramp_input(drive) : demand_velocity(drive);
 }
 
-/// [UU/s²]; a limit switch is stronger than halt, and halt than bits 4 to 6.
+/// [UU/s²]; a limit switch takes precedence over halt, and halt over bits 4 to 6.
 double deceleration(const Drive& drive) {
   if (drive.state().target.given_up || runs_into_limit_switch(drive, demand_velocity(drive))) {
     return vl_quick_stop_deceleration(drive);
@@ -50,10 +50,10 @@ double deceleration(const Drive& drive) {
                                                    : vl_quick_stop_deceleration(drive);
 }
 
-/// Bits 4 to 6 are levels, which `ask` reads: an edge of them is nothing to count.
+/// Bits 4 to 6 are levels that `ask` reads, so their edges are not counted.
 void command(Drive& /*drive*/, const WrittenControlword& /*word*/) {}
 
-/// A new velocity replaces what a limit switch has given up.
+/// A new velocity replaces the target given up at a limit switch.
 void take_velocity(Drive& drive, ObjectRow row) {
   if (row == "vl_target_velocity"_object) drive.state().target.given_up = false;
 }
@@ -79,14 +79,14 @@ MotionRequest quick_stop(const Drive& drive) {
   return stop_with(vl_quick_stop_deceleration(drive));
 }
 
-/// 606Dh and 606Eh around the input of the ramp.
+/// 606Dh and 606Eh apply to the input of the ramp.
 void watch(Drive& drive) {
   WindowState& window = drive.state().window;
   const double error = nearest(actual_velocity(drive)) - nearest(ramp_input(drive));
   count_ticks(std::abs(error) <= window.velocity, window.dwell);
 }
 
-/// Bit 10: the input of the ramp is reached, under halt standstill; bit 11: a limit of the speed
+/// Bit 10: the input of the ramp is reached, or under halt, standstill; bit 11: a speed limit
 /// changes 6042h.
 std::uint16_t status_bits(const Drive& drive) {
   const WindowState& window = drive.state().window;
