@@ -5,10 +5,10 @@
 #include <cstddef>
 
 // Hot loops are plain loops over the lanes of a block, which the compiler vectorises for each
-// instruction set. They use + - * / and comparisons only, no contraction and no sum across lanes:
-// the same bits for every width.
+// instruction set. To give the same bits for every width they use only + - * / and comparisons, no
+// contraction and no sum across lanes.
 
-// Sanitizer runtimes are not ready when the loader resolves the clones.
+// Sanitizer runtimes are not ready yet when the loader resolves the clones.
 #if defined(__x86_64__) && !defined(VDRIVE_NO_TARGET_CLONES)
 #define VDRIVE_VECTOR_CLONES \
   __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
@@ -26,7 +26,7 @@
 
 namespace vdrive {
 
-/// Axes that are computed side by side.
+/// Number of axes computed together.
 inline constexpr std::size_t kLanes = 8;
 
 /// One double per axis of a block.

@@ -23,7 +23,7 @@ using namespace literals;
 
 constexpr double kLongestSubstep = 125.0e-6;  // [s]
 
-// A movement that is slower than this goes to rest, it does not ring [Hz].
+// A slower oscillation counts as settling to rest, not as ringing [Hz].
 constexpr double kLowestRinging = 0.05;
 
 // An amplitude is down to 2 % after four time constants.
@@ -32,13 +32,13 @@ constexpr double kTimeConstants = 4.0;
 using Row = Eigen::RowVectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// What the loops of lane 0 make of the states of a sub-step, as `control` of the kernel.
+/// Output of the loops of lane 0 for the states of a sub-step, like `control` in the kernel.
 struct LoopOutput {
   Row error;    ///< of the velocity loop
   Row command;  ///< torque
 };
 
-/// The last three states: motor position, integrator, motor position one sub-step before.
+/// The last three states are motor position, integrator, and motor position one sub-step earlier.
 LoopOutput control_of(const LoopParameters& loop, const Row& measured, double substep) {
   const Eigen::Index motor = measured.size() - 3;
   LoopOutput control;
@@ -60,7 +60,7 @@ void set_last_rows(const LoopParameters& loop, const LoopOutput& control, const 
   step(motor + 2, motor) = 1.0;
 }
 
-/// One sub-step of loops and plant: velocity, torque, then the last three.
+/// One sub-step of loops and plant. States: velocity, torque, then the last three.
 Matrix step_of(const RigidParameters& p, double substep) {
   enum : Eigen::Index { velocity, torque, motor, integrator, before, count };
 
@@ -84,7 +84,7 @@ Matrix step_of(const RigidParameters& p, double substep) {
   return step;
 }
 
-/// One sub-step of loops and plant: twist, velocities, torque, then the last three.
+/// One sub-step of loops and plant. States: twist, velocities, torque, then the last three.
 Matrix step_of(const ElasticParameters& p, double substep) {
   enum : Eigen::Index {
     twist,
@@ -176,7 +176,7 @@ LoopReport examine_loops(const AxisConfiguration& axis, std::chrono::microsecond
       1.0 + model.load_inertia * report.gear_ratio * report.gear_ratio / model.motor_inertia;
   report.torque_limit = std::min(limit("positive_torque_limit_relative"_object),
                                  limit("negative_torque_limit_relative"_object));
-  report.torque_needed =  // [UU/s²] as yet
+  report.torque_needed =  // still [UU/s²] here
       std::max(std::min(value("profile_acc"_object), value("app_acc_limit"_object)),
                std::min(value("profile_dec"_object), value("app_dec_limit"_object)));
   if (model.coupling == Coupling::rigid) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kHexBase = 16;
 
-/// No number with such an exponent is in reach of 64 bits, as long as its text may be.
+/// An exponent of this size is out of reach of 64 bits, however long the text is.
 constexpr std::int64_t kLargestExponent = std::int64_t{1} << 40U;
 
 bool is_digit(char c) noexcept {
@@ -43,7 +43,7 @@ std::size_t exponent_length(std::string_view text) noexcept {
 /// A decimal number without rounding: digits * 10^exponent.
 struct Decimal {
   bool is_negative = false;
-  std::string digits;  ///< neither the first nor the last one is 0; empty = 0
+  std::string digits;  ///< without leading or trailing zeros; empty = 0
   std::int64_t exponent = 0;
 };
 
@@ -92,15 +92,15 @@ std::string times(std::string_view digits, unsigned factor) {
   return product;
 }
 
-/// The amount of a decimal number, parted at its point.
+/// The absolute value of a decimal number, split at the decimal point.
 struct Parted {
-  std::optional<std::uint64_t> whole;  ///< nothing where 64 bits do not hold it
+  std::optional<std::uint64_t> whole;  ///< nothing if it does not fit in 64 bits
   bool has_fraction = false;
 };
 
 Parted parted(const Decimal& number) {
   const auto count = static_cast<std::int64_t>(number.digits.size());
-  const std::int64_t places = count + number.exponent;  // in front of the point
+  const std::int64_t places = count + number.exponent;  // before the point
   if (number.digits.empty()) return {.whole = 0};
   if (places > std::numeric_limits<std::uint64_t>::digits10 + 1) {
     return {.whole = std::nullopt, .has_fraction = number.exponent < 0};
@@ -163,7 +163,7 @@ IntegerReading read_integer(std::string_view text) {
   if (!parts.whole || *parts.whole > kLargest + (number.is_negative ? 1 : 0)) {
     return {.kind = IntegerKind::too_large};
   }
-  // Two's complement: the lowest number has no positive one.
+  // Two's complement: the lowest number has no positive counterpart.
   return {.kind = IntegerKind::whole,
           .value = static_cast<std::int64_t>(number.is_negative ? 0 - *parts.whole : *parts.whole)};
 }
@@ -178,7 +178,7 @@ std::optional<double> parse_number(std::string_view text) {
     const auto bits = parse_digits<std::uint64_t>(text.substr(2), kHexBase);
     return bits ? std::optional(static_cast<double>(*bits)) : std::nullopt;
   }
-  // from_chars takes "inf" and "nan", too.
+  // from_chars would accept "inf" and "nan" as well.
   if (decimal_length(text) != text.size()) return std::nullopt;
   double value = 0.0;
   const char* const end = text.data() + text.size();
@@ -199,7 +199,7 @@ std::optional<std::chrono::nanoseconds> parse_duration(std::string_view text) {
   if (!number.digits.empty()) {
     number.digits = times(number.digits, unit->factor);
     number.exponent += unit->exponent;
-    // A factor may bring zeros to the end: 0.5 min are 30 s.
+    // The factor may append zeros: 0.5 min is 30 s.
     const std::size_t last = number.digits.find_last_not_of('0');
     number.exponent += static_cast<std::int64_t>(number.digits.size() - 1 - last);
     number.digits.resize(last + 1);

@@ -20,11 +20,11 @@ constexpr double kSecondsAMinute = 60.0;
 constexpr std::string_view kUserUnitName = "UU";
 constexpr std::string_view kTurnsAMinute = "rpm";
 
-/// How a dimension is called and written.
+/// Name and notation of a dimension.
 struct DimensionWords {
   std::string_view name;
   std::string_view units;                   ///< the prefixes of ObjectDescription::units
-  std::array<std::string_view, 3> endings;  ///< behind the unit of a position; the first is shown
+  std::array<std::string_view, 3> endings;  ///< after the unit of a position; first one shown
   std::string_view example;
 };
 
@@ -46,7 +46,7 @@ const DimensionWords& words_of(Dimension dimension) {
                               ": write for example " + std::string(words.example));
 }
 
-/// A drive has no half of a user unit: it would do something else than was written.
+/// A drive has no half user unit: rounding silently would not do what was written.
 [[noreturn]] void refuse_fraction(std::string_view text, Dimension dimension) {
   throw std::invalid_argument(
       in_quotes(text) +
@@ -55,7 +55,7 @@ const DimensionWords& words_of(Dimension dimension) {
       std::string(words_of(dimension).example) + ", is rounded to them");
 }
 
-/// @return the unit of the position behind the number.
+/// @return the unit of the position, which follows the number.
 std::string unit_of(std::string_view suffix, std::string_view text, Dimension dimension) {
   suffix.remove_prefix(std::min(suffix.find_first_not_of(' '), suffix.size()));
   if (suffix.empty()) return std::string(kUserUnitName);
@@ -121,7 +121,7 @@ std::string quantity_text(std::int64_t user_units, Dimension dimension, const Un
 
 std::optional<Dimension> dimension_of(ObjectRow row) noexcept {
   const std::string_view units = describe(row).units;
-  if (units == "p") return Dimension::position;  // 607Dh, as the manual has it
+  if (units == "p") return Dimension::position;  // 607Dh, as in the manual
   for (const Dimension dimension :
        {Dimension::position, Dimension::velocity, Dimension::acceleration, Dimension::jerk}) {
     if (units.starts_with(words_of(dimension).units)) return dimension;

@@ -25,7 +25,7 @@ using Words = std::array<std::uint64_t, (sizeof(AxisStatus) + 7) / 8>;
 
 static_assert(std::has_unique_object_representations_v<AxisStatus>, "no padding in the check");
 
-/// Odd factors, by which no difference of one word vanishes.
+/// Odd factors, which cannot cancel a difference in a single word.
 constexpr Words kKeys = [] {
   Words keys{};
   for (std::size_t word = 0; word < keys.size(); ++word) keys[word] = scramble(word) | 1U;
@@ -42,10 +42,10 @@ std::uint64_t hash_of(const AxisStatus& status) noexcept {
 
 constexpr std::size_t kColumns = 24;  // the members, rounded up to whole vectors
 
-/// Every member in a word of its own.
+/// Every member in its own word.
 using Columns = std::array<std::uint32_t, kColumns>;
 
-/// One after the other without a loop, so that the calls into the table fold to moves.
+/// Unrolled, so that the calls into the table become moves.
 template <std::size_t... kMember>
 void widen(const AxisStatus& status, Columns& columns,
            std::index_sequence<kMember...> /*members*/) noexcept {
@@ -65,7 +65,7 @@ StatusDigest digest_of(std::span<const AxisStatus> statuses, std::size_t axes_pe
   for (std::size_t axis = 0; axis < statuses.size(); ++axis) {
     widen(statuses[axis], columns, std::make_index_sequence<kStatusMembers>{});
     for (std::size_t column = 0; column < kColumns; ++column) {
-      sums[column] = sums[column] * 31U + columns[column];  // 31 is odd: nothing is shifted out
+      sums[column] = sums[column] * 31U + columns[column];  // 31 is odd: no difference is lost
     }
     const std::uint64_t axis_row = hash_of(statuses[axis]);
     image = (image ^ axis_row) * kPrime;

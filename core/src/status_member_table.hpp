@@ -55,7 +55,7 @@ constexpr StatusMember status_member() {
           .set = set_status_member<kField>};
 }
 
-/// The rows of kStatusFields with what the dictionary says about them.
+/// The rows of kStatusFields together with the data of the dictionary.
 inline constexpr auto kStatusMemberTable =
     []<std::size_t... kField>(std::index_sequence<kField...>) {
   return std::array{status_member<kField>()...};

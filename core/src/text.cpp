@@ -7,8 +7,8 @@
 namespace vdrive {
 namespace {
 
-/// Well-formed byte sequences of UTF-8 (RFC 3629, section 4): the first byte, the second one, and
-/// how many there are. Further bytes are 80h to BFh.
+/// Well-formed byte sequences of UTF-8 (RFC 3629, section 4): ranges of the first and second byte,
+/// and the number of bytes. Further bytes are 80h to BFh.
 struct Utf8Row {
   unsigned char first_lowest;
   unsigned char first_highest;
@@ -34,7 +34,7 @@ bool is_within(char c, unsigned char lowest, unsigned char highest) noexcept {
   return byte >= lowest && byte <= highest;
 }
 
-/// @return the length of the character that `text` begins with, or 0 when it is not UTF-8.
+/// @return the length of the first character of `text`, or 0 if it is not UTF-8.
 std::size_t character_length(std::string_view text) noexcept {
   const auto* const row = std::ranges::find_if(kUtf8, [&](const Utf8Row& candidate) {
     return is_within(text[0], candidate.first_lowest, candidate.first_highest);
@@ -49,7 +49,7 @@ std::size_t character_length(std::string_view text) noexcept {
   return continues ? row->length : 0;
 }
 
-/// Takes the first character of `text` away; a byte that is not UTF-8 counts as one.
+/// Removes the first character of `text`; a byte that is not UTF-8 counts as one.
 std::string_view take_character(std::string_view& text) noexcept {
   const std::string_view character =
       text.substr(0, std::max<std::size_t>(1, character_length(text)));
@@ -63,7 +63,7 @@ std::size_t count_characters(std::string_view text) noexcept {
   return count;
 }
 
-/// A character of several bytes that a terminal does not show as one.
+/// A multi-byte character that a terminal does not show as a character.
 bool is_unprintable(std::string_view character) noexcept {
   if (character.size() == 2) {  // U+0080 to U+009F
     return character[0] == '\xC2' && is_within(character[1], 0x80, 0x9F);

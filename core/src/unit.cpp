@@ -25,7 +25,7 @@ constexpr std::array kAngles{Scale{"deg", 1.0 / 360.0}, Scale{"rad", 0.5 * std::
 constexpr std::array kLengths{Scale{"mm", 1e-3}, Scale{"m", 1.0}, Scale{"cm", 1e-2},
                               Scale{"um", 1e-6}};
 
-/// Names that mean something else on every axis.
+/// Names with a fixed meaning on every axis.
 constexpr std::array<std::string_view, 2> kReserved{kUserUnit, "rpm"};
 
 const Scale* scale_named(std::span<const Scale> scales, std::string_view name) {
@@ -33,7 +33,7 @@ const Scale* scale_named(std::span<const Scale> scales, std::string_view name) {
   return found == scales.end() ? nullptr : &*found;
 }
 
-/// @return the units that this one can be converted to; none for a length of another name.
+/// @return the units that this one can be converted to; none for a length with another name.
 std::span<const Scale> scales_of(const Unit& unit) {
   if (unit.kind == UnitKind::rotary) return kAngles;
   return scale_named(kLengths, unit.name) == nullptr ? std::span<const Scale>() : kLengths;
@@ -44,7 +44,7 @@ bool is_name_character(char c) {
   return is_letter || c == '%' || static_cast<unsigned char>(c) >= 0x80;
 }
 
-/// @return how many decimals show a step of this size.
+/// @return the number of decimals that resolve a step of this size.
 int decimals_of(double step) {
   int decimals = 0;
   while (step < 1.0 && decimals < kMostDecimals) {

@@ -11,7 +11,7 @@
 namespace vdrive {
 namespace {
 
-/// No user mistypes a name of this length; the work grows with its square.
+/// No user mistypes a name this long, and the cost grows with the square of the length.
 constexpr std::size_t kLongestWord = 64;
 
 }  // namespace
@@ -21,7 +21,7 @@ std::string counted(std::uint64_t count, std::string_view one, std::string_view 
 }
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  // Rows of the table of Wagner and Fischer: of the beginnings of `a` of length i, i - 1 and i - 2.
+  // Rows of the Wagner-Fischer table, for the prefixes of `a` of length i, i - 1 and i - 2.
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0U);
   std::vector<std::size_t> last;
@@ -42,7 +42,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::string suggestion(std::string_view text, const std::vector<std::string>& candidates) {
   if (text.size() > kLongestWord) return {};
   const std::string* nearest = nullptr;
-  // The dashes of an option are right in any case.
+  // Ignore the dashes of an option: they are right in any case.
   const std::size_t typed = text.size() - std::min(text.find_first_not_of('-'), text.size());
   std::size_t least = std::max<std::size_t>(typed / 3, 1) + 1;
   for (const std::string& candidate : candidates) {

@@ -23,35 +23,36 @@
 
 namespace vdrive {
 
-// State goes into snapshots as it lies in memory. `unused` stands where a compiler would leave
-// bytes without a value: equal states are equal bytes, and no file has what was in the memory
-// before (tests/core/state_padding_test.cpp).
+// State is copied into snapshots as it is laid out in memory. `unused` fills what would be padding,
+// so that equal states are equal bytes and no old memory content gets into a file
+// (tests/core/state_padding_test.cpp).
 
-/// Ticks of a bank, as the drive needs them.
+/// Tick timing of a bank, as the drive needs it.
 struct TickTiming {
   std::uint32_t period_us = 1000;
   std::uint32_t substeps = 8;
   double substep = 125.0e-6;  // [s]
 };
 
-/// The outermost loop that is closed.
+/// The outermost closed loop.
 enum class ControlLoop : std::uint8_t { position, velocity, torque };
 
-/// What the demand generator is asked for. Two equal requests need no new plan: other loops and
-/// other times come with a new target, which makes the request of before void.
+/// A request to the demand generator. Equal requests need no new plan. `control` and `times` are
+/// not compared: they change only together with a new target, which invalidates the previous
+/// request.
 struct MotionRequest {
   enum class Kind : std::uint8_t { hold, stop, move, synchronous_move, velocity, torque, follow };
 
   Kind kind = Kind::hold;
-  ControlLoop control = ControlLoop::position;  // the loop that has to be the outermost one
+  ControlLoop control = ControlLoop::position;  // the loop to be the outermost one
   std::array<std::uint8_t, 6> unused{};
-  double target = 0.0;  // moves [UU]; velocity [UU/s]; torque [‰ of rated]; follow: as `control` is
+  double target = 0.0;  // [UU], [UU/s] or [‰ of rated], by `kind`; follow: by `control`
   MotionLimits limits;  // stop: the deceleration; torque: the acceleration is the slope [‰/s]
   MoveTimes times{};    // synchronous move
-  MotionJerk jerk{};    // stops, moves, velocity; not limited: trapezoids
-  // What the servo gets beside the demand; it needs no new plan.
-  double velocity_offset = 0.0;  // added to what the position loop asks for [UU/s]
-  double torque_offset = 0.0;    // added to what the velocity loop commands [‰ of rated]
+  MotionJerk jerk{};    // stops, moves, velocity; unlimited: trapezoids
+  // Inputs of the servo in addition to the demand; they need no new plan.
+  double velocity_offset = 0.0;  // added to the output of the position loop [UU/s]
+  double torque_offset = 0.0;    // added to the output of the velocity loop [‰ of rated]
 
   friend bool operator==(const MotionRequest& a, const MotionRequest& b) noexcept {
     return a.kind == b.kind && a.target == b.target && a.limits.velocity == b.limits.velocity &&
@@ -61,28 +62,28 @@ struct MotionRequest {
   }
 };
 
-/// Demand generator, beside the lane of its block.
+/// Demand generator, apart from the lane of its block.
 struct DemandState {
   double torque = 0.0;  // torque control, at the end of the tick [‰ of rated]
   ControlLoop control = ControlLoop::position;
   bool moving = false;     // the profile has not ended
-  bool following = false;  // the demand of this tick goes to the streamed one
+  bool following = false;  // the demand of this tick goes to the streamed set-point
   bool by_jerk = false;    // the plan is DriveRegisters::jerk_profile
   std::array<std::uint8_t, 4> unused{};
 };
 
-/// Where the present motion is to end.
+/// The target of the present motion.
 struct TargetState {
-  double position = 0.0;   // latched, whole [UU]
-  bool given = false;      // a set-point was taken since the set-points were cleared
+  double position = 0.0;   // latched, rounded [UU]
+  bool given = false;      // a set-point was taken since they were last cleared
   bool given_up = false;   // a limit switch ended the motion
   bool arrived = false;    // the demand rests on the target
   bool fresh = false;      // a set-point was taken in this tick
-  bool unplanned = false;  // no plan was made since the target was given
+  bool unplanned = false;  // no plan has been made since the target was given
   std::array<std::uint8_t, 3> unused{};
 };
 
-/// What 6041h needs to have lasted: registers, and the ticks so far.
+/// Conditions that must last before 6041h shows them: limits, and the ticks so far.
 struct WindowState {
   std::uint32_t position = 0;         // 6067h [UU]
   std::uint32_t position_ticks = 0;   // 6068h
@@ -104,25 +105,25 @@ struct FollowingErrorState {
   std::array<std::uint8_t, 3> unused{};
 };
 
-/// What bounds the position.
+/// Position limits.
 struct LimitState {
   double lower = 0.0;       // 607Dh:01 [UU]
   double upper = 0.0;       // 607Dh:02 [UU]
   bool enabled = false;     // 3535h
   bool homed = false;       // a homing run found home since power-up
   std::uint8_t inputs = 0;  // 60FDh
-  bool placed = false;      // a switch has a place (5E21h): the inputs follow the position
+  bool placed = false;      // a switch has a position (5E21h): the inputs follow the axis
   std::array<std::uint8_t, 4> unused{};
 };
 
-/// How much of the heat that it may have the motor has (I2t).
+/// Motor heat in relation to what is allowed (I2t).
 enum class LoadLevel : std::uint8_t {
-  rated,    // at most that of the rated current
+  rated,    // at most the heat at rated current
   warning,  // more: bit 7 of 6041h
-  fault,    // too much, until it is down to that of the rated current
+  fault,    // too much, until it is back at the heat at rated current
 };
 
-/// Faults: those that are present, and what they mean.
+/// Present faults and their effects.
 struct FaultState {
   std::uint32_t count = 0;  // since power-up
   std::uint16_t error_code = 0;
@@ -136,11 +137,11 @@ struct FaultState {
 
 /// Power stage.
 struct PowerStageState {
-  std::uint32_t ticks_in_state = 0;  // steady ticks are not counted: no stop waits in them
+  std::uint32_t ticks_in_state = 0;  // without steady ticks: no stop is pending in them
   std::uint32_t stop_ticks = 0;      // since the demand of a stop ended
   PowerStateMachine machine;
   bool on = false;
-  bool waits = false;  // a habit holds something back (drive/habits.hpp)
+  bool waits = false;  // a habit is holding something back (drive/habits.hpp)
 };
 
 /// Operating mode.
@@ -149,14 +150,14 @@ struct ModeState {
   OperatingMode wanted = OperatingMode::none;  // 6060h
 };
 
-/// What the operating modes keep between ticks. As it is made here nothing is asked for.
+/// State that the operating modes keep between ticks. By default nothing is requested.
 struct ModeStates {
   SetPointState position;
   HomingState homing;
   StreamState stream;
 };
 
-/// What every tick touches of an axis.
+/// State of an axis that every tick uses.
 struct DriveState {
   DemandState demand;
   TargetState target;
@@ -166,36 +167,36 @@ struct DriveState {
   PowerStageState power;
   FaultState faults;
   ModeState mode;
-  std::uint16_t maker_bits = Statusword::kRemote;  // bits 9, 14 and 15 of 6041h, which never change
+  std::uint16_t maker_bits = Statusword::kRemote;  // bits 9, 14 and 15 of 6041h, which are constant
   ModeStates modes;
-  bool attention = true;  // something beside the motion is going on
+  bool attention = true;  // something apart from the motion is going on
   bool plan_due = true;   // the motion request may have changed
   std::uint16_t controlword = 0;
   std::uint32_t ignored_set_points = 0;
 };
 
-/// What the active set-point latched beside its target.
+/// Values that the active set-point latched in addition to its target.
 struct ActiveSetPoint {
   double velocity = 0.0;       // 6081h [UU/s]
   MoveTimes times;             // of a synchronous move; duration 0 = none
-  MotionLimits limits;         // that follow from them
-  double reference_way = 0.0;  // that the times are of [UU]; 0 = the move itself, from rest
+  MotionLimits limits;         // derived from the times
+  double reference_way = 0.0;  // to which the times apply [UU]; 0 = the move itself, from rest
 };
 
-/// The way to the set-point that is streamed in a cyclic mode or in interpolated position mode.
+/// Interpolation to the set-point streamed in a cyclic mode or in interpolated position mode.
 struct Interpolation {
-  std::int32_t set_point = 0;      // with its offset, as it was when the way began
-  std::uint32_t ticks_left = 0;    // of 60C2h, behind the present tick
-  std::uint32_t period = 1;        // 60C2h of this way [ticks]
+  std::int32_t set_point = 0;      // with its offset, when the interpolation started
+  std::uint32_t ticks_left = 0;    // of 60C2h, after the present tick
+  std::uint32_t period = 1;        // 60C2h of this interpolation [ticks]
   std::uint32_t silent_ticks = 0;  // since a set-point was written
 };
 
-/// Records of interpolated position mode that wait, at most; 60C4h:01.
+/// Capacity of the record buffer of interpolated position mode; 60C4h:01.
 inline constexpr std::size_t kRecordBufferSize = 16;
 
-/// 60C4h: the records of interpolated position mode that wait.
+/// 60C4h: the waiting records of interpolated position mode.
 struct RecordBuffer {
-  std::array<std::int32_t, kRecordBufferSize> records{};  // 60C1h:01, from `first` round the end
+  std::array<std::int32_t, kRecordBufferSize> records{};  // 60C1h:01, a ring starting at `first`
   std::uint8_t first = 0;
   std::uint8_t count = 0;
   std::array<std::uint8_t, 6> unused{};
@@ -203,13 +204,13 @@ struct RecordBuffer {
 
 /// Index pulses of encoder 1.
 struct IndexPulse {
-  double offset = 0.0;   // of the pulses in the motor's frame [UU]
+  double offset = 0.0;   // of the pulses in the frame of the motor [UU]
   double reading = 0.0;  // of encoder 1 in the last tick of a homing run [UU]
-  bool input = false;    // 5E09h as it was in the last tick
+  bool input = false;    // 5E09h in the last tick
   std::array<std::uint8_t, 7> unused{};
 };
 
-/// Where the frames count from that `shift_frame` moves: the place that was 0 at first power-up.
+/// The origins of the frames that `shift_frame` moves: the positions that were 0 at first power-up.
 struct FrameOrigins {
   double motor = 0.0;  // in the frame of encoder 1 [UU]
   double load = 0.0;   // in the frame of the load [UU]
@@ -218,12 +219,12 @@ struct FrameOrigins {
 /// Position range 607Bh of a modulo axis.
 struct PositionRange {
   double lower = 0.0;  // 607Bh:01 [UU]
-  double span = 0.0;   // 607Bh:02 less 607Bh:01 [UU]; 0 = no modulo axis
+  double span = 0.0;   // 607Bh:02 minus 607Bh:01 [UU]; 0 = not a modulo axis
 };
 
-/// 1003h.
+/// Error history 1003h.
 struct ErrorHistory {
-  std::array<std::uint32_t, 8> codes{};  // the latest first
+  std::array<std::uint32_t, 8> codes{};  // latest first
   std::uint8_t count = 0;
   std::array<std::uint8_t, 7> unused{};
 };
@@ -234,7 +235,7 @@ struct SpeedLimits {
   double motor_max_speed_rpm = 0.0;  // 6080h [rpm]
 };
 
-/// What only writes and plans touch.
+/// State that only writes and plans use.
 struct DriveRegisters {
   std::array<std::int64_t, kObjectCount> values{};
   Profile profile;
@@ -254,32 +255,33 @@ struct DriveRegisters {
   double gear_ratio = 1.0;     // 3576h over 3577h
   double position_gain = 1.0;  // of the position loop [1/s]
   double torque_offset = 0.0;  // part of the integrator that is an offset [UU/s²]
-  SpeedLimits speed_limits{};  // as they were at transition 4
-  double velocity_cap = 0.0;   // that follows from them with the gear [UU/s]
+  SpeedLimits speed_limits{};  // from transition 4
+  double velocity_cap = 0.0;   // derived from these and the gear [UU/s]
   AxisSettings settings;
-  bool memory_error = false;    // what was stored cannot be used: fault 5530h at power-up
-  bool single_encoder = false;  // 6064h is encoder 1's: both readings share one frame
+  bool memory_error = false;    // the stored values are unusable: fault 5530h at power-up
+  bool single_encoder = false;  // 6064h is from encoder 1: both readings share one frame
 };
 
-/// One torque unit and the motor's rating in the units of the objects.
+/// One torque unit and the rating of the motor, in the units of the objects.
 struct alignas(64) UnitBlock {
   Lane torque_per_mille;   // 6077h of one torque unit
   Lane current_per_mille;  // 6078h of one torque unit
   Lane rated_current;      // [mA]
 };
 
-/// Lanes in which nothing happens but the motion, and what ends that. Bit l of a set is lane l.
+/// Steady lanes, in which nothing but the motion goes on, and the conditions that end this. Bit l
+/// of a set is lane l.
 struct alignas(64) SteadyBlock {
   Lane following_error_window;  // 6065h; infinite = off [UU]
   Lane target;                  // internal target [UU]
   Lane target_window;           // 6067h [UU]
-  std::uint64_t lanes;          // all that are steady
-  std::uint64_t standing;       // of these, on the target; DemandBlock::plan_ticks counts how long
-  std::uint64_t unpowered;      // of these, without power; only a write ends that
+  std::uint64_t lanes;          // all steady lanes
+  std::uint64_t standing;       // of these, on the target; DemandBlock::plan_ticks counts the time
+  std::uint64_t unpowered;      // of these, without power; only a write ends this
   std::array<std::uint64_t, 5> unused;
 };
 
-/// What every tick touches of the axes of a block, side by side.
+/// State of the axes of a block that every tick uses, lane by lane.
 struct BlockState {
   ServoState servo;
   DemandBlock demand;
@@ -288,14 +290,14 @@ struct BlockState {
   std::uint64_t noisy;         // lanes whose load torque has noise
   std::uint64_t modulo;        // lanes of modulo axes
   std::uint64_t probed;        // lanes with an enabled touch probe
-  std::uint64_t jerk_limited;  // lanes that move along a plan with jerk
-  std::uint64_t ticks;   // since the bank began, without those that a settled block leaves out now
-  std::uint64_t frozen;  // lanes whose feedback is shown as it was (5E0Ch)
+  std::uint64_t jerk_limited;  // lanes that follow a plan with limited jerk
+  std::uint64_t ticks;   // since the bank started, without those of a settled block not added yet
+  std::uint64_t frozen;  // lanes whose feedback is frozen (5E0Ch)
   std::array<std::uint64_t, 2> unused;
 };
 
-/// One axis: its state, its lane of the block, its status image. Questions take a
-/// `const Drive&`, through which nothing can be changed; commands take a `Drive&`.
+/// One axis: its state, its lane of the block and its status image. Questions take a `const
+/// Drive&`, through which nothing can be changed; commands take a `Drive&`.
 class Drive {
  public:
   Drive(DriveState& state, DriveRegisters& registers, BlockState& block, std::size_t lane,
@@ -307,7 +309,7 @@ class Drive {
         status_(status),
         timing_(timing) {}
 
-  Drive(const Drive&) = delete;  // a copy of a constant drive could be changed
+  Drive(const Drive&) = delete;  // a copy of a const drive could be changed
   Drive& operator=(const Drive&) = delete;
   ~Drive() = default;
 

@@ -10,7 +10,7 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// Value of a ramp object within the cap of 60C5h or 60C6h; 0 counts as 1.
+/// Value of a ramp object, limited by 60C5h or 60C6h; 0 counts as 1.
 double within(const Drive& drive, ObjectRow ramp, ObjectRow cap) {
   return std::min(std::max(real(drive, ramp), 1.0), std::max(real(drive, cap), 1.0));
 }
@@ -28,7 +28,7 @@ double deceleration_of(const Drive& drive, ObjectRow row) {
 MotionJerk profile_jerk(const Drive& drive) {
   constexpr std::int64_t kLimitedJerk = 3;
   if (reg(drive, "motion_profile_type"_object) != kLimitedJerk) return {};
-  // In a snapshot of a file a register may have any value.
+  // A snapshot read from a file may hold any register value.
   const double first = std::max(real(drive, "profile_jerk_1"_object), 1.0);
   const double second = std::max(real(drive, "profile_jerk_2"_object), 1.0);
   const bool has_two = reg(drive, "profile_jerk_use"_object) == 2;

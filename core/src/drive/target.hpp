@@ -5,10 +5,11 @@
 
 namespace vdrive {
 
-/// Forgets active and buffered set-points, streamed ones and a homing run.
+/// Drops active, buffered and streamed set-points and ends a homing run.
 void drop_targets(Drive& drive);
 
-/// Forgets the targets and takes the demand as the target: bit 10 at once, no jump.
+/// Drops the targets and takes the demand as the target: bit 10 is set immediately and nothing
+/// jumps.
 void seed_target(Drive& drive);
 
 }  // namespace vdrive

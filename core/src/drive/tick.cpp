@@ -20,7 +20,7 @@
 namespace vdrive {
 namespace {
 
-/// @return whether something beside the motion happens: the next tick has to follow it.
+/// @return whether something apart from the motion is going on that the next tick must follow.
 bool needs_attention(const Drive& drive, const Mode& mode) {
   const DriveState& s = drive.state();
   const PowerState state = s.power.machine.state();
@@ -33,7 +33,8 @@ bool needs_attention(const Drive& drive, const Mode& mode) {
          (mode.evolves != nullptr && mode.evolves(drive));
 }
 
-/// Takes whole turns out of positions that have gone far; the plan of before is void.
+/// Takes multiples of the register range out of a position that has become large, which invalidates
+/// the plan.
 void keep_frame(Drive& drive) {
   if (std::abs(demand_position(drive)) > kFrame) {
     rebase(drive);
@@ -53,7 +54,7 @@ void follow(Drive& drive) {
   drive.state().plan_due = true;
 }
 
-/// Following error 60F4h against 6065h and 6066h.
+/// Checks the following error 60F4h against 6065h and 6066h.
 void watch_following_error(Drive& drive) {
   const double error = nearest(demand_position(drive)) - nearest(actual_position(drive));
   DriveState& s = drive.state();
@@ -71,7 +72,7 @@ void watch_following_error(Drive& drive) {
     return;
   }
   if (s.following_error.count != kSaturatedCount) ++s.following_error.count;
-  // The first tick outside starts the time: it has lasted longer than n ticks with the n + 2nd.
+  // The first tick outside starts the time: more than n ticks have passed at tick n + 2.
   if (s.following_error.count <= s.following_error.ticks + 1U || s.following_error.shown) return;
   s.following_error.shown = true;
   if (drive.registers().settings.following_error_is_fault) {
@@ -85,14 +86,14 @@ void watch(Drive& drive, const Mode& mode) {
   if (operation_enabled(drive) && mode.watch != nullptr) mode.watch(drive);
 }
 
-/// A target that is not reached yet has no next one: most ticks end here.
+/// While the target is not reached there is no next one: most ticks end here.
 void take_next_set_point(Drive& drive, const Mode& mode) {
   if (drive.state().target.arrived && operation_enabled(drive) && mode.take_next != nullptr) {
     mode.take_next(drive);
   }
 }
 
-/// @return bits 10 to 13 of 6041h, as far as the mode in force sets them.
+/// @return bits 10 to 13 of 6041h as set by the active mode.
 std::uint16_t mode_bits(const Drive& drive, const Mode& mode) {
   if (operation_enabled(drive)) {
     return mode.status_bits != nullptr ? mode.status_bits(drive) : std::uint16_t{0};
@@ -107,7 +108,7 @@ std::uint16_t statusword(const Drive& drive, const Mode& mode) {
   const PowerState state = s.power.machine.state();
   unsigned word = statusword_of(state) | s.maker_bits | mode_bits(drive, mode);
   word |= limit_bits(drive, nearest(demand_position(drive)), nearest(actual_position(drive)));
-  // Before transition 1 nothing is known of the DC link yet: 0200h.
+  // Before transition 1 the state of the DC link is not known yet: 0200h.
   if (s.faults.dc_link && state != PowerState::not_ready_to_switch_on) {
     word |= Statusword::kVoltageEnabled;
   }
@@ -132,19 +133,19 @@ void show(Drive& drive, const Mode& mode, const NumberBlock& numbers) {
   out.fault_count = s.faults.count;
 }
 
-/// @return whether nothing but what is planned and measured changes until something is written.
+/// @return whether only planned and measured values change until something is written.
 bool is_undisturbed(const Drive& drive) {
   const DriveState& s = drive.state();
   return !s.attention && !s.plan_due && !s.limits.enabled && s.limits.inputs == 0;
 }
 
-/// @return whether that holds for an axis without power, too.
+/// @return whether the axis has no power, in which case an undisturbed axis is steady too.
 bool is_unpowered(const Drive& drive) {
   return !drive.state().power.on && !operation_enabled(drive);
 }
 
-/// @return whether the profile position mode has nothing to do as long as the following error stays
-///         in its window.
+/// @return whether profile position mode has nothing to do while the following error stays within
+///         its window.
 bool holds_position(const Drive& drive, const Mode& mode) {
   const DriveState& s = drive.state();
   return mode.moves_steadily && operation_enabled(drive) && s.power.on && !s.demand.following &&
@@ -152,15 +153,14 @@ bool holds_position(const Drive& drive, const Mode& mode) {
          !s.following_error.shown;
 }
 
-/// @return whether the motion continues until it leaves its segment or the axis a window.
+/// @return whether the motion continues until it leaves its segment or the axis leaves a window.
 bool moves_on(const Drive& drive) {
   const DriveState& s = drive.state();
   return s.demand.moving && !s.target.arrived && s.window.dwell == 0;
 }
 
-/// @return whether the axis stands on its target until it leaves the target window. A set-point
-/// that
-///         waits is taken in the tick in which the target is reached.
+/// @return whether the axis stands on its target until it leaves the target window. No set-point
+///         can be waiting: it is taken in the tick in which the target is reached.
 bool stands(const Drive& drive) {
   const DriveState& s = drive.state();
   const DemandBlock& demand = drive.block().demand;
@@ -173,7 +173,7 @@ double window_of(std::uint32_t window) {
   return window == kWindowOff ? std::numeric_limits<double>::infinity() : window;
 }
 
-/// Notes whether the next ticks are steady, and what ends that.
+/// Records whether the next ticks are steady, and the conditions that end this.
 void note_steadiness(Drive& drive, const Mode& mode) {
   SteadyBlock& steady = drive.block().steady;
   const std::size_t l = drive.lane();

@@ -15,10 +15,10 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// Beside the bits of 60FDh: the index pulse, 5E09h.
+/// The index pulse, 5E09h, in addition to the bits of 60FDh.
 constexpr unsigned kIndexInput = 1U << 3U;
 
-// Bits of 60B8h, those of the second probe 8 places higher.
+// Bits of 60B8h; those of the second probe are shifted by 8.
 constexpr unsigned kProbeEnable = 1U << 0U;
 constexpr unsigned kProbeContinuous = 1U << 1U;
 constexpr unsigned kProbeSource = 2U;  // the first of two bits
@@ -26,7 +26,7 @@ constexpr unsigned kProbeSource = 2U;  // the first of two bits
 // Bits of 60B9h, likewise.
 constexpr unsigned kProbeEnabled = 1U << 0U;
 
-/// What one edge of a probe has of its own.
+/// Data of one edge of a probe.
 struct ProbeEdge {
   unsigned sampled;  // bit of 60B8h
   unsigned stored;   // bit of 60B9h
@@ -37,7 +37,7 @@ struct ProbeEdge {
 
 struct TouchProbe {
   unsigned shift;  // of its bits
-  unsigned input;  // of its own
+  unsigned input;  // its own input
   ObjectRow source;
   ProbeEdge positive;
   ProbeEdge negative;
@@ -72,19 +72,19 @@ constexpr std::array kTouchProbes{
                             .counter = "touch_probe_2_negative_edge_counter"_object}},
 };
 
-/// Inputs that changed since the last look.
+/// Inputs that have changed since the last evaluation.
 struct InputEdges {
   unsigned rising;
   unsigned falling;
 };
 
-/// @return the active inputs of the axis, the index pulse of the test bench included.
+/// @return the active inputs of the axis, including the index pulse of the test bench.
 unsigned probe_inputs(const Drive& drive) {
   const unsigned index = reg(drive, "test_index_pulse_input"_object) != 0 ? kIndexInput : 0U;
   return active_inputs(drive) | index;
 }
 
-/// @return the input that 60D0h chooses.
+/// @return the input selected by 60D0h.
 unsigned chosen_input(std::int64_t source) {
   switch (source) {
     case 1:
@@ -98,7 +98,7 @@ unsigned chosen_input(std::int64_t source) {
   }
 }
 
-/// @param bits 60B8h, shifted to those of the probe
+/// @param bits 60B8h, shifted to the bits of the probe
 unsigned input_of(const Drive& drive, const TouchProbe& probe, unsigned bits) {
   switch ((bits >> kProbeSource) & 3U) {
     case 0:
@@ -110,7 +110,7 @@ unsigned input_of(const Drive& drive, const TouchProbe& probe, unsigned bits) {
   }
 }
 
-/// @return the edges since the last look, which this one becomes.
+/// @return the edges since the last evaluation, and stores the present inputs as the last ones.
 InputEdges next_edges(Drive& drive, double motor_reading) {
   TouchProbeState& state = drive.registers().touch_probe;
   const unsigned before = state.inputs;
@@ -119,14 +119,14 @@ InputEdges next_edges(Drive& drive, double motor_reading) {
   const bool passes = way != 0.0 && index_pulse_passed(drive, way > 0.0 ? 1.0 : -1.0,
                                                        state.motor_reading, motor_reading)
                                         .has_value();
-  // A pulse has no width: both of its edges lie where it is passed.
+  // A pulse has no width: both of its edges are where it is passed.
   const unsigned pulse = passes ? kIndexInput : 0U;
   state.inputs = static_cast<std::uint8_t>(now);
   state.motor_reading = motor_reading;
   return {.rising = (now & ~before) | pulse, .falling = (before & ~now) | pulse};
 }
 
-/// @param bits 60B8h, shifted to those of the probe
+/// @param bits 60B8h, shifted to the bits of the probe
 void take_edge(Drive& drive, const TouchProbe& probe, const ProbeEdge& edge, unsigned bits,
                const ProbeLook& look) {
   auto& values = drive.registers().values;
@@ -152,7 +152,7 @@ void look_by(Drive& drive, std::uint16_t function, const ProbeLook& look) {
   }
 }
 
-/// Between two ticks.
+/// The readings between two ticks.
 ProbeLook present_look(const Drive& drive) {
   constexpr std::uint64_t kNanosecondsAMicrosecond = 1000;
   const std::size_t l = drive.lane();
@@ -161,9 +161,10 @@ ProbeLook present_look(const Drive& drive) {
           .time_ns = drive.block().ticks * drive.timing().period_us * kNanosecondsAMicrosecond};
 }
 
-/// @param bits 60B8h, shifted to those of the probe
+/// @param bits 60B8h, shifted to the bits of the probe
 /// @param status bits of the probe in 60B9h
-/// @return the same under the new 60B8h: what is not sampled any more is not stored either.
+/// @return the status after a change of 60B8h: an edge no longer sampled is no longer stored
+///         either.
 unsigned status_under(const TouchProbe& probe, unsigned bits, unsigned status) {
   if ((bits & kProbeEnable) == 0) return 0;
   unsigned kept = kProbeEnabled;
@@ -184,7 +185,7 @@ void look_at_inputs(Drive& drive, const ProbeLook& look) {
 }
 
 void enable_touch_probes(Drive& drive, std::uint16_t previous) {
-  // What was written to the inputs before 60B8h belongs to the function of before.
+  // Inputs written before 60B8h belong to the previous function.
   const ProbeLook present = present_look(drive);
   if (is_enabled(previous)) {
     look_by(drive, previous, present);

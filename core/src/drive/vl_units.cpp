@@ -12,7 +12,7 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// The dictionary refuses a 0; in a snapshot of a file a register may have any value.
+/// The dictionary refuses 0, but a snapshot read from a file may hold any register value.
 double factor_of(const Drive& drive, ObjectRow numerator, ObjectRow denominator) {
   const double over = real(drive, numerator);
   const double under = real(drive, denominator);
@@ -25,18 +25,18 @@ double dimension_factor(const Drive& drive) {
                    "vl_dimension_factor_denominator"_object);
 }
 
-/// Of 6042h, 6043h and 6044h.
+/// Factor of 6042h, 6043h and 6044h.
 double set_point_factor(const Drive& drive) {
   return dimension_factor(drive) * factor_of(drive, "vl_set_point_factor_numerator"_object,
                                              "vl_set_point_factor_denominator"_object);
 }
 
-/// The velocity [UU/s] of an amount without a sign.
+/// An unsigned amount as a velocity [UU/s].
 double velocity_of_amount(const Drive& drive, ObjectRow row) {
   return velocity_of_motor(drive, std::abs(dimension_factor(drive)) * real(drive, row));
 }
 
-/// A speed over a time, within `cap`.
+/// A speed divided by a time, limited by `cap`.
 double ramp_of(const Drive& drive, ObjectRow speed, ObjectRow seconds, ObjectRow cap) {
   const double ramp = velocity_of_amount(drive, speed) / std::max(real(drive, seconds), 1.0);
   return std::min(std::max(ramp, 1.0), std::max(real(drive, cap), 1.0));

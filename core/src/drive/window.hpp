@@ -11,7 +11,7 @@
 
 namespace vdrive {
 
-// What has to last before 6041h shows it. In the header, because every tick asks for it.
+// Conditions that must last before 6041h shows them. Inline because every tick uses them.
 
 /// @return whether demand and actual speed are zero.
 [[nodiscard]] inline bool at_rest(const Drive& drive) {
@@ -20,7 +20,7 @@ namespace vdrive {
          std::abs(actual_velocity(drive)) <= static_cast<double>(s.window.threshold);
 }
 
-/// @return whether the demand rests on the target and the actual position was inside 6067h for
+/// @return whether the demand rests on the target and the actual position has been within 6067h for
 ///         6068h.
 [[nodiscard]] inline bool on_target(const Drive& drive) {
   const TargetState& target = drive.state().target;
@@ -29,7 +29,7 @@ namespace vdrive {
          (window.position == kWindowOff || window.dwell > window.position_ticks);
 }
 
-/// Counts the ticks in a row for which `inside` held.
+/// Counts the successive ticks in which `inside` was true.
 inline void count_ticks(bool inside, std::uint32_t& count) {
   if (!inside) {
     count = 0;
@@ -38,7 +38,7 @@ inline void count_ticks(bool inside, std::uint32_t& count) {
   }
 }
 
-/// Counts the present tick of the target window 6067h; after the plant.
+/// Counts the present tick for the target window 6067h; call after the plant.
 inline void watch_target_window(Drive& drive) {
   WindowState& window = drive.state().window;
   const double distance = nearest(actual_position(drive)) - drive.state().target.position;
@@ -47,7 +47,7 @@ inline void watch_target_window(Drive& drive) {
   count_ticks(inside, window.dwell);
 }
 
-/// @return bit 10 of 6041h where `reached`.
+/// @return bit 10 of 6041h if `reached`.
 [[nodiscard]] inline std::uint16_t reached_when(bool reached) {
   return reached ? Statusword::kTargetReached : 0U;
 }

@@ -1,53 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Symbols: v, a velocity and acceleration; V, A, D the limits of velocity, acceleration and
-// deceleration; J the jerk: of the acceleration where v and a have one sign, else of the
-// deceleration; w = a²/2.
+// deceleration; J the jerk: that of the acceleration where v and a have the same sign, otherwise
+// that of the deceleration; w = a²/2.
 //
-// 1. Change of the velocity. While a > 0 the velocity grows, and dw/dv = a·da/dv = da/dt: the jerk
-// is the slope of w over v. All limits are lines in this plane. On the way to the velocity u the
-// acceleration may be, where v < 0 (slowing down), w <= D²/2; where v > 0 (speeding up), w <= A²/2;
-// at v = 0 both; and it has to end at u: w <= J·(u - v). The fastest way is the largest w(v) that
-// keeps these bounds and rises by no more than J: it rises, stays at its cap, and falls, once for
-// v < 0 and once for v > 0. A larger w(v) everywhere is a shorter time, because dt = dv/√(2w).
-//   With a < 0 first of all a comes back to 0 with the full jerk, which takes v to the "settled"
-// velocity: v - a²/2J. Above it (u larger) the way is the one above, below it the mirrored one.
-// That covers a start that is forced over V: the settled velocity lies above u = V, so the way
-// turns round there at once. A start above its cap falls with the full jerk until it is at the
-// cap: no more violation than J forces.
-//
+// 1. Change of velocity. While a > 0 the velocity grows, and dw/dv = a·da/dv = da/dt: the jerk is
+//    the slope of w over v. All limits are lines in this plane. On the way to the velocity u the
+//    acceleration is bounded by w <= D²/2 where v < 0 (slowing down), by w <= A²/2 where v > 0
+//    (speeding up) and by both at v = 0; and it must end at u: w <= J·(u - v). The fastest change
+//    has the largest w(v) within these bounds whose slope is at most J: it rises, stays at its cap
+//    and falls, once for v < 0 and once for v > 0. A w(v) that is larger everywhere takes less
+//    time, because dt = dv/√(2w).
+//   If a < 0 at the start, a first returns to 0 with the full jerk, which takes v to the "settled"
+//   velocity v - a²/2J. For u above it the change continues as described above, for u below it
+//   mirrored. This covers a start that is forced beyond V: its settled velocity is above u = V, so
+//   the change turns back there immediately. From a start above its cap, w falls with the full jerk
+//   down to the cap, which violates the cap no longer than J makes necessary.
 // 2. Move. `stop` is the change to u = 0; it ends at P(v, a), measured from where it begins. If the
-// target lies beyond the end of a stop that begins now, the axis goes for u = +V first and stops
-// later, else for u = -V. So a move is: along the change to ±V until the instant τ, then a stop.
-// With one jerk the change to +V is never behind any other motion from this start, and, with the
-// time reversed, no motion that is faster than the stop comes to rest at its end; so no motion gets
-// there earlier.
-//   With two jerks that holds where the axis does not have to turn, among the motions which do not:
-// there the acceleration of each of them is bounded by the same jerk, and a lower peak only costs
-// time. Others can gain: backward the acceleration for the way forward grows with the jerk of the
-// deceleration, and a larger overshoot ends it with that of the acceleration. Such ways are not
-// taken: who asks for another jerk where an axis slows down does not ask for a start in the wrong
-// direction.
-//   The end of the stop grows with τ: along a stop dP/dt + v = 0, so with the jerk j of the change,
-// and j' of the stop in the same state, its end moves by ∂P/∂a·(j - j'). Who has more acceleration
-// stops farther ahead (∂P/∂a >= 0), and j >= j', since both jerks have the same bounds there and
-// the change takes the highest. Where j = j' (the fall to u, the way back into limits) τ does not
-// matter. So the instant is the root of a monotonic function: found piece by piece, within a piece
-// by the secant of its bracket. This is also what makes the two pieces of deceleration with a
-// weaker one in between, where the target lies a little beyond the end of the stop: the change to
-// +V is left while a < 0. An overshoot that J forces is a stop that ends behind the target: u = -V.
+//    target is beyond the end of a stop that begins now, the axis first goes for u = +V and stops
+//    later, otherwise for u = -V. So a move follows the change to ±V until the instant τ, then a
+//    stop. With one jerk the change to +V is never behind any other motion from this start, and,
+//    with time reversed, no motion faster than the stop comes to rest at its end. So no motion
+//    arrives earlier.
+//   With two jerks this holds, where the axis does not have to turn, among the motions that do not
+//   turn: the same jerk bounds the acceleration of all of them, and a lower peak only costs time.
+//   Other motions can gain: backward, the acceleration for the way forward grows with the jerk of
+//   the deceleration, and a larger overshoot ends it with that of the acceleration. Such motions
+//   are not used: a different jerk for slowing down is not a request to start in the wrong
+//   direction.
+//   The end of the stop moves forward with τ: along a stop dP/dt + v = 0, so with the jerk j of the
+//   change, and j' of the stop in the same state, its end moves by ∂P/∂a·(j - j'). With more
+//   acceleration the axis stops farther ahead (∂P/∂a >= 0), and j >= j', since both jerks have the
+//   same bounds there and the change takes the highest. Where j = j' (the fall to u, the return
+//   into limits) τ does not matter. So the instant is the root of a monotonic function, found piece
+//   by piece and, within a piece, by the secant of its bracket. This also produces two pieces of
+//   deceleration with a weaker one in between when the target is just beyond the end of the stop:
+//   the change to +V is left while a < 0. An overshoot forced by J is a stop that ends beyond the
+//   target: u = -V.
 //
-// 3. At most twelve segments. A change has at most two pieces of the return of a to 0 (the jerk may
-// change at v = 0), and of the rises, caps and falls on both sides of v = 0 five: for D > A it
-// falls to A at v = 0 and does not rise behind it; for D < A it does not fall before it; for D = A
-// neither. Where it begins above a cap, its first piece is a fall instead of the rise. A stop has
-// two and three, from (±V, 0) three, and where a brakes already three.
+// 3. At most twelve segments. A change has at most two pieces for the return of a to 0 (the jerk
+//    may change at v = 0), and at most five for the rises, caps and falls on both sides of v = 0:
+//    for D > A it falls to A at v = 0 and does not rise after it; for D < A it does not fall before
+//    it; for D = A neither. Where it begins above a cap, its first piece is a fall instead of the
+//    rise. A stop has two plus three, from (±V, 0) three, and three if a already brakes.
 //   With a cruise: 2 + 5 + 1 + 3 = 11. Without one the change is left in one of its pieces: in the
-// return after at most 2, where a brakes (3); on the first side after at most 2 + 2 (2 + 3); on the
-// second side after at most 2 + 4, with v and a of one sign, whose return is one piece (1 + 3).
-// That is 5, 9 and 10, and one more where the stop holds its velocity to make up for a leaving time
-// that no number has. The twelfth is for rounding: where the fall to u begins at v = 0 with A up
-// to the last bit, a rise or a cap of almost no length may come before it.
+//   return after at most 2, where a brakes (3); on the first side after at most 2 + 2 (2 + 3); on
+//   the second side after at most 2 + 4, with v and a of the same sign, whose return is one piece
+//   (1 + 3). That is 5, 9 and 10, plus one where the stop holds its velocity because no
+//   floating-point number equals the exact leaving time. The twelfth is for rounding: where the
+//   fall to u begins at v = 0 with A to the last bit, a rise or a cap of almost no length may
+//   precede it.
 #include "vdrive/motion/jerk_profile.hpp"
 
 #include <algorithm>
@@ -60,7 +62,7 @@
 namespace vdrive {
 namespace {
 
-/// A piece of constant jerk, and the state at its begin.
+/// A piece of constant jerk and the state at its start.
 struct Piece {
   double duration = 0.0;
   double velocity = 0.0;
@@ -68,7 +70,7 @@ struct Piece {
   double jerk = 0.0;
 };
 
-/// @return the way in the first `time` of `piece`.
+/// @return the distance covered in the first `time` of `piece`.
 double way_of(const Piece& piece, double time) {
   constexpr double kSixth = 1.0 / 6.0;
   return (piece.velocity + (0.5 * piece.acceleration + kSixth * piece.jerk * time) * time) * time;
@@ -82,7 +84,7 @@ double acceleration_after(const Piece& piece, double time) {
   return piece.acceleration + piece.jerk * time;
 }
 
-/// Pieces one after the other.
+/// A sequence of pieces.
 struct Ramp {
   static constexpr std::size_t kMaximumPieces = 8;
 
@@ -102,15 +104,15 @@ double half_square(double a) {
   return 0.5 * a * a;
 }
 
-/// @return the time in which the acceleration goes evenly from `from` to `to` (>= 0 both) while the
-///         velocity changes by `span`. Of two accelerations close to each other the difference
-///         would lose its digits.
+/// @return the time in which the acceleration changes linearly from `from` to `to` (both >= 0)
+///         while the velocity changes by `span`. This form avoids the cancellation in the
+///         difference of two close accelerations.
 double time_over(double span, double from, double to) {
   const double sum = from + to;
   return sum > 0.0 ? 2.0 * span / sum : 0.0;
 }
 
-/// @return the velocity at which the acceleration is 0 if it goes there at once.
+/// @return the velocity at which the acceleration is 0 after it has returned there immediately.
 double settled_velocity(double velocity, double acceleration, const MotionJerk& jerk) {
   const double direction = acceleration < 0.0 ? -1.0 : 1.0;
   const double along = direction * velocity;
@@ -121,21 +123,21 @@ double settled_velocity(double velocity, double acceleration, const MotionJerk& 
   return direction * ((w - until_rest) / jerk.acceleration);
 }
 
-/// One side of v = 0 on the way to a higher velocity.
+/// One side of v = 0 during the change to a higher velocity.
 struct Side {
   double end_velocity = 0.0;
-  double end_acceleration = 0.0;  // >= 0, the highest that is allowed there, at most the cap
+  double end_acceleration = 0.0;  // >= 0, the highest allowed there, at most the cap
   double cap = 0.0;               // highest acceleration
   double jerk = 0.0;
 };
 
-/// Makes the change to a higher velocity; `sign` mirrors it.
+/// Builds the change to a higher velocity; `sign` mirrors it.
 class RampBuilder {
  public:
   RampBuilder(double sign, double velocity, double acceleration)
       : sign_(sign), velocity_(sign * velocity), acceleration_(sign * acceleration) {}
 
-  /// Takes an acceleration below 0 back to 0.
+  /// Returns a negative acceleration to 0.
   void settle(const MotionJerk& jerk) {
     if (acceleration_ >= 0.0) return;
     double w = half_square(acceleration_);
@@ -155,7 +157,7 @@ class RampBuilder {
     reach(velocity_ - w / jerk.acceleration, 0.0);
   }
 
-  /// Goes to the end of `side` with the largest acceleration that its bounds allow.
+  /// Continues to the end of `side` with the largest acceleration allowed.
   void cover(const Side& side) {
     const double span = std::max(side.end_velocity - velocity_, 0.0);
     const double most = side.jerk * span;
@@ -179,15 +181,15 @@ class RampBuilder {
 
  private:
   void fall_all_the_way(const Side& side, double span, double w_left) {
-    // Where it has to end with 0, what is left of w is rounding, and its root would not be small.
+    // If it must end with 0, the rest of w is rounding error, whose square root would not be small.
     const bool ends = side.end_acceleration == 0.0;
     const double end = ends ? 0.0 : std::sqrt(2.0 * w_left);
     add(ends ? acceleration_ / side.jerk : time_over(span, acceleration_, end), -side.jerk);
     reach(side.end_velocity, end);
   }
 
-  /// From below the cap up to it or to a lower peak, from above it down to the cap.
-  /// @param twice_gain of w, if nothing capped it
+  /// From below the cap up to it or to a lower peak; from above it down to the cap.
+  /// @param twice_gain twice the gain of w without a cap
   void go_to_peak(const Side& side, double twice_gain) {
     const double w = half_square(acceleration_);
     const double w_cap = half_square(side.cap);
@@ -204,7 +206,7 @@ class RampBuilder {
     reach(velocity_ + gain / side.jerk, peak);
   }
 
-  /// From the peak, which is held where there is room.
+  /// Holds the peak if there is room, then falls.
   void fall_to_end(const Side& side, double w_end) {
     const double lost = std::max(half_square(acceleration_) - w_end, 0.0) / side.jerk;
     if (acceleration_ == side.cap) {
@@ -237,13 +239,13 @@ class RampBuilder {
   Ramp ramp_;
 };
 
-/// What a motion may use.
+/// The limits of a motion.
 struct Rules {
   MotionLimits limits;
   MotionJerk jerk;
 };
 
-/// @return the fastest change of the velocity to `target`, which ends without acceleration.
+/// @return the fastest change of velocity to `target`, ending with zero acceleration.
 Ramp change_velocity(double velocity, double acceleration, double target, const Rules& rules) {
   const auto& [limits, jerk] = rules;
   const double sign = target >= settled_velocity(velocity, acceleration, jerk) ? 1.0 : -1.0;
@@ -270,17 +272,18 @@ Ramp stop_after(const Piece& piece, double time, const Rules& rules) {
   return change_velocity(velocity_after(piece, time), acceleration_after(piece, time), 0.0, rules);
 }
 
-/// Narrows an interval around the root of a growing function by its secant. An end that stays
-/// counts half (Illinois); where three steps in a row do not halve the interval, the next one does.
+/// Narrows an interval around the root of an increasing function by its secant. An end that does
+/// not move has its value halved (Illinois method); if three successive steps do not halve the
+/// interval, the next one bisects it.
 class Bracket {
  public:
-  /// @param length of the interval, which begins at 0
-  /// @param below the function at 0, < 0
-  /// @param above the same at `length`, > 0
+  /// @param length of the interval, which starts at 0
+  /// @param below value of the function at 0, < 0
+  /// @param above its value at `length`, > 0
   Bracket(double length, double below, double above)
       : high_(length), below_(below), above_(above) {}
 
-  /// @return where to look next; an end of the interval when no number is left inside of it.
+  /// @return the next point to try; an end of the interval if there is no number left inside it.
   [[nodiscard]] double next() const {
     const double width = high_ - low_;
     const double secant = high_ - width * (above_ / (above_ - below_));
@@ -292,7 +295,7 @@ class Bracket {
 
   [[nodiscard]] double low() const { return low_; }
 
-  /// @param error the function at `time`
+  /// @param error value of the function at `time`
   void narrow(double time, double error) {
     const double width = high_ - low_;
     if (error < 0.0) {
@@ -324,13 +327,13 @@ class Bracket {
   End stayed_ = End::none;
 };
 
-/// When to leave a piece, and by how much the stop from there ends before the target.
+/// When to leave a piece, and how far before the target the stop from there ends.
 struct Leave {
   double time = 0.0;
-  double missing = 0.0;  // >= 0; 0 up to rounding of the way
+  double missing = 0.0;  // >= 0; 0 within the rounding of the distance
 };
 
-/// Searches the instant at which a change of the velocity has to be left for the stop.
+/// Searches the instant at which to leave a change of velocity for the stop.
 class LeaveSearch {
  public:
   /// @param direction of the change, +1 or -1
@@ -338,18 +341,18 @@ class LeaveSearch {
   LeaveSearch(const Rules& rules, double direction, double distance)
       : rules_(rules), direction_(direction), distance_(distance) {}
 
-  /// @param begin way to the begin of `piece`
-  /// @return how far behind the target, in the direction, the axis stops if it leaves `piece` after
-  ///         `time`.
+  /// @param begin distance to the start of `piece`
+  /// @return how far beyond the target, in the direction of the change, the axis stops if it leaves
+  ///         `piece` after `time`.
   [[nodiscard]] double beyond(const Piece& piece, double begin, double time) const {
     const double way = way_of(piece, time) + way_of(stop_after(piece, time, rules_));
     return direction_ * ((begin + way) - distance_);
   }
 
-  /// @param below `beyond` at the begin of the piece, < 0
-  /// @param above the same at its end
+  /// @param below `beyond` at the start of the piece, < 0
+  /// @param above `beyond` at its end
   [[nodiscard]] Leave solve(const Piece& piece, double begin, double below, double above) const {
-    constexpr int kMaximumSteps = 256;  // four for each bit of the time; some eight are usual
+    constexpr int kMaximumSteps = 256;  // four for each bit of the time; about eight is usual
     constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
     const double enough = kEpsilon * (std::abs(distance_) + std::abs(begin));
     if (!(above > enough)) return {.time = piece.duration};
@@ -394,7 +397,7 @@ class JerkProfileBuilder {
 
   [[nodiscard]] double position() const noexcept { return position_; }
 
-  /// The last piece ends at rest, exactly at `position`: it counts back from there.
+  /// Ends at rest, exactly at `position`, because the reference of the last piece is its end.
   [[nodiscard]] JerkProfile finish_at(double position, bool reaches_target) noexcept {
     if (profile_.count_ > 0) {
       JerkSegment& last = profile_.segments_[profile_.count_ - 1U];
@@ -408,7 +411,7 @@ class JerkProfileBuilder {
     return profile_;
   }
 
-  /// Travels on without end.
+  /// Continues at `velocity` forever.
   [[nodiscard]] JerkProfile finish_running(double velocity) noexcept {
     append(Piece{.duration = std::numeric_limits<double>::infinity(), .velocity = velocity});
     profile_.end_position_ = position_;
@@ -416,7 +419,8 @@ class JerkProfileBuilder {
   }
 
  private:
-  /// Pieces of one jerk are one segment, which is one border less for the tick.
+  /// Merges successive pieces of the same jerk into one segment, so that the tick has one border
+  /// less.
   void append(const Piece& piece) noexcept {
     const bool goes_on = profile_.count_ > 0 && piece.jerk != 0.0 &&
                          profile_.segments_[profile_.count_ - 1U].jerk == piece.jerk;
@@ -440,10 +444,10 @@ class JerkProfileBuilder {
 
 namespace {
 
-/// Adds a stop whose way is longer by `missing`. The end of a stop that first takes a long time to
-/// end its acceleration moves by more than rounding from one number of the leaving time to the
-/// next; it holds the velocity that it gets to then, for less time than the piece behind takes. At
-/// almost no velocity that is too short, but there the end moves by rounding only.
+/// Adds a stop lengthened by `missing`. If a stop takes long to end its acceleration, its end moves
+/// by more than rounding between two neighbouring numbers of the leaving time. It then holds the
+/// velocity that it reaches, for less time than the next piece takes. At almost zero velocity that
+/// time would be too long for this, but there the end moves only by rounding.
 void add_longer(JerkProfileBuilder& builder, const Ramp& stop, double direction, double missing) {
   for (std::size_t i = 0; i < stop.count; ++i) {
     const Piece& piece = stop.pieces[i];
@@ -456,8 +460,8 @@ void add_longer(JerkProfileBuilder& builder, const Ramp& stop, double direction,
   }
 }
 
-/// The pieces of `change` up to the instant at which the stop has to begin, and the stop.
-/// @param below LeaveSearch::beyond at the begin of the change, < 0
+/// Adds the pieces of `change` up to the instant at which the stop must begin, then the stop.
+/// @param below LeaveSearch::beyond at the start of the change, < 0
 void leave_in_time(JerkProfileBuilder& builder, const Ramp& change, const LeaveSearch& search,
                    double below, const Rules& rules) {
   double begin = 0.0;
@@ -491,7 +495,7 @@ JerkSegment JerkProfile::segment_at(double time) const noexcept {
 }
 
 MotionSample JerkProfile::at(double time) const noexcept {
-  if (time >= duration()) return {end_position_, 0.0, 0.0};  // at an infinite time, too
+  if (time >= duration()) return {end_position_, 0.0, 0.0};  // for an infinite time too
   return sample(segment_at(time), std::max(time, 0.0));
 }
 

@@ -7,15 +7,16 @@
 
 namespace vdrive {
 
-/// Appends segments in the direction of travel: velocities handed in are magnitudes along it.
+/// Appends segments. Velocities are passed as magnitudes along the direction of travel.
 class ProfileBuilder {
  public:
   explicit ProfileBuilder(double start_position) noexcept
       : profile_(start_position), position_(start_position) {}
 
   /// Travels from velocity `from` (>= 0, along `direction` = +1 or -1) until it has changed by
-  /// `change` at constant acceleration. The change is handed in, not the end: of two speeds close
-  /// to each other the difference would lose its digits, and with them time and place of the end.
+  /// `change`, at constant acceleration. The change is passed rather than the end, because the
+  /// difference of two close speeds would lose digits, and so would the time and position of the
+  /// end.
   void ramp(double direction, double from, double change, double acceleration) noexcept {
     const double duration = std::abs(change) / acceleration;
     append(duration, direction * from, direction * (change > 0.0 ? acceleration : -acceleration));
@@ -44,12 +45,13 @@ class ProfileBuilder {
     position_ = target;
   }
 
-  /// Travels on without end.
+  /// Continues at `velocity` forever.
   void run(double direction, double velocity) noexcept {
     append(std::numeric_limits<double>::infinity(), direction * velocity, 0.0);
   }
 
-  /// Slows from velocity `from` to rest exactly at `target`: the segment counts back from its end.
+  /// Slows from velocity `from` to rest exactly at `target`: the reference of the segment is its
+  /// end.
   void arrive(double direction, double from, double target, double deceleration) noexcept {
     end_at(target, from / deceleration, -direction * deceleration);
   }
@@ -85,7 +87,7 @@ double stopping_distance(double velocity, double deceleration) {
   return 0.5 * velocity * velocity / deceleration;
 }
 
-/// From `velocity` >= 0 along `direction` to a target that lies at or beyond the stopping distance.
+/// From `velocity` >= 0 along `direction` to a target at or beyond the stopping distance.
 void approach(ProfileBuilder& builder, double direction, double velocity, double target,
               const MotionLimits& limits) {
   const double distance = direction * (target - builder.position());
@@ -98,7 +100,7 @@ void approach(ProfileBuilder& builder, double direction, double velocity, double
   }
   const double a = limits.acceleration;
   const double d = limits.deceleration;
-  // v_p² - v² = 2ad(D - s)/(a + d): only what lies beyond the stopping distance is gained.
+  // v_p² - v² = 2ad(D - s)/(a + d): only the distance beyond the stopping distance adds speed.
   const double beyond = std::max(distance - stopping_distance(velocity, d), 0.0);
   const double gained_squared = 2.0 * a * d * beyond / (a + d);
   const double free_peak = std::sqrt(velocity * velocity + gained_squared);
@@ -127,7 +129,7 @@ Segment Profile::segment_at(double time) const noexcept {
 }
 
 MotionSample Profile::at(double time) const noexcept {
-  if (time >= duration()) return {end_position_, 0.0, 0.0};  // at an infinite time, too
+  if (time >= duration()) return {end_position_, 0.0, 0.0};  // for an infinite time too
   return sample(segment_at(time), std::max(time, 0.0));
 }
 

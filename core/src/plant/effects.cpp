@@ -14,18 +14,19 @@ static_assert(std::is_trivially_copyable_v<EffectBlock>);
 
 constexpr double kInfiniteDistance = std::numeric_limits<double>::infinity();
 
-/// Below this a cooling motor is cold: the heat would go on towards 0 for hundreds of time
-/// constants, and no block of the axis could settle.
+/// Below this heat a cooling motor counts as cold. Otherwise the heat would approach 0 for hundreds
+/// of time constants, and no block of the axis could settle.
 constexpr double kColdest = 1.0e-9;
 
-/// @return whole ticks that last `seconds`, rounded up; what a division adds is no tick.
+/// @return `seconds` as a whole number of ticks, rounded up; the tolerance avoids an extra tick
+///         from the rounding of the division.
 double ticks_of(double seconds, double period) {
   constexpr double kRounding = 1.0e-9;
   return std::max(std::ceil(seconds / period - kRounding), 0.0);
 }
 
-/// The part 1 - exp(-x) of the way to a constant value that is gone in x time constants, as a
-/// quotient with the same bits on every machine: right to x³/12, and at most the whole way.
+/// The fraction 1 - exp(-x) of a step response after x time constants, as a quotient that gives the
+/// same bits on every machine: accurate to x³/12, at most 1.
 double part_of_way(double time_constants) {
   return std::min(time_constants / (1.0 + 0.5 * time_constants), 1.0);
 }
@@ -44,14 +45,14 @@ bool is_switched(const EffectState& state, const ServoState& servo) {
   return others != 0;
 }
 
-/// A tick of the brake of lane `l`.
+/// One tick of the brake in lane `l`.
 /// @return whether it has followed the power stage.
 bool move_brake(const EffectParameters& p, const ServoState& servo, std::size_t l, EffectState& s) {
   const bool powered = servo.powered[l] != 0.0;
   const double needed = powered ? p.release_ticks[l] : p.engage_ticks[l];
   const double ticks = servo.powered[l] == s.powered[l] ? s.brake_ticks[l] : 0.0;
   const bool has_followed = ticks >= needed;
-  // Until it follows it stays as it is, whatever the power stage did meanwhile.
+  // Until it follows, the brake keeps its state, whatever the power stage has done since.
   const bool closed = has_followed ? !powered : s.brake[l] != 0.0;
   s.powered[l] = servo.powered[l];
   s.brake_ticks[l] = has_followed ? ticks : ticks + 1.0;
@@ -60,7 +61,7 @@ bool move_brake(const EffectParameters& p, const ServoState& servo, std::size_t 
   return has_followed;
 }
 
-/// @return the place of an end stop; `infinite` where the parameter is `none`.
+/// @return the position of an end stop; `infinite` if the parameter is `none`.
 double end_stop(double parameter, double none, double infinite) {
   return parameter == none ? infinite : parameter;
 }
@@ -110,7 +111,7 @@ void design_effects(const AxisModel& model, const Gear& gear, const EffectDesign
 void start_effects(const AxisModel& model, std::uint64_t axis, std::size_t lane,
                    EffectBlock& block) noexcept {
   EffectState& state = block.state;
-  // Other numbers than the noise of the load has with the same seed.
+  // Gives other numbers than the load noise with the same seed.
   const std::uint64_t seed = ~scramble(static_cast<std::uint64_t>(model.encoder_noise_seed));
   state.streams[lane] = scramble(seed + axis);
   if (model.encoder_noise != 0.0 || model.load_encoder_noise != 0.0) {

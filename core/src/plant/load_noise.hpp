@@ -7,17 +7,17 @@
 
 namespace vdrive {
 
-/// White noise of the load torque of an axis: another number each tick, by seed, axis and tick.
+/// White noise of the load torque of an axis: a new number each tick, from seed, axis and tick.
 struct LoadNoise {
-  std::uint64_t stream = 0;  // of seed and axis
+  std::uint64_t stream = 0;  // from seed and axis
   std::uint64_t ticks = 0;   // since the seed was set
   double rms = 0.0;          // [N.m], 0 = none
-  double load = 0.0;         // the load torque without noise, as the servo has it [UU/s²]
-  double per_torque = 0.0;   // of a torque to that [UU/s²/(N.m)]
+  double load = 0.0;         // load torque without noise, as the servo uses it [UU/s²]
+  double per_torque = 0.0;   // conversion of a torque to that [UU/s²/(N.m)]
 };
 
-/// @return a number of mean 0 and root mean square 1, at most 3.4641 away from 0: the sum of four
-///         evenly spread numbers, which is near a normal one, without a function of the mathematics
+/// @return a number with mean 0 and root mean square 1, at most 3.4641 from 0: the sum of four
+///         uniformly distributed numbers, which is nearly normal and needs no function of the maths
 ///         library.
 [[nodiscard]] constexpr double noise_of(std::uint64_t bits) noexcept {
   constexpr double kPerUnit =

@@ -8,7 +8,7 @@
 namespace vdrive {
 namespace {
 
-/// Where one of the end stops is missing, nothing lies between two.
+/// If one of the end stops is missing, there is no room to check.
 bool has_room_between_stops(const AxisModel& model) {
   return model.lower_end_stop == kNoLowerEndStop || model.upper_end_stop == kNoUpperEndStop ||
          model.lower_end_stop < model.upper_end_stop;

@@ -9,14 +9,14 @@
 
 namespace vdrive {
 
-// Where the load of a lane is and what its encoders read, at any sub-step. In the header, because
-// the hot loops ask for it, too.
+// Position of the load of a lane and readings of its encoders at any sub-step. Inline because the
+// hot loops use them too.
 
 [[gnu::always_inline]] inline double quantise(double x, double per_unit, double unit) {
   return nearest(x * per_unit) * unit;
 }
 
-/// Load of a rigid axis; a load on a shaft has its position from the model.
+/// Load of a rigid axis. A load on an elastic shaft gets its position from the model.
 [[gnu::always_inline]] inline void place_load(const RigidParameters& p, ServoState& s,
                                               std::size_t l) {
   s.load_position[l] = p.loop.ratio[l] * s.position[l] + s.load_offset[l];
@@ -25,27 +25,27 @@ namespace vdrive {
 [[gnu::always_inline]] inline void place_load(const ElasticParameters& /*p*/, ServoState& /*s*/,
                                               std::size_t /*l*/) {}
 
-/// @return where encoder 1 sees `position`; `e` is null where no lane has an effect.
+/// @return `position` as encoder 1 sees it; `e` is null where no lane has an effect.
 template <bool kEffects>
 [[gnu::always_inline]] inline double seen_by_motor(const EffectBlock* e, std::size_t l,
                                                    double position) {
   return kEffects ? position + e->state.motor_noise[l] : position;
 }
 
-/// @return where the encoder of the position loop sees `position`.
+/// @return `position` as the encoder of the position loop sees it.
 template <bool kEffects>
 [[gnu::always_inline]] inline double seen_by_load(const EffectBlock* e, std::size_t l,
                                                   double position) {
   return kEffects ? position + e->state.load_noise[l] : position;
 }
 
-/// What the encoders of a lane read.
+/// The encoder readings of a lane.
 struct EncoderReadings {
   double motor;  // encoder 1 [UU]
   double load;   // the encoder of the position loop [UU]
 };
 
-/// Once the load has its place.
+/// Call after place_load.
 template <bool kEffects>
 [[gnu::always_inline]] inline EncoderReadings read_lane(const LoopParameters& p,
                                                         const ServoState& s, const EffectBlock* e,

@@ -10,12 +10,12 @@
 
 namespace vdrive {
 
-/// Blocks that are stepped side by side: a sub-step of one block waits for its own results most of
-/// the time, which the others fill.
+/// Number of blocks stepped together: a sub-step of one block mostly waits for its own results, and
+/// the other blocks fill that time.
 inline constexpr std::size_t kInterleavedBlocks = 4;
 
-/// Servo loop settings of a block. Accelerations are torques over the motor's (two inertias) or the
-/// whole (rigid) inertia, so that one unit serves loop, limits and plant.
+/// Servo loop settings of a block. Accelerations are torques over the inertia of the motor (two
+/// inertias) or the total inertia (rigid), so that loop, limits and plant share one unit.
 struct alignas(64) LoopParameters {
   Lane position_gain;         // [1/s]
   Lane velocity_gain;         // [1/s]
@@ -60,8 +60,8 @@ struct ElasticRow {
   Lane load_load;
 };
 
-/// Two inertias on an elastic shaft, exactly discretised: the coupled system, and both inertias on
-/// their own for the play of the backlash.
+/// Two inertias on an elastic shaft, exactly discretised: the coupled system, and the two inertias
+/// separately for motion within the backlash.
 struct alignas(64) ElasticParameters {
   LoopParameters loop;
   ElasticRow motor_velocity;
@@ -78,10 +78,10 @@ struct alignas(64) ElasticParameters {
   Lane friction;               // motor side [UU/s²]
   Lane load_friction;          // load side [UU/s²]
   Lane friction_impulse;       // effect of `friction` on the velocity of a sub-step [UU/s]
-  Lane load_friction_impulse;  // the same of `load_friction`
+  Lane load_friction_impulse;  // the same for `load_friction`
 };
 
-/// State of a block, and what acts on it from outside.
+/// State of a block and the external inputs that act on it.
 struct alignas(64) ServoState {
   Lane position;         // motor [UU], exact
   Lane velocity;         // motor [UU/s]
@@ -91,14 +91,14 @@ struct alignas(64) ServoState {
   Lane load_position;    // load [UU]; rigid: computed from the motor
   Lane load_velocity;    // load [UU/s]; rigid: unused
   Lane load_offset;      // load position minus ratio times motor position, untwisted [UU]
-  Lane load_torque;      // from outside, over the inertia that it acts on [UU/s²]
+  Lane load_torque;      // external, over the inertia that it acts on [UU/s²]
   Lane powered;          // 1 = power stage on
   Lane blocked;          // 1 = load blocked
-  Lane speed_limit;      // of what the position loop asks for: 607Fh and 6080h [UU/s]
+  Lane speed_limit;      // limits the output of the position loop: 607Fh and 6080h [UU/s]
   Lane closes_position;  // 1 = position loop closed
   Lane torque_control;   // 1 = torque_wanted is the command, within speed_limit
-  Lane torque_wanted;    // of the next sub-step [UU/s²]
-  Lane torque_step;      // its change from one sub-step to the next [UU/s²]
+  Lane torque_wanted;    // in the next sub-step [UU/s²]
+  Lane torque_step;      // its change per sub-step [UU/s²]
   Lane command;          // last torque command [UU/s²]
   Lane motor_reading;    // encoder 1 at the end of the tick [UU]
   Lane load_reading;     // encoder of the position loop at the end of the tick [UU]
@@ -106,7 +106,7 @@ struct alignas(64) ServoState {
   Lane load_speed;       // encoder of the position loop over the tick [UU/s]
 };
 
-/// Demand of a block: the segment in force of each lane, and where its motion is.
+/// Demand of a block: the segment in force in each lane, and the present state of its motion.
 struct alignas(64) DemandBlock {
   Lane segment_position;      // at the reference [UU]
   Lane segment_velocity;      // at the reference [UU/s]
@@ -119,7 +119,7 @@ struct alignas(64) DemandBlock {
   Lane segment_jerk;          // 0 outside of BlockState::jerk_limited [UU/s³]
 };
 
-/// @return the segment in force of lane `l`, which has no jerk.
+/// @return the segment in force in lane `l`, which has no jerk.
 [[gnu::always_inline]] inline Segment segment_of(const DemandBlock& demand, std::size_t l) {
   return {.end_time = demand.end_time[l],
           .reference_time = demand.reference_time[l],
@@ -128,7 +128,7 @@ struct alignas(64) DemandBlock {
           .acceleration = demand.segment_acceleration[l]};
 }
 
-/// @return the segment in force of lane `l`.
+/// @return the segment in force in lane `l`.
 [[gnu::always_inline]] inline JerkSegment jerk_segment_of(const DemandBlock& demand,
                                                           std::size_t l) {
   return {.end_time = demand.end_time[l],
@@ -139,8 +139,8 @@ struct alignas(64) DemandBlock {
           .jerk = demand.segment_jerk[l]};
 }
 
-/// @return the demand of lane `l` at `time` [s] since its plan. A lane without jerk has the bits
-///         that it has without `kJerk`, which every lane may have.
+/// @return the demand of lane `l` at `time` [s] since its plan. In a lane without jerk the result
+///         has the same bits with and without `kJerk`.
 template <bool kJerk>
 [[gnu::always_inline]] inline MotionSample sample_lane(const DemandBlock& demand, std::size_t l,
                                                        double time) {
@@ -155,13 +155,13 @@ template <bool kJerk>
 
 struct EffectBlock;  // plant/effects.hpp
 
-/// A block as the kernel steps it: equal blocks share their parameters.
+/// A block for the kernel; equal blocks share their parameters.
 template <typename Parameters>
 struct ServoBlock {
   const Parameters* parameters = nullptr;
   const DemandBlock* demand = nullptr;
   ServoState* state = nullptr;
-  EffectBlock* effects = nullptr;  // where ServoFeatures::effects
+  EffectBlock* effects = nullptr;  // with ServoFeatures::effects
 };
 
 /// Sub-steps `first` to `last` - 1 of a tick of `count`, each of `length` [s].
@@ -175,16 +175,16 @@ struct Substeps {
 /// @return whether all lanes have power, a load that can move, and a closed position loop.
 [[nodiscard]] bool is_plain(const ServoState& state) noexcept;
 
-/// What the lanes of some blocks need of the servo step.
+/// The features that some blocks need in the servo step.
 struct ServoFeatures {
   bool general = false;  // a block is not plain
-  bool play = false;     // a block has play (two inertias)
-  bool effects = false;  // all blocks have their effects
-  bool jerk = false;     // a lane moves along a plan with jerk
+  bool play = false;     // a block has backlash (two inertias)
+  bool effects = false;  // all blocks have effects
+  bool jerk = false;     // a lane follows a plan with jerk
 };
 
-/// Servo loops and plant of some blocks over some sub-steps of a tick; the encoders are read behind
-/// the last one. What a feature adds changes no bit of a lane that does not use it.
+/// Runs servo loops and plant of some blocks over some sub-steps of a tick, and reads the encoders
+/// after the last one. A feature changes no bit of a lane that does not use it.
 void step_servo(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps,
                 ServoFeatures features) noexcept;
 void step_servo(std::span<const ServoBlock<ElasticParameters>> blocks, const Substeps& substeps,

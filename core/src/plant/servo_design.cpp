@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The only place with a matrix exponential. Eigen's own vectorisation is off here, so that the
-// coefficients have the same bits on every machine and in every build.
+// coefficients are bit-identical on every machine and in every build.
 #define EIGEN_DONT_VECTORIZE
 #include "plant/servo_design.hpp"
 
@@ -25,18 +25,18 @@ Eigen::Matrix<double, States, States + Inputs> discretise(
   return exponential.template topRows<States>();
 }
 
-/// Gains of position and velocity loop [1/s]; that of the velocity loop is torque over the inertia
-/// of the torque unit.
+/// Gains of position and velocity loop [1/s]. The gain of the velocity loop is a torque over the
+/// inertia of the torque unit.
 struct Gains {
   double position;
   double velocity;
 };
 
-/// Makes loops slower that would ring on a soft shaft. To the load the velocity loop is a damper
-/// behind the shaft's spring: a stiff loop damps the load's resonance by 1/2 sqrt(k J) / damper,
-/// the position loop excites it by 1/2 position gain / resonance. Where more is excited than
-/// damped, the damper is matched to the spring, which damps best, and the position loop keeps its
-/// distance.
+/// Slows down loops that would ring on a soft shaft. To the load, the velocity loop is a damper
+/// behind the spring of the shaft: a stiff loop damps the resonance of the load by 1/2 sqrt(k J) /
+/// damper, and the position loop excites it by 1/2 position gain / resonance. If the excitation
+/// exceeds the damping, the damper is matched to the spring, which damps best, and the position
+/// loop keeps its ratio to the velocity loop.
 Gains on_shaft(const AxisModel& model, double ratio, const Gains& wanted) {
   const double impedance = std::sqrt(model.coupling_stiffness * model.load_inertia);
   const double resonance = std::sqrt(model.coupling_stiffness / model.load_inertia);
@@ -46,27 +46,27 @@ Gains on_shaft(const AxisModel& model, double ratio, const Gains& wanted) {
   return {.position = wanted.position * (matched / wanted.velocity), .velocity = matched};
 }
 
-/// The gains of the configured bandwidths, as far as motor and load allow.
+/// The gains for the configured bandwidths, as far as motor and load allow.
 Gains gains_of(const AxisModel& model, const Gear& gear, double inertia_ratio) {
   const double bandwidth = kTwoPi * model.velocity_loop_bandwidth;
   Gains gains{.position = kTwoPi * model.position_loop_bandwidth,
               .velocity = bandwidth * inertia_ratio};
-  // Above the resonance the motor is on its own: against its inertia alone the loop must not become
-  // faster than the current loop, or a heavy elastic load makes it ring at full torque.
+  // Above the resonance the loop acts on the motor alone. With the motor's inertia only, it must
+  // not be faster than the current loop, or a heavy elastic load makes it ring at full torque.
   const double highest = kTwoPi * model.current_loop_bandwidth;
   if (gains.velocity > highest) {
     gains.velocity = highest;
-    // Half as fast as the velocity loop inside of it: a step then swings over by less than 10 %.
+    // Half as fast as the inner velocity loop: a step then overshoots by less than 10 %.
     gains.position = std::min(gains.position, 0.5 * highest / inertia_ratio);
   }
   return model.coupling == Coupling::rigid ? gains : on_shaft(model, ratio_of(gear), gains);
 }
 
 /// Loop settings common to both kinds of axis. `unit_inertia` is the inertia of the torque unit,
-/// `whole_inertia` what the loop accelerates, both at the motor.
+/// `whole_inertia` the one that the loop accelerates, both at the motor.
 void design_loop(const AxisModel& model, const Gear& gear, double substep, double unit_inertia,
                  double whole_inertia, std::size_t lane, LoopParameters& loop) {
-  // The PI zero sits a decade below the velocity bandwidth: enough phase margin, quick settling.
+  // The PI zero is a decade below the velocity bandwidth: enough phase margin and quick settling.
   constexpr double kIntegralRatio = 0.1;
   const bool dual = model.feedback == Feedback::dual_encoder;
   const double inertia_ratio = whole_inertia / unit_inertia;
@@ -108,8 +108,8 @@ enum : int {
 };
 }  // namespace column
 
-/// Continuous model of the two inertias. Torques over the motor's inertia (u, T, dm) and over the
-/// load's (dl), all in UU/s².
+/// Continuous model of the two inertias. Torques are divided by the inertia of the motor (u, T, dm)
+/// or of the load (dl), all in UU/s².
 Elastic elastic_system(const AxisModel& model, double ratio, double stiffness, double damping) {
   const double current_loop = kTwoPi * model.current_loop_bandwidth;
   const double jm = model.motor_inertia;
@@ -197,8 +197,9 @@ void design_lane(const AxisModel& model, const Gear& gear, double substep, std::
   const Elastic coupled = discretise<5, 3>(
       elastic_system(model, ratio, model.coupling_stiffness, model.coupling_damping), substep);
   const Elastic loose = discretise<5, 3>(elastic_system(model, ratio, 0.0, 0.0), substep);
-  // The load's position follows from motor and twist: x_l = r·x_m - twist. As an increment of the
-  // sub-step: r·Δx_m - Δtwist, where the twist's own row carries the old twist with coefficient 1.
+  // The position of the load follows from motor and twist: x_l = r·x_m - twist. Its increment in a
+  // sub-step is r·Δx_m - Δtwist, and the row of the twist contains the old twist with coefficient
+  // 1.
   using Increment = Eigen::Matrix<double, 1, 8>;
   const auto load_increment = [ratio](const Elastic& step) -> Increment {
     Increment row = ratio * step.row(column::motor_position) - step.row(column::twist);

@@ -8,9 +8,9 @@
 
 namespace vdrive {
 
-inline constexpr double kTwoPi = 6.283185307179586476925;  ///< [rad] a revolution
+inline constexpr double kTwoPi = 6.283185307179586476925;  ///< [rad] per revolution
 
-/// User units a radian, of motor and load shaft alike.
+/// User units per radian, for motor and load shaft alike.
 inline constexpr double kUserUnitsPerRadian = kUserUnitsPerRevolution / kTwoPi;
 
 /// Gear of 3576h/3577h: load velocity = motor velocity x numerator / denominator.
@@ -19,7 +19,7 @@ struct Gear {
   std::uint32_t denominator = 1;
 };
 
-/// @return load over motor revolutions.
+/// @return load revolutions per motor revolution.
 [[nodiscard]] inline double ratio_of(const Gear& gear) noexcept {
   return static_cast<double>(gear.numerator) / static_cast<double>(gear.denominator);
 }
@@ -30,11 +30,11 @@ struct TorqueLimits {
   double negative = 0.0;
 };
 
-/// @return [N.m] at the motor shaft for 1 UU/s² of the block's torque unit: motor inertia, for the
-///         rigid axis the whole inertia seen by the motor.
+/// @return [N.m] at the motor shaft per 1 UU/s² of the torque unit of the block: from the inertia
+///         of the motor, or for a rigid axis the total inertia at the motor.
 [[nodiscard]] double torque_unit(const AxisModel& model, const Gear& gear) noexcept;
 
-/// @return UU/s² of ServoState::load_torque for 1 N.m at the load shaft.
+/// @return UU/s² of ServoState::load_torque per 1 N.m at the load shaft.
 [[nodiscard]] double load_torque_factor(const AxisModel& model, const Gear& gear) noexcept;
 
 /// Discretises model and loops exactly for a sub-step [s] and fills one lane.

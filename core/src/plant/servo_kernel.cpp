@@ -15,8 +15,9 @@ namespace {
   return below_upper < lower ? lower : below_upper;
 }
 
-/// Torque command of profile torque: the wanted torque, taken back where the speed limit is near.
-/// The velocity loop's proportional part for the limit bounds it, so the speed stays below.
+/// Torque command of profile torque: the wanted torque, reduced near the speed limit. The
+/// proportional part of the velocity loop at that limit bounds it, so the speed stays below the
+/// limit.
 [[gnu::always_inline]] inline double torque_within_speed(const LoopParameters& p, ServoState& s,
                                                          std::size_t l, double measured_velocity) {
   const double most = s.speed_limit[l] * p.inverse_ratio[l];
@@ -26,10 +27,10 @@ namespace {
                p.velocity_gain[l] * (most - measured_velocity));
 }
 
-/// Position P within the speed limit, velocity PI with feed-forward, clamped without wind-up: the
-/// torque command. `kGeneral`: the power stage may be off, the position loop open, or the torque
-/// asked for directly; the integrator then follows the command, so that the velocity loop takes
-/// over without a step.
+/// Torque command: position P within the speed limit, velocity PI with feed-forward, clamped with
+/// anti-windup. With `kGeneral` the power stage may be off, the position loop open, or the torque
+/// commanded directly; in torque control the integrator follows the command, so that the velocity
+/// loop takes over without a step.
 template <bool kGeneral>
 [[gnu::always_inline]] inline double control(const LoopParameters& p, ServoState& s, std::size_t l,
                                              const MotionSample& demand, double measured,
@@ -56,7 +57,7 @@ template <bool kGeneral>
   return s.command[l];
 }
 
-/// Encoder readings at the end of the tick, and the speeds that they give over it.
+/// Reads the encoders at the end of the tick and computes the speeds over it.
 template <bool kEffects>
 [[gnu::always_inline]] inline void read_encoders(const LoopParameters& p, ServoState& s,
                                                  const EffectBlock* e, std::size_t l,
@@ -69,10 +70,11 @@ template <bool kEffects>
 }
 
 /// Velocity after a sub-step with Coulomb friction: `free_velocity` is the result without it,
-/// `impulse` >= 0 its effect. A reversal ends at 0; from 0 only a larger torque breaks away.
+/// `impulse` >= 0 its effect. A reversal ends at 0, where only a torque greater than the friction
+/// breaks away.
 struct Friction {
   double velocity;
-  double direction;  // that friction opposed
+  double direction;  // opposed by friction
   bool stuck;
 };
 
@@ -90,8 +92,8 @@ template <bool kGeneral>
   return kGeneral ? s.torque[l] * s.powered[l] : s.torque[l];
 }
 
-/// What cogging and ripple add to the torques of the motors in a sub-step: +0 in a lane that has
-/// neither. Most blocks have no ripple: its sine is a loop of its own.
+/// The torque that cogging and ripple add in a sub-step: +0 in a lane without either. Most blocks
+/// have no ripple, so its sine has a loop of its own.
 template <bool kGeneral>
 [[gnu::always_inline]] inline void find_uneven(const EffectBlock& e, const ServoState& s,
                                                Lane& uneven) {
@@ -115,13 +117,13 @@ template <bool kGeneral>
   }
 }
 
-/// @return `torque` with what cogging and ripple add; the same bits where they add nothing.
+/// @return `torque` plus the torque of cogging and ripple; bit-identical if that is 0.
 [[gnu::always_inline]] inline double with_uneven(double torque, double uneven) {
   return uneven != 0.0 ? torque + uneven : torque;
 }
 
-/// @return where a step of a load ends between the end stops: it stays at a stop, without rebound.
-///         From beyond one it can only come back.
+/// @return the end of a step of a load between the end stops: the load stays at a stop, without
+///         rebound. From beyond a stop it can only move back.
 [[gnu::always_inline]] inline double between_stops(const EffectState& s, std::size_t l, double from,
                                                    double to) {
   const double highest = from > s.upper_stop[l] ? from : s.upper_stop[l];
@@ -129,7 +131,7 @@ template <bool kGeneral>
   return clamp(to, lowest, highest);
 }
 
-/// The noise of the encoders at the next instant.
+/// Draws the noise of the encoders for the next instant.
 [[gnu::always_inline]] inline void draw_noise(EffectBlock& e) {
   EffectState& s = e.state;
   if (s.noisy == 0) return;
@@ -151,7 +153,7 @@ struct ElasticStep {
   double load_step;
 };
 
-/// What drives one sub-step of the elastic model in lane `l`.
+/// The inputs of one sub-step of the elastic model in lane `l`.
 struct ElasticInput {
   std::size_t l;
   double strain;
@@ -177,9 +179,9 @@ struct ElasticInput {
   return is_engaged ? with_shaft : without;
 }
 
-/// Friction of the brake in a sub-step: all of it where the motor slips, else as much as holds the
-/// motor. The linear model takes it over the whole sub-step and passes on through the shaft what
-/// is too much: the load would hang on the brake, and not on the shaft.
+/// Friction of the brake in a sub-step: all of it if the motor slips, otherwise as much as holds
+/// the motor. The linear model would apply all of it over the sub-step and pass the excess on
+/// through the shaft; the load would then hang on the brake instead of on the shaft.
 [[gnu::always_inline]] inline double brake_friction(const ElasticParameters& p,
                                                     const EffectBlock& e, std::size_t l,
                                                     double free_velocity,
@@ -189,9 +191,9 @@ struct ElasticInput {
   return on_motor.stuck ? held : e.state.brake[l];
 }
 
-/// Linear step, then Coulomb friction on both sides: the velocities without it give its
-/// direction.
-/// @param uneven what cogging and ripple add to the torque of the motor
+/// Linear step, then Coulomb friction on both sides, in the direction given by the velocities
+/// without friction.
+/// @param uneven torque that cogging and ripple add to that of the motor
 template <bool kEffects>
 [[gnu::always_inline]] inline ElasticStep advance(const ElasticParameters& p, const EffectBlock* e,
                                                   const ElasticInput& in, bool engaged, double load,
@@ -233,7 +235,8 @@ template <bool kGeneral, bool kPlay, bool kEffects>
   const double u = control<kGeneral>(p.loop, state, l, demand, measured, load_measured, rate);
   const double torque = torque_of<kGeneral>(state, l);
 
-  // Inside the play both inertias are on their own; outside it the shaft is twisted by the rest.
+  // Within the backlash the inertias are separate; outside it the rest of the twist strains the
+  // shaft.
   const double twist = p.loop.ratio[l] * xm + state.load_offset[l] - xl;
   const double play = kPlay ? p.half_backlash[l] : 0.0;
   const double below = twist > play ? play : twist;
@@ -251,21 +254,21 @@ template <bool kGeneral, bool kPlay, bool kEffects>
   state.torque[l] = p.torque_from_torque[l] * torque + p.torque_from_command[l] * u;
 }
 
-/// What the end stops make of a step of a rigid axis, which had its motor at `x`.
+/// Applies the end stops to a step of a rigid axis whose motor started at `x`.
 [[gnu::always_inline]] inline void hold_lane(const RigidParameters& p, const EffectBlock& e,
                                              ServoState& state, std::size_t l, double x) {
   const double load_x = p.loop.ratio[l] * x + state.load_offset[l];
   const double moved = p.loop.ratio[l] * state.position[l] + state.load_offset[l];
   const double end = between_stops(e.state, l, load_x, moved);
   const double at_stop = (end - state.load_offset[l]) * e.parameters.motor_per_load[l];
-  // Where it stands its bits stay: the way there and back would round.
+  // At a stop the bits stay the same: converting to the load and back would round.
   const double held = end == load_x ? x : at_stop;
   const bool caught = end != moved;
   state.position[l] = caught ? held : state.position[l];
   state.velocity[l] = caught ? 0.0 : state.velocity[l];
 }
 
-/// What the end stops make of a step of a load on a shaft, which was at `x`.
+/// Applies the end stops to a step of a load on a shaft that started at `x`.
 [[gnu::always_inline]] inline void hold_lane(const ElasticParameters& /*p*/, const EffectBlock& e,
                                              ServoState& state, std::size_t l, double x) {
   const double moved = state.load_position[l];
@@ -274,7 +277,7 @@ template <bool kGeneral, bool kPlay, bool kEffects>
   state.load_velocity[l] = end != moved ? 0.0 : state.load_velocity[l];
 }
 
-/// The end stops of a block whose steps began at `begin`.
+/// Applies the end stops to a block whose steps started at `begin`.
 template <typename Parameters>
 [[gnu::always_inline]] inline void hold_at_stops(const Parameters& p, const EffectBlock& e,
                                                  ServoState& state, const Lane& begin) {
@@ -283,7 +286,7 @@ template <typename Parameters>
   for (std::size_t l = 0; l < kLanes; ++l) hold_lane(p, e, state, l, begin[l]);
 }
 
-/// @return where a step begins, of what hold_lane() asks for.
+/// @return the positions before a step, as hold_lane() needs them.
 [[gnu::always_inline]] inline const Lane& begin_of(const RigidParameters& /*p*/,
                                                    const ServoState& state) {
   return state.position;
@@ -328,7 +331,7 @@ template <bool kGeneral, bool kEffects>
   state.torque[l] = p.torque_from_torque[l] * torque + p.torque_from_command[l] * u;
 }
 
-/// The segment of lane `l` at sub-step `k` of the tick.
+/// The demand of lane `l` at sub-step `k` of the tick.
 template <bool kJerk>
 [[gnu::always_inline]] inline MotionSample demand_at(const DemandBlock& demand, std::size_t l,
                                                      const Substeps& substeps, double k) {
@@ -336,7 +339,7 @@ template <bool kJerk>
   return sample_lane<kJerk>(demand, l, (first + k) * substeps.length);
 }
 
-/// No motor turns faster than kHighestMotorSpeed, whatever drives it.
+/// Limits every motor to kHighestMotorSpeed, whatever drives it.
 [[gnu::always_inline]] inline void bound_speed(const RigidParameters& /*p*/, ServoState& s,
                                                std::size_t l) {
   s.velocity[l] = clamp(s.velocity[l], -kHighestMotorSpeed, kHighestMotorSpeed);
@@ -359,8 +362,8 @@ template <bool kEffects, typename Parameters>
   }
 }
 
-/// One sub-step of the lanes of a block. What only some blocks with effects need is in loops of its
-/// own.
+/// One sub-step of the lanes of a block. What only some blocks with effects need is in separate
+/// loops.
 template <bool kGeneral, bool kEffects, bool kJerk, typename Parameters, typename StepLane>
 [[gnu::always_inline]] inline void step_block(const ServoBlock<Parameters>& block,
                                               const Substeps& substeps, double k,
@@ -383,8 +386,8 @@ template <bool kGeneral, bool kEffects, bool kJerk, typename Parameters, typenam
   }
 }
 
-/// The sub-steps of the blocks alternate: `step_lane(block, lane, demand, uneven)` of one block
-/// does not wait for that of another.
+/// Interleaves the sub-steps of the blocks, so that `step_lane(block, lane, demand, uneven)` of one
+/// block does not wait for that of another.
 template <bool kGeneral, bool kEffects, bool kJerk, typename Parameters, typename StepLane>
 [[gnu::always_inline]] inline void step_blocks(std::span<const ServoBlock<Parameters>> blocks,
                                                const Substeps& substeps, StepLane step_lane) {
@@ -459,7 +462,7 @@ void rigid_general_effects(std::span<const ServoBlock<RigidParameters>> blocks,
   step_rigid<true, true, false>(blocks, substeps);
 }
 
-/// Of effects and jerk there is one variant: a plain block has the same bits by the general one.
+/// Effects with jerk have only this variant: for a plain block the general one gives the same bits.
 VDRIVE_VECTOR_CLONES
 void rigid_effects_jerk(std::span<const ServoBlock<RigidParameters>> blocks,
                         const Substeps& substeps) {
