@@ -19,14 +19,14 @@
 #include <utility>
 #include <vector>
 
-/// Plain CDR (XCDR version 1), the only place that writes and reads it: numbers, texts, and what
-/// has a description.
+/// The only place that writes and reads plain CDR (XCDR version 1): numbers, texts, and everything
+/// that has a description.
 namespace vdrive::wire {
 
-/// Bytes of the encapsulation in front of every sample.
+/// Size of the encapsulation header before every sample [bytes].
 inline constexpr std::size_t kEncapsulation = 4;
 
-/// That of plain CDR in little-endian byte order.
+/// The encapsulation header of plain CDR in little-endian byte order.
 inline constexpr std::array<std::byte, kEncapsulation> kLittleEndian{std::byte{0}, std::byte{1},
                                                                      std::byte{0}, std::byte{0}};
 
@@ -41,23 +41,23 @@ concept CdrSequence =
   elements.size();
 };
 
-/// What `ValueOf` gives of an element of a sequence.
+/// The type that `ValueOf` returns for an element of a sequence.
 template <CdrSequence Elements, typename ValueOf = std::identity>
 using CdrElement = std::remove_cvref_t<
     std::invoke_result_t<const ValueOf&, decltype(*std::declval<const Elements&>().data())>>;
 
-/// @return bytes in front of a number of `size` bytes that align it at `position`.
+/// @return the padding [bytes] that aligns a number of `size` bytes after `position`.
 constexpr std::size_t cdr_gap(std::size_t position, std::size_t size) noexcept {
   return (size - position % size) % size;
 }
 
-/// Writes a sample of plain CDR, encapsulation first; the gaps that align numbers are zeros. What
-/// does not fit is left out and counted.
+/// Writes a sample of plain CDR, starting with the encapsulation; padding is zero. Data that does
+/// not fit is not written but still counted in size().
 class CdrWriter {
  public:
   enum class Order : std::uint8_t { native, big_endian };
 
-  /// @param output also empty, to learn the size
+  /// @param output may be empty, to determine the size
   explicit CdrWriter(std::span<std::byte> output, Order order = Order::native) noexcept
       : output_(output), swaps_(order == Order::big_endian) {
     static_assert(std::endian::native == std::endian::little, "samples are announced as CDR_LE");
@@ -71,7 +71,7 @@ class CdrWriter {
     if (auto* const place = take(bytes.size())) std::memcpy(place, bytes.data(), bytes.size());
   }
 
-  /// A text up to its first NUL.
+  /// Writes a text up to its first NUL.
   void put(std::string_view text) noexcept {
     text = text.substr(0, text.find('\0'));
     put(static_cast<std::uint32_t>(text.size() + 1));
@@ -86,7 +86,7 @@ class CdrWriter {
 
   void put(const std::string& text) noexcept { put(std::string_view(text)); }
 
-  /// A sequence: how many, then what `value_of` gives of each.
+  /// Writes a sequence: its length, then the result of `value_of` for each element.
   template <CdrSequence Elements, typename ValueOf = std::identity>
   void put(const Elements& elements, const ValueOf& value_of = {}) noexcept {
     put(static_cast<std::uint32_t>(elements.size()));
@@ -104,7 +104,7 @@ class CdrWriter {
     });
   }
 
-  /// @return bytes of the sample so far, also of what did not fit.
+  /// @return the size of the sample so far [bytes], including what did not fit.
   [[nodiscard]] std::size_t size() const noexcept { return position_; }
 
   [[nodiscard]] bool is_good() const noexcept { return position_ <= output_.size(); }
@@ -123,7 +123,7 @@ class CdrWriter {
     return bytes;
   }
 
-  /// Aligned once, and with room for all or none.
+  /// Aligns once, and writes all numbers or none.
   template <typename Elements, typename ValueOf>
   void put_numbers(const Elements& elements, const ValueOf& value_of) noexcept {
     using Number = CdrElement<Elements, ValueOf>;
@@ -145,7 +145,7 @@ class CdrWriter {
     if (place != nullptr && !bytes.empty()) std::memcpy(place, bytes.data(), bytes.size());
   }
 
-  /// @return the place of the next bytes; nullptr where they do not fit.
+  /// @return where to write the next bytes; nullptr if they do not fit.
   std::byte* take(std::size_t bytes) noexcept {
     const std::size_t begin = position_;
     position_ += bytes;
@@ -157,8 +157,8 @@ class CdrWriter {
   bool swaps_;
 };
 
-/// Writes a sample of whatever size into `bytes`, a container of bytes that takes that size.
-/// @param write called twice with a CdrWriter, first to learn the size
+/// Writes a sample of any size into `bytes`, a container of bytes, which is resized to fit.
+/// @param write called twice with a CdrWriter, first to determine the size
 template <typename Bytes, typename Write>
 void write_sample(Bytes& bytes, const Write& write) {
   CdrWriter size({});
@@ -168,7 +168,7 @@ void write_sample(Bytes& bytes, const Write& write) {
   write(writer);
 }
 
-/// @return bytes that a value has at least: texts and sequences have their length.
+/// @return the minimum size of a value [bytes]; for texts and sequences that of their length field.
 template <typename Value>
 constexpr std::size_t smallest_size() noexcept {
   if constexpr (CdrNumber<Value>) {
@@ -184,8 +184,8 @@ constexpr std::size_t smallest_size() noexcept {
   }
 }
 
-/// Reads plain CDR of either byte order, and checks every length before it uses it. After the first
-/// failure every value is 0, and every text and sequence empty.
+/// Reads plain CDR in either byte order and checks every length before using it. After the first
+/// failure every value is 0 and every text and sequence is empty.
 class CdrReader {
  public:
   explicit CdrReader(std::span<const std::byte> sample) noexcept
@@ -196,14 +196,14 @@ class CdrReader {
 
   [[nodiscard]] bool is_good() const noexcept { return is_good_; }
 
-  /// @return the name of the member whose sequence is longer than the IDL allows: the failure, if
-  ///         it is this one; otherwise empty.
+  /// @return the name of the member whose sequence is longer than the IDL allows, if that was the
+  ///         failure; otherwise empty.
   [[nodiscard]] std::string_view beyond_bound() const noexcept { return beyond_bound_; }
 
   /// @return whether the sample has the byte order of this machine.
   [[nodiscard]] bool is_native() const noexcept { return is_good_ && !swaps_; }
 
-  /// @return where the next value is searched, from the beginning of the sample.
+  /// @return the position of the next value from the start of the sample.
   [[nodiscard]] std::size_t position() const noexcept { return position_; }
 
   template <CdrNumber Number>
@@ -219,7 +219,7 @@ class CdrReader {
     }
   }
 
-  /// @return a text up to its first NUL; part of the sample.
+  /// @return a text up to its first NUL; it refers to the bytes of the sample.
   [[nodiscard]] std::string_view next_text() noexcept {
     const std::size_t length = next<std::uint32_t>();
     if (length == 0 || !has(length)) return {};
@@ -229,7 +229,7 @@ class CdrReader {
     return text.substr(0, text.find('\0'));
   }
 
-  /// Numbers that follow each other, as those of a sequence.
+  /// Reads consecutive numbers, such as those of a sequence.
   template <CdrNumber Number>
   void get(std::span<Number> numbers) noexcept {
     constexpr std::size_t kSize = sizeof(Number);
@@ -249,12 +249,12 @@ class CdrReader {
     }
   }
 
-  /// How sequences take their new length: they keep their capacity.
+  /// The default way to resize a sequence, which keeps its capacity.
   static constexpr auto kResize = [](auto& elements, std::size_t count) {
     elements.resize(count);
   };
 
-  /// Reads a whole struct.
+  /// Reads a complete struct.
   /// @param resize called with each sequence and its new length
   template <DescribedStruct Struct, typename Resize = decltype(kResize)>
   void get(Struct& value, const Resize& resize = kResize) {
@@ -294,13 +294,13 @@ class CdrReader {
     } else {
       for (Element& element : elements) get(member, element, resize);
     }
-    // Of a sequence with an element beyond its bound nothing is left: only the head was read.
+    // If an element is beyond its bound, drop the whole sequence: only its head was read.
     if (!beyond_bound_.empty()) resize(elements, 0);
   }
 
-  /// @param smallest an element in bytes: a sample that claims more elements than fit into it costs
-  ///        no memory
-  /// @return the length of a sequence; 0 where it is beyond its bound, or the sample too short
+  /// @param smallest minimum size of an element [bytes], so that a sample that claims more elements
+  ///        than it can hold costs no memory
+  /// @return the length of a sequence; 0 if it is beyond its bound or the sample is too short
   std::size_t next_length(const MemberTraits& member, std::size_t smallest = 1) noexcept {
     const std::size_t length = next<std::uint32_t>();
     if (member.bound != 0 && length > member.bound) {
@@ -311,7 +311,7 @@ class CdrReader {
   }
 
  private:
-  /// Fails when fewer bytes are left.
+  /// Fails if fewer bytes are left.
   bool has(std::size_t bytes) noexcept {
     is_good_ = is_good_ && position_ <= sample_.size() && bytes <= sample_.size() - position_;
     return is_good_;
@@ -324,11 +324,11 @@ class CdrReader {
   bool swaps_;
 };
 
-/// No constant expression: a member after one without a fixed size does not compile.
+/// Not constexpr, so that a member after one of variable size does not compile.
 inline void has_no_fixed_place() noexcept {}
 
-/// Where the member of that name of a struct of numbers stands, from the beginning of the struct.
-/// @param begin of the struct, from the end of the encapsulation: CDR aligns from there
+/// Returns the position of a member, from the start of its struct.
+/// @param begin of the struct, from the end of the encapsulation, which CDR alignment refers to
 template <DescribedStruct Struct>
 constexpr std::size_t place_of_member(std::string_view name, std::size_t begin = 0) {
   std::size_t place = 0;
@@ -352,8 +352,8 @@ constexpr std::size_t place_of_member(std::string_view name, std::size_t begin =
   return place;
 }
 
-/// Where a value ends that begins at `begin`, both from the end of the encapsulation, if its texts
-/// and sequences are as long as they may be. Without a bound they are taken as empty.
+/// Returns the end of a value that starts at `begin`, both from the end of the encapsulation, with
+/// texts and sequences at their maximum length. Unbounded ones count as empty.
 template <CdrNumber Number>
 constexpr std::size_t largest_end(std::size_t begin, std::type_identity<Number>,
                                   std::size_t /*bound*/) noexcept {
@@ -395,7 +395,7 @@ constexpr std::size_t largest_end(std::size_t begin, std::type_identity<Struct>,
   return end;
 }
 
-/// @return bytes of the largest sample of a struct, with its encapsulation.
+/// @return the maximum size of a sample of a struct [bytes], including its encapsulation.
 template <DescribedStruct Struct>
 [[nodiscard]] constexpr std::size_t largest_sample() noexcept {
   return kEncapsulation + largest_end(0, std::type_identity<Struct>{}, 0);

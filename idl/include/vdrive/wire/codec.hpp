@@ -10,62 +10,62 @@
 #include <span>
 #include <vector>
 
-/// Messages as bytes: plain CDR (XCDR version 1) after the four bytes of the RTPS encapsulation, as
-/// they stand in a DDS sample.
+/// Messages as bytes: the four bytes of the RTPS encapsulation and then plain CDR (XCDR version 1),
+/// as in a DDS sample.
 namespace vdrive::wire {
 
-/// What became of a sample.
+/// Result of decoding a sample.
 enum class Decoding : std::uint8_t {
   good,
-  malformed,      ///< it ends early, or is no plain CDR: nothing in it can be trusted
-  beyond_bounds,  ///< a sequence is longer than the IDL allows: only what stands in front was read
+  malformed,      ///< it is truncated or not plain CDR: nothing in it can be trusted
+  beyond_bounds,  ///< a sequence is longer than the IDL allows: only what precedes it was read
 };
 
-/// The same as the functions below, for the message of a topic by its address.
+/// Untyped versions of the functions below; `message` points to the message type of `topic`.
 [[nodiscard]] std::size_t encoded_size(TopicId topic, const void* message) noexcept;
 std::size_t encode(TopicId topic, const void* message, std::span<std::byte> output) noexcept;
 [[nodiscard]] Decoding decode(TopicId topic, std::span<const std::byte> sample, void* message);
 
-/// @return how many bytes `encode` needs. For every message type of topics.hpp.
+/// @return the size that `encode` needs [bytes]. For every message type of topics.hpp.
 template <typename Message>
 [[nodiscard]] std::size_t encoded_size(const Message& message) noexcept {
   return encoded_size(Topic<Message>::kId, &message);
 }
 
-/// Writes the sample of `message`, in the byte order of this machine. Allocates nothing.
-/// @return how many bytes were written; 0 when `output` is shorter than `encoded_size`.
+/// Writes the sample of `message` in the byte order of this machine. Does not allocate.
+/// @return the number of bytes written; 0 if `output` is shorter than `encoded_size`.
 template <typename Message>
 std::size_t encode(const Message& message, std::span<std::byte> output) noexcept {
   return encode(Topic<Message>::kId, &message, output);
 }
 
-/// Reads the sample of a message type of topics.hpp. Texts beyond their bound are cut. Allocates
-/// nothing once the message has had its largest size, but for sequences within sequences.
+/// Reads the sample of a message type of topics.hpp. Texts beyond their bound are truncated. Does
+/// not allocate once the message has had its largest size, except for sequences within sequences.
 template <typename Message>
 [[nodiscard]] Decoding decode_checked(std::span<const std::byte> sample, Message& message) {
   return decode(Topic<Message>::kId, sample, &message);
 }
 
-/// The same. @return whether the decoding was good.
+/// The same. @return whether decoding succeeded.
 template <typename Message>
 [[nodiscard]] bool decode(std::span<const std::byte> sample, Message& message) {
   return decode_checked(sample, message) == Decoding::good;
 }
 
-/// Reads what clients send. Checks every length before it is used, throws nothing, and allocates
-/// nothing once each message has had its largest size.
+/// Reads the messages that clients send. Checks every length before using it, throws nothing, and
+/// does not allocate once each message has had its largest size.
 class CommandDecoder {
  public:
-  /// @param spare commands whose objects have room from the beginning; further ones get theirs
-  ///        when they are first needed
+  /// @param spare number of commands that have room for their objects from the start; further ones
+  ///        allocate theirs when first needed
   explicit CommandDecoder(std::size_t spare = 0);
 
-  /// `frame` has room for the largest message after the first call.
-  /// @return with beyond_bounds: `too_long` says of which sequence
+  /// After the first call `frame` has room for the largest message.
+  /// @return beyond_bounds if a sequence is too long; `too_long` then identifies it
   [[nodiscard]] Decoding decode(std::span<const std::byte> sample, msg::CommandFrame& frame);
   [[nodiscard]] Decoding decode(std::span<const std::byte> sample, msg::Request& request);
 
-  /// @return the sequence that was beyond its bound in the last sample, too_many_axes or
+  /// @return the sequence of the last sample that was beyond its bound, too_many_axes or
   ///         too_many_objects; otherwise none.
   [[nodiscard]] msg::Reason too_long() const noexcept { return too_long_; }
 

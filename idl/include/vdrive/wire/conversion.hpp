@@ -13,7 +13,7 @@
 
 namespace vdrive::wire {
 
-/// Who holds an axis, as the status shows it.
+/// The owner of an axis, as shown in the status.
 struct Ownership {
   std::uint64_t session = 0;  ///< 0 = free
   std::uint32_t epoch = 0;
@@ -39,17 +39,16 @@ void to_message(const AxisBank& bank, std::size_t index, const AxisAddress& addr
 
 [[nodiscard]] msg::ClockMode to_message(ClockMode mode) noexcept;
 
-/// @return the mode; realtime for a number that the IDL does not have.
+/// @return the mode; realtime for a number that is not in the IDL.
 [[nodiscard]] ClockMode from_message(msg::ClockMode mode) noexcept;
 
-/// Fills the unit of an axis into its description.
+/// Copies the unit of an axis into its description.
 void to_message(const Unit& unit, msg::AxisDescription& message);
 
-/// @return the unit that the description names; the default unit where it names none that is
-///         usable.
+/// @return the unit in the description; the default unit if it has no usable one.
 [[nodiscard]] Unit unit_of(const msg::AxisDescription& message);
 
-/// @return the words for the number of a msg::Reason or of a CiA 301 abort code.
+/// @return a description of a number of msg::Reason or of a CiA 301 abort code.
 [[nodiscard]] std::string describe_reason(std::uint32_t reason);
 
 }  // namespace vdrive::wire

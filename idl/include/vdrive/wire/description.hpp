@@ -8,29 +8,29 @@
 #include <tuple>
 #include <type_traits>
 
-/// What the IDL says about a type. Everything that goes through the members of a message goes
-/// through its description: encoding, decoding, bounds, keys, texts, columns, metrics.
+/// What the IDL says about a type. All code that iterates over the members of a message uses its
+/// description: encoding, decoding, bounds, keys, texts, columns, metrics.
 namespace vdrive::wire {
 
-/// Made from the IDL for each struct: kName (in full), kHelp and kMembers, a tuple of `Member` in
-/// the order of the IDL; for each enumeration: kName and kValues, an array of EnumerationValue.
+/// Generated from the IDL. For each struct: kName (fully qualified), kHelp and kMembers, a tuple of
+/// `Member` in IDL order. For each enumeration: kName and kValues, an array of EnumerationValue.
 template <typename Described>
 struct Description;
 
-/// What a figure does: a counter only grows, a gauge rises and falls.
+/// Kind of a metric: a counter only increases, a gauge can go up and down.
 enum class FigureKind : std::uint8_t { none, counter, gauge };
 
-/// What does not depend on the type of a member.
+/// The properties of a member that do not depend on its type.
 struct MemberTraits {
   std::string_view name;
   std::string_view unit{};  ///< empty = none
   std::string_view help{};
-  std::size_t bound = 0;  ///< elements of a sequence; 0 = no sequence, or any number
+  std::size_t bound = 0;  ///< elements of a sequence; 0 = no sequence, or unbounded
   bool is_key = false;
-  double least = 0;  ///< with `most`, the range; both 0 = that of the type
+  double least = 0;  ///< range, with `most`; both 0 = that of the type
   double most = 0;
-  FigureKind figure = FigureKind::none;  ///< none = no figure
-  bool is_headline = false;              ///< a figure that is shown where there is room for a few
+  FigureKind figure = FigureKind::none;  ///< none = not a metric
+  bool is_headline = false;              ///< a metric shown even where there is room for only a few
 };
 
 /// A member of a struct.
@@ -45,7 +45,7 @@ Member(MemberTraits, Value Struct::*) -> Member<Struct, Value>;
 /// A value of an enumeration.
 struct EnumerationValue {
   std::uint32_t number = 0;
-  std::string_view name;  ///< that of the constant in small letters, without its prefix
+  std::string_view name;  ///< the name of the constant in lower case, without its prefix
   std::string_view help;
 };
 
@@ -54,7 +54,7 @@ concept DescribedStruct = requires {
   Description<Type>::kMembers;
 };
 
-/// Calls `visit(member)` for each member of a struct, in the order of the IDL.
+/// Calls `visit(member)` for each member of a struct, in IDL order.
 template <DescribedStruct Struct, typename Visit>
 constexpr void for_each_member(Visit&& visit) {
   std::apply(
@@ -64,7 +64,7 @@ constexpr void for_each_member(Visit&& visit) {
       Description<Struct>::kMembers);
 }
 
-/// Calls `visit(member)` for each figure of a struct. Figures are unsigned numbers.
+/// Calls `visit(member)` for each metric of a struct. Metrics are unsigned numbers.
 template <DescribedStruct Struct, typename Visit>
 constexpr void for_each_figure(Visit&& visit) {
   for_each_member<Struct>([&]<typename Value>(const Member<Struct, Value>& member) {
@@ -86,11 +86,10 @@ template <DescribedStruct Struct, typename Value>
   return *found;
 }
 
-/// No constant expression: what calls it does not compile.
+/// Not constexpr, so that code calling it in a constant expression does not compile.
 inline void is_no_member_of_the_struct() noexcept {}
 
-/// @return the place of a member among those of its struct; a name that it does not have does not
-///         compile.
+/// @return the position of a member in its struct; an unknown name does not compile.
 template <DescribedStruct Struct>
 [[nodiscard]] constexpr std::size_t member_index(std::string_view name) {
   std::size_t index = 0;
@@ -103,7 +102,7 @@ template <DescribedStruct Struct>
   return index;
 }
 
-/// @return what the IDL says about a value of an enumeration; nullptr for another number.
+/// @return what the IDL says about a value of an enumeration; nullptr for an unknown number.
 template <typename Enumeration>
 [[nodiscard]] constexpr const EnumerationValue* value_row(Enumeration value) noexcept {
   for (const EnumerationValue& row : Description<Enumeration>::kValues) {

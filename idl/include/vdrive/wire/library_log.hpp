@@ -6,16 +6,16 @@
 
 namespace vdrive::wire {
 
-/// Receives the log of the DDS library: while an object of this class exists the library prints
-/// nothing. At most one in a process; the program makes it, not a library.
+/// Receives the log of the DDS library, which prints nothing while an object of this class exists.
+/// At most one per process; the program creates it, not a library.
 class LibraryLog {
  public:
-  /// Called in the log thread of the library with the part of the library and its message.
+  /// Called in the log thread of the library, with the part of the library and its message.
   using Sink = std::function<void(const std::string& part, const std::string& words)>;
 
   explicit LibraryLog(Sink sink);
 
-  /// From here on nothing is printed: the process ends.
+  /// From here on nothing is printed, because the process is ending.
   ~LibraryLog();
 
   LibraryLog(const LibraryLog&) = delete;

@@ -5,7 +5,7 @@
 
 namespace vdrive::wire {
 
-/// @return name and version of the DDS library whose headers this build has: "Fast DDS 2.9.1".
+/// @return name and version of the DDS library that this build was compiled for: "Fast DDS 2.9.1".
 [[nodiscard]] std::string library_version();
 
 }  // namespace vdrive::wire

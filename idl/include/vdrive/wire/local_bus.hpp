@@ -9,19 +9,19 @@
 
 namespace vdrive::wire {
 
-/// The place where participants of one process exchange samples by function calls: no socket, no
-/// thread, no file. A sample is delivered in the thread that writes it, before `write` returns, to
-/// each subscription of its topic; none is lost. Topics keep what they keep over DDS for
-/// subscriptions that come later. Lives as long as its participants do. A process that was forked
-/// cannot use the bus of its parent. Thread-safe.
+/// Exchanges samples between participants in one process by function calls, without a socket,
+/// thread or file. A sample is delivered in the thread that writes it, before `write` returns, to
+/// each subscription of its topic; none is lost. Topics keep the same history for late
+/// subscriptions as over DDS. Lives as long as its participants. A forked process cannot use the
+/// bus of its parent. Thread-safe.
 class LocalBus {
  public:
-  /// What a bench asks of the threads of its clients.
+  /// Work of a bench that the threads of its clients do.
   struct Work {
-    /// Does what waits, as far as another thread does not do it already; does not wait itself.
-    /// Ends after some of it: the caller may have what it waits for.
+    /// Does pending work, unless another thread is doing it; does not wait. Returns after some of
+    /// the work, because the caller may already have what it waits for.
     std::function<LocalWork()> run;
-    /// @return whether the bench takes what a client may send next.
+    /// @return whether the bench can accept the next message of a client.
     std::function<bool()> has_room;
   };
 
@@ -30,11 +30,12 @@ class LocalBus {
   LocalBus(const LocalBus&) = delete;
   LocalBus& operator=(const LocalBus&) = delete;
 
-  /// While this object lives, threads of clients that wait for an answer of the bench run its work:
-  /// so a bench in lock-step needs no thread. The destructor waits for the threads that run it.
+  /// While this object exists, client threads waiting for an answer of the bench run its work, so
+  /// that a bench in lock-step needs no thread of its own. The destructor waits for the threads
+  /// that are running it.
   class WorkPlace {
    public:
-    /// @param bench its number, of which the bus has one
+    /// @param bench its number, unique on the bus
     WorkPlace(std::shared_ptr<LocalBus> bus, std::uint32_t bench, Work work);
     ~WorkPlace();
     WorkPlace(const WorkPlace&) = delete;
@@ -45,14 +46,14 @@ class LocalBus {
     std::uint32_t bench_;
   };
 
-  /// Does work of a bench.
+  /// Does some work of a bench.
   LocalWork run_work(std::uint32_t bench);
 
-  /// Before a client sends to a bench: runs its work when it has no room; where another thread runs
-  /// it, waits for that for a moment. @return whether the bench has room.
+  /// Called before a client sends to a bench: if the bench has no room, runs its work, or waits
+  /// briefly for another thread that does. @return whether the bench has room.
   bool make_room(std::uint32_t bench);
 
-  struct Parts;  ///< known inside the wire room only
+  struct Parts;  ///< private to the wire library
 
   [[nodiscard]] Parts& parts() noexcept { return *parts_; }
 

@@ -12,11 +12,11 @@
 
 namespace vdrive::wire {
 
-/// A reader or a writer: both have numbers of one kind.
+/// A reader or a writer: both have the same kind of identifier.
 using EndpointId = WriterId;
 
-/// Which endpoints of others match one of ours, to be waited for. Filled by a participant.
-/// Thread-safe.
+/// The endpoints of other participants that match one of ours, with functions to wait for them.
+/// Filled by a participant. Thread-safe.
 class Matches {
  public:
   void add(const EndpointId& endpoint);
@@ -24,7 +24,7 @@ class Matches {
 
   [[nodiscard]] std::size_t count() const;
 
-  /// @return the participants of the endpoints, in the order of their matches.
+  /// @return the participants of the endpoints, in the order in which they matched.
   [[nodiscard]] std::vector<Source> sources() const;
 
   [[nodiscard]] bool contains(const Source& source) const;

@@ -13,8 +13,8 @@
 
 namespace vdrive::wire {
 
-/// The text of a message: at most `kBound` bytes in the message itself, without a NUL. Of a longer
-/// text it keeps the beginning, of one with a NUL what stands before it, as DDS libraries do.
+/// A text in a message: up to `kBound` bytes stored inline, without a NUL. A longer text is
+/// truncated, and so is a text at its first NUL, as DDS libraries do.
 template <std::size_t kBound>
 class Text {
  public:
@@ -54,7 +54,7 @@ class Text {
   std::array<char, kBound> bytes_{};
 };
 
-/// @return the number of a value of an enumeration, as counters, events and outcomes have it.
+/// @return the number of an enumeration value, as used in counters, events and outcomes.
 template <typename Enumeration>
 [[nodiscard]] constexpr std::uint32_t number(Enumeration value) noexcept {
   static_assert(std::is_same_v<std::underlying_type_t<Enumeration>, std::uint32_t>);

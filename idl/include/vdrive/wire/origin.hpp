@@ -10,28 +10,28 @@
 
 namespace vdrive::wire {
 
-/// The process that made an object. A process that was forked has the memory of its parent and none
-/// of its threads: nothing that has a thread, a lock, a socket or a file may be used there, not
-/// even to end it. Thread-safe.
+/// The process that created an object. A forked process has the memory of its parent but none of
+/// its threads, so it must not use anything with a thread, lock, socket or file, not even to
+/// destroy it. Thread-safe.
 class Origin {
  public:
   /// This process.
   Origin();
 
-  /// @return whether this process was forked (fork(2)) from the one that made the object. Costs no
-  ///         system call.
+  /// @return whether this process was forked (fork(2)) from the one that created the object. Makes
+  ///         no system call.
   [[nodiscard]] bool is_inherited() const noexcept;
 
-  /// @return why the object cannot be used, when it is inherited.
+  /// @return why an inherited object cannot be used.
   /// @param what the object, such as "the bench"
   [[nodiscard]] std::string problem(std::string_view what) const;
 
  private:
-  unsigned forks_;  ///< before this process, as far as they were seen
+  unsigned forks_;  ///< observed number of forks up to this process
   pid_t process_;
 };
 
-/// Destroys an object in the process that made it. A forked process leaves the object as it is.
+/// Destroys an object only in the process that created it. A forked process leaves it alone.
 class DeleteInOrigin {
  public:
   template <typename Value>

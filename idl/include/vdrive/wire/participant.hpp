@@ -20,34 +20,33 @@ namespace vdrive::wire {
 
 class LocalBus;  ///< vdrive/wire/local_bus.hpp
 
-/// What a participant is for. A client ignores other clients, so that the joins and leaves of many
-/// clients cost nothing.
+/// The role of a participant. A client ignores other clients, so that many clients joining and
+/// leaving cost it nothing.
 enum class Role : std::uint8_t { other, service, client };
 
-/// Where a participant may be reached, and how it finds others. The default is loopback UDP only,
-/// with multicast. With a local bus there is no network, and only `bus` and `role` count.
+/// How a participant can be reached and how it finds others. The default is loopback UDP only, with
+/// multicast. On a local bus there is no network, and only `bus` and `role` are used.
 struct NetworkSettings {
   std::uint32_t domain = 0;               ///< DDS domain, 0 to 232
-  bool takes_default_domain = false;      ///< `domain` is that of default_domain() in ports.hpp
+  bool takes_default_domain = false;      ///< `domain` comes from default_domain() in ports.hpp
   std::vector<std::string> interfaces{};  ///< in the networks to use: own addresses, or names such
                                           ///< as eth0; empty = loopback only
-  std::vector<std::string> peers{};  ///< addresses or names of hosts asked in addition to multicast
+  std::vector<std::string> peers{};  ///< addresses or host names to query in addition to multicast
   std::vector<std::string>
       discovery_servers{};     ///< such as 10.0.0.9:11811, instead of multicast; first = id 0
   bool shared_memory = false;  ///< opt-in: killed processes leave segments behind
-  std::string security{};      ///< directory of the closed mode's material; empty = open
+  std::string security{};      ///< directory with the material of the closed mode; empty = open
   Role role =
       Role::other;         ///< client: ignores participants named "vdrive client" or "vdrive probe"
-  bool guard = true;       ///< false shows in tests what the library does without it
+  bool guard = true;       ///< false lets tests see the library without the guard
   GuardSink guard_sink{};  ///< receives each refusal of the guard
-  std::string place{};     ///< of a service: process and host, shown to others (user data of DDS)
-  std::shared_ptr<LocalBus> bus{};  ///< of this process; nothing = DDS
+  std::string place{};     ///< of a service: process and host, shown to others (DDS user data)
+  std::shared_ptr<LocalBus> bus{};  ///< of this process; null = DDS
 };
 
-/// What a client asks the kernel for as the receive buffer of each of its sockets, as far as
-/// net.core.rmem_max permits [bytes]. The kernel holds twice as much, counted with what a datagram
-/// takes beside its bytes: 60 ms of the status of 4,096 axes at 1 kHz. Memory is taken only for
-/// what waits there.
+/// Receive buffer that a client requests for each of its sockets, limited by net.core.rmem_max
+/// [bytes]. The kernel reserves twice as much, including its overhead per datagram: 60 ms of the
+/// status of 4,096 axes at 1 kHz. Only waiting data takes up memory.
 inline constexpr std::uint32_t kReceiveBufferOfClient = 16U * 1024U * 1024U;
 
 /// DDS could not be set up; the message names the entity and the setting.
@@ -56,26 +55,26 @@ class NetworkError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Another service on the local bus has this name.
+/// Another service on the local bus already has this name.
 class NameTaken : public NetworkError {
  public:
   using NetworkError::NetworkError;
 };
 
-/// The permissions of this participant's identity do not include what was asked for.
+/// The permissions of this participant's identity do not include what was requested.
 class NotPermitted : public NetworkError {
  public:
   using NetworkError::NetworkError;
 };
 
-/// What became of work that a bench leaves to the threads of its clients.
+/// Result of running work that a bench leaves to the threads of its clients.
 enum class LocalWork : std::uint8_t {
-  none,       ///< there was none
-  done,       ///< this thread has done some
-  elsewhere,  ///< another thread does it, or leaves it to whoever calls again
+  none,       ///< there was no work
+  done,       ///< this thread did some work
+  elsewhere,  ///< another thread is doing it, or leaves it to the next caller
 };
 
-/// The clock of a bench: of one run of it.
+/// Identifies the clock of one run of a bench.
 struct ClockOfBench {
   std::uint32_t bench = 0;
   std::uint64_t incarnation = 0;
@@ -83,11 +82,11 @@ struct ClockOfBench {
   friend auto operator<=>(const ClockOfBench&, const ClockOfBench&) = default;
 };
 
-/// A program's place among those that exchange the messages of vdrive: a DDS domain participant, or
-/// a place on the local bus of this process. Must outlive its writers and readers.
-/// Over DDS it shows no type objects, and announces itself every 100 ms with a lease of 600 s (2 s
-/// in the closed mode and to a discovery server); its guard removes participants of vdrive
-/// after 2.5 s of silence, others after the lease that they announce.
+/// A participant in the exchange of vdrive messages: a DDS domain participant, or a place on the
+/// local bus of this process. Must outlive its writers and readers.
+/// Over DDS it announces no type objects. It announces itself every 100 ms with a lease of 600 s (2
+/// s in the closed mode and to a discovery server). Its guard removes vdrive participants after 2.5
+/// s of silence, others after the lease that they announce.
 class Participant {
  public:
   Participant() = default;
@@ -95,7 +94,7 @@ class Participant {
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
-  /// @throws NotPermitted when the permissions of a closed participant do not name the topic;
+  /// @throws NotPermitted when the permissions of a closed participant do not include the topic;
   ///         NetworkError when DDS refuses topic, publisher or writer.
   [[nodiscard]] virtual std::unique_ptr<SampleWriter> make_writer(
       TopicId topic, SampleWriter::Observer observer = nullptr) = 0;
@@ -104,64 +103,67 @@ class Participant {
   [[nodiscard]] virtual std::unique_ptr<SampleReader> make_reader(TopicId topic,
                                                                   SampleHandler handler) = 0;
 
-  /// @return where it is, in words for people: "on this bus", or "on domain 7".
+  /// @return where it is, for people: "on this bus" or "on domain 7".
   [[nodiscard]] virtual std::string place() const = 0;
 
   /// @return the DDS domain; 0 on a local bus.
   [[nodiscard]] virtual std::uint32_t domain() const noexcept { return 0; }
 
-  /// @return whether it has DDS Security: it meets participants of its closed mode only.
+  /// @return whether it uses DDS Security; it then meets only participants of the same closed mode.
   [[nodiscard]] virtual bool is_closed() const noexcept { return false; }
 
-  /// @return what its messages show as their source.
+  /// @return the source that its messages show.
   [[nodiscard]] virtual Source source() const noexcept = 0;
 
-  /// Makes all participants read its announcement again. The library reads each announcement once:
-  /// a participant that had no room for this one would not know it until the announcement changes.
+  /// Makes all participants read its announcement again. The library reads each announcement only
+  /// once, so a participant that had no room for it would not know this one until the announcement
+  /// changes.
   virtual void announce_again() {}
 
-  /// @return who else is there; lives as long as this participant.
+  /// @return the presence of other participants; lives as long as this participant.
   [[nodiscard]] virtual Presence& presence() noexcept = 0;
 
-  // What a bench of this process asks of the threads of its clients; over DDS nothing.
+  // Work that a bench of this process leaves to the threads of its clients; none over DDS.
 
   /// Does work that a bench leaves to the threads of its clients (LocalBus::WorkPlace). The caller
-  /// holds no lock that a handler of a subscription takes.
+  /// must not hold a lock that a handler of a subscription takes.
   virtual LocalWork run_local_work(std::uint32_t /*bench*/) { return LocalWork::none; }
 
-  /// Before a client sends to a bench: one of this process may have to work off first what it has
-  /// received. Over DDS the writer waits instead. The caller holds no lock that a handler takes.
-  /// @return whether the bench has room; if not, the call has waited for a moment.
+  /// Called before a client sends to a bench. A bench of this process may first have to process
+  /// what it has received; over DDS the writer waits instead. The caller must not hold a lock that
+  /// a handler takes.
+  /// @return whether the bench has room; if not, the call has waited briefly.
   virtual bool make_room(std::uint32_t /*bench*/) { return true; }
 
-  /// Notes that the calling thread joins the clock with this session. Of two sessions on a local
-  /// bus that one thread has joined to a clock none could step: the step of one waits for the grant
-  /// of the other, and the thread that waits grants nothing. Over DDS each waits for its answer
-  /// alone.
-  /// @return the session with which this thread has joined the clock already; 0 = none.
+  /// Records that the calling thread joins the clock with this session. If one thread joined two
+  /// sessions on a local bus to the same clock, neither could step: the step of one waits for the
+  /// grant of the other, and a waiting thread grants nothing. Over DDS each session waits only for
+  /// its own answer.
+  /// @return the session with which this thread has already joined the clock; 0 = none.
   [[nodiscard]] virtual std::uint64_t join_clock(const ClockOfBench& /*clock*/,
                                                  std::uint64_t /*session*/) {
     return 0;
   }
 
-  /// The session has left the clock.
+  /// Records that the session has left the clock.
   virtual void leave_clock(const ClockOfBench& /*clock*/, std::uint64_t /*session*/) noexcept {}
 
-  /// The session has left every clock.
+  /// Records that the session has left every clock.
   virtual void leave_clocks(std::uint64_t /*session*/) noexcept {}
 
-  /// @return what is in the way of finding others now, each a line for people: a name that does not
+  /// @return the present obstacles to finding others, one line of text each: a name that does not
   ///         resolve, a discovery server that does not answer.
   [[nodiscard]] virtual std::vector<std::string> troubles() const { return {}; }
 
-  /// @return what the guard has done; all zero without a guard.
+  /// @return the counts of the guard; all zero without a guard.
   [[nodiscard]] virtual GuardCounts guard_counts() const { return {}; }
 };
 
-/// @return a participant on the local bus of `settings`, or else of a DDS domain.
-/// @throws NetworkError when the domain is out of range, the security material is not in order,
-///         DDS refuses the participant, this program has no DDS library, or the local bus belongs
-///         to the process from which this one was forked; NameTaken; what default_domain() throws.
+/// @return a participant on the local bus of `settings` if it has one, otherwise in a DDS domain.
+/// @throws NetworkError when the domain is out of range, the security material is invalid, DDS
+///         refuses the participant, this program has no DDS library, or the local bus belongs to
+///         the process from which this one was forked; NameTaken; the exceptions of
+///         default_domain().
 [[nodiscard]] std::unique_ptr<Participant> make_participant(const NetworkSettings& settings,
                                                             const std::string& name);
 

@@ -11,18 +11,19 @@
 
 namespace vdrive::wire {
 
-/// What another participant announces of itself.
+/// What another participant announces about itself.
 struct OtherParticipant {
   std::string name;
   Source source;
-  bool is_closed = false;  ///< it has DDS Security: only participants of its closed mode meet it
-  std::string place{};  ///< NetworkSettings::place; anything of a stranger, empty where it has none
+  bool is_closed = false;  ///< it uses DDS Security: only participants of its closed mode meet it
+  std::string place{};     ///< NetworkSettings::place; arbitrary for other programs, may be empty
 };
 
-/// Who else is there, since when, and how certain that is. Over a network a participant that is
-/// there may not be known yet, and one that has died still is: its samples show whether it is there
-/// (PresenceByAge). On a local bus those that are there are known, each as long as it lives. Both
-/// answer the same questions. Thread-safe; an answer takes no lock but its own: handlers ask, too.
+/// Which other participants exist, since when, and how certain that is. Over a network, a
+/// participant may exist that is not known yet, and one that has died may still be known; its
+/// samples show whether it is alive (PresenceByAge). On a local bus exactly the existing
+/// participants are known. Both answer the same questions. Thread-safe; answering takes no lock but
+/// its own, because handlers ask too.
 class Presence {
  public:
   using Clock = std::chrono::steady_clock;
@@ -34,49 +35,50 @@ class Presence {
 
   // ---- who is there
 
-  /// @return the other participants that are known now and have a name with this beginning. They
-  ///         are known before their writers and readers are.
+  /// @return the other participants known now whose names start with `beginning`. They are known
+  ///         before their writers and readers are.
   [[nodiscard]] virtual std::vector<OtherParticipant> others(
       std::string_view beginning = "") const = 0;
 
-  /// @return whether some may be there that are not known yet: then a search is worth waiting for,
-  ///         and one that is not among `others` may be there all the same.
+  /// @return whether there may be participants that are not known yet. If so, it is worth waiting
+  ///         for a search, and a participant missing in `others` may still exist.
   [[nodiscard]] virtual bool may_miss_some() const noexcept = 0;
 
-  /// @return whether this participant is there for certain, whatever its samples show.
+  /// @return whether this participant certainly exists, whatever its samples show.
   [[nodiscard]] virtual bool is_certain(const Source& source) const noexcept = 0;
 
-  /// @return whether a second service may come that has the name of the first: it is refused only
-  ///         when the two hear of each other.
+  /// @return whether a second service with the same name may appear: it is refused only when the
+  ///         two find each other.
   [[nodiscard]] virtual bool may_have_double() const noexcept = 0;
 
-  /// @return whether one that has gone may come back: what comes with its name continues it.
+  /// @return whether a participant that has gone may return, so that a new one of that name
+  ///         continues it.
   [[nodiscard]] virtual bool may_return() const noexcept = 0;
 
-  // ---- since when: in times in which this program ran
+  // ---- since when, not counting times in which this program was stopped
 
-  /// @return how long this program was stopped between the first call and `now`. While stopped it
-  ///         receives nothing, which says nothing about others. 0 where that does not matter.
+  /// @return for how long this program was stopped between the first call and `now`. While stopped
+  ///         it receives nothing, which says nothing about the others. 0 if that does not matter.
   [[nodiscard]] virtual Clock::duration own_pauses(Clock::time_point now) = 0;
 
-  /// @return how often own_pauses has to be called, so that a long gap can only be a pause; nothing
-  /// = it need
-  ///         not be called.
+  /// @return how often to call own_pauses, so that a long gap can only be a pause; nothing if it
+  ///         need not be called.
   [[nodiscard]] virtual std::optional<std::chrono::milliseconds> pulse() const noexcept = 0;
 
-  /// @return `now` without the pauses of this program: the time of the following questions.
+  /// @return `now` minus the pauses of this program: the time used by the questions below.
   [[nodiscard]] Clock::time_point running_time(Clock::time_point now) {
     return now - own_pauses(now);
   }
 
-  /// @param newest_sample of this participant, nothing = none has arrived
-  /// @return for how long it has not shown that it is there; nothing when it is not, as far as is
+  /// @param newest_sample of this participant; nothing = none has arrived
+  /// @return for how long it has given no sign of life; nothing if it does not exist as far as
   ///         known.
   [[nodiscard]] virtual std::optional<Clock::duration> silence(
       const Source& source, std::optional<Clock::time_point> newest_sample,
       Clock::time_point now) const noexcept = 0;
 
-  /// @return whether nobody's silence counts: the others first have to find this program again.
+  /// @return whether nobody's silence counts, because the others must first find this program
+  ///         again.
   [[nodiscard]] virtual bool is_excused(Clock::time_point now) const = 0;
 };
 

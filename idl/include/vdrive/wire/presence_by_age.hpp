@@ -14,21 +14,21 @@
 
 namespace vdrive::wire {
 
-/// Presence where nobody knows for certain who is there: the age of samples shows it. A time
-/// between two calls of own_pauses beyond kLongestGap is a pause of this program: it was stopped,
-/// or the machine was busy.
+/// Presence where it is not known for certain who exists, judged by the age of samples. A gap
+/// between two calls of own_pauses beyond kLongestGap counts as a pause of this program: it was
+/// stopped, or the machine was busy.
 class PresenceByAge final : public Presence {
  public:
   static constexpr std::chrono::milliseconds kPulse{50};
-  /// Three pulses: a busy machine is late by less all the time.
+  /// Three pulses: a busy machine is often late, but by less than this.
   static constexpr std::chrono::milliseconds kLongestGap{150};
-  /// How long the others take to find a program again that they have removed: some 0.1 s, longer on
-  /// a busy machine.
+  /// How long the others take to find a program again that they have removed: about 0.1 s, longer
+  /// on a busy machine.
   static constexpr std::chrono::milliseconds kTimeToBeFoundAgain{500};
 
   using Named = std::function<std::vector<OtherParticipant>(std::string_view beginning)>;
 
-  /// @param others gives those that are known now
+  /// @param others returns those known now
   explicit PresenceByAge(Named others) : others_(std::move(others)) {}
 
   [[nodiscard]] std::vector<OtherParticipant> others(std::string_view beginning) const override {
@@ -41,7 +41,7 @@ class PresenceByAge final : public Presence {
 
   [[nodiscard]] bool may_have_double() const noexcept override { return true; }
 
-  /// A service that restarts does.
+  /// True for a service that restarts.
   [[nodiscard]] bool may_return() const noexcept override { return true; }
 
   [[nodiscard]] Clock::duration own_pauses(Clock::time_point now) override;
@@ -58,8 +58,8 @@ class PresenceByAge final : public Presence {
 
  private:
   Named others_;
-  mutable std::mutex mutex_;                 ///< guards what follows
-  std::optional<Clock::time_point> newest_;  ///< call of own_pauses
+  mutable std::mutex mutex_;                 ///< guards the members below
+  std::optional<Clock::time_point> newest_;  ///< last call of own_pauses
   Clock::duration pauses_{};
   std::optional<Clock::time_point> excused_until_;
 };

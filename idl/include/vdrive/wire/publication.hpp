@@ -20,18 +20,18 @@ namespace vdrive::wire {
 template <typename Message>
 class Publication final {
  public:
-  /// @throws what Participant::make_writer throws
+  /// @throws as Participant::make_writer
   explicit Publication(Participant& participant)
       : writer_(participant.make_writer(Topic<Message>::kId)) {}
 
-  /// As SampleWriter::write. Allocates nothing once it has written a message of that size.
+  /// Like SampleWriter::write. Does not allocate once it has written a message of that size.
   [[nodiscard]] bool write(const Message& message) noexcept {
     try {
       const std::scoped_lock lock(encoding_);
       sample_.resize(encoded_size(message));
       encode(message, sample_);
       return writer_->write(sample_);
-    } catch (...) {  // no memory
+    } catch (...) {  // out of memory
       return false;
     }
   }
@@ -50,15 +50,15 @@ class Publication final {
     return writer_->matches().wait_for(source, timeout);
   }
 
-  /// As SampleWriter::wait_for_acknowledged.
+  /// Like SampleWriter::wait_for_acknowledged.
   [[nodiscard]] bool wait_for_acknowledged(std::chrono::milliseconds timeout) {
     return writer_->wait_for_acknowledged(timeout);
   }
 
  private:
   std::mutex encoding_;
-  /// Bytes of the last message. Not thread_local: a thread's objects may be destroyed before a
-  /// session that the thread created and that still has to release its axes.
+  /// Bytes of the last message. Not thread_local: the thread-local objects of a thread may be
+  /// destroyed before a session that the thread created and that must still release its axes.
   std::vector<std::byte> sample_;
   std::unique_ptr<SampleWriter> writer_;
 };

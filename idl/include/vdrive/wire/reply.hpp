@@ -11,11 +11,11 @@
 #include <span>
 #include <vector>
 
-/// Samples of Reply, which answers each step: the axes that it shows are copied between status
-/// images and bytes, as those of a status frame are.
+/// Samples of Reply, the answer to each step. The axes in it are copied directly between status
+/// images and bytes, like those of a status frame.
 namespace vdrive::wire {
 
-/// An axis that a reply shows.
+/// An axis included in a reply.
 struct ShownAxis {
   std::uint16_t number = 0;  ///< on its bench
   std::uint64_t tick = 0;    ///< of the status
@@ -23,19 +23,19 @@ struct ShownAxis {
   AxisStatus status;
 };
 
-/// @return bytes of a sample of Reply with the objects of `reply` and that many axes.
+/// @return the size of a sample of Reply with the objects of `reply` and `axes` axes [bytes].
 [[nodiscard]] std::size_t encoded_reply_size(const msg::Reply& reply, std::size_t axes) noexcept;
 
 /// Writes a sample of Reply: the bytes that `encode` would give for `reply` with these axes as its
-/// statuses. Its own statuses are left out.
-/// @return how many bytes were written; 0 when `output` is too short.
+/// statuses. The statuses in `reply` are ignored.
+/// @return the number of bytes written; 0 if `output` is too short.
 std::size_t encode_reply(const msg::Reply& reply, std::span<const ShownAxis> axes,
                          std::span<std::byte> output) noexcept;
 
-/// Reads a sample of Reply. Allocates nothing once `reply` and `axes` have had their largest size.
-/// @param reply gets all but the statuses
-/// @return false when the sample ends early, has another encapsulation than plain CDR in
-///         little-endian byte order, which every service writes, or a sequence is beyond its bound.
+/// Reads a sample of Reply. Does not allocate once `reply` and `axes` have had their largest size.
+/// @param reply receives everything except the statuses
+/// @return false if the sample is truncated, is not plain CDR in little-endian byte order, which
+///         every service writes, or has a sequence beyond its bound.
 [[nodiscard]] bool decode_reply(std::span<const std::byte> sample, msg::Reply& reply,
                                 std::vector<ReceivedStatus>& axes);
 

@@ -8,8 +8,9 @@
 #include <cstdint>
 #include <type_traits>
 
-/// The kinds of request, a row each: what a kind uses, who may ask it and when. Services refuse by
-/// these rows, clients make requests by them, and docs/reference/wire.md is compared with them.
+/// The kinds of request, one row each: the members a kind uses, who may make it and when. Services
+/// refuse by these rows, clients make requests from them, and docs/reference/wire.md is checked
+/// against them.
 namespace vdrive::wire {
 
 /// Members of a request, as a set.
@@ -40,27 +41,27 @@ class RequestMembers {
   std::uint32_t bits_;
 };
 
-/// Who may ask.
+/// Who may make a request.
 enum class RequestCaller : std::uint8_t {
-  anybody,  ///< also without a session
-  session,  ///< every session; 0 is refused with REASON_BAD_SESSION
-  owner,    ///< who owns what it is about, or everybody where that is free: the state decides
-  stepper,  ///< a stepper of the clock, or whoever may become one: the state decides
+  anybody,  ///< even without a session
+  session,  ///< any session; 0 is refused with REASON_BAD_SESSION
+  owner,    ///< the owner of its axes, or anybody if they are free: depends on the state
+  stepper,  ///< a stepper of the clock, or a session that may become one: depends on the state
 };
 
-/// When it may be asked.
+/// When a request may be made.
 enum class RequestClock : std::uint8_t {
   any,
   lockstep,  ///< REASON_WRONG_CLOCK_MODE in another mode
   realtime,  ///< likewise
-  standing,  ///< lock-step, or paused; else REASON_TIME_PASSES
+  standing,  ///< lock-step, or paused; otherwise REASON_TIME_PASSES
 };
 
 /// A kind of request.
 struct RequestKindRow {
   msg::RequestKind kind{};
-  /// Beside those that every request has. Others are ignored, but `session`, which is a sign of
-  /// life in each request and names its sender in events.
+  /// In addition to the members that every request has. Others are ignored, except `session`: in
+  /// every request it is a sign of life, and it identifies the sender in events.
   RequestMembers uses;
   RequestCaller caller = RequestCaller::anybody;
   RequestClock clock = RequestClock::any;
@@ -113,7 +114,7 @@ static_assert(std::ranges::all_of(kRequestKinds,
                                   }),
               "a kind that needs a session uses it");
 
-/// @return the row of a kind; nullptr for a number that is none.
+/// @return the row of a kind; nullptr for an unknown number.
 [[nodiscard]] constexpr const RequestKindRow* request_kind_row(msg::RequestKind kind) noexcept {
   const auto row = std::ranges::find(kRequestKinds, kind, &RequestKindRow::kind);
   return row == kRequestKinds.end() ? nullptr : &*row;

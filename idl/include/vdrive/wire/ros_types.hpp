@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-/// The types of ROS 2 that vdrive uses, see idl/ros_messages.idl.
+/// The ROS 2 types that vdrive uses; see idl/ros_messages.idl.
 namespace vdrive::ros {
 
 using Time = builtin_interfaces::msg::dds_::Time_;
@@ -22,13 +22,13 @@ using DiagnosticArray = diagnostic_msgs::msg::dds_::DiagnosticArray_;
 using Clock = rosgraph_msgs::msg::dds_::Clock_;
 using Log = rcl_interfaces::msg::dds_::Log_;
 
-/// The canonical description of a type, from which its hash is made (REP 2016): JSON with the
-/// members in their order, and the descriptions of the types that it uses, by name.
+/// Returns the canonical description of a type, from which its hash is computed (REP 2016): JSON
+/// with the members in order and, by name, the descriptions of the types that it uses.
 /// @param type such as "sensor_msgs/msg/JointState"
 /// @throws std::invalid_argument for a type that vdrive does not use
 [[nodiscard]] std::string type_description(std::string_view type);
 
-/// The hash of a type as ROS 2 announces it: "RIHS01_" and 64 hexadecimal digits.
+/// Returns the hash of a type as ROS 2 announces it: "RIHS01_" and 64 hexadecimal digits.
 /// @throws std::invalid_argument as type_description() does
 [[nodiscard]] std::string type_hash(std::string_view type);
 

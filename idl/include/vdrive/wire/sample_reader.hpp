@@ -10,19 +10,19 @@
 
 namespace vdrive::wire {
 
-/// What becomes of the samples of a reader. Both run in the DDS receive thread, on a local bus in
-/// the thread that writes, one sample at a time: they must be short, must not wait and must not
-/// write a sample.
+/// Handlers for the samples of a reader. Both run in the DDS receive thread, or on a local bus in
+/// the writing thread, one sample at a time. They must be short, must not wait and must not write a
+/// sample.
 struct SampleHandler {
-  /// Is given the sample with its encapsulation, valid during the call. Nothing about the bytes is
-  /// checked but their length, which is at most twice the largest of the topic.
+  /// Receives the sample with its encapsulation, valid during the call. The bytes are unchecked
+  /// except for their length, which is at most twice that of the largest sample of the topic.
   std::function<void(std::span<const std::byte> sample)> take;
-  /// Runs after `take`, with the sender; over DDS not for a sample without an encapsulation.
+  /// Runs after `take` with the sender; over DDS, not for a sample without an encapsulation.
   std::function<void(const Source& source)> deliver;
 };
 
-/// Receives the samples of a topic as bytes. Made by a participant, which outlives it;
-/// `Subscription` is one for messages. No handler runs after its destructor has returned.
+/// Receives the samples of a topic as bytes. Created by a participant, which outlives it;
+/// `Subscription` wraps it for messages. No handler runs after its destructor has returned.
 class SampleReader {
  public:
   SampleReader() = default;
@@ -30,7 +30,7 @@ class SampleReader {
   SampleReader(const SampleReader&) = delete;
   SampleReader& operator=(const SampleReader&) = delete;
 
-  /// @return samples that the library reported as lost or rejected.
+  /// @return number of samples that the library reported as lost or rejected.
   [[nodiscard]] virtual std::size_t lost() const noexcept = 0;
 
   /// @return the writers that match.

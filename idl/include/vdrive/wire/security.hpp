@@ -11,7 +11,7 @@
 
 namespace vdrive::wire {
 
-/// The files of a security directory, all of them needed (deploy/security makes them).
+/// The files of a security directory, all of them required (deploy/security creates them).
 struct SecurityFile {
   static constexpr std::string_view kIdentityCa = "identity_ca.pem";
   static constexpr std::string_view kCertificate = "certificate.pem";
@@ -21,17 +21,17 @@ struct SecurityFile {
   static constexpr std::string_view kPermissions = "permissions.smime";
 };
 
-/// What the signed permissions of an identity let it publish in one domain.
+/// What the signed permissions of an identity allow it to publish in one domain.
 class Permissions {
  public:
   struct Rule {
     bool allows = false;
-    std::vector<std::string> topics;  ///< patterns as of fnmatch
+    std::vector<std::string> topics;  ///< patterns of fnmatch
   };
 
   Permissions() = default;
 
-  /// @param rules in their order; the first that names a topic counts
+  /// @param rules in order; the first one that names a topic applies
   /// @param by_default whether a topic that no rule names may be published
   Permissions(std::vector<Rule> rules, bool by_default)
       : rules_(std::move(rules)), by_default_(by_default) {}
@@ -44,11 +44,11 @@ class Permissions {
   bool by_default_ = false;
 };
 
-/// Checks the material of the closed mode: that every file is there and readable, that certificate,
-/// key, CA and signatures belong together and are valid now, that the permissions are this
-/// identity's, and that the governance document leaves none of our topics open in `domain`.
+/// Checks the material of the closed mode: every file exists and is readable; certificate, key, CA
+/// and signatures belong together and are valid now; the permissions belong to this identity; and
+/// the governance document leaves none of our topics open in `domain`.
 /// @return what the identity may publish
-/// @throws NetworkError naming the file and what is wrong with it
+/// @throws NetworkError with the file and what is wrong with it
 Permissions check_security(const std::filesystem::path& directory, std::uint32_t domain);
 
 }  // namespace vdrive::wire

@@ -6,7 +6,7 @@
 
 namespace vdrive::wire {
 
-/// Participant that a message came from (RTPS GUID prefix).
+/// The participant that sent a message (RTPS GUID prefix).
 struct Source {
   std::array<std::uint8_t, 12> participant{};
 

@@ -12,13 +12,13 @@
 #include <span>
 
 /// Samples of StatusFrame and AxisStatus, which a service sends each tick: written and read in one
-/// pass, without a message object between the status images and the bytes.
+/// pass, directly between status images and bytes, without a message object.
 namespace vdrive::wire {
 
-/// What all axes of a status frame have in common.
+/// The fields common to all axes of a status frame.
 struct StatusFrameHead {
   std::uint32_t bench = 0;
-  std::uint32_t skipped_ticks = 0;  ///< that the number jumped over in this run, modulo 2^32
+  std::uint32_t skipped_ticks = 0;  ///< jumped over by the tick number in this run, modulo 2^32
   std::uint64_t incarnation = 0;
   std::uint64_t tick = 0;
   std::int64_t time_ns = 0;
@@ -26,30 +26,30 @@ struct StatusFrameHead {
   std::uint16_t parts = 1;
 };
 
-/// Axes of a bench after one tick; the three have one length.
+/// The axes of a bench after one tick; all three spans have the same length.
 struct AxesAfterTick {
   std::span<const AxisStatus> status;
   std::span<const Ownership> owners;
   std::span<const std::uint16_t> numbers;
 };
 
-/// @return bytes of a sample of StatusFrame with that many axes.
+/// @return the size of a sample of StatusFrame with `axes` axes [bytes].
 [[nodiscard]] std::size_t encoded_status_frame_size(std::size_t axes) noexcept;
 
 /// Writes a sample of StatusFrame: the bytes that `to_message` and `encode` would give.
-/// @return how many bytes were written; 0 when `output` is too short.
+/// @return the number of bytes written; 0 if `output` is too short.
 std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick& axes,
                                 std::span<std::byte> output) noexcept;
 
-/// Bytes of a sample of AxisStatus.
+/// Size of a sample of AxisStatus [bytes].
 inline constexpr std::size_t kAxisStatusSize = largest_sample<msg::AxisStatus>();
 
-/// Writes a sample of AxisStatus. @return how many bytes were written; 0 when it does not fit.
+/// Writes a sample of AxisStatus. @return the number of bytes written; 0 if it does not fit.
 std::size_t encode_axis_status(const AxisStatus& status, const AxisAddress& address,
                                std::uint64_t tick, const Ownership& owner,
                                std::span<std::byte> output) noexcept;
 
-/// An axis of a status frame that was received.
+/// An axis in a received status frame.
 struct ReceivedStatus {
   AxisAddress address;
   std::uint64_t tick = 0;
@@ -57,18 +57,18 @@ struct ReceivedStatus {
   AxisStatus status;
 };
 
-/// A received sample of StatusFrame, read where it lies: an axis that the program does not want
-/// costs nothing. Valid as long as the bytes.
+/// A received sample of StatusFrame, read in place: axes that the program does not need cost
+/// nothing. Valid as long as the bytes.
 class StatusFrameView {
  public:
-  /// @return nothing when the sample ends early, has more than MAX_AXES_PER_FRAME axes, or is not
+  /// @return nothing if the sample is truncated, has more than MAX_AXES_PER_FRAME axes, or is not
   ///         plain CDR in little-endian byte order, which every service writes.
   [[nodiscard]] static std::optional<StatusFrameView> of(
       std::span<const std::byte> sample) noexcept;
 
   [[nodiscard]] const StatusFrameHead& head() const noexcept { return head_; }
 
-  /// @return how many axes it holds.
+  /// @return the number of axes in the frame.
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
 
   /// @param position below size()

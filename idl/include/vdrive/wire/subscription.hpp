@@ -21,16 +21,16 @@ namespace vdrive::wire {
 template <typename Message>
 class Subscription final {
  public:
-  /// Runs in the DDS receive thread, on a local bus in the thread that writes: must be short, must
+  /// Runs in the DDS receive thread, or on a local bus in the writing thread: must be short, must
   /// not wait and must not write a message.
-  /// The message is valid during the call; its sequences are within the bounds of the IDL (others
-  /// are dropped and counted as malformed), longer texts are cut. No handler runs after the
-  /// destructor returned.
+  /// The message is valid during the call. Its sequences are within the bounds of the IDL (other
+  /// messages are dropped and counted as malformed); longer texts are truncated. No handler runs
+  /// after the destructor has returned.
   using Handler = std::function<void(const Message& message, const Source& source)>;
 
-  /// @param beyond_bounds runs for messages beyond the bounds of the IDL, in place of `handler`:
-  ///        of the message, what stands in front of the longer sequence is read
-  /// @throws what Participant::make_reader throws
+  /// @param beyond_bounds called instead of `handler` for messages beyond the bounds of the IDL,
+  ///        with the part of the message before the sequence that is too long
+  /// @throws as Participant::make_reader
   explicit Subscription(Participant& participant, Handler handler, Handler beyond_bounds = {})
       : handler_(std::move(handler)),
         beyond_bounds_(std::move(beyond_bounds)),
@@ -64,7 +64,7 @@ class Subscription final {
   /// @return messages dropped because a sequence was longer than the IDL allows.
   [[nodiscard]] std::size_t malformed() const noexcept { return malformed_; }
 
-  /// As SampleReader::lost.
+  /// Like SampleReader::lost.
   [[nodiscard]] std::size_t lost() const noexcept { return reader_->lost(); }
 
  private:
@@ -82,7 +82,7 @@ class Subscription final {
   Message message_{};  ///< keeps its capacity from sample to sample
   Decoding decoding_ = Decoding::malformed;
   std::atomic<std::size_t> malformed_{0};
-  std::unique_ptr<SampleReader> reader_;  ///< last: nothing is delivered to what has gone
+  std::unique_ptr<SampleReader> reader_;  ///< last, so destroyed first: delivery must stop
 };
 
 }  // namespace vdrive::wire

@@ -15,26 +15,26 @@
 
 namespace vdrive::wire {
 
-/// Topics of the wire contract, version 1, are called "vdrive/v1/" and their name.
+/// Topics of version 1 of the wire contract are named with this prefix.
 inline constexpr std::string_view kTopicPrefix = "vdrive/v1/";
 
 /// How the samples of a topic are sent and kept.
 struct TopicQuality {
   bool reliable = false;
   bool transient_local = false;
-  bool keep_all = false;  ///< of readers; and of writers unless `writer_keeps_newest`
-  /// The writer drops samples that a reader does not fetch in favour of newer ones: one writer
+  bool keep_all = false;  ///< for readers, and for writers unless `writer_keeps_newest`
+  /// The writer drops samples that a reader does not fetch in favour of newer ones. One writer
   /// sends the replies to many clients, and a client that hangs must not block the replies to the
   /// others.
   bool writer_keeps_newest = false;
-  std::int32_t depth = 1;      ///< samples kept of an instance
-  std::int32_t instances = 1;  ///< keys in the whole domain
+  std::int32_t depth = 1;      ///< samples kept per instance
+  std::int32_t instances = 1;  ///< number of keys in the domain
 };
 
 /// Who publishes a topic; the other side subscribes.
 enum class Publisher : std::uint8_t { client, service };
 
-/// A topic: the type of its messages, its name without the prefix, who publishes it, its quality.
+/// A topic: the type of its messages, its name without the prefix, its publisher and its quality.
 template <typename Message>
 struct TopicRow {
   std::string_view name;
@@ -49,8 +49,8 @@ inline constexpr std::int32_t kSessionsInDomain = 65'536;
 inline constexpr std::int32_t kSessionsOfBench = 256;  // places of `bench_session`
 inline constexpr std::int32_t kQueueDepth = 1'024;
 
-/// The topics. A new one is a struct of the IDL and a row here: its number, codec, key, type
-/// support, QoS, publication and subscription follow from the two.
+/// The topics. To add one, add a struct to the IDL and a row here: its number, codec, key, type
+/// support, QoS, publication and subscription are derived from these.
 inline constexpr std::tuple kTopicRows{
     TopicRow<msg::CommandFrame>{
         "command", Publisher::client, {.reliable = true, .keep_all = true, .depth = kQueueDepth}},
@@ -90,17 +90,17 @@ inline constexpr std::tuple kTopicRows{
                                  .instances = kBenchesInDomain * kSessionsOfBench}},
 };
 
-/// The number of a topic: the place of its row. `Topic<msg::StatusFrame>::kId` is that of a
-/// message.
+/// The number of a topic: the position of its row. `Topic<Message>::kId` is the one for a message,
+/// such as `Topic<msg::StatusFrame>::kId`.
 enum class TopicId : std::uint8_t {};
 
-/// What is known of a topic by its number.
+/// The properties of a topic that can be looked up by its number.
 struct TopicTraits : TopicQuality {
   std::string_view name;  ///< without the prefix
   Publisher publisher{};
-  std::string_view type_name;  ///< as it is announced
+  std::string_view type_name;  ///< as announced
   bool has_key = false;
-  std::size_t bench_offset = 0;  ///< of the number of the bench in a sample [bytes]
+  std::size_t bench_offset = 0;  ///< position of the bench number in a sample [bytes]
 };
 
 namespace detail {
@@ -121,7 +121,7 @@ constexpr TopicTraits traits_of_row(const TopicRow<Message>& row) {
 
 }  // namespace detail
 
-/// The traits of all topics, by their number.
+/// The traits of all topics, by number.
 inline constexpr std::array kTopics = std::apply(
     [](const auto&... rows) {
       return std::array{detail::traits_of_row(rows)...};
@@ -132,19 +132,19 @@ inline constexpr std::array kTopics = std::apply(
   return kTopics[static_cast<std::size_t>(topic)];
 }
 
-/// @return the topic of that number, or nothing: for numbers that another process wrote.
+/// @return the topic with that number, or nothing; for numbers from another process.
 [[nodiscard]] constexpr std::optional<TopicId> topic_numbered(std::size_t number) noexcept {
   return number < kTopics.size() ? std::optional(static_cast<TopicId>(number)) : std::nullopt;
 }
 
-/// The topic of a message type, found at compile time; a type without a row does not compile.
+/// The topic of a message type, found at compile time. A type without a row does not compile.
 template <typename Message>
 struct Topic {
   static constexpr const TopicRow<Message>& kRow = std::get<TopicRow<Message>>(kTopicRows);
   static constexpr TopicId kId = std::apply(
       [](const auto&... rows) {
         std::size_t number = 0;
-        // Counts the rows before that of the message.
+        // Counts the rows before the one of the message.
         static_cast<void>(
             ((!std::is_same_v<std::remove_cvref_t<decltype(rows)>, TopicRow<Message>> &&
               ++number != 0) &&

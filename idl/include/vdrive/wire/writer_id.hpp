@@ -10,7 +10,7 @@
 
 namespace vdrive::wire {
 
-/// Writer that a message came from (RTPS GUID).
+/// The writer that sent a message (RTPS GUID).
 struct WriterId {
   Source source{};
   std::array<std::uint8_t, 4> entity{};
