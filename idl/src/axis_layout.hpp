@@ -16,23 +16,23 @@
 #include <type_traits>
 #include <utility>
 
-/// The AxisStatus of the IDL as bytes, alone or in a sequence: copied between status images and
-/// samples, without a message object between them. Where each member stands follows from its
+/// The AxisStatus of the IDL as bytes, alone or in a sequence, copied directly between status
+/// images and samples without a message object. The position of each member follows from its
 /// description.
 namespace vdrive::wire {
 
 static_assert(std::endian::native == std::endian::little,
               "status samples are copied as they stand in memory and announced as CDR_LE");
 
-/// Bytes that stand side by side in the status image and in a sample.
+/// Bytes that are contiguous both in the status image and in a sample.
 struct Piece {
   std::size_t in_image = 0;
   std::size_t in_sample = 0;
   std::size_t size = 0;
 };
 
-/// An axis in a sample: which bytes of the status image stand where, and which bytes align the
-/// member after them. All from the beginning of the axis.
+/// An axis in a sample: the positions of the bytes of the status image, and the padding before
+/// members. All offsets are from the start of the axis.
 struct AxisLayout {
   std::array<Piece, kStatusMembers> pieces{};
   std::size_t count = 0;        ///< of `pieces`
@@ -41,7 +41,7 @@ struct AxisLayout {
   std::size_t size = 0;
 };
 
-/// Members that follow each other in image and sample are one piece: one copy, not one for each.
+/// Members that are contiguous in both image and sample form one piece, which takes a single copy.
 constexpr AxisLayout layout_of_axis(std::size_t begin) {
   AxisLayout layout;
   for_each_member<msg::AxisStatus>(
@@ -64,17 +64,17 @@ constexpr AxisLayout layout_of_axis(std::size_t begin) {
   return layout;
 }
 
-/// An axis that begins at a multiple of 8 bytes (0), or 4 bytes after one (4).
+/// An axis that starts at a multiple of 8 bytes (0), or 4 bytes after one (4).
 template <std::size_t kBegin>
 inline constexpr AxisLayout kAxisLayout = layout_of_axis(kBegin);
 
-// Both end alike.
+// Both layouts end at the same alignment.
 inline constexpr std::size_t kEnd = kAxisLayout<0>.size % 8;
 static_assert(kEnd % 4 == 0 && (4 + kAxisLayout<4>.size) % 8 == kEnd,
               "the member `bench` of the next axis follows without a gap");
 static_assert(kEncapsulation + kAxisLayout<0>.size == kAxisStatusSize);
 
-/// Where the members in front of the status image stand, from the beginning of the axis.
+/// Offsets of the members before the status image, from the start of the axis.
 template <std::size_t kBegin>
 struct AxisPlaces {
   static constexpr std::size_t kBench = place_of_member<msg::AxisStatus>("bench", kBegin);
@@ -86,8 +86,8 @@ struct AxisPlaces {
       place_of_member<msg::AxisStatus>("last_sequence", kBegin);
 };
 
-/// Calls `visit(kIndex)` with each index below `kCount`, known to the compiler: the copies become
-/// single instructions.
+/// Calls `visit(kIndex)` with each index below `kCount` as a compile-time constant, so that the
+/// copies become single instructions.
 template <std::size_t kCount, typename Visit>
 constexpr void for_each_index(const Visit& visit) noexcept {
   [&]<std::size_t... kIndex>(std::index_sequence<kIndex...>) {
@@ -96,7 +96,8 @@ constexpr void for_each_index(const Visit& visit) noexcept {
   (std::make_index_sequence<kCount>{});
 }
 
-/// Straight to its place: a copy of what was just written in small pieces would have to wait.
+/// Writes an axis directly to its position: a second copy would have to wait for the small writes
+/// just made.
 template <std::size_t kBegin>
 void put_axis(const AxisStatus& status, const AxisAddress& address, std::uint64_t tick,
               const Ownership& owner, std::byte* place) noexcept {
@@ -121,7 +122,7 @@ void put_axis(const AxisStatus& status, const AxisAddress& address, std::uint64_
   });
 }
 
-/// Straight to its place, as put_axis. What a sample does not have stays as it is.
+/// Reads an axis directly, like put_axis. Members that the sample does not have stay unchanged.
 template <std::size_t kBegin>
 void get_axis(const std::byte* place, ReceivedStatus& received) noexcept {
   const auto get = [place](std::size_t offset, auto& value) {
@@ -141,14 +142,14 @@ void get_axis(const std::byte* place, ReceivedStatus& received) noexcept {
   });
 }
 
-/// Axes of a sequence that follow each other.
+/// Consecutive axes of a sequence.
 class AxisSequence {
  public:
-  /// @param begin of the first axis, from the end of the encapsulation: a multiple of 4
+  /// @param begin start of the first axis, from the end of the encapsulation; a multiple of 4
   explicit constexpr AxisSequence(std::size_t begin) noexcept : is_aligned_(begin % 8 == 0) {}
 
-  /// @return where axis `position` begins, from the beginning of the first one; that of the last
-  ///         one plus 1 is the size of all.
+  /// @return the offset of axis `position` from the start of the first one; for the number of axes,
+  ///         the total size.
   [[nodiscard]] constexpr std::size_t place_of(std::size_t position) const noexcept {
     if (position == 0) return 0;
     return size_of(is_aligned_) + (position - 1) * size_of(kEnd == 0);
@@ -164,7 +165,7 @@ class AxisSequence {
     }
   }
 
-  /// What a sample does not have of the status stays as it is.
+  /// Members of the status that the sample does not have stay unchanged.
   void get(std::size_t position, const std::byte* first, ReceivedStatus& received) const noexcept {
     const std::byte* const place = first + place_of(position);
     if (is_aligned(position)) {
@@ -179,12 +180,12 @@ class AxisSequence {
     return is_aligned ? kAxisLayout<0>.size : kAxisLayout<4>.size;
   }
 
-  /// The first axis begins where the sequence does, each other one where an axis ends.
+  /// The first axis starts where the sequence does, the others at the end of an axis.
   [[nodiscard]] constexpr bool is_aligned(std::size_t position) const noexcept {
     return position == 0 ? is_aligned_ : kEnd == 0;
   }
 
-  bool is_aligned_;  ///< the sequence, to 8
+  bool is_aligned_;  ///< whether the sequence is aligned to 8
 };
 
 }  // namespace vdrive::wire

@@ -28,7 +28,7 @@ CommandDecoder::CommandDecoder(std::size_t spare) {
   }
 }
 
-/// A vector that shrinks would throw the room of its elements' sequences away.
+/// Keeps removed elements: shrinking the vector would free the capacity of their sequences.
 void CommandDecoder::resize(std::vector<msg::AxisCommand>& axes, std::size_t count) {
   axes.reserve(msg::MAX_AXES_PER_FRAME);
   while (axes.size() > count) {
@@ -69,7 +69,7 @@ Decoding CommandDecoder::decode(std::span<const std::byte> sample, msg::Request&
   request.objects.reserve(msg::MAX_OBJECTS_PER_REQUEST);
   CdrReader reader(sample);
   reader.get(request);
-  // Of a message beyond a bound nobody reads the rest.
+  // Nobody reads the rest of a message that is beyond a bound.
   if (!reader.beyond_bound().empty()) request.axes.clear();
   return result_of(reader);
 }

@@ -18,7 +18,7 @@ namespace {
 static_assert(msg::MAX_SNAPSHOTS == 16 && msg::MAX_STEPPERS == 64,
               "the help of too_many_snapshots and too_many_steppers says so");
 
-/// Reads the object that has the name of a member; bench, axis and tick are none.
+/// Reads the object with the name of a member; bench, axis and tick are not objects.
 template <std::size_t kMember>
 void read_parameter(const AxisBank& bank, std::size_t index, msg::AxisParameters& message) {
   constexpr auto kRow = std::get<kMember>(Description<msg::AxisParameters>::kMembers);

@@ -9,7 +9,7 @@
 namespace vdrive::wire {
 namespace {
 
-/// Twice the largest sample, which ends at a multiple of the alignment of a submessage.
+/// Twice the largest sample, rounded up to the alignment of a submessage.
 std::size_t room_for(TopicId topic) {
   constexpr std::size_t kSubmessageAlignment = 4;
   const std::size_t largest = support_of(topic).largest_sample;
@@ -25,7 +25,7 @@ BytesType::BytesType(TopicId topic)
     : BytesType(std::string(traits_of(topic).type_name), room_for(topic),
                 traits_of(topic).has_key ? support_of(topic).key : nullptr) {}
 
-/// Of a received sample what the key is made from.
+/// The bytes from which the key is made; for a received sample its head.
 std::span<const std::byte> BytesType::bytes_of(const void* data) const noexcept {
   const BytesSample& sample = *static_cast<const BytesSample*>(data);
   return sample.bytes.empty() ? std::span<const std::byte>(sample.head.data(), sample.head_size)
@@ -49,7 +49,7 @@ bool BytesType::decode(const rtps::SerializedPayload_t& payload, void* data) {
   std::copy_n(bytes.begin(), sample.head_size, sample.head.begin());
   try {
     if (sample.take != nullptr) (*sample.take)(bytes);
-  } catch (...) {  // no memory: the sample is dropped
+  } catch (...) {  // out of memory: the sample is dropped
     return false;
   }
   return bytes.size() >= kEncapsulation;

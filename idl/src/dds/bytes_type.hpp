@@ -13,27 +13,28 @@
 
 namespace vdrive::wire {
 
-/// What the library has of a sample.
+/// A sample as the library handles it.
 struct BytesSample {
   std::span<const std::byte> bytes;                                       ///< to be written
   const std::function<void(std::span<const std::byte>)>* take = nullptr;  ///< of a reader
-  std::array<std::byte, 20> head{};  ///< of what was received: encapsulation and key
+  std::array<std::byte, 20> head{};  ///< start of a received sample: encapsulation and key
   std::size_t head_size = 0;
 };
 
-/// The type of a topic as the network sees it, fit for a network of strangers: no type objects on
-/// the wire, and no exception out of a payload. Samples are encoded and decoded elsewhere.
+/// The type of a topic as the network sees it, safe against untrusted senders: no type objects on
+/// the wire, and no exception from a payload. Samples are encoded and decoded elsewhere.
 class BytesType final : public LibraryType {
  public:
   using Key = MessageKey (*)(std::span<const std::byte> sample) noexcept;
 
-  /// @param name as it is announced
-  /// @param largest sample that a reader takes [bytes]; it drops what is larger without a report
-  /// @param key of a sample; nullptr for a topic without keys
+  /// @param name as announced
+  /// @param largest maximum size of a sample that a reader accepts [bytes]; larger ones are dropped
+  ///        without a report
+  /// @param key returns the key of a sample; nullptr for a topic without keys
   BytesType(const std::string& name, std::size_t largest, Key key);
 
-  /// That of a topic. A sample that exceeds a bound of the type by less than its size still
-  /// arrives, and gets an answer with the reason.
+  /// The type of a topic of the wire contract. A sample that exceeds a bound by less than its size
+  /// still arrives and is answered with the reason.
   explicit BytesType(TopicId topic);
 
  private:

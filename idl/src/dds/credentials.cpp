@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Certificates, keys and signatures of the closed mode. The library reports only that it
-// refuses them: the reason is found here.
+// Certificates, keys and signatures of the closed mode. The library reports only that it refuses
+// them; this code finds the reason.
 #include "dds/credentials.hpp"
 
 #include "vdrive/text.hpp"
@@ -37,7 +37,7 @@ using Store = std::unique_ptr<X509_STORE, Free<X509_STORE_free>>;
 using StoreContext = std::unique_ptr<X509_STORE_CTX, Free<X509_STORE_CTX_free>>;
 using Signature = std::unique_ptr<PKCS7, Free<PKCS7_free>>;
 
-/// A list of certificates that it does not own.
+/// A list of certificates, which it does not own.
 using Signers = std::unique_ptr<STACK_OF(X509), Free<[](STACK_OF(X509) * list) {
                                   sk_X509_free(list);
                                 }>>;
@@ -122,7 +122,7 @@ std::string verified_text(const std::filesystem::path& ca_file,
   const Signature signature(SMIME_read_PKCS7(open(document).get(), &signed_part));
   const Bio content(signed_part);
   if (!signature || !content) refuse(document, "is not a signed S/MIME document");
-  // Only the CA itself signs: a certificate that comes with the document proves nothing.
+  // Only the CA itself signs: a certificate sent with the document proves nothing.
   const Signers signers(sk_X509_new_null());
   sk_X509_push(signers.get(), ca.get());
   const Bio text(BIO_new(BIO_s_mem()));

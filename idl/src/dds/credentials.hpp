@@ -6,16 +6,16 @@
 
 namespace vdrive::wire {
 
-/// Checks that certificate and key are a pair, that the CA issued the certificate, and that both
-/// are valid now.
-/// @return the certificate's subject, as permissions name it (RFC 2253)
+/// Checks that certificate and key match, that the CA issued the certificate, and that the
+/// certificates are valid now.
+/// @return the subject of the certificate in the form used by permissions (RFC 2253)
 /// @throws NetworkError
 [[nodiscard]] std::string check_identity(const std::filesystem::path& ca_file,
                                          const std::filesystem::path& certificate_file,
                                          const std::filesystem::path& key_file);
 
-/// Checks that `ca` itself signed `document` (S/MIME) and is valid now. @return the document's
-/// text.
+/// Checks that `ca` itself signed `document` (S/MIME) and is valid now. @return the text of the
+/// document.
 /// @throws NetworkError
 [[nodiscard]] std::string verified_text(const std::filesystem::path& ca,
                                         const std::filesystem::path& document);

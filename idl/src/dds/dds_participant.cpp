@@ -32,28 +32,29 @@ namespace {
 
 using rtps::IPLocator;
 
-// To send, and to receive where no status arrives.
+// Send buffers, and receive buffers of participants that receive no status.
 constexpr std::uint32_t kSocketBuffer = 4U * 1024U * 1024U;
 constexpr std::size_t kMostServers = 256;  // the id has one byte
 constexpr std::size_t kMostParticipants = 256;
 constexpr std::size_t kEndpointsOfParticipant = 16;        // on average, readers and writers each
-constexpr std::uint32_t kLargestAnnouncement = 16 * 1024;  // [bytes]; those of vdrive have 1 kB
-// Fast DDS 2.9 and 3.1: a timer of the library that judges a lease must not fire while a
-// participant leaves. Programs with a guard judge earlier; a server has no guard. In the closed
-// mode of 3.1 only the library can judge (kMembersMayLeaveInClear).
+constexpr std::uint32_t kLargestAnnouncement = 16 * 1024;  // [bytes]; those of vdrive take 1 kB
+// Fast DDS 2.9 and 3.1: the library's lease timer must not fire while a participant is leaving.
+// Programs with a guard remove participants earlier; a discovery server has no guard. In the closed
+// mode of 3.1 only the library can remove them (kMembersMayLeaveInClear).
 constexpr std::int32_t kAnnouncedLease = 600;          // [s]
 constexpr std::int32_t kLeaseOfMember = 2;             // [s]
 constexpr std::int32_t kLeaseWithServer = 2;           // [s]
-constexpr std::chrono::seconds kTimeToFindAServer{1};  // one that is there answers within 0.2 s
+constexpr std::chrono::seconds kTimeToFindAServer{1};  // a running server answers within 0.2 s
 
-/// @return the socket buffer that the kernel permits, up to `wanted` [bytes].
+/// @return the socket buffer size that the kernel permits, up to `wanted` [bytes].
 std::uint32_t permitted_socket_buffer(const char* limit_file, std::uint32_t wanted) {
   std::uint32_t limit = 0;
   std::ifstream file(limit_file);
   return file >> limit ? std::min(limit, wanted) : 0;
 }
 
-/// @return the addresses of an interface. The library leaves out without a word what none has.
+/// @return the addresses of an interface, or throws: the library silently ignores an address that
+///         no interface has.
 std::vector<std::string> own_addresses(const std::string& interface) {
   if (!is_interface(interface)) {
     throw NetworkError("network interface " + in_quotes(interface) +
@@ -70,7 +71,7 @@ std::vector<std::string> own_addresses(const std::string& interface) {
                      (is_address(interface) ? "address" : "name") + "; there are " + to_text(own));
 }
 
-/// @return the addresses of the interfaces of `settings`, and loopback.
+/// @return the addresses of the interfaces in `settings`, and loopback.
 std::vector<std::string> addresses_to_use(const NetworkSettings& settings) {
   std::vector<std::string> addresses{kLoopback};
   for (const auto& interface : settings.interfaces) {
@@ -81,7 +82,7 @@ std::vector<std::string> addresses_to_use(const NetworkSettings& settings) {
   return addresses;
 }
 
-/// @param addresses of own interfaces to use
+/// @param addresses of our interfaces, to be used
 eprosima::fastdds::rtps::UDPv4TransportDescriptor udp_transport(
     const NetworkSettings& settings, const std::vector<std::string>& addresses) {
   eprosima::fastdds::rtps::UDPv4TransportDescriptor udp;
@@ -94,7 +95,7 @@ eprosima::fastdds::rtps::UDPv4TransportDescriptor udp_transport(
   return udp;
 }
 
-/// Multicast first, then the peers: a list of peers replaces the library's own.
+/// Multicast first, then the peers: a list of peers replaces the default of the library.
 void add_peers(const NetworkSettings& settings, HostNames& names, dds::DomainParticipantQos& qos) {
   if (settings.peers.empty()) return;
   auto& peers = qos.wire_protocol().builtin.initialPeersList;
@@ -114,8 +115,8 @@ void add_peers(const NetworkSettings& settings, HostNames& names, dds::DomainPar
   }
 }
 
-/// With servers there is no multicast. A server reports to a client what matches its own endpoints,
-/// and no part of vdrive needs more.
+/// With servers there is no multicast. A server reports to a client only participants that match
+/// the client's endpoints, and no part of vdrive needs more.
 void add_discovery_servers(const NetworkSettings& settings, HostNames& names,
                            dds::DomainParticipantQos& qos) {
   if (settings.discovery_servers.empty()) return;
@@ -140,7 +141,7 @@ void add_discovery_servers(const NetworkSettings& settings, HostNames& names,
   }
 }
 
-/// The built-in plugins of DDS Security. The files have been checked before.
+/// The built-in plugins of DDS Security. The files have already been checked.
 void add_security(const std::filesystem::path& directory, dds::DomainParticipantQos& qos) {
   auto& properties = qos.properties().properties();
   const auto name_file = [&](const char* property, std::string_view file) {
@@ -159,8 +160,8 @@ void add_security(const std::filesystem::path& directory, dds::DomainParticipant
   properties.emplace_back("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
 }
 
-/// Whoever can send to the discovery port can announce participants, endpoints and samples of any
-/// number and size: more than this is not taken.
+/// Limits what is accepted: anybody who can send to the discovery port can announce any number of
+/// participants and endpoints, and samples of any size.
 void limit_discovery(dds::DomainParticipantQos& qos) {
   auto& allocation = qos.allocation();
   allocation.participants.maximum = kMostParticipants;
@@ -169,14 +170,14 @@ void limit_discovery(dds::DomainParticipantQos& qos) {
   limit_announcements(qos, kLargestAnnouncement);
 }
 
-/// @return the lease that a participant announces [s].
+/// @return the lease that the participant announces [s].
 std::int32_t announced_lease(const NetworkSettings& settings) {
   if (!settings.discovery_servers.empty()) return kLeaseWithServer;
   const bool is_judged_by_guard = settings.security.empty() || kMembersMayLeaveInClear;
   return is_judged_by_guard ? kAnnouncedLease : kLeaseOfMember;
 }
 
-/// The guard, if there is one, stands before each transport.
+/// The guard, if there is one, is placed in front of each transport.
 template <typename Descriptor>
 void add_transport(const Descriptor& transport, const std::shared_ptr<Guard>& guard,
                    const std::shared_ptr<const HostNames>& names, dds::DomainParticipantQos& qos) {
@@ -198,8 +199,8 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
   if (names->has_names() && guard == nullptr) {
     throw NetworkError("names of hosts need the guard");
   }
-  // After a server is lost the library sends to an address of it that it has not announced to its
-  // transport: HostNames.
+  // After losing a server, the library sends to an address of it that it has not announced to its
+  // transport; see HostNames.
   const bool is_redirected = names->has_names() || !settings.discovery_servers.empty();
   const auto redirecting = is_redirected ? names : nullptr;
   qos.name(name.c_str());
@@ -220,8 +221,8 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
   return qos;
 }
 
-/// Fast DDS 2.9 reads its profiles while it makes the first participant, without a lock; 3.1 has
-/// one.
+/// Fast DDS 2.9 reads its profiles without a lock while it creates the first participant; 3.1 has a
+/// lock.
 dds::DomainParticipant* make_participant(const dds::DomainParticipantQos& qos, std::uint32_t domain,
                                          Others& others) {
   static std::mutex making;
@@ -243,7 +244,7 @@ class DdsParticipant final : public Participant {
   std::unique_ptr<SampleReader> make_reader(TopicId topic, SampleHandler handler) override;
 
   [[nodiscard]] std::string place() const override {
-    // Members of a closed network do not meet those of another version: docs/SECURITY.md.
+    // Members of a closed network do not meet members with another version: docs/SECURITY.md.
     return "on domain " + std::to_string(domain_) +
            (is_closed_ ? std::string(", closed, by Fast DDS ") + kLibraryVersion : "");
   }
@@ -267,8 +268,8 @@ class DdsParticipant final : public Participant {
   std::uint32_t domain_;
   bool is_closed_;
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
-  std::vector<std::string> servers_;  ///< of discovery
-  std::shared_ptr<Guard> guard_;      ///< none without
+  std::vector<std::string> servers_;  ///< discovery servers
+  std::shared_ptr<Guard> guard_;      ///< null without a guard
   std::shared_ptr<HostNames> names_ = std::make_shared<HostNames>();
   DdsEntities entities_;
   PresenceByAge presence_{[this](std::string_view beginning) {
@@ -308,8 +309,8 @@ DdsParticipant::DdsParticipant(const NetworkSettings& settings, const std::strin
     entities_.permissions = check_security(settings.security, settings.domain);
   }
   if (guard_ != nullptr) entities_.others.tell(*guard_);
-  // A service and its clients may live in one process: delivery in the writer's thread would let a
-  // handler run inside another part's write.
+  // A service and its clients may be in the same process: delivery in the writing thread would let
+  // a handler run inside a write of another part.
   deliver_through_the_transport();
   const std::vector<std::string> addresses = addresses_to_use(settings);
   const dds::DomainParticipantQos qos = participant_qos(settings, name, guard_, addresses, names_);
@@ -381,7 +382,7 @@ GuardCounts DdsParticipant::guard_counts() const {
 }  // namespace
 }  // namespace vdrive::wire
 
-// CMakeLists.txt of idl/ makes the linker take this function, and with it the participant, into
+// CMakeLists.txt of idl/ makes the linker pull this function, and with it the participant, into
 // every program that links vdrive::dds.
 extern "C" [[gnu::constructor(vdrive::wire::kBeforeConstructors)]] void
 vdrive_dds_participant() noexcept {

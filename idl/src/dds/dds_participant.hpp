@@ -9,7 +9,7 @@
 namespace vdrive::wire {
 
 /// @return a participant of a DDS domain.
-/// @throws what make_participant throws
+/// @throws as make_participant
 [[nodiscard]] std::unique_ptr<Participant> make_dds_participant(const NetworkSettings& settings,
                                                                 const std::string& name);
 

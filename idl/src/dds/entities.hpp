@@ -21,7 +21,7 @@
 
 namespace vdrive::wire {
 
-/// DDS objects of a participant. One publisher, one subscriber, each topic once.
+/// The DDS objects of a participant: one publisher, one subscriber, each topic once.
 struct DdsEntities {
   dds::DomainParticipant* participant = nullptr;
   dds::Publisher* publisher = nullptr;
@@ -29,19 +29,19 @@ struct DdsEntities {
   std::optional<Permissions> permissions;  ///< of a closed participant
   Others others;                           ///< listens to the participant
 
-  /// Fast DDS 2.9 and 3.1: the library replaces lists of addresses of the participant when its
-  /// announcement changes (2.9 without a lock), and reads them without a lock when it makes an
-  /// endpoint: one of these at a time.
+  /// Serialises changes of the announcement and creation of endpoints. Fast DDS 2.9 and 3.1 replace
+  /// address lists of the participant when its announcement changes (2.9 without a lock), and read
+  /// them without a lock when they create an endpoint.
   std::mutex changing;
 
-  DeletionGate* deletions = nullptr;  ///< of the guard; none without
+  DeletionGate* deletions = nullptr;  ///< of the guard; null without one
 
-  /// @return what lives while a reader or a writer is deleted.
+  /// @return a lock to hold while deleting a reader or a writer.
   [[nodiscard]] std::unique_lock<std::shared_mutex> erase() const {
     return deletions == nullptr ? std::unique_lock<std::shared_mutex>() : deletions->erase();
   }
 
-  /// @return the topic `name`, in full, with the type `type`, made at its first use.
+  /// @return the topic with the full name `name` and the type `type`, created on first use.
   /// @throws NetworkError
   dds::Topic* topic(const std::string& name, const dds::TypeSupport& type);
 
@@ -52,7 +52,7 @@ struct DdsEntities {
 /// @return the participant that `handle` belongs to.
 [[nodiscard]] Source source_of(const rtps::InstanceHandle_t& handle) noexcept;
 
-/// @return the writer or reader that `handle` means.
+/// @return the writer or reader that `handle` identifies.
 [[nodiscard]] EndpointId endpoint_of(const rtps::InstanceHandle_t& handle) noexcept;
 
 /// @return the DDS objects of a participant.

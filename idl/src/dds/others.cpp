@@ -27,7 +27,7 @@ bool Others::has_server() const {
 void Others::find(const rtps::GUID_t& guid, const std::string& name,
                   const std::vector<rtps::octet>& user_data) {
   const Source source = source_of(rtps::InstanceHandle_t(guid));
-  // The library makes readers for it after this.
+  // The library creates readers for it after this call.
   const bool is_closed = guard_ != nullptr && guard_->found(source.participant);
   const std::scoped_lock lock(mutex_);
   known_[guid.guidPrefix] = {.name = name,
@@ -39,7 +39,7 @@ void Others::find(const rtps::GUID_t& guid, const std::string& name,
 void Others::lose(const rtps::GUID_t& guid) {
   const std::scoped_lock lock(mutex_);
   known_.erase(guid.guidPrefix);
-  // The library has no readers for it any more.
+  // The library no longer has readers for it.
   if (guard_ != nullptr) guard_->lost(source_of(rtps::InstanceHandle_t(guid)).participant);
 }
 

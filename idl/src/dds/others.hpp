@@ -13,31 +13,31 @@
 
 namespace vdrive::wire {
 
-/// The other participants that the library knows, by its own reports. Fast DDS 2.9 and
-/// 3.1: the library's function for this, DomainParticipant::get_participant_names, reads its list
-/// without the lock under which its receiving threads change it. Thread-safe.
+/// The other participants that the library has reported. Fast DDS 2.9 and 3.1: the library function
+/// for this, DomainParticipant::get_participant_names, reads its list without the lock under which
+/// the receive threads change it. Thread-safe.
 class Others final : public ParticipantListener {
  public:
-  /// @param guard learns who is known, and knows what the library does not tell; outlives this.
-  ///        Call before there is a participant.
+  /// @param guard is told which participants are known, and knows what the library does not report;
+  ///        must outlive this object. Call before there is a participant.
   void tell(Guard& guard) noexcept { guard_ = &guard; }
 
-  /// @return those whose name has this beginning.
+  /// @return those whose names start with `beginning`.
   [[nodiscard]] std::vector<OtherParticipant> named(std::string_view beginning) const;
 
   /// @return whether a discovery server is among them.
   [[nodiscard]] bool has_server() const;
 
  private:
-  // They run in a thread of the library that holds none of its locks for participants. What they
-  // are about is valid: a participant is added and removed by one thread at a time (Guard).
+  // Called in a thread of the library that holds none of its participant locks. The arguments are
+  // valid, because one thread at a time adds and removes a participant (Guard).
   void find(const rtps::GUID_t& guid, const std::string& name,
             const std::vector<rtps::octet>& user_data) override;
   void lose(const rtps::GUID_t& guid) override;
 
   mutable std::mutex mutex_;
   std::map<rtps::GuidPrefix_t, OtherParticipant> known_;
-  Guard* guard_ = nullptr;  ///< none without
+  Guard* guard_ = nullptr;  ///< null without one
 };
 
 }  // namespace vdrive::wire

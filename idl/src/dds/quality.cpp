@@ -6,10 +6,10 @@
 namespace vdrive::wire {
 namespace {
 
-// Samples that the library allocates at the start; it allocates more when they are needed.
+// Samples that the library allocates at the start; it allocates more when needed.
 constexpr std::int32_t kFirstAllocation = 8;
 
-/// What writer and reader have in common.
+/// Settings common to writer and reader.
 template <typename Qos>
 void apply(const TopicTraits& topic, Qos& qos) {
   qos.reliability().kind =
@@ -33,16 +33,16 @@ dds::DataWriterQos writer_qos(const TopicTraits& topic) {
   apply(topic, qos);
   if (topic.writer_keeps_newest) qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
   if (!topic.reliable) {
-    // No reader can ask for a sample that was sent. The next one takes its memory, which the caches
-    // of the processor still have.
+    // No reader can request a sample that has been sent. The next sample reuses its memory, which
+    // is still in the processor caches.
     qos.history().depth = 1;
     qos.resource_limits().max_samples_per_instance = 1;
     qos.resource_limits().max_samples = topic.instances;
   }
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
-  // Room for what a sample needs, kept for the next one: no allocation once warm, and none of the
-  // 75 kB that the largest sample would take.
+  // Memory for one sample as large as needed, reused for the next: no allocation in steady state,
+  // and not the 75 kB of the largest sample each.
   qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
   set_times(qos, {.first_heartbeat = {0, 5'000'000},
                   .heartbeat_period = {0, 10'000'000},
@@ -53,8 +53,8 @@ dds::DataWriterQos writer_qos(const TopicTraits& topic) {
 dds::DataReaderQos reader_qos(const TopicTraits& topic) {
   dds::DataReaderQos qos;
   apply(topic, qos);
-  // Allocate twice the largest sample of the type; drop larger claims: the other modes allocate
-  // what a sender claims. Pages that are never written cost no memory.
+  // Allocate twice the largest sample of the type and drop larger ones; the other modes allocate
+  // whatever size a sender claims. Pages that are never written cost no memory.
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
   set_times(qos, {.first_acknack = {0, 5'000'000}, .heartbeat_response = {0, 1'000'000}});
   return qos;

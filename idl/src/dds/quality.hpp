@@ -6,8 +6,8 @@
 
 namespace vdrive::wire {
 
-/// Quality of service of a topic on its two sides. Limits are always explicit: the
-/// default of 10 instances of Fast DDS 2.9 and 3.1 loses the eleventh axis without a word.
+/// Quality of service of both sides of a topic. Limits are always explicit: with the default of 10
+/// instances, Fast DDS 2.9 and 3.1 silently lose the eleventh axis.
 [[nodiscard]] dds::DataWriterQos writer_qos(const TopicTraits& topic);
 [[nodiscard]] dds::DataReaderQos reader_qos(const TopicTraits& topic);
 

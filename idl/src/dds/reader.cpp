@@ -47,7 +47,7 @@ DdsReader::~DdsReader() {
 }
 
 void DdsReader::on_data_available(dds::DataReader* source) {
-  // Each interface has its own receive thread: one of them at a time.
+  // Each interface has its own receive thread: let only one at a time deliver.
   const std::lock_guard lock(mutex_);
   dds::SampleInfo info;
   while (!closed_ && is_ok(source->take_next_sample(&sample_, &info))) {

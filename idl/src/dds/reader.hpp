@@ -19,17 +19,17 @@
 
 namespace vdrive::wire {
 
-/// The DDS reader of a topic, who matches it and what it lost. Samples are delivered one at a time.
+/// The DDS reader of a topic, with its matches and losses. Samples are delivered one at a time.
 class DdsReader final : public SampleReader, public dds::DataReaderListener {
  public:
-  /// Runs for each sample that `take` was given.
+  /// Called after `take` for each sample.
   using Deliver = std::function<void(const WriterId& writer)>;
 
   /// @throws NetworkError as Participant::make_reader does
   DdsReader(DdsEntities& parent, TopicId topic, SampleHandler handler);
 
-  /// The same on a topic of another contract.
-  /// @param topic in full
+  /// The same for a topic of another contract.
+  /// @param topic its full name
   DdsReader(DdsEntities& parent, const std::string& topic, const dds::TypeSupport& type,
             const dds::DataReaderQos& qos,
             std::function<void(std::span<const std::byte> sample)> take, Deliver deliver);

@@ -26,7 +26,7 @@ bool matches(const std::string& pattern, const std::string& topic) {
   return fnmatch(pattern.c_str(), topic.c_str(), 0) == 0;
 }
 
-/// A signed document, read element by element; every complaint names the file.
+/// A signed document, read element by element; every error names the file.
 class Document {
  public:
   Document(const std::filesystem::path& ca, std::filesystem::path file) : file_(std::move(file)) {
@@ -41,7 +41,7 @@ class Document {
                        what);
   }
 
-  /// @return the element at this place below <dds>.
+  /// @return the element with this name directly below <dds>.
   [[nodiscard]] const Element& part(const char* name) const {
     const Element* const root = xml_.FirstChildElement("dds");
     if (root == nullptr) refuse("has no <dds>");
@@ -54,8 +54,8 @@ class Document {
     return *found;
   }
 
-  /// A function of its own: where g++ 12 inlines these concatenations it warns of bounds that they
-  /// keep (GCC bug 105651).
+  /// A separate function: where g++ 12 inlines these concatenations, it warns about bounds that are
+  /// in fact kept (GCC bug 105651).
   [[noreturn]] void refuse_missing(std::string_view name, const Element& parent) const {
     refuse(std::string("has no <").append(name).append("> in <").append(parent.Name()).append(">"));
   }
@@ -70,7 +70,7 @@ class Document {
     return value == "true" || value == "TRUE" || value == "1";
   }
 
-  /// @return whether the <domains> of `rule` hold `domain`.
+  /// @return whether the <domains> of `rule` contain `domain`.
   [[nodiscard]] bool holds(const Element& rule, std::uint32_t domain) const {
     const Element& domains = child(rule, "domains");
     for (const Element* entry = domains.FirstChildElement(); entry != nullptr;
@@ -132,9 +132,9 @@ void check_governance(const Document& document, std::uint32_t domain) {
   require(document, *rule, "allow_unauthenticated_participants", false);
   require(document, *rule, "enable_join_access_control", true);
   require_protection(document, *rule, "discovery_protection_kind", true);
-  // Liveliness travels inside of messages that are encrypted as a whole.
+  // Liveliness is part of messages that are encrypted completely.
   require_protection(document, *rule, "liveliness_protection_kind", false);
-  // The guard knows an encrypted message by its three parts; a signed one may have anything
+  // The guard recognises an encrypted message by its three parts; a signed one may have anything in
   // between.
   require_protection(document, *rule, "rtps_protection_kind", true);
   for (const TopicTraits& traits : kTopics) {

@@ -13,11 +13,11 @@ namespace vdrive::wire {
 
 namespace {
 
-// To ask whether all is acknowledged takes 60 us when it is not: only a writer asks that has
-// rested.
+// Asking whether everything is acknowledged takes 60 us if it is not, so only a writer that has
+// been idle for this long asks.
 constexpr std::chrono::milliseconds kRest{2};
-// Where samples are on their way in every moment, a removal waits after so many of them: longer
-// than the period of the heartbeat, and long before a gap is as wide as a guard refuses.
+// If samples are always in flight, a removal waits after this many writes: longer than the
+// heartbeat period, and long before a gap is so wide that a guard refuses it.
 constexpr std::uint32_t kWritesBeforeWait = 8'192;
 constexpr std::chrono::milliseconds kLongestWait{20};
 
@@ -47,9 +47,10 @@ DdsWriter::DdsWriter(DdsEntities& parent, const std::string& name, const dds::Ty
 
 DdsWriter::~DdsWriter() {
   // Fast DDS 2.9 returns samples that no reader has acknowledged to their pool while they are still
-  // in the history, and its heartbeat timer, which still runs, reads their numbers there
-  // (RTPSWriter::deinit). It then counts a gap of up to 2^63 samples, and the deletion never ends.
-  // An empty history has no gap. Fast DDS 3.1 holds the writer's lock while it deletes.
+  // in the history, where its heartbeat timer, which still runs, reads their numbers
+  // (RTPSWriter::deinit). It may then count a gap of up to 2^63 samples, and the deletion never
+  // ends. An empty history has no gap. Fast DDS 3.1 holds the lock of the writer during the
+  // deletion.
   std::size_t removed = 0;
   const auto deletion = entities_.erase();
   writer_->clear_history(&removed);
@@ -70,11 +71,11 @@ bool DdsWriter::write(std::span<const std::byte> sample) noexcept {
   }
 }
 
-/// Fast DDS 2.9 and 3.1: the library removes a sample when all readers have acknowledged it. While
-/// a reader has joined and has not spoken yet it notes samples as removed that it keeps
-/// (StatefulWriter::check_acked_status): they stay. Whoever joins then gets a gap of all numbers
-/// since the oldest of them, again with each heartbeat, and takes a step for each number; a guard
-/// refuses wide gaps. Nobody needs samples that all have acknowledged.
+/// Fast DDS 2.9 and 3.1: the library removes a sample when all readers have acknowledged it. But
+/// while a reader has joined and not yet answered, it marks samples as removed that it keeps
+/// (StatefulWriter::check_acked_status), and these stay. Every later reader then receives, with
+/// each heartbeat, a gap of all numbers since the oldest of them and processes it number by number;
+/// a guard refuses wide gaps. Nobody needs samples that all have acknowledged, so remove them here.
 void DdsWriter::remove_acknowledged() {
   const auto spoken = joined_.load(std::memory_order_relaxed) + kLongestSilence;
   if (removed_ >= spoken) return;

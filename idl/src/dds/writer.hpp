@@ -17,15 +17,15 @@
 
 namespace vdrive::wire {
 
-/// The DDS writer of a topic and who matches it.
+/// The DDS writer of a topic, with its matches.
 class DdsWriter final : public SampleWriter, public dds::DataWriterListener {
  public:
-  /// @param observer runs with who matches, whenever it has changed
+  /// @param observer called with the matching participants whenever they change
   /// @throws NotPermitted, NetworkError as Participant::make_writer does
   DdsWriter(DdsEntities& parent, TopicId topic, Observer observer);
 
-  /// The same on a topic of another contract.
-  /// @param name of the topic, in full
+  /// The same for a topic of another contract.
+  /// @param name full name of the topic
   DdsWriter(DdsEntities& parent, const std::string& name, const dds::TypeSupport& type,
             const dds::DataWriterQos& qos, Observer observer = nullptr);
   ~DdsWriter() override;
@@ -42,7 +42,7 @@ class DdsWriter final : public SampleWriter, public dds::DataWriterListener {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// After this a reader that has joined has acknowledged something, or is gone.
+  /// By then a reader that has joined has acknowledged something or is gone.
   static constexpr std::chrono::seconds kLongestSilence{5};
 
   void remove_acknowledged();
@@ -50,15 +50,15 @@ class DdsWriter final : public SampleWriter, public dds::DataWriterListener {
   const DdsEntities& entities_;
   dds::Publisher* publisher_ = nullptr;
   dds::DataWriter* writer_ = nullptr;
-  bool forgets_ = false;       ///< reliable, and no later reader gets what was sent
-  std::mutex writing_;         ///< of one that forgets: no write between the check and the removal
+  bool forgets_ = false;       ///< reliable, and late readers do not receive earlier samples
+  std::mutex writing_;         ///< if forgets_: no write between the check and the removal
   std::uint32_t writes_ = 0;   ///< since the last removal, while one is due
-  Clock::time_point written_;  ///< the last of them
-  Clock::time_point removed_;  ///< the last time at which all were acknowledged
-  /// When the last reader joined.
+  Clock::time_point written_;  ///< time of the last write
+  Clock::time_point removed_;  ///< last time at which everything was acknowledged
+  /// Time at which the last reader joined.
   std::atomic<Clock::time_point> joined_{Clock::time_point{} - kLongestSilence};
 
-  std::mutex observing_;  ///< the newest list is reported last
+  std::mutex observing_;  ///< makes the newest list the last one reported
   Observer observer_;
 };
 

@@ -21,7 +21,7 @@ std::chrono::milliseconds lease_of(ByteView value, bool little) {
 Announcer announcer_of(ByteView value, bool little) {
   ByteReader reader(value, little);
   const std::size_t length = reader.u32();
-  constexpr std::size_t kLongest = 16;  // more than any name that is searched for
+  constexpr std::size_t kLongest = 16;  // more than any name that is checked for
   std::array<char, kLongest> start{};
   const ByteView text = value.subspan(4, std::min(length, kLongest));
   std::ranges::copy(text, start.begin());
@@ -32,7 +32,7 @@ Announcer announcer_of(ByteView value, bool little) {
   return name.starts_with("vdrive") ? Announcer::vdrive : Announcer::foreign;
 }
 
-/// @return the participant that the key in the inline QoS names.
+/// @return the participant identified by the key in the inline QoS.
 std::optional<GuidPrefix> key_of_announced(const Submessage& submessage,
                                            const DataSubmessage& data) {
   ParameterList list(data.inline_qos, submessage.has(kLittle));
@@ -46,7 +46,7 @@ std::optional<GuidPrefix> key_of_announced(const Submessage& submessage,
   return std::nullopt;
 }
 
-/// @return the participant that the content names.
+/// @return the participant identified by the content.
 std::optional<GuidPrefix> guid_of(const DataSubmessage& data) {
   ParameterList list(data.list(), data.list_is_little());
   for (ListEntry entry; list.next(entry);) {

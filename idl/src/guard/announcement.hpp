@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What participants announce of themselves, as it is read and changed before the library reads it.
+// The announcements of participants, read and changed before the library reads them.
 #pragma once
 
 #include "rtps.hpp"
@@ -12,49 +12,50 @@
 
 namespace vdrive::wire {
 
-/// The lease that the library reads of every participant. Its timer of a lease must not fire beside
-/// a removal (Fast DDS 2.9.1 and 3.1.2, PDP::check_remote_participant_liveliness aborts), so that
-/// it is longer than any service runs between two checks; the guard judges who is gone.
+/// The lease that the library reads for every participant. A lease timer of the library must not
+/// fire during a removal (Fast DDS 2.9.1 and 3.1.2: PDP::check_remote_participant_liveliness
+/// aborts), so the lease is made longer than any service runs between two checks, and the guard
+/// decides who is gone.
 constexpr std::chrono::seconds kLeaseForTheLibrary = std::chrono::hours{24};
 
 enum class Announcer : std::uint8_t {
-  foreign,         ///< no participant of vdrive
-  vdrive,          ///< its name begins with "vdrive"
+  foreign,         ///< not a vdrive participant
+  vdrive,          ///< its name starts with "vdrive"
   vdrive_visitor,  ///< "vdrive client" or "vdrive probe"
 };
 
 struct Announcement {
   GuidPrefix participant{};
-  std::chrono::milliseconds lease{0};  ///< max() when it has no end
-  bool gone = false;  ///< it has left, by its own announcement or by that of another
-  /// Who leaves is in the key of the inline QoS; Fast DDS 2.9 does not see it in the content, where
-  /// Cyclone DDS has it.
+  std::chrono::milliseconds lease{0};  ///< max() if it never ends
+  bool gone = false;  ///< it has left, announced by itself or by another participant
+  /// Whether the leaving participant is in the key of the inline QoS. Cyclone DDS puts it in the
+  /// content, where Fast DDS 2.9 does not see it.
   bool library_knows_key = false;
   Announcer announcer = Announcer::foreign;
-  bool is_closed = false;  ///< it has DDS Security
+  bool is_closed = false;  ///< it uses DDS Security
 };
 
-/// Reads the announcement in a DATA submessage of a datagram that passed the check.
-/// @return nothing when it does not name its participant, or has no lease although it does not
-/// leave.
+/// Reads the announcement in a DATA submessage of a datagram that has passed the check.
+/// @return nothing if it does not identify its participant, or has no lease although the
+///         participant is not leaving.
 [[nodiscard]] std::optional<Announcement> read_announcement(const Submessage& submessage,
                                                             const DataSubmessage& data) noexcept;
 
-/// Writes kLeaseForTheLibrary into every lease of a list of parameters.
-/// @param list the list and nothing behind it, see list_in; changed in place
+/// Writes kLeaseForTheLibrary into every lease of a parameter list.
+/// @param list exactly the list, see list_in; changed in place
 void raise_leases(std::span<std::uint8_t> list, bool little) noexcept;
 
-/// Makes the library skip the types' descriptions in a list of parameters. Fast DDS 2.9 builds
-/// types from them without a check, and follows a null pointer where it knows none of these
-/// types. 3.1 would ask the announcer for them before it matches the endpoint.
-/// @param list as of raise_leases
+/// Makes the library skip the type descriptions in a parameter list. Fast DDS 2.9 builds types from
+/// them without a check, and dereferences a null pointer if it knows none of these types. 3.1 would
+/// request them from the announcer before it matches the endpoint.
+/// @param list as in raise_leases
 void hide_types(std::span<std::uint8_t> list, bool little) noexcept;
 
 /// @return a datagram by which the participant `gone` leaves, as Fast DDS itself sends one: DATA of
 ///         the announcing entity with the key and the status "disposed and unregistered". Its
-///         sequence number is above all that the participant can have sent: a reader takes nothing
-///         older, and believes only the writer itself. The library forgets the number with the
-///         participant, so that one that only stood still is found again.
+///         sequence number is higher than any that the participant can have sent, because a reader
+///         ignores older ones and trusts only the writer itself. The library forgets the number
+///         together with the participant, so that one that was only suspended is found again.
 [[nodiscard]] std::vector<std::uint8_t> end_datagram(const GuidPrefix& gone);
 
 }  // namespace vdrive::wire

@@ -9,12 +9,12 @@
 namespace vdrive::wire {
 namespace {
 
-/// A text of CDR: its length with the zero at its end, and as many bytes, filled up to four.
+/// A CDR text: its length including the final NUL, then that many bytes, padded to four.
 bool skip_text(ByteReader& reader) {
   const std::uint32_t length = reader.u32();
   if (!reader.ok() || length > reader.left()) return false;
   reader.skip(length);
-  // The last one need not be filled up.
+  // The last text need not be padded.
   reader.skip(std::min<std::size_t>(reader.left(), (4 - length % 4) % 4));
   return true;
 }
@@ -31,21 +31,21 @@ bool is_text(ByteView value, bool little) {
   return skip_text(reader);
 }
 
-/// The library adds each length to its position in 32 bits, as often as the count says.
+/// The library adds each length to a 32-bit position, as many times as the count says.
 bool is_partition(ByteView value, bool little) {
   ByteReader reader(value, little);
   return skip_texts(reader, reader.u32());
 }
 
-/// The library appends as many numbers as the count says, of which those after the end are 0.
+/// The library appends as many numbers as the count says; those past the end are 0.
 bool is_data_representation(ByteView value, bool little) {
   ByteReader reader(value, little);
   const std::uint32_t count = reader.u32();
   return reader.ok() && count <= reader.left() / 2;
 }
 
-/// As is_data_representation(), with a number that is none of Fast DDS for other vendors: all that
-/// it must not be is a count that no parameter has room for.
+/// Like is_data_representation(), but Fast DDS has no limit for other vendors: refuses only a count
+/// for which no parameter has room.
 bool may_be_data_sharing(ByteView value, bool little) {
   constexpr std::uint32_t kMostDomains = 0xFFFF / 8;
   ByteReader reader(value, little);
@@ -53,14 +53,15 @@ bool may_be_data_sharing(ByteView value, bool little) {
 }
 
 /// Names of two topics and of a class, the expression and its parameters. The library allocates the
-/// length of the expression before it compares it.
+/// length of the expression before it checks it.
 bool is_content_filter(ByteView value, bool little) {
   constexpr std::size_t kSmallest = 36;  // [bytes] the library does not read a smaller one
   ByteReader reader(value, little);
   return value.size() < kSmallest || (skip_texts(reader, 4) && skip_texts(reader, reader.u32()));
 }
 
-/// Where the library reads a parameter without a check of its length, it has at least that length.
+/// Checks parameters whose length the library does not check: they must have at least the length
+/// read.
 bool is_parameter(const ListEntry& entry, bool little) {
   switch (entry.id) {
     case kEntityName:
@@ -105,7 +106,7 @@ DataSubmessage parse_data(const Submessage& submessage, std::size_t fixed) noexc
   data.reader = reader.entity();
   data.writer = reader.entity();
   data.sequence = reader.sequence();
-  // A smaller offset would point into the fixed part; the library computes with it unchecked.
+  // A smaller offset would point into the fixed part; the library uses it without a check.
   if (!reader.ok() || to_inline_qos < fixed || to_inline_qos % 4 != 0 ||
       to_inline_qos + 4 > submessage.body.size()) {
     return data;
@@ -126,7 +127,8 @@ DataSubmessage parse_data(const Submessage& submessage, std::size_t fixed) noexc
 
 bool may_announce(const Submessage& submessage, const DataSubmessage& data) noexcept {
   if (data.reader == kParticipantsReader || data.writer == kParticipantsWriter) return true;
-  // Data for any reader reaches that of announcements too; it takes what looks like one.
+  // Data for any reader also reaches the reader of announcements, which accepts what looks like
+  // one.
   if (data.reader != kUnknownEntity || !submessage.has(kThird) || !data.is_list()) return false;
   ParameterList list(data.list(), data.list_is_little());
   for (ListEntry entry; list.next(entry);) {
@@ -154,10 +156,10 @@ std::span<std::uint8_t> list_in(std::span<std::uint8_t> datagram, const Submessa
 namespace {
 
 constexpr std::uint8_t kMajorVersion = 2;
-constexpr std::int64_t kLargestSequence = std::int64_t{1} << 40U;  // 34 years of one a millisecond
+constexpr std::int64_t kLargestSequence = std::int64_t{1} << 40U;  // 34 years at one per ms
 constexpr std::uint32_t kMostBits = 256;  // of a set of numbers (RTPS 2.5, 9.4.2.6)
 constexpr std::uint32_t kLargestSample = 16U * 1024U * 1024U;  // [bytes]
-// The library keeps a number of four bytes at the start of each missing fragment.
+// The library stores a four-byte number at the start of each missing fragment.
 constexpr std::uint32_t kSmallestFragment = 16;  // [bytes]
 constexpr std::size_t kFragmentFixed = 28;       // [bytes] of a DATA_FRAG before its lists
 
@@ -165,7 +167,7 @@ bool is_sequence(std::int64_t number, std::int64_t least) {
   return number >= least && number <= kLargestSequence;
 }
 
-/// A base has been read; the number of bits and their words follow.
+/// The base has been read; the number of bits and the words follow.
 Refusal check_set(ByteReader& reader) {
   const std::uint32_t bits = reader.u32();
   if (bits > kMostBits) return Refusal::set;
@@ -282,15 +284,15 @@ Refusal check_data_frag(const Submessage& submessage) {
     return Refusal::fragment;
   }
   const std::uint64_t fragments = (sample + size - 1) / size;
-  // The library writes such a number at the next multiple of four, even past a short last
-  // fragment. The memory for a sample ends at a multiple of four: inside the sample it is safe.
+  // The library writes that number at the next multiple of four, even beyond a short last fragment.
+  // The memory of a sample ends at a multiple of four, so positions inside the sample are safe.
   if ((((fragments - 1) * size + 3) & ~std::uint64_t{3}) >= sample) return Refusal::fragment;
   const std::uint64_t behind = first - 1 + count;
   if (behind > fragments ||
       data.content.size() < std::min(behind * size, sample) - (first - 1) * size) {
     return Refusal::fragment;
   }
-  // What is in pieces cannot be checked; announcements and handshakes fit one datagram.
+  // Fragmented content cannot be checked; announcements and handshakes fit into one datagram.
   if (is_of_handshake(data)) return Refusal::handshake;
   const bool announces = data.reader == kParticipantsReader || data.writer == kParticipantsWriter;
   return announces ? Refusal::announcement : Refusal::none;
@@ -303,7 +305,7 @@ Refusal need(const Submessage& submessage, std::size_t size) {
 Refusal check_submessage(const Submessage& submessage, DatagramReport& report) {
   switch (submessage.kind) {
     case SubmessageKind::pad:
-    case SubmessageKind::sec_body:  // SecureOrder has checked what is encrypted
+    case SubmessageKind::sec_body:  // SecureOrder has checked the encrypted parts
     case SubmessageKind::sec_prefix:
     case SubmessageKind::sec_postfix:
     case SubmessageKind::srtps_prefix:
@@ -334,7 +336,7 @@ Refusal check_submessage(const Submessage& submessage, DatagramReport& report) {
     case SubmessageKind::info_reply:
       return need(submessage, 4);
     default:
-      // From 0x80 on each vendor has its own, which others skip.
+      // From 0x80 on each vendor has its own kinds, which others skip.
       return submessage.kind >= SubmessageKind::statistics ? Refusal::none : Refusal::submessage;
   }
 }
@@ -353,7 +355,7 @@ bool is_header(ByteView datagram) {
          std::equal(kStart.begin(), kStart.end(), datagram.begin());
 }
 
-/// Fast DDS reads what a sender of its own vendor has in 0x80, before anything else and as it is.
+/// Fast DDS reads 0x80 of a sender of its own vendor before anything else, without a check.
 bool is_from_fast_dds(ByteView datagram) {
   return datagram[6] == 1 && datagram[7] == 15;
 }

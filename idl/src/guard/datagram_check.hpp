@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a datagram must be before the DDS library reads it. A pure function of bytes.
+// The requirements on a datagram before the DDS library reads it. A pure function of its bytes.
 #pragma once
 
 #include "vdrive/wire/guard.hpp"
@@ -10,30 +10,31 @@
 
 namespace vdrive::wire {
 
-/// The widest range of a single GAP. The library takes a step for each number in it.
+/// The widest range of a single GAP, which the library processes number by number.
 constexpr std::int64_t kWidestGap = 65'536;
 
-/// The mode of the participant that receives.
+/// The mode of the receiving participant.
 enum class Mode : std::uint8_t { open, closed };
 
-/// What the check has found.
+/// Result of the check.
 struct DatagramReport {
   Refusal refusal = Refusal::none;
-  /// [bytes] of the datagram that the library may read: without the statistics that another
-  /// participant of its kind appends, whose content it would trust.
+  /// [bytes] of the datagram that the library may read: without the statistics that another Fast
+  /// DDS participant appends, whose content the library would trust.
   std::size_t length = 0;
-  bool announces = false;  ///< has DATA of discovery, see rewrite_announcements
+  bool announces = false;  ///< has discovery DATA, see rewrite_announcements
 };
 
-/// Checks the RTPS header, that the submessages fill the datagram, that each is of a known kind and
-/// whole, and that its numbers are within reason. Of what is encrypted it checks the order and
-/// every length, which the library believes before it decrypts; the content is opaque. In the
-/// closed mode little else passes, see may_be_in_clear().
+/// Checks the RTPS header, that the submessages fill the datagram, that each is complete and of a
+/// known kind, and that its numbers are plausible. In encrypted parts it checks the order and every
+/// length, which the library trusts before it decrypts; their content is opaque. In the closed mode
+/// little else passes, see may_be_in_clear().
 /// @param datagram as received, any bytes
 [[nodiscard]] DatagramReport check_datagram(std::span<const std::uint8_t> datagram,
                                             Mode mode = Mode::open) noexcept;
 
-/// @return Refusal::parameters unless the list ends and what the library reads in it is whole.
+/// @return Refusal::parameters unless the list is terminated and everything that the library reads
+///         in it is complete.
 [[nodiscard]] Refusal check_list(std::span<const std::uint8_t> bytes, bool little) noexcept;
 
 }  // namespace vdrive::wire

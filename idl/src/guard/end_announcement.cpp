@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kTimes = 3;  // datagrams get lost
 
-/// A socket that sends.
+/// A socket for sending.
 class Sender {
  public:
   Sender() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -35,15 +35,16 @@ class Sender {
   Sender(const Sender&) = delete;
   Sender& operator=(const Sender&) = delete;
 
-  /// @return whether `interface` is an address of this host that multicast can leave by.
+  /// @return whether `interface` is an address of this host from which multicast can be sent.
   [[nodiscard]] bool leave_by(const std::string& interface) const {
     in_addr address{};
     return inet_pton(AF_INET, interface.c_str(), &address) == 1 &&
            setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_IF, &address, sizeof address) == 0;
   }
 
-  // An unreachable address is no reason to leave the others out. A name is none to wait for a name
-  // server: who is not told judges by silence.
+  // Ignores errors: an unreachable address must not keep the others from being told. Does not
+  // resolve names, which would mean waiting for a name server; participants not told detect the end
+  // by silence.
   void send(const std::string& to, std::uint32_t port,
             const std::vector<std::uint8_t>& datagram) const {
     sockaddr_in address{};

@@ -29,7 +29,7 @@ std::chrono::steady_clock::duration patience_with(const Announcement& announceme
 Guard::Guard(const NetworkSettings& settings)
     : role_(settings.role),
       mode_(settings.security.empty() ? Mode::open : Mode::closed),
-      // A server announces its clients, and the library keeps its leases.
+      // A server announces its clients, and the library handles their leases.
       keeps_leases_(settings.discovery_servers.empty()),
       raises_leases_(mode_ == Mode::open || kMembersMayLeaveInClear),
       sink_(settings.guard_sink) {
@@ -58,7 +58,7 @@ void Guard::begin() {
 }
 
 void Guard::close(const Locator& local) {
-  begin();  // a participant that could not be made has receivers that wait
+  begin();  // if creating a participant failed, its receivers are still waiting
   const std::scoped_lock lock(handing_over_, channels_mutex_, keeper_mutex_);
   const auto found = channels_.find(local);
   if (found != channels_.end()) {
@@ -86,7 +86,7 @@ void Guard::receive(Receiver& channel, ByteView datagram, const Locator& local,
   }
   const auto now = Clock::now();
   std::vector<std::uint8_t> renumbered;
-  // Also of what is held back: the first heartbeat of a writer tells where it begins.
+  // Also for datagrams held back: the first heartbeat of a writer shows where its numbers start.
   const auto readable =
       with_plausible_numbers(datagram.first(report.length), now, remote, renumbered);
   if (keeps_leases_) {
@@ -106,15 +106,15 @@ void Guard::receive(Receiver& channel, ByteView datagram, const Locator& local,
   }
 }
 
-/// In the closed mode the numbers are encrypted, and pass.
-/// @return what the library may read of the numbers; nothing when it may not.
+/// In the closed mode the numbers are encrypted, so the datagram passes.
+/// @return the datagram for the library, possibly renumbered; nothing if it must not read it.
 std::optional<ByteView> Guard::with_plausible_numbers(ByteView datagram, Clock::time_point now,
                                                       const Locator& remote,
                                                       std::vector<std::uint8_t>& renumbered) {
   if (mode_ == Mode::closed) return datagram;
   const WriterNumbers::Report report = numbers_.receive(datagram, now, renumbered);
   if (report.astray && !keeps_leases_) {
-    // Nobody here can make the library begin again: it walks, as it would without the guard.
+    // Nobody here can make the library start over: it processes the numbers as without the guard.
     numbers_.removed(*report.astray);
     return datagram;
   }
@@ -170,7 +170,7 @@ void Guard::refuse(Refusal refusal, const Locator& remote) {
   if (sink_) sink_(refusal, text_of_locator(remote));
 }
 
-/// Where the library encrypts whole datagrams no heartbeat is seen, and none held back.
+/// If the library encrypts complete datagrams, no heartbeat is visible and none is held back.
 bool Guard::comes_too_early(ByteView datagram, Clock::time_point now) const {
   const GuidPrefix sender = sender_of(datagram);
   bool is_early = false;
@@ -208,7 +208,7 @@ void Guard::note_greetings(ByteView datagram) {
   }
 }
 
-/// The transport's buffer is not ours to write: in shared memory others read it too.
+/// Works on a copy, because others may read the transport's buffer too (shared memory).
 void Guard::pass_discovery(Receiver& channel, ByteView datagram, const Locator& local,
                            const Locator& remote) {
   std::vector<std::uint8_t> copy(datagram.begin(), datagram.end());
@@ -222,8 +222,8 @@ void Guard::pass_discovery(Receiver& channel, ByteView datagram, const Locator& 
   hand_over(channel, copy, local, remote);
 }
 
-/// @return whether the library may have the datagram; the lists of the submessage are changed in
-/// it.
+/// Changes the parameter lists of the submessage in `datagram`.
+/// @return whether the library may have the datagram.
 bool Guard::passes(const Submessage& submessage, std::vector<std::uint8_t>& datagram,
                    Receiver& channel, const Locator& remote) {
   const DataSubmessage data = parse_data(submessage, kDataFixed);
@@ -323,7 +323,7 @@ void Guard::acknowledge_for_silent() {
   }
 }
 
-/// @return where an open channel receives.
+/// @return the address on which an open channel receives.
 std::optional<Guard::Locator> Guard::locator_of(const Receiver* channel) {
   const std::scoped_lock channels(channels_mutex_);
   const auto found = std::ranges::find_if(channels_, [channel](const auto& each) {
@@ -332,8 +332,8 @@ std::optional<Guard::Locator> Guard::locator_of(const Receiver* channel) {
   return found == channels_.end() ? std::nullopt : std::optional(found->first);
 }
 
-/// Gives the library the departure of the participant, on the channel of its announcement, as if
-/// the participant had sent it: the only removal that does not meet a timer of the library.
+/// Passes the library a departure of the participant, on the channel of its announcement, as if the
+/// participant had sent it: the only removal that cannot collide with a timer of the library.
 void Guard::remove(const Keeper::Silent& silent) {
   const auto receiving = deletions_.receive();  // before the others, as in receive()
   const std::scoped_lock lock(announcing_, handing_over_);

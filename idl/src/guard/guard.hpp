@@ -26,8 +26,8 @@
 
 namespace vdrive::wire {
 
-/// Stands between the transports of a participant and the library: keeps away what the library does
-/// not survive, and judges which participants are gone. Thread-safe.
+/// Between the transports of a participant and the library: withholds datagrams that the library
+/// would not survive, and decides which participants are gone. Thread-safe.
 class Guard {
  public:
   using Receiver = eprosima::fastdds::rtps::TransportReceiverInterface;
@@ -38,31 +38,31 @@ class Guard {
   Guard(const Guard&) = delete;
   Guard& operator=(const Guard&) = delete;
 
-  /// A channel opens; the library takes what arrives by it until it closes.
+  /// A channel opens; the library accepts what arrives on it until it closes.
   void open(const Locator& local, Receiver* channel);
 
-  /// The library takes datagrams from now on. What has arrived before waits for this. Fast DDS 2.9
-  /// and 3.1 (RTPSParticipantImpl::enable): the library announces a participant some 0.1 ms before
-  /// it reads what arrives, and an answer that it does not read is repeated after 0.1 to 1 s.
+  /// From now on the library accepts datagrams; earlier ones wait for this call. Fast DDS 2.9 and
+  /// 3.1 (RTPSParticipantImpl::enable) announce a participant about 0.1 ms before they read what
+  /// arrives, and an answer not read is repeated only after 0.1 to 1 s.
   void begin();
 
-  /// The channel of `local` closes: returns when nothing is handed over to it any more.
+  /// The channel of `local` closes. Returns when no more datagrams are passed to it.
   void close(const Locator& local);
 
-  /// Hands a datagram over to the library, or does not. Waits for begin(), or for the first channel
-  /// that closes.
+  /// Passes a datagram to the library or refuses it. Waits for begin(), or for the first channel to
+  /// close.
   void receive(Receiver& channel, ByteView datagram, const Locator& local, const Locator& remote);
 
   /// The library sends a datagram.
-  /// @param renumbered holds a changed copy where one is needed
-  /// @return what leaves.
+  /// @param renumbered holds a modified copy, if one is needed
+  /// @return the bytes to send.
   [[nodiscard]] ByteView sends(ByteView datagram, std::vector<std::uint8_t>& renumbered);
 
-  /// What is received waits while a reader or a writer is deleted.
+  /// Makes received data wait while a reader or a writer is deleted.
   [[nodiscard]] DeletionGate& deletions() noexcept { return deletions_; }
 
-  /// The library has found a participant, and has no readers for its writers yet.
-  /// @return whether it has announced DDS Security.
+  /// The library has found a participant but has no readers for its writers yet.
+  /// @return whether the participant has announced DDS Security.
   bool found(const GuidPrefix& participant);
 
   /// The library has removed a participant and its readers for it.
@@ -96,7 +96,7 @@ class Guard {
   const Role role_;
   const Mode mode_;
   const bool keeps_leases_;
-  const bool raises_leases_;  ///< the library's timers never fire
+  const bool raises_leases_;  ///< the timers of the library never fire
   const GuardSink sink_;
 
   std::array<std::atomic<std::uint64_t>, kRefusals> refused_{};
@@ -111,20 +111,20 @@ class Guard {
   ReturnedParticipants returned_;
   ReturnedServers servers_;
   SilentReaders<Receiver*> silent_readers_;
-  std::set<GuidPrefix> closed_;            ///< those of the keeper that have announced DDS Security
-  std::atomic<bool> has_returned_{false};  ///< `returned_` is not empty: seen without the lock
+  std::set<GuidPrefix> closed_;            ///< those in the keeper that have announced DDS Security
+  std::atomic<bool> has_returned_{false};  ///< `returned_` is not empty; readable without the lock
 
-  std::atomic<bool> has_begun_{false};  ///< or the library gave up before
-  /// A participant announces itself by several channels. The library ignores the second
-  /// announcement at once, while the first is still being worked on in another thread, and so it
-  /// would ignore what that participant sends next. It also works on a participant that it adds
-  /// after it has released its lock: a removal waits for that. Fast DDS 2.9 and 3.1, where 3.1
-  /// works on a copy, and could bring back the endpoints of a participant that has just been
-  /// removed.
+  std::atomic<bool> has_begun_{false};  ///< or the library gave up before that
+  /// Serialises announcements and removals of participants. A participant announces itself on
+  /// several channels. The library immediately ignores the second announcement while another thread
+  /// is still processing the first, and so would ignore what the participant sends next. It also
+  /// goes on processing a participant that it adds after releasing its lock, so a removal must wait
+  /// for that (Fast DDS 2.9 and 3.1; 3.1 works on a copy and could bring back the endpoints of a
+  /// participant that has just been removed).
   std::mutex announcing_;
 
-  DeletionGate deletions_;   ///< before all locks of this class but `keeper_mutex_`
-  std::mutex handing_over_;  ///< a removal is on its way through a channel
+  DeletionGate deletions_;   ///< taken before all locks of this class except `keeper_mutex_`
+  std::mutex handing_over_;  ///< held while a removal goes through a channel
   std::mutex channels_mutex_;
   std::map<Locator, Receiver*> channels_;
 

@@ -19,7 +19,7 @@ bool GuardTransport::OpenOutputChannel(eprosima::fastdds::rtps::SendResourceList
   return ChainingTransport::OpenOutputChannel(sockets, to);
 }
 
-/// What has another form than an address of UDP is left to its transport.
+/// Leaves everything but UDP addresses to its own transport.
 bool GuardTransport::is_announced(const Locator& to) {
   if (to.kind != LOCATOR_KIND_UDPv4) return true;
   const std::shared_lock lock(announced_mutex_);

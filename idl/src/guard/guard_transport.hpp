@@ -12,7 +12,7 @@
 
 namespace vdrive::wire {
 
-/// Describes a transport that a guard stands before.
+/// Describes a transport with a guard in front of it.
 struct GuardedTransport final : eprosima::fastdds::rtps::ChainingTransportDescriptor {
   GuardedTransport(std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low,
                    std::shared_ptr<Guard> its_guard, std::shared_ptr<const HostNames> its_names)
@@ -27,7 +27,7 @@ struct GuardedTransport final : eprosima::fastdds::rtps::ChainingTransportDescri
       names;  ///< none: the library sends to addresses that it announces
 };
 
-/// A transport of the library with a guard between it and whoever receives.
+/// A transport of the library with a guard between it and its receiver.
 class GuardTransport final : public SeeingTransport {
  public:
   using Locator = Guard::Locator;
@@ -64,14 +64,15 @@ class GuardTransport final : public SeeingTransport {
   std::shared_ptr<Guard> guard_;
   std::shared_ptr<const HostNames> names_;
   std::shared_mutex announced_mutex_;
-  std::set<Locator> announced_;  ///< destinations that the library has announced to its transport
-  /// The first socket of the library that sends: with each further one the same datagram would
-  /// leave once more.
+  std::set<Locator> announced_;  ///< destinations announced by the library to its transport
+  /// The first socket of the library that sends. The library calls sends_itself() for each socket,
+  /// and the datagram must leave only once.
   std::atomic<const rtps::SenderResource*> chosen_{nullptr};
 };
 
-/// `Descriptor` with a guard before the transport that it makes. Fast DDS 2.9 and 3.1 ask whether a
-/// description is one of shared memory, which a GuardedTransport is not.
+/// `Descriptor` with a guard in front of the transport that it creates. Derived from `Descriptor`
+/// because Fast DDS 2.9 and 3.1 check whether a description is one of shared memory, which a
+/// GuardedTransport is not.
 template <typename Descriptor>
 class Guarded final : public Descriptor {
  public:

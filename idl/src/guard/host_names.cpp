@@ -33,23 +33,23 @@ struct Name {
   std::string host;
   std::uint16_t port = 0;  ///< 0 = any
   std::string stand_in;
-  HostNames::Addresses addresses{};  ///< where it leads
-  HostNames::Addresses former{};     ///< of a server, newest last
-  std::string problem{};             ///< at the last look
+  HostNames::Addresses addresses{};  ///< present addresses
+  HostNames::Addresses former{};     ///< former addresses of a server, newest last
+  std::string problem{};             ///< at the last look-up
 };
 
-/// The addresses that a server has had are former ones of it.
+/// Turns the present addresses of a server into former ones.
 /// @param own addresses of this host
 void retire_addresses(const HostNames::Addresses& own, Name& name) {
   for (const std::string& address : name.addresses) {
     name.former.push_back(address);
-    // The library calls a server on its own host so.
+    // The library uses loopback for a server on its own host.
     if (std::ranges::count(own, address) != 0) name.former.emplace_back(kLoopback);
   }
   while (name.former.size() > kMostFormer) name.former.erase(name.former.begin());
 }
 
-/// @return a socket that sends by this address; -1 when there is none.
+/// @return a socket that sends from this address; -1 if there is none.
 int bound_socket(const std::string& address) {
   const int made = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in own{};
@@ -64,7 +64,7 @@ int bound_socket(const std::string& address) {
 
 void take(HostNames::Answer&& answer, const HostNames::Addresses& own, Name& name) {
   name.problem = std::move(answer.problem);
-  // A name server that is away must not part those who have found each other.
+  // If the name server is away, participants that have found each other must stay connected.
   if (answer.addresses.empty() || answer.addresses == name.addresses) return;
   if (name.port != 0) retire_addresses(own, name);
   name.addresses = std::move(answer.addresses);
@@ -79,7 +79,7 @@ struct HostNames::State {
   explicit State(Resolver its_resolver) : resolver(std::move(its_resolver)) {}
 
   const Resolver resolver;
-  mutable std::mutex mutex;  ///< guards what follows
+  mutable std::mutex mutex;  ///< guards the members below
   std::condition_variable changed;
   std::vector<Name> names;
   HostNames::Addresses own{};
@@ -125,7 +125,7 @@ void HostNames::start(const Addresses& own) {
       ++state_->looked;
       continue;
     }
-    // Nobody joins it: a look-up may take longer than a program is willing to wait for its end.
+    // Detached: a look-up may take longer than a program is willing to wait at its end.
     std::thread([state = state_, place] {
       while (true) {
         look_up(*state, place);
@@ -171,7 +171,7 @@ std::optional<std::vector<rtps::Locator_t>> HostNames::destinations(
            (name.port == port && std::ranges::count(name.former, address) != 0);
   };
   const std::vector<Name>& names = state_->names;
-  // A former address of one server may be the present one of another.
+  // A former address of one server may be the present address of another.
   const bool is_present = std::ranges::any_of(names, [&](const Name& name) {
     return name.port == port && std::ranges::count(name.addresses, address) != 0;
   });

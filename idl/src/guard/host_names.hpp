@@ -15,23 +15,24 @@
 
 namespace vdrive::wire {
 
-/// Hosts that are named. The library takes addresses, and keeps them for as long as its participant
-/// lives; a name may lead elsewhere at any time. So the library gets a stand-in for each name, an
-/// address of 240.0.0.0/4 that no host has (RFC 1112, clause 4), and what it sends there goes to
-/// where the name leads at that moment. What it sends to a former address of a server also does:
-/// Fast DDS 2.9 answers a server that has moved at the address that it announced before
-/// (PDPClient::removeRemoteEndpoints). It goes by sockets of this object: those of the library
-/// count by address, and Debian's build of 2.9 ends at an address that it was not told of before
-/// (OutputTrafficManager::set_statistics_message_data). The library itself sends to one, on the
-/// host of a discovery server that it has given up. Thread-safe.
+/// Hosts given by name. The library takes only addresses, for the lifetime of its participant, but
+/// a name may change its address at any time. So the library gets a stand-in for each name, an
+/// address from 240.0.0.0/4 that no host has (RFC 1112, clause 4), and what it sends there goes to
+/// the present addresses of the name. So does what it sends to a former address of a server: Fast
+/// DDS 2.9 answers a server that has moved at the address announced before
+/// (PDPClient::removeRemoteEndpoints). These datagrams leave from sockets of this object, because
+/// those of the library keep statistics by address, and Debian's build of 2.9 crashes at an address
+/// that it was not told of before (OutputTrafficManager::set_statistics_message_data). The library
+/// itself sends to such an address, on the host of a discovery server that it has given up.
+/// Thread-safe.
 class HostNames {
  public:
   using Addresses = std::vector<std::string>;
 
-  /// Where a name leads, or why it leads nowhere.
+  /// The addresses of a name, or why it has none.
   struct Answer {
     Addresses addresses{};  ///< IPv4
-    std::string problem{};  ///< in words, when there are none
+    std::string problem{};  ///< as text, if there are none
   };
 
   using Resolver = std::function<Answer(const std::string& name)>;
@@ -41,39 +42,40 @@ class HostNames {
   /// How long start() waits for the first answers.
   static constexpr std::chrono::milliseconds kFirstAnswer{500};
 
-  /// @param resolver may take any time; by default that of the system
+  /// @param resolver may take any time; the default is that of the system
   explicit HostNames(Resolver resolver = system_answer);
 
-  /// A look-up that is under way goes on without this.
+  /// A look-up in progress continues without this object.
   ~HostNames();
   HostNames(const HostNames&) = delete;
   HostNames& operator=(const HostNames&) = delete;
 
-  /// Before start(). @param port of a server; 0 = any, of a peer
-  /// @return what the library shall call the host: an address itself, or the stand-in of a name.
+  /// Call before start(). @param port of a server; 0 = any, for a peer
+  /// @return the address that the library must use for the host: an address itself, or the stand-in
+  ///         of a name.
   [[nodiscard]] std::string stand_in(const std::string& host, std::uint16_t port);
 
-  /// Begins to look names up, each in a thread of its own, and waits for the first answers. Names
-  /// of /etc/hosts keep the address that they have there: the wire of a service opens no file
-  /// later.
-  /// @param own addresses by which datagrams leave
+  /// Starts looking up names, each in its own thread, and waits for the first answers. Names in
+  /// /etc/hosts keep the address given there, because the wire of a service opens no file later.
+  /// @param own addresses from which datagrams leave
   void start(const Addresses& own);
 
-  /// @return whether there are names: otherwise destinations() changes nothing.
+  /// @return whether there are names; otherwise destinations() changes nothing.
   [[nodiscard]] bool has_names() const noexcept { return has_names_; }
 
-  /// @return where a datagram to `wanted` goes instead, empty = nowhere; nothing for an address.
+  /// @return where to send a datagram for `wanted` instead, empty = nowhere; nothing for an
+  ///         ordinary address.
   [[nodiscard]] std::optional<std::vector<rtps::Locator_t>> destinations(
       const rtps::Locator_t& wanted) const;
 
-  /// By each own address, as the library does: the kernel refuses those that do not lead there.
-  /// What the network does not take at once is lost, as any datagram may be.
+  /// Sends from each of our addresses, like the library: the kernel refuses those from which there
+  /// is no route. Does not block, so a datagram that the network does not take immediately is lost.
   void send(std::span<const std::uint8_t> datagram, const rtps::Locator_t& to) const;
 
-  /// @return a line for each name that leads nowhere, or did so at the last look.
+  /// @return a line for each name without an address, or whose last look-up failed.
   [[nodiscard]] std::vector<std::string> troubles() const;
 
-  /// Looks each name up once. For tests.
+  /// Looks up each name once. For tests.
   void look_up();
 
   /// getaddrinfo()
@@ -88,8 +90,8 @@ class HostNames {
   static void look_up(State& state, std::size_t place);
 
   bool has_names_ = false;
-  std::vector<int> sockets_;      ///< each bound to an own address
-  std::shared_ptr<State> state_;  ///< shared with the threads, which nobody waits for
+  std::vector<int> sockets_;      ///< each bound to one of our addresses
+  std::shared_ptr<State> state_;  ///< shared with the threads, which nobody joins
 };
 
 }  // namespace vdrive::wire

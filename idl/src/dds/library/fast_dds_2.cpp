@@ -29,7 +29,7 @@ void add_discovery_server(const rtps::Locator_t& server, dds::DomainParticipantQ
   discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
   eprosima::fastdds::rtps::RemoteServerAttributes remote;
   remote.metatrafficUnicastLocatorList.push_back(server);
-  // The servers of a client have numbers from 0 on.
+  // The servers of a client are numbered from 0.
   eprosima::fastdds::rtps::get_server_client_default_guidPrefix(
       static_cast<int>(discovery.m_DiscoveryServers.size()), remote.guidPrefix);
   discovery.m_DiscoveryServers.push_back(remote);

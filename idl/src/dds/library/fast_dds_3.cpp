@@ -31,8 +31,9 @@ void add_discovery_server(const rtps::Locator_t& server, dds::DomainParticipantQ
   discovery.m_DiscoveryServers.push_back(server);
 }
 
-/// A client of a discovery server takes any size: it copies an announcement into its history
-/// (SerializedPayload_t::reserve), where 3.1.2 reallocates memory of a preallocated pool, and ends.
+/// A client of a discovery server accepts any size: it copies an announcement into its history
+/// (SerializedPayload_t::reserve), where 3.1.2 would reallocate memory of a preallocated pool and
+/// crash.
 void limit_announcements(dds::DomainParticipantQos& qos, std::uint32_t largest) {
   auto& builtin = qos.wire_protocol().builtin;
   if (!builtin.discovery_config.m_DiscoveryServers.empty()) return;
@@ -59,10 +60,10 @@ bool write_to(dds::DataWriter& writer, void* sample) {
   return is_ok(writer.write(sample));
 }
 
-/// The library hands over a datagram in pieces: headers, samples, and last a piece that its
-/// transport writes statistics into, which it knows by the size (is_statistics_buffer). They stay
-/// pieces. The transport through shared memory of 3.1.2 writes nothing there and sends the piece
-/// all the same: whatever the memory held, which the guard of the receiver would refuse. That one
+/// The library passes a datagram in pieces: headers, samples, and finally a piece into which its
+/// transport writes statistics, identified by its size (is_statistics_buffer). They stay separate
+/// pieces. The shared memory transport of 3.1.2 writes nothing there but sends the piece anyway,
+/// with whatever the memory contained, and the guard of the receiver would refuse it. So that piece
 /// is left out.
 bool SeeingTransport::send(rtps::SenderResource* low,
                            const std::vector<rtps::NetworkBuffer>& pieces, std::uint32_t size,

@@ -30,10 +30,10 @@ using LibraryMd5 = eprosima::fastdds::MD5;
 
 inline constexpr const char* kLibraryVersion = FASTDDS_VERSION_STR;
 
-/// Whether a closed participant takes the departure of a member from an announcement in clear. It
-/// does not: PDPListener::on_new_cache_change_added asks for a matched writer, and a member is
-/// matched by its encrypted announcements only (PDPSimple::notifyAboveRemoteEndpoints). What has
-/// ended without a word, the library finds out itself, by the lease.
+/// Whether a closed participant accepts an unencrypted announcement that a member has left. It does
+/// not: PDPListener::on_new_cache_change_added requires a matched writer, and a member is matched
+/// only by its encrypted announcements (PDPSimple::notifyAboveRemoteEndpoints). The library itself
+/// detects by the lease that a member has ended without announcing it.
 inline constexpr bool kMembersMayLeaveInClear = false;
 
 inline bool is_ok(dds::ReturnCode_t code) {
@@ -88,7 +88,7 @@ class LibraryType : public dds::TopicDataType {
   virtual void drop(void* data) = 0;
 };
 
-/// Who learns which other participants there are.
+/// Learns which other participants exist.
 class ParticipantListener : public dds::DomainParticipantListener {
  public:
   void on_participant_discovery(dds::DomainParticipant* /*participant*/,
@@ -104,13 +104,13 @@ class ParticipantListener : public dds::DomainParticipantListener {
   }
 
  protected:
-  /// Also when what it announces has changed.
+  /// Also called when the announcement of a participant has changed.
   virtual void find(const rtps::GUID_t& guid, const std::string& name,
                     const std::vector<rtps::octet>& user_data) = 0;
   virtual void lose(const rtps::GUID_t& guid) = 0;
 };
 
-/// A transport before another one that sees each datagram as it leaves.
+/// A transport in front of another one, which sees each datagram as it leaves.
 class SeeingTransport : public rtps::ChainingTransport {
  public:
   using ChainingTransport::ChainingTransport;
@@ -120,14 +120,14 @@ class SeeingTransport : public rtps::ChainingTransport {
             const std::chrono::steady_clock::time_point& timeout) override;
 
  protected:
-  /// @param changed holds a copy where one is needed, of the same size
-  /// @return what leaves.
+  /// @param changed holds a modified copy of the same size, if one is needed
+  /// @return the bytes to send.
   virtual std::span<const std::uint8_t> sends(std::span<const std::uint8_t> datagram,
                                               std::vector<std::uint8_t>& changed) = 0;
-  /// Sends a datagram itself to those of [first, last) that the library must not send to: stand-ins
-  /// of names, and addresses that it has not announced. The library calls this for each of its
-  /// sockets.
-  /// @return whether it has used up `first`: then the library sends to `rest`.
+  /// Sends a datagram itself to those of [first, last) to which the library must not send:
+  /// stand-ins for host names, and addresses that it has not announced. The library calls this for
+  /// each of its sockets.
+  /// @return whether it has consumed `first`; the library then sends to `rest`.
   virtual bool sends_itself(const rtps::SenderResource& low, std::span<const std::uint8_t> datagram,
                             rtps::LocatorsIterator& first, const rtps::LocatorsIterator& last,
                             std::vector<rtps::Locator_t>& rest) = 0;

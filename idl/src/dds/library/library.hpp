@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where Fast DDS 2 and 3 differ: names, and what a program derives from the library's classes. The
-// rest of the room names neither. Both files define the same; CMake compiles the source of the one
-// whose library it has found.
+// The differences between Fast DDS 2 and 3: names, and classes derived from those of the library.
+// The rest of the wire library names neither version. Both files define the same interface; CMake
+// compiles the source for the version that it has found.
 #pragma once
 
 #if __has_include(<fastrtps/config.h>)
@@ -19,7 +19,7 @@
 
 namespace vdrive::wire {
 
-/// How fast a reliable writer repeats itself.
+/// Timing of a reliable writer.
 struct WriterTimes {
   LibraryDuration first_heartbeat;
   LibraryDuration heartbeat_period;
@@ -28,7 +28,7 @@ struct WriterTimes {
 
 void set_times(dds::DataWriterQos& qos, const WriterTimes& times);
 
-/// How fast a reliable reader answers.
+/// Timing of a reliable reader.
 struct ReaderTimes {
   LibraryDuration first_acknack;
   LibraryDuration heartbeat_response;
@@ -36,20 +36,20 @@ struct ReaderTimes {
 
 void set_times(dds::DataReaderQos& qos, const ReaderTimes& times);
 
-/// Makes a participant a client of discovery servers.
+/// Makes a participant a client of a discovery server.
 void add_discovery_server(const rtps::Locator_t& server, dds::DomainParticipantQos& qos);
 
-/// Takes no announcement that is larger. Call after add_discovery_server().
+/// Rejects larger announcements. Call after add_discovery_server().
 void limit_announcements(dds::DomainParticipantQos& qos, std::uint32_t largest);
 
 /// Keeps descriptions of types off the wire.
 void announce_no_types(dds::DomainParticipantQos& qos);
 
-/// Lets samples within a process take the way through the transport. Before the first participant.
-/// The default of 2.9 and 3.1 runs a listener in the thread of the writer.
+/// Makes samples within a process go through the transport; call before the first participant. By
+/// default 2.9 and 3.1 run a listener in the writing thread.
 void deliver_through_the_transport();
 
-/// @return whether the library has taken the sample.
+/// @return whether the library has accepted the sample.
 [[nodiscard]] bool write_to(dds::DataWriter& writer, void* sample);
 
 }  // namespace vdrive::wire
