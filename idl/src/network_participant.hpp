@@ -8,19 +8,19 @@
 
 namespace vdrive::wire {
 
-/// Makes a participant that reaches a network. @throws what make_participant throws
+/// Creates a participant that reaches a network. @throws as make_participant
 using ParticipantMaker = std::unique_ptr<Participant> (*)(const NetworkSettings& settings,
                                                           const std::string& name);
 
-/// Priority of functions that provide a maker of participants: before every constructor of a static
-/// object, which may make a participant.
+/// Priority of functions that register a maker of participants: before the constructors of all
+/// static objects, which may create a participant.
 inline constexpr int kBeforeConstructors = 101;
 
-/// Makes participants without a local bus use `maker`. A library that has one calls this while the
-/// program starts: so no program that links it names it.
+/// Makes participants without a local bus use `maker`. A library that has one calls this at program
+/// start, so that programs need not name it.
 void provide_network_participant(ParticipantMaker maker) noexcept;
 
-/// @throws NetworkError when no library of this program provides a participant
+/// @throws NetworkError when no library of this program provides network participants
 [[nodiscard]] std::unique_ptr<Participant> make_network_participant(const NetworkSettings& settings,
                                                                     const std::string& name);
 

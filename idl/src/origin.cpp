@@ -9,7 +9,7 @@
 namespace vdrive::wire {
 namespace {
 
-/// Forks between the first process that had an object with an origin and this one.
+/// Number of forks from the first process that had an object with an origin to this one.
 std::atomic<unsigned>& forks() noexcept {
   static std::atomic<unsigned> count{0};
   return count;
@@ -21,7 +21,7 @@ extern "C" void count_fork() {
 
 unsigned watched_forks() noexcept {
   static const int is_watched = pthread_atfork(nullptr, nullptr, &count_fork);
-  static_cast<void>(is_watched);  // without memory a fork is not seen
+  static_cast<void>(is_watched);  // if out of memory, a fork is not seen
   return forks().load(std::memory_order_relaxed);
 }
 

@@ -9,7 +9,7 @@ namespace vdrive::wire {
 namespace {
 
 // Others remove a program that is silent for kPatienceWithVdrive. They count from its last
-// datagram, some 0.1 s before its pause begins.
+// datagram, about 0.1 s before its pause begins.
 constexpr std::chrono::milliseconds kForgottenAfter =
     kPatienceWithVdrive - std::chrono::milliseconds{500};
 
@@ -18,7 +18,7 @@ constexpr std::chrono::milliseconds kForgottenAfter =
 Presence::Clock::duration PresenceByAge::own_pauses(Clock::time_point now) {
   const std::scoped_lock lock(mutex_);
   const Clock::duration gap = now - newest_.value_or(now);
-  newest_ = std::max(newest_.value_or(now), now);  // of two threads the later one may come first
+  newest_ = std::max(newest_.value_or(now), now);  // two threads may call out of order
   if (gap <= kLongestGap) return pauses_;
   const Clock::duration pause = gap - kPulse;
   pauses_ += pause;

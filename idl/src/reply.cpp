@@ -11,7 +11,7 @@
 namespace vdrive::wire {
 namespace {
 
-/// Calls `visit(member)` with each member in front of the axes, which are the last one.
+/// Calls `visit(member)` with each member before the axes, which are the last member.
 template <typename Visit>
 void for_each_of_head(const Visit& visit) {
   constexpr std::size_t kAxes = member_index<msg::Reply>("statuses");

@@ -15,8 +15,7 @@
 
 namespace vdrive::wire {
 
-/// @return where the published member of that name stands in a status image [bytes]; nothing for
-///         another name.
+/// @return the offset of a published member in a status image [bytes]; nothing for any other name.
 constexpr std::optional<std::size_t> place_in_image(std::string_view name) {
   std::optional<std::size_t> found;
   std::apply(
@@ -24,7 +23,7 @@ constexpr std::optional<std::size_t> place_in_image(std::string_view name) {
         const auto look_at = [&]<typename Number>(const StatusField<Number>& field) {
           if (!field.is_published || field.name != name) return;
           AxisStatus status;
-          status.*field.member = static_cast<Number>(-1);  // 1 in every bit of it
+          status.*field.member = static_cast<Number>(-1);  // all bits 1
           const auto image = std::bit_cast<std::array<std::byte, sizeof(AxisStatus)>>(status);
           found =
               static_cast<std::size_t>(std::ranges::find(image, std::byte{0xFF}) - image.begin());
@@ -35,8 +34,8 @@ constexpr std::optional<std::size_t> place_in_image(std::string_view name) {
   return found;
 }
 
-/// Calls `visit(member, in_message)` with the two pointers of each member of the status image that
-/// the IDL has, too. One that is published and that the IDL does not have does not compile.
+/// Calls `visit(member, in_message)` with the two member pointers of each member of the status
+/// image that is also in the IDL. A published member that the IDL does not have does not compile.
 template <typename Visit>
 constexpr void for_each_status_member(const Visit& visit) {
   [&]<std::size_t... kField>(std::index_sequence<kField...>) {

@@ -12,7 +12,7 @@
 namespace vdrive::wire {
 namespace {
 
-/// Where a member of the frame stands in a sample.
+/// The offset of a member of the frame in a sample.
 constexpr std::size_t place_of(std::string_view name) {
   return kEncapsulation + place_of_member<msg::StatusFrame>(name);
 }

@@ -25,12 +25,12 @@ namespace {
 namespace dds = wire::dds;
 namespace rtps = wire::rtps;
 
-// As nodes of ROS 2 usually have it.
+// As usual for ROS 2 nodes.
 constexpr std::int32_t kDepth = 10;
-// What a node that joins late still receives of /rosout.
+// For /rosout: what a node that joins late still receives.
 constexpr std::int32_t kDepthForLate = 100;
 
-/// What writer and reader have in common.
+/// Settings common to writer and reader.
 template <typename Qos>
 void apply(std::string_view type, std::int32_t depth, Qos& qos) {
   qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
@@ -79,7 +79,7 @@ dds::DataWriterQos writer_qos(std::string_view type, const Traits& traits) {
   qos.reliability().max_blocking_time = {0, 100'000'000};
   qos.durability().kind =
       traits.kept_for_late ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
-  // A node that joins was seen to stop a synchronous writer for seconds.
+  // A joining node has been seen to block a synchronous writer for seconds.
   qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
   qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
   qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
@@ -91,11 +91,11 @@ dds::DataReaderQos reader_qos(std::string_view type, const Traits& traits) {
   apply(type, traits.kept_for_late ? kDepthForLate : kDepth, qos);
   qos.reliability().kind =
       traits.takes_any_writer ? dds::BEST_EFFORT_RELIABILITY_QOS : dds::RELIABLE_RELIABILITY_QOS;
-  // Of what is kept for late nodes, the lines before the two have met are wanted, too.
+  // A reader also wants what was kept from before the two met.
   qos.durability().kind =
       traits.kept_for_late ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
-  // A sample that claims to be larger than the type allows is dropped. The kernel gives the pages
-  // that are written to.
+  // A sample larger than the type allows is dropped. The kernel provides only the pages that are
+  // written to.
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
   return qos;
 }
@@ -138,7 +138,7 @@ bool Publication<Message>::write(const Message& message) noexcept {
       writer.put(message);
     });
     return entities_->writer.write(entities_->sample);
-  } catch (...) {  // no memory
+  } catch (...) {  // out of memory
     return false;
   }
 }

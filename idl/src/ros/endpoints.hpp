@@ -15,8 +15,8 @@ namespace vdrive::ros {
 
 /// How the samples of a type are sent and kept.
 struct Traits {
-  bool kept_for_late = false;     ///< of the writer: TRANSIENT_LOCAL
-  bool takes_any_writer = false;  ///< of the reader: best effort
+  bool kept_for_late = false;     ///< by the writer: TRANSIENT_LOCAL
+  bool takes_any_writer = false;  ///< by the reader: best effort
 };
 
 template <typename Message>
@@ -26,8 +26,8 @@ inline constexpr Traits kTraits<JointState>{.takes_any_writer = true};
 template <>
 inline constexpr Traits kTraits<Log>{.kept_for_late = true};
 
-/// @return the name of a type as ROS writes it, such as "sensor_msgs/msg/JointState": that of the
-///         IDL is "sensor_msgs::msg::dds_::JointState_".
+/// @return the name of a type in ROS form, such as "sensor_msgs/msg/JointState" for
+///         "sensor_msgs::msg::dds_::JointState_" of the IDL.
 template <typename Message>
 std::string ros_name() {
   const std::string_view name = wire::Description<Message>::kName;
